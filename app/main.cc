@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parses the command line, runs the chosen command and turns errors into exit codes: 1 failure, 2 usage.
+
+#include <exception>
+#include <iostream>
+#include <vector>
+
+#include "app/verbs/verb.h"
+
+int main(int argc, char** argv) {
+  using plumbline::Verb;
+  const std::vector<Verb> kVerbs = {
+      // one line each, in the order of --help
+  };
+  CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.", "plumbline");
+  app.set_version_flag("--version", PLUMBLINE_VERSION);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+  plumbline::VerbFunction chosen;
+  for (const Verb& verb : kVerbs) verb.add(app, chosen);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : 2;
+  }
+  try {
+    const plumbline::Status status = chosen();
+    if (status.ok()) return 0;
+    std::cerr << "plumbline: " << status.error().message << std::endl;
+  } catch (const std::exception& error) {
+    std::cerr << "plumbline: this is a bug in Plumbline: " << error.what() << std::endl;
+  }
+  return 1;
+}

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+# One interface target carries the warnings and sanitizers; nothing is set globally.
+add_library(plumbline_settings INTERFACE)
+target_compile_options(plumbline_settings INTERFACE -Wall -Wextra -Werror -Wshadow -Wno-missing-field-initializers
+  # GCC 12 reports false positives inside Eigen and the standard library at -O2 and above.
+  -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict)
+# A fixed evaluation order of floating point: the same run, bit for bit.
+target_compile_options(plumbline_settings INTERFACE -ffp-contract=off)
+target_include_directories(plumbline_settings INTERFACE ${CMAKE_SOURCE_DIR})
+target_compile_definitions(plumbline_settings INTERFACE
+  $<$<NOT:$<CONFIG:Release>>:EIGEN_INITIALIZE_MATRICES_BY_NAN>)
+if(PLUMBLINE_SANITIZE)
+  target_compile_options(plumbline_settings INTERFACE -fsanitize=${PLUMBLINE_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(plumbline_settings INTERFACE -fsanitize=${PLUMBLINE_SANITIZE})
+endif()
+
+# plumbline_add_module(NAME SOURCES a.cc ... LINKS plumbline_base ... SYSTEM Eigen3::Eigen ...)
+function(plumbline_add_module name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINKS;SYSTEM" ${ARGN})
+  if(arg_SOURCES)
+    add_library(plumbline_${name} STATIC ${arg_SOURCES})
+    set(scope PUBLIC)
+  else()  # headers only
+    add_library(plumbline_${name} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  target_link_libraries(plumbline_${name} ${scope} plumbline_settings ${arg_LINKS} ${arg_SYSTEM})
+  target_include_directories(plumbline_${name} SYSTEM ${scope} ${OpenCV_INCLUDE_DIRS})
+endfunction()
+
+# plumbline_add_test(NAME SOURCES a_test.cc ... LINKS ... LABEL unit|module|gpu|slow [TIMEOUT s])
+function(plumbline_add_test name)
+  cmake_parse_arguments(arg "" "LABEL;TIMEOUT" "SOURCES;LINKS" ${ARGN})
+  if(NOT arg_LABEL)
+    set(arg_LABEL unit)
+  endif()
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 120)
+  endif()
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE plumbline_test_support ${arg_LINKS} GTest::gtest GTest::gmock)
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT}
+    ENVIRONMENT "PLUMBLINE_SOURCE_DIR=${CMAKE_SOURCE_DIR};PLUMBLINE_BINARY=${CMAKE_BINARY_DIR}/bin/plumbline")
+endfunction()
+
+# plumbline_embed(TARGET VARIABLE file ...): embeds text or binary files as
+# `std::string_view plumbline::embedded::Find(name)` entries of that target (name = path below the source tree).
+function(plumbline_embed target)
+  set(out ${CMAKE_CURRENT_BINARY_DIR}/${target}_embedded.cc)
+  add_custom_command(OUTPUT ${out}
+    COMMAND ${CMAKE_COMMAND} -DOUT=${out} -DROOT=${CMAKE_SOURCE_DIR} -DNAME=${target} "-DFILES=${ARGN}"
+            -P ${CMAKE_SOURCE_DIR}/cmake/Embed.cmake
+    DEPENDS ${ARGN} ${CMAKE_SOURCE_DIR}/cmake/Embed.cmake VERBATIM)
+  target_sources(${target} PRIVATE ${out})
+endfunction()

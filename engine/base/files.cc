@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/base/files.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+namespace plumbline {
+namespace {
+
+Error IoError(std::string_view doing, const std::filesystem::path& path) {
+  return {ErrorCode::kIo, "cannot " + std::string(doing) + " '" + path.string() + "': " + std::strerror(errno)};
+}
+
+bool WriteAll(int file, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(file, content.data(), content.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    content.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return ::fsync(file) == 0;
+}
+
+}  // namespace
+
+Result<std::string> ReadFile(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
+    return Error{ErrorCode::kNotFound, "there is no file '" + path.string() + "'"};
+  }
+  if (std::filesystem::is_directory(path, ignored)) {
+    return Error{ErrorCode::kInvalidInput, "'" + path.string() + "' is a folder; a file is needed"};
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string content((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  if (!file.good() && !file.eof()) return IoError("read", path);
+  return content;
+}
+
+Status WriteFileAtomically(const std::filesystem::path& path, std::string_view content) {
+  const std::filesystem::path temporary = path.string() + ".tmp" + std::to_string(::getpid());
+  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (file < 0) return IoError("write", path);
+  const bool written = WriteAll(file, content);
+  const int write_error = errno;
+  ::close(file);
+  if (!written || ::rename(temporary.c_str(), path.c_str()) != 0) {
+    if (!written) errno = write_error;
+    const Error error = IoError("write", path);
+    ::unlink(temporary.c_str());
+    return error;
+  }
+  const std::string folder = path.has_parent_path() ? path.parent_path().string() : ".";
+  const int directory = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (directory >= 0) {
+    ::fsync(directory);
+    ::close(directory);
+  }
+  return {};
+}
+
+Result<nlohmann::json> ReadJson(const std::filesystem::path& path) {
+  Result<std::string> text = ReadFile(path);
+  if (!text.ok()) return text.error();
+  try {
+    return nlohmann::json::parse(*text, nullptr, true, true);
+  } catch (const nlohmann::json::parse_error& error) {
+    return Error{ErrorCode::kCorrupt, "'" + path.string() + "' is not valid JSON: " + error.what()};
+  }
+}
+
+Status WriteJson(const std::filesystem::path& path, const nlohmann::json& json) {
+  return WriteFileAtomically(path, json.dump(1) + "\n");
+}
+
+std::string HashHex(std::string_view content) {
+  static constexpr char kDigits[] = "0123456789abcdef";
+  const std::uint64_t hash = XXH3_64bits(content.data(), content.size());
+  std::string text(16, '0');
+  for (int i = 0; i < 16; ++i) text[i] = kDigits[(hash >> (60 - 4 * i)) & 15];
+  return text;
+}
+
+Result<std::string> HashFile(const std::filesystem::path& path) {
+  Result<std::string> content = ReadFile(path);
+  if (!content.ok()) return content.error();
+  return HashHex(*content);
+}
+
+std::filesystem::path CacheDirectory() {
+  std::filesystem::path base;
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache != '\0') {
+    base = cache;
+  } else if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
+    base = std::filesystem::path(home) / ".cache";
+  } else {
+    base = std::filesystem::temp_directory_path();
+  }
+  const std::filesystem::path folder = base / "plumbline";
+  std::error_code ignored;
+  std::filesystem::create_directories(folder, ignored);
+  return folder;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+
+#include "engine/base/result.h"
+#include "engine/geometry/box.h"
+#include "engine/sensor/camera.h"
+
+namespace plumbline {
+
+/// A box that a detector proposes: COCO category name and score in [0, 1].
+struct Detection {
+  Box2 box;
+  std::string category;
+  float score = 0;
+};
+
+/// Thinned edges of one image, same size as the image.
+struct EdgeMap {
+  cv::Mat probability;  ///< CV_8U, 255 = certain, 0 = no edge; thinned to one-pixel lines; calibrated.
+  cv::Mat angle;        ///< CV_8U, direction of the edge NORMAL in [0, pi), times 256 / pi.
+
+  bool empty() const { return probability.empty(); }
+};
+
+/// One image and what was recorded with it.
+struct Frame {
+  int index = 0;              ///< Position in the sequence.
+  std::int64_t stamp_ns = 0;
+  cv::Mat image;              ///< CV_8UC3 BGR, undistorted into `Sequence::camera()`.
+  std::optional<Eigen::Isometry3d> world_from_cam;
+};
+
+/// A recorded sequence: frames in time order with random access by index. Images are decoded when asked for. All
+/// functions are safe to call from several threads. Frames that cannot be used are errors of ReadFrame; the sequence
+/// itself opens as long as its camera and its list of frames make sense.
+class Sequence {
+ public:
+  virtual ~Sequence() = default;
+
+  virtual const std::filesystem::path& path() const = 0;
+  virtual int num_frames() const = 0;
+  /// The pinhole camera of the undistorted images.
+  virtual const PinholeCamera& camera() const = 0;
+  virtual double rate_hz() const = 0;
+  virtual std::int64_t stamp_ns(int index) const = 0;
+  virtual std::optional<Eigen::Isometry3d> world_from_cam(int index) const = 0;
+  /// Unit vector pointing down.
+  virtual std::optional<Eigen::Vector3d> gravity_in_world() const = 0;
+  /// (a, b, c, d) with (a, b, c) = up and a x + b y + c z + d = 0 on the floor.
+  virtual std::optional<Eigen::Vector4d> floor_in_world() const = 0;
+
+  /// Errors: kNotFound, kCorrupt (naming the image file): skip the frame and go on.
+  virtual Result<Frame> ReadFrame(int index) const = 0;
+  /// Precomputed edges; nothing where the sequence has none. Errors: kCorrupt.
+  virtual Result<std::optional<EdgeMap>> ReadEdges(int index) const = 0;
+  /// Precomputed proposals; nothing where the sequence has none. Errors: kCorrupt.
+  virtual Result<std::optional<std::vector<Detection>>> ReadProposals(int index) const = 0;
+  virtual bool has_edges() const = 0;
+  virtual bool has_proposals() const = 0;
+
+  /// Optional companions; nothing where the sequence has none.
+  virtual std::optional<std::filesystem::path> scene_file() const = 0;
+  virtual std::optional<std::filesystem::path> ground_truth_file() const = 0;
+  virtual std::optional<std::filesystem::path> models_folder() const = 0;
+
+  /// What was odd while opening (a pose that is not finite, an unordered stamp ...), one sentence each.
+  virtual const std::vector<std::string>& warnings() const = 0;
+};
+
+/// Opens any sequence this version can read (now: the own layout of docs/formats.md). Errors: kNotFound, kCorrupt,
+/// kInvalidInput, kUnsupported; one sentence that names the file.
+Result<std::shared_ptr<const Sequence>> OpenSequence(const std::filesystem::path& path);
+
+}  // namespace plumbline

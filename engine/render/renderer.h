@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+
+#include "engine/base/result.h"
+#include "engine/geometry/mesh.h"
+#include "engine/sensor/camera.h"
+
+namespace plumbline {
+
+/// An OpenGL context that the engine draws with: its own headless one (EGL without any display), or the one that is
+/// current in this thread (the window's). Everything made with it must be used and destroyed in one thread.
+class RenderContext {
+ public:
+  virtual ~RenderContext() = default;
+  /// Errors: kUnsupported when no EGL platform gives a core context (3.3 or later).
+  static Result<std::unique_ptr<RenderContext>> CreateHeadless();
+  /// Adopts the context that is current in the calling thread.
+  static Result<std::unique_ptr<RenderContext>> AdoptCurrent();
+  virtual void MakeCurrent() = 0;
+  /// GL_RENDERER and GL_VERSION.
+  virtual std::string Description() const = 0;
+};
+
+/// A mesh to draw: which of the renderer's meshes, where, and the number written into the id map (1 .. 65535).
+struct RenderInstance {
+  int mesh = -1;
+  Eigen::Isometry3d cam_from_object = Eigen::Isometry3d::Identity();
+  int id = 0;
+};
+
+/// What one camera sees. Depth is Z in `cam` [m], 0 where there is nothing; id 0 where there is nothing.
+struct RenderedMaps {
+  cv::Mat depth;          ///< CV_32F, nearest surface
+  cv::Mat id;             ///< CV_16U, of the nearest surface
+  cv::Mat second_depth;   ///< CV_32F, nearest surface of another id than the first; empty if not asked for
+  cv::Mat second_id;      ///< CV_16U
+  cv::Mat contour;        ///< CV_8U 255 on the contour (silhouette and depth discontinuities); empty if not asked for
+};
+
+struct RenderOptions {
+  bool second_layer = false;
+  bool contour = false;
+  double contour_step_m = 0.04;  ///< A depth jump larger than this (and than the slope explains) is a contour.
+  double near_m = 0.05;
+};
+
+/// GLSL renderer of depth, object id and contour. Exact for off-centre principal points; triangles that cross the near
+/// plane are clipped; meshes are drawn two-sided, and borders of open meshes inside a surface give no contour.
+/// Contour pixels lie on the near side of a depth step, inside the object.
+class Renderer {
+ public:
+  /// The context must outlive the renderer. Errors: kUnsupported (shaders do not compile: driver's message).
+  static Result<std::unique_ptr<Renderer>> Create(RenderContext& context);
+  virtual ~Renderer() = default;
+  /// Uploads a mesh once; the handle is valid as long as the renderer.
+  virtual int AddMesh(const TriangleMesh& mesh) = 0;
+  /// Draws all instances with `camera` (image size camera.width x camera.height). Instances behind the camera or
+  /// outside the image cost little and draw nothing.
+  virtual RenderedMaps Render(const PinholeCamera& camera, std::span<const RenderInstance> instances,
+                              const RenderOptions& options) = 0;
+};
+
+/// The same maps by an independent CPU rasteriser (Embree ray casting): slow, for tests and machines without GL.
+RenderedMaps RayCast(const PinholeCamera& camera, std::span<const TriangleMesh* const> meshes,
+                     std::span<const RenderInstance> instances, const RenderOptions& options);
+
+/// Contour of a depth and id map by the rule of Renderer: pixels on the near side of a depth step.
+cv::Mat ContourOf(const cv::Mat& depth, const cv::Mat& id, double contour_step_m);
+
+}  // namespace plumbline

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/sensor/camera.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace plumbline {
+namespace {
+
+cv::Matx33d Intrinsics(const PinholeCamera& c) { return {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}; }
+
+Result<double> Number(const nlohmann::json& json, const char* key, const std::filesystem::path& file) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_number() || !std::isfinite(found->get<double>())) {
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + file.string() + "' needs a finite number '" + key + "' (camera intrinsics in pixels)"};
+  }
+  return found->get<double>();
+}
+
+}  // namespace
+
+PinholeCamera PinholeCamera::Scaled(double factor) const {
+  return {static_cast<int>(std::lround(width * factor)), static_cast<int>(std::lround(height * factor)), fx * factor,
+          fy * factor, (cx + 0.5) * factor - 0.5, (cy + 0.5) * factor - 0.5};
+}
+
+Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem::path& file) {
+  const auto bad = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidInput, "'" + file.string() + "' " + what};
+  };
+  if (!json.is_object()) return bad("must hold a JSON object with the camera's intrinsics");
+  Camera camera;
+  double numbers[6];
+  static constexpr const char* kKeys[] = {"width", "height", "fx", "fy", "cx", "cy"};
+  for (int i = 0; i < 6; ++i) {
+    Result<double> number = Number(json, kKeys[i], file);
+    if (!number.ok()) return number.error();
+    numbers[i] = *number;
+    if (i < 4 && numbers[i] <= 0) return bad(std::string("has a '") + kKeys[i] + "' that is not positive");
+  }
+  if (numbers[0] > 32768 || numbers[1] > 32768) return bad("has an image size over 32768 pixels");
+  camera.pinhole = {static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), numbers[2], numbers[3], numbers[4],
+                    numbers[5]};
+  const auto model = json.find("model");
+  if (model == json.end() || !model->is_string()) {
+    return bad("does not name its camera 'model' (pinhole or radial_tangential)");
+  }
+  if (*model == "pinhole") {
+    camera.model = CameraModel::kPinhole;
+  } else if (*model == "radial_tangential") {
+    camera.model = CameraModel::kRadialTangential;
+  } else {
+    return Error{ErrorCode::kUnsupported, "'" + file.string() + "' has the camera model '" + model->get<std::string>() +
+                                              "'; this version reads pinhole and radial_tangential"};
+  }
+  if (const auto distortion = json.find("distortion"); distortion != json.end() && !distortion->is_null()) {
+    if (!distortion->is_array()) return bad("has a 'distortion' that is not a list of numbers");
+    for (const auto& value : *distortion) {
+      if (!value.is_number() || !std::isfinite(value.get<double>())) {
+        return bad("has a 'distortion' with something that is not a finite number");
+      }
+      camera.distortion.push_back(value.get<double>());
+    }
+  }
+  const std::size_t n = camera.distortion.size();
+  if (camera.model == CameraModel::kPinhole && n != 0) {
+    return bad("is a pinhole camera but has distortion coefficients; name the model radial_tangential or remove them");
+  }
+  if (camera.model == CameraModel::kRadialTangential && n != 4 && n != 5) {
+    return bad("needs 4 or 5 distortion coefficients (k1 k2 p1 p2 [k3]) for radial_tangential");
+  }
+  if (json.contains("rate_hz")) {
+    Result<double> rate = Number(json, "rate_hz", file);
+    if (!rate.ok()) return rate.error();
+    if (*rate <= 0) return bad("has a 'rate_hz' that is not positive");
+    camera.rate_hz = *rate;
+  }
+  if (const auto pose = json.find("body_from_cam"); pose != json.end() && !pose->is_null()) {
+    Eigen::Matrix4d matrix;
+    try {
+      for (int r = 0; r < 4; ++r) {
+        for (int c = 0; c < 4; ++c) matrix(r, c) = pose->at(r).at(c).get<double>();
+      }
+    } catch (const nlohmann::json::exception&) {
+      return bad("has a 'body_from_cam' that is not a 4x4 matrix");
+    }
+    if (!matrix.allFinite() ||
+        !(matrix.topLeftCorner<3, 3>() * matrix.topLeftCorner<3, 3>().transpose()).isIdentity(1e-3) ||
+        matrix.topLeftCorner<3, 3>().determinant() < 0) {
+      return bad("has a 'body_from_cam' whose rotation is not a rotation");
+    }
+    camera.body_from_cam = Eigen::Isometry3d(matrix);
+  }
+  return camera;
+}
+
+nlohmann::json CameraToJson(const Camera& camera) {
+  const PinholeCamera& p = camera.pinhole;
+  nlohmann::json json = {{"width", p.width}, {"height", p.height}, {"fx", p.fx}, {"fy", p.fy}, {"cx", p.cx},
+                         {"cy", p.cy}, {"distortion", camera.distortion}, {"rate_hz", camera.rate_hz},
+                         {"model", camera.model == CameraModel::kPinhole ? "pinhole" : "radial_tangential"}};
+  if (camera.body_from_cam) {
+    for (int r = 0; r < 4; ++r) {
+      for (int c = 0; c < 4; ++c) json["body_from_cam"][r][c] = camera.body_from_cam->matrix()(r, c);
+    }
+  }
+  return json;
+}
+
+Undistorter::Undistorter(const Camera& camera) : camera_(camera) {
+  if (camera_.distortion.empty()) return;
+  const cv::Matx33d intrinsics = Intrinsics(camera_.pinhole);
+  cv::initUndistortRectifyMap(intrinsics, camera_.distortion, cv::noArray(), intrinsics,
+                              {camera_.pinhole.width, camera_.pinhole.height}, CV_16SC2, map1_, map2_);
+}
+
+cv::Mat Undistorter::Undistort(const cv::Mat& image) const {
+  if (map1_.empty()) return image;
+  cv::Mat result;
+  cv::remap(image, result, map1_, map2_, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
+  return result;
+}
+
+Eigen::Vector2d Undistorter::UndistortPixel(const Eigen::Vector2d& pixel) const {
+  if (map1_.empty()) return pixel;
+  const cv::Matx33d intrinsics = Intrinsics(camera_.pinhole);
+  std::vector<cv::Point2d> points = {{pixel.x(), pixel.y()}}, result;
+  cv::undistortPoints(points, result, intrinsics, camera_.distortion, cv::noArray(), intrinsics);
+  return {result[0].x, result[0].y};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What crosses to the window. Values only, shared and never written after publication. It includes
+// mapping/map_report.h, which is values only too (a departure from the house rule: the alternative was
+// to declare every field twice).
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+
+#include "engine/base/ids.h"
+#include "engine/geometry/mesh.h"
+#include "engine/mapping/map_report.h"
+
+namespace plumbline {
+
+/// One shape, as the window needs it.
+struct ModelView {
+  std::string name, category;
+  std::shared_ptr<const TriangleMesh> mesh;
+  Eigen::Vector3d center{0, 0, 0};
+};
+
+/// What does not change while a sequence plays.
+struct SequenceView {
+  std::string name, path;
+  int num_frames = 0;
+  double rate_hz = 30;
+  int image_width = 0, image_height = 0;
+  double fx = 0, fy = 0, cx = 0, cy = 0;
+  Eigen::Vector3d up_in_world{0, 0, 1};
+  std::vector<ModelView> models;                    ///< Index = ModelId.
+  std::vector<Eigen::Isometry3d> world_from_cam;    ///< Of every frame that has a pose, in order.
+  std::shared_ptr<const TriangleMesh> scan;         ///< May be null.
+  struct Truth {
+    std::string id, model;
+    Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
+  };
+  std::vector<Truth> truth;
+};
+
+/// Polyline of an object's mean outline in the image [px].
+struct OutlineView {
+  ObjectId object;
+  std::vector<std::vector<Eigen::Vector2f>> contours;
+};
+
+/// One frame as the mapper left it: images are shared, not copied.
+struct MapSnapshot {
+  FrameReport report;
+  cv::Mat image;        ///< CV_8UC3 BGR
+  cv::Mat edge_probability, edge_angle;  ///< CV_8U (see EdgeMap)
+  cv::Mat depth;        ///< CV_32F Z-buffer of the mean states [m], 0 none; same aspect as the image, maybe half size
+  cv::Mat id;           ///< CV_16U object id of the Z-buffer
+  std::vector<OutlineView> outlines;
+};
+
+enum class PlaybackState { kPaused, kPlaying, kFinished, kFailed };
+
+struct PlaybackView {
+  PlaybackState state = PlaybackState::kPaused;
+  int frame = 0;               ///< Shown now.
+  int newest_mapped_frame = -1;///< The mapper has come this far.
+  std::string message;         ///< Of a failure, or what it does now.
+};
+
+}  // namespace plumbline

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/base/result.h"
+#include "engine/dataset/sequence.h"
+#include "engine/geometry/box.h"
+
+namespace plumbline {
+
+/// What a detector sees in one image: its proposals (bottom-up), and its score for any box (top-down), both
+/// from one pass over shared features. Immutable; safe to use from several threads.
+class FrameDetections {
+ public:
+  virtual ~FrameDetections() = default;
+  /// After non-maximum suppression, by falling score.
+  virtual std::span<const Detection> proposals() const = 0;
+  /// Scores in [0, 1] of `boxes` as `category`, continuous in the box; 0 for a category that the detector does
+  /// not know and for empty boxes. `scores` is as long as `boxes`.
+  virtual void ScoreBoxes(std::string_view category, std::span<const Box2> boxes, std::span<float> scores) const = 0;
+};
+
+/// Finds objects in images. Not safe to use from several threads at once.
+class Detector {
+ public:
+  virtual ~Detector() = default;
+  /// Errors: kCorrupt, kNotFound for what the frame lacks.
+  virtual Result<std::unique_ptr<const FrameDetections>> Detect(const Frame& frame) = 0;
+  /// For the run file: kind, file, content hash.
+  virtual std::string Description() const = 0;
+};
+
+/// `dataset` (the sequence's proposals; a box scores the maximum over proposals of its category of score * IoU) or
+/// the path of an ONNX network with its sidecar. Errors: kNotFound, kCorrupt, kUnsupported.
+Result<std::unique_ptr<Detector>> CreateDetector(std::string_view choice, std::shared_ptr<const Sequence> sequence);
+
+/// FrameDetections of given proposals, scoring boxes by score * IoU.
+std::unique_ptr<const FrameDetections> DetectionsFromProposals(std::vector<Detection> proposals);
+
+}  // namespace plumbline

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "engine/base/result.h"
+#include "engine/dataset/sequence.h"
+
+namespace plumbline {
+
+/// Finds edges: thinned, calibrated probability, and the direction of the normal. Not safe to use from several
+/// threads at once.
+class EdgeDetector {
+ public:
+  virtual ~EdgeDetector() = default;
+  virtual Result<EdgeMap> Detect(const Frame& frame) = 0;
+  /// For the run file: kind, file, content hash.
+  virtual std::string Description() const = 0;
+};
+
+/// `gradient` (multi-scale, oriented), `dataset` (the sequence's edges), or the path of an ONNX edge network
+/// with its sidecar. Errors: kNotFound, kCorrupt, kUnsupported.
+Result<std::unique_ptr<EdgeDetector>> CreateEdgeDetector(std::string_view choice,
+                                                         std::shared_ptr<const Sequence> sequence);
+
+}  // namespace plumbline
