@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/dataset/ground_truth.h"
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "engine/base/files.h"
+#include "engine/dataset/json_fields.h"
+
+namespace plumbline {
+namespace {
+
+/// The instance, or what is wrong with it.
+Result<GroundTruthInstance> ReadInstance(const nlohmann::json& json, const std::string& where) {
+  const auto bad = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidInput, where + " " + what};
+  };
+  GroundTruthInstance instance;
+  const std::optional<std::string> id = TextFromJson(json, "id");
+  const std::optional<std::string> model = TextFromJson(json, "model");
+  const std::optional<std::string> category = TextFromJson(json, "category");
+  if (!id || !model || !category) return bad("needs texts 'id', 'model' and 'category'");
+  instance.id = *id;
+  instance.model = *model;
+  instance.category = *category;
+  if (!json.contains("world_from_object")) return bad("(" + *id + ") has no 'world_from_object'");
+  const std::optional<Eigen::Isometry3d> pose = IsometryFromJson(json["world_from_object"]);
+  if (!pose)
+    return bad("(" + *id + ") has a 'world_from_object' that is not a 4x4 rigid transform");
+  instance.world_from_object = *pose;
+  const std::string quality =
+      json.contains("quality") ? TextFromJson(json, "quality").value_or("") : "fine";
+  if (quality != "fine" && quality != "coarse")
+    return bad("(" + *id + ") has a 'quality' that is neither fine nor coarse");
+  instance.fine = quality == "fine";
+  return instance;
+}
+
+}  // namespace
+
+Result<GroundTruth> ReadGroundTruth(const std::filesystem::path& file) {
+  const Result<nlohmann::json> read = ReadJson(file);
+  if (!read.ok()) return read.error();
+  const nlohmann::json& json = read.value();
+  const auto bad = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidInput, "the ground truth '" + file.string() + "' " + what};
+  };
+  if (!json.is_object() || !json.contains("gravity") || !json.contains("instances") ||
+      !json["instances"].is_array()) {
+    return bad("needs 'gravity' and a list 'instances'");
+  }
+  GroundTruth truth;
+  const std::optional<Eigen::VectorXd> gravity = VectorFromJson(json["gravity"], 3);
+  if (!gravity || gravity->norm() < 1e-6)
+    return bad("has a 'gravity' that is not a direction of three numbers");
+  truth.gravity_in_world = gravity->normalized();
+  std::set<std::string> ids;
+  for (const nlohmann::json& entry : json["instances"]) {
+    const std::string where =
+        "'" + file.string() + "': instance " + std::to_string(truth.instances.size());
+    Result<GroundTruthInstance> instance = ReadInstance(entry, where);
+    if (!instance.ok()) return instance.error();
+    if (!ids.insert(instance->id).second)
+      return bad("has two instances with the id '" + instance->id + "'");
+    truth.instances.push_back(std::move(instance).value());
+  }
+  return truth;
+}
+
+Status WriteGroundTruth(const std::filesystem::path& file, const GroundTruth& truth) {
+  const Eigen::Vector3d& g = truth.gravity_in_world;
+  nlohmann::json json = {{"gravity", {g.x(), g.y(), g.z()}},
+                         {"instances", nlohmann::json::array()}};
+  for (const GroundTruthInstance& instance : truth.instances) {
+    json["instances"].push_back(
+        {{"id", instance.id},
+         {"model", instance.model},
+         {"category", instance.category},
+         {"quality", instance.fine ? "fine" : "coarse"},
+         {"world_from_object", IsometryToJson(instance.world_from_object)}});
+  }
+  return WriteJson(file, json);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/dataset/plumbline_sequence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/check.h"
+#include "engine/base/files.h"
+#include "engine/dataset/frame_list.h"
+#include "engine/dataset/json_fields.h"
+#include "engine/dataset/proposals_file.h"
+#include "engine/dataset/trajectory.h"
+#include "engine/dataset/undistort.h"
+#include "engine/sensor/image_file.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool Exists(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+struct Surroundings {
+  std::optional<Eigen::Vector3d> gravity_in_world;
+  std::optional<Eigen::Vector4d> floor_in_world;
+};
+
+Result<Surroundings> ReadGravityFile(const fs::path& file, std::vector<std::string>& warnings) {
+  const auto bad = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidInput, "'" + file.string() + "' " + what};
+  };
+  const Result<nlohmann::json> read = ReadJson(file);
+  if (!read.ok()) return read.error();
+  const nlohmann::json& json = read.value();
+  if (!json.is_object() || !json.contains("gravity")) return bad("has no 'gravity'");
+  const std::optional<Eigen::VectorXd> gravity = VectorFromJson(json["gravity"], 3);
+  if (!gravity || gravity->norm() < 1e-6)
+    return bad("has a 'gravity' that is not a direction of three numbers");
+  Surroundings result;
+  result.gravity_in_world = gravity->normalized();
+  if (!json.contains("floor") || json["floor"].is_null()) return result;
+  const std::optional<Eigen::VectorXd> floor = VectorFromJson(json["floor"], 4);
+  if (!floor || floor->head<3>().norm() < 1e-6)
+    return bad("has a 'floor' that is not a plane [a, b, c, d]");
+  Eigen::Vector4d plane = *floor / floor->head<3>().norm();
+  double cosine = -plane.head<3>().dot(*result.gravity_in_world);
+  if (cosine < 0) {
+    warnings.push_back("'" + file.string() + "' has a floor whose normal points down; turned over");
+    plane = -plane;
+    cosine = -cosine;
+  }
+  if (cosine < std::cos(10.0 * M_PI / 180.0))
+    return bad("has a 'floor' more than 10 degrees off the horizontal");
+  result.floor_in_world = plane;
+  return result;
+}
+
+class PlumblineSequence : public Sequence {
+ public:
+  PlumblineSequence(fs::path folder, const Camera& camera, FrameList list)
+      : folder_(std::move(folder)),
+        camera_(camera),
+        undistorter_(camera),
+        list_(std::move(list)),
+        poses_(list_.frames.size()),
+        has_edges_(Exists(folder_ / "edges")),
+        has_proposals_(Exists(folder_ / "proposals")) {}
+
+  /// Reads gravity.json and trajectory.txt where there are any.
+  Status ReadCompanions();
+
+  const fs::path& path() const override { return folder_; }
+  int num_frames() const override { return static_cast<int>(list_.frames.size()); }
+  const PinholeCamera& camera() const override { return camera_.pinhole; }
+  double rate_hz() const override { return list_.rate_hz; }
+  std::int64_t stamp_ns(int index) const override { return entry(index).stamp_ns; }
+  std::optional<Eigen::Isometry3d> world_from_cam(int index) const override {
+    entry(index);
+    return poses_[index];
+  }
+  std::optional<Eigen::Vector3d> gravity_in_world() const override {
+    return surroundings_.gravity_in_world;
+  }
+  std::optional<Eigen::Vector4d> floor_in_world() const override {
+    return surroundings_.floor_in_world;
+  }
+
+  Result<Frame> ReadFrame(int index) const override;
+  Result<std::optional<EdgeMap>> ReadEdges(int index) const override;
+  Result<std::optional<std::vector<Detection>>> ReadProposals(int index) const override;
+  bool has_edges() const override { return has_edges_; }
+  bool has_proposals() const override { return has_proposals_; }
+
+  std::optional<fs::path> scene_file() const override { return Companion("scene.ply"); }
+  std::optional<fs::path> ground_truth_file() const override {
+    return Companion("ground_truth.json");
+  }
+  std::optional<fs::path> models_folder() const override { return Companion("models"); }
+  const std::vector<std::string>& warnings() const override { return list_.warnings; }
+
+ private:
+  const FrameEntry& entry(int index) const {
+    PLB_CHECK(index >= 0 && index < num_frames()) << "frame " << index << " of " << num_frames();
+    return list_.frames[index];
+  }
+  cv::Size size() const { return {camera_.pinhole.width, camera_.pinhole.height}; }
+  /// folder/STEM+ending for the frame's image STEM.jpg.
+  fs::path Beside(int index, const char* folder, const char* ending) const {
+    return folder_ / folder / (fs::path(entry(index).file).stem().string() + ending);
+  }
+  std::optional<fs::path> Companion(const char* name) const {
+    return Exists(folder_ / name) ? std::optional(folder_ / name) : std::nullopt;
+  }
+  void JoinPoses(const Trajectory& trajectory);
+
+  fs::path folder_;
+  Camera camera_;
+  Undistorter undistorter_;
+  FrameList list_;
+  std::vector<std::optional<Eigen::Isometry3d>> poses_;
+  bool has_edges_;
+  bool has_proposals_;
+  Surroundings surroundings_;
+};
+
+Status PlumblineSequence::ReadCompanions() {
+  if (const fs::path file = folder_ / "gravity.json"; Exists(file)) {
+    Result<Surroundings> read = ReadGravityFile(file, list_.warnings);
+    if (!read.ok()) return read.error();
+    surroundings_ = *read;
+  }
+  if (const fs::path file = folder_ / "trajectory.txt"; Exists(file)) {
+    const Result<Trajectory> trajectory = ReadTrajectory(file, camera_.body_from_cam);
+    if (!trajectory.ok()) return trajectory.error();
+    const std::vector<std::string>& odd = trajectory.value().warnings;
+    list_.warnings.insert(list_.warnings.end(), odd.begin(), odd.end());
+    JoinPoses(trajectory.value());
+  }
+  return {};
+}
+
+void PlumblineSequence::JoinPoses(const Trajectory& trajectory) {
+  const auto half_period_ns = static_cast<std::int64_t>(0.5e9 / list_.rate_hz);
+  int missing = 0;
+  std::string first;
+  for (int i = 0; i < num_frames(); ++i) {
+    poses_[i] = trajectory.Nearest(stamp_ns(i), half_period_ns);
+    if (poses_[i]) continue;
+    if (missing++ == 0) first = entry(i).file;
+  }
+  if (missing > 0) {
+    list_.warnings.push_back("'" + (folder_ / "trajectory.txt").string() +
+                             "' has no pose within half a period of " + std::to_string(missing) +
+                             " of " + std::to_string(num_frames()) + " frames (such as '" + first +
+                             "')");
+  }
+}
+
+Result<Frame> PlumblineSequence::ReadFrame(int index) const {
+  Result<cv::Mat> image =
+      ReadImage(folder_ / "color" / entry(index).file, ImageKind::kColor, size());
+  if (!image.ok()) return image.error();
+  return Frame{index, stamp_ns(index), undistorter_.Undistort(*image), poses_[index]};
+}
+
+Result<std::optional<EdgeMap>> PlumblineSequence::ReadEdges(int index) const {
+  if (!has_edges_) return std::optional<EdgeMap>();
+  const fs::path file = Beside(index, "edges", ".png");
+  if (!Exists(file)) return std::optional<EdgeMap>();
+  const Result<cv::Mat> probability = ReadImage(file, ImageKind::kGray, size());
+  if (!probability.ok()) return Error{ErrorCode::kCorrupt, probability.error().message};
+  const Result<cv::Mat> angle =
+      ReadImage(Beside(index, "edges", "_angle.png"), ImageKind::kGray, size());
+  if (!angle.ok())
+    return Error{ErrorCode::kCorrupt, "edges without their angles: " + angle.error().message};
+  return std::optional(UndistortEdges(camera_, {probability.value(), angle.value()}));
+}
+
+Result<std::optional<std::vector<Detection>>> PlumblineSequence::ReadProposals(int index) const {
+  using Proposals = std::vector<Detection>;
+  if (!has_proposals_) return std::optional<Proposals>();
+  const fs::path file = Beside(index, "proposals", ".json");
+  if (!Exists(file)) return std::optional<Proposals>();
+  Result<Proposals> proposals = ReadProposalsFile(file);
+  if (!proposals.ok()) return Error{ErrorCode::kCorrupt, proposals.error().message};
+  for (Detection& proposal : *proposals) proposal.box = UndistortBox(camera_, proposal.box);
+  return std::optional(std::move(proposals).value());
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const Sequence>> OpenPlumblineSequence(const fs::path& folder) {
+  const fs::path camera_file = folder / "camera.json";
+  const Result<nlohmann::json> json = ReadJson(camera_file);
+  if (!json.ok()) return json.error();
+  const Result<Camera> camera = CameraFromJson(json.value(), camera_file);
+  if (!camera.ok()) return camera.error();
+  const bool has_rate = json.value().contains("rate_hz");
+  Result<FrameList> list =
+      ListFrames(folder, has_rate ? std::optional(camera->rate_hz) : std::nullopt);
+  if (!list.ok()) return list.error();
+  auto sequence =
+      std::make_shared<PlumblineSequence>(folder, camera.value(), std::move(list).value());
+  const Status status = sequence->ReadCompanions();
+  if (!status.ok()) return status.error();
+  return std::shared_ptr<const Sequence>(std::move(sequence));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/sensor/image_file.h"
+
+#include <csetjmp>
+#include <cstdio>  // jpeglib.h needs FILE
+#include <cstring>
+#include <string>
+#include <string_view>
+
+// clang-format off
+#include <jpeglib.h>
+#include <jerror.h>
+// clang-format on
+#include <opencv2/imgcodecs.hpp>
+
+#include "engine/base/files.h"
+
+namespace plumbline {
+namespace {
+
+/// Images larger than this are taken for damaged headers.
+constexpr int kMaxSide = 32768;
+
+std::string Text(cv::Size size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+std::optional<std::string> SizeProblem(cv::Size size, const std::optional<cv::Size>& wanted) {
+  if (wanted && size != *wanted) return "is " + Text(size) + " but must be " + Text(*wanted);
+  return std::nullopt;
+}
+
+/// What libjpeg hands to its callbacks. Everything that outlives a longjmp is plain data.
+struct JpegErrors {
+  jpeg_error_mgr manager;  // first: libjpeg knows only this part
+  std::jmp_buf jump;
+  char message[JMSG_LENGTH_MAX] = "";
+};
+
+void KeepMessage(j_common_ptr info) {
+  auto* errors = reinterpret_cast<JpegErrors*>(info->err);
+  if (errors->message[0] == '\0') info->err->format_message(info, errors->message);
+}
+
+[[noreturn]] void OnFatal(j_common_ptr info) {
+  KeepMessage(info);
+  std::longjmp(reinterpret_cast<JpegErrors*>(info->err)->jump, 1);
+}
+
+void OnMessage(j_common_ptr info, int level) {
+  // Padding between segments is harmless and some cameras write it; every other warning is lost
+  // picture.
+  if (level < 0 && info->err->msg_code != JWRN_EXTRANEOUS_DATA) OnFatal(info);
+}
+
+/// Reads the header (`image` null: only the size), then the pixels into `image`. False with
+/// `errors.message` on failure. Holds no object with a destructor, so that longjmp is well defined.
+bool DecodeJpeg(const unsigned char* data, unsigned long length, cv::Size* size, cv::Mat* image,
+                JpegErrors* errors) {
+  jpeg_decompress_struct info;
+  info.err = jpeg_std_error(&errors->manager);
+  errors->manager.error_exit = OnFatal;
+  errors->manager.emit_message = OnMessage;
+  if (setjmp(errors->jump) != 0) {
+    jpeg_destroy_decompress(&info);
+    return false;
+  }
+  jpeg_create_decompress(&info);
+  jpeg_mem_src(&info, data, length);
+  jpeg_read_header(&info, TRUE);
+  *size = {static_cast<int>(info.image_width), static_cast<int>(info.image_height)};
+  if (image != nullptr) {
+    info.out_color_space = image->channels() == 3 ? JCS_EXT_BGR : JCS_GRAYSCALE;
+    jpeg_start_decompress(&info);
+    while (info.output_scanline < info.output_height) {
+      JSAMPROW row = image->ptr(static_cast<int>(info.output_scanline));
+      jpeg_read_scanlines(&info, &row, 1);
+    }
+    jpeg_finish_decompress(&info);
+  }
+  jpeg_destroy_decompress(&info);
+  return true;
+}
+
+std::uint32_t BigEndian(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = at; i < at + 4; ++i)
+    value = value << 8 | static_cast<unsigned char>(bytes[i]);
+  return value;
+}
+
+/// The size of a PNG whose chunks are all there; nothing for one that ends early.
+std::optional<cv::Size> CompletePngSize(const std::string& bytes) {
+  if (bytes.size() < 33 || bytes.compare(12, 4, "IHDR") != 0) return std::nullopt;
+  const cv::Size size(static_cast<int>(BigEndian(bytes, 16)),
+                      static_cast<int>(BigEndian(bytes, 20)));
+  for (std::size_t at = 8; at + 12 <= bytes.size();) {
+    const std::size_t next = at + 12 + BigEndian(bytes, at);
+    if (next > bytes.size()) return std::nullopt;
+    if (bytes.compare(at + 4, 4, "IEND") == 0) return size;
+    at = next;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<cv::Mat> ReadImage(const std::filesystem::path& file, ImageKind kind,
+                          std::optional<cv::Size> wanted) {
+  const Result<std::string> read = ReadFile(file);
+  if (!read.ok()) return read.error();
+  const std::string& bytes = read.value();
+  const auto error = [&](ErrorCode code, const std::string& what) {
+    return Error{code, "the image '" + file.string() + "' " + what};
+  };
+  const int type = kind == ImageKind::kColor ? CV_8UC3 : CV_8UC1;
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  if (bytes.starts_with("\xff\xd8\xff")) {
+    JpegErrors errors;
+    cv::Size size;
+    if (!DecodeJpeg(data, bytes.size(), &size, nullptr, &errors)) {
+      return error(ErrorCode::kCorrupt, std::string("is damaged: ") + errors.message);
+    }
+    if (const auto problem = SizeProblem(size, wanted))
+      return error(ErrorCode::kInvalidInput, *problem);
+    if (size.width > kMaxSide || size.height > kMaxSide)
+      return error(ErrorCode::kCorrupt, "claims to be " + Text(size));
+    cv::Mat image(size, type);
+    if (!DecodeJpeg(data, bytes.size(), &size, &image, &errors)) {
+      return error(ErrorCode::kCorrupt, std::string("is truncated or damaged: ") + errors.message);
+    }
+    return image;
+  }
+  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) {
+    const std::optional<cv::Size> size = CompletePngSize(bytes);
+    if (!size)
+      return error(ErrorCode::kCorrupt,
+                   "is truncated or damaged: it ends before its last PNG chunk");
+    if (const auto problem = SizeProblem(*size, wanted))
+      return error(ErrorCode::kInvalidInput, *problem);
+    if (size->width < 1 || size->height < 1 || size->width > kMaxSide || size->height > kMaxSide) {
+      return error(ErrorCode::kCorrupt, "claims to be " + Text(*size));
+    }
+    cv::Mat image;
+    try {
+      const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1,
+                           const_cast<unsigned char*>(data));
+      image = cv::imdecode(buffer,
+                           (kind == ImageKind::kColor ? cv::IMREAD_COLOR : cv::IMREAD_GRAYSCALE) |
+                               cv::IMREAD_IGNORE_ORIENTATION);
+    } catch (const cv::Exception&) {
+      image.release();
+    }
+    if (image.size() != *size || image.type() != type)
+      return error(ErrorCode::kCorrupt, "is damaged");
+    return image;
+  }
+  if (bytes.empty()) return error(ErrorCode::kCorrupt, "is an empty file");
+  return error(ErrorCode::kUnsupported, "is neither JPEG nor PNG");
+}
+
+}  // namespace plumbline

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/dataset/ground_truth.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/test_data.h"
+#include "tests/support/tiny_sequence.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kPose = "[[0,-1,0,1],[1,0,0,2],[0,0,1,3],[0,0,0,1]]";
+
+class GroundTruthFile : public testing::Test {
+ protected:
+  std::string Refusal(const std::string& text) {
+    WriteText(file_, text);
+    const Result<GroundTruth> truth = ReadGroundTruth(file_);
+    return truth.ok() ? "accepted" : truth.error().message;
+  }
+  std::string Instance(const std::string& id, const std::string& pose,
+                       const std::string& quality = "fine") {
+    return R"({"id": ")" + id + R"(", "model": "m", "category": "chair", "quality": ")" + quality +
+           R"(", "world_from_object": )" + pose + "}";
+  }
+  TemporaryFolder folder_;
+  std::filesystem::path file_ = folder_.path() / "ground_truth.json";
+};
+
+TEST_F(GroundTruthFile, SurvivesARoundTrip) {
+  GroundTruth truth;
+  truth.gravity_in_world = Eigen::Vector3d(0.1, 0.2, -1).normalized();
+  Eigen::Isometry3d pose(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()));
+  pose.translation() << 1.25, -2, 1e-7;
+  truth.instances = {{"a", "chair", "chair", pose, true},
+                     {"b", "table", "dining table", pose.inverse(), false}};
+  ASSERT_TRUE(WriteGroundTruth(file_, truth).ok());
+  const Result<GroundTruth> read = ReadGroundTruth(file_);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  ASSERT_EQ(read->instances.size(), 2u);
+  EXPECT_TRUE(read->gravity_in_world.isApprox(truth.gravity_in_world, 1e-15));
+  EXPECT_THAT(read->instances[1].world_from_object, IsometryNear(pose.inverse(), 1e-9, 1e-12));
+  EXPECT_EQ(read->instances[1].category, "dining table");
+  EXPECT_FALSE(read->instances[1].fine);
+}
+
+TEST_F(GroundTruthFile, RefusesWhatIsWrongAndNamesTheInstance) {
+  const std::string head = R"({"gravity": [0,0,-1], "instances": [)";
+  EXPECT_EQ(Refusal(head + Instance("a", kPose) + "]}"), "accepted");
+  EXPECT_THAT(Refusal(head + Instance("a", kPose) + "," + Instance("a", kPose) + "]}"),
+              HasSubstr("two instances"));
+  EXPECT_THAT(Refusal(head + Instance("bad", "[[2,0,0,0],[0,2,0,0],[0,0,2,0],[0,0,0,1]]") + "]}"),
+              HasSubstr("(bad)"));
+  EXPECT_THAT(Refusal(head + Instance("bad", "[[1,0,0],[0,1,0],[0,0,1]]") + "]}"),
+              HasSubstr("(bad)"));
+  EXPECT_THAT(Refusal(head + Instance("bad", "null") + "]}"), HasSubstr("(bad)"));
+  EXPECT_THAT(Refusal(head + Instance("bad", kPose, "super") + "]}"), HasSubstr("quality"));
+  EXPECT_THAT(Refusal(head + R"({"id": 3}]})"), HasSubstr("instance 0"));
+  EXPECT_THAT(Refusal(head + "7]}"), HasSubstr("instance 0"));
+  EXPECT_THAT(Refusal(R"({"gravity": [0,0,0], "instances": []})"), HasSubstr("gravity"));
+  EXPECT_THAT(Refusal(R"({"instances": []})"), HasSubstr("gravity"));
+  EXPECT_THAT(Refusal("[]"), HasSubstr(file_.string()));
+  EXPECT_THAT(Refusal(head), HasSubstr("not valid JSON"));
+}
+
+TEST(GroundTruth, ReadsTheKitchen) {
+  const auto shared = SharedData();
+  if (!shared) GTEST_SKIP() << kNoSharedData;
+  const Result<GroundTruth> truth = ReadGroundTruth(*shared / "data/kitchen/ground_truth.json");
+  ASSERT_TRUE(truth.ok()) << truth.error().message;
+  EXPECT_EQ(truth->instances.size(), 11u);
+  EXPECT_EQ(truth->instances[0].id, "chair_A");
+  EXPECT_TRUE(truth->instances[0].fine);
+  EXPECT_FALSE(truth->instances[1].fine);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/dataset/plumbline_sequence.h"
+
+#include <gmock/gmock.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "engine/base/check.h"
+#include "engine/base/files.h"
+#include "engine/base/timer.h"
+#include "tests/support/test_data.h"
+#include "tests/support/tiny_sequence.h"
+
+namespace plumbline {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class OwnLayout : public testing::Test {
+ protected:
+  std::shared_ptr<const Sequence> Open() {
+    Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(root_);
+    EXPECT_TRUE(sequence.ok()) << sequence.error().message;
+    return sequence.ok() ? *sequence : nullptr;
+  }
+  /// The error's sentence.
+  std::string Refusal() {
+    const Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(root_);
+    return sequence.ok() ? "opened" : sequence.error().message;
+  }
+  void Rename(const std::string& from, const std::string& to) {
+    std::filesystem::rename(root_ / "color" / from, root_ / "color" / to);
+  }
+  std::vector<std::int64_t> Stamps(const Sequence& sequence) {
+    std::vector<std::int64_t> stamps;
+    for (int i = 0; i < sequence.num_frames(); ++i) stamps.push_back(sequence.stamp_ns(i));
+    return stamps;
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path root_ = folder_.path() / "sequence";
+};
+
+TEST_F(OwnLayout, OpensWithStampsPosesGravityAndFloor) {
+  WriteTinySequence(root_);
+  const auto sequence = Open();
+  EXPECT_EQ(sequence->num_frames(), 5);
+  EXPECT_EQ(sequence->camera(), (PinholeCamera{64, 48, 60, 60, 31.5, 23.5}));
+  EXPECT_EQ(sequence->rate_hz(), 10);
+  EXPECT_EQ(sequence->stamp_ns(3), 300000000);
+  EXPECT_EQ(sequence->world_from_cam(3)->translation(), Eigen::Vector3d(3, 0, 1));
+  EXPECT_EQ(*sequence->gravity_in_world(), Eigen::Vector3d(0, 0, -1));
+  EXPECT_EQ(*sequence->floor_in_world(), Eigen::Vector4d(0, 0, 1, 0));
+  EXPECT_THAT(sequence->warnings(), IsEmpty());
+  EXPECT_FALSE(sequence->scene_file() || sequence->models_folder() ||
+               sequence->ground_truth_file());
+  const Result<Frame> frame = sequence->ReadFrame(3);
+  ASSERT_TRUE(frame.ok()) << frame.error().message;
+  EXPECT_EQ(frame->index, 3);
+  EXPECT_EQ(frame->stamp_ns, 300000000);
+  EXPECT_EQ(frame->image.size(), cv::Size(64, 48));
+  EXPECT_EQ(cv::norm(frame->image, cv::imread((root_ / "color/000003.jpg").string()), cv::NORM_INF),
+            0);
+  EXPECT_FALSE(sequence->ReadEdges(3).value().has_value());
+  EXPECT_FALSE(sequence->ReadProposals(3).value().has_value());
+  EXPECT_THROW(sequence->stamp_ns(5), ContractError);
+}
+
+TEST_F(OwnLayout, TakesStampsFromColorCsvToTheNanosecond) {
+  WriteTinySequence(root_, {.frames = 3});
+  Rename("000001.jpg", "left.jpg");
+  WriteText(root_ / "color.csv",
+            "stamp_s,file\n1403636579.763555584,000000.jpg\n1403636579.863555585,color/left.jpg\n");
+  WriteText(root_ / "trajectory.txt", "1403636579.8 7 0 0 0 0 0 1\n");
+  const auto sequence = Open();
+  EXPECT_THAT(Stamps(*sequence), testing::ElementsAre(1403636579763555584, 1403636579863555585));
+  EXPECT_EQ(sequence->world_from_cam(0)->translation().x(),
+            7);  // 36 ms away, half a period is 50 ms
+  EXPECT_FALSE(sequence->world_from_cam(1));
+  EXPECT_TRUE(sequence->ReadFrame(1).ok());
+}
+
+TEST_F(OwnLayout, GapsInTheNumbersAreTimeThatPassesNotFrames) {
+  WriteTinySequence(root_);
+  std::filesystem::remove(root_ / "color/000002.jpg");
+  const auto sequence = Open();
+  EXPECT_EQ(sequence->num_frames(), 4);
+  EXPECT_EQ(sequence->stamp_ns(2), 300000000);
+  EXPECT_EQ(sequence->world_from_cam(2)->translation().x(), 3);  // by stamp, not by row
+  EXPECT_THAT(sequence->warnings(), IsEmpty());
+}
+
+TEST_F(OwnLayout, NumbersNeedNoLeadingZeros) {
+  WriteTinySequence(root_);
+  Rename("000000.jpg", "2000000.jpg");
+  Rename("000003.jpg", "3.jpg");
+  const auto sequence = Open();
+  EXPECT_EQ(sequence->stamp_ns(2), 300000000);
+  EXPECT_EQ(sequence->stamp_ns(4), 200000000000000);
+}
+
+TEST_F(OwnLayout, FramesWithoutAPoseNearbyAreNamed) {
+  WriteTinySequence(root_);
+  WriteText(root_ / "trajectory.txt",
+            "0 0 0 0 0 0 0 1\n0.1 nan 0 0 0 0 0 1\n0.249 2 0 0 0 0 0 1\n0.351 3 0 0 0 0 0 1\n");
+  const auto sequence = Open();
+  EXPECT_TRUE(sequence->world_from_cam(0));
+  EXPECT_FALSE(sequence->world_from_cam(1));
+  EXPECT_EQ(sequence->world_from_cam(2)->translation().x(), 2);
+  EXPECT_FALSE(sequence->world_from_cam(3));
+  EXPECT_EQ(sequence->world_from_cam(4)->translation().x(), 3);
+  EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("line 2: the pose is not finite")));
+  EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("2 of 5 frames (such as '000001.jpg')")));
+}
+
+TEST_F(OwnLayout, UnusableImagesAreErrorsOfTheirFrameOnly) {
+  WriteTinySequence(root_);
+  const std::string bytes = ReadFile(root_ / "color/000001.jpg").value();
+  WriteText(root_ / "color/000001.jpg", bytes.substr(0, bytes.size() / 2));
+  WriteText(root_ / "color/000002.jpg", "no image");
+  cv::imwrite((root_ / "color/000003.jpg").string(), cv::Mat::zeros(10, 10, CV_8UC3));
+  const auto sequence = Open();
+  std::filesystem::remove(root_ / "color/000004.jpg");
+  EXPECT_TRUE(sequence->ReadFrame(0).ok());
+  for (int i = 1; i < 5; ++i) {
+    const Result<Frame> frame = sequence->ReadFrame(i);
+    ASSERT_FALSE(frame.ok()) << i;
+    EXPECT_THAT(frame.error().message, HasSubstr("color/" + FrameName(i) + ".jpg"));
+  }
+  EXPECT_EQ(sequence->ReadFrame(1).error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(sequence->ReadFrame(4).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(OwnLayout, AnImageThatColorCsvNamesButIsMissingIsAnErrorOfItsFrame) {
+  WriteTinySequence(root_, {.frames = 2});
+  WriteText(root_ / "color.csv", "0.0,000000.jpg\n0.1,nowhere.jpg\n0.2,000001.jpg\n");
+  const auto sequence = Open();
+  EXPECT_EQ(sequence->num_frames(), 3);
+  EXPECT_EQ(sequence->ReadFrame(1).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(OwnLayout, OddRowsOfColorCsvAreNamed) {
+  WriteTinySequence(root_);
+  WriteText(root_ / "color.csv",
+            "stamp_s,file\n0.3,000003.jpg\n0.1,000001.jpg\nnan,000002.jpg\n0.2\n0.4,../"
+            "secret.jpg\n0.1,000004.jpg\n"
+            "0.5,000001.jpg\n");
+  const auto sequence = Open();
+  EXPECT_THAT(Stamps(*sequence), testing::ElementsAre(100000000, 300000000));
+  EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("line 3: the stamp is before")));
+  EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("line 4 (and 2 more): not 'stamp_s,file'")));
+  EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("line 8: the image has a row already")));
+  EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("'000004.jpg'")));
+}
+
+TEST_F(OwnLayout, TwoImagesOfOneNumberAreNamed) {
+  WriteTinySequence(root_);
+  std::filesystem::copy(root_ / "color/000002.jpg", root_ / "color/000002.png");
+  WriteText(root_ / "color/cover.png", "x");
+  WriteText(root_ / "color/notes.txt", "x");
+  const auto sequence = Open();
+  EXPECT_EQ(sequence->num_frames(), 5);
+  EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("'000002.png'")));
+  EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("'cover.png'")));
+}
+
+TEST_F(OwnLayout, PosesOfTheBodyNeedBodyFromCam) {
+  WriteTinySequence(root_);
+  WriteText(root_ / "trajectory.txt", "# world_from_body\n0 5 0 0 0 0 0 1\n");
+  EXPECT_THAT(Refusal(), HasSubstr("body_from_cam"));
+  WriteText(root_ / "camera.json",
+            R"({"width": 64, "height": 48, "model": "pinhole", "fx": 60, "fy": 60, "cx": 31.5,
+      "cy": 23.5, "rate_hz": 10, "body_from_cam": [[0,0,1,0.5],[-1,0,0,0],[0,-1,0,0],[0,0,0,1]], "serial": "kept"})");
+  EXPECT_EQ(Open()->world_from_cam(0)->translation().x(), 5.5);
+}
+
+TEST_F(OwnLayout, RefusesWithASentenceThatNamesTheFile) {
+  EXPECT_THAT(Refusal(), HasSubstr("there is no sequence"));
+  std::filesystem::create_directories(root_);
+  EXPECT_THAT(Refusal(), HasSubstr("camera.json"));
+  WriteTinySequence(root_);
+  const std::string camera = ReadFile(root_ / "camera.json").value();
+  WriteText(root_ / "camera.json", "{");
+  EXPECT_THAT(Refusal(), HasSubstr("not valid JSON"));
+  WriteText(
+      root_ / "camera.json",
+      R"({"width": 64, "height": 48, "model": "fov", "fx": 60, "fy": 60, "cx": 31, "cy": 23, "rate_hz": 10})");
+  EXPECT_THAT(Refusal(), HasSubstr("camera model 'fov'"));
+  WriteText(
+      root_ / "camera.json",
+      R"({"width": 64, "height": 48, "model": "pinhole", "fx": 60, "fy": 60, "cx": 31, "cy": 23})");
+  EXPECT_THAT(Refusal(), HasSubstr("rate_hz"));
+  WriteText(root_ / "camera.json", camera);
+  for (const char* gravity : {"{}", "[]", R"({"gravity": [0,0,0]})", R"({"gravity": [0,0]})",
+                              R"({"gravity": [0,0,-1], "floor": [1,0,0,0]})",
+                              R"({"gravity": [0,0,-1], "floor": [0,0,0,1]})", "{"}) {
+    WriteText(root_ / "gravity.json", gravity);
+    EXPECT_THAT(Refusal(), HasSubstr("gravity.json")) << gravity;
+  }
+  std::filesystem::remove(root_ / "gravity.json");
+  EXPECT_FALSE(Open()->gravity_in_world());
+  WriteText(root_ / "trajectory.txt", "hello\n");
+  EXPECT_THAT(Refusal(), HasSubstr("trajectory.txt"));
+  std::filesystem::remove(root_ / "trajectory.txt");
+  EXPECT_FALSE(Open()->world_from_cam(0));
+  std::filesystem::remove_all(root_ / "color");
+  EXPECT_THAT(Refusal(), HasSubstr("color"));
+  std::filesystem::create_directories(root_ / "color");
+  EXPECT_THAT(Refusal(), HasSubstr("no image"));
+}
+
+TEST_F(OwnLayout, TellsTheRateFromColorCsvWhereCameraJsonDoesNot) {
+  WriteTinySequence(root_, {.frames = 4});
+  WriteText(
+      root_ / "camera.json",
+      R"({"width": 64, "height": 48, "model": "pinhole", "fx": 60, "fy": 60, "cx": 31, "cy": 23})");
+  WriteText(root_ / "color.csv", "0,000000.jpg\n0.05,000001.jpg\n0.1,000002.jpg\n0.9,000003.jpg\n");
+  EXPECT_NEAR(Open()->rate_hz(), 20, 1e-9);
+}
+
+TEST_F(OwnLayout, TurnsOverAFloorThatPointsDown) {
+  WriteTinySequence(root_);
+  WriteText(root_ / "gravity.json", R"({"gravity": [0, 9.8, 0], "floor": [0, 2, 0, 3]})");
+  const auto sequence = Open();
+  EXPECT_EQ(*sequence->floor_in_world(), Eigen::Vector4d(0, -1, 0, -1.5));
+  EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("points down")));
+}
+
+TEST_F(OwnLayout, UndistortsItsImages) {
+  WriteTinySequence(root_);
+  WriteText(root_ / "camera.json",
+            R"({"width": 64, "height": 48, "model": "radial_tangential", "fx": 60, "fy": 60,
+      "cx": 31.5, "cy": 23.5, "distortion": [0.3, 0, 0, 0], "rate_hz": 10})");
+  const Result<Frame> frame = Open()->ReadFrame(0);
+  ASSERT_TRUE(frame.ok()) << frame.error().message;
+  const cv::Mat recorded = cv::imread((root_ / "color/000000.jpg").string());
+  EXPECT_EQ(frame->image.size(), recorded.size());
+  EXPECT_GT(cv::norm(frame->image, recorded, cv::NORM_INF), 10);
+}
+
+TEST_F(OwnLayout, ReadsEdgesAndProposals) {
+  WriteTinySequence(root_, {.edges = true, .proposals = true});
+  const auto sequence = Open();
+  EXPECT_TRUE(sequence->has_edges());
+  EXPECT_TRUE(sequence->has_proposals());
+  const Result<std::optional<EdgeMap>> edges = sequence->ReadEdges(2);
+  ASSERT_TRUE(edges.ok()) << edges.error().message;
+  EXPECT_EQ(edges.value()->probability.at<unsigned char>(5, 12), 200);
+  EXPECT_EQ(edges.value()->angle.size(), cv::Size(64, 48));
+  const auto proposals = sequence->ReadProposals(2);
+  ASSERT_TRUE(proposals.ok()) << proposals.error().message;
+  EXPECT_EQ(proposals.value()->at(0).category, "chair");
+
+  std::filesystem::remove(root_ / "edges/000001_angle.png");
+  EXPECT_EQ(sequence->ReadEdges(1).error().code, ErrorCode::kCorrupt);
+  std::filesystem::remove(root_ / "edges/000001.png");
+  EXPECT_FALSE(sequence->ReadEdges(1).value().has_value());
+  cv::imwrite((root_ / "edges/000003.png").string(), cv::Mat::zeros(4, 4, CV_8UC1));
+  EXPECT_EQ(sequence->ReadEdges(3).error().code, ErrorCode::kCorrupt);
+  WriteText(root_ / "proposals/000003.json", "[{]");
+  EXPECT_EQ(sequence->ReadProposals(3).error().code, ErrorCode::kCorrupt);
+}
+
+TEST_F(OwnLayout, OpensTenThousandFramesInWellUnderASecond) {
+  WriteTinySequence(root_, {.frames = 1});
+  std::string trajectory, table = "stamp_s,file\n";
+  for (int i = 1; i < 10000; ++i) {
+    WriteText(root_ / "color" / (FrameName(i) + ".jpg"), "");
+    table += std::to_string(i * 0.1) + "," + FrameName(i) + ".jpg\n";
+    trajectory += std::to_string(i * 0.1) + " 1 2 3 0 0 0 1\n";
+  }
+  WriteText(root_ / "trajectory.txt", trajectory);
+  Stopwatch watch;
+  EXPECT_EQ(Open()->num_frames(), 10000);
+  WriteText(root_ / "color.csv", table);
+  EXPECT_EQ(Open()->num_frames(), 9999);
+  EXPECT_LT(watch.Milliseconds(), 1000);  // both together; about 50 ms on one idle core
+}
+
+TEST(Kitchen, OpensAsPublished) {
+  const auto shared = SharedData();
+  if (!shared) GTEST_SKIP() << kNoSharedData;
+  const auto sequence = OpenSequence(*shared / "data/kitchen").value();
+  EXPECT_EQ(sequence->num_frames(), 600);
+  EXPECT_EQ(sequence->camera().width, 640);
+  EXPECT_THAT(sequence->warnings(), IsEmpty());
+  EXPECT_TRUE(sequence->scene_file() && sequence->models_folder() && sequence->ground_truth_file());
+  for (int i = 0; i < 600; ++i) EXPECT_TRUE(sequence->world_from_cam(i)) << i;
+  EXPECT_NEAR(sequence->world_from_cam(2)->translation().x(), -0.508225, 1e-9);
+  EXPECT_EQ(sequence->ReadFrame(599).value().image.size(), cv::Size(640, 480));
+}
+
+}  // namespace
+}  // namespace plumbline
