@@ -17,7 +17,8 @@
 
 namespace plumbline {
 
-/// Rotational symmetry about an axis through the object's origin: order 1 none, n > 1 n-fold, 0 continuous.
+/// Rotational symmetry about an axis through the object's origin: order 1 none, n > 1 n-fold, 0
+/// continuous.
 struct Symmetry {
   Eigen::Vector3d axis{0, 0, 1};
   int order = 1;
@@ -25,10 +26,10 @@ struct Symmetry {
 
 enum class Support { kFloor, kAny };
 
-/// One shape of the database in its canonical frame `object`: +z up, origin at the centre of the footprint on the
-/// supporting plane, +x its front; metres.
+/// One shape of the database in its canonical frame `object`: +z up, origin at the centre of the
+/// footprint on the supporting plane, +x its front; metres.
 struct CadModel {
-  ModelId id;            ///< Index in the database: the shape label k.
+  ModelId id;  ///< Index in the database: the shape label k.
   std::string name;
   std::string file;      ///< Relative to the database folder.
   std::string category;  ///< COCO name.
@@ -36,8 +37,8 @@ struct CadModel {
   Support support = Support::kAny;
   std::string note;
   TriangleMesh mesh;
-  Eigen::AlignedBox3f bounds;     ///< In `object`.
-  std::string content_hash;       ///< Of vertices and triangles.
+  Eigen::AlignedBox3f bounds;  ///< In `object`.
+  std::string content_hash;    ///< Of vertices and triangles.
   /// c_k: the point of `object` that bearing and log-depth locate.
   Eigen::Vector3d center() const { return bounds.center().cast<double>(); }
 };
@@ -45,7 +46,8 @@ struct CadModel {
 /// The shapes that the mapper knows. Immutable; share it.
 class ModelDatabase {
  public:
-  /// Reads DIR/models.json and its meshes. Errors: kNotFound, kCorrupt, kInvalidInput, naming the file.
+  /// Reads DIR/models.json and its meshes. Errors: kNotFound, kCorrupt, kInvalidInput, naming the
+  /// file.
   static Result<std::shared_ptr<const ModelDatabase>> Load(const std::filesystem::path& folder);
   static std::shared_ptr<const ModelDatabase> FromModels(std::vector<CadModel> models);
 
