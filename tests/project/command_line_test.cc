@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every command owes to scripts: --help that works, and exit code 2 for wrong usage.
+
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/test_data.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string output;
+};
+
+/// Runs the program with `arguments`, for a shell; `output` is standard output unless they redirect
+/// it.
+Outcome RunProgram(const std::string& arguments) {
+  Outcome outcome;
+  FILE* pipe = popen(("'" + ProgramFile().string() + "' " + arguments).c_str(), "r");
+  if (pipe == nullptr) return outcome;
+  std::array<char, 4096> buffer;
+  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
+    outcome.output.append(buffer.data(), n);
+  const int status = pclose(pipe);
+  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+  return outcome;
+}
+
+std::set<std::string> Commands() {
+  std::istringstream help(RunProgram("--help").output);
+  std::set<std::string> commands;
+  bool listing = false;
+  for (std::string line; std::getline(help, line);) {
+    static const std::regex kCommand("^  ([a-z]+)( |$)");
+    std::smatch match;
+    if (line.starts_with("Subcommands:")) listing = true;
+    if (listing && std::regex_search(line, match, kCommand)) commands.insert(match[1]);
+  }
+  return commands;
+}
+
+TEST(CommandLine, SaysItsVersionAndExplainsItself) {
+  EXPECT_THAT(RunProgram("--version").output, testing::ContainsRegex("[0-9]+\\.[0-9]+\\.[0-9]+"));
+  EXPECT_EQ(RunProgram("--help").exit_code, 0);
+}
+
+TEST(CommandLine, ExplainsEveryCommand) {
+  for (const std::string& command : Commands()) {
+    const Outcome outcome = RunProgram(command + " --help");
+    EXPECT_EQ(outcome.exit_code, 0) << command;
+    EXPECT_THAT(outcome.output, HasSubstr("--help")) << command;
+  }
+}
+
+TEST(CommandLine, ExitsWithTwoOnWrongUsage) {
+  EXPECT_EQ(RunProgram("2>&1").exit_code, 2) << "no command";
+  EXPECT_EQ(RunProgram("no-such-command 2>&1").exit_code, 2);
+  for (const std::string& command : Commands()) {
+    const Outcome outcome = RunProgram(command + " --no-such-option 2>&1 >/dev/null");
+    EXPECT_EQ(outcome.exit_code, 2) << command;
+    EXPECT_THAT(outcome.output, Not(IsEmpty())) << command << " does not say what was wrong";
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/project/source_rules.h"
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "engine/base/files.h"
+#include "tests/support/test_data.h"
+
+namespace plumbline {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// The violations of a file at `path` whose only line, besides the licence, is `line`.
+std::vector<std::string> Check(const std::string& path, const std::string& line) {
+  return SourceViolations(path, "// SPDX-License-Identifier: Apache-2.0\n" + line + "\n");
+}
+
+std::string Quoted(const std::string& file) { return "#include \"" + file + "\""; }
+std::string Angled(const std::string& file) { return "#include <" + file + ">"; }
+
+TEST(SourceRules, AllowWhatTheLayersAllow) {
+  const std::vector<std::pair<std::string, std::string>> allowed = {
+      {"engine/mapping/filter.cc", Quoted("engine/vision/detector.h")},
+      {"engine/mapping/filter.cc", Quoted("engine/mapping/filter.h")},
+      {"engine/annotation/project.cc", Quoted("engine/registration/icp.h")},
+      {"engine/evaluation/surface.cc", Quoted("engine/registration/icp.h")},
+      {"engine/recording/run_file.h", Quoted("engine/mapping/map_report.h")},
+      {"engine/snapshot/map_snapshot.h", Quoted("engine/mapping/map_report.h")},
+      {"engine/snapshot/commands.h", Quoted("engine/mapping/mapper_options.h")},
+      {"engine/process/mapping_process.cc", Quoted("engine/snapshot/map_snapshot.h")},
+      {"engine/geometry/decimate.cc", Angled("vtkQuadricDecimation.h")},
+      {"engine/render/gl_context.cc", Angled("epoxy/egl.h")},
+      {"ui/panels/timeline.cc", Quoted("engine/snapshot/map_snapshot.h")},
+      {"ui/panels/options.cc", Quoted("engine/mapping/mapper_options.h")},
+      {"ui/scene/scene_view.cc", Angled("vtkRenderer.h")},
+      {"app/platform/window.cc", Angled("GLFW/glfw3.h")},
+      {"app/verbs/run_verb.cc", Quoted("engine/process/mapping_process.h")},
+      {"docs/architecture.md", "see https://example.org/work/notes and build/work/x"},
+  };
+  for (const auto& [path, line] : allowed) EXPECT_THAT(Check(path, line), IsEmpty());
+}
+
+TEST(SourceRules, NameWhatTheLayersForbid) {
+  const std::vector<std::array<std::string, 3>> forbidden = {
+      {"engine/base/files.cc", Quoted("engine/geometry/mesh.h"), "stands below it"},
+      {"engine/vision/edges.cc", Quoted("engine/mapping/filter.h"), "stands below it"},
+      {"engine/mapping/filter.cc", Quoted("engine/registration/icp.h"), "one another"},
+      {"engine/evaluation/pose.cc", Quoted("engine/mapping/filter.h"), "one another"},
+      {"engine/registration/icp.cc", Quoted("engine/annotation/project.h"), "one another"},
+      {"engine/recording/run_file.cc", Quoted("engine/snapshot/map_snapshot.h"),
+       "only engine/process"},
+      {"engine/snapshot/map_snapshot.h", Quoted("engine/sensor/camera.h"), "nothing else"},
+      {"engine/process/worker.cc", Quoted("ui/framework/panel.h"), "nothing but the engine"},
+      {"engine/process/worker.cc", Quoted("app/verbs/verb.h"), "nothing but the engine"},
+      {"engine/novelty/a.cc", Quoted("engine/base/result.h"), "no place in the order"},
+      {"ui/panels/map_panel.cc", Quoted("engine/mapping/filter.h"), "a panel sees"},
+      {"ui/panels/map_panel.cc", Angled("vtkNew.h"), "VTK stays in ui/scene"},
+      {"ui/framework/panel.h", Quoted("app/application.h"), "never includes the program"},
+      {"app/main.cc", Quoted("tests/support/test_data.h"), "never includes tests"},
+      {"app/main.cc", Angled("vtkRenderer.h"), "only in ui/scene"},
+      {"app/main.cc", Angled("GLFW/glfw3.h"), "app/platform"},
+      {"engine/geometry/decimate.h", Angled("vtkQuadricDecimation.h"), ".cc files only"},
+      {"engine/geometry/decimate.cc", Angled("vtkPolyDataMapper.h"), "only in ui/scene"},
+      {"engine/render/renderer.h", Angled("epoxy/gl.h"), "engine/render/*.cc"},
+      {"engine/vision/edges.cc", Angled("epoxy/gl.h"), "engine/render/*.cc"},
+      {"engine/process/worker.cc", Angled("imgui.h"), "opens no window"},
+      {"engine/vision/edges.cc", Angled("opencv2/highgui.hpp"), "highgui"},
+      {"engine/vision/edges.cc", Quoted("edges.h"), "start at the top"},
+      {"engine/vision/edges.cc", "  #  include \"../base/files.h\"", "start at the top"},
+      {"engine/vision/edges.cc", "  std::exit(1);", "never ends the program"},
+      {"docs/architecture.md", "look into /ho" + std::string("me/somebody/plumbline"),
+       "one machine"},
+      {"tests/data/a.json", "{\"file\": \"/wo" + std::string("rk/shared/a.png\"}"), "one machine"},
+  };
+  for (const auto& [path, line, why] : forbidden) {
+    EXPECT_THAT(Check(path, line), ElementsAre(HasSubstr(why))) << path << " with " << line;
+  }
+}
+
+TEST(SourceRules, WantTheLicenceOnTheFirstLineOrBelowTheInterpreter) {
+  const std::string licence = "SPDX-License-Identifier: Apache-2.0\n";
+  EXPECT_THAT(SourceViolations("shaders/a.frag", "#version 450\n// " + licence),
+              ElementsAre(HasSubstr("SPDX")));
+  EXPECT_THAT(SourceViolations("shaders/a.frag", "// " + licence + "#version 450\n"), IsEmpty());
+  EXPECT_THAT(SourceViolations("dev", "#!/usr/bin/env bash\n# " + licence), IsEmpty());
+  EXPECT_THAT(SourceViolations("engine/base/empty.cc", ""), ElementsAre(HasSubstr("SPDX")));
+  EXPECT_THAT(SourceViolations("README.md", "# Plumbline\n"), IsEmpty());
+}
+
+/// Every file of the project, without asking git: a tarball has none.
+std::vector<std::string> ProjectFiles() {
+  static const std::set<std::string> kText = {".h",    ".cc",   ".cmake", ".txt",  ".md",   ".json",
+                                              ".glsl", ".vert", ".frag",  ".geom", ".comp", ".py",
+                                              ".sh",   ".supp", ".svg",   ".csv",  ".yml",  ""};
+  std::vector<std::string> files;
+  const std::filesystem::path root = SourceDirectory();
+  for (const auto& top : std::filesystem::directory_iterator(root)) {
+    if (top.is_regular_file() && top.path().filename() != ".git")
+      files.push_back(top.path().filename());
+  }
+  for (const char* folder :
+       {".ci", "app", "assets", "cmake", "docs", "engine", "shaders", "tests", "ui"}) {
+    if (!std::filesystem::exists(root / folder)) continue;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root / folder)) {
+      if (entry.is_regular_file())
+        files.push_back(entry.path().lexically_relative(root).generic_string());
+    }
+  }
+  std::erase_if(files, [](const std::string& f) {
+    return !kText.contains(std::filesystem::path(f).extension());
+  });
+  return files;
+}
+
+TEST(ProjectFiles, KeepTheRules) {
+  const std::vector<std::string> files = ProjectFiles();
+  EXPECT_GT(files.size(), 50u);
+  for (const std::string& file : files) {
+    Result<std::string> content = ReadFile(SourceDirectory() / file);
+    ASSERT_TRUE(content.ok()) << content.error().message;
+    EXPECT_THAT(SourceViolations(file, *content), IsEmpty());
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
