@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parses the command line, runs the chosen command and turns errors into exit codes: 1 failure, 2 usage.
+// Parses the command line, runs the chosen command and turns errors into exit codes: 1 failure, 2
+// usage.
 
 #include <exception>
 #include <iostream>
@@ -11,8 +12,10 @@ int main(int argc, char** argv) {
   using plumbline::Verb;
   const std::vector<Verb> kVerbs = {
       // one line each, in the order of --help
+      {plumbline::AddDetectVerb},
   };
-  CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.", "plumbline");
+  CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
+               "plumbline");
   app.set_version_flag("--version", PLUMBLINE_VERSION);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);

@@ -11,14 +11,16 @@
 
 namespace plumbline {
 
-/// A command of the program. `add` declares its options on a subcommand and, when that is chosen on the command line,
-/// stores into `chosen` what to run. An error's sentence goes to standard error and the exit code is 1 (usage: 2).
+/// A command of the program. `add` declares its options on a subcommand and, when that is chosen on
+/// the command line, stores into `chosen` what to run. An error's sentence goes to standard error
+/// and the exit code is 1 (usage: 2).
 using VerbFunction = std::function<Status()>;
 struct Verb {
   void (*add)(CLI::App& app, VerbFunction& chosen);
 };
 
 // One function per command, each in a file of its own; listed in main.cc.
+void AddDetectVerb(CLI::App& app, VerbFunction& chosen);
 void AddRunVerb(CLI::App& app, VerbFunction& chosen);
 
 /// Writes results for machines: to standard output for "-".

@@ -8,15 +8,10 @@
 
 #include "engine/base/files.h"
 #include "engine/dataset/text_table.h"
+#include "engine/sensor/image_file.h"
 
 namespace plumbline {
 namespace {
-
-bool IsImageName(const std::filesystem::path& name) {
-  std::string extension = name.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
-}
 
 Result<std::vector<std::string>> ImageNames(const std::filesystem::path& folder) {
   std::vector<std::string> names;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/sensor/image_file.h"
 
+#include <cctype>
 #include <csetjmp>
 #include <cstdio>  // jpeglib.h needs FILE
 #include <cstring>
@@ -104,6 +105,12 @@ std::optional<cv::Size> CompletePngSize(const std::string& bytes) {
 }
 
 }  // namespace
+
+bool IsImageName(const std::filesystem::path& name) {
+  std::string extension = name.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
+}
 
 Result<cv::Mat> ReadImage(const std::filesystem::path& file, ImageKind kind,
                           std::optional<cv::Size> wanted) {

@@ -10,6 +10,9 @@
 
 namespace plumbline {
 
+/// Whether the name ends as those of JPEG and PNG files do, in any case.
+bool IsImageName(const std::filesystem::path& file);
+
 enum class ImageKind { kColor, kGray };
 
 /// Decodes a JPEG or PNG file, told apart by content, to CV_8UC3 BGR (kColor) or CV_8UC1 (kGray).

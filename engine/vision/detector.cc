@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/vision/detector.h"
+
+#include "engine/vision/fastestdet.h"
+
+namespace plumbline {
+namespace {
+
+class DatasetDetector : public Detector {
+ public:
+  explicit DatasetDetector(std::shared_ptr<const Sequence> sequence)
+      : sequence_(std::move(sequence)) {}
+  Result<std::unique_ptr<const FrameDetections>> Detect(const Frame& frame) override {
+    Result<std::optional<std::vector<Detection>>> proposals = sequence_->ReadProposals(frame.index);
+    if (!proposals.ok()) return proposals.error();
+    if (!proposals->has_value()) {
+      return Error{ErrorCode::kNotFound, "the sequence '" + sequence_->path().string() +
+                                             "' has no proposals for frame " +
+                                             std::to_string(frame.index)};
+    }
+    return DetectionsFromProposals(*std::move(proposals).value());
+  }
+  std::string Description() const override {
+    return "dataset " + (sequence_->path() / "proposals").string();
+  }
+
+ private:
+  std::shared_ptr<const Sequence> sequence_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Detector>> CreateDetector(std::string_view choice,
+                                                 std::shared_ptr<const Sequence> sequence,
+                                                 const DetectorOptions& options) {
+  if (choice == "dataset") {
+    if (sequence == nullptr || !sequence->has_proposals()) {
+      return sequence == nullptr
+                 ? Error{ErrorCode::kInvalidInput, "the detector 'dataset' needs a sequence"}
+                 : Error{ErrorCode::kNotFound,
+                         "the sequence '" + sequence->path().string() +
+                             "' has no proposals/; name a detector (FILE.onnx) instead"};
+    }
+    return std::unique_ptr<Detector>(std::make_unique<DatasetDetector>(std::move(sequence)));
+  }
+  if (choice == "builtin") {
+    return Error{ErrorCode::kUnsupported,
+                 "this version has no built-in detector; name one (FILE.onnx) or use dataset"};
+  }
+  if (!choice.ends_with(".onnx")) {
+    return Error{ErrorCode::kInvalidInput, "there is no detector '" + std::string(choice) +
+                                               "'; it must be dataset or a FILE.onnx"};
+  }
+  return LoadFastestDet(std::filesystem::path(choice), options);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "engine/dataset/sequence.h"
+
+namespace plumbline {
+
+/// Keeps the best of the boxes of one category that overlap by more than `max_iou`; by falling
+/// score (ties: by category, then from left to right), so that the order never depends on that of
+/// the input.
+std::vector<Detection> SuppressNonMaxima(std::vector<Detection> detections, float max_iou);
+
+/// Scored boxes of one category, by falling score, ready for many questions.
+class ScoredBoxes {
+ public:
+  void Add(const Box2& box, float score);
+  /// Must be called after the last Add.
+  void Sort();
+  /// max over the boxes of score * IoU(box, query): in [0, 1], continuous in the query.
+  float Score(const Box2& query) const;
+
+ private:
+  struct Entry {
+    Box2 box;
+    float area;
+    float score;
+  };
+  std::vector<Entry> entries_;
+};
+
+}  // namespace plumbline

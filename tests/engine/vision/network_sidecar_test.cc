@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/vision/network_sidecar.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/test_data.h"
+#include "tests/support/tiny_sequence.h"
+
+namespace plumbline {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class Sidecar : public testing::Test {
+ protected:
+  Result<NetworkSidecar> Read(const std::string& text) {
+    WriteText(folder_.path() / "net.json", text);
+    return ReadNetworkSidecar(folder_.path() / "net.onnx");
+  }
+  std::string Refusal(const char* key, const nlohmann::json& value) {
+    nlohmann::json json = edge_;
+    json[key] = value;
+    const Result<NetworkSidecar> sidecar = Read(json.dump());
+    return sidecar.ok() ? "accepted" : sidecar.error().message;
+  }
+  TemporaryFolder folder_;
+  const nlohmann::json edge_ = {{"kind", "edge"},
+                                {"width", 640},
+                                {"height", 480},
+                                {"mean", {104, 117, 123}},
+                                {"scale", 0.5},
+                                {"swap_rb", true},
+                                {"calibration", {{0, 0}, {0.5, 0.2}, {1, 0.9}}}};
+};
+
+TEST_F(Sidecar, IsReadAsWritten) {
+  const Result<NetworkSidecar> sidecar = Read(edge_.dump());
+  ASSERT_TRUE(sidecar.ok()) << sidecar.error().message;
+  EXPECT_EQ(sidecar->kind, NetworkKind::kEdge);
+  EXPECT_EQ(sidecar->width, 640);
+  EXPECT_EQ(sidecar->height, 480);
+  EXPECT_EQ(sidecar->mean, cv::Scalar(104, 117, 123));
+  EXPECT_EQ(sidecar->scale, 0.5);
+  EXPECT_TRUE(sidecar->swap_rb);
+  EXPECT_THAT(sidecar->calibration,
+              ElementsAre(std::pair(0.0f, 0.0f), std::pair(0.5f, 0.2f), std::pair(1.0f, 0.9f)));
+}
+
+TEST_F(Sidecar, IsRefusedWithTheFileAndTheKey) {
+  for (const auto& [key, value] :
+       std::vector<std::pair<const char*, nlohmann::json>>{{"width", 0},
+                                                           {"height", 1.5},
+                                                           {"height", "480"},
+                                                           {"mean", {1, 2}},
+                                                           {"mean", "none"},
+                                                           {"scale", 0},
+                                                           {"scale", nullptr},
+                                                           {"swap_rb", 1},
+                                                           {"calibration", {{0, 0}}},
+                                                           {"calibration", {{0, 0}, {0, 1}}},
+                                                           {"calibration", {{0, 0.5}, {1, 0.2}}},
+                                                           {"calibration", {{0, 0}, {1, 2}}},
+                                                           {"calibration", 3}}) {
+    EXPECT_THAT(Refusal(key, value), HasSubstr("'" + std::string(key) + "'")) << value;
+    EXPECT_THAT(Refusal(key, value), HasSubstr("net.json"));
+  }
+  EXPECT_THAT(Refusal("kind", "yolo"), HasSubstr("'yolo'"));
+  EXPECT_THAT(Refusal("kind", "fastestdet"), HasSubstr("categories"));
+  EXPECT_FALSE(Read("[]").ok());
+  EXPECT_FALSE(Read("{").ok());
+}
+
+TEST_F(Sidecar, MissingIsSaidSo) {
+  const Result<NetworkSidecar> sidecar = ReadNetworkSidecar(folder_.path() / "net.onnx");
+  ASSERT_FALSE(sidecar.ok());
+  EXPECT_EQ(sidecar.error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(sidecar.error().message, HasSubstr("no sidecar"));
+}
+
+TEST_F(Sidecar, BesideANetworkThatIsNoneIsAnError) {
+  WriteText(folder_.path() / "net.json", edge_.dump());
+  EXPECT_EQ(LoadNetwork(folder_.path() / "net.onnx", NetworkKind::kEdge, {}).error().code,
+            ErrorCode::kNotFound);
+  for (const char* content : {"", "garbage garbage garbage", "\x08\x07\x12\x02hi"}) {
+    WriteText(folder_.path() / "net.onnx", content);
+    const Result<Network> network =
+        LoadNetwork(folder_.path() / "net.onnx", NetworkKind::kEdge, {1, 1, 480, 640});
+    ASSERT_FALSE(network.ok());
+    EXPECT_THAT(network.error().message, HasSubstr("net.onnx"));
+  }
+}
+
+TEST_F(Sidecar, OfAnotherKindThanWantedIsAnError) {
+  WriteText(folder_.path() / "net.json", edge_.dump());
+  WriteText(folder_.path() / "net.onnx", "x");
+  const Result<Network> network =
+      LoadNetwork(folder_.path() / "net.onnx", NetworkKind::kFastestDet, {});
+  ASSERT_FALSE(network.ok());
+  EXPECT_EQ(network.error().code, ErrorCode::kInvalidInput);
+}
+
+}  // namespace
+}  // namespace plumbline
