@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -27,10 +28,27 @@ class BoundedQueue {
     return true;
   }
 
+  /// Does not wait. False if there is no room or the queue is closed; the item is then dropped.
+  bool TryPush(T item) {
+    const std::lock_guard lock(mutex_);
+    if (closed_ || items_.size() >= capacity_) return false;
+    items_.push_back(std::move(item));
+    filled_.notify_one();
+    return true;
+  }
+
   /// Waits for an item. Nothing once the queue is closed and empty.
   std::optional<T> Pop() {
     std::unique_lock lock(mutex_);
     filled_.wait(lock, [&] { return closed_ || !items_.empty(); });
+    return Take();
+  }
+
+  /// As Pop, but gives up at `deadline`.
+  template <typename Clock, typename Duration>
+  std::optional<T> PopUntil(std::chrono::time_point<Clock, Duration> deadline) {
+    std::unique_lock lock(mutex_);
+    filled_.wait_until(lock, deadline, [&] { return closed_ || !items_.empty(); });
     return Take();
   }
 

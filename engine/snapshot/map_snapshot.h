@@ -6,6 +6,7 @@
 // to declare every field twice).
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,11 @@ struct MapSnapshot {
   std::vector<OutlineView> outlines;
 };
 
+struct FrameEvent {
+  int frame = 0;
+  LifeEvent event;
+};
+
 enum class PlaybackState { kPaused, kPlaying, kFinished, kFailed };
 
 struct PlaybackView {
@@ -67,6 +73,13 @@ struct PlaybackView {
   int frame = 0;               ///< Shown now.
   int newest_mapped_frame = -1;///< The mapper has come this far.
   std::string message;         ///< Of a failure, or what it does now.
+  double speed = 1;            ///< Factor on the rate of the sequence; 0: as fast as it goes.
+  std::optional<int> seek_target;  ///< Mapping towards this frame.
+  double frames_per_second = 0;    ///< Measured over the last frames that were shown; 0 while it rests.
+  bool recorded = false;       ///< All frames come from a run file: nothing is mapped.
+  /// Life events of all frames so far, by frame; never null.
+  std::shared_ptr<const std::vector<FrameEvent>> events =
+      std::make_shared<const std::vector<FrameEvent>>();
 };
 
 }  // namespace plumbline

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/process/mapping_process.h"
+
+#include <algorithm>
+#include <exception>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "engine/base/log.h"
+
+namespace plumbline {
+
+MappingProcess::MappingProcess(OpenSource open, std::optional<int> start_frame,
+                               std::function<void()> on_publish)
+    : open_(std::move(open)), start_frame_(start_frame), on_publish_(std::move(on_publish)) {
+  state_.message = "Opening";
+  playback_.Publish(std::make_shared<const PlaybackView>(state_));
+  thread_ = std::jthread([this](std::stop_token stop) { Run(stop); });
+}
+
+MappingProcess::~MappingProcess() {
+  thread_.request_stop();
+  commands_.Close();
+  if (thread_.joinable()) thread_.join();
+}
+
+void MappingProcess::Post(PlaybackCommand command) {
+  if (!commands_.TryPush(std::move(command))) {
+    log::warn("the playback does not keep up with its commands; one was dropped");
+  }
+}
+
+void MappingProcess::Run(std::stop_token stop) {
+  try {
+    auto source = open_();
+    if (source.ok()) {
+      source_ = std::move(source).value();
+      Loop(stop);
+    } else {
+      Fail(source.error().message);
+    }
+  } catch (const std::exception& error) {
+    Fail(std::string("This is a bug in Plumbline: ") + error.what());
+  }
+  source_.reset();  // It may own things of this thread.
+}
+
+void MappingProcess::Loop(std::stop_token stop) {
+  state_.recorded = source_->recorded();
+  state_.frame = source_->first_frame();
+  state_.newest_mapped_frame = source_->newest_frame();
+  state_.message.clear();
+  sequence_.Publish(std::make_shared<const SequenceView>(source_->view()));
+  SetTarget(start_frame_.value_or(source_->first_frame()));
+  PublishPlayback();
+  while (!stop.stop_requested()) {
+    if (target_ || (playing_ && Clock::now() >= due_)) {
+      TakeCommands();
+      Advance(stop);
+    } else if (auto command = playing_ ? commands_.PopUntil(due_) : commands_.Pop()) {
+      Apply(*command);
+      TakeCommands();
+      if (!target_) PublishPlayback();
+    }
+  }
+}
+
+void MappingProcess::TakeCommands() {
+  while (auto command = commands_.TryPop()) Apply(*command);
+}
+
+void MappingProcess::SetTarget(int frame) {
+  target_ = std::clamp(frame, source_->first_frame(), source_->last_frame());
+  if (failed_)
+    target_ = std::min(*target_, std::max(source_->newest_frame(), source_->first_frame()));
+}
+
+void MappingProcess::Apply(const PlaybackCommand& command) {
+  const auto play = [this](bool on) {
+    playing_ = on && !(failed_ && state_.frame >= source_->newest_frame());
+    if (playing_ && state_.frame >= source_->last_frame()) SetTarget(source_->first_frame());
+    if (!on) target_.reset();
+    due_ = Clock::now();
+  };
+  std::visit(
+      [&](const auto& c) {
+        using T = std::decay_t<decltype(c)>;
+        if constexpr (std::is_same_v<T, PlayCommand>) play(true);
+        if constexpr (std::is_same_v<T, PauseCommand>) play(false);
+        if constexpr (std::is_same_v<T, TogglePlayCommand>) play(!playing_ && !target_);
+        if constexpr (std::is_same_v<T, StepCommand>) {
+          playing_ = false;
+          SetTarget(target_.value_or(state_.frame) + c.frames);
+        }
+        if constexpr (std::is_same_v<T, SeekCommand>) SetTarget(c.frame);
+        if constexpr (std::is_same_v<T, SetSpeedCommand>) {
+          state_.speed = c.speed;
+          due_ = Clock::now();
+        }
+      },
+      command);
+}
+
+/// One frame: the target if it is mapped, else the next towards it; without a target the next of
+/// playing.
+void MappingProcess::Advance(std::stop_token stop) {
+  if (!target_ && !playing_) return PublishPlayback();
+  const int wanted = target_.value_or(state_.frame + 1);
+  if (wanted > (failed_ ? source_->newest_frame() : source_->last_frame())) {
+    playing_ = false;
+    target_.reset();
+    return PublishPlayback();
+  }
+  if (wanted <= source_->newest_frame()) {
+    target_.reset();
+    Show(source_->Past(wanted, stop), wanted);
+  } else {
+    const int next = source_->newest_frame() + 1;
+    if (target_ && next >= *target_) target_.reset();
+    Show(source_->Next(stop), next);
+  }
+  const double rate = source_->view().rate_hz * state_.speed;
+  const auto period = std::chrono::duration<double>(rate > 0 ? 1.0 / rate : 0.0);
+  // A frame that came late does not hurry the ones after it.
+  due_ = std::max(due_ + std::chrono::duration_cast<Clock::duration>(period), Clock::now());
+}
+
+void MappingProcess::Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, int frame) {
+  if (!snapshot.ok()) {
+    if (snapshot.error().code != ErrorCode::kCancelled) Fail(snapshot.error().message);
+    return;
+  }
+  const auto now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - last_shown_).count();
+  last_shown_ = now;
+  const double rate = seconds < 2.0 && seconds > 0 ? 1.0 / seconds : 0.0;
+  state_.frames_per_second =
+      state_.frames_per_second > 0 && rate > 0 ? 0.8 * state_.frames_per_second + 0.2 * rate : rate;
+  state_.frame = frame;
+  snapshot_.Publish(std::move(snapshot).value());
+  PublishPlayback();
+}
+
+void MappingProcess::Fail(std::string message) {
+  log::error("{}", message);
+  failed_ = true;
+  playing_ = false;
+  target_.reset();
+  state_.message = std::move(message);
+  PublishPlayback();
+}
+
+void MappingProcess::PublishPlayback() {
+  if (source_ != nullptr) {
+    state_.newest_mapped_frame = source_->newest_frame();
+    if (source_->events().size() != published_events_) {
+      published_events_ = source_->events().size();
+      state_.events = std::make_shared<const std::vector<FrameEvent>>(source_->events());
+    }
+    const bool at_end = !playing_ && !target_ && state_.frame >= source_->last_frame();
+    state_.state = failed_    ? PlaybackState::kFailed
+                   : playing_ ? PlaybackState::kPlaying
+                   : at_end   ? PlaybackState::kFinished
+                              : PlaybackState::kPaused;
+  } else if (failed_) {
+    state_.state = PlaybackState::kFailed;
+  }
+  state_.seek_target = target_;
+  if (!playing_ && !target_) state_.frames_per_second = 0;
+  playback_.Publish(std::make_shared<const PlaybackView>(state_));
+  if (on_publish_) on_publish_();
+}
+
+}  // namespace plumbline

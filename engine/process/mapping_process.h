@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "engine/base/queue.h"
+#include "engine/process/snapshot_source.h"
+#include "engine/snapshot/commands.h"
+#include "engine/snapshot/map_snapshot.h"
+
+namespace plumbline {
+
+/// Gives a SnapshotSource a thread: takes playback commands, publishes snapshots. Nobody waits for
+/// it: Post returns at once (a full queue drops the command) and the slots hold the newest state.
+/// Opening the source happens on the thread, too. A source that fails or throws turns the state to
+/// kFailed with its sentence; frames that are already mapped can still be shown. The destructor
+/// stops within one step of the source and joins.
+class MappingProcess {
+ public:
+  using OpenSource = std::function<Result<std::unique_ptr<SnapshotSource>>()>;
+
+  /// @param on_publish  Called on the thread after every publication (to wake the window). May be
+  /// empty.
+  MappingProcess(OpenSource open, std::optional<int> start_frame, std::function<void()> on_publish);
+  ~MappingProcess();
+  MappingProcess(const MappingProcess&) = delete;
+  MappingProcess& operator=(const MappingProcess&) = delete;
+
+  void Post(PlaybackCommand command);
+
+  /// Null until the source is open.
+  std::shared_ptr<const SequenceView> Sequence() const { return sequence_.Latest(); }
+  /// Null until the first frame.
+  std::shared_ptr<const MapSnapshot> Snapshot() const { return snapshot_.Latest(); }
+  /// Never null.
+  std::shared_ptr<const PlaybackView> Playback() const { return playback_.Latest(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void Run(std::stop_token stop);
+  void Loop(std::stop_token stop);
+  void Apply(const PlaybackCommand& command);
+  void SetTarget(int frame);
+  void TakeCommands();
+  void Advance(std::stop_token stop);
+  void Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, int frame);
+  void Fail(std::string message);
+  void PublishPlayback();
+
+  OpenSource open_;
+  std::optional<int> start_frame_;
+  std::function<void()> on_publish_;
+  BoundedQueue<PlaybackCommand> commands_{1024};
+  SnapshotSlot<SequenceView> sequence_;
+  SnapshotSlot<MapSnapshot> snapshot_;
+  SnapshotSlot<PlaybackView> playback_;
+
+  // Of the thread only.
+  std::unique_ptr<SnapshotSource> source_;
+  PlaybackView state_;
+  std::size_t published_events_ = 0;
+  bool playing_ = false;
+  bool failed_ = false;
+  std::optional<int> target_;  ///< Frame to show next, or to map towards.
+  Clock::time_point due_{};    ///< When the next frame of playing is due.
+  Clock::time_point last_shown_{};
+
+  std::jthread thread_;  ///< Last: it uses all of the above.
+};
+
+}  // namespace plumbline

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What panels ask for. Small values; nothing here points at the window or the engine.
+
+#include <string>
+#include <variant>
+
+#include "engine/base/ids.h"
+
+namespace plumbline {
+
+/// Plays from the frame that is shown; past the newest mapped frame the mapper goes on.
+struct PlayCommand {};
+struct PauseCommand {};
+struct TogglePlayCommand {};
+/// Moves by frames, negative: back.
+struct StepCommand {
+  int frames = 1;
+};
+/// Shows a frame; one that is not yet mapped is mapped towards, as fast as it goes.
+struct SeekCommand {
+  int frame = 0;
+};
+/// Factor on the rate of the sequence; 0: as fast as it goes.
+struct SetSpeedCommand {
+  double speed = 1;
+};
+
+/// For the process that plays and maps.
+using PlaybackCommand = std::variant<PlayCommand, PauseCommand, TogglePlayCommand, StepCommand,
+                                     SeekCommand, SetSpeedCommand>;
+
+/// An id that is not valid clears the selection.
+struct SelectObjectCommand {
+  ObjectId object;
+};
+/// Index into the particles of the selected object; -1 clears.
+struct SelectParticleCommand {
+  int particle = -1;
+};
+/// The 3-D view moves with the camera of the sequence.
+struct FollowCommand {
+  bool follow = false;
+};
+/// Turns the 3-D view to the selected object.
+struct FocusSelectionCommand {};
+struct ResetViewCommand {};
+/// Writes the window as PNG; "" chooses a name in the working folder.
+struct ScreenshotCommand {
+  std::string file;
+};
+struct ShowHelpCommand {
+  bool show = true;
+};
+/// Size of text and controls, 1 = normal.
+struct SetUiScaleCommand {
+  double scale = 1;
+};
+struct QuitCommand {};
+
+/// For the window itself.
+using WindowCommand = std::variant<SelectObjectCommand, SelectParticleCommand, FollowCommand,
+                                   FocusSelectionCommand, ResetViewCommand, ScreenshotCommand,
+                                   ShowHelpCommand, SetUiScaleCommand, QuitCommand>;
+
+using Command = std::variant<PlaybackCommand, WindowCommand>;
+
+/// Where panels put what they ask for.
+class CommandSink {
+ public:
+  virtual ~CommandSink() = default;
+  virtual void Post(Command command) = 0;
+  void Post(PlaybackCommand command) { Post(Command(std::move(command))); }
+  void Post(WindowCommand command) { Post(Command(std::move(command))); }
+};
+
+}  // namespace plumbline

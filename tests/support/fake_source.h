@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "engine/process/snapshot_source.h"
+
+namespace plumbline {
+
+struct FakeSourceOptions {
+  int num_frames = 120;
+  int width = 480, height = 250;
+  int particles = 200;
+  int milliseconds_per_frame = 0;  ///< How long Next takes.
+  int fail_at_frame = -1;          ///< Next fails there.
+  int throw_at_frame = -1;         ///< Next throws there.
+  bool recorded = false;           ///< All frames are past ones.
+};
+
+/// Makes up frames as a mapper could leave them: a camera that walks around a table with chairs,
+/// objects that are born, confirmed and withdrawn, particles that contract. For tests of the window
+/// and its process; no engine behind it.
+std::unique_ptr<SnapshotSource> MakeFakeSource(const FakeSourceOptions& options);
+
+}  // namespace plumbline
