@@ -4,6 +4,8 @@
 // What panels ask for. Small values; nothing here points at the window or the engine.
 
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <variant>
 
 #include "engine/base/ids.h"
@@ -70,9 +72,17 @@ using Command = std::variant<PlaybackCommand, WindowCommand>;
 class CommandSink {
  public:
   virtual ~CommandSink() = default;
-  virtual void Post(Command command) = 0;
-  void Post(PlaybackCommand command) { Post(Command(std::move(command))); }
-  void Post(WindowCommand command) { Post(Command(std::move(command))); }
+  template <typename C>
+  void Post(C command) {
+    if constexpr (std::is_constructible_v<PlaybackCommand, C>) {
+      Send(PlaybackCommand(std::move(command)));
+    } else {
+      Send(WindowCommand(std::move(command)));
+    }
+  }
+
+ protected:
+  virtual void Send(Command command) = 0;
 };
 
 }  // namespace plumbline

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/application.h"
+
+#include <epoxy/gl.h>
+// epoxy comes before the backends
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <numbers>
+#include <type_traits>
+#include <utility>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "engine/base/files.h"
+#include "engine/base/log.h"
+#include "engine/base/timer.h"
+#include "ui/framework/shortcuts.h"
+#include "ui/framework/widgets.h"
+#include "ui/panels/frame_bars.h"
+#include "ui/panels/panels.h"
+#include "ui/scene/map_scene.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr int kSettleFrames = 3;
+constexpr double kNoteSeconds = 5;
+constexpr double kIdleWakeSeconds = 1.0;
+
+const char* StateName(PlaybackState state) {
+  switch (state) {
+    case PlaybackState::kPaused:
+      return "paused";
+    case PlaybackState::kPlaying:
+      return "playing";
+    case PlaybackState::kFinished:
+      return "finished";
+    case PlaybackState::kFailed:
+      return "failed";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::filesystem::path DefaultSettingsFile() {
+  if (const char* config = std::getenv("XDG_CONFIG_HOME"); config != nullptr && *config != '\0') {
+    return std::filesystem::path(config) / "plumbline" / "window.json";
+  }
+  const char* home = std::getenv("HOME");
+  if (home == nullptr || *home == '\0') return {};
+  return std::filesystem::path(home) / ".config" / "plumbline" / "window.json";
+}
+
+Result<std::unique_ptr<Application>> Application::Create(ApplicationOptions options) {
+  std::optional<UiScript> script;
+  if (!options.script.empty()) {
+    auto loaded = UiScript::Load(options.script);
+    if (!loaded.ok()) return loaded.error();
+    script = std::move(loaded).value();
+  }
+  auto window = PlatformWindow::Open("Plumbline", options.width, options.height);
+  if (!window.ok()) return window.error();
+  std::unique_ptr<Application> application(
+      new Application(std::move(options), std::move(window).value()));
+  application->script_ = std::move(script);
+  return application;
+}
+
+Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWindow> window)
+    : options_(std::move(options)), window_(std::move(window)) {
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;
+  ImGui_ImplGlfw_InitForOpenGL(window_->handle(), true);
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+  textures_ = std::make_unique<GlTextureStore>();
+  scene_ = CreateMapScene(window_->software_gl());
+  image_ = MakeImagePanel();
+  edges_ = MakeEdgesPanel();
+  depth_ = MakeDepthPanel();
+  masks_ = MakeMasksPanel();
+  particles_ = MakeParticlesPanel();
+  map_ = MakeScenePanel();
+  objects_ = MakeObjectsPanel();
+  details_ = MakeDetailsPanel();
+  timings_ = MakeTimingsPanel();
+  timeline_ = MakeTimelinePanel();
+  for (const auto* panel : {&image_, &edges_, &depth_, &masks_, &particles_, &map_, &objects_,
+                            &details_, &timings_, &timeline_}) {
+    panels_.push_back(panel->get());
+  }
+  context_.playback = std::make_shared<const PlaybackView>();
+  context_.renderer = window_->renderer();
+  context_.textures = textures_.get();
+  context_.widgets = &widgets_;
+  context_.viewport = &viewport_;
+  context_.scene = scene_.get();
+  wanted_scale_ = window_->content_scale();
+  LoadSettings();
+  if (options_.ui_scale) wanted_scale_ = options_.ui_scale;
+  script_host_.screenshot = [this](const std::string& file) { return SaveScreenshot(file); };
+  script_host_.state = [this] { return State(); };
+  script_host_.resize = [this](int width, int height) { window_->Resize(width, height); };
+  script_host_.open = [this](const std::string& path) { Open(path, std::nullopt); };
+  if (!options_.path.empty()) Open(options_.path, options_.start_frame);
+}
+
+Application::~Application() {
+  process_.reset();
+  SaveSettings();
+  scene_.reset();
+  textures_.reset();
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+}
+
+void Application::Open(const std::string& path, std::optional<int> frame) {
+  process_.reset();
+  context_.sequence = nullptr;
+  context_.snapshot = nullptr;
+  context_.selection = {};
+  auto_select_ = true;
+  context_.source = path;
+  process_ = std::make_unique<MappingProcess>(options_.opener(path), frame, [this] {
+    published_ = true;
+    PlatformWindow::Wake();
+  });
+  context_.playback = process_->Playback();
+}
+
+void Application::Send(Command command) {
+  if (const auto* playback = std::get_if<PlaybackCommand>(&command)) {
+    if (process_ != nullptr) process_->Post(*playback);
+  } else {
+    Handle(std::get<WindowCommand>(command));
+  }
+}
+
+void Application::Handle(const WindowCommand& command) {
+  std::visit(
+      [this](const auto& c) {
+        using T = std::decay_t<decltype(c)>;
+        if constexpr (std::is_same_v<T, SelectObjectCommand>) {
+          context_.selection = {c.object, -1};
+          auto_select_ = false;
+        } else if constexpr (std::is_same_v<T, SelectParticleCommand>) {
+          context_.selection.particle = c.particle;
+        } else if constexpr (std::is_same_v<T, FollowCommand>) {
+          context_.follow = c.follow;
+        } else if constexpr (std::is_same_v<T, FocusSelectionCommand>) {
+          if (context_.selection.object.value > 0) scene_->FocusObject(context_.selection.object);
+        } else if constexpr (std::is_same_v<T, ResetViewCommand>) {
+          context_.follow = false;
+          viewport_ = {};
+          scene_->Reset();
+        } else if constexpr (std::is_same_v<T, ScreenshotCommand>) {
+          wanted_screenshot_ = c.file;
+        } else if constexpr (std::is_same_v<T, ShowHelpCommand>) {
+          show_help_ = c.show;
+        } else if constexpr (std::is_same_v<T, SetUiScaleCommand>) {
+          wanted_scale_ = c.scale;
+        } else if constexpr (std::is_same_v<T, QuitCommand>) {
+          quit_ = true;
+        }
+      },
+      command);
+}
+
+void Application::Note(std::string text) {
+  note_ = std::move(text);
+  note_until_ = std::chrono::steady_clock::now() +
+                std::chrono::milliseconds(static_cast<int>(1000 * kNoteSeconds));
+}
+
+void Application::SetUiScale(double scale) {
+  context_.ui_scale = std::clamp(scale, 0.6, 4.0);
+  context_.fonts = ApplyTheme(context_.ui_scale);
+  ImGui_ImplOpenGL3_DestroyFontsTexture();
+  ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
+void Application::ReadSlots() {
+  if (process_ == nullptr) return;
+  context_.playback = process_->Playback();
+  context_.sequence = process_->Sequence();
+  auto snapshot = process_->Snapshot();
+  if (snapshot != context_.snapshot) {
+    context_.snapshot = std::move(snapshot);
+    ++context_.snapshot_version;
+    if (context_.selection.particle >= 0) context_.selection.particle = -1;
+  }
+  if (auto_select_ && context_.selection.object.value <= 0 && context_.snapshot != nullptr &&
+      !context_.snapshot->report.objects.empty()) {
+    context_.selection.object = context_.snapshot->report.objects.front().id;
+  }
+}
+
+bool Application::NeedsFrame() {
+  const bool note_ended = !note_.empty() && std::chrono::steady_clock::now() > note_until_;
+  if (note_ended) note_.clear();
+  if (window_->TakeActivity() || published_.exchange(false) || note_ended)
+    settle_frames_ = kSettleFrames;
+  if (script_) return true;
+  return settle_frames_-- > 0;
+}
+
+Status Application::Run() {
+  while (!quit_ && !window_->ShouldClose()) {
+    window_->TakeEvents(script_ || settle_frames_ > 0 ? 0.0 : kIdleWakeSeconds);
+    for (const std::string& file : window_->TakeDroppedFiles()) Open(file, std::nullopt);
+    if (!NeedsFrame()) continue;
+    DrawFrame();
+    if (script_ && (!script_status_.ok() || script_->done())) break;
+  }
+  return script_status_;
+}
+
+void Application::DrawFrame(cv::Mat* picture) {
+  const Stopwatch watch;
+  ReadSlots();
+  if (wanted_scale_) SetUiScale(*std::exchange(wanted_scale_, std::nullopt));
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  if (script_ && script_status_.ok())
+    script_status_ = script_->SetInput(widgets_, ImGui::GetIO(), script_host_);
+  ImGui::NewFrame();
+  widgets_.Clear();
+  DrawWindow();
+  ImGui::Render();
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, window_->width(), window_->height());
+  glDisable(GL_SCISSOR_TEST);
+  glClearColor(0, 0, 0, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  context_.window_ms = watch.Milliseconds();
+  context_.scene_ms = scene_->last_render_ms();
+  if (picture != nullptr) *picture = window_->ReadPixels();
+  if (wanted_screenshot_) {
+    const Status status = SaveScreenshot(*std::exchange(wanted_screenshot_, std::nullopt));
+    if (!status.ok()) Note(status.error().message);
+  }
+  if (script_ && script_status_.ok()) script_status_ = script_->AfterDraw(script_host_);
+  window_->Swap();
+}
+
+void Application::DrawWindow() {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({0, 0});
+  ImGui::SetNextWindowSize(size);
+  ImGui::Begin("Plumbline", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                   ImGuiWindowFlags_NoScrollWithMouse);
+  const InspectLayout layout = ComputeInspectLayout(size, context_.ui_scale, ratios_);
+  DrawTopBar(context_, layout.top_bar, *this);
+  DrawPanel(context_, layout.image, *image_, *this);
+  DrawPanel(context_, layout.edges, *edges_, *this);
+  DrawPanel(context_, layout.depth, *depth_, *this);
+  DrawPanel(context_, layout.masks, *masks_, *this);
+  DrawPanel(context_, layout.particles, *particles_, *this);
+  DrawPanel(context_, layout.scene, *map_, *this);
+  DrawPanel(context_, layout.objects, *objects_, *this);
+  DrawPanel(context_, layout.details, *details_, *this);
+  DrawPanel(context_, layout.timings, *timings_, *this);
+  DrawPanel(context_, layout.timeline, *timeline_, *this);
+  DragSplitters(context_, layout, ratios_);
+  DrawStatusBar(context_, layout.status_bar, note_);
+  ImGui::End();
+  if (show_help_) DrawHelpSheet(context_, *this);
+  PostShortcuts(context_, show_help_, *this);
+}
+
+Status Application::SaveScreenshot(const std::string& file) {
+  std::string name = file;
+  for (int i = 1; name.empty(); ++i) {
+    const std::string candidate = fmt::format("plumbline-{:03d}.png", i);
+    if (!std::filesystem::exists(candidate)) name = candidate;
+  }
+  std::error_code ignored;
+  const auto folder = std::filesystem::path(name).parent_path();
+  if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
+  if (!cv::imwrite(name, window_->ReadPixels())) {
+    return Error{ErrorCode::kIo, "cannot write the picture " + name + "; is the folder writable?"};
+  }
+  Note("Saved the window as " + name);
+  return {};
+}
+
+nlohmann::json Application::State() const {
+  const PlaybackView& playback = *context_.playback;
+  const SceneCamera camera = scene_->camera();
+  nlohmann::json state = {
+      {"frame", context_.snapshot != nullptr ? context_.snapshot->report.frame : -1},
+      {"playback_frame", playback.frame},
+      {"newest_frame", playback.newest_mapped_frame},
+      {"num_frames", context_.sequence != nullptr ? context_.sequence->num_frames : 0},
+      {"state", StateName(playback.state)},
+      {"seeking", playback.seek_target.has_value()},
+      {"recorded", playback.recorded},
+      {"speed", playback.speed},
+      {"message", playback.message},
+      {"objects", context_.snapshot != nullptr ? context_.snapshot->report.objects.size() : 0},
+      {"selected_object", context_.selection.object.value},
+      {"selected_particle", context_.selection.particle},
+      {"follow", context_.follow},
+      {"help", show_help_},
+      {"ui_scale", context_.ui_scale},
+      {"window", {window_->width(), window_->height()}},
+      {"image_zoom", viewport_.zoom},
+      {"scene_renders", scene_->renders()},
+      {"camera",
+       {{"azimuth_deg", camera.azimuth_rad * kDegrees},
+        {"elevation_deg", camera.elevation_rad * kDegrees},
+        {"distance_m", camera.distance_m},
+        {"focus",
+         {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}}}},
+      {"layout", RatiosToJson(ratios_)}};
+  for (const Panel* panel : panels_) state["panels"][panel->Id()] = panel->SaveState();
+  return state;
+}
+
+void Application::LoadSettings() {
+  if (options_.settings.empty() || !std::filesystem::exists(options_.settings)) return;
+  const auto settings = ReadJson(options_.settings);
+  if (!settings.ok())
+    return log::warn("the window's settings are ignored: {}", settings.error().message);
+  try {
+    RatiosFromJson(settings->value("layout", nlohmann::json::object()), ratios_);
+    const auto panels = settings->value("panels", nlohmann::json::object());
+    for (Panel* panel : panels_) {
+      if (panels.contains(panel->Id())) panel->LoadState(panels.at(panel->Id()));
+    }
+    if (settings->contains("ui_scale")) wanted_scale_ = settings->at("ui_scale").get<double>();
+    if (settings->contains("window")) {
+      window_->Resize(settings->at("window").at(0), settings->at("window").at(1));
+    }
+  } catch (const nlohmann::json::exception& error) {
+    log::warn("{}: some settings are ignored: {}", options_.settings.string(), error.what());
+  }
+}
+
+void Application::SaveSettings() const {
+  if (options_.settings.empty()) return;
+  nlohmann::json settings = {{"layout", RatiosToJson(ratios_)},
+                             {"ui_scale", context_.ui_scale},
+                             {"window", {window_->width(), window_->height()}}};
+  for (const Panel* panel : panels_) settings["panels"][panel->Id()] = panel->SaveState();
+  std::error_code ignored;
+  std::filesystem::create_directories(options_.settings.parent_path(), ignored);
+  const Status status = WriteJson(options_.settings, settings);
+  if (!status.ok()) log::warn("the window's settings are not kept: {}", status.error().message);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "app/platform/window.h"
+#include "app/ui_script.h"
+#include "engine/process/mapping_process.h"
+#include "engine/snapshot/commands.h"
+#include "ui/framework/frame_context.h"
+#include "ui/framework/gl_texture_store.h"
+#include "ui/framework/layout.h"
+#include "ui/framework/panel.h"
+#include "ui/framework/scene_surface.h"
+
+namespace plumbline {
+
+struct ApplicationOptions {
+  /// How to open a path that the user names, on the command line or by dropping it onto the window.
+  std::function<MappingProcess::OpenSource(const std::string& path)> opener;
+  std::string path;  ///< To open at the start; "": none.
+  std::optional<int> start_frame;
+  int width = 1600, height = 1000;
+  std::optional<double> ui_scale;  ///< Else as the desktop wishes, or as it was left.
+  std::filesystem::path settings;  ///< Where layout and switches are kept; empty: nowhere.
+  std::filesystem::path script;    ///< Drives the window and ends it; empty: the user does.
+};
+
+/// Owns the window, the panels, the process that feeds them, and the settings; runs the frame loop.
+/// The main thread only: all drawing happens here, and nothing here waits for the engine.
+class Application : private CommandSink {
+ public:
+  static Result<std::unique_ptr<Application>> Create(ApplicationOptions options);
+  ~Application() override;
+
+  /// Until the window is closed or the script ends. Errors: of the script.
+  Status Run();
+  /// One turn of the loop without waiting for events: draws the newest state; the picture, if asked
+  /// for.
+  void DrawFrame(cv::Mat* picture = nullptr);
+  MappingProcess* process() { return process_.get(); }
+  const FrameContext& context() const { return context_; }
+  /// For scripts and tests.
+  nlohmann::json State() const;
+
+ private:
+  Application(ApplicationOptions options, std::unique_ptr<PlatformWindow> window);
+
+  void Send(Command command) override;
+  void Handle(const WindowCommand& command);
+  void Open(const std::string& path, std::optional<int> frame);
+  void ReadSlots();
+  void DrawWindow();
+  void SetUiScale(double scale);
+  void LoadSettings();
+  void SaveSettings() const;
+  Status SaveScreenshot(const std::string& file);
+  bool NeedsFrame();
+  void Note(std::string text);
+
+  ApplicationOptions options_;
+  std::unique_ptr<PlatformWindow> window_;
+  std::unique_ptr<GlTextureStore> textures_;
+  std::unique_ptr<SceneSurface> scene_;
+  WidgetLog widgets_;
+  ImageViewport viewport_;
+  LayoutRatios ratios_;
+  FrameContext context_;
+  std::unique_ptr<Panel> image_, edges_, depth_, masks_, particles_, map_, objects_, details_,
+      timings_, timeline_;
+  std::vector<Panel*> panels_;
+  std::optional<UiScript> script_;
+  UiScript::Host script_host_;
+  Status script_status_;
+
+  bool auto_select_ = true;  ///< Until the user selects: the first object.
+  bool show_help_ = false;
+  bool quit_ = false;
+  std::optional<double> wanted_scale_;
+  std::optional<std::string> wanted_screenshot_;
+  std::string note_;
+  std::chrono::steady_clock::time_point note_until_{};
+  int settle_frames_ = 0;  ///< Frames to draw after the last input until ImGui has come to rest.
+  std::atomic<bool> published_ = false;
+
+  std::unique_ptr<MappingProcess> process_;  ///< Last: its thread wakes the window.
+};
+
+/// Where settings of the window are kept: `$XDG_CONFIG_HOME/plumbline/window.json` or below
+/// `~/.config`.
+std::filesystem::path DefaultSettingsFile();
+
+}  // namespace plumbline

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/platform/window.h"
+
+#include <epoxy/gl.h>
+// epoxy comes before GLFW
+#include <GLFW/glfw3.h>
+
+#include <array>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include "engine/base/log.h"
+
+namespace plumbline {
+namespace {
+
+std::string last_glfw_error;  // NOLINT: GLFW reports errors to a plain function
+
+PlatformWindow& Self(GLFWwindow* window) {
+  return *static_cast<PlatformWindow*>(glfwGetWindowUserPointer(window));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PlatformWindow>> PlatformWindow::Open(const std::string& title, int width,
+                                                             int height) {
+  glfwSetErrorCallback([](int, const char* description) { last_glfw_error = description; });
+  if (glfwInit() == GLFW_FALSE) {
+    return Error{ErrorCode::kUnsupported,
+                 "cannot open a window: " + last_glfw_error +
+                     "; without a display, 'plumbline demo' writes pictures and a video, and "
+                     "'plumbline run' needs no window"};
+  }
+  constexpr std::array<std::pair<int, int>, 3> kVersions = {{{4, 5}, {4, 3}, {3, 3}}};
+  for (const auto& [major, minor] : kVersions) {
+    glfwDefaultWindowHints();
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, major);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, minor);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    if (GLFWwindow* window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr)) {
+      return std::unique_ptr<PlatformWindow>(new PlatformWindow(window));
+    }
+  }
+  glfwTerminate();
+  return Error{ErrorCode::kUnsupported, "cannot make an OpenGL 3.3 context: " + last_glfw_error};
+}
+
+PlatformWindow::PlatformWindow(GLFWwindow* window) : window_(window) {
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(1);
+  glfwSetWindowSizeLimits(window_, 640, 480, GLFW_DONT_CARE, GLFW_DONT_CARE);
+  glfwSetWindowUserPointer(window_, this);
+  InstallCallbacks();
+}
+
+PlatformWindow::~PlatformWindow() {
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+void PlatformWindow::InstallCallbacks() {
+  // ImGui's backend, installed later, calls these in turn.
+  glfwSetCursorPosCallback(window_,
+                           [](GLFWwindow* w, double, double) { Self(w).activity_ = true; });
+  glfwSetMouseButtonCallback(window_,
+                             [](GLFWwindow* w, int, int, int) { Self(w).activity_ = true; });
+  glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double) { Self(w).activity_ = true; });
+  glfwSetKeyCallback(window_, [](GLFWwindow* w, int, int, int, int) { Self(w).activity_ = true; });
+  glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned int) { Self(w).activity_ = true; });
+  glfwSetCursorEnterCallback(window_, [](GLFWwindow* w, int) { Self(w).activity_ = true; });
+  glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int) { Self(w).activity_ = true; });
+  glfwSetFramebufferSizeCallback(window_,
+                                 [](GLFWwindow* w, int, int) { Self(w).activity_ = true; });
+  glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { Self(w).activity_ = true; });
+  glfwSetWindowCloseCallback(window_, [](GLFWwindow* w) { Self(w).activity_ = true; });
+  glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
+    Self(w).activity_ = true;
+    Self(w).dropped_.assign(paths, paths + count);
+  });
+}
+
+void PlatformWindow::TakeEvents(double timeout_s) {
+  if (timeout_s > 0) {
+    glfwWaitEventsTimeout(timeout_s);
+  } else {
+    glfwPollEvents();
+  }
+}
+
+void PlatformWindow::Wake() { glfwPostEmptyEvent(); }
+bool PlatformWindow::TakeActivity() { return std::exchange(activity_, false); }
+bool PlatformWindow::ShouldClose() const { return glfwWindowShouldClose(window_) != 0; }
+std::vector<std::string> PlatformWindow::TakeDroppedFiles() { return std::exchange(dropped_, {}); }
+void PlatformWindow::Swap() { glfwSwapBuffers(window_); }
+void PlatformWindow::Resize(int width, int height) { glfwSetWindowSize(window_, width, height); }
+void PlatformWindow::SetTitle(const std::string& title) {
+  glfwSetWindowTitle(window_, title.c_str());
+}
+
+int PlatformWindow::width() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  return width;
+}
+
+int PlatformWindow::height() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  return height;
+}
+
+double PlatformWindow::content_scale() const {
+  float x = 1, y = 1;
+  glfwGetWindowContentScale(window_, &x, &y);
+  return x;
+}
+
+std::string PlatformWindow::renderer() const {
+  const std::string text = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  return text.substr(0, text.find(" ("));
+}
+
+bool PlatformWindow::software_gl() const {
+  const std::string name = renderer();
+  return name.find("llvmpipe") != std::string::npos || name.find("softpipe") != std::string::npos;
+}
+
+cv::Mat PlatformWindow::ReadPixels() const {
+  cv::Mat pixels(height(), width(), CV_8UC3);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+  glReadBuffer(GL_BACK);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, pixels.cols, pixels.rows, GL_BGR, GL_UNSIGNED_BYTE, pixels.data);
+  cv::Mat upright;
+  cv::flip(pixels, upright, 0);
+  return upright;
+}
+
+}  // namespace plumbline

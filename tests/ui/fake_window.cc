@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The window on made-up frames: fake_window [--script FILE] [--settings FILE] [--size W H]
+// [--frames N]
+// [--slow MS] [--fail FRAME] [--recorded]. Tests drive it; it needs a display.
+
+#include <cstdlib>
+#include <iostream>
+#include <string>
+
+#include "app/application.h"
+#include "tests/support/fake_source.h"
+
+int main(int argc, char** argv) {
+  plumbline::FakeSourceOptions fake;
+  plumbline::ApplicationOptions options;
+  options.path = "made-up room";
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    const auto next = [&] { return std::string(++i < argc ? argv[i] : "0"); };
+    if (option == "--script") options.script = next();
+    if (option == "--settings") options.settings = next();
+    if (option == "--frames") fake.num_frames = std::stoi(next());
+    if (option == "--slow") fake.milliseconds_per_frame = std::stoi(next());
+    if (option == "--fail") fake.fail_at_frame = std::stoi(next());
+    if (option == "--recorded") fake.recorded = true;
+    if (option == "--scale") options.ui_scale = std::stod(next());
+    if (option == "--size") {
+      options.width = std::stoi(next());
+      options.height = std::stoi(next());
+    }
+    if (option == "--image") {
+      fake.width = std::stoi(next());
+      fake.height = std::stoi(next());
+    }
+  }
+  options.opener = [fake](const std::string& path) -> plumbline::MappingProcess::OpenSource {
+    return [fake, path]() -> plumbline::Result<std::unique_ptr<plumbline::SnapshotSource>> {
+      if (path == "missing")
+        return plumbline::Error{plumbline::ErrorCode::kNotFound, "there is no sequence 'missing'"};
+      return plumbline::MakeFakeSource(fake);
+    };
+  };
+  auto application = plumbline::Application::Create(std::move(options));
+  if (!application.ok()) {
+    std::cerr << application.error().message << std::endl;
+    return 1;
+  }
+  const plumbline::Status status = (*application)->Run();
+  if (status.ok()) return 0;
+  std::cerr << status.error().message << std::endl;
+  return 1;
+}

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <imgui.h>
+#include <opencv2/core.hpp>
+
+#include "engine/base/ids.h"
+#include "engine/snapshot/map_snapshot.h"
+#include "ui/framework/theme.h"
+
+namespace plumbline {
+
+class SceneSurface;
+
+/// Pictures on their way to the screen. The GL implementation is in gl_texture_store.h; tests use a
+/// null one.
+class TextureStore {
+ public:
+  virtual ~TextureStore() = default;
+  /// The texture `name`; calls `make` (CV_8UC3 BGR) only if `version` differs from that of the last
+  /// call.
+  virtual ImTextureID Get(std::string_view name, std::uint64_t version,
+                          const std::function<cv::Mat()>& make) = 0;
+};
+
+/// Where every named widget was drawn in this frame: scripts and tests find them by name.
+class WidgetLog {
+ public:
+  struct Rect {
+    ImVec2 low, high;
+  };
+  void Clear() { rects_.clear(); }
+  void Add(std::string name, ImVec2 low, ImVec2 high) {
+    rects_.insert_or_assign(std::move(name), Rect{low, high});
+  }
+  const Rect* Find(const std::string& name) const {
+    const auto found = rects_.find(name);
+    return found == rects_.end() ? nullptr : &found->second;
+  }
+  const std::map<std::string, Rect>& rects() const { return rects_; }
+
+ private:
+  std::map<std::string, Rect> rects_;
+};
+
+/// Which part of the image the image views show; they share one, so that they stay side by side.
+struct ImageViewport {
+  float zoom = 1;             ///< 1: the whole image fits.
+  ImVec2 center{0.5f, 0.5f};  ///< Share of the image's width and height.
+};
+
+struct Selection {
+  ObjectId object;    ///< Not valid: nothing.
+  int particle = -1;  ///< Of that object; -1: none.
+};
+
+/// What one frame of the window shows. All panels of a frame see the same.
+struct FrameContext {
+  std::shared_ptr<const SequenceView> sequence;  ///< Null until it is open.
+  std::shared_ptr<const MapSnapshot> snapshot;   ///< Null until the first frame.
+  std::shared_ptr<const PlaybackView> playback;  ///< Never null.
+  std::uint64_t snapshot_version = 0;            ///< Changes with `snapshot`.
+  std::string source;                            ///< What was opened, for the title.
+  Selection selection;
+  bool follow = false;   ///< The 3-D view moves with the camera.
+  double window_ms = 0;  ///< CPU time of drawing the last window frame.
+  double scene_ms = 0;   ///< Of the last render of the 3-D view.
+  double ui_scale = 1;
+  std::string renderer;  ///< GL_RENDERER
+  Fonts fonts;
+
+  // What panels draw with.
+  TextureStore* textures = nullptr;
+  WidgetLog* widgets = nullptr;
+  ImageViewport* viewport = nullptr;
+  SceneSurface* scene = nullptr;
+
+  /// Null if nothing is selected or it does not live in this frame.
+  const ObjectReport* SelectedObject() const {
+    if (snapshot == nullptr) return nullptr;
+    for (const ObjectReport& object : snapshot->report.objects) {
+      if (object.id == selection.object) return &object;
+    }
+    return nullptr;
+  }
+  /// Null for a label that the sequence has no model for.
+  const ModelView* Model(ModelId id) const {
+    if (sequence == nullptr || id.value < 0) return nullptr;
+    const auto index = static_cast<std::size_t>(id.value);
+    return index < sequence->models.size() ? &sequence->models[index] : nullptr;
+  }
+  float Scaled(double pixels) const { return static_cast<float>(pixels * ui_scale); }
+};
+
+}  // namespace plumbline

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+#include <imgui.h>
+#include <nlohmann/json.hpp>
+
+#include "ui/framework/frame_context.h"
+#include "ui/framework/panel.h"
+
+namespace plumbline {
+
+struct LayoutRect {
+  ImVec2 low, high;
+  float width() const { return high.x - low.x; }
+  float height() const { return high.y - low.y; }
+};
+
+/// Where one region ends and the next begins, as shares of the room; the user drags them.
+struct LayoutRatios {
+  double columns = 0.46;  ///< Width of the image views.
+  double image = 0.49;    ///< Height of the large image above the four small ones.
+  double small_columns = 0.5;
+  double small_rows = 0.5;
+  double scene = 0.53;    ///< Height of the 3-D view.
+  double objects = 0.56;  ///< Height of the object list in what is below the 3-D view.
+  double details = 0.60;  ///< Width of the selected object beside the timings.
+};
+template <class V>
+void VisitFields(LayoutRatios& ratios, V&& visit) {
+  visit(ratios.columns, "columns");
+  visit(ratios.image, "image");
+  visit(ratios.small_columns, "small_columns");
+  visit(ratios.small_rows, "small_rows");
+  visit(ratios.scene, "scene");
+  visit(ratios.objects, "objects");
+  visit(ratios.details, "details");
+}
+nlohmann::json RatiosToJson(const LayoutRatios& ratios);
+/// Takes what makes sense, keeps the rest.
+void RatiosFromJson(const nlohmann::json& json, LayoutRatios& ratios);
+
+/// The regions of the Inspect workspace for a window of `size`.
+struct InspectLayout {
+  LayoutRect top_bar, timeline, status_bar;
+  LayoutRect image, edges, depth, masks, particles;
+  LayoutRect scene, objects, details, timings;
+};
+InspectLayout ComputeInspectLayout(ImVec2 size, double ui_scale, const LayoutRatios& ratios);
+
+/// Draws the invisible handles between the regions and moves `ratios` while one is dragged.
+void DragSplitters(const FrameContext& context, const InspectLayout& layout, LayoutRatios& ratios);
+
+/// A panel in its rounded frame with its title row.
+void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel,
+               CommandSink& sink);
+
+}  // namespace plumbline

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include <imgui.h>
+#include <Eigen/Core>
+
+#include "engine/base/ids.h"
+#include "engine/snapshot/map_snapshot.h"
+
+namespace plumbline {
+
+/// What the 3-D view shows.
+struct SceneLayers {
+  bool models = true;
+  bool truth = false;
+  bool scan = true;
+  bool trajectory = true;
+  bool frustum = true;
+  bool particles = true;
+  bool grid = true;
+  bool operator==(const SceneLayers&) const = default;
+};
+
+struct SceneContent {
+  std::shared_ptr<const SequenceView> sequence;
+  std::shared_ptr<const MapSnapshot> snapshot;
+  std::uint64_t snapshot_version = 0;
+  ObjectId selected;
+  int selected_particle = -1;
+  SceneLayers layers;
+  bool follow = false;
+};
+
+/// A turntable camera about `focus`, in numbers.
+struct SceneCamera {
+  Eigen::Vector3d focus_in_world{0, 0, 0};
+  double azimuth_rad = 0, elevation_rad = 0, distance_m = 1;
+  Eigen::Matrix3d view_from_world =
+      Eigen::Matrix3d::Identity();  ///< x right, y up, z to the viewer
+};
+
+/// The 3-D view as the panels know it; ui/scene implements it. Pixels count from the top left of
+/// the view.
+class SceneSurface {
+ public:
+  virtual ~SceneSurface() = default;
+  virtual void SetContent(const SceneContent& content) = 0;
+  /// Renders if anything has changed; `interacting`: coarser, for as long as the mouse moves.
+  virtual ImTextureID Texture(int width, int height, bool interacting) = 0;
+  virtual void Orbit(double dx_px, double dy_px) = 0;
+  virtual void Pan(double dx_px, double dy_px) = 0;
+  virtual void Zoom(double notches) = 0;
+  /// Turns about what is seen at a pixel.
+  virtual void FocusAt(double x_px, double y_px) = 0;
+  virtual void FocusObject(ObjectId object) = 0;
+  virtual void Reset() = 0;
+  /// Azimuth and elevation of the eye as seen from the focus.
+  virtual void SetDirection(double azimuth_rad, double elevation_rad) = 0;
+  virtual std::optional<ObjectId> Pick(double x_px, double y_px) = 0;
+  virtual SceneCamera camera() const = 0;
+  virtual double last_render_ms() const = 0;
+  virtual int renders() const = 0;
+  /// Between neighbouring lines of the floor grid.
+  virtual double grid_step_m() const = 0;
+};
+
+}  // namespace plumbline

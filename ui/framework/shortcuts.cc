@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/framework/shortcuts.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <iterator>
+#include <map>
+
+namespace plumbline {
+namespace {
+
+constexpr std::array kShortcuts = {
+    Shortcut{keys::kSpace, false, false, "Space", "Play or pause", "Playback"},
+    Shortcut{keys::kRight, false, false, "\u2190  \u2192", "One frame back, on", "Playback"},
+    Shortcut{keys::kLeft, false, false, "", "", ""},
+    Shortcut{keys::kPeriod, false, false, "", "", ""},
+    Shortcut{keys::kComma, false, false, "", "", ""},
+    Shortcut{keys::kRight, true, false, "Shift + \u2190  \u2192", "Ten frames back, on",
+             "Playback"},
+    Shortcut{keys::kLeft, true, false, "", "", ""},
+    Shortcut{keys::kHome, false, false, "Home  End", "First frame, newest mapped frame",
+             "Playback"},
+    Shortcut{keys::kEnd, false, false, "", "", ""},
+    Shortcut{keys::kLeftBracket, false, false, "[  ]", "Slower, faster", "Playback"},
+    Shortcut{keys::kRightBracket, false, false, "", "", ""},
+    Shortcut{keys::kF, false, false, "F", "Frame the selected object in 3-D", "View"},
+    Shortcut{keys::kR, false, false, "R", "Reset the views", "View"},
+    Shortcut{keys::kEscape, false, false, "Esc", "Clear the selection", "View"},
+    Shortcut{keys::kEqual, false, true, "Ctrl + \u2212  =", "Smaller, larger text", "View"},
+    Shortcut{keys::kMinus, false, true, "", "", ""},
+    Shortcut{keys::kF12, false, false, "F12", "Save a picture of the window", "Window"},
+    Shortcut{keys::kF1, false, false, "F1  ?", "This sheet", "Window"},
+    Shortcut{keys::kSlash, true, false, "", "", ""},
+    Shortcut{keys::kQ, false, true, "Ctrl + Q", "Quit", "Window"},
+};
+
+constexpr std::array kSpeeds = {0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 0.0};
+
+double NextSpeed(double speed, int direction) {
+  const auto found = std::find(kSpeeds.begin(), kSpeeds.end(), speed);
+  const auto index = found == kSpeeds.end() ? 3 : std::distance(kSpeeds.begin(), found);
+  return kSpeeds[static_cast<std::size_t>(
+      std::clamp<std::ptrdiff_t>(index + direction, 0, std::ssize(kSpeeds) - 1))];
+}
+
+void PostShortcut(const Shortcut& shortcut, const FrameContext& context, bool help_shown,
+                  CommandSink& sink) {
+  const int stride = shortcut.shift ? 10 : 1;
+  switch (shortcut.key) {
+    case keys::kSpace:
+      return sink.Post(TogglePlayCommand{});
+    case keys::kRight:
+    case keys::kPeriod:
+      return sink.Post(StepCommand{stride});
+    case keys::kLeft:
+    case keys::kComma:
+      return sink.Post(StepCommand{-stride});
+    case keys::kHome:
+      return sink.Post(SeekCommand{0});
+    case keys::kEnd:
+      return sink.Post(SeekCommand{context.playback->newest_mapped_frame});
+    case keys::kLeftBracket:
+      return sink.Post(SetSpeedCommand{NextSpeed(context.playback->speed, -1)});
+    case keys::kRightBracket:
+      return sink.Post(SetSpeedCommand{NextSpeed(context.playback->speed, 1)});
+    case keys::kF:
+      return sink.Post(FocusSelectionCommand{});
+    case keys::kR:
+      return sink.Post(ResetViewCommand{});
+    case keys::kEscape:
+      if (help_shown) return sink.Post(ShowHelpCommand{false});
+      return sink.Post(SelectObjectCommand{});
+    case keys::kEqual:
+      return sink.Post(SetUiScaleCommand{context.ui_scale * 1.1});
+    case keys::kMinus:
+      return sink.Post(SetUiScaleCommand{context.ui_scale / 1.1});
+    case keys::kF12:
+      return sink.Post(ScreenshotCommand{});
+    case keys::kF1:
+    case keys::kSlash:
+      return sink.Post(ShowHelpCommand{!help_shown});
+    case keys::kQ:
+      return sink.Post(QuitCommand{});
+    default:
+      return;
+  }
+}
+
+}  // namespace
+
+std::span<const Shortcut> Shortcuts() { return kShortcuts; }
+std::span<const double> PlaybackSpeeds() { return kSpeeds; }
+
+int KeyByName(std::string_view name) {
+  static const std::map<std::string_view, int> kNames = {
+      {"space", keys::kSpace},    {"left", keys::kLeft}, {"right", keys::kRight},
+      {"home", keys::kHome},      {"end", keys::kEnd},   {"escape", keys::kEscape},
+      {"f1", keys::kF1},          {"f12", keys::kF12},   {"[", keys::kLeftBracket},
+      {"]", keys::kRightBracket}, {"?", keys::kSlash},   {"/", keys::kSlash},
+      {",", keys::kComma},        {".", keys::kPeriod},  {"=", keys::kEqual},
+      {"-", keys::kMinus}};
+  if (const auto found = kNames.find(name); found != kNames.end()) return found->second;
+  if (name.size() == 1 && std::isalpha(static_cast<unsigned char>(name[0]))) {
+    return std::toupper(static_cast<unsigned char>(name[0]));
+  }
+  return -1;
+}
+
+void PostShortcuts(const FrameContext& context, bool help_shown, CommandSink& sink) {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (io.WantTextInput || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId)) return;
+  for (const Shortcut& shortcut : kShortcuts) {
+    if (shortcut.shift != io.KeyShift || shortcut.control != io.KeyCtrl || io.KeyAlt) continue;
+    const bool repeats = shortcut.key == keys::kLeft || shortcut.key == keys::kRight;
+    if (ImGui::IsKeyPressed(shortcut.key, repeats))
+      PostShortcut(shortcut, context, help_shown, sink);
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "engine/snapshot/commands.h"
+#include "ui/framework/frame_context.h"
+
+namespace plumbline {
+
+/// Keys by the numbers that GLFW gives them.
+namespace keys {
+inline constexpr int kSpace = 32, kComma = 44, kMinus = 45, kPeriod = 46, kSlash = 47, kEqual = 61;
+inline constexpr int kF = 70, kQ = 81, kR = 82, kLeftBracket = 91, kRightBracket = 93;
+inline constexpr int kEscape = 256, kRight = 262, kLeft = 263, kHome = 268, kEnd = 269;
+inline constexpr int kF1 = 290, kF12 = 301;
+}  // namespace keys
+
+/// One row of the table that drives both the keyboard and the help sheet.
+struct Shortcut {
+  int key = 0;
+  bool shift = false, control = false;
+  const char* keys = "";  ///< As the help sheet shows it; "" for an alias of the row before.
+  const char* meaning = "";
+  const char* group = "";
+};
+std::span<const Shortcut> Shortcuts();
+
+/// Number of a key by its name in scripts ("space", "left", "f12", "["); -1 if there is none.
+int KeyByName(std::string_view name);
+
+/// Playback speeds that [ and ] walk through; 0 is as fast as it goes.
+std::span<const double> PlaybackSpeeds();
+
+/// Posts the commands of the keys that went down in this ImGui frame. `help_shown`: Esc closes the
+/// sheet first.
+void PostShortcuts(const FrameContext& context, bool help_shown, CommandSink& sink);
+
+}  // namespace plumbline

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/framework/theme.h"
+
+#include <fontconfig/fontconfig.h>
+#include <imgui_freetype.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+
+#include "engine/base/log.h"
+
+namespace plumbline {
+namespace {
+
+// After Okabe and Ito's and Tol's palettes, lifted for a dark ground. Orange and green, which mean
+// trajectory and truth, are left out.
+constexpr std::array<ImU32, 10> kPalette = {
+    IM_COL32(86, 180, 233, 255),  IM_COL32(240, 215, 80, 255),  IM_COL32(214, 126, 180, 255),
+    IM_COL32(68, 196, 176, 255),  IM_COL32(232, 106, 74, 255),  IM_COL32(142, 140, 255, 255),
+    IM_COL32(200, 220, 130, 255), IM_COL32(190, 150, 110, 255), IM_COL32(255, 165, 190, 255),
+    IM_COL32(160, 205, 235, 255)};
+
+/// File of a family that fontconfig really has (it always offers something); "" if not.
+std::string FontFile(const char* family, int weight) {
+  const std::unique_ptr<FcPattern, decltype(&FcPatternDestroy)> wanted(FcPatternCreate(),
+                                                                       &FcPatternDestroy);
+  FcPatternAddString(wanted.get(), FC_FAMILY, reinterpret_cast<const FcChar8*>(family));
+  FcPatternAddInteger(wanted.get(), FC_WEIGHT, weight);
+  FcConfigSubstitute(nullptr, wanted.get(), FcMatchPattern);
+  FcDefaultSubstitute(wanted.get());
+  FcResult result{};
+  const std::unique_ptr<FcPattern, decltype(&FcPatternDestroy)> match(
+      FcFontMatch(nullptr, wanted.get(), &result), &FcPatternDestroy);
+  FcChar8* found = nullptr;
+  if (!match || FcPatternGetString(match.get(), FC_FAMILY, 0, &found) != FcResultMatch) return "";
+  if (std::string(reinterpret_cast<const char*>(found)) != family) return "";
+  if (FcPatternGetString(match.get(), FC_FILE, 0, &found) != FcResultMatch) return "";
+  return reinterpret_cast<const char*>(found);
+}
+
+std::string TextFontFile(int weight) {
+  for (const char* family : {"Inter", "DejaVu Sans"}) {
+    std::string file = FontFile(family, weight);
+    if (!file.empty()) return file;
+  }
+  return "";
+}
+
+ImFont* AddFont(const std::string& file, double pixels) {
+  static constexpr ImWchar kRanges[] = {0x20,   0xFF,   0x370,  0x3FF,  0x2010, 0x2030, 0x2070,
+                                        0x209F, 0x2190, 0x2193, 0x2212, 0x2212, 0};
+  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  if (!file.empty()) {
+    ImFont* font =
+        atlas.AddFontFromFileTTF(file.c_str(), static_cast<float>(pixels), nullptr, kRanges);
+    if (font != nullptr) return font;
+  }
+  ImFontConfig config;
+  config.SizePixels = static_cast<float>(pixels);
+  return atlas.AddFontDefault(&config);
+}
+
+/// Gives all digits one width, so that numbers do not dance while a sequence plays.
+void MakeDigitsTabular(ImFont& font) {
+  float widest = 0;
+  for (ImWchar c = '0'; c <= '9'; ++c) {
+    if (const ImFontGlyph* glyph = font.FindGlyphNoFallback(c)) {
+      widest = std::max(widest, glyph->AdvanceX);
+    }
+  }
+  for (ImFontGlyph& glyph : font.Glyphs) {
+    if (glyph.Codepoint < '0' || glyph.Codepoint > '9') continue;
+    const float shift = 0.5f * (widest - glyph.AdvanceX);
+    glyph.X0 += shift;
+    glyph.X1 += shift;
+    glyph.AdvanceX = widest;
+  }
+  font.BuildLookupTable();
+}
+
+void SetColors(ImGuiStyle& style) {
+  const auto set = [&](ImGuiCol index, ImU32 color) {
+    style.Colors[index] = ImGui::ColorConvertU32ToFloat4(color);
+  };
+  set(ImGuiCol_Text, colors::kText);
+  set(ImGuiCol_TextDisabled, colors::kDimText);
+  set(ImGuiCol_WindowBg, colors::kBackground);
+  set(ImGuiCol_ChildBg, IM_COL32(0, 0, 0, 0));
+  set(ImGuiCol_PopupBg, IM_COL32(33, 38, 46, 250));
+  set(ImGuiCol_Border, colors::kBorder);
+  set(ImGuiCol_FrameBg, colors::kControl);
+  set(ImGuiCol_FrameBgHovered, colors::kControlHovered);
+  set(ImGuiCol_FrameBgActive, colors::kControlHovered);
+  set(ImGuiCol_Button, colors::kControl);
+  set(ImGuiCol_ButtonHovered, colors::kControlHovered);
+  set(ImGuiCol_ButtonActive, colors::kAccentDim);
+  set(ImGuiCol_Header, WithAlpha(colors::kAccent, 0.22));
+  set(ImGuiCol_HeaderHovered, WithAlpha(colors::kAccent, 0.14));
+  set(ImGuiCol_HeaderActive, WithAlpha(colors::kAccent, 0.30));
+  set(ImGuiCol_CheckMark, colors::kAccent);
+  set(ImGuiCol_SliderGrab, colors::kAccent);
+  set(ImGuiCol_SliderGrabActive, colors::kAccent);
+  set(ImGuiCol_ScrollbarBg, IM_COL32(0, 0, 0, 0));
+  set(ImGuiCol_ScrollbarGrab, colors::kControlHovered);
+  set(ImGuiCol_ScrollbarGrabHovered, colors::kFaint);
+  set(ImGuiCol_ScrollbarGrabActive, colors::kFaint);
+  set(ImGuiCol_TableHeaderBg, colors::kPanel);
+  set(ImGuiCol_TableBorderLight, WithAlpha(colors::kBorder, 0.6));
+  set(ImGuiCol_TableBorderStrong, colors::kBorder);
+  set(ImGuiCol_TableRowBg, IM_COL32(0, 0, 0, 0));
+  set(ImGuiCol_TableRowBgAlt, IM_COL32(255, 255, 255, 5));
+  set(ImGuiCol_Separator, colors::kBorder);
+  set(ImGuiCol_NavHighlight, IM_COL32(0, 0, 0, 0));
+  set(ImGuiCol_ModalWindowDimBg, IM_COL32(0, 0, 0, 120));
+}
+
+}  // namespace
+
+ImU32 ObjectColor(ObjectId id) {
+  if (id.value < 1) return colors::kDimText;
+  return kPalette[static_cast<std::size_t>(id.value - 1) % kPalette.size()];
+}
+
+ImU32 WithAlpha(ImU32 color, double alpha) {
+  return (color & ~IM_COL32_A_MASK) |
+         (static_cast<ImU32>(std::clamp(alpha, 0.0, 1.0) * 255.0 + 0.5) << IM_COL32_A_SHIFT);
+}
+
+ImU32 Mixed(ImU32 color, ImU32 other, double share) {
+  const ImVec4 a = ImGui::ColorConvertU32ToFloat4(color);
+  const ImVec4 b = ImGui::ColorConvertU32ToFloat4(other);
+  const auto s = static_cast<float>(share);
+  return ImGui::ColorConvertFloat4ToU32(
+      ImVec4(a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), a.z + s * (b.z - a.z), a.w));
+}
+
+cv::Vec3b BgrOf(ImU32 color) {
+  return {static_cast<std::uint8_t>(color >> IM_COL32_B_SHIFT),
+          static_cast<std::uint8_t>(color >> IM_COL32_G_SHIFT),
+          static_cast<std::uint8_t>(color >> IM_COL32_R_SHIFT)};
+}
+
+ImU32 StateColor(ObjectState state) {
+  switch (state) {
+    case ObjectState::kTentative:
+      return colors::kWarning;
+    case ObjectState::kConfirmed:
+      return colors::kGood;
+    case ObjectState::kRetired:
+      return colors::kFaint;
+  }
+  return colors::kFaint;
+}
+
+const char* StateName(ObjectState state) {
+  switch (state) {
+    case ObjectState::kTentative:
+      return "tentative";
+    case ObjectState::kConfirmed:
+      return "confirmed";
+    case ObjectState::kRetired:
+      return "retired";
+  }
+  return "";
+}
+
+const char* FateName(ProposalFate fate) {
+  switch (fate) {
+    case ProposalFate::kExplained:
+      return "explained";
+    case ProposalFate::kSpawned:
+      return "spawned";
+    case ProposalFate::kUnknownCategory:
+      return "no model of it";
+    case ProposalFate::kLowScore:
+      return "low score";
+    case ProposalFate::kImplausible:
+      return "implausible";
+  }
+  return "";
+}
+
+const char* EventName(EventKind kind) {
+  switch (kind) {
+    case EventKind::kSpawned:
+      return "spawned";
+    case EventKind::kConfirmed:
+      return "confirmed";
+    case EventKind::kMerged:
+      return "merged";
+    case EventKind::kRetired:
+      return "retired";
+    case EventKind::kLabelChanged:
+      return "label changed";
+    case EventKind::kFrameSkipped:
+      return "frame skipped";
+  }
+  return "";
+}
+
+ImU32 EventColor(EventKind kind) {
+  switch (kind) {
+    case EventKind::kSpawned:
+      return colors::kAccent;
+    case EventKind::kConfirmed:
+      return colors::kGood;
+    case EventKind::kMerged:
+      return IM_COL32(190, 150, 240, 255);
+    case EventKind::kRetired:
+      return colors::kDimText;
+    case EventKind::kLabelChanged:
+      return colors::kWarning;
+    case EventKind::kFrameSkipped:
+      return colors::kBad;
+  }
+  return colors::kDimText;
+}
+
+Fonts ApplyTheme(double scale) {
+  ImGuiStyle style;
+  style.WindowPadding = {12, 12};
+  style.FramePadding = {9, 5};
+  style.ItemSpacing = {9, 7};
+  style.ItemInnerSpacing = {7, 5};
+  style.CellPadding = {8, 4};
+  style.ScrollbarSize = 11;
+  style.WindowRounding = 0;
+  style.ChildRounding = 6;
+  style.FrameRounding = 5;
+  style.PopupRounding = 6;
+  style.GrabRounding = 4;
+  style.ScrollbarRounding = 6;
+  style.WindowBorderSize = 0;
+  style.ChildBorderSize = 0;
+  style.PopupBorderSize = 1;
+  style.FrameBorderSize = 0;
+  style.ScaleAllSizes(static_cast<float>(scale));
+  SetColors(style);
+  ImGui::GetStyle() = style;
+
+  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  atlas.Clear();
+  atlas.FontBuilderIO = ImGuiFreeType::GetBuilderForFreeType();
+  atlas.FontBuilderFlags = ImGuiFreeTypeBuilderFlags_LightHinting;
+  const std::string regular = TextFontFile(FC_WEIGHT_REGULAR);
+  const std::string medium = TextFontFile(FC_WEIGHT_DEMIBOLD);
+  if (regular.empty()) {
+    log::warn(
+        "neither the font Inter nor DejaVu Sans is installed; install fonts-inter for better text");
+  }
+  Fonts fonts;
+  fonts.text = AddFont(regular, 15.0 * scale);
+  fonts.strong = AddFont(medium, 15.0 * scale);
+  fonts.small = AddFont(regular, 13.0 * scale);
+  atlas.Build();
+  for (ImFont* font : {fonts.text, fonts.strong, fonts.small}) MakeDigitsTabular(*font);
+  return fonts;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include <imgui.h>
+#include <opencv2/core.hpp>
+
+#include "engine/base/ids.h"
+#include "engine/snapshot/map_snapshot.h"
+
+namespace plumbline {
+
+/// Colours of the window, as ImGui packs them.
+namespace colors {
+inline constexpr ImU32 kBackground = IM_COL32(17, 20, 24, 255);
+inline constexpr ImU32 kPanel = IM_COL32(25, 29, 35, 255);
+inline constexpr ImU32 kInset = IM_COL32(13, 15, 18, 255);
+inline constexpr ImU32 kBorder = IM_COL32(44, 51, 60, 255);
+inline constexpr ImU32 kControl = IM_COL32(40, 46, 55, 255);
+inline constexpr ImU32 kControlHovered = IM_COL32(54, 62, 74, 255);
+inline constexpr ImU32 kText = IM_COL32(228, 232, 238, 255);
+inline constexpr ImU32 kDimText = IM_COL32(147, 157, 170, 255);
+inline constexpr ImU32 kFaint = IM_COL32(92, 101, 113, 255);
+inline constexpr ImU32 kAccent = IM_COL32(82, 168, 224, 255);
+inline constexpr ImU32 kAccentDim = IM_COL32(38, 82, 112, 255);
+inline constexpr ImU32 kGood = IM_COL32(94, 201, 142, 255);
+inline constexpr ImU32 kWarning = IM_COL32(236, 184, 84, 255);
+inline constexpr ImU32 kBad = IM_COL32(236, 106, 94, 255);
+inline constexpr ImU32 kTrajectory = IM_COL32(242, 145, 50, 255);
+inline constexpr ImU32 kTruth = IM_COL32(88, 214, 110, 255);
+}  // namespace colors
+
+/// The same object has the same colour everywhere; neighbours in order of birth differ for
+/// colour-blind eyes, too.
+ImU32 ObjectColor(ObjectId id);
+ImU32 WithAlpha(ImU32 color, double alpha);
+/// Blends towards `other` by `share`.
+ImU32 Mixed(ImU32 color, ImU32 other, double share);
+cv::Vec3b BgrOf(ImU32 color);
+
+ImU32 StateColor(ObjectState state);
+const char* StateName(ObjectState state);
+const char* FateName(ProposalFate fate);
+const char* EventName(EventKind kind);
+ImU32 EventColor(EventKind kind);
+
+/// Fonts in the order they were loaded.
+struct Fonts {
+  ImFont* text = nullptr;
+  ImFont* strong = nullptr;
+  ImFont* small = nullptr;
+};
+
+/// Sets the style and loads the fonts (Inter, else DejaVu Sans, found through fontconfig; else
+/// ImGui's own) for a scale of 1 = 15 px text. The font texture must be made again afterwards.
+Fonts ApplyTheme(double scale);
+
+}  // namespace plumbline

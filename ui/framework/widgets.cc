@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/framework/widgets.h"
+
+#include <algorithm>
+#include <cstdarg>
+
+namespace plumbline {
+namespace {
+
+void DrawIcon(Icon icon, ImVec2 c, float r, ImU32 color) {
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const auto triangle = [&](float x, float direction, float size) {
+    const ImVec2 a(x - direction * size * 0.75f, c.y - size), b(x + direction * size * 0.85f, c.y),
+        d(x - direction * size * 0.75f, c.y + size);
+    // Anti-aliased filling wants one winding.
+    direction > 0 ? draw.AddTriangleFilled(a, b, d, color) : draw.AddTriangleFilled(d, b, a, color);
+  };
+  const auto bar = [&](float x, float half_width, float half_height) {
+    draw.AddRectFilled({x - half_width, c.y - half_height}, {x + half_width, c.y + half_height},
+                       color, 1.0f);
+  };
+  switch (icon) {
+    case Icon::kPlay:
+      triangle(c.x, 1, r);
+      break;
+    case Icon::kPause:
+      bar(c.x - 0.45f * r, 0.24f * r, r * 0.95f);
+      bar(c.x + 0.45f * r, 0.24f * r, r * 0.95f);
+      break;
+    case Icon::kStepForward:
+      bar(c.x - 0.75f * r, 0.14f * r, r * 0.85f);
+      triangle(c.x + 0.3f * r, 1, 0.8f * r);
+      break;
+    case Icon::kStepBack:
+      bar(c.x + 0.75f * r, 0.14f * r, r * 0.85f);
+      triangle(c.x - 0.3f * r, -1, 0.8f * r);
+      break;
+    case Icon::kLast:
+      triangle(c.x - 0.55f * r, 1, 0.75f * r);
+      triangle(c.x + 0.35f * r, 1, 0.75f * r);
+      bar(c.x + 1.1f * r, 0.14f * r, r * 0.8f);
+      break;
+    case Icon::kFirst:
+      triangle(c.x + 0.55f * r, -1, 0.75f * r);
+      triangle(c.x - 0.35f * r, -1, 0.75f * r);
+      bar(c.x - 1.1f * r, 0.14f * r, r * 0.8f);
+      break;
+    case Icon::kHelp: {
+      const ImVec2 size = ImGui::CalcTextSize("?");
+      draw.AddText({c.x - 0.5f * size.x, c.y - 0.5f * size.y}, color, "?");
+      break;
+    }
+    case Icon::kCamera:
+      draw.AddRect({c.x - r, c.y - 0.6f * r}, {c.x + r, c.y + 0.8f * r}, color, 2.0f, 0, 1.5f);
+      draw.AddCircle({c.x, c.y + 0.1f * r}, 0.4f * r, color, 0, 1.5f);
+      draw.AddRectFilled({c.x - 0.4f * r, c.y - 0.9f * r}, {c.x + 0.4f * r, c.y - 0.6f * r}, color);
+      break;
+  }
+}
+
+}  // namespace
+
+void LogItem(const FrameContext& context, const std::string& name) {
+  if (context.widgets != nullptr) {
+    context.widgets->Add(name, ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
+  }
+}
+
+void Tooltip(const FrameContext& context, const std::string& text) {
+  if (text.empty() || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {context.Scaled(10), context.Scaled(7)});
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(context.Scaled(380));
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+  ImGui::PopStyleVar();
+}
+
+bool Button(const FrameContext& context, const std::string& name, const char* label,
+            const std::string& tooltip) {
+  const bool clicked = ImGui::Button((std::string(label) + "##" + name).c_str());
+  LogItem(context, name);
+  Tooltip(context, tooltip);
+  return clicked;
+}
+
+bool IconButton(const FrameContext& context, const std::string& name, Icon icon, bool on,
+                const std::string& tooltip) {
+  const float size = ImGui::GetFrameHeight() + context.Scaled(4);
+  const ImVec2 low = ImGui::GetCursorScreenPos();
+  const bool clicked = ImGui::InvisibleButton(name.c_str(), {size, size});
+  const bool hovered = ImGui::IsItemHovered();
+  if (on || hovered) {
+    ImGui::GetWindowDrawList()->AddRectFilled(
+        low, {low.x + size, low.y + size},
+        on ? (hovered ? Mixed(colors::kAccent, IM_COL32_WHITE, 0.15) : colors::kAccent)
+           : colors::kControlHovered,
+        context.Scaled(6));
+  }
+  DrawIcon(icon, {low.x + 0.5f * size, low.y + 0.5f * size}, context.Scaled(7),
+           on ? colors::kBackground : colors::kText);
+  LogItem(context, name);
+  Tooltip(context, tooltip);
+  return clicked;
+}
+
+float ToggleWidth(const FrameContext& context, const char* label) {
+  ImGui::PushFont(context.fonts.small);
+  const float width = ImGui::CalcTextSize(label).x + context.Scaled(16);
+  ImGui::PopFont();
+  return width;
+}
+
+bool Toggle(const FrameContext& context, const std::string& name, const char* label, bool& value,
+            const std::string& tooltip) {
+  ImGui::PushFont(context.fonts.small);
+  const ImVec2 size(ToggleWidth(context, label), ImGui::GetTextLineHeight() + context.Scaled(8));
+  const ImVec2 low = ImGui::GetCursorScreenPos();
+  const bool clicked = ImGui::InvisibleButton(name.c_str(), size);
+  const bool hovered = ImGui::IsItemHovered();
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const ImVec2 high(low.x + size.x, low.y + size.y);
+  if (value || hovered) {
+    draw.AddRectFilled(low, high, value ? colors::kAccentDim : colors::kControl, context.Scaled(5));
+  }
+  const ImVec2 text = ImGui::CalcTextSize(label);
+  draw.AddText({low.x + 0.5f * (size.x - text.x), low.y + 0.5f * (size.y - text.y)},
+               value ? colors::kText : colors::kDimText, label);
+  ImGui::PopFont();
+  LogItem(context, name);
+  Tooltip(context, tooltip);
+  if (clicked) value = !value;
+  return clicked;
+}
+
+void AlignRight(float width) {
+  const float room = ImGui::GetContentRegionAvail().x - width;
+  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
+}
+
+void EmptyState(const FrameContext& context, const char* title, const char* advice) {
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  const ImVec2 origin = ImGui::GetCursorScreenPos();
+  const float wrap = std::max(room.x - context.Scaled(32), context.Scaled(80));
+  ImGui::PushFont(context.fonts.small);
+  const ImVec2 advice_size = ImGui::CalcTextSize(advice, nullptr, false, wrap);
+  ImGui::PopFont();
+  const ImVec2 title_size = ImGui::CalcTextSize(title);
+  const float height = title_size.y + context.Scaled(4) + advice_size.y;
+  const float top = origin.y + std::max(0.0f, 0.5f * (room.y - height));
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.PushClipRect(origin, {origin.x + room.x, origin.y + room.y}, true);
+  draw.AddText({origin.x + 0.5f * (room.x - title_size.x), top}, colors::kDimText, title);
+  draw.AddText(context.fonts.small, context.fonts.small->FontSize,
+               {origin.x + 0.5f * (room.x - advice_size.x), top + title_size.y + context.Scaled(4)},
+               colors::kFaint, advice, nullptr, wrap);
+  draw.PopClipRect();
+}
+
+void Bar(ImVec2 size, double share, ImU32 color) {
+  const ImVec2 low = ImGui::GetCursorScreenPos();
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const float rounding = 0.35f * size.y;
+  draw.AddRectFilled(low, {low.x + size.x, low.y + size.y}, colors::kInset, rounding);
+  const auto width = static_cast<float>(size.x * std::clamp(share, 0.0, 1.0));
+  if (width >= 1) {
+    draw.AddRectFilled(low, {low.x + width, low.y + size.y}, color,
+                       std::min(rounding, 0.5f * width));
+  }
+  ImGui::Dummy(size);
+}
+
+void DimText(const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  ImGui::PushStyleColor(ImGuiCol_Text, colors::kDimText);
+  ImGui::TextV(format, arguments);
+  ImGui::PopStyleColor();
+  va_end(arguments);
+}
+
+void SmallText(const FrameContext& context, ImU32 color, const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  ImGui::PushFont(context.fonts.small);
+  ImGui::PushStyleColor(ImGuiCol_Text, color);
+  ImGui::TextV(format, arguments);
+  ImGui::PopStyleColor();
+  ImGui::PopFont();
+  va_end(arguments);
+}
+
+void PictureLabel(const FrameContext& context, ImVec2 at, ImU32 color, const std::string& text,
+                  ImVec2 clip_low, ImVec2 clip_high) {
+  ImFont* font = context.fonts.small;
+  const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str());
+  const float pad = context.Scaled(4);
+  ImVec2 low(at.x, at.y - size.y - pad);
+  low.x = std::max(std::min(low.x, clip_high.x - size.x - 2 * pad), clip_low.x);
+  low.y = std::max(std::min(low.y, clip_high.y - size.y - pad), clip_low.y);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.AddRectFilled(low, {low.x + size.x + 2 * pad, low.y + size.y + pad},
+                     IM_COL32(12, 14, 17, 200), context.Scaled(3));
+  draw.AddText(font, font->FontSize, {low.x + pad, low.y + 0.5f * pad}, color, text.c_str());
+}
+
+}  // namespace plumbline

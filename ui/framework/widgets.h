@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <imgui.h>
+
+#include "ui/framework/frame_context.h"
+
+namespace plumbline {
+
+// Controls of the house: each has a name for scripts (Panel's Id and a word: "image.outlines") and
+// a tooltip.
+
+enum class Icon { kPlay, kPause, kStepBack, kStepForward, kFirst, kLast, kHelp, kCamera };
+
+/// Remembers the last ImGui item under `name`.
+void LogItem(const FrameContext& context, const std::string& name);
+/// Tooltip of the last item, after a short rest of the mouse.
+void Tooltip(const FrameContext& context, const std::string& text);
+
+bool Button(const FrameContext& context, const std::string& name, const char* label,
+            const std::string& tooltip);
+bool IconButton(const FrameContext& context, const std::string& name, Icon icon, bool on,
+                const std::string& tooltip);
+/// A small switch with text; true when it was clicked (and `value` turned).
+bool Toggle(const FrameContext& context, const std::string& name, const char* label, bool& value,
+            const std::string& tooltip);
+/// Width that Toggle takes.
+float ToggleWidth(const FrameContext& context, const char* label);
+/// Moves the cursor so that a row of `width` ends at the right edge.
+void AlignRight(float width);
+
+/// Centred, dim: what is missing and what to do.
+void EmptyState(const FrameContext& context, const char* title, const char* advice);
+
+/// A horizontal bar of `share` in [0, 1] with text over it.
+void Bar(ImVec2 size, double share, ImU32 color);
+
+void DimText(const char* format, ...) IM_FMTARGS(1);
+void SmallText(const FrameContext& context, ImU32 color, const char* format, ...) IM_FMTARGS(3);
+
+/// A label with a dark ground, drawn into a picture; `at` is its lower left corner unless it would
+/// leave `clip_low`.
+void PictureLabel(const FrameContext& context, ImVec2 at, ImU32 color, const std::string& text,
+                  ImVec2 clip_low, ImVec2 clip_high);
+
+}  // namespace plumbline

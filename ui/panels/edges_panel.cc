@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "ui/framework/image_canvas.h"
+#include "ui/framework/pictures.h"
+#include "ui/framework/widgets.h"
+#include "ui/panels/panels.h"
+#include "ui/panels/waiting.h"
+
+namespace plumbline {
+namespace {
+
+/// A half wheel that says which colour is which direction of the edge itself.
+void DrawOrientationLegend(const FrameContext& context, const ImageCanvas& canvas) {
+  const float radius = context.Scaled(17), pad = context.Scaled(7);
+  if (canvas.high().x - canvas.low().x < 6 * radius) return;
+  const ImVec2 center(canvas.high().x - radius - pad, canvas.high().y - pad);
+  canvas.draw().AddRectFilled({center.x - radius - 4, center.y - radius - 4},
+                              {center.x + radius + 4, center.y + 4}, IM_COL32(12, 14, 17, 190),
+                              context.Scaled(3));
+  constexpr int kSpokes = 24;
+  for (int i = 0; i < kSpokes; ++i) {
+    const double along = std::numbers::pi * (i + 0.5) / kSpokes;  // image y points down
+    const double normal = std::fmod(along + 0.5 * std::numbers::pi, std::numbers::pi);
+    const ImVec2 tip(center.x + radius * static_cast<float>(std::cos(along)),
+                     center.y - radius * static_cast<float>(std::sin(along)));
+    canvas.draw().AddLine(center, tip,
+                          OrientationColor(std::fmod(std::numbers::pi - normal, std::numbers::pi)),
+                          context.Scaled(2));
+  }
+}
+
+class EdgesPanel : public Panel {
+ public:
+  const char* Id() const override { return "edges"; }
+  const char* Title() const override { return "Edges"; }
+  const char* Help() const override {
+    return "What the edge detector sees, thinned to lines: colour is the direction of the edge "
+           "(the fan shows which), "
+           "brightness its probability.";
+  }
+
+  void DrawHeader(const FrameContext& context, CommandSink&) override {
+    AlignRight(ToggleWidth(context, "Outlines"));
+    Toggle(context, "edges.outlines", "Outlines", outlines_,
+           "Outlines of the mean states over the edges that they should meet.");
+  }
+
+  void Draw(const FrameContext& context, CommandSink&) override {
+    if (DrawWaiting(context)) return;
+    const MapSnapshot& snapshot = *context.snapshot;
+    if (snapshot.edge_probability.empty()) {
+      return EmptyState(context, "No edge map",
+                        "Edges come with live mapping; open the sequence instead of the run.");
+    }
+    const ImTextureID texture = context.textures->Get("edges", context.snapshot_version, [&] {
+      return EdgePicture(snapshot.edge_probability, snapshot.edge_angle);
+    });
+    const ImageCanvas canvas(context, "edges.view", texture, snapshot.edge_probability.cols,
+                             snapshot.edge_probability.rows);
+    if (outlines_) DrawOutlines(context, canvas);
+    DrawOrientationLegend(context, canvas);
+    if (const auto pixel = canvas.hovered()) {
+      const int x = static_cast<int>(std::lround(pixel->x())),
+                y = static_cast<int>(std::lround(pixel->y()));
+      if (x < 0 || y < 0 || x >= snapshot.edge_probability.cols ||
+          y >= snapshot.edge_probability.rows)
+        return;
+      const int probability = snapshot.edge_probability.at<std::uint8_t>(y, x);
+      if (probability > 0) ImGui::SetTooltip("edge probability %.0f %%", probability / 2.55);
+    }
+  }
+
+  nlohmann::json SaveState() const override { return {{"outlines", outlines_}}; }
+  void LoadState(const nlohmann::json& json) override {
+    outlines_ = json.value("outlines", outlines_);
+  }
+
+ private:
+  static void DrawOutlines(const FrameContext& context, const ImageCanvas& canvas) {
+    std::vector<ImVec2> points;
+    for (const OutlineView& outline : context.snapshot->outlines) {
+      for (const auto& contour : outline.contours) {
+        points.clear();
+        for (const Eigen::Vector2f& p : contour) points.push_back(canvas.ToScreen(p));
+        canvas.draw().AddPolyline(points.data(), static_cast<int>(points.size()),
+                                  WithAlpha(ObjectColor(outline.object), 0.8), ImDrawFlags_Closed,
+                                  context.Scaled(1));
+      }
+    }
+  }
+
+  bool outlines_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeEdgesPanel() { return std::make_unique<EdgesPanel>(); }
+
+}  // namespace plumbline

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "ui/framework/image_canvas.h"
+#include "ui/framework/widgets.h"
+#include "ui/panels/panels.h"
+#include "ui/panels/particle_overlay.h"
+#include "ui/panels/waiting.h"
+
+namespace plumbline {
+namespace {
+
+ImU32 FateColor(const ProposalReport& proposal) {
+  switch (proposal.fate) {
+    case ProposalFate::kExplained:
+      return ObjectColor(proposal.object);
+    case ProposalFate::kSpawned:
+      return IM_COL32_WHITE;
+    case ProposalFate::kUnknownCategory:
+      return IM_COL32(150, 158, 170, 255);
+    case ProposalFate::kLowScore:
+      return IM_COL32(108, 116, 128, 255);
+    case ProposalFate::kImplausible:
+      return colors::kBad;
+  }
+  return colors::kDimText;
+}
+
+class ImagePanel : public Panel {
+ public:
+  const char* Id() const override { return "image"; }
+  const char* Title() const override { return "Image"; }
+  const char* Help() const override {
+    return "The camera's image with the detector's proposals and the outlines of the objects' mean "
+           "states.\n"
+           "Wheel zooms, dragging moves, double click shows all; a click selects an object.";
+  }
+
+  void DrawHeader(const FrameContext& context, CommandSink&) override {
+    AlignRight(ToggleWidth(context, "Proposals") + ToggleWidth(context, "Outlines") +
+               ToggleWidth(context, "Names") + ToggleWidth(context, "Particles") +
+               context.Scaled(12));
+    Toggle(context, "image.proposals", "Proposals", proposals_,
+           "Boxes that the detector proposes, with category and score. In an object's colour: "
+           "explained by it. "
+           "White: gave birth to an object. Light grey: no model of that category. Dark grey: low "
+           "score. "
+           "Red: no plausible place for a model in the box.");
+    ImGui::SameLine();
+    Toggle(context, "image.outlines", "Outlines", outlines_,
+           "Outline of each object's mean state, in its colour.");
+    ImGui::SameLine();
+    Toggle(context, "image.names", "Names", names_, "Number and most likely model of each object.");
+    ImGui::SameLine();
+    Toggle(context, "image.particles", "Particles", particles_,
+           "Centres of the selected object's hypotheses.");
+  }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    if (DrawWaiting(context)) return;
+    const MapSnapshot& snapshot = *context.snapshot;
+    if (snapshot.image.empty()) {
+      return EmptyState(context, "No image",
+                        snapshot.report.skipped.empty() ? "This frame came without an image."
+                                                        : snapshot.report.skipped.c_str());
+    }
+    const ImTextureID texture =
+        context.textures->Get("image", context.snapshot_version, [&] { return snapshot.image; });
+    const ImageCanvas canvas(context, "image.view", texture, snapshot.image.cols,
+                             snapshot.image.rows);
+    if (proposals_) DrawProposals(context, canvas);
+    if (outlines_) DrawOutlines(context, canvas);
+    if (const ObjectReport* object = context.SelectedObject(); particles_ && object != nullptr) {
+      DrawParticleOverlay(context, canvas, *object, {});
+    }
+    if (names_) DrawNames(context, canvas);
+    if (!snapshot.report.skipped.empty()) {
+      PictureLabel(
+          context, {canvas.low().x + context.Scaled(8), canvas.low().y + context.Scaled(28)},
+          colors::kWarning, "not used: " + snapshot.report.skipped, canvas.low(), canvas.high());
+    }
+    if (const auto pixel = canvas.clicked())
+      sink.Post(SelectObjectCommand{ObjectAt(snapshot, *pixel)});
+  }
+
+  nlohmann::json SaveState() const override {
+    return {{"proposals", proposals_},
+            {"outlines", outlines_},
+            {"names", names_},
+            {"particles", particles_}};
+  }
+  void LoadState(const nlohmann::json& json) override {
+    proposals_ = json.value("proposals", proposals_);
+    outlines_ = json.value("outlines", outlines_);
+    names_ = json.value("names", names_);
+    particles_ = json.value("particles", particles_);
+  }
+
+ private:
+  static ObjectId ObjectAt(const MapSnapshot& snapshot, const Eigen::Vector2f& pixel) {
+    if (snapshot.id.empty()) return {};
+    const int x = static_cast<int>((pixel.x() + 0.5f) * static_cast<float>(snapshot.id.cols) /
+                                   static_cast<float>(snapshot.image.cols));
+    const int y = static_cast<int>((pixel.y() + 0.5f) * static_cast<float>(snapshot.id.rows) /
+                                   static_cast<float>(snapshot.image.rows));
+    if (x < 0 || y < 0 || x >= snapshot.id.cols || y >= snapshot.id.rows) return {};
+    const int id = snapshot.id.at<std::uint16_t>(y, x);
+    return id > 0 ? ObjectId{id} : ObjectId{};
+  }
+
+  void DrawProposals(const FrameContext& context, const ImageCanvas& canvas) const {
+    for (const ProposalReport& proposal : context.snapshot->report.proposals) {
+      const ImVec2 low = canvas.ToScreen(proposal.box.x0 - 0.5f, proposal.box.y0 - 0.5f);
+      const ImVec2 high = canvas.ToScreen(proposal.box.x1 + 0.5f, proposal.box.y1 + 0.5f);
+      const bool weak = proposal.fate == ProposalFate::kLowScore ||
+                        proposal.fate == ProposalFate::kUnknownCategory;
+      const ImU32 color = FateColor(proposal);
+      canvas.draw().AddRect(low, high, IM_COL32(0, 0, 0, 130), 0, 0,
+                            context.Scaled(weak ? 2.0 : 3.0));
+      canvas.draw().AddRect(low, high, color, 0, 0, context.Scaled(weak ? 1.0 : 1.5));
+      PictureLabel(context, low, color, fmt::format("{} {:.2f}", proposal.category, proposal.score),
+                   canvas.low(), canvas.high());
+      if (ImGui::IsMouseHoveringRect(low, {high.x, low.y + context.Scaled(6)}) ||
+          ImGui::IsMouseHoveringRect(low, {low.x + context.Scaled(6), high.y})) {
+        std::string why = FateName(proposal.fate);
+        if (proposal.object.value > 0) why += fmt::format(" (object #{})", proposal.object.value);
+        ImGui::SetTooltip("%s, score %.2f\n%s", proposal.category.c_str(), proposal.score,
+                          why.c_str());
+      }
+    }
+  }
+
+  static void DrawOutlines(const FrameContext& context, const ImageCanvas& canvas) {
+    std::vector<ImVec2> points;
+    for (const OutlineView& outline : context.snapshot->outlines) {
+      const bool selected = outline.object == context.selection.object;
+      for (const auto& contour : outline.contours) {
+        points.clear();
+        for (const Eigen::Vector2f& p : contour) points.push_back(canvas.ToScreen(p));
+        const int count = static_cast<int>(points.size());
+        canvas.draw().AddPolyline(points.data(), count, IM_COL32(0, 0, 0, 150), ImDrawFlags_Closed,
+                                  context.Scaled(selected ? 5.0 : 3.5));
+        canvas.draw().AddPolyline(points.data(), count, ObjectColor(outline.object),
+                                  ImDrawFlags_Closed, context.Scaled(selected ? 3.0 : 1.75));
+      }
+    }
+  }
+
+  static void DrawNames(const FrameContext& context, const ImageCanvas& canvas) {
+    for (const ObjectReport& object : context.snapshot->report.objects) {
+      if (object.visible_box.empty() || object.state == ObjectState::kRetired) continue;
+      const ModelView* model = context.Model(object.label);
+      const std::string text =
+          fmt::format("#{} {}", object.id.value, model != nullptr ? model->name : object.category);
+      ImVec2 at = canvas.ToScreen(object.visible_box.center_x(), object.visible_box.center_y());
+      const float width =
+          context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, text.c_str())
+              .x;
+      at.x -= 0.5f * width;
+      at.y += context.Scaled(10);
+      PictureLabel(context, at, ObjectColor(object.id), text, canvas.low(), canvas.high());
+    }
+  }
+
+  bool proposals_ = true, outlines_ = true, names_ = true, particles_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeImagePanel() { return std::make_unique<ImagePanel>(); }
+
+}  // namespace plumbline

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/framework/image_canvas.h"
+#include "ui/framework/pictures.h"
+#include "ui/framework/widgets.h"
+#include "ui/panels/panels.h"
+#include "ui/panels/waiting.h"
+
+namespace plumbline {
+namespace {
+
+class MasksPanel : public Panel {
+ public:
+  const char* Id() const override { return "masks"; }
+  const char* Title() const override { return "Masks"; }
+  const char* Help() const override {
+    return "Visible part of every object's mean state over the image, in the object's colour, "
+           "darker the closer.";
+  }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    if (DrawWaiting(context)) return;
+    const MapSnapshot& snapshot = *context.snapshot;
+    if (snapshot.image.empty())
+      return EmptyState(context, "No image", "This frame came without an image.");
+    const ImTextureID texture = context.textures->Get("masks", context.snapshot_version, [&] {
+      return MaskPicture(snapshot.image, snapshot.depth, snapshot.id, RangeOf(snapshot.depth));
+    });
+    const ImageCanvas canvas(context, "masks.view", texture, snapshot.image.cols,
+                             snapshot.image.rows);
+    const auto pixel = canvas.hovered();
+    if (!pixel || snapshot.id.empty()) return;
+    const int x = static_cast<int>((pixel->x() + 0.5f) * static_cast<float>(snapshot.id.cols) /
+                                   static_cast<float>(snapshot.image.cols));
+    const int y = static_cast<int>((pixel->y() + 0.5f) * static_cast<float>(snapshot.id.rows) /
+                                   static_cast<float>(snapshot.image.rows));
+    if (x < 0 || y < 0 || x >= snapshot.id.cols || y >= snapshot.id.rows) return;
+    const int id = snapshot.id.at<std::uint16_t>(y, x);
+    if (id > 0) ImGui::SetTooltip("object #%d", id);
+    if (canvas.clicked()) sink.Post(SelectObjectCommand{id > 0 ? ObjectId{id} : ObjectId{}});
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeMasksPanel() { return std::make_unique<MasksPanel>(); }
+
+}  // namespace plumbline

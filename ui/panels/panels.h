@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "ui/framework/panel.h"
+
+namespace plumbline {
+
+// One function per panel, each in a file of its own. docs/panels.md shows them.
+
+std::unique_ptr<Panel> MakeImagePanel();
+std::unique_ptr<Panel> MakeEdgesPanel();
+std::unique_ptr<Panel> MakeDepthPanel();
+std::unique_ptr<Panel> MakeMasksPanel();
+std::unique_ptr<Panel> MakeParticlesPanel();
+std::unique_ptr<Panel> MakeScenePanel();
+std::unique_ptr<Panel> MakeObjectsPanel();
+std::unique_ptr<Panel> MakeDetailsPanel();
+std::unique_ptr<Panel> MakeTimingsPanel();
+std::unique_ptr<Panel> MakeTimelinePanel();
+
+}  // namespace plumbline

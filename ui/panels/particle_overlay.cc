@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/panels/particle_overlay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "ui/framework/particle_place.h"
+
+namespace plumbline {
+namespace {
+
+std::optional<ImVec2> Project(const SequenceView& sequence, const Eigen::Isometry3d& cam_from_world,
+                              const Eigen::Vector3d& point_in_world, const ImageCanvas& canvas) {
+  const Eigen::Vector3d p = cam_from_world * point_in_world;
+  if (p.z() < 0.05) return std::nullopt;
+  return canvas.ToScreen(static_cast<float>(sequence.fx * p.x() / p.z() + sequence.cx),
+                         static_cast<float>(sequence.fy * p.y() / p.z() + sequence.cy));
+}
+
+}  // namespace
+
+int DrawParticleOverlay(const FrameContext& context, const ImageCanvas& canvas,
+                        const ObjectReport& object, const ParticleOverlay& overlay) {
+  if (object.particles == nullptr || !context.snapshot->report.world_from_cam) return -1;
+  const SequenceView& sequence = *context.sequence;
+  const Eigen::Isometry3d cam_from_world = context.snapshot->report.world_from_cam->inverse();
+  const UprightFrame upright(-sequence.up_in_world);
+  double heaviest = -1e9;
+  for (const Particle& p : *object.particles) heaviest = std::max<double>(heaviest, p.log_weight);
+  const ImU32 color = ObjectColor(object.id);
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const float radius = context.Scaled(overlay.radius_px);
+  int nearest = -1;
+  float nearest_px = context.Scaled(6);
+  for (std::size_t i = 0; i < object.particles->size(); ++i) {
+    const Particle& particle = (*object.particles)[i];
+    const ParticlePlace place = PlaceOf(particle, object, upright);
+    const auto center = Project(sequence, cam_from_world, place.center_in_world, canvas);
+    if (!center) continue;
+    const double light = std::exp(std::max(-4.0, particle.log_weight - heaviest));
+    const bool chosen = static_cast<int>(i) == context.selection.particle;
+    const ImU32 ink =
+        chosen ? IM_COL32_WHITE
+               : WithAlpha(Mixed(color, IM_COL32_WHITE, 0.35 * light), 0.35 + 0.55 * light);
+    if (overlay.needle_m > 0) {
+      const auto tip =
+          Project(sequence, cam_from_world,
+                  place.center_in_world + overlay.needle_m * place.heading_in_world, canvas);
+      if (tip)
+        canvas.draw().AddLine(*center, *tip, WithAlpha(ink, chosen ? 1.0 : 0.45),
+                              context.Scaled(chosen ? 2 : 1));
+    }
+    canvas.draw().AddCircleFilled(*center, chosen ? 2 * radius : radius, ink, 8);
+    const float distance = std::hypot(center->x - mouse.x, center->y - mouse.y);
+    if (canvas.hovered() && distance < nearest_px) {
+      nearest = static_cast<int>(i);
+      nearest_px = distance;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "ui/framework/widgets.h"
+#include "ui/panels/panels.h"
+#include "ui/panels/waiting.h"
+
+namespace plumbline {
+namespace {
+
+class TimingsPanel : public Panel {
+ public:
+  const char* Id() const override { return "timings"; }
+  const char* Title() const override { return "Timings"; }
+  const char* Help() const override {
+    return "Time that each stage took in this frame (bar and number), and its running mean. Below: "
+           "what the window itself takes.";
+  }
+
+  void Draw(const FrameContext& context, CommandSink&) override {
+    if (DrawWaiting(context)) return;
+    Remember(context);
+    ImGui::PushFont(context.fonts.small);
+    ImGui::BeginChild("timings.scroll", ImGui::GetContentRegionAvail());
+    const auto& timings = context.snapshot->report.timings;
+    double total = 0, longest = 1;
+    for (const StageTiming& timing : timings) {
+      total += timing.milliseconds;
+      longest = std::max({longest, timing.milliseconds, means_[timing.stage]});
+    }
+    if (ImGui::BeginTable("timings.table", 4, ImGuiTableFlags_SizingFixedFit)) {
+      ImGui::TableSetupColumn("stage");
+      ImGui::TableSetupColumn("bar", ImGuiTableColumnFlags_WidthStretch);
+      ImGui::TableSetupColumn("now");
+      ImGui::TableSetupColumn("mean");
+      for (const StageTiming& timing : timings) {
+        Row(context, timing.stage, timing.milliseconds, means_[timing.stage], longest,
+            colors::kAccent);
+      }
+      Row(context, "frame", total, mean_total_, 0, colors::kText);
+      Row(context, "window", context.window_ms, -1, 0, colors::kDimText);
+      Tooltip(context, "CPU time of drawing the window.");
+      Row(context, "3-D view", context.scene_ms, -1, 0, colors::kDimText);
+      ImGui::EndTable();
+    }
+    ImGui::EndChild();
+    ImGui::PopFont();
+  }
+
+ private:
+  void Remember(const FrameContext& context) {
+    if (version_ == context.snapshot_version) return;
+    version_ = context.snapshot_version;
+    double total = 0;
+    for (const StageTiming& timing : context.snapshot->report.timings) {
+      total += timing.milliseconds;
+      const auto [entry, is_new] = means_.emplace(timing.stage, timing.milliseconds);
+      if (!is_new) entry->second += kShare * (timing.milliseconds - entry->second);
+    }
+    mean_total_ = mean_total_ == 0 ? total : mean_total_ + kShare * (total - mean_total_);
+  }
+
+  /// Without a bar where `longest` is 0, without a mean where it is negative.
+  static void Row(const FrameContext& context, const std::string& name, double now, double mean,
+                  double longest, ImU32 color) {
+    const auto number = [&](double value, ImU32 ink) {
+      const std::string text = fmt::format("{:.1f} ms", value);
+      const float width = ImGui::CalcTextSize("0000.0 ms").x;
+      ImGui::SetCursorPosX(ImGui::GetCursorPosX() + width - ImGui::CalcTextSize(text.c_str()).x);
+      ImGui::PushStyleColor(ImGuiCol_Text, ink);
+      ImGui::TextUnformatted(text.c_str());
+      ImGui::PopStyleColor();
+    };
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::PushStyleColor(ImGuiCol_Text, longest > 0 ? colors::kDimText : color);
+    ImGui::TextUnformatted(name.c_str());
+    ImGui::PopStyleColor();
+    ImGui::TableNextColumn();
+    if (longest > 0) {
+      ImGui::SetCursorPosY(ImGui::GetCursorPosY() + 0.25f * ImGui::GetTextLineHeight());
+      Bar({std::max(4.0f, ImGui::GetContentRegionAvail().x), 0.5f * ImGui::GetTextLineHeight()},
+          now / longest, color);
+    }
+    ImGui::TableNextColumn();
+    number(now, longest > 0 ? colors::kText : color);
+    ImGui::TableNextColumn();
+    if (mean >= 0) {
+      number(mean, colors::kFaint);
+      Tooltip(context, "Running mean over about 30 frames.");
+    }
+  }
+
+  static constexpr double kShare = 1.0 / 30;
+  std::map<std::string, double> means_;
+  double mean_total_ = 0;
+  std::uint64_t version_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeTimingsPanel() { return std::make_unique<TimingsPanel>(); }
+
+}  // namespace plumbline

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/scene/map_scene.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <vtkCamera.h>
+#include <vtkCellPicker.h>
+#include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkLight.h>
+#include <vtkNew.h>
+#include <vtkOpenGLFramebufferObject.h>
+#include <vtkOpenGLState.h>
+#include <vtkRenderer.h>
+#include <vtkTextureObject.h>
+
+#include "engine/base/timer.h"
+#include "engine/geometry/gravity.h"
+#include "ui/scene/scene_actors.h"
+#include "ui/scene/turntable_camera.h"
+
+namespace plumbline {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kSlowRenderMs = 30;  ///< Slower than this, moving pictures go coarser.
+constexpr double kOrbitPerPixel = 0.006;
+
+class MapScene : public SceneSurface {
+ public:
+  explicit MapScene(bool software_gl) : actors_(renderer_, software_gl) {
+    window_->SetOwnContext(0);
+    window_->SetFrameBlitModeToNoBlit();
+    window_->SetMultiSamples(software_gl ? 0 : 4);
+    window_->SetIsCurrent(true);
+    window_->SetReadyForRendering(true);
+    window_->SetSupportsOpenGL(1);
+    window_->SetIsDirect(1);
+    window_->SetMapped(1);
+    window_->OpenGLInitContext();
+    renderer_->SetBackground(0.050, 0.058, 0.070);
+    renderer_->SetBackground2(0.105, 0.122, 0.145);
+    renderer_->GradientBackgroundOn();
+    renderer_->SetBackgroundAlpha(1.0);
+    renderer_->AutomaticLightCreationOff();
+    AddLight(0.4, 0.9, 1.0, 0.85);
+    AddLight(-0.8, 0.2, 0.6, 0.35);
+    window_->AddRenderer(renderer_);
+  }
+
+  void SetContent(const SceneContent& content) override {
+    const bool new_sequence = content.sequence != content_.sequence;
+    const bool changed = new_sequence || content.snapshot_version != content_.snapshot_version ||
+                         content.selected != content_.selected ||
+                         content.layers != content_.layers ||
+                         content.selected_particle != content_.selected_particle ||
+                         content.follow != content_.follow;
+    if (!changed) return;
+    const bool new_follow = content.follow && !content_.follow;
+    content_ = content;
+    dirty_ = true;
+    if (content.sequence == nullptr) return;
+    if (new_sequence) {
+      actors_.SetSequence(*content.sequence);
+      camera_ = TurntableCamera(content.sequence->up_in_world);
+      Reset();
+    }
+    actors_.SetSnapshot(content);
+    if (content.follow) Follow(new_follow);
+  }
+
+  ImTextureID Texture(int width, int height, bool interacting) override {
+    const bool coarse = interacting && full_render_ms_ > kSlowRenderMs;
+    if (width != width_ || height != height_) {
+      width_ = width;
+      height_ = height;
+      window_->SetSize(width, height);
+      dirty_ = true;
+    }
+    if (coarse != coarse_) {
+      coarse_ = coarse;
+      actors_.SetCoarse(coarse);
+      dirty_ = true;
+    }
+    if (dirty_) Render();
+    vtkTextureObject* texture =
+        window_->GetDisplayFramebuffer()->GetColorAttachmentAsTextureObject(0);
+    return reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(texture->GetHandle()));
+  }
+
+  void Orbit(double dx_px, double dy_px) override {
+    camera_.Orbit(-kOrbitPerPixel * dx_px, kOrbitPerPixel * dy_px);
+    dirty_ = true;
+  }
+  void Pan(double dx_px, double dy_px) override {
+    camera_.Pan(-dx_px / height_, dy_px / height_);
+    dirty_ = true;
+  }
+  void Zoom(double notches) override {
+    camera_.Zoom(std::pow(0.88, notches));
+    dirty_ = true;
+  }
+
+  void FocusAt(double x_px, double y_px) override {
+    if (const auto point = WorldAt(x_px, y_px)) {
+      camera_.LookAt(*point, 0.8 * (camera_.eye_in_world() - *point).norm());
+      dirty_ = true;
+    }
+  }
+
+  void FocusObject(ObjectId object) override {
+    if (content_.snapshot == nullptr || content_.sequence == nullptr) return;
+    for (const ObjectReport& report : content_.snapshot->report.objects) {
+      const auto label = static_cast<std::size_t>(report.label.value);
+      if (report.id != object || label >= content_.sequence->models.size()) continue;
+      const ModelView& model = content_.sequence->models[label];
+      const double size = model.mesh != nullptr ? BoundingBox(*model.mesh).diagonal().norm() : 1.0;
+      camera_.LookAt(report.world_from_object * model.center, 2.2 * size);
+      dirty_ = true;
+    }
+  }
+
+  void Reset() override {
+    if (content_.sequence == nullptr) return;
+    const auto& bounds = actors_.bounds();
+    const double radius = bounds.isEmpty() ? 1.5 : std::max(0.4, 0.5 * bounds.diagonal().norm());
+    camera_.LookAt(bounds.isEmpty() ? Vector3d(0, 0, 0) : Vector3d(bounds.center()),
+                   0.95 * radius / std::tan(0.5 * TurntableCamera::kViewAngle));
+    camera_.SetDirection(0.8, 0.55);
+    dirty_ = true;
+  }
+
+  void SetDirection(double azimuth_rad, double elevation_rad) override {
+    camera_.SetDirection(azimuth_rad, elevation_rad);
+    dirty_ = true;
+  }
+
+  std::optional<ObjectId> Pick(double x_px, double y_px) override {
+    window_->GetState()->Reset();
+    vtkNew<vtkCellPicker> picker;
+    picker->SetTolerance(0.002);
+    picker->PickFromListOn();
+    const auto pickable = actors_.pickable();
+    for (const auto& [actor, id] : pickable) picker->AddPickList(actor);
+    if (picker->Pick(x_px, height_ - 1 - y_px, 0, renderer_) == 0) return std::nullopt;
+    for (const auto& [actor, id] : pickable) {
+      if (picker->GetActor() == actor) return id;
+    }
+    return std::nullopt;
+  }
+
+  SceneCamera camera() const override {
+    return {camera_.focus_in_world(), camera_.azimuth_rad(), camera_.elevation_rad(),
+            camera_.distance_m(), camera_.view_from_world()};
+  }
+  double last_render_ms() const override { return render_ms_; }
+  int renders() const override { return renders_; }
+  double grid_step_m() const override { return actors_.grid_step_m(); }
+
+ private:
+  void AddLight(double x, double y, double z, double intensity) {
+    vtkNew<vtkLight> light;
+    light->SetLightTypeToCameraLight();
+    light->SetPosition(x, y, z);
+    light->SetFocalPoint(0, 0, 0);
+    light->SetIntensity(intensity);
+    renderer_->AddLight(light);
+  }
+
+  /// Stays behind the camera of the sequence, turning with it.
+  void Follow(bool first) {
+    if (content_.snapshot == nullptr || !content_.snapshot->report.world_from_cam) return;
+    const Eigen::Isometry3d& world_from_cam = *content_.snapshot->report.world_from_cam;
+    const UprightFrame upright(-content_.sequence->up_in_world);
+    const Vector3d forward = world_from_cam.linear().col(2);
+    const double behind = WrapAngle(std::atan2(forward.dot(upright.upright_rotation().col(1)),
+                                               forward.dot(upright.upright_rotation().col(0))) +
+                                    std::numbers::pi);
+    if (first) {
+      camera_.LookAt(camera_.focus_in_world(), 4.0);
+      camera_.SetDirection(behind, 0.5);
+    } else {
+      camera_.Orbit(WrapAngle(behind - followed_azimuth_rad_), 0);
+    }
+    followed_azimuth_rad_ = behind;
+    camera_.MoveFocus(world_from_cam * Vector3d(0, 0, 1.0));
+  }
+
+  std::optional<Vector3d> WorldAt(double x_px, double y_px) {
+    window_->GetState()->Reset();
+    const int x = static_cast<int>(x_px), y = height_ - 1 - static_cast<int>(y_px);
+    const double z = renderer_->GetZ(x, y);
+    if (z >= 1.0) return std::nullopt;
+    renderer_->SetDisplayPoint(x, y, z);
+    renderer_->DisplayToWorld();
+    double point[4];
+    renderer_->GetWorldPoint(point);
+    if (point[3] == 0) return std::nullopt;
+    return Vector3d(point[0] / point[3], point[1] / point[3], point[2] / point[3]);
+  }
+
+  void Render() {
+    const Stopwatch watch;
+    vtkCamera& camera = *renderer_->GetActiveCamera();
+    const Vector3d eye = camera_.eye_in_world();
+    const Eigen::Matrix3d view = camera_.view_from_world();
+    camera.SetPosition(eye.x(), eye.y(), eye.z());
+    camera.SetFocalPoint(camera_.focus_in_world().data());
+    camera.SetViewUp(view(1, 0), view(1, 1), view(1, 2));
+    camera.SetViewAngle(TurntableCamera::kViewAngle * 180 / std::numbers::pi);
+    // The grid does not count as bounds, but must not be cut off.
+    const double far =
+        camera_.distance_m() +
+        2.0 * std::max(2.0, actors_.bounds().isEmpty() ? 0.0 : actors_.bounds().diagonal().norm());
+    camera.SetClippingRange(std::max(0.01, 0.01 * camera_.distance_m()), far);
+    window_->GetState()->Reset();
+    window_->GetState()->Push();
+    window_->Render();
+    window_->GetState()->Pop();
+    glFinish();
+    render_ms_ = watch.Milliseconds();
+    if (!coarse_) full_render_ms_ = render_ms_;
+    ++renders_;
+    dirty_ = false;
+  }
+
+  vtkNew<vtkRenderer> renderer_;
+  vtkNew<vtkGenericOpenGLRenderWindow> window_;
+  SceneActors actors_;
+  TurntableCamera camera_;
+  SceneContent content_;
+  int width_ = 0, height_ = 0;
+  bool dirty_ = true, coarse_ = false;
+  double render_ms_ = 0, full_render_ms_ = 0;
+  double followed_azimuth_rad_ = 0;
+  int renders_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<SceneSurface> CreateMapScene(bool software_gl) {
+  return std::make_unique<MapScene>(software_gl);
+}
+
+}  // namespace plumbline

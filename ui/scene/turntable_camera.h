@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+namespace plumbline {
+
+/// A camera that turns about a point with up fixed: azimuth about up, elevation above the horizon.
+/// Azimuth 0 looks from h (world +x made horizontal) towards the focus.
+class TurntableCamera {
+ public:
+  explicit TurntableCamera(const Eigen::Vector3d& up_in_world = Eigen::Vector3d::UnitZ());
+
+  void Orbit(double azimuth_rad, double elevation_rad);
+  /// Moves the focus in the image plane by shares of the picture's height (right, up).
+  void Pan(double right, double up);
+  /// Factor on the distance, kept between 5 cm and 500 m.
+  void Zoom(double factor);
+  void LookAt(const Eigen::Vector3d& focus_in_world, double distance_m);
+  void SetDirection(double azimuth_rad, double elevation_rad);
+  void MoveFocus(const Eigen::Vector3d& focus_in_world) { focus_in_world_ = focus_in_world; }
+
+  const Eigen::Vector3d& focus_in_world() const { return focus_in_world_; }
+  Eigen::Vector3d eye_in_world() const;
+  double azimuth_rad() const { return azimuth_rad_; }
+  double elevation_rad() const { return elevation_rad_; }
+  double distance_m() const { return distance_m_; }
+  /// Rows right, up and towards the viewer.
+  Eigen::Matrix3d view_from_world() const;
+  /// Vertical opening [rad].
+  static constexpr double kViewAngle = 0.7;
+
+ private:
+  Eigen::Matrix3d world_from_upright_;  // columns h, up x h, up
+  Eigen::Vector3d focus_in_world_{0, 0, 0};
+  double azimuth_rad_ = 0.8, elevation_rad_ = 0.6, distance_m_ = 5;
+};
+
+}  // namespace plumbline

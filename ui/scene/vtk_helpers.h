@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <imgui.h>
+#include <vtkActor.h>
+#include <vtkImageData.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+
+#include "engine/geometry/mesh.h"
+
+namespace plumbline {
+
+/// Triangles with normals that break at sharp edges.
+vtkSmartPointer<vtkPolyData> SurfaceOf(const TriangleMesh& mesh);
+/// Sharp edges and borders as lines.
+vtkSmartPointer<vtkPolyData> SharpEdgesOf(vtkPolyData* surface);
+/// At most `budget` of the vertices, evenly spread over their order; coloured, else by height along
+/// `up`.
+vtkSmartPointer<vtkPolyData> PointsOf(const TriangleMesh& mesh, std::size_t budget,
+                                      const Eigen::Vector3d& up);
+vtkSmartPointer<vtkPolyData> PolylineOf(const std::vector<Eigen::Vector3d>& points);
+/// Consecutive pairs of points.
+vtkSmartPointer<vtkPolyData> SegmentsOf(const std::vector<Eigen::Vector3d>& points);
+
+vtkSmartPointer<vtkActor> ActorOf(vtkPolyData* data, ImU32 color);
+/// Unlit lines of `width` pixels.
+vtkSmartPointer<vtkActor> LineActorOf(vtkPolyData* data, ImU32 color, double width);
+void SetData(vtkActor& actor, vtkPolyData* data);
+void SetColor(vtkActor& actor, ImU32 color);
+void SetPose(vtkActor& actor, const Eigen::Isometry3d& world_from_actor);
+/// RGB, origin at the lower left; at most `max_width` wide.
+vtkSmartPointer<vtkImageData> TextureImage(const cv::Mat& bgr, int max_width);
+
+}  // namespace plumbline
