@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/application.h"
 
-#include <epoxy/gl.h>
-// epoxy comes before the backends
-#include <backends/imgui_impl_glfw.h>
-#include <backends/imgui_impl_opengl3.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -74,10 +70,7 @@ Result<std::unique_ptr<Application>> Application::Create(ApplicationOptions opti
 
 Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWindow> window)
     : options_(std::move(options)), window_(std::move(window)) {
-  ImGui::CreateContext();
-  ImGui::GetIO().IniFilename = nullptr;
-  ImGui_ImplGlfw_InitForOpenGL(window_->handle(), true);
-  ImGui_ImplOpenGL3_Init("#version 330 core");
+  backend_ = std::make_unique<ImGuiBackend>(*window_);
   textures_ = std::make_unique<GlTextureStore>();
   scene_ = CreateMapScene(window_->software_gl());
   image_ = MakeImagePanel();
@@ -115,9 +108,7 @@ Application::~Application() {
   SaveSettings();
   scene_.reset();
   textures_.reset();
-  ImGui_ImplOpenGL3_Shutdown();
-  ImGui_ImplGlfw_Shutdown();
-  ImGui::DestroyContext();
+  backend_.reset();
 }
 
 void Application::Open(const std::string& path, std::optional<int> frame) {
@@ -181,8 +172,7 @@ void Application::Note(std::string text) {
 void Application::SetUiScale(double scale) {
   context_.ui_scale = std::clamp(scale, 0.6, 4.0);
   context_.fonts = ApplyTheme(context_.ui_scale);
-  ImGui_ImplOpenGL3_DestroyFontsTexture();
-  ImGui_ImplOpenGL3_CreateFontsTexture();
+  backend_->ReloadFonts();
 }
 
 void Application::ReadSlots() {
@@ -225,20 +215,14 @@ void Application::DrawFrame(cv::Mat* picture) {
   const Stopwatch watch;
   ReadSlots();
   if (wanted_scale_) SetUiScale(*std::exchange(wanted_scale_, std::nullopt));
-  ImGui_ImplOpenGL3_NewFrame();
-  ImGui_ImplGlfw_NewFrame();
+  backend_->TakeInput();
   if (script_ && script_status_.ok())
     script_status_ = script_->SetInput(widgets_, ImGui::GetIO(), script_host_);
   ImGui::NewFrame();
   widgets_.Clear();
   DrawWindow();
   ImGui::Render();
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  glViewport(0, 0, window_->width(), window_->height());
-  glDisable(GL_SCISSOR_TEST);
-  glClearColor(0, 0, 0, 1);
-  glClear(GL_COLOR_BUFFER_BIT);
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  backend_->Draw();
   context_.window_ms = watch.Milliseconds();
   context_.scene_ms = scene_->last_render_ms();
   if (picture != nullptr) *picture = window_->ReadPixels();

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/platform/imgui_backend.h"
 #include "app/platform/window.h"
 #include "app/ui_script.h"
 #include "engine/process/mapping_process.h"
@@ -68,6 +69,7 @@ class Application : private CommandSink {
 
   ApplicationOptions options_;
   std::unique_ptr<PlatformWindow> window_;
+  std::unique_ptr<ImGuiBackend> backend_;
   std::unique_ptr<GlTextureStore> textures_;
   std::unique_ptr<SceneSurface> scene_;
   WidgetLog widgets_;
