@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <optional>
+
+#include "engine/render/gl_util.h"
+
+void RegisterResources_plumbline_render();  // made by cmake/Embed.cmake
+
+namespace plumbline {
+namespace {
+
+/// Depth range [0, 1): near_m at 0, infinity at 1; Z becomes clip.w. Row v of the image is row v of
+/// the texture, so nothing is flipped: a pixel centre (u, v) lies at window coordinates (u + 0.5, v
+/// + 0.5).
+Eigen::Matrix4f ClipFromCam(const PinholeCamera& camera, double near_m) {
+  Eigen::Matrix4d clip_from_cam = Eigen::Matrix4d::Zero();
+  clip_from_cam(0, 0) = 2.0 * camera.fx / camera.width;
+  clip_from_cam(0, 2) = 2.0 * (camera.cx + 0.5) / camera.width - 1.0;
+  clip_from_cam(1, 1) = 2.0 * camera.fy / camera.height;
+  clip_from_cam(1, 2) = 2.0 * (camera.cy + 0.5) / camera.height - 1.0;
+  clip_from_cam(2, 2) = 1.0;
+  clip_from_cam(2, 3) = -2.0 * near_m;
+  clip_from_cam(3, 2) = 1.0;
+  return clip_from_cam.cast<float>();
+}
+
+/// The part of the image that may show a box: nothing if it cannot show, the whole image if it
+/// crosses the near plane.
+std::optional<cv::Rect> ImagePart(const PinholeCamera& camera,
+                                  const Eigen::Isometry3d& cam_from_object,
+                                  const Eigen::AlignedBox3f& bounds, double near_m) {
+  const cv::Rect whole(0, 0, camera.width, camera.height);
+  Eigen::AlignedBox2d box;
+  int in_front = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d point =
+        cam_from_object *
+        bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>();
+    if (point.z() < near_m) continue;
+    ++in_front;
+    box.extend(camera.Project(point));
+  }
+  if (in_front == 0) return std::nullopt;
+  if (in_front < 8) return whole;
+  const Eigen::Vector2d last(camera.width, camera.height);
+  const Eigen::Vector2d low = (box.min().array().floor() - 1.0).max(0.0).matrix();
+  const Eigen::Vector2d high = (box.max().array().ceil() + 2.0).min(last.array()).matrix();
+  if (!(high.x() > low.x() && high.y() > low.y())) return std::nullopt;
+  return cv::Rect(cv::Point(static_cast<int>(low.x()), static_cast<int>(low.y())),
+                  cv::Point(static_cast<int>(high.x()), static_cast<int>(high.y())));
+}
+
+struct GpuMesh {
+  gl::VertexArray vertex_array;
+  gl::Buffer vertices, indices;
+  GLsizei index_count = 0;
+  Eigen::AlignedBox3f bounds;
+};
+
+/// Depth [m] and id of one layer with their depth buffer.
+struct Layer {
+  gl::Texture depth, id, z_buffer;
+  gl::Framebuffer framebuffer;
+};
+
+struct MeshProgram {
+  gl::Program program;
+  GLint cam_from_object = -1, clip_from_cam = -1, id = -1, first_id = -1;
+};
+
+Result<MeshProgram> MakeMeshProgram(std::string_view fragment) {
+  Result<gl::Program> program = gl::MakeProgram("shaders/likelihood/mesh.vert", fragment);
+  if (!program.ok()) return program.error();
+  MeshProgram mesh_program;
+  mesh_program.program = std::move(*program);
+  mesh_program.cam_from_object = gl::Uniform(mesh_program.program, "cam_from_object");
+  mesh_program.clip_from_cam = gl::Uniform(mesh_program.program, "clip_from_cam");
+  mesh_program.id = gl::Uniform(mesh_program.program, "id");
+  mesh_program.first_id = gl::Uniform(mesh_program.program, "first_id");
+  return mesh_program;
+}
+
+/// An instance that may show.
+struct Visible {
+  const GpuMesh* mesh = nullptr;
+  Eigen::Matrix4f cam_from_object;
+  GLuint id = 0;
+};
+
+class GlRenderer final : public Renderer {
+ public:
+  GlRenderer(RenderContext& context, MeshProgram first, MeshProgram second, gl::Program contour)
+      : context_(context),
+        first_(std::move(first)),
+        second_(std::move(second)),
+        contour_(std::move(contour)) {
+    empty_vertex_array_ = gl::MakeVertexArray();
+  }
+  ~GlRenderer() override { context_.MakeCurrent(); }
+
+  int AddMesh(const TriangleMesh& mesh) override;
+  RenderedMaps Render(const PinholeCamera& camera, std::span<const RenderInstance> instances,
+                      const RenderOptions& options) override;
+
+ private:
+  void Allocate(int width, int height);
+  static Layer MakeLayer(int width, int height);
+  std::vector<Visible> FindVisible(const PinholeCamera& camera,
+                                   std::span<const RenderInstance> instances, double near_m,
+                                   cv::Rect& part) const;
+  void DrawLayer(const Layer& layer, const MeshProgram& program,
+                 const Eigen::Matrix4f& clip_from_cam, std::span<const Visible> visible) const;
+  void DrawContour(const cv::Rect& part, double step_m) const;
+
+  RenderContext& context_;
+  MeshProgram first_, second_;
+  gl::Program contour_;
+  gl::VertexArray empty_vertex_array_;
+  std::vector<GpuMesh> meshes_;
+  int width_ = 0, height_ = 0;
+  Layer first_layer_, second_layer_;
+  gl::Texture contour_texture_;
+  gl::Framebuffer contour_framebuffer_;
+};
+
+int GlRenderer::AddMesh(const TriangleMesh& mesh) {
+  context_.MakeCurrent();
+  const gl::StateGuard guard;
+  GpuMesh uploaded;
+  uploaded.bounds = BoundingBox(mesh);
+  uploaded.index_count = static_cast<GLsizei>(3 * mesh.triangles.size());
+  uploaded.vertex_array = gl::MakeVertexArray();
+  uploaded.vertices = gl::MakeBuffer();
+  uploaded.indices = gl::MakeBuffer();
+  glBindVertexArray(uploaded.vertex_array.get());
+  glBindBuffer(GL_ARRAY_BUFFER, uploaded.vertices.get());
+  glBufferData(GL_ARRAY_BUFFER,
+               static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(Eigen::Vector3f)),
+               mesh.vertices.data(), GL_STATIC_DRAW);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, uploaded.indices.get());
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER,
+               static_cast<GLsizeiptr>(mesh.triangles.size() * sizeof(Eigen::Vector3i)),
+               mesh.triangles.data(), GL_STATIC_DRAW);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Eigen::Vector3f), nullptr);
+  glEnableVertexAttribArray(0);
+  meshes_.push_back(std::move(uploaded));
+  return static_cast<int>(meshes_.size()) - 1;
+}
+
+Layer GlRenderer::MakeLayer(int width, int height) {
+  Layer layer;
+  layer.depth = gl::MakeTexture(GL_R32F, width, height, GL_RED, GL_FLOAT);
+  layer.id = gl::MakeTexture(GL_R16UI, width, height, GL_RED_INTEGER, GL_UNSIGNED_SHORT);
+  layer.z_buffer =
+      gl::MakeTexture(GL_DEPTH_COMPONENT32F, width, height, GL_DEPTH_COMPONENT, GL_FLOAT);
+  layer.framebuffer = gl::MakeFramebuffer();
+  glBindFramebuffer(GL_FRAMEBUFFER, layer.framebuffer.get());
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, layer.depth.get(), 0);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT1, GL_TEXTURE_2D, layer.id.get(), 0);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, layer.z_buffer.get(),
+                         0);
+  const std::array<GLenum, 2> targets = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  glDrawBuffers(2, targets.data());
+  PLB_CHECK(glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
+      << width << "x" << height;
+  return layer;
+}
+
+void GlRenderer::Allocate(int width, int height) {
+  if (width == width_ && height == height_) return;
+  first_layer_ = MakeLayer(width, height);
+  second_layer_ = MakeLayer(width, height);
+  contour_texture_ = gl::MakeTexture(GL_R8, width, height, GL_RED, GL_UNSIGNED_BYTE);
+  contour_framebuffer_ = gl::MakeFramebuffer();
+  glBindFramebuffer(GL_FRAMEBUFFER, contour_framebuffer_.get());
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D,
+                         contour_texture_.get(), 0);
+  PLB_CHECK(glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
+      << width << "x" << height;
+  width_ = width;
+  height_ = height;
+}
+
+std::vector<Visible> GlRenderer::FindVisible(const PinholeCamera& camera,
+                                             std::span<const RenderInstance> instances,
+                                             double near_m, cv::Rect& part) const {
+  std::vector<Visible> visible;
+  for (const RenderInstance& instance : instances) {
+    PLB_CHECK(instance.mesh >= 0 && static_cast<std::size_t>(instance.mesh) < meshes_.size())
+        << "no mesh " << instance.mesh;
+    PLB_CHECK(instance.id >= 1 && instance.id <= 65535) << "id " << instance.id;
+    const GpuMesh& mesh = meshes_[static_cast<std::size_t>(instance.mesh)];
+    if (mesh.index_count == 0) continue;
+    const auto shown = ImagePart(camera, instance.cam_from_object, mesh.bounds, near_m);
+    if (!shown) continue;
+    part = part.empty() ? *shown : (part | *shown);
+    visible.push_back(
+        {&mesh, instance.cam_from_object.matrix().cast<float>(), static_cast<GLuint>(instance.id)});
+  }
+  return visible;
+}
+
+void GlRenderer::DrawLayer(const Layer& layer, const MeshProgram& program,
+                           const Eigen::Matrix4f& clip_from_cam,
+                           std::span<const Visible> visible) const {
+  glBindFramebuffer(GL_FRAMEBUFFER, layer.framebuffer.get());
+  const std::array<GLfloat, 4> no_depth{};
+  const std::array<GLuint, 4> no_id{};
+  const GLfloat far = 1.0f;
+  glClearBufferfv(GL_COLOR, 0, no_depth.data());
+  glClearBufferuiv(GL_COLOR, 1, no_id.data());
+  glClearBufferfv(GL_DEPTH, 0, &far);
+  glUseProgram(program.program.get());
+  glUniformMatrix4fv(program.clip_from_cam, 1, GL_FALSE, clip_from_cam.data());
+  if (program.first_id >= 0) {
+    glBindTexture(GL_TEXTURE_2D, first_layer_.id.get());
+    glUniform1i(program.first_id, 0);
+  }
+  for (const Visible& instance : visible) {
+    glUniformMatrix4fv(program.cam_from_object, 1, GL_FALSE, instance.cam_from_object.data());
+    glUniform1ui(program.id, instance.id);
+    glBindVertexArray(instance.mesh->vertex_array.get());
+    glDrawElements(GL_TRIANGLES, instance.mesh->index_count, GL_UNSIGNED_INT, nullptr);
+  }
+}
+
+void GlRenderer::DrawContour(const cv::Rect& part, double step_m) const {
+  glBindFramebuffer(GL_FRAMEBUFFER, contour_framebuffer_.get());
+  glUseProgram(contour_.get());
+  glDisable(GL_DEPTH_TEST);
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(part.x, part.y, part.width, part.height);
+  glActiveTexture(GL_TEXTURE1);
+  glBindTexture(GL_TEXTURE_2D, first_layer_.id.get());
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, first_layer_.depth.get());
+  glUniform1i(gl::Uniform(contour_, "depth_m"), 0);
+  glUniform1i(gl::Uniform(contour_, "pixel_id"), 1);
+  glUniform1f(gl::Uniform(contour_, "step_m"), static_cast<GLfloat>(step_m));
+  glUniform2i(gl::Uniform(contour_, "size"), width_, height_);
+  glBindVertexArray(empty_vertex_array_.get());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDisable(GL_SCISSOR_TEST);
+  glEnable(GL_DEPTH_TEST);
+}
+
+/// Reads `part` of an attachment of the bound framebuffer; the rest of the map is 0.
+cv::Mat ReadBack(const cv::Size& size, const cv::Rect& part, int mat_type, GLenum attachment,
+                 GLenum format, GLenum type) {
+  cv::Mat map(size, mat_type, cv::Scalar(0));
+  if (part.empty()) return map;
+  glReadBuffer(attachment);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glPixelStorei(GL_PACK_ROW_LENGTH, size.width);
+  glPixelStorei(GL_PACK_SKIP_ROWS, 0);
+  glPixelStorei(GL_PACK_SKIP_PIXELS, 0);
+  glReadPixels(part.x, part.y, part.width, part.height, format, type,
+               map.ptr(part.y) + part.x * map.elemSize());
+  return map;
+}
+
+RenderedMaps GlRenderer::Render(const PinholeCamera& camera,
+                                std::span<const RenderInstance> instances,
+                                const RenderOptions& options) {
+  PLB_CHECK(camera.width > 0 && camera.height > 0) << "the camera has no image size";
+  PLB_CHECK(options.near_m > 0) << "near_m must be positive";
+  context_.MakeCurrent();
+  const gl::StateGuard guard;
+  Allocate(camera.width, camera.height);
+  glViewport(0, 0, width_, height_);
+  cv::Rect part;
+  const std::vector<Visible> visible = FindVisible(camera, instances, options.near_m, part);
+  const Eigen::Matrix4f clip_from_cam = ClipFromCam(camera, options.near_m);
+  const cv::Size size(width_, height_);
+
+  RenderedMaps maps;
+  DrawLayer(first_layer_, first_, clip_from_cam, visible);
+  maps.depth = ReadBack(size, part, CV_32F, GL_COLOR_ATTACHMENT0, GL_RED, GL_FLOAT);
+  maps.id = ReadBack(size, part, CV_16U, GL_COLOR_ATTACHMENT1, GL_RED_INTEGER, GL_UNSIGNED_SHORT);
+  if (options.contour) {
+    if (!part.empty()) DrawContour(part, options.contour_step_m);
+    glBindFramebuffer(GL_FRAMEBUFFER, contour_framebuffer_.get());
+    maps.contour = ReadBack(size, part, CV_8U, GL_COLOR_ATTACHMENT0, GL_RED, GL_UNSIGNED_BYTE);
+  }
+  if (options.second_layer) {
+    DrawLayer(second_layer_, second_, clip_from_cam, visible);
+    maps.second_depth = ReadBack(size, part, CV_32F, GL_COLOR_ATTACHMENT0, GL_RED, GL_FLOAT);
+    maps.second_id =
+        ReadBack(size, part, CV_16U, GL_COLOR_ATTACHMENT1, GL_RED_INTEGER, GL_UNSIGNED_SHORT);
+  }
+  return maps;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Renderer>> Renderer::Create(RenderContext& context) {
+  static std::once_flag registered;
+  std::call_once(registered, RegisterResources_plumbline_render);
+  context.MakeCurrent();
+  Result<MeshProgram> first = MakeMeshProgram("shaders/likelihood/depth_id.frag");
+  if (!first.ok()) return first.error();
+  Result<MeshProgram> second = MakeMeshProgram("shaders/likelihood/second_layer.frag");
+  if (!second.ok()) return second.error();
+  Result<gl::Program> contour =
+      gl::MakeProgram("shaders/likelihood/fullscreen.vert", "shaders/likelihood/contour.frag");
+  if (!contour.ok()) return contour.error();
+  return std::unique_ptr<Renderer>(std::make_unique<GlRenderer>(
+      context, std::move(*first), std::move(*second), std::move(*contour)));
+}
+
+}  // namespace plumbline

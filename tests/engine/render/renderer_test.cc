@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/render/renderer.h"
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <set>
+#include <thread>
+
+#include "engine/models/model_database.h"
+#include "tests/support/meshes.h"
+#include "tests/support/test_data.h"
+
+namespace plumbline {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+Isometry3d Pose(const Vector3d& translation, double angle = 0,
+                const Vector3d& axis = Vector3d::UnitY()) {
+  Isometry3d pose = Isometry3d::Identity();
+  pose.translate(translation).rotate(Eigen::AngleAxisd(angle, axis.normalized()));
+  return pose;
+}
+
+class RendererTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    Result<std::unique_ptr<RenderContext>> context = RenderContext::CreateHeadless();
+    ASSERT_TRUE(context.ok()) << context.error().message;
+    context_ = std::move(*context);
+    Result<std::unique_ptr<Renderer>> renderer = Renderer::Create(*context_);
+    ASSERT_TRUE(renderer.ok()) << renderer.error().message;
+    renderer_ = std::move(*renderer);
+    options_.contour = true;
+  }
+
+  RenderedMaps Both(const std::vector<TriangleMesh>& meshes,
+                    const std::vector<RenderInstance>& instances, const PinholeCamera& camera) {
+    std::vector<const TriangleMesh*> pointers;
+    std::vector<RenderInstance> uploaded = instances;
+    std::vector<int> handles;
+    for (const TriangleMesh& mesh : meshes) {
+      pointers.push_back(&mesh);
+      handles.push_back(renderer_->AddMesh(mesh));
+    }
+    for (RenderInstance& instance : uploaded)
+      instance.mesh = handles.at(static_cast<std::size_t>(instance.mesh));
+    RenderedMaps maps = renderer_->Render(camera, uploaded, options_);
+    ExpectSame(maps, RayCast(camera, pointers, instances, options_));
+    return maps;
+  }
+
+  /// Equal away from contours, where a hair's breadth decides which surface a pixel centre hits.
+  void ExpectSame(const RenderedMaps& gl, const RenderedMaps& cpu) {
+    cv::Mat doubtful;
+    cv::dilate(cpu.contour, doubtful, cv::Mat());
+    int compared = 0, depth_differs = 0, id_differs = 0, contour_differs = 0;
+    for (int y = 0; y < gl.depth.rows; ++y) {
+      for (int x = 0; x < gl.depth.cols; ++x) {
+        contour_differs += gl.contour.at<uchar>(y, x) != cpu.contour.at<uchar>(y, x);
+        if (doubtful.at<uchar>(y, x) != 0) continue;
+        ++compared;
+        const float a = gl.depth.at<float>(y, x), b = cpu.depth.at<float>(y, x);
+        depth_differs += std::abs(a - b) > 1e-3f * std::max(a, b);
+        id_differs += gl.id.at<ushort>(y, x) != cpu.id.at<ushort>(y, x);
+      }
+    }
+    EXPECT_LE(depth_differs, 0.001 * compared);
+    EXPECT_EQ(id_differs, 0);
+    EXPECT_LE(contour_differs, 2 + 0.02 * cv::countNonZero(cpu.contour));
+    if (!gl.second_id.empty()) {
+      EXPECT_LE(cv::countNonZero(gl.second_id != cpu.second_id),
+                0.001 * static_cast<double>(gl.id.total()));
+    }
+  }
+
+  std::unique_ptr<RenderContext> context_;
+  std::unique_ptr<Renderer> renderer_;
+  RenderOptions options_;
+  PinholeCamera camera_{320, 240, 260, 270, 141.3, 128.8};
+};
+
+TEST_F(RendererTest, AgreesWithRayCasting) {
+  options_.second_layer = true;
+  const std::vector<TriangleMesh> meshes = {MakeBox({-0.3f, -0.4f, -0.2f}, {0.3f, 0.4f, 0.2f}),
+                                            MakeSphere(0.35f, 24),
+                                            MakeParallelogram({-5, 1, 1}, {10, 0, 0}, {0, 0, 9})};
+  const RenderedMaps maps = Both(meshes,
+                                 {{0, Pose({-0.2, 0.1, 2}, 0.7, {1, 2, 3}), 7},
+                                  {1, Pose({0.2, 0.2, 2.6}), 300},
+                                  {0, Pose({0.9, -0.3, 3}, 1.9, {-1, 1, 0}), 65535},
+                                  {2, Pose({0, 0, 0}), 2}},
+                                 camera_);
+  const std::set<int> ids(maps.id.begin<ushort>(), maps.id.end<ushort>());
+  EXPECT_EQ(ids, (std::set<int>{0, 2, 7, 300, 65535}));
+}
+
+TEST_F(RendererTest, OffCentrePrincipalPointPutsCornersWhereTheyProject) {
+  const PinholeCamera camera{200, 150, 180, 190, 31.7, 118.2};
+  const TriangleMesh box = MakeBox({-0.1f, -0.5f, 2}, {0.7f, 0.05f, 2.5f});
+  const RenderedMaps maps = Both({box}, {{0, Isometry3d::Identity(), 1}}, camera);
+  // Of the front face, seen squarely: exactly the pixel centres between the projected corners.
+  const Eigen::Vector2d low = camera.Project({-0.1, -0.5, 2}),
+                        high = camera.Project({0.7, 0.05, 2});
+  const cv::Mat front = (maps.depth > 1.9f) & (maps.depth < 2.0001f);
+  const cv::Rect box_px = cv::boundingRect(front);
+  EXPECT_EQ(box_px.x, static_cast<int>(std::ceil(low.x())));
+  EXPECT_EQ(box_px.y, static_cast<int>(std::ceil(low.y())));
+  EXPECT_EQ(box_px.br().x - 1, static_cast<int>(std::floor(high.x())));
+  EXPECT_EQ(box_px.br().y - 1, static_cast<int>(std::floor(high.y())));
+  EXPECT_EQ(cv::countNonZero(front), box_px.area());
+}
+
+TEST_F(RendererTest, ClipsTrianglesAtTheNearPlane) {
+  // A floor that runs from behind the camera to in front of it.
+  const std::vector<TriangleMesh> meshes = {
+      MakeParallelogram({-9, 0.8f, -7}, {18, 0, 0}, {0, 0, 13})};
+  const RenderedMaps maps = Both(meshes, {{0, Isometry3d::Identity(), 1}}, camera_);
+  const int last_row = camera_.height - 1;
+  const double expected = 0.8 / camera_.Bearing({0.0, static_cast<double>(last_row)}).y();
+  EXPECT_NEAR(maps.depth.at<float>(last_row, 100), expected, 1e-3 * expected);
+  double nearest = 0;
+  cv::minMaxLoc(maps.depth, &nearest, nullptr, nullptr, nullptr, maps.depth > 0);
+  EXPECT_GE(nearest, options_.near_m);
+}
+
+TEST_F(RendererTest, CutsAwayWhatIsNearerThanTheNearPlane) {
+  options_.near_m = 1.0;
+  const std::vector<TriangleMesh> meshes = {MakeBox({-0.2f, -0.2f, 0.5f}, {0.2f, 0.2f, 3})};
+  const RenderedMaps maps = Both(meshes, {{0, Isometry3d::Identity(), 1}}, camera_);
+  // Through the missing front one sees the inside of the far wall.
+  EXPECT_NEAR(maps.depth.at<float>(129, 141), 3.0, 3e-3);
+}
+
+TEST_F(RendererTest, DrawsNothingOfObjectsBehindOrBesideTheCamera) {
+  const int box = renderer_->AddMesh(MakeBox({-0.3f, -0.3f, -0.3f}, {0.3f, 0.3f, 0.3f}));
+  const int nothing = renderer_->AddMesh(TriangleMesh{});
+  const std::vector<RenderInstance> instances = {{box, Pose({0, 0, -2}), 1},
+                                                 {box, Pose({9, 0, 2}), 2},
+                                                 {box, Pose({0, -9, 2}), 3},
+                                                 {nothing, Pose({0, 0, 2}), 4}};
+  const RenderedMaps maps = renderer_->Render(camera_, instances, options_);
+  EXPECT_EQ(cv::countNonZero(maps.id), 0);
+  EXPECT_EQ(cv::countNonZero(maps.depth), 0);
+  EXPECT_EQ(cv::countNonZero(maps.contour), 0);
+}
+
+TEST_F(RendererTest, ContourOfASphereIsACircleOfKnownRadius) {
+  const PinholeCamera camera{400, 400, 500, 500, 199.5, 199.5};
+  const double distance = 2.0, radius = 0.5;
+  const RenderedMaps maps =
+      Both({MakeSphere(static_cast<float>(radius), 90)}, {{0, Pose({0, 0, distance}), 1}}, camera);
+  const double expected = camera.fx * radius / std::sqrt(distance * distance - radius * radius);
+  std::vector<cv::Point> pixels;
+  cv::findNonZero(maps.contour, pixels);
+  ASSERT_GT(pixels.size(), 600u);
+  std::set<int> directions;
+  for (const cv::Point& pixel : pixels) {
+    const double x = pixel.x - camera.cx, y = pixel.y - camera.cy;
+    EXPECT_NEAR(std::hypot(x, y), expected - 0.5, 1.0);
+    EXPECT_LE(std::hypot(x, y), expected) << "contour pixels lie inside the object";
+    directions.insert(static_cast<int>(std::lround(std::atan2(y, x) * 180 / 3.14159265)));
+  }
+  EXPECT_GE(directions.size(), 360u);
+}
+
+TEST_F(RendererTest, GrazingFloorHasNoInteriorContour) {
+  const PinholeCamera camera{320, 240, 300, 300, 160, 60};
+  const RenderedMaps maps = Both({MakeParallelogram({-40, 1.2f, 0.5f}, {80, 0, 0}, {0, 0, 24.5f})},
+                                 {{0, Isometry3d::Identity(), 1}}, camera);
+  cv::Mat rows;
+  cv::reduce(maps.contour, rows, 1, cv::REDUCE_MAX);
+  EXPECT_EQ(cv::countNonZero(rows), 1) << "only the far end, against nothing";
+}
+
+TEST_F(RendererTest, BorderOfAnOpenMeshInsideItsSurfaceGivesNoContour) {
+  // A board, and a centimetre in front of it a flap of the same open mesh, both wound the other way
+  // round.
+  TriangleMesh board = MakeParallelogram({-0.5f, -0.5f, 2}, {0, 1, 0}, {1, 0, 0});
+  Append(MakeParallelogram({-0.1f, -0.1f, 1.99f}, {0, 0.2f, 0}, {0.2f, 0, 0}), board);
+  const RenderedMaps maps = Both({board}, {{0, Isometry3d::Identity(), 1}}, camera_);
+  EXPECT_GT(cv::countNonZero((maps.depth > 0) & (maps.depth < 1.995f)), 400);
+  const cv::Rect inside(100, 80, 80, 90);
+  EXPECT_EQ(cv::countNonZero(maps.contour(inside)), 0);
+  EXPECT_GT(cv::countNonZero(maps.contour), 200);
+}
+
+TEST_F(RendererTest, SecondLayerIsTheNearestSurfaceOfAnotherObject) {
+  options_.second_layer = true;
+  // Behind the front wall of box 1 come its own back wall and then box 2.
+  const RenderedMaps maps = Both(
+      {MakeBox({-0.2f, -0.2f, 2}, {0.2f, 0.2f, 2.4f}), MakeBox({-0.5f, -0.5f, 3}, {0.5f, 0.5f, 4})},
+      {{0, Isometry3d::Identity(), 1}, {1, Isometry3d::Identity(), 2}}, camera_);
+  EXPECT_EQ(maps.id.at<ushort>(129, 141), 1);
+  EXPECT_EQ(maps.second_id.at<ushort>(129, 141), 2);
+  EXPECT_NEAR(maps.second_depth.at<float>(129, 141), 3.0, 1e-3);
+  const Eigen::Vector2d beside = camera_.Project({0.4, 0.4, 3});
+  EXPECT_EQ(maps.id.at<ushort>(static_cast<int>(beside.y()), static_cast<int>(beside.x())), 2);
+  EXPECT_EQ(maps.second_id.at<ushort>(static_cast<int>(beside.y()), static_cast<int>(beside.x())),
+            0);
+}
+
+TEST_F(RendererTest, ChangesImageSizeBetweenCalls) {
+  const int sphere = renderer_->AddMesh(MakeSphere(0.4f, 16));
+  const RenderInstance instance{sphere, Pose({0, 0, 2}), 5};
+  for (const double factor : {1.0, 0.5, 1.0, 2.0}) {
+    const RenderedMaps maps =
+        renderer_->Render(camera_.Scaled(factor), std::span(&instance, 1), options_);
+    EXPECT_EQ(maps.depth.cols, static_cast<int>(camera_.width * factor));
+    EXPECT_NEAR(cv::countNonZero(maps.id) / (factor * factor),
+                260 * 270 * 3.14159 * 0.16 / 4 * 1.04, 700);
+  }
+}
+
+TEST_F(RendererTest, AdoptsTheCurrentContextAndTwoContextsLiveSideBySide) {
+  Result<std::unique_ptr<RenderContext>> adopted = RenderContext::AdoptCurrent();
+  ASSERT_TRUE(adopted.ok()) << adopted.error().message;
+  EXPECT_EQ((*adopted)->Description(), context_->Description());
+  std::jthread other([] {
+    auto context = RenderContext::CreateHeadless();
+    ASSERT_TRUE(context.ok()) << context.error().message;
+    auto renderer = Renderer::Create(**context);
+    ASSERT_TRUE(renderer.ok()) << renderer.error().message;
+  });
+}
+
+TEST_F(RendererTest, RefusesUnknownMeshesAndIdZero) {
+  const RenderInstance unknown{3, Isometry3d::Identity(), 1};
+  EXPECT_THROW(renderer_->Render(camera_, std::span(&unknown, 1), options_), ContractError);
+  const RenderInstance no_id{renderer_->AddMesh(MakeSphere(1, 4)), Pose({0, 0, 3}), 0};
+  EXPECT_THROW(renderer_->Render(camera_, std::span(&no_id, 1), options_), ContractError);
+}
+
+TEST_F(RendererTest, AgreesWithRayCastingOnTheKitchenModels) {
+  const auto shared = SharedData();
+  if (!shared) GTEST_SKIP() << kNoSharedData;
+  const auto database = ModelDatabase::Load(*shared / "data/kitchen/models");
+  ASSERT_TRUE(database.ok());
+  const TriangleMesh& chair = (*database)->model(*(*database)->Find("chair")).mesh;
+  Isometry3d upright = Isometry3d::Identity();
+  upright.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  Both({chair},
+       {{0, Pose({0, 0.5, 2.2}, 0.4, {1, 0, 0}) * upright * Pose({0, 0, 0}, 2.1, Vector3d::UnitZ()),
+         1}},
+       camera_);
+}
+
+}  // namespace
+}  // namespace plumbline
