@@ -30,6 +30,10 @@ TriangleMesh Transformed(TriangleMesh mesh, const Eigen::Isometry3d& target_from
 }
 
 void Append(const TriangleMesh& b, TriangleMesh& a) {
+  if (a.empty()) {
+    a = b;
+    return;
+  }
   const int offset = static_cast<int>(a.vertices.size());
   AppendAttribute(b.normals, b.vertices.size(), a.normals, a.vertices.size());
   AppendAttribute(b.colors, b.vertices.size(), a.colors, a.vertices.size());

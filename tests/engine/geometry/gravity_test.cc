@@ -20,7 +20,8 @@ std::vector<Eigen::Vector3d> ManyGravities() {
   }
   Random random({.seed = 7});
   for (int i = 0; i < 1000; ++i) {
-    all.push_back(Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized());
+    all.push_back(
+        Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized());
   }
   return all;
 }
@@ -42,7 +43,8 @@ TEST(UprightFrame, AzimuthIsTheInverseOfTheRotation) {
   for (const Eigen::Vector3d& gravity : ManyGravities()) {
     const UprightFrame frame(gravity);
     const double azimuth = random.Uniform(-std::numbers::pi, std::numbers::pi);
-    EXPECT_NEAR(WrapAngle(frame.Azimuth(frame.WorldFromObjectRotation(azimuth)) - azimuth), 0.0, 1e-12);
+    EXPECT_NEAR(WrapAngle(frame.Azimuth(frame.WorldFromObjectRotation(azimuth)) - azimuth), 0.0,
+                1e-12);
   }
 }
 
@@ -52,7 +54,8 @@ TEST(UprightFrame, AzimuthTurnsRightHandedAboutUpSoThePapersThetaIsItsNegative) 
     const UprightFrame frame(gravity);
     const double azimuth = random.Uniform(-std::numbers::pi, std::numbers::pi);
     const Eigen::Matrix3d about_up =
-        Eigen::AngleAxisd(azimuth, frame.up_in_world()).toRotationMatrix() * frame.upright_rotation();
+        Eigen::AngleAxisd(azimuth, frame.up_in_world()).toRotationMatrix() *
+        frame.upright_rotation();
     // Rodrigues' formula of the paper about gamma = gravity with theta = -azimuth.
     const Eigen::Matrix3d about_gravity =
         Eigen::AngleAxisd(-azimuth, gravity).toRotationMatrix() * frame.upright_rotation();

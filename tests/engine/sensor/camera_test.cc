@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/sensor/camera.h"
 
+#include <array>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -83,6 +85,40 @@ TEST(Undistorter, LeavesPinholeImagesAlone) {
   const cv::Mat image(3, 4, CV_8UC3, cv::Scalar(1, 2, 3));
   EXPECT_EQ(Undistorter(camera).Undistort(image).data, image.data);
   EXPECT_EQ(Undistorter(camera).UndistortPixel({2, 1}), Eigen::Vector2d(2, 1));
+}
+
+TEST(Undistorter, InvertsTheClosedFormOfTheLens) {
+  nlohmann::json json = Kitchen();
+  json["distortion"] = {-0.28, 0.07, 0.0002, 1.8e-5, -0.01};
+  const Camera camera = CameraFromJson(json, "camera.json").value();
+  const Undistorter undistorter(camera);
+  const auto [k1, k2, p1, p2, k3] = std::array{-0.28, 0.07, 0.0002, 1.8e-5, -0.01};
+  for (double v = 40; v < 480; v += 80) {
+    for (double u = 40; u < 640; u += 80) {
+      const Eigen::Vector2d ideal = camera.pinhole.Bearing({u, v});
+      const double x = ideal.x(), y = ideal.y(), r2 = ideal.squaredNorm();
+      const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+      const Eigen::Vector3d bent(x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+                                 y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y, 1);
+      EXPECT_LT(
+          (undistorter.UndistortPixel(camera.pinhole.Project(bent)) - Eigen::Vector2d(u, v)).norm(),
+          0.05)
+          << u << " " << v;
+    }
+  }
+}
+
+TEST(PinholeCamera, ScalesACameraWhoseAxisIsOffCentre) {
+  const PinholeCamera camera{960, 500, 610, 612, 471.3, 262.9};
+  for (const double factor : {0.5, 0.25, 1.0 / 3.0, 2.0}) {
+    const PinholeCamera scaled = camera.Scaled(factor);
+    const Eigen::Vector3d point(-0.3, 0.4, 1.7);
+    const Eigen::Vector2d corner(
+        0.5, 0.5);  // pixel centres at integers: the image's corner is at (-0.5, -0.5)
+    EXPECT_LT((scaled.Project(point) - (factor * (camera.Project(point) + corner) - corner)).norm(),
+              1e-12);
+    EXPECT_LT((scaled.Bearing(scaled.Project(point)) - point.hnormalized()).norm(), 1e-12);
+  }
 }
 
 TEST(Undistorter, MovesImageAndPixelAlike) {

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/base/files.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/test_data.h"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+int NumFiles(const std::filesystem::path& folder) {
+  return static_cast<int>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+TEST(WriteFileAtomically, ReplacesTheWholeFileAndLeavesNothingBeside) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "a.txt";
+  ASSERT_TRUE(WriteFileAtomically(file, "a rather long first content").ok());
+  ASSERT_TRUE(WriteFileAtomically(file, std::string("zero\0inside", 11)).ok());
+  EXPECT_EQ(ReadFile(file).value(), std::string("zero\0inside", 11));
+  EXPECT_EQ(NumFiles(folder.path()), 1);
+}
+
+TEST(WriteFileAtomically, KeepsTheOldFileWhenItFails) {
+  const TemporaryFolder folder;
+  const std::filesystem::path target = folder.path() / "a.txt";
+  std::filesystem::create_directories(target / "in the way");  // a rename onto this must fail
+  const Status status = WriteFileAtomically(target, "new");
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error().code, ErrorCode::kIo);
+  EXPECT_THAT(status.error().message, HasSubstr(target.string()));
+  EXPECT_TRUE(std::filesystem::is_directory(target / "in the way"));
+  EXPECT_EQ(NumFiles(folder.path()), 1) << "the temporary file stays behind";
+}
+
+TEST(WriteFileAtomically, NamesTheFileWhoseFolderIsMissing) {
+  const TemporaryFolder folder;
+  const Status status = WriteFileAtomically(folder.path() / "missing" / "a.txt", "x");
+  ASSERT_FALSE(status.ok());
+  EXPECT_THAT(status.error().message, AllOf(HasSubstr("missing/a.txt"), HasSubstr("No such file")));
+}
+
+TEST(ReadFile, NamesWhatIsMissingOrAFolder) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(ReadFile(folder.path() / "no.txt").error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(ReadFile(folder.path() / "no.txt").error().message, HasSubstr("no.txt"));
+  EXPECT_EQ(ReadFile(folder.path()).error().code, ErrorCode::kInvalidInput);
+  EXPECT_THAT(ReadFile(folder.path()).error().message, HasSubstr("folder"));
+}
+
+TEST(ReadFile, ReportsAFileThatItMayNotRead) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may read every file";
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "secret.txt";
+  ASSERT_TRUE(WriteFileAtomically(file, "x").ok());
+  std::filesystem::permissions(file, std::filesystem::perms::none);
+  const Result<std::string> content = ReadFile(file);
+  ASSERT_FALSE(content.ok());
+  EXPECT_THAT(content.error().message, HasSubstr("secret.txt"));
+}
+
+TEST(ReadJson, AllowsComments) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "a.json")
+      << "// first\n{\"a\": 1, /* inside */ \"b\": [2, 3]} // last\n";
+  EXPECT_EQ(ReadJson(folder.path() / "a.json").value(), (nlohmann::json{{"a", 1}, {"b", {2, 3}}}));
+}
+
+TEST(ReadJson, NamesFileAndLineOfAMistake) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "bad.json") << "{\"a\": 1,\n \"b\": }\n";
+  const Result<nlohmann::json> json = ReadJson(folder.path() / "bad.json");
+  ASSERT_FALSE(json.ok());
+  EXPECT_EQ(json.error().code, ErrorCode::kCorrupt);
+  EXPECT_THAT(json.error().message, AllOf(HasSubstr("bad.json"), HasSubstr("line 2")));
+}
+
+TEST(ReadJson, RefusesATruncatedFile) {
+  const TemporaryFolder folder;
+  for (const char* text : {"", "{\"a\": [1, 2", "{\"a\": 1} {"}) {
+    std::ofstream(folder.path() / "cut.json") << text;
+    EXPECT_EQ(ReadJson(folder.path() / "cut.json").error().code, ErrorCode::kCorrupt) << text;
+  }
+}
+
+TEST(WriteJson, IsReadBackTheSame) {
+  const TemporaryFolder folder;
+  const nlohmann::json json = {{"pi", 3.141592653589793}, {"name", "\u00fcber"}, {"none", nullptr}};
+  ASSERT_TRUE(WriteJson(folder.path() / "a.json", json).ok());
+  EXPECT_EQ(ReadJson(folder.path() / "a.json").value(), json);
+}
+
+TEST(Hash, IsXxh3AndTheSameForAFile) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(WriteFileAtomically(folder.path() / "empty", "").ok());
+  EXPECT_EQ(HashHex(""),
+            "2d06800538d394c2");  // XXH3_64bits of nothing, seed 0, as its specification gives it
+  EXPECT_EQ(HashFile(folder.path() / "empty").value(), HashHex(""));
+  EXPECT_NE(HashHex("a"), HashHex("b"));
+  EXPECT_FALSE(HashFile(folder.path() / "missing").ok());
+}
+
+TEST(CacheDirectory, FollowsTheEnvironmentAndExists) {
+  const TemporaryFolder folder;
+  const char* before = std::getenv("XDG_CACHE_HOME");
+  const std::string kept = before != nullptr ? before : "";
+  setenv("XDG_CACHE_HOME", folder.path().c_str(), 1);
+  EXPECT_EQ(CacheDirectory(), folder.path() / "plumbline");
+  EXPECT_TRUE(std::filesystem::is_directory(folder.path() / "plumbline"));
+  if (before != nullptr) {
+    setenv("XDG_CACHE_HOME", kept.c_str(), 1);
+  } else {
+    unsetenv("XDG_CACHE_HOME");
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
