@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/recording/frame_codec.h"
+
+#include <zlib.h>
+
+#include <bit>
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the run file is little-endian");
+
+// Reading and writing share one description of each struct (the Visit functions below), so that
+// they cannot disagree.
+
+class Encoder {
+ public:
+  static constexpr bool kReads = false;
+
+  template <typename T>
+  requires(std::is_arithmetic_v<T> || std::is_enum_v<T>) void operator()(const T& value) {
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
+  }
+  void operator()(const std::string& text) {
+    Count(text.size());
+    bytes_ += text;
+  }
+  void Count(std::size_t count) { (*this)(static_cast<std::uint32_t>(count)); }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+/// After the first value that is not there everything reads as zero and `ok` is false.
+class Decoder {
+ public:
+  static constexpr bool kReads = true;
+
+  explicit Decoder(std::string_view bytes) : bytes_(bytes) {}
+
+  template <typename T>
+  requires(std::is_arithmetic_v<T> || std::is_enum_v<T>) void operator()(T& value) {
+    const std::string_view part = Take(sizeof(T));
+    if (part.empty()) {
+      value = T{};
+    } else {
+      std::memcpy(&value, part.data(), sizeof(T));
+    }
+  }
+  void operator()(std::string& text) {
+    std::uint32_t size = 0;
+    (*this)(size);
+    text = Take(size);
+  }
+  std::size_t Count() {
+    std::uint32_t count = 0;
+    (*this)(count);
+    if (count > bytes_.size()) ok_ = false;  // every element takes a byte at least
+    return ok_ ? count : 0;
+  }
+  bool complete() const { return ok_ && bytes_.empty(); }
+
+ private:
+  std::string_view Take(std::size_t size) {
+    if (size > bytes_.size()) ok_ = false;
+    if (!ok_) return {};
+    const std::string_view part = bytes_.substr(0, size);
+    bytes_.remove_prefix(size);
+    return part;
+  }
+
+  std::string_view bytes_;
+  bool ok_ = true;
+};
+
+template <typename Coder, typename Values, typename Visit>
+void VisitList(Coder& code, Values& values, Visit visit) {
+  if constexpr (Coder::kReads) {
+    values.resize(code.Count());
+  } else {
+    code.Count(values.size());
+  }
+  for (auto& value : values) visit(value);
+}
+
+template <typename Coder, typename Optional, typename Visit>
+void VisitOptional(Coder& code, Optional& value, Visit visit) {
+  std::uint8_t present = value.has_value();
+  code(present);
+  if constexpr (Coder::kReads) {
+    value.reset();
+    if (present) value.emplace();
+  }
+  if (value) visit(*value);
+}
+
+template <typename Coder, typename Matrix>
+void VisitMatrix(Coder& code, Matrix& matrix, int rows, int columns) {
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) code(matrix(row, column));
+  }
+}
+
+template <typename Coder, typename Pose>
+void VisitPose(Coder& code, Pose& pose) {
+  VisitMatrix(code, pose.matrix(), 3, 4);
+  if constexpr (Coder::kReads) pose.makeAffine();
+}
+
+template <typename Coder, typename Box>
+void VisitBox(Coder& code, Box& box) {
+  code(box.x0);
+  code(box.y0);
+  code(box.x1);
+  code(box.y1);
+}
+
+template <typename Coder, typename Report>
+void VisitFrame(Coder& code, Report& report) {
+  VisitOptional(code, report.world_from_cam, [&](auto& pose) { VisitPose(code, pose); });
+  VisitList(code, report.proposals, [&](auto& proposal) {
+    VisitBox(code, proposal.box);
+    code(proposal.category);
+    code(proposal.score);
+    code(proposal.fate);
+    code(proposal.object.value);
+  });
+  VisitList(code, report.timings, [&](auto& timing) {
+    code(timing.stage);
+    code(timing.milliseconds);
+  });
+  code(report.next_object_id);
+  code(report.mapper_state);
+}
+
+template <typename Coder, typename Object>
+void VisitObject(Coder& code, Object& object) {
+  code(object.reference_frame);
+  VisitPose(code, object.world_from_reference_cam);
+  code(object.first_frame);
+  code(object.last_frame);
+  VisitList(code, object.label_probability, [&](auto& entry) {
+    code(entry.label.value);
+    code(entry.probability);
+  });
+  VisitPose(code, object.world_from_object);
+  VisitMatrix(code, object.covariance, 4, 4);
+  VisitList(code, object.modes, [&](auto& mode) {
+    code(mode.label.value);
+    code(mode.weight);
+    VisitPose(code, mode.world_from_object);
+    code(mode.position_std_m);
+    code(mode.azimuth_std_rad);
+  });
+  code(object.effective_sample_size);
+  code(object.log_evidence);
+  code(object.visible_fraction);
+  code(object.phi_cnn);
+  code(object.phi_edge);
+  VisitBox(code, object.whole_box);
+  VisitBox(code, object.visible_box);
+  code(object.filter_state);
+}
+
+// Level 1: higher ones gain 1 % on floating-point numbers.
+std::string Compress(std::string_view bytes) {
+  uLongf size = compressBound(bytes.size());
+  const auto length = static_cast<std::uint32_t>(bytes.size());
+  std::string out(sizeof(length) + size, '\0');
+  std::memcpy(out.data(), &length, sizeof(length));
+  const int code = compress2(reinterpret_cast<Bytef*>(out.data() + sizeof(length)), &size,
+                             reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), 1);
+  PLB_CHECK(code == Z_OK) << "zlib: " << code;
+  out.resize(sizeof(length) + size);
+  return out;
+}
+
+Error Damaged() { return {ErrorCode::kCorrupt, "a frame in it is damaged"}; }
+
+Result<std::string> Decompress(std::string_view bytes) {
+  std::uint32_t length = 0;
+  if (bytes.size() < sizeof(length)) return Damaged();
+  std::memcpy(&length, bytes.data(), sizeof(length));
+  bytes.remove_prefix(sizeof(length));
+  // zlib packs at most 1032 to 1; a wild length is damage, not a reason to ask for 4 GB.
+  if (length > bytes.size() * 1032) return Damaged();
+  std::string out(length, '\0');
+  uLongf size = length;
+  const int code = uncompress(reinterpret_cast<Bytef*>(out.data()), &size,
+                              reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+  if (code != Z_OK || size != length) return Damaged();
+  return out;
+}
+
+template <typename Visit>
+Status DecodeCompressed(std::string_view bytes, Visit visit) {
+  const Result<std::string> plain = Decompress(bytes);
+  if (!plain) return plain.error();
+  Decoder decoder(*plain);
+  visit(decoder);
+  if (!decoder.complete()) return Damaged();
+  return {};
+}
+
+template <typename T>
+void AppendPlanes(const std::vector<Particle>& particles, T Particle::*member, std::string& bytes) {
+  for (std::size_t plane = 0; plane < sizeof(T); ++plane) {
+    for (const Particle& particle : particles) {
+      bytes.push_back(reinterpret_cast<const char*>(&(particle.*member))[plane]);
+    }
+  }
+}
+
+template <typename T>
+void ReadPlanes(const char*& bytes, T Particle::*member, std::vector<Particle>& particles) {
+  for (std::size_t plane = 0; plane < sizeof(T); ++plane) {
+    for (Particle& particle : particles) {
+      reinterpret_cast<char*>(&(particle.*member))[plane] = *bytes++;
+    }
+  }
+}
+
+template <typename Visit>
+void VisitParticleColumns(Visit visit) {
+  visit(&Particle::x_c);
+  visit(&Particle::y_c);
+  visit(&Particle::rho);
+  visit(&Particle::azimuth);
+  visit(&Particle::log_weight);
+  visit(&Particle::phi_cnn);
+  visit(&Particle::phi_edge);
+  visit(&Particle::label);
+  visit(&Particle::ancestor);
+}
+constexpr std::size_t kBytesPerParticle = 7 * sizeof(float) + 2 * sizeof(std::uint16_t);
+static_assert(sizeof(Particle) == kBytesPerParticle, "a new field of Particle needs a column here");
+
+}  // namespace
+
+std::string EncodeFrame(const FrameReport& report) {
+  Encoder encoder;
+  VisitFrame(encoder, report);
+  return Compress(encoder.bytes());
+}
+
+Status DecodeFrame(std::string_view bytes, FrameReport& report) {
+  return DecodeCompressed(bytes, [&](Decoder& decoder) { VisitFrame(decoder, report); });
+}
+
+std::string EncodeObject(const ObjectReport& object) {
+  Encoder encoder;
+  VisitObject(encoder, object);
+  return Compress(encoder.bytes());
+}
+
+Status DecodeObject(std::string_view bytes, ObjectReport& object) {
+  return DecodeCompressed(bytes, [&](Decoder& decoder) { VisitObject(decoder, object); });
+}
+
+std::string EncodeParticles(const std::vector<Particle>& particles) {
+  std::string bytes;
+  bytes.reserve(particles.size() * kBytesPerParticle);
+  VisitParticleColumns([&](auto member) { AppendPlanes(particles, member, bytes); });
+  return Compress(bytes);
+}
+
+Result<std::vector<Particle>> DecodeParticles(std::string_view bytes) {
+  const Result<std::string> plain = Decompress(bytes);
+  if (!plain) return plain.error();
+  if (plain->size() % kBytesPerParticle != 0) return Damaged();
+  std::vector<Particle> particles(plain->size() / kBytesPerParticle);
+  const char* next = plain->data();
+  VisitParticleColumns([&](auto member) { ReadPlanes(next, member, particles); });
+  return particles;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The run file (.plb): everything a run of the mapper did, frame by frame. docs/run_file.md
+// describes it.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "engine/base/ids.h"
+#include "engine/base/result.h"
+#include "engine/mapping/map_report.h"
+#include "engine/recording/run_header.h"
+
+namespace plumbline {
+
+/// Writes a run file on a thread of its own, one transaction a frame: whatever ends the program,
+/// every frame counted by num_written() can be read afterwards. Functions may be called from one
+/// thread at a time.
+class RunWriter {
+ public:
+  /// Starts a new file; an older run of that name is replaced, any other file is not touched.
+  /// Errors: kIo (folder missing or read-only), kInvalidInput (the file there is not a run).
+  static Result<std::unique_ptr<RunWriter>> Create(const std::filesystem::path& file,
+                                                   const RunHeader& header);
+
+  struct Resumed;
+  /// Goes on with a run that was cut off (or ended). Anything behind the last complete frame is
+  /// dropped. Errors: kNotFound, kCorrupt, kUnsupported; kInvalidInput if `header` differs from the
+  /// stored one in what decides the result (CheckContinues).
+  static Result<Resumed> OpenToResume(const std::filesystem::path& file, const RunHeader& header);
+
+  /// As if closed; an error is then lost (call Close to see it).
+  ~RunWriter();
+
+  /// Hands one frame over and returns; blocks only while the queue is full. `image`, of any size,
+  /// is stored 160 pixels wide; it may be empty and must not be written to afterwards. Frames come
+  /// by rising number. Errors (kIo): what stopped the writer earlier; nothing was or will be
+  /// written since.
+  Status Write(FrameReport report, const cv::Mat& image);
+
+  /// Frames safely in the file, those of a resumed run included. May be called from any thread.
+  int num_written() const;
+
+  /// Waits until everything handed over is written, notes that the run ended, and closes the file.
+  /// Errors (kIo): the first thing that went wrong since Create.
+  Status Close();
+
+ private:
+  class Worker;
+  explicit RunWriter(std::unique_ptr<Worker> worker);
+  std::unique_ptr<Worker> worker_;
+};
+
+struct RunWriter::Resumed {
+  std::unique_ptr<RunWriter> writer;
+  std::optional<FrameReport>
+      last;  ///< The last complete frame: where the mapper goes on. None in an empty run.
+};
+
+/// A life event and when it happened.
+struct RunEvent {
+  int position = 0;  ///< In the file, from 0.
+  int frame = 0;     ///< In the sequence.
+  LifeEvent event;
+};
+
+/// One frame, as a timeline needs it.
+struct RunFrame {
+  int position = 0;
+  int frame = 0;
+  std::int64_t stamp_ns = 0;
+  bool skipped = false;
+};
+
+/// An object's life in brief.
+struct ObjectTrack {
+  ObjectId id;
+  std::string category;
+  ModelId label;                                ///< In its last frame.
+  ObjectState state = ObjectState::kTentative;  ///< In its last frame.
+  int first_position = 0, last_position = 0;    ///< Where it is reported.
+  int first_frame = 0, last_frame = 0;          ///< The same in frames of the sequence.
+  std::optional<int> confirmed_frame;
+  int frames_weighed = 0;
+};
+
+/// Reads a run file, also while it is written: later calls see later frames. Use one reader per
+/// thread.
+class RunReader {
+ public:
+  /// Errors: kNotFound; kInvalidInput (not a run file); kUnsupported (made by a newer version);
+  /// kCorrupt.
+  static Result<std::unique_ptr<RunReader>> Open(const std::filesystem::path& file);
+  ~RunReader();
+
+  const std::filesystem::path& file() const;
+  const RunHeader& header() const;
+
+  /// Complete frames now in the file.
+  Result<int> NumFrames();
+  /// Whether the run ended in good order (and not: is still running, or was cut off).
+  Result<bool> Finished();
+  /// By position in the file, 0 .. NumFrames() - 1. Errors: kNotFound, kCorrupt.
+  Result<FrameReport> ReadFrame(int position);
+  /// Errors: kNotFound in a run without frames.
+  Result<FrameReport> LastFrame();
+  /// BGR, 160 pixels wide; empty where none was given. Errors: kNotFound, kCorrupt.
+  Result<cv::Mat> ReadThumbnail(int position);
+  /// Position of the last stored frame whose number in the sequence is at most `frame`; nothing
+  /// before the first.
+  Result<std::optional<int>> FindFrame(int frame);
+
+  /// Those from `first_position` on, in order: ask again with the next position to follow a running
+  /// run.
+  Result<std::vector<RunFrame>> Frames(int first_position = 0);
+  Result<std::vector<RunEvent>> Events(int first_position = 0);
+  /// By id.
+  Result<std::vector<ObjectTrack>> ObjectTracks();
+
+ private:
+  class Implementation;
+  explicit RunReader(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace plumbline

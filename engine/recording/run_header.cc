@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/recording/run_header.h"
+
+#include <cstring>
+#include <string_view>
+
+#include "engine/base/files.h"
+
+namespace plumbline {
+namespace {
+
+template <typename T>
+void AppendBytes(const T& value, std::string& bytes) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
+}
+
+template <typename Vector>
+nlohmann::json ToArray(const Vector& v) {
+  return std::vector<double>(v.data(), v.data() + v.size());
+}
+
+template <typename Vector>
+Vector FromArray(const nlohmann::json& json) {
+  Vector v;
+  if (json.size() != static_cast<std::size_t>(v.size()))
+    throw std::runtime_error("a vector of the wrong length");
+  for (int i = 0; i < v.size(); ++i) v[i] = json.at(i).get<double>();
+  return v;
+}
+
+}  // namespace
+
+nlohmann::json HeaderToJson(const RunHeader& header) {
+  nlohmann::json models = nlohmann::json::array();
+  for (const RunModel& model : header.models) {
+    models.push_back({{"name", model.name}, {"category", model.category}});
+  }
+  const PinholeCamera& camera = header.camera;
+  nlohmann::json json = {
+      {"options", header.options},
+      {"seed", header.seed},
+      {"program_version", header.program_version},
+      {"sequence", {{"path", header.sequence_path}, {"hash", header.sequence_hash}}},
+      {"database",
+       {{"path", header.models_path}, {"hash", header.models_hash}, {"models", models}}},
+      {"detector", header.detector},
+      {"edges", header.edges},
+      {"poses", header.poses},
+      {"gravity", ToArray(header.gravity_in_world)},
+      {"camera",
+       {{"width", camera.width},
+        {"height", camera.height},
+        {"fx", camera.fx},
+        {"fy", camera.fy},
+        {"cx", camera.cx},
+        {"cy", camera.cy},
+        {"rate_hz", header.rate_hz}}},
+      {"frames",
+       {{"first", header.first_frame}, {"end", header.end_frame}, {"step", header.frame_step}}},
+      {"started", header.started}};
+  if (header.floor_in_world) json["floor"] = ToArray(*header.floor_in_world);
+  return json;
+}
+
+Result<RunHeader> HeaderFromJson(const nlohmann::json& json) {
+  RunHeader header;
+  try {
+    header.options = json.at("options");
+    header.seed = json.at("seed").get<std::uint64_t>();
+    header.program_version = json.at("program_version").get<std::string>();
+    header.sequence_path = json.at("sequence").at("path").get<std::string>();
+    header.sequence_hash = json.at("sequence").at("hash").get<std::string>();
+    header.models_path = json.at("database").at("path").get<std::string>();
+    header.models_hash = json.at("database").at("hash").get<std::string>();
+    for (const nlohmann::json& model : json.at("database").at("models")) {
+      header.models.push_back(
+          {model.at("name").get<std::string>(), model.at("category").get<std::string>()});
+    }
+    header.detector = json.at("detector").get<std::string>();
+    header.edges = json.at("edges").get<std::string>();
+    header.poses = json.at("poses").get<std::string>();
+    header.gravity_in_world = FromArray<Eigen::Vector3d>(json.at("gravity"));
+    if (json.contains("floor"))
+      header.floor_in_world = FromArray<Eigen::Vector4d>(json.at("floor"));
+    const nlohmann::json& camera = json.at("camera");
+    header.camera = {camera.at("width").get<int>(), camera.at("height").get<int>(),
+                     camera.at("fx").get<double>(), camera.at("fy").get<double>(),
+                     camera.at("cx").get<double>(), camera.at("cy").get<double>()};
+    header.rate_hz = camera.at("rate_hz").get<double>();
+    header.first_frame = json.at("frames").at("first").get<int>();
+    header.end_frame = json.at("frames").at("end").get<int>();
+    header.frame_step = json.at("frames").at("step").get<int>();
+    header.started = json.at("started").get<std::string>();
+  } catch (const std::exception& error) {
+    return Error{ErrorCode::kCorrupt,
+                 std::string("its header cannot be read (") + error.what() + ")"};
+  }
+  return header;
+}
+
+Status CheckContinues(const RunHeader& stored, const RunHeader& now) {
+  const auto differs = [](std::string_view what, std::string_view before, std::string_view after) {
+    return Error{ErrorCode::kInvalidInput, std::string(what) + " of the run to resume was " +
+                                               std::string(before) + " and now is " +
+                                               std::string(after) +
+                                               "; resume with the same, or start a new run"};
+  };
+  for (const auto& [key, value] : stored.options.items()) {
+    const auto found = now.options.find(key);
+    const std::string after = found == now.options.end() ? "missing" : found->dump();
+    if (after != value.dump()) return differs("option '" + key + "'", value.dump(), after);
+  }
+  for (const auto& [key, value] : now.options.items()) {
+    if (!stored.options.contains(key))
+      return differs("option '" + key + "'", "missing", value.dump());
+  }
+  if (stored.seed != now.seed) {
+    return differs("the seed", std::to_string(stored.seed), std::to_string(now.seed));
+  }
+  const std::pair<std::string_view, std::string RunHeader::*> texts[] = {
+      {"the program version", &RunHeader::program_version},
+      {"the sequence", &RunHeader::sequence_hash},
+      {"the model database", &RunHeader::models_hash},
+      {"the detector", &RunHeader::detector},
+      {"the edge detector", &RunHeader::edges},
+      {"the source of poses", &RunHeader::poses}};
+  for (const auto& [what, member] : texts) {
+    if (stored.*member != now.*member) return differs(what, stored.*member, now.*member);
+  }
+  if (stored.first_frame != now.first_frame || stored.frame_step != now.frame_step) {
+    const auto range = [](const RunHeader& h) {
+      return std::to_string(h.first_frame) + "::" + std::to_string(h.frame_step);
+    };
+    return differs("the frame range", range(stored), range(now));
+  }
+  return {};
+}
+
+std::string SequenceFingerprint(const Sequence& sequence) {
+  std::string bytes;
+  const PinholeCamera& camera = sequence.camera();
+  AppendBytes(camera.width, bytes);
+  AppendBytes(camera.height, bytes);
+  for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy, sequence.rate_hz()}) {
+    AppendBytes(value, bytes);
+  }
+  if (const auto gravity = sequence.gravity_in_world()) {
+    for (int i = 0; i < 3; ++i) AppendBytes((*gravity)[i], bytes);
+  }
+  if (const auto floor = sequence.floor_in_world()) {
+    for (int i = 0; i < 4; ++i) AppendBytes((*floor)[i], bytes);
+  }
+  for (int frame = 0; frame < sequence.num_frames(); ++frame) {
+    AppendBytes(sequence.stamp_ns(frame), bytes);
+    const auto pose = sequence.world_from_cam(frame);
+    if (!pose) continue;
+    for (int i = 0; i < 12; ++i) AppendBytes(pose->matrix()(i / 4, i % 4), bytes);
+  }
+  return HashHex(bytes);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "engine/base/queue.h"
+#include "engine/recording/frame_codec.h"
+#include "engine/recording/run_file.h"
+#include "engine/recording/run_schema.h"
+#include "engine/recording/sqlite.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kThumbnailWidth = 160;
+constexpr std::size_t kQueuedFrames = 16;
+
+/// JPEG bytes; none for an empty image.
+std::string EncodeThumbnail(const cv::Mat& image) {
+  if (image.empty()) return {};
+  cv::Mat small = image;
+  if (image.cols != kThumbnailWidth) {
+    const int height = std::max(1, image.rows * kThumbnailWidth / image.cols);
+    cv::resize(image, small, {kThumbnailWidth, height}, 0, 0, cv::INTER_AREA);
+  }
+  std::vector<unsigned char> bytes;
+  cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, 80});
+  return {bytes.begin(), bytes.end()};
+}
+
+Status StoreHeader(sqlite::Database& database, const RunHeader& header) {
+  Result<sqlite::Statement> statement = database.Prepare(
+      "INSERT OR REPLACE INTO run (key, value) VALUES ('header', ?1), ('finished', '0')");
+  if (!statement) return statement.error();
+  statement->BindText(1, HeaderToJson(header).dump());
+  return statement->Run();
+}
+
+/// Frames survive a killed program without waiting for the disk; a power cut costs at most the last
+/// seconds.
+Status UseWriteAheadLog(sqlite::Database& database) {
+  return database.Execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;");
+}
+
+/// Makes way for a new run, but never for anything that is not one.
+Status RemoveOldRun(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return {};
+  if (std::filesystem::file_size(file, error) > 0 || error) {
+    const Result<std::unique_ptr<sqlite::Database>> old =
+        sqlite::Database::Open(file, sqlite::Access::kReadOnly);
+    const Result<std::int64_t> id =
+        old ? (*old)->QueryInteger("PRAGMA application_id") : Result<std::int64_t>(old.error());
+    if (!id || *id != kRunApplicationId) {
+      return Error{ErrorCode::kInvalidInput,
+                   file.string() + " exists and is not a run file; choose another name " +
+                       "or remove it first"};
+    }
+  }
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+    std::filesystem::remove(file.string() + suffix, error);
+    if (error) {
+      return Error{ErrorCode::kIo,
+                   "cannot replace " + file.string() + suffix + ": " + error.message()};
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+/// The thread behind a RunWriter. Only the thread touches the database between Start and Close.
+class RunWriter::Worker {
+ public:
+  Worker(std::unique_ptr<sqlite::Database> database, int position, int last_frame)
+      : database_(std::move(database)),
+        last_frame_(last_frame),
+        position_(position),
+        num_written_(position) {}
+  ~Worker() { (void)Close(); }
+
+  Status Start() {
+    const std::pair<sqlite::Statement&, const char*> statements[] = {
+        {begin_, "BEGIN IMMEDIATE"},
+        {commit_, "COMMIT"},
+        {insert_frame_, "INSERT INTO frames VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)"},
+        {insert_object_, "INSERT INTO objects VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)"},
+        {insert_event_, "INSERT INTO events VALUES (?1, ?2, ?3, ?4, ?5, ?6)"}};
+    for (const auto& [statement, sql] : statements) {
+      Result<sqlite::Statement> prepared = database_->Prepare(sql);
+      if (!prepared) return prepared.error();
+      statement = std::move(*prepared);
+    }
+    thread_ = std::thread([this] { Loop(); });
+    return {};
+  }
+
+  Status Write(FrameReport report, const cv::Mat& image) {
+    PLB_CHECK(report.frame > last_frame_) << "frame " << report.frame << " after " << last_frame_;
+    last_frame_ = report.frame;
+    const Status status = CurrentStatus();
+    if (!status.ok()) return status;
+    PLB_CHECK(queue_.Push(Item{std::move(report), image})) << "the run file is closed";
+    return {};
+  }
+
+  int num_written() const { return num_written_; }
+
+  Status Close() {
+    queue_.Close();
+    if (thread_.joinable()) thread_.join();
+    if (database_) {
+      const Status status = CurrentStatus();
+      if (status.ok())
+        SetStatus(database_->Execute("UPDATE run SET value = '1' WHERE key = 'finished'"));
+      for (sqlite::Statement* statement :
+           {&begin_, &commit_, &insert_frame_, &insert_object_, &insert_event_}) {
+        *statement = {};
+      }
+      // One plain file, readable from a read-only folder. Fails while somebody else reads; then
+      // -wal stays.
+      (void)database_->Execute("PRAGMA busy_timeout = 0; PRAGMA journal_mode = DELETE;");
+      database_.reset();
+    }
+    return CurrentStatus();
+  }
+
+ private:
+  struct Item {
+    FrameReport report;
+    cv::Mat image;
+  };
+  struct StoredParticles {
+    std::shared_ptr<const std::vector<Particle>> particles;
+    int position;
+  };
+
+  void Loop() {
+    while (const std::optional<Item> item = queue_.Pop()) {
+      if (!CurrentStatus().ok()) continue;  // so that nobody waits for room
+      Status status;
+      try {
+        status = Store(*item);
+      } catch (const std::exception& error) {
+        status =
+            Error{ErrorCode::kIo, "cannot record frame " + std::to_string(item->report.frame) +
+                                      " in " + database_->file().string() + ": " + error.what()};
+      }
+      if (!status.ok()) {
+        (void)database_->Execute("ROLLBACK");
+        SetStatus(status);
+      }
+    }
+  }
+
+  Status Store(const Item& item) {
+    const FrameReport& report = item.report;
+    const std::string details = EncodeFrame(report);
+    const std::string thumbnail = EncodeThumbnail(item.image);
+    Status status = begin_.Run();
+    if (status.ok()) status = StoreFrame(report, details, thumbnail);
+    for (const ObjectReport& object : report.objects) {
+      if (status.ok()) status = StoreObject(object);
+    }
+    for (std::size_t i = 0; i < report.events.size() && status.ok(); ++i) {
+      status = StoreEvent(report.events[i], static_cast<int>(i));
+    }
+    if (status.ok()) status = commit_.Run();
+    if (!status.ok()) return status;
+    Forget(report);
+    ++position_;
+    num_written_ = position_;
+    return {};
+  }
+
+  Status StoreFrame(const FrameReport& report, const std::string& details,
+                    const std::string& thumbnail) {
+    insert_frame_.Bind(1, std::int64_t{position_});
+    insert_frame_.Bind(2, std::int64_t{report.frame});
+    insert_frame_.Bind(3, report.stamp_ns);
+    insert_frame_.BindText(4, report.skipped);
+    insert_frame_.Bind(5, static_cast<std::int64_t>(report.objects.size()));
+    insert_frame_.BindBlob(6, details);
+    insert_frame_.BindBlob(7, thumbnail);
+    return insert_frame_.Run();
+  }
+
+  Status StoreObject(const ObjectReport& object) {
+    insert_object_.Bind(1, std::int64_t{position_});
+    insert_object_.Bind(2, std::int64_t{object.id.value});
+    insert_object_.Bind(3, static_cast<std::int64_t>(object.state));
+    insert_object_.BindText(4, object.category);
+    insert_object_.Bind(5, std::int64_t{object.label.value});
+    insert_object_.BindNull(6);
+    if (object.confirmed_frame) insert_object_.Bind(6, std::int64_t{*object.confirmed_frame});
+    insert_object_.Bind(7, std::int64_t{object.weighed});
+    insert_object_.BindBlob(8, EncodeObject(object));
+    insert_object_.BindNull(9);
+    insert_object_.BindNull(10);
+    if (object.particles) {
+      // An object that was not weighed keeps its set: stored once, referred to afterwards.
+      const auto stored = stored_.find(object.id);
+      if (stored != stored_.end() && stored->second.particles == object.particles) {
+        insert_object_.Bind(9, std::int64_t{stored->second.position});
+      } else {
+        insert_object_.Bind(9, std::int64_t{position_});
+        insert_object_.BindBlob(10, EncodeParticles(*object.particles));
+        stored_[object.id] = {object.particles, position_};
+      }
+    }
+    return insert_object_.Run();
+  }
+
+  Status StoreEvent(const LifeEvent& event, int ordinal) {
+    insert_event_.Bind(1, std::int64_t{position_});
+    insert_event_.Bind(2, std::int64_t{ordinal});
+    insert_event_.Bind(3, static_cast<std::int64_t>(event.kind));
+    insert_event_.Bind(4, std::int64_t{event.object.value});
+    insert_event_.Bind(5, std::int64_t{event.other.value});
+    insert_event_.BindText(6, event.text);
+    return insert_event_.Run();
+  }
+
+  /// Lets go of the particles of objects that are no longer reported.
+  void Forget(const FrameReport& report) {
+    std::erase_if(stored_, [&](const auto& entry) {
+      return std::none_of(report.objects.begin(), report.objects.end(),
+                          [&](const ObjectReport& object) { return object.id == entry.first; });
+    });
+  }
+
+  Status CurrentStatus() const {
+    const std::lock_guard lock(mutex_);
+    return status_;
+  }
+  void SetStatus(Status status) {
+    const std::lock_guard lock(mutex_);
+    status_ = std::move(status);
+  }
+
+  std::unique_ptr<sqlite::Database> database_;
+  sqlite::Statement begin_, commit_, insert_frame_, insert_object_, insert_event_;
+  BoundedQueue<Item> queue_{kQueuedFrames};
+  int last_frame_;
+  int position_;
+  std::map<ObjectId, StoredParticles> stored_;
+  std::atomic<int> num_written_;
+  mutable std::mutex mutex_;
+  Status status_;
+  std::thread thread_;
+};
+
+Result<std::unique_ptr<RunWriter>> RunWriter::Create(const std::filesystem::path& file,
+                                                     const RunHeader& header) {
+  if (const Status removed = RemoveOldRun(file); !removed.ok()) return removed.error();
+  Result<std::unique_ptr<sqlite::Database>> database =
+      sqlite::Database::Open(file, sqlite::Access::kCreate);
+  if (!database) return Error{ErrorCode::kIo, database.error().message};
+  Status status = (*database)->Execute("PRAGMA page_size = 8192; BEGIN");
+  if (status.ok()) status = (*database)->Execute(kRunSchema);
+  if (status.ok()) status = StoreHeader(**database, header);
+  if (status.ok()) status = (*database)->Execute("COMMIT");
+  if (status.ok()) status = UseWriteAheadLog(**database);
+  if (!status.ok()) return Error{ErrorCode::kIo, status.error().message};
+  auto worker = std::make_unique<Worker>(std::move(*database), 0, std::numeric_limits<int>::min());
+  if (const Status started = worker->Start(); !started.ok()) return started.error();
+  return std::unique_ptr<RunWriter>(new RunWriter(std::move(worker)));
+}
+
+Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& file,
+                                                   const RunHeader& header) {
+  Resumed resumed;
+  int num_frames = 0;
+  {
+    Result<std::unique_ptr<RunReader>> reader = RunReader::Open(file);
+    if (!reader) return reader.error();
+    if (const Status same = CheckContinues((*reader)->header(), header); !same.ok()) {
+      return Error{same.error().code,
+                   "cannot resume " + file.string() + ": " + same.error().message};
+    }
+    const Result<int> stored = (*reader)->NumFrames();
+    if (!stored) return stored.error();
+    for (num_frames = *stored; num_frames > 0; --num_frames) {
+      Result<FrameReport> last = (*reader)->ReadFrame(num_frames - 1);
+      if (last) {
+        resumed.last = std::move(*last);
+        break;
+      }
+    }
+  }
+  Result<std::unique_ptr<sqlite::Database>> database =
+      sqlite::Database::Open(file, sqlite::Access::kReadWrite);
+  if (!database) return database.error();
+  Status status = UseWriteAheadLog(**database);
+  if (status.ok()) status = (*database)->Execute("BEGIN IMMEDIATE");
+  for (const char* table : {"frames", "objects", "events"}) {
+    const std::string sql =
+        std::string("DELETE FROM ") + table + " WHERE position >= " + std::to_string(num_frames);
+    if (status.ok()) status = (*database)->Execute(sql.c_str());
+  }
+  if (status.ok()) status = StoreHeader(**database, header);
+  if (status.ok()) status = (*database)->Execute("COMMIT");
+  if (!status.ok()) return status.error();
+  const int last_frame = resumed.last ? resumed.last->frame : std::numeric_limits<int>::min();
+  auto worker = std::make_unique<Worker>(std::move(*database), num_frames, last_frame);
+  if (const Status started = worker->Start(); !started.ok()) return started.error();
+  resumed.writer.reset(new RunWriter(std::move(worker)));
+  return resumed;
+}
+
+RunWriter::RunWriter(std::unique_ptr<Worker> worker) : worker_(std::move(worker)) {}
+RunWriter::~RunWriter() = default;
+Status RunWriter::Write(FrameReport report, const cv::Mat& image) {
+  return worker_->Write(std::move(report), image);
+}
+int RunWriter::num_written() const { return worker_->num_written(); }
+Status RunWriter::Close() { return worker_->Close(); }
+
+}  // namespace plumbline

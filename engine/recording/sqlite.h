@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A thin wrapper of SQLite for the sources of this folder; nobody else includes it.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "engine/base/result.h"
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace plumbline::sqlite {
+
+enum class Access { kReadOnly, kReadWrite, kCreate };
+
+class Statement;
+
+/// One connection. Not safe to use from several threads at once.
+class Database {
+ public:
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  /// Errors: kNotFound where the file cannot be opened, kIo otherwise.
+  static Result<std::unique_ptr<Database>> Open(const std::filesystem::path& file, Access access);
+
+  /// Runs statements that give no rows.
+  Status Execute(const char* sql);
+  Result<Statement> Prepare(const char* sql);
+  /// The first column of the first row. Errors: kCorrupt if there is no row.
+  Result<std::int64_t> QueryInteger(const char* sql);
+  /// What went wrong last, as one sentence that starts with `what` and ends with what to do.
+  Error LastError(std::string_view what) const;
+  const std::filesystem::path& file() const { return file_; }
+
+ private:
+  explicit Database(std::filesystem::path file) : file_(std::move(file)) {}
+
+  struct Closer {
+    void operator()(sqlite3* handle) const;
+  };
+  std::filesystem::path file_;
+  std::unique_ptr<sqlite3, Closer> handle_;
+};
+
+/// A prepared statement of a database that outlives it. Parameters count from 1, columns from 0.
+class Statement {
+ public:
+  void Bind(int parameter, std::int64_t value);
+  void Bind(int parameter, double value);
+  void BindText(int parameter, std::string_view text);
+  void BindBlob(int parameter, std::string_view bytes);
+  void BindNull(int parameter);
+
+  /// True where there is a row to read; false at the end.
+  Result<bool> Step();
+  /// Steps to the end and makes the statement ready for the next use.
+  Status Run();
+  /// Ends the read transaction that a started statement holds; call it as soon as the rows are
+  /// read.
+  void Reset();
+
+  bool IsNull(int column) const;
+  std::int64_t Integer(int column) const;
+  double Real(int column) const;
+  /// Valid until the next Step or Reset.
+  std::string_view Text(int column) const;
+  std::string_view Blob(int column) const;
+
+ private:
+  friend class Database;
+  struct Finalizer {
+    void operator()(sqlite3_stmt* handle) const;
+  };
+  const Database* database_ = nullptr;
+  std::unique_ptr<sqlite3_stmt, Finalizer> handle_;
+};
+
+}  // namespace plumbline::sqlite

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/recording/run_file.h"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "engine/base/check.h"
+#include "engine/base/random.h"
+#include "engine/base/timer.h"
+#include "tests/engine/recording/random_run.h"
+#include "tests/support/test_data.h"
+
+namespace plumbline {
+namespace {
+
+std::unique_ptr<RunWriter> Start(const std::filesystem::path& file, std::uint64_t seed = 1) {
+  Result<std::unique_ptr<RunWriter>> writer = RunWriter::Create(file, RandomHeader(seed));
+  PLB_CHECK(writer.ok()) << writer.error().message;
+  return std::move(writer).value();
+}
+
+std::unique_ptr<RunReader> OpenRun(const std::filesystem::path& file) {
+  Result<std::unique_ptr<RunReader>> reader = RunReader::Open(file);
+  PLB_CHECK(reader.ok()) << reader.error().message;
+  return std::move(reader).value();
+}
+
+void WriteFrames(const std::filesystem::path& file, int count) {
+  const auto writer = Start(file);
+  for (int frame = 0; frame < count; ++frame) {
+    ASSERT_TRUE(writer->Write(RandomFrame(1, 2 * frame, 2, 10), {}).ok());
+  }
+  ASSERT_TRUE(writer->Close().ok());
+}
+
+TEST(RunFile, GivesBackEveryFrameBitForBit) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.plb";
+  std::vector<std::string> written;
+  const auto writer = Start(file);
+  for (int frame = 0; frame < 40; ++frame) {
+    // -1: no particles at all; 0: an empty set; both differ.
+    const FrameReport report =
+        RandomFrame(1, 3 * frame, frame % 6, frame % 5 == 4 ? -1 : 50 * (frame % 5));
+    written.push_back(Fingerprint(report));
+    ASSERT_TRUE(writer->Write(report, {}).ok());
+  }
+  ASSERT_TRUE(writer->Close().ok());
+  const auto reader = OpenRun(file);
+  ASSERT_EQ(*reader->NumFrames(), 40);
+  Random random({.seed = 2});
+  for (int i = 0; i < 200; ++i) {
+    const int position = static_cast<int>(random.Index(40));
+    EXPECT_EQ(Fingerprint(*reader->ReadFrame(position)),
+              written[static_cast<std::size_t>(position)]);
+  }
+  EXPECT_EQ(Fingerprint(*reader->LastFrame()), written.back());
+  EXPECT_EQ(reader->ReadFrame(40).error().code, ErrorCode::kNotFound);
+}
+
+TEST(RunFile, KeepsTheHeader) {
+  const TemporaryFolder folder;
+  WriteFrames(folder.path() / "run.plb", 1);
+  const auto reader = OpenRun(folder.path() / "run.plb");
+  EXPECT_EQ(HeaderToJson(reader->header()), HeaderToJson(RandomHeader(1)));
+  EXPECT_EQ(reader->header().seed, RandomHeader(1).seed);
+  EXPECT_EQ(reader->header().gravity_in_world, RandomHeader(1).gravity_in_world);
+  EXPECT_EQ(reader->header().camera, RandomHeader(1).camera);
+  EXPECT_EQ(reader->header().models, RandomHeader(1).models);
+}
+
+TEST(RunFile, StoresAnUnchangedParticleSetOnce) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.plb";
+  const FrameReport first = RandomFrame(1, 0, 5, 500);
+  std::vector<std::string> written;
+  {
+    const auto writer = Start(file);
+    for (int frame = 0; frame < 100; ++frame) {
+      FrameReport report = RandomFrame(1, frame, 5, 500);
+      for (std::size_t i = 0; i < 5; ++i) report.objects[i].particles = first.objects[i].particles;
+      written.push_back(Fingerprint(report));
+      ASSERT_TRUE(writer->Write(report, {}).ok());
+    }
+    ASSERT_TRUE(writer->Close().ok());
+  }
+  EXPECT_LT(std::filesystem::file_size(file), 100 * 8192u);
+  EXPECT_EQ(Fingerprint(*OpenRun(file)->ReadFrame(77)), written[77]);
+}
+
+TEST(RunFile, CanBeReadWhileItIsWritten) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.plb";
+  const auto writer = Start(file);
+  const auto reader = OpenRun(file);
+  EXPECT_EQ(*reader->NumFrames(), 0);
+  EXPECT_EQ(reader->LastFrame().error().code, ErrorCode::kNotFound);
+  int seen = 0;
+  for (int frame = 0; frame < 200; ++frame) {
+    ASSERT_TRUE(writer->Write(RandomFrame(1, frame, 3, 100), {}).ok());
+    const int confirmed = writer->num_written();
+    const int count = *reader->NumFrames();
+    EXPECT_GE(count, confirmed);
+    EXPECT_GE(count, seen);
+    seen = count;
+    if (count > 0) {
+      const Result<FrameReport> last = reader->ReadFrame(count - 1);
+      ASSERT_TRUE(last.ok()) << last.error().message;
+      EXPECT_EQ(last->frame, count - 1);
+    }
+  }
+  EXPECT_FALSE(*reader->Finished());
+  ASSERT_TRUE(writer->Close().ok());
+  EXPECT_TRUE(*reader->Finished());
+  EXPECT_EQ(*reader->NumFrames(), 200);
+}
+
+TEST(RunFile, FramesAppearWithin200Milliseconds) {
+  const TemporaryFolder folder;
+  const auto writer = Start(folder.path() / "run.plb");
+  const auto reader = OpenRun(folder.path() / "run.plb");
+  ASSERT_TRUE(writer->Write(RandomFrame(1, 0, 5, 500), RandomImage(1)).ok());
+  const Stopwatch watch;
+  while (*reader->NumFrames() == 0 && watch.Milliseconds() < 5000) {
+  }
+  EXPECT_LT(watch.Milliseconds(), 200);
+}
+
+TEST(RunFile, StaysWithin100KilobytesAFrameForFiveObjectsOf500Particles) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.plb";
+  const auto writer = Start(file);
+  const cv::Mat image = RandomImage(1);
+  for (int frame = 0; frame < 100; ++frame) {
+    ASSERT_TRUE(writer->Write(RandomFrame(1, frame, 5, 500), image).ok());
+  }
+  ASSERT_TRUE(writer->Close().ok());
+  const double bytes = static_cast<double>(std::filesystem::file_size(file)) / 100;
+  RecordProperty("bytes_per_frame", static_cast<int>(bytes));
+  EXPECT_LT(bytes, 100e3);
+}
+
+TEST(RunFile, ReadsAnyFrameInLessThan10Milliseconds) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.plb";
+  {
+    const auto writer = Start(file);
+    for (int frame = 0; frame < 200; ++frame) {
+      ASSERT_TRUE(writer->Write(RandomFrame(1, frame, 5, 500), {}).ok());
+    }
+  }
+  const auto reader = OpenRun(file);
+  Random random({.seed = 3});
+  const Stopwatch watch;
+  for (int i = 0; i < 100; ++i)
+    ASSERT_TRUE(reader->ReadFrame(static_cast<int>(random.Index(200))).ok());
+  RecordProperty("microseconds_per_frame", static_cast<int>(watch.Milliseconds() * 10));
+  EXPECT_LT(watch.Milliseconds() / 100, 10);
+}
+
+TEST(RunFile, KeepsASmallPictureOfEveryFrame) {
+  const TemporaryFolder folder;
+  const auto writer = Start(folder.path() / "run.plb");
+  const cv::Mat image = RandomImage(1);
+  ASSERT_TRUE(writer->Write(RandomFrame(1, 0, 0, 0), image).ok());
+  ASSERT_TRUE(writer->Write(RandomFrame(1, 1, 0, 0), cv::Mat()).ok());
+  ASSERT_TRUE(writer->Close().ok());
+  const auto reader = OpenRun(folder.path() / "run.plb");
+  const cv::Mat thumbnail = *reader->ReadThumbnail(0);
+  EXPECT_EQ(thumbnail.size(), cv::Size(160, 83));
+  EXPECT_NEAR(cv::mean(thumbnail)[0], cv::mean(image)[0], 2);
+  EXPECT_TRUE(reader->ReadThumbnail(1)->empty());
+  EXPECT_EQ(reader->ReadThumbnail(2).error().code, ErrorCode::kNotFound);
+}
+
+TEST(RunFile, FindsFramesByTheirNumberInTheSequence) {
+  const TemporaryFolder folder;
+  const auto writer = Start(folder.path() / "run.plb");
+  for (const int frame : {10, 13, 16})
+    ASSERT_TRUE(writer->Write(RandomFrame(1, frame, 1, 5), {}).ok());
+  ASSERT_TRUE(writer->Close().ok());
+  const auto reader = OpenRun(folder.path() / "run.plb");
+  EXPECT_EQ(*reader->FindFrame(9), std::nullopt);
+  EXPECT_EQ(*reader->FindFrame(10), 0);
+  EXPECT_EQ(*reader->FindFrame(15), 1);
+  EXPECT_EQ(*reader->FindFrame(1000), 2);
+  const std::vector<RunFrame> frames = *reader->Frames(1);
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[0].position, 1);
+  EXPECT_EQ(frames[0].frame, 13);
+  EXPECT_EQ(frames[0].stamp_ns, RandomFrame(1, 13, 0, 0).stamp_ns);
+}
+
+FrameReport FrameWith(int frame, std::vector<ObjectReport> objects, std::vector<LifeEvent> events) {
+  FrameReport report;
+  report.frame = frame;
+  report.objects = std::move(objects);
+  report.events = std::move(events);
+  return report;
+}
+
+TEST(RunFile, TellsTheLivesOfItsObjects) {
+  const TemporaryFolder folder;
+  const auto writer = Start(folder.path() / "run.plb");
+  ObjectReport chair;
+  chair.id = {1};
+  chair.category = "chair";
+  chair.label = {4};
+  chair.weighed = true;
+  ASSERT_TRUE(writer->Write(FrameWith(5, {}, {}), {}).ok());
+  ASSERT_TRUE(
+      writer->Write(FrameWith(6, {chair}, {{EventKind::kSpawned, {1}, {}, "proposal 0.8"}}), {})
+          .ok());
+  chair.weighed = false;
+  chair.confirmed_frame = 8;
+  chair.state = ObjectState::kConfirmed;
+  ObjectReport other;
+  other.id = {2};
+  other.category = "cup";
+  ASSERT_TRUE(
+      writer->Write(FrameWith(8, {chair, other}, {{EventKind::kConfirmed, {1}, {}, ""}}), {}).ok());
+  other.state = ObjectState::kRetired;
+  ASSERT_TRUE(
+      writer->Write(FrameWith(9, {chair, other}, {{EventKind::kRetired, {2}, {}, "too long"}}), {})
+          .ok());
+  ASSERT_TRUE(writer->Write(FrameWith(10, {chair}, {}), {}).ok());
+  ASSERT_TRUE(writer->Close().ok());
+
+  const auto reader = OpenRun(folder.path() / "run.plb");
+  const std::vector<ObjectTrack> tracks = *reader->ObjectTracks();
+  ASSERT_EQ(tracks.size(), 2u);
+  EXPECT_EQ(tracks[0].id, ObjectId{1});
+  EXPECT_EQ(tracks[0].category, "chair");
+  EXPECT_EQ(tracks[0].label, ModelId{4});
+  EXPECT_EQ(tracks[0].state, ObjectState::kConfirmed);
+  EXPECT_EQ(tracks[0].first_position, 1);
+  EXPECT_EQ(tracks[0].last_position, 4);
+  EXPECT_EQ(tracks[0].first_frame, 6);
+  EXPECT_EQ(tracks[0].last_frame, 10);
+  EXPECT_EQ(tracks[0].confirmed_frame, 8);
+  EXPECT_EQ(tracks[0].frames_weighed, 1);
+  EXPECT_EQ(tracks[1].state, ObjectState::kRetired);
+  EXPECT_EQ(tracks[1].last_frame, 9);
+  EXPECT_FALSE(tracks[1].confirmed_frame.has_value());
+
+  const std::vector<RunEvent> events = *reader->Events();
+  ASSERT_EQ(events.size(), 3u);
+  EXPECT_EQ(events[0].frame, 6);
+  EXPECT_EQ(events[0].position, 1);
+  EXPECT_EQ(events[0].event.text, "proposal 0.8");
+  EXPECT_EQ(events[2].event.kind, EventKind::kRetired);
+  EXPECT_EQ(reader->Events(3)->size(), 1u);
+}
+
+TEST(RunFile, ResumesBehindTheLastCompleteFrame) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.plb";
+  WriteFrames(file, 5);
+  RunHeader header = RandomHeader(1);
+  header.end_frame = 900;
+  header.sequence_path = "elsewhere";
+  Result<RunWriter::Resumed> resumed = RunWriter::OpenToResume(file, header);
+  ASSERT_TRUE(resumed.ok()) << resumed.error().message;
+  ASSERT_TRUE(resumed->last.has_value());
+  EXPECT_EQ(Fingerprint(*resumed->last), Fingerprint(RandomFrame(1, 8, 2, 10)));
+  EXPECT_EQ(resumed->writer->num_written(), 5);
+  EXPECT_FALSE(*OpenRun(file)->Finished());
+  ASSERT_TRUE(resumed->writer->Write(RandomFrame(1, 10, 2, 10), {}).ok());
+  ASSERT_TRUE(resumed->writer->Close().ok());
+  const auto reader = OpenRun(file);
+  EXPECT_EQ(*reader->NumFrames(), 6);
+  EXPECT_TRUE(*reader->Finished());
+  EXPECT_EQ(reader->header().end_frame, 900);
+  EXPECT_EQ(reader->ReadFrame(5)->frame, 10);
+}
+
+TEST(RunFile, DoesNotResumeARunOfOtherOptionsSeedOrInputs) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.plb";
+  WriteFrames(file, 2);
+  const auto message = [&](auto change) {
+    RunHeader header = RandomHeader(1);
+    change(header);
+    const Result<RunWriter::Resumed> resumed = RunWriter::OpenToResume(file, header);
+    return resumed.ok() ? std::string("resumed") : resumed.error().message;
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(message([](RunHeader& h) { h.options["particles"] = 200; }),
+              HasSubstr("option 'particles' of the run to resume was 500 and now is 200"));
+  EXPECT_THAT(message([](RunHeader& h) { h.options["new"] = 1; }), HasSubstr("option 'new'"));
+  EXPECT_THAT(message([](RunHeader& h) { ++h.seed; }), HasSubstr("the seed"));
+  EXPECT_THAT(message([](RunHeader& h) { h.models_hash = "0"; }), HasSubstr("the model database"));
+  EXPECT_THAT(message([](RunHeader& h) { h.detector = "dataset"; }), HasSubstr("the detector"));
+  EXPECT_THAT(message([](RunHeader& h) { h.frame_step = 1; }), HasSubstr("the frame range"));
+  EXPECT_EQ(message([](RunHeader&) {}), "resumed");
+}
+
+TEST(RunFile, ReplacesAnOlderRunButNothingElse) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.plb";
+  WriteFrames(file, 5);
+  { const auto writer = Start(file, 2); }
+  EXPECT_EQ(*OpenRun(file)->NumFrames(), 0);
+  const auto letter = folder.path() / "letter.txt";
+  std::ofstream(letter) << "Dear reader, this is not a database, however long it may be.";
+  const auto refused = RunWriter::Create(letter, RandomHeader(1));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("is not a run file"));
+  EXPECT_GT(std::filesystem::file_size(letter), 0u);
+}
+
+TEST(RunFile, IsOneFileAfterClosing) {
+  const TemporaryFolder folder;
+  WriteFrames(folder.path() / "run.plb", 3);
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    files += entry.is_regular_file();
+  EXPECT_EQ(files, 1);
+}
+
+}  // namespace
+}  // namespace plumbline
