@@ -41,6 +41,23 @@ Status CheckFormat(sqlite::Database& database) {
   return {};
 }
 
+/// SQLite itself notices missing pages, but not a last page cut short.
+Status CheckWhole(sqlite::Database& database) {
+  std::error_code error;
+  const std::string log = database.file().string() + "-wal";
+  if (std::filesystem::exists(log, error) && std::filesystem::file_size(log, error) > 0) return {};
+  const Result<std::int64_t> pages = database.QueryInteger("PRAGMA page_count");
+  const Result<std::int64_t> page_size = database.QueryInteger("PRAGMA page_size");
+  if (!pages) return pages.error();
+  if (!page_size) return page_size.error();
+  const auto size = static_cast<std::int64_t>(std::filesystem::file_size(database.file(), error));
+  if (error || size >= *pages * *page_size) return {};
+  return Error{ErrorCode::kCorrupt, database.file().string() + " is truncated or damaged (" +
+                                        std::to_string(size) + " of " +
+                                        std::to_string(*pages * *page_size) +
+                                        " bytes are there); copy it again, or repeat the run"};
+}
+
 }  // namespace
 
 class RunReader::Implementation {
@@ -286,10 +303,15 @@ Result<std::unique_ptr<RunReader>> RunReader::Open(const std::filesystem::path& 
   if (!std::filesystem::exists(file, error)) {
     return Error{ErrorCode::kNotFound, file.string() + " does not exist; check the path"};
   }
+  if (!std::filesystem::is_regular_file(file, error)) {
+    return Error{ErrorCode::kInvalidInput,
+                 file.string() + " is not a run file of Plumbline; choose a .plb"};
+  }
   Result<std::unique_ptr<sqlite::Database>> database =
       sqlite::Database::Open(file, sqlite::Access::kReadOnly);
   if (!database) return database.error();
   if (const Status format = CheckFormat(**database); !format.ok()) return format.error();
+  if (const Status whole = CheckWhole(**database); !whole.ok()) return whole.error();
   auto implementation = std::make_unique<Implementation>(std::move(*database));
   if (const Status started = implementation->Start(); !started.ok()) return started.error();
   return std::unique_ptr<RunReader>(new RunReader(std::move(implementation)));

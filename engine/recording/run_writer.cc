@@ -262,7 +262,7 @@ Result<std::unique_ptr<RunWriter>> RunWriter::Create(const std::filesystem::path
   Result<std::unique_ptr<sqlite::Database>> database =
       sqlite::Database::Open(file, sqlite::Access::kCreate);
   if (!database) return Error{ErrorCode::kIo, database.error().message};
-  Status status = (*database)->Execute("PRAGMA page_size = 8192; BEGIN");
+  Status status = (*database)->Execute("BEGIN");
   if (status.ok()) status = (*database)->Execute(kRunSchema);
   if (status.ok()) status = StoreHeader(**database, header);
   if (status.ok()) status = (*database)->Execute("COMMIT");

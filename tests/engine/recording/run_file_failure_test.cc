@@ -45,9 +45,16 @@ Child StartVictim(const std::filesystem::path& file, const char* limit,
   return {pid, fdopen(ends[0], "r")};
 }
 
-/// The last complete line that the child printed; also waits for its end.
-int LastReported(const Child& child, int& status) {
+/// Waits until the child has reported `frame`.
+int WaitForFrame(const Child& child, int frame) {
   int last = 0;
+  char line[32];
+  while (last < frame && fgets(line, sizeof(line), child.output) != nullptr) last = std::stoi(line);
+  return last;
+}
+
+/// The last complete line that the child printed (`last` if there is none); also waits for its end.
+int LastReported(const Child& child, int last, int& status) {
   char line[32];
   while (fgets(line, sizeof(line), child.output) != nullptr) {
     if (std::string(line).back() == '\n') last = std::stoi(line);
@@ -64,10 +71,11 @@ TEST(RunFileKilled, KeepsEveryFrameReportedAsWritten) {
     const TemporaryFolder folder;
     const auto file = folder.path() / "run.plb";
     const Child child = StartVictim(file, nullptr, folder.path() / "errors.txt");
-    usleep(20'000 + random.Index(300'000));
+    const int waited = WaitForFrame(child, static_cast<int>(random.Index(100)));
+    usleep(random.Index(20'000));
     kill(child.pid, SIGKILL);
     int status = 0;
-    const int reported = LastReported(child, status);
+    const int reported = LastReported(child, waited, status);
     ASSERT_TRUE(WIFSIGNALED(status));
     total += reported;
     if (reported == 0) continue;  // killed before the file was there
@@ -86,7 +94,7 @@ TEST(RunFileKilled, KeepsEveryFrameReportedAsWritten) {
     ASSERT_TRUE(resumed.ok()) << resumed.error().message;
     EXPECT_EQ(resumed->last->frame, count - 1);
   }
-  EXPECT_GT(total, 100);
+  EXPECT_GT(total, 200);
   RecordProperty("frames_reported", total);
 }
 
@@ -95,7 +103,7 @@ TEST(RunFileOnAFullDisk, SaysSoAndKeepsWhatWasWritten) {
   const auto file = folder.path() / "run.plb";
   const Child child = StartVictim(file, "3000000", folder.path() / "errors.txt");
   int status = 0;
-  const int written = LastReported(child, status);
+  const int written = LastReported(child, 0, status);
   ASSERT_TRUE(WIFEXITED(status));
   ASSERT_EQ(WEXITSTATUS(status), 3);
   std::ifstream errors(folder.path() / "errors.txt");
@@ -147,7 +155,7 @@ TEST(RunFileErrors, NotARunFile) {
   ASSERT_EQ(sqlite3_exec(database, "CREATE TABLE t (a)", nullptr, nullptr, nullptr), SQLITE_OK);
   sqlite3_close(database);
   EXPECT_THAT(OpenError(other, ErrorCode::kInvalidInput), HasSubstr("is not a run file"));
-  EXPECT_THAT(OpenError(folder.path(), ErrorCode::kNotFound), HasSubstr("cannot open"));
+  EXPECT_THAT(OpenError(folder.path(), ErrorCode::kInvalidInput), HasSubstr("is not a run file"));
 }
 
 TEST(RunFileErrors, NewerVersion) {
@@ -165,7 +173,7 @@ TEST(RunFileErrors, NewerVersion) {
   EXPECT_EQ(resumed.error().code, ErrorCode::kUnsupported);
 }
 
-TEST(RunFileErrors, TruncatedAnywhereIsAnErrorOrARunWithFewerFramesButNeverACrash) {
+TEST(RunFileErrors, TruncatedAnywhereIsAnError) {
   const TemporaryFolder folder;
   const auto whole = folder.path() / "whole.plb";
   WriteSmallRun(whole);
@@ -201,7 +209,7 @@ TEST(RunFileErrors, DamagedBytesAreReportedByFrameOrFile) {
     if (!reader.ok()) continue;
     for (int position = 0; position < 10; ++position) {
       const Result<FrameReport> report = (*reader)->ReadFrame(position);
-      if (!report.ok()) EXPECT_THAT(report.error().message, HasSubstr("damaged.plb"));
+      EXPECT_TRUE(report.ok() || report.error().message.find("damaged.plb") != std::string::npos);
     }
     (void)(*reader)->Events();
     (void)(*reader)->ObjectTracks();
