@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   const std::vector<Verb> kVerbs = {
       // one line each, in the order of --help
       {plumbline::AddDetectVerb},
+      {plumbline::AddEdgesVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
                "plumbline");

@@ -10,8 +10,8 @@
 
 namespace plumbline {
 
-/// Finds edges: thinned, calibrated probability, and the direction of the normal. Not safe to use from several
-/// threads at once.
+/// Finds edges: thinned, calibrated probability, and the direction of the normal. Not safe to use
+/// from several threads at once.
 class EdgeDetector {
  public:
   virtual ~EdgeDetector() = default;
@@ -20,9 +20,15 @@ class EdgeDetector {
   virtual std::string Description() const = 0;
 };
 
-/// `gradient` (multi-scale, oriented), `dataset` (the sequence's edges), or the path of an ONNX edge network
-/// with its sidecar. Errors: kNotFound, kCorrupt, kUnsupported.
+struct EdgeOptions {
+  /// Off: raw scores in place of probabilities, to measure a calibration with.
+  bool calibrate = true;
+};
+
+/// `gradient` (multi-scale, oriented), `dataset` (the sequence's edges), or the path of an ONNX
+/// edge network with its sidecar. Errors: kNotFound, kCorrupt, kInvalidInput, kUnsupported.
 Result<std::unique_ptr<EdgeDetector>> CreateEdgeDetector(std::string_view choice,
-                                                         std::shared_ptr<const Sequence> sequence);
+                                                         std::shared_ptr<const Sequence> sequence,
+                                                         const EdgeOptions& options = {});
 
 }  // namespace plumbline
