@@ -20,12 +20,6 @@ std::string DescribeCurrent() {
   return text(GL_RENDERER) + ", OpenGL " + text(GL_VERSION);
 }
 
-bool IsSoftware(std::string_view description) {
-  return description.find("llvmpipe") != std::string_view::npos ||
-         description.find("softpipe") != std::string_view::npos ||
-         description.find("swrast") != std::string_view::npos;
-}
-
 class HeadlessContext final : public RenderContext {
  public:
   HeadlessContext(EGLDisplay display, EGLContext context) : display_(display), context_(context) {
@@ -121,6 +115,13 @@ EGLContext MakeContext(EGLDisplay display) {
 
 }  // namespace
 
+bool RenderContext::IsSoftware() const {
+  const std::string description = Description();
+  return description.find("llvmpipe") != std::string::npos ||
+         description.find("softpipe") != std::string::npos ||
+         description.find("swrast") != std::string::npos;
+}
+
 Result<std::unique_ptr<RenderContext>> RenderContext::CreateHeadless() {
   std::unique_ptr<HeadlessContext> software;
   for (const EGLDisplay display : Displays()) {
@@ -131,7 +132,7 @@ Result<std::unique_ptr<RenderContext>> RenderContext::CreateHeadless() {
       continue;
     }
     auto made = std::make_unique<HeadlessContext>(display, context);
-    if (!IsSoftware(made->Description())) return std::unique_ptr<RenderContext>(std::move(made));
+    if (!made->IsSoftware()) return std::unique_ptr<RenderContext>(std::move(made));
     if (software == nullptr) software = std::move(made);
   }
   if (software == nullptr) {

@@ -115,6 +115,10 @@ class GlRenderer final : public Renderer {
   void DrawLayer(const Layer& layer, const MeshProgram& program,
                  const Eigen::Matrix4f& clip_from_cam, std::span<const Visible> visible) const;
   void DrawContour(const cv::Rect& part, double step_m) const;
+  bool InShader(const RenderOptions& options) const {
+    return options.contour_pass == ContourPass::kShader ||
+           (options.contour_pass == ContourPass::kAuto && !context_.IsSoftware());
+  }
 
   RenderContext& context_;
   MeshProgram first_, second_;
@@ -281,7 +285,9 @@ RenderedMaps GlRenderer::Render(const PinholeCamera& camera,
   DrawLayer(first_layer_, first_, clip_from_cam, visible);
   maps.depth = ReadBack(size, part, CV_32F, GL_COLOR_ATTACHMENT0, GL_RED, GL_FLOAT);
   maps.id = ReadBack(size, part, CV_16U, GL_COLOR_ATTACHMENT1, GL_RED_INTEGER, GL_UNSIGNED_SHORT);
-  if (options.contour) {
+  if (options.contour && !InShader(options)) {
+    maps.contour = ContourOf(maps.depth, maps.id, options.contour_step_m);
+  } else if (options.contour) {
     if (!part.empty()) DrawContour(part, options.contour_step_m);
     glBindFramebuffer(GL_FRAMEBUFFER, contour_framebuffer_.get());
     maps.contour = ReadBack(size, part, CV_8U, GL_COLOR_ATTACHMENT0, GL_RED, GL_UNSIGNED_BYTE);

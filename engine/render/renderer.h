@@ -16,8 +16,9 @@
 
 namespace plumbline {
 
-/// An OpenGL context that the engine draws with: its own headless one (EGL without any display), or the one that is
-/// current in this thread (the window's). Everything made with it must be used and destroyed in one thread.
+/// An OpenGL context that the engine draws with: its own headless one (EGL without any display), or
+/// the one that is current in this thread (the window's). Everything made with it must be used and
+/// destroyed in one thread.
 class RenderContext {
  public:
   virtual ~RenderContext() = default;
@@ -28,48 +29,64 @@ class RenderContext {
   virtual void MakeCurrent() = 0;
   /// GL_RENDERER and GL_VERSION.
   virtual std::string Description() const = 0;
+  /// OpenGL on the processor (Mesa's llvmpipe and its kin).
+  bool IsSoftware() const;
 };
 
-/// A mesh to draw: which of the renderer's meshes, where, and the number written into the id map (1 .. 65535).
+/// A mesh to draw: which of the renderer's meshes, where, and the number written into the id map (1
+/// .. 65535).
 struct RenderInstance {
   int mesh = -1;
   Eigen::Isometry3d cam_from_object = Eigen::Isometry3d::Identity();
   int id = 0;
 };
 
-/// What one camera sees. Depth is Z in `cam` [m], 0 where there is nothing; id 0 where there is nothing.
+/// What one camera sees. Depth is Z in `cam` [m], 0 where there is nothing; id 0 where there is
+/// nothing.
 struct RenderedMaps {
-  cv::Mat depth;          ///< CV_32F, nearest surface
-  cv::Mat id;             ///< CV_16U, of the nearest surface
-  cv::Mat second_depth;   ///< CV_32F, nearest surface of another id than the first; empty if not asked for
-  cv::Mat second_id;      ///< CV_16U
-  cv::Mat contour;        ///< CV_8U 255 on the contour (silhouette and depth discontinuities); empty if not asked for
+  cv::Mat depth;         ///< CV_32F, nearest surface
+  cv::Mat id;            ///< CV_16U, of the nearest surface
+  cv::Mat second_depth;  ///< CV_32F, nearest surface of another id than the first; empty if not
+                         ///< asked for
+  cv::Mat second_id;     ///< CV_16U
+  cv::Mat contour;  ///< CV_8U 255 on the contour (silhouette and depth discontinuities); empty if
+                    ///< not asked for
 };
+
+/// Where contours are found; the pictures are the same. On software OpenGL the shader takes some 15 ms
+/// for a 640x480 image and the processor 1 ms, so kAuto uses the shader on graphics cards only.
+enum class ContourPass { kAuto, kShader, kProcessor };
 
 struct RenderOptions {
   bool second_layer = false;
   bool contour = false;
-  double contour_step_m = 0.04;  ///< A depth jump larger than this (and than the slope explains) is a contour.
+  ContourPass contour_pass = ContourPass::kAuto;
+  double contour_step_m =
+      0.04;  ///< A depth jump larger than this (and than the slope explains) is a contour.
   double near_m = 0.05;
 };
 
-/// GLSL renderer of depth, object id and contour. Exact for off-centre principal points; triangles that cross the near
-/// plane are clipped; meshes are drawn two-sided, and borders of open meshes inside a surface give no contour.
-/// Contour pixels lie on the near side of a depth step, inside the object.
+/// GLSL renderer of depth, object id and contour. Exact for off-centre principal points; triangles
+/// that cross the near plane are clipped; meshes are drawn two-sided, and borders of open meshes
+/// inside a surface give no contour. Contour pixels lie on the near side of a depth step, inside
+/// the object.
 class Renderer {
  public:
-  /// The context must outlive the renderer. Errors: kUnsupported (shaders do not compile: driver's message).
+  /// The context must outlive the renderer. Errors: kUnsupported (shaders do not compile: driver's
+  /// message).
   static Result<std::unique_ptr<Renderer>> Create(RenderContext& context);
   virtual ~Renderer() = default;
   /// Uploads a mesh once; the handle is valid as long as the renderer.
   virtual int AddMesh(const TriangleMesh& mesh) = 0;
-  /// Draws all instances with `camera` (image size camera.width x camera.height). Instances behind the camera or
-  /// outside the image cost little and draw nothing.
-  virtual RenderedMaps Render(const PinholeCamera& camera, std::span<const RenderInstance> instances,
+  /// Draws all instances with `camera` (image size camera.width x camera.height). Instances behind
+  /// the camera or outside the image cost little and draw nothing.
+  virtual RenderedMaps Render(const PinholeCamera& camera,
+                              std::span<const RenderInstance> instances,
                               const RenderOptions& options) = 0;
 };
 
-/// The same maps by an independent CPU rasteriser (Embree ray casting): slow, for tests and machines without GL.
+/// The same maps by an independent CPU rasteriser (Embree ray casting): slow, for tests and
+/// machines without GL.
 RenderedMaps RayCast(const PinholeCamera& camera, std::span<const TriangleMesh* const> meshes,
                      std::span<const RenderInstance> instances, const RenderOptions& options);
 

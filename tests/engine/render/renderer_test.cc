@@ -49,7 +49,12 @@ class RendererTest : public testing::Test {
     }
     for (RenderInstance& instance : uploaded)
       instance.mesh = handles.at(static_cast<std::size_t>(instance.mesh));
+    options_.contour_pass = ContourPass::kProcessor;
+    const cv::Mat by_processor = renderer_->Render(camera, uploaded, options_).contour;
+    options_.contour_pass = ContourPass::kShader;
     RenderedMaps maps = renderer_->Render(camera, uploaded, options_);
+    EXPECT_LE(cv::countNonZero(maps.contour != by_processor), 2)
+        << "shader and processor follow one rule";
     ExpectSame(maps, RayCast(camera, pointers, instances, options_));
     return maps;
   }
