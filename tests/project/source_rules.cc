@@ -53,9 +53,16 @@ bool MayUseSibling(std::string_view module, std::string_view sibling) {
 bool IsOptionsHeader(std::string_view file) { return EndsWith(file, "_options.h"); }
 bool IsReportHeader(std::string_view file) { return EndsWith(file, "_report.h"); }
 
+/// Private to engine/render: the only headers of the engine with OpenGL in them.
+bool IsGlHeader(std::string_view file) {
+  return StartsWith(file, "engine/render/gl_") && EndsWith(file, ".h");
+}
+
 /// Why `path` may not include our own `file`; "" if it may.
 std::string WrongLayer(std::string_view path, std::string_view file) {
   const std::string_view used = EngineModule(file);
+  if (IsGlHeader(file) && EngineModule(path) != "render")
+    return "engine/render/gl_*.h are private to engine/render";
   if (StartsWith(path, "engine/")) {
     if (!StartsWith(file, "engine/")) return "the engine includes nothing but the engine";
     const std::string_view module = EngineModule(path);
@@ -104,10 +111,12 @@ std::string WrongLibrary(std::string_view path, const std::string& file) {
   if (Matches(file, "highgui")) return "OpenCV's highgui is used nowhere";
   if (engine && Matches(file, "imgui|GLFW/")) return "the engine opens no window";
   if (Matches(file, "^(epoxy|GL|GLES[0-9]?|EGL|KHR|GLFW)/|imgui_impl_")) {
-    const bool allowed = (StartsWith(path, "engine/render/") && EndsWith(path, ".cc")) ||
-                         StartsWith(path, "ui/") || StartsWith(path, "app/platform/") ||
-                         StartsWith(path, "tests/");
-    if (!allowed) return "OpenGL is included only in engine/render/*.cc, ui/ and app/platform/";
+    const bool in_render =
+        IsGlHeader(path) || (StartsWith(path, "engine/render/") && EndsWith(path, ".cc"));
+    const bool allowed = in_render || StartsWith(path, "ui/") ||
+                         StartsWith(path, "app/platform/") || StartsWith(path, "tests/");
+    if (!allowed)
+      return "OpenGL is included only in engine/render/ (*.cc, gl_*.h), ui/ and app/platform/";
   }
   if (Matches(file, "^vtk")) {
     const bool rendering =
@@ -155,8 +164,11 @@ bool NeedsLicence(std::string_view path) {
                      [&](auto ending) { return EndsWith(path, ending); });
 }
 
+/// On the first line, or below the interpreter or the version that must stand there.
 bool HasLicence(const std::vector<std::string>& lines) {
-  const std::size_t first = !lines.empty() && StartsWith(lines[0], "#!") ? 1 : 0;
+  const bool below =
+      !lines.empty() && (StartsWith(lines[0], "#!") || StartsWith(lines[0], "#version"));
+  const std::size_t first = below ? 1 : 0;
   return lines.size() > first &&
          lines[first].find("SPDX-License-Identifier: Apache-2.0") != std::string::npos;
 }

@@ -2,6 +2,7 @@
 #include "tests/project/source_rules.h"
 
 #include <filesystem>
+#include <regex>
 #include <set>
 #include <string>
 #include <utility>
@@ -40,6 +41,8 @@ TEST(SourceRules, AllowWhatTheLayersAllow) {
       {"engine/process/mapping_process.cc", Quoted("engine/snapshot/map_snapshot.h")},
       {"engine/geometry/decimate.cc", Angled("vtkQuadricDecimation.h")},
       {"engine/render/gl_context.cc", Angled("epoxy/egl.h")},
+      {"engine/render/gl_util.h", Angled("epoxy/gl.h")},
+      {"engine/render/renderer.cc", Quoted("engine/render/gl_util.h")},
       {"ui/panels/timeline.cc", Quoted("engine/snapshot/map_snapshot.h")},
       {"ui/panels/options.cc", Quoted("engine/mapping/mapper_options.h")},
       {"ui/scene/scene_view.cc", Angled("vtkRenderer.h")},
@@ -71,8 +74,10 @@ TEST(SourceRules, NameWhatTheLayersForbid) {
       {"app/main.cc", Angled("GLFW/glfw3.h"), "app/platform"},
       {"engine/geometry/decimate.h", Angled("vtkQuadricDecimation.h"), ".cc files only"},
       {"engine/geometry/decimate.cc", Angled("vtkPolyDataMapper.h"), "only in ui/scene"},
-      {"engine/render/renderer.h", Angled("epoxy/gl.h"), "engine/render/*.cc"},
-      {"engine/vision/edges.cc", Angled("epoxy/gl.h"), "engine/render/*.cc"},
+      {"engine/render/renderer.h", Angled("epoxy/gl.h"), "engine/render/ (*.cc, gl_*.h)"},
+      {"engine/vision/edges.cc", Angled("epoxy/gl.h"), "engine/render/ (*.cc, gl_*.h)"},
+      {"engine/vision/edges.cc", Quoted("engine/render/gl_util.h"), "private"},
+      {"app/main.cc", Quoted("engine/render/gl_util.h"), "private"},
       {"engine/process/worker.cc", Angled("imgui.h"), "opens no window"},
       {"engine/vision/edges.cc", Angled("opencv2/highgui.hpp"), "highgui"},
       {"engine/vision/edges.cc", Quoted("edges.h"), "start at the top"},
@@ -87,11 +92,12 @@ TEST(SourceRules, NameWhatTheLayersForbid) {
   }
 }
 
-TEST(SourceRules, WantTheLicenceOnTheFirstLineOrBelowTheInterpreter) {
+TEST(SourceRules, WantTheLicenceOnTheFirstLineThatMayHoldIt) {
   const std::string licence = "SPDX-License-Identifier: Apache-2.0\n";
-  EXPECT_THAT(SourceViolations("shaders/a.frag", "#version 450\n// " + licence),
-              ElementsAre(HasSubstr("SPDX")));
   EXPECT_THAT(SourceViolations("shaders/a.frag", "// " + licence + "#version 450\n"), IsEmpty());
+  EXPECT_THAT(SourceViolations("shaders/a.frag", "#version 450\n// " + licence), IsEmpty());
+  EXPECT_THAT(SourceViolations("shaders/a.frag", "#version 450\nvoid main() {}\n"),
+              ElementsAre(HasSubstr("SPDX")));
   EXPECT_THAT(SourceViolations("dev", "#!/usr/bin/env bash\n# " + licence), IsEmpty());
   EXPECT_THAT(SourceViolations("engine/base/empty.cc", ""), ElementsAre(HasSubstr("SPDX")));
   EXPECT_THAT(SourceViolations("README.md", "# Plumbline\n"), IsEmpty());
@@ -129,6 +135,20 @@ TEST(ProjectFiles, KeepTheRules) {
     Result<std::string> content = ReadFile(SourceDirectory() / file);
     ASSERT_TRUE(content.ok()) << content.error().message;
     EXPECT_THAT(SourceViolations(file, *content), IsEmpty());
+  }
+}
+
+TEST(ProjectFiles, LinkOnlyToWhatIsThere) {
+  static const std::regex kLink(R"(\]\(([^)#:]+)[^):]*\))");  // without those of the web
+  for (const std::string& file : ProjectFiles()) {
+    if (!file.ends_with(".md")) continue;
+    const std::filesystem::path path = SourceDirectory() / file;
+    const std::string content = ReadFile(path).value();
+    for (std::sregex_iterator match(content.begin(), content.end(), kLink), end; match != end;
+         ++match) {
+      EXPECT_TRUE(std::filesystem::exists(path.parent_path() / match->str(1)))
+          << file << " links to " << match->str(1);
+    }
   }
 }
 
