@@ -12,7 +12,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kGap = 6, kMargin = 8;
-constexpr double kTopBar = 44, kTimeline = 84, kStatusBar = 28;
+constexpr double kTopBar = 44, kTimeline = 76, kStatusBar = 28;
 
 /// Splits along x (or y) at `ratio`, leaving the gap between.
 std::pair<LayoutRect, LayoutRect> Split(const LayoutRect& rect, bool along_x, double ratio,
@@ -60,6 +60,21 @@ void HandleY(const FrameContext& context, const char* name, const LayoutRect& ab
   const LayoutRect gap{{std::min(above.low.x, below.low.x), above.high.y},
                        {std::max(above.high.x, below.high.x), below.low.y}};
   Handle(context, name, false, gap, above.low.y, below.high.y - above.low.y, ratio);
+}
+
+void DrawTitle(const FrameContext& context, Panel& panel, CommandSink& sink) {
+  ImGui::PushFont(context.fonts.strong);
+  ImGui::TextUnformatted(panel.Title());
+  ImGui::PopFont();
+  LogItem(context, std::string(panel.Id()) + ".title");
+  Tooltip(context, panel.Help());
+  ImGui::SameLine(0, context.Scaled(12));
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {context.Scaled(3), context.Scaled(4)});
+  ImGui::SetCursorPosY(ImGui::GetCursorPosY() - context.Scaled(2));
+  panel.DrawHeader(context, sink);
+  ImGui::PopStyleVar();
+  const float content_y = context.Scaled(6) + ImGui::GetTextLineHeight() + context.Scaled(7);
+  ImGui::SetCursorPos({context.Scaled(8), content_y});
 }
 
 }  // namespace
@@ -133,18 +148,7 @@ void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel
                         ImGuiWindowFlags_AlwaysUseWindowPadding);
   ImGui::PopStyleVar();
   ImGui::PopStyleColor();
-  ImGui::PushFont(context.fonts.strong);
-  ImGui::TextUnformatted(panel.Title());
-  ImGui::PopFont();
-  LogItem(context, std::string(panel.Id()) + ".title");
-  Tooltip(context, panel.Help());
-  ImGui::SameLine(0, context.Scaled(12));
-  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {context.Scaled(3), context.Scaled(4)});
-  ImGui::SetCursorPosY(ImGui::GetCursorPosY() - context.Scaled(2));
-  panel.DrawHeader(context, sink);
-  ImGui::PopStyleVar();
-  const float content_y = context.Scaled(6) + ImGui::GetTextLineHeight() + context.Scaled(7);
-  ImGui::SetCursorPos({context.Scaled(8), content_y});
+  if (*panel.Title() != '\0') DrawTitle(context, panel, sink);
   panel.Draw(context, sink);
   ImGui::EndChild();
 }

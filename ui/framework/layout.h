@@ -23,8 +23,8 @@ struct LayoutRatios {
   double image = 0.49;    ///< Height of the large image above the four small ones.
   double small_columns = 0.5;
   double small_rows = 0.5;
-  double scene = 0.53;    ///< Height of the 3-D view.
-  double objects = 0.56;  ///< Height of the object list in what is below the 3-D view.
+  double scene = 0.50;    ///< Height of the 3-D view.
+  double objects = 0.42;  ///< Height of the object list in what is below the 3-D view.
   double details = 0.60;  ///< Width of the selected object beside the timings.
 };
 template <class V>
@@ -52,7 +52,7 @@ InspectLayout ComputeInspectLayout(ImVec2 size, double ui_scale, const LayoutRat
 /// Draws the invisible handles between the regions and moves `ratios` while one is dragged.
 void DragSplitters(const FrameContext& context, const InspectLayout& layout, LayoutRatios& ratios);
 
-/// A panel in its rounded frame with its title row.
+/// A panel in its rounded frame with its title row; a panel without a title has none.
 void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel,
                CommandSink& sink);
 

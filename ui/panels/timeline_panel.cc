@@ -23,7 +23,7 @@ std::string TimeName(double seconds) {
 class TimelinePanel : public Panel {
  public:
   const char* Id() const override { return "timeline"; }
-  const char* Title() const override { return "Timeline"; }
+  const char* Title() const override { return ""; }
   const char* Help() const override { return "Where in the sequence the window is."; }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {

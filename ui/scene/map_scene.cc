@@ -130,7 +130,7 @@ class MapScene : public SceneSurface {
     const auto& bounds = actors_.bounds();
     const double radius = bounds.isEmpty() ? 1.5 : std::max(0.4, 0.5 * bounds.diagonal().norm());
     camera_.LookAt(bounds.isEmpty() ? Vector3d(0, 0, 0) : Vector3d(bounds.center()),
-                   0.95 * radius / std::tan(0.5 * TurntableCamera::kViewAngle));
+                   0.70 * radius / std::tan(0.5 * TurntableCamera::kViewAngle));
     camera_.SetDirection(0.8, 0.55);
     dirty_ = true;
   }

@@ -46,7 +46,7 @@ TEST(MappingProcess, ShowsTheFirstFrameAndRests) {
   MappingProcess process(Opener(Small()), std::nullopt, {});
   ASSERT_TRUE(Shows(process, 0));
   EXPECT_EQ(process.Playback()->state, PlaybackState::kPaused);
-  EXPECT_EQ(process.Playback()->newest_mapped_frame, 0);
+  EXPECT_TRUE(WaitFor([&] { return process.Playback()->newest_mapped_frame == 0; }));
   EXPECT_EQ(process.Sequence()->num_frames, 30);
 }
 
@@ -66,6 +66,7 @@ TEST(MappingProcess, PlaysToTheEndAndFinishes) {
   process.Post(PlayCommand{});
   ASSERT_TRUE(WaitFor([&] { return process.Playback()->state == PlaybackState::kFinished; }));
   EXPECT_EQ(process.Playback()->frame, 29);
+  process.Post(SetSpeedCommand{1});
   process.Post(PlayCommand{});  // from the beginning again
   ASSERT_TRUE(WaitFor([&] {
     return process.Playback()->state == PlaybackState::kPlaying || process.Playback()->frame < 29;
