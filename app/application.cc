@@ -18,6 +18,7 @@
 #include "ui/framework/widgets.h"
 #include "ui/panels/frame_bars.h"
 #include "ui/panels/panels.h"
+#include "ui/panels/welcome.h"
 #include "ui/scene/map_scene.h"
 
 namespace plumbline {
@@ -26,6 +27,7 @@ namespace {
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr int kSettleFrames = 3;
 constexpr double kNoteSeconds = 5;
+constexpr std::size_t kMaxRecent = 8;
 constexpr double kIdleWakeSeconds = 1.0;
 
 const char* StateName(PlaybackState state) {
@@ -96,7 +98,10 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   wanted_scale_ = window_->content_scale();
   LoadSettings();
   if (options_.ui_scale) wanted_scale_ = options_.ui_scale;
-  script_host_.screenshot = [this](const std::string& file) { return SaveScreenshot(file); };
+  script_host_.screenshot = [this](const std::string& file) -> Status {
+    const auto saved = SaveScreenshot(file);
+    return saved.ok() ? Status() : Status(saved.error());
+  };
   script_host_.state = [this] { return State(); };
   script_host_.resize = [this](int width, int height) { window_->Resize(width, height); };
   script_host_.open = [this](const std::string& path) { Open(path, std::nullopt); };
@@ -118,11 +123,20 @@ void Application::Open(const std::string& path, std::optional<int> frame) {
   context_.selection = {};
   auto_select_ = true;
   context_.source = path;
+  Remember(path);
   process_ = std::make_unique<MappingProcess>(options_.opener(path), frame, [this] {
     published_ = true;
     PlatformWindow::Wake();
   });
   context_.playback = process_->Playback();
+}
+
+void Application::Remember(const std::string& path) {
+  const std::string absolute =
+      path == kDemoPath ? path : std::filesystem::absolute(path).lexically_normal().string();
+  std::erase(context_.recent, absolute);
+  context_.recent.insert(context_.recent.begin(), absolute);
+  if (context_.recent.size() > kMaxRecent) context_.recent.resize(kMaxRecent);
 }
 
 void Application::Send(Command command) {
@@ -156,6 +170,8 @@ void Application::Handle(const WindowCommand& command) {
           show_help_ = c.show;
         } else if constexpr (std::is_same_v<T, SetUiScaleCommand>) {
           wanted_scale_ = c.scale;
+        } else if constexpr (std::is_same_v<T, OpenCommand>) {
+          wanted_path_ = c.path;
         } else if constexpr (std::is_same_v<T, QuitCommand>) {
           quit_ = true;
         }
@@ -203,7 +219,8 @@ bool Application::NeedsFrame() {
 Status Application::Run() {
   while (!quit_ && !window_->ShouldClose()) {
     window_->TakeEvents(script_ || settle_frames_ > 0 ? 0.0 : kIdleWakeSeconds);
-    for (const std::string& file : window_->TakeDroppedFiles()) Open(file, std::nullopt);
+    for (const std::string& file : window_->TakeDroppedFiles()) wanted_path_ = file;
+    if (wanted_path_) Open(*std::exchange(wanted_path_, std::nullopt), std::nullopt);
     if (!NeedsFrame()) continue;
     DrawFrame();
     if (script_ && (!script_status_.ok() || script_->done())) break;
@@ -227,8 +244,8 @@ void Application::DrawFrame(cv::Mat* picture) {
   context_.scene_ms = scene_->last_render_ms();
   if (picture != nullptr) *picture = window_->ReadPixels();
   if (wanted_screenshot_) {
-    const Status status = SaveScreenshot(*std::exchange(wanted_screenshot_, std::nullopt));
-    if (!status.ok()) Note(status.error().message);
+    const auto saved = SaveScreenshot(*std::exchange(wanted_screenshot_, std::nullopt));
+    Note(saved.ok() ? "Saved the window as " + *saved : saved.error().message);
   }
   if (script_ && script_status_.ok()) script_status_ = script_->AfterDraw(script_host_);
   window_->Swap();
@@ -244,6 +261,18 @@ void Application::DrawWindow() {
                    ImGuiWindowFlags_NoScrollWithMouse);
   const InspectLayout layout = ComputeInspectLayout(size, context_.ui_scale, ratios_);
   DrawTopBar(context_, layout.top_bar, *this);
+  if (context_.sequence != nullptr) {
+    DrawPanels(layout);
+  } else {
+    DrawWelcome(context_, {layout.image.low, {layout.scene.high.x, layout.timeline.high.y}}, *this);
+  }
+  DrawStatusBar(context_, layout.status_bar, note_);
+  ImGui::End();
+  if (show_help_) DrawHelpSheet(context_, *this);
+  PostShortcuts(context_, show_help_, *this);
+}
+
+void Application::DrawPanels(const InspectLayout& layout) {
   DrawPanel(context_, layout.image, *image_, *this);
   DrawPanel(context_, layout.edges, *edges_, *this);
   DrawPanel(context_, layout.depth, *depth_, *this);
@@ -255,13 +284,9 @@ void Application::DrawWindow() {
   DrawPanel(context_, layout.timings, *timings_, *this);
   DrawPanel(context_, layout.timeline, *timeline_, *this);
   DragSplitters(context_, layout, ratios_);
-  DrawStatusBar(context_, layout.status_bar, note_);
-  ImGui::End();
-  if (show_help_) DrawHelpSheet(context_, *this);
-  PostShortcuts(context_, show_help_, *this);
 }
 
-Status Application::SaveScreenshot(const std::string& file) {
+Result<std::string> Application::SaveScreenshot(const std::string& file) {
   std::string name = file;
   for (int i = 1; name.empty(); ++i) {
     const std::string candidate = fmt::format("plumbline-{:03d}.png", i);
@@ -273,8 +298,7 @@ Status Application::SaveScreenshot(const std::string& file) {
   if (!cv::imwrite(name, window_->ReadPixels())) {
     return Error{ErrorCode::kIo, "cannot write the picture " + name + "; is the folder writable?"};
   }
-  Note("Saved the window as " + name);
-  return {};
+  return name;
 }
 
 nlohmann::json Application::State() const {
@@ -284,6 +308,7 @@ nlohmann::json Application::State() const {
       {"frame", context_.snapshot != nullptr ? context_.snapshot->report.frame : -1},
       {"playback_frame", playback.frame},
       {"newest_frame", playback.newest_mapped_frame},
+      {"open", context_.sequence != nullptr},
       {"num_frames", context_.sequence != nullptr ? context_.sequence->num_frames : 0},
       {"state", StateName(playback.state)},
       {"seeking", playback.seek_target.has_value()},
@@ -307,6 +332,9 @@ nlohmann::json Application::State() const {
          {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}}}},
       {"layout", RatiosToJson(ratios_)}};
   for (const Panel* panel : panels_) state["panels"][panel->Id()] = panel->SaveState();
+  for (const auto& [name, rect] : widgets_.rects()) {
+    state["widgets"][name] = {rect.low.x, rect.low.y, rect.high.x, rect.high.y};
+  }
   return state;
 }
 
@@ -321,6 +349,7 @@ void Application::LoadSettings() {
     for (Panel* panel : panels_) {
       if (panels.contains(panel->Id())) panel->LoadState(panels.at(panel->Id()));
     }
+    context_.recent = settings->value("recent", std::vector<std::string>());
     if (settings->contains("ui_scale")) wanted_scale_ = settings->at("ui_scale").get<double>();
     if (settings->contains("window")) {
       window_->Resize(settings->at("window").at(0), settings->at("window").at(1));
@@ -334,6 +363,7 @@ void Application::SaveSettings() const {
   if (options_.settings.empty()) return;
   nlohmann::json settings = {{"layout", RatiosToJson(ratios_)},
                              {"ui_scale", context_.ui_scale},
+                             {"recent", context_.recent},
                              {"window", {window_->width(), window_->height()}}};
   for (const Panel* panel : panels_) settings["panels"][panel->Id()] = panel->SaveState();
   std::error_code ignored;

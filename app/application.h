@@ -60,10 +60,13 @@ class Application : private CommandSink {
   void Open(const std::string& path, std::optional<int> frame);
   void ReadSlots();
   void DrawWindow();
+  void DrawPanels(const InspectLayout& layout);
+  void Remember(const std::string& path);
   void SetUiScale(double scale);
   void LoadSettings();
   void SaveSettings() const;
-  Status SaveScreenshot(const std::string& file);
+  /// The name of the file that was written.
+  Result<std::string> SaveScreenshot(const std::string& file);
   bool NeedsFrame();
   void Note(std::string text);
 
@@ -87,7 +90,7 @@ class Application : private CommandSink {
   bool show_help_ = false;
   bool quit_ = false;
   std::optional<double> wanted_scale_;
-  std::optional<std::string> wanted_screenshot_;
+  std::optional<std::string> wanted_screenshot_, wanted_path_;
   std::string note_;
   std::chrono::steady_clock::time_point note_until_{};
   int settle_frames_ = 0;  ///< Frames to draw after the last input until ImGui has come to rest.

@@ -140,6 +140,7 @@ bool UiScript::Waits(const json& step, const Host& host, Status& status) {
   if (Matches(step["wait_for"], state)) {
     waiting_since_.reset();
     steps_.pop_front();
+    actions_.push_back({});  // one frame that draws what was waited for
     return false;
   }
   if (std::chrono::duration<double>(now - *waiting_since_).count() >
@@ -154,7 +155,7 @@ Status UiScript::SetInput(const WidgetLog& widgets, ImGuiIO& io, const Host& hos
   Status status;
   while (actions_.empty() && !steps_.empty()) {
     if (Waits(steps_.front(), host, status)) break;
-    if (steps_.empty() || steps_.front().contains("wait_for")) continue;
+    if (!actions_.empty()) break;
     status = Expand(steps_.front(), widgets, host);
     if (!status.ok()) return status;
     steps_.pop_front();

@@ -5,8 +5,8 @@
 
 namespace plumbline {
 
-/// Dear ImGui's context, fed by the window and drawn into it. Input can be replaced between TakeInput and
-/// ImGui::NewFrame.
+/// Dear ImGui's context, fed by the window and drawn into it. Input can be replaced between
+/// TakeInput and ImGui::NewFrame.
 class ImGuiBackend {
  public:
   explicit ImGuiBackend(PlatformWindow& window);

@@ -33,17 +33,26 @@ void MappingProcess::Post(PlaybackCommand command) {
 
 void MappingProcess::Run(std::stop_token stop) {
   try {
-    auto source = open_();
+    const WorkContext work{[this](const Progress& progress) { ReportProgress(progress); }, stop};
+    auto source = open_(work);
     if (source.ok()) {
       source_ = std::move(source).value();
       Loop(stop);
-    } else {
+    } else if (source.error().code != ErrorCode::kCancelled) {
       Fail(source.error().message);
     }
   } catch (const std::exception& error) {
     Fail(std::string("This is a bug in Plumbline: ") + error.what());
   }
   source_.reset();  // It may own things of this thread.
+}
+
+void MappingProcess::ReportProgress(const Progress& progress) {
+  state_.message = std::string(progress.stage);
+  if (progress.total > 0) {
+    state_.message += ": " + std::to_string(progress.done) + " of " + std::to_string(progress.total);
+  }
+  PublishPlayback();
 }
 
 void MappingProcess::Loop(std::stop_token stop) {

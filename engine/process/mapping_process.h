@@ -8,6 +8,7 @@
 #include <string>
 #include <thread>
 
+#include "engine/base/progress.h"
 #include "engine/base/queue.h"
 #include "engine/process/snapshot_source.h"
 #include "engine/snapshot/commands.h"
@@ -22,7 +23,9 @@ namespace plumbline {
 /// stops within one step of the source and joins.
 class MappingProcess {
  public:
-  using OpenSource = std::function<Result<std::unique_ptr<SnapshotSource>>()>;
+  /// `work` tells the window how far it is and asks to stop.
+  using OpenSource =
+      std::function<Result<std::unique_ptr<SnapshotSource>>(const WorkContext& work)>;
 
   /// @param on_publish  Called on the thread after every publication (to wake the window). May be
   /// empty.
@@ -45,6 +48,7 @@ class MappingProcess {
 
   void Run(std::stop_token stop);
   void Loop(std::stop_token stop);
+  void ReportProgress(const Progress& progress);
   void Apply(const PlaybackCommand& command);
   void SetTarget(int frame);
   void TakeCommands();

@@ -59,12 +59,17 @@ struct ShowHelpCommand {
 struct SetUiScaleCommand {
   double scale = 1;
 };
+/// Opens a sequence, a run file, or (kDemoPath) the built-in sequence instead of what is open.
+struct OpenCommand {
+  std::string path;
+};
+inline constexpr const char* kDemoPath = "demo:";
 struct QuitCommand {};
 
 /// For the window itself.
 using WindowCommand = std::variant<SelectObjectCommand, SelectParticleCommand, FollowCommand,
                                    FocusSelectionCommand, ResetViewCommand, ScreenshotCommand,
-                                   ShowHelpCommand, SetUiScaleCommand, QuitCommand>;
+                                   ShowHelpCommand, SetUiScaleCommand, OpenCommand, QuitCommand>;
 
 using Command = std::variant<PlaybackCommand, WindowCommand>;
 

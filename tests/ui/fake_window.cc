@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The window on made-up frames: fake_window [--script FILE] [--settings FILE] [--size W H]
 // [--frames N]
-// [--slow MS] [--fail FRAME] [--recorded]. Tests drive it; it needs a display.
+// [--open PATH] [--slow MS] [--fail FRAME] [--recorded]. Tests drive it; it needs a display.
 
 #include <cstdlib>
 #include <iostream>
@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     const std::string option = argv[i];
     const auto next = [&] { return std::string(++i < argc ? argv[i] : "0"); };
     if (option == "--script") options.script = next();
+    if (option == "--open") options.path = next();
     if (option == "--settings") options.settings = next();
     if (option == "--frames") fake.num_frames = std::stoi(next());
     if (option == "--slow") fake.milliseconds_per_frame = std::stoi(next());
@@ -34,7 +35,8 @@ int main(int argc, char** argv) {
     }
   }
   options.opener = [fake](const std::string& path) -> plumbline::MappingProcess::OpenSource {
-    return [fake, path]() -> plumbline::Result<std::unique_ptr<plumbline::SnapshotSource>> {
+    return [fake, path](const plumbline::WorkContext&)
+               -> plumbline::Result<std::unique_ptr<plumbline::SnapshotSource>> {
       if (path == "missing")
         return plumbline::Error{plumbline::ErrorCode::kNotFound, "there is no sequence 'missing'"};
       return plumbline::MakeFakeSource(fake);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <imgui.h>
 #include <opencv2/core.hpp>
@@ -67,7 +68,8 @@ struct FrameContext {
   std::shared_ptr<const MapSnapshot> snapshot;   ///< Null until the first frame.
   std::shared_ptr<const PlaybackView> playback;  ///< Never null.
   std::uint64_t snapshot_version = 0;            ///< Changes with `snapshot`.
-  std::string source;                            ///< What was opened, for the title.
+  std::string source;                            ///< What was opened, as it was named; "": nothing.
+  std::vector<std::string> recent;               ///< What was opened before, newest first.
   Selection selection;
   bool follow = false;   ///< The 3-D view moves with the camera.
   double window_ms = 0;  ///< CPU time of drawing the last window frame.

@@ -254,8 +254,10 @@ Fonts ApplyTheme(double scale) {
   fonts.text = AddFont(regular, 15.0 * scale);
   fonts.strong = AddFont(medium, 15.0 * scale);
   fonts.small = AddFont(regular, 13.0 * scale);
+  fonts.title = AddFont(medium, 21.0 * scale);
   atlas.Build();
-  for (ImFont* font : {fonts.text, fonts.strong, fonts.small}) MakeDigitsTabular(*font);
+  for (ImFont* font : {fonts.text, fonts.strong, fonts.small, fonts.title})
+    MakeDigitsTabular(*font);
   return fonts;
 }
 

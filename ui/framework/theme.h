@@ -50,6 +50,7 @@ struct Fonts {
   ImFont* text = nullptr;
   ImFont* strong = nullptr;
   ImFont* small = nullptr;
+  ImFont* title = nullptr;
 };
 
 /// Sets the style and loads the fonts (Inter, else DejaVu Sans, found through fontconfig; else

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdarg>
+#include <limits>
 
 namespace plumbline {
 namespace {
@@ -191,18 +192,44 @@ void SmallText(const FrameContext& context, ImU32 color, const char* format, ...
   va_end(arguments);
 }
 
-void PictureLabel(const FrameContext& context, ImVec2 at, ImU32 color, const std::string& text,
-                  ImVec2 clip_low, ImVec2 clip_high) {
-  ImFont* font = context.fonts.small;
+ImVec2 PictureLabels::SizeOf(const std::string& text) const {
+  ImFont* font = context_.fonts.small;
   const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str());
-  const float pad = context.Scaled(4);
-  ImVec2 low(at.x, at.y - size.y - pad);
-  low.x = std::max(std::min(low.x, clip_high.x - size.x - 2 * pad), clip_low.x);
-  low.y = std::max(std::min(low.y, clip_high.y - size.y - pad), clip_low.y);
+  return {size.x + context_.Scaled(8), size.y + context_.Scaled(4)};
+}
+
+float PictureLabels::Covered(const Placed& rect) const {
+  float area = 0;
+  for (const Placed& other : placed_) {
+    const float x = std::min(rect.high.x, other.high.x) - std::max(rect.low.x, other.low.x);
+    const float y = std::min(rect.high.y, other.high.y) - std::max(rect.low.y, other.low.y);
+    if (x > 0 && y > 0) area += x * y;
+  }
+  return area;
+}
+
+void PictureLabels::Add(std::initializer_list<ImVec2> corners, ImU32 color,
+                        const std::string& text) {
+  const ImVec2 size = SizeOf(text);
+  Placed best;
+  float best_area = std::numeric_limits<float>::infinity();
+  for (const ImVec2& corner : corners) {
+    ImVec2 low(corner.x, corner.y - size.y);
+    low.x = std::max(std::min(low.x, clip_high_.x - size.x), clip_low_.x);
+    low.y = std::max(std::min(low.y, clip_high_.y - size.y), clip_low_.y);
+    const Placed rect{low, {low.x + size.x, low.y + size.y}};
+    const float area = Covered(rect);
+    if (area < best_area) {
+      best = rect;
+      best_area = area;
+    }
+  }
+  placed_.push_back(best);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  draw.AddRectFilled(low, {low.x + size.x + 2 * pad, low.y + size.y + pad},
-                     IM_COL32(12, 14, 17, 200), context.Scaled(3));
-  draw.AddText(font, font->FontSize, {low.x + pad, low.y + 0.5f * pad}, color, text.c_str());
+  draw.AddRectFilled(best.low, best.high, IM_COL32(12, 14, 17, 200), context_.Scaled(3));
+  draw.AddText(context_.fonts.small, context_.fonts.small->FontSize,
+               {best.low.x + context_.Scaled(4), best.low.y + context_.Scaled(2)}, color,
+               text.c_str());
 }
 
 }  // namespace plumbline

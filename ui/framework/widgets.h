@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <initializer_list>
 #include <string>
+#include <vector>
 
 #include <imgui.h>
 
@@ -40,9 +42,25 @@ void Bar(ImVec2 size, double share, ImU32 color);
 void DimText(const char* format, ...) IM_FMTARGS(1);
 void SmallText(const FrameContext& context, ImU32 color, const char* format, ...) IM_FMTARGS(3);
 
-/// A label with a dark ground, drawn into a picture; `at` is its lower left corner unless it would
-/// leave `clip_low`.
-void PictureLabel(const FrameContext& context, ImVec2 at, ImU32 color, const std::string& text,
-                  ImVec2 clip_low, ImVec2 clip_high);
+/// Labels with a dark ground in a picture, placed so that they do not cover one another where that
+/// can be helped.
+class PictureLabels {
+ public:
+  PictureLabels(const FrameContext& context, ImVec2 clip_low, ImVec2 clip_high)
+      : context_(context), clip_low_(clip_low), clip_high_(clip_high) {}
+  /// @param corners  Lower left corners by falling preference; labels are kept inside the picture.
+  void Add(std::initializer_list<ImVec2> corners, ImU32 color, const std::string& text);
+  ImVec2 SizeOf(const std::string& text) const;
+
+ private:
+  struct Placed {
+    ImVec2 low, high;
+  };
+  float Covered(const Placed& rect) const;
+
+  const FrameContext& context_;
+  ImVec2 clip_low_, clip_high_;
+  std::vector<Placed> placed_;
+};
 
 }  // namespace plumbline

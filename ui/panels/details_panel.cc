@@ -58,7 +58,8 @@ class DetailsPanel : public Panel {
     }
     ImGui::PushFont(context.fonts.small);
     ImGui::BeginChild("details.scroll", ImGui::GetContentRegionAvail());
-    if (ImGui::BeginTable("details.columns", 2, ImGuiTableFlags_None)) {
+    const bool wide = ImGui::GetContentRegionAvail().x > context.Scaled(390);
+    if (ImGui::BeginTable("details.columns", wide ? 2 : 1, ImGuiTableFlags_None)) {
       ImGui::TableNextColumn();
       DrawFacts(context, *object);
       ImGui::TableNextColumn();

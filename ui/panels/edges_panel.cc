@@ -6,6 +6,7 @@
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/pictures.h"
 #include "ui/framework/widgets.h"
+#include "ui/panels/overlays.h"
 #include "ui/panels/panels.h"
 #include "ui/panels/waiting.h"
 
@@ -60,7 +61,8 @@ class EdgesPanel : public Panel {
     });
     const ImageCanvas canvas(context, "edges.view", texture, snapshot.edge_probability.cols,
                              snapshot.edge_probability.rows);
-    if (outlines_) DrawOutlines(context, canvas);
+    if (outlines_)
+      DrawOutlineOverlay(context, canvas, {.width_px = 1, .alpha = 0.8, .shadow = false});
     DrawOrientationLegend(context, canvas);
     if (const auto pixel = canvas.hovered()) {
       const int x = static_cast<int>(std::lround(pixel->x())),
@@ -79,19 +81,6 @@ class EdgesPanel : public Panel {
   }
 
  private:
-  static void DrawOutlines(const FrameContext& context, const ImageCanvas& canvas) {
-    std::vector<ImVec2> points;
-    for (const OutlineView& outline : context.snapshot->outlines) {
-      for (const auto& contour : outline.contours) {
-        points.clear();
-        for (const Eigen::Vector2f& p : contour) points.push_back(canvas.ToScreen(p));
-        canvas.draw().AddPolyline(points.data(), static_cast<int>(points.size()),
-                                  WithAlpha(ObjectColor(outline.object), 0.8), ImDrawFlags_Closed,
-                                  context.Scaled(1));
-      }
-    }
-  }
-
   bool outlines_ = false;
 };
 

@@ -26,6 +26,7 @@ std::string StatusText(const FrameContext& context) {
   const std::string rate = playback.frames_per_second > 0 ? fmt::format("  \u00b7  {:.1f} frames/s",
                                                                         playback.frames_per_second)
                                                           : "";
+  if (context.sequence == nullptr && context.source.empty()) return "Nothing is open.";
   if (context.sequence == nullptr) return playback.message.empty() ? "Opening" : playback.message;
   const int last = std::max(0, context.sequence->num_frames - 1);
   const bool at_newest = playback.frame >= playback.newest_mapped_frame;

@@ -3,8 +3,8 @@
 
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"
+#include "ui/panels/overlays.h"
 #include "ui/panels/panels.h"
-#include "ui/panels/particle_overlay.h"
 #include "ui/panels/waiting.h"
 
 namespace plumbline {
@@ -69,16 +69,16 @@ class ImagePanel : public Panel {
     const ImageCanvas canvas(context, "image.view", texture, snapshot.image.cols,
                              snapshot.image.rows);
     if (proposals_) DrawProposals(context, canvas);
-    if (outlines_) DrawOutlines(context, canvas);
+    if (outlines_) DrawOutlineOverlay(context, canvas, {});
     if (const ObjectReport* object = context.SelectedObject(); particles_ && object != nullptr) {
       DrawParticleOverlay(context, canvas, *object, {});
     }
-    if (names_) DrawNames(context, canvas);
+    PictureLabels labels(context, canvas.low(), canvas.high());
     if (!snapshot.report.skipped.empty()) {
-      PictureLabel(
-          context, {canvas.low().x + context.Scaled(8), canvas.low().y + context.Scaled(28)},
-          colors::kWarning, "not used: " + snapshot.report.skipped, canvas.low(), canvas.high());
+      labels.Add({canvas.low()}, colors::kWarning, "not used: " + snapshot.report.skipped);
     }
+    if (names_) LabelObjects(context, canvas, labels);
+    if (proposals_) LabelProposals(context, canvas, labels);
     if (const auto pixel = canvas.clicked())
       sink.Post(SelectObjectCommand{ObjectAt(snapshot, *pixel)});
   }
@@ -97,17 +97,6 @@ class ImagePanel : public Panel {
   }
 
  private:
-  static ObjectId ObjectAt(const MapSnapshot& snapshot, const Eigen::Vector2f& pixel) {
-    if (snapshot.id.empty()) return {};
-    const int x = static_cast<int>((pixel.x() + 0.5f) * static_cast<float>(snapshot.id.cols) /
-                                   static_cast<float>(snapshot.image.cols));
-    const int y = static_cast<int>((pixel.y() + 0.5f) * static_cast<float>(snapshot.id.rows) /
-                                   static_cast<float>(snapshot.image.rows));
-    if (x < 0 || y < 0 || x >= snapshot.id.cols || y >= snapshot.id.rows) return {};
-    const int id = snapshot.id.at<std::uint16_t>(y, x);
-    return id > 0 ? ObjectId{id} : ObjectId{};
-  }
-
   void DrawProposals(const FrameContext& context, const ImageCanvas& canvas) const {
     for (const ProposalReport& proposal : context.snapshot->report.proposals) {
       const ImVec2 low = canvas.ToScreen(proposal.box.x0 - 0.5f, proposal.box.y0 - 0.5f);
@@ -118,8 +107,6 @@ class ImagePanel : public Panel {
       canvas.draw().AddRect(low, high, IM_COL32(0, 0, 0, 130), 0, 0,
                             context.Scaled(weak ? 2.0 : 3.0));
       canvas.draw().AddRect(low, high, color, 0, 0, context.Scaled(weak ? 1.0 : 1.5));
-      PictureLabel(context, low, color, fmt::format("{} {:.2f}", proposal.category, proposal.score),
-                   canvas.low(), canvas.high());
       if (ImGui::IsMouseHoveringRect(low, {high.x, low.y + context.Scaled(6)}) ||
           ImGui::IsMouseHoveringRect(low, {low.x + context.Scaled(6), high.y})) {
         std::string why = FateName(proposal.fate);
@@ -130,35 +117,35 @@ class ImagePanel : public Panel {
     }
   }
 
-  static void DrawOutlines(const FrameContext& context, const ImageCanvas& canvas) {
-    std::vector<ImVec2> points;
-    for (const OutlineView& outline : context.snapshot->outlines) {
-      const bool selected = outline.object == context.selection.object;
-      for (const auto& contour : outline.contours) {
-        points.clear();
-        for (const Eigen::Vector2f& p : contour) points.push_back(canvas.ToScreen(p));
-        const int count = static_cast<int>(points.size());
-        canvas.draw().AddPolyline(points.data(), count, IM_COL32(0, 0, 0, 150), ImDrawFlags_Closed,
-                                  context.Scaled(selected ? 5.0 : 3.5));
-        canvas.draw().AddPolyline(points.data(), count, ObjectColor(outline.object),
-                                  ImDrawFlags_Closed, context.Scaled(selected ? 3.0 : 1.75));
-      }
+  static void LabelProposals(const FrameContext& context, const ImageCanvas& canvas,
+                             PictureLabels& labels) {
+    for (const ProposalReport& proposal : context.snapshot->report.proposals) {
+      const std::string text = fmt::format("{} {:.2f}", proposal.category, proposal.score);
+      const ImVec2 size = labels.SizeOf(text);
+      const ImVec2 low = canvas.ToScreen(proposal.box.x0 - 0.5f, proposal.box.y0 - 0.5f);
+      const ImVec2 high = canvas.ToScreen(proposal.box.x1 + 0.5f, proposal.box.y1 + 0.5f);
+      labels.Add({low,
+                  {high.x - size.x, low.y},
+                  {low.x, high.y + size.y},
+                  {high.x - size.x, high.y + size.y},
+                  {low.x, low.y + size.y}},
+                 FateColor(proposal), text);
     }
   }
 
-  static void DrawNames(const FrameContext& context, const ImageCanvas& canvas) {
+  static void LabelObjects(const FrameContext& context, const ImageCanvas& canvas,
+                           PictureLabels& labels) {
     for (const ObjectReport& object : context.snapshot->report.objects) {
       if (object.visible_box.empty() || object.state == ObjectState::kRetired) continue;
       const ModelView* model = context.Model(object.label);
       const std::string text =
           fmt::format("#{} {}", object.id.value, model != nullptr ? model->name : object.category);
-      ImVec2 at = canvas.ToScreen(object.visible_box.center_x(), object.visible_box.center_y());
-      const float width =
-          context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, text.c_str())
-              .x;
-      at.x -= 0.5f * width;
-      at.y += context.Scaled(10);
-      PictureLabel(context, at, ObjectColor(object.id), text, canvas.low(), canvas.high());
+      const ImVec2 size = labels.SizeOf(text);
+      const ImVec2 center =
+          canvas.ToScreen(object.visible_box.center_x(), object.visible_box.center_y());
+      const float x = center.x - 0.5f * size.x, y = center.y + 0.5f * size.y;
+      labels.Add({{x, y}, {x, y + 1.2f * size.y}, {x, y - 1.2f * size.y}, {x, y + 2.4f * size.y}},
+                 ObjectColor(object.id), text);
     }
   }
 

@@ -2,6 +2,7 @@
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/pictures.h"
 #include "ui/framework/widgets.h"
+#include "ui/panels/overlays.h"
 #include "ui/panels/panels.h"
 #include "ui/panels/waiting.h"
 
@@ -28,15 +29,10 @@ class MasksPanel : public Panel {
     const ImageCanvas canvas(context, "masks.view", texture, snapshot.image.cols,
                              snapshot.image.rows);
     const auto pixel = canvas.hovered();
-    if (!pixel || snapshot.id.empty()) return;
-    const int x = static_cast<int>((pixel->x() + 0.5f) * static_cast<float>(snapshot.id.cols) /
-                                   static_cast<float>(snapshot.image.cols));
-    const int y = static_cast<int>((pixel->y() + 0.5f) * static_cast<float>(snapshot.id.rows) /
-                                   static_cast<float>(snapshot.image.rows));
-    if (x < 0 || y < 0 || x >= snapshot.id.cols || y >= snapshot.id.rows) return;
-    const int id = snapshot.id.at<std::uint16_t>(y, x);
-    if (id > 0) ImGui::SetTooltip("object #%d", id);
-    if (canvas.clicked()) sink.Post(SelectObjectCommand{id > 0 ? ObjectId{id} : ObjectId{}});
+    if (!pixel) return;
+    const ObjectId object = ObjectAt(snapshot, *pixel);
+    if (object.value > 0) ImGui::SetTooltip("object #%d", object.value);
+    if (canvas.clicked()) sink.Post(SelectObjectCommand{object});
   }
 };
 

@@ -78,7 +78,7 @@ class ObjectsPanel : public Panel {
     ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(3.5)});
     if (ImGui::BeginTable("objects.table", static_cast<int>(std::size(kColumns)), flags,
                           ImGui::GetContentRegionAvail(),
-                          std::max(ImGui::GetContentRegionAvail().x, context.Scaled(700)))) {
+                          std::max(ImGui::GetContentRegionAvail().x, context.Scaled(800)))) {
       DrawHeaders(context);
       for (const ObjectReport& object : context.snapshot->report.objects)
         DrawRow(context, object, sink);

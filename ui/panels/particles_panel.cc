@@ -6,8 +6,8 @@
 
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"
+#include "ui/panels/overlays.h"
 #include "ui/panels/panels.h"
-#include "ui/panels/particle_overlay.h"
 #include "ui/panels/waiting.h"
 
 namespace plumbline {
@@ -55,14 +55,13 @@ class ParticlesPanel : public Panel {
     const ImageCanvas canvas(context, "particles.view", texture, snapshot.image.cols,
                              snapshot.image.rows, part);
     canvas.draw().AddRectFilled(canvas.low(), canvas.high(), IM_COL32(0, 0, 0, 110));
-    for (const OutlineView& outline : snapshot.outlines) {
-      if (outline.object == object->id) DrawOutline(context, canvas, outline);
-    }
+    DrawOutlineOverlay(context, canvas,
+                       {.width_px = 1, .alpha = 0.7, .shadow = false, .only = object->id});
     const int nearest = DrawParticleOverlay(context, canvas, *object, {needles_ ? 0.2 : 0.0, 1.75});
-    PictureLabel(context, {canvas.low().x, canvas.high().y}, ObjectColor(object->id),
-                 fmt::format("#{}  {} particles", object->id.value,
-                             object->particles == nullptr ? 0 : object->particles->size()),
-                 canvas.low(), canvas.high());
+    PictureLabels(context, canvas.low(), canvas.high())
+        .Add({{canvas.low().x, canvas.high().y}}, ObjectColor(object->id),
+             fmt::format("#{}  {} particles", object->id.value,
+                         object->particles == nullptr ? 0 : object->particles->size()));
     if (nearest >= 0)
       DrawNumbers(context, (*object->particles)[static_cast<std::size_t>(nearest)], nearest);
     if (canvas.clicked()) sink.Post(SelectParticleCommand{nearest});
@@ -89,18 +88,6 @@ class ParticlesPanel : public Panel {
     const float y =
         std::clamp(object.whole_box.center_y() - 0.5f * height, all.y0, all.y1 - height);
     return {x, y, x + width, y + height};
-  }
-
-  static void DrawOutline(const FrameContext& context, const ImageCanvas& canvas,
-                          const OutlineView& outline) {
-    std::vector<ImVec2> points;
-    for (const auto& contour : outline.contours) {
-      points.clear();
-      for (const Eigen::Vector2f& p : contour) points.push_back(canvas.ToScreen(p));
-      canvas.draw().AddPolyline(points.data(), static_cast<int>(points.size()),
-                                WithAlpha(ObjectColor(outline.object), 0.7), ImDrawFlags_Closed,
-                                context.Scaled(1.5));
-    }
   }
 
   static void DrawNumbers(const FrameContext& context, const Particle& particle, int index) {

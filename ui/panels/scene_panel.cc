@@ -46,13 +46,22 @@ class ScenePanel : public Panel {
 
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
     float width = ToggleWidth(context, "Follow") + context.Scaled(14);
-    for (const LayerToggle& layer : kLayers)
-      width += ToggleWidth(context, layer.label) + context.Scaled(3);
-    AlignRight(width);
     for (const LayerToggle& layer : kLayers) {
-      if (&layer != kLayers) ImGui::SameLine();
-      Toggle(context, fmt::format("scene.{}", layer.name), layer.label, layers_.*layer.layer,
-             layer.tooltip);
+      width += ToggleWidth(context, layer.label) + context.Scaled(3);
+    }
+    if (width <= ImGui::GetContentRegionAvail().x) {
+      AlignRight(width);
+      DrawLayerToggles(context, false);
+    } else {
+      AlignRight(ToggleWidth(context, "Layers") + ToggleWidth(context, "Follow") +
+                 context.Scaled(14));
+      bool open = false;
+      if (Toggle(context, "scene.layers", "Layers", open, "What the map shows."))
+        ImGui::OpenPopup("layers");
+      if (ImGui::BeginPopup("layers")) {
+        DrawLayerToggles(context, true);
+        ImGui::EndPopup();
+      }
     }
     ImGui::SameLine(0, context.Scaled(12));
     bool follow = context.follow;
@@ -99,21 +108,27 @@ class ScenePanel : public Panel {
   }
 
  private:
+  void DrawLayerToggles(const FrameContext& context, bool below_one_another) {
+    for (const LayerToggle& layer : kLayers) {
+      if (&layer != kLayers && !below_one_another) ImGui::SameLine();
+      Toggle(context, fmt::format("scene.{}", layer.name), layer.label, layers_.*layer.layer,
+             layer.tooltip);
+    }
+  }
+
   /// True while the view moves.
   bool HandleMouse(SceneSurface& scene, ImVec2 low, CommandSink& sink) {
     const ImGuiIO& io = ImGui::GetIO();
     const double x = io.MousePos.x - low.x, y = io.MousePos.y - low.y;
-    bool moving = false;
+    const bool moving =
+        ImGui::IsItemActive() &&
+        (ImGui::IsMouseDragging(ImGuiMouseButton_Left, 1) ||
+         ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle));
     if (ImGui::IsItemActive() && (io.MouseDelta.x != 0 || io.MouseDelta.y != 0)) {
-      const bool left = ImGui::IsMouseDown(ImGuiMouseButton_Left);
-      if (left && !io.KeyShift && !io.KeyCtrl) {
-        scene.Orbit(io.MouseDelta.x, io.MouseDelta.y);
-      } else {
-        scene.Pan(io.MouseDelta.x, io.MouseDelta.y);
-      }
+      const bool turns = ImGui::IsMouseDown(ImGuiMouseButton_Left) && !io.KeyShift && !io.KeyCtrl;
+      turns ? scene.Orbit(io.MouseDelta.x, io.MouseDelta.y)
+            : scene.Pan(io.MouseDelta.x, io.MouseDelta.y);
     }
-    moving = ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Left, 1.0f);
-    moving = moving || (ImGui::IsItemActive() && !ImGui::IsMouseDown(ImGuiMouseButton_Left));
     if (!ImGui::IsItemHovered()) return moving;
     if (io.MouseWheel != 0) scene.Zoom(io.MouseWheel);
     if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
@@ -150,11 +165,11 @@ class ScenePanel : public Panel {
   }
 
   static void DrawGridLabel(const FrameContext& context, ImVec2 low, ImVec2 high) {
+    PictureLabels labels(context, low, high);
     const std::string text = fmt::format("grid {:g} m", context.scene->grid_step_m());
-    const float width =
-        context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, text.c_str()).x;
-    PictureLabel(context, {high.x - width - context.Scaled(14), high.y - context.Scaled(6)},
-                 colors::kDimText, text, low, high);
+    const float margin = context.Scaled(6);
+    labels.Add({{high.x - labels.SizeOf(text).x - margin, high.y - margin}}, colors::kDimText,
+               text);
   }
 
   SceneLayers layers_;

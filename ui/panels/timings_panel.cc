@@ -31,21 +31,24 @@ class TimingsPanel : public Panel {
       total += timing.milliseconds;
       longest = std::max({longest, timing.milliseconds, means_[timing.stage]});
     }
-    if (ImGui::BeginTable("timings.table", 4, ImGuiTableFlags_SizingFixedFit)) {
+    const bool wide = ImGui::GetContentRegionAvail().x > context.Scaled(240);
+    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(4), context.Scaled(2)});
+    if (ImGui::BeginTable("timings.table", wide ? 4 : 3, ImGuiTableFlags_SizingFixedFit)) {
       ImGui::TableSetupColumn("stage");
       ImGui::TableSetupColumn("bar", ImGuiTableColumnFlags_WidthStretch);
       ImGui::TableSetupColumn("now");
-      ImGui::TableSetupColumn("mean");
+      if (wide) ImGui::TableSetupColumn("mean");
       for (const StageTiming& timing : timings) {
-        Row(context, timing.stage, timing.milliseconds, means_[timing.stage], longest,
+        Row(context, timing.stage, timing.milliseconds, wide ? means_[timing.stage] : -1, longest,
             colors::kAccent);
       }
-      Row(context, "frame", total, mean_total_, 0, colors::kText);
+      Row(context, "frame", total, wide ? mean_total_ : -1, 0, colors::kText);
       Row(context, "window", context.window_ms, -1, 0, colors::kDimText);
       Tooltip(context, "CPU time of drawing the window.");
       Row(context, "3-D view", context.scene_ms, -1, 0, colors::kDimText);
       ImGui::EndTable();
     }
+    ImGui::PopStyleVar();
     ImGui::EndChild();
     ImGui::PopFont();
   }
@@ -87,11 +90,10 @@ class TimingsPanel : public Panel {
     }
     ImGui::TableNextColumn();
     number(now, longest > 0 ? colors::kText : color);
+    if (mean < 0) return;
     ImGui::TableNextColumn();
-    if (mean >= 0) {
-      number(mean, colors::kFaint);
-      Tooltip(context, "Running mean over about 30 frames.");
-    }
+    number(mean, colors::kFaint);
+    Tooltip(context, "Running mean over about 30 frames.");
   }
 
   static constexpr double kShare = 1.0 / 30;

@@ -222,7 +222,9 @@ void SceneActors::UpdateObjects(const SceneContent& content) {
     actors.edges->VisibilityOn();
     SetPose(*actors.surface, object.world_from_object);
     SetPose(*actors.edges, object.world_from_object);
-    actors.surface->GetProperty()->SetOpacity(tentative ? 0.35 : 1.0);
+    actors.surface->GetProperty()->SetOpacity(tentative                              ? 0.35
+                                              : selected && content.layers.particles ? 0.45
+                                                                                     : 1.0);
     SetColor(*actors.edges,
              selected ? IM_COL32_WHITE : Mixed(color, IM_COL32_BLACK, tentative ? 0.2 : 0.55));
     actors.edges->GetProperty()->SetLineWidth(selected ? 2.0f : 1.0f);

@@ -22,7 +22,7 @@ FakeSourceOptions Small() {
 }
 
 MappingProcess::OpenSource Opener(const FakeSourceOptions& options) {
-  return [options]() -> Result<std::unique_ptr<SnapshotSource>> { return MakeFakeSource(options); };
+  return [options](const WorkContext&) -> Result<std::unique_ptr<SnapshotSource>> { return MakeFakeSource(options); };
 }
 
 bool WaitFor(const std::function<bool()>& condition) {
@@ -134,7 +134,7 @@ TEST(MappingProcess, TurnsAnExceptionIntoAFailure) {
 
 TEST(MappingProcess, ReportsASourceThatDoesNotOpen) {
   MappingProcess process(
-      []() -> Result<std::unique_ptr<SnapshotSource>> {
+      [](const WorkContext&) -> Result<std::unique_ptr<SnapshotSource>> {
         return Error{ErrorCode::kNotFound, "there is no such sequence"};
       },
       std::nullopt, {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ui/panels/particle_overlay.h"
+#include "ui/panels/overlays.h"
 
 #include <algorithm>
 #include <cmath>
@@ -59,6 +59,41 @@ int DrawParticleOverlay(const FrameContext& context, const ImageCanvas& canvas,
     }
   }
   return nearest;
+}
+
+void DrawOutlineOverlay(const FrameContext& context, const ImageCanvas& canvas,
+                        const OutlineOverlay& overlay) {
+  std::vector<ImVec2> points;
+  for (const OutlineView& outline : context.snapshot->outlines) {
+    if (overlay.only.value > 0 && outline.object != overlay.only) continue;
+    const bool selected = outline.object == context.selection.object;
+    const float width = context.Scaled(overlay.width_px * (selected ? 1.6 : 1.0));
+    for (const auto& contour : outline.contours) {
+      points.clear();
+      for (const Eigen::Vector2f& p : contour) points.push_back(canvas.ToScreen(p));
+      const int count = static_cast<int>(points.size());
+      if (overlay.shadow) {
+        canvas.draw().AddPolyline(points.data(), count, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed,
+                                  width + context.Scaled(2));
+      }
+      canvas.draw().AddPolyline(points.data(), count,
+                                WithAlpha(ObjectColor(outline.object), overlay.alpha),
+                                ImDrawFlags_Closed, width);
+    }
+  }
+}
+
+ObjectId ObjectAt(const MapSnapshot& snapshot, const Eigen::Vector2f& pixel) {
+  if (snapshot.id.empty() || snapshot.image.empty()) return {};
+  const auto map = [](float value, int from, int to) {
+    return static_cast<int>(
+        std::floor((value + 0.5f) * static_cast<float>(to) / static_cast<float>(from)));
+  };
+  const int x = map(pixel.x(), snapshot.image.cols, snapshot.id.cols);
+  const int y = map(pixel.y(), snapshot.image.rows, snapshot.id.rows);
+  if (x < 0 || y < 0 || x >= snapshot.id.cols || y >= snapshot.id.rows) return {};
+  const int id = snapshot.id.at<std::uint16_t>(y, x);
+  return id > 0 ? ObjectId{id} : ObjectId{};
 }
 
 }  // namespace plumbline

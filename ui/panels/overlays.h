@@ -15,4 +15,18 @@ struct ParticleOverlay {
 int DrawParticleOverlay(const FrameContext& context, const ImageCanvas& canvas,
                         const ObjectReport& object, const ParticleOverlay& overlay);
 
+struct OutlineOverlay {
+  double width_px = 1.75;
+  double alpha = 1;
+  bool shadow = true;  ///< A dark rim, to stand off bright images.
+  ObjectId only;       ///< Draws this object alone; not valid: all.
+};
+
+/// Outlines of the mean states in their objects' colours; the selected one is bolder.
+void DrawOutlineOverlay(const FrameContext& context, const ImageCanvas& canvas,
+                        const OutlineOverlay& overlay);
+
+/// The object whose mean state shows at a pixel of the image; not valid where there is none.
+ObjectId ObjectAt(const MapSnapshot& snapshot, const Eigen::Vector2f& pixel);
+
 }  // namespace plumbline

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/panels/welcome.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include "ui/framework/widgets.h"
+
+namespace plumbline {
+namespace {
+
+void Headline(const FrameContext& context, const char* text) {
+  ImGui::PushFont(context.fonts.title);
+  ImGui::TextUnformatted(text);
+  ImGui::PopFont();
+}
+
+void Wrapped(ImU32 color, const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, color);
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+}
+
+void DrawWays(const FrameContext& context, CommandSink& sink) {
+  Wrapped(colors::kDimText,
+          "Drop the folder of a sequence or a recorded run (.plb) onto this window, or name it on "
+          "the command line:");
+  ImGui::Indent(context.Scaled(14));
+  Wrapped(colors::kText, "plumbline gui SEQUENCE");
+  Wrapped(colors::kText, "plumbline gui RUN.plb");
+  ImGui::Unindent(context.Scaled(14));
+  ImGui::Dummy({0, context.Scaled(6)});
+  ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
+  if (Button(context, "welcome.demo", "Play the built-in demo",
+             "A synthetic room; it is made the first time, which takes a minute.")) {
+    sink.Post(OpenCommand{kDemoPath});
+  }
+  ImGui::PopStyleColor();
+}
+
+void DrawRecent(const FrameContext& context, CommandSink& sink) {
+  if (context.recent.empty()) return;
+  ImGui::Dummy({0, context.Scaled(8)});
+  SmallText(context, colors::kAccent, "Opened before");
+  for (std::size_t i = 0; i < context.recent.size(); ++i) {
+    const std::string& path = context.recent[i];
+    const std::string name =
+        path == kDemoPath ? "Built-in demo" : std::filesystem::path(path).filename().string();
+    const std::string id = "welcome.recent." + std::to_string(i);
+    if (ImGui::Selectable((name + "##" + id).c_str())) sink.Post(OpenCommand{path});
+    LogItem(context, id);
+    Tooltip(context, path);
+  }
+}
+
+}  // namespace
+
+void DrawWelcome(const FrameContext& context, const LayoutRect& rect, CommandSink& sink) {
+  const float width = std::min(context.Scaled(620), rect.width() - context.Scaled(40));
+  const bool failed = context.playback->state == PlaybackState::kFailed;
+  ImGui::SetNextWindowPos({0.5f * (rect.low.x + rect.high.x), rect.low.y + 0.42f * rect.height()},
+                          ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({width, 0});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, colors::kPanel);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, context.Scaled(10));
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {context.Scaled(30), context.Scaled(26)});
+  ImGui::Begin("welcome", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
+  if (context.source.empty()) {
+    Headline(context, "Nothing is open");
+    DrawWays(context, sink);
+    DrawRecent(context, sink);
+  } else if (failed) {
+    Headline(context, "This could not be opened");
+    Wrapped(colors::kDimText, context.source);
+    ImGui::Dummy({0, context.Scaled(2)});
+    Wrapped(colors::kBad, context.playback->message);
+    ImGui::Dummy({0, context.Scaled(10)});
+    DrawWays(context, sink);
+  } else {
+    Headline(context, "Opening");
+    Wrapped(colors::kDimText, context.source == kDemoPath ? "the built-in demo" : context.source);
+    ImGui::Dummy({0, context.Scaled(6)});
+    Wrapped(colors::kText, context.playback->message);
+  }
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+  ImGui::PopStyleColor();
+}
+
+}  // namespace plumbline
