@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/vision/viewpoint_model.h"
+
+#include <embree3/rtcore.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <numeric>
+
+#include "engine/base/files.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr char kFormat[] = "plumbline-viewpoints-4";
+
+/// Casts rays at one mesh.
+class RayScene {
+ public:
+  explicit RayScene(const TriangleMesh& mesh) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                 3 * sizeof(float), mesh.vertices.size()));
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      std::copy_n(mesh.vertices[i].data(), 3, vertices + 3 * i);
+    }
+    auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.triangles.size()));
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      for (int k = 0; k < 3; ++k) indices[3 * i + k] = static_cast<std::uint32_t>(mesh.triangles[i][k]);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene_);
+  }
+  ~RayScene() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+  RayScene(const RayScene&) = delete;
+  RayScene& operator=(const RayScene&) = delete;
+
+  struct Hit {
+    float distance = 0;  ///< In lengths of the direction; 0 none.
+    Eigen::Vector3f normal{0, 0, 0};
+  };
+  Hit Cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
+    RTCRayHit ray{};
+    std::copy_n(origin.data(), 3, &ray.ray.org_x);
+    std::copy_n(direction.data(), 3, &ray.ray.dir_x);
+    ray.ray.tnear = 1e-4f;
+    ray.ray.tfar = 1e9f;
+    ray.ray.mask = ~0u;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene_, &context, &ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+    return {ray.ray.tfar, Eigen::Vector3f(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z).normalized()};
+  }
+
+ private:
+  RTCDevice device_;
+  RTCScene scene_;
+};
+
+/// A pinhole camera around the object; directions have z = 1 in the camera, so a hit's distance is its depth.
+struct ViewCamera {
+  Eigen::Vector3f origin, right, down, forward;
+  float pixel = 0;  ///< Size of a pixel at depth 1.
+  int size = 0;
+
+  Eigen::Vector3f Direction(float u, float v) const {
+    const float c = 0.5f * (size - 1);
+    return forward + (u - c) * pixel * right + (v - c) * pixel * down;
+  }
+};
+
+/// Interleaved bits of a pixel: neighbours in this order are neighbours in the image.
+std::uint32_t ZOrder(std::uint32_t x, std::uint32_t y) {
+  std::uint32_t code = 0;
+  for (int bit = 0; bit < 12; ++bit) {
+    code |= ((x >> bit) & 1u) << (2 * bit) | ((y >> bit) & 1u) << (2 * bit + 1);
+  }
+  return code;
+}
+
+/// Depth of the surface at p continued to the ray q: a contour lies between them if q's surface is a step behind that.
+bool IsStep(const RayScene::Hit& p, const Eigen::Vector3f& ray_p, const RayScene::Hit& q, const Eigen::Vector3f& ray_q,
+            float step) {
+  if (q.distance == 0) return true;
+  if (q.distance - p.distance < step) return false;
+  const float across = p.normal.dot(ray_q);
+  if (std::abs(across) < 1e-6f) return false;
+  const float continued = p.distance * p.normal.dot(ray_p) / across;
+  return continued <= 0 ? false : q.distance - continued > step;
+}
+
+class ViewBuilder {
+ public:
+  ViewBuilder(const RayScene& scene, const ViewCamera& camera, float step)
+      : scene_(scene), camera_(camera), step_(step), hits_(static_cast<std::size_t>(camera.size) * camera.size) {
+    for (int v = 0; v < camera_.size; ++v) {
+      for (int u = 0; u < camera_.size; ++u) At(u, v) = scene_.Cast(camera_.origin, camera_.Direction(u, v));
+    }
+  }
+
+  /// Evenly spaced points along the contour; `length_px` is the contour's length.
+  std::vector<ContourPoint> Sample(int count, double* length_px) const {
+    std::vector<Candidate> candidates = FindContour();
+    std::sort(candidates.begin(), candidates.end(),
+              [](const Candidate& a, const Candidate& b) { return a.order < b.order; });
+    double total = 0;
+    for (const Candidate& candidate : candidates) total += candidate.length;
+    *length_px = total;
+    std::vector<ContourPoint> points;
+    double sum = 0, next = 0.5 * total / count;
+    for (const Candidate& candidate : candidates) {
+      sum += candidate.length;
+      if (sum < next) continue;
+      points.push_back(Refine(candidate));
+      next += total / count;
+    }
+    return points;
+  }
+
+ private:
+  struct Candidate {
+    int u, v;
+    Eigen::Vector2f normal;
+    float length;
+    std::uint32_t order;
+  };
+
+  RayScene::Hit& At(int u, int v) { return hits_[static_cast<std::size_t>(v) * camera_.size + u]; }
+  const RayScene::Hit& At(int u, int v) const { return hits_[static_cast<std::size_t>(v) * camera_.size + u]; }
+
+  std::vector<Candidate> FindContour() const {
+    std::vector<Candidate> found;
+    static constexpr int kNeighbours[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    for (int v = 4; v < camera_.size - 4; ++v) {
+      for (int u = 4; u < camera_.size - 4; ++u) {
+        const RayScene::Hit& hit = At(u, v);
+        if (hit.distance == 0) continue;
+        bool on_contour = false;
+        for (const auto& n : kNeighbours) {
+          on_contour = on_contour || IsStep(hit, camera_.Direction(u, v), At(u + n[0], v + n[1]),
+                                            camera_.Direction(u + n[0], v + n[1]), step_);
+        }
+        if (!on_contour) continue;
+        const Eigen::Vector2f normal = OutwardNormal(u, v);
+        if (normal.squaredNorm() == 0) continue;
+        const float length = 1.0f / std::max(std::abs(normal.x()), std::abs(normal.y()));
+        found.push_back({u, v, normal, length, ZOrder(static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v))});
+      }
+    }
+    return found;
+  }
+
+  /// From the side that continues this pixel's surface to the side that lies behind it, in the image.
+  Eigen::Vector2f OutwardNormal(int u, int v) const {
+    const RayScene::Hit& hit = At(u, v);
+    const Eigen::Vector3f ray = camera_.Direction(u, v);
+    Eigen::Vector2f toward_near = Eigen::Vector2f::Zero();
+    constexpr int kRadius = 3;
+    for (int dv = -kRadius; dv <= kRadius; ++dv) {
+      for (int du = -kRadius; du <= kRadius; ++du) {
+        const RayScene::Hit& other = At(u + du, v + dv);
+        const bool near_side = other.distance != 0 && other.distance < hit.distance + step_ * 2 &&
+                               !IsStep(hit, ray, other, camera_.Direction(u + du, v + dv), step_);
+        if (!near_side) continue;
+        const float weight = std::exp(-0.5f * (du * du + dv * dv) / (1.5f * 1.5f));
+        toward_near += weight * Eigen::Vector2f(du, dv);
+      }
+    }
+    const float norm = toward_near.norm();
+    return norm > 0.2f ? Eigen::Vector2f(-toward_near / norm) : Eigen::Vector2f(0, 0);
+  }
+
+  /// Finds the contour between the pixel and the outside by bisection.
+  ContourPoint Refine(const Candidate& candidate) const {
+    const RayScene::Hit& hit = At(candidate.u, candidate.v);
+    const Eigen::Vector3f ray = camera_.Direction(candidate.u, candidate.v);
+    float inside = 0, outside = 1.5f;
+    RayScene::Hit last = hit;
+    Eigen::Vector3f last_ray = ray;
+    for (int i = 0; i < 6; ++i) {
+      const float middle = 0.5f * (inside + outside);
+      const Eigen::Vector3f direction = camera_.Direction(candidate.u + middle * candidate.normal.x(),
+                                                          candidate.v + middle * candidate.normal.y());
+      const RayScene::Hit there = scene_.Cast(camera_.origin, direction);
+      if (IsStep(hit, ray, there, direction, step_)) {
+        outside = middle;
+      } else {
+        inside = middle;
+        last = there;
+        last_ray = direction;
+      }
+    }
+    const Eigen::Vector3f across = candidate.normal.x() * camera_.right + candidate.normal.y() * camera_.down;
+    return {camera_.origin + last.distance * last_ray, across.normalized()};
+  }
+
+  const RayScene& scene_;
+  const ViewCamera& camera_;
+  float step_;
+  std::vector<RayScene::Hit> hits_;
+};
+
+ViewCamera CameraAt(const Eigen::Vector3f& center, const Eigen::Vector3f& from_center, float distance, float radius,
+                    int size) {
+  ViewCamera camera;
+  camera.origin = center + distance * from_center;
+  camera.forward = -from_center;
+  camera.right = camera.forward.cross(Eigen::Vector3f::UnitZ()).normalized();
+  camera.down = camera.forward.cross(camera.right);
+  // The bounding sphere, with a margin of 6 pixels; at most 130 degrees wide when the camera is close.
+  const float sine = std::min(radius / distance, std::sin(65.0f * static_cast<float>(kDegree)));
+  const float half_width = sine / std::sqrt(1.0f - sine * sine);
+  camera.pixel = 2.0f * half_width / (size - 12);
+  camera.size = size;
+  return camera;
+}
+
+std::string CacheKey(const CadModel& model, const ViewpointModelOptions& o) {
+  std::string key = std::string(kFormat) + "|" + model.content_hash + "|" + std::to_string(model.symmetry.order);
+  for (const double value : {static_cast<double>(o.azimuths), static_cast<double>(o.elevations), o.min_elevation_deg,
+                             o.max_elevation_deg, static_cast<double>(o.points), static_cast<double>(o.image_px),
+                             o.contour_step_m}) {
+    key += "|" + std::to_string(value);
+  }
+  for (const double distance : o.distances) key += "|" + std::to_string(distance);
+  return HashHex(key);
+}
+
+template <typename T>
+void PutVector(const std::vector<T>& values, std::string& out) {
+  const std::uint64_t count = values.size();
+  out.append(reinterpret_cast<const char*>(&count), sizeof(count));
+  out.append(reinterpret_cast<const char*>(values.data()), count * sizeof(T));
+}
+
+template <typename T>
+bool TakeVector(std::string_view& in, std::vector<T>& values) {
+  std::uint64_t count = 0;
+  if (in.size() < sizeof(count)) return false;
+  std::memcpy(&count, in.data(), sizeof(count));
+  in.remove_prefix(sizeof(count));
+  if (count > in.size() / sizeof(T)) return false;
+  values.resize(count);
+  std::memcpy(static_cast<void*>(values.data()), in.data(), count * sizeof(T));
+  in.remove_prefix(count * sizeof(T));
+  return true;
+}
+
+}  // namespace
+
+int ViewpointModel::NumViews() const {
+  return static_cast<int>(options_.distances.size()) * options_.elevations * distinct_azimuths_;
+}
+
+Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(const CadModel& model,
+                                                                   const ViewpointModelOptions& options,
+                                                                   const WorkContext& work) {
+  PLB_CHECK(!model.mesh.triangles.empty()) << "model '" << model.name << "' has no triangles";
+  const std::shared_ptr<ViewpointModel> result(new ViewpointModel);
+  result->options_ = options;
+  result->center_ = model.bounds.center();
+  float radius = 0;
+  for (const Eigen::Vector3f& vertex : model.mesh.vertices) radius = std::max(radius, (vertex - result->center_).norm());
+  result->bounding_radius_ = radius;
+  const int order = model.symmetry.axis.cross(Eigen::Vector3d::UnitZ()).norm() < 1e-6 ? model.symmetry.order : 1;
+  result->distinct_azimuths_ =
+      order == 0 ? 1 : (options.azimuths % order == 0 ? options.azimuths / order : options.azimuths);
+
+  const float step = static_cast<float>(std::min(options.contour_step_m, 0.3 * radius));
+  const RayScene scene(model.mesh);
+  const int views = result->NumViews();
+  std::vector<std::vector<ContourPoint>> found(static_cast<std::size_t>(views));
+  result->length_per_point_m_.resize(static_cast<std::size_t>(views));
+  std::atomic<int> done = 0;
+  tbb::parallel_for(0, views, [&](int view) {
+    if (work.stop.stop_requested()) return;
+    const int azimuth_index = view % result->distinct_azimuths_;
+    const int elevation_index = view / result->distinct_azimuths_ % options.elevations;
+    const int distance_index = view / result->distinct_azimuths_ / options.elevations;
+    const double azimuth = 2.0 * std::numbers::pi * azimuth_index / options.azimuths;
+    const double elevation = kDegree * (options.min_elevation_deg +
+                                        (options.max_elevation_deg - options.min_elevation_deg) * elevation_index /
+                                            std::max(1, options.elevations - 1));
+    const Eigen::Vector3f from_center(static_cast<float>(std::cos(elevation) * std::cos(azimuth)),
+                                      static_cast<float>(std::cos(elevation) * std::sin(azimuth)),
+                                      static_cast<float>(std::sin(elevation)));
+    const float distance = static_cast<float>(options.distances[static_cast<std::size_t>(distance_index)]) * radius;
+    const ViewCamera camera = CameraAt(result->center_, from_center, distance, radius, options.image_px);
+    double length_px = 0;
+    auto& points = found[static_cast<std::size_t>(view)];
+    points = ViewBuilder(scene, camera, step).Sample(options.points, &length_px);
+    result->length_per_point_m_[static_cast<std::size_t>(view)] =
+        points.empty() ? 0.0f : static_cast<float>(length_px * camera.pixel * distance / static_cast<double>(points.size()));
+    const int now = ++done;
+    if (now % 64 == 0 || now == views) work.report({"viewpoint models", now, views});
+  });
+  if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "building the viewpoint models was cancelled"};
+  result->first_point_.push_back(0);
+  for (const auto& points : found) {
+    for (int k = 0; k < 3; ++k) {
+      for (const ContourPoint& point : points) result->points_.push_back(point.position[k]);
+    }
+    for (int k = 0; k < 3; ++k) {
+      for (const ContourPoint& point : points) result->points_.push_back(point.normal[k]);
+    }
+    result->first_point_.push_back(static_cast<std::int32_t>(result->points_.size() / 6));
+  }
+  return std::shared_ptr<const ViewpointModel>(result);
+}
+
+Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::LoadOrBuild(const CadModel& model,
+                                                                         const ViewpointModelOptions& options,
+                                                                         const std::filesystem::path& cache_folder,
+                                                                         const WorkContext& work) {
+  const std::filesystem::path file = cache_folder / ("viewpoints-" + CacheKey(model, options) + ".bin");
+  if (Result<std::string> cached = ReadFile(file); cached.ok() && cached->size() > 16) {
+    std::string_view rest = *cached;
+    const std::string hash(rest.substr(0, 16));
+    rest.remove_prefix(16);
+    const std::shared_ptr<ViewpointModel> result(new ViewpointModel);
+    std::vector<float> head;
+    if (HashHex(rest) == hash && TakeVector(rest, head) && head.size() == 5 && TakeVector(rest, result->first_point_) &&
+        TakeVector(rest, result->length_per_point_m_) && TakeVector(rest, result->points_)) {
+      result->options_ = options;
+      result->center_ = {head[0], head[1], head[2]};
+      result->bounding_radius_ = head[3];
+      result->distinct_azimuths_ = static_cast<int>(head[4]);
+      return std::shared_ptr<const ViewpointModel>(result);
+    }
+  }
+  Result<std::shared_ptr<const ViewpointModel>> built = Build(model, options, work);
+  if (!built.ok()) return built;
+  const ViewpointModel& m = **built;
+  std::string body;
+  PutVector(std::vector<float>{m.center_.x(), m.center_.y(), m.center_.z(), m.bounding_radius_,
+                               static_cast<float>(m.distinct_azimuths_)},
+            body);
+  PutVector(m.first_point_, body);
+  PutVector(m.length_per_point_m_, body);
+  PutVector(m.points_, body);
+  // A cache that cannot be written costs only the next start.
+  static_cast<void>(WriteFileAtomically(file, HashHex(body) + body).ok());
+  return built;
+}
+
+ContourView ViewpointModel::View(const Eigen::Vector3f& camera_in_object) const {
+  const Eigen::Vector3f from_center = camera_in_object - center_;
+  const float distance = std::max(from_center.norm(), 1e-6f);
+  const float turn = std::atan2(from_center.y(), from_center.x()) / (2.0f * std::numbers::pi_v<float>);
+  const int azimuth = static_cast<int>(std::lround((turn + 1.0f) * options_.azimuths)) % distinct_azimuths_;
+  const float elevation = std::asin(std::clamp(from_center.z() / distance, -1.0f, 1.0f));
+  const float step = static_cast<float>((options_.max_elevation_deg - options_.min_elevation_deg) * kDegree) /
+                     std::max(1, options_.elevations - 1);
+  const int ring = std::clamp(
+      static_cast<int>(std::lround((elevation - static_cast<float>(options_.min_elevation_deg * kDegree)) / step)), 0,
+      options_.elevations - 1);
+  const float ratio = distance / bounding_radius_;
+  int shell = 0;
+  while (shell + 1 < static_cast<int>(options_.distances.size()) &&
+         ratio * ratio > options_.distances[shell] * options_.distances[shell + 1]) {
+    ++shell;
+  }
+  const std::size_t view = static_cast<std::size_t>((shell * options_.elevations + ring) * distinct_azimuths_ + azimuth);
+  const std::int32_t first = first_point_[view];
+  const int n = first_point_[view + 1] - first;
+  const float* x = points_.data() + 6 * static_cast<std::size_t>(first);
+  return {n, x, x + n, x + 2 * n, x + 3 * n, x + 4 * n, x + 5 * n, length_per_point_m_[view]};
+}
+
+}  // namespace plumbline
