@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/key_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "engine/mapping/bytes.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kMovedDistance_m = 0.02;
+constexpr double kMovedAngle_rad = 2.0 * std::numbers::pi / 180.0;
+
+double Angle(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
+}
+
+bool SamePlaces(const std::vector<PlacedModel>& a, const std::vector<PlacedModel>& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i].object != b[i].object || a[i].label != b[i].label ||
+        (a[i].world_from_object.translation() - b[i].world_from_object.translation()).norm() > kMovedDistance_m ||
+        Angle(a[i].world_from_object, b[i].world_from_object) > kMovedAngle_rad) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+void KeyFrameMemory::Offer(const MapperInput& input) {
+  // 1 where the camera has just moved or turned far enough.
+  const auto distance = [&](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+    return std::max((a.translation() - b.translation()).norm() / options_.key_frame_distance_m,
+                    Angle(a, b) / (options_.key_frame_angle_deg * std::numbers::pi / 180.0));
+  };
+  for (const KeyFrame& key : frames_) {
+    if (distance(key.input.world_from_cam, input.world_from_cam) < 1.0) return;
+  }
+  frames_.push_back({input, {}, {}});
+  while (static_cast<int>(frames_.size()) > options_.key_frames) {
+    std::size_t drop = 0;
+    double closest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      for (std::size_t j = i + 1; j < frames_.size(); ++j) {
+        const double d = distance(frames_[i].input.world_from_cam, frames_[j].input.world_from_cam);
+        if (d < closest) {
+          closest = d;
+          drop = i;
+        }
+      }
+    }
+    frames_.erase(frames_.begin() + static_cast<std::ptrdiff_t>(drop));
+  }
+}
+
+void KeyFrameMemory::UpdateOcclusion(OcclusionRenderer& renderer, const std::vector<PlacedModel>& objects) {
+  for (KeyFrame& key : frames_) {
+    if (SamePlaces(key.occluders, objects)) continue;
+    key.occluders = objects;
+    key.maps = renderer.Render(camera_, key.input.world_from_cam.inverse(), objects);
+  }
+}
+
+std::string KeyFrameMemory::Save() const {
+  ByteWriter out;
+  out.Put(static_cast<std::int32_t>(frames_.size()));
+  for (const KeyFrame& key : frames_) {
+    out.Put(static_cast<std::int32_t>(key.input.frame));
+    out.Put(static_cast<std::int32_t>(key.occluders.size()));
+    for (const PlacedModel& placed : key.occluders) {
+      out.Put(placed.object.value);
+      out.Put(placed.label.value);
+      out.Put(placed.world_from_object);
+    }
+  }
+  return out.Take();
+}
+
+Status KeyFrameMemory::Restore(std::string_view bytes, const std::function<Result<MapperInput>(int)>& load,
+                               OcclusionRenderer& renderer) {
+  frames_.clear();
+  ByteReader in(bytes);
+  const int count = in.Get<std::int32_t>();
+  for (int i = 0; i < count && in.ok(); ++i) {
+    KeyFrame key;
+    Result<MapperInput> input = load(in.Get<std::int32_t>());
+    if (!input.ok()) return input.error();
+    key.input = std::move(input).value();
+    const int objects = in.Get<std::int32_t>();
+    for (int k = 0; k < objects && in.ok(); ++k) {
+      PlacedModel placed;
+      placed.object.value = in.Get<std::int32_t>();
+      placed.label.value = in.Get<std::int32_t>();
+      placed.world_from_object = in.GetPose();
+      key.occluders.push_back(placed);
+    }
+    key.maps = renderer.Render(camera_, key.input.world_from_cam.inverse(), key.occluders);
+    frames_.push_back(std::move(key));
+  }
+  if (!in.ok()) return Error{ErrorCode::kCorrupt, "the run file's key frames are damaged; start the run again"};
+  return {};
+}
+
+}  // namespace plumbline

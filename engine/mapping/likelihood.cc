@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/likelihood.h"
+
+#include <algorithm>
+
+namespace plumbline {
+
+float EdgeNormalizer(std::span<const HypothesisScore> scores) {
+  if (scores.empty()) return 0;
+  std::vector<float> visible, total;
+  for (const HypothesisScore& score : scores) {
+    visible.push_back(score.visible_m);
+    total.push_back(score.total_m);
+  }
+  const auto median = [](std::vector<float>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  return std::max(median(visible), 0.25f * median(total));
+}
+
+std::vector<Likelihood> Evaluate(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
+                                 const FrameDetections* detections, std::span<const PoseHypothesis> hypotheses,
+                                 std::optional<float> normalizer, const MapperOptions& options) {
+  std::vector<HypothesisScore> scores(hypotheses.size());
+  scorer.Score(view, map.upright, hypotheses, scores);
+  const float length = normalizer.value_or(EdgeNormalizer(scores));
+  std::vector<Likelihood> result(hypotheses.size());
+  std::vector<Box2> boxes;
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    Likelihood& likelihood = result[i];
+    likelihood.phi_edge = length > 0 ? std::clamp(scores[i].agreement_m / length, -1.0f, 1.0f) : 0.0f;
+    likelihood.visible_fraction = scores[i].total_m > 0 ? scores[i].visible_m / scores[i].total_m : 0.0f;
+    likelihood.whole_box = scores[i].whole_box;
+    likelihood.visible_box = scores[i].visible_box;
+    boxes.push_back(likelihood.whole_box);
+    if (options.scored_box == ScoredBox::kBest) boxes.push_back(likelihood.visible_box);
+  }
+  if (detections == nullptr || hypotheses.empty()) return result;
+  // Hypotheses of one object share a category unless labels jump over all: then each category is scored by itself.
+  const std::size_t stride = options.scored_box == ScoredBox::kBest ? 2 : 1;
+  std::vector<float> box_scores(boxes.size());
+  std::vector<std::string> categories;
+  for (const PoseHypothesis& hypothesis : hypotheses) {
+    const std::string& category = map.database->model(hypothesis.label).category;
+    if (std::find(categories.begin(), categories.end(), category) == categories.end()) categories.push_back(category);
+  }
+  for (const std::string& category : categories) {
+    detections->ScoreBoxes(category, boxes, box_scores);
+    for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+      if (map.database->model(hypotheses[i].label).category != category) continue;
+      float best = box_scores[i * stride];
+      if (stride == 2) best = std::max(best, box_scores[i * stride + 1]);
+      result[i].phi_cnn = best;
+    }
+  }
+  return result;
+}
+
+}  // namespace plumbline

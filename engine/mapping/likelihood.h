@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/mapping/hypothesis_scorer.h"
+#include "engine/mapping/mapper_options.h"
+#include "engine/mapping/particle_set.h"
+#include "engine/vision/detector.h"
+
+namespace plumbline {
+
+/// Both terms of one hypothesis in one image.
+struct Likelihood {
+  float phi_cnn = 0;
+  float phi_edge = 0;
+  float visible_fraction = 0;
+  Box2 whole_box, visible_box;
+};
+
+/// Phi_edge divides the agreement of all hypotheses of one object in one image by this same length, so that showing few edges
+/// is no advantage: the typical visible length, at least a quarter of the typical whole length. 0 if nothing shows.
+float EdgeNormalizer(std::span<const HypothesisScore> scores);
+
+/// Scores hypotheses of one category in one image.
+/// @param detections  May be null: then phi_cnn is 0.
+/// @param normalizer  As from EdgeNormalizer; nothing: taken from these hypotheses.
+std::vector<Likelihood> Evaluate(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
+                                 const FrameDetections* detections, std::span<const PoseHypothesis> hypotheses,
+                                 std::optional<float> normalizer, const MapperOptions& options);
+
+}  // namespace plumbline

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "engine/mapping/key_frames.h"
+#include "engine/mapping/map_report.h"
+#include "engine/mapping/mapper_options.h"
+#include "engine/mapping/particle_set.h"
+
+namespace plumbline {
+
+struct MapperSetup {
+  PinholeCamera camera;
+  Eigen::Vector3d gravity_in_world{0, 0, -1};
+  std::optional<Eigen::Vector4d> floor_in_world;
+  std::shared_ptr<const ModelDatabase> database;
+  std::shared_ptr<const HypothesisScorer> scorer;
+  MapperOptions options;
+  std::uint64_t seed = 0;
+};
+
+/// The semantic filter (Alg. 1 of the paper; docs/algorithms/semantic_filter.md): from frames with camera poses, edges and
+/// detections to posed shapes. Causal and deterministic: the first n reports of a long run equal those of a run of n
+/// frames, bit for bit. Use it in one thread.
+class Mapper {
+ public:
+  /// Errors: kUnsupported (no GL), kInvalidInput (a database without models).
+  static Result<std::unique_ptr<Mapper>> Create(const MapperSetup& setup);
+  ~Mapper();
+
+  /// One frame. Frames come in time order; a frame that cannot be used is simply left out.
+  FrameReport Step(const MapperInput& input);
+
+  /// Continues after the frame of `report`, exactly as if it had never stopped. `load` gives again the inputs of
+  /// past frames (edges and detections are recomputed). Errors: kCorrupt; what `load` returns.
+  Status Restore(const FrameReport& report, const std::function<Result<MapperInput>(int frame)>& load);
+
+  /// Takes effect with the next frame.
+  void SetOptions(const MapperOptions& options);
+
+  /// Z-buffer and ids of all mean states after the last frame, half the image's size.
+  const RenderedMaps& mean_maps() const;
+
+ private:
+  struct Impl;
+  explicit Mapper(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace plumbline

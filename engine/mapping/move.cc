@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/move.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+struct Round {
+  int count;              ///< Hypotheses kept for the next round.
+  double temperature;     ///< Of the log-likelihood when choosing them.
+  double position_m, azimuth_rad;  ///< Steps from the chosen ones.
+};
+
+class Mover {
+ public:
+  Mover(const MapFrame& map, const MapperOptions& options, RandomKey key) : map_(map), options_(options), key_(key) {}
+
+  /// A neighbour; heavy-tailed, one step in eight is three times as far.
+  PoseHypothesis Step(PoseHypothesis hypothesis, double position_m, double azimuth_rad) {
+    Random random = Next();
+    const double reach = random.Uniform() < 0.125 ? 3.0 : 1.0;
+    const Eigen::Matrix3d& upright = map_.upright.upright_rotation();
+    const bool on_floor = options_.floor_prior && map_.StandsOnFloor(hypothesis.label);
+    const Eigen::Vector3d step(reach * position_m * random.Gaussian(), reach * position_m * random.Gaussian(),
+                               (on_floor ? std::min(position_m, options_.floor_std_m) : reach * position_m) *
+                                   random.Gaussian());
+    hypothesis.center_in_world += upright * step;
+    hypothesis.azimuth_rad = WrapAngle(hypothesis.azimuth_rad + reach * azimuth_rad * random.Gaussian());
+    return hypothesis;
+  }
+
+  /// Turned by a half or a quarter turn about a vertical axis somewhere inside the object.
+  PoseHypothesis Turned(PoseHypothesis hypothesis) {
+    Random random = Next();
+    const Eigen::Vector3d size = map_.database->model(hypothesis.label).bounds.sizes().cast<double>();
+    const Eigen::Vector3d pivot(random.Uniform(-0.5, 0.5) * size.x(), random.Uniform(-0.5, 0.5) * size.y(), 0);
+    const double pick = random.Uniform();
+    const double turn = pick < 0.6 ? std::numbers::pi : (pick < 0.8 ? 0.5 : -0.5) * std::numbers::pi;
+    const Eigen::Matrix3d before = map_.upright.WorldFromObjectRotation(hypothesis.azimuth_rad);
+    const Eigen::Matrix3d after = map_.upright.WorldFromObjectRotation(hypothesis.azimuth_rad + turn);
+    hypothesis.center_in_world += before * pivot - after * pivot;
+    hypothesis.azimuth_rad = WrapAngle(hypothesis.azimuth_rad + turn);
+    return hypothesis;
+  }
+
+  PoseHypothesis Relabelled(PoseHypothesis hypothesis) {
+    Random random = Next();
+    const auto same = map_.database->OfCategory(map_.database->model(hypothesis.label).category);
+    const ModelId label = same[random.Index(static_cast<std::uint32_t>(same.size()))];
+    if (map_.StandsOnFloor(label) && map_.StandsOnFloor(hypothesis.label)) {
+      const double rise =
+          map_.database->model(label).center().z() - map_.database->model(hypothesis.label).center().z();
+      hypothesis.center_in_world += rise * map_.upright.up_in_world();
+    }
+    hypothesis.label = label;
+    return hypothesis;
+  }
+
+  /// Indices drawn in proportion to exp(log_likelihood / temperature), systematically.
+  std::vector<std::size_t> Choose(const std::vector<double>& log_likelihood, double temperature, int count) {
+    const double highest = *std::max_element(log_likelihood.begin(), log_likelihood.end());
+    std::vector<double> sums;
+    double sum = 0;
+    for (const double value : log_likelihood) sums.push_back(sum += std::exp((value - highest) / temperature));
+    const double start = Next().Uniform();
+    std::vector<std::size_t> chosen;
+    for (int i = 0; i < count; ++i) {
+      const auto found = std::upper_bound(sums.begin(), sums.end(), (i + start) * sum / count);
+      chosen.push_back(std::min(static_cast<std::size_t>(found - sums.begin()), sums.size() - 1));
+    }
+    return chosen;
+  }
+
+  Random Next() {
+    ++key_.particle;
+    return Random(key_);
+  }
+
+ private:
+  const MapFrame& map_;
+  const MapperOptions& options_;
+  RandomKey key_;
+};
+
+}  // namespace
+
+std::vector<double> JudgeHypotheses(const HypothesisScorer& scorer, const MapFrame& map,
+                                    std::span<const JudgingView> views, std::span<const PoseHypothesis> hypotheses,
+                                    const MapperOptions& options) {
+  std::vector<double> sums(hypotheses.size(), 0.0);
+  for (const JudgingView& judging : views) {
+    const std::vector<Likelihood> likelihoods =
+        Evaluate(scorer, judging.view, map, judging.detections, hypotheses, judging.normalizer, options);
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      sums[i] += options.alpha * likelihoods[i].phi_cnn + options.beta * likelihoods[i].phi_edge;
+    }
+  }
+  if (options.floor_prior) {
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      if (!map.StandsOnFloor(hypotheses[i].label)) continue;
+      const double height = map.BaseHeight(hypotheses[i]) / options.floor_std_m;
+      sums[i] -= 0.5 * height * height;
+    }
+  }
+  return sums;
+}
+
+std::vector<PoseHypothesis> ResampleMove(const HypothesisScorer& scorer, const MapFrame& map,
+                                         std::span<const JudgingView> views, const MoveInput& input, int count,
+                                         const MapperOptions& options, RandomKey key) {
+  PLB_CHECK(!input.particles.empty() && !views.empty());
+  Mover mover(map, options, key);
+  std::vector<PoseHypothesis> candidates = input.newcomers;
+  const int kept = std::min<int>(static_cast<int>(input.particles.size()), 200);
+  const std::size_t stride = input.particles.size() / static_cast<std::size_t>(kept);
+  for (int i = 0; i < kept; ++i) {
+    const PoseHypothesis& particle = input.particles[static_cast<std::size_t>(i) * stride];
+    candidates.push_back(particle);
+    if (i % 4 == 3) candidates.push_back(mover.Relabelled(particle));
+    if (!input.wide) continue;
+    candidates.push_back(mover.Step(particle, 0.10, 10 * kDegree));
+    if (i % 2 == 0) candidates.push_back(mover.Turned(particle));
+  }
+  static constexpr Round kWide[] = {{250, 3.0, 0.05, 6 * kDegree}, {200, 2.0, 0.025, 3 * kDegree}};
+  static constexpr Round kNarrow[] = {{200, 1.5, 0.012, 1.5 * kDegree}};
+  std::vector<double> judged = JudgeHypotheses(scorer, map, views, candidates, options);
+  const auto run = [&](const Round& round) {
+    std::vector<PoseHypothesis> next;
+    std::vector<double> next_judged;
+    std::vector<PoseHypothesis> steps;
+    for (const std::size_t index : mover.Choose(judged, round.temperature, round.count)) {
+      next.push_back(candidates[index]);
+      next_judged.push_back(judged[index]);
+      steps.push_back(mover.Step(candidates[index], round.position_m, round.azimuth_rad));
+    }
+    const std::vector<double> steps_judged = JudgeHypotheses(scorer, map, views, steps, options);
+    next.insert(next.end(), steps.begin(), steps.end());
+    next_judged.insert(next_judged.end(), steps_judged.begin(), steps_judged.end());
+    candidates = std::move(next);
+    judged = std::move(next_judged);
+  };
+  if (input.wide) {
+    for (const Round& round : kWide) run(round);
+  }
+  for (const Round& round : kNarrow) run(round);
+  std::vector<PoseHypothesis> result;
+  std::vector<bool> taken(candidates.size(), false);
+  for (const std::size_t index : mover.Choose(judged, 1.0, count)) {
+    // Copies of one hypothesis spread a little, so that they go on as different particles.
+    result.push_back(taken[index] ? mover.Step(candidates[index], 0.004, 0.5 * kDegree) : candidates[index]);
+    taken[index] = true;
+  }
+  return result;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/occlusion.h"
+
+namespace plumbline {
+
+Result<std::unique_ptr<OcclusionRenderer>> OcclusionRenderer::Create(std::shared_ptr<const ModelDatabase> database) {
+  std::unique_ptr<OcclusionRenderer> result(new OcclusionRenderer);
+  Result<std::unique_ptr<RenderContext>> context = RenderContext::CreateHeadless();
+  if (!context.ok()) return context.error();
+  result->context_ = std::move(context).value();
+  Result<std::unique_ptr<Renderer>> renderer = Renderer::Create(*result->context_);
+  if (!renderer.ok()) return renderer.error();
+  result->renderer_ = std::move(renderer).value();
+  for (const CadModel& model : database->models()) {
+    result->mesh_of_model_.push_back(result->renderer_->AddMesh(model.mesh));
+  }
+  return result;
+}
+
+RenderedMaps OcclusionRenderer::Render(const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_world,
+                                       std::span<const PlacedModel> objects) {
+  std::vector<RenderInstance> instances;
+  for (const PlacedModel& object : objects) {
+    instances.push_back({mesh_of_model_[static_cast<std::size_t>(object.label.value)],
+                         cam_from_world * object.world_from_object, object.object.value});
+  }
+  if (instances.empty()) return {};
+  RenderOptions options;
+  options.second_layer = instances.size() > 1;
+  return renderer_->Render(camera.Scaled(0.5), instances, options);
+}
+
+cv::Mat OccluderDepth(const RenderedMaps& maps, ObjectId object) {
+  if (maps.depth.empty()) return {};
+  cv::Mat result = maps.depth.clone();
+  for (int y = 0; y < result.rows; ++y) {
+    const auto* id = maps.id.ptr<std::uint16_t>(y);
+    const float* second = maps.second_depth.empty() ? nullptr : maps.second_depth.ptr<float>(y);
+    float* out = result.ptr<float>(y);
+    for (int x = 0; x < result.cols; ++x) {
+      if (id[x] == object.value) out[x] = second != nullptr ? second[x] : 0.0f;
+    }
+  }
+  return result;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/particle_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace plumbline {
+namespace {
+
+constexpr double kModeRadius_m = 0.20;
+constexpr double kModeAngle_rad = 40.0 * std::numbers::pi / 180.0;
+constexpr double kMinModeWeight = 0.05;
+constexpr int kMaxModes = 4;
+constexpr double kNearest_m = 0.05;
+
+/// A particle as a point of its mode.
+struct Sample {
+  Eigen::Vector3d center;
+  double azimuth;
+  double weight;
+  std::uint16_t label;
+};
+
+std::vector<Sample> ToSamples(std::span<const Particle> particles, const Eigen::Isometry3d& world_from_reference_cam) {
+  std::vector<Sample> samples;
+  samples.reserve(particles.size());
+  for (const Particle& particle : particles) {
+    const PoseHypothesis hypothesis = ToHypothesis(particle, world_from_reference_cam);
+    samples.push_back({hypothesis.center_in_world, hypothesis.azimuth_rad, std::exp(particle.log_weight), particle.label});
+  }
+  return samples;
+}
+
+bool InMode(const Sample& sample, const CadModel& model, const Eigen::Vector3d& center, double azimuth) {
+  return sample.label == model.id.value && (sample.center - center).norm() < kModeRadius_m &&
+         std::abs(AzimuthDifference(model, sample.azimuth, azimuth)) < kModeAngle_rad;
+}
+
+}  // namespace
+
+double MapFrame::BaseHeight(const PoseHypothesis& hypothesis) const {
+  const Eigen::Vector3d base =
+      hypothesis.center_in_world - database->model(hypothesis.label).center().z() * upright.up_in_world();
+  return floor_in_world->head<3>().dot(base) + (*floor_in_world)[3];
+}
+
+bool MapFrame::StandsOnFloor(ModelId label) const {
+  return floor_in_world.has_value() && database->model(label).support == Support::kFloor;
+}
+
+Eigen::Isometry3d MapFrame::WorldFromObject(const PoseHypothesis& hypothesis) const {
+  Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
+  world_from_object.linear() = upright.WorldFromObjectRotation(hypothesis.azimuth_rad);
+  world_from_object.translation() =
+      hypothesis.center_in_world - world_from_object.linear() * database->model(hypothesis.label).center();
+  return world_from_object;
+}
+
+PoseHypothesis ToHypothesis(const Particle& particle, const Eigen::Isometry3d& world_from_reference_cam) {
+  const double depth = std::exp(static_cast<double>(particle.rho));
+  return {ModelId{particle.label}, particle.azimuth,
+          world_from_reference_cam * Eigen::Vector3d(depth * particle.x_c, depth * particle.y_c, depth)};
+}
+
+Particle ToParticle(const PoseHypothesis& hypothesis, const Eigen::Isometry3d& world_from_reference_cam) {
+  const Eigen::Vector3d center = world_from_reference_cam.inverse() * hypothesis.center_in_world;
+  const double depth = std::max(center.z(), kNearest_m);
+  Particle particle;
+  particle.x_c = static_cast<float>(center.x() / depth);
+  particle.y_c = static_cast<float>(center.y() / depth);
+  particle.rho = static_cast<float>(std::log(depth));
+  particle.azimuth = static_cast<float>(WrapAngle(hypothesis.azimuth_rad));
+  particle.label = static_cast<std::uint16_t>(hypothesis.label.value);
+  return particle;
+}
+
+double AzimuthDifference(const CadModel& model, double azimuth_rad, double from_rad) {
+  const int order = model.symmetry.order;
+  if (order == 0) return 0.0;
+  return WrapAngle((azimuth_rad - from_rad) * order) / order;
+}
+
+void Diffuse(std::vector<Particle>& particles, const Eigen::Isometry3d& world_from_reference_cam, const MapFrame& map,
+             double dt_s, const MapperOptions& options, RandomKey key) {
+  const double root = std::sqrt(dt_s);
+  const double jump = 1.0 - std::exp(-options.jump_rate * dt_s);
+  const double keep = std::exp(-dt_s);  // the height forgets within about a second
+  const auto& models = map.database->models();
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    key.particle = static_cast<std::uint32_t>(i);
+    Random random(key);
+    Particle& particle = particles[i];
+    const PoseHypothesis before = ToHypothesis(particle, world_from_reference_cam);
+    if (random.Uniform() < jump) {
+      const std::vector<ModelId> same = map.database->OfCategory(models[particle.label].category);
+      const std::uint32_t count = static_cast<std::uint32_t>(
+          options.jump_scope == JumpScope::kAll ? models.size() : same.size());
+      const std::uint32_t pick = random.Index(count);
+      particle.label = options.jump_scope == JumpScope::kAll ? static_cast<std::uint16_t>(pick)
+                                                             : static_cast<std::uint16_t>(same[pick].value);
+    }
+    particle.x_c += static_cast<float>(options.bearing_noise * root * random.Gaussian());
+    particle.y_c += static_cast<float>(options.bearing_noise * root * random.Gaussian());
+    particle.rho += static_cast<float>(options.log_depth_noise * root * random.Gaussian());
+    particle.azimuth = static_cast<float>(WrapAngle(
+        particle.azimuth + options.azimuth_noise_deg * std::numbers::pi / 180.0 * root * random.Gaussian()));
+    if (!options.floor_prior || !map.StandsOnFloor(ModelId{particle.label})) continue;
+    // A jump to another shape keeps the base where it was; the centre moves with it.
+    const double height = map.StandsOnFloor(before.label) ? map.BaseHeight(before) : 0.0;
+    const double wanted =
+        keep * height + std::sqrt(1.0 - keep * keep) * options.floor_std_m * random.Gaussian();
+    PoseHypothesis after = ToHypothesis(particle, world_from_reference_cam);
+    after.center_in_world += (wanted - map.BaseHeight(after)) * map.upright.up_in_world();
+    Particle moved = ToParticle(after, world_from_reference_cam);
+    particle.x_c = moved.x_c;
+    particle.y_c = moved.y_c;
+    particle.rho = moved.rho;
+  }
+}
+
+double NormalizeLogWeights(std::vector<Particle>& particles) {
+  float highest = -std::numeric_limits<float>::infinity();
+  for (const Particle& particle : particles) {
+    if (particle.log_weight > highest) highest = particle.log_weight;
+  }
+  double sum = 0;
+  for (const Particle& particle : particles) {
+    if (std::isfinite(particle.log_weight)) sum += std::exp(static_cast<double>(particle.log_weight) - highest);
+  }
+  if (!(sum > 0) || !std::isfinite(highest)) {
+    const float uniform = -std::log(static_cast<float>(particles.size()));
+    for (Particle& particle : particles) particle.log_weight = uniform;
+    return -std::numeric_limits<double>::infinity();
+  }
+  const double log_sum = highest + std::log(sum);
+  for (Particle& particle : particles) {
+    if (std::isnan(particle.log_weight)) particle.log_weight = -std::numeric_limits<float>::infinity();
+    particle.log_weight = static_cast<float>(particle.log_weight - log_sum);
+  }
+  return log_sum;
+}
+
+double EffectiveSampleSize(std::span<const Particle> particles) {
+  double squares = 0;
+  for (const Particle& particle : particles) squares += std::exp(2.0 * particle.log_weight);
+  return squares > 0 ? 1.0 / squares : 0.0;
+}
+
+std::vector<Particle> SystematicResample(std::span<const Particle> particles, int count, RandomKey key) {
+  Random random(key);
+  std::vector<Particle> result;
+  result.reserve(static_cast<std::size_t>(count));
+  double total = 0;
+  for (const Particle& particle : particles) total += std::exp(static_cast<double>(particle.log_weight));
+  const double step = total / count;
+  double next = step * random.Uniform();
+  double sum = 0;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    sum += std::exp(static_cast<double>(particles[i].log_weight));
+    while (static_cast<int>(result.size()) < count && (next < sum || i + 1 == particles.size())) {
+      result.push_back(particles[i]);
+      result.back().ancestor = static_cast<std::uint16_t>(i);
+      result.back().log_weight = -std::log(static_cast<float>(count));
+      next += step;
+    }
+  }
+  return result;
+}
+
+std::vector<PoseMode> FindModes(std::span<const Particle> particles, const Eigen::Isometry3d& world_from_reference_cam,
+                                const MapFrame& map) {
+  std::vector<Sample> rest = ToSamples(particles, world_from_reference_cam);
+  std::vector<PoseMode> modes;
+  while (!rest.empty() && static_cast<int>(modes.size()) < kMaxModes) {
+    // Start at the fullest cell of a grid over label, position and azimuth.
+    std::map<std::array<int, 5>, std::pair<double, std::size_t>> cells;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      const Sample& s = rest[i];
+      const CadModel& model = map.database->model(ModelId{s.label});
+      const double folded = AzimuthDifference(model, s.azimuth, 0.0);
+      auto& cell = cells[{s.label, static_cast<int>(std::floor(s.center.x() / 0.15)),
+                          static_cast<int>(std::floor(s.center.y() / 0.15)),
+                          static_cast<int>(std::floor(s.center.z() / 0.15)),
+                          static_cast<int>(std::floor(folded / 0.5))}];
+      if (cell.first == 0) cell.second = i;
+      cell.first += s.weight;
+    }
+    const auto fullest = std::max_element(cells.begin(), cells.end(), [](const auto& a, const auto& b) {
+      return a.second.first < b.second.first;
+    });
+    const Sample& seed = rest[fullest->second.second];
+    const CadModel& model = map.database->model(ModelId{seed.label});
+    Eigen::Vector3d center = seed.center;
+    double azimuth = seed.azimuth;
+    PoseMode mode;
+    mode.label = model.id;
+    for (int iteration = 0; iteration < 6; ++iteration) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      double turn = 0, weight = 0, squares = 0, turn_squares = 0;
+      for (const Sample& s : rest) {
+        if (!InMode(s, model, center, azimuth)) continue;
+        const double difference = AzimuthDifference(model, s.azimuth, azimuth);
+        weight += s.weight;
+        sum += s.weight * s.center;
+        squares += s.weight * (s.center - center).squaredNorm();
+        turn += s.weight * difference;
+        turn_squares += s.weight * difference * difference;
+      }
+      if (weight <= 0) break;
+      const Eigen::Vector3d shift = sum / weight - center;
+      const double turned = turn / weight;
+      center += shift;
+      azimuth = WrapAngle(azimuth + turned);
+      mode.weight = weight;
+      mode.position_std_m = std::sqrt(std::max(0.0, squares / weight - shift.squaredNorm()));
+      mode.azimuth_std_rad = std::sqrt(std::max(0.0, turn_squares / weight - turned * turned));
+    }
+    mode.world_from_object = map.WorldFromObject({mode.label, azimuth, center});
+    if (modes.empty() || mode.weight >= kMinModeWeight) modes.push_back(mode);
+    const std::size_t before = rest.size();
+    std::erase_if(rest, [&](const Sample& s) { return InMode(s, model, center, azimuth); });
+    if (rest.size() == before) rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(fullest->second.second));
+    double left = 0;
+    for (const Sample& s : rest) left += s.weight;
+    if (left < kMinModeWeight) break;
+  }
+  std::stable_sort(modes.begin(), modes.end(), [](const PoseMode& a, const PoseMode& b) { return a.weight > b.weight; });
+  return modes;
+}
+
+PoseHypothesis ToHypothesis(const PoseMode& mode, const MapFrame& map) {
+  return {mode.label, map.upright.Azimuth(mode.world_from_object.linear()),
+          mode.world_from_object * map.database->model(mode.label).center()};
+}
+
+Eigen::Matrix4d ModeCovariance(const PoseMode& mode, std::span<const Particle> particles,
+                               const Eigen::Isometry3d& world_from_reference_cam, const MapFrame& map) {
+  const PoseHypothesis mean = ToHypothesis(mode, map);
+  const CadModel& model = map.database->model(mode.label);
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  double weight = 0;
+  for (const Sample& s : ToSamples(particles, world_from_reference_cam)) {
+    if (!InMode(s, model, mean.center_in_world, mean.azimuth_rad)) continue;
+    Eigen::Vector4d difference;
+    difference << s.center - mean.center_in_world, AzimuthDifference(model, s.azimuth, mean.azimuth_rad);
+    covariance += s.weight * difference * difference.transpose();
+    weight += s.weight;
+  }
+  return weight > 0 ? Eigen::Matrix4d(covariance / weight) : covariance;
+}
+
+std::vector<LabelProbability> LabelPosterior(std::span<const Particle> particles) {
+  std::map<std::uint16_t, double> sums;
+  for (const Particle& particle : particles) sums[particle.label] += std::exp(static_cast<double>(particle.log_weight));
+  std::vector<LabelProbability> posterior;
+  for (const auto& [label, probability] : sums) posterior.push_back({ModelId{label}, probability});
+  std::stable_sort(posterior.begin(), posterior.end(),
+                   [](const LabelProbability& a, const LabelProbability& b) { return a.probability > b.probability; });
+  return posterior;
+}
+
+}  // namespace plumbline
