@@ -416,4 +416,13 @@ void Mapper::SetOptions(const MapperOptions& options) {
 
 const RenderedMaps& Mapper::mean_maps() const { return impl_->mean_maps; }
 
+RenderedMaps Mapper::RenderMeans(const FrameReport& report) {
+  if (!report.world_from_cam) return {};
+  std::vector<PlacedModel> placed;
+  for (const ObjectReport& object : report.objects) {
+    if (object.state != ObjectState::kRetired) placed.push_back({object.id, object.label, object.world_from_object});
+  }
+  return impl_->renderer->Render(impl_->setup.camera, report.world_from_cam->inverse(), placed);
+}
+
 }  // namespace plumbline

@@ -43,6 +43,8 @@ class Mapper {
 
   /// Z-buffer and ids of all mean states after the last frame, half the image's size.
   const RenderedMaps& mean_maps() const;
+  /// The same for any report of this map.
+  RenderedMaps RenderMeans(const FrameReport& report);
 
  private:
   struct Impl;
