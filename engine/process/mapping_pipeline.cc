@@ -152,6 +152,7 @@ struct MappingPipeline::Impl {
   std::unique_ptr<Mapper> mapper;
   std::vector<int> selected;
   std::size_t next = 0;
+  FrameReport last_report;  ///< A skipped frame leaves the map as it was.
   std::unique_ptr<BoundedQueue<Prepared>> ahead;
   std::jthread thread;  ///< Last: stops before what it uses goes.
 
@@ -172,6 +173,20 @@ struct MappingPipeline::Impl {
 
   ~Impl() {
     if (ahead) ahead->Close();
+  }
+
+  /// The map as the last used frame left it.
+  FrameReport Skip(const Prepared& prepared) const {
+    FrameReport report = last_report;
+    report.frame = prepared.frame.index;
+    report.world_from_cam = prepared.frame.world_from_cam;
+    report.skipped = prepared.skipped;
+    report.proposals.clear();
+    report.timings.clear();
+    report.events = {{EventKind::kFrameSkipped, {}, {}, prepared.skipped}};
+    std::erase_if(report.objects, [](const ObjectReport& object) { return object.state == ObjectState::kRetired; });
+    for (ObjectReport& object : report.objects) object.weighed = false;
+    return report;
   }
 
   std::shared_ptr<const MapSnapshot> Snapshot(FrameReport report, const Frame& frame, const EdgeMap& edges,
@@ -261,15 +276,11 @@ std::optional<std::shared_ptr<const MapSnapshot>> MappingPipeline::Next() {
   if (!prepared) return std::nullopt;
   ++m.next;
   if (!prepared->input) {
-    FrameReport report;
-    report.frame = prepared->frame.index;
-    report.stamp_ns = prepared->frame.stamp_ns;
-    report.skipped = prepared->skipped;
-    report.events.push_back({EventKind::kFrameSkipped, {}, {}, prepared->skipped});
-    return m.Snapshot(std::move(report), prepared->frame, prepared->edges, {});
+    return m.Snapshot(m.Skip(*prepared), prepared->frame, prepared->edges, {});
   }
   FrameReport report = m.mapper->Step(*prepared->input);
   report.timings.insert(report.timings.begin(), prepared->timings.begin(), prepared->timings.end());
+  m.last_report = report;
   return m.Snapshot(std::move(report), prepared->frame, prepared->edges, m.mapper->mean_maps());
 }
 
@@ -277,6 +288,7 @@ Status MappingPipeline::Resume(const FrameReport& report) {
   Impl& m = *impl_;
   PLB_CHECK(m.next == 0 && !m.ahead) << "resume before the first frame";
   while (m.next < m.selected.size() && m.selected[m.next] <= report.frame) ++m.next;
+  m.last_report = report;
   return m.mapper->Restore(report, [&](int frame) -> Result<MapperInput> {
     Prepared prepared = m.preparer->Prepare(frame);
     if (!prepared.input) return Error{ErrorCode::kCorrupt, prepared.skipped};
