@@ -45,6 +45,11 @@ Status Run(RunArguments& arguments) {
   int done = 0;
   while (auto snapshot = pipeline.Next()) {
     const FrameReport& report = (*snapshot)->report;
+    if (done + 1 == pipeline.num_selected()) for (const auto& o : report.objects) {
+      std::printf("FINAL %d %s %d conf %d ev %.1f std %.3f modes %zu", o.id.value, pipeline.database()->model(o.label).name.c_str(), (int)o.state, o.confirmed_frame.value_or(-1), o.log_evidence, o.modes[0].position_std_m, o.modes.size());
+      for (int i = 0; i < 12; ++i) std::printf(" %.6f", o.world_from_object.matrix()(i / 4, i % 4));
+      std::printf("\n"); for (auto& q : o.modes) std::printf("  mode %.2f at %.2f %.2f az %.0f\n", q.weight, q.world_from_object.translation().x(), q.world_from_object.translation().y(), std::atan2(q.world_from_object(1,0), q.world_from_object(0,0))*57.3);
+    }
     for (const LifeEvent& event : report.events) {
       std::printf("%5d  object %d  %d %s\n", report.frame, event.object.value, static_cast<int>(event.kind), event.text.c_str());
     }

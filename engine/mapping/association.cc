@@ -4,11 +4,16 @@
 #include <algorithm>
 #include <map>
 
+#include <opencv2/imgproc.hpp>
+
 namespace plumbline {
 namespace {
 
 constexpr float kSameBoxIou = 0.8f;
 constexpr float kSameObjectIou = 0.4f;
+constexpr double kSharedFootprint = 0.3;
+constexpr float kSameViewIou = 0.5f;
+constexpr float kTentativeIou = 0.2f;  // its mean may still be far off; a second birth would not find more
 
 struct Mask {
   int pixels = 0;
@@ -41,6 +46,31 @@ int PixelsInBox(const cv::Mat& id, int object, const Box2& box) {
   return count;
 }
 
+/// The bounding box of an object at its mean state, seen from above.
+struct Footprint {
+  std::vector<cv::Point2f> corners;  ///< Convex, in the axes of the upright frame [m].
+  double bottom = 0, top = 0;
+  double size = 0;                   ///< Larger side.
+  Eigen::Vector3d center;
+};
+
+Footprint FootprintOf(const MapObject& object, const MapFrame& map) {
+  Footprint footprint;
+  const Eigen::AlignedBox3d box = map.database->model(object.mean().label).bounds.cast<double>();
+  const Eigen::Isometry3d upright_from_object =
+      Eigen::Isometry3d(map.upright.upright_rotation().transpose()) * object.mean().world_from_object;
+  for (const auto& [x, y] : {std::pair{box.min().x(), box.min().y()}, std::pair{box.max().x(), box.min().y()},
+                             std::pair{box.max().x(), box.max().y()}, std::pair{box.min().x(), box.max().y()}}) {
+    const Eigen::Vector3d corner = upright_from_object * Eigen::Vector3d(x, y, box.min().z());
+    footprint.corners.emplace_back(static_cast<float>(corner.x()), static_cast<float>(corner.y()));
+    footprint.bottom = corner.z();
+  }
+  footprint.top = footprint.bottom + box.sizes().z();
+  footprint.size = std::max(box.sizes().x(), box.sizes().y());
+  footprint.center = upright_from_object * box.center();
+  return footprint;
+}
+
 }  // namespace
 
 std::vector<ProposalReport> ExplainProposals(std::span<const Detection> proposals, std::span<const MapObject> objects,
@@ -61,8 +91,9 @@ std::vector<ProposalReport> ExplainProposals(std::span<const Detection> proposal
       const double of_box = inside / std::max(1.0f, box.area()), of_mask = inside / mask->second.pixels;
       const float iou = Iou(box, mask->second.box);
       const bool same = object.category == proposal.category;
+      const bool tentative = object.state == ObjectState::kTentative;
       const bool explained = (same && (of_box > options.explained_overlap || of_mask > options.explained_overlap ||
-                                       iou > kSameObjectIou)) ||
+                                       iou > kSameObjectIou || (tentative && iou > kTentativeIou))) ||
                              iou > kSameBoxIou;
       const double strength = (same ? 1.0 : 0.0) + iou;
       if (explained && strength > best) {
@@ -83,15 +114,17 @@ std::vector<ProposalReport> ExplainProposals(std::span<const Detection> proposal
   return reports;
 }
 
-bool SamePlace(const MapObject& a, const MapObject& b, const MapFrame& map) {
+bool Compete(const MapObject& a, const MapObject& b, const MapFrame& map) {
   if (a.category != b.category) return false;
-  const PoseHypothesis pa = ToHypothesis(a.mean(), map), pb = ToHypothesis(b.mean(), map);
-  const auto width = [&](ModelId label) {
-    const Eigen::Vector3f size = map.database->model(label).bounds.sizes();
-    return std::min(size.x(), size.y());
-  };
-  const double reach = 0.33 * std::max(width(pa.label), width(pb.label));
-  return (pa.center_in_world - pb.center_in_world).norm() < reach;
+  const Footprint fa = FootprintOf(a, map), fb = FootprintOf(b, map);
+  if (std::min(fa.top, fb.top) > std::max(fa.bottom, fb.bottom)) {
+    std::vector<cv::Point2f> shared;
+    const double area = cv::intersectConvexConvex(fa.corners, fb.corners, shared);
+    if (area > kSharedFootprint * std::min(cv::contourArea(fa.corners), cv::contourArea(fb.corners))) return true;
+  }
+  const double reach = std::max(fa.size, fb.size);
+  return a.weighed && b.weighed && Iou(a.visible_box, b.visible_box) > kSameViewIou &&
+         (fa.center - fb.center).norm() < reach;
 }
 
 }  // namespace plumbline

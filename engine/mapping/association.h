@@ -18,7 +18,9 @@ std::vector<ProposalReport> ExplainProposals(std::span<const Detection> proposal
                                              const RenderedMaps& maps, const ModelDatabase& database,
                                              const MapperOptions& options);
 
-/// Whether two objects stand in the same place: same category, centres within a third of their width.
-bool SamePlace(const MapObject& a, const MapObject& b, const MapFrame& map);
+/// Whether two objects of one category cannot both be there: their footprints overlap by more than 30 % of the smaller
+/// one, or they lie within one object's size of each other and explain nearly the same part of the image (the twin of a
+/// chair of which only the back rest shows).
+bool Compete(const MapObject& a, const MapObject& b, const MapFrame& map);
 
 }  // namespace plumbline

@@ -4,6 +4,13 @@
 #include <algorithm>
 
 namespace plumbline {
+namespace {
+
+// The same object shows a quarter more or less contour from twin poses; that must not decide between them.
+constexpr float kTypicalShare = 0.7f;
+constexpr float kWholeShare = 0.2f;
+
+}  // namespace
 
 float EdgeNormalizer(std::span<const HypothesisScore> scores) {
   if (scores.empty()) return 0;
@@ -17,7 +24,7 @@ float EdgeNormalizer(std::span<const HypothesisScore> scores) {
     std::nth_element(values.begin(), middle, values.end());
     return *middle;
   };
-  return std::max(median(visible), 0.25f * median(total));
+  return std::max(kTypicalShare * median(visible), kWholeShare * median(total));
 }
 
 std::vector<Likelihood> Evaluate(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
@@ -30,7 +37,7 @@ std::vector<Likelihood> Evaluate(const HypothesisScorer& scorer, const ScoringVi
   std::vector<Box2> boxes;
   for (std::size_t i = 0; i < scores.size(); ++i) {
     Likelihood& likelihood = result[i];
-    likelihood.phi_edge = length > 0 ? std::clamp(scores[i].agreement_m / length, -1.0f, 1.0f) : 0.0f;
+    likelihood.phi_edge = length > 0 ? scores[i].agreement_m / std::max(length, scores[i].visible_m) : 0.0f;
     likelihood.visible_fraction = scores[i].total_m > 0 ? scores[i].visible_m / scores[i].total_m : 0.0f;
     likelihood.whole_box = scores[i].whole_box;
     likelihood.visible_box = scores[i].visible_box;

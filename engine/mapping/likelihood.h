@@ -19,8 +19,9 @@ struct Likelihood {
   Box2 whole_box, visible_box;
 };
 
-/// Phi_edge divides the agreement of all hypotheses of one object in one image by this same length, so that showing few edges
-/// is no advantage: the typical visible length, at least a quarter of the typical whole length. 0 if nothing shows.
+/// Phi_edge divides the agreement of a hypothesis by the visible length of its contour, at least by this length, which is common to
+/// all hypotheses of one object in one image: so neither showing few edges nor showing many is an advantage. It is a
+/// share of the typical visible length, at least a fifth of the typical whole length; 0 if nothing shows.
 float EdgeNormalizer(std::span<const HypothesisScore> scores);
 
 /// Scores hypotheses of one category in one image.

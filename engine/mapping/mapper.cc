@@ -94,8 +94,8 @@ struct Mapper::Impl {
   void Weigh(MapObject& object, const MapperInput& input, const RenderedMaps& occluders, double dt_s,
              FrameReport& report);
   void Resample(MapObject& object, int frame);
-  std::vector<JudgingView> JudgingViews(const MapObject& object, const MapperInput& input,
-                                        const RenderedMaps& occluders) const;
+  std::vector<JudgingView> JudgingViews(const MapObject& object, const KeyFrameMemory& judges,
+                                        const MapperInput& input, const RenderedMaps& occluders) const;
   void Move(MapObject& object, const MapperInput& input, const RenderedMaps& occluders);
   void Associate(const std::vector<ProposalReport>& proposals, const MapperInput& input);
   void Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input, const RenderedMaps& occluders,
@@ -103,6 +103,9 @@ struct Mapper::Impl {
   std::optional<MapObject> Born(const ProposalReport& proposal, const MapperInput& input,
                                 const RenderedMaps& occluders);
   void Live(const MapperInput& input, FrameReport& report);
+  void Contend(const MapperInput& input, FrameReport& report);
+  /// Whether b explains the images better than a.
+  bool Stronger(const MapObject& a, const MapObject& b, const MapperInput& input);
   void Retire(MapObject& object, EventKind kind, ObjectId other, std::string why, FrameReport& report);
 };
 
@@ -165,8 +168,8 @@ void Mapper::Impl::Resample(MapObject& object, int frame) {
   }
 }
 
-std::vector<JudgingView> Mapper::Impl::JudgingViews(const MapObject& object, const MapperInput& input,
-                                                    const RenderedMaps& occluders) const {
+std::vector<JudgingView> Mapper::Impl::JudgingViews(const MapObject& object, const KeyFrameMemory& judges,
+                                                    const MapperInput& input, const RenderedMaps& occluders) const {
   const PoseHypothesis mean = ToHypothesis(object.mean(), map);
   std::vector<JudgingView> views;
   std::vector<Eigen::Vector3d> cameras;
@@ -182,7 +185,7 @@ std::vector<JudgingView> Mapper::Impl::JudgingViews(const MapObject& object, con
   add(input, occluders);
   // From the newest back; when there are more than needed, the ones that are furthest from those taken.
   std::vector<const KeyFrame*> rest;
-  for (const KeyFrame& key : memory.frames()) {
+  for (const KeyFrame& key : judges.frames()) {
     if (key.input.frame != input.frame) rest.insert(rest.begin(), &key);
   }
   while (!rest.empty() && static_cast<int>(views.size()) < options().key_frames_per_move) {
@@ -208,11 +211,11 @@ void Mapper::Impl::Move(MapObject& object, const MapperInput& input, const Rende
   const bool tentative = object.state == ObjectState::kTentative;
   const int period = tentative ? options().tentative_move_period : options().confirmed_move_period;
   if (options().key_frames == 0 || !object.weighed || input.frame - object.last_move_frame < period) return;
-  const std::vector<JudgingView> views = JudgingViews(object, input, occluders);
+  const std::vector<JudgingView> views = JudgingViews(object, memory, input, occluders);
   if (views.empty()) return;
   object.last_move_frame = input.frame;
   MoveInput move;
-  move.wide = tentative || object.modes.size() > 1;
+  move.wide = true;
   // ResampleMove takes equally weighted particles.
   const int count = static_cast<int>(object.particles.size());
   move.particles = ToHypotheses(
@@ -331,19 +334,47 @@ void Mapper::Impl::Live(const MapperInput& input, FrameReport& report) {
       Retire(object, EventKind::kRetired, {}, "tentative for too long", report);
     }
   }
+  Contend(input, report);
+}
+
+void Mapper::Impl::Contend(const MapperInput& input, FrameReport& report) {
+  const auto settled = [&](const MapObject& object) {
+    return object.state == ObjectState::kConfirmed ||
+           (object.state == ObjectState::kTentative && input.frame - object.first_frame > options().tentative_move_period);
+  };
   for (std::size_t i = 0; i < objects.size(); ++i) {
     for (std::size_t j = i + 1; j < objects.size(); ++j) {
       MapObject& a = objects[i];
       MapObject& b = objects[j];
-      if (a.state == ObjectState::kRetired || b.state == ObjectState::kRetired || !SamePlace(a, b, map)) continue;
-      // The confirmed one goes on, else the one with more evidence, else the older.
-      const bool keep_b = std::make_pair(b.state == ObjectState::kConfirmed, b.log_evidence) >
-                          std::make_pair(a.state == ObjectState::kConfirmed, a.log_evidence);
+      if (!settled(a) || !settled(b) || !Compete(a, b, map)) continue;
+      const bool keep_b = Stronger(a, b, input);
       MapObject& loser = keep_b ? a : b;
-      const ObjectId winner = keep_b ? b.id : a.id;
-      Retire(loser, EventKind::kMerged, winner, "stands where object " + std::to_string(winner.value) + " stands", report);
+      MapObject& winner = keep_b ? b : a;
+      // What was known of the one is known of the other: the winner does not start again.
+      if (loser.state == ObjectState::kConfirmed && winner.state == ObjectState::kTentative) {
+        winner.state = ObjectState::kConfirmed;
+        winner.confirmed_frame = input.frame;
+        winner.log_evidence = std::max(winner.log_evidence, loser.log_evidence);
+        report.events.push_back({EventKind::kConfirmed, winner.id, loser.id, "explains the images better than object " + std::to_string(loser.id.value)});
+      }
+      Retire(loser, EventKind::kMerged, winner.id,
+             "object " + std::to_string(winner.id.value) + " stands there and explains the images better", report);
     }
   }
+}
+
+bool Mapper::Impl::Stronger(const MapObject& a, const MapObject& b, const MapperInput& input) {
+  // Both are judged with neither of them hiding the other.
+  std::vector<PlacedModel> others = MeanStates(true);
+  std::erase_if(others, [&](const PlacedModel& placed) { return placed.object == a.id || placed.object == b.id; });
+  KeyFrameMemory judges = memory;
+  judges.UpdateOcclusion(*renderer, others);
+  const RenderedMaps now = renderer->Render(setup.camera, input.world_from_cam.inverse(), others);
+  std::vector<JudgingView> views = JudgingViews(a, judges, input, now);
+  for (JudgingView& view : JudgingViews(b, judges, input, now)) views.push_back(std::move(view));
+  const PoseHypothesis means[] = {ToHypothesis(a.mean(), map), ToHypothesis(b.mean(), map)};
+  const std::vector<double> judged = JudgeHypotheses(*setup.scorer, map, views, means, options());
+  return judged[1] > judged[0];
 }
 
 Mapper::Mapper(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

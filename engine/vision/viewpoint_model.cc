@@ -4,6 +4,8 @@
 #include <embree3/rtcore.h>
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -17,7 +19,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr char kFormat[] = "plumbline-viewpoints-4";
+constexpr char kFormat[] = "plumbline-viewpoints-5";
 
 /// Casts rays at one mesh.
 class RayScene {
@@ -230,7 +232,7 @@ ViewCamera CameraAt(const Eigen::Vector3f& center, const Eigen::Vector3f& from_c
 }
 
 std::string CacheKey(const CadModel& model, const ViewpointModelOptions& o) {
-  std::string key = std::string(kFormat) + "|" + model.content_hash + "|" + std::to_string(model.symmetry.order);
+  std::string key = std::string(kFormat) + "|" + model.content_hash + "|" + std::to_string(model.symmetry.order == 0);
   for (const double value : {static_cast<double>(o.azimuths), static_cast<double>(o.elevations), o.min_elevation_deg,
                              o.max_elevation_deg, static_cast<double>(o.points), static_cast<double>(o.image_px),
                              o.contour_step_m}) {
@@ -263,7 +265,7 @@ bool TakeVector(std::string_view& in, std::vector<T>& values) {
 }  // namespace
 
 int ViewpointModel::NumViews() const {
-  return static_cast<int>(options_.distances.size()) * options_.elevations * distinct_azimuths_;
+  return static_cast<int>(options_.distances.size()) * options_.elevations * options_.azimuths;
 }
 
 Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(const CadModel& model,
@@ -276,10 +278,10 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(const CadMod
   float radius = 0;
   for (const Eigen::Vector3f& vertex : model.mesh.vertices) radius = std::max(radius, (vertex - result->center_).norm());
   result->bounding_radius_ = radius;
-  const int order = model.symmetry.axis.cross(Eigen::Vector3d::UnitZ()).norm() < 1e-6 ? model.symmetry.order : 1;
-  result->distinct_azimuths_ =
-      order == 0 ? 1 : (options.azimuths % order == 0 ? options.azimuths / order : options.azimuths);
-
+  // A body of revolution looks the same from every azimuth: its first view is turned. Finite symmetries of scanned models
+  // hold only nearly, so all their views are made.
+  const bool revolved =
+      model.symmetry.order == 0 && model.symmetry.axis.cross(Eigen::Vector3d::UnitZ()).norm() < 1e-6;
   const float step = static_cast<float>(std::min(options.contour_step_m, 0.3 * radius));
   const RayScene scene(model.mesh);
   const int views = result->NumViews();
@@ -287,10 +289,10 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(const CadMod
   result->length_per_point_m_.resize(static_cast<std::size_t>(views));
   std::atomic<int> done = 0;
   tbb::parallel_for(0, views, [&](int view) {
-    if (work.stop.stop_requested()) return;
-    const int azimuth_index = view % result->distinct_azimuths_;
-    const int elevation_index = view / result->distinct_azimuths_ % options.elevations;
-    const int distance_index = view / result->distinct_azimuths_ / options.elevations;
+    const int azimuth_index = view % options.azimuths;
+    if (work.stop.stop_requested() || (revolved && azimuth_index > 0)) return;
+    const int elevation_index = view / options.azimuths % options.elevations;
+    const int distance_index = view / options.azimuths / options.elevations;
     const double azimuth = 2.0 * std::numbers::pi * azimuth_index / options.azimuths;
     const double elevation = kDegree * (options.min_elevation_deg +
                                         (options.max_elevation_deg - options.min_elevation_deg) * elevation_index /
@@ -310,7 +312,18 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(const CadMod
   });
   if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "building the viewpoint models was cancelled"};
   result->first_point_.push_back(0);
-  for (const auto& points : found) {
+  for (int view = 0; view < views; ++view) {
+    auto& points = found[static_cast<std::size_t>(view)];
+    if (const int azimuth_index = view % options.azimuths; revolved && azimuth_index > 0) {
+      const Eigen::Matrix3f turn =
+          Eigen::AngleAxisf(2.0f * std::numbers::pi_v<float> * static_cast<float>(azimuth_index) / static_cast<float>(options.azimuths),
+                            Eigen::Vector3f::UnitZ())
+              .toRotationMatrix();
+      points = found[static_cast<std::size_t>(view - azimuth_index)];
+      result->length_per_point_m_[static_cast<std::size_t>(view)] =
+          result->length_per_point_m_[static_cast<std::size_t>(view - azimuth_index)];
+      for (ContourPoint& point : points) point = {turn * point.position, turn * point.normal};
+    }
     for (int k = 0; k < 3; ++k) {
       for (const ContourPoint& point : points) result->points_.push_back(point.position[k]);
     }
@@ -333,12 +346,11 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::LoadOrBuild(const 
     rest.remove_prefix(16);
     const std::shared_ptr<ViewpointModel> result(new ViewpointModel);
     std::vector<float> head;
-    if (HashHex(rest) == hash && TakeVector(rest, head) && head.size() == 5 && TakeVector(rest, result->first_point_) &&
+    if (HashHex(rest) == hash && TakeVector(rest, head) && head.size() == 4 && TakeVector(rest, result->first_point_) &&
         TakeVector(rest, result->length_per_point_m_) && TakeVector(rest, result->points_)) {
       result->options_ = options;
       result->center_ = {head[0], head[1], head[2]};
       result->bounding_radius_ = head[3];
-      result->distinct_azimuths_ = static_cast<int>(head[4]);
       return std::shared_ptr<const ViewpointModel>(result);
     }
   }
@@ -346,9 +358,7 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::LoadOrBuild(const 
   if (!built.ok()) return built;
   const ViewpointModel& m = **built;
   std::string body;
-  PutVector(std::vector<float>{m.center_.x(), m.center_.y(), m.center_.z(), m.bounding_radius_,
-                               static_cast<float>(m.distinct_azimuths_)},
-            body);
+  PutVector(std::vector<float>{m.center_.x(), m.center_.y(), m.center_.z(), m.bounding_radius_}, body);
   PutVector(m.first_point_, body);
   PutVector(m.length_per_point_m_, body);
   PutVector(m.points_, body);
@@ -361,7 +371,7 @@ ContourView ViewpointModel::View(const Eigen::Vector3f& camera_in_object) const 
   const Eigen::Vector3f from_center = camera_in_object - center_;
   const float distance = std::max(from_center.norm(), 1e-6f);
   const float turn = std::atan2(from_center.y(), from_center.x()) / (2.0f * std::numbers::pi_v<float>);
-  const int azimuth = static_cast<int>(std::lround((turn + 1.0f) * options_.azimuths)) % distinct_azimuths_;
+  const int azimuth = static_cast<int>(std::lround((turn + 1.0f) * options_.azimuths)) % options_.azimuths;
   const float elevation = std::asin(std::clamp(from_center.z() / distance, -1.0f, 1.0f));
   const float step = static_cast<float>((options_.max_elevation_deg - options_.min_elevation_deg) * kDegree) /
                      std::max(1, options_.elevations - 1);
@@ -374,7 +384,7 @@ ContourView ViewpointModel::View(const Eigen::Vector3f& camera_in_object) const 
          ratio * ratio > options_.distances[shell] * options_.distances[shell + 1]) {
     ++shell;
   }
-  const std::size_t view = static_cast<std::size_t>((shell * options_.elevations + ring) * distinct_azimuths_ + azimuth);
+  const std::size_t view = static_cast<std::size_t>((shell * options_.elevations + ring) * options_.azimuths + azimuth);
   const std::int32_t first = first_point_[view];
   const int n = first_point_[view + 1] - first;
   const float* x = points_.data() + 6 * static_cast<std::size_t>(first);

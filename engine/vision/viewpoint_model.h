@@ -69,7 +69,6 @@ class ViewpointModel {
   ViewpointModelOptions options_;
   Eigen::Vector3f center_{0, 0, 0};
   float bounding_radius_ = 0;
-  int distinct_azimuths_ = 0;  ///< Fewer than options_.azimuths where the model is symmetric about z.
   std::vector<float> points_;              ///< View after view: all x, all y, all z, all nx, all ny, all nz.
   std::vector<std::int32_t> first_point_;  ///< NumViews() + 1; counts points.
   std::vector<float> length_per_point_m_;
