@@ -9,11 +9,22 @@ namespace plumbline {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::size_t kIncumbents = 200;
 
 struct Round {
   int count;              ///< Hypotheses kept for the next round.
   double temperature;     ///< Of the log-likelihood when choosing them.
   double position_m, azimuth_rad;  ///< Steps from the chosen ones.
+};
+
+/// Hypotheses and their log-likelihoods.
+struct Population {
+  std::vector<PoseHypothesis> hypotheses;
+  std::vector<double> judged;
+  void Add(const Population& other) {
+    hypotheses.insert(hypotheses.end(), other.hypotheses.begin(), other.hypotheses.end());
+    judged.insert(judged.end(), other.judged.begin(), other.judged.end());
+  }
 };
 
 class Mover {
@@ -115,44 +126,50 @@ std::vector<PoseHypothesis> ResampleMove(const HypothesisScorer& scorer, const M
                                          const MapperOptions& options, RandomKey key) {
   PLB_CHECK(!input.particles.empty() && !views.empty());
   Mover mover(map, options, key);
-  std::vector<PoseHypothesis> candidates = input.newcomers;
-  const int kept = std::min<int>(static_cast<int>(input.particles.size()), 200);
-  const std::size_t stride = input.particles.size() / static_cast<std::size_t>(kept);
-  for (int i = 0; i < kept; ++i) {
-    const PoseHypothesis& particle = input.particles[static_cast<std::size_t>(i) * stride];
-    candidates.push_back(particle);
-    if (i % 4 == 3) candidates.push_back(mover.Relabelled(particle));
-    if (!input.wide) continue;
-    candidates.push_back(mover.Step(particle, 0.10, 10 * kDegree));
-    if (i % 2 == 0) candidates.push_back(mover.Turned(particle));
-  }
-  static constexpr Round kWide[] = {{250, 3.0, 0.05, 6 * kDegree}, {200, 2.0, 0.025, 3 * kDegree}};
-  static constexpr Round kNarrow[] = {{200, 1.5, 0.012, 1.5 * kDegree}};
-  std::vector<double> judged = JudgeHypotheses(scorer, map, views, candidates, options);
-  const auto run = [&](const Round& round) {
-    std::vector<PoseHypothesis> next;
-    std::vector<double> next_judged;
-    std::vector<PoseHypothesis> steps;
-    for (const std::size_t index : mover.Choose(judged, round.temperature, round.count)) {
-      next.push_back(candidates[index]);
-      next_judged.push_back(judged[index]);
-      steps.push_back(mover.Step(candidates[index], round.position_m, round.azimuth_rad));
-    }
-    const std::vector<double> steps_judged = JudgeHypotheses(scorer, map, views, steps, options);
-    next.insert(next.end(), steps.begin(), steps.end());
-    next_judged.insert(next_judged.end(), steps_judged.begin(), steps_judged.end());
-    candidates = std::move(next);
-    judged = std::move(next_judged);
+  const auto judge = [&](Population& population) {
+    population.judged = JudgeHypotheses(scorer, map, views, population.hypotheses, options);
   };
-  if (input.wide) {
-    for (const Round& round : kWide) run(round);
+  const auto run = [&](Population& population, const Round& round) {
+    Population next, steps;
+    for (const std::size_t index : mover.Choose(population.judged, round.temperature, round.count)) {
+      next.hypotheses.push_back(population.hypotheses[index]);
+      next.judged.push_back(population.judged[index]);
+      steps.hypotheses.push_back(mover.Step(population.hypotheses[index], round.position_m, round.azimuth_rad));
+    }
+    judge(steps);
+    next.Add(steps);
+    population = std::move(next);
+  };
+
+  Population incumbents, challengers{input.newcomers, {}};
+  const std::size_t kept = std::min(input.particles.size(), kIncumbents);
+  const std::size_t stride = input.particles.size() / kept;
+  for (std::size_t i = 0; i < kept; ++i) {
+    const PoseHypothesis& particle = input.particles[i * stride];
+    incumbents.hypotheses.push_back(particle);
+    if (i % 4 == 3) incumbents.hypotheses.push_back(mover.Relabelled(particle));
+    if (input.wide && i % 2 == 0) incumbents.hypotheses.push_back(mover.Step(particle, 0.08, 8 * kDegree));
+    if (input.wide) challengers.hypotheses.push_back(mover.Turned(particle));
   }
-  for (const Round& round : kNarrow) run(round);
+  judge(incumbents);
+  // Challengers come from far and are rough: they compete among themselves until they are as refined as the incumbents.
+  static constexpr Round kRefine[] = {{100, 3.0, 0.05, 6 * kDegree}, {60, 2.0, 0.025, 3 * kDegree}, {60, 1.5, 0.012, 1.5 * kDegree}};
+  static constexpr Round kIncumbent = {120, 2.0, 0.02, 2.5 * kDegree};
+  static constexpr Round kFinal = {150, 1.5, 0.01, 1.2 * kDegree};
+  if (!challengers.hypotheses.empty()) {
+    judge(challengers);
+    for (const Round& round : kRefine) run(challengers, round);
+  }
+  run(incumbents, kIncumbent);
+  incumbents.Add(challengers);
+  run(incumbents, kFinal);
+
   std::vector<PoseHypothesis> result;
-  std::vector<bool> taken(candidates.size(), false);
-  for (const std::size_t index : mover.Choose(judged, 1.0, count)) {
+  std::vector<bool> taken(incumbents.hypotheses.size(), false);
+  for (const std::size_t index : mover.Choose(incumbents.judged, 1.0, count)) {
     // Copies of one hypothesis spread a little, so that they go on as different particles.
-    result.push_back(taken[index] ? mover.Step(candidates[index], 0.004, 0.5 * kDegree) : candidates[index]);
+    const PoseHypothesis& chosen = incumbents.hypotheses[index];
+    result.push_back(taken[index] ? mover.Step(chosen, 0.004, 0.5 * kDegree) : chosen);
     taken[index] = true;
   }
   return result;
