@@ -11,14 +11,17 @@ namespace {
 constexpr int kCandidatesPerParticle = 8;
 constexpr double kNearest_m = 0.4, kFarthest_m = 8.0;
 
-/// Box of the model's bounding box in the image; nothing if a corner is behind the camera's near plane.
-std::optional<Box2> ProjectedBounds(const CadModel& model, const PoseHypothesis& hypothesis, const MapFrame& map,
-                                    const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_world) {
+/// Box of the model's bounding box in the image; nothing if a corner is behind the camera's near
+/// plane.
+std::optional<Box2> ProjectedBounds(const CadModel& model, const PoseHypothesis& hypothesis,
+                                    const MapFrame& map, const PinholeCamera& camera,
+                                    const Eigen::Isometry3d& cam_from_world) {
   const Eigen::Isometry3d cam_from_object = cam_from_world * map.WorldFromObject(hypothesis);
   Box2 box{1e9f, 1e9f, -1e9f, -1e9f};
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d point =
-        cam_from_object * model.bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>();
+        cam_from_object *
+        model.bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>();
     if (point.z() < 0.1) return std::nullopt;
     const Eigen::Vector2f pixel = camera.Project(point).cast<float>();
     box = {std::min(box.x0, pixel.x()), std::min(box.y0, pixel.y()), std::max(box.x1, pixel.x()),
@@ -27,10 +30,12 @@ std::optional<Box2> ProjectedBounds(const CadModel& model, const PoseHypothesis&
   return box;
 }
 
-/// How well a box of the whole object explains a proposal that may show only a part of it. Detectors box what they see, so
-/// the whole may reach beyond the proposal, at the bottom above all; it must not fall short of it.
+/// How well a box of the whole object explains a proposal that may show only a part of it.
+/// Detectors box what they see, so the whole may reach beyond the proposal, at the bottom above
+/// all; it must not fall short of it.
 double Explains(const Box2& whole, const Box2& proposal, const PinholeCamera& camera) {
-  const Box2 image{0, 0, static_cast<float>(camera.width - 1), static_cast<float>(camera.height - 1)};
+  const Box2 image{0, 0, static_cast<float>(camera.width - 1),
+                   static_cast<float>(camera.height - 1)};
   const Box2 clipped = Intersection(whole, image);
   if (clipped.empty()) return 0;
   const double sx = 0.12 * proposal.width(), sy = 0.12 * proposal.height();
@@ -45,30 +50,36 @@ double Explains(const Box2& whole, const Box2& proposal, const PinholeCamera& ca
 }
 
 PoseHypothesis PaperCandidate(const Detection& proposal, const PinholeCamera& camera,
-                              const Eigen::Isometry3d& world_from_cam, ModelId label, const MapperOptions& options,
-                              Random& random) {
-  const double u = proposal.box.center_x() + options.bearing_std_boxes * proposal.box.width() * random.Gaussian();
-  const double v = proposal.box.center_y() + options.bearing_std_boxes * proposal.box.height() * random.Gaussian();
-  const double depth = std::exp(std::log(options.nominal_depth_m) + options.nominal_depth_std * random.Gaussian());
+                              const Eigen::Isometry3d& world_from_cam, ModelId label,
+                              const MapperOptions& options, Random& random) {
+  const double u = proposal.box.center_x() +
+                   options.bearing_std_boxes * proposal.box.width() * random.Gaussian();
+  const double v = proposal.box.center_y() +
+                   options.bearing_std_boxes * proposal.box.height() * random.Gaussian();
+  const double depth =
+      std::exp(std::log(options.nominal_depth_m) + options.nominal_depth_std * random.Gaussian());
   const Eigen::Vector2d bearing = camera.Bearing({u, v});
   const double azimuth = random.Uniform(-std::numbers::pi, std::numbers::pi);
-  return {label, azimuth, world_from_cam * Eigen::Vector3d(depth * bearing.x(), depth * bearing.y(), depth)};
+  return {label, azimuth,
+          world_from_cam * Eigen::Vector3d(depth * bearing.x(), depth * bearing.y(), depth)};
 }
 
 PoseHypothesis InformedCandidate(const Detection& proposal, const PinholeCamera& camera,
-                                 const Eigen::Isometry3d& world_from_cam, const MapFrame& map, ModelId label,
-                                 const MapperOptions& options, Random& random) {
+                                 const Eigen::Isometry3d& world_from_cam, const MapFrame& map,
+                                 ModelId label, const MapperOptions& options, Random& random) {
   const Box2& box = proposal.box;
   const double u = random.Uniform(box.x0 - 0.25 * box.width(), box.x1 + 0.25 * box.width());
   const double v = random.Uniform(box.y0 - 0.25 * box.height(), box.y1 + 0.75 * box.height());
   const double depth = std::exp(random.Uniform(std::log(kNearest_m), std::log(kFarthest_m)));
   const Eigen::Vector2d bearing = camera.Bearing({u, v});
   const double azimuth = random.Uniform(-std::numbers::pi, std::numbers::pi);
-  PoseHypothesis hypothesis{label, azimuth,
-                            world_from_cam * Eigen::Vector3d(depth * bearing.x(), depth * bearing.y(), depth)};
+  PoseHypothesis hypothesis{
+      label, azimuth,
+      world_from_cam * Eigen::Vector3d(depth * bearing.x(), depth * bearing.y(), depth)};
   if (options.floor_prior && map.StandsOnFloor(label)) {
-    hypothesis.center_in_world += (options.floor_std_m * random.Gaussian() - map.BaseHeight(hypothesis)) *
-                                  map.upright.up_in_world();
+    hypothesis.center_in_world +=
+        (options.floor_std_m * random.Gaussian() - map.BaseHeight(hypothesis)) *
+        map.upright.up_in_world();
   }
   return hypothesis;
 }
@@ -76,8 +87,9 @@ PoseHypothesis InformedCandidate(const Detection& proposal, const PinholeCamera&
 }  // namespace
 
 std::vector<PoseHypothesis> SampleBirth(const Detection& proposal, const PinholeCamera& camera,
-                                        const Eigen::Isometry3d& world_from_cam, const MapFrame& map,
-                                        const MapperOptions& options, int count, RandomKey key) {
+                                        const Eigen::Isometry3d& world_from_cam,
+                                        const MapFrame& map, const MapperOptions& options,
+                                        int count, RandomKey key) {
   const std::vector<ModelId> labels = map.database->OfCategory(proposal.category);
   std::vector<PoseHypothesis> result;
   if (labels.empty() || proposal.box.empty()) return result;
@@ -111,7 +123,8 @@ std::vector<PoseHypothesis> SampleBirth(const Detection& proposal, const Pinhole
   const double start = random.Uniform();
   for (int i = 0; i < count; ++i) {
     const auto found = std::lower_bound(sums.begin(), sums.end(), (i + start) * sum / count);
-    result.push_back(drawn[static_cast<std::size_t>(std::min(found - sums.begin(), std::ptrdiff_t(drawn.size()) - 1))]);
+    result.push_back(drawn[static_cast<std::size_t>(
+        std::min(found - sums.begin(), std::ptrdiff_t(drawn.size()) - 1))]);
   }
   return result;
 }

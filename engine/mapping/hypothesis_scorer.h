@@ -27,30 +27,34 @@ struct ScoringView {
   PinholeCamera camera;
   Eigen::Isometry3d cam_from_world = Eigen::Isometry3d::Identity();
   const OrientedTable* table = nullptr;  ///< Of the camera's image size.
-  /// Z [m] of the nearest surface that may hide the object (not its own); 0 none. Empty: nothing hides it. May be smaller
-  /// than the image.
+  /// Z [m] of the nearest surface that may hide the object (not its own); 0 none. Empty: nothing
+  /// hides it. May be smaller than the image.
   cv::Mat occluder_depth;
-  double occlusion_margin_m = 0.05;  ///< A point hides only behind a surface at least this much nearer.
-  double near_m = 0.15;              ///< Nearer points are not seen.
+  double occlusion_margin_m =
+      0.05;              ///< A point hides only behind a surface at least this much nearer.
+  double near_m = 0.15;  ///< Nearer points are not seen.
 };
 
-/// How a hypothesis' contour agrees with the edges, before normalisation (docs/algorithms/semantic_filter.md):
-/// contour samples that are inside the image and not hidden each give (hit - chance) times their length.
+/// How a hypothesis' contour agrees with the edges, before normalisation
+/// (docs/algorithms/semantic_filter.md): contour samples that are inside the image and not hidden
+/// each give (hit - chance) times their length.
 struct HypothesisScore {
-  float agreement_m = 0;       ///< Sum over visible samples of (hit - chance) * length [m of contour].
-  float visible_m = 0;         ///< Length of the visible contour.
-  float total_m = 0;           ///< Length of the whole contour.
-  Box2 whole_box;              ///< Of the projection, occlusion ignored, clipped to the image [px].
-  Box2 visible_box;            ///< Of the visible samples.
+  float agreement_m = 0;  ///< Sum over visible samples of (hit - chance) * length [m of contour].
+  float visible_m = 0;    ///< Length of the visible contour.
+  float total_m = 0;      ///< Length of the whole contour.
+  Box2 whole_box;         ///< Of the projection, occlusion ignored, clipped to the image [px].
+  Box2 visible_box;       ///< Of the visible samples.
 };
 
-/// Computes the edge term for many hypotheses. The two implementations compute this same score: from contours rendered for
-/// each hypothesis (RenderedScorer, the reference), and from precomputed ones (ViewpointScorer, fast).
+/// Computes the edge term for many hypotheses. The two implementations compute this same score:
+/// from contours rendered for each hypothesis (RenderedScorer, the reference), and from precomputed
+/// ones (ViewpointScorer, fast).
 class HypothesisScorer {
  public:
   virtual ~HypothesisScorer() = default;
   /// `scores` is as long as `hypotheses`. Deterministic, whatever the number of threads.
-  virtual void Score(const ScoringView& view, const UprightFrame& upright, std::span<const PoseHypothesis> hypotheses,
+  virtual void Score(const ScoringView& view, const UprightFrame& upright,
+                     std::span<const PoseHypothesis> hypotheses,
                      std::span<HypothesisScore> scores) const = 0;
 };
 

@@ -21,7 +21,8 @@ bool SamePlaces(const std::vector<PlacedModel>& a, const std::vector<PlacedModel
   if (a.size() != b.size()) return false;
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (a[i].object != b[i].object || a[i].label != b[i].label ||
-        (a[i].world_from_object.translation() - b[i].world_from_object.translation()).norm() > kMovedDistance_m ||
+        (a[i].world_from_object.translation() - b[i].world_from_object.translation()).norm() >
+            kMovedDistance_m ||
         Angle(a[i].world_from_object, b[i].world_from_object) > kMovedAngle_rad) {
       return false;
     }
@@ -57,7 +58,8 @@ void KeyFrameMemory::Offer(const MapperInput& input) {
   }
 }
 
-void KeyFrameMemory::UpdateOcclusion(OcclusionRenderer& renderer, const std::vector<PlacedModel>& objects) {
+void KeyFrameMemory::UpdateOcclusion(OcclusionRenderer& renderer,
+                                     const std::vector<PlacedModel>& objects) {
   for (KeyFrame& key : frames_) {
     if (SamePlaces(key.occluders, objects)) continue;
     key.occluders = objects;
@@ -80,7 +82,8 @@ std::string KeyFrameMemory::Save() const {
   return out.Take();
 }
 
-Status KeyFrameMemory::Restore(std::string_view bytes, const std::function<Result<MapperInput>(int)>& load,
+Status KeyFrameMemory::Restore(std::string_view bytes,
+                               const std::function<Result<MapperInput>(int)>& load,
                                OcclusionRenderer& renderer) {
   frames_.clear();
   ByteReader in(bytes);
@@ -101,7 +104,8 @@ Status KeyFrameMemory::Restore(std::string_view bytes, const std::function<Resul
     key.maps = renderer.Render(camera_, key.input.world_from_cam.inverse(), key.occluders);
     frames_.push_back(std::move(key));
   }
-  if (!in.ok()) return Error{ErrorCode::kCorrupt, "the run file's key frames are damaged; start the run again"};
+  if (!in.ok())
+    return Error{ErrorCode::kCorrupt, "the run file's key frames are damaged; start the run again"};
   return {};
 }
 

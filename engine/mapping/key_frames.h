@@ -16,8 +16,9 @@ struct MapperInput {
   int frame = 0;
   std::int64_t stamp_ns = 0;
   Eigen::Isometry3d world_from_cam = Eigen::Isometry3d::Identity();
-  std::shared_ptr<const OrientedTable> table;       ///< Search table of the edges.
-  std::shared_ptr<const OrientedTable> wide_table;  ///< Of the edges at half size: a wider search for newborn objects.
+  std::shared_ptr<const OrientedTable> table;  ///< Search table of the edges.
+  std::shared_ptr<const OrientedTable>
+      wide_table;  ///< Of the edges at half size: a wider search for newborn objects.
   std::shared_ptr<const FrameDetections> detections;
 };
 
@@ -28,15 +29,17 @@ struct KeyFrame {
   RenderedMaps maps;
 };
 
-/// A bounded memory of past frames, spread over viewpoints. It makes the filter's search robust: hypotheses that are tried late
-/// (other azimuth, other place) are judged by all that was seen, not by the last frame alone.
+/// A bounded memory of past frames, spread over viewpoints. It makes the filter's search robust:
+/// hypotheses that are tried late (other azimuth, other place) are judged by all that was seen, not
+/// by the last frame alone.
 class KeyFrameMemory {
  public:
-  KeyFrameMemory(const PinholeCamera& camera, const MapperOptions& options) : camera_(camera), options_(options) {}
+  KeyFrameMemory(const PinholeCamera& camera, const MapperOptions& options)
+      : camera_(camera), options_(options) {}
 
   void SetOptions(const MapperOptions& options) { options_ = options; }
-  /// Keeps the frame if it shows something new: the camera is further from all kept ones than the options say. When full, forgets
-  /// one of the two that are closest to each other, the older.
+  /// Keeps the frame if it shows something new: the camera is further from all kept ones than the
+  /// options say. When full, forgets one of the two that are closest to each other, the older.
   void Offer(const MapperInput& input);
   /// Draws `objects` again into the key frames where they stand elsewhere than when last drawn.
   void UpdateOcclusion(OcclusionRenderer& renderer, const std::vector<PlacedModel>& objects);

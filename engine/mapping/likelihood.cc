@@ -6,7 +6,8 @@
 namespace plumbline {
 namespace {
 
-// The same object shows a quarter more or less contour from twin poses; that must not decide between them.
+// The same object shows a quarter more or less contour from twin poses; that must not decide
+// between them.
 constexpr float kTypicalShare = 0.7f;
 constexpr float kWholeShare = 0.2f;
 
@@ -27,8 +28,9 @@ float EdgeNormalizer(std::span<const HypothesisScore> scores) {
   return std::max(kTypicalShare * median(visible), kWholeShare * median(total));
 }
 
-std::vector<Likelihood> Evaluate(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
-                                 const FrameDetections* detections, std::span<const PoseHypothesis> hypotheses,
+std::vector<Likelihood> Evaluate(const HypothesisScorer& scorer, const ScoringView& view,
+                                 const MapFrame& map, const FrameDetections* detections,
+                                 std::span<const PoseHypothesis> hypotheses,
                                  std::optional<float> normalizer, const MapperOptions& options) {
   std::vector<HypothesisScore> scores(hypotheses.size());
   scorer.Score(view, map.upright, hypotheses, scores);
@@ -37,21 +39,25 @@ std::vector<Likelihood> Evaluate(const HypothesisScorer& scorer, const ScoringVi
   std::vector<Box2> boxes;
   for (std::size_t i = 0; i < scores.size(); ++i) {
     Likelihood& likelihood = result[i];
-    likelihood.phi_edge = length > 0 ? scores[i].agreement_m / std::max(length, scores[i].visible_m) : 0.0f;
-    likelihood.visible_fraction = scores[i].total_m > 0 ? scores[i].visible_m / scores[i].total_m : 0.0f;
+    likelihood.phi_edge =
+        length > 0 ? scores[i].agreement_m / std::max(length, scores[i].visible_m) : 0.0f;
+    likelihood.visible_fraction =
+        scores[i].total_m > 0 ? scores[i].visible_m / scores[i].total_m : 0.0f;
     likelihood.whole_box = scores[i].whole_box;
     likelihood.visible_box = scores[i].visible_box;
     boxes.push_back(likelihood.whole_box);
     if (options.scored_box == ScoredBox::kBest) boxes.push_back(likelihood.visible_box);
   }
   if (detections == nullptr || hypotheses.empty()) return result;
-  // Hypotheses of one object share a category unless labels jump over all: then each category is scored by itself.
+  // Hypotheses of one object share a category unless labels jump over all: then each category is
+  // scored by itself.
   const std::size_t stride = options.scored_box == ScoredBox::kBest ? 2 : 1;
   std::vector<float> box_scores(boxes.size());
   std::vector<std::string> categories;
   for (const PoseHypothesis& hypothesis : hypotheses) {
     const std::string& category = map.database->model(hypothesis.label).category;
-    if (std::find(categories.begin(), categories.end(), category) == categories.end()) categories.push_back(category);
+    if (std::find(categories.begin(), categories.end(), category) == categories.end())
+      categories.push_back(category);
   }
   for (const std::string& category : categories) {
     detections->ScoreBoxes(category, boxes, box_scores);

@@ -19,16 +19,18 @@ struct Likelihood {
   Box2 whole_box, visible_box;
 };
 
-/// Phi_edge divides the agreement of a hypothesis by the visible length of its contour, at least by this length, which is common to
-/// all hypotheses of one object in one image: so neither showing few edges nor showing many is an advantage. It is a
-/// share of the typical visible length, at least a fifth of the typical whole length; 0 if nothing shows.
+/// Phi_edge divides the agreement of a hypothesis by the visible length of its contour, at least by
+/// this length, which is common to all hypotheses of one object in one image: so neither showing
+/// few edges nor showing many is an advantage. It is a share of the typical visible length, at
+/// least a fifth of the typical whole length; 0 if nothing shows.
 float EdgeNormalizer(std::span<const HypothesisScore> scores);
 
 /// Scores hypotheses of one category in one image.
 /// @param detections  May be null: then phi_cnn is 0.
 /// @param normalizer  As from EdgeNormalizer; nothing: taken from these hypotheses.
-std::vector<Likelihood> Evaluate(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
-                                 const FrameDetections* detections, std::span<const PoseHypothesis> hypotheses,
+std::vector<Likelihood> Evaluate(const HypothesisScorer& scorer, const ScoringView& view,
+                                 const MapFrame& map, const FrameDetections* detections,
+                                 std::span<const PoseHypothesis> hypotheses,
                                  std::optional<float> normalizer, const MapperOptions& options);
 
 }  // namespace plumbline

@@ -40,8 +40,9 @@ ObjectReport ToReport(const MapObject& object) {
   out.Put(static_cast<std::int32_t>(object.last_move_frame));
   out.Put(object.last_proposal.has_value());
   if (object.last_proposal) {
-    for (const float value : {object.last_proposal->box.x0, object.last_proposal->box.y0, object.last_proposal->box.x1,
-                              object.last_proposal->box.y1, object.last_proposal->score}) {
+    for (const float value :
+         {object.last_proposal->box.x0, object.last_proposal->box.y0, object.last_proposal->box.x1,
+          object.last_proposal->box.y1, object.last_proposal->score}) {
       out.Put(value);
     }
     out.Put(object.world_from_proposal_cam);
@@ -76,16 +77,18 @@ Result<MapObject> FromReport(const ObjectReport& report) {
   if (in.Get<bool>()) {
     Detection detection;
     detection.category = report.category;
-    for (float* value :
-         {&detection.box.x0, &detection.box.y0, &detection.box.x1, &detection.box.y1, &detection.score}) {
+    for (float* value : {&detection.box.x0, &detection.box.y0, &detection.box.x1, &detection.box.y1,
+                         &detection.score}) {
       *value = in.Get<float>();
     }
     object.last_proposal = detection;
     object.world_from_proposal_cam = in.GetPose();
   }
-  if (!in.ok() || report.modes.empty() || report.particles == nullptr || report.particles->empty()) {
-    return Error{ErrorCode::kCorrupt, "object " + std::to_string(report.id.value) +
-                                          " in the run file lacks what is needed to resume; start the run again"};
+  if (!in.ok() || report.modes.empty() || report.particles == nullptr ||
+      report.particles->empty()) {
+    return Error{ErrorCode::kCorrupt,
+                 "object " + std::to_string(report.id.value) +
+                     " in the run file lacks what is needed to resume; start the run again"};
   }
   object.particles = *report.particles;
   return object;

@@ -23,9 +23,10 @@ struct MapObject {
   std::vector<Particle> particles;
 
   double log_evidence = 0;
-  double seen_s = 0;          ///< Time in which it was weighed.
+  double seen_s = 0;  ///< Time in which it was weighed.
   int last_move_frame = 0;
-  std::optional<Detection> last_proposal;  ///< The last proposal it explained while tentative, and where that was seen from.
+  std::optional<Detection> last_proposal;  ///< The last proposal it explained while tentative, and
+                                           ///< where that was seen from.
   Eigen::Isometry3d world_from_proposal_cam = Eigen::Isometry3d::Identity();
 
   // Derived from the particles by Summarize.

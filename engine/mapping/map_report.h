@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What one step of the mapper did, as values. This is what the run file stores, what the window draws and what a run
-// resumes from; it includes nothing but base and geometry, so that the snapshot may hold it.
+// What one step of the mapper did, as values. This is what the run file stores, what the window
+// draws and what a run resumes from; it includes nothing but base and geometry, so that the
+// snapshot may hold it.
 
 #include <cstdint>
 #include <memory>
@@ -18,17 +19,18 @@
 
 namespace plumbline {
 
-/// One hypothesis of an object's shape and pose: shape label k, and the centre of its model's bounding box at
-/// exp(rho) * [x_c, y_c, 1] in the camera frame of the object's reference time; azimuth about up [rad].
+/// One hypothesis of an object's shape and pose: shape label k, and the centre of its model's
+/// bounding box at exp(rho) * [x_c, y_c, 1] in the camera frame of the object's reference time;
+/// azimuth about up [rad].
 struct Particle {
-  float x_c = 0, y_c = 0;       ///< Bearing, (X/Z, Y/Z) in the reference camera.
-  float rho = 0;                ///< log(Z / 1 m).
-  float azimuth = 0;            ///< (-pi, pi]
-  float log_weight = 0;         ///< Normalised: the exponentials of an object's particles sum to 1.
-  float phi_cnn = 0;            ///< Detector term of the last frame in which the object was weighed.
-  float phi_edge = 0;           ///< Edge term, likewise.
-  std::uint16_t label = 0;      ///< ModelId
-  std::uint16_t ancestor = 0;   ///< Index, in the last frame's set, of the particle it comes from.
+  float x_c = 0, y_c = 0;      ///< Bearing, (X/Z, Y/Z) in the reference camera.
+  float rho = 0;               ///< log(Z / 1 m).
+  float azimuth = 0;           ///< (-pi, pi]
+  float log_weight = 0;        ///< Normalised: the exponentials of an object's particles sum to 1.
+  float phi_cnn = 0;           ///< Detector term of the last frame in which the object was weighed.
+  float phi_edge = 0;          ///< Edge term, likewise.
+  std::uint16_t label = 0;     ///< ModelId
+  std::uint16_t ancestor = 0;  ///< Index, in the last frame's set, of the particle it comes from.
 };
 
 enum class ObjectState : std::uint8_t { kTentative, kConfirmed, kRetired };
@@ -55,31 +57,34 @@ struct ObjectReport {
   Eigen::Isometry3d world_from_reference_cam = Eigen::Isometry3d::Identity();
   int first_frame = 0;
   std::optional<int> confirmed_frame;
-  int last_frame = 0;             ///< Last frame in which it was weighed.
+  int last_frame = 0;  ///< Last frame in which it was weighed.
 
-  ModelId label;                  ///< Most likely shape.
+  ModelId label;                                    ///< Most likely shape.
   std::vector<LabelProbability> label_probability;  ///< Falling; sums to 1.
-  Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();  ///< Mean of the heaviest mode.
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< Of (x, y, z of the centre in world [m], azimuth [rad]).
-  std::vector<PoseMode> modes;    ///< By falling weight; the first one is the mean above.
+  Eigen::Isometry3d world_from_object =
+      Eigen::Isometry3d::Identity();  ///< Mean of the heaviest mode.
+  Eigen::Matrix4d covariance =
+      Eigen::Matrix4d::Zero();  ///< Of (x, y, z of the centre in world [m], azimuth [rad]).
+  std::vector<PoseMode> modes;  ///< By falling weight; the first one is the mean above.
   double effective_sample_size = 0;
-  double log_evidence = 0;        ///< Log odds that the object is there.
+  double log_evidence = 0;  ///< Log odds that the object is there.
 
-  bool weighed = false;           ///< False: hidden, behind the camera or outside; it kept its belief.
-  double visible_fraction = 0;    ///< Share of the mean contour that shows.
+  bool weighed = false;  ///< False: hidden, behind the camera or outside; it kept its belief.
+  double visible_fraction = 0;      ///< Share of the mean contour that shows.
   float phi_cnn = 0, phi_edge = 0;  ///< Both terms at the mean.
-  Box2 whole_box, visible_box;    ///< Of the mean in this image [px], clipped to it; empty if it does not show.
+  Box2 whole_box,
+      visible_box;  ///< Of the mean in this image [px], clipped to it; empty if it does not show.
 
   std::shared_ptr<const std::vector<Particle>> particles;
-  std::string filter_state;       ///< Opaque bytes that only the mapper reads, to resume.
+  std::string filter_state;  ///< Opaque bytes that only the mapper reads, to resume.
 };
 
 enum class ProposalFate : std::uint8_t {
-  kExplained,         ///< by `object`
-  kSpawned,           ///< gave birth to `object`
-  kUnknownCategory,   ///< no model of this category
+  kExplained,        ///< by `object`
+  kSpawned,          ///< gave birth to `object`
+  kUnknownCategory,  ///< no model of this category
   kLowScore,
-  kImplausible,       ///< no place for a model of the category in this box
+  kImplausible,  ///< no place for a model of the category in this box
 };
 
 struct ProposalReport {
@@ -90,7 +95,14 @@ struct ProposalReport {
   ObjectId object;
 };
 
-enum class EventKind : std::uint8_t { kSpawned, kConfirmed, kMerged, kRetired, kLabelChanged, kFrameSkipped };
+enum class EventKind : std::uint8_t {
+  kSpawned,
+  kConfirmed,
+  kMerged,
+  kRetired,
+  kLabelChanged,
+  kFrameSkipped
+};
 
 struct LifeEvent {
   EventKind kind = EventKind::kSpawned;
@@ -110,7 +122,8 @@ struct FrameReport {
   std::optional<Eigen::Isometry3d> world_from_cam;
   std::string skipped;  ///< "" or why this frame was not used.
   std::vector<ProposalReport> proposals;
-  std::vector<ObjectReport> objects;  ///< By id; a retired object is reported once, in the frame of its retirement.
+  std::vector<ObjectReport>
+      objects;  ///< By id; a retired object is reported once, in the frame of its retirement.
   std::vector<LifeEvent> events;
   std::vector<StageTiming> timings;
   std::int32_t next_object_id = 1;

@@ -23,14 +23,16 @@ constexpr double kMaxEvidence = 15.0;
 enum class Draw : std::uint32_t { kDiffuse, kResample, kMove, kBirth, kNewcomers, kSpread };
 
 RandomKey Key(std::uint64_t seed, int frame, ObjectId object, Draw draw) {
-  return {seed, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(object.value) * 8 + static_cast<std::uint32_t>(draw), 0};
+  return {seed, static_cast<std::uint32_t>(frame),
+          static_cast<std::uint32_t>(object.value) * 8 + static_cast<std::uint32_t>(draw), 0};
 }
 
 std::vector<PoseHypothesis> ToHypotheses(const std::vector<Particle>& particles,
                                          const Eigen::Isometry3d& world_from_reference_cam) {
   std::vector<PoseHypothesis> hypotheses;
   hypotheses.reserve(particles.size());
-  for (const Particle& particle : particles) hypotheses.push_back(ToHypothesis(particle, world_from_reference_cam));
+  for (const Particle& particle : particles)
+    hypotheses.push_back(ToHypothesis(particle, world_from_reference_cam));
   return hypotheses;
 }
 
@@ -85,32 +87,36 @@ struct Mapper::Impl {
     return view;
   }
 
-  Likelihood AtMean(const MapObject& object, const ScoringView& view, const FrameDetections* detections) const {
+  Likelihood AtMean(const MapObject& object, const ScoringView& view,
+                    const FrameDetections* detections) const {
     const PoseHypothesis mean = ToHypothesis(object.mean(), map);
-    return Evaluate(*setup.scorer, view, map, detections, {&mean, 1}, std::nullopt, options()).front();
+    return Evaluate(*setup.scorer, view, map, detections, {&mean, 1}, std::nullopt, options())
+        .front();
   }
 
   // Steps of a frame, in order.
-  void Weigh(MapObject& object, const MapperInput& input, const RenderedMaps& occluders, double dt_s,
-             FrameReport& report);
+  void Weigh(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
+             double dt_s, FrameReport& report);
   void Resample(MapObject& object, int frame);
   std::vector<JudgingView> JudgingViews(const MapObject& object, const KeyFrameMemory& judges,
-                                        const MapperInput& input, const RenderedMaps& occluders) const;
+                                        const MapperInput& input,
+                                        const RenderedMaps& occluders) const;
   void Move(MapObject& object, const MapperInput& input, const RenderedMaps& occluders);
   void Associate(const std::vector<ProposalReport>& proposals, const MapperInput& input);
-  void Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input, const RenderedMaps& occluders,
-             FrameReport& report);
+  void Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input,
+             const RenderedMaps& occluders, FrameReport& report);
   std::optional<MapObject> Born(const ProposalReport& proposal, const MapperInput& input,
                                 const RenderedMaps& occluders);
   void Live(const MapperInput& input, FrameReport& report);
   void Contend(const MapperInput& input, FrameReport& report);
   /// Whether b explains the images better than a.
   bool Stronger(const MapObject& a, const MapObject& b, const MapperInput& input);
-  void Retire(MapObject& object, EventKind kind, ObjectId other, std::string why, FrameReport& report);
+  void Retire(MapObject& object, EventKind kind, ObjectId other, std::string why,
+              FrameReport& report);
 };
 
-void Mapper::Impl::Weigh(MapObject& object, const MapperInput& input, const RenderedMaps& occluders, double dt_s,
-                         FrameReport& report) {
+void Mapper::Impl::Weigh(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
+                         double dt_s, FrameReport& report) {
   const ScoringView view = View(input, occluders, object.id);
   const Likelihood before = AtMean(object, view, nullptr);
   object.visible_fraction = before.visible_fraction;
@@ -122,9 +128,10 @@ void Mapper::Impl::Weigh(MapObject& object, const MapperInput& input, const Rend
   const ModelId label_before = object.mean().label;
   Diffuse(object.particles, object.world_from_reference_cam, map, dt_s, options(),
           Key(setup.seed, input.frame, object.id, Draw::kDiffuse));
-  const std::vector<PoseHypothesis> hypotheses = ToHypotheses(object.particles, object.world_from_reference_cam);
-  const std::vector<Likelihood> likelihoods =
-      Evaluate(*setup.scorer, view, map, input.detections.get(), hypotheses, std::nullopt, options());
+  const std::vector<PoseHypothesis> hypotheses =
+      ToHypotheses(object.particles, object.world_from_reference_cam);
+  const std::vector<Likelihood> likelihoods = Evaluate(
+      *setup.scorer, view, map, input.detections.get(), hypotheses, std::nullopt, options());
   // Consecutive frames are one measurement in so far as they are correlated.
   const double gain = std::min(1.0, dt_s / options().correlation_s);
   for (std::size_t i = 0; i < object.particles.size(); ++i) {
@@ -132,8 +139,8 @@ void Mapper::Impl::Weigh(MapObject& object, const MapperInput& input, const Rend
     particle.phi_cnn = likelihoods[i].phi_cnn;
     particle.phi_edge = likelihoods[i].phi_edge;
     particle.ancestor = static_cast<std::uint16_t>(i);
-    particle.log_weight +=
-        static_cast<float>(gain * (options().alpha * particle.phi_cnn + options().beta * particle.phi_edge));
+    particle.log_weight += static_cast<float>(
+        gain * (options().alpha * particle.phi_cnn + options().beta * particle.phi_edge));
   }
   NormalizeLogWeights(object.particles);
   object.effective_sample_size = EffectiveSampleSize(object.particles);
@@ -152,24 +159,32 @@ void Mapper::Impl::Weigh(MapObject& object, const MapperInput& input, const Rend
   const double cnn = options().evidence_per_cnn * (after.phi_cnn - options().expected_cnn);
   // Few visible edges say little either way.
   const double informative = std::min(1.0, after.visible_fraction / 0.3);
-  object.log_evidence = std::clamp(object.log_evidence + gain * informative * (edge + cnn), -kMaxEvidence, kMaxEvidence);
+  object.log_evidence = std::clamp(object.log_evidence + gain * informative * (edge + cnn),
+                                   -kMaxEvidence, kMaxEvidence);
   if (object.mean().label != label_before) {
-    report.events.push_back({EventKind::kLabelChanged, object.id, {},
+    report.events.push_back({EventKind::kLabelChanged,
+                             object.id,
+                             {},
                              "now most likely " + setup.database->model(object.mean().label).name});
   }
 }
 
 void Mapper::Impl::Resample(MapObject& object, int frame) {
-  const int wanted = object.state == ObjectState::kConfirmed ? options().particles : options().infant_particles;
-  const bool low = object.effective_sample_size < options().resample_below * static_cast<double>(object.particles.size());
-  if (options().resample == ResampleRule::kEveryFrame || low || static_cast<int>(object.particles.size()) != wanted) {
-    object.particles =
-        SystematicResample(object.particles, wanted, Key(setup.seed, frame, object.id, Draw::kResample));
+  const int wanted =
+      object.state == ObjectState::kConfirmed ? options().particles : options().infant_particles;
+  const bool low = object.effective_sample_size <
+                   options().resample_below * static_cast<double>(object.particles.size());
+  if (options().resample == ResampleRule::kEveryFrame || low ||
+      static_cast<int>(object.particles.size()) != wanted) {
+    object.particles = SystematicResample(object.particles, wanted,
+                                          Key(setup.seed, frame, object.id, Draw::kResample));
   }
 }
 
-std::vector<JudgingView> Mapper::Impl::JudgingViews(const MapObject& object, const KeyFrameMemory& judges,
-                                                    const MapperInput& input, const RenderedMaps& occluders) const {
+std::vector<JudgingView> Mapper::Impl::JudgingViews(const MapObject& object,
+                                                    const KeyFrameMemory& judges,
+                                                    const MapperInput& input,
+                                                    const RenderedMaps& occluders) const {
   const PoseHypothesis mean = ToHypothesis(object.mean(), map);
   std::vector<JudgingView> views;
   std::vector<Eigen::Vector3d> cameras;
@@ -183,7 +198,8 @@ std::vector<JudgingView> Mapper::Impl::JudgingViews(const MapObject& object, con
     cameras.push_back(from.world_from_cam.translation());
   };
   add(input, occluders);
-  // From the newest back; when there are more than needed, the ones that are furthest from those taken.
+  // From the newest back; when there are more than needed, the ones that are furthest from those
+  // taken.
   std::vector<const KeyFrame*> rest;
   for (const KeyFrame& key : judges.frames()) {
     if (key.input.frame != input.frame) rest.insert(rest.begin(), &key);
@@ -207,10 +223,12 @@ std::vector<JudgingView> Mapper::Impl::JudgingViews(const MapObject& object, con
   return views;
 }
 
-void Mapper::Impl::Move(MapObject& object, const MapperInput& input, const RenderedMaps& occluders) {
+void Mapper::Impl::Move(MapObject& object, const MapperInput& input,
+                        const RenderedMaps& occluders) {
   const bool tentative = object.state == ObjectState::kTentative;
   const int period = tentative ? options().tentative_move_period : options().confirmed_move_period;
-  if (options().key_frames == 0 || !object.weighed || input.frame - object.last_move_frame < period) return;
+  if (options().key_frames == 0 || !object.weighed || input.frame - object.last_move_frame < period)
+    return;
   const std::vector<JudgingView> views = JudgingViews(object, memory, input, occluders);
   if (views.empty()) return;
   object.last_move_frame = input.frame;
@@ -218,12 +236,14 @@ void Mapper::Impl::Move(MapObject& object, const MapperInput& input, const Rende
   move.wide = true;
   // ResampleMove takes equally weighted particles.
   const int count = static_cast<int>(object.particles.size());
-  move.particles = ToHypotheses(
-      SystematicResample(object.particles, count, Key(setup.seed, input.frame, object.id, Draw::kSpread)),
-      object.world_from_reference_cam);
+  move.particles =
+      ToHypotheses(SystematicResample(object.particles, count,
+                                      Key(setup.seed, input.frame, object.id, Draw::kSpread)),
+                   object.world_from_reference_cam);
   if (tentative && object.last_proposal) {
-    move.newcomers = SampleBirth(*object.last_proposal, setup.camera, object.world_from_proposal_cam, map, options(), 150,
-                                 Key(setup.seed, input.frame, object.id, Draw::kNewcomers));
+    move.newcomers =
+        SampleBirth(*object.last_proposal, setup.camera, object.world_from_proposal_cam, map,
+                    options(), 150, Key(setup.seed, input.frame, object.id, Draw::kNewcomers));
   }
   object.particles = ToParticles(ResampleMove(*setup.scorer, map, views, move, count, options(),
                                               Key(setup.seed, input.frame, object.id, Draw::kMove)),
@@ -231,7 +251,8 @@ void Mapper::Impl::Move(MapObject& object, const MapperInput& input, const Rende
   object.Summarize(map);
 }
 
-void Mapper::Impl::Associate(const std::vector<ProposalReport>& proposals, const MapperInput& input) {
+void Mapper::Impl::Associate(const std::vector<ProposalReport>& proposals,
+                             const MapperInput& input) {
   for (MapObject& object : objects) {
     float best = 0;
     for (const ProposalReport& proposal : proposals) {
@@ -245,20 +266,23 @@ void Mapper::Impl::Associate(const std::vector<ProposalReport>& proposals, const
   }
 }
 
-std::optional<MapObject> Mapper::Impl::Born(const ProposalReport& proposal, const MapperInput& input,
+std::optional<MapObject> Mapper::Impl::Born(const ProposalReport& proposal,
+                                            const MapperInput& input,
                                             const RenderedMaps& occluders) {
   MapObject object;
   object.id = ObjectId{next_object_id};
   object.category = proposal.category;
-  object.reference_frame = object.first_frame = object.last_frame = object.last_move_frame = input.frame;
+  object.reference_frame = object.first_frame = object.last_frame = object.last_move_frame =
+      input.frame;
   object.world_from_reference_cam = input.world_from_cam;
   object.last_proposal = Detection{proposal.box, proposal.category, proposal.score};
   object.world_from_proposal_cam = input.world_from_cam;
   std::vector<PoseHypothesis> drawn =
-      SampleBirth(*object.last_proposal, setup.camera, input.world_from_cam, map, options(), options().birth_particles,
-                  Key(setup.seed, input.frame, object.id, Draw::kBirth));
+      SampleBirth(*object.last_proposal, setup.camera, input.world_from_cam, map, options(),
+                  options().birth_particles, Key(setup.seed, input.frame, object.id, Draw::kBirth));
   if (drawn.empty()) return std::nullopt;
-  // A wide search picks the neighbourhoods worth a closer look; its weights are those of half an independent frame.
+  // A wide search picks the neighbourhoods worth a closer look; its weights are those of half an
+  // independent frame.
   ScoringView view = View(input, occluders, object.id);
   view.camera = setup.camera.Scaled(0.5);
   view.table = input.wide_table.get();
@@ -267,7 +291,8 @@ std::optional<MapObject> Mapper::Impl::Born(const ProposalReport& proposal, cons
   object.particles = ToParticles(drawn, object.world_from_reference_cam);
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     object.particles[i].phi_edge = likelihoods[i].phi_edge;
-    object.particles[i].log_weight += static_cast<float>(0.5 * options().beta * likelihoods[i].phi_edge);
+    object.particles[i].log_weight +=
+        static_cast<float>(0.5 * options().beta * likelihoods[i].phi_edge);
   }
   NormalizeLogWeights(object.particles);
   object.effective_sample_size = EffectiveSampleSize(object.particles);
@@ -281,14 +306,16 @@ std::optional<MapObject> Mapper::Impl::Born(const ProposalReport& proposal, cons
 void Mapper::Impl::Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input,
                          const RenderedMaps& occluders, FrameReport& report) {
   int tentative = 0;
-  for (const MapObject& object : objects) tentative += object.state == ObjectState::kTentative ? 1 : 0;
+  for (const MapObject& object : objects)
+    tentative += object.state == ObjectState::kTentative ? 1 : 0;
   int births = 0;
   std::vector<std::pair<Box2, ObjectId>> born;
   for (ProposalReport& proposal : proposals) {
     if (proposal.fate != ProposalFate::kSpawned) continue;
     const auto same = std::find_if(born.begin(), born.end(), [&](const auto& other) {
       const float shared = Intersection(other.first, proposal.box).area();
-      return shared > options().explained_overlap * std::min(other.first.area(), proposal.box.area());
+      return shared >
+             options().explained_overlap * std::min(other.first.area(), proposal.box.area());
     });
     if (same != born.end()) {
       proposal.fate = ProposalFate::kExplained;
@@ -309,12 +336,14 @@ void Mapper::Impl::Spawn(std::vector<ProposalReport>& proposals, const MapperInp
     ++births;
     proposal.object = object->id;
     born.emplace_back(proposal.box, object->id);
-    report.events.push_back({EventKind::kSpawned, object->id, {}, "an unexplained " + proposal.category + " box"});
+    report.events.push_back(
+        {EventKind::kSpawned, object->id, {}, "an unexplained " + proposal.category + " box"});
     objects.push_back(std::move(*object));
   }
 }
 
-void Mapper::Impl::Retire(MapObject& object, EventKind kind, ObjectId other, std::string why, FrameReport& report) {
+void Mapper::Impl::Retire(MapObject& object, EventKind kind, ObjectId other, std::string why,
+                          FrameReport& report) {
   object.state = ObjectState::kRetired;
   report.events.push_back({kind, object.id, other, std::move(why)});
 }
@@ -324,13 +353,15 @@ void Mapper::Impl::Live(const MapperInput& input, FrameReport& report) {
     if (object.state == ObjectState::kRetired || !object.weighed) continue;
     if (object.log_evidence < options().retire_evidence) {
       Retire(object, EventKind::kRetired, {}, "seen where it should show, without support", report);
-    } else if (object.state == ObjectState::kTentative && object.log_evidence > options().confirm_evidence &&
+    } else if (object.state == ObjectState::kTentative &&
+               object.log_evidence > options().confirm_evidence &&
                object.seen_s > options().confirm_age_s &&
                object.mean().position_std_m < options().confirm_position_std_m) {
       object.state = ObjectState::kConfirmed;
       object.confirmed_frame = input.frame;
       report.events.push_back({EventKind::kConfirmed, object.id, {}, "evidence has accumulated"});
-    } else if (object.state == ObjectState::kTentative && object.seen_s > options().tentative_limit_s) {
+    } else if (object.state == ObjectState::kTentative &&
+               object.seen_s > options().tentative_limit_s) {
       Retire(object, EventKind::kRetired, {}, "tentative for too long", report);
     }
   }
@@ -340,7 +371,8 @@ void Mapper::Impl::Live(const MapperInput& input, FrameReport& report) {
 void Mapper::Impl::Contend(const MapperInput& input, FrameReport& report) {
   const auto settled = [&](const MapObject& object) {
     return object.state == ObjectState::kConfirmed ||
-           (object.state == ObjectState::kTentative && input.frame - object.first_frame > options().tentative_move_period);
+           (object.state == ObjectState::kTentative &&
+            input.frame - object.first_frame > options().tentative_move_period);
   };
   for (std::size_t i = 0; i < objects.size(); ++i) {
     for (std::size_t j = i + 1; j < objects.size(); ++j) {
@@ -355,10 +387,14 @@ void Mapper::Impl::Contend(const MapperInput& input, FrameReport& report) {
         winner.state = ObjectState::kConfirmed;
         winner.confirmed_frame = input.frame;
         winner.log_evidence = std::max(winner.log_evidence, loser.log_evidence);
-        report.events.push_back({EventKind::kConfirmed, winner.id, loser.id, "explains the images better than object " + std::to_string(loser.id.value)});
+        report.events.push_back(
+            {EventKind::kConfirmed, winner.id, loser.id,
+             "explains the images better than object " + std::to_string(loser.id.value)});
       }
       Retire(loser, EventKind::kMerged, winner.id,
-             "object " + std::to_string(winner.id.value) + " stands there and explains the images better", report);
+             "object " + std::to_string(winner.id.value) +
+                 " stands there and explains the images better",
+             report);
     }
   }
 }
@@ -366,7 +402,9 @@ void Mapper::Impl::Contend(const MapperInput& input, FrameReport& report) {
 bool Mapper::Impl::Stronger(const MapObject& a, const MapObject& b, const MapperInput& input) {
   // Both are judged with neither of them hiding the other.
   std::vector<PlacedModel> others = MeanStates(true);
-  std::erase_if(others, [&](const PlacedModel& placed) { return placed.object == a.id || placed.object == b.id; });
+  std::erase_if(others, [&](const PlacedModel& placed) {
+    return placed.object == a.id || placed.object == b.id;
+  });
   KeyFrameMemory judges = memory;
   judges.UpdateOcclusion(*renderer, others);
   const RenderedMaps now = renderer->Render(setup.camera, input.world_from_cam.inverse(), others);
@@ -383,11 +421,13 @@ Mapper::~Mapper() = default;
 Result<std::unique_ptr<Mapper>> Mapper::Create(const MapperSetup& setup) {
   PLB_CHECK(setup.database != nullptr && setup.scorer != nullptr);
   if (setup.database->models().empty()) {
-    return Error{ErrorCode::kInvalidInput, "the model folder '" + setup.database->folder().string() + "' has no models"};
+    return Error{ErrorCode::kInvalidInput,
+                 "the model folder '" + setup.database->folder().string() + "' has no models"};
   }
   Result<std::unique_ptr<OcclusionRenderer>> renderer = OcclusionRenderer::Create(setup.database);
   if (!renderer.ok()) return renderer.error();
-  return std::unique_ptr<Mapper>(new Mapper(std::make_unique<Impl>(setup, std::move(renderer).value())));
+  return std::unique_ptr<Mapper>(
+      new Mapper(std::make_unique<Impl>(setup, std::move(renderer).value())));
 }
 
 FrameReport Mapper::Step(const MapperInput& input) {
@@ -396,24 +436,30 @@ FrameReport Mapper::Step(const MapperInput& input) {
   report.frame = input.frame;
   report.stamp_ns = input.stamp_ns;
   report.world_from_cam = input.world_from_cam;
-  const double dt_s = m.last_stamp_ns ? static_cast<double>(input.stamp_ns - *m.last_stamp_ns) * 1e-9 : kFirstFrame_s;
+  const double dt_s = m.last_stamp_ns
+                          ? static_cast<double>(input.stamp_ns - *m.last_stamp_ns) * 1e-9
+                          : kFirstFrame_s;
   PLB_CHECK(dt_s > 0) << "frames come in time order";
   m.last_stamp_ns = input.stamp_ns;
-  std::erase_if(m.objects, [](const MapObject& object) { return object.state == ObjectState::kRetired; });
+  std::erase_if(m.objects,
+                [](const MapObject& object) { return object.state == ObjectState::kRetired; });
 
   Stopwatch watch;
   const std::vector<PlacedModel> occluders = m.MeanStates(true);
-  const RenderedMaps occlusion = m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), occluders);
+  const RenderedMaps occlusion =
+      m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), occluders);
   m.memory.UpdateOcclusion(*m.renderer, occluders);
   report.timings.push_back({"visibility", watch.Lap()});
   for (MapObject& object : m.objects) m.Weigh(object, input, occlusion, dt_s, report);
   report.timings.push_back({"weigh", watch.Lap()});
   for (MapObject& object : m.objects) m.Move(object, input, occlusion);
   report.timings.push_back({"move", watch.Lap()});
-  m.mean_maps = m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), m.MeanStates(false));
+  m.mean_maps =
+      m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), m.MeanStates(false));
   const std::span<const Detection> detections =
       input.detections ? input.detections->proposals() : std::span<const Detection>{};
-  report.proposals = ExplainProposals(detections, m.objects, m.mean_maps, *m.setup.database, m.options());
+  report.proposals =
+      ExplainProposals(detections, m.objects, m.mean_maps, *m.setup.database, m.options());
   m.Associate(report.proposals, input);
   report.timings.push_back({"explain", watch.Lap()});
   m.Spawn(report.proposals, input, occlusion, report);
@@ -427,7 +473,8 @@ FrameReport Mapper::Step(const MapperInput& input) {
   return report;
 }
 
-Status Mapper::Restore(const FrameReport& report, const std::function<Result<MapperInput>(int)>& load) {
+Status Mapper::Restore(const FrameReport& report,
+                       const std::function<Result<MapperInput>(int)>& load) {
   Impl& m = *impl_;
   m.objects.clear();
   for (const ObjectReport& object : report.objects) {
@@ -451,7 +498,8 @@ RenderedMaps Mapper::RenderMeans(const FrameReport& report) {
   if (!report.world_from_cam) return {};
   std::vector<PlacedModel> placed;
   for (const ObjectReport& object : report.objects) {
-    if (object.state != ObjectState::kRetired) placed.push_back({object.id, object.label, object.world_from_object});
+    if (object.state != ObjectState::kRetired)
+      placed.push_back({object.id, object.label, object.world_from_object});
   }
   return impl_->renderer->Render(impl_->setup.camera, report.world_from_cam->inverse(), placed);
 }

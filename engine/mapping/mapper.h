@@ -22,9 +22,9 @@ struct MapperSetup {
   std::uint64_t seed = 0;
 };
 
-/// The semantic filter (Alg. 1 of the paper; docs/algorithms/semantic_filter.md): from frames with camera poses, edges and
-/// detections to posed shapes. Causal and deterministic: the first n reports of a long run equal those of a run of n
-/// frames, bit for bit. Use it in one thread.
+/// The semantic filter (Alg. 1 of the paper; docs/algorithms/semantic_filter.md): from frames with
+/// camera poses, edges and detections to posed shapes. Causal and deterministic: the first n
+/// reports of a long run equal those of a run of n frames, bit for bit. Use it in one thread.
 class Mapper {
  public:
   /// Errors: kUnsupported (no GL), kInvalidInput (a database without models).
@@ -34,9 +34,11 @@ class Mapper {
   /// One frame. Frames come in time order; a frame that cannot be used is simply left out.
   FrameReport Step(const MapperInput& input);
 
-  /// Continues after the frame of `report`, exactly as if it had never stopped. `load` gives again the inputs of
-  /// past frames (edges and detections are recomputed). Errors: kCorrupt; what `load` returns.
-  Status Restore(const FrameReport& report, const std::function<Result<MapperInput>(int frame)>& load);
+  /// Continues after the frame of `report`, exactly as if it had never stopped. `load` gives again
+  /// the inputs of past frames (edges and detections are recomputed). Errors: kCorrupt; what `load`
+  /// returns.
+  Status Restore(const FrameReport& report,
+                 const std::function<Result<MapperInput>(int frame)>& load);
 
   /// Takes effect with the next frame.
   void SetOptions(const MapperOptions& options);

@@ -29,7 +29,8 @@ struct EnumNames<ResampleRule> {
   static constexpr std::string_view names[] = {"every_frame", "effective_size"};
 };
 
-/// Everything that can be chosen about the semantic filter. docs/algorithms/semantic_filter.md explains each.
+/// Everything that can be chosen about the semantic filter. docs/algorithms/semantic_filter.md
+/// explains each.
 struct MapperOptions {
   // Particles
   int particles = 500;
@@ -90,48 +91,82 @@ struct MapperOptions {
 template <typename Visitor>
 void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.particles, {"particles", "", "hypotheses of an object once it has settled", 50, 20000});
-  visit(o.birth_particles, {"birth_particles", "", "hypotheses tried when an object is born", 100, 100000});
-  visit(o.infant_particles, {"infant_particles", "", "hypotheses of an object until it is confirmed", 50, 20000});
-  visit(o.resample, {"resample", "", "every_frame as in the paper, or when the effective sample size is low"});
-  visit(o.resample_below, {"resample_below", "", "effective sample size, as a share of the particles, that resamples", 0, 1});
+  visit(o.birth_particles,
+        {"birth_particles", "", "hypotheses tried when an object is born", 100, 100000});
+  visit(o.infant_particles,
+        {"infant_particles", "", "hypotheses of an object until it is confirmed", 50, 20000});
+  visit(o.resample,
+        {"resample", "", "every_frame as in the paper, or when the effective sample size is low"});
+  visit(o.resample_below,
+        {"resample_below", "", "effective sample size, as a share of the particles, that resamples",
+         0, 1});
   visit(o.alpha, {"alpha", "", "weight of the detector term, per independent frame", 0, 1000});
   visit(o.beta, {"beta", "", "weight of the edge term, per independent frame", 0, 1000});
-  visit(o.correlation_s, {"correlation_s", "s", "time after which frames count as independent", 0.001, 100});
-  visit(o.scored_box, {"box", "", "whole: the detector scores the whole projection; best: or its visible part, the better"});
-  visit(o.search_radius_px, {"search_radius_px", "px", "length of the search along contour normals", 1, 60});
-  visit(o.search_sigma_px, {"search_sigma_px", "px", "how fast a hit counts less with distance", 0.5, 60});
-  visit(o.occlusion_margin_m, {"occlusion_margin_m", "m", "a contour hides only behind surfaces this much nearer", 0, 1});
-  visit(o.min_visible, {"min_visible", "", "share of the contour that must show for an object to be weighed", 0, 1});
+  visit(o.correlation_s,
+        {"correlation_s", "s", "time after which frames count as independent", 0.001, 100});
+  visit(o.scored_box,
+        {"box", "",
+         "whole: the detector scores the whole projection; best: or its visible part, the better"});
+  visit(o.search_radius_px,
+        {"search_radius_px", "px", "length of the search along contour normals", 1, 60});
+  visit(o.search_sigma_px,
+        {"search_sigma_px", "px", "how fast a hit counts less with distance", 0.5, 60});
+  visit(o.occlusion_margin_m,
+        {"occlusion_margin_m", "m", "a contour hides only behind surfaces this much nearer", 0, 1});
+  visit(o.min_visible, {"min_visible", "",
+                        "share of the contour that must show for an object to be weighed", 0, 1});
   visit(o.bearing_noise, {"bearing_noise", "per sqrt(s)", "diffusion of the bearing", 0, 1});
   visit(o.log_depth_noise, {"log_depth_noise", "per sqrt(s)", "diffusion of the log-depth", 0, 1});
-  visit(o.azimuth_noise_deg, {"azimuth_noise_deg", "deg per sqrt(s)", "diffusion of the azimuth", 0, 180});
+  visit(o.azimuth_noise_deg,
+        {"azimuth_noise_deg", "deg per sqrt(s)", "diffusion of the azimuth", 0, 180});
   visit(o.jump_rate, {"jump_rate", "1/s", "rate at which the label jumps", 0, 100});
-  visit(o.jump_scope, {"jump_scope", "", "labels that a jump may reach: of the category, or all as in the paper"});
-  visit(o.floor_prior, {"floor_prior", "", "models that stand on floors stand on the floor, where one is known"});
-  visit(o.floor_std_m, {"floor_std_m", "m", "standard deviation of the base's height above the floor", 0.0001, 1});
-  visit(o.prior, {"prior", "", "paper: nominal depth; informed: from box size, model size and floor"});
-  visit(o.min_birth_score, {"min_birth_score", "", "lowest score of a proposal that gives birth", 0, 1});
+  visit(o.jump_scope, {"jump_scope", "",
+                       "labels that a jump may reach: of the category, or all as in the paper"});
+  visit(o.floor_prior,
+        {"floor_prior", "", "models that stand on floors stand on the floor, where one is known"});
+  visit(o.floor_std_m,
+        {"floor_std_m", "m", "standard deviation of the base's height above the floor", 0.0001, 1});
+  visit(o.prior,
+        {"prior", "", "paper: nominal depth; informed: from box size, model size and floor"});
+  visit(o.min_birth_score,
+        {"min_birth_score", "", "lowest score of a proposal that gives birth", 0, 1});
   visit(o.nominal_depth_m, {"nominal_depth_m", "m", "depth of the paper's prior", 0.1, 100});
-  visit(o.nominal_depth_std, {"nominal_depth_std", "", "standard deviation of log-depth of the paper's prior", 0, 3});
-  visit(o.bearing_std_boxes, {"bearing_std_boxes", "box sizes", "standard deviation of the bearing at birth", 0, 2});
-  visit(o.explained_overlap, {"explained_overlap", "", "share of a box or mask that explains a proposal", 0, 1});
+  visit(o.nominal_depth_std,
+        {"nominal_depth_std", "", "standard deviation of log-depth of the paper's prior", 0, 3});
+  visit(o.bearing_std_boxes,
+        {"bearing_std_boxes", "box sizes", "standard deviation of the bearing at birth", 0, 2});
+  visit(o.explained_overlap,
+        {"explained_overlap", "", "share of a box or mask that explains a proposal", 0, 1});
   visit(o.max_tentative, {"max_tentative", "", "tentative objects at one time", 1, 1000});
   visit(o.max_births_per_frame, {"max_births_per_frame", "", "objects born in one frame", 1, 1000});
-  visit(o.key_frames, {"key_frames", "", "past frames kept for re-scoring; 0 turns resample-move off", 0, 200});
-  visit(o.key_frame_distance_m, {"key_frame_distance_m", "m", "camera motion that makes a key frame", 0, 100});
-  visit(o.key_frame_angle_deg, {"key_frame_angle_deg", "deg", "camera rotation that makes a key frame", 0, 180});
-  visit(o.key_frames_per_move, {"key_frames_per_move", "", "key frames that re-score an object", 1, 200});
-  visit(o.tentative_move_period, {"tentative_move_period", "frames", "between moves of a tentative object", 1, 100000});
-  visit(o.confirmed_move_period, {"confirmed_move_period", "frames", "between moves of a confirmed object", 1, 100000});
-  visit(o.expected_edge, {"expected_edge", "", "edge term that speaks neither for nor against an object", -1, 1});
-  visit(o.expected_cnn, {"expected_cnn", "", "detector term that speaks neither for nor against an object", 0, 1});
-  visit(o.evidence_per_edge, {"evidence_per_edge", "", "log odds per independent frame and unit of edge term", 0, 1000});
-  visit(o.evidence_per_cnn, {"evidence_per_cnn", "", "log odds per independent frame and unit of detector term", 0, 1000});
+  visit(o.key_frames,
+        {"key_frames", "", "past frames kept for re-scoring; 0 turns resample-move off", 0, 200});
+  visit(o.key_frame_distance_m,
+        {"key_frame_distance_m", "m", "camera motion that makes a key frame", 0, 100});
+  visit(o.key_frame_angle_deg,
+        {"key_frame_angle_deg", "deg", "camera rotation that makes a key frame", 0, 180});
+  visit(o.key_frames_per_move,
+        {"key_frames_per_move", "", "key frames that re-score an object", 1, 200});
+  visit(o.tentative_move_period,
+        {"tentative_move_period", "frames", "between moves of a tentative object", 1, 100000});
+  visit(o.confirmed_move_period,
+        {"confirmed_move_period", "frames", "between moves of a confirmed object", 1, 100000});
+  visit(o.expected_edge,
+        {"expected_edge", "", "edge term that speaks neither for nor against an object", -1, 1});
+  visit(o.expected_cnn,
+        {"expected_cnn", "", "detector term that speaks neither for nor against an object", 0, 1});
+  visit(o.evidence_per_edge,
+        {"evidence_per_edge", "", "log odds per independent frame and unit of edge term", 0, 1000});
+  visit(o.evidence_per_cnn, {"evidence_per_cnn", "",
+                             "log odds per independent frame and unit of detector term", 0, 1000});
   visit(o.confirm_evidence, {"confirm_evidence", "", "log odds that confirm an object", -100, 100});
   visit(o.retire_evidence, {"retire_evidence", "", "log odds that withdraw an object", -100, 100});
-  visit(o.confirm_position_std_m, {"confirm_position_std_m", "m", "largest uncertainty of a confirmed object", 0, 100});
-  visit(o.confirm_age_s, {"confirm_age_s", "s", "shortest time in view before confirmation", 0, 100});
-  visit(o.tentative_limit_s, {"tentative_limit_s", "s", "time in view after which a tentative object is withdrawn", 0, 1000});
+  visit(o.confirm_position_std_m,
+        {"confirm_position_std_m", "m", "largest uncertainty of a confirmed object", 0, 100});
+  visit(o.confirm_age_s,
+        {"confirm_age_s", "s", "shortest time in view before confirmation", 0, 100});
+  visit(o.tentative_limit_s, {"tentative_limit_s", "s",
+                              "time in view after which a tentative object is withdrawn", 0, 1000});
 }
 
 }  // namespace plumbline

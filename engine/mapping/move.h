@@ -12,12 +12,14 @@ namespace plumbline {
 struct JudgingView {
   ScoringView view;
   const FrameDetections* detections = nullptr;
-  float normalizer = 0;  ///< EdgeNormalizer, fixed so that log-likelihoods of different calls compare.
+  float normalizer =
+      0;  ///< EdgeNormalizer, fixed so that log-likelihoods of different calls compare.
 };
 
 /// Log-likelihood of each hypothesis over all views, plus the floor prior.
 std::vector<double> JudgeHypotheses(const HypothesisScorer& scorer, const MapFrame& map,
-                                    std::span<const JudgingView> views, std::span<const PoseHypothesis> hypotheses,
+                                    std::span<const JudgingView> views,
+                                    std::span<const PoseHypothesis> hypotheses,
                                     const MapperOptions& options);
 
 struct MoveInput {
@@ -26,11 +28,12 @@ struct MoveInput {
   bool wide = false;                      ///< Also look around widely and at the known ambiguities.
 };
 
-/// Resample-move (Gilks and Berzuini 2001) on a memory of views: proposes neighbours of the particles, their ambiguities (turned by
-/// half and quarter turns about axes inside the object) and newcomers, and draws `count` particles from the posterior over all
-/// views, annealed from coarse to fine steps. See docs/algorithms/semantic_filter.md.
+/// Resample-move (Gilks and Berzuini 2001) on a memory of views: proposes neighbours of the
+/// particles, their ambiguities (turned by half and quarter turns about axes inside the object) and
+/// newcomers, and draws `count` particles from the posterior over all views, annealed from coarse
+/// to fine steps. See docs/algorithms/semantic_filter.md.
 std::vector<PoseHypothesis> ResampleMove(const HypothesisScorer& scorer, const MapFrame& map,
-                                         std::span<const JudgingView> views, const MoveInput& input, int count,
-                                         const MapperOptions& options, RandomKey key);
+                                         std::span<const JudgingView> views, const MoveInput& input,
+                                         int count, const MapperOptions& options, RandomKey key);
 
 }  // namespace plumbline

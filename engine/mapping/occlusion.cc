@@ -3,7 +3,8 @@
 
 namespace plumbline {
 
-Result<std::unique_ptr<OcclusionRenderer>> OcclusionRenderer::Create(std::shared_ptr<const ModelDatabase> database) {
+Result<std::unique_ptr<OcclusionRenderer>> OcclusionRenderer::Create(
+    std::shared_ptr<const ModelDatabase> database) {
   std::unique_ptr<OcclusionRenderer> result(new OcclusionRenderer);
   Result<std::unique_ptr<RenderContext>> context = RenderContext::CreateHeadless();
   if (!context.ok()) return context.error();
@@ -17,7 +18,8 @@ Result<std::unique_ptr<OcclusionRenderer>> OcclusionRenderer::Create(std::shared
   return result;
 }
 
-RenderedMaps OcclusionRenderer::Render(const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_world,
+RenderedMaps OcclusionRenderer::Render(const PinholeCamera& camera,
+                                       const Eigen::Isometry3d& cam_from_world,
                                        std::span<const PlacedModel> objects) {
   std::vector<RenderInstance> instances;
   for (const PlacedModel& object : objects) {

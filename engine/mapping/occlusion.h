@@ -18,10 +18,12 @@ struct PlacedModel {
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
 };
 
-/// Draws mean states, at half the image's size, to learn who hides whom. Lives in the mapper's thread.
+/// Draws mean states, at half the image's size, to learn who hides whom. Lives in the mapper's
+/// thread.
 class OcclusionRenderer {
  public:
-  static Result<std::unique_ptr<OcclusionRenderer>> Create(std::shared_ptr<const ModelDatabase> database);
+  static Result<std::unique_ptr<OcclusionRenderer>> Create(
+      std::shared_ptr<const ModelDatabase> database);
 
   /// Nearest and second nearest object of every pixel.
   RenderedMaps Render(const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_world,

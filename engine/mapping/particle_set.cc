@@ -23,17 +23,20 @@ struct Sample {
   std::uint16_t label;
 };
 
-std::vector<Sample> ToSamples(std::span<const Particle> particles, const Eigen::Isometry3d& world_from_reference_cam) {
+std::vector<Sample> ToSamples(std::span<const Particle> particles,
+                              const Eigen::Isometry3d& world_from_reference_cam) {
   std::vector<Sample> samples;
   samples.reserve(particles.size());
   for (const Particle& particle : particles) {
     const PoseHypothesis hypothesis = ToHypothesis(particle, world_from_reference_cam);
-    samples.push_back({hypothesis.center_in_world, hypothesis.azimuth_rad, std::exp(particle.log_weight), particle.label});
+    samples.push_back({hypothesis.center_in_world, hypothesis.azimuth_rad,
+                       std::exp(particle.log_weight), particle.label});
   }
   return samples;
 }
 
-bool InMode(const Sample& sample, const CadModel& model, const Eigen::Vector3d& center, double azimuth) {
+bool InMode(const Sample& sample, const CadModel& model, const Eigen::Vector3d& center,
+            double azimuth) {
   return sample.label == model.id.value && (sample.center - center).norm() < kModeRadius_m &&
          std::abs(AzimuthDifference(model, sample.azimuth, azimuth)) < kModeAngle_rad;
 }
@@ -42,7 +45,8 @@ bool InMode(const Sample& sample, const CadModel& model, const Eigen::Vector3d& 
 
 double MapFrame::BaseHeight(const PoseHypothesis& hypothesis) const {
   const Eigen::Vector3d base =
-      hypothesis.center_in_world - database->model(hypothesis.label).center().z() * upright.up_in_world();
+      hypothesis.center_in_world -
+      database->model(hypothesis.label).center().z() * upright.up_in_world();
   return floor_in_world->head<3>().dot(base) + (*floor_in_world)[3];
 }
 
@@ -54,17 +58,21 @@ Eigen::Isometry3d MapFrame::WorldFromObject(const PoseHypothesis& hypothesis) co
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
   world_from_object.linear() = upright.WorldFromObjectRotation(hypothesis.azimuth_rad);
   world_from_object.translation() =
-      hypothesis.center_in_world - world_from_object.linear() * database->model(hypothesis.label).center();
+      hypothesis.center_in_world -
+      world_from_object.linear() * database->model(hypothesis.label).center();
   return world_from_object;
 }
 
-PoseHypothesis ToHypothesis(const Particle& particle, const Eigen::Isometry3d& world_from_reference_cam) {
+PoseHypothesis ToHypothesis(const Particle& particle,
+                            const Eigen::Isometry3d& world_from_reference_cam) {
   const double depth = std::exp(static_cast<double>(particle.rho));
   return {ModelId{particle.label}, particle.azimuth,
-          world_from_reference_cam * Eigen::Vector3d(depth * particle.x_c, depth * particle.y_c, depth)};
+          world_from_reference_cam *
+              Eigen::Vector3d(depth * particle.x_c, depth * particle.y_c, depth)};
 }
 
-Particle ToParticle(const PoseHypothesis& hypothesis, const Eigen::Isometry3d& world_from_reference_cam) {
+Particle ToParticle(const PoseHypothesis& hypothesis,
+                    const Eigen::Isometry3d& world_from_reference_cam) {
   const Eigen::Vector3d center = world_from_reference_cam.inverse() * hypothesis.center_in_world;
   const double depth = std::max(center.z(), kNearest_m);
   Particle particle;
@@ -82,8 +90,8 @@ double AzimuthDifference(const CadModel& model, double azimuth_rad, double from_
   return WrapAngle((azimuth_rad - from_rad) * order) / order;
 }
 
-void Diffuse(std::vector<Particle>& particles, const Eigen::Isometry3d& world_from_reference_cam, const MapFrame& map,
-             double dt_s, const MapperOptions& options, RandomKey key) {
+void Diffuse(std::vector<Particle>& particles, const Eigen::Isometry3d& world_from_reference_cam,
+             const MapFrame& map, double dt_s, const MapperOptions& options, RandomKey key) {
   const double root = std::sqrt(dt_s);
   const double jump = 1.0 - std::exp(-options.jump_rate * dt_s);
   const double keep = std::exp(-dt_s);  // the height forgets within about a second
@@ -98,14 +106,16 @@ void Diffuse(std::vector<Particle>& particles, const Eigen::Isometry3d& world_fr
       const std::uint32_t count = static_cast<std::uint32_t>(
           options.jump_scope == JumpScope::kAll ? models.size() : same.size());
       const std::uint32_t pick = random.Index(count);
-      particle.label = options.jump_scope == JumpScope::kAll ? static_cast<std::uint16_t>(pick)
-                                                             : static_cast<std::uint16_t>(same[pick].value);
+      particle.label = options.jump_scope == JumpScope::kAll
+                           ? static_cast<std::uint16_t>(pick)
+                           : static_cast<std::uint16_t>(same[pick].value);
     }
     particle.x_c += static_cast<float>(options.bearing_noise * root * random.Gaussian());
     particle.y_c += static_cast<float>(options.bearing_noise * root * random.Gaussian());
     particle.rho += static_cast<float>(options.log_depth_noise * root * random.Gaussian());
-    particle.azimuth = static_cast<float>(WrapAngle(
-        particle.azimuth + options.azimuth_noise_deg * std::numbers::pi / 180.0 * root * random.Gaussian()));
+    particle.azimuth = static_cast<float>(
+        WrapAngle(particle.azimuth +
+                  options.azimuth_noise_deg * std::numbers::pi / 180.0 * root * random.Gaussian()));
     if (!options.floor_prior || !map.StandsOnFloor(ModelId{particle.label})) continue;
     // A jump to another shape keeps the base where it was; the centre moves with it.
     const double height = map.StandsOnFloor(before.label) ? map.BaseHeight(before) : 0.0;
@@ -127,7 +137,8 @@ double NormalizeLogWeights(std::vector<Particle>& particles) {
   }
   double sum = 0;
   for (const Particle& particle : particles) {
-    if (std::isfinite(particle.log_weight)) sum += std::exp(static_cast<double>(particle.log_weight) - highest);
+    if (std::isfinite(particle.log_weight))
+      sum += std::exp(static_cast<double>(particle.log_weight) - highest);
   }
   if (!(sum > 0) || !std::isfinite(highest)) {
     const float uniform = -std::log(static_cast<float>(particles.size()));
@@ -136,7 +147,8 @@ double NormalizeLogWeights(std::vector<Particle>& particles) {
   }
   const double log_sum = highest + std::log(sum);
   for (Particle& particle : particles) {
-    if (std::isnan(particle.log_weight)) particle.log_weight = -std::numeric_limits<float>::infinity();
+    if (std::isnan(particle.log_weight))
+      particle.log_weight = -std::numeric_limits<float>::infinity();
     particle.log_weight = static_cast<float>(particle.log_weight - log_sum);
   }
   return log_sum;
@@ -148,12 +160,14 @@ double EffectiveSampleSize(std::span<const Particle> particles) {
   return squares > 0 ? 1.0 / squares : 0.0;
 }
 
-std::vector<Particle> SystematicResample(std::span<const Particle> particles, int count, RandomKey key) {
+std::vector<Particle> SystematicResample(std::span<const Particle> particles, int count,
+                                         RandomKey key) {
   Random random(key);
   std::vector<Particle> result;
   result.reserve(static_cast<std::size_t>(count));
   double total = 0;
-  for (const Particle& particle : particles) total += std::exp(static_cast<double>(particle.log_weight));
+  for (const Particle& particle : particles)
+    total += std::exp(static_cast<double>(particle.log_weight));
   const double step = total / count;
   double next = step * random.Uniform();
   double sum = 0;
@@ -169,7 +183,8 @@ std::vector<Particle> SystematicResample(std::span<const Particle> particles, in
   return result;
 }
 
-std::vector<PoseMode> FindModes(std::span<const Particle> particles, const Eigen::Isometry3d& world_from_reference_cam,
+std::vector<PoseMode> FindModes(std::span<const Particle> particles,
+                                const Eigen::Isometry3d& world_from_reference_cam,
                                 const MapFrame& map) {
   std::vector<Sample> rest = ToSamples(particles, world_from_reference_cam);
   std::vector<PoseMode> modes;
@@ -187,9 +202,9 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles, const Eigen
       if (cell.first == 0) cell.second = i;
       cell.first += s.weight;
     }
-    const auto fullest = std::max_element(cells.begin(), cells.end(), [](const auto& a, const auto& b) {
-      return a.second.first < b.second.first;
-    });
+    const auto fullest = std::max_element(
+        cells.begin(), cells.end(),
+        [](const auto& a, const auto& b) { return a.second.first < b.second.first; });
     const Sample& seed = rest[fullest->second.second];
     const CadModel& model = map.database->model(ModelId{seed.label});
     Eigen::Vector3d center = seed.center;
@@ -221,12 +236,14 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles, const Eigen
     if (modes.empty() || mode.weight >= kMinModeWeight) modes.push_back(mode);
     const std::size_t before = rest.size();
     std::erase_if(rest, [&](const Sample& s) { return InMode(s, model, center, azimuth); });
-    if (rest.size() == before) rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(fullest->second.second));
+    if (rest.size() == before)
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(fullest->second.second));
     double left = 0;
     for (const Sample& s : rest) left += s.weight;
     if (left < kMinModeWeight) break;
   }
-  std::stable_sort(modes.begin(), modes.end(), [](const PoseMode& a, const PoseMode& b) { return a.weight > b.weight; });
+  std::stable_sort(modes.begin(), modes.end(),
+                   [](const PoseMode& a, const PoseMode& b) { return a.weight > b.weight; });
   return modes;
 }
 
@@ -236,7 +253,8 @@ PoseHypothesis ToHypothesis(const PoseMode& mode, const MapFrame& map) {
 }
 
 Eigen::Matrix4d ModeCovariance(const PoseMode& mode, std::span<const Particle> particles,
-                               const Eigen::Isometry3d& world_from_reference_cam, const MapFrame& map) {
+                               const Eigen::Isometry3d& world_from_reference_cam,
+                               const MapFrame& map) {
   const PoseHypothesis mean = ToHypothesis(mode, map);
   const CadModel& model = map.database->model(mode.label);
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
@@ -244,7 +262,8 @@ Eigen::Matrix4d ModeCovariance(const PoseMode& mode, std::span<const Particle> p
   for (const Sample& s : ToSamples(particles, world_from_reference_cam)) {
     if (!InMode(s, model, mean.center_in_world, mean.azimuth_rad)) continue;
     Eigen::Vector4d difference;
-    difference << s.center - mean.center_in_world, AzimuthDifference(model, s.azimuth, mean.azimuth_rad);
+    difference << s.center - mean.center_in_world,
+        AzimuthDifference(model, s.azimuth, mean.azimuth_rad);
     covariance += s.weight * difference * difference.transpose();
     weight += s.weight;
   }
@@ -253,11 +272,14 @@ Eigen::Matrix4d ModeCovariance(const PoseMode& mode, std::span<const Particle> p
 
 std::vector<LabelProbability> LabelPosterior(std::span<const Particle> particles) {
   std::map<std::uint16_t, double> sums;
-  for (const Particle& particle : particles) sums[particle.label] += std::exp(static_cast<double>(particle.log_weight));
+  for (const Particle& particle : particles)
+    sums[particle.label] += std::exp(static_cast<double>(particle.log_weight));
   std::vector<LabelProbability> posterior;
   for (const auto& [label, probability] : sums) posterior.push_back({ModelId{label}, probability});
   std::stable_sort(posterior.begin(), posterior.end(),
-                   [](const LabelProbability& a, const LabelProbability& b) { return a.probability > b.probability; });
+                   [](const LabelProbability& a, const LabelProbability& b) {
+                     return a.probability > b.probability;
+                   });
   return posterior;
 }
 

@@ -29,33 +29,38 @@ struct MapFrame {
   Eigen::Isometry3d WorldFromObject(const PoseHypothesis& hypothesis) const;
 };
 
-PoseHypothesis ToHypothesis(const Particle& particle, const Eigen::Isometry3d& world_from_reference_cam);
+PoseHypothesis ToHypothesis(const Particle& particle,
+                            const Eigen::Isometry3d& world_from_reference_cam);
 /// Keeps label and pose only; a centre behind the reference camera is moved to 5 cm before it.
-Particle ToParticle(const PoseHypothesis& hypothesis, const Eigen::Isometry3d& world_from_reference_cam);
+Particle ToParticle(const PoseHypothesis& hypothesis,
+                    const Eigen::Isometry3d& world_from_reference_cam);
 
 /// Difference of azimuths modulo the model's symmetry, in (-pi, pi]; 0 for a continuous symmetry.
 double AzimuthDifference(const CadModel& model, double azimuth_rad, double from_rad);
 
-/// Gaussian noise on the four parameters and label jumps. With the floor prior the height of the base follows an
-/// Ornstein-Uhlenbeck process whose stationary distribution is the prior, so that it neither drifts nor sharpens with time.
-/// `key` has no particle yet.
-void Diffuse(std::vector<Particle>& particles, const Eigen::Isometry3d& world_from_reference_cam, const MapFrame& map,
-             double dt_s, const MapperOptions& options, RandomKey key);
+/// Gaussian noise on the four parameters and label jumps. With the floor prior the height of the
+/// base follows an Ornstein-Uhlenbeck process whose stationary distribution is the prior, so that
+/// it neither drifts nor sharpens with time. `key` has no particle yet.
+void Diffuse(std::vector<Particle>& particles, const Eigen::Isometry3d& world_from_reference_cam,
+             const MapFrame& map, double dt_s, const MapperOptions& options, RandomKey key);
 
-/// Subtracts the log of the sum of exponentials, so that the weights sum to 1. Returns that log; all weights -inf or NaN
-/// become uniform.
+/// Subtracts the log of the sum of exponentials, so that the weights sum to 1. Returns that log;
+/// all weights -inf or NaN become uniform.
 double NormalizeLogWeights(std::vector<Particle>& particles);
 double EffectiveSampleSize(std::span<const Particle> particles);
 /// `count` equally weighted particles; each keeps its ancestor's index.
-std::vector<Particle> SystematicResample(std::span<const Particle> particles, int count, RandomKey key);
+std::vector<Particle> SystematicResample(std::span<const Particle> particles, int count,
+                                         RandomKey key);
 
-/// Clearly separate modes by falling weight: particles of one label within 20 cm and 40 degrees of their mean; modes
-/// below 5 % are left out (at least one is returned).
-std::vector<PoseMode> FindModes(std::span<const Particle> particles, const Eigen::Isometry3d& world_from_reference_cam,
+/// Clearly separate modes by falling weight: particles of one label within 20 cm and 40 degrees of
+/// their mean; modes below 5 % are left out (at least one is returned).
+std::vector<PoseMode> FindModes(std::span<const Particle> particles,
+                                const Eigen::Isometry3d& world_from_reference_cam,
                                 const MapFrame& map);
 /// Covariance of (centre in world, azimuth) over the particles of a mode.
 Eigen::Matrix4d ModeCovariance(const PoseMode& mode, std::span<const Particle> particles,
-                               const Eigen::Isometry3d& world_from_reference_cam, const MapFrame& map);
+                               const Eigen::Isometry3d& world_from_reference_cam,
+                               const MapFrame& map);
 PoseHypothesis ToHypothesis(const PoseMode& mode, const MapFrame& map);
 std::vector<LabelProbability> LabelPosterior(std::span<const Particle> particles);
 

@@ -20,7 +20,8 @@ struct Projected {
   alignas(64) float u[kMaxPoints];
   alignas(64) float v[kMaxPoints];
   alignas(64) float z[kMaxPoints];
-  alignas(64) float turn[kMaxPoints];  ///< Direction of the normal in the image, in half turns [0, 1].
+  alignas(
+      64) float turn[kMaxPoints];  ///< Direction of the normal in the image, in half turns [0, 1].
 };
 
 /// Projection and image directions in single precision: pixel = (fx X/Z + cx, fy Y/Z + cy).
@@ -29,20 +30,22 @@ struct Projection {
   float fx, fy, cx, cy;
 };
 
-/// atan2(y, x) / pi modulo 1, in [0, 1]; absolute error below 1e-4. Branch-free, so that loops vectorise.
+/// atan2(y, x) / pi modulo 1, in [0, 1]; absolute error below 1e-4. Branch-free, so that loops
+/// vectorise.
 inline float HalfTurn(float x, float y) {
   const float ax = x < 0 ? -x : x, ay = y < 0 ? -y : y;
   const float high = ax > ay ? ax : ay, low = ax > ay ? ay : ax;
   const float ratio = low / (high + 1e-20f);
   const float s = ratio * ratio;
   // Minimax polynomial of atan on [0, 1] (Abramowitz and Stegun 4.4.47), over pi.
-  float turn = ratio * (0.3182553f + s * (-0.1051444f + s * (0.0573527f + s * (-0.0270981f + s * 0.0066322f))));
+  float turn = ratio * (0.3182553f +
+                        s * (-0.1051444f + s * (0.0573527f + s * (-0.0270981f + s * 0.0066322f))));
   turn = ay > ax ? 0.5f - turn : turn;
   return (x < 0) != (y < 0) ? 1.0f - turn : turn;
 }
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 __attribute__((target_clones("arch=x86-64-v3", "default")))
 #endif
 void Project(const ContourView& contour, const Projection& p, Projected& out) {
@@ -74,18 +77,22 @@ struct Bounds {
   }
   Box2 Clipped(const PinholeCamera& camera) const {
     if (x1 < x0) return {};
-    return Intersection({x0, y0, x1, y1}, {0, 0, static_cast<float>(camera.width - 1), static_cast<float>(camera.height - 1)});
+    return Intersection({x0, y0, x1, y1}, {0, 0, static_cast<float>(camera.width - 1),
+                                           static_cast<float>(camera.height - 1)});
   }
 };
 
-HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& contour, const Projected& points) {
+HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& contour,
+                               const Projected& points) {
   const OrientedTable& table = *view.table;
   const float near_m = static_cast<float>(view.near_m);
   const float margin = static_cast<float>(view.occlusion_margin_m);
-  const float width = static_cast<float>(table.width()), height = static_cast<float>(table.height());
+  const float width = static_cast<float>(table.width()),
+              height = static_cast<float>(table.height());
   const cv::Mat& occluder = view.occluder_depth;
   const bool may_hide = !occluder.empty();
-  const float scale_x = may_hide ? occluder.cols / width : 0, scale_y = may_hide ? occluder.rows / height : 0;
+  const float scale_x = may_hide ? occluder.cols / width : 0,
+              scale_y = may_hide ? occluder.rows / height : 0;
   Bounds whole, visible;
   std::int64_t hits = 0;
   int seen = 0;
@@ -96,17 +103,19 @@ HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& conto
     whole.Extend(points.u[i], points.v[i]);
     if (!(u >= 0 && v >= 0 && u < width && v < height)) continue;
     if (may_hide) {
-      const float in_front = occluder.ptr<float>(static_cast<int>(v * scale_y))[static_cast<int>(u * scale_x)];
+      const float in_front =
+          occluder.ptr<float>(static_cast<int>(v * scale_y))[static_cast<int>(u * scale_x)];
       if (in_front > 0 && in_front < points.z[i] - margin) continue;
     }
     visible.Extend(points.u[i], points.v[i]);
     ++seen;
-    const int bin = static_cast<int>(points.turn[i] * OrientedTable::kBins) & (OrientedTable::kBins - 1);
+    const int bin =
+        static_cast<int>(points.turn[i] * OrientedTable::kBins) & (OrientedTable::kBins - 1);
     hits += table.Hit(static_cast<int>(u), static_cast<int>(v), bin);
   }
   HypothesisScore score;
-  score.agreement_m =
-      contour.length_per_point_m * static_cast<float>(static_cast<double>(hits) / 255.0 - seen * table.chance());
+  score.agreement_m = contour.length_per_point_m *
+                      static_cast<float>(static_cast<double>(hits) / 255.0 - seen * table.chance());
   score.visible_m = contour.length_per_point_m * static_cast<float>(seen);
   score.total_m = contour.length_per_point_m * static_cast<float>(contour.size);
   score.whole_box = whole.Clipped(view.camera);
@@ -123,7 +132,8 @@ ViewpointScorer::ViewpointScorer(std::vector<std::shared_ptr<const ViewpointMode
 }
 
 void ViewpointScorer::Score(const ScoringView& view, const UprightFrame& upright,
-                            std::span<const PoseHypothesis> hypotheses, std::span<HypothesisScore> scores) const {
+                            std::span<const PoseHypothesis> hypotheses,
+                            std::span<HypothesisScore> scores) const {
   PLB_CHECK(scores.size() == hypotheses.size());
   PLB_CHECK(view.table != nullptr && view.table->width() == view.camera.width &&
             view.table->height() == view.camera.height);
@@ -134,13 +144,15 @@ void ViewpointScorer::Score(const ScoringView& view, const UprightFrame& upright
       const PoseHypothesis& hypothesis = hypotheses[i];
       const auto& model = models_[static_cast<std::size_t>(hypothesis.label.value)];
       const Eigen::Vector3d center = database_->model(hypothesis.label).center();
-      const Eigen::Matrix3d world_from_object = upright.WorldFromObjectRotation(hypothesis.azimuth_rad);
+      const Eigen::Matrix3d world_from_object =
+          upright.WorldFromObjectRotation(hypothesis.azimuth_rad);
       const Eigen::Vector3d camera_in_object =
           world_from_object.transpose() * (camera_in_world - hypothesis.center_in_world) + center;
       const ContourView contour = model->View(camera_in_object.cast<float>());
       PLB_CHECK(contour.size <= kMaxPoints);
       const Eigen::Matrix3d rotation = view.cam_from_world.linear() * world_from_object;
-      const Eigen::Vector3d translation = view.cam_from_world * hypothesis.center_in_world - rotation * center;
+      const Eigen::Vector3d translation =
+          view.cam_from_world * hypothesis.center_in_world - rotation * center;
       Projection p;
       for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c) p.r[r][c] = static_cast<float>(rotation(r, c));

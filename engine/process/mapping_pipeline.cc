@@ -53,7 +53,8 @@ Result<int> ParseInt(std::string_view text, std::string_view whole) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || value < 0) {
     return Error{ErrorCode::kInvalidInput,
-                 "'" + std::string(whole) + "' is not a range of frames; write A:B or A:B:S, for instance 0:300:2"};
+                 "'" + std::string(whole) +
+                     "' is not a range of frames; write A:B or A:B:S, for instance 0:300:2"};
   }
   return value;
 }
@@ -63,7 +64,10 @@ class FramePreparer {
  public:
   FramePreparer(std::shared_ptr<const Sequence> sequence, std::unique_ptr<Detector> detector,
                 std::unique_ptr<EdgeDetector> edges, const OrientedTableOptions& table)
-      : sequence_(std::move(sequence)), detector_(std::move(detector)), edges_(std::move(edges)), table_(table) {}
+      : sequence_(std::move(sequence)),
+        detector_(std::move(detector)),
+        edges_(std::move(edges)),
+        table_(table) {}
 
   Prepared Prepare(int index) {
     Prepared prepared;
@@ -135,8 +139,11 @@ Result<FrameRange> ParseFrameRange(std::string_view text) {
     numbers[i] = *number;
     if (i == 1) range.end = numbers[i];
   }
-  if (parts.size() < 2 || parts.size() > 3 || numbers[2] < 1 || (range.end && *range.end <= numbers[0])) {
-    return Error{ErrorCode::kInvalidInput, "'" + std::string(text) + "' selects no frames; write A:B or A:B:S with A < B, S > 0"};
+  if (parts.size() < 2 || parts.size() > 3 || numbers[2] < 1 ||
+      (range.end && *range.end <= numbers[0])) {
+    return Error{
+        ErrorCode::kInvalidInput,
+        "'" + std::string(text) + "' selects no frames; write A:B or A:B:S with A < B, S > 0"};
   }
   range.begin = numbers[0];
   range.step = numbers[2];
@@ -184,12 +191,14 @@ struct MappingPipeline::Impl {
     report.proposals.clear();
     report.timings.clear();
     report.events = {{EventKind::kFrameSkipped, {}, {}, prepared.skipped}};
-    std::erase_if(report.objects, [](const ObjectReport& object) { return object.state == ObjectState::kRetired; });
+    std::erase_if(report.objects,
+                  [](const ObjectReport& object) { return object.state == ObjectState::kRetired; });
     for (ObjectReport& object : report.objects) object.weighed = false;
     return report;
   }
 
-  std::shared_ptr<const MapSnapshot> Snapshot(FrameReport report, const Frame& frame, const EdgeMap& edges,
+  std::shared_ptr<const MapSnapshot> Snapshot(FrameReport report, const Frame& frame,
+                                              const EdgeMap& edges,
                                               const RenderedMaps& maps) const {
     auto snapshot = std::make_shared<MapSnapshot>();
     snapshot->report = std::move(report);
@@ -205,7 +214,8 @@ struct MappingPipeline::Impl {
 MappingPipeline::MappingPipeline(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MappingPipeline::~MappingPipeline() = default;
 
-Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineChoice& choice, const WorkContext& work) {
+Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineChoice& choice,
+                                                               const WorkContext& work) {
   auto impl = std::make_unique<Impl>();
   impl->choice = choice;
   Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(choice.sequence);
@@ -213,11 +223,15 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineCho
   impl->sequence = *sequence;
   const Sequence& frames = *impl->sequence;
   if (!frames.gravity_in_world()) {
-    return Error{ErrorCode::kInvalidInput, "'" + choice.sequence.string() + "' has no gravity.json; objects stand upright, so the mapper needs gravity"};
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + choice.sequence.string() +
+                     "' has no gravity.json; objects stand upright, so the mapper needs gravity"};
   }
   const std::optional<std::filesystem::path> own_models = frames.models_folder();
   if (choice.models.empty() && !own_models) {
-    return Error{ErrorCode::kInvalidInput, "'" + choice.sequence.string() + "' has no models of its own; name a folder of CAD models with --models"};
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + choice.sequence.string() +
+                     "' has no models of its own; name a folder of CAD models with --models"};
   }
   Result<std::shared_ptr<const ModelDatabase>> database =
       ModelDatabase::Load(choice.models.empty() ? *own_models : choice.models);
@@ -225,14 +239,17 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineCho
   impl->database = *database;
   Result<std::unique_ptr<Detector>> detector = CreateDetector(choice.detector, impl->sequence);
   if (!detector.ok()) return detector.error();
-  const std::string edge_choice = !choice.edges.empty() ? choice.edges : (frames.has_edges() ? "dataset" : "gradient");
+  const std::string edge_choice =
+      !choice.edges.empty() ? choice.edges : (frames.has_edges() ? "dataset" : "gradient");
   Result<std::unique_ptr<EdgeDetector>> edges = CreateEdgeDetector(edge_choice, impl->sequence);
   if (!edges.ok()) return edges.error();
 
   const int end = std::min(choice.frames.end.value_or(frames.num_frames()), frames.num_frames());
   for (int i = choice.frames.begin; i < end; i += choice.frames.step) impl->selected.push_back(i);
   if (impl->selected.empty()) {
-    return Error{ErrorCode::kInvalidInput, "the range selects none of the " + std::to_string(frames.num_frames()) + " frames of '" + choice.sequence.string() + "'"};
+    return Error{ErrorCode::kInvalidInput, "the range selects none of the " +
+                                               std::to_string(frames.num_frames()) +
+                                               " frames of '" + choice.sequence.string() + "'"};
   }
 
   std::vector<std::shared_ptr<const ViewpointModel>> viewpoints;
@@ -263,10 +280,35 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineCho
 
 const Sequence& MappingPipeline::sequence() const { return *impl_->sequence; }
 std::shared_ptr<const ModelDatabase> MappingPipeline::database() const { return impl_->database; }
-std::string MappingPipeline::detector_description() const { return impl_->preparer->detector_description(); }
-std::string MappingPipeline::edges_description() const { return impl_->preparer->edges_description(); }
+
+RunHeader MappingPipeline::header() const {
+  const Impl& m = *impl_;
+  RunHeader header;
+  header.options = OptionsToJson(m.choice.options);
+  header.seed = m.choice.seed;
+  header.sequence_path = std::filesystem::absolute(m.choice.sequence).string();
+  header.sequence_hash = SequenceFingerprint(*m.sequence);
+  header.models_path = std::filesystem::absolute(m.database->folder()).string();
+  header.models_hash = m.database->content_hash();
+  header.detector = m.preparer->detector_description();
+  header.edges = m.preparer->edges_description();
+  for (const CadModel& model : m.database->models())
+    header.models.push_back({model.name, model.category});
+  header.gravity_in_world = *m.sequence->gravity_in_world();
+  header.floor_in_world = m.sequence->floor_in_world();
+  header.camera = m.sequence->camera();
+  header.rate_hz = m.sequence->rate_hz();
+  header.first_frame = m.choice.frames.begin;
+  header.end_frame = m.selected.back() + 1;
+  header.frame_step = m.choice.frames.step;
+  return header;
+}
+
+int MappingPipeline::num_done() const { return static_cast<int>(impl_->next); }
 int MappingPipeline::num_selected() const { return static_cast<int>(impl_->selected.size()); }
-void MappingPipeline::SetOptions(const MapperOptions& options) { impl_->mapper->SetOptions(options); }
+void MappingPipeline::SetOptions(const MapperOptions& options) {
+  impl_->mapper->SetOptions(options);
+}
 
 std::optional<std::shared_ptr<const MapSnapshot>> MappingPipeline::Next() {
   Impl& m = *impl_;

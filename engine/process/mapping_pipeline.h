@@ -10,6 +10,7 @@
 #include "engine/base/result.h"
 #include "engine/dataset/sequence.h"
 #include "engine/mapping/mapper.h"
+#include "engine/recording/run_header.h"
 #include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
@@ -28,32 +29,39 @@ struct PipelineChoice {
   std::filesystem::path sequence;
   std::filesystem::path models;      ///< Empty: the sequence's own.
   std::string detector = "dataset";  ///< As CreateDetector takes it.
-  std::string edges;                 ///< As CreateEdgeDetector takes it; empty: dataset where there are any, else gradient.
+  std::string edges;  ///< As CreateEdgeDetector takes it; empty: dataset where there are any, else
+                      ///< gradient.
   FrameRange frames;
   std::uint64_t seed = 0;
   MapperOptions options;
 };
 
-/// Everything a run needs, from files to reports: decodes, finds edges and detects ahead on a thread of its own, maps in
-/// the caller's. Use it in one thread.
+/// Everything a run needs, from files to reports: decodes, finds edges and detects ahead on a
+/// thread of its own, maps in the caller's. Use it in one thread.
 class MappingPipeline {
  public:
-  /// Errors: one sentence that names the file. Building viewpoint models for the first time takes seconds; `work` is told.
-  static Result<std::unique_ptr<MappingPipeline>> Open(const PipelineChoice& choice, const WorkContext& work);
+  /// Errors: one sentence that names the file. Building viewpoint models for the first time takes
+  /// seconds; `work` is told.
+  static Result<std::unique_ptr<MappingPipeline>> Open(const PipelineChoice& choice,
+                                                       const WorkContext& work);
   ~MappingPipeline();
 
   const Sequence& sequence() const;
   std::shared_ptr<const ModelDatabase> database() const;
-  std::string detector_description() const;
-  std::string edges_description() const;
+  /// What a run file says of this run; the caller adds program version and time.
+  RunHeader header() const;
   /// Frames that the range selects.
   int num_selected() const;
+  /// Of those, the ones that are mapped (or skipped), the resumed ones included.
+  int num_done() const;
 
-  /// Maps the next selected frame; nothing after the last one. A frame that cannot be used gives a report with `skipped` set.
+  /// Maps the next selected frame; nothing after the last one. A frame that cannot be used gives a
+  /// report with `skipped` set.
   std::optional<std::shared_ptr<const MapSnapshot>> Next();
   /// Continues after `report` bit for bit. Call before the first Next.
   Status Resume(const FrameReport& report);
-  /// What a frame's snapshot shows besides the report: image, edges, Z-buffer and outlines, computed again.
+  /// What a frame's snapshot shows besides the report: image, edges, Z-buffer and outlines,
+  /// computed again.
   Result<std::shared_ptr<const MapSnapshot>> Recompute(const FrameReport& report);
   /// Takes effect with the next frame.
   void SetOptions(const MapperOptions& options);

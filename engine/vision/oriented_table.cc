@@ -16,8 +16,8 @@ struct Offset {
   int weight;  ///< 0 .. 256
 };
 
-/// The line through the origin along a normal, two pixels wide across its minor axis so that the lines of neighbouring edge
-/// pixels leave no holes between them.
+/// The line through the origin along a normal, two pixels wide across its minor axis so that the
+/// lines of neighbouring edge pixels leave no holes between them.
 std::vector<Offset> LineOffsets(double angle, const OrientedTableOptions& options) {
   const double nx = std::cos(angle), ny = std::sin(angle);
   const bool along_x = std::abs(nx) >= std::abs(ny);
@@ -27,8 +27,8 @@ std::vector<Offset> LineOffsets(double angle, const OrientedTableOptions& option
   for (int i = -steps; i <= steps; ++i) {
     const double k = i / major;
     const double exact = k * minor;
-    const int weight =
-        static_cast<int>(std::lround(256.0 * std::exp(-k * k / (2.0 * options.sigma_px * options.sigma_px))));
+    const int weight = static_cast<int>(
+        std::lround(256.0 * std::exp(-k * k / (2.0 * options.sigma_px * options.sigma_px))));
     const int low = static_cast<int>(std::floor(exact));
     for (int m = low; m <= low + (exact > low ? 1 : 0); ++m) {
       line.push_back(along_x ? Offset{i, m, weight} : Offset{m, i, weight});
@@ -51,7 +51,8 @@ OrientedTable::OrientedTable(const EdgeMap& edges, const OrientedTableOptions& o
     const double angle = (bin + 0.5) * std::numbers::pi / kBins;
     lines[bin] = LineOffsets(angle, options);
     for (int a = 0; a < 256; ++a) {
-      if (std::abs(std::cos(angle - a * std::numbers::pi / 256)) > options.min_agreement) bins_of_angle[a].push_back(bin);
+      if (std::abs(std::cos(angle - a * std::numbers::pi / 256)) > options.min_agreement)
+        bins_of_angle[a].push_back(bin);
     }
   }
   const int margin = static_cast<int>(std::ceil(options.radius_px)) + 1;
@@ -74,7 +75,8 @@ OrientedTable::OrientedTable(const EdgeMap& edges, const OrientedTableOptions& o
   }
   std::uint64_t sum = 0;
   for (const std::uint8_t hit : hits_) sum += hit;
-  chance_ = hits_.empty() ? 0.0 : static_cast<double>(sum) / (255.0 * static_cast<double>(hits_.size()));
+  chance_ =
+      hits_.empty() ? 0.0 : static_cast<double>(sum) / (255.0 * static_cast<double>(hits_.size()));
 }
 
 }  // namespace plumbline

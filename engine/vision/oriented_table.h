@@ -9,14 +9,15 @@
 namespace plumbline {
 
 struct OrientedTableOptions {
-  double radius_px = 12;          ///< Length of the search along the contour's normal, each way.
-  double sigma_px = 5;            ///< A hit at distance k counts exp(-k^2 / (2 sigma^2)).
-  double min_agreement = 0.9;     ///< |cos| of the angle between contour normal and edge normal.
+  double radius_px = 12;       ///< Length of the search along the contour's normal, each way.
+  double sigma_px = 5;         ///< A hit at distance k counts exp(-k^2 / (2 sigma^2)).
+  double min_agreement = 0.9;  ///< |cos| of the angle between contour normal and edge normal.
 };
 
-/// One-dimensional search along contour normals, tabulated once for a frame: for every pixel and direction of the normal, the
-/// best hit, max over offsets k of probability(x + k n) exp(-k^2 / (2 sigma^2)) among edges of agreeing orientation.
-/// A contour sample then costs one look-up. Immutable; share it.
+/// One-dimensional search along contour normals, tabulated once for a frame: for every pixel and
+/// direction of the normal, the best hit, max over offsets k of probability(x + k n) exp(-k^2 / (2
+/// sigma^2)) among edges of agreeing orientation. A contour sample then costs one look-up.
+/// Immutable; share it.
 class OrientedTable {
  public:
   static constexpr int kBins = 16;
@@ -25,8 +26,8 @@ class OrientedTable {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  /// Best hit in 0 .. 255 at pixel (x, y) for normals in [bin, bin + 1) * pi / kBins (centres at bin + 0.5). The
-  /// pixel must be inside.
+  /// Best hit in 0 .. 255 at pixel (x, y) for normals in [bin, bin + 1) * pi / kBins (centres at
+  /// bin + 0.5). The pixel must be inside.
   std::uint8_t Hit(int x, int y, int bin) const {
     return hits_[(static_cast<std::size_t>(y) * width_ + x) * kBins + bin];
   }

@@ -24,18 +24,22 @@ constexpr char kFormat[] = "plumbline-viewpoints-5";
 /// Casts rays at one mesh.
 class RayScene {
  public:
-  explicit RayScene(const TriangleMesh& mesh) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+  explicit RayScene(const TriangleMesh& mesh)
+      : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                 3 * sizeof(float), mesh.vertices.size()));
+    auto* vertices = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                3 * sizeof(float), mesh.vertices.size()));
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
       std::copy_n(mesh.vertices[i].data(), 3, vertices + 3 * i);
     }
-    auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.triangles.size()));
+    auto* indices = static_cast<std::uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                3 * sizeof(std::uint32_t), mesh.triangles.size()));
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      for (int k = 0; k < 3; ++k) indices[3 * i + k] = static_cast<std::uint32_t>(mesh.triangles[i][k]);
+      for (int k = 0; k < 3; ++k)
+        indices[3 * i + k] = static_cast<std::uint32_t>(mesh.triangles[i][k]);
     }
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene_, geometry);
@@ -73,7 +77,8 @@ class RayScene {
   RTCScene scene_;
 };
 
-/// A pinhole camera around the object; directions have z = 1 in the camera, so a hit's distance is its depth.
+/// A pinhole camera around the object; directions have z = 1 in the camera, so a hit's distance is
+/// its depth.
 struct ViewCamera {
   Eigen::Vector3f origin, right, down, forward;
   float pixel = 0;  ///< Size of a pixel at depth 1.
@@ -94,9 +99,10 @@ std::uint32_t ZOrder(std::uint32_t x, std::uint32_t y) {
   return code;
 }
 
-/// Depth of the surface at p continued to the ray q: a contour lies between them if q's surface is a step behind that.
-bool IsStep(const RayScene::Hit& p, const Eigen::Vector3f& ray_p, const RayScene::Hit& q, const Eigen::Vector3f& ray_q,
-            float step) {
+/// Depth of the surface at p continued to the ray q: a contour lies between them if q's surface is
+/// a step behind that.
+bool IsStep(const RayScene::Hit& p, const Eigen::Vector3f& ray_p, const RayScene::Hit& q,
+            const Eigen::Vector3f& ray_q, float step) {
   if (q.distance == 0) return true;
   if (q.distance - p.distance < step) return false;
   const float across = p.normal.dot(ray_q);
@@ -108,9 +114,13 @@ bool IsStep(const RayScene::Hit& p, const Eigen::Vector3f& ray_p, const RayScene
 class ViewBuilder {
  public:
   ViewBuilder(const RayScene& scene, const ViewCamera& camera, float step)
-      : scene_(scene), camera_(camera), step_(step), hits_(static_cast<std::size_t>(camera.size) * camera.size) {
+      : scene_(scene),
+        camera_(camera),
+        step_(step),
+        hits_(static_cast<std::size_t>(camera.size) * camera.size) {
     for (int v = 0; v < camera_.size; ++v) {
-      for (int u = 0; u < camera_.size; ++u) At(u, v) = scene_.Cast(camera_.origin, camera_.Direction(u, v));
+      for (int u = 0; u < camera_.size; ++u)
+        At(u, v) = scene_.Cast(camera_.origin, camera_.Direction(u, v));
     }
   }
 
@@ -142,7 +152,9 @@ class ViewBuilder {
   };
 
   RayScene::Hit& At(int u, int v) { return hits_[static_cast<std::size_t>(v) * camera_.size + u]; }
-  const RayScene::Hit& At(int u, int v) const { return hits_[static_cast<std::size_t>(v) * camera_.size + u]; }
+  const RayScene::Hit& At(int u, int v) const {
+    return hits_[static_cast<std::size_t>(v) * camera_.size + u];
+  }
 
   std::vector<Candidate> FindContour() const {
     std::vector<Candidate> found;
@@ -160,13 +172,15 @@ class ViewBuilder {
         const Eigen::Vector2f normal = OutwardNormal(u, v);
         if (normal.squaredNorm() == 0) continue;
         const float length = 1.0f / std::max(std::abs(normal.x()), std::abs(normal.y()));
-        found.push_back({u, v, normal, length, ZOrder(static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v))});
+        found.push_back({u, v, normal, length,
+                         ZOrder(static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v))});
       }
     }
     return found;
   }
 
-  /// From the side that continues this pixel's surface to the side that lies behind it, in the image.
+  /// From the side that continues this pixel's surface to the side that lies behind it, in the
+  /// image.
   Eigen::Vector2f OutwardNormal(int u, int v) const {
     const RayScene::Hit& hit = At(u, v);
     const Eigen::Vector3f ray = camera_.Direction(u, v);
@@ -195,8 +209,8 @@ class ViewBuilder {
     Eigen::Vector3f last_ray = ray;
     for (int i = 0; i < 6; ++i) {
       const float middle = 0.5f * (inside + outside);
-      const Eigen::Vector3f direction = camera_.Direction(candidate.u + middle * candidate.normal.x(),
-                                                          candidate.v + middle * candidate.normal.y());
+      const Eigen::Vector3f direction = camera_.Direction(
+          candidate.u + middle * candidate.normal.x(), candidate.v + middle * candidate.normal.y());
       const RayScene::Hit there = scene_.Cast(camera_.origin, direction);
       if (IsStep(hit, ray, there, direction, step_)) {
         outside = middle;
@@ -206,7 +220,8 @@ class ViewBuilder {
         last_ray = direction;
       }
     }
-    const Eigen::Vector3f across = candidate.normal.x() * camera_.right + candidate.normal.y() * camera_.down;
+    const Eigen::Vector3f across =
+        candidate.normal.x() * camera_.right + candidate.normal.y() * camera_.down;
     return {camera_.origin + last.distance * last_ray, across.normalized()};
   }
 
@@ -216,14 +231,15 @@ class ViewBuilder {
   std::vector<RayScene::Hit> hits_;
 };
 
-ViewCamera CameraAt(const Eigen::Vector3f& center, const Eigen::Vector3f& from_center, float distance, float radius,
-                    int size) {
+ViewCamera CameraAt(const Eigen::Vector3f& center, const Eigen::Vector3f& from_center,
+                    float distance, float radius, int size) {
   ViewCamera camera;
   camera.origin = center + distance * from_center;
   camera.forward = -from_center;
   camera.right = camera.forward.cross(Eigen::Vector3f::UnitZ()).normalized();
   camera.down = camera.forward.cross(camera.right);
-  // The bounding sphere, with a margin of 6 pixels; at most 130 degrees wide when the camera is close.
+  // The bounding sphere, with a margin of 6 pixels; at most 130 degrees wide when the camera is
+  // close.
   const float sine = std::min(radius / distance, std::sin(65.0f * static_cast<float>(kDegree)));
   const float half_width = sine / std::sqrt(1.0f - sine * sine);
   camera.pixel = 2.0f * half_width / (size - 12);
@@ -232,10 +248,12 @@ ViewCamera CameraAt(const Eigen::Vector3f& center, const Eigen::Vector3f& from_c
 }
 
 std::string CacheKey(const CadModel& model, const ViewpointModelOptions& o) {
-  std::string key = std::string(kFormat) + "|" + model.content_hash + "|" + std::to_string(model.symmetry.order == 0);
-  for (const double value : {static_cast<double>(o.azimuths), static_cast<double>(o.elevations), o.min_elevation_deg,
-                             o.max_elevation_deg, static_cast<double>(o.points), static_cast<double>(o.image_px),
-                             o.contour_step_m}) {
+  std::string key = std::string(kFormat) + "|" + model.content_hash + "|" +
+                    std::to_string(model.symmetry.order == 0);
+  for (const double value :
+       {static_cast<double>(o.azimuths), static_cast<double>(o.elevations), o.min_elevation_deg,
+        o.max_elevation_deg, static_cast<double>(o.points), static_cast<double>(o.image_px),
+        o.contour_step_m}) {
     key += "|" + std::to_string(value);
   }
   for (const double distance : o.distances) key += "|" + std::to_string(distance);
@@ -268,20 +286,20 @@ int ViewpointModel::NumViews() const {
   return static_cast<int>(options_.distances.size()) * options_.elevations * options_.azimuths;
 }
 
-Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(const CadModel& model,
-                                                                   const ViewpointModelOptions& options,
-                                                                   const WorkContext& work) {
+Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(
+    const CadModel& model, const ViewpointModelOptions& options, const WorkContext& work) {
   PLB_CHECK(!model.mesh.triangles.empty()) << "model '" << model.name << "' has no triangles";
   const std::shared_ptr<ViewpointModel> result(new ViewpointModel);
   result->options_ = options;
   result->center_ = model.bounds.center();
   float radius = 0;
-  for (const Eigen::Vector3f& vertex : model.mesh.vertices) radius = std::max(radius, (vertex - result->center_).norm());
+  for (const Eigen::Vector3f& vertex : model.mesh.vertices)
+    radius = std::max(radius, (vertex - result->center_).norm());
   result->bounding_radius_ = radius;
-  // A body of revolution looks the same from every azimuth: its first view is turned. Finite symmetries of scanned models
-  // hold only nearly, so all their views are made.
-  const bool revolved =
-      model.symmetry.order == 0 && model.symmetry.axis.cross(Eigen::Vector3d::UnitZ()).norm() < 1e-6;
+  // A body of revolution looks the same from every azimuth: its first view is turned. Finite
+  // symmetries of scanned models hold only nearly, so all their views are made.
+  const bool revolved = model.symmetry.order == 0 &&
+                        model.symmetry.axis.cross(Eigen::Vector3d::UnitZ()).norm() < 1e-6;
   const float step = static_cast<float>(std::min(options.contour_step_m, 0.3 * radius));
   const RayScene scene(model.mesh);
   const int views = result->NumViews();
@@ -295,28 +313,34 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(const CadMod
     const int distance_index = view / options.azimuths / options.elevations;
     const double azimuth = 2.0 * std::numbers::pi * azimuth_index / options.azimuths;
     const double elevation = kDegree * (options.min_elevation_deg +
-                                        (options.max_elevation_deg - options.min_elevation_deg) * elevation_index /
-                                            std::max(1, options.elevations - 1));
+                                        (options.max_elevation_deg - options.min_elevation_deg) *
+                                            elevation_index / std::max(1, options.elevations - 1));
     const Eigen::Vector3f from_center(static_cast<float>(std::cos(elevation) * std::cos(azimuth)),
                                       static_cast<float>(std::cos(elevation) * std::sin(azimuth)),
                                       static_cast<float>(std::sin(elevation)));
-    const float distance = static_cast<float>(options.distances[static_cast<std::size_t>(distance_index)]) * radius;
-    const ViewCamera camera = CameraAt(result->center_, from_center, distance, radius, options.image_px);
+    const float distance =
+        static_cast<float>(options.distances[static_cast<std::size_t>(distance_index)]) * radius;
+    const ViewCamera camera =
+        CameraAt(result->center_, from_center, distance, radius, options.image_px);
     double length_px = 0;
     auto& points = found[static_cast<std::size_t>(view)];
     points = ViewBuilder(scene, camera, step).Sample(options.points, &length_px);
     result->length_per_point_m_[static_cast<std::size_t>(view)] =
-        points.empty() ? 0.0f : static_cast<float>(length_px * camera.pixel * distance / static_cast<double>(points.size()));
+        points.empty() ? 0.0f
+                       : static_cast<float>(length_px * camera.pixel * distance /
+                                            static_cast<double>(points.size()));
     const int now = ++done;
     if (now % 64 == 0 || now == views) work.report({"viewpoint models", now, views});
   });
-  if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "building the viewpoint models was cancelled"};
+  if (work.stop.stop_requested())
+    return Error{ErrorCode::kCancelled, "building the viewpoint models was cancelled"};
   result->first_point_.push_back(0);
   for (int view = 0; view < views; ++view) {
     auto& points = found[static_cast<std::size_t>(view)];
     if (const int azimuth_index = view % options.azimuths; revolved && azimuth_index > 0) {
       const Eigen::Matrix3f turn =
-          Eigen::AngleAxisf(2.0f * std::numbers::pi_v<float> * static_cast<float>(azimuth_index) / static_cast<float>(options.azimuths),
+          Eigen::AngleAxisf(2.0f * std::numbers::pi_v<float> * static_cast<float>(azimuth_index) /
+                                static_cast<float>(options.azimuths),
                             Eigen::Vector3f::UnitZ())
               .toRotationMatrix();
       points = found[static_cast<std::size_t>(view - azimuth_index)];
@@ -335,19 +359,20 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(const CadMod
   return std::shared_ptr<const ViewpointModel>(result);
 }
 
-Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::LoadOrBuild(const CadModel& model,
-                                                                         const ViewpointModelOptions& options,
-                                                                         const std::filesystem::path& cache_folder,
-                                                                         const WorkContext& work) {
-  const std::filesystem::path file = cache_folder / ("viewpoints-" + CacheKey(model, options) + ".bin");
+Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::LoadOrBuild(
+    const CadModel& model, const ViewpointModelOptions& options,
+    const std::filesystem::path& cache_folder, const WorkContext& work) {
+  const std::filesystem::path file =
+      cache_folder / ("viewpoints-" + CacheKey(model, options) + ".bin");
   if (Result<std::string> cached = ReadFile(file); cached.ok() && cached->size() > 16) {
     std::string_view rest = *cached;
     const std::string hash(rest.substr(0, 16));
     rest.remove_prefix(16);
     const std::shared_ptr<ViewpointModel> result(new ViewpointModel);
     std::vector<float> head;
-    if (HashHex(rest) == hash && TakeVector(rest, head) && head.size() == 4 && TakeVector(rest, result->first_point_) &&
-        TakeVector(rest, result->length_per_point_m_) && TakeVector(rest, result->points_)) {
+    if (HashHex(rest) == hash && TakeVector(rest, head) && head.size() == 4 &&
+        TakeVector(rest, result->first_point_) && TakeVector(rest, result->length_per_point_m_) &&
+        TakeVector(rest, result->points_)) {
       result->options_ = options;
       result->center_ = {head[0], head[1], head[2]};
       result->bounding_radius_ = head[3];
@@ -358,7 +383,8 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::LoadOrBuild(const 
   if (!built.ok()) return built;
   const ViewpointModel& m = **built;
   std::string body;
-  PutVector(std::vector<float>{m.center_.x(), m.center_.y(), m.center_.z(), m.bounding_radius_}, body);
+  PutVector(std::vector<float>{m.center_.x(), m.center_.y(), m.center_.z(), m.bounding_radius_},
+            body);
   PutVector(m.first_point_, body);
   PutVector(m.length_per_point_m_, body);
   PutVector(m.points_, body);
@@ -370,21 +396,26 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::LoadOrBuild(const 
 ContourView ViewpointModel::View(const Eigen::Vector3f& camera_in_object) const {
   const Eigen::Vector3f from_center = camera_in_object - center_;
   const float distance = std::max(from_center.norm(), 1e-6f);
-  const float turn = std::atan2(from_center.y(), from_center.x()) / (2.0f * std::numbers::pi_v<float>);
-  const int azimuth = static_cast<int>(std::lround((turn + 1.0f) * options_.azimuths)) % options_.azimuths;
+  const float turn =
+      std::atan2(from_center.y(), from_center.x()) / (2.0f * std::numbers::pi_v<float>);
+  const int azimuth =
+      static_cast<int>(std::lround((turn + 1.0f) * options_.azimuths)) % options_.azimuths;
   const float elevation = std::asin(std::clamp(from_center.z() / distance, -1.0f, 1.0f));
-  const float step = static_cast<float>((options_.max_elevation_deg - options_.min_elevation_deg) * kDegree) /
-                     std::max(1, options_.elevations - 1);
+  const float step =
+      static_cast<float>((options_.max_elevation_deg - options_.min_elevation_deg) * kDegree) /
+      std::max(1, options_.elevations - 1);
   const int ring = std::clamp(
-      static_cast<int>(std::lround((elevation - static_cast<float>(options_.min_elevation_deg * kDegree)) / step)), 0,
-      options_.elevations - 1);
+      static_cast<int>(std::lround(
+          (elevation - static_cast<float>(options_.min_elevation_deg * kDegree)) / step)),
+      0, options_.elevations - 1);
   const float ratio = distance / bounding_radius_;
   int shell = 0;
   while (shell + 1 < static_cast<int>(options_.distances.size()) &&
          ratio * ratio > options_.distances[shell] * options_.distances[shell + 1]) {
     ++shell;
   }
-  const std::size_t view = static_cast<std::size_t>((shell * options_.elevations + ring) * options_.azimuths + azimuth);
+  const std::size_t view =
+      static_cast<std::size_t>((shell * options_.elevations + ring) * options_.azimuths + azimuth);
   const std::int32_t first = first_point_[view];
   const int n = first_point_[view + 1] - first;
   const float* x = points_.data() + 6 * static_cast<std::size_t>(first);

@@ -15,11 +15,12 @@
 
 namespace plumbline {
 
-/// One point of a model's contour as seen from one viewpoint, in `object` [m]. The contour is the silhouette and the
-/// depth discontinuities; the point lies on the near side.
+/// One point of a model's contour as seen from one viewpoint, in `object` [m]. The contour is the
+/// silhouette and the depth discontinuities; the point lies on the near side.
 struct ContourPoint {
   Eigen::Vector3f position;
-  Eigen::Vector3f normal;  ///< Unit vector across the contour, from the near side outwards, parallel to the image plane.
+  Eigen::Vector3f normal;  ///< Unit vector across the contour, from the near side outwards,
+                           ///< parallel to the image plane.
 };
 
 /// The contour from one viewpoint: points evenly spaced along it, by coordinate.
@@ -31,32 +32,36 @@ struct ContourView {
   const float* nx = nullptr;
   const float* ny = nullptr;
   const float* nz = nullptr;
-  float length_per_point_m = 0;  ///< Contour length that one point stands for, measured at the object's centre depth.
+  float length_per_point_m =
+      0;  ///< Contour length that one point stands for, measured at the object's centre depth.
 };
 
 struct ViewpointModelOptions {
-  int azimuths = 60;              ///< Viewpoints around the object, 360 / n degrees apart.
-  int elevations = 11;            ///< Rings of viewpoints from min to max elevation.
+  int azimuths = 60;    ///< Viewpoints around the object, 360 / n degrees apart.
+  int elevations = 11;  ///< Rings of viewpoints from min to max elevation.
   double min_elevation_deg = -20, max_elevation_deg = 80;
-  std::vector<double> distances = {1.15, 1.7, 2.7, 5.0};  ///< Of the camera from the centre, in bounding radii; rising.
-  int points = 256;               ///< Of each view.
-  int image_px = 224;             ///< Resolution of the rays that find the contour.
-  double contour_step_m = 0.04;   ///< Depth jump that makes a contour (less for objects smaller than 13 cm).
+  std::vector<double> distances = {
+      1.15, 1.7, 2.7, 5.0};  ///< Of the camera from the centre, in bounding radii; rising.
+  int points = 256;          ///< Of each view.
+  int image_px = 224;        ///< Resolution of the rays that find the contour.
+  double contour_step_m =
+      0.04;  ///< Depth jump that makes a contour (less for objects smaller than 13 cm).
 };
 
-/// Contours of a model precomputed for viewpoints around it, by casting rays (Embree): the same on every machine. Looking up a
-/// view costs nothing; a hypothesis then costs the projection of its points. Immutable; share it.
+/// Contours of a model precomputed for viewpoints around it, by casting rays (Embree): the same on
+/// every machine. Looking up a view costs nothing; a hypothesis then costs the projection of its
+/// points. Immutable; share it.
 class ViewpointModel {
  public:
   /// Errors: kCancelled.
-  static Result<std::shared_ptr<const ViewpointModel>> Build(const CadModel& model, const ViewpointModelOptions& options,
+  static Result<std::shared_ptr<const ViewpointModel>> Build(const CadModel& model,
+                                                             const ViewpointModelOptions& options,
                                                              const WorkContext& work);
-  /// Reads the model from `cache_folder` (by content hash of mesh and options), else builds and stores it there; a
-  /// cache that cannot be read or written costs only time.
-  static Result<std::shared_ptr<const ViewpointModel>> LoadOrBuild(const CadModel& model,
-                                                                   const ViewpointModelOptions& options,
-                                                                   const std::filesystem::path& cache_folder,
-                                                                   const WorkContext& work);
+  /// Reads the model from `cache_folder` (by content hash of mesh and options), else builds and
+  /// stores it there; a cache that cannot be read or written costs only time.
+  static Result<std::shared_ptr<const ViewpointModel>> LoadOrBuild(
+      const CadModel& model, const ViewpointModelOptions& options,
+      const std::filesystem::path& cache_folder, const WorkContext& work);
 
   /// The precomputed view nearest to a camera at `camera_in_object` [m].
   ContourView View(const Eigen::Vector3f& camera_in_object) const;
@@ -69,7 +74,7 @@ class ViewpointModel {
   ViewpointModelOptions options_;
   Eigen::Vector3f center_{0, 0, 0};
   float bounding_radius_ = 0;
-  std::vector<float> points_;              ///< View after view: all x, all y, all z, all nx, all ny, all nz.
+  std::vector<float> points_;  ///< View after view: all x, all y, all z, all nx, all ny, all nz.
   std::vector<std::int32_t> first_point_;  ///< NumViews() + 1; counts points.
   std::vector<float> length_per_point_m_;
 };
