@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+
+#include "engine/base/progress.h"
+#include "engine/base/result.h"
+#include "engine/sensor/camera.h"
+#include "engine/synthetic/light_map.h"
+#include "engine/synthetic/room.h"
+#include "engine/synthetic/traced_scene.h"
+
+namespace plumbline {
+
+/// What lies exactly at the pixel centres.
+struct SurfaceMaps {
+  cv::Mat depth;     ///< CV_32F, Z in cam [m]; 0 for none
+  cv::Mat instance;  ///< CV_16U, 0 for none
+  cv::Mat surface;   ///< CV_32S, part of the room; -1 for none
+  cv::Mat normal;    ///< CV_32FC3, of the shaded surface in cam, towards the camera
+};
+
+/// Takes pictures of a room. Immutable once built; uses all threads itself.
+class RayTracer {
+ public:
+  /// Computes the light of the room, with `light_rays` rays per point. Errors: kCancelled.
+  static Result<std::unique_ptr<const RayTracer>> Create(const Room& room, int light_rays,
+                                                         const WorkContext& context);
+
+  /// Linear radiance as RGB, CV_32FC3, before any noise. `room_from_cam` are poses evenly spread over the exposure.
+  /// Random numbers depend on (seed, frame, pixel) alone.
+  cv::Mat Photograph(const PinholeCamera& camera, std::span<const Eigen::Isometry3d> room_from_cam,
+                     int samples_per_pixel, std::uint64_t seed, int frame) const;
+
+  /// Rays through the pixel centres of one pose.
+  SurfaceMaps Look(const PinholeCamera& camera, const Eigen::Isometry3d& room_from_cam) const;
+
+  /// Factor that brings the room's mean light to a fixed grey.
+  float exposure() const { return exposure_; }
+  const TracedScene& scene() const { return scene_; }
+  /// Colour of a point as a scanner would see it: pattern times light, linear RGB.
+  Eigen::Vector3f ScannedColor(const TracedScene::Hit& hit, float footprint_m) const;
+
+ private:
+  explicit RayTracer(const Room& room) : scene_(room.parts) {}
+  struct Sample {
+    float gloss_u, gloss_v;
+  };
+  Eigen::Vector3f Radiance(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float pixel_angle,
+                           const Sample& sample) const;
+  Eigen::Vector3f Diffuse(const TracedScene::Hit& hit, float footprint_m) const;
+
+  TracedScene scene_;
+  LightMap light_;
+  float exposure_ = 1;
+};
+
+}  // namespace plumbline

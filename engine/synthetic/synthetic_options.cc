@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/synthetic/synthetic_options.h"
+
+#include <cmath>
+#include <iterator>
+
+namespace plumbline {
+
+std::optional<SyntheticScene> SyntheticSceneFromName(std::string_view name) {
+  for (std::size_t i = 0; i < std::size(kSyntheticSceneNames); ++i) {
+    if (kSyntheticSceneNames[i] == name) return static_cast<SyntheticScene>(i);
+  }
+  return std::nullopt;
+}
+
+std::string_view NameOf(SyntheticScene scene) {
+  return kSyntheticSceneNames[static_cast<std::size_t>(scene)];
+}
+
+std::vector<std::string> SyntheticOptions::Validate() const {
+  std::vector<std::string> problems;
+  const auto within = [&](const char* what, double value, double low, double high) {
+    if (!(value >= low && value <= high)) {
+      problems.push_back(std::string(what) + " must lie between " + std::to_string(low) + " and " +
+                         std::to_string(high) + ", not " + std::to_string(value));
+    }
+  };
+  within("frames", frames, 1, 100000);
+  within("width", width, 64, 4096);
+  within("height", height, 48, 4096);
+  within("rate_hz", rate_hz, 1e-3, 1e4);
+  within("samples_per_pixel", samples_per_pixel, 1, 64);
+  within("light_rays", light_rays, 4, 1024);
+  within("noise_levels", noise_levels, 0, 64);
+  within("jpeg_quality", jpeg_quality, 1, 100);
+  const Eigen::Matrix3d rotation = world_from_room.linear();
+  if (!(rotation * rotation.transpose()).isIdentity(1e-9) || rotation.determinant() < 0) {
+    problems.push_back("world_from_room must be a rigid transform");
+  }
+  return problems;
+}
+
+}  // namespace plumbline
