@@ -24,7 +24,8 @@ struct PaintedBody {
   }
 };
 
-/// A shape of the synthetic database in the canonical frame: +z up, origin at the centre of the footprint, +x front.
+/// A shape of the synthetic database in the canonical frame: +z up, origin at the centre of the
+/// footprint, +x front.
 struct FurnitureModel {
   std::string name;
   std::string category;  ///< COCO name; `cabinet` and `lamp` are our own.

@@ -17,12 +17,16 @@ void AddBar(PaintedMesh& mesh, int paint, const BarShape& shape) {
   rotation << side.cross(along), side, along;
   const std::size_t first = mesh.vertices.size();
   const Eigen::Vector2f& wide = shape.start;
-  AddBox(mesh, paint, {.center = Vector3f::Zero(), .size = {wide.x(), wide.y(), length},
-                       .radius = shape.radius, .grain = 2});
+  AddBox(mesh, paint,
+         {.center = Vector3f::Zero(),
+          .size = {wide.x(), wide.y(), length},
+          .radius = shape.radius,
+          .grain = 2});
   const Eigen::Vector2f ratio = shape.end.cwiseQuotient(shape.start);
   Deform(mesh, first, [&](const Vector3f& p) {
     const float t = p.z() / length + 0.5f;
-    const Vector3f tapered(p.x() * (1 + (ratio.x() - 1) * t), p.y() * (1 + (ratio.y() - 1) * t), p.z());
+    const Vector3f tapered(p.x() * (1 + (ratio.x() - 1) * t), p.y() * (1 + (ratio.y() - 1) * t),
+                           p.z());
     return Vector3f((shape.from + shape.to) / 2 + rotation * tapered);
   });
 }
@@ -30,14 +34,19 @@ void AddBar(PaintedMesh& mesh, int paint, const BarShape& shape) {
 void AddCushion(PaintedMesh& mesh, int paint, const Vector3f& center, const Vector3f& size,
                 float bulge, const Eigen::Matrix3f& rotation) {
   const std::size_t first = mesh.vertices.size();
-  AddBox(mesh, paint, {.center = Vector3f::Zero(), .size = size,
-                       .radius = 0.3f * size.minCoeff(), .arc = 2, .divisions = {4, 4, 4}});
+  AddBox(mesh, paint,
+         {.center = Vector3f::Zero(),
+          .size = size,
+          .radius = 0.3f * size.minCoeff(),
+          .arc = 2,
+          .divisions = {4, 4, 4}});
   Deform(mesh, first, [&](const Vector3f& p) {
     Vector3f moved;
     for (int axis = 0; axis < 3; ++axis) {
       const int b = (axis + 1) % 3, c = (axis + 2) % 3;
       const float u = 2 * p[b] / size[b], v = 2 * p[c] / size[c];
-      moved[axis] = p[axis] * (1 + bulge * (1 - u * u) * (1 - v * v) * size.minCoeff() / size[axis]);
+      moved[axis] =
+          p[axis] * (1 + bulge * (1 - u * u) * (1 - v * v) * size.minCoeff() / size[axis]);
     }
     return Vector3f(center + rotation * moved);
   });

@@ -5,8 +5,8 @@
 
 namespace plumbline {
 
-/// A straight bar with a rectangular cross-section from the middle of one end to the middle of the other, tapering
-/// from `start` to `end` (width along y as far as the bar allows, depth across it).
+/// A straight bar with a rectangular cross-section from the middle of one end to the middle of the
+/// other, tapering from `start` to `end` (width along y as far as the bar allows, depth across it).
 struct BarShape {
   Eigen::Vector3f from, to;
   Eigen::Vector2f start{0.03f, 0.03f}, end{0.03f, 0.03f};  ///< (depth, width) [m]
@@ -14,7 +14,8 @@ struct BarShape {
 };
 void AddBar(PaintedMesh& mesh, int paint, const BarShape& shape);
 
-/// A stuffed cushion: a box with wide rounding whose faces bulge by `bulge` of their half thickness.
+/// A stuffed cushion: a box with wide rounding whose faces bulge by `bulge` of their half
+/// thickness.
 void AddCushion(PaintedMesh& mesh, int paint, const Eigen::Vector3f& center,
                 const Eigen::Vector3f& size, float bulge, const Eigen::Matrix3f& rotation);
 

@@ -18,11 +18,13 @@ constexpr float kPi = std::numbers::pi_v<float>;
 constexpr int kMaxSteps = 48;
 constexpr float kLiftM = 1e-3f;
 
-/// Points with nearly the same place and normal share their light; the cell is small against the spacing.
+/// Points with nearly the same place and normal share their light; the cell is small against the
+/// spacing.
 std::uint64_t CellKey(const Vector3f& position, const Vector3f& normal) {
   std::uint64_t key = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    key = key * 1000003 + static_cast<std::uint64_t>(std::llround(position[axis] / 0.004f) + 100000);
+    key =
+        key * 1000003 + static_cast<std::uint64_t>(std::llround(position[axis] / 0.004f) + 100000);
   }
   for (int axis = 0; axis < 3; ++axis) {
     key = key * 1000003 + static_cast<std::uint64_t>(std::llround(normal[axis] * 5) + 10);
@@ -52,7 +54,8 @@ Eigen::Matrix3f FrameAround(const Vector3f& axis) {
 
 /// Light that reaches one point straight from the lights and the sun.
 Vector3f DirectLight(const TracedScene& scene, std::span<const AreaLight> lights,
-                     const std::optional<SunLight>& sun, int rays, const Vector3f& position, const Vector3f& normal) {
+                     const std::optional<SunLight>& sun, int rays, const Vector3f& position,
+                     const Vector3f& normal) {
   Vector3f sum = Vector3f::Zero();
   for (const AreaLight& light : lights) {
     const Vector3f area = light.u.cross(light.v);
@@ -63,7 +66,8 @@ Vector3f DirectLight(const TracedScene& scene, std::span<const AreaLight> lights
       const Vector3f to_light = light.corner + at.x() * light.u + at.y() * light.v - position;
       const float distance = to_light.norm();
       const Vector3f direction = to_light / distance;
-      const float cosines = std::max(0.0f, normal.dot(direction)) * std::max(0.0f, -facing.dot(direction));
+      const float cosines =
+          std::max(0.0f, normal.dot(direction)) * std::max(0.0f, -facing.dot(direction));
       if (cosines <= 0 || scene.Blocked(position, direction, distance * 0.999f)) continue;
       seen += cosines / (distance * distance);
     }
@@ -97,18 +101,21 @@ std::vector<LightMap::Point> LightMap::PlacePoints(const TracedScene& scene) {
     const TracedScene::Triangle& triangle = scene.triangles()[t];
     std::array<Vector3f, 3> corner;
     for (int k = 0; k < 3; ++k) corner[k] = vertices[static_cast<std::size_t>(triangle.corners[k])];
-    const float longest =
-        std::max({(corner[1] - corner[0]).norm(), (corner[2] - corner[1]).norm(), (corner[0] - corner[2]).norm()});
-    const int steps = triangle.lets_light_in
-                          ? 1
-                          : std::clamp(static_cast<int>(std::ceil(longest / triangle.light_spacing_m)), 1, kMaxSteps);
+    const float longest = std::max({(corner[1] - corner[0]).norm(), (corner[2] - corner[1]).norm(),
+                                    (corner[0] - corner[2]).norm()});
+    const int steps =
+        triangle.lets_light_in
+            ? 1
+            : std::clamp(static_cast<int>(std::ceil(longest / triangle.light_spacing_m)), 1,
+                         kMaxSteps);
     const Vector3f middle = (corner[0] + corner[1] + corner[2]) / 3;
     lattices_.push_back({static_cast<std::uint32_t>(indices_.size()), steps});
     for (int j = 0; j <= steps; ++j) {
       for (int i = 0; i + j <= steps; ++i) {
         const float u = static_cast<float>(i) / static_cast<float>(steps);
         const float v = static_cast<float>(j) / static_cast<float>(steps);
-        const Vector3f position = corner[0] + u * (corner[1] - corner[0]) + v * (corner[2] - corner[0]);
+        const Vector3f position =
+            corner[0] + u * (corner[1] - corner[0]) + v * (corner[2] - corner[0]);
         const Vector3f normal = scene.ShadingNormal({static_cast<std::uint32_t>(t), 0, u, v});
         const auto [entry, fresh] =
             known.try_emplace(CellKey(position, normal), static_cast<std::uint32_t>(points.size()));
@@ -126,7 +133,8 @@ std::vector<LightMap::Point> LightMap::PlacePoints(const TracedScene& scene) {
 }
 
 Result<LightMap> LightMap::Compute(const TracedScene& scene, std::span<const AreaLight> lights,
-                                   const std::optional<SunLight>& sun, int rays, const WorkContext& context) {
+                                   const std::optional<SunLight>& sun, int rays,
+                                   const WorkContext& context) {
   LightMap map;
   const std::vector<Point> points = map.PlacePoints(scene);
   std::vector<Vector3f> direct(points.size());
@@ -138,34 +146,38 @@ Result<LightMap> LightMap::Compute(const TracedScene& scene, std::span<const Are
   std::vector<Vector3f> hemisphere(static_cast<std::size_t>(rays));
   for (int i = 0; i < rays; ++i) {
     const Vector2f disk = DiskPoint(SpreadPoint(i));
-    hemisphere[static_cast<std::size_t>(i)] = {disk.x(), disk.y(), std::sqrt(std::max(0.0f, 1 - disk.squaredNorm()))};
+    hemisphere[static_cast<std::size_t>(i)] = {disk.x(), disk.y(),
+                                               std::sqrt(std::max(0.0f, 1 - disk.squaredNorm()))};
   }
   for (int pass = 0; pass < kPasses; ++pass) {
     std::vector<Vector3f> next(points.size());
     for (std::size_t begin = 0; begin < points.size(); begin += kBatch) {
-      if (context.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped while computing the light"};
+      if (context.stop.stop_requested())
+        return Error{ErrorCode::kCancelled, "stopped while computing the light"};
       context.report({"light", done++, total});
-      tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, std::min(begin + kBatch, points.size()), 256),
-                        [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-          if (pass == 0) {
-            direct[i] = DirectLight(scene, lights, sun, std::max(4, rays / 3), points[i].position, points[i].normal);
-            next[i] = direct[i];
-            continue;
-          }
-          const Eigen::Matrix3f frame = FrameAround(points[i].normal);
-          Vector3f sum = Vector3f::Zero();
-          for (const Vector3f& local : hemisphere) {
-            const TracedScene::Hit hit = scene.Trace(points[i].position, frame * local);
-            if (!hit.valid()) continue;
-            const TracedScene::Triangle& triangle = scene.triangles()[hit.triangle];
-            if (triangle.lets_light_in) continue;  // counted as direct light
-            const float emission = scene.material(triangle).emission;
-            sum += triangle.mean_color.cwiseProduct(map.At(hit) + Vector3f::Constant(emission));
-          }
-          next[i] = direct[i] + sum / static_cast<float>(rays);
-        }
-      });
+      tbb::parallel_for(
+          tbb::blocked_range<std::size_t>(begin, std::min(begin + kBatch, points.size()), 256),
+          [&](const tbb::blocked_range<std::size_t>& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+              if (pass == 0) {
+                direct[i] = DirectLight(scene, lights, sun, std::max(4, rays / 3),
+                                        points[i].position, points[i].normal);
+                next[i] = direct[i];
+                continue;
+              }
+              const Eigen::Matrix3f frame = FrameAround(points[i].normal);
+              Vector3f sum = Vector3f::Zero();
+              for (const Vector3f& local : hemisphere) {
+                const TracedScene::Hit hit = scene.Trace(points[i].position, frame * local);
+                if (!hit.valid()) continue;
+                const TracedScene::Triangle& triangle = scene.triangles()[hit.triangle];
+                if (triangle.lets_light_in) continue;  // counted as direct light
+                const float emission = scene.material(triangle).emission;
+                sum += triangle.mean_color.cwiseProduct(map.At(hit) + Vector3f::Constant(emission));
+              }
+              next[i] = direct[i] + sum / static_cast<float>(rays);
+            }
+          });
     }
     map.light_ = std::move(next);
   }

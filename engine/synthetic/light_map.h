@@ -15,16 +15,18 @@
 
 namespace plumbline {
 
-/// The light that falls on every surface of a still room, computed once: direct light with soft shadows and two
-/// diffuse bounces, at a barycentric lattice of points on every triangle (mesh colours: Yuksel, Keyser and House,
-/// ACM Trans. Graphics 29(2), 2010). Every point looks in the same directions, so that what is left of the sampling
-/// error varies as smoothly as the light itself. Pictures then show no grain and nothing flickers.
+/// The light that falls on every surface of a still room, computed once: direct light with soft
+/// shadows and two diffuse bounces, at a barycentric lattice of points on every triangle (mesh
+/// colours: Yuksel, Keyser and House, ACM Trans. Graphics 29(2), 2010). Every point looks in the
+/// same directions, so that what is left of the sampling error varies as smoothly as the light
+/// itself. Pictures then show no grain and nothing flickers.
 class LightMap {
  public:
   /// @param rays  Rays per point and bounce; points on the lights in proportion.
   /// Errors: kCancelled.
   static Result<LightMap> Compute(const TracedScene& scene, std::span<const AreaLight> lights,
-                                  const std::optional<SunLight>& sun, int rays, const WorkContext& context);
+                                  const std::optional<SunLight>& sun, int rays,
+                                  const WorkContext& context);
 
   /// Irradiance divided by pi at a point of the scene it was computed for.
   Eigen::Vector3f At(const TracedScene::Hit& hit) const;

@@ -30,7 +30,8 @@ float Detail(float size_m, float footprint_m) {
   return std::clamp(1.5f - footprint_m / size_m, 0.0f, 1.0f);
 }
 
-/// Share of a line of `width` at distance `d` from its middle, widened to the footprint and then fainter.
+/// Share of a line of `width` at distance `d` from its middle, widened to the footprint and then
+/// fainter.
 float Line(float d, float width, float footprint) {
   const float wide = std::max(width, footprint);
   return std::clamp(1.5f - 2 * std::abs(d) / wide, 0.0f, 1.0f) * std::min(1.0f, width / wide);
@@ -130,7 +131,8 @@ Vector3f Rug(const Material& m, const Vector3f& t, float footprint) {
   return Weave(pile, t, footprint);
 }
 
-/// Hills before a sky: each layer's crest is smooth noise, its colour between the two colours of the material.
+/// Hills before a sky: each layer's crest is smooth noise, its colour between the two colours of
+/// the material.
 Vector3f Picture(const Material& m, const Vector3f& t, float footprint) {
   const Vector2f uv(t.x() / m.extent.x() + 0.5f, t.y() / m.extent.y() + 0.5f);
   const float mat = std::min(std::min(uv.x(), 1 - uv.x()) * m.extent.x(),
@@ -139,14 +141,18 @@ Vector3f Picture(const Material& m, const Vector3f& t, float footprint) {
   if (mat < 0.05f) return paper;
   const float aspect = m.extent.x() / m.extent.y();
   Vector3f color = Blend(m.color * 1.15f + Vector3f::Constant(0.12f), paper, 0.6f * uv.y());
-  const Vector2f sun(0.25f + 0.5f * CellNoise(1, 2, 3, m.seed), 0.62f + 0.16f * CellNoise(3, 2, 1, m.seed));
+  const Vector2f sun(0.25f + 0.5f * CellNoise(1, 2, 3, m.seed),
+                     0.62f + 0.16f * CellNoise(3, 2, 1, m.seed));
   const float edge = std::max(0.006f, 1.5f * footprint / m.extent.y());
   const float from_sun = std::hypot((uv.x() - sun.x()) * aspect, uv.y() - sun.y());
   color = Blend(color, Vector3f(0.85f, 0.48f, 0.22f), Smooth(0.11f + edge, 0.11f - edge, from_sun));
   for (int layer = 0; layer < 4; ++layer) {
-    const float crest = 0.58f - 0.13f * static_cast<float>(layer) +
-                        0.22f * (FractalNoise({uv.x() * aspect * (1.6f + 0.5f * static_cast<float>(layer)),
-                                               static_cast<float>(layer) * 7.3f, 0}, 3, m.seed) - 0.5f);
+    const float crest =
+        0.58f - 0.13f * static_cast<float>(layer) +
+        0.22f * (FractalNoise({uv.x() * aspect * (1.6f + 0.5f * static_cast<float>(layer)),
+                               static_cast<float>(layer) * 7.3f, 0},
+                              3, m.seed) -
+                 0.5f);
     const Vector3f hill = Blend(m.color, m.accent, 0.15f + 0.28f * static_cast<float>(layer));
     color = Blend(color, hill, Smooth(crest + edge, crest - edge, uv.y()));
   }
@@ -157,7 +163,8 @@ Vector3f Book(const Material& m, const Vector3f& t, float footprint) {
   const float position = t.x() / 0.2f;
   const float band = Line(std::abs(position) - 0.36f, 0.05f, footprint / 0.2f) +
                      0.8f * Smooth(0.22f, 0.2f, std::abs(position - 0.05f)) *
-                         Detail(0.01f, footprint) * (ValueNoise(t * 190, m.seed) > 0.55f ? 1.0f : 0.0f);
+                         Detail(0.01f, footprint) *
+                         (ValueNoise(t * 190, m.seed) > 0.55f ? 1.0f : 0.0f);
   return Blend(m.color, m.accent, std::min(1.0f, 0.6f * band));
 }
 
@@ -179,7 +186,9 @@ Vector3f Screen(const Material& m, const Vector3f& t, float footprint) {
     if (u < u0 || u > u1 || v < v0 || v > v1) return;
     color = v > v1 - 0.05f ? Vector3f(0.25f, 0.27f, 0.3f) : fill;
     const float line = std::sin((v - v0) * 190);
-    const float reach = u0 + (u1 - u0) * (0.35f + 0.6f * CellNoise(static_cast<int>((v - v0) * 30.24f), 5, 0, m.seed));
+    const float reach =
+        u0 +
+        (u1 - u0) * (0.35f + 0.6f * CellNoise(static_cast<int>((v - v0) * 30.24f), 5, 0, m.seed));
     if (v < v1 - 0.08f && u > u0 + 0.02f && u < reach) {
       color = Blend(color, m.accent, 0.5f * Detail(0.012f, footprint) * std::max(0.0f, line));
     }
@@ -192,8 +201,8 @@ Vector3f Screen(const Material& m, const Vector3f& t, float footprint) {
 Vector3f View(const Material& m, const Vector3f& t) {
   const float u = t.x() / m.extent.x(), v = t.y() / m.extent.y();
   const float cloud = FractalNoise({u * 3, v * 5, 0}, 4, m.seed);
-  Vector3f color = Blend(Vector3f(0.92f, 0.96f, 1.0f), Vector3f(0.60f, 0.78f, 1.0f),
-                         Smooth(0.35f, 1.0f, v));
+  Vector3f color =
+      Blend(Vector3f(0.92f, 0.96f, 1.0f), Vector3f(0.60f, 0.78f, 1.0f), Smooth(0.35f, 1.0f, v));
   color = Blend(color, Vector3f(1, 1, 1), 0.7f * Smooth(0.45f, 0.75f, cloud));
   const float crest = 0.34f + 0.22f * (FractalNoise({u * 5, 3.3f, 0}, 3, m.seed + 1) - 0.4f);
   const Vector3f trees = Blend(Vector3f(0.10f, 0.18f, 0.06f), Vector3f(0.30f, 0.42f, 0.16f),
@@ -218,9 +227,9 @@ float EncodeSrgb(float linear) {
 }
 
 float CellNoise(int x, int y, int z, std::uint32_t seed) {
-  const std::uint32_t h = Mix(static_cast<std::uint32_t>(x) * 0x8da6b343U ^
-                              static_cast<std::uint32_t>(y) * 0xd8163841U ^
-                              static_cast<std::uint32_t>(z) * 0xcb1ab31fU ^ (seed * 0x9e3779b9U + 1));
+  const std::uint32_t h = Mix(
+      static_cast<std::uint32_t>(x) * 0x8da6b343U ^ static_cast<std::uint32_t>(y) * 0xd8163841U ^
+      static_cast<std::uint32_t>(z) * 0xcb1ab31fU ^ (seed * 0x9e3779b9U + 1));
   return static_cast<float>(h >> 8) * 0x1.0p-24f;
 }
 
@@ -228,7 +237,8 @@ float ValueNoise(const Vector3f& point, std::uint32_t seed) {
   const Vector3f base = point.array().floor();
   const Vector3f f = point - base;
   const Vector3f w = f.array().square() * (3 - 2 * f.array());
-  const int x = static_cast<int>(base.x()), y = static_cast<int>(base.y()), z = static_cast<int>(base.z());
+  const int x = static_cast<int>(base.x()), y = static_cast<int>(base.y()),
+            z = static_cast<int>(base.z());
   const auto edge = [&](int dy, int dz) {
     const float a = CellNoise(x, y + dy, z + dz, seed);
     return a + (CellNoise(x + 1, y + dy, z + dz, seed) - a) * w.x();
@@ -252,21 +262,36 @@ float FractalNoise(const Vector3f& point, int octaves, std::uint32_t seed) {
 
 Vector3f PatternColor(const Material& m, const Vector3f& t, float footprint) {
   switch (m.pattern) {
-    case Pattern::kPlain: return m.color;
-    case Pattern::kWood: return Wood(m, t, footprint);
-    case Pattern::kPlanks: return Planks(m, t, footprint);
-    case Pattern::kTiles: return Tiles(m, t, footprint);
-    case Pattern::kWeave: return Weave(m, t, footprint);
-    case Pattern::kPlaster: return Plaster(m, t, footprint);
-    case Pattern::kStripes: return Stripes(m, t, footprint);
-    case Pattern::kDots: return Dots(m, t, footprint);
-    case Pattern::kRug: return Rug(m, t, footprint);
-    case Pattern::kPicture: return Picture(m, t, footprint);
-    case Pattern::kBook: return Book(m, t, footprint);
-    case Pattern::kLeaf: return Leaf(m, t, footprint);
-    case Pattern::kCardboard: return Cardboard(m, t, footprint);
-    case Pattern::kScreen: return Screen(m, t, footprint);
-    case Pattern::kView: return View(m, t);
+    case Pattern::kPlain:
+      return m.color;
+    case Pattern::kWood:
+      return Wood(m, t, footprint);
+    case Pattern::kPlanks:
+      return Planks(m, t, footprint);
+    case Pattern::kTiles:
+      return Tiles(m, t, footprint);
+    case Pattern::kWeave:
+      return Weave(m, t, footprint);
+    case Pattern::kPlaster:
+      return Plaster(m, t, footprint);
+    case Pattern::kStripes:
+      return Stripes(m, t, footprint);
+    case Pattern::kDots:
+      return Dots(m, t, footprint);
+    case Pattern::kRug:
+      return Rug(m, t, footprint);
+    case Pattern::kPicture:
+      return Picture(m, t, footprint);
+    case Pattern::kBook:
+      return Book(m, t, footprint);
+    case Pattern::kLeaf:
+      return Leaf(m, t, footprint);
+    case Pattern::kCardboard:
+      return Cardboard(m, t, footprint);
+    case Pattern::kScreen:
+      return Screen(m, t, footprint);
+    case Pattern::kView:
+      return View(m, t);
   }
   return m.color;
 }

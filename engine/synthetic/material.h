@@ -10,20 +10,20 @@ namespace plumbline {
 /// How a surface varies; each is a function of the texture coordinates alone.
 enum class Pattern {
   kPlain,
-  kWood,      ///< grain along x
-  kPlanks,    ///< a floor of planks along x
-  kTiles,     ///< square floor tiles with joints
-  kWeave,     ///< cloth
+  kWood,    ///< grain along x
+  kPlanks,  ///< a floor of planks along x
+  kTiles,   ///< square floor tiles with joints
+  kWeave,   ///< cloth
   kPlaster,
-  kStripes,   ///< wallpaper, vertical stripes
-  kDots,      ///< wallpaper, a small motif
-  kRug,       ///< borders and a field, over `extent`, centred on 0
-  kPicture,   ///< a framed abstract landscape, over `extent`, centred on 0
-  kBook,      ///< a spine with bands
+  kStripes,  ///< wallpaper, vertical stripes
+  kDots,     ///< wallpaper, a small motif
+  kRug,      ///< borders and a field, over `extent`, centred on 0
+  kPicture,  ///< a framed abstract landscape, over `extent`, centred on 0
+  kBook,     ///< a spine with bands
   kLeaf,
   kCardboard,
-  kScreen,    ///< a switched-on screen over `extent`, centred on 0 (emits)
-  kView       ///< what one sees through a window, over `extent`, from 0 (emits)
+  kScreen,  ///< a switched-on screen over `extent`, centred on 0 (emits)
+  kView     ///< what one sees through a window, over `extent`, from 0 (emits)
 };
 
 /// The looks of a surface. Colours are linear RGB.
@@ -44,8 +44,8 @@ Eigen::Vector3f ColorFromHex(std::uint32_t rgb);
 /// Inverse of the sRGB transfer function's linear side: linear [0, 1] to encoded [0, 1].
 float EncodeSrgb(float linear);
 
-/// The colour of the pattern at texture coordinates [m]: reflectance, or for emitting materials the colour of the
-/// emission. Detail finer than `footprint_m` fades into its mean.
+/// The colour of the pattern at texture coordinates [m]: reflectance, or for emitting materials the
+/// colour of the emission. Detail finer than `footprint_m` fades into its mean.
 Eigen::Vector3f PatternColor(const Material& material, const Eigen::Vector3f& texture,
                              float footprint_m);
 

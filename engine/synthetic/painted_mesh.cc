@@ -57,7 +57,8 @@ std::vector<BoxLine> BoxLines(float half_core, int arc, int divisions) {
     lines.push_back({-half_core, -kPi / 4 * static_cast<float>(arc - i) / static_cast<float>(arc)});
   }
   for (int i = 0; i <= divisions; ++i) {
-    lines.push_back({half_core * (2.0f * static_cast<float>(i) / static_cast<float>(divisions) - 1), 0});
+    lines.push_back(
+        {half_core * (2.0f * static_cast<float>(i) / static_cast<float>(divisions) - 1), 0});
   }
   for (int i = 1; i <= arc; ++i) {
     lines.push_back({half_core, kPi / 4 * static_cast<float>(i) / static_cast<float>(arc)});
@@ -78,7 +79,8 @@ std::vector<PathFrame> FramesAlong(const std::vector<Vector3f>& path) {
     frames[i].along = (after - before).normalized();
     Vector3f side;
     if (i == 0) {
-      const Vector3f helper = std::abs(frames[0].along.x()) < 0.9f ? Vector3f::UnitX() : Vector3f::UnitY();
+      const Vector3f helper =
+          std::abs(frames[0].along.x()) < 0.9f ? Vector3f::UnitX() : Vector3f::UnitY();
       side = helper - frames[0].along * helper.dot(frames[0].along);
     } else {
       side = frames[i - 1].side - frames[i].along * frames[i - 1].side.dot(frames[i].along);
@@ -146,7 +148,8 @@ void AddLathe(PaintedMesh& mesh, int paint, const Vector3f& origin,
       const Vector2f& p = profile[i + row];
       const Vector2f& n = row == 0 ? low : high;
       for (int s = 0; s <= segments; ++s) {
-        const float angle = 2 * kPi * static_cast<float>(s % segments) / static_cast<float>(segments);
+        const float angle =
+            2 * kPi * static_cast<float>(s % segments) / static_cast<float>(segments);
         const Vector3f radial(std::cos(angle), std::sin(angle), 0);
         const float around = 2 * kPi * static_cast<float>(s) / static_cast<float>(segments);
         AddVertex(mesh, origin + radial * p.x() + Vector3f(0, 0, p.y()),
@@ -173,8 +176,9 @@ void AddTube(PaintedMesh& mesh, int paint, const std::vector<Vector3f>& path,
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (i > 0) length += (path[i] - path[i - 1]).norm();
     for (int s = 0; s <= sides; ++s) {
-      AddVertex(mesh, path[i] + ring(i, s) * radius(i), ring(i, s),
-                {length, 2 * kPi * radius(i) * static_cast<float>(s) / static_cast<float>(sides), 0});
+      AddVertex(
+          mesh, path[i] + ring(i, s) * radius(i), ring(i, s),
+          {length, 2 * kPi * radius(i) * static_cast<float>(s) / static_cast<float>(sides), 0});
     }
   }
   AddGrid(mesh, paint, first, static_cast<int>(path.size()), sides + 1);

@@ -32,8 +32,8 @@ class RayTracer {
   static Result<std::unique_ptr<const RayTracer>> Create(const Room& room, int light_rays,
                                                          const WorkContext& context);
 
-  /// Linear radiance as RGB, CV_32FC3, before any noise. `room_from_cam` are poses evenly spread over the exposure.
-  /// Random numbers depend on (seed, frame, pixel) alone.
+  /// Linear radiance as RGB, CV_32FC3, before any noise. `room_from_cam` are poses evenly spread
+  /// over the exposure. Random numbers depend on (seed, frame, pixel) alone.
   cv::Mat Photograph(const PinholeCamera& camera, std::span<const Eigen::Isometry3d> room_from_cam,
                      int samples_per_pixel, std::uint64_t seed, int frame) const;
 
@@ -51,8 +51,8 @@ class RayTracer {
   struct Sample {
     float gloss_u, gloss_v;
   };
-  Eigen::Vector3f Radiance(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float pixel_angle,
-                           const Sample& sample) const;
+  Eigen::Vector3f Radiance(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
+                           float pixel_angle, const Sample& sample) const;
   Eigen::Vector3f Diffuse(const TracedScene::Hit& hit, float footprint_m) const;
 
   TracedScene scene_;

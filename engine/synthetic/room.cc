@@ -27,15 +27,18 @@ Isometry3d Upright(double x, double y, double z, double azimuth) {
 }
 
 bool Overlap(const Footprint& a, const Footprint& b, double margin) {
-  const std::array<Vector2d, 2> axes_a = {Vector2d(std::cos(a.azimuth_rad), std::sin(a.azimuth_rad)),
-                                          Vector2d(-std::sin(a.azimuth_rad), std::cos(a.azimuth_rad))};
-  const std::array<Vector2d, 2> axes_b = {Vector2d(std::cos(b.azimuth_rad), std::sin(b.azimuth_rad)),
-                                          Vector2d(-std::sin(b.azimuth_rad), std::cos(b.azimuth_rad))};
+  const std::array<Vector2d, 2> axes_a = {
+      Vector2d(std::cos(a.azimuth_rad), std::sin(a.azimuth_rad)),
+      Vector2d(-std::sin(a.azimuth_rad), std::cos(a.azimuth_rad))};
+  const std::array<Vector2d, 2> axes_b = {
+      Vector2d(std::cos(b.azimuth_rad), std::sin(b.azimuth_rad)),
+      Vector2d(-std::sin(b.azimuth_rad), std::cos(b.azimuth_rad))};
   for (const auto& axes : {axes_a, axes_b}) {
     for (const Vector2d& axis : axes) {
       double reach = margin;
       for (int i = 0; i < 2; ++i) {
-        reach += a.half_size[i] * std::abs(axes_a[i].dot(axis)) + b.half_size[i] * std::abs(axes_b[i].dot(axis));
+        reach += a.half_size[i] * std::abs(axes_a[i].dot(axis)) +
+                 b.half_size[i] * std::abs(axes_b[i].dot(axis));
       }
       if (std::abs(axis.dot(a.center - b.center)) > reach) return false;
     }
@@ -48,7 +51,8 @@ class Furnisher {
  public:
   Furnisher(const SyntheticOptions& options, int attempt)
       : options_(options),
-        random_({.seed = options.seed, .frame = static_cast<std::uint32_t>(attempt),
+        random_({.seed = options.seed,
+                 .frame = static_cast<std::uint32_t>(attempt),
                  .object = 0x524f4f4d + static_cast<std::uint32_t>(options.scene)}),
         palette_(PaletteOfSeed(options.seed)) {}
 
@@ -62,10 +66,13 @@ class Furnisher {
   bool Chance(double probability) { return random_.Uniform() < probability; }
   const FurnitureModel& Model(const std::string& name) const;
 
-  /// Adds an instance; it must not overlap what stands there, apart from `partner` (an index of obstacles).
+  /// Adds an instance; it must not overlap what stands there, apart from `partner` (an index of
+  /// obstacles).
   int Place(const std::string& model, const Isometry3d& room_from_object, int partner = -1);
   void PlaceOnTop(const std::string& model, const Isometry3d& room_from_object);
-  void Decorate(const PaintedBody& body, const Isometry3d& pose, float spacing = 0.025f) { AddDecor(body, pose, spacing, room_); }
+  void Decorate(const PaintedBody& body, const Isometry3d& pose, float spacing = 0.025f) {
+    AddDecor(body, pose, spacing, room_);
+  }
   /// An obstacle of decoration standing on the floor; false (and nothing) if the place is taken.
   bool Reserve(const Footprint& footprint);
 
@@ -101,7 +108,8 @@ const FurnitureModel& Furnisher::Model(const std::string& name) const {
 
 /// What is built in the room; in the scene `variant` it differs from the model.
 PaintedBody Furnisher::RenderedBody(const FurnitureModel& model) const {
-  if (options_.scene == SyntheticScene::kVariant && model.name == "chair_office") return OfficeChair(palette_, false).body;
+  if (options_.scene == SyntheticScene::kVariant && model.name == "chair_office")
+    return OfficeChair(palette_, false).body;
   return model.body;
 }
 
@@ -127,7 +135,8 @@ int Furnisher::Place(const std::string& name, const Isometry3d& pose, int partne
   const FurnitureModel& model = Model(name);
   const Footprint footprint = FootprintOf(model.body.mesh, pose);
   for (std::size_t i = 0; i < room_.obstacles.size(); ++i) {
-    if (static_cast<int>(i) != partner && Overlap(footprint, room_.obstacles[i], 0.03)) failed_ = true;
+    if (static_cast<int>(i) != partner && Overlap(footprint, room_.obstacles[i], 0.03))
+      failed_ = true;
   }
   room_.obstacles.push_back(footprint);
   PlaceOnTop(name, pose);
@@ -170,9 +179,11 @@ void Furnisher::ArrangeDining(const Vector2d& center) {
       slots.push_back({0.53 * std::cos(angle), 0.53 * std::sin(angle), angle + kPi});
     }
   } else {
-    slots = {{0.43, 0.36, kPi}, {0.43, -0.36, kPi}, {-0.43, 0.36, 0}, {-0.43, -0.36, 0}, {0, 0.74, -kPi / 2}, {0, -0.74, kPi / 2}};
+    slots = {{0.43, 0.36, kPi}, {0.43, -0.36, kPi},  {-0.43, 0.36, 0},
+             {-0.43, -0.36, 0}, {0, 0.74, -kPi / 2}, {0, -0.74, kPi / 2}};
   }
-  for (std::size_t i = slots.size() - 1; i > 0; --i) std::swap(slots[i], slots[random_.Index(static_cast<std::uint32_t>(i + 1))]);
+  for (std::size_t i = slots.size() - 1; i > 0; --i)
+    std::swap(slots[i], slots[random_.Index(static_cast<std::uint32_t>(i + 1))]);
   std::vector<std::string> chairs = {"chair_slat", "chair_slat_arms", "chair_shell"};
   if (options_.scene == SyntheticScene::kVariant) {
     chairs = {"chair_office", "chair_slat"};
@@ -186,20 +197,27 @@ void Furnisher::ArrangeDining(const Vector2d& center) {
     const double pull = armed ? Draw(0.34, 0.46) : Draw(0.10, 0.32);
     const Slot& slot = slots[i];
     const Vector2d back(-std::cos(slot.facing), -std::sin(slot.facing));
-    Place(chairs[i], raised * Upright(slot.x + pull * back.x(), slot.y + pull * back.y(), 0, slot.facing + Draw(-0.28, 0.28)), table_index);
+    Place(chairs[i],
+          raised * Upright(slot.x + pull * back.x(), slot.y + pull * back.y(), 0,
+                           slot.facing + Draw(-0.28, 0.28)),
+          table_index);
   }
   SetTable(raised, round ? 0.742 : 0.741, 0.25, round ? 0.25 : 0.5);
 }
 
 /// Things on a table top.
-void Furnisher::SetTable(const Isometry3d& room_from_table, double height, double reach_x, double reach_y) {
+void Furnisher::SetTable(const Isometry3d& room_from_table, double height, double reach_x,
+                         double reach_y) {
   const bool full = options_.scene == SyntheticScene::kClutter;
   std::vector<Footprint> taken;
   const auto put = [&](const PaintedBody& body) {
     for (int attempt = 0; attempt < 12; ++attempt) {
-      const Isometry3d at = Upright(Draw(-reach_x, reach_x), Draw(-reach_y, reach_y), height, Draw(-kPi, kPi));
+      const Isometry3d at =
+          Upright(Draw(-reach_x, reach_x), Draw(-reach_y, reach_y), height, Draw(-kPi, kPi));
       const Footprint footprint = FootprintOf(body.mesh, at);
-      if (std::any_of(taken.begin(), taken.end(), [&](const Footprint& other) { return Overlap(footprint, other, 0.01); })) continue;
+      if (std::any_of(taken.begin(), taken.end(),
+                      [&](const Footprint& other) { return Overlap(footprint, other, 0.01); }))
+        continue;
       taken.push_back(footprint);
       Decorate(body, room_from_table * at, 0.015f);
       return;
@@ -211,7 +229,9 @@ void Furnisher::SetTable(const Isometry3d& room_from_table, double height, doubl
   if (Chance(0.7) || full) put(BookStack(3, random_));
   if (Chance(0.4) || full) put(Laptop());
   for (int i = 0; full && i < 7; ++i) {
-    put(i % 3 == 0 ? CardboardBox({0.18f, 0.24f, 0.14f}, random_) : i % 3 == 1 ? BookStack(5, random_) : Mug(random_));
+    put(i % 3 == 0   ? CardboardBox({0.18f, 0.24f, 0.14f}, random_)
+        : i % 3 == 1 ? BookStack(5, random_)
+                     : Mug(random_));
   }
 }
 
@@ -235,12 +255,14 @@ void Furnisher::SofaWall(int wall) {
   const Isometry3d sofa = frame * Upright(wide ? 0.50 : 0.46, shift, 0, Draw(-0.03, 0.03));
   Place(wide ? "sofa_wide" : "sofa_small", sofa);
   Decorate(Pillow(random_), sofa * Upright(-0.03, wide ? 0.62 : 0.42, 0.455, -0.15), 0.02f);
-  if (Chance(0.6)) Decorate(Pillow(random_), sofa * Upright(-0.03, wide ? -0.55 : -0.4, 0.455, 0.2), 0.02f);
+  if (Chance(0.6))
+    Decorate(Pillow(random_), sofa * Upright(-0.03, wide ? -0.55 : -0.4, 0.455, 0.2), 0.02f);
   HangPictures(wall, shift - 0.8, shift + 0.9, 1.55);
   const double side = Chance(0.5) ? 1 : -1;
   const double edge = (wide ? 1.04 : 0.76);
   Place("lamp_floor", frame * Upright(0.36, shift + side * (edge + 0.38), 0, Draw(-kPi, kPi)));
-  const Isometry3d corner = frame * Upright(0.42, std::clamp(-side * (half - 0.45), -half, half), 0, 0);
+  const Isometry3d corner =
+      frame * Upright(0.42, std::clamp(-side * (half - 0.45), -half, half), 0, 0);
   const PaintedBody plant = PottedPlant(static_cast<float>(Draw(1.0, 1.35)), random_);
   Footprint pot = FootprintOf(plant.mesh, corner);
   pot.half_size = {0.25, 0.25};
@@ -254,10 +276,13 @@ void Furnisher::SideboardWall(int wall) {
   const Isometry3d board = frame * Upright(0.27, shift, 0, 0);
   Place("sideboard", board);
   const bool tv = demo() || Chance(0.5);
-  PlaceOnTop(tv ? "tv_wide" : "monitor_desk", board * Upright(-0.02, Draw(-0.08, 0.08), 0.691, Draw(-0.08, 0.08)));
+  PlaceOnTop(tv ? "tv_wide" : "monitor_desk",
+             board * Upright(-0.02, Draw(-0.08, 0.08), 0.691, Draw(-0.08, 0.08)));
   const double side = Chance(0.5) ? 1 : -1;
-  Decorate(BookStack(4, random_), board * Upright(0.02, side * 0.62, 0.691, Draw(-0.5, 0.5)), 0.015f);
-  Decorate(PottedPlant(0.34f, random_), board * Upright(-0.02, -side * 0.62, 0.691, Draw(-3, 3)), 0.02f);
+  Decorate(BookStack(4, random_), board * Upright(0.02, side * 0.62, 0.691, Draw(-0.5, 0.5)),
+           0.015f);
+  Decorate(PottedPlant(0.34f, random_), board * Upright(-0.02, -side * 0.62, 0.691, Draw(-3, 3)),
+           0.02f);
   const PaintedBody basket = Basket(random_);
   const Isometry3d beside = frame * Upright(0.36, shift + side * 1.15, 0, Draw(-3, 3));
   if (Reserve(FootprintOf(basket.mesh, beside))) Decorate(basket, beside);
@@ -278,7 +303,8 @@ void Furnisher::DoorWall(int wall) {
     for (int i = 0; books && i < 5; ++i) {
       const double length = Draw(0.35, 0.7);
       Decorate(BookRow(static_cast<float>(length), random_),
-               shelf * Upright(-0.02, Draw(-1, 1) * (0.76 - length) / 2, 0.081 + 0.333 * i, 0), 0.03f);
+               shelf * Upright(-0.02, Draw(-1, 1) * (0.76 - length) / 2, 0.081 + 0.333 * i, 0),
+               0.03f);
     }
   } else {
     Decorate(WallShelf(1.1f, random_), frame * Upright(0, x, 1.35, 0), 0.02f);
@@ -307,14 +333,16 @@ void Furnisher::WindowWall(int wall) {
 void Furnisher::FurnishWalls() {
   std::array<int, 3> walls;
   const int turn = demo() ? 1 : static_cast<int>(random_.Index(3));
-  for (int i = 0; i < 3; ++i) walls[static_cast<std::size_t>(i)] = (style_.window_wall + 1 + (i + turn) % 3) % 4;
+  for (int i = 0; i < 3; ++i)
+    walls[static_cast<std::size_t>(i)] = (style_.window_wall + 1 + (i + turn) % 3) % 4;
   SofaWall(walls[0]);
   SideboardWall(walls[1]);
   DoorWall(walls[2]);
   WindowWall(style_.window_wall);
 }
 
-/// A chair in the middle of the room with a cabinet standing free beside it, behind which it disappears.
+/// A chair in the middle of the room with a cabinet standing free beside it, behind which it
+/// disappears.
 void Furnisher::ArrangeOcclusion() {
   const double side = Draw(-kPi, kPi);
   const Vector2d out(std::cos(side), std::sin(side));
@@ -331,9 +359,13 @@ void Furnisher::ScatterClutter() {
     const int wall = static_cast<int>(random_.Index(4));
     const double half = WallLength(room_, wall) / 2;
     const PaintedBody body = i % 4 == 3 ? Basket(random_)
-                                        : CardboardBox({static_cast<float>(Draw(0.2, 0.42)), static_cast<float>(Draw(0.25, 0.5)),
-                                                        static_cast<float>(Draw(0.15, 0.4))}, random_);
-    const Isometry3d at = RoomFromWall(room_, wall) * Upright(Draw(0.28, 0.5), Draw(-half + 0.4, half - 0.4), 0, Draw(-0.6, 0.6));
+                                        : CardboardBox({static_cast<float>(Draw(0.2, 0.42)),
+                                                        static_cast<float>(Draw(0.25, 0.5)),
+                                                        static_cast<float>(Draw(0.15, 0.4))},
+                                                       random_);
+    const Isometry3d at =
+        RoomFromWall(room_, wall) *
+        Upright(Draw(0.28, 0.5), Draw(-half + 0.4, half - 0.4), 0, Draw(-0.6, 0.6));
     if (!Reserve(FootprintOf(body.mesh, at))) continue;
     Decorate(body, at);
     ++placed;
@@ -355,7 +387,8 @@ void Furnisher::PlanWalk() {
       walk.gaze_offset_rad = 0.62 * (Chance(0.5) ? 1 : -1);
       break;
     case SyntheticScene::kBlur:
-      for (int first = 45; first < options_.frames; first += 75) walk.shaken_frames.emplace_back(first, first + 30);
+      for (int first = 45; first < options_.frames; first += 75)
+        walk.shaken_frames.emplace_back(first, first + 30);
       break;
     default:
       break;
@@ -405,7 +438,9 @@ Result<Room> FurnishRoom(const SyntheticOptions& options) {
     Room room = furnisher.Furnish();
     if (!furnisher.failed() && Walk::Plan(room, options.seed, options.rate_hz).ok()) return room;
   }
-  return Error{ErrorCode::kDegenerate, "no room with a free walk round its middle was found for seed " + std::to_string(options.seed)};
+  return Error{ErrorCode::kDegenerate,
+               "no room with a free walk round its middle was found for seed " +
+                   std::to_string(options.seed)};
 }
 
 }  // namespace plumbline

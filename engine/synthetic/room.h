@@ -18,10 +18,11 @@ namespace plumbline {
 /// Something in the room, its mesh in the room's frame.
 struct RoomPart {
   PaintedBody body;
-  int instance = 0;              ///< Number in masks, from 1; 0 for what has no model (walls, clutter).
-  float light_spacing_m = 0.02f; ///< Distance of the points at which light is computed.
-  bool in_scan = true;           ///< Goes into scene.ply (the ceiling does not, so that one can look in).
-  bool lets_light_in = false;    ///< The view behind a window: it is an area light and casts no shadow.
+  int instance = 0;  ///< Number in masks, from 1; 0 for what has no model (walls, clutter).
+  float light_spacing_m = 0.02f;  ///< Distance of the points at which light is computed.
+  bool in_scan = true;  ///< Goes into scene.ply (the ceiling does not, so that one can look in).
+  bool lets_light_in =
+      false;  ///< The view behind a window: it is an area light and casts no shadow.
 };
 
 /// A rectangle that shines towards the side from which corner, u, v turn counter-clockwise.
@@ -33,12 +34,13 @@ struct AreaLight {
 struct SunLight {
   Eigen::Vector3f to_sun;      ///< unit
   Eigen::Vector3f irradiance;  ///< On a surface facing it, divided by pi.
-  float radius = 0.02f;        ///< Tangent of half the angle under which it shows (hazy: larger than the real one's).
+  float radius = 0.02f;  ///< Tangent of half the angle under which it shows (hazy: larger than the
+                         ///< real one's).
 };
 
 /// A modelled object standing in the room.
 struct RoomInstance {
-  std::string id;     ///< Such as "chair_2".
+  std::string id;  ///< Such as "chair_2".
   std::string model;
   std::string category;
   Eigen::Isometry3d room_from_object = Eigen::Isometry3d::Identity();
@@ -53,16 +55,17 @@ struct Footprint {
 
 /// What the walk through the room shall do.
 struct WalkPlan {
-  Eigen::Vector2d focus{0, 0};         ///< The walker goes round this point [m] ...
-  double radius_m = 1.85;              ///< ... at about this distance,
-  double start_angle_rad = 0;          ///< from this direction (of the walker seen from the focus)
-  double sweep_rad = 3.5;              ///< turning by at most so much (signed) before going back.
+  Eigen::Vector2d focus{0, 0};  ///< The walker goes round this point [m] ...
+  double radius_m = 1.85;       ///< ... at about this distance,
+  double start_angle_rad = 0;   ///< from this direction (of the walker seen from the focus)
+  double sweep_rad = 3.5;       ///< turning by at most so much (signed) before going back.
   double eye_height_m = 1.45;
   double speed_m_s = 0.55;
-  double focus_height_m = 0.55;        ///< Height of what is looked at.
-  double gaze_offset_rad = 0;          ///< The gaze passes so far to the left of the focus.
+  double focus_height_m = 0.55;  ///< Height of what is looked at.
+  double gaze_offset_rad = 0;    ///< The gaze passes so far to the left of the focus.
   double exposure_s = 0.007;
-  std::vector<std::pair<int, int>> shaken_frames;  ///< [first, last) with strong motion and a long exposure.
+  std::vector<std::pair<int, int>>
+      shaken_frames;  ///< [first, last) with strong motion and a long exposure.
 };
 
 /// A furnished room: z up, floor at 0, x and y from -size/2 to size/2.
@@ -78,8 +81,8 @@ struct Room {
   int main_instance = 0;  ///< Number in masks of the object that the scene is about; 0 for none.
 };
 
-/// Furnishes a room. Layouts in which a walk cannot pass are drawn again. Errors: kDegenerate if none of many tries
-/// worked (a bug rather than bad luck).
+/// Furnishes a room. Layouts in which a walk cannot pass are drawn again. Errors: kDegenerate if
+/// none of many tries worked (a bug rather than bad luck).
 Result<Room> FurnishRoom(const SyntheticOptions& options);
 
 }  // namespace plumbline

@@ -59,24 +59,34 @@ void AddWindow(const RoomStyle& style, Room& room) {
   const Eigen::Isometry3f pose = room_from_wall.cast<float>();
   AddDecor(WindowBody(style.walls, style.frame), room_from_wall, 0.03f, room);
   RoomPart view;
-  Material outside{.pattern = Pattern::kView, .emission = 3.2f * style.sky_strength / 7, .extent = {14, 6}, .seed = 77};
-  AddQuad(view.body.mesh, view.body.Paint(outside), pose * Vector3f(-1.6f, -7, -1), pose.linear() * Vector3f(0, 14, 0),
-          pose.linear() * Vector3f(0, 0, 6));
+  Material outside{.pattern = Pattern::kView,
+                   .emission = 3.2f * style.sky_strength / 7,
+                   .extent = {14, 6},
+                   .seed = 77};
+  AddQuad(view.body.mesh, view.body.Paint(outside), pose * Vector3f(-1.6f, -7, -1),
+          pose.linear() * Vector3f(0, 14, 0), pose.linear() * Vector3f(0, 0, 6));
   view.lets_light_in = true;
   view.in_scan = false;
   room.parts.push_back(std::move(view));
-  room.lights.push_back({pose * Vector3f(-kReveal, -kWindowWidth / 2, kSill), pose.linear() * Vector3f(0, kWindowWidth, 0),
-                         pose.linear() * Vector3f(0, 0, kLintel - kSill), style.sky_strength * Vector3f(0.92f, 0.98f, 1.06f)});
-  const auto height = style.sun_height_deg * static_cast<float>(kPi) / 180, side = style.sun_side_deg * static_cast<float>(kPi) / 180;
-  const Vector3f to_sun(-std::cos(height) * std::cos(side), std::cos(height) * std::sin(side), std::sin(height));
-  room.sun = SunLight{pose.linear() * to_sun, style.sun_strength * Vector3f(1.0f, 0.86f, 0.66f), 0.028f};
+  room.lights.push_back({pose * Vector3f(-kReveal, -kWindowWidth / 2, kSill),
+                         pose.linear() * Vector3f(0, kWindowWidth, 0),
+                         pose.linear() * Vector3f(0, 0, kLintel - kSill),
+                         style.sky_strength * Vector3f(0.92f, 0.98f, 1.06f)});
+  const auto height = style.sun_height_deg * static_cast<float>(kPi) / 180,
+             side = style.sun_side_deg * static_cast<float>(kPi) / 180;
+  const Vector3f to_sun(-std::cos(height) * std::cos(side), std::cos(height) * std::sin(side),
+                        std::sin(height));
+  room.sun =
+      SunLight{pose.linear() * to_sun, style.sun_strength * Vector3f(1.0f, 0.86f, 0.66f), 0.028f};
   for (const float end : {-1.0f, 1.0f}) {
-    const Eigen::Isometry3d at = room_from_wall * Eigen::Translation3d(0, end * (kWindowWidth / 2 + 0.17), 0);
+    const Eigen::Isometry3d at =
+        room_from_wall * Eigen::Translation3d(0, end * (kWindowWidth / 2 + 0.17), 0);
     AddDecor(Curtain(0.5f, 2.38f, style.curtain, 31), at, 0.04f, room);
   }
   PaintedBody rod;
   AddTube(rod.mesh, rod.Paint({.color = ColorFromHex(0x3a3835), .gloss = 0.05f}),
-          {{0.09f, -kWindowWidth / 2 - 0.5f, 2.41f}, {0.09f, kWindowWidth / 2 + 0.5f, 2.41f}}, {0.012f}, 12);
+          {{0.09f, -kWindowWidth / 2 - 0.5f, 2.41f}, {0.09f, kWindowWidth / 2 + 0.5f, 2.41f}},
+          {0.012f}, 12);
   AddDecor(rod, room_from_wall, 0.05f, room);
 }
 
@@ -84,23 +94,32 @@ void AddCeilingLamp(const RoomStyle& style, Room& room) {
   const auto height = static_cast<float>(room.size.z());
   PaintedBody lamp;
   const int rim = lamp.Paint(style.trim);
-  const int glow = lamp.Paint({.color = {1.0f, 0.93f, 0.82f}, .emission = 1.2f * style.lamp_strength});
+  const int glow =
+      lamp.Paint({.color = {1.0f, 0.93f, 0.82f}, .emission = 1.2f * style.lamp_strength});
   AddBlock(lamp.mesh, rim, {0, 0, height - 0.02f}, {0.96f, 0.96f, 0.04f}, 0.015f);
   AddBlock(lamp.mesh, glow, {0, 0, height - 0.042f}, {0.88f, 0.88f, 0.01f}, 0.003f);
   AddDecor(lamp, Eigen::Isometry3d::Identity(), 0.05f, room);
   room.parts.back().in_scan = false;
-  room.lights.push_back({{-0.44f, -0.44f, height - 0.05f}, {0, 0.88f, 0}, {0.88f, 0, 0},
+  room.lights.push_back({{-0.44f, -0.44f, height - 0.05f},
+                         {0, 0.88f, 0},
+                         {0.88f, 0, 0},
                          4.5f * style.lamp_strength * Vector3f(1.0f, 0.90f, 0.74f)});
 }
 
 }  // namespace
 
 RoomStyle RandomStyle(const FurniturePalette& palette, Random& random) {
-  constexpr std::array<std::uint32_t, 5> kWalls = {0xece7dc, 0xe4e6e2, 0xe9e0d0, 0xdfe3e0, 0xefebe4};
-  constexpr std::array<std::uint32_t, 6> kAccents = {0x9fb0a3, 0xb7a48c, 0x8fa3ad, 0xc4a58f, 0xa9a795, 0x7f9296};
-  const auto between = [&](double low, double high) { return static_cast<float>(random.Uniform(low, high)); };
+  constexpr std::array<std::uint32_t, 5> kWalls = {0xece7dc, 0xe4e6e2, 0xe9e0d0, 0xdfe3e0,
+                                                   0xefebe4};
+  constexpr std::array<std::uint32_t, 6> kAccents = {0x9fb0a3, 0xb7a48c, 0x8fa3ad,
+                                                     0xc4a58f, 0xa9a795, 0x7f9296};
+  const auto between = [&](double low, double high) {
+    return static_cast<float>(random.Uniform(low, high));
+  };
   RoomStyle style;
-  style.walls = {.pattern = Pattern::kPlaster, .color = ColorFromHex(kWalls[random.Index(kWalls.size())]), .seed = 3};
+  style.walls = {.pattern = Pattern::kPlaster,
+                 .color = ColorFromHex(kWalls[random.Index(kWalls.size())]),
+                 .seed = 3};
   style.accent_wall = style.walls;
   style.accent_wall.color = ColorFromHex(kAccents[random.Index(kAccents.size())]);
   const double choice = random.Uniform();
@@ -115,11 +134,20 @@ RoomStyle RandomStyle(const FurniturePalette& palette, Random& random) {
   style.trim = {.color = ColorFromHex(0xf0ede6), .gloss = 0.03f, .roughness = 0.2f};
   style.frame = style.trim;
   const float tone = between(0.75, 1.15);
-  style.floor = {.pattern = Pattern::kPlanks, .color = palette.wood.color * tone, .accent = palette.wood.accent * tone,
-                 .gloss = 0.035f, .roughness = 0.12f, .seed = random.Bits() % 1000};
+  style.floor = {.pattern = Pattern::kPlanks,
+                 .color = palette.wood.color * tone,
+                 .accent = palette.wood.accent * tone,
+                 .gloss = 0.035f,
+                 .roughness = 0.12f,
+                 .seed = random.Bits() % 1000};
   if (random.Uniform() < 0.2) {
-    style.floor = {.pattern = Pattern::kTiles, .color = ColorFromHex(0xb9b2a6), .accent = ColorFromHex(0x8f897f),
-                   .scale = 1.5f, .gloss = 0.04f, .roughness = 0.1f, .seed = random.Bits() % 1000};
+    style.floor = {.pattern = Pattern::kTiles,
+                   .color = ColorFromHex(0xb9b2a6),
+                   .accent = ColorFromHex(0x8f897f),
+                   .scale = 1.5f,
+                   .gloss = 0.04f,
+                   .roughness = 0.1f,
+                   .seed = random.Bits() % 1000};
   }
   style.curtain = ColorFromHex(0xd9d2c3) * between(0.75, 1.1);
   style.window_wall = static_cast<int>(random.Index(4));
@@ -140,17 +168,21 @@ Eigen::Isometry3d RoomFromWall(const Room& room, int wall) {
   return pose;
 }
 
-double WallLength(const Room& room, int wall) { return wall % 2 == 0 ? room.size.y() : room.size.x(); }
+double WallLength(const Room& room, int wall) {
+  return wall % 2 == 0 ? room.size.y() : room.size.x();
+}
 
 void BuildShell(const RoomStyle& style, Room& room) {
   const auto width = static_cast<float>(room.size.x()), depth = static_cast<float>(room.size.y());
   const auto height = static_cast<float>(room.size.z());
   RoomPart floor;
-  AddQuad(floor.body.mesh, floor.body.Paint(style.floor), {-width / 2, -depth / 2, 0}, {width, 0, 0}, {0, depth, 0});
+  AddQuad(floor.body.mesh, floor.body.Paint(style.floor), {-width / 2, -depth / 2, 0},
+          {width, 0, 0}, {0, depth, 0});
   floor.light_spacing_m = 0.018f;
   room.parts.push_back(std::move(floor));
   RoomPart ceiling;
-  AddQuad(ceiling.body.mesh, ceiling.body.Paint(style.ceiling), {-width / 2, -depth / 2, height}, {0, depth, 0}, {width, 0, 0});
+  AddQuad(ceiling.body.mesh, ceiling.body.Paint(style.ceiling), {-width / 2, -depth / 2, height},
+          {0, depth, 0}, {width, 0, 0});
   ceiling.light_spacing_m = 0.08f;
   ceiling.in_scan = false;
   room.parts.push_back(std::move(ceiling));
@@ -175,7 +207,8 @@ void BuildShell(const RoomStyle& style, Room& room) {
   AddCeilingLamp(style, room);
 }
 
-void AddDecor(const PaintedBody& body, const Eigen::Isometry3d& room_from_body, float light_spacing_m, Room& room) {
+void AddDecor(const PaintedBody& body, const Eigen::Isometry3d& room_from_body,
+              float light_spacing_m, Room& room) {
   RoomPart part;
   part.body.materials = body.materials;
   AppendPainted(body.mesh, room_from_body.cast<float>(), 0, part.body.mesh);

@@ -27,11 +27,13 @@ struct EdgePoint {
 };
 
 cv::Vec3f BearingOf(const PinholeCamera& camera, int x, int y) {
-  return {static_cast<float>((x - camera.cx) / camera.fx), static_cast<float>((y - camera.cy) / camera.fy), 1};
+  return {static_cast<float>((x - camera.cx) / camera.fx),
+          static_cast<float>((y - camera.cy) / camera.fy), 1};
 }
 
 /// Depth that the plane through p (with its normal) has in the direction of q.
-float PlaneDepth(float depth_p, const cv::Vec3f& normal_p, const cv::Vec3f& bearing_p, const cv::Vec3f& bearing_q) {
+float PlaneDepth(float depth_p, const cv::Vec3f& normal_p, const cv::Vec3f& bearing_p,
+                 const cv::Vec3f& bearing_q) {
   const float there = normal_p.dot(bearing_q);
   return std::abs(there) < 1e-3f ? 1e3f : depth_p * normal_p.dot(bearing_p) / there;
 }
@@ -44,8 +46,9 @@ bool ThinOnce(cv::Mat& mask, int phase) {
     for (int x = 1; x + 1 < mask.cols; ++x) {
       if (!row[x]) continue;
       const std::uint8_t *up = mask.ptr(y - 1), *down = mask.ptr(y + 1);
-      const std::array<bool, 9> p = {up[x] > 0, up[x + 1] > 0, row[x + 1] > 0, down[x + 1] > 0, down[x] > 0,
-                                     down[x - 1] > 0, row[x - 1] > 0, up[x - 1] > 0, up[x] > 0};
+      const std::array<bool, 9> p = {up[x] > 0,       up[x + 1] > 0, row[x + 1] > 0,
+                                     down[x + 1] > 0, down[x] > 0,   down[x - 1] > 0,
+                                     row[x - 1] > 0,  up[x - 1] > 0, up[x] > 0};
       int neighbours = 0, changes = 0;
       for (int i = 0; i < 8; ++i) {
         neighbours += p[i];
@@ -85,7 +88,8 @@ void RemoveShort(cv::Mat& mask, int pixels) {
   cv::Mat labels, statistics, centroids;
   const int count = cv::connectedComponentsWithStats(mask, labels, statistics, centroids, 8);
   std::vector<bool> keep(static_cast<std::size_t>(count));
-  for (int i = 1; i < count; ++i) keep[static_cast<std::size_t>(i)] = statistics.at<int>(i, cv::CC_STAT_AREA) >= pixels;
+  for (int i = 1; i < count; ++i)
+    keep[static_cast<std::size_t>(i)] = statistics.at<int>(i, cv::CC_STAT_AREA) >= pixels;
   for (int y = 0; y < mask.rows; ++y) {
     for (int x = 0; x < mask.cols; ++x) {
       if (!keep[static_cast<std::size_t>(labels.at<int>(y, x))]) mask.at<std::uint8_t>(y, x) = 0;
@@ -93,7 +97,8 @@ void RemoveShort(cv::Mat& mask, int pixels) {
   }
 }
 
-/// Normal of the line through a pixel: principal direction of the line's pixels connected with it in a small window.
+/// Normal of the line through a pixel: principal direction of the line's pixels connected with it
+/// in a small window.
 cv::Point2f LineNormal(const cv::Mat& mask, int x, int y) {
   constexpr int kReach = 5, kSide = 2 * kReach + 1;
   std::array<bool, kSide * kSide> seen{};
@@ -114,7 +119,9 @@ cv::Point2f LineNormal(const cv::Mat& mask, int x, int y) {
         const cv::Point to(at.x + dx, at.y + dy);
         if (std::abs(to.x) > kReach || std::abs(to.y) > kReach) continue;
         const int ix = x + to.x, iy = y + to.y;
-        if (ix < 0 || iy < 0 || ix >= mask.cols || iy >= mask.rows || !mask.at<std::uint8_t>(iy, ix)) continue;
+        if (ix < 0 || iy < 0 || ix >= mask.cols || iy >= mask.rows ||
+            !mask.at<std::uint8_t>(iy, ix))
+          continue;
         bool& visited = seen[static_cast<std::size_t>((to.y + kReach) * kSide + to.x + kReach)];
         if (!visited) {
           visited = true;
@@ -130,8 +137,12 @@ cv::Point2f LineNormal(const cv::Mat& mask, int x, int y) {
 /// Largest difference of a colour channel across the line.
 float ContrastAcross(const cv::Mat& picture, int x, int y, const cv::Point2f& normal) {
   const auto at = [&](float offset) {
-    const int px = std::clamp(static_cast<int>(std::lround(static_cast<float>(x) + offset * normal.x)), 0, picture.cols - 1);
-    const int py = std::clamp(static_cast<int>(std::lround(static_cast<float>(y) + offset * normal.y)), 0, picture.rows - 1);
+    const int px =
+        std::clamp(static_cast<int>(std::lround(static_cast<float>(x) + offset * normal.x)), 0,
+                   picture.cols - 1);
+    const int py =
+        std::clamp(static_cast<int>(std::lround(static_cast<float>(y) + offset * normal.y)), 0,
+                   picture.rows - 1);
     return picture.at<cv::Vec3f>(py, px);
   };
   const cv::Vec3f difference = at(2.5f) - at(-2.5f);
@@ -155,25 +166,31 @@ void Draw(EdgeMap& map, int x, int y, float probability, const cv::Point2f& norm
 
 /// Smooth noise over the image that also changes with time, mean 0.
 float Wander(int x, int y, int frame, float size_px, std::uint32_t seed) {
-  return ValueNoise({static_cast<float>(x) / size_px, static_cast<float>(y) / size_px, 0.4f * static_cast<float>(frame)}, seed) - 0.5f;
+  return ValueNoise({static_cast<float>(x) / size_px, static_cast<float>(y) / size_px,
+                     0.4f * static_cast<float>(frame)},
+                    seed) -
+         0.5f;
 }
 
 /// The value below which a share of the values lies.
 float Quantile(std::vector<float> values, double share) {
   if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
 
-std::vector<EdgePoint> MeasurePoints(const cv::Mat& lines, const cv::Mat& geometric, const cv::Mat& picture) {
+std::vector<EdgePoint> MeasurePoints(const cv::Mat& lines, const cv::Mat& geometric,
+                                     const cv::Mat& picture) {
   std::vector<cv::Point> places;
   cv::findNonZero(lines, places);
   std::vector<EdgePoint> points(places.size());
   tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
     const cv::Point at = places[i];
     const cv::Point2f normal = LineNormal(lines, at.x, at.y);
-    points[i] = {at.x, at.y, normal, ContrastAcross(picture, at.x, at.y, normal), geometric.at<std::uint8_t>(at) > 0};
+    points[i] = {at.x, at.y, normal, ContrastAcross(picture, at.x, at.y, normal),
+                 geometric.at<std::uint8_t>(at) > 0};
   });
   return points;
 }
@@ -189,7 +206,8 @@ void AddSpurious(EdgeMap& map, int pixels, std::uint64_t seed, int frame) {
     const int length = 6 + static_cast<int>(random.Index(15));
     const auto probability = static_cast<float>(random.Uniform(0.12, 0.45));
     for (int i = 0; i < length; ++i) {
-      Draw(map, static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)), probability, {-std::sin(heading), std::cos(heading)});
+      Draw(map, static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)), probability,
+           {-std::sin(heading), std::cos(heading)});
       x += std::cos(heading);
       y += std::sin(heading);
       heading += bend;
@@ -216,9 +234,10 @@ cv::Mat GeometricEdges(const PinholeCamera& camera, const SurfaceMaps& maps) {
         const cv::Vec3f& nq = maps.normal.at<cv::Vec3f>(qy, qx);
         const cv::Vec3f bearing_q = BearingOf(camera, qx, qy);
         const float allowed = 0.01f + 0.008f * std::min(z, zq);
-        const bool step = z <= 0 || zq <= 0 || (std::abs(PlaneDepth(z, n, bearing, bearing_q) - zq) > allowed &&
-                                                std::abs(PlaneDepth(zq, nq, bearing_q, bearing) - z) > allowed &&
-                                                std::abs(z - zq) > allowed);
+        const bool step = z <= 0 || zq <= 0 ||
+                          (std::abs(PlaneDepth(z, n, bearing, bearing_q) - zq) > allowed &&
+                           std::abs(PlaneDepth(zq, nq, bearing_q, bearing) - z) > allowed &&
+                           std::abs(z - zq) > allowed);
         if (step) {
           const bool near_is_q = z <= 0 || (zq > 0 && zq < z);
           edges.at<std::uint8_t>(near_is_q ? qy : y, near_is_q ? qx : x) = 255;
@@ -231,8 +250,9 @@ cv::Mat GeometricEdges(const PinholeCamera& camera, const SurfaceMaps& maps) {
   return edges;
 }
 
-EdgeMap DetectSyntheticEdges(const PinholeCamera& camera, const SurfaceMaps& maps, const cv::Mat& picture,
-                             const EdgeFlaws& flaws, std::uint64_t seed, int frame) {
+EdgeMap DetectSyntheticEdges(const PinholeCamera& camera, const SurfaceMaps& maps,
+                             const cv::Mat& picture, const EdgeFlaws& flaws, std::uint64_t seed,
+                             int frame) {
   cv::Mat geometric = GeometricEdges(camera, maps);
   cv::Mat luminance, nearby;
   cv::cvtColor(picture, luminance, cv::COLOR_RGB2GRAY);
@@ -249,15 +269,18 @@ EdgeMap DetectSyntheticEdges(const PinholeCamera& camera, const SurfaceMaps& map
   std::vector<float> gap_noise, shift_noise;
   for (const EdgePoint& point : points) {
     // Weak contrast opens gaps first.
-    gap_noise.push_back(Wander(point.x, point.y, frame, 11, noise_seed) + 0.25f * std::min(0.12f, point.contrast) / 0.12f);
+    gap_noise.push_back(Wander(point.x, point.y, frame, 11, noise_seed) +
+                        0.25f * std::min(0.12f, point.contrast) / 0.12f);
     shift_noise.push_back(Wander(point.x, point.y, frame, 7, noise_seed + 1));
   }
   const float gap = Quantile(gap_noise, flaws.dropped);
   double spread = 1e-9;
   for (const float value : shift_noise) spread += value * value;
-  const auto shift_scale = static_cast<float>(flaws.jitter_px / std::sqrt(spread / std::max<std::size_t>(1, points.size())));
+  const auto shift_scale = static_cast<float>(
+      flaws.jitter_px / std::sqrt(spread / std::max<std::size_t>(1, points.size())));
 
-  EdgeMap map{cv::Mat(maps.depth.size(), CV_8U, cv::Scalar(0)), cv::Mat(maps.depth.size(), CV_8U, cv::Scalar(0))};
+  EdgeMap map{cv::Mat(maps.depth.size(), CV_8U, cv::Scalar(0)),
+              cv::Mat(maps.depth.size(), CV_8U, cv::Scalar(0))};
   int drawn = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (flaws.dropped > 0 && gap_noise[i] <= gap) continue;
@@ -266,7 +289,8 @@ EdgeMap DetectSyntheticEdges(const PinholeCamera& camera, const SurfaceMaps& map
     const float floor = point.geometric ? 0.3f : 0.1f;
     const float probability = floor + (1 - floor) * (1 - std::exp(-point.contrast / 0.07f));
     Draw(map, static_cast<int>(std::lround(static_cast<float>(point.x) + shift * point.normal.x)),
-         static_cast<int>(std::lround(static_cast<float>(point.y) + shift * point.normal.y)), probability, point.normal);
+         static_cast<int>(std::lround(static_cast<float>(point.y) + shift * point.normal.y)),
+         probability, point.normal);
     ++drawn;
   }
   AddSpurious(map, static_cast<int>(flaws.spurious * drawn), seed, frame);

@@ -44,18 +44,23 @@ struct TracedScene::Embree {
     if (device) rtcReleaseDevice(device);
   }
 
-  RTCGeometry MakeGeometry(const std::vector<Vector3f>& vertices, std::span<const Triangle> triangles) const {
+  RTCGeometry MakeGeometry(const std::vector<Vector3f>& vertices,
+                           std::span<const Triangle> triangles) const {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                               RTC_FORMAT_FLOAT3, 3 * sizeof(float), vertices.size()));
-    auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), triangles.size()));
-    PLB_CHECK(points != nullptr && (indices != nullptr || triangles.empty())) << "Embree is out of memory";
+                                                               RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                                               vertices.size()));
+    auto* indices = static_cast<unsigned*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                3 * sizeof(unsigned), triangles.size()));
+    PLB_CHECK(points != nullptr && (indices != nullptr || triangles.empty()))
+        << "Embree is out of memory";
     for (const Vector3f& vertex : vertices) {
       for (int axis = 0; axis < 3; ++axis) *points++ = vertex[axis];
     }
     for (const Triangle& triangle : triangles) {
-      for (int corner = 0; corner < 3; ++corner) *indices++ = static_cast<unsigned>(triangle.corners[corner]);
+      for (int corner = 0; corner < 3; ++corner)
+        *indices++ = static_cast<unsigned>(triangle.corners[corner]);
     }
     rtcCommitGeometry(geometry);
     return geometry;
@@ -107,7 +112,8 @@ void TracedScene::AddPart(const RoomPart& part, std::uint16_t index) {
     triangle.lets_light_in = part.lets_light_in;
     triangles_.push_back(triangle);
     const Hit middle{static_cast<std::uint32_t>(triangles_.size() - 1), 0, 1 / 3.0f, 1 / 3.0f};
-    triangles_.back().mean_color = PatternColor(materials_[triangle.material], Texture(middle), 0.2f);
+    triangles_.back().mean_color =
+        PatternColor(materials_[triangle.material], Texture(middle), 0.2f);
   }
 }
 
@@ -120,7 +126,8 @@ TracedScene::Hit TracedScene::Trace(const Vector3f& origin, const Vector3f& dire
   rtcInitIntersectContext(&context);
   rtcIntersect1(embree_->all, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  return {query.hit.primID + (query.hit.geomID == 0 ? 0 : first_pane_), query.ray.tfar, query.hit.u, query.hit.v};
+  return {query.hit.primID + (query.hit.geomID == 0 ? 0 : first_pane_), query.ray.tfar, query.hit.u,
+          query.hit.v};
 }
 
 bool TracedScene::Blocked(const Vector3f& origin, const Vector3f& direction, float distance) const {
@@ -134,7 +141,9 @@ bool TracedScene::Blocked(const Vector3f& origin, const Vector3f& direction, flo
 Vector3f TracedScene::FaceNormal(std::uint32_t triangle) const {
   const Eigen::Vector3i& c = triangles_[triangle].corners;
   const Vector3f& a = vertices_[static_cast<std::size_t>(c[0])];
-  return (vertices_[static_cast<std::size_t>(c[1])] - a).cross(vertices_[static_cast<std::size_t>(c[2])] - a).normalized();
+  return (vertices_[static_cast<std::size_t>(c[1])] - a)
+      .cross(vertices_[static_cast<std::size_t>(c[2])] - a)
+      .normalized();
 }
 
 }  // namespace plumbline

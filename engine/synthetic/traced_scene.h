@@ -12,7 +12,8 @@
 
 namespace plumbline {
 
-/// All triangles of a room in one list, ready for ray casting (Embree). Immutable; safe to use from several threads.
+/// All triangles of a room in one list, ready for ray casting (Embree). Immutable; safe to use from
+/// several threads.
 class TracedScene {
  public:
   struct Triangle {
@@ -39,13 +40,18 @@ class TracedScene {
   /// `direction` has unit length.
   Hit Trace(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
   /// Whether something that casts shadows lies on the way.
-  bool Blocked(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float distance) const;
+  bool Blocked(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
+               float distance) const;
 
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const std::vector<Eigen::Vector3f>& vertices() const { return vertices_; }
   const Material& material(const Triangle& triangle) const { return materials_[triangle.material]; }
-  Eigen::Vector3f ShadingNormal(const Hit& hit) const { return Interpolate(normals_, hit).normalized(); }
-  Eigen::Vector3f ShadingNormalAt(int vertex) const { return normals_[static_cast<std::size_t>(vertex)]; }
+  Eigen::Vector3f ShadingNormal(const Hit& hit) const {
+    return Interpolate(normals_, hit).normalized();
+  }
+  Eigen::Vector3f ShadingNormalAt(int vertex) const {
+    return normals_[static_cast<std::size_t>(vertex)];
+  }
   Eigen::Vector3f FaceNormal(std::uint32_t triangle) const;
   Eigen::Vector3f Texture(const Hit& hit) const { return Interpolate(texture_, hit); }
 
@@ -54,7 +60,8 @@ class TracedScene {
   Eigen::Vector3f Interpolate(const std::vector<Eigen::Vector3f>& values, const Hit& hit) const {
     const Eigen::Vector3i& c = triangles_[hit.triangle].corners;
     return values[static_cast<std::size_t>(c[0])] * (1 - hit.u - hit.v) +
-           values[static_cast<std::size_t>(c[1])] * hit.u + values[static_cast<std::size_t>(c[2])] * hit.v;
+           values[static_cast<std::size_t>(c[1])] * hit.u +
+           values[static_cast<std::size_t>(c[2])] * hit.v;
   }
   void AddPart(const RoomPart& part, std::uint16_t index);
 

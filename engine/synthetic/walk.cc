@@ -25,11 +25,13 @@ constexpr int kLengthSteps = 4096;
 double RadiusOf(int index) { return kMinRadius + (kMaxRadius - kMinRadius) * index / (kRadii - 1); }
 
 Vector2d OnLoop(const WalkPlan& plan, int direction, double radius) {
-  const double angle = plan.start_angle_rad + std::copysign(2 * kPi, plan.sweep_rad) * direction / kDirections;
+  const double angle =
+      plan.start_angle_rad + std::copysign(2 * kPi, plan.sweep_rad) * direction / kDirections;
   return plan.focus + radius * Vector2d(std::cos(angle), std::sin(angle));
 }
 
-/// Cheapest loop of radii by dynamic programming: near the wished radius, clear of obstacles, without sharp changes.
+/// Cheapest loop of radii by dynamic programming: near the wished radius, clear of obstacles,
+/// without sharp changes.
 std::optional<std::vector<double>> PlanRadii(const Room& room) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   std::vector<std::array<double, kRadii>> local(kDirections);
@@ -38,7 +40,8 @@ std::optional<std::vector<double>> PlanRadii(const Room& room) {
       const double clearance = Clearance(room, OnLoop(room.walk, d, RadiusOf(r)));
       const double off = RadiusOf(r) - room.walk.radius_m;
       const double narrow = std::max(0.0, 0.65 - clearance);
-      local[d][r] = clearance < Walk::kClearanceM + 0.04 ? kInfinite : off * off + 6 * narrow * narrow;
+      local[d][r] =
+          clearance < Walk::kClearanceM + 0.04 ? kInfinite : off * off + 6 * narrow * narrow;
     }
   }
   std::vector<double> best_radii;
@@ -89,7 +92,8 @@ void SmoothCircularly(std::vector<double>& values, int passes) {
 }  // namespace
 
 double Clearance(const Room& room, const Vector2d& point) {
-  double clearance = std::min(room.size.x() / 2 - std::abs(point.x()), room.size.y() / 2 - std::abs(point.y()));
+  double clearance =
+      std::min(room.size.x() / 2 - std::abs(point.x()), room.size.y() / 2 - std::abs(point.y()));
   for (const Footprint& footprint : room.obstacles) {
     const Vector2d local = Eigen::Rotation2Dd(-footprint.azimuth_rad) * (point - footprint.center);
     const Vector2d outside = local.cwiseAbs() - footprint.half_size;
@@ -104,13 +108,17 @@ Result<Walk> Walk::Plan(const Room& room, std::uint64_t seed, double rate_hz) {
   walk.plan_ = room.walk;
   walk.rate_hz_ = rate_hz;
   std::optional<std::vector<double>> radii = PlanRadii(room);
-  const Error blocked{ErrorCode::kDegenerate, "no walk round the middle of the room keeps clear of the furniture"};
+  const Error blocked{ErrorCode::kDegenerate,
+                      "no walk round the middle of the room keeps clear of the furniture"};
   if (!radii) return blocked;
   SmoothCircularly(*radii, 12);
-  for (int d = 0; d < kDirections; ++d) walk.control_.push_back(OnLoop(room.walk, d, (*radii)[static_cast<std::size_t>(d)]));
+  for (int d = 0; d < kDirections; ++d)
+    walk.control_.push_back(OnLoop(room.walk, d, (*radii)[static_cast<std::size_t>(d)]));
   walk.MeasureLength();
   for (int i = 0; i < kLengthSteps; i += 4) {
-    if (Clearance(room, walk.SplineAt(static_cast<double>(i) * kDirections / kLengthSteps)) < kClearanceM) return blocked;
+    if (Clearance(room, walk.SplineAt(static_cast<double>(i) * kDirections / kLengthSteps)) <
+        kClearanceM)
+      return blocked;
   }
   Random random({.seed = seed, .object = 0x57414c});
   const auto waves = [&](double amplitude, double low_hz, double high_hz, int count) {
@@ -126,7 +134,8 @@ Result<Walk> Walk::Plan(const Room& room, std::uint64_t seed, double rate_hz) {
   walk.pitch_ = waves(0.45 * kDegree, 0.3, 1.9, 4);
   walk.roll_ = waves(0.7 * kDegree, 0.2, 1.2, 4);
   walk.across_ = {{0.014, step_hz / 2, random.Uniform(0, 2 * kPi)}};
-  walk.up_ = {{0.010, step_hz, random.Uniform(0, 2 * kPi)}, {0.02, 0.21, random.Uniform(0, 2 * kPi)}};
+  walk.up_ = {{0.010, step_hz, random.Uniform(0, 2 * kPi)},
+              {0.02, 0.21, random.Uniform(0, 2 * kPi)}};
   walk.pace_ = waves(0.05, 0.1, 0.3, 2);
   walk.gaze_x_ = waves(0.45, 0.06, 0.14, 2);
   walk.gaze_y_ = waves(0.45, 0.06, 0.14, 2);
@@ -136,7 +145,8 @@ Result<Walk> Walk::Plan(const Room& room, std::uint64_t seed, double rate_hz) {
 
 double Walk::Sum(const std::vector<Wave>& waves, double t_s) const {
   double sum = 0;
-  for (const Wave& wave : waves) sum += wave.amplitude * std::sin(2 * kPi * wave.frequency_hz * t_s + wave.phase);
+  for (const Wave& wave : waves)
+    sum += wave.amplitude * std::sin(2 * kPi * wave.frequency_hz * t_s + wave.phase);
   return sum;
 }
 
@@ -183,7 +193,8 @@ Vector2d Walk::Position(double t_s) const {
   const auto next = std::upper_bound(length_.begin(), length_.end(), distance);
   const auto i = std::clamp<std::ptrdiff_t>(next - length_.begin() - 1, 0, kLengthSteps - 1);
   const auto index = static_cast<std::size_t>(i);
-  const double share = (distance - length_[index]) / std::max(1e-12, length_[index + 1] - length_[index]);
+  const double share =
+      (distance - length_[index]) / std::max(1e-12, length_[index + 1] - length_[index]);
   return SplineAt((static_cast<double>(i) + share) * kDirections / kLengthSteps);
 }
 
@@ -192,7 +203,8 @@ Eigen::Isometry3d Walk::RoomFromCam(double t_s) const {
   const Vector2d to_focus = (plan_.focus - stand).normalized();
   const Vector2d side(-to_focus.y(), to_focus.x());
   const double sway = Sum(across_, t_s);
-  const Vector3d eye(stand.x() + sway * side.x(), stand.y() + sway * side.y(), plan_.eye_height_m + Sum(up_, t_s));
+  const Vector3d eye(stand.x() + sway * side.x(), stand.y() + sway * side.y(),
+                     plan_.eye_height_m + Sum(up_, t_s));
   const Vector3d target(plan_.focus.x() + Sum(gaze_x_, t_s), plan_.focus.y() + Sum(gaze_y_, t_s),
                         plan_.focus_height_m + Sum(gaze_z_, t_s));
   const Vector3d gaze = target - eye;
@@ -201,11 +213,13 @@ Eigen::Isometry3d Walk::RoomFromCam(double t_s) const {
                      shake * 6 * kDegree * std::sin(2 * kPi * 1.9 * t_s);
   const double pitch = std::atan2(gaze.z(), gaze.head<2>().norm()) + Sum(pitch_, t_s) +
                        shake * 3 * kDegree * std::sin(2 * kPi * 2.6 * t_s + 1);
-  const Vector3d forward(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch));
+  const Vector3d forward(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch),
+                         std::sin(pitch));
   const Vector3d right = forward.cross(Vector3d::UnitZ()).normalized();
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() << right, forward.cross(right), forward;
-  pose.linear() = pose.linear() * Eigen::AngleAxisd(Sum(roll_, t_s), Vector3d::UnitZ()).toRotationMatrix();
+  pose.linear() =
+      pose.linear() * Eigen::AngleAxisd(Sum(roll_, t_s), Vector3d::UnitZ()).toRotationMatrix();
   pose.translation() = eye;
   return pose;
 }

@@ -15,11 +15,12 @@ namespace plumbline {
 /// Distance from a point to the nearest wall or obstacle [m], negative inside one.
 double Clearance(const Room& room, const Eigen::Vector2d& point);
 
-/// A hand-held camera carried round the focus of a room's walk plan: a closed, smooth path at a calm pace, with the
-/// sway of steps and the tremor of hands. A function of continuous time.
+/// A hand-held camera carried round the focus of a room's walk plan: a closed, smooth path at a
+/// calm pace, with the sway of steps and the tremor of hands. A function of continuous time.
 class Walk {
  public:
-  /// Finds a loop that keeps `kClearanceM` from everything. Errors: kDegenerate where there is none.
+  /// Finds a loop that keeps `kClearanceM` from everything. Errors: kDegenerate where there is
+  /// none.
   static Result<Walk> Plan(const Room& room, std::uint64_t seed, double rate_hz);
 
   /// Pose of the camera (x right, y down, z forward) at time `t_s` >= 0.
@@ -42,8 +43,9 @@ class Walk {
 
   WalkPlan plan_;
   double rate_hz_ = 30;
-  std::vector<Eigen::Vector2d> control_;  ///< Of a closed uniform cubic B-spline, from the start on.
-  std::vector<double> length_;            ///< From the start to evenly spaced parameters [m].
+  std::vector<Eigen::Vector2d>
+      control_;                 ///< Of a closed uniform cubic B-spline, from the start on.
+  std::vector<double> length_;  ///< From the start to evenly spaced parameters [m].
   std::vector<Wave> yaw_, pitch_, roll_, across_, up_, pace_, gaze_x_, gaze_y_, gaze_z_;
 };
 

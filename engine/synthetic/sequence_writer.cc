@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/synthetic/sequence_writer.h"
+
+#include <tbb/task_group.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <mutex>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "engine/base/files.h"
+#include "engine/base/timer.h"
+#include "engine/dataset/json_fields.h"
+#include "engine/dataset/proposals_file.h"
+#include "engine/models/mesh_file.h"
+#include "engine/synthetic/film.h"
+#include "engine/synthetic/ray_tracer.h"
+#include "engine/synthetic/room.h"
+#include "engine/synthetic/room_files.h"
+#include "engine/synthetic/simulated_detector.h"
+#include "engine/synthetic/synthetic_edges.h"
+#include "engine/synthetic/walk.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Isometry3d;
+using nlohmann::json;
+
+/// Instances count as visible in a frame from so many pixels of a 960x500 image on.
+constexpr double kVisiblePixels = 800;
+constexpr std::array<const char*, 6> kFolders = {"color", "edges", "proposals",
+                                                 "depth", "masks", "models"};
+
+Status PrepareFolder(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
+    if (!fs::exists(folder / "scene.json")) {
+      return Error{
+          ErrorCode::kInvalidInput,
+          "'" + folder.string() + "' holds other files; give an empty or a new folder with --out"};
+    }
+    for (const char* name : kFolders) fs::remove_all(folder / name, error);
+  }
+  for (const char* name : kFolders) {
+    fs::create_directories(folder / name, error);
+    if (error)
+      return Error{ErrorCode::kIo,
+                   "cannot make '" + (folder / name).string() + "': " + error.message()};
+  }
+  return {};
+}
+
+std::string FrameName(int frame) {
+  std::array<char, 16> text;
+  std::snprintf(text.data(), text.size(), "%06d", frame);
+  return text.data();
+}
+
+Status WriteImage(const fs::path& file, const cv::Mat& image, int jpeg_quality) {
+  const std::vector<int> parameters = file.extension() == ".jpg"
+                                          ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, jpeg_quality}
+                                          : std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 2};
+  try {
+    if (cv::imwrite(file.string(), image, parameters)) return {};
+  } catch (const cv::Exception&) {  // reported below
+  }
+  return Error{ErrorCode::kIo, "cannot write '" + file.string() + "'; is the disk full?"};
+}
+
+DetectorFlaws FlawsOf(SyntheticScene scene) {
+  DetectorFlaws flaws;
+  if (scene == SyntheticScene::kDuplicate) {
+    flaws.split = 0.30;
+    flaws.doubled = 0.35;
+  }
+  return flaws;
+}
+
+/// Runs of frames, both ends included: [[first, last], ...].
+class FrameRuns {
+ public:
+  void Add(int frame) {
+    if (!runs_.empty() && runs_.back().second == frame - 1) {
+      runs_.back().second = frame;
+    } else {
+      runs_.emplace_back(frame, frame);
+    }
+  }
+  json ToJson(int shortest) const {
+    json list = json::array();
+    for (const auto& [first, last] : runs_) {
+      if (last - first + 1 >= shortest) list.push_back({first, last});
+    }
+    return list;
+  }
+
+ private:
+  std::vector<std::pair<int, int>> runs_;
+};
+
+struct InstanceHistory {
+  FrameRuns visible, hidden, truncated;
+};
+
+/// One frame on its way to the disk.
+struct FramePictures {
+  cv::Mat radiance;
+  SurfaceMaps maps;
+  Isometry3d room_from_cam;
+};
+
+class SequenceJob {
+ public:
+  SequenceJob(const SyntheticOptions& options, const fs::path& folder, Room room, Walk walk,
+              std::unique_ptr<const RayTracer> tracer)
+      : options_(options),
+        folder_(folder),
+        room_(std::move(room)),
+        walk_(std::move(walk)),
+        tracer_(std::move(tracer)),
+        camera_(SyntheticCamera(options)),
+        meter_(room_),
+        detector_(room_, FlawsOf(options.scene), options.seed),
+        history_(room_.instances.size()) {}
+
+  Status WriteStill();
+  Status WriteFrames(const WorkContext& context);
+  Status WriteTruth(int frames);
+
+ private:
+  FramePictures Render(int frame) const;
+  int SamplesFor(const std::vector<Isometry3d>& poses) const;
+  Status WriteFrame(int frame, const FramePictures& pictures);
+  void Remember(int frame, const Visibility& visibility);
+
+  const SyntheticOptions& options_;
+  fs::path folder_;
+  Room room_;
+  Walk walk_;
+  std::unique_ptr<const RayTracer> tracer_;
+  Camera camera_;
+  VisibilityMeter meter_;
+  SimulatedDetector detector_;
+  std::vector<InstanceHistory> history_;
+  std::string trajectory_ = "# timestamp tx ty tz qx qy qz qw (world_from_cam)\n";
+  std::string visibility_ = "frame,instance_id,pixels\n";
+};
+
+Status SequenceJob::WriteStill() {
+  Status status = WriteJson(folder_ / "camera.json", CameraToJson(camera_));
+  if (!status.ok()) return status;
+  const Eigen::Vector3d up = options_.world_from_room.linear().col(2);
+  const double offset = -up.dot(options_.world_from_room.translation());
+  status = WriteJson(folder_ / "gravity.json", {{"gravity", {-up.x(), -up.y(), -up.z()}},
+                                                {"floor", {up.x(), up.y(), up.z(), offset}}});
+  if (!status.ok()) return status;
+  status = WriteModels(folder_ / "models", room_.catalogue);
+  if (!status.ok()) return status;
+  return WritePly(folder_ / "scene.ply",
+                  Transformed(ScanOfRoom(room_, *tracer_, 0.03f), options_.world_from_room));
+}
+
+/// More samples where the picture moves during the exposure, so that blur stays smooth.
+int SequenceJob::SamplesFor(const std::vector<Isometry3d>& poses) const {
+  const Isometry3d motion = poses.front().inverse() * poses.back();
+  const double moved = camera_.pinhole.fx * (Eigen::AngleAxisd(motion.linear()).angle() +
+                                             motion.translation().norm() / 2);
+  return std::clamp(static_cast<int>(std::lround(moved)), options_.samples_per_pixel,
+                    4 * options_.samples_per_pixel);
+}
+
+FramePictures SequenceJob::Render(int frame) const {
+  const double middle = frame / options_.rate_hz, exposure = walk_.ExposureSeconds(frame);
+  constexpr int kPoses = 24;
+  std::vector<Isometry3d> poses;
+  for (int i = 0; i < kPoses; ++i)
+    poses.push_back(walk_.RoomFromCam(middle + exposure * ((i + 0.5) / kPoses - 0.5)));
+  FramePictures pictures;
+  pictures.room_from_cam = walk_.RoomFromCam(middle);
+  pictures.radiance =
+      tracer_->Photograph(camera_.pinhole, poses, SamplesFor(poses), options_.seed, frame);
+  pictures.maps = tracer_->Look(camera_.pinhole, pictures.room_from_cam);
+  return pictures;
+}
+
+void SequenceJob::Remember(int frame, const Visibility& visibility) {
+  const double area =
+      static_cast<double>(camera_.pinhole.width) * camera_.pinhole.height / (960.0 * 500.0);
+  for (std::size_t i = 0; i < history_.size(); ++i) {
+    const int pixels = visibility.pixels[i];
+    if (pixels > 0)
+      visibility_ +=
+          std::to_string(frame) + "," + room_.instances[i].id + "," + std::to_string(pixels) + "\n";
+    const bool visible = pixels > kVisiblePixels * area;
+    if (visible) history_[i].visible.Add(frame);
+    if (visible && visibility.truncated[i]) history_[i].truncated.Add(frame);
+    if (visibility.share[i] > 0 ? visibility.share[i] < 0.15 : false) history_[i].hidden.Add(frame);
+  }
+}
+
+Status SequenceJob::WriteFrame(int frame, const FramePictures& pictures) {
+  const std::string name = FrameName(frame);
+  const FilmOptions film{tracer_->exposure(), options_.noise_levels};
+  const cv::Mat picture = DevelopFilm(pictures.radiance, film);
+  const SurfaceMaps& maps = pictures.maps;
+  cv::Mat depth_mm;
+  maps.depth.convertTo(depth_mm, CV_16U, 1000);
+  const EdgeMap edges =
+      DetectSyntheticEdges(camera_.pinhole, maps, picture, {}, options_.seed, frame);
+  const Visibility visibility = meter_.Measure(camera_.pinhole, pictures.room_from_cam, maps);
+  const std::vector<Detection> found =
+      detector_.Detect(frame, camera_.pinhole, pictures.room_from_cam, maps, visibility);
+  Remember(frame, visibility);
+
+  const Isometry3d world_from_cam = options_.world_from_room * pictures.room_from_cam;
+  const Eigen::Quaterniond q(world_from_cam.linear());
+  const Eigen::Vector3d t = world_from_cam.translation();
+  std::array<char, 256> line;
+  std::snprintf(line.data(), line.size(), "%.9f %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n",
+                frame / options_.rate_hz, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  trajectory_ += line.data();
+
+  const std::string image_name = name + ".jpg";
+  const std::array<std::pair<fs::path, cv::Mat>, 5> files = {
+      {{folder_ / "color" / image_name, ExposeSensor(picture, film, options_.seed, frame)},
+       {folder_ / "edges" / (name + ".png"), edges.probability},
+       {folder_ / "edges" / (name + "_angle.png"), edges.angle},
+       {folder_ / "depth" / (name + ".png"), depth_mm},
+       {folder_ / "masks" / (name + ".png"), maps.instance}}};
+  for (const auto& [file, image] : files) {
+    const Status written = WriteImage(file, image, options_.jpeg_quality);
+    if (!written.ok()) return written;
+  }
+  return WriteJson(folder_ / "proposals" / (name + ".json"),
+                   json::array({ProposalsToJson(image_name, found)}));
+}
+
+/// Renders one frame while the one before is measured, encoded and written.
+Status SequenceJob::WriteFrames(const WorkContext& context) {
+  tbb::task_group writing;
+  Status status;
+  int frame = 0;
+  for (; frame < options_.frames && !context.stop.stop_requested(); ++frame) {
+    context.report({"frames", frame, options_.frames});
+    FramePictures pictures = Render(frame);
+    writing.wait();
+    if (!status.ok()) return status;
+    writing.run([this, frame, &status, pictures = std::move(pictures)] {
+      status = WriteFrame(frame, pictures);
+    });
+  }
+  writing.wait();
+  if (!status.ok()) return status;
+  status = WriteTruth(frame);
+  if (!status.ok()) return status;
+  if (frame < options_.frames) {
+    return Error{ErrorCode::kCancelled, "stopped after " + std::to_string(frame) + " of " +
+                                            std::to_string(options_.frames) + " frames; '" +
+                                            folder_.string() +
+                                            "' holds a complete, shorter sequence"};
+  }
+  context.report({"frames", frame, options_.frames});
+  return {};
+}
+
+Status SequenceJob::WriteTruth(int frames) {
+  json instances = json::array(), situations = json::array();
+  for (std::size_t i = 0; i < room_.instances.size(); ++i) {
+    const RoomInstance& instance = room_.instances[i];
+    instances.push_back({{"id", instance.id},
+                         {"model", instance.model},
+                         {"category", instance.category},
+                         {"world_from_object",
+                          IsometryToJson(options_.world_from_room * instance.room_from_object)},
+                         {"quality", "fine"},
+                         {"mask_id", i + 1},
+                         {"visible_frames", history_[i].visible.ToJson(1)}});
+    situations.push_back({{"instance", instance.id},
+                          {"hidden_frames", history_[i].hidden.ToJson(10)},
+                          {"truncated_frames", history_[i].truncated.ToJson(10)}});
+  }
+  const Eigen::Vector3d up = options_.world_from_room.linear().col(2);
+  json shaken = json::array();
+  for (const auto& [first, last] : room_.walk.shaken_frames) {
+    if (first < frames) shaken.push_back({first, std::min(last, frames) - 1});
+  }
+  json scene = {{"scene", NameOf(options_.scene)},
+                {"seed", options_.seed},
+                {"frames", frames},
+                {"room_size_m", {room_.size.x(), room_.size.y(), room_.size.z()}},
+                {"world_from_room", IsometryToJson(options_.world_from_room)},
+                {"situations", situations},
+                {"shaken_frames", shaken}};
+  if (room_.main_instance > 0)
+    scene["main_instance"] = room_.instances[static_cast<std::size_t>(room_.main_instance - 1)].id;
+  Status status = WriteJson(folder_ / "ground_truth.json",
+                            {{"gravity", {-up.x(), -up.y(), -up.z()}}, {"instances", instances}});
+  if (status.ok()) status = WriteFileAtomically(folder_ / "trajectory.txt", trajectory_);
+  if (status.ok()) status = WriteFileAtomically(folder_ / "visibility.csv", visibility_);
+  if (status.ok()) status = WriteJson(folder_ / "scene.json", scene);
+  return status;
+}
+
+}  // namespace
+
+Camera SyntheticCamera(const SyntheticOptions& options) {
+  // Of a 960x500 image; other sizes see the same width of the room.
+  const double scale = options.width / 960.0;
+  Camera camera;
+  camera.pinhole.width = options.width;
+  camera.pinhole.height = options.height;
+  camera.pinhole.fx = 560.0 * scale;
+  camera.pinhole.fy = 561.5 * scale;
+  camera.pinhole.cx = (960.0 / 2 - 0.5 + 7.3 + 0.5) * scale - 0.5;
+  camera.pinhole.cy = 0.5 * options.height - 0.5 - 4.6 * scale;
+  camera.rate_hz = options.rate_hz;
+  return camera;
+}
+
+Result<SyntheticSummary> WriteSyntheticSequence(const SyntheticOptions& options,
+                                                const fs::path& folder,
+                                                const WorkContext& context) {
+  const std::vector<std::string> problems = options.Validate();
+  if (!problems.empty())
+    return Error{ErrorCode::kInvalidInput, "synthetic sequence: " + problems.front()};
+  Result<Room> room = FurnishRoom(options);
+  if (!room.ok()) return room.error();
+  Result<Walk> walk = Walk::Plan(*room, options.seed, options.rate_hz);
+  if (!walk.ok()) return walk.error();
+  Status status = PrepareFolder(folder);
+  if (!status.ok()) return status.error();
+  SyntheticSummary summary;
+  const Stopwatch light_timer;
+  Result<std::unique_ptr<const RayTracer>> tracer =
+      RayTracer::Create(*room, options.light_rays, context);
+  if (!tracer.ok()) return tracer.error();
+  summary.light_seconds = light_timer.Milliseconds() / 1000;
+  summary.instances = static_cast<int>(room->instances.size());
+  SequenceJob job(options, folder, std::move(*room), std::move(*walk), std::move(*tracer));
+  status = job.WriteStill();
+  if (!status.ok()) return status.error();
+  const Stopwatch frame_timer;
+  status = job.WriteFrames(context);
+  if (!status.ok()) return status.error();
+  summary.frames = options.frames;
+  summary.frame_seconds = frame_timer.Milliseconds() / 1000;
+  return summary;
+}
+
+}  // namespace plumbline
