@@ -46,6 +46,7 @@ struct MapperOptions {
   ScoredBox scored_box = ScoredBox::kBest;
   double search_radius_px = 12;
   double search_sigma_px = 5;
+  double edge_power = 2;
   double occlusion_margin_m = 0.05;
   double min_visible = 0.05;
 
@@ -111,6 +112,7 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"search_radius_px", "px", "length of the search along contour normals", 1, 60});
   visit(o.search_sigma_px,
         {"search_sigma_px", "px", "how fast a hit counts less with distance", 0.5, 60});
+  visit(o.edge_power, {"edge_power", "", "a hit counts probability^power", 0.1, 10});
   visit(o.occlusion_margin_m,
         {"occlusion_margin_m", "m", "a contour hides only behind surfaces this much nearer", 0, 1});
   visit(o.min_visible, {"min_visible", "",

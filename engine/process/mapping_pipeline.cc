@@ -262,6 +262,7 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineCho
   OrientedTableOptions table;
   table.radius_px = choice.options.search_radius_px;
   table.sigma_px = choice.options.search_sigma_px;
+  table.power = choice.options.edge_power;
   impl->preparer = std::make_unique<FramePreparer>(impl->sequence, std::move(detector).value(),
                                                    std::move(edges).value(), table);
   MapperSetup setup;

@@ -55,13 +55,16 @@ OrientedTable::OrientedTable(const EdgeMap& edges, const OrientedTableOptions& o
         bins_of_angle[a].push_back(bin);
     }
   }
+  int strength[256];
+  for (int p = 0; p < 256; ++p)
+    strength[p] = static_cast<int>(std::lround(255.0 * std::pow(p / 255.0, options.power)));
   const int margin = static_cast<int>(std::ceil(options.radius_px)) + 1;
   for (int y = 0; y < height_; ++y) {
     const auto* probability = edges.probability.ptr<std::uint8_t>(y);
     const auto* angle = edges.angle.ptr<std::uint8_t>(y);
     for (int x = 0; x < width_; ++x) {
-      const int p = probability[x];
-      if (p < 8) continue;
+      const int p = strength[probability[x]];
+      if (p < 4) continue;
       const bool inner = x >= margin && y >= margin && x < width_ - margin && y < height_ - margin;
       for (const int bin : bins_of_angle[angle[x]]) {
         for (const Offset& offset : lines[bin]) {

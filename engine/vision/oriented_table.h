@@ -11,12 +11,13 @@ namespace plumbline {
 struct OrientedTableOptions {
   double radius_px = 12;       ///< Length of the search along the contour's normal, each way.
   double sigma_px = 5;         ///< A hit at distance k counts exp(-k^2 / (2 sigma^2)).
+  double power = 2.0;          ///< A hit counts probability^power: faint edges are mostly clutter.
   double min_agreement = 0.9;  ///< |cos| of the angle between contour normal and edge normal.
 };
 
 /// One-dimensional search along contour normals, tabulated once for a frame: for every pixel and
-/// direction of the normal, the best hit, max over offsets k of probability(x + k n) exp(-k^2 / (2
-/// sigma^2)) among edges of agreeing orientation. A contour sample then costs one look-up.
+/// direction of the normal, the best hit, max over offsets k of probability(x + k n)^power exp(-k^2
+/// / (2 sigma^2)) among edges of agreeing orientation. A contour sample then costs one look-up.
 /// Immutable; share it.
 class OrientedTable {
  public:
