@@ -19,7 +19,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr char kFormat[] = "plumbline-viewpoints-5";
+constexpr char kFormat[] = "plumbline-viewpoints-6";
 
 /// Casts rays at one mesh.
 class RayScene {
@@ -99,16 +99,23 @@ std::uint32_t ZOrder(std::uint32_t x, std::uint32_t y) {
   return code;
 }
 
-/// Depth of the surface at p continued to the ray q: a contour lies between them if q's surface is
-/// a step behind that.
+/// Depth at which the plane of hit `a` meets the ray `ray_b`; 0 if it does not.
+float Continued(const RayScene::Hit& a, const Eigen::Vector3f& ray_a,
+                const Eigen::Vector3f& ray_b) {
+  const float across = a.normal.dot(ray_b);
+  if (std::abs(across) < 1e-6f) return 0;
+  return std::max(0.0f, a.distance * a.normal.dot(ray_a) / across);
+}
+
+/// Whether a contour lies between the rays p and q, p on the near side: q's surface is a step
+/// behind p's continued to q, and p's a step before q's continued to p (the rule of
+/// engine/render/contour.cc: at a crease, a face seen squarely meets one seen at a grazing angle).
 bool IsStep(const RayScene::Hit& p, const Eigen::Vector3f& ray_p, const RayScene::Hit& q,
             const Eigen::Vector3f& ray_q, float step) {
   if (q.distance == 0) return true;
   if (q.distance - p.distance < step) return false;
-  const float across = p.normal.dot(ray_q);
-  if (std::abs(across) < 1e-6f) return false;
-  const float continued = p.distance * p.normal.dot(ray_p) / across;
-  return continued <= 0 ? false : q.distance - continued > step;
+  const float p_at_q = Continued(p, ray_p, ray_q), q_at_p = Continued(q, ray_q, ray_p);
+  return p_at_q > 0 && q.distance - p_at_q > step && (q_at_p == 0 || q_at_p - p.distance > step);
 }
 
 class ViewBuilder {
