@@ -40,7 +40,8 @@ int BinOf(double angle_rad) {
 }
 
 TEST(OrientedTable, HitFallsWithDistanceFromTheEdge) {
-  const OrientedTableOptions options;
+  OrientedTableOptions options;
+  options.power = 1;
   EdgeMap edges = NoEdges();
   edges.probability.col(60) = 200;  // normal along x
   const OrientedTable table(edges, options);
@@ -112,9 +113,15 @@ TEST(OrientedTable, ChanceIsTheMeanOfAllHits) {
 
 TEST(OrientedTable, WeakerEdgesCountLess) {
   const int bin = BinOf(1.0);
-  const OrientedTable strong(LineWithNormal(1.0, 250), {}), weak(LineWithNormal(1.0, 100), {});
-  for (int x = 50; x < 70; ++x) {
-    EXPECT_NEAR(weak.Hit(x, 60, bin), 0.4 * strong.Hit(x, 60, bin), 1.5) << x;
+  for (const double power : {1.0, 2.0, 3.0}) {
+    OrientedTableOptions options;
+    options.power = power;
+    const OrientedTable strong(LineWithNormal(1.0, 250), options);
+    const OrientedTable weak(LineWithNormal(1.0, 100), options);
+    for (int x = 50; x < 70; ++x) {
+      EXPECT_NEAR(weak.Hit(x, 60, bin), std::pow(0.4, power) * strong.Hit(x, 60, bin), 1.5)
+          << x << ", power " << power;
+    }
   }
 }
 
