@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
       {plumbline::AddRunVerb},
       {plumbline::AddDetectVerb},
       {plumbline::AddEdgesVerb},
+      {plumbline::AddModelsVerb},
       {plumbline::AddSynthVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",

@@ -6,6 +6,7 @@
 
 #include "engine/base/files.h"
 #include "engine/models/mesh_file.h"
+#include "engine/models/model_entry.h"
 
 namespace plumbline {
 namespace {
@@ -35,8 +36,10 @@ Result<Symmetry> ParseSymmetry(const nlohmann::json& json, const std::string& wh
   return symmetry;
 }
 
-Result<CadModel> ParseModel(const nlohmann::json& json, const std::filesystem::path& folder,
-                            const std::string& where) {
+}  // namespace
+
+Result<CadModel> ReadModelEntry(const nlohmann::json& json, const std::filesystem::path& folder,
+                                const std::string& where) {
   CadModel model;
   model.name = json.value("name", "");
   model.file = json.value("file", "");
@@ -67,8 +70,6 @@ Result<CadModel> ParseModel(const nlohmann::json& json, const std::filesystem::p
   return model;
 }
 
-}  // namespace
-
 Result<std::shared_ptr<const ModelDatabase>> ModelDatabase::Load(
     const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "models.json";
@@ -86,7 +87,7 @@ Result<std::shared_ptr<const ModelDatabase>> ModelDatabase::Load(
     std::set<std::string> names;
     for (const nlohmann::json& entry : json->at("models")) {
       const std::string where = "'" + file.string() + "', model " + std::to_string(models.size());
-      Result<CadModel> model = ParseModel(entry, folder, where);
+      Result<CadModel> model = ReadModelEntry(entry, folder, where);
       if (!model.ok()) return model.error();
       if (!names.insert(model->name).second) {
         return Error{ErrorCode::kInvalidInput,
