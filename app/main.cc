@@ -17,6 +17,8 @@ int main(int argc, char** argv) {
       {plumbline::AddEdgesVerb},
       {plumbline::AddModelsVerb},
       {plumbline::AddSynthVerb},
+      {plumbline::AddEvaluateVerb},
+      {plumbline::AddExportVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
                "plumbline");

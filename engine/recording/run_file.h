@@ -80,6 +80,16 @@ struct RunFrame {
   bool skipped = false;
 };
 
+/// What one frame cost.
+struct RunTiming {
+  int position = 0;
+  int frame = 0;
+  bool skipped = false;
+  double elapsed_s = 0;  ///< Wall-clock time of the run up to the end of this frame; pauses between
+                         ///< resumed parts apart.
+  std::vector<StageTiming> stages;
+};
+
 /// An object's life in brief.
 struct ObjectTrack {
   ObjectId id;
@@ -122,6 +132,7 @@ class RunReader {
   /// run.
   Result<std::vector<RunFrame>> Frames(int first_position = 0);
   Result<std::vector<RunEvent>> Events(int first_position = 0);
+  Result<std::vector<RunTiming>> Timings(int first_position = 0);
   /// By id.
   Result<std::vector<ObjectTrack>> ObjectTracks();
 

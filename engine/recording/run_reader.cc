@@ -89,6 +89,10 @@ class RunReader::Implementation {
          "SELECT position, frame, kind, object, other, text FROM events JOIN frames USING "
          "(position) "
          "WHERE position >= ?1 ORDER BY position, ordinal"},
+        {timings_,
+         "SELECT position, frame, skipped <> '', elapsed_s, details FROM frames WHERE position >= "
+         "?1 "
+         "ORDER BY position"},
         {tracks_,
          "SELECT o.object, o.category, o.label, o.state, t.first, t.last, a.frame, b.frame, "
          "o.confirmed_frame, "
@@ -179,6 +183,23 @@ class RunReader::Implementation {
   Result<std::vector<RunEvent>> Events(int first_position) {
     events_.Bind(1, std::int64_t{first_position});
     return ReadEvents(events_);
+  }
+
+  Result<std::vector<RunTiming>> Timings(int first_position) {
+    const ResetAtEnd reset(timings_);
+    timings_.Bind(1, std::int64_t{first_position});
+    std::vector<RunTiming> timings;
+    while (true) {
+      const Result<bool> row = timings_.Step();
+      if (!row) return row.error();
+      if (!*row) return timings;
+      const int position = static_cast<int>(timings_.Integer(0));
+      FrameReport report;
+      if (const Status decoded = DecodeFrame(timings_.Blob(4), report); !decoded.ok())
+        return Damaged(position);
+      timings.push_back({position, static_cast<int>(timings_.Integer(1)), timings_.Integer(2) != 0,
+                         timings_.Real(3), std::move(report.timings)});
+    }
   }
 
   Result<std::vector<ObjectTrack>> Tracks() {
@@ -293,7 +314,7 @@ class RunReader::Implementation {
   std::unique_ptr<sqlite::Database> database_;
   RunHeader run_header_;
   sqlite::Statement header_, finished_, count_, frame_, objects_, particles_, frame_events_,
-      thumbnail_, find_, frames_, events_, tracks_;
+      thumbnail_, find_, frames_, events_, timings_, tracks_;
 };
 
 Result<std::unique_ptr<RunReader>> RunReader::Open(const std::filesystem::path& file) {
@@ -358,6 +379,9 @@ Result<std::vector<RunFrame>> RunReader::Frames(int first_position) {
 }
 Result<std::vector<RunEvent>> RunReader::Events(int first_position) {
   return implementation_->Events(first_position);
+}
+Result<std::vector<RunTiming>> RunReader::Timings(int first_position) {
+  return implementation_->Timings(first_position);
 }
 Result<std::vector<ObjectTrack>> RunReader::ObjectTracks() { return implementation_->Tracks(); }
 

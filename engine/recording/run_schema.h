@@ -19,6 +19,7 @@ CREATE TABLE frames (
   stamp_ns INTEGER NOT NULL,
   skipped TEXT NOT NULL,
   num_objects INTEGER NOT NULL,
+  elapsed_s REAL NOT NULL,
   details BLOB NOT NULL,
   thumbnail BLOB NOT NULL);
 CREATE TABLE objects (

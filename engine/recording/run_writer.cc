@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/queue.h"
+#include "engine/base/timer.h"
 #include "engine/recording/frame_codec.h"
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_schema.h"
@@ -78,8 +79,9 @@ Status RemoveOldRun(const std::filesystem::path& file) {
 /// The thread behind a RunWriter. Only the thread touches the database between Start and Close.
 class RunWriter::Worker {
  public:
-  Worker(std::unique_ptr<sqlite::Database> database, int position, int last_frame)
+  Worker(std::unique_ptr<sqlite::Database> database, int position, int last_frame, double elapsed_s)
       : database_(std::move(database)),
+        elapsed_before_s_(elapsed_s),
         last_frame_(last_frame),
         position_(position),
         num_written_(position) {}
@@ -89,7 +91,7 @@ class RunWriter::Worker {
     const std::pair<sqlite::Statement&, const char*> statements[] = {
         {begin_, "BEGIN IMMEDIATE"},
         {commit_, "COMMIT"},
-        {insert_frame_, "INSERT INTO frames VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)"},
+        {insert_frame_, "INSERT INTO frames VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)"},
         {insert_object_, "INSERT INTO objects VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)"},
         {insert_event_, "INSERT INTO events VALUES (?1, ?2, ?3, ?4, ?5, ?6)"}};
     for (const auto& [statement, sql] : statements) {
@@ -106,7 +108,9 @@ class RunWriter::Worker {
     last_frame_ = report.frame;
     const Status status = CurrentStatus();
     if (!status.ok()) return status;
-    PLB_CHECK(queue_.Push(Item{std::move(report), image})) << "the run file is closed";
+    PLB_CHECK(queue_.Push(
+        Item{std::move(report), image, elapsed_before_s_ + watch_.Milliseconds() / 1000}))
+        << "the run file is closed";
     return {};
   }
 
@@ -135,6 +139,7 @@ class RunWriter::Worker {
   struct Item {
     FrameReport report;
     cv::Mat image;
+    double elapsed_s;
   };
   struct StoredParticles {
     std::shared_ptr<const std::vector<Particle>> particles;
@@ -164,7 +169,7 @@ class RunWriter::Worker {
     const std::string details = EncodeFrame(report);
     const std::string thumbnail = EncodeThumbnail(item.image);
     Status status = begin_.Run();
-    if (status.ok()) status = StoreFrame(report, details, thumbnail);
+    if (status.ok()) status = StoreFrame(item, details, thumbnail);
     for (const ObjectReport& object : report.objects) {
       if (status.ok()) status = StoreObject(object);
     }
@@ -179,15 +184,16 @@ class RunWriter::Worker {
     return {};
   }
 
-  Status StoreFrame(const FrameReport& report, const std::string& details,
-                    const std::string& thumbnail) {
+  Status StoreFrame(const Item& item, const std::string& details, const std::string& thumbnail) {
+    const FrameReport& report = item.report;
     insert_frame_.Bind(1, std::int64_t{position_});
     insert_frame_.Bind(2, std::int64_t{report.frame});
     insert_frame_.Bind(3, report.stamp_ns);
     insert_frame_.BindText(4, report.skipped);
     insert_frame_.Bind(5, static_cast<std::int64_t>(report.objects.size()));
-    insert_frame_.BindBlob(6, details);
-    insert_frame_.BindBlob(7, thumbnail);
+    insert_frame_.Bind(6, item.elapsed_s);
+    insert_frame_.BindBlob(7, details);
+    insert_frame_.BindBlob(8, thumbnail);
     return insert_frame_.Run();
   }
 
@@ -247,6 +253,8 @@ class RunWriter::Worker {
   std::unique_ptr<sqlite::Database> database_;
   sqlite::Statement begin_, commit_, insert_frame_, insert_object_, insert_event_;
   BoundedQueue<Item> queue_{kQueuedFrames};
+  const double elapsed_before_s_;  // of a resumed run
+  const Stopwatch watch_;
   int last_frame_;
   int position_;
   std::map<ObjectId, StoredParticles> stored_;
@@ -268,7 +276,8 @@ Result<std::unique_ptr<RunWriter>> RunWriter::Create(const std::filesystem::path
   if (status.ok()) status = (*database)->Execute("COMMIT");
   if (status.ok()) status = UseWriteAheadLog(**database);
   if (!status.ok()) return Error{ErrorCode::kIo, status.error().message};
-  auto worker = std::make_unique<Worker>(std::move(*database), 0, std::numeric_limits<int>::min());
+  auto worker =
+      std::make_unique<Worker>(std::move(*database), 0, std::numeric_limits<int>::min(), 0.0);
   if (const Status started = worker->Start(); !started.ok()) return started.error();
   return std::unique_ptr<RunWriter>(new RunWriter(std::move(worker)));
 }
@@ -277,6 +286,7 @@ Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& 
                                                    const RunHeader& header) {
   Resumed resumed;
   int num_frames = 0;
+  double elapsed_s = 0;
   {
     Result<std::unique_ptr<RunReader>> reader = RunReader::Open(file);
     if (!reader) return reader.error();
@@ -293,6 +303,8 @@ Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& 
         break;
       }
     }
+    const Result<std::vector<RunTiming>> timings = (*reader)->Timings(num_frames - 1);
+    if (timings && !timings->empty()) elapsed_s = timings->front().elapsed_s;
   }
   Result<std::unique_ptr<sqlite::Database>> database =
       sqlite::Database::Open(file, sqlite::Access::kReadWrite);
@@ -308,7 +320,7 @@ Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& 
   if (status.ok()) status = (*database)->Execute("COMMIT");
   if (!status.ok()) return status.error();
   const int last_frame = resumed.last ? resumed.last->frame : std::numeric_limits<int>::min();
-  auto worker = std::make_unique<Worker>(std::move(*database), num_frames, last_frame);
+  auto worker = std::make_unique<Worker>(std::move(*database), num_frames, last_frame, elapsed_s);
   if (const Status started = worker->Start(); !started.ok()) return started.error();
   resumed.writer.reset(new RunWriter(std::move(worker)));
   return resumed;

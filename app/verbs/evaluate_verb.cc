@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "app/verbs/verb.h"
+#include "engine/evaluation/map_evaluation.h"
+#include "engine/models/mesh_file.h"
+#include "engine/recording/run_summary.h"
+
+namespace plumbline {
+namespace {
+
+struct EvaluateArguments {
+  std::string run, ground_truth, models, scene, json;
+  std::string align = "none", truth = "both";
+  EvaluationOptions options;
+};
+
+double Degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
+
+template <typename E>
+E ValueOf(const std::string& name) {
+  std::size_t i = 0;
+  while (EnumNames<E>::names[i] != name) ++i;
+  return static_cast<E>(i);
+}
+
+std::string Number(const char* format, std::optional<double> value) {
+  if (!value) return "-";
+  char text[32];
+  std::snprintf(text, sizeof(text), format, *value);
+  return text;
+}
+
+void PrintSurface(const char* name, const ErrorStatistics& s, const char* paper) {
+  if (s.samples == 0) {
+    std::printf("%-22s %8s\n", name, "-");
+    return;
+  }
+  std::printf("%-22s %8.2f %8.2f %8.2f %8.2f   %s\n", name, 100 * s.mean_m, 100 * s.median_m,
+              100 * s.std_m, 100 * s.max_m, paper);
+}
+
+void PrintObjects(const MapEvaluation& evaluation) {
+  std::printf("%-6s %-18s %-18s %7s %7s %8s %8s %6s %7s %8s\n", "object", "model", "ground truth",
+              "trans.", "centre", "rotation", "azimuth", "tilt", "height", "surface");
+  std::printf("%-6s %-18s %-18s %7s %7s %8s %8s %6s %7s %8s\n", "", "", "", "cm", "cm", "deg",
+              "deg", "deg", "cm", "mean cm");
+  for (const MatchedObject& object : evaluation.matched) {
+    const PoseError& pose = object.pose;
+    const std::optional<double> azimuth =
+        pose.azimuth_rad ? std::optional(Degrees(*pose.azimuth_rad)) : std::nullopt;
+    std::printf("%-6s %-18s %-18s %7.1f %7.1f %8.2f %8s %6.2f %+7.1f %8.2f%s%s\n",
+                object.estimate.id.c_str(), object.estimate.model.c_str(), object.truth.id.c_str(),
+                100 * pose.translation_m, 100 * object.centre_m, Degrees(pose.rotation_rad),
+                Number("%+.2f", azimuth).c_str(), Degrees(pose.tilt_rad), 100 * pose.height_m,
+                100 * object.surface.mean_m, object.truth.fine ? "" : "  coarse",
+                object.model_correct ? "" : "  WRONG MODEL");
+  }
+  for (const SpuriousObject& object : evaluation.spurious) {
+    std::printf("%-6s %-18s %-18s %59s\n", object.estimate.id.c_str(),
+                object.estimate.model.c_str(), "SPURIOUS",
+                Number("%.2f", 100 * object.surface.mean_m).c_str());
+  }
+  for (const GroundTruthInstance& instance : evaluation.missed) {
+    std::printf("%-6s %-18s %-18s %s\n", "MISSED", instance.model.c_str(), instance.id.c_str(),
+                instance.fine ? "" : "coarse");
+  }
+}
+
+void PrintTable(const MapEvaluation& evaluation, const EvaluateArguments& arguments) {
+  PrintObjects(evaluation);
+  std::printf("\nmatched %zu, missed %zu, spurious %zu; alignment %s, truth %s%s\n\n",
+              evaluation.matched.size(), evaluation.missed.size(), evaluation.spurious.size(),
+              arguments.align.c_str(), arguments.scene.empty() ? "models" : arguments.truth.c_str(),
+              arguments.scene.empty() ? " (no --scene)" : "");
+  std::printf("%-22s %8s %8s %8s %8s   %s\n", "distances [cm]", "mean", "median", "std", "max",
+              "the paper's mean");
+  PrintSurface("surface", evaluation.surface, "");
+  PrintSurface("surface, to the plane", evaluation.surface_normal,
+               "1.39 - 2.79 VISMA, 0.3 - 6.3 SceneNN");
+  PrintSurface("completeness", evaluation.completeness, "");
+  const auto centimetres = [](std::optional<double> m) {
+    return m ? std::optional(100 * *m) : std::nullopt;
+  };
+  const auto degrees = [](std::optional<double> rad) {
+    return rad ? std::optional(Degrees(*rad)) : std::nullopt;
+  };
+  std::printf("\n%-22s %8s %8s   %s\n", "mean pose error", "fine", "all", "the paper");
+  std::printf("%-22s %8s %8s   %s\n", "translation [cm]",
+              Number("%.2f", centimetres(evaluation.mean.translation_m)).c_str(),
+              Number("%.2f", centimetres(evaluation.mean_all.translation_m)).c_str(),
+              "2.4 - 13.6 VISMA");
+  std::printf("%-22s %8s %8s   %s\n", "rotation [deg]",
+              Number("%.2f", degrees(evaluation.mean.rotation_rad)).c_str(),
+              Number("%.2f", degrees(evaluation.mean_all.rotation_rad)).c_str(), "4.7 - 9.1 VISMA");
+}
+
+Status Evaluate(EvaluateArguments arguments) {
+  arguments.options.align = ValueOf<Alignment>(arguments.align);
+  arguments.options.truth = ValueOf<TruthSurface>(arguments.truth);
+  const Result<std::vector<EstimatedObject>> estimates = ReadEstimates(arguments.run);
+  if (!estimates) return estimates.error();
+  const Result<GroundTruth> truth = ReadGroundTruth(arguments.ground_truth);
+  if (!truth) return truth.error();
+  const Result<std::shared_ptr<const ModelDatabase>> database =
+      ModelDatabase::Load(arguments.models);
+  if (!database) return database.error();
+  std::optional<TriangleMesh> scan;
+  if (!arguments.scene.empty()) {
+    Result<TriangleMesh> mesh = ReadMesh(arguments.scene);
+    if (!mesh) return mesh.error();
+    if (mesh->triangles.empty()) {
+      return Error{ErrorCode::kInvalidInput,
+                   arguments.scene + " is a point cloud; distances need a mesh with triangles"};
+    }
+    scan = std::move(*mesh);
+  }
+  const Result<MapEvaluation> evaluation =
+      EvaluateMap(*estimates, *truth, **database, scan ? &*scan : nullptr, arguments.options);
+  if (!evaluation) return evaluation.error();
+  if (arguments.json != "-") PrintTable(*evaluation, arguments);
+  if (arguments.json.empty()) return {};
+  return WriteJsonResult(arguments.json, EvaluationToJson(*evaluation, arguments.options));
+}
+
+}  // namespace
+
+void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
+  auto arguments = std::make_shared<EvaluateArguments>();
+  CLI::App* verb = app.add_subcommand(
+      "evaluate",
+      "Judge the map of a run: surface error, pose errors, what was missed and what is not there");
+  verb->add_option("run", arguments->run, "A run file, or the JSON that 'run --json' wrote")
+      ->required()
+      ->type_name("RUN.plb|RUN.json");
+  verb->add_option("--ground-truth", arguments->ground_truth, "What is really there, and where")
+      ->required()
+      ->type_name("FILE");
+  verb->add_option("--models", arguments->models,
+                   "The model database of the run and of the ground truth")
+      ->required()
+      ->type_name("DIR");
+  verb->add_option("--scene", arguments->scene,
+                   "The scanned scene, a mesh in the frame of the ground truth")
+      ->type_name("FILE.ply");
+  verb->add_option("--align", arguments->align,
+                   "Before measuring, bring the map into the frame of the ground truth: not at "
+                   "all, by a turn about "
+                   "gravity and a translation from the matched objects, by ICP of the surfaces "
+                   "(rigid, as in the "
+                   "paper), or by ICP that keeps gravity")
+      ->check(CLI::IsMember({"none", "objects", "icp", "icp4"}))
+      ->capture_default_str();
+  verb->add_option("--truth", arguments->truth,
+                   "The true surface: the scan together with the posed true models, or one of them")
+      ->check(CLI::IsMember({"both", "scan", "models"}))
+      ->capture_default_str();
+  verb->add_option("--ignore-category", arguments->options.ignored_categories,
+                   "Leave objects and instances of this category out (may be given several times)")
+      ->type_name("C")
+      ->allow_extra_args(false);
+  verb->add_option("--samples", arguments->options.samples, "Points drawn on each surface")
+      ->check(CLI::Range(1, 100'000'000))
+      ->capture_default_str();
+  verb->add_option("--seed", arguments->options.seed,
+                   "Of these points: the same seed gives the same figures")
+      ->capture_default_str();
+  verb->add_option("--json", arguments->json,
+                   "Write the results for machines ('-': to standard output)")
+      ->type_name("FILE");
+  verb->callback([arguments, &chosen] { chosen = [arguments] { return Evaluate(*arguments); }; });
+}
+
+}  // namespace plumbline

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <memory>
+
+#include "app/verbs/verb.h"
+#include "engine/base/log.h"
+#include "engine/models/mesh_file.h"
+#include "engine/recording/map_mesh.h"
+#include "engine/recording/run_summary.h"
+
+namespace plumbline {
+namespace {
+
+struct ExportArguments {
+  std::string run, format, out, models;
+};
+
+Status ExportJson(RunReader& reader, const ExportArguments& arguments) {
+  const Result<nlohmann::json> json = RunResultJson(reader);
+  if (!json) return json.error();
+  return WriteJsonResult(arguments.out, *json);
+}
+
+Status ExportPly(RunReader& reader, const ExportArguments& arguments) {
+  const std::string folder =
+      arguments.models.empty() ? reader.header().models_path : arguments.models;
+  const Result<std::shared_ptr<const ModelDatabase>> database = ModelDatabase::Load(folder);
+  if (!database) {
+    return Error{database.error().code,
+                 database.error().message + "; name the models of the run with --models DIR"};
+  }
+  if ((*database)->content_hash() != reader.header().models_hash) {
+    log::warn(
+        "the models in {} are not those of the run; the meshes may differ from what was mapped",
+        folder);
+  }
+  const Result<std::vector<EstimatedObject>> objects = ReadEstimates(arguments.run);
+  if (!objects) return objects.error();
+  const Result<TriangleMesh> mesh = MapMesh(*objects, **database);
+  if (!mesh) return mesh.error();
+  return WritePly(arguments.out, *mesh);
+}
+
+struct Format {
+  std::string name;
+  Status (*write)(RunReader& reader, const ExportArguments& arguments);
+};
+
+// One line for each format.
+const std::array kFormats = {
+    Format{"json", ExportJson},
+    Format{"ply", ExportPly},
+};
+
+Status Export(const ExportArguments& arguments) {
+  const Result<std::unique_ptr<RunReader>> reader = RunReader::Open(arguments.run);
+  if (!reader) return reader.error();
+  for (const Format& format : kFormats) {
+    if (format.name == arguments.format) return format.write(**reader, arguments);
+  }
+  return Error{ErrorCode::kUnsupported, "the format '" + arguments.format + "' is not known"};
+}
+
+}  // namespace
+
+void AddExportVerb(CLI::App& app, VerbFunction& chosen) {
+  auto arguments = std::make_shared<ExportArguments>();
+  CLI::App* verb = app.add_subcommand("export", "Write the map of a run for other programs");
+  verb->add_option("run", arguments->run, "A run file")->required()->type_name("RUN.plb");
+  std::vector<std::string> names;
+  for (const Format& format : kFormats) names.push_back(format.name);
+  verb->add_option("--format", arguments->format,
+                   "json: the result of 'run --json'; ply: one mesh of the confirmed objects, each "
+                   "in its colour")
+      ->required()
+      ->check(CLI::IsMember(names));
+  verb->add_option("--out", arguments->out, "Where to (json: '-' is standard output)")
+      ->required()
+      ->type_name("PATH");
+  verb->add_option("--models", arguments->models, "The models of the run, if they have moved")
+      ->type_name("DIR");
+  verb->callback([arguments, &chosen] { chosen = [arguments] { return Export(*arguments); }; });
+}
+
+}  // namespace plumbline

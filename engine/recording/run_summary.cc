@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/recording/run_summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "engine/base/files.h"
+#include "engine/dataset/json_fields.h"
+#include "engine/geometry/gravity.h"
+
+namespace plumbline {
+namespace {
+
+double Degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
+
+std::string ModelName(const RunHeader& header, ModelId label) {
+  const auto index = static_cast<std::size_t>(label.value);
+  return index < header.models.size() ? header.models[index].name : "";
+}
+
+nlohmann::json ModeToJson(const PoseMode& mode, const RunHeader& header,
+                          const UprightFrame& upright) {
+  return {{"model", ModelName(header, mode.label)},
+          {"weight", mode.weight},
+          {"world_from_object", IsometryToJson(mode.world_from_object)},
+          {"azimuth_deg", Degrees(upright.Azimuth(mode.world_from_object.linear()))},
+          {"position_std_m", mode.position_std_m},
+          {"azimuth_std_deg", Degrees(mode.azimuth_std_rad)}};
+}
+
+nlohmann::json ObjectToJson(const ObjectReport& object, const RunHeader& header,
+                            const UprightFrame& upright) {
+  nlohmann::json labels = nlohmann::json::object();
+  for (const LabelProbability& entry : object.label_probability) {
+    labels[ModelName(header, entry.label)] = entry.probability;
+  }
+  nlohmann::json modes = nlohmann::json::array();
+  for (const PoseMode& mode : object.modes) modes.push_back(ModeToJson(mode, header, upright));
+  return {{"id", object.id.value},
+          {"model", ModelName(header, object.label)},
+          {"category", object.category},
+          {"confirmed", object.state == ObjectState::kConfirmed},
+          {"world_from_object", IsometryToJson(object.world_from_object)},
+          {"azimuth_deg", Degrees(upright.Azimuth(object.world_from_object.linear()))},
+          {"position_std_m", std::sqrt(object.covariance.topLeftCorner<3, 3>().trace())},
+          {"azimuth_std_deg", Degrees(std::sqrt(object.covariance(3, 3)))},
+          {"label_probability", std::move(labels)},
+          {"modes", std::move(modes)},
+          {"first_frame", object.first_frame},
+          {"confirmed_frame",
+           object.confirmed_frame ? nlohmann::json(*object.confirmed_frame) : nullptr},
+          {"last_frame", object.last_frame}};
+}
+
+/// Mean, and the smallest value that 95 % do not exceed.
+nlohmann::json StageToJson(std::vector<double> milliseconds) {
+  double sum = 0;
+  for (const double value : milliseconds) sum += value;
+  const std::size_t count = milliseconds.size();
+  const std::size_t rank = (count * 95 + 99) / 100 - 1;
+  std::nth_element(milliseconds.begin(), milliseconds.begin() + static_cast<std::ptrdiff_t>(rank),
+                   milliseconds.end());
+  return {{"mean", sum / static_cast<double>(count)}, {"p95", milliseconds[rank]}};
+}
+
+Result<std::vector<EstimatedObject>> EstimatesFromJson(const nlohmann::json& json,
+                                                       const std::string& file) {
+  const auto bad = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidInput,
+                 file + " is not a result of 'plumbline run --json': " + what};
+  };
+  if (!json.is_object() || !json.contains("objects") || !json["objects"].is_array()) {
+    return bad("it has no list 'objects'");
+  }
+  std::vector<EstimatedObject> estimates;
+  for (const nlohmann::json& object : json["objects"]) {
+    if (!object.is_object() || !object.contains("id")) return bad("an object has no 'id'");
+    const std::string id =
+        object["id"].is_string() ? object["id"].get<std::string>() : object["id"].dump();
+    const std::optional<std::string> model = TextFromJson(object, "model");
+    const std::optional<std::string> category = TextFromJson(object, "category");
+    if (!model || !category) return bad("object " + id + " needs texts 'model' and 'category'");
+    if (!object.contains("confirmed") || !object["confirmed"].is_boolean()) {
+      return bad("object " + id + " needs 'confirmed', true or false");
+    }
+    if (!object["confirmed"].get<bool>()) continue;
+    const std::optional<Eigen::Isometry3d> pose =
+        object.contains("world_from_object") ? IsometryFromJson(object["world_from_object"])
+                                             : std::nullopt;
+    if (!pose) return bad("object " + id + " needs 'world_from_object', a 4x4 rigid transform");
+    estimates.push_back({id, *model, *category, *pose});
+  }
+  return estimates;
+}
+
+/// The newest frame that was not skipped; nothing where there is none.
+Result<std::optional<FrameReport>> LastUsedFrame(RunReader& reader) {
+  const Result<std::vector<RunFrame>> frames = reader.Frames();
+  if (!frames) return frames.error();
+  const auto last =
+      std::find_if(frames->rbegin(), frames->rend(), [](const RunFrame& f) { return !f.skipped; });
+  if (last == frames->rend()) return std::optional<FrameReport>();
+  Result<FrameReport> report = reader.ReadFrame(last->position);
+  if (!report) return report.error();
+  return std::optional<FrameReport>(std::move(*report));
+}
+
+}  // namespace
+
+void RunSummary::AddTiming(bool skipped, const std::vector<StageTiming>& stages) {
+  ++frames_;
+  skipped_ += skipped;
+  for (const StageTiming& timing : stages) {
+    const auto found = std::find_if(stages_.begin(), stages_.end(),
+                                    [&](const auto& stage) { return stage.first == timing.stage; });
+    if (found != stages_.end()) {
+      found->second.push_back(timing.milliseconds);
+    } else {
+      stages_.emplace_back(timing.stage, std::vector{timing.milliseconds});
+    }
+  }
+}
+
+void RunSummary::Add(const FrameReport& report) {
+  AddTiming(!report.skipped.empty(), report.timings);
+  if (!report.skipped.empty()) return;
+  objects_ = report.objects;
+  for (ObjectReport& object : objects_) object.particles.reset();
+}
+
+nlohmann::json RunSummary::ToJson(const RunHeader& header, double seconds) const {
+  const UprightFrame upright(header.gravity_in_world);
+  nlohmann::json objects = nlohmann::json::array();
+  for (const ObjectReport& object : objects_) {
+    if (object.state != ObjectState::kRetired)
+      objects.push_back(ObjectToJson(object, header, upright));
+  }
+  nlohmann::json timings = nlohmann::json::object();
+  for (const auto& [stage, milliseconds] : stages_) timings[stage] = StageToJson(milliseconds);
+  nlohmann::json made_from = HeaderToJson(header);
+  return {{"frames", frames_},
+          {"skipped", skipped_},
+          {"seconds", seconds},
+          {"fps", seconds > 0 ? frames_ / seconds : 0.0},
+          {"objects", std::move(objects)},
+          {"timings_ms", std::move(timings)},
+          {"run", std::move(made_from)}};
+}
+
+Result<nlohmann::json> RunResultJson(RunReader& reader) {
+  const Result<std::vector<RunTiming>> timings = reader.Timings();
+  if (!timings) return timings.error();
+  RunSummary summary;
+  for (const RunTiming& frame : *timings) summary.AddTiming(frame.skipped, frame.stages);
+  Result<std::optional<FrameReport>> last = LastUsedFrame(reader);
+  if (!last) return last.error();
+  if (*last) summary.objects_ = std::move((*last)->objects);
+  return summary.ToJson(reader.header(), timings->empty() ? 0.0 : timings->back().elapsed_s);
+}
+
+Result<std::vector<EstimatedObject>> ReadEstimates(const std::filesystem::path& run) {
+  if (run.extension() == ".json") {
+    const Result<nlohmann::json> json = ReadJson(run);
+    if (!json) return json.error();
+    return EstimatesFromJson(*json, run.string());
+  }
+  const Result<std::unique_ptr<RunReader>> reader = RunReader::Open(run);
+  if (!reader) return reader.error();
+  const Result<std::optional<FrameReport>> last = LastUsedFrame(**reader);
+  if (!last) return last.error();
+  std::vector<EstimatedObject> estimates;
+  if (!*last) return estimates;
+  for (const ObjectReport& object : (*last)->objects) {
+    if (object.state != ObjectState::kConfirmed) continue;
+    estimates.push_back({std::to_string(object.id.value),
+                         ModelName((*reader)->header(), object.label), object.category,
+                         object.world_from_object});
+  }
+  return estimates;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/base/result.h"
+#include "engine/evaluation/map_evaluation.h"
+#include "engine/mapping/map_report.h"
+#include "engine/recording/run_file.h"
+#include "engine/recording/run_header.h"
+
+namespace plumbline {
+
+/// The outcome of a run: what `plumbline run --json` and `export --format json` write. Fill it
+/// frame by frame while the run goes on, or from its file.
+class RunSummary {
+ public:
+  void Add(const FrameReport& report);
+
+  /// The JSON of a run so far: frames, time, cost of each stage, and the objects that the last
+  /// frame used reports (tentative and confirmed ones; those withdrawn are not listed). Lengths in
+  /// metres, angles in degrees.
+  /// @param seconds  Wall-clock time that the frames took.
+  nlohmann::json ToJson(const RunHeader& header, double seconds) const;
+
+  int frames() const { return frames_; }
+  int skipped() const { return skipped_; }
+
+ private:
+  friend Result<nlohmann::json> RunResultJson(RunReader& reader);
+  void AddTiming(bool skipped, const std::vector<StageTiming>& stages);
+
+  int frames_ = 0;
+  int skipped_ = 0;
+  std::vector<std::pair<std::string, std::vector<double>>>
+      stages_;  ///< In order of first appearance [ms].
+  std::vector<ObjectReport>
+      objects_;  ///< Of the last frame that was not skipped; without particles.
+};
+
+/// The same from a run file. Errors: kCorrupt.
+Result<nlohmann::json> RunResultJson(RunReader& reader);
+
+/// What the map of a run says is there at its end: from a run file or, by its extension, from the
+/// JSON above. Errors: kNotFound, kInvalidInput, kCorrupt, naming the file.
+Result<std::vector<EstimatedObject>> ReadEstimates(const std::filesystem::path& run);
+
+}  // namespace plumbline

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/recording/run_summary.h"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "engine/base/check.h"
+#include "engine/base/files.h"
+#include "engine/recording/map_mesh.h"
+#include "tests/engine/recording/random_run.h"
+#include "tests/support/test_data.h"
+
+namespace plumbline {
+namespace {
+
+ObjectReport Object(int id, ObjectState state) {
+  ObjectReport object;
+  object.id = {id};
+  object.state = state;
+  object.category = "chair";
+  object.label = {0};
+  object.label_probability = {{{0}, 0.75}, {{1}, 0.25}};
+  object.world_from_object.translation() = Eigen::Vector3d(id, 0, 0);
+  object.world_from_object.linear() =
+      Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  object.covariance.diagonal() = Eigen::Vector4d(0.01, 0.02, 0.06, 0.04);
+  object.modes = {{{0}, 0.9, object.world_from_object, 0.1, 0.2},
+                  {{1}, 0.1, object.world_from_object, 0.1, 0.2}};
+  object.first_frame = 2;
+  if (state == ObjectState::kConfirmed) object.confirmed_frame = 4;
+  object.last_frame = 9;
+  object.particles = std::make_shared<std::vector<Particle>>(10);
+  return object;
+}
+
+std::vector<FrameReport> SmallRun() {
+  std::vector<FrameReport> frames(21);
+  for (int i = 0; i < 21; ++i) {
+    frames[i].frame = i;
+    frames[i].timings = {{"score", static_cast<double>(i)}};
+    if (i > 10) frames[i].timings.push_back({"spawn", 1.0});
+    frames[i].objects = {Object(1, ObjectState::kConfirmed), Object(2, ObjectState::kTentative),
+                         Object(3, ObjectState::kRetired)};
+  }
+  frames[20].skipped = "color/000020.jpg is truncated";
+  frames[20].objects.clear();
+  return frames;
+}
+
+RunHeader Header() {
+  RunHeader header = RandomHeader(1);
+  header.gravity_in_world = {0, 0, -1};
+  return header;
+}
+
+void WriteRun(const std::filesystem::path& file) {
+  Result<std::unique_ptr<RunWriter>> writer = RunWriter::Create(file, Header());
+  ASSERT_TRUE(writer.ok()) << writer.error().message;
+  for (const FrameReport& frame : SmallRun()) ASSERT_TRUE((*writer)->Write(frame, {}).ok());
+  ASSERT_TRUE((*writer)->Close().ok());
+}
+
+TEST(RunSummary, TellsWhatTheMapHolds) {
+  RunSummary summary;
+  for (const FrameReport& frame : SmallRun()) summary.Add(frame);
+  const nlohmann::json json = summary.ToJson(Header(), 3.0);
+  EXPECT_EQ(json["frames"], 21);
+  EXPECT_EQ(json["skipped"], 1);
+  EXPECT_EQ(json["seconds"], 3.0);
+  EXPECT_EQ(json["fps"], 7.0);
+  EXPECT_EQ(json["timings_ms"]["score"]["mean"], 10.0);
+  EXPECT_EQ(json["timings_ms"]["score"]["p95"], 19.0);
+  EXPECT_EQ(json["timings_ms"]["spawn"]["p95"], 1.0);
+  ASSERT_EQ(json["objects"].size(),
+            2u);  // of the last frame that was used; the retired one is gone
+  const nlohmann::json& object = json["objects"][0];
+  EXPECT_EQ(object["id"], 1);
+  EXPECT_EQ(object["model"], "chair_kitchen");
+  EXPECT_EQ(object["category"], "chair");
+  EXPECT_EQ(object["confirmed"], true);
+  EXPECT_NEAR(object["azimuth_deg"].get<double>(), 28.6478897565, 1e-9);
+  EXPECT_NEAR(object["position_std_m"].get<double>(), 0.3, 1e-12);
+  EXPECT_NEAR(object["azimuth_std_deg"].get<double>(), 11.4591559026, 1e-9);
+  EXPECT_EQ(object["label_probability"]["chair_kitchen"], 0.75);
+  EXPECT_EQ(object["modes"].size(), 2u);
+  EXPECT_EQ(object["world_from_object"][0][3], 1.0);
+  EXPECT_EQ(object["first_frame"], 2);
+  EXPECT_EQ(object["confirmed_frame"], 4);
+  EXPECT_EQ(object["last_frame"], 9);
+  EXPECT_TRUE(json["objects"][1]["confirmed_frame"].is_null());
+}
+
+TEST(RunSummary, IsTheSameFromTheRunFile) {
+  const TemporaryFolder folder;
+  WriteRun(folder.path() / "run.plb");
+  RunSummary summary;
+  for (const FrameReport& frame : SmallRun()) summary.Add(frame);
+  const auto reader = RunReader::Open(folder.path() / "run.plb").value();
+  nlohmann::json from_file = RunResultJson(*reader).value();
+  EXPECT_GT(from_file["seconds"].get<double>(), 0);
+  from_file["seconds"] = 3.0;
+  from_file["fps"] = 7.0;
+  EXPECT_EQ(from_file, summary.ToJson(Header(), 3.0));
+}
+
+TEST(ReadEstimates, GivesTheConfirmedObjectsOfARunFileAndOfItsJson) {
+  const TemporaryFolder folder;
+  WriteRun(folder.path() / "run.plb");
+  const auto reader = RunReader::Open(folder.path() / "run.plb").value();
+  ASSERT_TRUE(WriteJson(folder.path() / "run.json", RunResultJson(*reader).value()).ok());
+  for (const char* name : {"run.plb", "run.json"}) {
+    const std::vector<EstimatedObject> estimates = ReadEstimates(folder.path() / name).value();
+    ASSERT_EQ(estimates.size(), 1u);
+    EXPECT_EQ(estimates[0].id, "1");
+    EXPECT_EQ(estimates[0].model, "chair_kitchen");
+    EXPECT_EQ(estimates[0].category, "chair");
+    EXPECT_THAT(estimates[0].world_from_object,
+                IsometryNear(Object(1, ObjectState::kConfirmed).world_from_object, 1e-9, 1e-12));
+  }
+}
+
+TEST(ReadEstimates, SaysWhatIsWrongWithAJsonFile) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.json";
+  const auto message = [&](const char* text) {
+    std::ofstream(file) << text;
+    const auto estimates = ReadEstimates(file);
+    return estimates.ok() ? "fine" : estimates.error().message;
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(message("{}"), HasSubstr("no list 'objects'"));
+  EXPECT_THAT(message("[]"), HasSubstr("no list 'objects'"));
+  EXPECT_THAT(message(R"({"objects": [{"model": "m"}]})"), HasSubstr("'id'"));
+  EXPECT_THAT(message(R"({"objects": [{"id": 3, "model": "m", "category": "c"}]})"),
+              HasSubstr("object 3"));
+  EXPECT_THAT(message(R"({"objects": [{"id": 3, "model": "m", "category": "c", "confirmed": true,
+                         "world_from_object": [[1, 2], [3, 4]]}]})"),
+              HasSubstr("4x4 rigid transform"));
+  EXPECT_EQ(message(R"({"objects": []})"), "fine");
+  EXPECT_THAT(message("{"), HasSubstr("run.json"));
+}
+
+TEST(MapMesh, PosesTheModelsAndColoursThemByObject) {
+  CadModel model;
+  model.name = "triangle";
+  model.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  model.mesh.triangles = {{0, 1, 2}};
+  const auto database = ModelDatabase::FromModels({model});
+  std::vector<EstimatedObject> objects(2,
+                                       {"1", "triangle", "chair", Eigen::Isometry3d::Identity()});
+  objects[1].world_from_object.translation() = Eigen::Vector3d(0, 0, 2);
+  const TriangleMesh mesh = MapMesh(objects, *database).value();
+  ASSERT_EQ(mesh.vertices.size(), 6u);
+  EXPECT_EQ(mesh.vertices[4], Eigen::Vector3f(1, 0, 2));
+  EXPECT_EQ(mesh.triangles[1], Eigen::Vector3i(3, 4, 5));
+  EXPECT_EQ(mesh.colors[0], mesh.colors[2]);
+  EXPECT_NE(mesh.colors[0], mesh.colors[3]);
+  objects[0].model = "sofa";
+  EXPECT_EQ(MapMesh(objects, *database).error().code, ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace plumbline
