@@ -71,7 +71,7 @@ TEST(RunFileKilled, KeepsEveryFrameReportedAsWritten) {
     const TemporaryFolder folder;
     const auto file = folder.path() / "run.plb";
     const Child child = StartVictim(file, nullptr, folder.path() / "errors.txt");
-    const int waited = WaitForFrame(child, static_cast<int>(random.Index(100)));
+    const int waited = WaitForFrame(child, static_cast<int>(random.Index(50)));
     usleep(random.Index(20'000));
     kill(child.pid, SIGKILL);
     int status = 0;
