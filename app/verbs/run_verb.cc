@@ -9,8 +9,10 @@
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
 #include "engine/base/files.h"
+#include "engine/base/timer.h"
 #include "engine/process/mapping_pipeline.h"
 #include "engine/recording/run_file.h"
+#include "engine/recording/run_summary.h"
 
 namespace plumbline {
 namespace {
@@ -92,17 +94,30 @@ Status Run(RunArguments& arguments) {
   if (!writer.ok()) return writer.error();
 
   std::shared_ptr<const MapSnapshot> last;
+  RunSummary summary;
+  Stopwatch watch;
   while (!work.stop.stop_requested()) {
     const auto snapshot = pipeline.Next();
     if (!snapshot) break;
     last = *snapshot;
     if (!last->report.skipped.empty())
       std::fprintf(stderr, "frame skipped: %s\n", last->report.skipped.c_str());
+    summary.Add(last->report);
     if (Status status = (*writer)->Write(last->report, last->image); !status.ok()) return status;
     work.report({"mapping", pipeline.num_done(), pipeline.num_selected()});
   }
   if (Status status = (*writer)->Close(); !status.ok()) return status;
-  if (last) PrintObjects(last->report, *pipeline.database());
+  const double seconds = watch.Milliseconds() / 1000;
+  if (last && arguments.json != "-") {
+    PrintObjects(last->report, *pipeline.database());
+    std::printf("%d frames in %.1f s, %.1f frames/s; wrote %s\n", summary.frames(), seconds,
+                summary.frames() / seconds, arguments.out.c_str());
+  }
+  if (!arguments.json.empty()) {
+    if (Status status = WriteJsonResult(arguments.json, summary.ToJson(pipeline.header(), seconds));
+        !status.ok())
+      return status;
+  }
   if (console.interrupted()) {
     return Error{ErrorCode::kCancelled,
                  "stopped; '" + arguments.out + "' keeps what was done, --resume goes on with it"};
