@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/render/gl_util.h"
 
+#include <initializer_list>
+#include <mutex>
+
 #include "engine/base/resources.h"
+
+void RegisterResources_plumbline_render();  // made by cmake/Embed.cmake
 
 namespace plumbline::gl {
 namespace {
@@ -26,6 +31,23 @@ Result<GLuint> Compile(GLenum kind, std::string_view resource) {
   log.resize(static_cast<std::size_t>(length));
   return Error{ErrorCode::kUnsupported,
                "the graphics driver refuses the shader '" + std::string(resource) + "': " + log};
+}
+
+/// Takes the shaders over.
+Result<Program> Link(std::initializer_list<GLuint> shaders, std::string_view resource) {
+  Program program(glCreateProgram());
+  for (const GLuint shader : shaders) glAttachShader(program.get(), shader);
+  glLinkProgram(program.get());
+  for (const GLuint shader : shaders) glDeleteShader(shader);
+  GLint linked = GL_FALSE;
+  glGetProgramiv(program.get(), GL_LINK_STATUS, &linked);
+  if (linked == GL_TRUE) return program;
+  std::string log(4096, '\0');
+  GLsizei length = 0;
+  glGetProgramInfoLog(program.get(), static_cast<GLsizei>(log.size()), &length, log.data());
+  log.resize(static_cast<std::size_t>(length));
+  return Error{ErrorCode::kUnsupported,
+               "the graphics driver cannot link '" + std::string(resource) + "': " + log};
 }
 
 void Enable(GLenum what, bool on) { on ? glEnable(what) : glDisable(what); }
@@ -72,21 +94,38 @@ Result<Program> MakeProgram(std::string_view vertex_resource, std::string_view f
     glDeleteShader(*vertex);
     return fragment.error();
   }
-  Program program(glCreateProgram());
-  glAttachShader(program.get(), *vertex);
-  glAttachShader(program.get(), *fragment);
-  glLinkProgram(program.get());
-  glDeleteShader(*vertex);
-  glDeleteShader(*fragment);
-  GLint linked = GL_FALSE;
-  glGetProgramiv(program.get(), GL_LINK_STATUS, &linked);
-  if (linked == GL_TRUE) return program;
-  std::string log(4096, '\0');
-  GLsizei length = 0;
-  glGetProgramInfoLog(program.get(), static_cast<GLsizei>(log.size()), &length, log.data());
-  log.resize(static_cast<std::size_t>(length));
-  return Error{ErrorCode::kUnsupported,
-               "the graphics driver cannot link '" + std::string(fragment_resource) + "': " + log};
+  return Link({*vertex, *fragment}, fragment_resource);
+}
+
+Result<Program> MakeComputeProgram(std::string_view resource) {
+  const Result<GLuint> shader = Compile(GL_COMPUTE_SHADER, resource);
+  if (!shader.ok()) return shader.error();
+  return Link({*shader}, resource);
+}
+
+UploadedMesh Upload(const TriangleMesh& mesh) {
+  UploadedMesh uploaded;
+  uploaded.index_count = static_cast<GLsizei>(3 * mesh.triangles.size());
+  uploaded.vertex_array = MakeVertexArray();
+  uploaded.vertices = MakeBuffer();
+  uploaded.indices = MakeBuffer();
+  glBindVertexArray(uploaded.vertex_array.get());
+  glBindBuffer(GL_ARRAY_BUFFER, uploaded.vertices.get());
+  glBufferData(GL_ARRAY_BUFFER,
+               static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(Eigen::Vector3f)),
+               mesh.vertices.data(), GL_STATIC_DRAW);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, uploaded.indices.get());
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER,
+               static_cast<GLsizeiptr>(mesh.triangles.size() * sizeof(Eigen::Vector3i)),
+               mesh.triangles.data(), GL_STATIC_DRAW);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Eigen::Vector3f), nullptr);
+  glEnableVertexAttribArray(0);
+  return uploaded;
+}
+
+void RegisterShaders() {
+  static std::once_flag registered;
+  std::call_once(registered, RegisterResources_plumbline_render);
 }
 
 GLint Uniform(const Program& program, const char* name) {

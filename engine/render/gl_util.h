@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "engine/base/result.h"
+#include "engine/geometry/mesh.h"
 
 namespace plumbline::gl {
 
@@ -54,7 +55,19 @@ Texture MakeTexture(GLenum internal_format, int width, int height, GLenum format
 
 /// Compiles and links two embedded shaders. Errors: kUnsupported with the driver's message.
 Result<Program> MakeProgram(std::string_view vertex_resource, std::string_view fragment_resource);
+Result<Program> MakeComputeProgram(std::string_view resource);
 GLint Uniform(const Program& program, const char* name);
+
+/// A mesh in buffers of its own, positions at location 0.
+struct UploadedMesh {
+  VertexArray vertex_array;
+  Buffer vertices, indices;
+  GLsizei index_count = 0;
+};
+UploadedMesh Upload(const TriangleMesh& mesh);
+
+/// Makes the shaders of this module known to LoadResource.
+void RegisterShaders();
 
 /// Sets the state that our passes start from (no blending, culling or scissor; depth test and all
 /// masks on) and on destruction puts back what was there, so that VTK and Dear ImGui in the same

@@ -3,12 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <optional>
 
 #include "engine/render/gl_util.h"
-
-void RegisterResources_plumbline_render();  // made by cmake/Embed.cmake
 
 namespace plumbline {
 namespace {
@@ -55,9 +52,7 @@ std::optional<cv::Rect> ImagePart(const PinholeCamera& camera,
 }
 
 struct GpuMesh {
-  gl::VertexArray vertex_array;
-  gl::Buffer vertices, indices;
-  GLsizei index_count = 0;
+  gl::UploadedMesh buffers;
   Eigen::AlignedBox3f bounds;
 };
 
@@ -134,24 +129,7 @@ class GlRenderer final : public Renderer {
 int GlRenderer::AddMesh(const TriangleMesh& mesh) {
   context_.MakeCurrent();
   const gl::StateGuard guard;
-  GpuMesh uploaded;
-  uploaded.bounds = BoundingBox(mesh);
-  uploaded.index_count = static_cast<GLsizei>(3 * mesh.triangles.size());
-  uploaded.vertex_array = gl::MakeVertexArray();
-  uploaded.vertices = gl::MakeBuffer();
-  uploaded.indices = gl::MakeBuffer();
-  glBindVertexArray(uploaded.vertex_array.get());
-  glBindBuffer(GL_ARRAY_BUFFER, uploaded.vertices.get());
-  glBufferData(GL_ARRAY_BUFFER,
-               static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(Eigen::Vector3f)),
-               mesh.vertices.data(), GL_STATIC_DRAW);
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, uploaded.indices.get());
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER,
-               static_cast<GLsizeiptr>(mesh.triangles.size() * sizeof(Eigen::Vector3i)),
-               mesh.triangles.data(), GL_STATIC_DRAW);
-  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Eigen::Vector3f), nullptr);
-  glEnableVertexAttribArray(0);
-  meshes_.push_back(std::move(uploaded));
+  meshes_.push_back({gl::Upload(mesh), BoundingBox(mesh)});
   return static_cast<int>(meshes_.size()) - 1;
 }
 
@@ -198,7 +176,7 @@ std::vector<Visible> GlRenderer::FindVisible(const PinholeCamera& camera,
         << "no mesh " << instance.mesh;
     PLB_CHECK(instance.id >= 1 && instance.id <= 65535) << "id " << instance.id;
     const GpuMesh& mesh = meshes_[static_cast<std::size_t>(instance.mesh)];
-    if (mesh.index_count == 0) continue;
+    if (mesh.buffers.index_count == 0) continue;
     const auto shown = ImagePart(camera, instance.cam_from_object, mesh.bounds, near_m);
     if (!shown) continue;
     part = part.empty() ? *shown : (part | *shown);
@@ -227,8 +205,8 @@ void GlRenderer::DrawLayer(const Layer& layer, const MeshProgram& program,
   for (const Visible& instance : visible) {
     glUniformMatrix4fv(program.cam_from_object, 1, GL_FALSE, instance.cam_from_object.data());
     glUniform1ui(program.id, instance.id);
-    glBindVertexArray(instance.mesh->vertex_array.get());
-    glDrawElements(GL_TRIANGLES, instance.mesh->index_count, GL_UNSIGNED_INT, nullptr);
+    glBindVertexArray(instance.mesh->buffers.vertex_array.get());
+    glDrawElements(GL_TRIANGLES, instance.mesh->buffers.index_count, GL_UNSIGNED_INT, nullptr);
   }
 }
 
@@ -304,8 +282,7 @@ RenderedMaps GlRenderer::Render(const PinholeCamera& camera,
 }  // namespace
 
 Result<std::unique_ptr<Renderer>> Renderer::Create(RenderContext& context) {
-  static std::once_flag registered;
-  std::call_once(registered, RegisterResources_plumbline_render);
+  gl::RegisterShaders();
   context.MakeCurrent();
   Result<MeshProgram> first = MakeMeshProgram("shaders/likelihood/depth_id.frag");
   if (!first.ok()) return first.error();

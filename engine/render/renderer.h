@@ -53,8 +53,8 @@ struct RenderedMaps {
                     ///< not asked for
 };
 
-/// Where contours are found; the pictures are the same. On software OpenGL the shader takes some 15 ms
-/// for a 640x480 image and the processor 1 ms, so kAuto uses the shader on graphics cards only.
+/// Where contours are found; the pictures are the same. On software OpenGL the shader takes some 15
+/// ms for a 640x480 image and the processor 1 ms, so kAuto uses the shader on graphics cards only.
 enum class ContourPass { kAuto, kShader, kProcessor };
 
 struct RenderOptions {
