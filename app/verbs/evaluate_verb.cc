@@ -78,9 +78,8 @@ void PrintTable(const MapEvaluation& evaluation, const EvaluateArguments& argume
               arguments.scene.empty() ? " (no --scene)" : "");
   std::printf("%-22s %8s %8s %8s %8s   %s\n", "distances [cm]", "mean", "median", "std", "max",
               "the paper's mean");
-  PrintSurface("surface", evaluation.surface, "");
-  PrintSurface("surface, to the plane", evaluation.surface_normal,
-               "1.39 - 2.79 VISMA, 0.3 - 6.3 SceneNN");
+  PrintSurface("surface", evaluation.surface, "1.39 - 2.79 VISMA, 0.3 - 6.3 SceneNN");
+  PrintSurface("surface, to the plane", evaluation.surface_normal, "");
   PrintSurface("completeness", evaluation.completeness, "");
   const auto centimetres = [](std::optional<double> m) {
     return m ? std::optional(100 * *m) : std::nullopt;

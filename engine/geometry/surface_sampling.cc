@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/geometry/surface_sampling.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 
 #include <Eigen/Geometry>
@@ -51,7 +53,7 @@ Result<SurfaceSamples> SampleSurface(const TriangleMesh& mesh, int count, std::u
   SurfaceSamples samples;
   samples.points.resize(static_cast<std::size_t>(count));
   samples.triangles.resize(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {
+  tbb::parallel_for(0, count, [&](int i) {
     Random random({.seed = seed, .particle = static_cast<std::uint32_t>(i)});
     // The first triangle whose cumulative area exceeds the target: one without area is never it.
     const double target = random.Uniform() * cumulative.back();
@@ -66,7 +68,7 @@ Result<SurfaceSamples> SampleSurface(const TriangleMesh& mesh, int count, std::u
     const Corners t = CornersOf(mesh, triangle);
     samples.points[static_cast<std::size_t>(i)] = t.a + u * (t.b - t.a) + v * (t.c - t.a);
     samples.triangles[static_cast<std::size_t>(i)] = static_cast<int>(triangle);
-  }
+  });
   return samples;
 }
 

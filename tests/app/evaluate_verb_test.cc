@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// The commands `evaluate` and `export` as a script meets them.
+
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/check.h"
+#include "engine/base/files.h"
+#include "engine/models/mesh_file.h"
+#include "engine/recording/run_file.h"
+#include "tests/support/test_data.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string output;  ///< Standard output and error.
+};
+
+class EvaluateVerb : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directory(folder_.path() / "models");
+    TriangleMesh wedge;  // 1 m long, 0.5 m wide, 0.25 m high
+    wedge.vertices = {
+        {-0.5f, -0.25f, 0}, {0.5f, -0.25f, 0}, {-0.5f, 0.25f, 0}, {-0.5f, -0.25f, 0.25f}};
+    wedge.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    Check(WritePly(folder_.path() / "models" / "wedge.ply", wedge));
+    Write("models/models.json", R"({"units": "m", "models": [{"name": "wedge", "file": "wedge.ply",
+        "category": "chair", "symmetry": {"axis": [0, 0, 1], "order": 1}, "support": "floor"}]})");
+    Write("truth.json", R"({"gravity": [0, 0, -1], "instances": [
+        {"id": "a", "model": "wedge", "category": "chair", "quality": "fine", "visible_frames": [[0, 9]],
+         "world_from_object": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]},
+        {"id": "b", "model": "wedge", "category": "chair", "quality": "coarse", "note": "ignored",
+         "world_from_object": [[1,0,0,3],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
+    WriteRun();
+  }
+
+  static void Check(const Status& status) { PLB_CHECK(status.ok()) << status.error().message; }
+  void Write(const char* name, const char* text) {
+    Check(WriteFileAtomically(folder_.path() / name, text));
+  }
+
+  /// One confirmed wedge, 4 cm off 'a', and a tentative one.
+  void WriteRun() {
+    RunHeader header;
+    header.models = {{"wedge", "chair"}};
+    header.models_path = (folder_.path() / "models").string();
+    FrameReport report;
+    for (int id : {1, 2}) {
+      ObjectReport object;
+      object.id = {id};
+      object.state = id == 1 ? ObjectState::kConfirmed : ObjectState::kTentative;
+      object.category = "chair";
+      object.label = {0};
+      object.label_probability = {{{0}, 1.0}};
+      object.world_from_object.translation() = Eigen::Vector3d(0.04, 0, 0);
+      report.objects.push_back(object);
+    }
+    const auto writer = RunWriter::Create(folder_.path() / "run.plb", header).value();
+    Check(writer->Write(report, {}));
+    Check(writer->Close());
+  }
+
+  Outcome Run(const std::string& arguments) {
+    const std::string command = "cd '" + folder_.path().string() + "' && '" +
+                                ProgramFile().string() + "' " + arguments + " 2>&1";
+    FILE* pipe = popen(command.c_str(), "r");
+    PLB_CHECK(pipe != nullptr);
+    Outcome outcome;
+    char buffer[4096];
+    while (const std::size_t count = fread(buffer, 1, sizeof(buffer), pipe))
+      outcome.output.append(buffer, count);
+    outcome.code = WEXITSTATUS(pclose(pipe));
+    return outcome;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(EvaluateVerb, JudgesARunFile) {
+  const Outcome outcome =
+      Run("evaluate run.plb --ground-truth truth.json --models models --json result.json");
+  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("matched 1, missed 1, spurious 0"));
+  EXPECT_THAT(outcome.output, HasSubstr("1.39 - 2.79"));
+  const nlohmann::json json = ReadJson(folder_.path() / "result.json").value();
+  EXPECT_EQ(json["matched"], 1);
+  EXPECT_EQ(json["missed"], 1);
+  EXPECT_EQ(json["spurious"], 0);
+  EXPECT_EQ(json["objects"][0]["ground_truth"], "a");
+  EXPECT_NEAR(json["mean_translation_m"].get<double>(), 0.04, 1e-12);
+  EXPECT_EQ(json["surface"]["samples"], 500000);
+}
+
+TEST_F(EvaluateVerb, JudgesAnExportedJsonAlikeAndWritesToStandardOutput) {
+  EXPECT_EQ(Run("export run.plb --format json --out run.json").code, 0);
+  const std::string rest = " --ground-truth truth.json --models models --align objects --json -";
+  const Outcome from_json = Run("evaluate run.json" + rest);
+  const Outcome from_file = Run("evaluate run.plb" + rest);
+  EXPECT_EQ(from_json.code, 0) << from_json.output;
+  EXPECT_EQ(from_json.output, from_file.output);
+  const nlohmann::json json = nlohmann::json::parse(from_json.output);
+  EXPECT_NEAR(json["alignment"][0][3].get<double>(), -0.04, 1e-12);
+}
+
+TEST_F(EvaluateVerb, ExportsTheConfirmedObjectsAsAColouredMesh) {
+  const Outcome outcome = Run("export run.plb --format ply --out map.ply");
+  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  const TriangleMesh mesh = ReadMesh(folder_.path() / "map.ply").value();
+  EXPECT_EQ(mesh.vertices.size(), 4u);
+  EXPECT_EQ(mesh.triangles.size(), 4u);
+  EXPECT_EQ(mesh.colors.size(), 4u);
+  EXPECT_NEAR(mesh.vertices[0].x(), -0.46, 1e-6);
+}
+
+TEST_F(EvaluateVerb, SaysWhatIsMissingAndEndsWithOne) {
+  const std::string rest = " --ground-truth truth.json --models models";
+  const Outcome run = Run("evaluate none.plb" + rest);
+  EXPECT_EQ(run.code, 1);
+  EXPECT_EQ(run.output, "plumbline: none.plb does not exist; check the path\n");
+  const Outcome truth = Run("evaluate run.plb --ground-truth none.json --models models");
+  EXPECT_EQ(truth.code, 1);
+  EXPECT_THAT(truth.output, HasSubstr("none.json"));
+  const Outcome scan = Run("evaluate run.plb --truth scan" + rest);
+  EXPECT_EQ(scan.code, 1);
+  EXPECT_THAT(scan.output, HasSubstr("--scene"));
+  const Outcome moved = Run("export run.plb --format ply --models elsewhere --out map.ply");
+  EXPECT_EQ(moved.code, 1);
+  EXPECT_THAT(moved.output, HasSubstr("--models DIR"));
+}
+
+TEST_F(EvaluateVerb, EndsWithTwoOnWrongUsage) {
+  EXPECT_EQ(Run("evaluate run.plb").code, 2);
+  EXPECT_EQ(Run("evaluate run.plb --ground-truth truth.json --models models --align fine").code, 2);
+  EXPECT_EQ(Run("export run.plb --format docx --out map").code, 2);
+}
+
+}  // namespace
+}  // namespace plumbline
