@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// Panels without a display: what they post, what they keep, and that no state of the world upsets
+// them.
+
+#include "ui/panels/panels.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/ui/panel_harness.h"
+
+namespace plumbline {
+namespace {
+
+std::vector<std::unique_ptr<Panel>> AllPanels() {
+  std::vector<std::unique_ptr<Panel>> panels;
+  panels.push_back(MakeImagePanel());
+  panels.push_back(MakeEdgesPanel());
+  panels.push_back(MakeDepthPanel());
+  panels.push_back(MakeMasksPanel());
+  panels.push_back(MakeParticlesPanel());
+  panels.push_back(MakeScenePanel());
+  panels.push_back(MakeObjectsPanel());
+  panels.push_back(MakeDetailsPanel());
+  panels.push_back(MakeTimingsPanel());
+  panels.push_back(MakeTimelinePanel());
+  return panels;
+}
+
+TEST(Panels, DrawInEveryStateOfTheWorld) {
+  for (const auto& panel : AllPanels()) {
+    PanelHarness harness;
+    SCOPED_TRACE(panel->Id());
+    harness.Draw(*panel, 3);
+    EXPECT_GT(harness.vertices, 0) << "before anything is open it says so";
+    harness.ShowFrame(0);
+    harness.Draw(*panel, 3);
+    harness.context.selection.object = {3};
+    harness.ShowFrame(0);  // not yet born
+    harness.Draw(*panel, 3);
+    harness.ShowFrame(30);
+    harness.context.selection.particle = 4;
+    harness.Draw(*panel, 3);
+    harness.context.selection.object = {99};
+    harness.Draw(*panel, 3);
+    EXPECT_GT(harness.vertices, 0);
+    EXPECT_TRUE(harness.sink.commands.empty()) << "nobody asked for anything";
+  }
+}
+
+TEST(Panels, DrawFramesWithoutImagesPosesAndMaps) {
+  for (const auto& panel : AllPanels()) {
+    PanelHarness harness;
+    SCOPED_TRACE(panel->Id());
+    harness.ShowFrame(20);
+    auto bare = std::make_shared<MapSnapshot>();
+    bare->report = harness.context.snapshot->report;
+    bare->report.world_from_cam.reset();
+    bare->report.skipped = "the image is missing";
+    for (ObjectReport& object : bare->report.objects) {
+      object.particles = nullptr;
+      object.label = {77};  // no such model
+      object.modes.clear();
+      object.label_probability.clear();
+    }
+    harness.context.snapshot = bare;
+    ++harness.context.snapshot_version;
+    harness.context.selection.object = {1};
+    harness.Draw(*panel, 3);
+    EXPECT_GT(harness.vertices, 0);
+  }
+}
+
+TEST(Panels, SurviveAnySize) {
+  for (const auto& panel : AllPanels()) {
+    PanelHarness harness;
+    harness.ShowFrame(30);
+    harness.context.selection.object = {2};
+    for (const ImVec2 size : {ImVec2(12, 12), ImVec2(90, 700), ImVec2(900, 60), ImVec2(60, 60)}) {
+      harness.size = size;
+      harness.Draw(*panel, 2);
+    }
+  }
+}
+
+TEST(Panels, KeepTheirSwitches) {
+  for (const auto& panel : AllPanels()) {
+    const nlohmann::json before = panel->SaveState();
+    nlohmann::json turned = before;
+    for (auto& [key, value] : turned.items()) value = !value.get<bool>();
+    panel->LoadState(turned);
+    EXPECT_EQ(panel->SaveState(), turned) << panel->Id();
+    panel->LoadState({{"of another version", 1}});
+    EXPECT_EQ(panel->SaveState(), turned) << panel->Id();
+  }
+}
+
+TEST(Panels, MakePicturesOnlyForNewFrames) {
+  PanelHarness harness;
+  const auto panel = MakeMasksPanel();
+  harness.ShowFrame(10);
+  harness.Draw(*panel, 5);
+  EXPECT_EQ(harness.textures.pictures_made, 1);
+  harness.ShowFrame(11);
+  harness.Draw(*panel, 5);
+  EXPECT_EQ(harness.textures.pictures_made, 2);
+}
+
+TEST(ImagePanel, SelectsTheObjectUnderTheMouse) {
+  PanelHarness harness;
+  const auto panel = MakeImagePanel();
+  harness.ShowFrame(20);
+  const cv::Mat& id = harness.context.snapshot->id;
+  cv::Point inside;
+  for (int i = 0; i < static_cast<int>(id.total()); ++i) {
+    if (id.ptr<std::uint16_t>()[i] == 2) inside = {i % id.cols, i / id.cols};
+  }
+  harness.Click(*panel, "image.view", (static_cast<float>(inside.x) + 0.5f) / 160,
+                (static_cast<float>(inside.y) + 0.5f) / 90);
+  ASSERT_NE(harness.sink.Last<SelectObjectCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectObjectCommand>()->object, ObjectId{2});
+  harness.Click(*panel, "image.view", 0.99f, 0.02f);
+  EXPECT_EQ(harness.sink.Last<SelectObjectCommand>()->object, ObjectId{})
+      << "the background clears";
+}
+
+TEST(ImagePanel, ZoomsAboutTheMouseAndMovesByDragging) {
+  PanelHarness harness;
+  const auto panel = MakeImagePanel();
+  harness.ShowFrame(20);
+  harness.Wheel(*panel, "image.view", 4);
+  EXPECT_GT(harness.viewport.zoom, 2);
+  EXPECT_NEAR(harness.viewport.center.x, 0.5, 1e-3);
+  harness.Drag(*panel, "image.view", {0.5f, 0.5f}, {0.6f, 0.5f}, 0);
+  EXPECT_LT(harness.viewport.center.x, 0.5);
+  EXPECT_EQ(harness.sink.Last<SelectObjectCommand>(), nullptr) << "a drag is no click";
+}
+
+TEST(ScenePanel, TurnsByLeftMovesByRightAndZoomsByWheel) {
+  PanelHarness harness;
+  const auto panel = MakeScenePanel();
+  harness.ShowFrame(20);
+  harness.Drag(*panel, "scene.view", {0.4f, 0.4f}, {0.6f, 0.4f}, 0);
+  EXPECT_GT(harness.scene.orbit_x, 50);
+  EXPECT_EQ(harness.scene.pan_x, 0);
+  harness.Drag(*panel, "scene.view", {0.4f, 0.4f}, {0.6f, 0.4f}, 1);
+  EXPECT_GT(harness.scene.pan_x, 50);
+  harness.Wheel(*panel, "scene.view", 2);
+  EXPECT_EQ(harness.scene.zoomed, 2);
+}
+
+TEST(ScenePanel, SelectsWhatIsClicked) {
+  PanelHarness harness;
+  const auto panel = MakeScenePanel();
+  harness.ShowFrame(20);
+  harness.Click(*panel, "scene.view");
+  ASSERT_NE(harness.sink.Last<SelectObjectCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectObjectCommand>()->object, ObjectId{2});
+}
+
+TEST(ScenePanel, PassesItsLayersOn) {
+  PanelHarness harness;
+  const auto panel = MakeScenePanel();
+  harness.size = {900, 420};
+  harness.ShowFrame(20);
+  harness.Click(*panel, "scene.truth");
+  EXPECT_TRUE(harness.scene.content.layers.truth);
+  harness.Click(*panel, "scene.follow");
+  ASSERT_NE(harness.sink.Last<FollowCommand>(), nullptr);
+  EXPECT_TRUE(harness.sink.Last<FollowCommand>()->follow);
+}
+
+TEST(ObjectsPanel, SelectsARow) {
+  PanelHarness harness;
+  const auto panel = MakeObjectsPanel();
+  harness.ShowFrame(20);
+  harness.Click(*panel, "objects.row.4");
+  ASSERT_NE(harness.sink.Last<SelectObjectCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectObjectCommand>()->object, ObjectId{4});
+}
+
+TEST(TimelinePanel, PostsWhatItsButtonsSay) {
+  PanelHarness harness;
+  const auto panel = MakeTimelinePanel();
+  harness.size = {900, 90};
+  harness.ShowFrame(20);
+  harness.Click(*panel, "timeline.play");
+  EXPECT_NE(harness.sink.Last<TogglePlayCommand>(), nullptr);
+  harness.Click(*panel, "timeline.back");
+  EXPECT_EQ(harness.sink.Last<StepCommand>()->frames, -1);
+  harness.Click(*panel, "timeline.forward");
+  EXPECT_EQ(harness.sink.Last<StepCommand>()->frames, 1);
+  harness.Click(*panel, "timeline.first");
+  EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 0);
+  harness.Click(*panel, "timeline.last");
+  EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 40);
+}
+
+TEST(TimelinePanel, SeeksWhereItIsClickedAndFollowsADrag) {
+  PanelHarness harness;
+  const auto panel = MakeTimelinePanel();
+  harness.size = {900, 90};
+  harness.ShowFrame(20);
+  harness.Click(*panel, "timeline.track", 0.5f, 0.6f);
+  ASSERT_NE(harness.sink.Last<SeekCommand>(), nullptr);
+  EXPECT_NEAR(harness.sink.Last<SeekCommand>()->frame, 30, 1);
+  harness.sink.commands.clear();
+  harness.Drag(*panel, "timeline.track", {0.5f, 0.6f}, {0.8f, 0.6f}, 0);
+  EXPECT_NEAR(harness.sink.Last<SeekCommand>()->frame, 48, 1);
+}
+
+TEST(ParticlesPanel, MarksTheParticleUnderTheMouse) {
+  PanelHarness harness;
+  const auto panel = MakeParticlesPanel();
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  harness.Click(*panel, "particles.view", 0.02f, 0.02f);
+  ASSERT_NE(harness.sink.Last<SelectParticleCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectParticleCommand>()->particle, -1);
+}
+
+}  // namespace
+}  // namespace plumbline
