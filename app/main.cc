@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   using plumbline::Verb;
   const std::vector<Verb> kVerbs = {
       // one line each, in the order of --help
+      {plumbline::AddGuiVerb},
       {plumbline::AddRunVerb},
       {plumbline::AddDetectVerb},
       {plumbline::AddEdgesVerb},

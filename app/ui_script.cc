@@ -143,8 +143,9 @@ bool UiScript::Waits(const json& step, const Host& host, Status& status) {
     actions_.push_back({});  // one frame that draws what was waited for
     return false;
   }
-  if (std::chrono::duration<double>(now - *waiting_since_).count() >
-      step.value("timeout_s", 60.0)) {
+  const bool hopeless = state.value("state", "") == "failed" && !step["wait_for"].contains("state");
+  const double waited_s = std::chrono::duration<double>(now - *waiting_since_).count();
+  if (hopeless || waited_s > step.value("timeout_s", 60.0)) {
     status = Wrong(step, "did not come true; the state is " + state.dump());
   }
   return true;

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/verbs/console_work.h"
+#include "app/verbs/pipeline_arguments.h"
 #include "app/verbs/verb.h"
-#include "engine/base/files.h"
 #include "engine/base/timer.h"
 #include "engine/process/mapping_pipeline.h"
 #include "engine/recording/run_file.h"
@@ -18,31 +18,10 @@ namespace plumbline {
 namespace {
 
 struct RunArguments {
-  PipelineChoice choice;
-  std::string out, frames, options_file, json;
-  std::vector<std::string> settings;
+  PipelineArguments pipeline;
+  std::string out, json;
   bool resume = false;
 };
-
-Status ReadChoices(RunArguments& arguments) {
-  if (!arguments.frames.empty()) {
-    Result<FrameRange> range = ParseFrameRange(arguments.frames);
-    if (!range.ok()) return range.error();
-    arguments.choice.frames = *range;
-  }
-  if (!arguments.options_file.empty()) {
-    Result<nlohmann::json> json = ReadJson(arguments.options_file);
-    if (!json.ok()) return json.error();
-    if (Status status = OptionsFromJson(*json, arguments.choice.options); !status.ok()) {
-      return Error{status.error().code,
-                   "'" + arguments.options_file + "': " + status.error().message};
-    }
-  }
-  for (const std::string& setting : arguments.settings) {
-    if (Status status = SetOption(setting, arguments.choice.options); !status.ok()) return status;
-  }
-  return {};
-}
 
 std::string Now() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
@@ -84,10 +63,11 @@ void PrintObjects(const FrameReport& report, const ModelDatabase& database) {
 }
 
 Status Run(RunArguments& arguments) {
-  if (Status status = ReadChoices(arguments); !status.ok()) return status;
+  if (Status status = arguments.pipeline.Finish(); !status.ok()) return status;
   ConsoleWork console;
   const WorkContext work = console.context();
-  Result<std::unique_ptr<MappingPipeline>> opened = MappingPipeline::Open(arguments.choice, work);
+  Result<std::unique_ptr<MappingPipeline>> opened =
+      MappingPipeline::Open(arguments.pipeline.choice, work);
   if (!opened.ok()) return opened.error();
   MappingPipeline& pipeline = **opened;
   Result<std::unique_ptr<RunWriter>> writer = OpenWriter(arguments, pipeline);
@@ -131,22 +111,10 @@ void AddRunVerb(CLI::App& app, VerbFunction& chosen) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* verb =
       app.add_subcommand("run", "Map a sequence: find its objects and leave a run file");
-  verb->add_option("sequence", arguments->choice.sequence, "Folder of the sequence")->required();
-  verb->add_option("--models", arguments->choice.models,
-                   "Folder of CAD models (default: the sequence's own)");
+  verb->add_option("sequence", arguments->pipeline.choice.sequence, "Folder of the sequence")
+      ->required();
   verb->add_option("--out", arguments->out, "Run file to write (.plb)")->required();
-  verb->add_option("--frames", arguments->frames, "Frames A:B or A:B:S; B is not included");
-  verb->add_option("--seed", arguments->choice.seed, "Seed of all randomness")
-      ->capture_default_str();
-  verb->add_option("--detector", arguments->choice.detector,
-                   "dataset (the sequence's proposals), or an ONNX network with its sidecar")
-      ->capture_default_str();
-  verb->add_option("--edges", arguments->choice.edges,
-                   "dataset, gradient, or an ONNX network with its sidecar (default: dataset where "
-                   "there are any, "
-                   "else gradient)");
-  verb->add_option("--options", arguments->options_file, "JSON file of filter options");
-  verb->add_option("--set", arguments->settings, "One filter option, key=value; may be repeated");
+  arguments->pipeline.AddTo(*verb);
   verb->add_flag("--resume", arguments->resume,
                  "Go on with the run that --out holds, if there is one");
   verb->add_option("--json", arguments->json, "Write the result here; - for standard output");

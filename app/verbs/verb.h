@@ -26,6 +26,7 @@ void AddModelsVerb(CLI::App& app, VerbFunction& chosen);
 void AddSynthVerb(CLI::App& app, VerbFunction& chosen);
 void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen);
 void AddExportVerb(CLI::App& app, VerbFunction& chosen);
+void AddGuiVerb(CLI::App& app, VerbFunction& chosen);
 void AddRunVerb(CLI::App& app, VerbFunction& chosen);
 
 /// Writes results for machines: to standard output for "-".

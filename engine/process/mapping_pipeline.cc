@@ -11,6 +11,7 @@
 #include "engine/base/queue.h"
 #include "engine/base/timer.h"
 #include "engine/mapping/viewpoint_scorer.h"
+#include "engine/process/frame_pictures.h"
 #include "engine/vision/edge_detector.h"
 
 namespace plumbline {
@@ -207,6 +208,7 @@ struct MappingPipeline::Impl {
     snapshot->edge_angle = edges.angle;
     snapshot->depth = maps.depth;
     snapshot->id = maps.id;
+    snapshot->outlines = OutlinesOf(maps.id, {sequence->camera().width, sequence->camera().height});
     return snapshot;
   }
 };
@@ -280,6 +282,7 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineCho
 }
 
 const Sequence& MappingPipeline::sequence() const { return *impl_->sequence; }
+std::shared_ptr<const Sequence> MappingPipeline::shared_sequence() const { return impl_->sequence; }
 std::shared_ptr<const ModelDatabase> MappingPipeline::database() const { return impl_->database; }
 
 RunHeader MappingPipeline::header() const {

@@ -47,6 +47,7 @@ class MappingPipeline {
   ~MappingPipeline();
 
   const Sequence& sequence() const;
+  std::shared_ptr<const Sequence> shared_sequence() const;
   std::shared_ptr<const ModelDatabase> database() const;
   /// What a run file says of this run; the caller adds program version and time.
   RunHeader header() const;

@@ -50,18 +50,18 @@ void MappingProcess::Run(std::stop_token stop) {
 void MappingProcess::ReportProgress(const Progress& progress) {
   state_.message = std::string(progress.stage);
   if (progress.total > 0) {
-    state_.message += ": " + std::to_string(progress.done) + " of " + std::to_string(progress.total);
+    state_.message +=
+        ": " + std::to_string(progress.done) + " of " + std::to_string(progress.total);
   }
   PublishPlayback();
 }
 
 void MappingProcess::Loop(std::stop_token stop) {
   state_.recorded = source_->recorded();
-  state_.frame = source_->first_frame();
-  state_.newest_mapped_frame = source_->newest_frame();
   state_.message.clear();
   sequence_.Publish(std::make_shared<const SequenceView>(source_->view()));
-  SetTarget(start_frame_.value_or(source_->first_frame()));
+  state_.frame = source_->FrameAt(0);
+  SetTarget(start_frame_ ? PositionOf(*start_frame_) : 0);
   PublishPlayback();
   while (!stop.stop_requested()) {
     if (target_ || (playing_ && Clock::now() >= due_)) {
@@ -79,16 +79,26 @@ void MappingProcess::TakeCommands() {
   while (auto command = commands_.TryPop()) Apply(*command);
 }
 
-void MappingProcess::SetTarget(int frame) {
-  target_ = std::clamp(frame, source_->first_frame(), source_->last_frame());
-  if (failed_)
-    target_ = std::min(*target_, std::max(source_->newest_frame(), source_->first_frame()));
+int MappingProcess::PositionOf(int frame) const {
+  int low = 0, high = source_->size();  // the last position whose frame is at most `frame`
+  while (high - low > 1) {
+    const int middle = low + (high - low) / 2;
+    (source_->FrameAt(middle) <= frame ? low : high) = middle;
+  }
+  return low;
 }
+
+/// A failed source goes no further than it came.
+int MappingProcess::LastPosition() const {
+  return failed_ ? std::max(source_->mapped() - 1, 0) : source_->size() - 1;
+}
+
+void MappingProcess::SetTarget(int position) { target_ = std::clamp(position, 0, LastPosition()); }
 
 void MappingProcess::Apply(const PlaybackCommand& command) {
   const auto play = [this](bool on) {
-    playing_ = on && !(failed_ && state_.frame >= source_->newest_frame());
-    if (playing_ && state_.frame >= source_->last_frame()) SetTarget(source_->first_frame());
+    playing_ = on && !(failed_ && position_ >= LastPosition());
+    if (playing_ && position_ >= LastPosition()) SetTarget(0);
     if (!on) target_.reset();
     due_ = Clock::now();
   };
@@ -100,9 +110,9 @@ void MappingProcess::Apply(const PlaybackCommand& command) {
         if constexpr (std::is_same_v<T, TogglePlayCommand>) play(!playing_ && !target_);
         if constexpr (std::is_same_v<T, StepCommand>) {
           playing_ = false;
-          SetTarget(target_.value_or(state_.frame) + c.frames);
+          SetTarget(target_.value_or(position_) + c.frames);
         }
-        if constexpr (std::is_same_v<T, SeekCommand>) SetTarget(c.frame);
+        if constexpr (std::is_same_v<T, SeekCommand>) SetTarget(PositionOf(c.frame));
         if constexpr (std::is_same_v<T, SetSpeedCommand>) {
           state_.speed = c.speed;
           due_ = Clock::now();
@@ -115,27 +125,29 @@ void MappingProcess::Apply(const PlaybackCommand& command) {
 /// playing.
 void MappingProcess::Advance(std::stop_token stop) {
   if (!target_ && !playing_) return PublishPlayback();
-  const int wanted = target_.value_or(state_.frame + 1);
-  if (wanted > (failed_ ? source_->newest_frame() : source_->last_frame())) {
+  const int wanted = target_.value_or(position_ + 1);
+  if (wanted > LastPosition()) {
     playing_ = false;
     target_.reset();
     return PublishPlayback();
   }
-  if (wanted <= source_->newest_frame()) {
+  if (wanted < source_->mapped()) {
     target_.reset();
     Show(source_->Past(wanted, stop), wanted);
   } else {
-    const int next = source_->newest_frame() + 1;
+    const int next = source_->mapped();
     if (target_ && next >= *target_) target_.reset();
     Show(source_->Next(stop), next);
   }
+  const int at = std::max(position_, 0), after = std::min(at + 1, source_->size() - 1);
+  const double frames = source_->FrameAt(after) - source_->FrameAt(at);
   const double rate = source_->view().rate_hz * state_.speed;
-  const auto period = std::chrono::duration<double>(rate > 0 ? 1.0 / rate : 0.0);
+  const auto period = std::chrono::duration<double>(rate > 0 ? std::max(frames, 1.0) / rate : 0.0);
   // A frame that came late does not hurry the ones after it.
   due_ = std::max(due_ + std::chrono::duration_cast<Clock::duration>(period), Clock::now());
 }
 
-void MappingProcess::Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, int frame) {
+void MappingProcess::Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, int position) {
   if (!snapshot.ok()) {
     if (snapshot.error().code != ErrorCode::kCancelled) Fail(snapshot.error().message);
     return;
@@ -146,7 +158,8 @@ void MappingProcess::Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, i
   const double rate = seconds < 2.0 && seconds > 0 ? 1.0 / seconds : 0.0;
   state_.frames_per_second =
       state_.frames_per_second > 0 && rate > 0 ? 0.8 * state_.frames_per_second + 0.2 * rate : rate;
-  state_.frame = frame;
+  position_ = position;
+  state_.frame = source_->FrameAt(position);
   snapshot_.Publish(std::move(snapshot).value());
   PublishPlayback();
 }
@@ -162,12 +175,13 @@ void MappingProcess::Fail(std::string message) {
 
 void MappingProcess::PublishPlayback() {
   if (source_ != nullptr) {
-    state_.newest_mapped_frame = source_->newest_frame();
+    state_.newest_mapped_frame =
+        source_->mapped() > 0 ? source_->FrameAt(source_->mapped() - 1) : -1;
     if (source_->events().size() != published_events_) {
       published_events_ = source_->events().size();
       state_.events = std::make_shared<const std::vector<FrameEvent>>(source_->events());
     }
-    const bool at_end = !playing_ && !target_ && state_.frame >= source_->last_frame();
+    const bool at_end = !playing_ && !target_ && position_ + 1 >= source_->size();
     state_.state = failed_    ? PlaybackState::kFailed
                    : playing_ ? PlaybackState::kPlaying
                    : at_end   ? PlaybackState::kFinished
@@ -175,7 +189,8 @@ void MappingProcess::PublishPlayback() {
   } else if (failed_) {
     state_.state = PlaybackState::kFailed;
   }
-  state_.seek_target = target_;
+  state_.seek_target =
+      target_ && source_ != nullptr ? std::optional(source_->FrameAt(*target_)) : std::nullopt;
   if (!playing_ && !target_) state_.frames_per_second = 0;
   playback_.Publish(std::make_shared<const PlaybackView>(state_));
   if (on_publish_) on_publish_();

@@ -50,10 +50,13 @@ class MappingProcess {
   void Loop(std::stop_token stop);
   void ReportProgress(const Progress& progress);
   void Apply(const PlaybackCommand& command);
-  void SetTarget(int frame);
+  /// Of the last frame that is at most `frame`.
+  int PositionOf(int frame) const;
+  int LastPosition() const;
+  void SetTarget(int position);
   void TakeCommands();
   void Advance(std::stop_token stop);
-  void Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, int frame);
+  void Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, int position);
   void Fail(std::string message);
   void PublishPlayback();
 
@@ -71,7 +74,8 @@ class MappingProcess {
   std::size_t published_events_ = 0;
   bool playing_ = false;
   bool failed_ = false;
-  std::optional<int> target_;  ///< Frame to show next, or to map towards.
+  int position_ = -1;          ///< Shown.
+  std::optional<int> target_;  ///< Position to show next, or to map towards.
   Clock::time_point due_{};    ///< When the next frame of playing is due.
   Clock::time_point last_shown_{};
 

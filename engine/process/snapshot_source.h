@@ -10,27 +10,29 @@
 
 namespace plumbline {
 
-/// Where the frames of the window come from: a mapper at work on a sequence, or a run file. Used
-/// from one thread.
+/// Where the frames of the window come from: a mapper at work on a sequence, or a run file.
+/// Positions count the frames that are mapped, from 0; a run may leave out frames of its sequence.
+/// Used from one thread.
 class SnapshotSource {
  public:
   virtual ~SnapshotSource() = default;
 
   virtual const SequenceView& view() const = 0;
-  /// First frame there is, and the last one there will be.
-  virtual int first_frame() const = 0;
-  virtual int last_frame() const = 0;
-  /// The newest frame that Past can give; first_frame() - 1 before the first.
-  virtual int newest_frame() const = 0;
+  /// Positions there will be in the end; at least 1.
+  virtual int size() const = 0;
+  /// Positions that Past can give now.
+  virtual int mapped() const = 0;
+  /// Number in the sequence of the frame at a position 0 .. size() - 1.
+  virtual int FrameAt(int position) const = 0;
   /// Nothing is mapped here: every frame is a past one.
   virtual bool recorded() const = 0;
 
-  /// Maps the frame after the newest. Errors: what went wrong, kCancelled once `stop` is asked for
-  /// (within 50 ms).
+  /// Maps the frame at position mapped() < size(). Errors: what went wrong; kCancelled once `stop`
+  /// is asked for.
   virtual Result<std::shared_ptr<const MapSnapshot>> Next(std::stop_token stop) = 0;
-  /// A frame first_frame() .. newest_frame() as it was when it was mapped.
-  virtual Result<std::shared_ptr<const MapSnapshot>> Past(int frame, std::stop_token stop) = 0;
-  /// Life events of the frames up to newest_frame(), by frame.
+  /// A frame 0 .. mapped() - 1 as it was when it was mapped.
+  virtual Result<std::shared_ptr<const MapSnapshot>> Past(int position, std::stop_token stop) = 0;
+  /// Life events of the frames that are mapped, by frame.
   virtual const std::vector<FrameEvent>& events() const = 0;
 };
 

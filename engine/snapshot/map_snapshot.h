@@ -35,6 +35,7 @@ struct SequenceView {
   int image_width = 0, image_height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;
   Eigen::Vector3d up_in_world{0, 0, 1};
+  std::optional<double> floor_height_m;             ///< Along up, where a floor is known.
   std::vector<ModelView> models;                    ///< Index = ModelId.
   std::vector<Eigen::Isometry3d> world_from_cam;    ///< Of every frame that has a pose, in order.
   std::shared_ptr<const TriangleMesh> scan;         ///< May be null.

@@ -89,14 +89,15 @@ class FakeSource : public SnapshotSource {
     for (int i = 0; i < options.num_frames; ++i) view_.world_from_cam.push_back(CameraPose(i));
     view_.scan = MakeScan();
     if (options.recorded) {
-      while (newest_ + 1 < options.num_frames) AddEvents(++newest_);
+      mapped_ = size();
+      for (int i = 0; i < options.num_frames; ++i) AddEvents(i);
     }
   }
 
   const SequenceView& view() const override { return view_; }
-  int first_frame() const override { return 0; }
-  int last_frame() const override { return options_.num_frames - 1; }
-  int newest_frame() const override { return newest_; }
+  int size() const override { return (options_.num_frames - 1) / options_.stride + 1; }
+  int mapped() const override { return mapped_; }
+  int FrameAt(int position) const override { return position * options_.stride; }
   bool recorded() const override { return options_.recorded; }
   const std::vector<FrameEvent>& events() const override { return events_; }
 
@@ -105,15 +106,17 @@ class FakeSource : public SnapshotSource {
       if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    if (newest_ + 1 == options_.fail_at_frame) {
+    const int frame = FrameAt(mapped_);
+    if (frame == options_.fail_at_frame) {
       return Error{ErrorCode::kCorrupt, "the made-up frame cannot be read; this is a test"};
     }
-    if (newest_ + 1 == options_.throw_at_frame) throw std::runtime_error("made-up exception");
-    AddEvents(++newest_);
-    return Make(newest_);
-  }
-  Result<std::shared_ptr<const MapSnapshot>> Past(int frame, std::stop_token) override {
+    if (frame == options_.throw_at_frame) throw std::runtime_error("made-up exception");
+    for (int i = mapped_ > 0 ? FrameAt(mapped_ - 1) + 1 : 0; i <= frame; ++i) AddEvents(i);
+    ++mapped_;
     return Make(frame);
+  }
+  Result<std::shared_ptr<const MapSnapshot>> Past(int position, std::stop_token) override {
+    return Make(FrameAt(position));
   }
 
  private:
@@ -389,7 +392,7 @@ class FakeSource : public SnapshotSource {
   SequenceView view_;
   std::vector<TrueObject> truth_;
   std::vector<FrameEvent> events_;
-  int newest_ = -1;
+  int mapped_ = 0;
 };
 
 }  // namespace

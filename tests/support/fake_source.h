@@ -12,6 +12,7 @@ struct FakeSourceOptions {
   int num_frames = 120;
   int width = 480, height = 250;
   int particles = 200;
+  int stride = 1;                  ///< Maps every so many frames.
   int milliseconds_per_frame = 0;  ///< How long Next takes.
   int fail_at_frame = -1;          ///< Next fails there.
   int throw_at_frame = -1;         ///< Next throws there.

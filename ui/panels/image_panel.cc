@@ -66,8 +66,8 @@ class ImagePanel : public Panel {
     }
     const ImTextureID texture =
         context.textures->Get("image", context.snapshot_version, [&] { return snapshot.image; });
-    const ImageCanvas canvas(context, "image.view", texture, snapshot.image.cols,
-                             snapshot.image.rows);
+    const ImageCanvas canvas(context, "image.view", texture, context.sequence->image_width,
+                             context.sequence->image_height);
     if (proposals_) DrawProposals(context, canvas);
     if (outlines_) DrawOutlineOverlay(context, canvas, {});
     if (const ObjectReport* object = context.SelectedObject(); particles_ && object != nullptr) {
@@ -80,7 +80,7 @@ class ImagePanel : public Panel {
     if (names_) LabelObjects(context, canvas, labels);
     if (proposals_) LabelProposals(context, canvas, labels);
     if (const auto pixel = canvas.clicked())
-      sink.Post(SelectObjectCommand{ObjectAt(snapshot, *pixel)});
+      sink.Post(SelectObjectCommand{ObjectAt(context, *pixel)});
   }
 
   nlohmann::json SaveState() const override {

@@ -26,11 +26,11 @@ class MasksPanel : public Panel {
     const ImTextureID texture = context.textures->Get("masks", context.snapshot_version, [&] {
       return MaskPicture(snapshot.image, snapshot.depth, snapshot.id, RangeOf(snapshot.depth));
     });
-    const ImageCanvas canvas(context, "masks.view", texture, snapshot.image.cols,
-                             snapshot.image.rows);
+    const ImageCanvas canvas(context, "masks.view", texture, context.sequence->image_width,
+                             context.sequence->image_height);
     const auto pixel = canvas.hovered();
     if (!pixel) return;
-    const ObjectId object = ObjectAt(snapshot, *pixel);
+    const ObjectId object = ObjectAt(context, *pixel);
     if (object.value > 0) ImGui::SetTooltip("object #%d", object.value);
     if (canvas.clicked()) sink.Post(SelectObjectCommand{object});
   }

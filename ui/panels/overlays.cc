@@ -83,14 +83,15 @@ void DrawOutlineOverlay(const FrameContext& context, const ImageCanvas& canvas,
   }
 }
 
-ObjectId ObjectAt(const MapSnapshot& snapshot, const Eigen::Vector2f& pixel) {
-  if (snapshot.id.empty() || snapshot.image.empty()) return {};
+ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel) {
+  const MapSnapshot& snapshot = *context.snapshot;
+  if (snapshot.id.empty()) return {};
   const auto map = [](float value, int from, int to) {
     return static_cast<int>(
         std::floor((value + 0.5f) * static_cast<float>(to) / static_cast<float>(from)));
   };
-  const int x = map(pixel.x(), snapshot.image.cols, snapshot.id.cols);
-  const int y = map(pixel.y(), snapshot.image.rows, snapshot.id.rows);
+  const int x = map(pixel.x(), context.sequence->image_width, snapshot.id.cols);
+  const int y = map(pixel.y(), context.sequence->image_height, snapshot.id.rows);
   if (x < 0 || y < 0 || x >= snapshot.id.cols || y >= snapshot.id.rows) return {};
   const int id = snapshot.id.at<std::uint16_t>(y, x);
   return id > 0 ? ObjectId{id} : ObjectId{};

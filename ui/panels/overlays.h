@@ -27,6 +27,6 @@ void DrawOutlineOverlay(const FrameContext& context, const ImageCanvas& canvas,
                         const OutlineOverlay& overlay);
 
 /// The object whose mean state shows at a pixel of the image; not valid where there is none.
-ObjectId ObjectAt(const MapSnapshot& snapshot, const Eigen::Vector2f& pixel);
+ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel);
 
 }  // namespace plumbline

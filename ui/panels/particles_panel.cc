@@ -48,12 +48,12 @@ class ParticlesPanel : public Panel {
       return EmptyState(context, "No image", "This frame came without an image.");
     const ImTextureID texture =
         context.textures->Get("image", context.snapshot_version, [&] { return snapshot.image; });
-    const Box2 all{-0.5f, -0.5f, static_cast<float>(snapshot.image.cols) - 0.5f,
-                   static_cast<float>(snapshot.image.rows) - 0.5f};
+    const Box2 all{-0.5f, -0.5f, static_cast<float>(context.sequence->image_width) - 0.5f,
+                   static_cast<float>(context.sequence->image_height) - 0.5f};
     const ImVec2 room = ImGui::GetContentRegionAvail();
     const Box2 part = closeup_ ? CloseUp(*object, all, room.x / std::max(1.0f, room.y)) : all;
-    const ImageCanvas canvas(context, "particles.view", texture, snapshot.image.cols,
-                             snapshot.image.rows, part);
+    const ImageCanvas canvas(context, "particles.view", texture, context.sequence->image_width,
+                             context.sequence->image_height, part);
     canvas.draw().AddRectFilled(canvas.low(), canvas.high(), IM_COL32(0, 0, 0, 110));
     DrawOutlineOverlay(context, canvas,
                        {.width_px = 1, .alpha = 0.7, .shadow = false, .only = object->id});

@@ -23,9 +23,10 @@ using Eigen::Vector3d;
 constexpr std::size_t kPointsOnGpu = 2'000'000, kPointsOnCpu = 150'000, kPointsWhileMoving = 30'000;
 constexpr int kFrustumImageWidth = 256;
 
-/// Height along up of the lowest things, without stray points: the second percentile of the scan,
+/// The floor's height along up, else that of the lowest things, without stray points: the second percentile of the scan,
 /// else the lowest truth, else 1.4 m (a carried camera) below the lowest camera.
 double FloorHeight(const SequenceView& sequence) {
+  if (sequence.floor_height_m) return *sequence.floor_height_m;
   const Vector3d& up = sequence.up_in_world;
   std::vector<double> heights;
   if (sequence.scan != nullptr && !sequence.scan->empty()) {

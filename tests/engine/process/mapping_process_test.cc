@@ -97,6 +97,20 @@ TEST(MappingProcess, SeeksAheadByMappingTowardsTheFrame) {
   EXPECT_FALSE(process.Playback()->seek_target.has_value());
 }
 
+TEST(MappingProcess, StepsAlongTheFramesThatARunHas) {
+  FakeSourceOptions options = Small();
+  options.stride = 4;
+  MappingProcess process(Opener(options), std::nullopt, {});
+  ASSERT_TRUE(Shows(process, 0));
+  process.Post(StepCommand{2});
+  ASSERT_TRUE(Shows(process, 8));
+  process.Post(SeekCommand{19});
+  ASSERT_TRUE(Shows(process, 16));
+  process.Post(SeekCommand{1000});
+  ASSERT_TRUE(Shows(process, 28));
+  EXPECT_TRUE(WaitFor([&] { return process.Playback()->state == PlaybackState::kFinished; }));
+}
+
 TEST(MappingProcess, PauseInterruptsASeek) {
   FakeSourceOptions options = Small();
   options.milliseconds_per_frame = 20;

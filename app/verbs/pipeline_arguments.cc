@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/verbs/pipeline_arguments.h"
+
+#include <nlohmann/json.hpp>
+
+#include "engine/base/files.h"
+
+namespace plumbline {
+
+void PipelineArguments::AddTo(CLI::App& verb) {
+  verb.add_option("--models", choice.models, "Folder of CAD models (default: the sequence's own)");
+  verb.add_option("--frames", frames, "Frames A:B or A:B:S; B is not included");
+  verb.add_option("--seed", choice.seed, "Seed of all randomness")->capture_default_str();
+  verb.add_option("--detector", choice.detector,
+                  "dataset (the sequence's proposals), or an ONNX network with its sidecar")
+      ->capture_default_str();
+  verb.add_option("--edges", choice.edges,
+                  "dataset, gradient, or an ONNX network with its sidecar (default: dataset where "
+                  "there are any, else gradient)");
+  verb.add_option("--options", options_file, "JSON file of filter options");
+  verb.add_option("--set", settings, "One filter option, key=value; may be repeated");
+}
+
+Status PipelineArguments::Finish() {
+  if (!frames.empty()) {
+    Result<FrameRange> range = ParseFrameRange(frames);
+    if (!range.ok()) return range.error();
+    choice.frames = *range;
+  }
+  if (!options_file.empty()) {
+    Result<nlohmann::json> json = ReadJson(options_file);
+    if (!json.ok()) return json.error();
+    if (Status status = OptionsFromJson(*json, choice.options); !status.ok()) {
+      return Error{status.error().code, "'" + options_file + "': " + status.error().message};
+    }
+  }
+  for (const std::string& setting : settings) {
+    if (Status status = SetOption(setting, choice.options); !status.ok()) return status;
+  }
+  return {};
+}
+
+}  // namespace plumbline

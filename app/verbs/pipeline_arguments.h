@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "engine/base/result.h"
+#include "engine/process/mapping_pipeline.h"
+
+namespace plumbline {
+
+/// What commands that map a sequence share.
+struct PipelineArguments {
+  PipelineChoice choice;  ///< Complete after Finish, but for the sequence.
+  std::string frames, options_file;
+  std::vector<std::string> settings;
+
+  /// Declares --models, --frames, --seed, --detector, --edges, --options and --set.
+  void AddTo(CLI::App& verb);
+  /// Reads the range and the options into `choice`. Errors: kInvalidInput, kNotFound.
+  Status Finish();
+};
+
+}  // namespace plumbline

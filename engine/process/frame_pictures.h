@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/dataset/sequence.h"
+#include "engine/mapping/occlusion.h"
+#include "engine/models/model_database.h"
+#include "engine/snapshot/map_snapshot.h"
+#include "engine/vision/edge_detector.h"
+
+namespace plumbline {
+
+/// Outlines of the objects in an id map (CV_16U), in pixels of an image of `image_size`, which may
+/// be a multiple of the map's.
+std::vector<OutlineView> OutlinesOf(const cv::Mat& id, cv::Size image_size);
+
+/// Computes again what a snapshot shows besides its report, from what the run was made from: image,
+/// edges, Z-buffer and outlines. Nothing is detected or mapped. Use it in one thread.
+class FramePictures {
+ public:
+  /// @param edges  As CreateEdgeDetector takes it; "": dataset where there are any, else gradient.
+  static Result<std::unique_ptr<FramePictures>> Create(
+      std::shared_ptr<const Sequence> sequence, std::shared_ptr<const ModelDatabase> database,
+      std::string_view edges);
+  /// Without a sequence: Z-buffer and outlines only.
+  static Result<std::unique_ptr<FramePictures>> CreateWithoutImages(
+      const PinholeCamera& camera, std::shared_ptr<const ModelDatabase> database);
+
+  /// An image or edges that cannot be read stay empty.
+  std::shared_ptr<MapSnapshot> Make(FrameReport report);
+
+ private:
+  FramePictures() = default;
+  PinholeCamera camera_;
+  std::shared_ptr<const Sequence> sequence_;  ///< Null without images.
+  std::unique_ptr<EdgeDetector> edges_;
+  std::unique_ptr<OcclusionRenderer> renderer_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/process/live_source.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "engine/process/frame_pictures.h"
+#include "engine/process/sequence_view.h"
+#include "engine/process/snapshot_memory.h"
+#include "engine/recording/run_file.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kMemoryBytes = 300u << 20;
+constexpr auto kWriterPatience = std::chrono::seconds(5);
+
+/// A run file, removed with its companions if it is only for the time being.
+class RunFilePlace {
+ public:
+  static Result<RunFilePlace> Choose(const std::filesystem::path& wanted) {
+    RunFilePlace place;
+    place.path_ = wanted;
+    if (!wanted.empty()) return place;
+    std::string folder = (std::filesystem::temp_directory_path() / "plumbline_XXXXXX").string();
+    if (mkdtemp(folder.data()) == nullptr) {
+      return Error{ErrorCode::kIo, "cannot make a temporary folder in '" +
+                                       std::filesystem::temp_directory_path().string() +
+                                       "' to record into"};
+    }
+    place.folder_ = folder;
+    place.path_ = place.folder_ / "live.plb";
+    return place;
+  }
+  RunFilePlace(RunFilePlace&& other) noexcept
+      : path_(std::move(other.path_)), folder_(std::exchange(other.folder_, {})) {}
+  RunFilePlace(const RunFilePlace&) = delete;
+  RunFilePlace& operator=(const RunFilePlace&) = delete;
+  ~RunFilePlace() {
+    std::error_code ignored;
+    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  RunFilePlace() = default;
+  std::filesystem::path path_, folder_;
+};
+
+class LiveSource : public SnapshotSource {
+ public:
+  LiveSource(std::unique_ptr<MappingPipeline> pipeline, std::unique_ptr<FramePictures> pictures,
+             RunFilePlace place, std::unique_ptr<RunWriter> writer, SequenceView view,
+             FrameRange range)
+      : place_(std::move(place)),
+        pipeline_(std::move(pipeline)),
+        pictures_(std::move(pictures)),
+        writer_(std::move(writer)),
+        view_(std::move(view)),
+        range_(range) {}
+
+  const SequenceView& view() const override { return view_; }
+  int size() const override { return pipeline_->num_selected(); }
+  int mapped() const override { return mapped_; }
+  int FrameAt(int position) const override { return range_.begin + position * range_.step; }
+  bool recorded() const override { return false; }
+  const std::vector<FrameEvent>& events() const override { return events_; }
+
+  Result<std::shared_ptr<const MapSnapshot>> Next(std::stop_token stop) override {
+    if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+    const auto next = pipeline_->Next();
+    if (!next) return Error{ErrorCode::kIo, "the sequence ended before its last frame"};
+    std::shared_ptr<const MapSnapshot> snapshot = *next;
+    if (Status status = writer_->Write(snapshot->report, snapshot->image); !status.ok())
+      return status.error();
+    for (const LifeEvent& event : snapshot->report.events)
+      events_.push_back({snapshot->report.frame, event});
+    memory_.Put(mapped_, snapshot);
+    ++mapped_;
+    return snapshot;
+  }
+
+  Result<std::shared_ptr<const MapSnapshot>> Past(int position, std::stop_token stop) override {
+    if (auto known = memory_.Get(position)) return known;
+    const auto deadline = std::chrono::steady_clock::now() + kWriterPatience;
+    while (writer_->num_written() <= position) {
+      if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+      if (std::chrono::steady_clock::now() > deadline) {
+        return Error{ErrorCode::kIo,
+                     "'" + place_.path().string() +
+                         "' is not written fast enough to look back; is the disk full?"};
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    if (reader_ == nullptr) {
+      auto reader = RunReader::Open(place_.path());
+      if (!reader.ok()) return reader.error();
+      reader_ = std::move(reader).value();
+    }
+    Result<FrameReport> report = reader_->ReadFrame(position);
+    if (!report.ok()) return report.error();
+    std::shared_ptr<const MapSnapshot> snapshot = pictures_->Make(std::move(report).value());
+    memory_.Put(position, snapshot);
+    return snapshot;
+  }
+
+ private:
+  RunFilePlace place_;  ///< First: removed after reader and writer are closed.
+  std::unique_ptr<MappingPipeline> pipeline_;
+  std::unique_ptr<FramePictures> pictures_;
+  std::unique_ptr<RunWriter> writer_;
+  std::unique_ptr<RunReader> reader_;
+  SequenceView view_;
+  FrameRange range_;
+  SnapshotMemory memory_{kMemoryBytes};
+  std::vector<FrameEvent> events_;
+  int mapped_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<SnapshotSource>> OpenLiveSource(const LiveChoice& choice,
+                                                       const WorkContext& work) {
+  work.report({"Opening the sequence"});
+  auto pipeline = MappingPipeline::Open(choice.pipeline, work);
+  if (!pipeline.ok()) return pipeline.error();
+  auto place = RunFilePlace::Choose(choice.out);
+  if (!place.ok()) return place.error();
+  RunHeader header = (*pipeline)->header();
+  header.program_version = choice.program_version;
+  auto writer = RunWriter::Create(place->path(), header);
+  if (!writer.ok()) return writer.error();
+  const std::shared_ptr<const Sequence> sequence = (*pipeline)->shared_sequence();
+  auto pictures = FramePictures::Create(sequence, (*pipeline)->database(), choice.pipeline.edges);
+  if (!pictures.ok()) return pictures.error();
+  SequenceView view = MakeSequenceView(*sequence, *(*pipeline)->database(), work);
+  return std::unique_ptr<SnapshotSource>(std::make_unique<LiveSource>(
+      std::move(pipeline).value(), std::move(pictures).value(), std::move(place).value(),
+      std::move(writer).value(), std::move(view), choice.pipeline.frames));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/process/run_source.h"
+
+#include <string_view>
+#include <utility>
+
+#include "engine/base/log.h"
+#include "engine/process/frame_pictures.h"
+#include "engine/process/sequence_view.h"
+#include "engine/process/snapshot_memory.h"
+#include "engine/recording/run_file.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kMemoryBytes = 300u << 20;
+
+/// What CreateEdgeDetector takes, from what an edge detector said of itself ("kind file hash").
+std::string EdgeChoice(const std::string& description) {
+  constexpr std::string_view kNetwork = "edge network ";
+  if (description.starts_with("dataset")) return "dataset";
+  if (!description.starts_with(kNetwork)) return "gradient";
+  const std::string file = description.substr(kNetwork.size());
+  const std::size_t end = file.find(".onnx");
+  return end == std::string::npos ? "gradient" : file.substr(0, end + 5);
+}
+
+class RunSource : public SnapshotSource {
+ public:
+  RunSource(std::unique_ptr<RunReader> reader, std::vector<RunFrame> frames,
+            std::vector<FrameEvent> events, std::unique_ptr<FramePictures> pictures,
+            SequenceView view)
+      : reader_(std::move(reader)),
+        frames_(std::move(frames)),
+        events_(std::move(events)),
+        pictures_(std::move(pictures)),
+        view_(std::move(view)) {}
+
+  const SequenceView& view() const override { return view_; }
+  int size() const override { return static_cast<int>(frames_.size()); }
+  int mapped() const override { return size(); }
+  int FrameAt(int position) const override {
+    return frames_[static_cast<std::size_t>(position)].frame;
+  }
+  bool recorded() const override { return true; }
+  const std::vector<FrameEvent>& events() const override { return events_; }
+
+  Result<std::shared_ptr<const MapSnapshot>> Next(std::stop_token) override {
+    return Error{ErrorCode::kUnsupported, "a recorded run has no further frames"};
+  }
+
+  Result<std::shared_ptr<const MapSnapshot>> Past(int position, std::stop_token) override {
+    if (auto known = memory_.Get(position)) return known;
+    Result<FrameReport> report = reader_->ReadFrame(position);
+    if (!report.ok()) return report.error();
+    const std::shared_ptr<MapSnapshot> snapshot = pictures_->Make(std::move(report).value());
+    if (snapshot->image.empty()) {
+      if (auto thumbnail = reader_->ReadThumbnail(position); thumbnail.ok())
+        snapshot->image = *thumbnail;
+    }
+    memory_.Put(position, snapshot);
+    return std::shared_ptr<const MapSnapshot>(snapshot);
+  }
+
+ private:
+  std::unique_ptr<RunReader> reader_;
+  std::vector<RunFrame> frames_;
+  std::vector<FrameEvent> events_;
+  std::unique_ptr<FramePictures> pictures_;
+  SequenceView view_;
+  SnapshotMemory memory_{kMemoryBytes};
+};
+
+/// The labels of a run count its models; with other models they would mean other shapes.
+Status CheckModels(const RunHeader& header, const ModelDatabase& database,
+                   const std::filesystem::path& run) {
+  bool same = header.models.size() == database.models().size();
+  for (std::size_t i = 0; same && i < header.models.size(); ++i)
+    same = header.models[i].name == database.models()[i].name;
+  if (same) return {};
+  return Error{ErrorCode::kInvalidInput,
+               "the models in '" + database.folder().string() + "' are not those that '" +
+                   run.string() + "' was made with; name the right folder with --models"};
+}
+
+struct Inputs {
+  std::unique_ptr<FramePictures> pictures;
+  SequenceView view;
+};
+
+Result<Inputs> OpenInputs(const RunChoice& choice, const RunHeader& header,
+                          const WorkContext& work) {
+  const std::filesystem::path models =
+      choice.models.empty() ? std::filesystem::path(header.models_path) : choice.models;
+  auto database = ModelDatabase::Load(models);
+  if (!database.ok())
+    return Error{database.error().code,
+                 database.error().message + "; --models names another folder"};
+  if (Status status = CheckModels(header, **database, choice.run); !status.ok())
+    return status.error();
+
+  const std::filesystem::path path =
+      choice.sequence.empty() ? std::filesystem::path(header.sequence_path) : choice.sequence;
+  auto sequence = OpenSequence(path);
+  if (!sequence.ok() && !choice.sequence.empty()) return sequence.error();
+  if (!sequence.ok()) {
+    log::warn(
+        "{}; the run's small pictures stand in for its images (--sequence names another folder)",
+        sequence.error().message);
+    auto pictures = FramePictures::CreateWithoutImages(header.camera, *database);
+    if (!pictures.ok()) return pictures.error();
+    return Inputs{std::move(pictures).value(), ViewWithoutSequence(header, **database)};
+  }
+  auto pictures = FramePictures::Create(*sequence, *database, EdgeChoice(header.edges));
+  if (!pictures.ok()) return pictures.error();
+  return Inputs{std::move(pictures).value(), MakeSequenceView(**sequence, **database, work)};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SnapshotSource>> OpenRunSource(const RunChoice& choice,
+                                                      const WorkContext& work) {
+  work.report({"Opening the run"});
+  auto reader = RunReader::Open(choice.run);
+  if (!reader.ok()) return reader.error();
+  const RunHeader& header = (*reader)->header();
+  auto frames = (*reader)->Frames();
+  if (!frames.ok()) return frames.error();
+  if (frames->empty())
+    return Error{ErrorCode::kInvalidInput, "'" + choice.run.string() + "' holds no frames yet"};
+  auto run_events = (*reader)->Events();
+  if (!run_events.ok()) return run_events.error();
+  std::vector<FrameEvent> events;
+  for (const RunEvent& event : *run_events) events.push_back({event.frame, event.event});
+
+  auto inputs = OpenInputs(choice, header, work);
+  if (!inputs.ok()) return inputs.error();
+  inputs->view.name += ", " + choice.run.filename().string();
+  return std::unique_ptr<SnapshotSource>(std::make_unique<RunSource>(
+      std::move(reader).value(), std::move(frames).value(), std::move(events),
+      std::move(inputs->pictures), std::move(inputs->view)));
+}
+
+}  // namespace plumbline
