@@ -7,6 +7,7 @@
 
 #include "engine/geometry/gravity.h"
 #include "engine/mapping/map_report.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 
@@ -15,6 +16,13 @@ struct ParticlePlace {
   Eigen::Vector3d center_in_world;
   Eigen::Vector3d heading_in_world;  ///< Unit vector
 };
+
+/// Length of the line that shows a hypothesis' front: a third of the model's size, so that a cup
+/// and a sofa read alike.
+inline double NeedleLength(const ModelView* model) {
+  if (model == nullptr || model->mesh == nullptr || model->mesh->empty()) return 0.15;
+  return 0.33 * static_cast<double>(BoundingBox(*model->mesh).sizes().head<2>().maxCoeff());
+}
 
 inline ParticlePlace PlaceOf(const Particle& particle, const ObjectReport& object,
                              const UprightFrame& upright) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <set>
+
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"
 #include "ui/panels/overlays.h"
@@ -26,6 +28,11 @@ ImU32 FateColor(const ProposalReport& proposal) {
   return colors::kDimText;
 }
 
+bool IsWeak(const ProposalReport& proposal) {
+  return proposal.fate == ProposalFate::kLowScore ||
+         proposal.fate == ProposalFate::kUnknownCategory;
+}
+
 class ImagePanel : public Panel {
  public:
   const char* Id() const override { return "image"; }
@@ -37,15 +44,19 @@ class ImagePanel : public Panel {
   }
 
   void DrawHeader(const FrameContext& context, CommandSink&) override {
-    AlignRight(ToggleWidth(context, "Proposals") + ToggleWidth(context, "Outlines") +
-               ToggleWidth(context, "Names") + ToggleWidth(context, "Particles") +
-               context.Scaled(12));
+    float width = context.Scaled(15);
+    for (const char* label : {"Proposals", "Weak", "Outlines", "Names", "Particles"}) {
+      width += ToggleWidth(context, label);
+    }
+    AlignRight(width);
     Toggle(context, "image.proposals", "Proposals", proposals_,
            "Boxes that the detector proposes, with category and score. In an object's colour: "
-           "explained by it. "
-           "White: gave birth to an object. Light grey: no model of that category. Dark grey: low "
-           "score. "
+           "explained by it (of several, the best is labelled). White: gave birth to an object. "
            "Red: no plausible place for a model in the box.");
+    ImGui::SameLine();
+    Toggle(context, "image.weak", "Weak", weak_,
+           "Also the proposals that were not used: of categories without a model (light grey) and "
+           "of low score (dark grey).");
     ImGui::SameLine();
     Toggle(context, "image.outlines", "Outlines", outlines_,
            "Outline of each object's mean state, in its colour.");
@@ -85,12 +96,14 @@ class ImagePanel : public Panel {
 
   nlohmann::json SaveState() const override {
     return {{"proposals", proposals_},
+            {"weak", weak_},
             {"outlines", outlines_},
             {"names", names_},
             {"particles", particles_}};
   }
   void LoadState(const nlohmann::json& json) override {
     proposals_ = json.value("proposals", proposals_);
+    weak_ = json.value("weak", weak_);
     outlines_ = json.value("outlines", outlines_);
     names_ = json.value("names", names_);
     particles_ = json.value("particles", particles_);
@@ -101,14 +114,15 @@ class ImagePanel : public Panel {
     for (const ProposalReport& proposal : context.snapshot->report.proposals) {
       const ImVec2 low = canvas.ToScreen(proposal.box.x0 - 0.5f, proposal.box.y0 - 0.5f);
       const ImVec2 high = canvas.ToScreen(proposal.box.x1 + 0.5f, proposal.box.y1 + 0.5f);
-      const bool weak = proposal.fate == ProposalFate::kLowScore ||
-                        proposal.fate == ProposalFate::kUnknownCategory;
+      const bool weak = IsWeak(proposal);
+      if (weak && !weak_) continue;
       const ImU32 color = FateColor(proposal);
       canvas.draw().AddRect(low, high, IM_COL32(0, 0, 0, 130), 0, 0,
                             context.Scaled(weak ? 2.0 : 3.0));
       canvas.draw().AddRect(low, high, color, 0, 0, context.Scaled(weak ? 1.0 : 1.5));
-      if (ImGui::IsMouseHoveringRect(low, {high.x, low.y + context.Scaled(6)}) ||
-          ImGui::IsMouseHoveringRect(low, {low.x + context.Scaled(6), high.y})) {
+      const float edge = context.Scaled(6);
+      if (canvas.hovered() && (ImGui::IsMouseHoveringRect(low, {high.x, low.y + edge}) ||
+                               ImGui::IsMouseHoveringRect(low, {low.x + edge, high.y}))) {
         std::string why = FateName(proposal.fate);
         if (proposal.object.value > 0) why += fmt::format(" (object #{})", proposal.object.value);
         ImGui::SetTooltip("%s, score %.2f\n%s", proposal.category.c_str(), proposal.score,
@@ -117,9 +131,12 @@ class ImagePanel : public Panel {
     }
   }
 
-  static void LabelProposals(const FrameContext& context, const ImageCanvas& canvas,
-                             PictureLabels& labels) {
+  void LabelProposals(const FrameContext& context, const ImageCanvas& canvas,
+                      PictureLabels& labels) const {
+    std::set<ObjectId> labelled;  // proposals come by falling score: the first is the best
     for (const ProposalReport& proposal : context.snapshot->report.proposals) {
+      if (IsWeak(proposal) && !weak_) continue;
+      if (proposal.object.value > 0 && !labelled.insert(proposal.object).second) continue;
       const std::string text = fmt::format("{} {:.2f}", proposal.category, proposal.score);
       const ImVec2 size = labels.SizeOf(text);
       const ImVec2 low = canvas.ToScreen(proposal.box.x0 - 0.5f, proposal.box.y0 - 0.5f);
@@ -149,7 +166,7 @@ class ImagePanel : public Panel {
     }
   }
 
-  bool proposals_ = true, outlines_ = true, names_ = true, particles_ = false;
+  bool proposals_ = true, weak_ = false, outlines_ = true, names_ = true, particles_ = false;
 };
 
 }  // namespace

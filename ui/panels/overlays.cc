@@ -28,6 +28,7 @@ int DrawParticleOverlay(const FrameContext& context, const ImageCanvas& canvas,
   const UprightFrame upright(-sequence.up_in_world);
   double heaviest = -1e9;
   for (const Particle& p : *object.particles) heaviest = std::max<double>(heaviest, p.log_weight);
+  const double needle_m = NeedleLength(context.Model(object.label));
   const ImU32 color = ObjectColor(object.id);
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   const float radius = context.Scaled(overlay.radius_px);
@@ -43,10 +44,9 @@ int DrawParticleOverlay(const FrameContext& context, const ImageCanvas& canvas,
     const ImU32 ink =
         chosen ? IM_COL32_WHITE
                : WithAlpha(Mixed(color, IM_COL32_WHITE, 0.35 * light), 0.35 + 0.55 * light);
-    if (overlay.needle_m > 0) {
-      const auto tip =
-          Project(sequence, cam_from_world,
-                  place.center_in_world + overlay.needle_m * place.heading_in_world, canvas);
+    if (overlay.fronts) {
+      const auto tip = Project(sequence, cam_from_world,
+                               place.center_in_world + needle_m * place.heading_in_world, canvas);
       if (tip)
         canvas.draw().AddLine(*center, *tip, WithAlpha(ink, chosen ? 1.0 : 0.45),
                               context.Scaled(chosen ? 2 : 1));

@@ -6,7 +6,7 @@
 namespace plumbline {
 
 struct ParticleOverlay {
-  double needle_m = 0;  ///< Length of the line along the model's front; 0: none.
+  bool fronts = false;  ///< A line along each hypothesis' front.
   double radius_px = 2;
 };
 

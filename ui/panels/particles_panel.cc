@@ -33,7 +33,7 @@ class ParticlesPanel : public Panel {
            "Shows the surroundings of the object instead of the whole image.");
     ImGui::SameLine();
     Toggle(context, "particles.fronts", "Fronts", needles_,
-           "A line of 20 cm along each hypothesis' front (+x).");
+           "A line along each hypothesis' front (+x).");
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
@@ -57,7 +57,7 @@ class ParticlesPanel : public Panel {
     canvas.draw().AddRectFilled(canvas.low(), canvas.high(), IM_COL32(0, 0, 0, 110));
     DrawOutlineOverlay(context, canvas,
                        {.width_px = 1, .alpha = 0.7, .shadow = false, .only = object->id});
-    const int nearest = DrawParticleOverlay(context, canvas, *object, {needles_ ? 0.2 : 0.0, 1.75});
+    const int nearest = DrawParticleOverlay(context, canvas, *object, {needles_, 1.75});
     PictureLabels(context, canvas.low(), canvas.high())
         .Add({{canvas.low().x, canvas.high().y}}, ObjectColor(object->id),
              fmt::format("#{}  {} particles", object->id.value,
@@ -80,7 +80,8 @@ class ParticlesPanel : public Panel {
   /// image.
   static Box2 CloseUp(const ObjectReport& object, const Box2& all, float aspect) {
     if (object.whole_box.empty()) return all;
-    float width = 1.7f * object.whole_box.width(), height = 1.7f * object.whole_box.height();
+    float width = std::max(1.7f * object.whole_box.width(), 0.25f * all.width());
+    float height = std::max(1.7f * object.whole_box.height(), 0.25f * all.height());
     width = std::max(width, height * aspect);
     width = std::min({width, all.width(), all.height() * aspect});
     height = width / aspect;

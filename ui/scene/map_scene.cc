@@ -30,6 +30,8 @@ using Eigen::Vector3d;
 
 constexpr double kSlowRenderMs = 30;  ///< Slower than this, moving pictures go coarser.
 constexpr double kOrbitPerPixel = 0.006;
+/// The first view is from behind the cameras, a little to their side and from above.
+constexpr double kResetAside = 0.35, kResetElevation = 0.65;
 
 class MapScene : public SceneSurface {
  public:
@@ -131,7 +133,7 @@ class MapScene : public SceneSurface {
     const double radius = bounds.isEmpty() ? 1.5 : std::max(0.4, 0.5 * bounds.diagonal().norm());
     camera_.LookAt(bounds.isEmpty() ? Vector3d(0, 0, 0) : Vector3d(bounds.center()),
                    0.70 * radius / std::tan(0.5 * TurntableCamera::kViewAngle));
-    camera_.SetDirection(0.8, 0.55);
+    camera_.SetDirection(actors_.ViewAzimuth(*content_.sequence) + kResetAside, kResetElevation);
     dirty_ = true;
   }
 

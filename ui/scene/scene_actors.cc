@@ -23,8 +23,9 @@ using Eigen::Vector3d;
 constexpr std::size_t kPointsOnGpu = 2'000'000, kPointsOnCpu = 150'000, kPointsWhileMoving = 30'000;
 constexpr int kFrustumImageWidth = 256;
 
-/// The floor's height along up, else that of the lowest things, without stray points: the second percentile of the scan,
-/// else the lowest truth, else 1.4 m (a carried camera) below the lowest camera.
+/// The floor's height along up, else that of the lowest things, without stray points: the second
+/// percentile of the scan, else the lowest truth, else 1.4 m (a carried camera) below the lowest
+/// camera.
 double FloorHeight(const SequenceView& sequence) {
   if (sequence.floor_height_m) return *sequence.floor_height_m;
   const Vector3d& up = sequence.up_in_world;
@@ -77,6 +78,16 @@ void SceneActors::SetSequence(const SequenceView& sequence) {
     actor->VisibilityOff();
     renderer_->AddActor(actor);
   }
+}
+
+double SceneActors::ViewAzimuth(const SequenceView& sequence) const {
+  Vector3d back = Vector3d::Zero();
+  for (const auto& pose : sequence.world_from_cam) back -= pose.linear().col(2);
+  const UprightFrame upright(-sequence.up_in_world);
+  const Vector3d back_in_upright = upright.upright_rotation().transpose() * back;
+  if (back_in_upright.head<2>().norm() < 0.1 * static_cast<double>(sequence.world_from_cam.size()))
+    return 0.8;
+  return std::atan2(back_in_upright.y(), back_in_upright.x());
 }
 
 void SceneActors::AddModels(const SequenceView& sequence) {
@@ -291,6 +302,9 @@ void SceneActors::UpdateParticles(const SceneContent& content) {
     if (object.id != content.selected || object.particles == nullptr) continue;
     const UprightFrame upright(-content.sequence->up_in_world);
     const ImU32 color = ObjectColor(object.id);
+    const auto label = static_cast<std::size_t>(object.label.value);
+    const auto& models = content.sequence->models;
+    const double length = NeedleLength(label < models.size() ? &models[label] : nullptr);
     double heaviest = -1e9;
     for (const Particle& p : *object.particles) heaviest = std::max<double>(heaviest, p.log_weight);
     std::vector<Vector3d> needles;
@@ -299,7 +313,6 @@ void SceneActors::UpdateParticles(const SceneContent& content) {
     for (std::size_t i = 0; i < object.particles->size(); ++i) {
       const Particle& particle = (*object.particles)[i];
       const ParticlePlace place = PlaceOf(particle, object, upright);
-      const double length = 0.16;
       needles.insert(needles.end(), {place.center_in_world,
                                      place.center_in_world + length * place.heading_in_world});
       const double light = std::exp(std::max(-4.0, particle.log_weight - heaviest));

@@ -29,6 +29,8 @@ class SceneActors {
   std::vector<std::pair<vtkActor*, ObjectId>> pickable() const;
   /// Box of what matters: objects, trajectory and scan.
   const Eigen::AlignedBox3d& bounds() const { return bounds_; }
+  /// Azimuth about up from which the cameras look at the middle of the bounds, on the whole.
+  double ViewAzimuth(const SequenceView& sequence) const;
   double grid_step_m() const { return grid_step_m_; }
 
  private:

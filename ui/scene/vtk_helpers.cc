@@ -20,6 +20,9 @@
 namespace plumbline {
 namespace {
 
+/// A scan is dimmed, so that the objects stand out against it.
+constexpr double kScanLight = 0.62;
+
 vtkSmartPointer<vtkPoints> FloatPoints(const std::vector<Eigen::Vector3d>& points) {
   auto result = vtkSmartPointer<vtkPoints>::New();
   result->SetDataTypeToFloat();
@@ -80,7 +83,9 @@ vtkSmartPointer<vtkPolyData> PointsOf(const TriangleMesh& mesh, std::size_t budg
     points->SetPoint(id, mesh.vertices[from].cast<double>().eval().data());
     std::uint8_t* color = rgb->GetPointer(3 * id);
     if (mesh.colors.size() == count) {
-      std::copy(mesh.colors[from].begin(), mesh.colors[from].end(), color);
+      for (std::size_t c = 0; c < 3; ++c) {
+        color[c] = static_cast<std::uint8_t>(kScanLight * mesh.colors[from][c]);
+      }
     } else {
       const double height = mesh.vertices[from].cast<double>().dot(up);
       const double grey = 110 + 55 * std::clamp(height / 2.5, 0.0, 1.0);

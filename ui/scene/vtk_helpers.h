@@ -20,8 +20,8 @@ namespace plumbline {
 vtkSmartPointer<vtkPolyData> SurfaceOf(const TriangleMesh& mesh);
 /// Sharp edges and borders as lines.
 vtkSmartPointer<vtkPolyData> SharpEdgesOf(vtkPolyData* surface);
-/// At most `budget` of the vertices, evenly spread over their order; coloured, else by height along
-/// `up`.
+/// At most `budget` of the vertices, evenly spread over their order, in their colours
+/// (dimmed), else grey by height along `up`.
 vtkSmartPointer<vtkPolyData> PointsOf(const TriangleMesh& mesh, std::size_t budget,
                                       const Eigen::Vector3d& up);
 vtkSmartPointer<vtkPolyData> PolylineOf(const std::vector<Eigen::Vector3d>& points);
