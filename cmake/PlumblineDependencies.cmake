@@ -12,7 +12,7 @@ find_package(SQLite3 REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(TBB REQUIRED)
 find_package(nanoflann REQUIRED)
-find_package(embree 3 REQUIRED)
+find_package(embree REQUIRED)  # 3 or 4; see engine/geometry/embree.h
 find_package(glm REQUIRED)
 find_package(OpenGL REQUIRED COMPONENTS OpenGL EGL)
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/geometry/closest_triangle.h"
 
-#include <embree3/rtcore.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
@@ -14,6 +13,8 @@
 #include <vector>
 
 #include <Eigen/Geometry>
+
+#include "engine/geometry/embree.h"
 
 namespace plumbline {
 namespace {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <embree3/rtcore.h>
-
 #include <limits>
 #include <memory>
 #include <vector>
 
 #include "engine/base/check.h"
+#include "engine/geometry/embree.h"
 #include "engine/render/renderer.h"
 
 namespace plumbline {
@@ -22,7 +21,7 @@ using Scene = std::unique_ptr<RTCSceneTy, ReleaseScene>;
 
 /// What a ray carries: the id that it passes through (-1 none).
 struct Context {
-  RTCIntersectContext base;
+  RayContext base;
   int ignored_id = -1;
 };
 
@@ -73,9 +72,9 @@ Hit Cast(RTCScene scene, const Eigen::Vector2d& bearing, float near_m, int ignor
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   Context context;
-  rtcInitIntersectContext(&context.base);
+  InitRayContext(context.base);
   context.ignored_id = ignored_id;
-  rtcIntersect1(scene, &context.base, &ray);
+  TraceRay(scene, context.base, ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   const auto* instance = static_cast<const RenderInstance*>(
       rtcGetGeometryUserData(rtcGetGeometry(scene, ray.hit.geomID)));

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/synthetic/traced_scene.h"
 
-#include <embree3/rtcore.h>
-
 #include <cmath>
 #include <limits>
 
 #include "engine/base/check.h"
+#include "engine/geometry/embree.h"
 
 namespace plumbline {
 namespace {
@@ -122,9 +121,9 @@ TracedScene::Hit TracedScene::Trace(const Vector3f& origin, const Vector3f& dire
   query.ray = MakeRay(origin, direction, std::numeric_limits<float>::infinity());
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(embree_->all, &context, &query);
+  RayContext context;
+  InitRayContext(context);
+  TraceRay(embree_->all, context, query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return {query.hit.primID + (query.hit.geomID == 0 ? 0 : first_pane_), query.ray.tfar, query.hit.u,
           query.hit.v};
@@ -132,9 +131,9 @@ TracedScene::Hit TracedScene::Trace(const Vector3f& origin, const Vector3f& dire
 
 bool TracedScene::Blocked(const Vector3f& origin, const Vector3f& direction, float distance) const {
   RTCRay ray = MakeRay(origin, direction, distance);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(embree_->shadows, &context, &ray);
+  RayContext context;
+  InitRayContext(context);
+  TraceShadowRay(embree_->shadows, context, ray);
   return ray.tfar < 0;
 }
 
