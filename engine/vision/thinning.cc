@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kRidgeSigmaPx = 1.0;
+constexpr double kRidgeSigmaPx = 0.7;
 constexpr double kOrientationSigmaPx = 2.0;
 
 /// For each pattern of the eight neighbours (bit i: neighbour i, anticlockwise from the right):
@@ -49,28 +49,39 @@ float CalibrationCurve::operator()(float raw) const {
 }
 
 void RemoveSpareCorners(const cv::Mat& strength, cv::Mat& map) {
-  PLB_CHECK(map.type() == CV_8UC1 && strength.type() == CV_32FC1 && strength.size() == map.size());
+  PLB_CHECK(map.type() == CV_8UC1 && strength.type() == CV_32FC1 && strength.size() == map.size() &&
+            map.isContinuous());
   static const std::array<bool, 256> spare = SparePatterns();
-  for (const bool weaker_only : {true, false}) {
-    for (int y = 1; y + 1 < map.rows; ++y) {
-      const auto* above = map.ptr<std::uint8_t>(y - 1);
-      auto* row = map.ptr<std::uint8_t>(y);
-      const auto* below = map.ptr<std::uint8_t>(y + 1);
-      for (int x = 1; x + 1 < map.cols; ++x) {
-        if (row[x] == 0) continue;
-        const int pattern = (row[x + 1] != 0) | (above[x + 1] != 0) << 1 | (above[x] != 0) << 2 |
-                            (above[x - 1] != 0) << 3 | (row[x - 1] != 0) << 4 |
-                            (below[x - 1] != 0) << 5 | (below[x] != 0) << 6 |
-                            (below[x + 1] != 0) << 7;
-        if (!spare[pattern]) continue;
-        const float here = strength.at<float>(y, x);
-        const bool weaker = (row[x + 1] != 0 && strength.at<float>(y, x + 1) > here) ||
-                            (row[x - 1] != 0 && strength.at<float>(y, x - 1) > here) ||
-                            (above[x] != 0 && strength.at<float>(y - 1, x) > here) ||
-                            (below[x] != 0 && strength.at<float>(y + 1, x) > here);
-        if (weaker || !weaker_only) row[x] = 0;
+  const int step = map.cols;
+  const int around[8] = {1, 1 - step, -step, -1 - step, -1, step - 1, step, step + 1};
+  std::vector<std::pair<float, int>> weakest_first;
+  auto* pixels = map.ptr<std::uint8_t>();
+  const auto is_spare = [&](int at) {
+    int pattern = 0;
+    for (int i = 0; i < 8; ++i) pattern |= (pixels[at + around[i]] != 0) << i;
+    return spare[pattern];
+  };
+  for (int y = 1; y + 1 < map.rows; ++y) {
+    for (int x = 1; x + 1 < map.cols; ++x) {
+      const int at = y * step + x;
+      if (pixels[at] != 0 && is_spare(at)) weakest_first.emplace_back(strength.at<float>(y, x), at);
+    }
+  }
+  for (int pass = 0; pass < 4 && !weakest_first.empty(); ++pass) {
+    std::sort(weakest_first.begin(), weakest_first.end());
+    std::vector<std::pair<float, int>> next;
+    for (const auto& [value, at] : weakest_first) {
+      if (pixels[at] == 0 || !is_spare(at)) continue;
+      pixels[at] = 0;
+      for (const int offset : around) {
+        const int neighbour = at + offset, x = neighbour % step, y = neighbour / step;
+        if (pixels[neighbour] != 0 && x > 0 && x + 1 < step && y > 0 && y + 1 < map.rows &&
+            is_spare(neighbour)) {
+          next.emplace_back(strength.ptr<float>()[neighbour], neighbour);
+        }
       }
     }
+    weakest_first.swap(next);
   }
 }
 
@@ -88,6 +99,8 @@ EdgeMap ThinRidges(const cv::Mat& soft, float least, const CalibrationCurve& cal
     for (int x = 1; x + 2 < soft.cols; ++x) {
       const float here = ridge.at<float>(y, x);
       if (!(soft.at<float>(y, x) >= least)) continue;
+      if (!(xx.at<float>(y, x) + yy.at<float>(y, x) < 0))
+        continue;  // a foot of a ridge, not its crest
       const float difference = xx.at<float>(y, x) - yy.at<float>(y, x);
       // Twice the angle of the larger eigenvalue; the ridge's normal has the smaller, most negative
       // one.
@@ -95,10 +108,10 @@ EdgeMap ThinRidges(const cv::Mat& soft, float least, const CalibrationCurve& cal
       const float nx = std::cos(normal), ny = std::sin(normal);
       const auto fx = static_cast<float>(x), fy = static_cast<float>(y);
       // On a plateau only one side may tie, so that one pixel of it stays.
-      if (here < Interpolate(ridge, fx + nx, fy + ny) ||
-          here <= Interpolate(ridge, fx - nx, fy - ny))
+      if (1.003f * here <
+          std::max(Interpolate(ridge, fx + nx, fy + ny), Interpolate(ridge, fx - nx, fy - ny)))
         continue;
-      edges.probability.at<std::uint8_t>(y, x) = ProbabilityToByte(calibrate(soft.at<float>(y, x)));
+      edges.probability.at<std::uint8_t>(y, x) = ProbabilityToByte(calibrate(here));
       edges.angle.at<std::uint8_t>(y, x) = AngleToByte(normal);
     }
   }
