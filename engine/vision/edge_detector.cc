@@ -34,7 +34,7 @@ class DatasetEdges : public EdgeDetector {
 Result<std::unique_ptr<EdgeDetector>> CreateEdgeDetector(std::string_view choice,
                                                          std::shared_ptr<const Sequence> sequence,
                                                          const EdgeOptions& options) {
-  if (choice == "gradient") return CreateGradientEdgeDetector(options);
+  if (choice == "gradient") return CreateGradientEdgeDetector();
   if (choice == "dataset") {
     if (sequence == nullptr)
       return Error{ErrorCode::kInvalidInput, "the edges 'dataset' need a sequence"};

@@ -21,7 +21,7 @@ class EdgeDetector {
 };
 
 struct EdgeOptions {
-  /// Off: raw scores in place of probabilities, to measure a calibration with.
+  /// Off: a network's raw scores in place of probabilities, to measure a calibration with.
   bool calibrate = true;
 };
 

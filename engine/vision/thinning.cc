@@ -49,39 +49,31 @@ float CalibrationCurve::operator()(float raw) const {
 }
 
 void RemoveSpareCorners(const cv::Mat& strength, cv::Mat& map) {
-  PLB_CHECK(map.type() == CV_8UC1 && strength.type() == CV_32FC1 && strength.size() == map.size() &&
-            map.isContinuous());
+  PLB_CHECK(map.type() == CV_8UC1 && strength.type() == CV_32FC1 && strength.size() == map.size());
+  PLB_CHECK(map.isContinuous());
   static const std::array<bool, 256> spare = SparePatterns();
   const int step = map.cols;
   const int around[8] = {1, 1 - step, -step, -1 - step, -1, step - 1, step, step + 1};
-  std::vector<std::pair<float, int>> weakest_first;
   auto* pixels = map.ptr<std::uint8_t>();
-  const auto is_spare = [&](int at) {
-    int pattern = 0;
-    for (int i = 0; i < 8; ++i) pattern |= (pixels[at + around[i]] != 0) << i;
-    return spare[pattern];
-  };
+  std::vector<cv::Point> set;
   for (int y = 1; y + 1 < map.rows; ++y) {
     for (int x = 1; x + 1 < map.cols; ++x) {
-      const int at = y * step + x;
-      if (pixels[at] != 0 && is_spare(at)) weakest_first.emplace_back(strength.at<float>(y, x), at);
+      if (pixels[y * step + x] != 0) set.emplace_back(x, y);
     }
   }
-  for (int pass = 0; pass < 4 && !weakest_first.empty(); ++pass) {
-    std::sort(weakest_first.begin(), weakest_first.end());
-    std::vector<std::pair<float, int>> next;
-    for (const auto& [value, at] : weakest_first) {
-      if (pixels[at] == 0 || !is_spare(at)) continue;
-      pixels[at] = 0;
-      for (const int offset : around) {
-        const int neighbour = at + offset, x = neighbour % step, y = neighbour / step;
-        if (pixels[neighbour] != 0 && x > 0 && x + 1 < step && y > 0 && y + 1 < map.rows &&
-            is_spare(neighbour)) {
-          next.emplace_back(strength.ptr<float>()[neighbour], neighbour);
-        }
-      }
+  const auto stride = static_cast<std::ptrdiff_t>(strength.step1());
+  for (const bool weaker_only : {true, false}) {
+    for (const cv::Point& point : set) {
+      auto* here = pixels + point.y * step + point.x;
+      int pattern = 0;
+      for (int i = 0; i < 8; ++i) pattern |= (here[around[i]] != 0) << i;
+      if (!spare[pattern]) continue;
+      const auto* own = strength.ptr<float>(point.y) + point.x;
+      const bool weaker =
+          (here[1] != 0 && own[1] > own[0]) || (here[-1] != 0 && own[-1] > own[0]) ||
+          (here[step] != 0 && own[stride] > own[0]) || (here[-step] != 0 && own[-stride] > own[0]);
+      if (weaker || !weaker_only) *here = 0;
     }
-    weakest_first.swap(next);
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
+#include <algorithm>
 #include <cstdint>
 #include <numbers>
 #include <utility>
@@ -26,16 +26,16 @@ class CalibrationCurve {
   std::vector<std::pair<float, float>> points_;
 };
 
-/// The direction of a normal as edge maps store it: in [0, pi) times 256 / pi, rounded.
+/// The direction of a normal, in [-pi, 2 pi], as edge maps store it: in [0, pi) times 256 / pi,
+/// rounded.
 inline std::uint8_t AngleToByte(float angle_rad) {
   return static_cast<std::uint8_t>(
-      std::lround(angle_rad * static_cast<float>(256 / std::numbers::pi)) & 255);
+      static_cast<int>(angle_rad * static_cast<float>(256 / std::numbers::pi) + 256.5f) & 255);
 }
 
 /// A probability as edge maps store it.
 inline std::uint8_t ProbabilityToByte(float probability) {
-  return static_cast<std::uint8_t>(
-      std::lround(std::fmin(std::fmax(probability, 0.0f), 1.0f) * 255));
+  return static_cast<std::uint8_t>(std::clamp(probability, 0.0f, 1.0f) * 255 + 0.5f);
 }
 
 /// The value of a CV_32FC1 map between its pixels, bilinear; (x, y) must lie in [0, columns - 1) x

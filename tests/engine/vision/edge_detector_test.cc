@@ -28,7 +28,7 @@ TEST(GradientEdges, KnowTheNormalOfAStepAtEveryAngleAndAreOnePixelWide) {
     const StraightEdge edge{degrees * kDegree, 0.3};
     const LineQuality quality = MeasureLine(Detect(*detector, StepImage(edge, 80, 0)), edge);
     EXPECT_LT(quality.worst_angle_deg, 3) << degrees;
-    EXPECT_NEAR(quality.pixels_per_step, 1, 0.3) << degrees;
+    EXPECT_NEAR(quality.pixels_per_step, 1, 0.03) << degrees;
     EXPECT_NEAR(quality.mean_offset_px, 0, 0.31)
         << degrees;  // the nearest row of pixels is 0.3 off at 45 degrees
   }
@@ -40,8 +40,8 @@ TEST(GradientEdges, StandTheNoiseOfACamera) {
     const StraightEdge edge{degrees * kDegree, 0.3};
     const LineQuality quality = MeasureLine(Detect(*detector, StepImage(edge, 40, 4)), edge, 64);
     EXPECT_LT(quality.mean_angle_deg, 5) << degrees;
-    EXPECT_NEAR(quality.pixels_per_step, 1, 0.2) << degrees;
-    EXPECT_LT(quality.strays, 10) << degrees;  // of 8 000 pixels
+    EXPECT_NEAR(quality.pixels_per_step, 1, 0.15) << degrees;  // noise makes it sway by a pixel
+    EXPECT_LT(quality.strays, 10) << degrees;                  // of 8 000 pixels
   }
 }
 
