@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   const std::vector<Verb> kVerbs = {
       // one line each, in the order of --help
       {plumbline::AddGuiVerb},
+      {plumbline::AddDemoVerb},
       {plumbline::AddRunVerb},
       {plumbline::AddDetectVerb},
       {plumbline::AddEdgesVerb},

@@ -28,6 +28,7 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen);
 void AddExportVerb(CLI::App& app, VerbFunction& chosen);
 void AddGuiVerb(CLI::App& app, VerbFunction& chosen);
 void AddRunVerb(CLI::App& app, VerbFunction& chosen);
+void AddDemoVerb(CLI::App& app, VerbFunction& chosen);
 
 /// Writes results for machines: to standard output for "-".
 Status WriteJsonResult(const std::string& file, const nlohmann::json& json);

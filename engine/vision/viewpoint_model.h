@@ -37,13 +37,13 @@ struct ContourView {
 };
 
 struct ViewpointModelOptions {
-  int azimuths = 60;    ///< Viewpoints around the object, 360 / n degrees apart.
-  int elevations = 11;  ///< Rings of viewpoints from min to max elevation.
-  double min_elevation_deg = -20, max_elevation_deg = 80;
+  int azimuths = 48;   ///< Viewpoints around the object, 360 / n degrees apart.
+  int elevations = 9;  ///< Rings of viewpoints from min to max elevation.
+  double min_elevation_deg = -10, max_elevation_deg = 70;
   std::vector<double> distances = {
-      1.15, 1.7, 2.7, 5.0};  ///< Of the camera from the centre, in bounding radii; rising.
-  int points = 256;          ///< Of each view.
-  int image_px = 224;        ///< Resolution of the rays that find the contour.
+      1.25, 2.0, 4.0};  ///< Of the camera from the centre, in bounding radii; rising.
+  int points = 256;     ///< Of each view.
+  int image_px = 176;   ///< Resolution of the rays that find the contour.
   double contour_step_m =
       0.04;  ///< Depth jump that makes a contour (less for objects smaller than 13 cm).
 };
