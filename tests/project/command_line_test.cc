@@ -57,6 +57,7 @@ std::set<std::string> Commands() {
 TEST(CommandLine, SaysItsVersionAndExplainsItself) {
   EXPECT_THAT(RunProgram("--version").output, testing::ContainsRegex("[0-9]+\\.[0-9]+\\.[0-9]+"));
   EXPECT_EQ(RunProgram("--help").exit_code, 0);
+  EXPECT_THAT(Commands(), testing::IsSupersetOf({"gui", "run", "synth", "evaluate", "detect"}));
 }
 
 TEST(CommandLine, ExplainsEveryCommand) {
