@@ -74,7 +74,7 @@ Result<nlohmann::json> ReadJson(const std::filesystem::path& path) {
   if (!text.ok()) return text.error();
   try {
     return nlohmann::json::parse(*text, nullptr, true, true);
-  } catch (const nlohmann::json::parse_error& error) {
+  } catch (const nlohmann::json::exception& error) {
     return Error{ErrorCode::kCorrupt, "'" + path.string() + "' is not valid JSON: " + error.what()};
   }
 }

@@ -79,6 +79,15 @@ Status FramesFromTable(const std::filesystem::path& table, FrameList& list) {
     return Error{ErrorCode::kCorrupt,
                  "'" + table.string() + "' lists no frame; it needs rows 'stamp_s,file'"};
   }
+  const Result<std::vector<std::string>> names = ImageNames(table.parent_path() / "color");
+  if (!names.ok()) return names.error();
+  const auto unlisted = [&](const std::string& name) { return !seen.contains(name); };
+  const auto first = std::find_if(names->begin(), names->end(), unlisted);
+  if (first != names->end()) {
+    list.warnings.push_back("'" + table.string() + "' has no row for " +
+                            std::to_string(std::count_if(first, names->end(), unlisted)) +
+                            " images of color/ (such as '" + *first + "'); left out");
+  }
   SortByStamp(table.string(), list);
   return {};
 }

@@ -51,7 +51,7 @@ Result<GroundTruth> ReadGroundTruth(const std::filesystem::path& file) {
   }
   GroundTruth truth;
   const std::optional<Eigen::VectorXd> gravity = VectorFromJson(json["gravity"], 3);
-  if (!gravity || gravity->norm() < 1e-6)
+  if (!gravity || !(gravity->norm() > 1e-6 && gravity->norm() < 1e6))
     return bad("has a 'gravity' that is not a direction of three numbers");
   truth.gravity_in_world = gravity->normalized();
   std::set<std::string> ids;

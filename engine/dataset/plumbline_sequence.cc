@@ -38,13 +38,13 @@ Result<Surroundings> ReadGravityFile(const fs::path& file, std::vector<std::stri
   const nlohmann::json& json = read.value();
   if (!json.is_object() || !json.contains("gravity")) return bad("has no 'gravity'");
   const std::optional<Eigen::VectorXd> gravity = VectorFromJson(json["gravity"], 3);
-  if (!gravity || gravity->norm() < 1e-6)
+  if (!gravity || !(gravity->norm() > 1e-6 && gravity->norm() < 1e6))
     return bad("has a 'gravity' that is not a direction of three numbers");
   Surroundings result;
   result.gravity_in_world = gravity->normalized();
   if (!json.contains("floor") || json["floor"].is_null()) return result;
   const std::optional<Eigen::VectorXd> floor = VectorFromJson(json["floor"], 4);
-  if (!floor || floor->head<3>().norm() < 1e-6)
+  if (!floor || !(floor->head<3>().norm() > 1e-6 && floor->norm() < 1e6))
     return bad("has a 'floor' that is not a plane [a, b, c, d]");
   Eigen::Vector4d plane = *floor / floor->head<3>().norm();
   double cosine = -plane.head<3>().dot(*result.gravity_in_world);

@@ -41,7 +41,10 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
     numbers[i] = *number;
     if (i < 4 && numbers[i] <= 0) return bad(std::string("has a '") + kKeys[i] + "' that is not positive");
   }
-  if (numbers[0] > 32768 || numbers[1] > 32768) return bad("has an image size over 32768 pixels");
+  if (numbers[0] > 32768 || numbers[1] > 32768 || numbers[0] != std::floor(numbers[0]) ||
+      numbers[1] != std::floor(numbers[1])) {
+    return bad("has an image size that is not a whole number of at most 32768 pixels");
+  }
   camera.pinhole = {static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), numbers[2], numbers[3], numbers[4],
                     numbers[5]};
   const auto model = json.find("model");

@@ -12,6 +12,7 @@
 #include <jpeglib.h>
 #include <jerror.h>
 // clang-format on
+#include <zlib.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "engine/base/files.h"
@@ -90,7 +91,8 @@ std::uint32_t BigEndian(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-/// The size of a PNG whose chunks are all there; nothing for one that ends early.
+/// The size of a PNG whose chunks are all there and whole; nothing for any other. Asked first
+/// because libpng complains on standard error.
 std::optional<cv::Size> CompletePngSize(const std::string& bytes) {
   if (bytes.size() < 33 || bytes.compare(12, 4, "IHDR") != 0) return std::nullopt;
   const cv::Size size(static_cast<int>(BigEndian(bytes, 16)),
@@ -98,6 +100,9 @@ std::optional<cv::Size> CompletePngSize(const std::string& bytes) {
   for (std::size_t at = 8; at + 12 <= bytes.size();) {
     const std::size_t next = at + 12 + BigEndian(bytes, at);
     if (next > bytes.size()) return std::nullopt;
+    const auto* chunk = reinterpret_cast<const unsigned char*>(bytes.data()) + at + 4;
+    if (crc32(0, chunk, static_cast<uInt>(next - at - 8)) != BigEndian(bytes, next - 4))
+      return std::nullopt;
     if (bytes.compare(at + 4, 4, "IEND") == 0) return size;
     at = next;
   }
@@ -140,9 +145,7 @@ Result<cv::Mat> ReadImage(const std::filesystem::path& file, ImageKind kind,
   }
   if (bytes.starts_with("\x89PNG\r\n\x1a\n")) {
     const std::optional<cv::Size> size = CompletePngSize(bytes);
-    if (!size)
-      return error(ErrorCode::kCorrupt,
-                   "is truncated or damaged: it ends before its last PNG chunk");
+    if (!size) return error(ErrorCode::kCorrupt, "is truncated or damaged");
     if (const auto problem = SizeProblem(*size, wanted))
       return error(ErrorCode::kInvalidInput, *problem);
     if (size->width < 1 || size->height < 1 || size->width > kMaxSide || size->height > kMaxSide) {
