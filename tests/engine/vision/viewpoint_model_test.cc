@@ -176,7 +176,8 @@ void ExpectOnSilhouette(const CadModel& model, const ViewpointModelOptions& opti
   EXPECT_EQ(off, 0) << "of " << compared << " points lie off the silhouette";
   // Half a bin of the search table is 5.6 degrees; it accepts 25.
   EXPECT_LE(sum_rad / judged, 5 * kDegree);
-  EXPECT_LE(turned, 0.002 * judged) << "of " << judged << " normals point elsewhere";
+  // A corner seen at 176 pixels may point along its other side.
+  EXPECT_LE(turned, 0.004 * judged) << "of " << judged << " normals point elsewhere";
 }
 
 TEST(ViewpointModel, PointsOfABoxLieOnItsSilhouetteAndNormalsPointOutward) {
