@@ -170,6 +170,7 @@ PaintedBody Vase(Random& random) {
                                 .color = ColorFromHex(random.Uniform() < 0.5 ? 0xd98e73 : 0xe5c45f),
                                 .accent = ColorFromHex(0xf0e0c0),
                                 .seed = 3});
+  const int heart = body.Paint({.color = ColorFromHex(0x7a5326)});
   for (int i = 0; i < 6; ++i) {
     const float azimuth = Between(random, 0, 2 * kPi), reach = Between(random, 0.04f, 0.12f) * s;
     const Vector3f out(std::cos(azimuth), std::sin(azimuth), 0);
@@ -177,10 +178,12 @@ PaintedBody Vase(Random& random) {
     AddTube(body.mesh, stalk,
             SmoothPath({{0, 0, 0.2f * s}, 0.35f * out * reach + Vector3f(0, 0, 0.32f * s), tip}, 3),
             {0.002f}, 5);
-    for (int k = 0; k < 5; ++k) {
-      AddLeaf(body.mesh, petal, tip, 2 * kPi * static_cast<float>(k) / 5 + azimuth, 0.5f,
-              0.045f * s, 0.03f * s);
+    for (int k = 0; k < 8; ++k) {
+      AddLeaf(body.mesh, petal, tip, 2 * kPi * static_cast<float>(k) / 8 + azimuth,
+              0.7f + 0.25f * static_cast<float>(k % 2), 0.036f * s, 0.02f * s);
     }
+    AddLathe(body.mesh, heart, tip + Vector3f(0, 0, 0.004f),
+             {{0, -0.006f}, {0.008f, -0.004f}, {0.009f, 0.003f}, {0, 0.007f}}, 10);
   }
   return body;
 }

@@ -15,17 +15,22 @@
 
 namespace plumbline {
 
+struct LightQuality {
+  int rays = 72;  ///< Per point and bounce; points on the lights in proportion.
+  double spacing =
+      1.0;  ///< Factor on the distances between points that the parts of the room ask for.
+};
+
 /// The light that falls on every surface of a still room, computed once: direct light with soft
 /// shadows and two diffuse bounces, at a barycentric lattice of points on every triangle (mesh
-/// colours: Yuksel, Keyser and House, ACM Trans. Graphics 29(2), 2010). Every point looks in the
-/// same directions, so that what is left of the sampling error varies as smoothly as the light
-/// itself. Pictures then show no grain and nothing flickers.
+/// colours: Yuksel, Keyser and House, ACM Trans. Graphics 29(2), 2010). Direct light looks at the
+/// same places on the lights from every point, so that its error is as smooth as the light itself;
+/// bounced light is averaged over neighbours. Pictures then show no grain and nothing flickers.
 class LightMap {
  public:
-  /// @param rays  Rays per point and bounce; points on the lights in proportion.
   /// Errors: kCancelled.
   static Result<LightMap> Compute(const TracedScene& scene, std::span<const AreaLight> lights,
-                                  const std::optional<SunLight>& sun, int rays,
+                                  const std::optional<SunLight>& sun, const LightQuality& quality,
                                   const WorkContext& context);
 
   /// Irradiance divided by pi at a point of the scene it was computed for.
@@ -42,7 +47,21 @@ class LightMap {
     std::uint32_t first = 0;
     int steps = 1;
   };
-  std::vector<Point> PlacePoints(const TracedScene& scene);
+  std::vector<Point> PlacePoints(const TracedScene& scene, float spacing);
+  struct Gathering {
+    Eigen::Vector3f light{0, 0, 0};
+    bool covered = false;  ///< Something lies on the point.
+  };
+  /// Mean light that arrives from `rays` directions; each point turns them differently.
+  Gathering Gather(const TracedScene& scene, const Point& point, std::size_t index, int rays) const;
+  /// Calls `share(a, b)` for the two points of every lattice edge; inner edges come twice.
+  template <typename Share>
+  void ForEachEdge(Share&& share) const;
+  /// Averages values with their neighbours on the surface.
+  void Smooth(const std::vector<Point>& points, const std::vector<std::uint8_t>& covered,
+              std::vector<Eigen::Vector3f>& values) const;
+  /// Gives covered points the light of their neighbours.
+  void FillCovered(std::vector<std::uint8_t> covered, std::vector<Eigen::Vector3f>& values) const;
 
   std::vector<Lattice> lattices_;       ///< One for each triangle.
   std::vector<std::uint32_t> indices_;  ///< Of lattice points into light_; neighbours share.

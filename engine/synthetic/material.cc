@@ -27,7 +27,7 @@ Vector3f Blend(const Vector3f& a, const Vector3f& b, float t) { return a + (b - 
 
 /// How much of a detail of `size_m` is left at this footprint.
 float Detail(float size_m, float footprint_m) {
-  return std::clamp(1.5f - footprint_m / size_m, 0.0f, 1.0f);
+  return std::clamp(2 - 2 * footprint_m / size_m, 0.0f, 1.0f);
 }
 
 /// Share of a line of `width` at distance `d` from its middle, widened to the footprint and then
@@ -41,8 +41,9 @@ Vector3f Wood(const Material& m, const Vector3f& t, float footprint) {
   const Vector3f p = t / m.scale;
   const float wave = FractalNoise({p.x() * 1.3f, p.y() * 9, p.z() * 9}, 2, m.seed);
   const float rings = 0.5f + 0.5f * std::sin(40 * wave);
-  const float streaks = ValueNoise({p.x() * 7, p.y() * 260, p.z() * 260}, m.seed + 7);
-  const float fine = Detail(0.008f, footprint), finer = Detail(0.004f, footprint);
+  const float fine = Detail(0.012f, footprint), finer = Detail(0.006f, footprint);
+  const float streaks =
+      finer > 0 ? ValueNoise({p.x() * 7, p.y() * 260, p.z() * 260}, m.seed + 7) : 0.5f;
   const float mix = 0.35f + 0.4f * (wave - 0.5f) + fine * 0.3f * (rings - 0.5f) +
                     finer * 0.35f * (streaks - 0.5f);
   return Blend(m.color, m.accent, std::clamp(mix, 0.0f, 1.0f));
@@ -78,15 +79,17 @@ Vector3f Weave(const Material& m, const Vector3f& t, float footprint) {
   const float threads = 2 * 3.14159f / (0.004f * m.scale);
   const float cross = std::sin(t.x() * threads) * std::sin((t.y() + t.z()) * threads);
   const float mottle = FractalNoise(t * 22 / m.scale, 3, m.seed) - 0.5f;
-  const float fuzz = ValueNoise(t * 420, m.seed + 5) - 0.5f;
-  const float tone = 1 + 0.3f * mottle + Detail(0.004f, footprint) * (0.12f * cross + 0.2f * fuzz);
+  const float fine = Detail(0.006f, footprint);
+  const float fuzz = fine > 0 ? ValueNoise(t * 420, m.seed + 5) - 0.5f : 0;
+  const float tone = 1 + 0.3f * mottle + fine * (0.12f * cross + 0.2f * fuzz);
   return Blend(m.color, m.accent, std::clamp(0.5f * mottle, 0.0f, 0.4f)) * tone;
 }
 
 Vector3f Plaster(const Material& m, const Vector3f& t, float footprint) {
   const float broad = FractalNoise(t * 1.1f, 2, m.seed) - 0.5f;
-  const float fine = ValueNoise(t * 130, m.seed + 1) - 0.5f;
-  return m.color * (1 + 0.05f * broad + 0.07f * Detail(0.008f, footprint) * fine);
+  const float detail = Detail(0.012f, footprint);
+  const float fine = detail > 0 ? ValueNoise(t * 130, m.seed + 1) - 0.5f : 0;
+  return m.color * (1 + 0.05f * broad + 0.07f * detail * fine);
 }
 
 Vector3f Stripes(const Material& m, const Vector3f& t, float footprint) {
@@ -131,31 +134,53 @@ Vector3f Rug(const Material& m, const Vector3f& t, float footprint) {
   return Weave(pile, t, footprint);
 }
 
-/// Hills before a sky: each layer's crest is smooth noise, its colour between the two colours of
-/// the material.
-Vector3f Picture(const Material& m, const Vector3f& t, float footprint) {
-  const Vector2f uv(t.x() / m.extent.x() + 0.5f, t.y() / m.extent.y() + 0.5f);
-  const float mat = std::min(std::min(uv.x(), 1 - uv.x()) * m.extent.x(),
-                             std::min(uv.y(), 1 - uv.y()) * m.extent.y());
+/// Hills before a sky: each layer's crest is smooth noise.
+Vector3f Landscape(const Material& m, const Vector2f& uv, float aspect, float edge) {
   const Vector3f paper(0.82f, 0.80f, 0.76f);
-  if (mat < 0.05f) return paper;
-  const float aspect = m.extent.x() / m.extent.y();
   Vector3f color = Blend(m.color * 1.15f + Vector3f::Constant(0.12f), paper, 0.6f * uv.y());
   const Vector2f sun(0.25f + 0.5f * CellNoise(1, 2, 3, m.seed),
                      0.62f + 0.16f * CellNoise(3, 2, 1, m.seed));
-  const float edge = std::max(0.006f, 1.5f * footprint / m.extent.y());
   const float from_sun = std::hypot((uv.x() - sun.x()) * aspect, uv.y() - sun.y());
   color = Blend(color, Vector3f(0.85f, 0.48f, 0.22f), Smooth(0.11f + edge, 0.11f - edge, from_sun));
   for (int layer = 0; layer < 4; ++layer) {
-    const float crest =
-        0.58f - 0.13f * static_cast<float>(layer) +
-        0.22f * (FractalNoise({uv.x() * aspect * (1.6f + 0.5f * static_cast<float>(layer)),
-                               static_cast<float>(layer) * 7.3f, 0},
-                              3, m.seed) -
-                 0.5f);
-    const Vector3f hill = Blend(m.color, m.accent, 0.15f + 0.28f * static_cast<float>(layer));
+    const auto number = static_cast<float>(layer);
+    const Vector3f along(uv.x() * aspect * (1.6f + 0.5f * number), number * 7.3f, 0);
+    const float crest = 0.58f - 0.13f * number + 0.22f * (FractalNoise(along, 3, m.seed) - 0.5f);
+    const Vector3f hill = Blend(m.color, m.accent, 0.15f + 0.28f * number);
     color = Blend(color, hill, Smooth(crest + edge, crest - edge, uv.y()));
   }
+  return color;
+}
+
+/// Fields of colour over one another, with soft borders.
+Vector3f ColorFields(const Material& m, const Vector2f& uv, float aspect, float edge) {
+  Vector3f color = Blend(Vector3f(0.80f, 0.76f, 0.69f), m.color, 0.25f);
+  for (int i = 0; i < 5; ++i) {
+    const auto draw = [&](int k) { return CellNoise(i, k, 5, m.seed); };
+    const Vector2f center(0.15f + 0.7f * draw(0), 0.15f + 0.7f * draw(1));
+    const Vector2f half(0.08f + 0.2f * draw(2), 0.08f + 0.2f * draw(3));
+    const Vector2f off((uv.x() - center.x()) * aspect, uv.y() - center.y());
+    const float wobble = 0.02f * (FractalNoise({uv.x() * 9, uv.y() * 9, 0}, 2, m.seed + 1) - 0.5f);
+    const float outside = i % 2 == 0
+                              ? std::max(std::abs(off.x()) - half.x(), std::abs(off.y()) - half.y())
+                              : off.norm() - half.x();
+    const Vector3f fill =
+        i == 3 ? Vector3f(0.78f, 0.42f, 0.16f) : Blend(m.color, m.accent, draw(4));
+    color = Blend(color, fill, Smooth(edge, -edge, outside + wobble));
+  }
+  return color;
+}
+
+/// A framed picture with a paper border.
+Vector3f Picture(const Material& m, const Vector3f& t, float footprint) {
+  const Vector2f uv(t.x() / m.extent.x() + 0.5f, t.y() / m.extent.y() + 0.5f);
+  const float border = std::min(std::min(uv.x(), 1 - uv.x()) * m.extent.x(),
+                                std::min(uv.y(), 1 - uv.y()) * m.extent.y());
+  if (border < 0.05f) return {0.82f, 0.80f, 0.76f};
+  const float aspect = m.extent.x() / m.extent.y();
+  const float edge = std::max(0.006f, 1.5f * footprint / m.extent.y());
+  const Vector3f color =
+      m.seed % 2 == 0 ? Landscape(m, uv, aspect, edge) : ColorFields(m, uv, aspect, edge);
   return color * (0.92f + 0.16f * FractalNoise(t * 60, 2, m.seed + 9));
 }
 

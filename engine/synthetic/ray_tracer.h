@@ -28,8 +28,9 @@ struct SurfaceMaps {
 /// Takes pictures of a room. Immutable once built; uses all threads itself.
 class RayTracer {
  public:
-  /// Computes the light of the room, with `light_rays` rays per point. Errors: kCancelled.
-  static Result<std::unique_ptr<const RayTracer>> Create(const Room& room, int light_rays,
+  /// Computes the light of the room. Errors: kCancelled.
+  static Result<std::unique_ptr<const RayTracer>> Create(const Room& room,
+                                                         const LightQuality& quality,
                                                          const WorkContext& context);
 
   /// Linear radiance as RGB, CV_32FC3, before any noise. `room_from_cam` are poses evenly spread
@@ -48,11 +49,17 @@ class RayTracer {
 
  private:
   explicit RayTracer(const Room& room) : scene_(room.parts) {}
-  struct Sample {
-    float gloss_u, gloss_v;
+  struct Ray {
+    Eigen::Vector3f origin, direction;
   };
-  Eigen::Vector3f Radiance(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
-                           float pixel_angle, const Sample& sample) const;
+  struct Gloss {
+    bool traced;
+    float weight, radius, angle;
+  };
+  struct Exposure;
+  Eigen::Vector3f Shade(const Ray& ray, const TracedScene::Hit& hit, float pixel_angle,
+                        const Gloss& gloss) const;
+  Eigen::Vector3f PixelRadiance(const Exposure& exposure, int x, int y) const;
   Eigen::Vector3f Diffuse(const TracedScene::Hit& hit, float footprint_m) const;
 
   TracedScene scene_;

@@ -153,7 +153,7 @@ void Furnisher::PlaceOnTop(const std::string& name, const Isometry3d& pose) {
   instance.category = model.category;
   instance.room_from_object = pose;
   room_.instances.push_back(instance);
-  AddDecor(RenderedBody(model), pose, 0.02f, room_);
+  AddDecor(RenderedBody(model), pose, 0.025f, room_);
   room_.parts.back().instance = static_cast<int>(room_.instances.size());
 }
 
@@ -166,7 +166,7 @@ void Furnisher::ArrangeDining(const Vector2d& center) {
   const bool carpet = options_.scene != SyntheticScene::kLowContrast && Chance(0.75);
   const double lift = carpet ? 0.012 : 0.0;
   const Isometry3d raised = Eigen::Translation3d(0, 0, lift) * table;
-  if (carpet) Decorate(rug, table, 0.018f);
+  if (carpet) Decorate(rug, table, 0.024f);
   const int table_index = Place(round ? "table_round" : "table_rectangular", raised);
   struct Slot {
     double x, y, facing;
@@ -266,7 +266,7 @@ void Furnisher::SofaWall(int wall) {
   const PaintedBody plant = PottedPlant(static_cast<float>(Draw(1.0, 1.35)), random_);
   Footprint pot = FootprintOf(plant.mesh, corner);
   pot.half_size = {0.25, 0.25};
-  if (Reserve(pot)) Decorate(plant, corner);
+  if (Reserve(pot)) Decorate(plant, corner, 0.06f);
 }
 
 void Furnisher::SideboardWall(int wall) {
@@ -324,7 +324,7 @@ void Furnisher::WindowWall(int wall) {
     const Isometry3d at = frame * Upright(0.42, side * (half - 0.5), 0, Draw(-3, 3));
     Footprint pot = FootprintOf(plant.mesh, at);
     pot.half_size = {0.22, 0.22};
-    if (Reserve(pot)) Decorate(plant, at);
+    if (Reserve(pot)) Decorate(plant, at, 0.06f);
   }
   HangPictures(wall, -half + 0.2, -1.75, 1.5);
   HangPictures(wall, 1.75, half - 0.2, 1.5);
@@ -376,7 +376,7 @@ void Furnisher::PlanWalk() {
   WalkPlan& walk = room_.walk;
   const double seconds = options_.frames / options_.rate_hz;
   walk.eye_height_m = Draw(1.38, 1.55);
-  walk.focus_height_m = 0.80;
+  walk.focus_height_m = 0.95;
   walk.sweep_rad = (Chance(0.5) ? 1 : -1) * 2 * kPi;
   switch (options_.scene) {
     case SyntheticScene::kOcclusion:
@@ -410,6 +410,15 @@ Room Furnisher::Furnish() {
     style_.accent_wall.color = palette_.lacquer.color;
   }
   if (demo()) {
+    style_.floor.pattern = Pattern::kPlanks;
+    style_.floor.color = ColorFromHex(0xa98a68);
+    style_.floor.accent = ColorFromHex(0x7d6146);
+    style_.walls.color = ColorFromHex(0xeee8dc);
+    style_.sun_strength = 7.5f;
+    style_.sun_height_deg = 27;
+    style_.sun_side_deg = 6;
+    style_.sky_strength = 7.5f;
+    style_.lamp_strength = 2.0f;
     style_.window_wall = 1;
     style_.accent_wall_index = 2;
     style_.accent_wall.pattern = Pattern::kPlaster;

@@ -19,7 +19,7 @@ namespace plumbline {
 struct RoomPart {
   PaintedBody body;
   int instance = 0;  ///< Number in masks, from 1; 0 for what has no model (walls, clutter).
-  float light_spacing_m = 0.02f;  ///< Distance of the points at which light is computed.
+  float light_spacing_m = 0.02f;  ///< Of the points at which light is computed.
   bool in_scan = true;  ///< Goes into scene.ply (the ceiling does not, so that one can look in).
   bool lets_light_in =
       false;  ///< The view behind a window: it is an area light and casts no shadow.

@@ -154,9 +154,9 @@ RoomStyle RandomStyle(const FurniturePalette& palette, Random& random) {
   style.accent_wall_index = (style.window_wall + 1 + static_cast<int>(random.Index(3))) % 4;
   style.sun_height_deg = between(24, 42);
   style.sun_side_deg = between(-40, 40);
-  style.sun_strength = between(4, 12);
+  style.sun_strength = between(4, 8);
   style.sky_strength = between(5, 8);
-  style.lamp_strength = between(1.0, 2.2);
+  style.lamp_strength = between(1.5, 2.4);
   return style;
 }
 
@@ -178,7 +178,7 @@ void BuildShell(const RoomStyle& style, Room& room) {
   RoomPart floor;
   AddQuad(floor.body.mesh, floor.body.Paint(style.floor), {-width / 2, -depth / 2, 0},
           {width, 0, 0}, {0, depth, 0});
-  floor.light_spacing_m = 0.018f;
+  floor.light_spacing_m = 0.024f;
   room.parts.push_back(std::move(floor));
   RoomPart ceiling;
   AddQuad(ceiling.body.mesh, ceiling.body.Paint(style.ceiling), {-width / 2, -depth / 2, height},
@@ -201,7 +201,7 @@ void BuildShell(const RoomStyle& style, Room& room) {
       AddWallPiece(body.mesh, paint, -half, 0, half, height);
     }
     AddBaseboard(body.mesh, trim, 2 * half, half, half);
-    AddDecor(body, RoomFromWall(room, wall), 0.035f, room);
+    AddDecor(body, RoomFromWall(room, wall), 0.045f, room);
   }
   AddWindow(style, room);
   AddCeilingLamp(style, room);

@@ -38,7 +38,8 @@ constexpr double kVisiblePixels = 800;
 constexpr std::array<const char*, 6> kFolders = {"color", "edges", "proposals",
                                                  "depth", "masks", "models"};
 
-Status PrepareFolder(const fs::path& folder) {
+/// From here on scene.json marks the folder as ours, also if the program is killed.
+Status PrepareFolder(const fs::path& folder, const SyntheticOptions& options) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
     if (!fs::exists(folder / "scene.json")) {
@@ -54,7 +55,8 @@ Status PrepareFolder(const fs::path& folder) {
       return Error{ErrorCode::kIo,
                    "cannot make '" + (folder / name).string() + "': " + error.message()};
   }
-  return {};
+  return WriteJson(folder / "scene.json",
+                   {{"scene", NameOf(options.scene)}, {"seed", options.seed}, {"frames", 0}});
 }
 
 std::string FrameName(int frame) {
@@ -164,7 +166,7 @@ Status SequenceJob::WriteStill() {
   status = WriteModels(folder_ / "models", room_.catalogue);
   if (!status.ok()) return status;
   return WritePly(folder_ / "scene.ply",
-                  Transformed(ScanOfRoom(room_, *tracer_, 0.03f), options_.world_from_room));
+                  Transformed(ScanOfRoom(room_, *tracer_, 0.04f), options_.world_from_room));
 }
 
 /// More samples where the picture moves during the exposure, so that blur stays smooth.
@@ -334,12 +336,12 @@ Result<SyntheticSummary> WriteSyntheticSequence(const SyntheticOptions& options,
   if (!room.ok()) return room.error();
   Result<Walk> walk = Walk::Plan(*room, options.seed, options.rate_hz);
   if (!walk.ok()) return walk.error();
-  Status status = PrepareFolder(folder);
+  Status status = PrepareFolder(folder, options);
   if (!status.ok()) return status.error();
   SyntheticSummary summary;
   const Stopwatch light_timer;
   Result<std::unique_ptr<const RayTracer>> tracer =
-      RayTracer::Create(*room, options.light_rays, context);
+      RayTracer::Create(*room, {options.light_rays, options.light_spacing}, context);
   if (!tracer.ok()) return tracer.error();
   summary.light_seconds = light_timer.Milliseconds() / 1000;
   summary.instances = static_cast<int>(room->instances.size());

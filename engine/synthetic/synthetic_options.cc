@@ -31,6 +31,7 @@ std::vector<std::string> SyntheticOptions::Validate() const {
   within("rate_hz", rate_hz, 1e-3, 1e4);
   within("samples_per_pixel", samples_per_pixel, 1, 64);
   within("light_rays", light_rays, 4, 1024);
+  within("light_spacing", light_spacing, 0.5, 20);
   within("noise_levels", noise_levels, 0, 64);
   within("jpeg_quality", jpeg_quality, 1, 100);
   const Eigen::Matrix3d rotation = world_from_room.linear();

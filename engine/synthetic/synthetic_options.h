@@ -43,8 +43,9 @@ struct SyntheticOptions {
       4;  ///< 1 .. 64; each has its own place in the pixel and time in the exposure
   int light_rays =
       128;  ///< 4 .. 1024; rays per light sample when the light of the room is computed
-  double noise_levels = 3.0;  ///< Sensor noise, standard deviation in grey levels of 256.
-  int jpeg_quality = 92;      ///< 1 .. 100
+  double light_spacing = 1.0;  ///< 0.5 .. 20; spacing of light samples, 1 = a few centimetres.
+  double noise_levels = 3.0;   ///< Sensor noise, standard deviation in grey levels of 256.
+  int jpeg_quality = 92;       ///< 1 .. 100
   /// The room is built z-up with the floor at 0; the sequence is written in `world`. Any rigid
   /// transform.
   Eigen::Isometry3d world_from_room = Eigen::Isometry3d::Identity();

@@ -86,6 +86,8 @@ TracedScene::TracedScene(std::span<const RoomPart> parts) : embree_(std::make_un
   rtcAttachGeometryByID(embree_->shadows, solid, 0);
   rtcReleaseGeometry(solid);
   rtcReleaseGeometry(panes);
+  rtcSetSceneBuildQuality(embree_->all, RTC_BUILD_QUALITY_HIGH);
+  rtcSetSceneBuildQuality(embree_->shadows, RTC_BUILD_QUALITY_HIGH);
   rtcCommitScene(embree_->all);
   rtcCommitScene(embree_->shadows);
 }
@@ -127,6 +129,36 @@ TracedScene::Hit TracedScene::Trace(const Vector3f& origin, const Vector3f& dire
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return {query.hit.primID + (query.hit.geomID == 0 ? 0 : first_pane_), query.ray.tfar, query.hit.u,
           query.hit.v};
+}
+
+std::array<TracedScene::Hit, 4> TracedScene::Trace4(
+    const std::array<Vector3f, 4>& origins, const std::array<Vector3f, 4>& directions) const {
+  alignas(16) const std::array<int, 4> valid = {-1, -1, -1, -1};
+  alignas(16) RTCRayHit4 query{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    query.ray.org_x[i] = origins[i].x();
+    query.ray.org_y[i] = origins[i].y();
+    query.ray.org_z[i] = origins[i].z();
+    query.ray.dir_x[i] = directions[i].x();
+    query.ray.dir_y[i] = directions[i].y();
+    query.ray.dir_z[i] = directions[i].z();
+    query.ray.tnear[i] = kNear;
+    query.ray.tfar[i] = std::numeric_limits<float>::infinity();
+    query.ray.mask[i] = ~0U;
+    query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect4(valid.data(), embree_->all, &context, &query);
+  std::array<Hit, 4> hits;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    const std::uint32_t first = query.hit.geomID[i] == 0 ? 0 : first_pane_;
+    hits[i] = {query.hit.primID[i] + first, query.ray.tfar[i], query.hit.u[i], query.hit.v[i]};
+  }
+  return hits;
 }
 
 bool TracedScene::Blocked(const Vector3f& origin, const Vector3f& direction, float distance) const {

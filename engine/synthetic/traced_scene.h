@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -39,6 +40,9 @@ class TracedScene {
 
   /// `direction` has unit length.
   Hit Trace(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
+  /// Four rays at once from one origin each; faster where they stay close together.
+  std::array<Hit, 4> Trace4(const std::array<Eigen::Vector3f, 4>& origins,
+                            const std::array<Eigen::Vector3f, 4>& directions) const;
   /// Whether something that casts shadows lies on the way.
   bool Blocked(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
                float distance) const;
