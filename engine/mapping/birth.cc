@@ -10,6 +10,9 @@ namespace {
 
 constexpr int kCandidatesPerParticle = 8;
 constexpr double kNearest_m = 0.4, kFarthest_m = 8.0;
+/// What the best candidate must reach: one side of the proposal may be missed by a third of its
+/// size.
+constexpr double kLeastExplained = 0.01;
 
 /// Box of the model's bounding box in the image; nothing if a corner is behind the camera's near
 /// plane.
@@ -98,7 +101,7 @@ std::vector<PoseHypothesis> SampleBirth(const Detection& proposal, const Pinhole
   const int candidates = informed ? count * kCandidatesPerParticle : count;
   std::vector<PoseHypothesis> drawn;
   std::vector<double> sums;
-  double sum = 0;
+  double sum = 0, best = 0;
   for (int i = 0; i < candidates; ++i) {
     key.particle = static_cast<std::uint32_t>(i);
     Random random(key);
@@ -114,10 +117,11 @@ std::vector<PoseHypothesis> SampleBirth(const Detection& proposal, const Pinhole
     if (!whole) continue;
     const double weight = Explains(*whole, proposal.box, camera);
     if (weight <= 0) continue;
+    best = std::max(best, weight);
     drawn.push_back(hypothesis);
     sums.push_back(sum += weight);
   }
-  if (!informed || sum < 0.05) return result;
+  if (!informed || best < kLeastExplained) return result;
   key.particle = static_cast<std::uint32_t>(candidates);
   Random random(key);
   const double start = random.Uniform();

@@ -101,6 +101,7 @@ Status KeyFrameMemory::Restore(std::string_view bytes,
       placed.world_from_object = in.GetPose();
       key.occluders.push_back(placed);
     }
+    if (!in.ok()) break;
     key.maps = renderer.Render(camera_, key.input.world_from_cam.inverse(), key.occluders);
     frames_.push_back(std::move(key));
   }

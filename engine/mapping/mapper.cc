@@ -477,6 +477,7 @@ Status Mapper::Restore(const FrameReport& report,
                        const std::function<Result<MapperInput>(int)>& load) {
   Impl& m = *impl_;
   m.objects.clear();
+  if (report.mapper_state.empty()) return {};  // every frame so far was skipped
   for (const ObjectReport& object : report.objects) {
     Result<MapObject> restored = FromReport(object);
     if (!restored.ok()) return restored.error();

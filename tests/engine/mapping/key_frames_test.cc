@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/key_frames.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+#include <opencv2/core.hpp>
+
+#include "tests/support/mapping_scene.h"
+
+namespace plumbline {
+namespace {
+
+using testing::ElementsAre;
+
+MapperInput At(int frame, double x, double turn_deg = 0) {
+  MapperInput input;
+  input.frame = frame;
+  input.world_from_cam = LookAt({x, -3, 1.4}, {x, 0, 0.4});
+  input.world_from_cam.rotate(
+      Eigen::AngleAxisd(turn_deg * std::numbers::pi / 180, Eigen::Vector3d::UnitY()));
+  return input;
+}
+
+std::vector<int> Frames(const KeyFrameMemory& memory) {
+  std::vector<int> frames;
+  for (const KeyFrame& key : memory.frames()) frames.push_back(key.input.frame);
+  return frames;
+}
+
+class KeyFramesTest : public testing::Test {
+ protected:
+  KeyFrameMemory Memory(int size) {
+    options_.key_frames = size;
+    options_.key_frame_distance_m = 0.2;
+    options_.key_frame_angle_deg = 12;
+    return {scene_.camera(), options_};
+  }
+  MappingScene& scene_ = MappingScene::Get();
+  MapperOptions options_;
+};
+
+TEST_F(KeyFramesTest, KeepsFramesThatShowSomethingNew) {
+  KeyFrameMemory memory = Memory(10);
+  memory.Offer(At(0, 0));
+  memory.Offer(At(1, 0.1));
+  memory.Offer(At(2, 0.19, 5));
+  memory.Offer(At(3, 0.21));
+  memory.Offer(At(4, 0.21, 11));
+  memory.Offer(At(5, 0.21, 13));
+  memory.Offer(At(6, 0.02));
+  EXPECT_THAT(Frames(memory), ElementsAre(0, 3, 5));
+}
+
+TEST_F(KeyFramesTest, AMemoryOfOneKeepsTheNewest) {
+  KeyFrameMemory memory = Memory(1);
+  for (int i = 0; i < 10; ++i) memory.Offer(At(i, 0.15 * i));
+  EXPECT_THAT(Frames(memory), ElementsAre(8));
+}
+
+TEST_F(KeyFramesTest, ShrinksWhenTheOptionsSaySo) {
+  KeyFrameMemory memory = Memory(8);
+  for (int i = 0; i < 8; ++i) memory.Offer(At(i, i));
+  options_.key_frames = 4;
+  memory.SetOptions(options_);
+  memory.Offer(At(9, 9));
+  EXPECT_EQ(memory.frames().size(), 4u);
+}
+
+TEST_F(KeyFramesTest, DrawsObjectsThatMovedAgain) {
+  KeyFrameMemory memory = Memory(4);
+  memory.Offer(At(0, 0));
+  memory.Offer(At(1, 0.5));
+  std::vector<PlacedModel> objects = {scene_.Place("chair", 0.2, 0, 30, 4)};
+  memory.UpdateOcclusion(scene_.renderer(), objects);
+  const cv::Mat before = memory.frames()[0].maps.id.clone();
+  EXPECT_GT(cv::countNonZero(before == 4), 100);
+  objects[0].world_from_object.translation().x() += 0.01;
+  memory.UpdateOcclusion(scene_.renderer(), objects);
+  EXPECT_EQ(cv::countNonZero(memory.frames()[0].maps.id != before), 0) << "hardly moved";
+  objects[0].world_from_object.translation().x() += 0.3;
+  memory.UpdateOcclusion(scene_.renderer(), objects);
+  EXPECT_GT(cv::countNonZero(memory.frames()[0].maps.id != before), 100);
+  memory.UpdateOcclusion(scene_.renderer(), {});
+  EXPECT_TRUE(memory.frames()[1].maps.id.empty());
+}
+
+TEST_F(KeyFramesTest, ComesBackFromBytes) {
+  KeyFrameMemory memory = Memory(4);
+  for (int i = 0; i < 6; ++i) memory.Offer(At(i, 0.5 * i));
+  memory.UpdateOcclusion(scene_.renderer(), {scene_.Place("chair", 0.7, 0, 30, 4),
+                                             scene_.Place("table", 1.5, 0.4, 80, 9)});
+  memory.Offer(At(7, 9.0));  // not drawn into yet
+  const std::string bytes = memory.Save();
+  const auto load = [](int frame) -> Result<MapperInput> {
+    return At(frame, frame == 7 ? 9.0 : 0.5 * frame);
+  };
+  KeyFrameMemory restored = Memory(4);
+  ASSERT_TRUE(restored.Restore(bytes, load, scene_.renderer()).ok());
+  EXPECT_EQ(restored.Save(), bytes);
+  ASSERT_EQ(Frames(restored), Frames(memory));
+  for (std::size_t i = 0; i < memory.frames().size(); ++i) {
+    const KeyFrame &a = memory.frames()[i], &b = restored.frames()[i];
+    EXPECT_EQ(a.maps.id.empty(), b.maps.id.empty());
+    if (a.maps.id.empty()) continue;
+    EXPECT_EQ(cv::countNonZero(a.maps.id != b.maps.id), 0);
+    EXPECT_EQ(cv::countNonZero(a.maps.depth != b.maps.depth), 0);
+    EXPECT_EQ(cv::countNonZero(a.maps.second_depth != b.maps.second_depth), 0);
+  }
+}
+
+TEST_F(KeyFramesTest, DamagedBytesAndMissingFramesAreErrors) {
+  KeyFrameMemory memory = Memory(4);
+  memory.Offer(At(0, 0));
+  memory.UpdateOcclusion(scene_.renderer(), {scene_.Place("chair", 0, 0, 30, 4)});
+  const std::string bytes = memory.Save();
+  const auto load = [](int frame) -> Result<MapperInput> { return At(frame, 0); };
+  for (std::size_t size = 0; size < bytes.size(); size += 7) {
+    KeyFrameMemory restored = Memory(4);
+    const Status status = restored.Restore(bytes.substr(0, size), load, scene_.renderer());
+    ASSERT_FALSE(status.ok()) << size;
+    EXPECT_EQ(status.error().code, ErrorCode::kCorrupt);
+  }
+  KeyFrameMemory restored = Memory(4);
+  const Status status = restored.Restore(
+      bytes,
+      [](int) -> Result<MapperInput> {
+        return Error{ErrorCode::kNotFound, "frame 0 is gone"};
+      },
+      scene_.renderer());
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error().message, "frame 0 is gone");
+}
+
+}  // namespace
+}  // namespace plumbline

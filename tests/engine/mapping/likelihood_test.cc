@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/likelihood.h"
+
+#include <gmock/gmock.h>
+
+#include "engine/mapping/bytes.h"
+#include "engine/mapping/map_object.h"
+#include "tests/support/mapping_scene.h"
+
+namespace plumbline {
+namespace {
+
+HypothesisScore Lengths(float agreement_m, float visible_m, float total_m) {
+  HypothesisScore score;
+  score.agreement_m = agreement_m;
+  score.visible_m = visible_m;
+  score.total_m = total_m;
+  score.whole_box = {10, 10, 50, 90};
+  score.visible_box = {10, 10, 50, 40};
+  return score;
+}
+
+/// Gives back scores that were put in, in order.
+class GivenScores : public HypothesisScorer {
+ public:
+  explicit GivenScores(std::vector<HypothesisScore> given) : given_(std::move(given)) {}
+  void Score(const ScoringView&, const UprightFrame&, std::span<const PoseHypothesis> hypotheses,
+             std::span<HypothesisScore> scores) const override {
+    for (std::size_t i = 0; i < hypotheses.size(); ++i) scores[i] = given_.at(i);
+  }
+
+ private:
+  std::vector<HypothesisScore> given_;
+};
+
+class LikelihoodTest : public testing::Test {
+ protected:
+  std::vector<Likelihood> Evaluated(const std::vector<HypothesisScore>& scores,
+                                    const std::vector<Detection>& boxes = {},
+                                    std::optional<float> normalizer = std::nullopt) {
+    std::vector<PoseHypothesis> hypotheses(scores.size());
+    for (std::size_t i = 0; i < scores.size(); ++i)
+      hypotheses[i].label = labels_.empty() ? ModelId{0} : labels_[i];
+    const auto detections = DetectionsFromProposals(boxes);
+    return Evaluate(GivenScores(scores), {}, map_, detections.get(), hypotheses, normalizer,
+                    options_);
+  }
+  MapFrame map_ = MappingScene::Get().map();
+  MapperOptions options_;
+  std::vector<ModelId> labels_;
+};
+
+TEST_F(LikelihoodTest, EqualFitsScoreAlikeHoweverMuchContourShows) {
+  // The same share of hits; one shows a third more contour.
+  const auto likelihoods = Evaluated({Lengths(1.5f, 3, 4), Lengths(2, 4, 4), Lengths(1.5f, 3, 4)});
+  EXPECT_NEAR(likelihoods[0].phi_edge, 0.5, 1e-6);
+  EXPECT_NEAR(likelihoods[1].phi_edge, 0.5, 1e-6);
+}
+
+TEST_F(LikelihoodTest, ShowingLittleIsNoAdvantage) {
+  // A perfect fit of a tenth of the contour is worth less than a good fit of all of it.
+  const auto likelihoods =
+      Evaluated({Lengths(0.4f, 0.4f, 4), Lengths(2.4f, 4, 4), Lengths(2.2f, 4, 4)});
+  EXPECT_LT(likelihoods[0].phi_edge, 0.2f);
+  EXPECT_GT(likelihoods[1].phi_edge, 0.55f);
+}
+
+TEST_F(LikelihoodTest, WhatIsMostlyHiddenScoresLittle) {
+  const auto likelihoods = Evaluated({Lengths(0.1f, 0.1f, 4), Lengths(0.1f, 0.1f, 4)});
+  EXPECT_NEAR(likelihoods[0].phi_edge, 0.1 / 0.8, 1e-6) << "a fifth of the contour at least";
+}
+
+TEST_F(LikelihoodTest, NothingVisibleIsNoEvidence) {
+  const auto likelihoods = Evaluated({Lengths(0, 0, 4), Lengths(0, 0, 0)});
+  for (const Likelihood& likelihood : likelihoods) {
+    EXPECT_EQ(likelihood.phi_edge, 0);
+    EXPECT_EQ(likelihood.visible_fraction, 0);
+  }
+  EXPECT_EQ(EdgeNormalizer({}), 0);
+}
+
+TEST_F(LikelihoodTest, AFixedNormalizerMakesCallsComparable) {
+  const auto a = Evaluated({Lengths(1, 2, 4)}, {}, 3.0f);
+  const auto b = Evaluated({Lengths(1, 2, 4), Lengths(2, 4, 4), Lengths(0, 4, 4)}, {}, 3.0f);
+  EXPECT_EQ(a[0].phi_edge, b[0].phi_edge);
+  EXPECT_NEAR(a[0].phi_edge, 1.0 / 3, 1e-6);
+}
+
+TEST_F(LikelihoodTest, TheBetterOfWholeAndVisibleBoxCounts) {
+  const std::vector<Detection> boxes = {{{10, 10, 50, 40}, "chair", 0.8f}};
+  EXPECT_NEAR(Evaluated({Lengths(1, 2, 4)}, boxes)[0].phi_cnn, 0.8, 1e-6);
+  options_.scored_box = ScoredBox::kWhole;
+  EXPECT_NEAR(Evaluated({Lengths(1, 2, 4)}, boxes)[0].phi_cnn, 0.8 * 30 / 80, 1e-6);
+}
+
+TEST_F(LikelihoodTest, EveryLabelIsScoredAsItsCategory) {
+  labels_ = {map_.database->Find("chair").value(), map_.database->Find("vase").value(),
+             map_.database->Find("armchair").value()};
+  const std::vector<Detection> boxes = {{{10, 10, 50, 40}, "chair", 0.8f},
+                                        {{10, 10, 50, 40}, "vase", 0.3f}};
+  const auto likelihoods = Evaluated({Lengths(1, 2, 4), Lengths(1, 2, 4), Lengths(1, 2, 4)}, boxes);
+  EXPECT_NEAR(likelihoods[0].phi_cnn, 0.8, 1e-6);
+  EXPECT_NEAR(likelihoods[1].phi_cnn, 0.3, 1e-6);
+  EXPECT_NEAR(likelihoods[2].phi_cnn, 0.8, 1e-6);
+}
+
+MapObject RandomObject() {
+  MapObject object;
+  object.id = ObjectId{7};
+  object.state = ObjectState::kConfirmed;
+  object.category = "chair";
+  object.reference_frame = object.first_frame = 3;
+  object.world_from_reference_cam = LookAt({2, 1, 1.3}, {0, 0, 0.5});
+  object.confirmed_frame = 40;
+  object.last_frame = 90;
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    Random random({.particle = i});
+    Particle particle = ToParticle({ModelId{static_cast<std::int32_t>(i % 2)},
+                                    random.Gaussian(),
+                                    {0.1 * random.Gaussian(), 0.1 * random.Gaussian(), 0.45}},
+                                   object.world_from_reference_cam);
+    particle.log_weight = -std::log(100.0f);
+    object.particles.push_back(particle);
+  }
+  object.log_evidence = 4.5;
+  object.seen_s = 2.25;
+  object.last_move_frame = 88;
+  object.last_proposal = Detection{{1, 2, 30, 40}, "chair", 0.7f};
+  object.world_from_proposal_cam = LookAt({1, 2, 1.3}, {0, 0, 0.5});
+  object.Summarize(MappingScene::Get().map());
+  return object;
+}
+
+TEST(MapObject, ComesBackFromItsReport) {
+  const MapObject object = RandomObject();
+  const ObjectReport report = ToReport(object);
+  const Result<MapObject> back = FromReport(report);
+  ASSERT_TRUE(back.ok());
+  EXPECT_EQ(back->id, object.id);
+  EXPECT_EQ(back->state, object.state);
+  EXPECT_EQ(back->confirmed_frame, object.confirmed_frame);
+  EXPECT_EQ(back->log_evidence, object.log_evidence);
+  EXPECT_EQ(back->seen_s, object.seen_s);
+  EXPECT_EQ(back->last_move_frame, object.last_move_frame);
+  ASSERT_TRUE(back->last_proposal.has_value());
+  EXPECT_EQ(back->last_proposal->box, object.last_proposal->box);
+  EXPECT_EQ(back->last_proposal->category, "chair");
+  EXPECT_TRUE(back->world_from_proposal_cam.isApprox(object.world_from_proposal_cam, 0));
+  EXPECT_TRUE(back->mean().world_from_object.isApprox(object.mean().world_from_object, 0));
+  ASSERT_EQ(back->particles.size(), object.particles.size());
+  EXPECT_EQ(ToReport(*back).filter_state, report.filter_state);
+}
+
+TEST(MapObject, AReportThatLacksWhatResumingNeedsIsAnError) {
+  const ObjectReport good = ToReport(RandomObject());
+  ObjectReport bad = good;
+  bad.particles.reset();
+  EXPECT_FALSE(FromReport(bad).ok());
+  bad = good;
+  bad.modes.clear();
+  EXPECT_FALSE(FromReport(bad).ok());
+  bad = good;
+  bad.filter_state.pop_back();
+  ASSERT_FALSE(FromReport(bad).ok());
+  EXPECT_EQ(FromReport(bad).error().code, ErrorCode::kCorrupt);
+  EXPECT_THAT(FromReport(bad).error().message, testing::HasSubstr("object 7"));
+}
+
+TEST(Bytes, ReadingPastTheEndGivesZerosAndSaysSo) {
+  ByteWriter out;
+  out.Put(std::int32_t{5});
+  const std::string bytes = out.Take();
+  ByteReader in(bytes);
+  EXPECT_EQ(in.Get<std::int32_t>(), 5);
+  EXPECT_TRUE(in.ok());
+  EXPECT_EQ(in.Get<double>(), 0);
+  EXPECT_FALSE(in.ok());
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/viewpoint_scorer.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/base/random.h"
+#include "tests/support/mapping_scene.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+class ViewpointScorerTest : public testing::Test {
+ protected:
+  /// The scene's edges from one camera, ready for scoring.
+  struct Image {
+    std::unique_ptr<OrientedTable> table;
+    ScoringView view;
+  };
+  Image Seen(const Eigen::Isometry3d& world_from_cam, std::span<const PlacedModel> objects) {
+    Image image;
+    image.table = std::make_unique<OrientedTable>(scene_.Edges(world_from_cam, objects),
+                                                  OrientedTableOptions{});
+    image.view.camera = scene_.camera();
+    image.view.cam_from_world = world_from_cam.inverse();
+    image.view.table = image.table.get();
+    return image;
+  }
+  std::vector<HypothesisScore> Score(const ScoringView& view,
+                                     const std::vector<PoseHypothesis>& hypotheses) {
+    std::vector<HypothesisScore> scores(hypotheses.size());
+    scene_.scorer()->Score(view, scene_.map().upright, hypotheses, scores);
+    for (const HypothesisScore& score : scores) {
+      EXPECT_TRUE(std::isfinite(score.agreement_m) && std::isfinite(score.visible_m) &&
+                  std::isfinite(score.total_m));
+      EXPECT_GT(score.total_m, 0);
+      EXPECT_LE(score.visible_m, score.total_m * 1.0001f);
+    }
+    return scores;
+  }
+  HypothesisScore Score(const ScoringView& view, const PoseHypothesis& hypothesis) {
+    return Score(view, std::vector<PoseHypothesis>{hypothesis}).front();
+  }
+  static PoseHypothesis Moved(PoseHypothesis hypothesis, const Eigen::Vector3d& by,
+                              double turn_deg) {
+    hypothesis.center_in_world += by;
+    hypothesis.azimuth_rad += turn_deg * kDegree;
+    return hypothesis;
+  }
+  static void ExpectUnseen(const HypothesisScore& score) {
+    EXPECT_EQ(score.visible_m, 0);
+    EXPECT_EQ(score.agreement_m, 0);
+    EXPECT_TRUE(score.visible_box.empty());
+  }
+
+  MappingScene& scene_ = MappingScene::Get();
+  const Eigen::Isometry3d front_ = LookAt({2.2, 0.6, 1.4}, {0, 0, 0.4});
+  const std::vector<Eigen::Isometry3d> cameras_ = {front_, LookAt({-0.8, 2.0, 1.2}, {0, 0, 0.4}),
+                                                   LookAt({-1.6, -1.9, 1.6}, {0, 0, 0.4})};
+};
+
+TEST_F(ViewpointScorerTest, ScoresHighestWhereTheObjectIs) {
+  for (const char* name : {"chair", "armchair", "table", "crate", "vase"}) {
+    const PlacedModel placed = scene_.Place(name, 0.05, -0.03, 25);
+    const PoseHypothesis truth = scene_.Hypothesis(placed);
+    for (const Eigen::Isometry3d& camera : cameras_) {
+      const Image image = Seen(camera, {&placed, 1});
+      const HypothesisScore at_truth = Score(image.view, truth);
+      EXPECT_NEAR(at_truth.visible_m, at_truth.total_m, 1e-4) << name;
+      EXPECT_GT(at_truth.agreement_m, 0.75 * at_truth.visible_m * (1 - image.table->chance()))
+          << name;
+      // Sliding to either side, along the line of sight and up loses, and loses more further away.
+      const Eigen::Vector3d side = camera.linear().col(0);
+      const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), away = up.cross(side);
+      float before = at_truth.agreement_m;
+      for (const double step : {0.05, 0.20}) {
+        float sum = 0;
+        for (const Eigen::Vector3d& direction : {side, up, away}) {
+          for (const double sign : {-1.0, 1.0}) {
+            const float score =
+                Score(image.view, Moved(truth, sign * step * direction, 0)).agreement_m;
+            EXPECT_LT(score, at_truth.agreement_m)
+                << name << " " << (sign * step * direction).transpose();
+            sum += score / 6;
+          }
+        }
+        EXPECT_LT(sum, 0.9f * before) << name << " " << step;
+        before = sum;
+      }
+      if (scene_.database()->model(placed.label).symmetry.order == 0) continue;
+      for (const double turn : {-30.0, -12.0, 12.0, 30.0}) {
+        EXPECT_LT(Score(image.view, Moved(truth, {0, 0, 0}, turn)).agreement_m,
+                  at_truth.agreement_m)
+            << name << turn;
+      }
+    }
+  }
+}
+
+TEST_F(ViewpointScorerTest, ABodyOfRevolutionMayTurn) {
+  const PlacedModel vase = scene_.Place("vase", 0, 0, 0);
+  const Image image = Seen(front_, {&vase, 1});
+  const PoseHypothesis truth = scene_.Hypothesis(vase);
+  const float straight = Score(image.view, truth).agreement_m;
+  for (const double turn : {20.0, 90.0, 170.0})
+    EXPECT_NEAR(Score(image.view, Moved(truth, {0, 0, 0}, turn)).agreement_m, straight,
+                0.05 * straight);
+}
+
+TEST_F(ViewpointScorerTest, LeavesOutWhatAnotherObjectHides) {
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  Image image = Seen(front_, {&chair, 1});
+  const HypothesisScore open = Score(image.view, scene_.Hypothesis(chair));
+  // A wall one metre before the camera hides the left half; half the image's size serves.
+  image.view.occluder_depth =
+      cv::Mat::zeros(scene_.camera().height / 2, scene_.camera().width / 2, CV_32F);
+  image.view.occluder_depth.colRange(0, scene_.camera().width / 4).setTo(1.0f);
+  const HypothesisScore half = Score(image.view, scene_.Hypothesis(chair));
+  EXPECT_EQ(half.total_m, open.total_m);
+  EXPECT_LT(half.visible_m, 0.75f * open.visible_m);
+  EXPECT_GT(half.visible_m, 0.25f * open.visible_m);
+  EXPECT_LT(half.agreement_m, 0.75f * open.agreement_m);
+  EXPECT_GT(half.agreement_m / half.visible_m, 0.9f * open.agreement_m / open.visible_m)
+      << "what shows fits as well as before";
+  EXPECT_EQ(half.whole_box, open.whole_box);
+  EXPECT_GE(half.visible_box.x0, 0.5f * static_cast<float>(scene_.camera().width) - 1.5f);
+  EXPECT_NEAR(half.visible_box.x1, open.visible_box.x1, 1e-3f);
+
+  // The same wall behind the chair hides nothing, nor does one within the margin.
+  image.view.occluder_depth.setTo(10.0f);
+  EXPECT_EQ(Score(image.view, scene_.Hypothesis(chair)).visible_m, open.visible_m);
+  const RenderedMaps maps = scene_.Draw(front_, {&chair, 1});
+  image.view.occluder_depth = maps.depth - 0.03;
+  image.view.occluder_depth.setTo(0, maps.depth == 0);
+  EXPECT_GT(Score(image.view, scene_.Hypothesis(chair)).visible_m, 0.97f * open.visible_m);
+
+  image.view.occluder_depth = cv::Mat(scene_.camera().height, scene_.camera().width, CV_32F, 0.3);
+  const HypothesisScore hidden = Score(image.view, scene_.Hypothesis(chair));
+  ExpectUnseen(hidden);
+  EXPECT_EQ(hidden.whole_box, open.whole_box);
+}
+
+TEST_F(ViewpointScorerTest, WhatIsBehindOrBesideTheCameraIsNotSeen) {
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const Image image = Seen(front_, {&chair, 1});
+  const PoseHypothesis truth = scene_.Hypothesis(chair);
+  const Eigen::Vector3d forward = front_.linear().col(2);
+  const Eigen::Vector3d right = front_.linear().col(0);
+  for (const Eigen::Vector3d& by :
+       {Eigen::Vector3d(-5 * forward), Eigen::Vector3d(-4 * forward + right),
+        Eigen::Vector3d(6 * right), Eigen::Vector3d(-30 * right)}) {
+    const HypothesisScore score = Score(image.view, Moved(truth, by, 0));
+    ExpectUnseen(score);
+    EXPECT_TRUE(score.whole_box.empty());
+  }
+}
+
+TEST_F(ViewpointScorerTest, WhatIsPartlyOutsideTheImageCountsInside) {
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const Eigen::Isometry3d aside = LookAt({2.2, 0.6, 1.4}, {0.4, 1.1, 0.4});
+  const Image image = Seen(aside, {&chair, 1});
+  const HypothesisScore score = Score(image.view, scene_.Hypothesis(chair));
+  EXPECT_GT(score.visible_m, 0.2f * score.total_m);
+  EXPECT_LT(score.visible_m, 0.9f * score.total_m);
+  for (const Box2& box : {score.whole_box, score.visible_box}) {
+    EXPECT_GE(box.x0, 0);
+    EXPECT_GE(box.y0, 0);
+    EXPECT_LE(box.x1, static_cast<float>(scene_.camera().width - 1));
+    EXPECT_LE(box.y1, static_cast<float>(scene_.camera().height - 1));
+  }
+}
+
+TEST_F(ViewpointScorerTest, WhatIsTooCloseIsCutAtTheNearPlane) {
+  const PlacedModel table = scene_.Place("table", 0, 0, 30);
+  const Image image = Seen(front_, {&table, 1});
+  const Eigen::Vector3d forward = front_.linear().col(2);
+  // The camera passes through the object: every share of it may lie behind.
+  for (double by = 0; by < 4; by += 0.05) {
+    const HypothesisScore score =
+        Score(image.view, Moved(scene_.Hypothesis(table), -by * forward, 0));
+    EXPECT_TRUE(std::isfinite(score.whole_box.x0) && std::isfinite(score.visible_box.x1));
+    if (!score.visible_box.empty()) {
+      EXPECT_GE(score.visible_box.x0, -0.5f);
+      EXPECT_LE(score.visible_box.x1, static_cast<float>(scene_.camera().width));
+    }
+  }
+  // Exactly at the camera's centre.
+  PoseHypothesis inside = scene_.Hypothesis(table);
+  inside.center_in_world = front_.translation();
+  Score(image.view, inside);
+}
+
+TEST_F(ViewpointScorerTest, ManyAtOnceScoreAsOneByOne) {
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const Image image = Seen(front_, {&chair, 1});
+  std::vector<PoseHypothesis> hypotheses;
+  for (std::uint32_t i = 0; i < 500; ++i) {
+    Random random({.seed = 7, .particle = i});
+    PoseHypothesis hypothesis =
+        Moved(scene_.Hypothesis(chair),
+              {random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-0.2, 0.2)},
+              random.Uniform(0, 360));
+    hypothesis.label = ModelId{static_cast<std::int32_t>(i % 5)};
+    hypotheses.push_back(hypothesis);
+  }
+  const std::vector<HypothesisScore> together = Score(image.view, hypotheses);
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+    const HypothesisScore alone = Score(image.view, hypotheses[i]);
+    EXPECT_EQ(alone.agreement_m, together[i].agreement_m);
+    EXPECT_EQ(alone.visible_m, together[i].visible_m);
+    EXPECT_EQ(alone.whole_box, together[i].whole_box);
+    EXPECT_EQ(alone.visible_box, together[i].visible_box);
+  }
+}
+
+TEST_F(ViewpointScorerTest, OnlyTheDirectionOfGravityMatters) {
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const Image image = Seen(front_, {&chair, 1});
+  const HypothesisScore straight = Score(image.view, scene_.Hypothesis(chair));
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    Random random({.seed = 3, .particle = i});
+    const Eigen::Quaterniond turn = Eigen::Quaterniond(random.Gaussian(), random.Gaussian(),
+                                                       random.Gaussian(), random.Gaussian())
+                                        .normalized();
+    const UprightFrame upright(turn * Eigen::Vector3d(0, 0, -1));
+    ScoringView view = image.view;
+    view.cam_from_world = image.view.cam_from_world * turn.inverse();
+    PoseHypothesis hypothesis = scene_.Hypothesis(chair);
+    hypothesis.center_in_world = turn * hypothesis.center_in_world;
+    hypothesis.azimuth_rad =
+        upright.Azimuth(turn.toRotationMatrix() * chair.world_from_object.linear());
+    HypothesisScore score;
+    scene_.scorer()->Score(view, upright, {&hypothesis, 1}, {&score, 1});
+    EXPECT_NEAR(score.agreement_m, straight.agreement_m, 0.02 * straight.agreement_m);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
