@@ -26,6 +26,16 @@ inline void TraceRay(RTCScene scene, RayContext& context, RTCRayHit& ray) {
   rtcIntersect1(scene, &ray, &arguments);
 }
 
+/// The same for four rays that stay close together.
+inline void TraceRays4(RTCScene scene, RayContext& context, RTCRayHit4& rays) {
+  alignas(16) constexpr int kAll[4] = {-1, -1, -1, -1};
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  arguments.context = &context;
+  rtcIntersect4(kAll, scene, &rays, &arguments);
+}
+
 /// Sets `ray.tfar` to minus infinity if anything is hit.
 inline void TraceShadowRay(RTCScene scene, RayContext& context, RTCRay& ray) {
   RTCOccludedArguments arguments;
@@ -43,6 +53,13 @@ inline void InitRayContext(RayContext& context) { rtcInitIntersectContext(&conte
 /// Sets `ray` to the nearest hit.
 inline void TraceRay(RTCScene scene, RayContext& context, RTCRayHit& ray) {
   rtcIntersect1(scene, &context, &ray);
+}
+
+/// The same for four rays that stay close together.
+inline void TraceRays4(RTCScene scene, RayContext& context, RTCRayHit4& rays) {
+  alignas(16) constexpr int kAll[4] = {-1, -1, -1, -1};
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect4(kAll, scene, &context, &rays);
 }
 
 /// Sets `ray.tfar` to minus infinity if anything is hit.

@@ -85,9 +85,8 @@ void AddOfficeBase(PaintedMesh& mesh, int metal, int plastic) {
     for (const float side : {-1.0f, 1.0f}) {
       const Vector3f hub = out * 0.30f + Vector3f(0, 0, 0.028f);
       AddTube(mesh, plastic,
-              {hub + side * axle * 0.008f, hub + side * axle * 0.012f, hub + side * axle * 0.024f,
-               hub + side * axle * 0.028f},
-              {0.023f, 0.028f, 0.028f, 0.022f}, 14);
+              {hub + side * axle * 0.008f, hub + side * axle * 0.013f, hub + side * axle * 0.028f},
+              {0.023f, 0.028f, 0.025f}, 10);
     }
   }
   AddLathe(mesh, plastic, {0, 0, 0},
@@ -107,15 +106,14 @@ void AddOfficeArm(PaintedMesh& mesh, int plastic, float side) {
   AddTube(mesh, plastic,
           SmoothPath({at(-0.06f, 0.14f, 0.405f), at(-0.05f, 0.25f, 0.41f),
                       at(-0.05f, 0.285f, 0.46f), at(-0.05f, 0.285f, 0.63f)},
-                     5),
+                     3),
           {0.017f}, 10);
   const std::size_t first = mesh.vertices.size();
   AddBox(mesh, plastic,
          {.center = {0, 0, 0},
           .size = {0.26f, 0.085f, 0.032f},
           .radius = 0.014f,
-          .arc = 2,
-          .divisions = {6, 2, 1}});
+          .divisions = {5, 1, 1}});
   Deform(mesh, first, [&](const Vector3f& p) {
     return Vector3f(p.x() - 0.02f, side * 0.285f + p.y() + side * 0.25f * p.x() * p.x(),
                     0.64f + p.z() - 0.6f * p.x() * p.x());
@@ -138,7 +136,7 @@ FurnitureModel SlatChair(const FurniturePalette& palette, bool arm_rests) {
           .size = {0.43f, 0.45f, 0.03f},
           .radius = 0.012f,
           .arc = 2,
-          .divisions = {8, 8, 1},
+          .divisions = {6, 6, 1},
           .grain = 0});
   Deform(mesh, first, [](const Vector3f& p) {
     const float u = (p.x() + 0.02f) / 0.21f, v = p.y() / 0.22f;
@@ -170,7 +168,7 @@ FurnitureModel SlatChair(const FurniturePalette& palette, bool arm_rests) {
               .size = {0.44f, 0.055f, 0.024f},
               .radius = 0.01f,
               .arc = 1,
-              .divisions = {10, 1, 1}});
+              .divisions = {7, 1, 1}});
       Deform(mesh, arm, [&](const Vector3f& p) {
         const float swing = (p.x() - 0.08f) * (p.x() - 0.08f);
         return Vector3f(p.x(), p.y() - side * 0.25f * swing,
@@ -184,6 +182,7 @@ FurnitureModel SlatChair(const FurniturePalette& palette, bool arm_rests) {
               .radius = 0.007f});
     }
   }
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -245,6 +244,7 @@ FurnitureModel ShellChair(const FurniturePalette& palette) {
     }
   }
   AddBlock(mesh, metal, {-0.01f, 0, 0.424f}, {0.25f, 0.26f, 0.012f});
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -266,7 +266,7 @@ FurnitureModel OfficeChair(const FurniturePalette& palette, bool arm_rests) {
           .size = {0.49f, 0.50f, 0.085f},
           .radius = 0.035f,
           .arc = 2,
-          .divisions = {7, 7, 1}});
+          .divisions = {5, 5, 1}});
   Deform(mesh, first, [](const Vector3f& p) {
     const float front = std::max(0.0f, p.x() - 0.12f);
     return Vector3f(p.x(), p.y() * (1 - 0.15f * std::abs(p.x() - 0.02f)),
@@ -281,7 +281,7 @@ FurnitureModel OfficeChair(const FurniturePalette& palette, bool arm_rests) {
           .size = {0.055f, 0.46f, 0.50f},
           .radius = 0.025f,
           .arc = 2,
-          .divisions = {1, 8, 8}});
+          .divisions = {1, 6, 6}});
   Deform(mesh, first, [&](const Vector3f& p) {
     const float narrow =
         1 - 0.28f * std::max(0.0f, p.z() - 0.8f) - 0.2f * std::max(0.0f, 0.7f - p.z());
@@ -302,6 +302,7 @@ FurnitureModel OfficeChair(const FurniturePalette& palette, bool arm_rests) {
   if (arm_rests) {
     for (const float side : {-1.0f, 1.0f}) AddOfficeArm(mesh, plastic, side);
   }
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -339,6 +340,7 @@ FurnitureModel RoundStool(const FurniturePalette& palette) {
              turn * Vector3f(0.12f, 0, 0.435f)},
             {0.011f, 0.015f, 0.018f}, 12);
   }
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 

@@ -39,7 +39,7 @@ void AddCushion(PaintedMesh& mesh, int paint, const Vector3f& center, const Vect
           .size = size,
           .radius = 0.3f * size.minCoeff(),
           .arc = 2,
-          .divisions = {4, 4, 4}});
+          .divisions = {3, 3, 3}});
   Deform(mesh, first, [&](const Vector3f& p) {
     Vector3f moved;
     for (int axis = 0; axis < 3; ++axis) {
@@ -55,6 +55,13 @@ void AddCushion(PaintedMesh& mesh, int paint, const Vector3f& center, const Vect
 void AddBlock(PaintedMesh& mesh, int paint, const Vector3f& center, const Vector3f& size,
               float radius, int grain) {
   AddBox(mesh, paint, {.center = center, .size = size, .radius = radius, .grain = grain});
+}
+
+void StandOnOrigin(PaintedMesh& mesh) {
+  Eigen::AlignedBox3f bounds;
+  for (const Vector3f& vertex : mesh.vertices) bounds.extend(vertex);
+  const Vector3f stand(bounds.center().x(), bounds.center().y(), bounds.min().z());
+  for (Vector3f& vertex : mesh.vertices) vertex -= stand;
 }
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "engine/synthetic/furniture.h"
 #include "engine/synthetic/painted_mesh.h"
 
 namespace plumbline {
@@ -22,5 +23,8 @@ void AddCushion(PaintedMesh& mesh, int paint, const Eigen::Vector3f& center,
 /// A box given by its centre and size with the usual small rounding.
 void AddBlock(PaintedMesh& mesh, int paint, const Eigen::Vector3f& center,
               const Eigen::Vector3f& size, float radius = 0.004f, int grain = -1);
+
+/// Moves the mesh so that the centre of its footprint is the origin and it stands on z = 0.
+void StandOnOrigin(PaintedMesh& mesh);
 
 }  // namespace plumbline

@@ -21,6 +21,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 constexpr double kPi = std::numbers::pi;
+constexpr std::size_t kMaxInstances = 8;
 
 Isometry3d Upright(double x, double y, double z, double azimuth) {
   return Eigen::Translation3d(x, y, z) * Eigen::AngleAxisd(azimuth, Vector3d::UnitZ());
@@ -65,6 +66,8 @@ class Furnisher {
   double Draw(double low, double high) { return random_.Uniform(low, high); }
   bool Chance(double probability) { return random_.Uniform() < probability; }
   const FurnitureModel& Model(const std::string& name) const;
+  /// Of the model's bounding box.
+  Vector3d Size(const std::string& name) const;
 
   /// Adds an instance; it must not overlap what stands there, apart from `partner` (an index of
   /// obstacles).
@@ -104,6 +107,12 @@ const FurnitureModel& Furnisher::Model(const std::string& name) const {
   }
   PLB_CHECK(false) << "no furniture named " << name;
   return room_.catalogue.front();
+}
+
+Vector3d Furnisher::Size(const std::string& name) const {
+  Eigen::AlignedBox3f bounds;
+  for (const Vector3f& vertex : Model(name).body.mesh.vertices) bounds.extend(vertex);
+  return bounds.sizes().cast<double>();
 }
 
 /// What is built in the room; in the scene `variant` it differs from the model.
@@ -153,6 +162,9 @@ void Furnisher::PlaceOnTop(const std::string& name, const Isometry3d& pose) {
   instance.category = model.category;
   instance.room_from_object = pose;
   room_.instances.push_back(instance);
+  if (options_.scene == SyntheticScene::kVariant && name == "chair_office") {
+    room_.main_instance = static_cast<int>(room_.instances.size());
+  }
   AddDecor(RenderedBody(model), pose, 0.025f, room_);
   room_.parts.back().instance = static_cast<int>(room_.instances.size());
 }
@@ -194,7 +206,8 @@ void Furnisher::ArrangeDining(const Vector2d& center) {
   }
   for (std::size_t i = 0; i < chairs.size(); ++i) {
     const bool armed = chairs[i] == "chair_slat_arms" || chairs[i] == "chair_office";
-    const double pull = armed ? Draw(0.34, 0.46) : Draw(0.10, 0.32);
+    // How far the chair stands behind the edge; arm rests do not fit under the table top.
+    const double pull = Size(chairs[i]).x() / 2 + (armed ? Draw(0.13, 0.24) : Draw(-0.11, 0.1));
     const Slot& slot = slots[i];
     const Vector2d back(-std::cos(slot.facing), -std::sin(slot.facing));
     Place(chairs[i],
@@ -202,7 +215,7 @@ void Furnisher::ArrangeDining(const Vector2d& center) {
                            slot.facing + Draw(-0.28, 0.28)),
           table_index);
   }
-  SetTable(raised, round ? 0.742 : 0.741, 0.25, round ? 0.25 : 0.5);
+  SetTable(raised, Size(round ? "table_round" : "table_rectangular").z(), 0.25, round ? 0.25 : 0.5);
 }
 
 /// Things on a table top.
@@ -260,7 +273,10 @@ void Furnisher::SofaWall(int wall) {
   HangPictures(wall, shift - 0.8, shift + 0.9, 1.55);
   const double side = Chance(0.5) ? 1 : -1;
   const double edge = (wide ? 1.04 : 0.76);
-  Place("lamp_floor", frame * Upright(0.36, shift + side * (edge + 0.38), 0, Draw(-kPi, kPi)));
+  // A full table leaves no room for the lamp among the eight.
+  if (room_.instances.size() <= kMaxInstances - 3) {
+    Place("lamp_floor", frame * Upright(0.36, shift + side * (edge + 0.38), 0, Draw(-kPi, kPi)));
+  }
   const Isometry3d corner =
       frame * Upright(0.42, std::clamp(-side * (half - 0.45), -half, half), 0, 0);
   const PaintedBody plant = PottedPlant(static_cast<float>(Draw(1.0, 1.35)), random_);
@@ -275,13 +291,13 @@ void Furnisher::SideboardWall(int wall) {
   const double shift = Draw(-0.5, 0.5);
   const Isometry3d board = frame * Upright(0.27, shift, 0, 0);
   Place("sideboard", board);
+  const double top = Size("sideboard").z();
   const bool tv = demo() || Chance(0.5);
   PlaceOnTop(tv ? "tv_wide" : "monitor_desk",
-             board * Upright(-0.02, Draw(-0.08, 0.08), 0.691, Draw(-0.08, 0.08)));
+             board * Upright(-0.02, Draw(-0.08, 0.08), top, Draw(-0.08, 0.08)));
   const double side = Chance(0.5) ? 1 : -1;
-  Decorate(BookStack(4, random_), board * Upright(0.02, side * 0.62, 0.691, Draw(-0.5, 0.5)),
-           0.015f);
-  Decorate(PottedPlant(0.34f, random_), board * Upright(-0.02, -side * 0.62, 0.691, Draw(-3, 3)),
+  Decorate(BookStack(4, random_), board * Upright(0.02, side * 0.62, top, Draw(-0.5, 0.5)), 0.015f);
+  Decorate(PottedPlant(0.34f, random_), board * Upright(-0.02, -side * 0.62, top, Draw(-3, 3)),
            0.02f);
   const PaintedBody basket = Basket(random_);
   const Isometry3d beside = frame * Upright(0.36, shift + side * 1.15, 0, Draw(-3, 3));
@@ -296,8 +312,8 @@ void Furnisher::DoorWall(int wall) {
   const double side = Chance(0.5) ? 1 : -1;
   Decorate(Door(style_.trim), frame * Upright(0, side * (half - 0.85), 0, 0), 0.04f);
   const double x = -side * (half - 1.0);
-  if (demo() || Chance(0.5)) {
-    const bool books = demo() || Chance(0.6);
+  if (room_.instances.size() < kMaxInstances && Chance(0.7)) {
+    const bool books = Chance(0.6);
     const Isometry3d shelf = frame * Upright(books ? 0.17 : 0.25, x, 0, 0);
     Place(books ? "bookshelf" : "cabinet_doors", shelf);
     for (int i = 0; books && i < 5; ++i) {

@@ -82,6 +82,7 @@ FurnitureModel DeskMonitor(const FurniturePalette& palette) {
           .radius = 0.005f,
           .arc = 2,
           .divisions = {4, 4, 1}});
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -120,6 +121,7 @@ FurnitureModel WideTv(const FurniturePalette& palette) {
             .start = {0.015f, 0.03f},
             .end = {0.015f, 0.03f}});
   }
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -158,6 +160,7 @@ FurnitureModel DoorCabinet(const FurniturePalette& palette) {
     AddHandle(mesh, metal, {0.206f, side * 0.035f, 0.70f}, {0, 0, 0.16f});
   }
   AddSplayedLegs(mesh, wood, 0.15f, 0.41f, 0.13f);
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -194,6 +197,7 @@ FurnitureModel Sideboard(const FurniturePalette& palette) {
     AddHandle(mesh, metal, {0.217f, 0, z}, {0, 0.14f, 0});
   }
   AddSplayedLegs(mesh, wood, 0.15f, 0.64f, 0.17f);
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -228,6 +232,7 @@ FurnitureModel Bookshelf(const FurniturePalette& palette) {
           .radius = 0.002f,
           .divisions = {1, 4, 8}});
   AddBlock(mesh, wood, {0.1f, 0, 0.03f}, {0.02f, 0.80f, 0.06f});
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -262,6 +267,7 @@ FurnitureModel FloorLamp(const FurniturePalette& palette) {
            48);
   AddLathe(mesh, shade, {0, 0, 0},
            {{0, 1.415f}, {0.03f, 1.43f}, {0.04f, 1.46f}, {0.03f, 1.49f}, {0, 1.505f}}, 16);
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -297,6 +303,7 @@ FurnitureModel TableLamp(const FurniturePalette& palette) {
             {0.147f, 0.25f},
             {0.15f, 0.25f}},
            48);
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 

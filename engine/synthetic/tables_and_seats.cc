@@ -56,6 +56,7 @@ FurnitureModel RectangularTable(const FurniturePalette& palette) {
             .arc = 2,
             .divisions = {4, 1, 2}});
   }
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -96,6 +97,7 @@ FurnitureModel RoundTable(const FurniturePalette& palette) {
             {0.24f, 0.712f},
             {0, 0.712f}},
            48);
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -130,6 +132,7 @@ FurnitureModel CoffeeTable(const FurniturePalette& palette) {
     }
     AddTube(mesh, metal, {{x * 0.217f, -0.42f, 0.38f}, {x * 0.217f, 0.42f, 0.38f}}, {0.009f}, 12);
   }
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -141,24 +144,23 @@ FurnitureModel WideSofa(const FurniturePalette& palette) {
   PaintedMesh& mesh = model.body.mesh;
   const int cloth = model.body.Paint(palette.fabric);
   const int wood = model.body.Paint(palette.dark_wood);
-  AddBox(mesh, cloth,
-         {.center = {0, 0, 0.235f}, .size = {0.84f, 1.90f, 0.19f}, .radius = 0.03f, .arc = 2});
+  AddBox(mesh, cloth, {.center = {0, 0, 0.235f}, .size = {0.84f, 1.90f, 0.19f}, .radius = 0.03f});
   AddBox(mesh, cloth,
          {.center = {-0.355f, 0, 0.50f},
           .size = {0.15f, 1.90f, 0.52f},
           .radius = 0.05f,
           .arc = 2,
-          .divisions = {1, 4, 2},
+          .divisions = {1, 2, 1},
           .rotation = LeanBack(0.06f)});
   for (const float side : {-1.0f, 1.0f}) {
     AddBox(mesh, cloth,
            {.center = {0, side * 0.95f, 0.38f},
             .size = {0.88f, 0.17f, 0.46f},
             .radius = 0.055f,
-            .arc = 3,
-            .divisions = {3, 1, 2}});
+            .arc = 2,
+            .divisions = {2, 1, 1}});
     for (const float x : {-0.35f, 0.35f}) {
-      AddTube(mesh, wood, {{x, side * 0.93f, 0}, {x, side * 0.93f, 0.16f}}, {0.016f, 0.026f}, 12);
+      AddTube(mesh, wood, {{x, side * 0.93f, 0}, {x, side * 0.93f, 0.16f}}, {0.016f, 0.026f}, 8);
     }
   }
   for (int i = -1; i <= 1; ++i) {
@@ -167,6 +169,7 @@ FurnitureModel WideSofa(const FurniturePalette& palette) {
                Matrix3f::Identity());
     AddCushion(mesh, cloth, {-0.215f, y, 0.625f}, {0.17f, 0.565f, 0.40f}, 0.30f, LeanBack(0.22f));
   }
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 
@@ -204,6 +207,7 @@ FurnitureModel SmallSofa(const FurniturePalette& palette) {
               {0.013f, 0.024f}, 12);
     }
   }
+  StandOnOrigin(model.body.mesh);
   return model;
 }
 

@@ -133,7 +133,6 @@ TracedScene::Hit TracedScene::Trace(const Vector3f& origin, const Vector3f& dire
 
 std::array<TracedScene::Hit, 4> TracedScene::Trace4(
     const std::array<Vector3f, 4>& origins, const std::array<Vector3f, 4>& directions) const {
-  alignas(16) const std::array<int, 4> valid = {-1, -1, -1, -1};
   alignas(16) RTCRayHit4 query{};
   for (std::size_t i = 0; i < 4; ++i) {
     query.ray.org_x[i] = origins[i].x();
@@ -148,10 +147,9 @@ std::array<TracedScene::Hit, 4> TracedScene::Trace4(
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect4(valid.data(), embree_->all, &context, &query);
+  RayContext context;
+  InitRayContext(context);
+  TraceRays4(embree_->all, context, query);
   std::array<Hit, 4> hits;
   for (std::size_t i = 0; i < 4; ++i) {
     if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
