@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <cstdlib>
 #include <numbers>
 #include <type_traits>
@@ -106,6 +107,7 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   script_host_.resize = [this](int width, int height) { window_->Resize(width, height); };
   script_host_.open = [this](const std::string& path) { Open(path, std::nullopt); };
   if (!options_.path.empty()) Open(options_.path, options_.start_frame);
+  if (options_.play && process_ != nullptr) process_->Post(PlayCommand{});
 }
 
 Application::~Application() {
@@ -201,9 +203,21 @@ void Application::ReadSlots() {
     ++context_.snapshot_version;
     if (context_.selection.particle >= 0) context_.selection.particle = -1;
   }
-  if (auto_select_ && context_.selection.object.value <= 0 && context_.snapshot != nullptr &&
-      !context_.snapshot->report.objects.empty()) {
-    context_.selection.object = context_.snapshot->report.objects.front().id;
+  if (auto_select_ && context_.snapshot != nullptr) SelectByItself();
+}
+
+/// Keeps what is selected for as long as it shows; then the object that shows largest.
+void Application::SelectByItself() {
+  const ObjectReport* selected = context_.SelectedObject();
+  if (selected != nullptr && selected->weighed) return;
+  float largest = 0;
+  for (const ObjectReport& object : context_.snapshot->report.objects) {
+    if (!object.weighed || object.visible_box.empty()) continue;
+    const float area = object.visible_box.width() * object.visible_box.height() *
+                       (object.state == ObjectState::kConfirmed ? 4.0f : 1.0f);
+    if (area <= largest) continue;
+    largest = area;
+    context_.selection.object = object.id;
   }
 }
 
@@ -233,6 +247,7 @@ void Application::DrawFrame(cv::Mat* picture) {
   ReadSlots();
   if (wanted_scale_) SetUiScale(*std::exchange(wanted_scale_, std::nullopt));
   backend_->TakeInput();
+  if (options_.ignore_pointer) ImGui::GetIO().MousePos = {-FLT_MAX, -FLT_MAX};
   if (script_ && script_status_.ok())
     script_status_ = script_->SetInput(widgets_, ImGui::GetIO(), script_host_);
   ImGui::NewFrame();

@@ -29,6 +29,8 @@ struct ApplicationOptions {
   std::function<MappingProcess::OpenSource(const std::string& path)> opener;
   std::string path;  ///< To open at the start; "": none.
   std::optional<int> start_frame;
+  bool play = false;            ///< Plays once it is open.
+  bool ignore_pointer = false;  ///< Nobody holds the mouse: a film must not show its tooltips.
   int width = 1600, height = 1000;
   std::optional<double> ui_scale;  ///< Else as the desktop wishes, or as it was left.
   std::filesystem::path settings;  ///< Where layout and switches are kept; empty: nowhere.
@@ -59,6 +61,7 @@ class Application : private CommandSink {
   void Handle(const WindowCommand& command);
   void Open(const std::string& path, std::optional<int> frame);
   void ReadSlots();
+  void SelectByItself();
   void DrawWindow();
   void DrawPanels(const InspectLayout& layout);
   void Remember(const std::string& path);
@@ -86,7 +89,7 @@ class Application : private CommandSink {
   UiScript::Host script_host_;
   Status script_status_;
 
-  bool auto_select_ = true;  ///< Until the user selects: the first object.
+  bool auto_select_ = true;  ///< Until the user selects: an object that is in view.
   bool show_help_ = false;
   bool quit_ = false;
   std::optional<double> wanted_scale_;

@@ -12,15 +12,9 @@ int main(int argc, char** argv) {
   using plumbline::Verb;
   const std::vector<Verb> kVerbs = {
       // one line each, in the order of --help
-      {plumbline::AddGuiVerb},
-      {plumbline::AddDemoVerb},
-      {plumbline::AddRunVerb},
-      {plumbline::AddDetectVerb},
-      {plumbline::AddEdgesVerb},
-      {plumbline::AddModelsVerb},
-      {plumbline::AddSynthVerb},
-      {plumbline::AddEvaluateVerb},
-      {plumbline::AddExportVerb},
+      {plumbline::AddGuiVerb},    {plumbline::AddDemoVerb},     {plumbline::AddRunVerb},
+      {plumbline::AddDetectVerb}, {plumbline::AddEdgesVerb},    {plumbline::AddModelsVerb},
+      {plumbline::AddSynthVerb},  {plumbline::AddEvaluateVerb}, {plumbline::AddExportVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
                "plumbline");

@@ -136,7 +136,7 @@ bool UiScript::Waits(const json& step, const Host& host, Status& status) {
   if (!step.contains("wait_for")) return false;
   const auto now = std::chrono::steady_clock::now();
   if (!waiting_since_) waiting_since_ = now;
-  const json state = host.state();
+  json state = host.state();
   if (Matches(step["wait_for"], state)) {
     waiting_since_.reset();
     steps_.pop_front();
@@ -146,6 +146,8 @@ bool UiScript::Waits(const json& step, const Host& host, Status& status) {
   const bool hopeless = state.value("state", "") == "failed" && !step["wait_for"].contains("state");
   const double waited_s = std::chrono::duration<double>(now - *waiting_since_).count();
   if (hopeless || waited_s > step.value("timeout_s", 60.0)) {
+    state.erase("widgets");
+    state.erase("panels");
     status = Wrong(step, "did not come true; the state is " + state.dump());
   }
   return true;

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 
@@ -13,10 +9,10 @@
 
 #include "app/verbs/console_work.h"
 #include "app/verbs/demo_picture.h"
+#include "app/verbs/demo_sequence.h"
+#include "app/verbs/demo_window.h"
 #include "app/verbs/verb.h"
-#include "engine/base/files.h"
 #include "engine/process/mapping_pipeline.h"
-#include "engine/synthetic/sequence_writer.h"
 
 namespace plumbline {
 namespace {
@@ -24,7 +20,7 @@ namespace {
 constexpr int kPictureEvery = 30;
 
 struct DemoArguments {
-  int frames = 150;
+  int frames = kDemoFrames;
   std::string out = "plumbline-demo";
   bool headless = false;
 };
@@ -37,23 +33,8 @@ bool HasDisplay() {
   return set("DISPLAY") || set("WAYLAND_DISPLAY");
 }
 
-/// The built-in sequence: filmed on first use into the cache, complete or not there at all.
-Result<std::filesystem::path> BuiltInSequence(int frames, const WorkContext& work) {
-  const std::string name = "demo-room-" PLUMBLINE_VERSION "-" + std::to_string(frames);
-  const std::filesystem::path folder = CacheDirectory() / name;
-  const std::filesystem::path done = CacheDirectory() / (name + ".complete");
-  std::error_code error;
-  if (std::filesystem::exists(done, error) && std::filesystem::exists(folder, error)) return folder;
-  std::fprintf(stderr, "filming the built-in room, once (into %s)\n", folder.c_str());
-  SyntheticOptions options;
-  options.frames = frames;
-  Result<SyntheticSummary> made = WriteSyntheticSequence(options, folder, work);
-  if (!made.ok()) return made.error();
-  if (Status status = WriteFileAtomically(done, "complete\n"); !status.ok()) return status.error();
-  return folder;
-}
-
-/// Maps the sequence and writes what the window would show: pictures and a video.
+/// Maps the sequence and writes the essence of what the window would show: pictures and a video.
+/// For machines without a window.
 Status WritePictures(const std::filesystem::path& sequence, const std::filesystem::path& out,
                      const WorkContext& work) {
   PipelineChoice choice;
@@ -91,22 +72,28 @@ Status WritePictures(const std::filesystem::path& sequence, const std::filesyste
 }
 
 Status Demo(const DemoArguments& arguments) {
-  std::filesystem::path sequence;
-  {
+  const bool headless = arguments.headless || !HasDisplay();
+  const Result<std::filesystem::path> sequence = [&] {
     ConsoleWork console;
-    const WorkContext work = console.context();
-    Result<std::filesystem::path> made = BuiltInSequence(arguments.frames, work);
-    if (!made.ok()) return made.error();
-    sequence = *made;
-    if (arguments.headless || !HasDisplay()) {
-      std::printf("there is no display: writing pictures and a video into '%s' instead\n",
-                  arguments.out.c_str());
-      return WritePictures(sequence, arguments.out, work);
-    }
+    return BuiltInSequence(arguments.frames, console.context());
+  }();
+  if (!sequence.ok()) return sequence.error();
+  if (!headless) {
+    const Status shown = ShowDemoWindow(*sequence);
+    if (shown.ok() || shown.error().code != ErrorCode::kUnsupported) return shown;
+    std::fprintf(stderr, "%s\n", shown.error().message.c_str());
   }
-  // The window is the gui command of this same program.
-  ::execl("/proc/self/exe", "plumbline", "gui", sequence.c_str(), static_cast<char*>(nullptr));
-  return Error{ErrorCode::kIo, std::string("cannot start the window: ") + std::strerror(errno)};
+  std::printf("there is no display: writing pictures and a video into '%s' instead\n",
+              arguments.out.c_str());
+  ConsoleWork console;
+  const WorkContext work = console.context();
+  const Status filmed = FilmDemoWindow(*sequence, arguments.out, work);
+  if (filmed.ok() || (filmed.error().code != ErrorCode::kUnsupported &&
+                      filmed.error().code != ErrorCode::kNotFound)) {
+    return filmed;
+  }
+  std::fprintf(stderr, "%s; the pictures are simpler for it\n", filmed.error().message.c_str());
+  return WritePictures(*sequence, arguments.out, work);
 }
 
 }  // namespace

@@ -3,10 +3,13 @@
 
 #include "engine/base/log.h"
 #include "engine/dataset/ground_truth.h"
+#include "engine/geometry/vertex_clustering.h"
 #include "engine/models/mesh_file.h"
 
 namespace plumbline {
 namespace {
+
+constexpr std::size_t kScanVertices = 400'000, kCoarseScanVertices = 60'000;
 
 std::string NameOf(const std::filesystem::path& path) {
   const std::filesystem::path clean = std::filesystem::absolute(path).lexically_normal();
@@ -24,7 +27,10 @@ void AddTruth(const std::filesystem::path& file, SequenceView& view) {
 void AddScan(const std::filesystem::path& file, SequenceView& view) {
   Result<TriangleMesh> scan = ReadMesh(file);
   if (!scan.ok()) return log::warn("the scan is not shown: {}", scan.error().message);
-  view.scan = std::make_shared<const TriangleMesh>(std::move(scan).value());
+  auto fine = std::make_shared<const TriangleMesh>(ClusterToAbout(*scan, kScanVertices));
+  view.scan_coarse =
+      std::make_shared<const TriangleMesh>(ClusterToAbout(*fine, kCoarseScanVertices));
+  view.scan = std::move(fine);
 }
 
 SequenceView ViewOf(const PinholeCamera& camera, double rate_hz, const ModelDatabase& database) {
@@ -38,7 +44,8 @@ SequenceView ViewOf(const PinholeCamera& camera, double rate_hz, const ModelData
   view.cy = camera.cy;
   for (const CadModel& model : database.models()) {
     view.models.push_back({model.name, model.category,
-                           std::make_shared<const TriangleMesh>(model.mesh), model.center()});
+                           std::make_shared<const TriangleMesh>(model.mesh), model.center(),
+                           model.symmetry.order == 0});
   }
   return view;
 }

@@ -25,6 +25,7 @@ struct ModelView {
   std::string name, category;
   std::shared_ptr<const TriangleMesh> mesh;
   Eigen::Vector3d center{0, 0, 0};
+  bool any_azimuth = false;  ///< Looks the same from all sides.
 };
 
 /// What does not change while a sequence plays.
@@ -38,7 +39,8 @@ struct SequenceView {
   std::optional<double> floor_height_m;             ///< Along up, where a floor is known.
   std::vector<ModelView> models;                    ///< Index = ModelId.
   std::vector<Eigen::Isometry3d> world_from_cam;    ///< Of every frame that has a pose, in order.
-  std::shared_ptr<const TriangleMesh> scan;         ///< May be null.
+  /// The scanned scene made coarse enough to draw, and coarser for machines without a GPU; null without one.
+  std::shared_ptr<const TriangleMesh> scan, scan_coarse;
   struct Truth {
     std::string id, model;
     Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();

@@ -34,7 +34,7 @@ int DepthIndex(double depth_m, const DepthRange& range) {
 
 }  // namespace
 
-cv::Mat EdgePicture(const cv::Mat& probability, const cv::Mat& angle) {
+cv::Mat EdgePicture(const cv::Mat& probability, const cv::Mat& angle, bool thick) {
   if (probability.empty()) return {};
   cv::Mat hue;
   if (angle.empty()) {
@@ -51,6 +51,7 @@ cv::Mat EdgePicture(const cv::Mat& probability, const cv::Mat& angle) {
   value.convertTo(value, CV_8U, 255.0);
   cv::merge(std::vector<cv::Mat>{hue, saturation, value}, hsv);
   cv::cvtColor(hsv, picture, cv::COLOR_HSV2BGR);
+  if (thick) cv::dilate(picture, picture, cv::Mat::ones(2, 2, CV_8U));
   return picture;
 }
 

@@ -10,8 +10,8 @@ namespace plumbline {
 
 // Pictures (CV_8UC3 BGR) of the maps of a snapshot. Empty maps give empty pictures.
 
-/// Orientation of the edge as hue, probability as value. Both CV_8U.
-cv::Mat EdgePicture(const cv::Mat& probability, const cv::Mat& angle);
+/// Orientation of the edge as hue, probability as value. Both CV_8U. `thick`: lines of two pixels.
+cv::Mat EdgePicture(const cv::Mat& probability, const cv::Mat& angle, bool thick = false);
 /// Colour of an orientation in [0, pi).
 ImU32 OrientationColor(double angle_rad);
 

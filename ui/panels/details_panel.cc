@@ -89,11 +89,16 @@ class DetailsPanel : public Panel {
                      100 * std::sqrt(object.covariance(1, 1)),
                      100 * std::sqrt(object.covariance(2, 2))),
          "Standard deviation along the world's x, y, z.");
-    Fact(context, "azimuth",
-         fmt::format("{:.0f}\u00b0 \u00b1 {:.1f}\u00b0",
-                     kDegrees * upright.Azimuth(object.world_from_object.linear()),
-                     kDegrees * std::sqrt(std::max(0.0, object.covariance(3, 3)))),
-         "Angle about up from the world's +x to the object's front.");
+    const ModelView* model = context.Model(object.label);
+    if (model != nullptr && model->any_azimuth) {
+      Fact(context, "azimuth", "round", "The model looks the same from all sides.");
+    } else {
+      Fact(context, "azimuth",
+           fmt::format("{:.0f}\u00b0 \u00b1 {:.1f}\u00b0",
+                       kDegrees * upright.Azimuth(object.world_from_object.linear()),
+                       kDegrees * std::sqrt(std::max(0.0, object.covariance(3, 3)))),
+           "Angle about up from the world's +x to the object's front.");
+    }
     Fact(context, "evidence", fmt::format("{:+.1f}", object.log_evidence),
          "Log odds that the object is there.");
     Fact(context, "sample size",

@@ -56,9 +56,13 @@ class EdgesPanel : public Panel {
       return EmptyState(context, "No edge map",
                         "Edges come with live mapping; open the sequence instead of the run.");
     }
-    const ImTextureID texture = context.textures->Get("edges", context.snapshot_version, [&] {
-      return EdgePicture(snapshot.edge_probability, snapshot.edge_angle);
-    });
+    // Lines of one pixel would break up where the map is shown much smaller than it is.
+    const float shown = ImGui::GetContentRegionAvail().x * context.viewport->zoom /
+                        static_cast<float>(snapshot.edge_probability.cols);
+    const bool thick = shown < 0.6f;
+    const ImTextureID texture = context.textures->Get(
+        thick ? "edges, thick" : "edges", context.snapshot_version,
+        [&] { return EdgePicture(snapshot.edge_probability, snapshot.edge_angle, thick); });
     const ImageCanvas canvas(context, "edges.view", texture, snapshot.edge_probability.cols,
                              snapshot.edge_probability.rows);
     if (outlines_)

@@ -12,6 +12,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kDegrees = 57.29577951308232;
+constexpr double kNarrowest = 790;  ///< Narrower than this the table scrolls sideways.
 
 struct Column {
   const char* name;
@@ -72,13 +73,14 @@ class ObjectsPanel : public Panel {
           "The first are born from the detector's proposals: press Space to play on.");
     }
     ImGui::PushFont(context.fonts.small);
-    const ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_ScrollX |
-                                  ImGuiTableFlags_RowBg | ImGuiTableFlags_Resizable |
-                                  ImGuiTableFlags_Hideable | ImGuiTableFlags_NoBordersInBody;
+    const bool scrolls = ImGui::GetContentRegionAvail().x < context.Scaled(kNarrowest);
+    const ImGuiTableFlags flags =
+        (scrolls ? ImGuiTableFlags_ScrollX : 0) | ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
+        ImGuiTableFlags_Resizable | ImGuiTableFlags_Hideable | ImGuiTableFlags_NoBordersInBody;
     ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(3.5)});
     if (ImGui::BeginTable("objects.table", static_cast<int>(std::size(kColumns)), flags,
                           ImGui::GetContentRegionAvail(),
-                          std::max(ImGui::GetContentRegionAvail().x, context.Scaled(800)))) {
+                          scrolls ? context.Scaled(kNarrowest) : 0.0f)) {
       DrawHeaders(context);
       for (const ObjectReport& object : context.snapshot->report.objects)
         DrawRow(context, object, sink);
@@ -160,7 +162,12 @@ class ObjectsPanel : public Panel {
     ImGui::TableNextColumn();
     TextRight(colors::kText, fmt::format("\u00b1 {:.1f} cm", 100 * position_std_m));
     ImGui::TableNextColumn();
-    TextRight(colors::kText, fmt::format("\u00b1 {:.1f}\u00b0", kDegrees * azimuth_std_rad));
+    if (model != nullptr && model->any_azimuth) {
+      TextRight(colors::kFaint, "round");
+      Tooltip(context, "The model looks the same from all sides.");
+    } else {
+      TextRight(colors::kText, fmt::format("\u00b1 {:.1f}\u00b0", kDegrees * azimuth_std_rad));
+    }
     const ImU32 seen = object.weighed ? colors::kText : colors::kFaint;
     ImGui::TableNextColumn();
     TextRight(seen, fmt::format("{:.0f} %", 100 * object.visible_fraction));

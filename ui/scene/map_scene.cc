@@ -35,7 +35,7 @@ constexpr double kResetAside = 0.35, kResetElevation = 0.65;
 
 class MapScene : public SceneSurface {
  public:
-  explicit MapScene(bool software_gl) : actors_(renderer_, software_gl) {
+  explicit MapScene(bool software_gl) : actors_(ground_, renderer_, software_gl) {
     window_->SetOwnContext(0);
     window_->SetFrameBlitModeToNoBlit();
     window_->SetMultiSamples(software_gl ? 0 : 4);
@@ -45,14 +45,19 @@ class MapScene : public SceneSurface {
     window_->SetIsDirect(1);
     window_->SetMapped(1);
     window_->OpenGLInitContext();
-    renderer_->SetBackground(0.050, 0.058, 0.070);
-    renderer_->SetBackground2(0.105, 0.122, 0.145);
-    renderer_->GradientBackgroundOn();
-    renderer_->SetBackgroundAlpha(1.0);
-    renderer_->AutomaticLightCreationOff();
+    window_->SetNumberOfLayers(2);
+    ground_->SetBackground(0.050, 0.058, 0.070);
+    ground_->SetBackground2(0.105, 0.122, 0.145);
+    ground_->GradientBackgroundOn();
+    ground_->SetBackgroundAlpha(1.0);
+    renderer_->SetLayer(1);
+    ground_->SetActiveCamera(renderer_->GetActiveCamera());
+    for (vtkRenderer* renderer : {ground_.Get(), renderer_.Get()}) {
+      renderer->AutomaticLightCreationOff();
+      window_->AddRenderer(renderer);
+    }
     AddLight(0.4, 0.9, 1.0, 0.85);
     AddLight(-0.8, 0.2, 0.6, 0.35);
-    window_->AddRenderer(renderer_);
   }
 
   void SetContent(const SceneContent& content) override {
@@ -129,7 +134,7 @@ class MapScene : public SceneSurface {
 
   void Reset() override {
     if (content_.sequence == nullptr) return;
-    const auto& bounds = actors_.bounds();
+    const auto& bounds = actors_.focus_bounds();
     const double radius = bounds.isEmpty() ? 1.5 : std::max(0.4, 0.5 * bounds.diagonal().norm());
     camera_.LookAt(bounds.isEmpty() ? Vector3d(0, 0, 0) : Vector3d(bounds.center()),
                    0.70 * radius / std::tan(0.5 * TurntableCamera::kViewAngle));
@@ -196,14 +201,24 @@ class MapScene : public SceneSurface {
   std::optional<Vector3d> WorldAt(double x_px, double y_px) {
     window_->GetState()->Reset();
     const int x = static_cast<int>(x_px), y = height_ - 1 - static_cast<int>(y_px);
-    const double z = renderer_->GetZ(x, y);
-    if (z >= 1.0) return std::nullopt;
+    const double z = renderer_->GetZ(x, y);  // of the upper layer only
+    if (z >= 1.0) return ScanAt(x, y);
     renderer_->SetDisplayPoint(x, y, z);
     renderer_->DisplayToWorld();
     double point[4];
     renderer_->GetWorldPoint(point);
     if (point[3] == 0) return std::nullopt;
     return Vector3d(point[0] / point[3], point[1] / point[3], point[2] / point[3]);
+  }
+
+  std::optional<Vector3d> ScanAt(int x, int y) {
+    if (actors_.scan() == nullptr) return std::nullopt;
+    vtkNew<vtkCellPicker> picker;
+    picker->SetTolerance(0.002);
+    picker->PickFromListOn();
+    picker->AddPickList(actors_.scan());
+    if (picker->Pick(x, y, 0, ground_) == 0) return std::nullopt;
+    return Vector3d(picker->GetPickPosition());
   }
 
   void Render() {
@@ -231,7 +246,7 @@ class MapScene : public SceneSurface {
     dirty_ = false;
   }
 
-  vtkNew<vtkRenderer> renderer_;
+  vtkNew<vtkRenderer> ground_, renderer_;
   vtkNew<vtkGenericOpenGLRenderWindow> window_;
   SceneActors actors_;
   TurntableCamera camera_;

@@ -11,8 +11,10 @@
 #include <vtkUnsignedCharArray.h>
 
 #include "engine/geometry/gravity.h"
+#include "engine/geometry/vertex_clustering.h"
 #include "ui/framework/particle_place.h"
 #include "ui/framework/theme.h"
+#include "ui/scene/scan_actor.h"
 #include "ui/scene/vtk_helpers.h"
 
 namespace plumbline {
@@ -20,8 +22,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kPointsOnGpu = 2'000'000, kPointsOnCpu = 150'000, kPointsWhileMoving = 30'000;
+constexpr std::size_t kScanVerticesWhileMoving = 15'000;
 constexpr int kFrustumImageWidth = 256;
+constexpr double kSmallestFocus = 1.0;  ///< [m]
 
 /// The floor's height along up, else that of the lowest things, without stray points: the second
 /// percentile of the scan, else the lowest truth, else 1.4 m (a carried camera) below the lowest
@@ -50,10 +53,11 @@ double FloorHeight(const SequenceView& sequence) {
 
 }  // namespace
 
-SceneActors::SceneActors(vtkRenderer* renderer, bool software_gl)
-    : renderer_(renderer), software_gl_(software_gl) {}
+SceneActors::SceneActors(vtkRenderer* ground, vtkRenderer* renderer, bool software_gl)
+    : ground_(ground), renderer_(renderer), software_gl_(software_gl) {}
 
 void SceneActors::SetSequence(const SequenceView& sequence) {
+  ground_->RemoveAllViewProps();
   renderer_->RemoveAllViewProps();
   models_.clear();
   truth_.clear();
@@ -61,8 +65,12 @@ void SceneActors::SetSequence(const SequenceView& sequence) {
   bounds_.setEmpty();
   for (const auto& pose : sequence.world_from_cam) bounds_.extend(pose.translation());
   for (const auto& truth : sequence.truth) bounds_.extend(truth.world_from_object.translation());
+  focus_bounds_ = bounds_;
   AddModels(sequence);
   AddScan(sequence);
+  if (focus_bounds_.isEmpty() || focus_bounds_.diagonal().norm() < kSmallestFocus) {
+    focus_bounds_ = bounds_;
+  }
   AddGrid(sequence);
   AddTruth(sequence);
   AddTrajectory(sequence);
@@ -112,29 +120,29 @@ void SceneActors::AddTruth(const SequenceView& sequence) {
 }
 
 void SceneActors::AddScan(const SequenceView& sequence) {
-  const bool has_scan = sequence.scan != nullptr && !sequence.scan->empty();
-  const TriangleMesh& scan = has_scan ? *sequence.scan : TriangleMesh();
-  if (has_scan) {
-    // The 1 .. 99 % box: one stray point must not push the view away.
-    std::vector<float> values;
-    Vector3d low, high;
-    for (int axis = 0; axis < 3; ++axis) {
-      values.clear();
-      const std::size_t stride = std::max<std::size_t>(1, scan.vertices.size() / 20000);
-      for (std::size_t i = 0; i < scan.vertices.size(); i += stride)
-        values.push_back(scan.vertices[i][axis]);
-      std::sort(values.begin(), values.end());
-      low[axis] = values[values.size() / 100];
-      high[axis] = values[values.size() - 1 - values.size() / 100];
+  const auto fine =
+      software_gl_ && sequence.scan_coarse != nullptr ? sequence.scan_coarse : sequence.scan;
+  const bool has_scan = fine != nullptr && !fine->empty();
+  scan_fine_ = scan_coarse_ = nullptr;
+  if (!has_scan) return;
+  // The 1 .. 99 % box: one stray point must not push the view away.
+  std::vector<float> values;
+  Vector3d low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    values.clear();
+    const std::size_t stride = std::max<std::size_t>(1, fine->vertices.size() / 20000);
+    for (std::size_t i = 0; i < fine->vertices.size(); i += stride) {
+      values.push_back(fine->vertices[i][axis]);
     }
-    bounds_.extend(low);
-    bounds_.extend(high);
+    std::sort(values.begin(), values.end());
+    low[axis] = values[values.size() / 100];
+    high[axis] = values[values.size() - 1 - values.size() / 100];
   }
-  const std::size_t budget = software_gl_ ? kPointsOnCpu : kPointsOnGpu;
-  scan_fine_ = LineActorOf(PointsOf(scan, budget, sequence.up_in_world), IM_COL32_WHITE, 0.75);
-  scan_coarse_ =
-      LineActorOf(PointsOf(scan, kPointsWhileMoving, sequence.up_in_world), IM_COL32_WHITE, 1);
-  for (vtkActor* actor : {scan_fine_.Get(), scan_coarse_.Get()}) renderer_->AddActor(actor);
+  bounds_.extend(low);
+  bounds_.extend(high);
+  scan_fine_ = ScanActor(*fine, sequence);
+  scan_coarse_ = ScanActor(ClusterToAbout(*fine, kScanVerticesWhileMoving), sequence);
+  for (vtkActor* actor : {scan_fine_.Get(), scan_coarse_.Get()}) ground_->AddActor(actor);
 }
 
 void SceneActors::AddTrajectory(const SequenceView& sequence) {
@@ -173,10 +181,7 @@ void SceneActors::AddGrid(const SequenceView& sequence) {
   }
   grid_ = LineActorOf(SegmentsOf(minor), IM_COL32(40, 46, 54, 255), 1);
   grid_major_ = LineActorOf(SegmentsOf(major), IM_COL32(58, 66, 77, 255), 1);
-  for (vtkActor* actor : {grid_.Get(), grid_major_.Get()}) {
-    actor->UseBoundsOff();
-    renderer_->AddActor(actor);
-  }
+  for (vtkActor* actor : {grid_.Get(), grid_major_.Get()}) ground_->AddActor(actor);
 }
 
 void SceneActors::SetSnapshot(const SceneContent& content) {
@@ -252,7 +257,7 @@ void SceneActors::UpdateCamera(const SceneContent& content) {
   const SequenceView& sequence = *content.sequence;
   const Eigen::Isometry3d& world_from_cam = *content.snapshot->report.world_from_cam;
   const double depth =
-      bounds_.isEmpty() ? 0.3 : std::clamp(0.07 * bounds_.diagonal().norm(), 0.12, 0.6);
+      bounds_.isEmpty() ? 0.3 : std::clamp(0.05 * bounds_.diagonal().norm(), 0.12, 0.4);
   const auto corner = [&](double u, double v) -> Vector3d {
     return world_from_cam * Vector3d(depth * (u - sequence.cx) / sequence.fx,
                                      depth * (v - sequence.cy) / sequence.fy, depth);

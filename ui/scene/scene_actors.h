@@ -18,17 +18,22 @@ namespace plumbline {
 /// The actors of the map: built with the sequence, moved with every snapshot.
 class SceneActors {
  public:
-  SceneActors(vtkRenderer* renderer, bool software_gl);
+  /// `ground` is drawn first and holds scan and grid: estimates are never hidden by the scan that
+  /// they explain.
+  SceneActors(vtkRenderer* ground, vtkRenderer* renderer, bool software_gl);
 
   void SetSequence(const SequenceView& sequence);
   /// `content.sequence` is not null.
   void SetSnapshot(const SceneContent& content);
-  /// Coarse: few points of the scan.
+  /// Coarse: few triangles of the scan.
   void SetCoarse(bool coarse);
   /// Actors that answer to picking, with their objects.
   std::vector<std::pair<vtkActor*, ObjectId>> pickable() const;
-  /// Box of what matters: objects, trajectory and scan.
+  /// Box of truth, trajectory and scan.
   const Eigen::AlignedBox3d& bounds() const { return bounds_; }
+  /// Box of truth and trajectory where there are any: what the first view shows.
+  const Eigen::AlignedBox3d& focus_bounds() const { return focus_bounds_; }
+  vtkActor* scan() const { return scan_fine_; }
   /// Azimuth about up from which the cameras look at the middle of the bounds, on the whole.
   double ViewAzimuth(const SequenceView& sequence) const;
   double grid_step_m() const { return grid_step_m_; }
@@ -56,10 +61,11 @@ class SceneActors {
   void UpdateParticles(const SceneContent& content);
   ObjectActors& ActorsOf(const ObjectReport& object);
 
+  vtkRenderer* ground_;
   vtkRenderer* renderer_;
   bool software_gl_;
   bool coarse_ = false;
-  Eigen::AlignedBox3d bounds_;
+  Eigen::AlignedBox3d bounds_, focus_bounds_;
   double grid_step_m_ = 0.5;
   std::vector<ModelData> models_;
   std::vector<vtkSmartPointer<vtkActor>> truth_;

@@ -1,27 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ui/scene/vtk_helpers.h"
 
-#include <algorithm>
-#include <cstring>
-
 #include <vtkCellArray.h>
 #include <vtkFeatureEdges.h>
-#include <vtkFloatArray.h>
 #include <vtkMatrix4x4.h>
 #include <vtkNew.h>
-#include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkPolyDataNormals.h>
 #include <vtkProperty.h>
-#include <vtkUnsignedCharArray.h>
 #include <opencv2/imgproc.hpp>
 
 namespace plumbline {
 namespace {
-
-/// A scan is dimmed, so that the objects stand out against it.
-constexpr double kScanLight = 0.62;
 
 vtkSmartPointer<vtkPoints> FloatPoints(const std::vector<Eigen::Vector3d>& points) {
   auto result = vtkSmartPointer<vtkPoints>::New();
@@ -63,42 +54,6 @@ vtkSmartPointer<vtkPolyData> SharpEdgesOf(vtkPolyData* surface) {
   edges->ColoringOff();
   edges->Update();
   return edges->GetOutput();
-}
-
-vtkSmartPointer<vtkPolyData> PointsOf(const TriangleMesh& mesh, std::size_t budget,
-                                      const Eigen::Vector3d& up) {
-  const std::size_t count = mesh.vertices.size();
-  const std::size_t used = std::min(count, budget);
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToFloat();
-  points->SetNumberOfPoints(static_cast<vtkIdType>(used));
-  vtkNew<vtkUnsignedCharArray> rgb;
-  rgb->SetNumberOfComponents(3);
-  rgb->SetNumberOfTuples(static_cast<vtkIdType>(used));
-  std::vector<vtkIdType> ids(used);
-  for (std::size_t i = 0; i < used; ++i) {
-    const std::size_t from = i * count / used;
-    const auto id = static_cast<vtkIdType>(i);
-    ids[i] = id;
-    points->SetPoint(id, mesh.vertices[from].cast<double>().eval().data());
-    std::uint8_t* color = rgb->GetPointer(3 * id);
-    if (mesh.colors.size() == count) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        color[c] = static_cast<std::uint8_t>(kScanLight * mesh.colors[from][c]);
-      }
-    } else {
-      const double height = mesh.vertices[from].cast<double>().dot(up);
-      const double grey = 110 + 55 * std::clamp(height / 2.5, 0.0, 1.0);
-      std::fill(color, color + 3, static_cast<std::uint8_t>(grey));
-    }
-  }
-  vtkNew<vtkCellArray> cells;
-  if (used > 0) cells->InsertNextCell(static_cast<vtkIdType>(used), ids.data());
-  auto data = vtkSmartPointer<vtkPolyData>::New();
-  data->SetPoints(points);
-  data->SetVerts(cells);
-  data->GetPointData()->SetScalars(rgb);
-  return data;
 }
 
 vtkSmartPointer<vtkPolyData> PolylineOf(const std::vector<Eigen::Vector3d>& points) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include <imgui.h>
@@ -20,10 +19,6 @@ namespace plumbline {
 vtkSmartPointer<vtkPolyData> SurfaceOf(const TriangleMesh& mesh);
 /// Sharp edges and borders as lines.
 vtkSmartPointer<vtkPolyData> SharpEdgesOf(vtkPolyData* surface);
-/// At most `budget` of the vertices, evenly spread over their order, in their colours
-/// (dimmed), else grey by height along `up`.
-vtkSmartPointer<vtkPolyData> PointsOf(const TriangleMesh& mesh, std::size_t budget,
-                                      const Eigen::Vector3d& up);
 vtkSmartPointer<vtkPolyData> PolylineOf(const std::vector<Eigen::Vector3d>& points);
 /// Consecutive pairs of points.
 vtkSmartPointer<vtkPolyData> SegmentsOf(const std::vector<Eigen::Vector3d>& points);

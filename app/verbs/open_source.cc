@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/verbs/open_source.h"
+
+#include "app/verbs/demo_sequence.h"
+
+namespace plumbline {
+
+std::function<MappingProcess::OpenSource(const std::string& path)> SourceOpener(
+    const LiveChoice& live, const RunChoice& run) {
+  return [live, run](const std::string& path) -> MappingProcess::OpenSource {
+    return [live, run, path](const WorkContext& work) -> Result<std::unique_ptr<SnapshotSource>> {
+      if (std::filesystem::path(path).extension() == ".plb") {
+        RunChoice choice = run;
+        choice.run = path;
+        return OpenRunSource(choice, work);
+      }
+      LiveChoice choice = live;
+      choice.pipeline.sequence = path;
+      if (path == kDemoPath) {
+        auto demo = BuiltInSequence(kDemoFrames, work);
+        if (!demo.ok()) return demo.error();
+        choice.pipeline.sequence = *demo;
+      }
+      return OpenLiveSource(choice, work);
+    };
+  };
+}
+
+}  // namespace plumbline

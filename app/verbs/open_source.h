@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "engine/process/live_source.h"
+#include "engine/process/mapping_process.h"
+#include "engine/process/run_source.h"
+
+namespace plumbline {
+
+/// How the window opens a path: run files by their ending, kDemoPath, everything else as a
+/// sequence.
+std::function<MappingProcess::OpenSource(const std::string& path)> SourceOpener(
+    const LiveChoice& live, const RunChoice& run);
+
+}  // namespace plumbline
