@@ -99,8 +99,8 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   wanted_scale_ = window_->content_scale();
   LoadSettings();
   if (options_.ui_scale) wanted_scale_ = options_.ui_scale;
-  script_host_.screenshot = [this](const std::string& file) -> Status {
-    const auto saved = SaveScreenshot(file);
+  script_host_.screenshot = [this](const std::string& file, const std::string& of) -> Status {
+    const auto saved = SaveScreenshot(file, of);
     return saved.ok() ? Status() : Status(saved.error());
   };
   script_host_.state = [this] { return State(); };
@@ -224,7 +224,7 @@ void Application::SelectByItself() {
 bool Application::NeedsFrame() {
   const bool note_ended = !note_.empty() && std::chrono::steady_clock::now() > note_until_;
   if (note_ended) note_.clear();
-  if (window_->TakeActivity() || published_.exchange(false) || note_ended)
+  if (window_->TakeActivity() || window_->HasKeys() || published_.exchange(false) || note_ended)
     settle_frames_ = kSettleFrames;
   if (script_) return true;
   return settle_frames_-- > 0;
@@ -237,6 +237,7 @@ Status Application::Run() {
     if (wanted_path_) Open(*std::exchange(wanted_path_, std::nullopt), std::nullopt);
     if (!NeedsFrame()) continue;
     DrawFrame();
+    if (!options_.state_file.empty()) WriteStateFile();
     if (script_ && (!script_status_.ok() || script_->done())) break;
   }
   return script_status_;
@@ -301,7 +302,7 @@ void Application::DrawPanels(const InspectLayout& layout) {
   DragSplitters(context_, layout, ratios_);
 }
 
-Result<std::string> Application::SaveScreenshot(const std::string& file) {
+Result<std::string> Application::SaveScreenshot(const std::string& file, const std::string& of) {
   std::string name = file;
   for (int i = 1; name.empty(); ++i) {
     const std::string candidate = fmt::format("plumbline-{:03d}.png", i);
@@ -310,10 +311,28 @@ Result<std::string> Application::SaveScreenshot(const std::string& file) {
   std::error_code ignored;
   const auto folder = std::filesystem::path(name).parent_path();
   if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
-  if (!cv::imwrite(name, window_->ReadPixels())) {
+  cv::Mat picture = window_->ReadPixels();
+  if (!of.empty()) {
+    const WidgetLog::Rect* rect = widgets_.Find(of);
+    if (rect == nullptr) return Error{ErrorCode::kNotFound, "the window shows no '" + of + "'"};
+    const cv::Rect part(cv::Point(cvRound(rect->low.x), cvRound(rect->low.y)),
+                        cv::Point(cvRound(rect->high.x), cvRound(rect->high.y)));
+    picture = picture(part & cv::Rect({0, 0}, picture.size())).clone();
+  }
+  if (!cv::imwrite(name, picture)) {
     return Error{ErrorCode::kIo, "cannot write the picture " + name + "; is the folder writable?"};
   }
   return name;
+}
+
+void Application::WriteStateFile() {
+  nlohmann::json state = State();
+  state.erase("panels");
+  std::string text = state.dump();
+  if (text == written_state_) return;
+  const Status status = WriteFileAtomically(options_.state_file, text);
+  if (!status.ok()) log::warn("{}", status.error().message);
+  written_state_ = std::move(text);
 }
 
 nlohmann::json Application::State() const {

@@ -32,9 +32,11 @@ struct ApplicationOptions {
   bool play = false;            ///< Plays once it is open.
   bool ignore_pointer = false;  ///< Nobody holds the mouse: a film must not show its tooltips.
   int width = 1600, height = 1000;
-  std::optional<double> ui_scale;  ///< Else as the desktop wishes, or as it was left.
-  std::filesystem::path settings;  ///< Where layout and switches are kept; empty: nowhere.
-  std::filesystem::path script;    ///< Drives the window and ends it; empty: the user does.
+  std::optional<double> ui_scale;    ///< Else as the desktop wishes, or as it was left.
+  std::filesystem::path settings;    ///< Where layout and switches are kept; empty: nowhere.
+  std::filesystem::path script;      ///< Drives the window and ends it; empty: the user does.
+  std::filesystem::path state_file;  ///< Gets State() whenever it has changed; empty: none. For
+                                     ///< tests with real input.
 };
 
 /// Owns the window, the panels, the process that feeds them, and the settings; runs the frame loop.
@@ -69,7 +71,8 @@ class Application : private CommandSink {
   void LoadSettings();
   void SaveSettings() const;
   /// The name of the file that was written.
-  Result<std::string> SaveScreenshot(const std::string& file);
+  Result<std::string> SaveScreenshot(const std::string& file, const std::string& of = "");
+  void WriteStateFile();
   bool NeedsFrame();
   void Note(std::string text);
 
@@ -94,7 +97,7 @@ class Application : private CommandSink {
   bool quit_ = false;
   std::optional<double> wanted_scale_;
   std::optional<std::string> wanted_screenshot_, wanted_path_;
-  std::string note_;
+  std::string note_, written_state_;
   std::chrono::steady_clock::time_point note_until_{};
   int settle_frames_ = 0;  ///< Frames to draw after the last input until ImGui has come to rest.
   std::atomic<bool> published_ = false;

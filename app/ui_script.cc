@@ -116,6 +116,9 @@ Status UiScript::Expand(const json& step, const WidgetLog& widgets, const Host& 
       actions_.push_back({.key_down = key, .shift = shift, .control = control});
       actions_.push_back({.key_up = key});
     }
+  } else if (step.contains("text")) {
+    actions_.push_back({.text = step["text"].get<std::string>()});
+    actions_.push_back({});
   } else if (step.contains("wait_frames")) {
     for (int i = 0; i < step["wait_frames"].get<int>(); ++i) actions_.push_back({});
   } else if (step.contains("screenshot") || step.contains("dump_state")) {
@@ -175,6 +178,7 @@ Status UiScript::SetInput(const WidgetLog& widgets, ImGuiIO& io, const Host& hos
   io.MousePos = mouse_;
   std::copy(std::begin(buttons_), std::end(buttons_), io.MouseDown);
   io.MouseWheel = current_.wheel;
+  if (!current_.text.empty()) io.AddInputCharactersUTF8(current_.text.c_str());
   std::fill(std::begin(io.KeysDown), std::end(io.KeysDown), false);
   if (held_key_) io.KeysDown[*held_key_] = true;
   io.KeyShift = current_.shift;
@@ -185,7 +189,8 @@ Status UiScript::SetInput(const WidgetLog& widgets, ImGuiIO& io, const Host& hos
 
 Status UiScript::AfterDraw(const Host& host) {
   const json& step = current_.after;
-  if (step.contains("screenshot")) return host.screenshot(step["screenshot"]);
+  if (step.contains("screenshot"))
+    return host.screenshot(step["screenshot"], step.value("of", std::string()));
   if (step.contains("dump_state"))
     return WriteJson(step["dump_state"].get<std::string>(), host.state());
   return {};

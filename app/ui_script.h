@@ -23,7 +23,8 @@ class UiScript {
  public:
   /// What a script can do besides input.
   struct Host {
-    std::function<Status(const std::string& file)> screenshot;
+    /// Of the whole window, or of the part that the widget `of` ("": all) fills.
+    std::function<Status(const std::string& file, const std::string& of)> screenshot;
     std::function<nlohmann::json()> state;
     std::function<void(int width, int height)> resize;
     std::function<void(const std::string& name)> open;
@@ -46,6 +47,7 @@ class UiScript {
     float wheel = 0;
     std::optional<int> key_down, key_up;
     bool shift = false, control = false;
+    std::string text;      ///< Typed.
     nlohmann::json after;  ///< A step that acts on the drawn frame.
   };
 

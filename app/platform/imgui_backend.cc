@@ -5,6 +5,8 @@
 // epoxy comes before the backends
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+// and before GLFW
+#include <GLFW/glfw3.h>
 
 namespace plumbline {
 
@@ -24,6 +26,14 @@ ImGuiBackend::~ImGuiBackend() {
 void ImGuiBackend::TakeInput() {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  // The backend keeps only the last state of a key and would lose short strokes.
+  ImGuiIO& io = ImGui::GetIO();
+  const auto& keys = window_.NextKeys();
+  for (std::size_t key = 0; key < keys.size(); ++key) io.KeysDown[key] = keys[key];
+  io.KeyShift = keys[GLFW_KEY_LEFT_SHIFT] || keys[GLFW_KEY_RIGHT_SHIFT];
+  io.KeyCtrl = keys[GLFW_KEY_LEFT_CONTROL] || keys[GLFW_KEY_RIGHT_CONTROL];
+  io.KeyAlt = keys[GLFW_KEY_LEFT_ALT] || keys[GLFW_KEY_RIGHT_ALT];
+  io.KeySuper = keys[GLFW_KEY_LEFT_SUPER] || keys[GLFW_KEY_RIGHT_SUPER];
 }
 
 void ImGuiBackend::Draw() {

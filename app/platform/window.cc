@@ -66,10 +66,19 @@ void PlatformWindow::InstallCallbacks() {
   glfwSetMouseButtonCallback(window_,
                              [](GLFWwindow* w, int, int, int) { Self(w).activity_ = true; });
   glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double) { Self(w).activity_ = true; });
-  glfwSetKeyCallback(window_, [](GLFWwindow* w, int, int, int, int) { Self(w).activity_ = true; });
+  glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
+    Self(w).activity_ = true;
+    if (key < 0 || action == GLFW_REPEAT) return;
+    Self(w).key_events_.push_back({key, action == GLFW_PRESS});
+  });
   glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned int) { Self(w).activity_ = true; });
   glfwSetCursorEnterCallback(window_, [](GLFWwindow* w, int) { Self(w).activity_ = true; });
-  glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int) { Self(w).activity_ = true; });
+  glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int focused) {
+    Self(w).activity_ = true;
+    if (focused == GLFW_TRUE) return;
+    Self(w).key_events_.clear();  // what is held now will be let go elsewhere
+    Self(w).keys_.reset();
+  });
   glfwSetFramebufferSizeCallback(window_,
                                  [](GLFWwindow* w, int, int) { Self(w).activity_ = true; });
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { Self(w).activity_ = true; });
@@ -86,6 +95,22 @@ void PlatformWindow::TakeEvents(double timeout_s) {
   } else {
     glfwPollEvents();
   }
+}
+
+const std::bitset<512>& PlatformWindow::NextKeys() {
+  std::bitset<512> changed;
+  bool released = false, pressed = false;
+  while (!key_events_.empty()) {
+    const KeyEvent event = key_events_.front();
+    const auto key = static_cast<std::size_t>(event.key);
+    // A chord must be seen whole before any of its keys goes up, and go up before the next comes.
+    if (changed[key] || (event.down ? released : pressed)) break;
+    (event.down ? pressed : released) = true;
+    changed.set(key);
+    keys_.set(key, event.down);
+    key_events_.pop_front();
+  }
+  return keys_;
 }
 
 void PlatformWindow::Wake() { glfwPostEmptyEvent(); }

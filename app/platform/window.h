@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bitset>
+#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +33,11 @@ class PlatformWindow {
   /// Whether anything happened since the last call.
   bool TakeActivity();
   bool ShouldClose() const;
+  /// Keys that are down in the next window frame, by GLFW's numbers. A key that went down and up
+  /// between two frames is down in one of them: however slow the window, no key is lost.
+  const std::bitset<512>& NextKeys();
+  /// Whether NextKeys has more to tell.
+  bool HasKeys() const { return !key_events_.empty(); }
   /// Files that were dropped onto the window since the last call.
   std::vector<std::string> TakeDroppedFiles();
 
@@ -54,7 +61,13 @@ class PlatformWindow {
   void InstallCallbacks();
 
   GLFWwindow* window_;
+  struct KeyEvent {
+    int key;
+    bool down;
+  };
   bool activity_ = true;
+  std::deque<KeyEvent> key_events_;
+  std::bitset<512> keys_;
   std::vector<std::string> dropped_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The window on made-up frames: fake_window [--script FILE] [--settings FILE] [--size W H]
-// [--frames N]
+// [--frames N] [--state FILE]
 // [--open PATH] [--slow MS] [--fail FRAME] [--recorded]. Tests drive it; it needs a display.
 
 #include <cstdlib>
@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
     if (option == "--script") options.script = next();
     if (option == "--open") options.path = next();
     if (option == "--settings") options.settings = next();
+    if (option == "--state") options.state_file = next();
     if (option == "--frames") fake.num_frames = std::stoi(next());
     if (option == "--slow") fake.milliseconds_per_frame = std::stoi(next());
     if (option == "--fail") fake.fail_at_frame = std::stoi(next());

@@ -151,6 +151,7 @@ void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel
   if (*panel.Title() != '\0') DrawTitle(context, panel, sink);
   panel.Draw(context, sink);
   ImGui::EndChild();
+  LogItem(context, std::string("panel.") + panel.Id());
 }
 
 }  // namespace plumbline

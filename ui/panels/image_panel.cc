@@ -61,7 +61,8 @@ class ImagePanel : public Panel {
     Toggle(context, "image.outlines", "Outlines", outlines_,
            "Outline of each object's mean state, in its colour.");
     ImGui::SameLine();
-    Toggle(context, "image.names", "Names", names_, "Number and most likely model of each object.");
+    Toggle(context, "image.names", "Names", names_,
+           "Number and most likely model of each object; of tentative ones the number alone.");
     ImGui::SameLine();
     Toggle(context, "image.particles", "Particles", particles_,
            "Centres of the selected object's hypotheses.");
@@ -155,8 +156,12 @@ class ImagePanel : public Panel {
     for (const ObjectReport& object : context.snapshot->report.objects) {
       if (object.visible_box.empty() || object.state == ObjectState::kRetired) continue;
       const ModelView* model = context.Model(object.label);
-      const std::string text =
-          fmt::format("#{} {}", object.id.value, model != nullptr ? model->name : object.category);
+      const bool brief = object.state == ObjectState::kTentative &&
+                         object.id != context.selection.object;  // there may be many
+      const std::string text = brief
+                                   ? fmt::format("#{}", object.id.value)
+                                   : fmt::format("#{} {}", object.id.value,
+                                                 model != nullptr ? model->name : object.category);
       const ImVec2 size = labels.SizeOf(text);
       const ImVec2 center =
           canvas.ToScreen(object.visible_box.center_x(), object.visible_box.center_y());

@@ -18,6 +18,13 @@ std::optional<ImVec2> Project(const SequenceView& sequence, const Eigen::Isometr
                          static_cast<float>(sequence.fy * p.y() / p.z() + sequence.cy));
 }
 
+bool IsTentative(const FrameContext& context, ObjectId id) {
+  for (const ObjectReport& object : context.snapshot->report.objects) {
+    if (object.id == id) return object.state == ObjectState::kTentative;
+  }
+  return false;
+}
+
 }  // namespace
 
 int DrawParticleOverlay(const FrameContext& context, const ImageCanvas& canvas,
@@ -67,17 +74,18 @@ void DrawOutlineOverlay(const FrameContext& context, const ImageCanvas& canvas,
   for (const OutlineView& outline : context.snapshot->outlines) {
     if (overlay.only.value > 0 && outline.object != overlay.only) continue;
     const bool selected = outline.object == context.selection.object;
-    const float width = context.Scaled(overlay.width_px * (selected ? 1.6 : 1.0));
+    const bool tentative = IsTentative(context, outline.object) && !selected;
+    const float width = context.Scaled(overlay.width_px * (selected ? 1.6 : tentative ? 0.6 : 1.0));
+    const double alpha = overlay.alpha * (tentative ? 0.7 : 1.0);
     for (const auto& contour : outline.contours) {
       points.clear();
       for (const Eigen::Vector2f& p : contour) points.push_back(canvas.ToScreen(p));
       const int count = static_cast<int>(points.size());
-      if (overlay.shadow) {
+      if (overlay.shadow && !tentative) {
         canvas.draw().AddPolyline(points.data(), count, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed,
                                   width + context.Scaled(2));
       }
-      canvas.draw().AddPolyline(points.data(), count,
-                                WithAlpha(ObjectColor(outline.object), overlay.alpha),
+      canvas.draw().AddPolyline(points.data(), count, WithAlpha(ObjectColor(outline.object), alpha),
                                 ImDrawFlags_Closed, width);
     }
   }

@@ -22,7 +22,8 @@ struct OutlineOverlay {
   ObjectId only;       ///< Draws this object alone; not valid: all.
 };
 
-/// Outlines of the mean states in their objects' colours; the selected one is bolder.
+/// Outlines of the mean states in their objects' colours; the selected one is bolder, tentative
+/// ones are thin.
 void DrawOutlineOverlay(const FrameContext& context, const ImageCanvas& canvas,
                         const OutlineOverlay& overlay);
 

@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Makes docs/pictures/*.png again: the window on the built-in synthetic room, on a private X server.
+#   scripts/make_pictures.sh [FOLDER]     PLUMBLINE=path/to/plumbline chooses the program
+# The first time it films the room (minutes); the room is kept in the user's cache.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+program=${PLUMBLINE:-$root/build/bin/plumbline}
+out=$(mkdir -p "${1:-$root/docs/pictures}" && cd "${1:-$root/docs/pictures}" && pwd)
+
+fail() {
+  printf 'make_pictures: %s\n' "$*" >&2
+  exit 1
+}
+[ -x "$program" ] || fail "there is no $program; run ./dev build first, or set PLUMBLINE"
+for tool in xvfb-run ffmpeg; do
+  command -v "$tool" >/dev/null || fail "$tool is missing; on Debian: apt-get install xvfb xauth ffmpeg"
+done
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cat >"$work/script.json" <<'JSON'
+{"steps": [
+  {"wait_for": {"frame": 118, "seeking": false}, "timeout_s": 1800},
+  {"wait_frames": 5},
+  {"screenshot": "window.png"},
+  {"screenshot": "panel-image.png", "of": "panel.image"},
+  {"screenshot": "panel-edges.png", "of": "panel.edges"},
+  {"screenshot": "panel-depth.png", "of": "panel.depth"},
+  {"screenshot": "panel-masks.png", "of": "panel.masks"},
+  {"screenshot": "panel-particles.png", "of": "panel.particles"},
+  {"screenshot": "panel-scene.png", "of": "panel.scene"},
+  {"screenshot": "panel-objects.png", "of": "panel.objects"},
+  {"screenshot": "panel-details.png", "of": "panel.details"},
+  {"screenshot": "panel-timings.png", "of": "panel.timings"},
+  {"screenshot": "panel-timeline.png", "of": "panel.timeline"},
+  {"key": "f1"},
+  {"wait_for": {"help": true}},
+  {"wait_frames": 3},
+  {"screenshot": "help.png"}
+]}
+JSON
+(cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
+  "$program" gui demo: --frame 118 --size 1600x1000 --ui-scale 1 --script script.json)
+# 256 colours: a quarter of the size, and nobody sees it.
+for picture in "$work"/*.png; do
+  name=$(basename "$picture")
+  ffmpeg -v error -y -i "$picture" \
+    -vf "split[a][b];[a]palettegen=max_colors=256:stats_mode=full[p];[b][p]paletteuse=dither=sierra2_4a" \
+    "$work/small.png"
+  mv "$work/small.png" "$out/$name"
+  size=$(stat -c %s "$out/$name")
+  [ "$size" -le 600000 ] || fail "$out/$name has $size bytes, more than a repository should carry"
+  printf 'wrote %s (%d kB)\n' "$out/$name" $((size / 1000))
+done
