@@ -12,6 +12,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "app/bookmarks.h"
 #include "engine/base/files.h"
 #include "engine/base/log.h"
 #include "engine/base/timer.h"
@@ -125,6 +126,8 @@ void Application::Open(const std::string& path, std::optional<int> frame) {
   context_.selection = {};
   auto_select_ = true;
   context_.source = path;
+  ++context_.source_version;
+  context_.bookmarks = ReadBookmarks(BookmarkFile(path, options_.settings));
   Remember(path);
   process_ = std::make_unique<MappingProcess>(options_.opener(path), frame, [this] {
     published_ = true;
@@ -166,6 +169,15 @@ void Application::Handle(const WindowCommand& command) {
           context_.follow = false;
           viewport_ = {};
           scene_->Reset();
+        } else if constexpr (std::is_same_v<T, BookmarkCommand>) {
+          std::erase_if(context_.bookmarks, [&](const Bookmark& b) { return b.frame == c.frame; });
+          context_.bookmarks.push_back({c.frame, c.note});
+          KeepBookmarks();
+        } else if constexpr (std::is_same_v<T, RemoveBookmarkCommand>) {
+          std::erase_if(context_.bookmarks, [&](const Bookmark& b) { return b.frame == c.frame; });
+          KeepBookmarks();
+        } else if constexpr (std::is_same_v<T, AskFrameCommand>) {
+          wanted_ask_frame_ = true;
         } else if constexpr (std::is_same_v<T, ScreenshotCommand>) {
           wanted_screenshot_ = c.file;
         } else if constexpr (std::is_same_v<T, ShowHelpCommand>) {
@@ -179,6 +191,15 @@ void Application::Handle(const WindowCommand& command) {
         }
       },
       command);
+}
+
+void Application::KeepBookmarks() {
+  std::sort(context_.bookmarks.begin(), context_.bookmarks.end(),
+            [](const Bookmark& a, const Bookmark& b) { return a.frame < b.frame; });
+  const auto file = BookmarkFile(context_.source, options_.settings);
+  if (file.empty()) return;
+  const Status status = WriteBookmarks(file, context_.bookmarks);
+  if (!status.ok()) Note("The bookmarks are not kept: " + status.error().message);
 }
 
 void Application::Note(std::string text) {
@@ -253,6 +274,7 @@ void Application::DrawFrame(cv::Mat* picture) {
     script_status_ = script_->SetInput(widgets_, ImGui::GetIO(), script_host_);
   ImGui::NewFrame();
   widgets_.Clear();
+  context_.ask_frame = std::exchange(wanted_ask_frame_, false);
   DrawWindow();
   ImGui::Render();
   backend_->Draw();
@@ -348,6 +370,10 @@ nlohmann::json Application::State() const {
       {"seeking", playback.seek_target.has_value()},
       {"recorded", playback.recorded},
       {"speed", playback.speed},
+      {"loop", playback.loop},
+      {"range", {playback.range_begin.value_or(-1), playback.range_end.value_or(-1)}},
+      {"history", std::count_if(playback.history->frames.begin(), playback.history->frames.end(),
+                                [](const auto& sample) { return sample != nullptr; })},
       {"message", playback.message},
       {"objects", context_.snapshot != nullptr ? context_.snapshot->report.objects.size() : 0},
       {"selected_object", context_.selection.object.value},
@@ -365,6 +391,8 @@ nlohmann::json Application::State() const {
         {"focus",
          {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}}}},
       {"layout", RatiosToJson(ratios_)}};
+  for (const Bookmark& bookmark : context_.bookmarks)
+    state["bookmarks"].push_back({{"frame", bookmark.frame}, {"note", bookmark.note}});
   for (const Panel* panel : panels_) state["panels"][panel->Id()] = panel->SaveState();
   for (const auto& [name, rect] : widgets_.rects()) {
     state["widgets"][name] = {rect.low.x, rect.low.y, rect.high.x, rect.high.y};

@@ -67,6 +67,7 @@ class Application : private CommandSink {
   void DrawWindow();
   void DrawPanels(const InspectLayout& layout);
   void Remember(const std::string& path);
+  void KeepBookmarks();
   void SetUiScale(double scale);
   void LoadSettings();
   void SaveSettings() const;
@@ -95,6 +96,7 @@ class Application : private CommandSink {
   bool auto_select_ = true;  ///< Until the user selects: an object that is in view.
   bool show_help_ = false;
   bool quit_ = false;
+  bool wanted_ask_frame_ = false;
   std::optional<double> wanted_scale_;
   std::optional<std::string> wanted_screenshot_, wanted_path_;
   std::string note_, written_state_;

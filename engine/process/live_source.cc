@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/process/frame_pictures.h"
+#include "engine/process/history.h"
 #include "engine/process/sequence_view.h"
 #include "engine/process/snapshot_memory.h"
 #include "engine/recording/run_file.h"
@@ -69,6 +70,7 @@ class LiveSource : public SnapshotSource {
   int FrameAt(int position) const override { return range_.begin + position * range_.step; }
   bool recorded() const override { return false; }
   const std::vector<FrameEvent>& events() const override { return events_; }
+  const RunHistory& history() const override { return history_; }
 
   Result<std::shared_ptr<const MapSnapshot>> Next(std::stop_token stop) override {
     if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
@@ -79,6 +81,10 @@ class LiveSource : public SnapshotSource {
       return status.error();
     for (const LifeEvent& event : snapshot->report.events)
       events_.push_back({snapshot->report.frame, event});
+    history_.frames.push_back(
+        std::make_shared<const FrameSample>(SampleOf(snapshot->report, view_)));
+    if (WantsThumbnail(mapped_, size()) && !snapshot->image.empty())
+      history_.thumbnails.push_back({snapshot->report.frame, ThumbnailOf(snapshot->image)});
     memory_.Put(mapped_, snapshot);
     ++mapped_;
     return snapshot;
@@ -118,6 +124,7 @@ class LiveSource : public SnapshotSource {
   FrameRange range_;
   SnapshotMemory memory_{kMemoryBytes};
   std::vector<FrameEvent> events_;
+  RunHistory history_;
   int mapped_ = 0;
 };
 

@@ -11,6 +11,10 @@
 
 namespace plumbline {
 
+namespace {
+constexpr auto kHistoryPeriod = std::chrono::milliseconds(150);
+}
+
 MappingProcess::MappingProcess(OpenSource open, std::optional<int> start_frame,
                                std::function<void()> on_publish)
     : open_(std::move(open)), start_frame_(start_frame), on_publish_(std::move(on_publish)) {
@@ -67,12 +71,26 @@ void MappingProcess::Loop(std::stop_token stop) {
     if (target_ || (playing_ && Clock::now() >= due_)) {
       TakeCommands();
       Advance(stop);
-    } else if (auto command = playing_ ? commands_.PopUntil(due_) : commands_.Pop()) {
+    } else if (auto command = NextCommand()) {
       Apply(*command);
       TakeCommands();
       if (!target_) PublishPlayback();
     }
   }
+}
+
+/// Waits for a command, while playing until the next frame is due; reads ahead meanwhile.
+std::optional<PlaybackCommand> MappingProcess::NextCommand() {
+  while (reads_ahead_) {
+    if (auto command = commands_.TryPop()) return command;
+    if (playing_ && Clock::now() >= due_) return std::nullopt;
+    reads_ahead_ = source_->ReadAhead();
+    if (!reads_ahead_ || Clock::now() - history_published_ > kHistoryPeriod) {
+      history_changed_ = true;
+      PublishPlayback();
+    }
+  }
+  return playing_ ? commands_.PopUntil(due_) : commands_.Pop();
 }
 
 void MappingProcess::TakeCommands() {
@@ -93,12 +111,20 @@ int MappingProcess::LastPosition() const {
   return failed_ ? std::max(source_->mapped() - 1, 0) : source_->size() - 1;
 }
 
+int MappingProcess::RangeBegin() const {
+  return state_.range_begin ? PositionOf(*state_.range_begin) : 0;
+}
+int MappingProcess::RangeEnd() const {
+  return state_.range_end ? std::min(PositionOf(*state_.range_end), LastPosition())
+                          : LastPosition();
+}
+
 void MappingProcess::SetTarget(int position) { target_ = std::clamp(position, 0, LastPosition()); }
 
 void MappingProcess::Apply(const PlaybackCommand& command) {
   const auto play = [this](bool on) {
     playing_ = on && !(failed_ && position_ >= LastPosition());
-    if (playing_ && position_ >= LastPosition()) SetTarget(0);
+    if (playing_ && (position_ >= RangeEnd() || position_ < RangeBegin())) SetTarget(RangeBegin());
     if (!on) target_.reset();
     due_ = Clock::now();
   };
@@ -113,6 +139,13 @@ void MappingProcess::Apply(const PlaybackCommand& command) {
           SetTarget(target_.value_or(position_) + c.frames);
         }
         if constexpr (std::is_same_v<T, SeekCommand>) SetTarget(PositionOf(c.frame));
+        if constexpr (std::is_same_v<T, SetRangeCommand>) {
+          state_.range_begin = c.begin;
+          state_.range_end = c.end;
+          if (c.begin && c.end && *c.begin > *c.end)
+            std::swap(state_.range_begin, state_.range_end);
+        }
+        if constexpr (std::is_same_v<T, SetLoopCommand>) state_.loop = c.loop;
         if constexpr (std::is_same_v<T, SetSpeedCommand>) {
           state_.speed = c.speed;
           due_ = Clock::now();
@@ -125,8 +158,9 @@ void MappingProcess::Apply(const PlaybackCommand& command) {
 /// playing.
 void MappingProcess::Advance(std::stop_token stop) {
   if (!target_ && !playing_) return PublishPlayback();
+  if (!target_ && position_ >= RangeEnd() && state_.loop && !failed_) SetTarget(RangeBegin());
   const int wanted = target_.value_or(position_ + 1);
-  if (wanted > LastPosition()) {
+  if (wanted > (target_ ? LastPosition() : RangeEnd())) {
     playing_ = false;
     target_.reset();
     return PublishPlayback();
@@ -159,6 +193,7 @@ void MappingProcess::Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, i
   state_.frames_per_second =
       state_.frames_per_second > 0 && rate > 0 ? 0.8 * state_.frames_per_second + 0.2 * rate : rate;
   position_ = position;
+  history_changed_ = history_changed_ || !source_->recorded();
   state_.frame = source_->FrameAt(position);
   snapshot_.Publish(std::move(snapshot).value());
   PublishPlayback();
@@ -180,6 +215,11 @@ void MappingProcess::PublishPlayback() {
     if (source_->events().size() != published_events_) {
       published_events_ = source_->events().size();
       state_.events = std::make_shared<const std::vector<FrameEvent>>(source_->events());
+    }
+    if (history_changed_) {
+      history_changed_ = false;
+      history_published_ = Clock::now();
+      state_.history = std::make_shared<const RunHistory>(source_->history());
     }
     const bool at_end = !playing_ && !target_ && position_ + 1 >= source_->size();
     state_.state = failed_    ? PlaybackState::kFailed

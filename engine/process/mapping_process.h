@@ -53,6 +53,9 @@ class MappingProcess {
   /// Of the last frame that is at most `frame`.
   int PositionOf(int frame) const;
   int LastPosition() const;
+  int RangeBegin() const;
+  int RangeEnd() const;
+  std::optional<PlaybackCommand> NextCommand();
   void SetTarget(int position);
   void TakeCommands();
   void Advance(std::stop_token stop);
@@ -74,6 +77,9 @@ class MappingProcess {
   std::size_t published_events_ = 0;
   bool playing_ = false;
   bool failed_ = false;
+  bool reads_ahead_ = true;  ///< The source may have more to read.
+  bool history_changed_ = true;
+  Clock::time_point history_published_{};
   int position_ = -1;          ///< Shown.
   std::optional<int> target_;  ///< Position to show next, or to map towards.
   Clock::time_point due_{};    ///< When the next frame of playing is due.

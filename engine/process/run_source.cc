@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/process/run_source.h"
 
+#include <chrono>
 #include <string_view>
 #include <utility>
 
 #include "engine/base/log.h"
 #include "engine/process/frame_pictures.h"
+#include "engine/process/history.h"
 #include "engine/process/sequence_view.h"
 #include "engine/process/snapshot_memory.h"
 #include "engine/recording/run_file.h"
@@ -14,6 +16,7 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kMemoryBytes = 300u << 20;
+constexpr auto kReadAheadTime = std::chrono::milliseconds(8);
 
 /// What CreateEdgeDetector takes, from what an edge detector said of itself ("kind file hash").
 std::string EdgeChoice(const std::string& description) {
@@ -34,7 +37,9 @@ class RunSource : public SnapshotSource {
         frames_(std::move(frames)),
         events_(std::move(events)),
         pictures_(std::move(pictures)),
-        view_(std::move(view)) {}
+        view_(std::move(view)) {
+    history_.frames.resize(frames_.size());
+  }
 
   const SequenceView& view() const override { return view_; }
   int size() const override { return static_cast<int>(frames_.size()); }
@@ -44,6 +49,23 @@ class RunSource : public SnapshotSource {
   }
   bool recorded() const override { return true; }
   const std::vector<FrameEvent>& events() const override { return events_; }
+  const RunHistory& history() const override { return history_; }
+
+  bool ReadAhead() override {
+    const auto until = std::chrono::steady_clock::now() + kReadAheadTime;
+    while (read_ < size() && std::chrono::steady_clock::now() < until) {
+      if (auto report = reader_->ReadFrameBrief(read_); report.ok()) {
+        history_.frames[static_cast<std::size_t>(read_)] =
+            std::make_shared<const FrameSample>(SampleOf(*report, view_));
+      }
+      if (WantsThumbnail(read_, size())) {
+        if (auto image = reader_->ReadThumbnail(read_); image.ok() && !image->empty())
+          history_.thumbnails.push_back({FrameAt(read_), ThumbnailOf(*image)});
+      }
+      ++read_;
+    }
+    return read_ < size();
+  }
 
   Result<std::shared_ptr<const MapSnapshot>> Next(std::stop_token) override {
     return Error{ErrorCode::kUnsupported, "a recorded run has no further frames"};
@@ -69,6 +91,8 @@ class RunSource : public SnapshotSource {
   std::unique_ptr<FramePictures> pictures_;
   SequenceView view_;
   SnapshotMemory memory_{kMemoryBytes};
+  RunHistory history_;
+  int read_ = 0;  ///< Positions that the history knows.
 };
 
 /// The labels of a run count its models; with other models they would mean other shapes.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/process/sequence_view.h"
 
+#include <algorithm>
+
 #include "engine/base/log.h"
 #include "engine/dataset/ground_truth.h"
 #include "engine/geometry/vertex_clustering.h"
@@ -45,7 +47,7 @@ SequenceView ViewOf(const PinholeCamera& camera, double rate_hz, const ModelData
   for (const CadModel& model : database.models()) {
     view.models.push_back({model.name, model.category,
                            std::make_shared<const TriangleMesh>(model.mesh), model.center(),
-                           model.symmetry.order == 0});
+                           model.symmetry.order == 0, std::max(1, model.symmetry.order)});
   }
   return view;
 }

@@ -34,6 +34,11 @@ class SnapshotSource {
   virtual Result<std::shared_ptr<const MapSnapshot>> Past(int position, std::stop_token stop) = 0;
   /// Life events of the frames that are mapped, by frame.
   virtual const std::vector<FrameEvent>& events() const = 0;
+  /// Of the frames that are mapped, as far as it is known yet.
+  virtual const RunHistory& history() const = 0;
+  /// Reads a little more of the history, for some milliseconds; false once there is no more to
+  /// read.
+  virtual bool ReadAhead() { return false; }
 };
 
 }  // namespace plumbline

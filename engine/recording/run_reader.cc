@@ -76,6 +76,9 @@ class RunReader::Implementation {
          "SELECT object, state, category, label, confirmed_frame, weighed, details, particles_at, "
          "particles "
          "FROM objects WHERE position = ?1 ORDER BY object"},
+        {brief_objects_,
+         "SELECT object, state, category, label, confirmed_frame, weighed, details, NULL, NULL "
+         "FROM objects WHERE position = ?1 ORDER BY object"},
         {particles_, "SELECT particles FROM objects WHERE position = ?1 AND object = ?2"},
         {frame_events_,
          "SELECT position, 0, kind, object, other, text FROM events WHERE position = ?1 ORDER BY "
@@ -118,7 +121,10 @@ class RunReader::Implementation {
     return statement.Integer(0);
   }
 
-  Result<FrameReport> ReadFrame(int position) {
+  Result<FrameReport> ReadFrame(int position) { return ReadFrame(position, objects_); }
+  Result<FrameReport> ReadFrameBrief(int position) { return ReadFrame(position, brief_objects_); }
+
+  Result<FrameReport> ReadFrame(int position, sqlite::Statement& objects) {
     FrameReport report;
     std::int64_t num_objects = 0;
     {
@@ -135,7 +141,8 @@ class RunReader::Implementation {
         return Damaged(position);
       }
     }
-    if (const Status status = ReadObjects(position, report); !status.ok()) return status.error();
+    if (const Status status = ReadObjects(position, objects, report); !status.ok())
+      return status.error();
     if (static_cast<std::int64_t>(report.objects.size()) != num_objects) return Damaged(position);
     frame_events_.Bind(1, std::int64_t{position});
     const Result<std::vector<RunEvent>> events = ReadEvents(frame_events_);
@@ -242,27 +249,27 @@ class RunReader::Implementation {
     return {};
   }
 
-  Status ReadObjects(int position, FrameReport& report) {
-    const ResetAtEnd reset(objects_);
-    objects_.Bind(1, std::int64_t{position});
+  Status ReadObjects(int position, sqlite::Statement& rows, FrameReport& report) {
+    const ResetAtEnd reset(rows);
+    rows.Bind(1, std::int64_t{position});
     while (true) {
-      const Result<bool> row = objects_.Step();
+      const Result<bool> row = rows.Step();
       if (!row) return row.error();
       if (!*row) return {};
       ObjectReport object;
-      object.id = {static_cast<std::int32_t>(objects_.Integer(0))};
-      object.state = static_cast<ObjectState>(objects_.Integer(1));
-      object.category = objects_.Text(2);
-      object.label = {static_cast<std::int32_t>(objects_.Integer(3))};
-      if (!objects_.IsNull(4)) object.confirmed_frame = static_cast<int>(objects_.Integer(4));
-      object.weighed = objects_.Integer(5) != 0;
-      if (const Status decoded = DecodeObject(objects_.Blob(6), object); !decoded.ok()) {
+      object.id = {static_cast<std::int32_t>(rows.Integer(0))};
+      object.state = static_cast<ObjectState>(rows.Integer(1));
+      object.category = rows.Text(2);
+      object.label = {static_cast<std::int32_t>(rows.Integer(3))};
+      if (!rows.IsNull(4)) object.confirmed_frame = static_cast<int>(rows.Integer(4));
+      object.weighed = rows.Integer(5) != 0;
+      if (const Status decoded = DecodeObject(rows.Blob(6), object); !decoded.ok()) {
         return Damaged(position);
       }
-      if (!objects_.IsNull(7)) {
-        const int at = static_cast<int>(objects_.Integer(7));
+      if (!rows.IsNull(7)) {
+        const int at = static_cast<int>(rows.Integer(7));
         Result<std::vector<Particle>> particles =
-            at == position ? DecodeParticles(objects_.Blob(8)) : ReadParticles(at, object.id);
+            at == position ? DecodeParticles(rows.Blob(8)) : ReadParticles(at, object.id);
         if (!particles) return Damaged(position);
         object.particles = std::make_shared<const std::vector<Particle>>(std::move(*particles));
       }
@@ -313,8 +320,8 @@ class RunReader::Implementation {
 
   std::unique_ptr<sqlite::Database> database_;
   RunHeader run_header_;
-  sqlite::Statement header_, finished_, count_, frame_, objects_, particles_, frame_events_,
-      thumbnail_, find_, frames_, events_, timings_, tracks_;
+  sqlite::Statement header_, finished_, count_, frame_, objects_, brief_objects_, particles_,
+      frame_events_, thumbnail_, find_, frames_, events_, timings_, tracks_;
 };
 
 Result<std::unique_ptr<RunReader>> RunReader::Open(const std::filesystem::path& file) {
@@ -359,6 +366,10 @@ Result<bool> RunReader::Finished() {
 
 Result<FrameReport> RunReader::ReadFrame(int position) {
   return implementation_->ReadFrame(position);
+}
+
+Result<FrameReport> RunReader::ReadFrameBrief(int position) {
+  return implementation_->ReadFrameBrief(position);
 }
 
 Result<FrameReport> RunReader::LastFrame() {

@@ -3,6 +3,7 @@
 
 // What panels ask for. Small values; nothing here points at the window or the engine.
 
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -29,9 +30,18 @@ struct SetSpeedCommand {
   double speed = 1;
 };
 
+/// Frames that playing keeps to, both included; nothing: up to the first or last.
+struct SetRangeCommand {
+  std::optional<int> begin, end;
+};
+/// Playing starts again at the end.
+struct SetLoopCommand {
+  bool loop = false;
+};
+
 /// For the process that plays and maps.
 using PlaybackCommand = std::variant<PlayCommand, PauseCommand, TogglePlayCommand, StepCommand,
-                                     SeekCommand, SetSpeedCommand>;
+                                     SeekCommand, SetSpeedCommand, SetRangeCommand, SetLoopCommand>;
 
 /// An id that is not valid clears the selection.
 struct SelectObjectCommand {
@@ -48,10 +58,20 @@ struct FollowCommand {
 /// Turns the 3-D view to the selected object.
 struct FocusSelectionCommand {};
 struct ResetViewCommand {};
+/// Remembers a frame with a note; replaces the bookmark that the frame has.
+struct BookmarkCommand {
+  int frame = 0;
+  std::string note;
+};
+struct RemoveBookmarkCommand {
+  int frame = 0;
+};
 /// Writes the window as PNG; "" chooses a name in the working folder.
 struct ScreenshotCommand {
   std::string file;
 };
+/// The next key strokes name the frame to go to.
+struct AskFrameCommand {};
 struct ShowHelpCommand {
   bool show = true;
 };
@@ -67,9 +87,10 @@ inline constexpr const char* kDemoPath = "demo:";
 struct QuitCommand {};
 
 /// For the window itself.
-using WindowCommand = std::variant<SelectObjectCommand, SelectParticleCommand, FollowCommand,
-                                   FocusSelectionCommand, ResetViewCommand, ScreenshotCommand,
-                                   ShowHelpCommand, SetUiScaleCommand, OpenCommand, QuitCommand>;
+using WindowCommand =
+    std::variant<SelectObjectCommand, SelectParticleCommand, FollowCommand, FocusSelectionCommand,
+                 ResetViewCommand, BookmarkCommand, RemoveBookmarkCommand, AskFrameCommand,
+                 ScreenshotCommand, ShowHelpCommand, SetUiScaleCommand, OpenCommand, QuitCommand>;
 
 using Command = std::variant<PlaybackCommand, WindowCommand>;
 

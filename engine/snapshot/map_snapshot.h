@@ -2,8 +2,8 @@
 #pragma once
 
 // What crosses to the window. Values only, shared and never written after publication. It includes
-// mapping/map_report.h, which is values only too (a departure from the house rule: the alternative was
-// to declare every field twice).
+// mapping/map_report.h, which is values only too (a departure from the house rule: the alternative
+// was to declare every field twice).
 
 #include <memory>
 #include <optional>
@@ -17,6 +17,7 @@
 #include "engine/base/ids.h"
 #include "engine/geometry/mesh.h"
 #include "engine/mapping/map_report.h"
+#include "engine/snapshot/run_history.h"
 
 namespace plumbline {
 
@@ -26,6 +27,7 @@ struct ModelView {
   std::shared_ptr<const TriangleMesh> mesh;
   Eigen::Vector3d center{0, 0, 0};
   bool any_azimuth = false;  ///< Looks the same from all sides.
+  int symmetry_order = 1;    ///< Looks the same when turned by 360 degrees / this.
 };
 
 /// What does not change while a sequence plays.
@@ -36,10 +38,11 @@ struct SequenceView {
   int image_width = 0, image_height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;
   Eigen::Vector3d up_in_world{0, 0, 1};
-  std::optional<double> floor_height_m;             ///< Along up, where a floor is known.
-  std::vector<ModelView> models;                    ///< Index = ModelId.
-  std::vector<Eigen::Isometry3d> world_from_cam;    ///< Of every frame that has a pose, in order.
-  /// The scanned scene made coarse enough to draw, and coarser for machines without a GPU; null without one.
+  std::optional<double> floor_height_m;           ///< Along up, where a floor is known.
+  std::vector<ModelView> models;                  ///< Index = ModelId.
+  std::vector<Eigen::Isometry3d> world_from_cam;  ///< Of every frame that has a pose, in order.
+  /// The scanned scene made coarse enough to draw, and coarser for machines without a GPU; null
+  /// without one.
   std::shared_ptr<const TriangleMesh> scan, scan_coarse;
   struct Truth {
     std::string id, model;
@@ -57,10 +60,11 @@ struct OutlineView {
 /// One frame as the mapper left it: images are shared, not copied.
 struct MapSnapshot {
   FrameReport report;
-  cv::Mat image;        ///< CV_8UC3 BGR
+  cv::Mat image;                         ///< CV_8UC3 BGR
   cv::Mat edge_probability, edge_angle;  ///< CV_8U (see EdgeMap)
-  cv::Mat depth;        ///< CV_32F Z-buffer of the mean states [m], 0 none; same aspect as the image, maybe half size
-  cv::Mat id;           ///< CV_16U object id of the Z-buffer
+  cv::Mat depth;  ///< CV_32F Z-buffer of the mean states [m], 0 none; same aspect as the image,
+                  ///< maybe half size
+  cv::Mat id;     ///< CV_16U object id of the Z-buffer
   std::vector<OutlineView> outlines;
 };
 
@@ -73,16 +77,21 @@ enum class PlaybackState { kPaused, kPlaying, kFinished, kFailed };
 
 struct PlaybackView {
   PlaybackState state = PlaybackState::kPaused;
-  int frame = 0;               ///< Shown now.
-  int newest_mapped_frame = -1;///< The mapper has come this far.
-  std::string message;         ///< Of a failure, or what it does now.
-  double speed = 1;            ///< Factor on the rate of the sequence; 0: as fast as it goes.
+  int frame = 0;                   ///< Shown now.
+  int newest_mapped_frame = -1;    ///< The mapper has come this far.
+  std::string message;             ///< Of a failure, or what it does now.
+  double speed = 1;                ///< Factor on the rate of the sequence; 0: as fast as it goes.
   std::optional<int> seek_target;  ///< Mapping towards this frame.
-  double frames_per_second = 0;    ///< Measured over the last frames that were shown; 0 while it rests.
-  bool recorded = false;       ///< All frames come from a run file: nothing is mapped.
+  double frames_per_second =
+      0;                  ///< Measured over the last frames that were shown; 0 while it rests.
+  bool recorded = false;  ///< All frames come from a run file: nothing is mapped.
   /// Life events of all frames so far, by frame; never null.
   std::shared_ptr<const std::vector<FrameEvent>> events =
       std::make_shared<const std::vector<FrameEvent>>();
+  /// Never null.
+  std::shared_ptr<const RunHistory> history = std::make_shared<const RunHistory>();
+  bool loop = false;                          ///< Playing starts again at the end.
+  std::optional<int> range_begin, range_end;  ///< Frames that playing keeps to, both included.
 };
 
 }  // namespace plumbline

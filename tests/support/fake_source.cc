@@ -12,6 +12,7 @@
 
 #include "engine/base/random.h"
 #include "engine/geometry/gravity.h"
+#include "engine/process/history.h"
 
 namespace plumbline {
 namespace {
@@ -91,6 +92,7 @@ class FakeSource : public SnapshotSource {
     if (options.recorded) {
       mapped_ = size();
       for (int i = 0; i < options.num_frames; ++i) AddEvents(i);
+      for (int i = 0; i < size(); ++i) AddHistory(*Make(FrameAt(i)));
     }
   }
 
@@ -100,6 +102,7 @@ class FakeSource : public SnapshotSource {
   int FrameAt(int position) const override { return position * options_.stride; }
   bool recorded() const override { return options_.recorded; }
   const std::vector<FrameEvent>& events() const override { return events_; }
+  const RunHistory& history() const override { return history_; }
 
   Result<std::shared_ptr<const MapSnapshot>> Next(std::stop_token stop) override {
     for (int waited = 0; waited < options_.milliseconds_per_frame; waited += 5) {
@@ -113,13 +116,22 @@ class FakeSource : public SnapshotSource {
     if (frame == options_.throw_at_frame) throw std::runtime_error("made-up exception");
     for (int i = mapped_ > 0 ? FrameAt(mapped_ - 1) + 1 : 0; i <= frame; ++i) AddEvents(i);
     ++mapped_;
-    return Make(frame);
+    auto snapshot = Make(frame);
+    AddHistory(*snapshot);
+    return snapshot;
   }
   Result<std::shared_ptr<const MapSnapshot>> Past(int position, std::stop_token) override {
     return Make(FrameAt(position));
   }
 
  private:
+  void AddHistory(const MapSnapshot& snapshot) {
+    history_.frames.push_back(
+        std::make_shared<const FrameSample>(SampleOf(snapshot.report, view_)));
+    if (WantsThumbnail(static_cast<int>(history_.frames.size()) - 1, size()))
+      history_.thumbnails.push_back({snapshot.report.frame, ThumbnailOf(snapshot.image)});
+  }
+
   Isometry3d CameraPose(int frame) const {
     const double angle = -0.6 + 2.2 * frame / 120.0;
     const Vector3d eye(2.9 * std::cos(angle), 2.9 * std::sin(angle),
@@ -392,6 +404,7 @@ class FakeSource : public SnapshotSource {
   SequenceView view_;
   std::vector<TrueObject> truth_;
   std::vector<FrameEvent> events_;
+  RunHistory history_;
   int mapped_ = 0;
 };
 

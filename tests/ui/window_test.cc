@@ -43,7 +43,7 @@ class Window : public testing::Test {
     std::ofstream(File("script.json")) << "{\"steps\": [" << first << steps << "]}";
     const std::string program = (ProgramFile().parent_path() / "fake_window").string();
     const std::string command =
-        "cd '" + folder_.path().string() + "' && DISPLAY=" + display_->name() + " timeout 100 '" +
+        "cd '" + folder_.path().string() + "' && DISPLAY=" + display_->name() + " timeout 60 '" +
         program + "' --frames 60 --image 240 125 --size 1200 800 --script script.json " +
         arguments + " 2>errors.txt";
     const int status = std::system(command.c_str());
@@ -92,6 +92,75 @@ TEST_F(Window, StepsAndJumpsByKeys) {
       {"key": "[", "times": 2},
       {"wait_for": {"speed": 0.5}})"),
             0);
+}
+
+TEST_F(Window, GoesToATypedFrameNumber) {
+  ASSERT_EQ(Run(R"(
+      {"key": "g"},
+      {"wait_frames": 3},
+      {"text": "17"},
+      {"key": "enter"},
+      {"wait_for": {"frame": 17, "seeking": false}},
+      {"double_click": "timeline.frame"},
+      {"text": "4"},
+      {"key": "enter"},
+      {"wait_for": {"frame": 4}},
+      {"key": "right"},
+      {"wait_for": {"frame": 5}})"),
+            0)
+      << ReadFile(File("errors.txt")).value();
+}
+
+TEST_F(Window, LoopsInASubRange) {
+  ASSERT_EQ(Run(R"(
+      {"key": "right", "shift": true},
+      {"wait_for": {"frame": 10}},
+      {"key": "o"},
+      {"key": "left", "times": 4},
+      {"wait_for": {"frame": 6}},
+      {"key": "i"},
+      {"wait_for": {"range": [6, 10]}},
+      {"key": "space"},
+      {"wait_for": {"state": "paused", "frame": 10}},
+      {"click": "timeline.loop"},
+      {"wait_for": {"loop": true}},
+      {"key": "space"},
+      {"wait_for": {"frame": 6}},
+      {"wait_for": {"frame": 10}},
+      {"wait_for": {"frame": 7, "state": "playing"}},
+      {"key": "space"},
+      {"click": "timeline.in"},
+      {"click": "timeline.out"},
+      {"wait_for": {"range": [-1, -1]}})"),
+            0)
+      << ReadFile(File("errors.txt")).value();
+}
+
+TEST_F(Window, KeepsBookmarksBesideTheRun) {
+  const std::string run = "--recorded --open some.plb";
+  ASSERT_EQ(Run(R"(
+      {"key": "right", "shift": true},
+      {"wait_for": {"frame": 10}},
+      {"click": "timeline.bookmarks"},
+      {"wait_frames": 3},
+      {"text": "sits too far back"},
+      {"key": "enter"},
+      {"wait_frames": 2},
+      {"key": "home"},
+      {"wait_for": {"frame": 0}},
+      {"key": "b"},
+      {"wait_frames": 2},
+      {"dump_state": "first.json"})",
+                run),
+            0)
+      << ReadFile(File("errors.txt")).value();
+  ASSERT_TRUE(std::filesystem::exists(File("some.plb.bookmarks.json")));
+  ASSERT_EQ(Run(R"({"dump_state": "second.json"})", run), 0);
+  const json bookmarks = State("second.json")["bookmarks"];
+  EXPECT_EQ(bookmarks, State("first.json")["bookmarks"]);
+  ASSERT_EQ(bookmarks.size(), 2u);
+  EXPECT_EQ(bookmarks[0]["frame"], 0);
+  EXPECT_EQ(bookmarks[1]["note"], "sits too far back");
 }
 
 TEST_F(Window, SeeksByTheTimeline) {

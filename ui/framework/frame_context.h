@@ -62,6 +62,12 @@ struct Selection {
   int particle = -1;  ///< Of that object; -1: none.
 };
 
+/// A frame to come back to.
+struct Bookmark {
+  int frame = 0;
+  std::string note;
+};
+
 /// What one frame of the window shows. All panels of a frame see the same.
 struct FrameContext {
   std::shared_ptr<const SequenceView> sequence;  ///< Null until it is open.
@@ -69,7 +75,10 @@ struct FrameContext {
   std::shared_ptr<const PlaybackView> playback;  ///< Never null.
   std::uint64_t snapshot_version = 0;            ///< Changes with `snapshot`.
   std::string source;                            ///< What was opened, as it was named; "": nothing.
-  std::vector<std::string> recent;               ///< What was opened before, newest first.
+  std::uint64_t source_version = 0;              ///< Changes when something else is opened.
+  std::vector<Bookmark> bookmarks;               ///< Of what is open, by frame.
+  bool ask_frame = false;           ///< In this frame: the keyboard goes to the field for it.
+  std::vector<std::string> recent;  ///< What was opened before, newest first.
   Selection selection;
   bool follow = false;   ///< The 3-D view moves with the camera.
   double window_ms = 0;  ///< CPU time of drawing the last window frame.

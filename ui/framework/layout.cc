@@ -12,7 +12,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kGap = 6, kMargin = 8;
-constexpr double kTopBar = 44, kTimeline = 76, kStatusBar = 28;
+constexpr double kTopBar = 44, kLeastTimeline = 92, kStatusBar = 28;
 
 /// Splits along x (or y) at `ratio`, leaving the gap between.
 std::pair<LayoutRect, LayoutRect> Split(const LayoutRect& rect, bool along_x, double ratio,
@@ -90,7 +90,7 @@ void RatiosFromJson(const nlohmann::json& json, LayoutRatios& ratios) {
   VisitFields(ratios, [&](double& ratio, const char* name) {
     const auto found = json.find(name);
     if (found != json.end() && found->is_number())
-      ratio = std::clamp(found->get<double>(), 0.15, 0.85);
+      ratio = std::clamp(found->get<double>(), 0.05, 0.85);
   });
 }
 
@@ -100,7 +100,9 @@ InspectLayout ComputeInspectLayout(ImVec2 size, double ui_scale, const LayoutRat
   InspectLayout layout;
   layout.top_bar = {{0, 0}, {size.x, scaled(kTopBar)}};
   layout.status_bar = {{0, size.y - scaled(kStatusBar)}, size};
-  layout.timeline = {{margin, layout.status_bar.low.y - scaled(kTimeline)},
+  const float timeline =
+      std::max(scaled(kLeastTimeline), std::floor(static_cast<float>(ratios.timeline) * size.y));
+  layout.timeline = {{margin, layout.status_bar.low.y - timeline},
                      {size.x - margin, layout.status_bar.low.y}};
   const LayoutRect main{{margin, layout.top_bar.high.y},
                         {size.x - margin, layout.timeline.low.y - gap}};
@@ -127,6 +129,12 @@ void DragSplitters(const FrameContext& context, const InspectLayout& layout, Lay
   const LayoutRect small_right{layout.depth.low, layout.particles.high};
   const LayoutRect below{layout.objects.low, layout.timings.high};
   const LayoutRect row{layout.details.low, layout.timings.high};
+  double above = -1;
+  HandleY(
+      context, "split.timeline",
+      {layout.top_bar.low, {layout.top_bar.high.x, layout.timeline.low.y - context.Scaled(kGap)}},
+      {layout.timeline.low, layout.status_bar.high}, above);
+  if (above >= 0) ratios.timeline = std::min(1 - above, 0.6);
   HandleX(context, "split.columns", left, right, ratios.columns);
   HandleY(context, "split.image", layout.image, small, ratios.image);
   HandleY(context, "split.small_rows", top, bottom, ratios.small_rows);

@@ -19,16 +19,18 @@ struct LayoutRect {
 
 /// Where one region ends and the next begins, as shares of the room; the user drags them.
 struct LayoutRatios {
-  double columns = 0.46;  ///< Width of the image views.
-  double image = 0.49;    ///< Height of the large image above the four small ones.
+  double timeline = 0.225;  ///< Height of the timeline, of the whole window.
+  double columns = 0.46;   ///< Width of the image views.
+  double image = 0.49;     ///< Height of the large image above the four small ones.
   double small_columns = 0.5;
   double small_rows = 0.5;
   double scene = 0.50;    ///< Height of the 3-D view.
-  double objects = 0.42;  ///< Height of the object list in what is below the 3-D view.
+  double objects = 0.47;  ///< Height of the object list in what is below the 3-D view.
   double details = 0.60;  ///< Width of the selected object beside the timings.
 };
 template <class V>
 void VisitFields(LayoutRatios& ratios, V&& visit) {
+  visit(ratios.timeline, "timeline");
   visit(ratios.columns, "columns");
   visit(ratios.image, "image");
   visit(ratios.small_columns, "small_columns");

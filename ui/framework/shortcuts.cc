@@ -24,6 +24,11 @@ constexpr std::array kShortcuts = {
     Shortcut{keys::kEnd, false, false, "", "", ""},
     Shortcut{keys::kLeftBracket, false, false, "[  ]", "Slower, faster", "Playback"},
     Shortcut{keys::kRightBracket, false, false, "", "", ""},
+    Shortcut{keys::kG, false, false, "G", "Go to a frame by number", "Playback"},
+    Shortcut{keys::kL, false, false, "L", "Loop", "Playback"},
+    Shortcut{keys::kI, false, false, "I  O", "Play only after, before this frame", "Playback"},
+    Shortcut{keys::kO, false, false, "", "", ""},
+    Shortcut{keys::kB, false, false, "B", "Bookmark this frame", "Playback"},
     Shortcut{keys::kF, false, false, "F", "Frame the selected object in 3-D", "View"},
     Shortcut{keys::kR, false, false, "R", "Reset the views", "View"},
     Shortcut{keys::kEscape, false, false, "Esc", "Clear the selection", "View"},
@@ -64,6 +69,16 @@ void PostShortcut(const Shortcut& shortcut, const FrameContext& context, bool he
       return sink.Post(SetSpeedCommand{NextSpeed(context.playback->speed, -1)});
     case keys::kRightBracket:
       return sink.Post(SetSpeedCommand{NextSpeed(context.playback->speed, 1)});
+    case keys::kG:
+      return sink.Post(AskFrameCommand{});
+    case keys::kL:
+      return sink.Post(SetLoopCommand{!context.playback->loop});
+    case keys::kI:
+      return sink.Post(SetRangeCommand{context.playback->frame, context.playback->range_end});
+    case keys::kO:
+      return sink.Post(SetRangeCommand{context.playback->range_begin, context.playback->frame});
+    case keys::kB:
+      return sink.Post(BookmarkCommand{context.playback->frame, ""});
     case keys::kF:
       return sink.Post(FocusSelectionCommand{});
     case keys::kR:
@@ -94,12 +109,12 @@ std::span<const double> PlaybackSpeeds() { return kSpeeds; }
 
 int KeyByName(std::string_view name) {
   static const std::map<std::string_view, int> kNames = {
-      {"space", keys::kSpace},    {"left", keys::kLeft}, {"right", keys::kRight},
-      {"home", keys::kHome},      {"end", keys::kEnd},   {"escape", keys::kEscape},
-      {"f1", keys::kF1},          {"f12", keys::kF12},   {"[", keys::kLeftBracket},
-      {"]", keys::kRightBracket}, {"?", keys::kSlash},   {"/", keys::kSlash},
-      {",", keys::kComma},        {".", keys::kPeriod},  {"=", keys::kEqual},
-      {"-", keys::kMinus}};
+      {"space", keys::kSpace},   {"left", keys::kLeft},      {"right", keys::kRight},
+      {"enter", keys::kEnter},   {"home", keys::kHome},      {"end", keys::kEnd},
+      {"escape", keys::kEscape}, {"f1", keys::kF1},          {"f12", keys::kF12},
+      {"[", keys::kLeftBracket}, {"]", keys::kRightBracket}, {"?", keys::kSlash},
+      {"/", keys::kSlash},       {",", keys::kComma},        {".", keys::kPeriod},
+      {"=", keys::kEqual},       {"-", keys::kMinus}};
   if (const auto found = kNames.find(name); found != kNames.end()) return found->second;
   if (name.size() == 1 && std::isalpha(static_cast<unsigned char>(name[0]))) {
     return std::toupper(static_cast<unsigned char>(name[0]));

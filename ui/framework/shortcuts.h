@@ -12,8 +12,10 @@ namespace plumbline {
 /// Keys by the numbers that GLFW gives them.
 namespace keys {
 inline constexpr int kSpace = 32, kComma = 44, kMinus = 45, kPeriod = 46, kSlash = 47, kEqual = 61;
-inline constexpr int kF = 70, kQ = 81, kR = 82, kLeftBracket = 91, kRightBracket = 93;
-inline constexpr int kEscape = 256, kRight = 262, kLeft = 263, kHome = 268, kEnd = 269;
+inline constexpr int kB = 66, kF = 70, kG = 71, kI = 73, kL = 76, kO = 79, kQ = 81, kR = 82,
+                     kLeftBracket = 91, kRightBracket = 93;
+inline constexpr int kEscape = 256, kEnter = 257, kRight = 262, kLeft = 263, kHome = 268,
+                     kEnd = 269;
 inline constexpr int kF1 = 290, kF12 = 301;
 }  // namespace keys
 

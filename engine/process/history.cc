@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/process/history.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <opencv2/imgproc.hpp>
+
+#include "engine/geometry/gravity.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kFarthestTruth_m = 1.0;
+constexpr std::size_t kLabelsKept = 4;
+constexpr int kThumbnailWidth = 96;
+
+const ModelView* ModelByName(const SequenceView& view, const std::string& name) {
+  for (const ModelView& model : view.models) {
+    if (model.name == name) return &model;
+  }
+  return nullptr;
+}
+
+double AzimuthError(const ModelView& model, double azimuth_rad) {
+  if (model.any_azimuth) return 0;
+  const double period = 2 * std::numbers::pi / std::max(1, model.symmetry_order);
+  return std::abs(std::remainder(azimuth_rad, period));
+}
+
+}  // namespace
+
+std::optional<TruthError> ErrorOf(const ObjectReport& object, const SequenceView& view) {
+  const UprightFrame upright(-view.up_in_world);
+  std::optional<TruthError> nearest;
+  double nearest_m = kFarthestTruth_m;
+  for (const SequenceView::Truth& truth : view.truth) {
+    const ModelView* model = ModelByName(view, truth.model);
+    if (model == nullptr || model->category != object.category) continue;
+    const double distance_m =
+        (truth.world_from_object.translation() - object.world_from_object.translation()).norm();
+    if (distance_m >= nearest_m) continue;
+    nearest_m = distance_m;
+    const double turned = upright.Azimuth(object.world_from_object.linear()) -
+                          upright.Azimuth(truth.world_from_object.linear());
+    const auto label = static_cast<std::size_t>(object.label.value);
+    nearest = TruthError{truth.id, label < view.models.size() && &view.models[label] == model,
+                         static_cast<float>(distance_m),
+                         static_cast<float>(AzimuthError(*model, turned))};
+  }
+  return nearest;
+}
+
+FrameSample SampleOf(const FrameReport& report, const SequenceView& view) {
+  FrameSample sample;
+  sample.frame = report.frame;
+  sample.skipped = !report.skipped.empty();
+  sample.timings = report.timings;
+  for (const ObjectReport& object : report.objects) {
+    ObjectSample& kept = sample.objects.emplace_back();
+    kept.id = object.id;
+    kept.state = object.state;
+    kept.weighed = object.weighed;
+    kept.label = object.label;
+    kept.label_probability = object.label_probability;
+    if (kept.label_probability.size() > kLabelsKept) kept.label_probability.resize(kLabelsKept);
+    kept.position_std_m =
+        static_cast<float>(std::sqrt(object.covariance.topLeftCorner<3, 3>().trace()));
+    kept.azimuth_std_rad = static_cast<float>(std::sqrt(std::max(0.0, object.covariance(3, 3))));
+    kept.phi_cnn = object.phi_cnn;
+    kept.phi_edge = object.phi_edge;
+    kept.log_evidence = static_cast<float>(object.log_evidence);
+    kept.effective_sample_size = static_cast<float>(object.effective_sample_size);
+    kept.visible_fraction = static_cast<float>(object.visible_fraction);
+    kept.error = ErrorOf(object, view);
+  }
+  return sample;
+}
+
+cv::Mat ThumbnailOf(const cv::Mat& image) {
+  cv::Mat small;
+  if (image.empty()) return small;
+  const int height = std::max(1, image.rows * kThumbnailWidth / image.cols);
+  cv::resize(image, small, {kThumbnailWidth, height}, 0, 0, cv::INTER_AREA);
+  return small;
+}
+
+bool WantsThumbnail(int position, int size) {
+  return position % ((size + kMaxThumbnails - 1) / kMaxThumbnails) == 0;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A run at a glance, for time lines, plots and tables: little of every frame, all frames at once.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "engine/base/ids.h"
+#include "engine/mapping/map_report.h"
+
+namespace plumbline {
+
+/// How far an estimate is from the true instance of its category that is nearest to it.
+struct TruthError {
+  std::string truth;           ///< Its id.
+  bool model_correct = false;  ///< The most likely shape is the true one.
+  float translation_m = 0;     ///< Between origins.
+  float azimuth_rad = 0;       ///< Modulo the shape's symmetry, >= 0; 0 for a round one.
+};
+
+/// An object in one frame.
+struct ObjectSample {
+  ObjectId id;
+  ObjectState state = ObjectState::kTentative;
+  bool weighed = false;
+  ModelId label;
+  std::vector<LabelProbability> label_probability;  ///< The most likely four at most.
+  float position_std_m = 0, azimuth_std_rad = 0;
+  float phi_cnn = 0, phi_edge = 0;
+  float log_evidence = 0;
+  float effective_sample_size = 0;
+  float visible_fraction = 0;
+  std::optional<TruthError> error;  ///< Nothing without truth, or further than a metre from any.
+};
+
+struct FrameSample {
+  int frame = 0;
+  bool skipped = false;
+  std::vector<ObjectSample> objects;
+  std::vector<StageTiming> timings;
+};
+
+/// A small picture of a frame; some frames have one.
+struct FrameThumbnail {
+  int frame = 0;
+  cv::Mat image;  ///< CV_8UC3 BGR, 96 px wide
+};
+
+/// Grows while a run is mapped or read. Samples are shared between versions, never written again.
+struct RunHistory {
+  std::vector<std::shared_ptr<const FrameSample>> frames;  ///< By position; null: not read yet.
+  std::vector<FrameThumbnail> thumbnails;                  ///< By frame, evenly spread.
+};
+
+}  // namespace plumbline
