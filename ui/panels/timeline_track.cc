@@ -171,8 +171,8 @@ void DrawLanes(const FrameContext& context, const TimeAxis& axis, float label_x,
   if (lanes.empty()) return;
   const float height =
       std::min(context.Scaled(kLaneHeight + 4), (y1 - y0) / static_cast<float>(lanes.size()));
-  const float font = std::min(context.fonts.small->FontSize, 1.1f * height);
-  const bool labels = height >= context.Scaled(7);
+  const float font = std::clamp(1.1f * height, context.Scaled(8.5), context.fonts.small->FontSize);
+  const bool labels = height >= context.Scaled(5);
   const float mark = 0.42f * height;
   Draw().PushClipRect({label_x, y0}, {axis.x1, y1}, true);
   for (std::size_t i = 0; i < lanes.size(); ++i) {
