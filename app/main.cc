@@ -14,7 +14,8 @@ int main(int argc, char** argv) {
       // one line each, in the order of --help
       {plumbline::AddGuiVerb},    {plumbline::AddDemoVerb},     {plumbline::AddRunVerb},
       {plumbline::AddDetectVerb}, {plumbline::AddEdgesVerb},    {plumbline::AddModelsVerb},
-      {plumbline::AddSynthVerb},  {plumbline::AddEvaluateVerb}, {plumbline::AddExportVerb},
+      {plumbline::AddSynthVerb},  {plumbline::AddEvaluateVerb}, {plumbline::AddGravityVerb},
+      {plumbline::AddAlignVerb},  {plumbline::AddExportVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
                "plumbline");

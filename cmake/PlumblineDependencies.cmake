@@ -18,7 +18,7 @@ find_package(OpenGL REQUIRED COMPONENTS OpenGL EGL)
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 
-set(PLUMBLINE_VTK_ENGINE CommonCore CommonDataModel FiltersCore FiltersGeneral)
+set(PLUMBLINE_VTK_ENGINE CommonCore CommonDataModel CommonMath CommonTransforms FiltersCore FiltersGeneral)
 set(PLUMBLINE_VTK_UI CommonTransforms CommonMath FiltersSources RenderingCore RenderingOpenGL2
     RenderingFreeType RenderingAnnotation RenderingContext2D RenderingContextOpenGL2 ChartsCore
     ViewsContext2D InteractionStyle InteractionWidgets IOImage)

@@ -24,6 +24,8 @@ void AddDetectVerb(CLI::App& app, VerbFunction& chosen);
 void AddEdgesVerb(CLI::App& app, VerbFunction& chosen);
 void AddModelsVerb(CLI::App& app, VerbFunction& chosen);
 void AddSynthVerb(CLI::App& app, VerbFunction& chosen);
+void AddAlignVerb(CLI::App& app, VerbFunction& chosen);
+void AddGravityVerb(CLI::App& app, VerbFunction& chosen);
 void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen);
 void AddExportVerb(CLI::App& app, VerbFunction& chosen);
 void AddGuiVerb(CLI::App& app, VerbFunction& chosen);

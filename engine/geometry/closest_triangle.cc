@@ -122,13 +122,15 @@ class ClosestTriangleSearch::Implementation {
 
   /// `guess`: a triangle that may be near, -1 for none. It bounds the search; the result does not
   /// depend on it.
-  ClosestPoint Find(const Eigen::Vector3d& point, int guess) const {
-    Search search{this, point, std::numeric_limits<double>::infinity(), {}};
+  ClosestPoint Find(const Eigen::Vector3d& point, int guess,
+                    double within_m = std::numeric_limits<double>::infinity()) const {
+    Search search{this, point, within_m * within_m, {}};
     RTCPointQuery query{};
     query.x = static_cast<float>(point.x());
     query.y = static_cast<float>(point.y());
     query.z = static_cast<float>(point.z());
-    query.radius = std::numeric_limits<float>::infinity();
+    query.radius =
+        std::isfinite(within_m) ? search.Radius() : std::numeric_limits<float>::infinity();
     if (guess >= 0) {
       search.Try(guess);
       query.radius = search.Radius();
@@ -138,6 +140,22 @@ class ClosestTriangleSearch::Implementation {
     rtcPointQuery(scene_, &query, &context, &Visit, &search);
     search.best.distance_m = std::sqrt(search.distance2);
     return search.best;
+  }
+
+  bool Blocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+    RayContext context;
+    InitRayContext(context);
+    RTCRay ray{};
+    ray.org_x = static_cast<float>(origin.x());
+    ray.org_y = static_cast<float>(origin.y());
+    ray.org_z = static_cast<float>(origin.z());
+    ray.dir_x = static_cast<float>(direction.x());
+    ray.dir_y = static_cast<float>(direction.y());
+    ray.dir_z = static_cast<float>(direction.z());
+    ray.tfar = std::numeric_limits<float>::infinity();
+    ray.mask = ~0u;
+    TraceShadowRay(scene_, context, ray);
+    return ray.tfar < 0;
   }
 
   Eigen::Vector3d Normal(int triangle) const {
@@ -228,6 +246,17 @@ void ClosestTriangleSearch::Find(std::span<const Eigen::Vector3d> points,
                         guess = closest[order[i]].triangle;
                       }
                     });
+}
+
+std::optional<ClosestPoint> ClosestTriangleSearch::FindWithin(const Eigen::Vector3d& point,
+                                                              double within_m) const {
+  const ClosestPoint closest = implementation_->Find(point, -1, within_m);
+  return closest.triangle < 0 ? std::nullopt : std::optional(closest);
+}
+
+bool ClosestTriangleSearch::Blocked(const Eigen::Vector3d& origin,
+                                    const Eigen::Vector3d& direction) const {
+  return implementation_->Blocked(origin, direction);
 }
 
 Eigen::Vector3d ClosestTriangleSearch::Normal(int triangle) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include <Eigen/Core>
@@ -32,8 +33,13 @@ class ClosestTriangleSearch {
 
   /// Of several triangles at the same distance the one with the lowest index.
   ClosestPoint Find(const Eigen::Vector3d& point) const;
+  /// The same if it is within `within_m`, else nothing: much faster where most points are far.
+  std::optional<ClosestPoint> FindWithin(const Eigen::Vector3d& point, double within_m) const;
   /// On all cores. `closest` is as long as `points`.
   void Find(std::span<const Eigen::Vector3d> points, std::span<ClosestPoint> closest) const;
+
+  /// Whether a ray from `origin` meets the mesh.
+  bool Blocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 
   /// Unit normal by the order of the corners; zero for a triangle without area.
   Eigen::Vector3d Normal(int triangle) const;

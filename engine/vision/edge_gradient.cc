@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/imgproc.hpp>
@@ -56,17 +57,20 @@ inline float LogGradient(float squared) {
   return 0.5f * (exponent + (-0.33582878f * mantissa + 2.0f) * mantissa - 0.65871759f);
 }
 
-/// The packed values between pixels of a level that is `factor` times smaller.
-template <int kChannels>
-inline void Sample(const cv::Mat& level, int factor, int x, int y, float* values) {
-  const float scale = 1 / static_cast<float>(factor);
-  const float lx = std::clamp((static_cast<float>(x) + 0.5f) * scale - 0.5f, 0.0f,
-                              static_cast<float>(level.cols - 1));
-  const float ly = std::clamp((static_cast<float>(y) + 0.5f) * scale - 0.5f, 0.0f,
-                              static_cast<float>(level.rows - 1));
-  const int x0 = std::min(static_cast<int>(lx), level.cols - 2),
-            y0 = std::min(static_cast<int>(ly), level.rows - 2);
-  const float fx = lx - static_cast<float>(x0), fy = ly - static_cast<float>(y0);
+/// Where a pixel of the image lies in a level that is `factor` times smaller: the pixel before and
+/// the share of the next.
+inline std::pair<int, float> Place(int pixel, int factor, int size) {
+  const int doubled = std::max(0, 2 * pixel + 1 - factor);  // 2 * factor units a pixel of the level
+  const int before = std::min(doubled / (2 * factor), size - 2);
+  const int rest = std::min(doubled - 2 * factor * before, 2 * factor);
+  return {before, static_cast<float>(rest) * (0.5f / static_cast<float>(factor))};
+}
+
+/// The packed values between pixels of a level that is `kFactor` times smaller.
+template <int kChannels, int kFactor>
+inline void Sample(const cv::Mat& level, int x, int y, float* values) {
+  const auto [x0, fx] = Place(x, kFactor, level.cols);
+  const auto [y0, fy] = Place(y, kFactor, level.rows);
   const auto* upper = level.ptr<float>(y0) + x0 * kChannels;
   const auto* lower = level.ptr<float>(y0 + 1) + x0 * kChannels;
   const cv::v_float32x4 w00 = cv::v_setall_f32((1 - fx) * (1 - fy));
@@ -129,8 +133,8 @@ struct Maps {
 
 inline void Describe(const Maps& maps, EdgeCandidate& candidate) {
   float half[kHalfChannels], quarter[kQuarterChannels];
-  Sample<kHalfChannels>(maps.half, 2, candidate.x, candidate.y, half);
-  Sample<kQuarterChannels>(maps.quarter, 4, candidate.x, candidate.y, quarter);
+  Sample<kHalfChannels, 2>(maps.half, candidate.x, candidate.y, half);
+  Sample<kQuarterChannels, 4>(maps.quarter, candidate.x, candidate.y, quarter);
   const float fine[2] = {static_cast<float>(maps.dx.at<short>(candidate.y, candidate.x)),
                          static_cast<float>(maps.dy.at<short>(candidate.y, candidate.x))};
   // The direction of the larger eigenvalue, from twice its angle.

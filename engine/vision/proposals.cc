@@ -5,6 +5,8 @@
 #include <map>
 #include <tuple>
 
+#include <opencv2/core/hal/intrin.hpp>
+
 #include "engine/base/check.h"
 #include "engine/vision/detector.h"
 
@@ -58,27 +60,44 @@ std::vector<Detection> SuppressNonMaxima(std::vector<Detection> detections, floa
 }
 
 void ScoredBoxes::Add(const Box2& box, float score) {
-  if (!box.empty()) entries_.push_back({box, box.area(), score});
+  if (!box.empty()) entries_.push_back({box, score});
 }
 
 void ScoredBoxes::Sort() {
   std::stable_sort(entries_.begin(), entries_.end(),
                    [](const Entry& a, const Entry& b) { return a.score > b.score; });
+  const std::size_t size = (entries_.size() + 3) / 4 * 4;
+  for (std::vector<float>* numbers : {&x0_, &y0_, &x1_, &y1_, &score_}) numbers->assign(size, 0.0f);
+  area_.assign(size, 1.0f);  // no division by zero where nothing is
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const auto& [box, score] = entries_[i];
+    x0_[i] = box.x0;
+    y0_[i] = box.y0;
+    x1_[i] = box.x1;
+    y1_[i] = box.y1;
+    area_[i] = box.area();
+    score_[i] = score;
+  }
 }
 
 float ScoredBoxes::Score(const Box2& query) const {
   if (query.empty()) return 0;
-  const float area = query.area();
-  float best = 0;
-  for (const Entry& entry : entries_) {
-    if (entry.score <= best) break;  // IoU is at most 1, and the rest score less
-    const float width = std::min(query.x1, entry.box.x1) - std::max(query.x0, entry.box.x0);
-    const float height = std::min(query.y1, entry.box.y1) - std::max(query.y0, entry.box.y0);
-    if (width <= 0 || height <= 0) continue;
-    const float shared = width * height;
-    best = std::max(best, entry.score * shared / (area + entry.area - shared));
+  const cv::v_float32x4 x0 = cv::v_setall_f32(query.x0), y0 = cv::v_setall_f32(query.y0);
+  const cv::v_float32x4 x1 = cv::v_setall_f32(query.x1), y1 = cv::v_setall_f32(query.y1);
+  const cv::v_float32x4 area = cv::v_setall_f32(query.area()), zero = cv::v_setzero_f32();
+  cv::v_float32x4 best = zero;
+  for (std::size_t i = 0; i < score_.size(); i += 4) {
+    // IoU is at most 1, and the rest score less.
+    if (i % 16 == 0 && score_[i] <= cv::v_reduce_max(best)) break;
+    const cv::v_float32x4 width =
+        cv::v_max(zero, cv::v_min(x1, cv::v_load(&x1_[i])) - cv::v_max(x0, cv::v_load(&x0_[i])));
+    const cv::v_float32x4 height =
+        cv::v_max(zero, cv::v_min(y1, cv::v_load(&y1_[i])) - cv::v_max(y0, cv::v_load(&y0_[i])));
+    const cv::v_float32x4 shared = width * height;
+    const cv::v_float32x4 iou = shared / (area + cv::v_load(&area_[i]) - shared);
+    best = cv::v_max(best, cv::v_load(&score_[i]) * iou);
   }
-  return best;
+  return cv::v_reduce_max(best);
 }
 
 std::unique_ptr<const FrameDetections> DetectionsFromProposals(std::vector<Detection> proposals) {

@@ -25,10 +25,11 @@ class ScoredBoxes {
  private:
   struct Entry {
     Box2 box;
-    float area;
     float score;
   };
   std::vector<Entry> entries_;
+  /// The same after Sort, one array per number and filled up to a multiple of four.
+  std::vector<float> x0_, y0_, x1_, y1_, area_, score_;
 };
 
 }  // namespace plumbline

@@ -67,12 +67,14 @@ void RemoveSpareCorners(const cv::Mat& strength, cv::Mat& map) {
       auto* here = pixels + point.y * step + point.x;
       int pattern = 0;
       for (int i = 0; i < 8; ++i) pattern |= (here[around[i]] != 0) << i;
-      if (!spare[pattern]) continue;
+      // Without branches: which pixels go is not predictable.
       const auto* own = strength.ptr<float>(point.y) + point.x;
-      const bool weaker =
-          (here[1] != 0 && own[1] > own[0]) || (here[-1] != 0 && own[-1] > own[0]) ||
-          (here[step] != 0 && own[stride] > own[0]) || (here[-step] != 0 && own[-stride] > own[0]);
-      if (weaker || !weaker_only) *here = 0;
+      const bool weaker = ((here[1] != 0) & (own[1] > own[0])) |
+                          ((here[-1] != 0) & (own[-1] > own[0])) |
+                          ((here[step] != 0) & (own[stride] > own[0])) |
+                          ((here[-step] != 0) & (own[-stride] > own[0]));
+      const bool gone = spare[pattern] & (weaker | !weaker_only);
+      *here = gone ? 0 : *here;
     }
   }
 }

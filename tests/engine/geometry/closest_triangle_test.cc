@@ -16,6 +16,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/base/random.h"
+#include "tests/support/meshes.h"
 
 namespace plumbline {
 namespace {
@@ -196,6 +197,29 @@ TEST(ClosestTriangle, RefusesAPointCloud) {
   TriangleMesh cloud;
   cloud.vertices = {{0, 0, 0}};
   EXPECT_EQ(ClosestTriangleSearch::Build(cloud).error().code, ErrorCode::kDegenerate);
+}
+
+TEST(ClosestTriangleSearch, ALimitedSearchFindsTheSameOrNothing) {
+  const auto search = ClosestTriangleSearch::Build(MakeSphere(0.5f, 12));
+  ASSERT_TRUE(search.ok());
+  for (const double x : {0.1, 0.3, 0.52, 0.6, 0.9}) {
+    const Eigen::Vector3d point(x, 0.01, 0.02);
+    const ClosestPoint all = (*search)->Find(point);
+    const auto near = (*search)->FindWithin(point, 0.15);
+    ASSERT_EQ(near.has_value(), all.distance_m < 0.15) << x;
+    if (near) {
+      EXPECT_EQ(near->triangle, all.triangle);
+      EXPECT_EQ(near->point, all.point);
+    }
+  }
+}
+
+TEST(ClosestTriangleSearch, RaysFromInsideAClosedMeshAreBlocked) {
+  const auto search = ClosestTriangleSearch::Build(MakeSphere(0.5f, 12));
+  ASSERT_TRUE(search.ok());
+  EXPECT_TRUE((*search)->Blocked({0, 0, 0}, {1, 0.1, 0.2}));
+  EXPECT_TRUE((*search)->Blocked({2, 0, 0}, {-1, 0.01, 0.02}));
+  EXPECT_FALSE((*search)->Blocked({2, 0, 0}, {1, 0.1, 0.2}));
 }
 
 }  // namespace

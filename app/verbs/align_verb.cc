@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "app/verbs/console_work.h"
+#include "app/verbs/vector_argument.h"
+#include "app/verbs/verb.h"
+#include "engine/base/timer.h"
+#include "engine/dataset/json_fields.h"
+#include "engine/dataset/trajectory.h"
+#include "engine/geometry/gravity.h"
+#include "engine/models/mesh_file.h"
+#include "engine/registration/model_alignment.h"
+
+namespace plumbline {
+namespace {
+
+struct AlignArguments {
+  std::string scan, model, init, gravity, trajectory, json;
+  int dof = 4;
+  AlignOptions options;
+};
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+FreeMotion MotionOf(int dof) {
+  switch (dof) {
+    case 1:
+      return FreeMotion::kAzimuth;
+    case 3:
+      return FreeMotion::kAzimuthAndHorizontal;
+    case 6:
+      return FreeMotion::kRigid;
+    default:
+      return FreeMotion::kAzimuthAndTranslation;
+  }
+}
+
+/// Rows and columns: x, y, z [m], azimuth [rad]; with 6 degrees of freedom the rotation vector.
+nlohmann::json CovarianceToJson(const AlignCandidate& candidate, const Eigen::Vector3d& up,
+                                FreeMotion motion) {
+  Eigen::MatrixXd select = Eigen::MatrixXd::Identity(6, 6);
+  if (motion != FreeMotion::kRigid) {
+    select = Eigen::MatrixXd::Zero(4, 6);
+    select.topLeftCorner<3, 3>().setIdentity();
+    select.bottomRightCorner<1, 3>() = up.transpose();
+  }
+  const Eigen::MatrixXd covariance = select * candidate.covariance * select.transpose();
+  nlohmann::json rows = nlohmann::json::array();
+  for (const auto& row : covariance.rowwise()) {
+    rows.push_back(std::vector<double>(row.begin(), row.end()));
+  }
+  return rows;
+}
+
+/// What fell out, besides the time that it took.
+struct AlignResult {
+  ModelAlignment alignment;
+  double prepare_ms = 0, align_ms = 0;
+};
+
+nlohmann::json ToJson(const AlignResult& result, const UprightFrame& upright,
+                      const AlignArguments& arguments) {
+  nlohmann::json candidates = nlohmann::json::array();
+  for (const AlignCandidate& candidate : result.alignment.candidates) {
+    candidates.push_back(
+        {{"scan_from_model", IsometryToJson(candidate.scan_from_model)},
+         {"azimuth_deg", kDegrees * upright.Azimuth(candidate.scan_from_model.linear())},
+         {"tilt_deg", kDegrees * upright.Tilt(candidate.scan_from_model.linear())},
+         {"fitness", candidate.fitness},
+         {"rmse_m", candidate.rmse_m},
+         {"score", candidate.score},
+         {"converged", candidate.converged},
+         {"iterations", candidate.iterations},
+         {"same_by_symmetry", candidate.same_by_symmetry},
+         {"covariance",
+          CovarianceToJson(candidate, upright.up_in_world(), arguments.options.motion)}});
+  }
+  nlohmann::json json = candidates.front();
+  json["iterations"] = result.alignment.iterations;
+  json["starts"] = arguments.options.starts;
+  json["dof"] = arguments.dof;
+  json["symmetry_order"] = result.alignment.symmetry_order;
+  json["seconds"] = result.align_ms / 1e3;
+  json["prepare_seconds"] = result.prepare_ms / 1e3;
+  json["candidates"] = std::move(candidates);
+  return json;
+}
+
+void PrintTable(const AlignResult& result, const UprightFrame& upright) {
+  std::printf("%4s  %9s  %24s  %8s  %7s  %18s\n", "rank", "azimuth", "position [m]", "fitness",
+              "rmse", "std");
+  int rank = 1;
+  for (const AlignCandidate& candidate : result.alignment.candidates) {
+    const Eigen::Vector3d at = candidate.scan_from_model.translation();
+    const Eigen::Vector3d up = upright.up_in_world();
+    const double azimuth_std =
+        std::sqrt(up.dot(candidate.covariance.bottomRightCorner<3, 3>() * up));
+    const double position_std = std::sqrt(candidate.covariance.topLeftCorner<3, 3>().trace());
+    std::printf("%4d  %5.1f deg  %7.3f %7.3f %7.3f  %6.1f %%  %4.1f mm  %5.2f mm %5.3f deg%s\n",
+                rank++, kDegrees * upright.Azimuth(candidate.scan_from_model.linear()), at.x(),
+                at.y(), at.z(), 100 * candidate.fitness, 1e3 * candidate.rmse_m, 1e3 * position_std,
+                kDegrees * azimuth_std,
+                candidate.same_by_symmetry ? "  (the first, turned by its symmetry)" : "");
+  }
+  const int order = result.alignment.symmetry_order;
+  if (order == 0)
+    std::printf("The model looks the same at any azimuth: its azimuth means nothing.\n");
+  if (order > 1) {
+    std::printf("The model looks the same turned by %d degrees: the scan cannot tell which.\n",
+                360 / order);
+  }
+  std::printf("%.2f s (scan and model prepared in %.2f s)\n", result.align_ms / 1e3,
+              result.prepare_ms / 1e3);
+}
+
+Result<AlignResult> Run(const AlignArguments& arguments, const Eigen::VectorXd& init,
+                        const UprightFrame& upright) {
+  const Result<TriangleMesh> scan = ReadMesh(arguments.scan);
+  if (!scan) return scan.error();
+  const Result<TriangleMesh> model = ReadMesh(arguments.model);
+  if (!model) return model.error();
+  std::vector<Eigen::Vector3d> camera_centers;
+  if (!arguments.trajectory.empty()) {
+    const Result<Trajectory> trajectory = ReadTrajectory(arguments.trajectory, std::nullopt);
+    if (!trajectory) return trajectory.error();
+    for (const StampedPose& pose : trajectory->poses) {
+      camera_centers.push_back(pose.world_from_cam.translation());
+    }
+  }
+  AlignResult result;
+  Stopwatch watch;
+  const auto target = ScanTarget::Prepare(*scan, camera_centers);
+  if (!target) return Error{target.error().code, arguments.scan + ": " + target.error().message};
+  const auto surface = ModelSurface::Prepare(*model);
+  if (!surface)
+    return Error{surface.error().code, arguments.model + ": " + surface.error().message};
+  result.prepare_ms = watch.Lap();
+  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
+  start.linear() = upright.WorldFromObjectRotation(init.size() > 3 ? init[3] / kDegrees : 0.0);
+  start.translation() = init.head<3>();
+  ConsoleWork work;
+  Result<ModelAlignment> alignment = AlignModel(**target, **surface, start, upright.up_in_world(),
+                                                arguments.options, work.context());
+  if (!alignment) return alignment.error();
+  result.align_ms = watch.Lap();
+  result.alignment = std::move(*alignment);
+  return result;
+}
+
+Status Align(AlignArguments arguments) {
+  const Result<Eigen::VectorXd> init = ParseNumbers(arguments.init, "--init", 3, 4);
+  if (!init) return init.error();
+  const Result<Eigen::Vector3d> gravity = ParseDirection(arguments.gravity, "--gravity");
+  if (!gravity) return gravity.error();
+  arguments.options.motion = MotionOf(arguments.dof);
+  const UprightFrame upright(*gravity);
+  const Result<AlignResult> result = Run(arguments, *init, upright);
+  if (!result) return result.error();
+  if (arguments.json != "-") PrintTable(*result, upright);
+  if (arguments.json.empty()) return {};
+  return WriteJsonResult(arguments.json, ToJson(*result, upright, arguments));
+}
+
+}  // namespace
+
+void AddAlignVerb(CLI::App& app, VerbFunction& chosen) {
+  auto arguments = std::make_shared<AlignArguments>();
+  CLI::App* verb = app.add_subcommand(
+      "align",
+      "Put a CAD model onto a scan, upright: azimuth and translation by ICP from many "
+      "azimuths");
+  verb->add_option("--scan", arguments->scan, "The scan, metres: a mesh or a point cloud")
+      ->required()
+      ->type_name("SCAN.ply");
+  verb->add_option("--model", arguments->model,
+                   "The model in its canonical frame: metres, z up, as 'models build' writes it")
+      ->required()
+      ->type_name("MODEL.ply");
+  verb->add_option("--init", arguments->init,
+                   "Roughly where the model's origin (the middle of its foot) is in the scan, and "
+                   "its azimuth [degrees]")
+      ->required()
+      ->type_name("x,y,z[,yaw_deg]");
+  verb->add_option("--gravity", arguments->gravity,
+                   "Where down is in the scan; 'plumbline gravity' finds it")
+      ->required()
+      ->type_name("x,y,z");
+  verb->add_option("--dof", arguments->dof,
+                   "What is free: 4 azimuth and translation, 3 azimuth and the two translations "
+                   "along the floor, 1 azimuth alone, 6 everything")
+      ->check(CLI::IsMember({4, 3, 1, 6}))
+      ->capture_default_str();
+  verb->add_option("--starts", arguments->options.starts,
+                   "Azimuths to start from, evenly spread; 1: only the one given")
+      ->check(CLI::Range(1, 3600))
+      ->capture_default_str();
+  verb->add_option("--search", arguments->options.search_m,
+                   "How far from the start the model may be [m]")
+      ->check(CLI::Range(0.05, 2.0))
+      ->capture_default_str();
+  verb->add_option("--trajectory", arguments->trajectory,
+                   "Camera poses in the scan's frame (TUM): they tell the seen side of a point "
+                   "cloud's surface")
+      ->type_name("FILE");
+  verb->add_option("--json", arguments->json,
+                   "Write the results for machines ('-': to standard output)")
+      ->type_name("FILE");
+  verb->callback([arguments, &chosen] { chosen = [arguments] { return Align(*arguments); }; });
+}
+
+}  // namespace plumbline

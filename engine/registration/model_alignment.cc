@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/registration/model_alignment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+
+#include "engine/registration/placement_grid.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kFewestPoints = 30;
+constexpr std::size_t kMostCandidates = 8;
+constexpr double kSameTranslation_m = 0.02;
+constexpr double kSameTurn_rad = 5 * std::numbers::pi / 180;
+constexpr double kCoarseReach_m = 0.1;
+constexpr double kSymmetryTolerance_m = 0.01;
+
+double AngleBetween(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return Eigen::AngleAxisd(Eigen::Matrix3d(a.linear().transpose() * b.linear())).angle();
+}
+
+/// Whether two poses put the surface at the same place: compared at the model's middle, where a
+/// turn alone moves nothing.
+bool Same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, const Eigen::Vector3d& middle) {
+  return (a * middle - b * middle).norm() < kSameTranslation_m &&
+         AngleBetween(a, b) < kSameTurn_rad;
+}
+
+/// The pose with the model turned within itself about its axis of symmetry.
+Eigen::Isometry3d TurnedWithin(const Eigen::Isometry3d& scan_from_model, double angle_rad,
+                               const Eigen::Vector3d& middle) {
+  return scan_from_model * Eigen::Translation3d(middle) *
+         Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()) * Eigen::Translation3d(-middle);
+}
+
+bool SameBySymmetry(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, int order,
+                    const Eigen::Vector3d& middle) {
+  if (order == 0) {
+    const double tilt = std::acos(std::clamp(a.linear().col(2).dot(b.linear().col(2)), -1.0, 1.0));
+    return (a * middle - b * middle).norm() < kSameTranslation_m && tilt < kSameTurn_rad;
+  }
+  for (int i = 1; i < order; ++i) {
+    if (Same(TurnedWithin(a, 2 * std::numbers::pi * i / order, middle), b, middle)) return true;
+  }
+  return false;
+}
+
+/// Sorted by falling score; of those that are the same the best stays.
+void KeepDistinct(const Eigen::Vector3d& middle, std::size_t most,
+                  std::vector<AlignCandidate>& poses) {
+  std::stable_sort(
+      poses.begin(), poses.end(),
+      [](const AlignCandidate& a, const AlignCandidate& b) { return a.score > b.score; });
+  std::vector<AlignCandidate> distinct;
+  for (const AlignCandidate& pose : poses) {
+    const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const auto& other) {
+      return Same(pose.scan_from_model, other.scan_from_model, middle);
+    });
+    if (!known && distinct.size() < most) distinct.push_back(pose);
+  }
+  poses = std::move(distinct);
+}
+
+void Refine(const AlignmentCrop& crop, const ModelSurface& model, const Eigen::Vector3d& up_in_scan,
+            const AlignOptions& options, int max_iterations, AlignCandidate& candidate) {
+  ConstrainedPose pose(candidate.scan_from_model, up_in_scan, options.motion);
+  const FineAlignment fine =
+      AlignFinely(crop, model, IcpResidual::kPointToPlane, max_iterations, pose);
+  const AlignmentFit fit = Measure(crop, model, pose.scan_from_model(), options.within_m);
+  candidate.scan_from_model = pose.scan_from_model();
+  candidate.fitness = fit.fitness;
+  candidate.rmse_m = fit.rmse_m;
+  candidate.score = fit.score;
+  candidate.sigma_m = fine.sigma_m;
+  candidate.covariance = fine.covariance;
+  candidate.iterations += fine.iterations;
+  candidate.converged = fine.converged;
+}
+
+Status CheckInput(const Eigen::Vector3d& up_in_scan, const AlignOptions& options) {
+  const auto bad = [](const char* what) { return Error{ErrorCode::kInvalidInput, what}; };
+  if (options.starts < 1) return bad("an alignment needs at least one start");
+  if (!(options.search_m > 0)) return bad("the search radius of an alignment must be positive");
+  if (!(options.within_m > 0)) return bad("the distance that counts must be positive");
+  if (!(std::abs(up_in_scan.norm() - 1) < 1e-6)) return bad("up must be a unit vector");
+  return {};
+}
+
+}  // namespace
+
+Result<ModelAlignment> AlignModel(const ScanTarget& scan, const ModelSurface& model,
+                                  const Eigen::Isometry3d& scan_from_model,
+                                  const Eigen::Vector3d& up_in_scan, const AlignOptions& options,
+                                  const WorkContext& context) {
+  if (const Status fine = CheckInput(up_in_scan, options); !fine.ok()) return fine.error();
+  const AlignmentCrop crop = CropScan(scan, model, scan_from_model, up_in_scan, options.search_m);
+  if (crop.fine.points.size() < kFewestPoints) {
+    return Error{ErrorCode::kDegenerate,
+                 "there are only " + std::to_string(crop.fine.points.size()) +
+                     " points of the scan where the model is to go; start nearer to the object"};
+  }
+  const PlacementGrid grid(crop, model, scan_from_model, up_in_scan, options.search_m,
+                           options.motion);
+  ModelAlignment result;
+  std::vector<AlignCandidate>& candidates = result.candidates;
+  candidates.resize(static_cast<std::size_t>(options.starts));
+  tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+    if (context.stop.stop_requested()) return;
+    const double turn = 2 * std::numbers::pi * static_cast<double>(i) / options.starts;
+    ConstrainedPose pose(grid.BestPlacement(turn), up_in_scan, options.motion);
+    AlignCandidate& candidate = candidates[i];
+    candidate.iterations = AlignCoarsely(crop, model, kCoarseReach_m, pose);
+    candidate.scan_from_model = pose.scan_from_model();
+    candidate.score = Measure(crop, model, pose.scan_from_model(), 2 * options.within_m).score;
+  });
+  // Few are worth the exact search, and fewer its end.
+  for (const auto& [share, iterations] : {std::pair{0.5, 8}, std::pair{0.7, 40}}) {
+    if (context.stop.stop_requested()) {
+      return Error{ErrorCode::kCancelled, "the alignment was stopped"};
+    }
+    for (const AlignCandidate& candidate : candidates) result.iterations += candidate.iterations;
+    KeepDistinct(model.middle(), kMostCandidates, candidates);
+    for (const AlignCandidate& candidate : candidates) result.iterations -= candidate.iterations;
+    const double least = share * candidates.front().score;
+    tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+      const int own_iterations = candidates[i].score < least ? 1 : iterations;
+      Refine(crop, model, up_in_scan, options, own_iterations, candidates[i]);
+    });
+  }
+  for (const AlignCandidate& candidate : candidates) result.iterations += candidate.iterations;
+  KeepDistinct(model.middle(), kMostCandidates, candidates);
+  result.symmetry_order = model.SymmetryOrder(kSymmetryTolerance_m);
+  const Eigen::Isometry3d best = result.candidates.front().scan_from_model;
+  for (std::size_t i = 1; i < result.candidates.size(); ++i) {
+    AlignCandidate& candidate = result.candidates[i];
+    candidate.same_by_symmetry =
+        SameBySymmetry(best, candidate.scan_from_model, result.symmetry_order, model.middle());
+  }
+  return result;
+}
+
+}  // namespace plumbline

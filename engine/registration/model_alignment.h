@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "engine/base/progress.h"
+#include "engine/registration/icp.h"
+
+namespace plumbline {
+
+struct AlignOptions {
+  FreeMotion motion = FreeMotion::kAzimuthAndTranslation;
+  int starts = 24;         ///< Azimuths tried, evenly spread from the given one; >= 1.
+  double search_m = 0.35;  ///< How far from the start the model may be, > 0.
+  double within_m = 0.02;  ///< Distance that counts as explained, > 0.
+};
+
+/// One minimum of the alignment.
+struct AlignCandidate {
+  Eigen::Isometry3d scan_from_model = Eigen::Isometry3d::Identity();
+  double fitness = 0, rmse_m = 0, score = 0;  ///< As of AlignmentFit.
+  double sigma_m = 0;
+  PoseCovariance covariance = PoseCovariance::Zero();
+  int iterations = 0;
+  bool converged = false;
+  /// The best candidate turned by a symmetry of the model: the surface cannot tell them apart.
+  bool same_by_symmetry = false;
+};
+
+struct ModelAlignment {
+  std::vector<AlignCandidate> candidates;  ///< Distinct minima, best first; never empty.
+  /// Rotational symmetry of the model's shape about its axis: 1 none, n-fold, 0 any turn (then the
+  /// candidates' azimuths mean nothing).
+  int symmetry_order = 1;
+  int iterations = 0;  ///< Of all starts.
+};
+
+/// Puts a model onto a scan by iterated closest points under the constraint of gravity
+/// (docs/algorithms/registration.md). Starts run in parallel; the result does not depend on the
+/// number of threads.
+///
+/// @param scan_from_model  Roughly where the model is. Its tilt is kept exactly, unless the motion
+///                         is kRigid.
+/// @param up_in_scan       Unit vector against gravity.
+/// Errors: kInvalidInput (options), kDegenerate (no scan near the start), kCancelled.
+Result<ModelAlignment> AlignModel(const ScanTarget& scan, const ModelSurface& model,
+                                  const Eigen::Isometry3d& scan_from_model,
+                                  const Eigen::Vector3d& up_in_scan, const AlignOptions& options,
+                                  const WorkContext& context = {});
+
+}  // namespace plumbline

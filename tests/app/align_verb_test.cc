@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// The commands `align` and `gravity` as a script meets them.
+
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/files.h"
+#include "engine/geometry/surface_sampling.h"
+#include "engine/models/mesh_file.h"
+#include "tests/support/furniture_models.h"
+#include "tests/support/meshes.h"
+#include "tests/support/test_data.h"
+
+namespace plumbline {
+namespace {
+
+class AlignVerb : public testing::Test {
+ protected:
+  /// An armchair on a floor that is the plane x = 0: up is +x.
+  void SetUp() override {
+    TriangleMesh scan = MakeParallelogram({-2, -2, 0}, {4, 0, 0}, {0, 4, 0});
+    Append(Transformed(MakeChair(true), world_from_chair_), scan);
+    const auto samples = SampleSurface(scan, 60000, 1).value();
+    TriangleMesh points;
+    for (const Eigen::Vector3d& point : samples.points) {
+      points.vertices.push_back((scan_from_world_ * point).cast<float>());
+    }
+    ASSERT_TRUE(WritePly(folder_.path() / "scan.ply", points).ok());
+    ASSERT_TRUE(WritePly(folder_.path() / "chair.ply", MakeChair(true)).ok());
+  }
+
+  int Run(const std::string& arguments) const {
+    const std::string command = "cd '" + folder_.path().string() + "' && '" +
+                                ProgramFile().string() + "' " + arguments + " > out.txt 2>&1";
+    return WEXITSTATUS(std::system(command.c_str()));
+  }
+  std::string Output() const { return ReadFile(folder_.path() / "out.txt").value(); }
+
+  TemporaryFolder folder_;
+  Eigen::Isometry3d world_from_chair_{Eigen::Translation3d(0.5, -0.3, 0) *
+                                      Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitZ())};
+  Eigen::Isometry3d scan_from_world_{
+      Eigen::AngleAxisd(1.5707963267948966, Eigen::Vector3d::UnitY())};
+};
+
+TEST_F(AlignVerb, GravityThenAlignFindTheChair) {
+  ASSERT_EQ(Run("gravity scan.ply --json gravity.json"), 0) << Output();
+  const nlohmann::json gravity = ReadJson(folder_.path() / "gravity.json").value();
+  EXPECT_NEAR(gravity["gravity"][0].get<double>(), -1, 1e-4);
+  EXPECT_NEAR(gravity["floor"][3].get<double>(), 0, 1e-3);
+  ASSERT_EQ(Run("align --scan scan.ply --model chair.ply --init 0.05,-0.25,-0.45,100 "
+                "--gravity=-1,0,0 --json align.json"),
+            0)
+      << Output();
+  const nlohmann::json align = ReadJson(folder_.path() / "align.json").value();
+  const Eigen::Isometry3d truth = scan_from_world_ * world_from_chair_;
+  Eigen::Isometry3d found;
+  for (int r = 0; r < 4; ++r) {
+    for (int c = 0; c < 4; ++c) found.matrix()(r, c) = align["scan_from_model"][r][c];
+  }
+  EXPECT_THAT(found, IsometryNear(truth, 0.1, 0.001));
+  EXPECT_EQ(align["candidates"][0]["covariance"].size(), 4u);
+  EXPECT_LT(align["tilt_deg"].get<double>(), 1e-7);
+}
+
+TEST_F(AlignVerb, MistakesAreSentencesAndExitCodes) {
+  EXPECT_EQ(Run("align --scan scan.ply --model chair.ply --init 1,2 --gravity 0,0,-1"), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("--init takes 3 to 4 numbers"));
+  EXPECT_EQ(Run("align --scan none.ply --model chair.ply --init 1,2,3 --gravity 0,0,-1"), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("none.ply"));
+  EXPECT_EQ(Run("align --scan scan.ply --model chair.ply --init 9,9,9 --gravity 0,0,-1"), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("start nearer"));
+  EXPECT_EQ(Run("align --scan scan.ply --model chair.ply --init 1,2,3 --gravity 0,0,-1 --dof 5"),
+            2);
+  EXPECT_EQ(Run("gravity scan.ply --near 0,7,7"), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("scan.ply"));
+}
+
+}  // namespace
+}  // namespace plumbline

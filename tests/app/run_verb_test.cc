@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command `run` as a script meets it: killed at any time it goes on as if it had never stopped.
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/check.h"
+#include "engine/base/files.h"
+#include "engine/base/random.h"
+#include "engine/recording/run_file.h"
+#include "tests/support/drawn_sequence.h"
+#include "tests/support/report_bytes.h"
+#include "tests/support/test_data.h"
+
+extern char** environ;
+
+namespace plumbline {
+namespace {
+
+constexpr int kFrames = 50;
+
+class RunVerb : public testing::Test {
+ protected:
+  RunVerb() { WriteDrawnSequence(folder_.path() / "sequence", {.frames = kFrames}); }
+
+  std::string Path(const char* name) const { return (folder_.path() / name).string(); }
+
+  /// Starts the program; its output goes to a file.
+  pid_t Start(std::vector<std::string> arguments) const {
+    std::string program = ProgramFile().string();
+    std::vector<char*> argv = {program.data()};
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    const std::string output = Path("output.txt");
+    posix_spawn_file_actions_addopen(&actions, 1, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                     0644);
+    posix_spawn_file_actions_adddup2(&actions, 1, 2);
+    pid_t process = 0;
+    PLB_CHECK(posix_spawn(&process, program.c_str(), &actions, nullptr, argv.data(), environ) == 0);
+    posix_spawn_file_actions_destroy(&actions);
+    return process;
+  }
+  pid_t StartRun(const char* file, bool resume) const {
+    std::vector<std::string> arguments = {"run",      Path("sequence"), "--out",
+                                          Path(file), "--seed",         "3"};
+    if (resume) arguments.push_back("--resume");
+    return Start(arguments);
+  }
+  /// Exit code; -9 for one that was killed.
+  static int Wait(pid_t process) {
+    int status = 0;
+    PLB_CHECK(waitpid(process, &status, 0) == process);
+    return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
+  }
+  static bool Running(pid_t process) {
+    siginfo_t info{};
+    waitid(P_PID, static_cast<id_t>(process), &info, WEXITED | WNOHANG | WNOWAIT);
+    return info.si_pid == 0;
+  }
+  int FramesIn(const char* file) const {
+    const auto reader = RunReader::Open(Path(file));
+    if (!reader.ok()) return 0;
+    const Result<int> frames = (*reader)->NumFrames();
+    return frames.ok() ? *frames : 0;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(RunVerb, KilledAgainAndAgainItEndsWithTheSameRun) {
+  ASSERT_EQ(Wait(StartRun("whole.plb", false)), 0) << *ReadFile(Path("output.txt"));
+  ASSERT_EQ(FramesIn("whole.plb"), kFrames);
+
+  Random random({.seed = static_cast<std::uint64_t>(
+                     std::chrono::steady_clock::now().time_since_epoch().count())});
+  int kills = 0;
+  while (FramesIn("killed.plb") < kFrames) {
+    const int before = FramesIn("killed.plb");
+    const pid_t process = StartRun("killed.plb", true);
+    // Sometimes before it has done anything, sometimes in the middle of a frame.
+    const int more = static_cast<int>(random.Index(18));
+    while (Running(process) && FramesIn("killed.plb") < before + more)
+      std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    std::this_thread::sleep_for(std::chrono::microseconds(random.Index(60000)));
+    if (Running(process)) kills += kill(process, SIGKILL) == 0 ? 1 : 0;
+    const int code = Wait(process);
+    ASSERT_TRUE(code == 0 || code == -SIGKILL) << code << ": " << *ReadFile(Path("output.txt"));
+  }
+  // The last frame may have been written before the end of the run was.
+  ASSERT_EQ(Wait(StartRun("killed.plb", true)), 0) << *ReadFile(Path("output.txt"));
+  EXPECT_GE(kills, 2);
+  RecordProperty("kills", kills);
+
+  const auto whole = RunReader::Open(Path("whole.plb")).value();
+  const auto killed = RunReader::Open(Path("killed.plb")).value();
+  ASSERT_EQ(killed->NumFrames().value(), kFrames);
+  EXPECT_TRUE(killed->Finished().value());
+  for (int position = 0; position < kFrames; ++position) {
+    EXPECT_TRUE(BytesOf(whole->ReadFrame(position).value()) ==
+                BytesOf(killed->ReadFrame(position).value()))
+        << "frame " << position << " differs after " << kills << " kills";
+  }
+}
+
+TEST_F(RunVerb, InterruptedItKeepsWhatIsDone) {
+  const pid_t process = StartRun("stopped.plb", false);
+  while (Running(process) && FramesIn("stopped.plb") < 5)
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  kill(process, SIGINT);
+  EXPECT_EQ(Wait(process), 1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("--resume"));
+  EXPECT_GE(FramesIn("stopped.plb"), 5);
+  ASSERT_EQ(Wait(StartRun("stopped.plb", true)), 0) << *ReadFile(Path("output.txt"));
+  EXPECT_EQ(FramesIn("stopped.plb"), kFrames);
+}
+
+TEST_F(RunVerb, DoesNotResumeAnotherRun) {
+  ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--frames", "0:3"})), 0);
+  EXPECT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--resume", "--set",
+                        "particles=300"})),
+            1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("a.plb"));
+}
+
+TEST_F(RunVerb, WritesItsResultAsJson) {
+  ASSERT_EQ(
+      Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--json", Path("result.json")})),
+      0)
+      << *ReadFile(Path("output.txt"));
+  const nlohmann::json result = ReadJson(Path("result.json")).value();
+  EXPECT_EQ(result.at("frames"), kFrames);
+  EXPECT_EQ(result.at("skipped"), 0);
+  int confirmed = 0;
+  for (const nlohmann::json& object : result.at("objects")) {
+    confirmed += object.at("confirmed").get<bool>() ? 1 : 0;
+    EXPECT_EQ(object.at("world_from_object").size(), 4u);
+  }
+  EXPECT_EQ(confirmed, 3);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gravity-constrained alignment on seeded cases: a model scanned from one side, noisy, among
+// clutter, azimuth unknown, up to 30 cm away.
+// The baseline is VTK's rigid ICP from the same starts, the best by its mean distance, given the
+// same cropped scan.
+//   alignment_benchmark [CASES]
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <numbers>
+#include <vector>
+
+#include <vtkCellArray.h>
+#include <vtkCellLocator.h>
+#include <vtkIterativeClosestPointTransform.h>
+#include <vtkLandmarkTransform.h>
+#include <vtkMatrix4x4.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+
+#include "engine/geometry/gravity.h"
+#include "engine/registration/model_alignment.h"
+#include "tests/support/alignment_case.h"
+#include "tests/support/furniture_models.h"
+
+namespace plumbline {
+namespace {
+
+/// Of all threads: other work on the machine does not count.
+double CpuMilliseconds() {
+  timespec time;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+constexpr int kBaselineStep = 4;  // it is slow
+
+double Degrees(double radians) { return radians * 180 / std::numbers::pi; }
+
+struct Outcome {
+  double translation_m = 0, azimuth_rad = 0, tilt_rad = 0, seconds = 0;
+};
+
+/// The error, least over the model's symmetry.
+Outcome Compare(const AlignmentCase& test, const CadModel& model, int symmetry_order,
+                const Eigen::Isometry3d& found) {
+  const UprightFrame upright(-test.up_in_scan);
+  Outcome outcome;
+  outcome.translation_m = (found * model.center() - test.scan_from_model * model.center()).norm();
+  outcome.tilt_rad = upright.Tilt(found.linear());
+  const double turn =
+      upright.Azimuth(found.linear()) - upright.Azimuth(test.scan_from_model.linear());
+  if (symmetry_order == 0) return outcome;
+  outcome.azimuth_rad = 10;
+  for (int i = 0; i < symmetry_order; ++i) {
+    const double error = WrapAngle(turn + 2 * std::numbers::pi * i / symmetry_order);
+    if (std::abs(error) < std::abs(outcome.azimuth_rad)) outcome.azimuth_rad = error;
+  }
+  return outcome;
+}
+
+vtkSmartPointer<vtkPolyData> ToVtk(const std::vector<Eigen::Vector3f>& points) {
+  vtkNew<vtkPoints> copy;
+  vtkNew<vtkCellArray> vertices;
+  for (const Eigen::Vector3f& point : points) {
+    const vtkIdType id = copy->InsertNextPoint(point.data());
+    vertices->InsertNextCell(1, &id);
+  }
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(copy);
+  data->SetVerts(vertices);
+  return data;
+}
+
+/// VTK's ICP, six degrees of freedom, model to scan.
+Eigen::Isometry3d Baseline(const AlignmentCase& test, const ModelSurface& surface,
+                           vtkPolyData* scan, vtkCellLocator* locator, int starts) {
+  Eigen::Isometry3d best = test.start;
+  double least = 1e30;
+  for (int i = 0; i < starts; ++i) {
+    Eigen::Isometry3d start = test.start;
+    start.linear() =
+        Eigen::AngleAxisd(2 * std::numbers::pi * i / starts, test.up_in_scan) * start.linear();
+    std::vector<Eigen::Vector3f> points;
+    for (std::size_t k = 0; k < surface.samples().points.size(); k += 20) {
+      points.push_back(start.cast<float>() * surface.samples().points[k]);
+    }
+    vtkNew<vtkIterativeClosestPointTransform> icp;
+    icp->SetSource(ToVtk(points));
+    icp->SetTarget(scan);
+    icp->SetLocator(locator);
+    icp->GetLandmarkTransform()->SetModeToRigidBody();
+    icp->SetMaximumNumberOfLandmarks(300);
+    icp->SetMaximumNumberOfIterations(50);
+    icp->CheckMeanDistanceOn();
+    icp->SetMaximumMeanDistance(1e-5);
+    icp->Update();
+    Eigen::Isometry3d moved;
+    for (int r = 0; r < 4; ++r) {
+      for (int c = 0; c < 4; ++c) moved.matrix()(r, c) = icp->GetMatrix()->GetElement(r, c);
+    }
+    double sum = 0;
+    for (const Eigen::Vector3f& point : points) {
+      double closest[3], squared = 0;
+      vtkIdType cell;
+      int part;
+      const Eigen::Vector3d p = moved * point.cast<double>();
+      locator->FindClosestPoint(p.data(), closest, cell, part, squared);
+      sum += std::min(squared, 0.0025);
+    }
+    if (sum < least) {
+      least = sum;
+      best = moved * start;
+    }
+  }
+  return best;
+}
+
+void Print(const char* name, std::vector<Outcome> outcomes) {
+  const auto median = [&](auto member) {
+    std::vector<double> values;
+    for (const Outcome& o : outcomes) values.push_back(std::abs(o.*member));
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+  };
+  double tilt = 0, seconds = 0;
+  std::size_t good = 0;
+  for (const Outcome& o : outcomes) {
+    good += o.translation_m < 0.02 && std::abs(o.azimuth_rad) < 2 * std::numbers::pi / 180;
+    tilt = std::max(tilt, o.tilt_rad);
+    seconds += o.seconds;
+  }
+  std::printf("%-34s %4zu of %zu   %6.2f mm   %6.3f deg   %8.1e rad   %7.1f ms\n", name, good,
+              outcomes.size(), 1e3 * median(&Outcome::translation_m),
+              Degrees(median(&Outcome::azimuth_rad)), tilt,
+              1e3 * seconds / static_cast<double>(outcomes.size()));
+}
+
+int Run(int cases) {
+  const auto models = MakeFurnitureDatabase();
+  std::vector<std::shared_ptr<const ModelSurface>> surfaces;
+  std::vector<int> orders;
+  for (const CadModel& model : models->models()) {
+    surfaces.push_back(ModelSurface::Prepare(model.mesh).value());
+    orders.push_back(surfaces.back()->SymmetryOrder(0.01));
+  }
+  std::vector<Outcome> one, many, vtk_one, vtk_many;
+  double prepare_ms = 0;
+  std::size_t points = 0;
+  for (int i = 0; i < cases; ++i) {
+    const ModelId id{i % static_cast<int>(models->models().size())};
+    const AlignmentCase test = MakeAlignmentCase(*models, id, static_cast<std::uint64_t>(1000 + i));
+    double start_ms = CpuMilliseconds();
+    const auto target = ScanTarget::Prepare(test.scan, test.camera_centers).value();
+    prepare_ms += CpuMilliseconds() - start_ms;
+    points += test.scan.vertices.size();
+    for (const int starts : {1, 24}) {
+      AlignOptions options;
+      options.starts = starts;
+      start_ms = CpuMilliseconds();
+      const auto aligned = AlignModel(*target, *surfaces[static_cast<std::size_t>(id.value)],
+                                      test.start, test.up_in_scan, options);
+      const double seconds = (CpuMilliseconds() - start_ms) / 1e3;
+      Outcome outcome;
+      outcome.translation_m = outcome.azimuth_rad = 1;
+      if (aligned.ok()) {
+        outcome = Compare(test, models->model(id), aligned->symmetry_order,
+                          aligned->candidates[0].scan_from_model);
+      }
+      outcome.seconds = seconds;
+      (starts == 1 ? one : many).push_back(outcome);
+      if (i % kBaselineStep != 0) continue;
+      const AlignmentCrop crop = CropScan(*target, *surfaces[static_cast<std::size_t>(id.value)],
+                                          test.start, test.up_in_scan, options.search_m);
+      const auto scan = ToVtk(crop.fine.points);
+      vtkNew<vtkCellLocator> locator;
+      locator->SetDataSet(scan);
+      locator->BuildLocator();
+      start_ms = CpuMilliseconds();
+      Outcome baseline = Compare(
+          test, models->model(id), orders[static_cast<std::size_t>(id.value)],
+          Baseline(test, *surfaces[static_cast<std::size_t>(id.value)], scan, locator, starts));
+      baseline.seconds = (CpuMilliseconds() - start_ms) / 1e3;
+      (starts == 1 ? vtk_one : vtk_many).push_back(baseline);
+    }
+  }
+  std::printf("%d cases, %zu points each on average, prepared in %.1f ms\n", cases,
+              points / static_cast<std::size_t>(cases), prepare_ms / cases);
+  std::printf("%-34s %-11s %12s %12s %14s %12s\n", "", "under 2 cm, 2 deg", "median", "median",
+              "worst tilt", "CPU time");
+  Print("Plumbline, the given start", one);
+  Print("Plumbline, 24 starts", many);
+  Print("VTK's rigid ICP, the given start", vtk_one);
+  Print("VTK's rigid ICP, 24 starts", vtk_many);
+  return 0;
+}
+
+}  // namespace
+}  // namespace plumbline
+
+int main(int argc, char** argv) { return plumbline::Run(argc > 1 ? std::atoi(argv[1]) : 100); }

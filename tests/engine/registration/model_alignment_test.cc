@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/registration/model_alignment.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "engine/base/random.h"
+#include "engine/geometry/gravity.h"
+#include "engine/geometry/surface_sampling.h"
+#include "tests/support/alignment_case.h"
+#include "tests/support/furniture_models.h"
+#include "tests/support/meshes.h"
+#include "tests/support/test_data.h"
+
+namespace plumbline {
+namespace {
+
+class ModelAlignmentTest : public testing::Test {
+ protected:
+  std::shared_ptr<const ModelDatabase> models_ = MakeFurnitureDatabase();
+  const CadModel& chair_ = models_->model(ModelId{1});  // with arm rests: no symmetry
+  std::shared_ptr<const ModelSurface> surface_ = ModelSurface::Prepare(chair_.mesh).value();
+  const Eigen::Vector3d up_ = Eigen::Vector3d(0.2, -0.4, 0.7).normalized();
+
+  Eigen::Isometry3d Truth() const {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = UprightFrame(-up_).WorldFromObjectRotation(0.8);
+    pose.translation() = Eigen::Vector3d(1, -2, 0.5);
+    return pose;
+  }
+
+  /// Points of the whole surface at the true pose, with normals of the faces.
+  TriangleMesh CleanScan(int count, double noise_m, bool upper_half_only = false) const {
+    const auto samples = SampleSurface(chair_.mesh, count, 99).value();
+    Random random({.seed = 5});
+    TriangleMesh scan;
+    for (std::size_t i = 0; i < samples.points.size(); ++i) {
+      const auto face = surface_->face(samples.triangles[i]);
+      if (upper_half_only && samples.points[i].x() > 0) continue;
+      const Eigen::Vector3d noise =
+          noise_m * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+      scan.vertices.push_back((Truth() * samples.points[i] + noise).cast<float>());
+      scan.normals.push_back((Truth().linear() * face.normal).cast<float>());
+    }
+    return scan;
+  }
+
+  Result<ModelAlignment> Align(const TriangleMesh& scan, const Eigen::Isometry3d& start,
+                               const AlignOptions& options) const {
+    return AlignModel(*ScanTarget::Prepare(scan).value(), *surface_, start, up_, options);
+  }
+
+  Eigen::Isometry3d Start(double turn, const Eigen::Vector3d& offset) const {
+    Eigen::Isometry3d start = Truth();
+    start.linear() = Eigen::AngleAxisd(turn, up_) * start.linear();
+    start.translation() += offset;
+    return start;
+  }
+};
+
+TEST_F(ModelAlignmentTest, IndependentCleanSamplesAreMetToAFractionOfAMillimetre) {
+  const auto aligned = Align(CleanScan(30000, 0), Start(2.5, {0.15, 0.1, -0.12}), {});
+  ASSERT_TRUE(aligned.ok()) << aligned.error().message;
+  const AlignCandidate& best = aligned->candidates[0];
+  EXPECT_THAT(best.scan_from_model, IsometryNear(Truth(), 0.02, 0.0002));
+  EXPECT_GT(best.fitness, 0.97);
+  EXPECT_TRUE(best.converged);
+  EXPECT_EQ(aligned->symmetry_order, 1);
+}
+
+TEST_F(ModelAlignmentTest, HalfOfANoisySurfaceIsEnough) {
+  const auto aligned = Align(CleanScan(30000, 0.005, true), Start(-1.2, {-0.1, 0.15, 0.1}), {});
+  ASSERT_TRUE(aligned.ok()) << aligned.error().message;
+  EXPECT_THAT(aligned->candidates[0].scan_from_model, IsometryNear(Truth(), 0.3, 0.002));
+}
+
+TEST_F(ModelAlignmentTest, LockedDirectionsStayExactlyForEveryMotion) {
+  const TriangleMesh scan = CleanScan(8000, 0.005);
+  const UprightFrame upright(-up_);
+  for (const FreeMotion motion : {FreeMotion::kAzimuth, FreeMotion::kAzimuthAndHorizontal,
+                                  FreeMotion::kAzimuthAndTranslation}) {
+    AlignOptions options;
+    options.motion = motion;
+    const Eigen::Vector3d offset =
+        motion == FreeMotion::kAzimuth ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(0.05, 0.02, 0);
+    const Eigen::Isometry3d start = Start(1, offset);
+    const auto aligned = Align(scan, start, options);
+    ASSERT_TRUE(aligned.ok());
+    for (const AlignCandidate& candidate : aligned->candidates) {
+      EXPECT_LE(upright.Tilt(candidate.scan_from_model.linear()), 1e-9);
+      const Eigen::Vector3d moved = candidate.scan_from_model.translation() - start.translation();
+      if (motion == FreeMotion::kAzimuth) {
+        EXPECT_LE(moved.norm(), 1e-12);
+      }
+      if (motion == FreeMotion::kAzimuthAndHorizontal) {
+        EXPECT_LE(std::abs(moved.dot(up_)), 1e-12);
+      }
+    }
+  }
+}
+
+TEST_F(ModelAlignmentTest, SixDegreesOfFreedomAlsoFindTheTilt) {
+  AlignOptions options;
+  options.motion = FreeMotion::kRigid;
+  Eigen::Isometry3d start = Start(0.2, {0.03, 0, 0.02});
+  start.linear() = Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitX()) * start.linear();
+  const auto aligned = Align(CleanScan(30000, 0), start, options);
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_THAT(aligned->candidates[0].scan_from_model, IsometryNear(Truth(), 0.02, 0.0002));
+}
+
+TEST_F(ModelAlignmentTest, ThePointToPointEndAlsoKeepsUprightAndComesNear) {
+  const auto target = ScanTarget::Prepare(CleanScan(30000, 0.002)).value();
+  const Eigen::Isometry3d start = Start(0.02, {0.005, 0.005, 0.005});
+  const AlignmentCrop crop = CropScan(*target, *surface_, start, up_, 0.2);
+  ConstrainedPose pose(start, up_, FreeMotion::kAzimuthAndTranslation);
+  AlignFinely(crop, *surface_, IcpResidual::kPointToPoint, 200, pose);
+  EXPECT_LE(UprightFrame(-up_).Tilt(pose.scan_from_model().linear()), 1e-9);
+  EXPECT_THAT(pose.scan_from_model(), IsometryNear(Truth(), 0.3, 0.003));
+}
+
+TEST_F(ModelAlignmentTest, IsTheSameOnOneThreadAndOnMany) {
+  const AlignmentCase test = MakeAlignmentCase(*models_, ModelId{1}, 3);
+  const auto target = ScanTarget::Prepare(test.scan, test.camera_centers).value();
+  const auto align = [&] {
+    return AlignModel(*target, *surface_, test.start, test.up_in_scan, {}).value();
+  };
+  const ModelAlignment many = align();
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ModelAlignment single = align();
+  ASSERT_EQ(many.candidates.size(), single.candidates.size());
+  for (std::size_t i = 0; i < many.candidates.size(); ++i) {
+    EXPECT_EQ(many.candidates[i].scan_from_model.matrix(),
+              single.candidates[i].scan_from_model.matrix());
+    EXPECT_EQ(many.candidates[i].covariance, single.candidates[i].covariance);
+  }
+}
+
+TEST_F(ModelAlignmentTest, AmongClutterFromOneSideTheRightPlaceWins) {
+  int good = 0;
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    const AlignmentCase test = MakeAlignmentCase(*models_, ModelId{1}, 40 + seed);
+    const auto target = ScanTarget::Prepare(test.scan, test.camera_centers).value();
+    const auto aligned = AlignModel(*target, *surface_, test.start, test.up_in_scan, {});
+    ASSERT_TRUE(aligned.ok());
+    const Eigen::Isometry3d& found = aligned->candidates[0].scan_from_model;
+    EXPECT_LE(UprightFrame(-test.up_in_scan).Tilt(found.linear()), 1e-9);
+    good += (found.translation() - test.scan_from_model.translation()).norm() < 0.02;
+  }
+  EXPECT_GE(good, 5);
+}
+
+TEST_F(ModelAlignmentTest, CandidatesAreRankedAndDistinct) {
+  const auto aligned = Align(CleanScan(20000, 0.002), Start(1, {0.1, 0, 0}), {});
+  ASSERT_TRUE(aligned.ok());
+  const auto& candidates = aligned->candidates;
+  ASSERT_GT(candidates.size(), 1u);
+  for (std::size_t i = 1; i < candidates.size(); ++i) {
+    EXPECT_GE(candidates[i - 1].score, candidates[i].score);
+    for (std::size_t k = 0; k < i; ++k) {
+      const Eigen::Isometry3d between =
+          candidates[k].scan_from_model.inverse() * candidates[i].scan_from_model;
+      EXPECT_TRUE(Eigen::AngleAxisd(between.linear()).angle() > 0.087 ||
+                  (between * surface_->middle() - surface_->middle()).norm() > 0.02);
+    }
+  }
+}
+
+TEST(ModelSurface, KnowsItsSymmetry) {
+  const auto order = [](const TriangleMesh& mesh) {
+    return ModelSurface::Prepare(mesh).value()->SymmetryOrder(0.01);
+  };
+  EXPECT_EQ(order(MakeChair(true)), 1);
+  EXPECT_EQ(order(MakeTable()), 2);
+  EXPECT_EQ(order(MakeBox({-0.3f, -0.3f, 0}, {0.3f, 0.3f, 0.5f})), 4);
+  EXPECT_EQ(order(MakeCylinder(0.1f, 0.3f, 48)), 0);
+}
+
+TEST(ModelSurface, NormalsFaceOutWhateverTheOrderOfTheCorners) {
+  TriangleMesh box = MakeBox({-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f});
+  for (std::size_t i = 0; i < box.triangles.size(); i += 2) {
+    std::swap(box.triangles[i][0], box.triangles[i][1]);
+  }
+  const auto surface = ModelSurface::Prepare(box).value();
+  for (std::size_t i = 0; i < surface->samples().points.size(); ++i) {
+    EXPECT_GT(surface->samples().points[i].dot(surface->samples().normals[i]), 0.1f);
+    EXPECT_FALSE(surface->two_sided()[i]);
+  }
+}
+
+TEST(ModelSurface, WhatIsInsideIsLeftOut) {
+  TriangleMesh nested = MakeBox({-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f});
+  Append(MakeBox({-0.1f, -0.1f, -0.1f}, {0.1f, 0.1f, 0.1f}), nested);
+  const auto surface = ModelSurface::Prepare(nested).value();
+  for (const Eigen::Vector3f& point : surface->samples().points) {
+    EXPECT_NEAR(point.cwiseAbs().maxCoeff(), 0.2f, 1e-6f);
+  }
+}
+
+TEST(ModelSurface, AnOpenSheetHasTwoSides) {
+  const auto surface =
+      ModelSurface::Prepare(MakeParallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0})).value();
+  EXPECT_TRUE(surface->face(0).two_sided);
+  EXPECT_TRUE(surface->two_sided()[0]);
+}
+
+TEST_F(ModelAlignmentTest, AmbiguityOfASymmetricModelIsReported) {
+  const auto table = ModelSurface::Prepare(MakeTable()).value();
+  const auto samples = SampleSurface(MakeTable(), 20000, 4).value();
+  TriangleMesh scan;
+  for (std::size_t i = 0; i < samples.points.size(); ++i) {
+    scan.vertices.push_back(samples.points[i].cast<float>());
+    scan.normals.push_back(table->face(samples.triangles[i]).normal.cast<float>());
+  }
+  const auto aligned = AlignModel(*ScanTarget::Prepare(scan).value(), *table,
+                                  Eigen::Isometry3d::Identity(), Eigen::Vector3d::UnitZ(), {});
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_EQ(aligned->symmetry_order, 2);
+  ASSERT_GE(aligned->candidates.size(), 2u);
+  EXPECT_TRUE(aligned->candidates[1].same_by_symmetry);
+}
+
+TEST_F(ModelAlignmentTest, SaysWhenThereIsNoScanNearTheStart) {
+  const auto aligned = Align(CleanScan(5000, 0), Start(0, {5, 5, 5}), {});
+  ASSERT_FALSE(aligned.ok());
+  EXPECT_EQ(aligned.error().code, ErrorCode::kDegenerate);
+  AlignOptions none;
+  none.starts = 0;
+  EXPECT_FALSE(Align(CleanScan(5000, 0), Start(0, {0, 0, 0}), none).ok());
+}
+
+}  // namespace
+}  // namespace plumbline
