@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/annotation/annotation_document.h"
+
+#include <algorithm>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/dataset/json_fields.h"
+#include "engine/geometry/gravity.h"
+
+namespace plumbline {
+namespace {
+
+Error Invalid(const std::string& what) { return {ErrorCode::kInvalidInput, what}; }
+
+template <typename T>
+T ValueOr(const nlohmann::json& json, const char* key, T otherwise) {
+  const auto found = json.find(key);
+  if (found == json.end()) return otherwise;
+  if constexpr (std::is_same_v<T, bool>) {
+    return found->is_boolean() ? found->get<bool>() : otherwise;
+  } else if constexpr (std::is_same_v<T, double>) {
+    return found->is_number() ? found->get<double>() : otherwise;
+  } else {
+    return found->is_string() ? found->get<T>() : otherwise;
+  }
+}
+
+std::vector<double> ListOf(const Eigen::VectorXd& vector) {
+  return {vector.data(), vector.data() + vector.size()};
+}
+
+}  // namespace
+
+const AnnotatedInstance* AnnotationDocument::Find(const std::string& id) const {
+  const auto found = std::find_if(instances.begin(), instances.end(),
+                                  [&](const auto& instance) { return instance.id == id; });
+  return found == instances.end() ? nullptr : &*found;
+}
+
+Eigen::Isometry3d AnnotationDocument::LevelFromScan() const {
+  Eigen::Isometry3d level_from_scan = Eigen::Isometry3d::Identity();
+  level_from_scan.linear() = UprightFrame(gravity_in_scan).upright_rotation().transpose();
+  if (floor_in_scan) level_from_scan.translation().z() = (*floor_in_scan)[3];
+  return level_from_scan;
+}
+
+nlohmann::json InstanceToJson(const AnnotatedInstance& instance) {
+  nlohmann::json json = {{"id", instance.id},
+                         {"model", instance.model},
+                         {"category", instance.category},
+                         {"quality", instance.fine ? "fine" : "coarse"},
+                         {"scan_from_object", IsometryToJson(instance.scan_from_object)},
+                         {"annotator", instance.annotator},
+                         {"seconds_spent", instance.seconds_spent}};
+  if (!instance.note.empty()) json["note"] = instance.note;
+  if (instance.hidden) json["hidden"] = true;
+  if (instance.locked) json["locked"] = true;
+  return json;
+}
+
+Result<AnnotatedInstance> InstanceFromJson(const nlohmann::json& json) {
+  if (!json.is_object()) return Invalid("an instance must be a JSON object");
+  AnnotatedInstance instance;
+  const auto id = TextFromJson(json, "id"), model = TextFromJson(json, "model");
+  if (!id || id->empty()) return Invalid("an instance needs a text 'id'");
+  if (!model || model->empty()) return Invalid("instance '" + *id + "' needs a text 'model'");
+  instance.id = *id;
+  instance.model = *model;
+  const auto pose =
+      json.contains("scan_from_object") ? IsometryFromJson(json["scan_from_object"]) : std::nullopt;
+  if (!pose) {
+    return Invalid("instance '" + *id +
+                   "' needs a 'scan_from_object' that is a 4x4 rigid transform, row by row");
+  }
+  instance.scan_from_object = *pose;
+  const std::string quality = ValueOr<std::string>(json, "quality", "fine");
+  if (quality != "fine" && quality != "coarse") {
+    return Invalid("instance '" + *id + "' has a 'quality' that is neither fine nor coarse");
+  }
+  instance.fine = quality == "fine";
+  instance.category = ValueOr<std::string>(json, "category", "");
+  instance.note = ValueOr<std::string>(json, "note", "");
+  instance.annotator = ValueOr<std::string>(json, "annotator", "");
+  instance.seconds_spent = ValueOr<double>(json, "seconds_spent", 0);
+  instance.hidden = ValueOr<bool>(json, "hidden", false);
+  instance.locked = ValueOr<bool>(json, "locked", false);
+  return instance;
+}
+
+nlohmann::json DocumentToJson(const AnnotationDocument& document) {
+  nlohmann::json json = {
+      {"plumbline_annotation", 1},
+      {"conventions",
+       "metres; scan_from_object takes object coordinates to the scan file's own frame, rows; "
+       "gravity points down"},
+      {"scan", document.scan},
+      {"models", document.models},
+      {"sequence", document.sequence},
+      {"gravity", ListOf(document.gravity_in_scan)},
+      {"instances", nlohmann::json::array()}};
+  if (document.floor_in_scan) json["floor"] = ListOf(*document.floor_in_scan);
+  if (document.scan_from_world) json["scan_from_world"] = IsometryToJson(*document.scan_from_world);
+  for (const AnnotatedInstance& instance : document.instances) {
+    json["instances"].push_back(InstanceToJson(instance));
+  }
+  return json;
+}
+
+Result<AnnotationDocument> DocumentFromJson(const nlohmann::json& json) {
+  if (!json.is_object() || !json.contains("plumbline_annotation")) {
+    return Invalid("is not an annotation project: it has no 'plumbline_annotation'");
+  }
+  if (json["plumbline_annotation"] != 1) {
+    return Error{ErrorCode::kUnsupported, "was written by a newer Plumbline (version " +
+                                              json["plumbline_annotation"].dump() +
+                                              "); update this one"};
+  }
+  AnnotationDocument document;
+  document.scan = ValueOr<std::string>(json, "scan", "");
+  document.models = ValueOr<std::string>(json, "models", "");
+  document.sequence = ValueOr<std::string>(json, "sequence", "");
+  if (json.contains("gravity")) {
+    const auto gravity = VectorFromJson(json["gravity"], 3);
+    if (!gravity || !(gravity->norm() > 1e-6)) return Invalid("has a 'gravity' without direction");
+    // A unit vector to rounding stays as it is: reading and writing changes no digit.
+    const double norm = gravity->norm();
+    document.gravity_in_scan = std::abs(norm - 1) < 1e-12 ? *gravity : *gravity / norm;
+  }
+  if (json.contains("floor")) {
+    const auto floor = VectorFromJson(json["floor"], 4);
+    if (!floor) return Invalid("has a 'floor' that is not four numbers");
+    document.floor_in_scan = *floor;
+  }
+  if (json.contains("scan_from_world")) {
+    const auto pose = IsometryFromJson(json["scan_from_world"]);
+    if (!pose) return Invalid("has a 'scan_from_world' that is not a 4x4 rigid transform");
+    document.scan_from_world = *pose;
+  }
+  if (!json.contains("instances") || !json["instances"].is_array()) {
+    return Invalid("needs a list 'instances'");
+  }
+  std::set<std::string> ids;
+  for (const nlohmann::json& entry : json["instances"]) {
+    Result<AnnotatedInstance> instance = InstanceFromJson(entry);
+    if (!instance) return instance.error();
+    if (!ids.insert(instance->id).second) {
+      return Invalid("has two instances with the id '" + instance->id + "'");
+    }
+    document.instances.push_back(std::move(*instance));
+  }
+  return document;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <nlohmann/json_fwd.hpp>
+
+#include "engine/base/result.h"
+
+namespace plumbline {
+
+/// One object that somebody placed.
+struct AnnotatedInstance {
+  std::string id;  ///< Unique in the document.
+  std::string model;
+  std::string category;  ///< COCO name.
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+  bool fine = true;  ///< quality "fine" (else "coarse")
+  std::string note;
+  std::string annotator;
+  double seconds_spent = 0;
+  bool hidden = false;  ///< In the window only.
+  bool locked = false;  ///< Refuses changes of pose and model, and removal.
+};
+
+/// What an annotation project says. All poses are in the frame of the scan's file, whatever is
+/// found out about gravity later: the original frame is never lost.
+struct AnnotationDocument {
+  std::string scan;      ///< Path relative to the project file; "" without one.
+  std::string models;    ///< Folder of the model database, likewise.
+  std::string sequence;  ///< Likewise.
+  Eigen::Vector3d gravity_in_scan{0, 0, -1};     ///< Unit vector, down.
+  std::optional<Eigen::Vector4d> floor_in_scan;  ///< (a, b, c) = up, ax + by + cz + d = 0.
+  /// Where the sequence's world is in the scan; nothing where both share a frame.
+  std::optional<Eigen::Isometry3d> scan_from_world;
+  std::vector<AnnotatedInstance> instances;
+
+  const AnnotatedInstance* Find(const std::string& id) const;
+  /// The scan turned z-up with the floor (if known) at z = 0.
+  Eigen::Isometry3d LevelFromScan() const;
+};
+
+nlohmann::json InstanceToJson(const AnnotatedInstance& instance);
+/// Errors: kInvalidInput, what is wrong with it.
+Result<AnnotatedInstance> InstanceFromJson(const nlohmann::json& json);
+
+nlohmann::json DocumentToJson(const AnnotationDocument& document);
+/// Unknown keys are ignored. Errors: kInvalidInput, what is wrong and where.
+Result<AnnotationDocument> DocumentFromJson(const nlohmann::json& json);
+
+}  // namespace plumbline

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/annotation/annotation_edit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+Error Invalid(const std::string& what) { return {ErrorCode::kInvalidInput, what}; }
+
+bool IsRigid(const Eigen::Isometry3d& pose) {
+  return pose.matrix().allFinite() &&
+         (pose.linear() * pose.linear().transpose() - Eigen::Matrix3d::Identity())
+                 .cwiseAbs()
+                 .maxCoeff() < 1e-6 &&
+         pose.linear().determinant() > 0;
+}
+
+Result<std::size_t> IndexOf(const AnnotationDocument& document, const std::string& id) {
+  for (std::size_t i = 0; i < document.instances.size(); ++i) {
+    if (document.instances[i].id == id) return i;
+  }
+  return Error{ErrorCode::kNotFound, "there is no instance '" + id + "'"};
+}
+
+Error Locked(const std::string& id) {
+  return Invalid("instance '" + id + "' is locked; unlock it first");
+}
+
+Result<Edit> Apply(const AddInstance& edit, AnnotationDocument& document) {
+  const AnnotatedInstance& instance = edit.instance;
+  if (instance.id.empty() || instance.model.empty()) {
+    return Invalid("an instance needs an id and a model");
+  }
+  if (document.Find(instance.id))
+    return Invalid("there is an instance '" + instance.id + "' already");
+  if (!IsRigid(instance.scan_from_object)) {
+    return Invalid("the pose of '" + instance.id + "' is not a rigid transform");
+  }
+  const std::size_t index =
+      std::min(edit.index.value_or(document.instances.size()), document.instances.size());
+  document.instances.insert(document.instances.begin() + static_cast<std::ptrdiff_t>(index),
+                            instance);
+  return Edit(RemoveInstance{instance.id});
+}
+
+Result<Edit> Apply(const RemoveInstance& edit, AnnotationDocument& document) {
+  const Result<std::size_t> index = IndexOf(document, edit.id);
+  if (!index) return index.error();
+  if (document.instances[*index].locked) return Locked(edit.id);
+  AddInstance back{document.instances[*index], *index};
+  document.instances.erase(document.instances.begin() + static_cast<std::ptrdiff_t>(*index));
+  return Edit(std::move(back));
+}
+
+/// Sets a field and keeps its old value for the way back.
+template <typename T>
+void Exchange(const std::optional<T>& wanted, T& field, std::optional<T>& old) {
+  if (!wanted) return;
+  old = field;
+  field = *wanted;
+}
+
+Result<Edit> Apply(const ChangeInstance& edit, AnnotationDocument& document) {
+  const Result<std::size_t> index = IndexOf(document, edit.id);
+  if (!index) return index.error();
+  AnnotatedInstance& instance = document.instances[*index];
+  if (instance.locked && !edit.locked && (edit.scan_from_object || edit.model || edit.new_id)) {
+    return Locked(edit.id);
+  }
+  if (edit.scan_from_object && !IsRigid(*edit.scan_from_object)) {
+    return Invalid("the new pose of '" + edit.id + "' is not a rigid transform");
+  }
+  if (edit.new_id &&
+      (edit.new_id->empty() || (*edit.new_id != edit.id && document.Find(*edit.new_id)))) {
+    return Invalid("'" + edit.id + "' cannot be called '" + *edit.new_id +
+                   "': names must be unique and not empty");
+  }
+  if (edit.seconds_spent && !(*edit.seconds_spent >= 0 && std::isfinite(*edit.seconds_spent))) {
+    return Invalid("the time spent on '" + edit.id + "' must not be negative");
+  }
+  if (edit.model && edit.model->empty()) return Invalid("'" + edit.id + "' needs a model");
+  ChangeInstance back;
+  back.id = edit.new_id.value_or(edit.id);
+  Exchange(edit.new_id, instance.id, back.new_id);
+  Exchange(edit.model, instance.model, back.model);
+  Exchange(edit.category, instance.category, back.category);
+  Exchange(edit.note, instance.note, back.note);
+  Exchange(edit.annotator, instance.annotator, back.annotator);
+  Exchange(edit.scan_from_object, instance.scan_from_object, back.scan_from_object);
+  Exchange(edit.fine, instance.fine, back.fine);
+  Exchange(edit.hidden, instance.hidden, back.hidden);
+  Exchange(edit.locked, instance.locked, back.locked);
+  Exchange(edit.seconds_spent, instance.seconds_spent, back.seconds_spent);
+  return Edit(std::move(back));
+}
+
+Result<Edit> Apply(const SetGravity& edit, AnnotationDocument& document) {
+  const double norm = edit.gravity_in_scan.norm();
+  if (!(std::abs(norm - 1) < 1e-6)) return Invalid("gravity must be a unit vector");
+  if (edit.floor_in_scan) {
+    const Eigen::Vector4d& floor = *edit.floor_in_scan;
+    if (!floor.allFinite() || !((floor.head<3>() + edit.gravity_in_scan).norm() < 1e-4)) {
+      return Invalid("the floor's normal must be up, against gravity");
+    }
+  }
+  SetGravity back{document.gravity_in_scan, document.floor_in_scan};
+  document.gravity_in_scan = edit.gravity_in_scan;
+  document.floor_in_scan = edit.floor_in_scan;
+  return Edit(std::move(back));
+}
+
+Result<Edit> Apply(const SetSceneAlignment& edit, AnnotationDocument& document) {
+  if (edit.scan_from_world && !IsRigid(*edit.scan_from_world)) {
+    return Invalid("the alignment of sequence and scan is not a rigid transform");
+  }
+  return Edit(SetSceneAlignment{std::exchange(document.scan_from_world, edit.scan_from_world)});
+}
+
+Result<Edit> Apply(const SetInputs& edit, AnnotationDocument& document) {
+  SetInputs back{document.scan, document.models, document.sequence};
+  document.scan = edit.scan;
+  document.models = edit.models;
+  document.sequence = edit.sequence;
+  return Edit(std::move(back));
+}
+
+Result<Edit> Apply(const EditGroup& group, AnnotationDocument& document) {
+  AnnotationDocument changed = document;
+  EditGroup back{group.label, {}};
+  for (const Edit& edit : group.edits) {
+    Result<Edit> undo = ApplyEdit(edit, changed);
+    if (!undo) return undo.error();
+    back.edits.push_back(std::move(*undo));
+  }
+  std::reverse(back.edits.begin(), back.edits.end());
+  document = std::move(changed);
+  return Edit(std::move(back));
+}
+
+std::string Describe(const AddInstance& edit) { return "Add " + edit.instance.id; }
+std::string Describe(const RemoveInstance& edit) { return "Remove " + edit.id; }
+std::string Describe(const ChangeInstance& edit) {
+  if (edit.new_id) return "Rename " + edit.id + " to " + *edit.new_id;
+  if (edit.scan_from_object) return "Move " + edit.id;
+  if (edit.model) return "Change the model of " + edit.id;
+  return "Change " + edit.id;
+}
+std::string Describe(const SetGravity&) { return "Set gravity"; }
+std::string Describe(const SetSceneAlignment&) { return "Align sequence and scan"; }
+std::string Describe(const SetInputs&) { return "Choose scan, models and sequence"; }
+std::string Describe(const EditGroup& group) { return group.label; }
+
+}  // namespace
+
+Result<Edit> ApplyEdit(const Edit& edit, AnnotationDocument& document) {
+  return std::visit([&](const auto& chosen) { return Apply(chosen, document); }, edit);
+}
+
+std::string DescribeEdit(const Edit& edit) {
+  return std::visit([](const auto& chosen) { return Describe(chosen); }, edit);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/annotation/annotation_document.h"
+
+namespace plumbline {
+
+struct AddInstance {
+  AnnotatedInstance instance;
+  std::optional<std::size_t> index;  ///< Position in the list; at the end where there is none.
+};
+
+struct RemoveInstance {
+  std::string id;
+};
+
+/// Changes what is set; the rest stays.
+struct ChangeInstance {
+  std::string id;
+  std::optional<std::string> new_id, model, category, note, annotator;
+  std::optional<Eigen::Isometry3d> scan_from_object;
+  std::optional<bool> fine, hidden, locked;
+  std::optional<double> seconds_spent;
+};
+
+/// A whole new belief about down and the floor: plane picks, typed numbers, a trajectory's gravity.
+struct SetGravity {
+  Eigen::Vector3d gravity_in_scan{0, 0, -1};
+  std::optional<Eigen::Vector4d> floor_in_scan;
+};
+
+struct SetSceneAlignment {
+  std::optional<Eigen::Isometry3d> scan_from_world;
+};
+
+struct SetInputs {
+  std::string scan, models, sequence;
+};
+
+struct EditGroup;
+using Edit = std::variant<AddInstance, RemoveInstance, ChangeInstance, SetGravity,
+                          SetSceneAlignment, SetInputs, EditGroup>;
+
+/// Several edits that are done and undone as one: an import, the acceptance of a run's drafts.
+struct EditGroup {
+  std::string label;
+  std::vector<Edit> edits;
+};
+
+/// Changes the document and returns the edit that takes it back exactly. Errors: kNotFound (no such
+/// instance), kInvalidInput (an id that exists, a locked instance, numbers that are none); the
+/// document is then unchanged.
+Result<Edit> ApplyEdit(const Edit& edit, AnnotationDocument& document);
+
+/// What a menu says: "Move chair_1".
+std::string DescribeEdit(const Edit& edit);
+
+/// {"edit": "add"|"remove"|"change"|"gravity"|"scene_alignment"|"inputs"|"group", ...}; the rest of
+/// the keys as in the project file.
+nlohmann::json EditToJson(const Edit& edit);
+/// Errors: kInvalidInput.
+Result<Edit> EditFromJson(const nlohmann::json& json);
+
+}  // namespace plumbline

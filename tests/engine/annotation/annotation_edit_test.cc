@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/annotation/annotation_edit.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/engine/annotation/random_edits.h"
+#include "tests/support/test_data.h"
+
+namespace plumbline {
+namespace {
+
+std::string Text(const AnnotationDocument& document) { return DocumentToJson(document).dump(); }
+
+TEST(AnnotationEdit, EveryEditIsTakenBackExactly) {
+  AnnotationDocument document;
+  Random random({.seed = 1});
+  std::vector<std::string> states{Text(document)};
+  std::vector<Edit> back;
+  for (int i = 0; i < 2000; ++i) {
+    Result<Edit> undo = ApplyEdit(RandomEdit(document, random), document);
+    ASSERT_TRUE(undo.ok()) << undo.error().message;
+    back.push_back(std::move(*undo));
+    states.push_back(Text(document));
+  }
+  while (!back.empty()) {
+    ASSERT_TRUE(ApplyEdit(back.back(), document).ok());
+    back.pop_back();
+    states.pop_back();
+    ASSERT_EQ(Text(document), states.back());
+  }
+}
+
+TEST(AnnotationEdit, SurvivesJsonBitForBit) {
+  AnnotationDocument document, copy;
+  Random random({.seed = 2});
+  for (int i = 0; i < 500; ++i) {
+    const Edit edit = RandomEdit(document, random);
+    const Result<Edit> read = EditFromJson(nlohmann::json::parse(EditToJson(edit).dump()));
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_TRUE(ApplyEdit(edit, document).ok());
+    ASSERT_TRUE(ApplyEdit(*read, copy).ok());
+    ASSERT_EQ(Text(copy), Text(document));
+  }
+  const auto again = DocumentFromJson(nlohmann::json::parse(Text(document)));
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(Text(*again), Text(document));
+}
+
+TEST(AnnotationEdit, RefusesWhatMakesNoSenseAndLeavesTheDocument) {
+  AnnotationDocument document;
+  Random random({.seed = 3});
+  ASSERT_TRUE(ApplyEdit(AddInstance{RandomInstance("a", random), {}}, document).ok());
+  ASSERT_TRUE(ApplyEdit(AddInstance{RandomInstance("b", random), {}}, document).ok());
+  const std::string before = Text(document);
+  ChangeInstance taken, skewed, negative, nobody;
+  taken.id = skewed.id = negative.id = "a";
+  nobody.id = "c";
+  taken.new_id = "b";
+  skewed.scan_from_object = Eigen::Isometry3d::Identity();
+  skewed.scan_from_object->linear() *= 1.1;
+  negative.seconds_spent = -1;
+  const std::vector<Edit> wrong = {AddInstance{RandomInstance("a", random), {}},
+                                   AddInstance{RandomInstance("", random), {}}, RemoveInstance{"c"},
+                                   taken, skewed, negative, nobody, SetGravity{{0, 0, -2}, {}},
+                                   SetGravity{{0, 0, -1}, Eigen::Vector4d(1, 0, 0, 0)},
+                                   // The first of the two is good: neither may stay.
+                                   EditGroup{"both", {RemoveInstance{"b"}, RemoveInstance{"b"}}}};
+  for (const Edit& edit : wrong) {
+    EXPECT_FALSE(ApplyEdit(edit, document).ok()) << DescribeEdit(edit);
+    EXPECT_EQ(Text(document), before);
+  }
+}
+
+TEST(AnnotationEdit, ALockedInstanceStaysWhereItIs) {
+  AnnotationDocument document;
+  Random random({.seed = 4});
+  ASSERT_TRUE(ApplyEdit(AddInstance{RandomInstance("a", random), {}}, document).ok());
+  ChangeInstance lock, move, note, unlock;
+  lock.id = move.id = note.id = unlock.id = "a";
+  lock.locked = true;
+  move.scan_from_object = RandomPose(random);
+  note.note = "good";
+  unlock.locked = false;
+  ASSERT_TRUE(ApplyEdit(lock, document).ok());
+  EXPECT_FALSE(ApplyEdit(move, document).ok());
+  EXPECT_FALSE(ApplyEdit(RemoveInstance{"a"}, document).ok());
+  EXPECT_TRUE(ApplyEdit(note, document).ok());
+  ASSERT_TRUE(ApplyEdit(unlock, document).ok());
+  EXPECT_TRUE(ApplyEdit(move, document).ok());
+}
+
+TEST(AnnotationEdit, JsonMistakesAreSentences) {
+  const auto message = [](const char* text) {
+    const auto edit = EditFromJson(nlohmann::json::parse(text));
+    return edit.ok() ? std::string("no error") : edit.error().message;
+  };
+  EXPECT_THAT(message(R"({"edit": "paint"})"), testing::HasSubstr("not 'paint'"));
+  EXPECT_THAT(message(R"({"edit": "change", "id": "a", "colour": 1})"),
+              testing::HasSubstr("knows no 'colour'"));
+  EXPECT_THAT(message(R"({"edit": "change", "id": "a", "scan_from_object": [1, 2]})"),
+              testing::HasSubstr("wrong value"));
+  EXPECT_THAT(message(R"({"edit": "add", "instance": {"id": "a"}})"),
+              testing::HasSubstr("needs a text 'model'"));
+}
+
+TEST(AnnotationDocument, LevelsTheScanFromGravityAndFloor) {
+  AnnotationDocument document;
+  document.gravity_in_scan = {-1, 0, 0};
+  document.floor_in_scan = Eigen::Vector4d(1, 0, 0, -0.5);  // x = 0.5
+  const Eigen::Vector3d level = document.LevelFromScan() * Eigen::Vector3d(2.5, 3, 4);
+  EXPECT_NEAR(level.z(), 2, 1e-12);
+}
+
+}  // namespace
+}  // namespace plumbline

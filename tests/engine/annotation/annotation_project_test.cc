@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/annotation/annotation_project.h"
+
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/files.h"
+#include "tests/engine/annotation/random_edits.h"
+#include "tests/support/test_data.h"
+
+namespace plumbline {
+namespace {
+
+class AnnotationProjectTest : public testing::Test {
+ protected:
+  std::unique_ptr<AnnotationProject> Create() const {
+    return AnnotationProject::Create(file_, {}).value();
+  }
+  std::unique_ptr<AnnotationProject> Open() const { return AnnotationProject::Open(file_).value(); }
+  static std::string Text(const AnnotationProject& project) {
+    return DocumentToJson(project.document()).dump();
+  }
+  void Edit(AnnotationProject& project, int count) {
+    for (int i = 0; i < count; ++i) {
+      ASSERT_TRUE(project.Apply(RandomEdit(project.document(), random_)).ok());
+    }
+  }
+  /// The files as a process that is killed now would leave them.
+  void KillHere(std::unique_ptr<AnnotationProject> project) const {
+    const auto journal = ReadFile(file_.string() + ".journal");
+    project.reset();
+    ASSERT_TRUE(journal.ok());
+    ASSERT_TRUE(WriteFileAtomically(file_.string() + ".journal", *journal).ok());
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path file_ = folder_.path() / "room.json";
+  Random random_{{.seed = 5}};
+};
+
+TEST_F(AnnotationProjectTest, SavesAndOpensAgain) {
+  auto project = Create();
+  Edit(*project, 30);
+  EXPECT_TRUE(project->modified());
+  ASSERT_TRUE(project->Save().ok());
+  EXPECT_FALSE(project->modified());
+  const std::string text = Text(*project);
+  project.reset();
+  EXPECT_FALSE(std::filesystem::exists(file_.string() + ".journal"));
+  project = Open();
+  EXPECT_EQ(Text(*project), text);
+  EXPECT_EQ(project->num_recovered(), 0u);
+  EXPECT_TRUE(project->warnings().empty());
+}
+
+TEST_F(AnnotationProjectTest, UndoesAndRedoesWithoutEnd) {
+  auto project = Create();
+  std::vector<std::string> states{Text(*project)};
+  for (int i = 0; i < 300; ++i) {
+    Edit(*project, 1);
+    states.push_back(Text(*project));
+  }
+  for (int i = 299; i >= 0; --i) {
+    ASSERT_TRUE(project->Undo().ok());
+    ASSERT_EQ(Text(*project), states[static_cast<std::size_t>(i)]);
+  }
+  EXPECT_FALSE(project->Undo().ok());
+  for (std::size_t i = 1; i <= 300; ++i) {
+    ASSERT_TRUE(project->Redo().ok());
+    ASSERT_EQ(Text(*project), states[i]);
+  }
+  EXPECT_FALSE(project->RedoLabel().has_value());
+  ASSERT_TRUE(project->Undo().ok());
+  Edit(*project, 1);
+  EXPECT_FALSE(project->RedoLabel().has_value());
+}
+
+TEST_F(AnnotationProjectTest, WhatWasNotSavedComesBackWithItsUndo) {
+  auto project = Create();
+  Edit(*project, 10);
+  ASSERT_TRUE(project->Save().ok());
+  const std::string saved = Text(*project);
+  Edit(*project, 7);
+  ASSERT_TRUE(project->Undo().ok());
+  const std::string last = Text(*project);
+  KillHere(std::move(project));
+  project = Open();
+  EXPECT_EQ(Text(*project), last);
+  EXPECT_EQ(project->num_recovered(), 8u);
+  EXPECT_TRUE(project->modified());
+  for (int i = 0; i < 6; ++i) ASSERT_TRUE(project->Undo().ok());
+  EXPECT_EQ(Text(*project), saved);
+  for (int i = 0; i < 6; ++i) ASSERT_TRUE(project->Redo().ok());
+  EXPECT_EQ(Text(*project), last);
+  // And once more, with the journal that was continued.
+  Edit(*project, 2);
+  const std::string after = Text(*project);
+  KillHere(std::move(project));
+  EXPECT_EQ(Text(*Open()), after);
+}
+
+TEST_F(AnnotationProjectTest, UndoingPastTheLastSaveSurvivesAKill) {
+  auto project = Create();
+  Edit(*project, 5);
+  const std::string five = Text(*project);
+  Edit(*project, 3);
+  ASSERT_TRUE(project->Save().ok());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(project->Undo().ok());
+  KillHere(std::move(project));
+  EXPECT_EQ(Text(*Open()), five);
+}
+
+TEST_F(AnnotationProjectTest, ATornLineEndsTheJournalAndNothingElse) {
+  auto project = Create();
+  Edit(*project, 6);
+  const std::string last = Text(*project);
+  KillHere(std::move(project));
+  std::ofstream(file_.string() + ".journal", std::ios::app) << R"({"kind": "do", "edit": {"ed)";
+  project = Open();
+  EXPECT_EQ(Text(*project), last);
+  Edit(*project, 3);
+  const std::string after = Text(*project);
+  KillHere(std::move(project));
+  EXPECT_EQ(Text(*Open()), after);
+}
+
+TEST_F(AnnotationProjectTest, AJournalOfAnotherVersionIsKeptAside) {
+  auto project = Create();
+  Edit(*project, 6);
+  KillHere(std::move(project));
+  nlohmann::json other = ReadJson(file_).value();  // as from a version control system
+  other["saved"] = {{"journal", "other"}, {"records", 0}};
+  ASSERT_TRUE(WriteJson(file_, other).ok());
+  project = Open();
+  ASSERT_EQ(project->warnings().size(), 1u);
+  EXPECT_THAT(project->warnings()[0], testing::HasSubstr("kept as"));
+  EXPECT_TRUE(project->document().instances.empty());
+  int kept = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+    kept += entry.path().string().find(".journal.kept-") != std::string::npos;
+  }
+  EXPECT_EQ(kept, 1);
+}
+
+TEST_F(AnnotationProjectTest, ASecondWindowIsToldWhoHasTheProject) {
+  auto project = Create();
+  const auto second = AnnotationProject::Open(file_);
+  ASSERT_FALSE(second.ok());
+  EXPECT_THAT(second.error().message,
+              testing::AllOf(testing::HasSubstr("open in another window"),
+                             testing::HasSubstr("process " + std::to_string(getpid()))));
+  Edit(*project, 3);
+  auto reader = AnnotationProject::Open(file_, AnnotationProject::Access::kRead);
+  ASSERT_TRUE(reader.ok());
+  EXPECT_EQ(Text(**reader), Text(*project));
+  EXPECT_FALSE((*reader)->Apply(RemoveInstance{"x"}).ok());
+  EXPECT_FALSE((*reader)->Save().ok());
+  // Looking does not disturb: the writer's edits are still recovered.
+  reader->reset();
+  KillHere(std::move(project));
+  EXPECT_EQ(Open()->num_recovered(), 3u);
+}
+
+TEST_F(AnnotationProjectTest, OnAFullDiskWorkStaysInMemoryAndIsSavedLater) {
+  auto project = Create();
+  Edit(*project, 3);
+  rlimit old;
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old), 0);
+  const auto handler = signal(SIGXFSZ, SIG_IGN);
+  rlimit full = old;
+  full.rlim_cur = std::filesystem::file_size(file_.string() + ".journal") + 100;
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+  Edit(*project, 20);
+  const bool reported = project->journal_problem().has_value();
+  const std::string problem = reported ? project->journal_problem()->message : "";
+  const Status saved = project->Save();
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &old), 0);
+  signal(SIGXFSZ, handler);
+  EXPECT_TRUE(reported);
+  EXPECT_THAT(problem, testing::HasSubstr("save it elsewhere"));
+  EXPECT_FALSE(saved.ok());
+  const std::string text = Text(*project);
+  // There is room again: the next edit writes what waited.
+  Edit(*project, 1);
+  EXPECT_FALSE(project->journal_problem().has_value());
+  const std::string last = Text(*project);
+  ASSERT_TRUE(project->Undo().ok());
+  EXPECT_EQ(Text(*project), text);
+  ASSERT_TRUE(project->Redo().ok());
+  KillHere(std::move(project));
+  project = Open();
+  EXPECT_EQ(Text(*project), last);
+  EXPECT_EQ(project->num_recovered(), 26u);
+}
+
+TEST_F(AnnotationProjectTest, IsSavedElsewhereWithPathsThatFit) {
+  auto project = Create();
+  ASSERT_TRUE(project->Apply(SetInputs{"scan.ply", "../models", "/data/walk"}).ok());
+  Edit(*project, 2);
+  std::filesystem::create_directories(folder_.path() / "a" / "b");
+  const auto scan = std::filesystem::weakly_canonical(project->Resolve("scan.ply"));
+  const Status nowhere = project->SaveAs("/proc/none/room.json");
+  EXPECT_FALSE(nowhere.ok());
+  EXPECT_EQ(project->file(), file_);
+  ASSERT_TRUE(project->SaveAs(folder_.path() / "a" / "b" / "copy.json").ok());
+  EXPECT_EQ(std::filesystem::weakly_canonical(project->Resolve(project->document().scan)), scan);
+  EXPECT_FALSE(project->modified());
+  Edit(*project, 4);
+  ASSERT_TRUE(project->Save().ok());
+  const std::string text = Text(*project);
+  project.reset();
+  EXPECT_EQ(Text(*AnnotationProject::Open(folder_.path() / "a" / "b" / "copy.json").value()), text);
+  EXPECT_TRUE(AnnotationProject::Open(file_).ok());  // given back
+}
+
+TEST_F(AnnotationProjectTest, FilesThatAreNoProjectsAreNamed) {
+  const auto message = [&](const char* text) {
+    EXPECT_TRUE(WriteFileAtomically(file_, text).ok());
+    const auto project = AnnotationProject::Open(file_);
+    return project.ok() ? std::string("no error") : project.error().message;
+  };
+  EXPECT_THAT(message("{}"), testing::HasSubstr("room.json' is not an annotation project"));
+  EXPECT_THAT(message(R"({"plumbline_annotation": 2})"), testing::HasSubstr("newer Plumbline"));
+  EXPECT_THAT(message(R"({"plumbline_annotation": 1, "instances": [{}]})"),
+              testing::HasSubstr("needs a text 'id'"));
+  EXPECT_THAT(message("{\"plumbline"), testing::HasSubstr("not valid JSON"));
+  EXPECT_FALSE(AnnotationProject::Create(file_, {}).ok());
+  EXPECT_FALSE(AnnotationProject::Open(folder_.path() / "none.json").ok());
+}
+
+}  // namespace
+}  // namespace plumbline

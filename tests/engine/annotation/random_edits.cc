@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/engine/annotation/random_edits.h"
+
+namespace plumbline {
+namespace {
+
+std::string FreeName(const AnnotationDocument& document, Random& random) {
+  std::string name;
+  do {
+    name = "chair_" + std::to_string(random.Bits());
+  } while (document.Find(name));
+  return name;
+}
+
+Edit Change(const AnnotationDocument& document, Random& random) {
+  const auto& instances = document.instances;
+  const auto& chosen = instances[random.Index(static_cast<std::uint32_t>(instances.size()))];
+  ChangeInstance edit;
+  edit.id = chosen.id;
+  if (chosen.locked) edit.locked = false;
+  switch (random.Index(6)) {
+    case 0:
+      edit.new_id = FreeName(document, random);
+      break;
+    case 1:
+      edit.note = "seen from \"behind\"\n\xc3\xa4 " + std::to_string(random.Uniform());
+      edit.fine = random.Index(2) == 0;
+      break;
+    case 2:
+      edit.seconds_spent = chosen.seconds_spent + random.Uniform(0, 60);
+      edit.annotator = "Ada";
+      break;
+    case 3:
+      edit.locked = true;
+      break;
+    default:
+      edit.scan_from_object = RandomPose(random);
+      break;
+  }
+  return edit;
+}
+
+}  // namespace
+
+Eigen::Isometry3d RandomPose(Random& random) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  const Eigen::Vector4d q(random.Gaussian(), random.Gaussian(), random.Gaussian(),
+                          random.Gaussian());
+  pose.linear() = Eigen::Quaterniond(q.normalized()).toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+  return pose;
+}
+
+AnnotatedInstance RandomInstance(const std::string& id, Random& random) {
+  AnnotatedInstance instance;
+  instance.id = id;
+  instance.model = "chair";
+  instance.category = "chair";
+  instance.scan_from_object = RandomPose(random);
+  instance.fine = random.Index(2) == 0;
+  instance.annotator = "Ada";
+  instance.seconds_spent = random.Uniform(0, 100);
+  return instance;
+}
+
+Edit RandomEdit(const AnnotationDocument& document, Random& random) {
+  const std::uint32_t kind = random.Index(12);
+  if (document.instances.size() < 3 || (kind < 2 && document.instances.size() < 40)) {
+    return AddInstance{RandomInstance(FreeName(document, random), random), std::nullopt};
+  }
+  if (kind == 2) {
+    for (const AnnotatedInstance& instance : document.instances) {
+      if (!instance.locked) return RemoveInstance{instance.id};
+    }
+  }
+  if (kind == 3) {
+    const Eigen::Vector3d down =
+        Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized();
+    return SetGravity{down, Eigen::Vector4d(-down.x(), -down.y(), -down.z(), random.Gaussian())};
+  }
+  if (kind == 4) return SetSceneAlignment{RandomPose(random)};
+  if (kind == 5) return SetInputs{"scan.ply", "models", "walk" + std::to_string(random.Index(9))};
+  if (kind == 6) {
+    EditGroup group{"Two at once", {}};
+    group.edits.push_back(
+        AddInstance{RandomInstance(FreeName(document, random), random), std::size_t{0}});
+    group.edits.push_back(Change(document, random));
+    return group;
+  }
+  return Change(document, random);
+}
+
+}  // namespace plumbline
