@@ -31,6 +31,7 @@ constexpr int kSettleFrames = 3;
 constexpr double kNoteSeconds = 5;
 constexpr std::size_t kMaxRecent = 8;
 constexpr double kIdleWakeSeconds = 1.0;
+constexpr int kParticleHypothesis = 3;  ///< Where a ProbeView has the particle that was asked for.
 
 const char* StateName(PlaybackState state) {
   switch (state) {
@@ -87,8 +88,10 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   details_ = MakeDetailsPanel();
   timings_ = MakeTimingsPanel();
   timeline_ = MakeTimelinePanel();
+  why_ = MakeWhyPanel();
+  particle_table_ = MakeParticleTablePanel();
   for (const auto* panel : {&image_, &edges_, &depth_, &masks_, &particles_, &map_, &objects_,
-                            &details_, &timings_, &timeline_}) {
+                            &details_, &timings_, &timeline_, &why_, &particle_table_}) {
     panels_.push_back(panel->get());
   }
   context_.playback = std::make_shared<const PlaybackView>();
@@ -157,10 +160,13 @@ void Application::Handle(const WindowCommand& command) {
       [this](const auto& c) {
         using T = std::decay_t<decltype(c)>;
         if constexpr (std::is_same_v<T, SelectObjectCommand>) {
-          context_.selection = {c.object, -1};
+          context_.selection = {c.object, -1, 0};
           auto_select_ = false;
         } else if constexpr (std::is_same_v<T, SelectParticleCommand>) {
           context_.selection.particle = c.particle;
+          context_.selection.hypothesis = c.particle >= 0 ? kParticleHypothesis : 0;
+          if (c.particle >= 0 && process_ != nullptr)
+            process_->Post(ProbeCommand{context_.selection.object, c.particle});
         } else if constexpr (std::is_same_v<T, FollowCommand>) {
           context_.follow = c.follow;
         } else if constexpr (std::is_same_v<T, FocusSelectionCommand>) {
@@ -176,6 +182,8 @@ void Application::Handle(const WindowCommand& command) {
         } else if constexpr (std::is_same_v<T, RemoveBookmarkCommand>) {
           std::erase_if(context_.bookmarks, [&](const Bookmark& b) { return b.frame == c.frame; });
           KeepBookmarks();
+        } else if constexpr (std::is_same_v<T, SelectHypothesisCommand>) {
+          context_.selection.hypothesis = c.hypothesis;
         } else if constexpr (std::is_same_v<T, AskFrameCommand>) {
           wanted_ask_frame_ = true;
         } else if constexpr (std::is_same_v<T, ScreenshotCommand>) {
@@ -218,6 +226,7 @@ void Application::ReadSlots() {
   if (process_ == nullptr) return;
   context_.playback = process_->Playback();
   context_.sequence = process_->Sequence();
+  context_.probe = process_->Probe();
   auto snapshot = process_->Snapshot();
   if (snapshot != context_.snapshot) {
     context_.snapshot = std::move(snapshot);
@@ -318,8 +327,12 @@ void Application::DrawPanels(const InspectLayout& layout) {
   DrawPanel(context_, layout.particles, *particles_, *this);
   DrawPanel(context_, layout.scene, *map_, *this);
   DrawPanel(context_, layout.objects, *objects_, *this);
-  DrawPanel(context_, layout.details, *details_, *this);
-  DrawPanel(context_, layout.timings, *timings_, *this);
+  Panel* const about_object[] = {details_.get(), why_.get(), particle_table_.get()};
+  LayoutRect details = layout.details;
+  const bool wide = details_tab_ > 0;
+  if (wide) details.high = layout.timings.high;  // it needs the room
+  DrawTabbedPanels(context_, details, about_object, details_tab_, *this);
+  if (!wide) DrawPanel(context_, layout.timings, *timings_, *this);
   DrawPanel(context_, layout.timeline, *timeline_, *this);
   DragSplitters(context_, layout, ratios_);
 }
@@ -378,6 +391,10 @@ nlohmann::json Application::State() const {
       {"objects", context_.snapshot != nullptr ? context_.snapshot->report.objects.size() : 0},
       {"selected_object", context_.selection.object.value},
       {"selected_particle", context_.selection.particle},
+      {"selected_hypothesis", context_.selection.hypothesis},
+      {"probe_frame", context_.probe != nullptr ? context_.probe->frame : -1},
+      {"verdict", context_.probe != nullptr ? context_.probe->verdict : ""},
+      {"details_tab", details_tab_},
       {"follow", context_.follow},
       {"help", show_help_},
       {"ui_scale", context_.ui_scale},
@@ -411,6 +428,7 @@ void Application::LoadSettings() {
     for (Panel* panel : panels_) {
       if (panels.contains(panel->Id())) panel->LoadState(panels.at(panel->Id()));
     }
+    details_tab_ = settings->value("details_tab", details_tab_);
     context_.recent = settings->value("recent", std::vector<std::string>());
     if (settings->contains("ui_scale")) wanted_scale_ = settings->at("ui_scale").get<double>();
     if (settings->contains("window")) {
@@ -425,6 +443,7 @@ void Application::SaveSettings() const {
   if (options_.settings.empty()) return;
   nlohmann::json settings = {{"layout", RatiosToJson(ratios_)},
                              {"ui_scale", context_.ui_scale},
+                             {"details_tab", details_tab_},
                              {"recent", context_.recent},
                              {"window", {window_->width(), window_->height()}}};
   for (const Panel* panel : panels_) settings["panels"][panel->Id()] = panel->SaveState();

@@ -10,6 +10,7 @@
 
 #include "engine/process/frame_pictures.h"
 #include "engine/process/history.h"
+#include "engine/process/hypothesis_probe.h"
 #include "engine/process/sequence_view.h"
 #include "engine/process/snapshot_memory.h"
 #include "engine/recording/run_file.h"
@@ -56,13 +57,19 @@ class LiveSource : public SnapshotSource {
  public:
   LiveSource(std::unique_ptr<MappingPipeline> pipeline, std::unique_ptr<FramePictures> pictures,
              RunFilePlace place, std::unique_ptr<RunWriter> writer, SequenceView view,
-             FrameRange range)
+             const LiveChoice& choice)
       : place_(std::move(place)),
         pipeline_(std::move(pipeline)),
         pictures_(std::move(pictures)),
         writer_(std::move(writer)),
         view_(std::move(view)),
-        range_(range) {}
+        range_(choice.pipeline.frames),
+        probe_(pipeline_->sequence().camera(), pipeline_->database(), choice.pipeline.options,
+               pipeline_->sequence().floor_in_world()) {}
+
+  ProbeView Probe(const MapSnapshot& snapshot, const ProbeCommand& request) override {
+    return probe_.Probe(snapshot, view_, request);
+  }
 
   const SequenceView& view() const override { return view_; }
   int size() const override { return pipeline_->num_selected(); }
@@ -122,6 +129,7 @@ class LiveSource : public SnapshotSource {
   std::unique_ptr<RunReader> reader_;
   SequenceView view_;
   FrameRange range_;
+  LazyProbe probe_;
   SnapshotMemory memory_{kMemoryBytes};
   std::vector<FrameEvent> events_;
   RunHistory history_;
@@ -147,7 +155,7 @@ Result<std::unique_ptr<SnapshotSource>> OpenLiveSource(const LiveChoice& choice,
   SequenceView view = MakeSequenceView(*sequence, *(*pipeline)->database(), work);
   return std::unique_ptr<SnapshotSource>(std::make_unique<LiveSource>(
       std::move(pipeline).value(), std::move(pictures).value(), std::move(place).value(),
-      std::move(writer).value(), std::move(view), choice.pipeline.frames));
+      std::move(writer).value(), std::move(view), choice));
 }
 
 }  // namespace plumbline

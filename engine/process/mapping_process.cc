@@ -145,6 +145,10 @@ void MappingProcess::Apply(const PlaybackCommand& command) {
           if (c.begin && c.end && *c.begin > *c.end)
             std::swap(state_.range_begin, state_.range_end);
         }
+        if constexpr (std::is_same_v<T, ProbeCommand>) {
+          if (const auto shown = snapshot_.Latest())
+            probe_.Publish(std::make_shared<const ProbeView>(source_->Probe(*shown, c)));
+        }
         if constexpr (std::is_same_v<T, SetLoopCommand>) state_.loop = c.loop;
         if constexpr (std::is_same_v<T, SetSpeedCommand>) {
           state_.speed = c.speed;

@@ -40,6 +40,8 @@ class MappingProcess {
   std::shared_ptr<const SequenceView> Sequence() const { return sequence_.Latest(); }
   /// Null until the first frame.
   std::shared_ptr<const MapSnapshot> Snapshot() const { return snapshot_.Latest(); }
+  /// The last answer to a ProbeCommand; null before the first.
+  std::shared_ptr<const ProbeView> Probe() const { return probe_.Latest(); }
   /// Never null.
   std::shared_ptr<const PlaybackView> Playback() const { return playback_.Latest(); }
 
@@ -70,6 +72,7 @@ class MappingProcess {
   SnapshotSlot<SequenceView> sequence_;
   SnapshotSlot<MapSnapshot> snapshot_;
   SnapshotSlot<PlaybackView> playback_;
+  SnapshotSlot<ProbeView> probe_;
 
   // Of the thread only.
   std::unique_ptr<SnapshotSource> source_;

@@ -8,6 +8,7 @@
 #include "engine/base/log.h"
 #include "engine/process/frame_pictures.h"
 #include "engine/process/history.h"
+#include "engine/process/hypothesis_probe.h"
 #include "engine/process/sequence_view.h"
 #include "engine/process/snapshot_memory.h"
 #include "engine/recording/run_file.h"
@@ -32,12 +33,13 @@ class RunSource : public SnapshotSource {
  public:
   RunSource(std::unique_ptr<RunReader> reader, std::vector<RunFrame> frames,
             std::vector<FrameEvent> events, std::unique_ptr<FramePictures> pictures,
-            SequenceView view)
+            SequenceView view, LazyProbe probe)
       : reader_(std::move(reader)),
         frames_(std::move(frames)),
         events_(std::move(events)),
         pictures_(std::move(pictures)),
-        view_(std::move(view)) {
+        view_(std::move(view)),
+        probe_(std::move(probe)) {
     history_.frames.resize(frames_.size());
   }
 
@@ -50,6 +52,9 @@ class RunSource : public SnapshotSource {
   bool recorded() const override { return true; }
   const std::vector<FrameEvent>& events() const override { return events_; }
   const RunHistory& history() const override { return history_; }
+  ProbeView Probe(const MapSnapshot& snapshot, const ProbeCommand& request) override {
+    return probe_.Probe(snapshot, view_, request);
+  }
 
   bool ReadAhead() override {
     const auto until = std::chrono::steady_clock::now() + kReadAheadTime;
@@ -90,6 +95,7 @@ class RunSource : public SnapshotSource {
   std::vector<FrameEvent> events_;
   std::unique_ptr<FramePictures> pictures_;
   SequenceView view_;
+  LazyProbe probe_;
   SnapshotMemory memory_{kMemoryBytes};
   RunHistory history_;
   int read_ = 0;  ///< Positions that the history knows.
@@ -107,9 +113,18 @@ Status CheckModels(const RunHeader& header, const ModelDatabase& database,
                    run.string() + "' was made with; name the right folder with --models"};
 }
 
+/// As far as this program knows them; a run of another version may have others.
+MapperOptions OptionsOf(const RunHeader& header) {
+  MapperOptions options;
+  if (const Status status = OptionsFromJson(header.options, options); !status.ok())
+    log::warn("the run's options are not all known here: {}", status.error().message);
+  return options;
+}
+
 struct Inputs {
   std::unique_ptr<FramePictures> pictures;
   SequenceView view;
+  std::shared_ptr<const ModelDatabase> database;
 };
 
 Result<Inputs> OpenInputs(const RunChoice& choice, const RunHeader& header,
@@ -133,11 +148,12 @@ Result<Inputs> OpenInputs(const RunChoice& choice, const RunHeader& header,
         sequence.error().message);
     auto pictures = FramePictures::CreateWithoutImages(header.camera, *database);
     if (!pictures.ok()) return pictures.error();
-    return Inputs{std::move(pictures).value(), ViewWithoutSequence(header, **database)};
+    return Inputs{std::move(pictures).value(), ViewWithoutSequence(header, **database), *database};
   }
   auto pictures = FramePictures::Create(*sequence, *database, EdgeChoice(header.edges));
   if (!pictures.ok()) return pictures.error();
-  return Inputs{std::move(pictures).value(), MakeSequenceView(**sequence, **database, work)};
+  return Inputs{std::move(pictures).value(), MakeSequenceView(**sequence, **database, work),
+                *database};
 }
 
 }  // namespace
@@ -147,7 +163,7 @@ Result<std::unique_ptr<SnapshotSource>> OpenRunSource(const RunChoice& choice,
   work.report({"Opening the run"});
   auto reader = RunReader::Open(choice.run);
   if (!reader.ok()) return reader.error();
-  const RunHeader& header = (*reader)->header();
+  const RunHeader header = (*reader)->header();
   auto frames = (*reader)->Frames();
   if (!frames.ok()) return frames.error();
   if (frames->empty())
@@ -162,7 +178,8 @@ Result<std::unique_ptr<SnapshotSource>> OpenRunSource(const RunChoice& choice,
   inputs->view.name += ", " + choice.run.filename().string();
   return std::unique_ptr<SnapshotSource>(std::make_unique<RunSource>(
       std::move(reader).value(), std::move(frames).value(), std::move(events),
-      std::move(inputs->pictures), std::move(inputs->view)));
+      std::move(inputs->pictures), std::move(inputs->view),
+      LazyProbe(header.camera, inputs->database, OptionsOf(header), header.floor_in_world)));
 }
 
 }  // namespace plumbline

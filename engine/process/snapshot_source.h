@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "engine/base/result.h"
+#include "engine/snapshot/commands.h"
 #include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/probe_view.h"
 
 namespace plumbline {
 
@@ -36,6 +38,14 @@ class SnapshotSource {
   virtual const std::vector<FrameEvent>& events() const = 0;
   /// Of the frames that are mapped, as far as it is known yet.
   virtual const RunHistory& history() const = 0;
+  /// Answers about a frame that this source gave.
+  virtual ProbeView Probe(const MapSnapshot& snapshot, const ProbeCommand& request) {
+    ProbeView nothing;
+    nothing.frame = snapshot.report.frame;
+    nothing.object = request.object;
+    nothing.message = "This source cannot score hypotheses again.";
+    return nothing;
+  }
   /// Reads a little more of the history, for some milliseconds; false once there is no more to
   /// read.
   virtual bool ReadAhead() { return false; }

@@ -39,9 +39,18 @@ struct SetLoopCommand {
   bool loop = false;
 };
 
+/// Scores an object of the frame that is shown again, with what was not tried: the truth, places
+/// around the mean. The answer is a ProbeView.
+struct ProbeCommand {
+  ObjectId object;
+  int particle = -1;       ///< Also this one; -1: none.
+  bool reference = false;  ///< Also by the reference scorer, which takes longer.
+};
+
 /// For the process that plays and maps.
-using PlaybackCommand = std::variant<PlayCommand, PauseCommand, TogglePlayCommand, StepCommand,
-                                     SeekCommand, SetSpeedCommand, SetRangeCommand, SetLoopCommand>;
+using PlaybackCommand =
+    std::variant<PlayCommand, PauseCommand, TogglePlayCommand, StepCommand, SeekCommand,
+                 SetSpeedCommand, SetRangeCommand, SetLoopCommand, ProbeCommand>;
 
 /// An id that is not valid clears the selection.
 struct SelectObjectCommand {
@@ -72,6 +81,10 @@ struct ScreenshotCommand {
 };
 /// The next key strokes name the frame to go to.
 struct AskFrameCommand {};
+/// Index into the hypotheses of the ProbeView: this one's contour is drawn.
+struct SelectHypothesisCommand {
+  int hypothesis = 0;
+};
 struct ShowHelpCommand {
   bool show = true;
 };
@@ -90,7 +103,8 @@ struct QuitCommand {};
 using WindowCommand =
     std::variant<SelectObjectCommand, SelectParticleCommand, FollowCommand, FocusSelectionCommand,
                  ResetViewCommand, BookmarkCommand, RemoveBookmarkCommand, AskFrameCommand,
-                 ScreenshotCommand, ShowHelpCommand, SetUiScaleCommand, OpenCommand, QuitCommand>;
+                 SelectHypothesisCommand, ScreenshotCommand, ShowHelpCommand, SetUiScaleCommand,
+                 OpenCommand, QuitCommand>;
 
 using Command = std::variant<PlaybackCommand, WindowCommand>;
 

@@ -21,6 +21,8 @@ std::vector<std::unique_ptr<Panel>> AllPanels() {
   panels.push_back(MakeScenePanel());
   panels.push_back(MakeObjectsPanel());
   panels.push_back(MakeDetailsPanel());
+  panels.push_back(MakeWhyPanel());
+  panels.push_back(MakeParticleTablePanel());
   panels.push_back(MakeTimingsPanel());
   panels.push_back(MakeTimelinePanel());
   return panels;
@@ -43,7 +45,8 @@ TEST(Panels, DrawInEveryStateOfTheWorld) {
     harness.context.selection.object = {99};
     harness.Draw(*panel, 3);
     EXPECT_GT(harness.vertices, 0);
-    EXPECT_TRUE(harness.sink.commands.empty()) << "nobody asked for anything";
+    const bool explains = std::string(panel->Id()) == "why";  // asks to have scores explained
+    EXPECT_TRUE(explains || harness.sink.commands.empty()) << "nobody asked for anything";
   }
 }
 
@@ -218,6 +221,47 @@ TEST(ParticlesPanel, MarksTheParticleUnderTheMouse) {
   harness.Click(*panel, "particles.view", 0.02f, 0.02f);
   ASSERT_NE(harness.sink.Last<SelectParticleCommand>(), nullptr);
   EXPECT_EQ(harness.sink.Last<SelectParticleCommand>()->particle, -1);
+}
+
+TEST(WhyPanel, AsksOnceAndSelectsAHypothesis) {
+  PanelHarness harness;
+  const auto panel = MakeWhyPanel();
+  harness.size = {900, 220};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  harness.Draw(*panel, 4);
+  ASSERT_EQ(harness.sink.commands.size(), 1u);
+  EXPECT_EQ(harness.sink.Last<ProbeCommand>()->object, ObjectId{1});
+  auto probe = std::make_shared<ProbeView>();
+  probe->frame = harness.context.snapshot->report.frame;
+  probe->object = {1};
+  probe->beta = 10;
+  probe->verdict = "Search: no particle is near.";
+  probe->hypotheses.resize(2);
+  probe->hypotheses[0].name = "mean";
+  probe->hypotheses[1].name = "truth";
+  probe->slices = {{"azimuth", "\u00b0", {-180, 0, 180}, {0, 0, 0}, {0, 1, 0}, {0, 10, 0}, {}, {}}};
+  harness.context.probe = probe;
+  harness.Click(*panel, "why.row.1");
+  ASSERT_NE(harness.sink.Last<SelectHypothesisCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectHypothesisCommand>()->hypothesis, 1);
+  harness.Point(*panel, "why.slice.azimuth");
+}
+
+TEST(ParticleTablePanel, SortsAndMarks) {
+  PanelHarness harness;
+  const auto panel = MakeParticleTablePanel();
+  harness.size = {900, 300};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  harness.Draw(*panel, 3);                           // columns find their places
+  harness.Click(*panel, "particle_table.column.3");  // falling edge term
+  harness.Click(*panel, "particle_table.row.0");
+  ASSERT_NE(harness.sink.Last<SelectParticleCommand>(), nullptr);
+  const int marked = harness.sink.Last<SelectParticleCommand>()->particle;
+  const auto& particles = *harness.context.SelectedObject()->particles;
+  for (const Particle& particle : particles)
+    EXPECT_LE(particle.phi_edge, particles[static_cast<std::size_t>(marked)].phi_edge);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 
 #include "engine/base/ids.h"
 #include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/probe_view.h"
 #include "ui/framework/theme.h"
 
 namespace plumbline {
@@ -58,8 +59,9 @@ struct ImageViewport {
 };
 
 struct Selection {
-  ObjectId object;    ///< Not valid: nothing.
-  int particle = -1;  ///< Of that object; -1: none.
+  ObjectId object;     ///< Not valid: nothing.
+  int particle = -1;   ///< Of that object; -1: none.
+  int hypothesis = 0;  ///< Of the probe: its contour is drawn.
 };
 
 /// A frame to come back to.
@@ -73,10 +75,11 @@ struct FrameContext {
   std::shared_ptr<const SequenceView> sequence;  ///< Null until it is open.
   std::shared_ptr<const MapSnapshot> snapshot;   ///< Null until the first frame.
   std::shared_ptr<const PlaybackView> playback;  ///< Never null.
-  std::uint64_t snapshot_version = 0;            ///< Changes with `snapshot`.
-  std::string source;                            ///< What was opened, as it was named; "": nothing.
-  std::uint64_t source_version = 0;              ///< Changes when something else is opened.
-  std::vector<Bookmark> bookmarks;               ///< Of what is open, by frame.
+  std::shared_ptr<const ProbeView> probe;  ///< The last answer, maybe of another frame; null: none.
+  std::uint64_t snapshot_version = 0;      ///< Changes with `snapshot`.
+  std::string source;                      ///< What was opened, as it was named; "": nothing.
+  std::uint64_t source_version = 0;        ///< Changes when something else is opened.
+  std::vector<Bookmark> bookmarks;         ///< Of what is open, by frame.
   bool ask_frame = false;           ///< In this frame: the keyboard goes to the field for it.
   std::vector<std::string> recent;  ///< What was opened before, newest first.
   Selection selection;

@@ -62,12 +62,26 @@ void HandleY(const FrameContext& context, const char* name, const LayoutRect& ab
   Handle(context, name, false, gap, above.low.y, below.high.y - above.low.y, ratio);
 }
 
-void DrawTitle(const FrameContext& context, Panel& panel, CommandSink& sink) {
-  ImGui::PushFont(context.fonts.strong);
-  ImGui::TextUnformatted(panel.Title());
-  ImGui::PopFont();
-  LogItem(context, std::string(panel.Id()) + ".title");
-  Tooltip(context, panel.Help());
+void DrawTitle(const FrameContext& context, Panel& panel, std::span<Panel* const> tabs,
+               std::size_t* active, CommandSink& sink) {
+  for (std::size_t i = 0; i < tabs.size(); ++i) {
+    const bool is_active = tabs[i] == &panel;
+    if (i > 0) ImGui::SameLine(0, context.Scaled(14));
+    ImGui::PushFont(context.fonts.strong);
+    ImGui::PushStyleColor(ImGuiCol_Text, is_active ? colors::kText : colors::kFaint);
+    ImGui::TextUnformatted(tabs[i]->Title());
+    ImGui::PopStyleColor();
+    ImGui::PopFont();
+    LogItem(context, std::string(tabs[i]->Id()) + ".title");
+    if (tabs.size() > 1 && is_active) {
+      const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+      ImGui::GetWindowDrawList()->AddRectFilled({low.x, high.y + context.Scaled(2)},
+                                                {high.x, high.y + context.Scaled(4)},
+                                                colors::kAccent);
+    }
+    Tooltip(context, tabs[i]->Help());
+    if (active != nullptr && ImGui::IsItemClicked()) *active = i;
+  }
   ImGui::SameLine(0, context.Scaled(12));
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {context.Scaled(3), context.Scaled(4)});
   ImGui::SetCursorPosY(ImGui::GetCursorPosY() - context.Scaled(2));
@@ -144,8 +158,10 @@ void DragSplitters(const FrameContext& context, const InspectLayout& layout, Lay
   HandleX(context, "split.details", layout.details, layout.timings, ratios.details);
 }
 
-void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel,
-               CommandSink& sink) {
+namespace {
+
+void DrawFrame(const FrameContext& context, const LayoutRect& rect, Panel& panel,
+               std::span<Panel* const> tabs, std::size_t* active, CommandSink& sink) {
   const ImVec2 size(rect.width(), rect.height());
   if (size.x < 8 || size.y < 8) return;
   ImGui::SetCursorScreenPos(rect.low);
@@ -156,10 +172,24 @@ void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel
                         ImGuiWindowFlags_AlwaysUseWindowPadding);
   ImGui::PopStyleVar();
   ImGui::PopStyleColor();
-  if (*panel.Title() != '\0') DrawTitle(context, panel, sink);
+  if (*panel.Title() != '\0') DrawTitle(context, panel, tabs, active, sink);
   panel.Draw(context, sink);
   ImGui::EndChild();
   LogItem(context, std::string("panel.") + panel.Id());
+}
+
+}  // namespace
+
+void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel,
+               CommandSink& sink) {
+  Panel* const only[] = {&panel};
+  DrawFrame(context, rect, panel, only, nullptr, sink);
+}
+
+void DrawTabbedPanels(const FrameContext& context, const LayoutRect& rect,
+                      std::span<Panel* const> panels, std::size_t& active, CommandSink& sink) {
+  active = std::min(active, panels.size() - 1);
+  DrawFrame(context, rect, *panels[active], panels, &active, sink);
 }
 
 }  // namespace plumbline

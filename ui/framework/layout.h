@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 #include <imgui.h>
 #include <nlohmann/json.hpp>
@@ -20,8 +21,8 @@ struct LayoutRect {
 /// Where one region ends and the next begins, as shares of the room; the user drags them.
 struct LayoutRatios {
   double timeline = 0.225;  ///< Height of the timeline, of the whole window.
-  double columns = 0.46;   ///< Width of the image views.
-  double image = 0.49;     ///< Height of the large image above the four small ones.
+  double columns = 0.46;    ///< Width of the image views.
+  double image = 0.49;      ///< Height of the large image above the four small ones.
   double small_columns = 0.5;
   double small_rows = 0.5;
   double scene = 0.50;    ///< Height of the 3-D view.
@@ -53,6 +54,10 @@ InspectLayout ComputeInspectLayout(ImVec2 size, double ui_scale, const LayoutRat
 
 /// Draws the invisible handles between the regions and moves `ratios` while one is dragged.
 void DragSplitters(const FrameContext& context, const InspectLayout& layout, LayoutRatios& ratios);
+
+/// Several panels in one place; the titles of the others are tabs. `active` changes by a click.
+void DrawTabbedPanels(const FrameContext& context, const LayoutRect& rect,
+                      std::span<Panel* const> panels, std::size_t& active, CommandSink& sink);
 
 /// A panel in its rounded frame with its title row; a panel without a title has none.
 void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel,

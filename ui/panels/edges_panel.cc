@@ -44,7 +44,11 @@ class EdgesPanel : public Panel {
   }
 
   void DrawHeader(const FrameContext& context, CommandSink&) override {
-    AlignRight(ToggleWidth(context, "Outlines"));
+    AlignRight(ToggleWidth(context, "Outlines") + ToggleWidth(context, "Contour") +
+               context.Scaled(4));
+    Toggle(context, "edges.contour", "Contour", contour_,
+           "Contour samples of the hypothesis that is chosen under 'Why here?'.");
+    ImGui::SameLine();
     Toggle(context, "edges.outlines", "Outlines", outlines_,
            "Outlines of the mean states over the edges that they should meet.");
   }
@@ -67,6 +71,7 @@ class EdgesPanel : public Panel {
                              snapshot.edge_probability.rows);
     if (outlines_)
       DrawOutlineOverlay(context, canvas, {.width_px = 1, .alpha = 0.8, .shadow = false});
+    if (contour_) DrawContourOverlay(context, canvas);
     DrawOrientationLegend(context, canvas);
     if (const auto pixel = canvas.hovered()) {
       const int x = static_cast<int>(std::lround(pixel->x())),
@@ -79,13 +84,16 @@ class EdgesPanel : public Panel {
     }
   }
 
-  nlohmann::json SaveState() const override { return {{"outlines", outlines_}}; }
+  nlohmann::json SaveState() const override {
+    return {{"outlines", outlines_}, {"contour", contour_}};
+  }
   void LoadState(const nlohmann::json& json) override {
     outlines_ = json.value("outlines", outlines_);
+    contour_ = json.value("contour", contour_);
   }
 
  private:
-  bool outlines_ = false;
+  bool outlines_ = false, contour_ = false;
 };
 
 }  // namespace

@@ -44,8 +44,8 @@ class ImagePanel : public Panel {
   }
 
   void DrawHeader(const FrameContext& context, CommandSink&) override {
-    float width = context.Scaled(15);
-    for (const char* label : {"Proposals", "Weak", "Outlines", "Names", "Particles"}) {
+    float width = context.Scaled(18);
+    for (const char* label : {"Proposals", "Weak", "Outlines", "Names", "Particles", "Contour"}) {
       width += ToggleWidth(context, label);
     }
     AlignRight(width);
@@ -66,6 +66,10 @@ class ImagePanel : public Panel {
     ImGui::SameLine();
     Toggle(context, "image.particles", "Particles", particles_,
            "Centres of the selected object's hypotheses.");
+    ImGui::SameLine();
+    Toggle(context, "image.contour", "Contour", contour_,
+           "Contour samples of the hypothesis that is chosen under 'Why here?', with their search "
+           "lines and the edges that they hit: green hits well, red misses, grey is hidden.");
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
@@ -85,6 +89,7 @@ class ImagePanel : public Panel {
     if (const ObjectReport* object = context.SelectedObject(); particles_ && object != nullptr) {
       DrawParticleOverlay(context, canvas, *object, {});
     }
+    if (contour_) DrawContourOverlay(context, canvas);
     PictureLabels labels(context, canvas.low(), canvas.high());
     if (!snapshot.report.skipped.empty()) {
       labels.Add({canvas.low()}, colors::kWarning, "not used: " + snapshot.report.skipped);
@@ -96,11 +101,8 @@ class ImagePanel : public Panel {
   }
 
   nlohmann::json SaveState() const override {
-    return {{"proposals", proposals_},
-            {"weak", weak_},
-            {"outlines", outlines_},
-            {"names", names_},
-            {"particles", particles_}};
+    return {{"proposals", proposals_}, {"weak", weak_},           {"outlines", outlines_},
+            {"names", names_},         {"particles", particles_}, {"contour", contour_}};
   }
   void LoadState(const nlohmann::json& json) override {
     proposals_ = json.value("proposals", proposals_);
@@ -108,6 +110,7 @@ class ImagePanel : public Panel {
     outlines_ = json.value("outlines", outlines_);
     names_ = json.value("names", names_);
     particles_ = json.value("particles", particles_);
+    contour_ = json.value("contour", contour_);
   }
 
  private:
@@ -171,7 +174,8 @@ class ImagePanel : public Panel {
     }
   }
 
-  bool proposals_ = true, weak_ = false, outlines_ = true, names_ = true, particles_ = false;
+  bool proposals_ = true, weak_ = false, outlines_ = true, names_ = true, particles_ = false,
+       contour_ = true;
 };
 
 }  // namespace

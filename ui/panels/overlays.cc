@@ -91,6 +91,38 @@ void DrawOutlineOverlay(const FrameContext& context, const ImageCanvas& canvas,
   }
 }
 
+const ProbeView* ProbeOfSelection(const FrameContext& context) {
+  const ProbeView* probe = context.probe.get();
+  const bool fits = probe != nullptr && context.snapshot != nullptr &&
+                    probe->frame == context.snapshot->report.frame &&
+                    probe->object == context.selection.object;
+  return fits ? probe : nullptr;
+}
+
+void DrawContourOverlay(const FrameContext& context, const ImageCanvas& canvas) {
+  const ProbeView* probe = ProbeOfSelection(context);
+  if (probe == nullptr || probe->hypotheses.empty()) return;
+  const auto index = static_cast<std::size_t>(
+      std::clamp(context.selection.hypothesis, 0, static_cast<int>(probe->hypotheses.size()) - 1));
+  const float dot = context.Scaled(2);
+  for (const ContourSample& sample : probe->hypotheses[index].samples) {
+    const Eigen::Vector2f reach = probe->search_radius_px * sample.normal;
+    const ImU32 color = sample.visible
+                            ? Mixed(colors::kBad, colors::kGood, std::min(1.0, 1.6 * sample.hit))
+                            : colors::kFaint;
+    canvas.draw().AddLine(canvas.ToScreen(Eigen::Vector2f(sample.pixel - reach)),
+                          canvas.ToScreen(Eigen::Vector2f(sample.pixel + reach)),
+                          WithAlpha(color, sample.visible ? 0.45 : 0.2), 1);
+    canvas.draw().AddRectFilled(
+        {canvas.ToScreen(sample.pixel).x - 1, canvas.ToScreen(sample.pixel).y - 1},
+        {canvas.ToScreen(sample.pixel).x + 1, canvas.ToScreen(sample.pixel).y + 1}, color);
+    if (!sample.visible || !sample.edge_at_px) continue;
+    canvas.draw().AddCircleFilled(
+        canvas.ToScreen(Eigen::Vector2f(sample.pixel + *sample.edge_at_px * sample.normal)), dot,
+        color, 6);
+  }
+}
+
 ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel) {
   const MapSnapshot& snapshot = *context.snapshot;
   if (snapshot.id.empty()) return {};

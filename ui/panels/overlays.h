@@ -27,6 +27,13 @@ struct OutlineOverlay {
 void DrawOutlineOverlay(const FrameContext& context, const ImageCanvas& canvas,
                         const OutlineOverlay& overlay);
 
+/// The probe of the selected object in the frame that is shown; null if there is none.
+const ProbeView* ProbeOfSelection(const FrameContext& context);
+
+/// Contour samples of the probed hypothesis that is selected: a tick along each search line, a dot
+/// where the edge was found. Green hits well, red misses, grey is hidden.
+void DrawContourOverlay(const FrameContext& context, const ImageCanvas& canvas);
+
 /// The object whose mean state shows at a pixel of the image; not valid where there is none.
 ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel);
 

@@ -22,7 +22,9 @@ FakeSourceOptions Small() {
 }
 
 MappingProcess::OpenSource Opener(const FakeSourceOptions& options) {
-  return [options](const WorkContext&) -> Result<std::unique_ptr<SnapshotSource>> { return MakeFakeSource(options); };
+  return [options](const WorkContext&) -> Result<std::unique_ptr<SnapshotSource>> {
+    return MakeFakeSource(options);
+  };
 }
 
 bool WaitFor(const std::function<bool()>& condition) {

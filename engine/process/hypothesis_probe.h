@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "engine/base/progress.h"
+#include "engine/mapping/likelihood.h"
+#include "engine/mapping/occlusion.h"
+#include "engine/mapping/rendered_scorer.h"
+#include "engine/mapping/viewpoint_scorer.h"
+#include "engine/snapshot/commands.h"
+#include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/probe_view.h"
+
+namespace plumbline {
+
+/// Scores again what a frame's particles were scored by, and what they were not: the truth, places
+/// around the mean. Edges come from the snapshot; the detector's scores from the proposals that the
+/// frame reports, which is exact for `--detector dataset` and close for networks. What hides the
+/// object is taken from the means after the frame instead of before it. Use it in one thread.
+class HypothesisProbe {
+ public:
+  /// The models' contours are read from the cache or built (seconds). Errors: kCancelled.
+  static Result<std::unique_ptr<HypothesisProbe>> Create(
+      const PinholeCamera& camera, std::shared_ptr<const ModelDatabase> database,
+      const MapperOptions& options, std::optional<Eigen::Vector4d> floor_in_world,
+      const WorkContext& work);
+
+  /// A request that cannot be answered gives a view with a message.
+  ProbeView Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
+                  const ProbeCommand& request);
+
+ private:
+  struct Frame;
+  HypothesisProbe() = default;
+  std::vector<Likelihood> Score(const Frame& frame, const HypothesisScorer& scorer,
+                                std::span<const PoseHypothesis> hypotheses) const;
+  /// Finds the truth, too.
+  void AddHypotheses(Frame& frame, const SequenceView& sequence, const ProbeCommand& request,
+                     ProbeView& view) const;
+  void ScoreHypotheses(const Frame& frame, const HypothesisScorer* reference, const EdgeMap& edges,
+                       ProbeView& view) const;
+  void AddSlices(const Frame& frame, const HypothesisScorer* reference, ProbeView& view) const;
+  std::vector<ContourSample> Samples(const Frame& frame, const PoseHypothesis& hypothesis,
+                                     const EdgeMap& edges) const;
+
+  PinholeCamera camera_;
+  std::shared_ptr<const ModelDatabase> database_;
+  MapperOptions options_;
+  std::optional<Eigen::Vector4d> floor_in_world_;
+  std::vector<std::shared_ptr<const ViewpointModel>> viewpoints_;
+  std::unique_ptr<ViewpointScorer> scorer_;
+  std::unique_ptr<OcclusionRenderer> renderer_;
+  std::unique_ptr<RenderedScorer> reference_;  ///< Made when first asked for.
+  bool reference_failed_ = false;
+  int table_frame_ = -1;
+  std::shared_ptr<const OrientedTable> table_;
+};
+
+/// A probe that is made when it is first asked.
+class LazyProbe {
+ public:
+  LazyProbe(const PinholeCamera& camera, std::shared_ptr<const ModelDatabase> database,
+            const MapperOptions& options, std::optional<Eigen::Vector4d> floor_in_world)
+      : camera_(camera),
+        database_(std::move(database)),
+        options_(options),
+        floor_in_world_(floor_in_world) {}
+  ProbeView Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
+                  const ProbeCommand& request);
+
+ private:
+  PinholeCamera camera_;
+  std::shared_ptr<const ModelDatabase> database_;
+  MapperOptions options_;
+  std::optional<Eigen::Vector4d> floor_in_world_;
+  std::unique_ptr<HypothesisProbe> probe_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// One object of one frame under the magnifying glass: how hypotheses score, and why.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "engine/base/ids.h"
+#include "engine/geometry/box.h"
+
+namespace plumbline {
+
+/// One sample of a hypothesis' contour in the image.
+struct ContourSample {
+  Eigen::Vector2f pixel;
+  Eigen::Vector2f normal;           ///< Unit vector: the search goes along it, both ways.
+  bool visible = false;             ///< False: behind another object.
+  float hit = 0;                    ///< What the search table gives here, in [0, 1].
+  std::optional<float> edge_at_px;  ///< Along the normal: the edge that gives the hit.
+};
+
+/// A hypothesis, and what it scores in the frame, by the mapper's own rule.
+struct ProbedHypothesis {
+  std::string name;  ///< "mean", "best particle", "truth table_0" ...
+  std::optional<int> particle;
+  bool is_truth = false;
+  ModelId label;
+  Eigen::Vector3d center_in_world{0, 0, 0};
+  double azimuth_rad = 0;
+  float phi_cnn = 0, phi_edge = 0;
+  std::optional<float> phi_edge_rendered;  ///< By the reference scorer.
+  float score = 0;                         ///< alpha Phi_cnn + beta Phi_edge
+  float visible_fraction = 0;
+  Box2 whole_box, visible_box;
+  std::optional<float> from_truth_m, from_truth_rad;  ///< Of centre and azimuth.
+  std::vector<ContourSample> samples;
+};
+
+/// The score along one parameter, the others as in the mean.
+struct LikelihoodSlice {
+  std::string parameter, unit;  ///< "distance", "cm"
+  std::vector<float> offsets;   ///< From the mean, in `unit`.
+  std::vector<float> phi_cnn, phi_edge, score;
+  std::vector<float> phi_edge_rendered;  ///< As long as offsets, or empty.
+  std::optional<float> truth;            ///< Offset of the true place.
+};
+
+struct ProbeView {
+  int frame = -1;
+  ObjectId object;
+  double alpha = 0, beta = 0;
+  float search_radius_px = 0;
+  float chance = 0;                          ///< Hit that a contour gets by chance.
+  std::string message;                       ///< Why there is nothing; "" else.
+  std::string verdict;                       ///< In words: search, likelihood, or neither.
+  std::vector<ProbedHypothesis> hypotheses;  ///< The first is the mean.
+  std::vector<LikelihoodSlice> slices;
+  float nearest_particle_m =
+      -1;  ///< Of the particles' centres from the true one; < 0 without truth.
+};
+
+}  // namespace plumbline
