@@ -172,9 +172,20 @@ void Application::Handle(const WindowCommand& command) {
         } else if constexpr (std::is_same_v<T, FocusSelectionCommand>) {
           if (context_.selection.object.value > 0) scene_->FocusObject(context_.selection.object);
         } else if constexpr (std::is_same_v<T, ResetViewCommand>) {
-          context_.follow = false;
+          context_.follow = context_.look_through = false;
           viewport_ = {};
           scene_->Reset();
+        } else if constexpr (std::is_same_v<T, ViewDirectionCommand>) {
+          context_.follow = context_.look_through = false;
+          scene_->SetDirection(c.azimuth_rad, c.elevation_rad);
+        } else if constexpr (std::is_same_v<T, LookThroughCommand>) {
+          context_.look_through = c.on;
+        } else if constexpr (std::is_same_v<T, SetThemeCommand>) {
+          context_.light = c.light;
+          wanted_scale_ = context_.ui_scale;
+        } else if constexpr (std::is_same_v<T, ShowPaletteCommand>) {
+          palette_ = {};
+          palette_.open = c.show;
         } else if constexpr (std::is_same_v<T, BookmarkCommand>) {
           std::erase_if(context_.bookmarks, [&](const Bookmark& b) { return b.frame == c.frame; });
           context_.bookmarks.push_back({c.frame, c.note});
@@ -218,7 +229,7 @@ void Application::Note(std::string text) {
 
 void Application::SetUiScale(double scale) {
   context_.ui_scale = std::clamp(scale, 0.6, 4.0);
-  context_.fonts = ApplyTheme(context_.ui_scale);
+  context_.fonts = ApplyTheme(context_.ui_scale, context_.light);
   backend_->ReloadFonts();
 }
 
@@ -316,7 +327,8 @@ void Application::DrawWindow() {
   DrawStatusBar(context_, layout.status_bar, note_);
   ImGui::End();
   if (show_help_) DrawHelpSheet(context_, *this);
-  PostShortcuts(context_, show_help_, *this);
+  DrawPalette(context_, palette_, *this);
+  if (!palette_.open) PostShortcuts(context_, show_help_, *this);
 }
 
 void Application::DrawPanels(const InspectLayout& layout) {
@@ -396,6 +408,9 @@ nlohmann::json Application::State() const {
       {"verdict", context_.probe != nullptr ? context_.probe->verdict : ""},
       {"details_tab", details_tab_},
       {"follow", context_.follow},
+      {"look_through", context_.look_through},
+      {"light", context_.light},
+      {"palette", palette_.open},
       {"help", show_help_},
       {"ui_scale", context_.ui_scale},
       {"window", {window_->width(), window_->height()}},
@@ -428,6 +443,7 @@ void Application::LoadSettings() {
     for (Panel* panel : panels_) {
       if (panels.contains(panel->Id())) panel->LoadState(panels.at(panel->Id()));
     }
+    context_.light = settings->value("light", false);
     details_tab_ = settings->value("details_tab", details_tab_);
     context_.recent = settings->value("recent", std::vector<std::string>());
     if (settings->contains("ui_scale")) wanted_scale_ = settings->at("ui_scale").get<double>();
@@ -441,11 +457,10 @@ void Application::LoadSettings() {
 
 void Application::SaveSettings() const {
   if (options_.settings.empty()) return;
-  nlohmann::json settings = {{"layout", RatiosToJson(ratios_)},
-                             {"ui_scale", context_.ui_scale},
-                             {"details_tab", details_tab_},
-                             {"recent", context_.recent},
-                             {"window", {window_->width(), window_->height()}}};
+  nlohmann::json settings = {
+      {"layout", RatiosToJson(ratios_)}, {"ui_scale", context_.ui_scale},
+      {"details_tab", details_tab_},     {"light", context_.light},
+      {"recent", context_.recent},       {"window", {window_->width(), window_->height()}}};
   for (const Panel* panel : panels_) settings["panels"][panel->Id()] = panel->SaveState();
   std::error_code ignored;
   std::filesystem::create_directories(options_.settings.parent_path(), ignored);

@@ -21,6 +21,7 @@
 #include "ui/framework/layout.h"
 #include "ui/framework/panel.h"
 #include "ui/framework/scene_surface.h"
+#include "ui/panels/palette.h"
 
 namespace plumbline {
 
@@ -96,6 +97,7 @@ class Application : private CommandSink {
 
   bool auto_select_ = true;  ///< Until the user selects: an object that is in view.
   bool show_help_ = false;
+  PaletteState palette_;
   bool quit_ = false;
   bool wanted_ask_frame_ = false;
   std::optional<double> wanted_scale_;

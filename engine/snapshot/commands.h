@@ -67,6 +67,20 @@ struct FollowCommand {
 /// Turns the 3-D view to the selected object.
 struct FocusSelectionCommand {};
 struct ResetViewCommand {};
+/// Azimuth and elevation of the eye about the focus of the 3-D view [rad].
+struct ViewDirectionCommand {
+  double azimuth_rad = 0, elevation_rad = 0;
+};
+/// The 3-D view is that of the sequence's camera, with its image behind.
+struct LookThroughCommand {
+  bool on = true;
+};
+struct SetThemeCommand {
+  bool light = false;
+};
+struct ShowPaletteCommand {
+  bool show = true;
+};
 /// Remembers a frame with a note; replaces the bookmark that the frame has.
 struct BookmarkCommand {
   int frame = 0;
@@ -102,7 +116,8 @@ struct QuitCommand {};
 /// For the window itself.
 using WindowCommand =
     std::variant<SelectObjectCommand, SelectParticleCommand, FollowCommand, FocusSelectionCommand,
-                 ResetViewCommand, BookmarkCommand, RemoveBookmarkCommand, AskFrameCommand,
+                 ResetViewCommand, ViewDirectionCommand, LookThroughCommand, SetThemeCommand,
+                 ShowPaletteCommand, BookmarkCommand, RemoveBookmarkCommand, AskFrameCommand,
                  SelectHypothesisCommand, ScreenshotCommand, ShowHelpCommand, SetUiScaleCommand,
                  OpenCommand, QuitCommand>;
 

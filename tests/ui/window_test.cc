@@ -343,6 +343,69 @@ TEST_F(Window, KeepsEveryControlInsideTheWindow) {
   }
 }
 
+TEST_F(Window, FindsActionsInThePalette) {
+  ASSERT_EQ(Run(R"(
+      {"key": "p", "control": true},
+      {"wait_for": {"palette": true}},
+      {"wait_frames": 3},
+      {"text": "ten on"},
+      {"wait_frames": 2},
+      {"key": "enter"},
+      {"wait_for": {"palette": false, "frame": 10}},
+      {"key": "p", "control": true},
+      {"wait_frames": 3},
+      {"text": "7"},
+      {"key": "enter"},
+      {"wait_for": {"frame": 7}},
+      {"key": "p", "control": true},
+      {"wait_frames": 3},
+      {"text": "select #2"},
+      {"wait_frames": 2},
+      {"click": "palette.entry.0"},
+      {"wait_for": {"selected_object": 2, "palette": false}},
+      {"key": "p", "control": true},
+      {"wait_for": {"palette": true}},
+      {"key": "escape"},
+      {"wait_for": {"palette": false, "selected_object": 2}})"),
+            0)
+      << ReadFile(File("errors.txt")).value();
+}
+
+TEST_F(Window, LooksFromTheAxesAndThroughTheCamera) {
+  ASSERT_EQ(Run(R"(
+      {"key": "4"},
+      {"wait_frames": 2},
+      {"dump_state": "right.json"},
+      {"key": "0"},
+      {"wait_for": {"look_through": true}},
+      {"wait_frames": 2},
+      {"screenshot": "through.png", "of": "scene.view"},
+      {"key": "r"},
+      {"wait_for": {"look_through": false}})"),
+            0)
+      << ReadFile(File("errors.txt")).value();
+  EXPECT_NEAR(State("right.json")["camera"]["azimuth_deg"], 0, 1e-6);
+  const cv::Mat through = cv::imread(File("through.png"));
+  ASSERT_FALSE(through.empty());
+  // The made-up image fills the middle of the view, from side to side or from top to bottom.
+  EXPECT_GT(cv::mean(through(cv::Rect(through.cols / 3, through.rows / 3, through.cols / 3,
+                                      through.rows / 3)))[1],
+            60);
+}
+
+TEST_F(Window, TurnsLightAndRemembersIt) {
+  const std::string settings = "--settings settings.json";
+  ASSERT_EQ(Run(R"(
+      {"key": "l", "control": true},
+      {"wait_for": {"light": true}},
+      {"wait_frames": 3},
+      {"screenshot": "light.png"})",
+                settings),
+            0);
+  ASSERT_EQ(Run(R"({"wait_for": {"light": true}})", settings), 0);
+  EXPECT_GT(cv::mean(cv::imread(File("light.png")))[1], 120);
+}
+
 TEST_F(Window, GrowsItsTextOnDemand) {
   ASSERT_EQ(Run(R"(
       {"key": "=", "control": true},

@@ -83,9 +83,11 @@ struct FrameContext {
   bool ask_frame = false;           ///< In this frame: the keyboard goes to the field for it.
   std::vector<std::string> recent;  ///< What was opened before, newest first.
   Selection selection;
-  bool follow = false;   ///< The 3-D view moves with the camera.
-  double window_ms = 0;  ///< CPU time of drawing the last window frame.
-  double scene_ms = 0;   ///< Of the last render of the 3-D view.
+  bool follow = false;        ///< The 3-D view moves with the camera.
+  bool look_through = false;  ///< The 3-D view is that of the camera.
+  bool light = false;         ///< Theme
+  double window_ms = 0;       ///< CPU time of drawing the last window frame.
+  double scene_ms = 0;        ///< Of the last render of the 3-D view.
   double ui_scale = 1;
   std::string renderer;  ///< GL_RENDERER
   Fonts fonts;

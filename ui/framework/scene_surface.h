@@ -33,6 +33,8 @@ struct SceneContent {
   int selected_particle = -1;
   SceneLayers layers;
   bool follow = false;
+  bool look_through = false;  ///< From the camera of the sequence, its image behind everything.
+  bool light = false;         ///< Theme
 };
 
 /// A turntable camera about `focus`, in numbers.

@@ -32,8 +32,19 @@ constexpr std::array kShortcuts = {
     Shortcut{keys::kF, false, false, "F", "Frame the selected object in 3-D", "View"},
     Shortcut{keys::kR, false, false, "R", "Reset the views", "View"},
     Shortcut{keys::kEscape, false, false, "Esc", "Clear the selection", "View"},
+    Shortcut{'1', false, false, "1 .. 6", "Map from front, back, left, right, above, aslant",
+             "View"},
+    Shortcut{'2', false, false, "", "", ""},
+    Shortcut{'3', false, false, "", "", ""},
+    Shortcut{'4', false, false, "", "", ""},
+    Shortcut{'5', false, false, "", "", ""},
+    Shortcut{'6', false, false, "", "", ""},
+    Shortcut{'0', false, false, "0", "Map through the camera", "View"},
+    Shortcut{keys::kL, false, true, "Ctrl + L", "Light or dark theme", "View"},
     Shortcut{keys::kEqual, false, true, "Ctrl + \u2212  =", "Smaller, larger text", "View"},
     Shortcut{keys::kMinus, false, true, "", "", ""},
+    Shortcut{keys::kP, false, true, "Ctrl + P", "Find anything: actions, objects, frames, files",
+             "Window"},
     Shortcut{keys::kF12, false, false, "F12", "Save a picture of the window", "Window"},
     Shortcut{keys::kF1, false, false, "F1  ?", "This sheet", "Window"},
     Shortcut{keys::kSlash, true, false, "", "", ""},
@@ -71,7 +82,12 @@ void PostShortcut(const Shortcut& shortcut, const FrameContext& context, bool he
       return sink.Post(SetSpeedCommand{NextSpeed(context.playback->speed, 1)});
     case keys::kG:
       return sink.Post(AskFrameCommand{});
+    case '0':
+      return sink.Post(LookThroughCommand{!context.look_through});
+    case keys::kP:
+      return sink.Post(ShowPaletteCommand{true});
     case keys::kL:
+      if (shortcut.control) return sink.Post(SetThemeCommand{!context.light});
       return sink.Post(SetLoopCommand{!context.playback->loop});
     case keys::kI:
       return sink.Post(SetRangeCommand{context.playback->frame, context.playback->range_end});
@@ -98,7 +114,10 @@ void PostShortcut(const Shortcut& shortcut, const FrameContext& context, bool he
     case keys::kQ:
       return sink.Post(QuitCommand{});
     default:
-      return;
+      for (const AxisView& view : AxisViews()) {
+        if (shortcut.key == view.key)
+          sink.Post(ViewDirectionCommand{view.azimuth_rad, view.elevation_rad});
+      }
   }
 }
 
@@ -107,16 +126,28 @@ void PostShortcut(const Shortcut& shortcut, const FrameContext& context, bool he
 std::span<const Shortcut> Shortcuts() { return kShortcuts; }
 std::span<const double> PlaybackSpeeds() { return kSpeeds; }
 
+std::span<const AxisView> AxisViews() {
+  constexpr double kDegree = 3.14159265358979323846 / 180;
+  static constexpr AxisView kViews[] = {{'1', "the front (-y)", -90 * kDegree, 0},
+                                        {'2', "the back (+y)", 90 * kDegree, 0},
+                                        {'3', "the left (-x)", 180 * kDegree, 0},
+                                        {'4', "the right (+x)", 0, 0},
+                                        {'5', "above", -90 * kDegree, 89.9 * kDegree},
+                                        {'6', "an angle", -55 * kDegree, 35 * kDegree}};
+  return kViews;
+}
+
 int KeyByName(std::string_view name) {
   static const std::map<std::string_view, int> kNames = {
-      {"space", keys::kSpace},   {"left", keys::kLeft},      {"right", keys::kRight},
-      {"enter", keys::kEnter},   {"home", keys::kHome},      {"end", keys::kEnd},
-      {"escape", keys::kEscape}, {"f1", keys::kF1},          {"f12", keys::kF12},
-      {"[", keys::kLeftBracket}, {"]", keys::kRightBracket}, {"?", keys::kSlash},
-      {"/", keys::kSlash},       {",", keys::kComma},        {".", keys::kPeriod},
-      {"=", keys::kEqual},       {"-", keys::kMinus}};
+      {"space", keys::kSpace},    {"left", keys::kLeft}, {"right", keys::kRight},
+      {"enter", keys::kEnter},    {"up", keys::kUp},     {"down", keys::kDown},
+      {"home", keys::kHome},      {"end", keys::kEnd},   {"escape", keys::kEscape},
+      {"f1", keys::kF1},          {"f12", keys::kF12},   {"[", keys::kLeftBracket},
+      {"]", keys::kRightBracket}, {"?", keys::kSlash},   {"/", keys::kSlash},
+      {",", keys::kComma},        {".", keys::kPeriod},  {"=", keys::kEqual},
+      {"-", keys::kMinus}};
   if (const auto found = kNames.find(name); found != kNames.end()) return found->second;
-  if (name.size() == 1 && std::isalpha(static_cast<unsigned char>(name[0]))) {
+  if (name.size() == 1 && std::isalnum(static_cast<unsigned char>(name[0]))) {
     return std::toupper(static_cast<unsigned char>(name[0]));
   }
   return -1;

@@ -12,10 +12,10 @@ namespace plumbline {
 /// Keys by the numbers that GLFW gives them.
 namespace keys {
 inline constexpr int kSpace = 32, kComma = 44, kMinus = 45, kPeriod = 46, kSlash = 47, kEqual = 61;
-inline constexpr int kB = 66, kF = 70, kG = 71, kI = 73, kL = 76, kO = 79, kQ = 81, kR = 82,
-                     kLeftBracket = 91, kRightBracket = 93;
-inline constexpr int kEscape = 256, kEnter = 257, kRight = 262, kLeft = 263, kHome = 268,
-                     kEnd = 269;
+inline constexpr int kB = 66, kF = 70, kG = 71, kI = 73, kL = 76, kO = 79, kP = 80, kQ = 81,
+                     kR = 82, kLeftBracket = 91, kRightBracket = 93;
+inline constexpr int kEscape = 256, kUp = 265, kDown = 264, kEnter = 257, kRight = 262, kLeft = 263,
+                     kHome = 268, kEnd = 269;
 inline constexpr int kF1 = 290, kF12 = 301;
 }  // namespace keys
 
@@ -31,6 +31,14 @@ std::span<const Shortcut> Shortcuts();
 
 /// Number of a key by its name in scripts ("space", "left", "f12", "["); -1 if there is none.
 int KeyByName(std::string_view name);
+
+/// Directions from which the map is looked at, by digits.
+struct AxisView {
+  char key;
+  const char* name;
+  double azimuth_rad, elevation_rad;
+};
+std::span<const AxisView> AxisViews();
 
 /// Playback speeds that [ and ] walk through; 0 is as fast as it goes.
 std::span<const double> PlaybackSpeeds();

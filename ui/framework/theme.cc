@@ -80,6 +80,31 @@ void MakeDigitsTabular(ImFont& font) {
   font.BuildLookupTable();
 }
 
+bool light_theme = false;  // NOLINT: one window, one theme; ApplyTheme alone writes it
+
+void ChooseColors(bool light) {
+  using namespace colors;  // NOLINT: all of them
+  light_theme = light;
+  const auto choose = [&](ImU32& color, ImU32 dark, ImU32 bright) {
+    color = light ? bright : dark;
+  };
+  choose(kBackground, IM_COL32(17, 20, 24, 255), IM_COL32(226, 230, 235, 255));
+  choose(kPanel, IM_COL32(25, 29, 35, 255), IM_COL32(248, 249, 251, 255));
+  choose(kInset, IM_COL32(13, 15, 18, 255), IM_COL32(230, 234, 239, 255));
+  choose(kBorder, IM_COL32(44, 51, 60, 255), IM_COL32(202, 208, 216, 255));
+  choose(kControl, IM_COL32(40, 46, 55, 255), IM_COL32(226, 230, 236, 255));
+  choose(kControlHovered, IM_COL32(54, 62, 74, 255), IM_COL32(208, 215, 224, 255));
+  choose(kSheet, IM_COL32(33, 38, 46, 255), IM_COL32(255, 255, 255, 255));
+  choose(kText, IM_COL32(228, 232, 238, 255), IM_COL32(24, 30, 38, 255));
+  choose(kDimText, IM_COL32(147, 157, 170, 255), IM_COL32(84, 94, 106, 255));
+  choose(kFaint, IM_COL32(92, 101, 113, 255), IM_COL32(134, 143, 155, 255));
+  choose(kAccent, IM_COL32(82, 168, 224, 255), IM_COL32(20, 116, 182, 255));
+  choose(kAccentDim, IM_COL32(38, 82, 112, 255), IM_COL32(186, 217, 240, 255));
+  choose(kGood, IM_COL32(94, 201, 142, 255), IM_COL32(20, 130, 72, 255));
+  choose(kWarning, IM_COL32(236, 184, 84, 255), IM_COL32(172, 106, 0, 255));
+  choose(kBad, IM_COL32(236, 106, 94, 255), IM_COL32(190, 44, 34, 255));
+}
+
 void SetColors(ImGuiStyle& style) {
   const auto set = [&](ImGuiCol index, ImU32 color) {
     style.Colors[index] = ImGui::ColorConvertU32ToFloat4(color);
@@ -88,7 +113,7 @@ void SetColors(ImGuiStyle& style) {
   set(ImGuiCol_TextDisabled, colors::kDimText);
   set(ImGuiCol_WindowBg, colors::kBackground);
   set(ImGuiCol_ChildBg, IM_COL32(0, 0, 0, 0));
-  set(ImGuiCol_PopupBg, IM_COL32(33, 38, 46, 250));
+  set(ImGuiCol_PopupBg, colors::kSheet);
   set(ImGuiCol_Border, colors::kBorder);
   set(ImGuiCol_FrameBg, colors::kControl);
   set(ImGuiCol_FrameBgHovered, colors::kControlHovered);
@@ -110,7 +135,7 @@ void SetColors(ImGuiStyle& style) {
   set(ImGuiCol_TableBorderLight, WithAlpha(colors::kBorder, 0.6));
   set(ImGuiCol_TableBorderStrong, colors::kBorder);
   set(ImGuiCol_TableRowBg, IM_COL32(0, 0, 0, 0));
-  set(ImGuiCol_TableRowBgAlt, IM_COL32(255, 255, 255, 5));
+  set(ImGuiCol_TableRowBgAlt, WithAlpha(colors::kText, 0.02));
   set(ImGuiCol_Separator, colors::kBorder);
   set(ImGuiCol_NavHighlight, IM_COL32(0, 0, 0, 0));
   set(ImGuiCol_ModalWindowDimBg, IM_COL32(0, 0, 0, 120));
@@ -120,7 +145,8 @@ void SetColors(ImGuiStyle& style) {
 
 ImU32 ObjectColor(ObjectId id) {
   if (id.value < 1) return colors::kDimText;
-  return kPalette[static_cast<std::size_t>(id.value - 1) % kPalette.size()];
+  const ImU32 color = kPalette[static_cast<std::size_t>(id.value - 1) % kPalette.size()];
+  return light_theme ? Mixed(color, IM_COL32_BLACK, 0.3) : color;
 }
 
 ImU32 WithAlpha(ImU32 color, double alpha) {
@@ -218,7 +244,8 @@ ImU32 EventColor(EventKind kind) {
   return colors::kDimText;
 }
 
-Fonts ApplyTheme(double scale) {
+Fonts ApplyTheme(double scale, bool light) {
+  ChooseColors(light);
   ImGuiStyle style;
   style.WindowPadding = {12, 12};
   style.FramePadding = {9, 5};

@@ -11,24 +11,29 @@
 
 namespace plumbline {
 
-/// Colours of the window, as ImGui packs them.
+/// Colours of the window, as ImGui packs them. ApplyTheme alone changes them; these are the dark
+/// ones.
 namespace colors {
-inline constexpr ImU32 kBackground = IM_COL32(17, 20, 24, 255);
-inline constexpr ImU32 kPanel = IM_COL32(25, 29, 35, 255);
-inline constexpr ImU32 kInset = IM_COL32(13, 15, 18, 255);
-inline constexpr ImU32 kBorder = IM_COL32(44, 51, 60, 255);
-inline constexpr ImU32 kControl = IM_COL32(40, 46, 55, 255);
-inline constexpr ImU32 kControlHovered = IM_COL32(54, 62, 74, 255);
-inline constexpr ImU32 kText = IM_COL32(228, 232, 238, 255);
-inline constexpr ImU32 kDimText = IM_COL32(147, 157, 170, 255);
-inline constexpr ImU32 kFaint = IM_COL32(92, 101, 113, 255);
-inline constexpr ImU32 kAccent = IM_COL32(82, 168, 224, 255);
-inline constexpr ImU32 kAccentDim = IM_COL32(38, 82, 112, 255);
-inline constexpr ImU32 kGood = IM_COL32(94, 201, 142, 255);
-inline constexpr ImU32 kWarning = IM_COL32(236, 184, 84, 255);
-inline constexpr ImU32 kBad = IM_COL32(236, 106, 94, 255);
-inline constexpr ImU32 kTrajectory = IM_COL32(242, 145, 50, 255);
-inline constexpr ImU32 kTruth = IM_COL32(88, 214, 110, 255);
+inline ImU32 kBackground = IM_COL32(17, 20, 24, 255);
+inline ImU32 kPanel = IM_COL32(25, 29, 35, 255);
+inline ImU32 kInset = IM_COL32(13, 15, 18, 255);
+inline ImU32 kBorder = IM_COL32(44, 51, 60, 255);
+inline ImU32 kControl = IM_COL32(40, 46, 55, 255);
+inline ImU32 kControlHovered = IM_COL32(54, 62, 74, 255);
+inline ImU32 kSheet = IM_COL32(33, 38, 46, 255);  ///< What lies over everything else.
+inline ImU32 kText = IM_COL32(228, 232, 238, 255);
+inline ImU32 kDimText = IM_COL32(147, 157, 170, 255);
+inline ImU32 kFaint = IM_COL32(92, 101, 113, 255);
+inline ImU32 kAccent = IM_COL32(82, 168, 224, 255);
+inline ImU32 kAccentDim = IM_COL32(38, 82, 112, 255);
+inline ImU32 kGood = IM_COL32(94, 201, 142, 255);
+inline ImU32 kWarning = IM_COL32(236, 184, 84, 255);
+inline ImU32 kBad = IM_COL32(236, 106, 94, 255);
+inline ImU32 kTrajectory = IM_COL32(242, 145, 50, 255);
+inline ImU32 kTruth = IM_COL32(88, 214, 110, 255);
+// Over pictures, in every theme:
+inline constexpr ImU32 kOnPicture = IM_COL32(228, 232, 238, 255);
+inline constexpr ImU32 kOnPictureDim = IM_COL32(160, 170, 182, 255);
 }  // namespace colors
 
 /// The same object has the same colour everywhere; neighbours in order of birth differ for
@@ -53,8 +58,8 @@ struct Fonts {
   ImFont* title = nullptr;
 };
 
-/// Sets the style and loads the fonts (Inter, else DejaVu Sans, found through fontconfig; else
-/// ImGui's own) for a scale of 1 = 15 px text. The font texture must be made again afterwards.
-Fonts ApplyTheme(double scale);
+/// Sets colours and style and loads the fonts (Inter, else DejaVu Sans, found through fontconfig;
+/// else ImGui's own) for a scale of 1 = 15 px text. The font texture must be made again afterwards.
+Fonts ApplyTheme(double scale, bool light = false);
 
 }  // namespace plumbline

@@ -32,8 +32,8 @@ void DrawScale(const FrameContext& context, const ImageCanvas& canvas, const Dep
     const float w = context.fonts.small->CalcTextSizeA(text, 1e6f, 0, words.c_str()).x;
     canvas.draw().AddText(
         context.fonts.small, text,
-        {low.x + width * static_cast<float>(share) - align * w, low.y + height + 1}, colors::kText,
-        words.c_str());
+        {low.x + width * static_cast<float>(share) - align * w, low.y + height + 1},
+        colors::kOnPicture, words.c_str());
   };
   label(0, range.near_m, 0);
   if (width > context.Scaled(120)) label(0.5, 0.5 * (range.near_m + range.far_m), 0.5f);

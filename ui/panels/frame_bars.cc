@@ -129,7 +129,7 @@ void DrawHelpSheet(const FrameContext& context, CommandSink& sink) {
   ImGui::SetNextWindowBgAlpha(0.98f);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, context.Scaled(10));
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {context.Scaled(26), context.Scaled(20)});
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(33, 38, 46, 255));
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, colors::kSheet);
   ImGui::Begin("help", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
                    ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);

@@ -45,7 +45,8 @@ class ScenePanel : public Panel {
   }
 
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
-    float width = ToggleWidth(context, "Follow") + context.Scaled(14);
+    float width =
+        ToggleWidth(context, "Follow") + ToggleWidth(context, "Through") + context.Scaled(17);
     for (const LayerToggle& layer : kLayers) {
       width += ToggleWidth(context, layer.label) + context.Scaled(3);
     }
@@ -54,7 +55,7 @@ class ScenePanel : public Panel {
       DrawLayerToggles(context, false);
     } else {
       AlignRight(ToggleWidth(context, "Layers") + ToggleWidth(context, "Follow") +
-                 context.Scaled(14));
+                 ToggleWidth(context, "Through") + context.Scaled(17));
       bool open = false;
       if (Toggle(context, "scene.layers", "Layers", open, "What the map shows."))
         ImGui::OpenPopup("layers");
@@ -69,6 +70,11 @@ class ScenePanel : public Panel {
                "The view stays behind the moving camera.")) {
       sink.Post(FollowCommand{follow});
     }
+    ImGui::SameLine(0, context.Scaled(3));
+    bool through = context.look_through;
+    if (Toggle(context, "scene.through", "Through", through,
+               "Looks through the camera, with its image behind the models (0)."))
+      sink.Post(LookThroughCommand{through});
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
@@ -78,7 +84,7 @@ class ScenePanel : public Panel {
     }
     context.scene->SetContent({context.sequence, context.snapshot, context.snapshot_version,
                                context.selection.object, context.selection.particle, layers_,
-                               context.follow});
+                               context.follow, context.look_through, context.light});
     const ImVec2 low = ImGui::GetCursorScreenPos();
     const ImVec2 size = ImGui::GetContentRegionAvail();
     const int width = std::max(8, static_cast<int>(size.x)),
@@ -94,7 +100,7 @@ class ScenePanel : public Panel {
     ImGui::GetWindowDrawList()->AddImageRounded(texture, low, high, {0, 1}, {1, 0}, IM_COL32_WHITE,
                                                 context.Scaled(4));
     DrawTriad(context, low, high);
-    if (layers_.grid) DrawGridLabel(context, low, high);
+    if (layers_.grid && !context.look_through) DrawGridLabel(context, low, high);
   }
 
   nlohmann::json SaveState() const override {
@@ -124,7 +130,8 @@ class ScenePanel : public Panel {
         ImGui::IsItemActive() &&
         (ImGui::IsMouseDragging(ImGuiMouseButton_Left, 1) ||
          ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle));
-    if (ImGui::IsItemActive() && (io.MouseDelta.x != 0 || io.MouseDelta.y != 0)) {
+    const bool moved = io.MouseDelta.x != 0 || io.MouseDelta.y != 0;
+    if (ImGui::IsItemActive() && moved) {
       const bool turns = ImGui::IsMouseDown(ImGuiMouseButton_Left) && !io.KeyShift && !io.KeyCtrl;
       turns ? scene.Orbit(io.MouseDelta.x, io.MouseDelta.y)
             : scene.Pan(io.MouseDelta.x, io.MouseDelta.y);
@@ -168,7 +175,7 @@ class ScenePanel : public Panel {
     PictureLabels labels(context, low, high);
     const std::string text = fmt::format("grid {:g} m", context.scene->grid_step_m());
     const float margin = context.Scaled(6);
-    labels.Add({{high.x - labels.SizeOf(text).x - margin, high.y - margin}}, colors::kDimText,
+    labels.Add({{high.x - labels.SizeOf(text).x - margin, high.y - margin}}, colors::kOnPictureDim,
                text);
   }
 

@@ -240,9 +240,9 @@ class TimelinePanel : public Panel {
     ImDrawList& draw = *ImGui::GetWindowDrawList();
     const float x = axis.XOf(context.playback->frame);
     if (x >= axis.x0 - 1 && x <= axis.x1 + 1) {
-      draw.AddLine({x, rows.ruler}, {x, rows.end}, IM_COL32(255, 255, 255, 170),
+      draw.AddLine({x, rows.ruler}, {x, rows.end}, WithAlpha(colors::kText, 0.7),
                    context.Scaled(1.5));
-      draw.AddCircleFilled({x, 0.5f * (rows.bar + rows.lanes)}, context.Scaled(6), IM_COL32_WHITE);
+      draw.AddCircleFilled({x, 0.5f * (rows.bar + rows.lanes)}, context.Scaled(6), colors::kText);
     }
     if (ImGui::IsItemHovered() && context.sequence != nullptr)
       DrawHint(context, axis, std::clamp(UnderMouse(axis), 0, last));

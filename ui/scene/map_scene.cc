@@ -46,8 +46,7 @@ class MapScene : public SceneSurface {
     window_->SetMapped(1);
     window_->OpenGLInitContext();
     window_->SetNumberOfLayers(2);
-    ground_->SetBackground(0.050, 0.058, 0.070);
-    ground_->SetBackground2(0.105, 0.122, 0.145);
+    SetBackground(false);
     ground_->GradientBackgroundOn();
     ground_->SetBackgroundAlpha(1.0);
     renderer_->SetLayer(1);
@@ -62,11 +61,12 @@ class MapScene : public SceneSurface {
 
   void SetContent(const SceneContent& content) override {
     const bool new_sequence = content.sequence != content_.sequence;
-    const bool changed = new_sequence || content.snapshot_version != content_.snapshot_version ||
-                         content.selected != content_.selected ||
-                         content.layers != content_.layers ||
-                         content.selected_particle != content_.selected_particle ||
-                         content.follow != content_.follow;
+    const bool changed =
+        new_sequence || content.snapshot_version != content_.snapshot_version ||
+        content.selected != content_.selected || content.layers != content_.layers ||
+        content.selected_particle != content_.selected_particle ||
+        content.follow != content_.follow || content.look_through != content_.look_through ||
+        content.light != content_.light;
     if (!changed) return;
     const bool new_follow = content.follow && !content_.follow;
     content_ = content;
@@ -77,6 +77,7 @@ class MapScene : public SceneSurface {
       camera_ = TurntableCamera(content.sequence->up_in_world);
       Reset();
     }
+    SetBackground(content.light);
     actors_.SetSnapshot(content);
     if (content.follow) Follow(new_follow);
   }
@@ -179,6 +180,34 @@ class MapScene : public SceneSurface {
     renderer_->AddLight(light);
   }
 
+  void SetBackground(bool light) {
+    const double low = light ? 0.86 : 0.058, high = light ? 0.95 : 0.122;
+    ground_->SetBackground(0.86 * low, low, light ? low : 1.2 * low);
+    ground_->SetBackground2(0.86 * high, high, light ? high : 1.2 * high);
+    if (!light) return;
+    ground_->SetBackground(low, low, low);
+    ground_->SetBackground2(high, high, high);
+  }
+
+  /// Puts VTK's camera where that of the sequence is, so that its image fits into the view.
+  void LookThrough(vtkCamera& camera) const {
+    const SequenceView& sequence = *content_.sequence;
+    const Eigen::Isometry3d& pose = *content_.snapshot->report.world_from_cam;
+    const Vector3d eye = pose.translation(), ahead = eye + pose.linear().col(2);
+    const Vector3d up = -pose.linear().col(1);
+    camera.SetPosition(eye.x(), eye.y(), eye.z());
+    camera.SetFocalPoint(ahead.x(), ahead.y(), ahead.z());
+    camera.SetViewUp(up.x(), up.y(), up.z());
+    const double image_aspect = static_cast<double>(sequence.image_width) / sequence.image_height;
+    const double view_aspect = static_cast<double>(width_) / height_;
+    const double half_height =
+        0.5 * sequence.image_height / sequence.fy * std::max(1.0, image_aspect / view_aspect);
+    camera.SetViewAngle(2 * std::atan(half_height) * 180 / std::numbers::pi);
+    camera.SetWindowCenter(
+        (0.5 * (sequence.image_width - 1) - sequence.cx) / sequence.fx / half_height / view_aspect,
+        (sequence.cy - 0.5 * (sequence.image_height - 1)) / sequence.fy / half_height);
+  }
+
   /// Stays behind the camera of the sequence, turning with it.
   void Follow(bool first) {
     if (content_.snapshot == nullptr || !content_.snapshot->report.world_from_cam) return;
@@ -230,11 +259,16 @@ class MapScene : public SceneSurface {
     camera.SetFocalPoint(camera_.focus_in_world().data());
     camera.SetViewUp(view(1, 0), view(1, 1), view(1, 2));
     camera.SetViewAngle(TurntableCamera::kViewAngle * 180 / std::numbers::pi);
+    camera.SetWindowCenter(0, 0);
+    const bool through = content_.look_through && content_.snapshot != nullptr &&
+                         content_.snapshot->report.world_from_cam && content_.sequence->fx > 0;
+    if (through) LookThrough(camera);
     // The grid does not count as bounds, but must not be cut off.
     const double far =
         camera_.distance_m() +
         2.0 * std::max(2.0, actors_.bounds().isEmpty() ? 0.0 : actors_.bounds().diagonal().norm());
-    camera.SetClippingRange(std::max(0.01, 0.01 * camera_.distance_m()), far);
+    camera.SetClippingRange(through ? 0.05 : std::max(0.01, 0.01 * camera_.distance_m()),
+                            through ? std::max(far, 1.1 * SceneActors::kBackdrop_m) : far);
     window_->GetState()->Reset();
     window_->GetState()->Push();
     window_->Render();

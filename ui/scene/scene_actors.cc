@@ -23,7 +23,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kScanVerticesWhileMoving = 15'000;
-constexpr int kFrustumImageWidth = 256;
+constexpr int kFrustumImageWidth = 256, kBackdropImageWidth = 960;
 constexpr double kSmallestFocus = 1.0;  ///< [m]
 
 /// The floor's height along up, else that of the lowest things, without stray points: the second
@@ -187,11 +187,11 @@ void SceneActors::AddGrid(const SequenceView& sequence) {
 void SceneActors::SetSnapshot(const SceneContent& content) {
   const SceneLayers& layers = content.layers;
   for (const auto& actor : truth_) actor->SetVisibility(layers.truth);
-  trajectory_->SetVisibility(layers.trajectory);
-  walked_->SetVisibility(layers.trajectory);
-  grid_->SetVisibility(layers.grid);
-  grid_major_->SetVisibility(layers.grid);
-  scan_shown_ = layers.scan;
+  trajectory_->SetVisibility(layers.trajectory && !content.look_through);
+  walked_->SetVisibility(layers.trajectory && !content.look_through);
+  grid_->SetVisibility(layers.grid && !content.look_through);
+  grid_major_->SetVisibility(layers.grid && !content.look_through);
+  scan_shown_ = layers.scan && !content.look_through;
   SetCoarse(coarse_);
   UpdateObjects(content);
   UpdateCamera(content);
@@ -249,15 +249,18 @@ void SceneActors::UpdateObjects(const SceneContent& content) {
 }
 
 void SceneActors::UpdateCamera(const SceneContent& content) {
-  const bool shown = content.layers.frustum && content.snapshot != nullptr &&
-                     content.snapshot->report.world_from_cam && content.sequence->fx > 0;
-  camera_.lines->SetVisibility(shown);
+  const bool shown = (content.layers.frustum || content.look_through) &&
+                     content.snapshot != nullptr && content.snapshot->report.world_from_cam &&
+                     content.sequence->fx > 0;
+  camera_.lines->SetVisibility(shown && !content.look_through);
   camera_.picture->SetVisibility(false);
   if (!shown) return;
   const SequenceView& sequence = *content.sequence;
   const Eigen::Isometry3d& world_from_cam = *content.snapshot->report.world_from_cam;
-  const double depth =
-      bounds_.isEmpty() ? 0.3 : std::clamp(0.05 * bounds_.diagonal().norm(), 0.12, 0.4);
+  const double depth = content.look_through ? kBackdrop_m
+                       : bounds_.isEmpty()
+                           ? 0.3
+                           : std::clamp(0.05 * bounds_.diagonal().norm(), 0.12, 0.4);
   const auto corner = [&](double u, double v) -> Vector3d {
     return world_from_cam * Vector3d(depth * (u - sequence.cx) / sequence.fx,
                                      depth * (v - sequence.cy) / sequence.fy, depth);
@@ -276,7 +279,8 @@ void SceneActors::UpdateCamera(const SceneContent& content) {
   plane->SetPoint2(c[0].x(), c[0].y(), c[0].z());
   plane->Update();
   SetData(*camera_.picture, plane->GetOutput());
-  camera_.texture->SetInputData(TextureImage(content.snapshot->image, kFrustumImageWidth));
+  camera_.texture->SetInputData(TextureImage(
+      content.snapshot->image, content.look_through ? kBackdropImageWidth : kFrustumImageWidth));
   camera_.picture->SetTexture(camera_.texture);
   camera_.picture->VisibilityOn();
 }

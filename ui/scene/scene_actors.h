@@ -18,6 +18,9 @@ namespace plumbline {
 /// The actors of the map: built with the sequence, moved with every snapshot.
 class SceneActors {
  public:
+  /// How far behind everything the image is when one looks through the camera.
+  static constexpr double kBackdrop_m = 60;
+
   /// `ground` is drawn first and holds scan and grid: estimates are never hidden by the scan that
   /// they explain.
   SceneActors(vtkRenderer* ground, vtkRenderer* renderer, bool software_gl);
