@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
       {plumbline::AddGuiVerb},    {plumbline::AddDemoVerb},     {plumbline::AddRunVerb},
       {plumbline::AddDetectVerb}, {plumbline::AddEdgesVerb},    {plumbline::AddModelsVerb},
       {plumbline::AddSynthVerb},  {plumbline::AddEvaluateVerb}, {plumbline::AddGravityVerb},
-      {plumbline::AddAlignVerb},  {plumbline::AddExportVerb},
+      {plumbline::AddAlignVerb},  {plumbline::AddAnnotateVerb}, {plumbline::AddExportVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
                "plumbline");

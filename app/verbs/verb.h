@@ -25,6 +25,7 @@ void AddEdgesVerb(CLI::App& app, VerbFunction& chosen);
 void AddModelsVerb(CLI::App& app, VerbFunction& chosen);
 void AddSynthVerb(CLI::App& app, VerbFunction& chosen);
 void AddAlignVerb(CLI::App& app, VerbFunction& chosen);
+void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen);
 void AddGravityVerb(CLI::App& app, VerbFunction& chosen);
 void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen);
 void AddExportVerb(CLI::App& app, VerbFunction& chosen);

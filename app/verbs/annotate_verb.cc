@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "app/verbs/console_work.h"
+#include "app/verbs/verb.h"
+#include "engine/annotation/annotation_check.h"
+#include "engine/annotation/annotation_project.h"
+#include "engine/annotation/bop_files.h"
+#include "engine/base/files.h"
+#include "engine/base/log.h"
+#include "engine/process/mapping_pipeline.h"
+
+namespace plumbline {
+namespace {
+
+struct AnnotateArguments {
+  std::string project, edits, format, path, frame = "scan", frames, annotator, json;
+  bool create = false;
+  AnnotationCheckOptions check;
+};
+
+/// What the project names, opened; null where it names nothing.
+struct OpenedInputs {
+  std::shared_ptr<const ModelDatabase> models;
+  std::shared_ptr<const Sequence> sequence;
+
+  ExchangeInputs View(std::vector<int> frames) const {
+    return {models.get(), sequence.get(), std::move(frames)};
+  }
+};
+
+Result<OpenedInputs> OpenInputs(const AnnotationProject& project) {
+  OpenedInputs opened;
+  const AnnotationDocument& document = project.document();
+  if (!document.models.empty()) {
+    auto models = ModelDatabase::Load(project.Resolve(document.models));
+    if (!models) return models.error();
+    opened.models = std::move(*models);
+  }
+  if (!document.sequence.empty()) {
+    auto sequence = OpenSequence(project.Resolve(document.sequence));
+    if (!sequence) return sequence.error();
+    opened.sequence = std::move(*sequence);
+  }
+  return opened;
+}
+
+Result<std::vector<int>> FramesOf(const OpenedInputs& inputs, const std::string& range) {
+  if (!inputs.sequence) return std::vector<int>{};
+  const Result<FrameRange> parsed = ParseFrameRange(range);
+  if (!parsed) return parsed.error();
+  std::vector<int> frames;
+  const int count = inputs.sequence->num_frames(),
+            end = std::min(count, parsed->end.value_or(count));
+  for (int i = parsed->begin; i < end; i += parsed->step) frames.push_back(i);
+  return frames;
+}
+
+void Warn(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) log::warn("{}", warning);
+}
+
+Result<std::unique_ptr<AnnotationProject>> OpenProject(const AnnotateArguments& arguments,
+                                                       AnnotationProject::Access access) {
+  std::error_code ignored;
+  if (arguments.create && !std::filesystem::exists(arguments.project, ignored)) {
+    return AnnotationProject::Create(arguments.project, {});
+  }
+  auto project = AnnotationProject::Open(arguments.project, access);
+  if (!project) return project.error();
+  Warn((*project)->warnings());
+  if ((*project)->num_recovered() > 0) {
+    log::info("{}: took {} unsaved edits from the journal", arguments.project,
+              (*project)->num_recovered());
+  }
+  return project;
+}
+
+Status SaveAndSay(AnnotationProject& project, const char* what, std::size_t count) {
+  if (const Status saved = project.Save(); !saved.ok()) return saved;
+  std::printf("%s: %zu %s, %zu instances\n", project.file().c_str(), count, what,
+              project.document().instances.size());
+  return {};
+}
+
+Status ApplyEdits(const AnnotateArguments& arguments) {
+  const Result<nlohmann::json> edits = ReadJson(arguments.edits);
+  if (!edits) return edits.error();
+  if (!edits->is_array()) {
+    return Error{ErrorCode::kInvalidInput, "'" + arguments.edits + "' must be a list of edits"};
+  }
+  const auto project = OpenProject(arguments, AnnotationProject::Access::kWrite);
+  if (!project) return project.error();
+  // All or nothing, and one step to undo: a script that fails half-way can be mended and run again.
+  EditGroup group{"Apply " + arguments.edits, {}};
+  AnnotationDocument trial = (*project)->document();
+  for (std::size_t i = 0; i < edits->size(); ++i) {
+    Result<Edit> edit = EditFromJson((*edits)[i]);
+    const Result<Edit> tried = edit.ok() ? ApplyEdit(*edit, trial) : Result<Edit>(edit.error());
+    if (!tried) {
+      return Error{tried.error().code, "'" + arguments.edits + "', edit " + std::to_string(i + 1) +
+                                           ": " + tried.error().message + "; nothing was changed"};
+    }
+    if (auto* add = std::get_if<AddInstance>(&*edit); add && add->instance.annotator.empty()) {
+      add->instance.annotator = arguments.annotator;
+    }
+    group.edits.push_back(std::move(*edit));
+  }
+  if (const Status applied = (*project)->Apply(group); !applied.ok()) return applied;
+  return SaveAndSay(**project, "edits applied", edits->size());
+}
+
+// Reading.
+
+Result<ImportedPoses> ReadPoses(const AnnotationProject& project, const ExchangeInputs& inputs,
+                                const AnnotateArguments& arguments) {
+  if (arguments.format == "visma") return ReadVisma(arguments.path);
+  if (arguments.format == "bop") return ReadBop(arguments.path);
+  if (arguments.format == "labelfusion") {
+    return ReadLabelFusion(project.document(), inputs, arguments.path);
+  }
+  if (arguments.format == "poses") {
+    return ReadFramePoses(project.document(), inputs, arguments.path);
+  }
+  return ReadGroundTruthPoses(arguments.path);
+}
+
+Status Import(const AnnotateArguments& arguments) {
+  const auto project = OpenProject(arguments, AnnotationProject::Access::kWrite);
+  if (!project) return project.error();
+  const auto inputs = OpenInputs(**project);
+  if (!inputs) return inputs.error();
+  Result<ImportedPoses> read = ReadPoses(**project, inputs->View({}), arguments);
+  if (!read) return read.error();
+  Warn(read->warnings);
+  EditGroup group{"Import " + arguments.path, {}};
+  if (read->gravity_in_scan && (*project)->document().instances.empty()) {
+    group.edits.push_back(SetGravity{*read->gravity_in_scan, std::nullopt});
+  }
+  if (read->scan_from_world) group.edits.push_back(SetSceneAlignment{read->scan_from_world});
+  for (AnnotatedInstance& instance : read->instances) {
+    if (instance.annotator.empty()) instance.annotator = arguments.annotator;
+    const auto model = inputs->models ? inputs->models->Find(instance.model) : std::nullopt;
+    if (instance.category.empty() && model) {
+      instance.category = inputs->models->model(*model).category;
+    }
+    group.edits.push_back(AddInstance{std::move(instance), std::nullopt});
+  }
+  const std::size_t count = read->instances.size();
+  if (const Status applied = (*project)->Apply(group); !applied.ok()) return applied;
+  return SaveAndSay(**project, "instances read", count);
+}
+
+// Writing.
+
+PoseFrame FrameOf(const std::string& name) {
+  if (name == "level") return PoseFrame::kLevel;
+  return name == "world" ? PoseFrame::kWorld : PoseFrame::kScan;
+}
+
+Status Export(const AnnotateArguments& arguments) {
+  const auto project = OpenProject(arguments, AnnotationProject::Access::kRead);
+  if (!project) return project.error();
+  const auto opened = OpenInputs(**project);
+  if (!opened) return opened.error();
+  Result<std::vector<int>> frames = FramesOf(*opened, arguments.frames);
+  if (!frames) return frames.error();
+  const ExchangeInputs inputs = opened->View(std::move(*frames));
+  const AnnotationDocument& document = (*project)->document();
+  ConsoleWork work;
+  Status status;
+  if (arguments.format == "visma") {
+    status = WriteVisma(document, inputs.models, arguments.path);
+  } else if (arguments.format == "bop") {
+    status = WriteBop(document, inputs, arguments.path, work.context());
+  } else if (arguments.format == "labelfusion") {
+    status = WriteLabelFusion(document, inputs, arguments.path);
+  } else if (arguments.format == "poses") {
+    status = WriteFramePoses(document, inputs, arguments.path);
+  } else {
+    status = WriteGroundTruthOf(document, FrameOf(arguments.frame), arguments.path);
+  }
+  if (status.ok()) {
+    std::printf("%s: %zu instances\n", arguments.path.c_str(), document.instances.size());
+  }
+  return status;
+}
+
+Status Check(const AnnotateArguments& arguments) {
+  const auto project = OpenProject(arguments, AnnotationProject::Access::kRead);
+  if (!project) return project.error();
+  const auto inputs = OpenInputs(**project);
+  if (!inputs) return inputs.error();
+  const auto findings = CheckAnnotations((*project)->document(), inputs->View({}), arguments.check);
+  nlohmann::json json = nlohmann::json::array();
+  for (const AnnotationFinding& finding : findings) {
+    if (arguments.json != "-") {
+      std::printf("%-16s %s\n", finding.kind.c_str(), finding.sentence.c_str());
+    }
+    json.push_back({{"kind", finding.kind},
+                    {"instances", finding.instances},
+                    {"amount", finding.amount},
+                    {"unit", finding.unit},
+                    {"sentence", finding.sentence}});
+  }
+  if (arguments.json != "-") {
+    std::printf("%s: %zu instances, %zu findings\n", arguments.project.c_str(),
+                (*project)->document().instances.size(), findings.size());
+  }
+  if (arguments.json.empty()) return {};
+  return WriteJsonResult(arguments.json, json);
+}
+
+using ArgumentsPointer = std::shared_ptr<AnnotateArguments>;
+
+CLI::App* AddCommand(CLI::App& parent, const char* name, const char* what,
+                     const ArgumentsPointer& arguments, VerbFunction& chosen,
+                     Status (*run)(const AnnotateArguments&)) {
+  CLI::App* command = parent.add_subcommand(name, what);
+  command->add_option("project", arguments->project, "The annotation project")
+      ->required()
+      ->type_name("PROJECT.json");
+  command->callback(
+      [arguments, &chosen, run] { chosen = [arguments, run] { return run(*arguments); }; });
+  return command;
+}
+
+void AddFormat(CLI::App& command, const ArgumentsPointer& arguments, const char* option,
+               const char* what) {
+  command
+      .add_option(
+          "--format", arguments->format,
+          "ground_truth (our ground_truth.json), visma (a fragments folder), bop (a dataset "
+          "folder), labelfusion (registration_result.yaml), poses (per-frame poses, JSON)")
+      ->required()
+      ->check(CLI::IsMember({"ground_truth", "visma", "bop", "labelfusion", "poses"}));
+  command.add_option(option, arguments->path, what)->required()->type_name("PATH");
+}
+
+void AddCreation(CLI::App& command, const ArgumentsPointer& arguments) {
+  command.add_flag("--create", arguments->create, "Begin a new project if there is none");
+  command.add_option("--annotator", arguments->annotator, "Whose name new instances carry")
+      ->type_name("NAME");
+}
+
+}  // namespace
+
+void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
+  CLI::App* verb = app.add_subcommand(
+      "annotate", "Change, convert and check annotation projects without the window");
+  verb->require_subcommand(1);
+  auto arguments = std::make_shared<AnnotateArguments>();
+  CLI::App* apply = AddCommand(
+      *verb, "apply", "Apply a list of edits (docs/annotation.md) and save; all of them or none",
+      arguments, chosen, ApplyEdits);
+  apply->add_option("edits", arguments->edits, "A JSON list of edits")
+      ->required()
+      ->type_name("EDITS.json");
+  AddCreation(*apply, arguments);
+
+  CLI::App* import = AddCommand(*verb, "import", "Take instances from another format, as one edit",
+                                arguments, chosen, Import);
+  AddFormat(*import, arguments, "--from", "The file or folder to read");
+  AddCreation(*import, arguments);
+
+  CLI::App* write = AddCommand(*verb, "export", "Write the instances in another format", arguments,
+                               chosen, Export);
+  AddFormat(*write, arguments, "--out", "The file or folder to write");
+  write
+      ->add_option("--frame", arguments->frame,
+                   "Of ground_truth: the scan's own frame, the scan turned z-up with the floor at "
+                   "0, or the sequence's world")
+      ->check(CLI::IsMember({"scan", "level", "world"}))
+      ->capture_default_str();
+  write
+      ->add_option("--frames", arguments->frames,
+                   "Of bop and poses: which frames of the sequence (B excluded)")
+      ->type_name("A:B[:S]");
+
+  CLI::App* check = AddCommand(*verb, "check",
+                               "Report tilted, floating, sunk, interpenetrating and duplicate "
+                               "objects, unknown models and missing frames",
+                               arguments, chosen, Check);
+  check->add_option("--tilt", arguments->check.tilt_deg, "Largest tilt [degrees]")
+      ->capture_default_str();
+  check
+      ->add_option("--floor-gap", arguments->check.floor_gap_m,
+                   "Largest distance from the floor [m]")
+      ->capture_default_str();
+  check->add_option("--overlap", arguments->check.overlap_m, "Deepest overlap [m]")
+      ->capture_default_str();
+  check
+      ->add_option("--json", arguments->json,
+                   "Write the results for machines ('-': to standard output)")
+      ->type_name("FILE");
+}
+
+}  // namespace plumbline

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "engine/annotation/annotation_document.h"
+#include "engine/dataset/sequence.h"
+#include "engine/models/model_database.h"
+
+namespace plumbline {
+
+/// What a foreign format needs besides the document. Pointers may be null where a format can do
+/// without; those that cannot say so.
+struct ExchangeInputs {
+  const ModelDatabase* models = nullptr;
+  const Sequence* sequence = nullptr;
+  std::vector<int> frames;  ///< Of the sequence.
+};
+
+/// Poses read from a foreign format, in the frame of the scan.
+struct ImportedPoses {
+  std::vector<AnnotatedInstance> instances;
+  std::optional<Eigen::Vector3d> gravity_in_scan;
+  std::optional<Eigen::Isometry3d> scan_from_world;
+  std::vector<std::string> warnings;
+};
+
+/// Where a frame's camera is in the scan; nothing for a frame without a pose.
+std::optional<Eigen::Isometry3d> ScanFromCam(const AnnotationDocument& document,
+                                             const Sequence& sequence, int frame);
+
+/// A sentence if translations in metres look like millimetres: most are larger than 50 m.
+std::optional<std::string> MetreWarning(const std::vector<Eigen::Vector3d>& translations,
+                                        const std::string& file);
+
+/// ground_truth.json. `frame`: in which frame the poses are written.
+enum class PoseFrame { kScan, kLevel, kWorld };
+Status WriteGroundTruthOf(const AnnotationDocument& document, PoseFrame frame,
+                          const std::filesystem::path& file);
+Result<ImportedPoses> ReadGroundTruthPoses(const std::filesystem::path& file);
+
+/// VISMA's fragments folder: objects.json, alignment.json (12 numbers, row-major 3x4, model to
+/// scan, metres), result_alignment.json (T_ef_corvis: sequence to scan) if known, and the models as
+/// VISMA holds them, +y up, in CAD/. Poses are those of these y-up models: y-up (x, y, z) is our
+/// (x, -z, y).
+Status WriteVisma(const AnnotationDocument& document, const ModelDatabase* models,
+                  const std::filesystem::path& folder);
+Result<ImportedPoses> ReadVisma(const std::filesystem::path& folder);
+
+/// LabelFusion's registration_result.yaml: name to {filename, pose [[x, y, z], [qw, qx, qy, qz]]},
+/// model to the camera of the sequence's first frame with a pose, metres. Errors: kInvalidInput
+/// without a sequence.
+Status WriteLabelFusion(const AnnotationDocument& document, const ExchangeInputs& inputs,
+                        const std::filesystem::path& file);
+Result<ImportedPoses> ReadLabelFusion(const AnnotationDocument& document,
+                                      const ExchangeInputs& inputs,
+                                      const std::filesystem::path& file);
+
+/// Our own per-frame poses, one JSON file. Errors: kInvalidInput without a sequence.
+Status WriteFramePoses(const AnnotationDocument& document, const ExchangeInputs& inputs,
+                       const std::filesystem::path& file);
+/// One instance per id; frames that disagree by more than a millimetre are a warning.
+Result<ImportedPoses> ReadFramePoses(const AnnotationDocument& document,
+                                     const ExchangeInputs& inputs,
+                                     const std::filesystem::path& file);
+
+}  // namespace plumbline

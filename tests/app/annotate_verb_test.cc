@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// The commands of `annotate` as a script meets them.
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/files.h"
+#include "engine/models/mesh_file.h"
+#include "tests/support/furniture_models.h"
+#include "tests/support/test_data.h"
+#include "tests/support/tiny_sequence.h"
+
+namespace plumbline {
+namespace {
+
+class AnnotateVerb : public testing::Test {
+ protected:
+  void SetUp() override {
+    WriteTinySequence(folder_.path() / "walk");
+    std::filesystem::create_directory(folder_.path() / "models");
+    ASSERT_TRUE(WritePly(folder_.path() / "models" / "chair.ply", MakeChair(true)).ok());
+    Write("models/models.json", R"({"units": "m", "models": [{"name": "chair", "file": "chair.ply",
+        "category": "chair", "support": "floor"}]})");
+    Write("edits.json", R"([
+        {"edit": "inputs", "scan": "", "models": "models", "sequence": "walk"},
+        {"edit": "gravity", "gravity": [0, 0, -1], "floor": [0, 0, 1, 0]},
+        {"edit": "add", "instance": {"id": "chair_0", "model": "chair", "category": "chair",
+         "scan_from_object": [[1,0,0,0.5],[0,1,0,0.1],[0,0,1,0],[0,0,0,1]]}},
+        {"edit": "add", "instance": {"id": "chair_1", "model": "chair", "category": "chair",
+         "scan_from_object": [[0,-1,0,2.5],[1,0,0,0.1],[0,0,1,0],[0,0,0,1]]}},
+        {"edit": "change", "id": "chair_1", "quality": "coarse", "note": "back only"}])");
+    ASSERT_EQ(Run("apply room.json edits.json --create --annotator Ada"), 0) << Output();
+  }
+
+  void Write(const char* name, const char* text) const {
+    ASSERT_TRUE(WriteFileAtomically(folder_.path() / name, text).ok());
+  }
+  int Run(const std::string& arguments) const {
+    const std::string command = "cd '" + folder_.path().string() + "' && '" +
+                                ProgramFile().string() + "' annotate " + arguments +
+                                " > out.txt 2>&1";
+    return WEXITSTATUS(std::system(command.c_str()));
+  }
+  std::string Output() const { return ReadFile(folder_.path() / "out.txt").value(); }
+  nlohmann::json Json(const char* name) const { return ReadJson(folder_.path() / name).value(); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(AnnotateVerb, AppliesEditsAndSaves) {
+  const nlohmann::json project = Json("room.json");
+  ASSERT_EQ(project["instances"].size(), 2u);
+  EXPECT_EQ(project["instances"][1]["annotator"], "Ada");
+  EXPECT_EQ(project["instances"][1]["quality"], "coarse");
+  EXPECT_EQ(project["models"], "models");
+}
+
+TEST_F(AnnotateVerb, AScriptWithAMistakeChangesNothing) {
+  const std::string before = ReadFile(folder_.path() / "room.json").value();
+  Write("edits.json", R"([{"edit": "remove", "id": "chair_0"}, {"edit": "remove", "id": "sofa"}])");
+  EXPECT_EQ(Run("apply room.json edits.json"), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("edit 2: there is no instance 'sofa'"));
+  EXPECT_EQ(ReadFile(folder_.path() / "room.json").value(), before);
+  EXPECT_EQ(Run("apply none.json edits.json"), 1);
+  EXPECT_EQ(Run("apply room.json"), 2);
+}
+
+TEST_F(AnnotateVerb, WhatIsExportedIsReadAgain) {
+  for (const std::string format : {"ground_truth", "visma", "bop", "labelfusion", "poses"}) {
+    ASSERT_EQ(Run("export room.json --format " + format + " --out " + format + " --frames 0:4:2"),
+              0)
+        << Output();
+    // A project of its own that knows the sequence and the models.
+    Write("inputs.json",
+          R"([{"edit": "inputs", "scan": "", "models": "models", "sequence": "walk"}])");
+    ASSERT_EQ(Run("apply again_" + format + ".json inputs.json --create"), 0) << Output();
+    ASSERT_EQ(Run("import again_" + format + ".json --format " + format + " --from " + format), 0)
+        << Output();
+    const nlohmann::json wanted = Json("room.json"),
+                         read = Json(("again_" + format + ".json").c_str());
+    ASSERT_EQ(read["instances"].size(), 2u) << format;
+    for (int i = 0; i < 2; ++i) {
+      for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 4; ++c) {
+          EXPECT_NEAR(read["instances"][i]["scan_from_object"][r][c].get<double>(),
+                      wanted["instances"][i]["scan_from_object"][r][c].get<double>(), 1e-9)
+              << format;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(AnnotateVerb, ChecksTheProject) {
+  ASSERT_EQ(Run("check room.json --json check.json"), 0) << Output();
+  EXPECT_EQ(Json("check.json").size(), 0u);
+  Write("edits.json", R"([{"edit": "change", "id": "chair_1",
+      "scan_from_object": [[1,0,0,0.52],[0,1,0,0.1],[0,0,1,0.1],[0,0,0,1]]}])");
+  ASSERT_EQ(Run("apply room.json edits.json"), 0) << Output();
+  ASSERT_EQ(Run("check room.json --json check.json"), 0);
+  EXPECT_THAT(Output(), testing::HasSubstr("chair_1 floats 0.100 m above the floor"));
+  EXPECT_EQ(Json("check.json")[0]["kind"], "floating");
+}
+
+}  // namespace
+}  // namespace plumbline
