@@ -32,6 +32,15 @@ bool SamePlaces(const std::vector<PlacedModel>& a, const std::vector<PlacedModel
 
 }  // namespace
 
+std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges,
+                                                 const MapperOptions& options) {
+  OrientedTableOptions table;
+  table.radius_px = options.search_radius_px;
+  table.sigma_px = options.search_sigma_px;
+  table.power = options.edge_power;
+  return std::make_shared<const OrientedTable>(edges, table);
+}
+
 void KeyFrameMemory::Offer(const MapperInput& input) {
   // 1 where the camera has just moved or turned far enough.
   const auto distance = [&](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {

@@ -16,11 +16,14 @@ struct MapperInput {
   int frame = 0;
   std::int64_t stamp_ns = 0;
   Eigen::Isometry3d world_from_cam = Eigen::Isometry3d::Identity();
-  std::shared_ptr<const OrientedTable> table;  ///< Search table of the edges.
-  std::shared_ptr<const OrientedTable>
-      wide_table;  ///< Of the edges at half size: a wider search for newborn objects.
+  EdgeMap edges;
+  std::shared_ptr<const OrientedTable> table;  ///< SearchTable() of the edges.
   std::shared_ptr<const FrameDetections> detections;
 };
+
+/// The table of `edges` that hypotheses are scored with.
+std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges,
+                                                 const MapperOptions& options);
 
 /// A past frame in which hypotheses can be scored again.
 struct KeyFrame {

@@ -106,7 +106,7 @@ struct Mapper::Impl {
   void Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input,
              const RenderedMaps& occluders, FrameReport& report);
   std::optional<MapObject> Born(const ProposalReport& proposal, const MapperInput& input,
-                                const RenderedMaps& occluders);
+                                const OrientedTable& wide_table, const RenderedMaps& occluders);
   void Live(const MapperInput& input, FrameReport& report);
   void Contend(const MapperInput& input, FrameReport& report);
   /// Whether b explains the images better than a.
@@ -268,6 +268,7 @@ void Mapper::Impl::Associate(const std::vector<ProposalReport>& proposals,
 
 std::optional<MapObject> Mapper::Impl::Born(const ProposalReport& proposal,
                                             const MapperInput& input,
+                                            const OrientedTable& wide_table,
                                             const RenderedMaps& occluders) {
   MapObject object;
   object.id = ObjectId{next_object_id};
@@ -285,7 +286,7 @@ std::optional<MapObject> Mapper::Impl::Born(const ProposalReport& proposal,
   // independent frame.
   ScoringView view = View(input, occluders, object.id);
   view.camera = setup.camera.Scaled(0.5);
-  view.table = input.wide_table.get();
+  view.table = &wide_table;
   const std::vector<Likelihood> likelihoods =
       Evaluate(*setup.scorer, view, map, nullptr, drawn, std::nullopt, options());
   object.particles = ToParticles(drawn, object.world_from_reference_cam);
@@ -310,6 +311,7 @@ void Mapper::Impl::Spawn(std::vector<ProposalReport>& proposals, const MapperInp
     tentative += object.state == ObjectState::kTentative ? 1 : 0;
   int births = 0;
   std::vector<std::pair<Box2, ObjectId>> born;
+  std::shared_ptr<const OrientedTable> wide_table;
   for (ProposalReport& proposal : proposals) {
     if (proposal.fate != ProposalFate::kSpawned) continue;
     const auto same = std::find_if(born.begin(), born.end(), [&](const auto& other) {
@@ -326,7 +328,8 @@ void Mapper::Impl::Spawn(std::vector<ProposalReport>& proposals, const MapperInp
       proposal.fate = ProposalFate::kLowScore;
       continue;
     }
-    std::optional<MapObject> object = Born(proposal, input, occluders);
+    if (!wide_table) wide_table = SearchTable(HalfSize(input.edges), options());
+    std::optional<MapObject> object = Born(proposal, input, *wide_table, occluders);
     if (!object) {
       proposal.fate = ProposalFate::kImplausible;
       continue;

@@ -30,9 +30,8 @@ void RenderedScorer::Score(const ScoringView& view, const UprightFrame& upright,
   static_assert(OrientedTable::kBins == 16);
   AtlasView image;
   image.camera = view.camera;
-  image.hits = {view.table->data(), static_cast<std::size_t>(view.camera.width) *
-                                        static_cast<std::size_t>(view.camera.height) *
-                                        OrientedTable::kBins};
+  const std::vector<std::uint8_t> hits = view.table->Interleaved();
+  image.hits = hits;
   image.chance = view.table->chance();
   image.occluder_depth = view.occluder_depth;
   image.occlusion_margin_m = view.occlusion_margin_m;

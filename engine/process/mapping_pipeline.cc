@@ -28,27 +28,6 @@ struct Prepared {
   std::vector<StageTiming> timings;
 };
 
-/// Edges at half size for the wide search: the strongest of four pixels.
-EdgeMap HalfSize(const EdgeMap& edges) {
-  EdgeMap half;
-  half.probability = cv::Mat(edges.probability.rows / 2, edges.probability.cols / 2, CV_8U);
-  half.angle = cv::Mat(half.probability.size(), CV_8U);
-  for (int y = 0; y < half.probability.rows; ++y) {
-    for (int x = 0; x < half.probability.cols; ++x) {
-      int best = -1;
-      for (int k = 0; k < 4; ++k) {
-        const int sy = 2 * y + k / 2, sx = 2 * x + k % 2;
-        const int p = edges.probability.at<std::uint8_t>(sy, sx);
-        if (p <= best) continue;
-        best = p;
-        half.probability.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(p);
-        half.angle.at<std::uint8_t>(y, x) = edges.angle.at<std::uint8_t>(sy, sx);
-      }
-    }
-  }
-  return half;
-}
-
 Result<int> ParseInt(std::string_view text, std::string_view whole) {
   int value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -64,11 +43,11 @@ Result<int> ParseInt(std::string_view text, std::string_view whole) {
 class FramePreparer {
  public:
   FramePreparer(std::shared_ptr<const Sequence> sequence, std::unique_ptr<Detector> detector,
-                std::unique_ptr<EdgeDetector> edges, const OrientedTableOptions& table)
+                std::unique_ptr<EdgeDetector> edges, const MapperOptions& options)
       : sequence_(std::move(sequence)),
         detector_(std::move(detector)),
         edges_(std::move(edges)),
-        table_(table) {}
+        options_(options) {}
 
   Prepared Prepare(int index) {
     Prepared prepared;
@@ -106,8 +85,8 @@ class FramePreparer {
     input.frame = index;
     input.stamp_ns = prepared.frame.stamp_ns;
     input.world_from_cam = *prepared.frame.world_from_cam;
-    input.table = std::make_shared<const OrientedTable>(prepared.edges, table_);
-    input.wide_table = std::make_shared<const OrientedTable>(HalfSize(prepared.edges), table_);
+    input.edges = prepared.edges;
+    input.table = SearchTable(prepared.edges, options_);
     input.detections = std::move(detections).value();
     prepared.input = std::move(input);
     prepared.timings.push_back({"search table", watch.Lap()});
@@ -117,7 +96,7 @@ class FramePreparer {
   std::shared_ptr<const Sequence> sequence_;
   std::unique_ptr<Detector> detector_;
   std::unique_ptr<EdgeDetector> edges_;
-  OrientedTableOptions table_;
+  MapperOptions options_;
 };
 
 }  // namespace
@@ -261,12 +240,8 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineCho
     if (!views.ok()) return views.error();
     viewpoints.push_back(*views);
   }
-  OrientedTableOptions table;
-  table.radius_px = choice.options.search_radius_px;
-  table.sigma_px = choice.options.search_sigma_px;
-  table.power = choice.options.edge_power;
   impl->preparer = std::make_unique<FramePreparer>(impl->sequence, std::move(detector).value(),
-                                                   std::move(edges).value(), table);
+                                                   std::move(edges).value(), choice.options);
   MapperSetup setup;
   setup.camera = frames.camera();
   setup.gravity_in_world = *frames.gravity_in_world();

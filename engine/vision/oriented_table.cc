@@ -4,11 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+
+#include <tbb/parallel_for.h>
 
 #include "engine/base/check.h"
 
 namespace plumbline {
 namespace {
+
+constexpr int kFaintest = 4;
 
 /// A step along a bin's normal: the pixels it covers and how much a hit there counts.
 struct Offset {
@@ -37,6 +42,54 @@ std::vector<Offset> LineOffsets(double angle, const OrientedTableOptions& option
   return line;
 }
 
+struct Edge {
+  int x, y;
+  int strength;  ///< 0 .. 255
+  int angle;     ///< In 256ths of a half turn.
+};
+
+std::vector<Edge> ListEdges(const EdgeMap& edges, const OrientedTableOptions& options) {
+  int strength[256];
+  for (int p = 0; p < 256; ++p)
+    strength[p] = static_cast<int>(std::lround(255.0 * std::pow(p / 255.0, options.power)));
+  std::vector<Edge> list;
+  for (int y = 0; y < edges.probability.rows; ++y) {
+    const auto* probability = edges.probability.ptr<std::uint8_t>(y);
+    const auto* angle = edges.angle.ptr<std::uint8_t>(y);
+    for (int x = 0; x < edges.probability.cols; ++x) {
+      if (strength[probability[x]] >= kFaintest)
+        list.push_back({x, y, strength[probability[x]], angle[x]});
+    }
+  }
+  return list;
+}
+
+/// Raises the hits along the normal's direction around every edge whose normal agrees with it.
+void Scatter(const std::vector<Edge>& edges, double normal_rad, const OrientedTableOptions& options,
+             const cv::Size& size, std::uint8_t* hits) {
+  const std::vector<Offset> line = LineOffsets(normal_rad, options);
+  bool agrees[256];
+  for (int a = 0; a < 256; ++a) {
+    agrees[a] = std::abs(std::cos(normal_rad - a * std::numbers::pi / 256)) > options.min_agreement;
+  }
+  const int margin = static_cast<int>(std::ceil(options.radius_px)) + 1;
+  const auto raise = [&](std::ptrdiff_t index, const Edge& edge, const Offset& offset) {
+    hits[index] =
+        std::max(hits[index], static_cast<std::uint8_t>(edge.strength * offset.weight >> 8));
+  };
+  for (const Edge& edge : edges) {
+    if (!agrees[edge.angle]) continue;
+    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(edge.y) * size.width + edge.x;
+    const bool inner = edge.x >= margin && edge.y >= margin && edge.x < size.width - margin &&
+                       edge.y < size.height - margin;
+    for (const Offset& offset : line) {
+      const int x = edge.x + offset.dx, y = edge.y + offset.dy;
+      if (!inner && (x < 0 || y < 0 || x >= size.width || y >= size.height)) continue;
+      raise(at + static_cast<std::ptrdiff_t>(offset.dy) * size.width + offset.dx, edge, offset);
+    }
+  }
+}
+
 }  // namespace
 
 OrientedTable::OrientedTable(const EdgeMap& edges, const OrientedTableOptions& options)
@@ -44,42 +97,48 @@ OrientedTable::OrientedTable(const EdgeMap& edges, const OrientedTableOptions& o
   PLB_CHECK(edges.probability.type() == CV_8U && edges.angle.type() == CV_8U &&
             edges.probability.size() == edges.angle.size())
       << "edge maps are 8-bit and of one size";
-  hits_.assign(static_cast<std::size_t>(width_) * height_ * kBins, 0);
-  std::vector<Offset> lines[kBins];
-  std::vector<int> bins_of_angle[256];
-  for (int bin = 0; bin < kBins; ++bin) {
-    const double angle = (bin + 0.5) * std::numbers::pi / kBins;
-    lines[bin] = LineOffsets(angle, options);
-    for (int a = 0; a < 256; ++a) {
-      if (std::abs(std::cos(angle - a * std::numbers::pi / 256)) > options.min_agreement)
-        bins_of_angle[a].push_back(bin);
-    }
+  const std::size_t plane = static_cast<std::size_t>(width_) * height_;
+  hits_.assign(plane * kBins, 0);
+  const std::vector<Edge> list = ListEdges(edges, options);
+  std::uint64_t sums[kBins] = {};
+  tbb::parallel_for(0, kBins, [&](int bin) {
+    std::uint8_t* hits = hits_.data() + plane * bin;
+    Scatter(list, (bin + 0.5) * std::numbers::pi / kBins, options, {width_, height_}, hits);
+    sums[bin] = std::accumulate(hits, hits + plane, std::uint64_t{0});
+  });
+  const std::uint64_t sum = std::accumulate(std::begin(sums), std::end(sums), std::uint64_t{0});
+  chance_ =
+      hits_.empty() ? 0.0 : static_cast<double>(sum) / (255.0 * static_cast<double>(hits_.size()));
+}
+
+std::vector<std::uint8_t> OrientedTable::Interleaved() const {
+  const std::size_t plane = static_cast<std::size_t>(width_) * height_;
+  std::vector<std::uint8_t> result(hits_.size());
+  for (std::size_t pixel = 0; pixel < plane; ++pixel) {
+    for (std::size_t bin = 0; bin < kBins; ++bin)
+      result[pixel * kBins + bin] = hits_[bin * plane + pixel];
   }
-  int strength[256];
-  for (int p = 0; p < 256; ++p)
-    strength[p] = static_cast<int>(std::lround(255.0 * std::pow(p / 255.0, options.power)));
-  const int margin = static_cast<int>(std::ceil(options.radius_px)) + 1;
-  for (int y = 0; y < height_; ++y) {
-    const auto* probability = edges.probability.ptr<std::uint8_t>(y);
-    const auto* angle = edges.angle.ptr<std::uint8_t>(y);
-    for (int x = 0; x < width_; ++x) {
-      const int p = strength[probability[x]];
-      if (p < 4) continue;
-      const bool inner = x >= margin && y >= margin && x < width_ - margin && y < height_ - margin;
-      for (const int bin : bins_of_angle[angle[x]]) {
-        for (const Offset& offset : lines[bin]) {
-          const int px = x + offset.dx, py = y + offset.dy;
-          if (!inner && (px < 0 || py < 0 || px >= width_ || py >= height_)) continue;
-          std::uint8_t& hit = hits_[(static_cast<std::size_t>(py) * width_ + px) * kBins + bin];
-          hit = std::max(hit, static_cast<std::uint8_t>(p * offset.weight >> 8));
-        }
+  return result;
+}
+
+EdgeMap HalfSize(const EdgeMap& edges) {
+  EdgeMap half;
+  half.probability = cv::Mat(edges.probability.rows / 2, edges.probability.cols / 2, CV_8U);
+  half.angle = cv::Mat(half.probability.size(), CV_8U);
+  for (int y = 0; y < half.probability.rows; ++y) {
+    for (int x = 0; x < half.probability.cols; ++x) {
+      int best = -1;
+      for (int k = 0; k < 4; ++k) {
+        const int sy = 2 * y + k / 2, sx = 2 * x + k % 2;
+        const int p = edges.probability.at<std::uint8_t>(sy, sx);
+        if (p <= best) continue;
+        best = p;
+        half.probability.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(p);
+        half.angle.at<std::uint8_t>(y, x) = edges.angle.at<std::uint8_t>(sy, sx);
       }
     }
   }
-  std::uint64_t sum = 0;
-  for (const std::uint8_t hit : hits_) sum += hit;
-  chance_ =
-      hits_.empty() ? 0.0 : static_cast<double>(sum) / (255.0 * static_cast<double>(hits_.size()));
+  return half;
 }
 
 }  // namespace plumbline

@@ -30,16 +30,20 @@ class OrientedTable {
   /// Best hit in 0 .. 255 at pixel (x, y) for normals in [bin, bin + 1) * pi / kBins (centres at
   /// bin + 0.5). The pixel must be inside.
   std::uint8_t Hit(int x, int y, int bin) const {
-    return hits_[(static_cast<std::size_t>(y) * width_ + x) * kBins + bin];
+    return hits_[(static_cast<std::size_t>(bin) * height_ + y) * width_ + x];
   }
-  const std::uint8_t* data() const { return hits_.data(); }
+  /// The hits pixel by pixel, row by row: kBins of each.
+  std::vector<std::uint8_t> Interleaved() const;
   /// Mean hit over all pixels and bins, in [0, 1]: what a contour scores by chance.
   double chance() const { return chance_; }
 
  private:
   int width_, height_;
-  std::vector<std::uint8_t> hits_;
+  std::vector<std::uint8_t> hits_;  ///< A plane for each bin.
   double chance_ = 0;
 };
+
+/// Edges at half size: the strongest of four pixels. A table of them searches twice as far.
+EdgeMap HalfSize(const EdgeMap& edges);
 
 }  // namespace plumbline

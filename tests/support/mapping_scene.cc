@@ -51,13 +51,13 @@ EdgeMap EdgesOfContour(const cv::Mat& contour) {
 }
 
 MappingScene& MappingScene::Get() {
-  static MappingScene scene;
+  static MappingScene scene({480, 360, 420, 420, 239.5, 179.5});
   return scene;
 }
 
-MappingScene::MappingScene()
+MappingScene::MappingScene(const PinholeCamera& camera)
     : map_{UprightFrame({0, 0, -9.81}), Eigen::Vector4d(0, 0, 1, 0), MakeFurnitureDatabase()},
-      camera_{480, 360, 420, 420, 239.5, 179.5} {
+      camera_(camera) {
   context_ = Must(RenderContext::CreateHeadless());
   full_size_ = Must(Renderer::Create(*context_));
   for (const CadModel& model : database()->models())
@@ -135,18 +135,8 @@ MapperInput MappingScene::Input(int frame, const Eigen::Isometry3d& world_from_c
   input.frame = frame;
   input.stamp_ns = 100'000'000LL * (frame + 1);
   input.world_from_cam = world_from_cam;
-  const EdgeMap edges = Edges(world_from_cam, objects);
-  input.table = std::make_shared<const OrientedTable>(edges, OrientedTableOptions{});
-  EdgeMap half{cv::Mat::zeros(camera_.height / 2, camera_.width / 2, CV_8U),
-               cv::Mat::zeros(camera_.height / 2, camera_.width / 2, CV_8U)};
-  for (int y = 0; y < 2 * half.probability.rows; ++y) {
-    for (int x = 0; x < 2 * half.probability.cols; ++x) {
-      if (edges.probability.at<std::uint8_t>(y, x) == 0) continue;
-      half.probability.at<std::uint8_t>(y / 2, x / 2) = edges.probability.at<std::uint8_t>(y, x);
-      half.angle.at<std::uint8_t>(y / 2, x / 2) = edges.angle.at<std::uint8_t>(y, x);
-    }
-  }
-  input.wide_table = std::make_shared<const OrientedTable>(half, OrientedTableOptions{});
+  input.edges = Edges(world_from_cam, objects);
+  input.table = SearchTable(input.edges, {});
   input.detections = DetectionsFromProposals(Boxes(world_from_cam, objects));
   return input;
 }

@@ -15,6 +15,8 @@ namespace plumbline {
 class MappingScene {
  public:
   static MappingScene& Get();
+  /// A scene of its own with another camera.
+  explicit MappingScene(const PinholeCamera& camera);
 
   const std::shared_ptr<const ModelDatabase>& database() const { return map_.database; }
   /// A ViewpointScorer; the first call takes seconds.
@@ -39,7 +41,6 @@ class MappingScene {
                     std::span<const PlacedModel> objects);
 
  private:
-  MappingScene();
   MapFrame map_;
   PinholeCamera camera_;
   std::shared_ptr<const HypothesisScorer> scorer_;

@@ -105,7 +105,7 @@ TEST(OrientedTable, LeavesNoHolesWhateverTheDirection) {
 TEST(OrientedTable, ChanceIsTheMeanOfAllHits) {
   const OrientedTable table(LineWithNormal(0.4), {});
   double sum = 0;
-  for (int i = 0; i < kSide * kSide * OrientedTable::kBins; ++i) sum += table.data()[i];
+  for (const std::uint8_t hit : table.Interleaved()) sum += hit;
   EXPECT_GT(table.chance(), 0.01);
   EXPECT_NEAR(table.chance(), sum / (255.0 * kSide * kSide * OrientedTable::kBins), 1e-12);
   EXPECT_EQ(OrientedTable(NoEdges(), {}).chance(), 0);
