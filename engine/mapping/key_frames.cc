@@ -32,11 +32,11 @@ bool SamePlaces(const std::vector<PlacedModel>& a, const std::vector<PlacedModel
 
 }  // namespace
 
-std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges,
-                                                 const MapperOptions& options) {
+std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges, const MapperOptions& options,
+                                                 double reach) {
   OrientedTableOptions table;
-  table.radius_px = options.search_radius_px;
-  table.sigma_px = options.search_sigma_px;
+  table.radius_px = reach * options.search_radius_px;
+  table.sigma_px = reach * options.search_sigma_px;
   table.power = options.edge_power;
   return std::make_shared<const OrientedTable>(edges, table);
 }

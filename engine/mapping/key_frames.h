@@ -21,9 +21,9 @@ struct MapperInput {
   std::shared_ptr<const FrameDetections> detections;
 };
 
-/// The table of `edges` that hypotheses are scored with.
-std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges,
-                                                 const MapperOptions& options);
+/// The table of `edges` that hypotheses are scored with; `reach` times as far as the options say.
+std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges, const MapperOptions& options,
+                                                 double reach = 1);
 
 /// A past frame in which hypotheses can be scored again.
 struct KeyFrame {

@@ -18,6 +18,7 @@ constexpr double kFirstFrame_s = 1.0 / 30.0;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kMinKeyFrameVisibility = 0.15;
 constexpr double kMaxEvidence = 15.0;
+constexpr double kBirthReach = 2.0;  // at half size: four times as far as later
 
 /// What a random draw is for: each has numbers of its own.
 enum class Draw : std::uint32_t { kDiffuse, kResample, kMove, kBirth, kNewcomers, kSpread };
@@ -328,7 +329,7 @@ void Mapper::Impl::Spawn(std::vector<ProposalReport>& proposals, const MapperInp
       proposal.fate = ProposalFate::kLowScore;
       continue;
     }
-    if (!wide_table) wide_table = SearchTable(HalfSize(input.edges), options());
+    if (!wide_table) wide_table = SearchTable(HalfSize(input.edges), options(), kBirthReach);
     std::optional<MapObject> object = Born(proposal, input, *wide_table, occluders);
     if (!object) {
       proposal.fate = ProposalFate::kImplausible;

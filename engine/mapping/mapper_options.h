@@ -44,9 +44,9 @@ struct MapperOptions {
   double beta = 10.0;
   double correlation_s = 0.7;
   ScoredBox scored_box = ScoredBox::kBest;
-  double search_radius_px = 12;
-  double search_sigma_px = 5;
-  double edge_power = 2;
+  double search_radius_px = 7;
+  double search_sigma_px = 2.5;
+  double edge_power = 1;
   double occlusion_margin_m = 0.05;
   double min_visible = 0.05;
 

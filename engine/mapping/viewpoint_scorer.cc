@@ -95,7 +95,7 @@ HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& conto
               scale_y = may_hide ? occluder.rows / height : 0;
   Bounds whole, visible;
   std::int64_t hits = 0;
-  int seen = 0;
+  int seen = 0, looked_up = 0;
   for (int i = 0; i < contour.size; ++i) {
     if (points.z[i] < near_m) continue;
     // Pixel centres are at integers: pixel 0 spans [-0.5, 0.5).
@@ -108,16 +108,18 @@ HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& conto
       if (in_front > 0 && in_front < points.z[i] - margin) continue;
     }
     visible.Extend(points.u[i], points.v[i]);
-    ++seen;
+    ++looked_up;
+    seen += i < contour.outline_size ? 1 : 0;
     const int bin =
         static_cast<int>(points.turn[i] * OrientedTable::kBins) & (OrientedTable::kBins - 1);
     hits += table.Hit(static_cast<int>(u), static_cast<int>(v), bin);
   }
   HypothesisScore score;
-  score.agreement_m = contour.length_per_point_m *
-                      static_cast<float>(static_cast<double>(hits) / 255.0 - seen * table.chance());
+  score.agreement_m =
+      contour.length_per_point_m *
+      static_cast<float>(static_cast<double>(hits) / 255.0 - looked_up * table.chance());
   score.visible_m = contour.length_per_point_m * static_cast<float>(seen);
-  score.total_m = contour.length_per_point_m * static_cast<float>(contour.size);
+  score.total_m = contour.length_per_point_m * static_cast<float>(contour.outline_size);
   score.whole_box = whole.Clipped(view.camera);
   score.visible_box = visible.Clipped(view.camera);
   return score;

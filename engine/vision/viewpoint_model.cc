@@ -7,11 +7,14 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
 #include <numbers>
 #include <numeric>
+#include <optional>
+#include <tuple>
 
 #include "engine/base/files.h"
 
@@ -19,13 +22,18 @@ namespace plumbline {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr char kFormat[] = "plumbline-viewpoints-6";
+constexpr char kFormat[] = "plumbline-viewpoints-9";
 
-/// Casts rays at one mesh.
+/// Rec. 601, as a camera's grey.
+float Luminance(const std::array<std::uint8_t, 3>& rgb) {
+  return (0.299f * rgb[0] + 0.587f * rgb[1] + 0.114f * rgb[2]) / 255.0f;
+}
+
+/// Casts rays at one mesh, which must outlive it.
 class RayScene {
  public:
   explicit RayScene(const TriangleMesh& mesh)
-      : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+      : mesh_(mesh), device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(
@@ -56,6 +64,7 @@ class RayScene {
   struct Hit {
     float distance = 0;  ///< In lengths of the direction; 0 none.
     Eigen::Vector3f normal{0, 0, 0};
+    float luminance = 0;  ///< 0 .. 1; 0 without colours.
   };
   Hit Cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
     RTCRayHit ray{};
@@ -69,10 +78,21 @@ class RayScene {
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene_, &context, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    return {ray.ray.tfar, Eigen::Vector3f(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z).normalized()};
+    return {ray.ray.tfar, Eigen::Vector3f(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z).normalized(),
+            LuminanceAt(ray.hit)};
   }
 
  private:
+  float LuminanceAt(const RTCHit& hit) const {
+    if (mesh_.colors.empty()) return 0;
+    const Eigen::Vector3i& corners = mesh_.triangles[hit.primID];
+    const auto at = [&](int corner) {
+      return Luminance(mesh_.colors[static_cast<std::size_t>(corners[corner])]);
+    };
+    return (1 - hit.u - hit.v) * at(0) + hit.u * at(1) + hit.v * at(2);
+  }
+
+  const TriangleMesh& mesh_;
   RTCDevice device_;
   RTCScene scene_;
 };
@@ -118,12 +138,23 @@ bool IsStep(const RayScene::Hit& p, const Eigen::Vector3f& ray_p, const RayScene
   return p_at_q > 0 && q.distance - p_at_q > step && (q_at_p == 0 || q_at_p - p.distance > step);
 }
 
+/// A hit's plane in inverse depth, which is linear in the image: value at the pixel and slopes per
+/// pixel.
+struct InversePlane {
+  float value = 0;
+  Eigen::Vector2f slope{0, 0};
+};
+
 class ViewBuilder {
  public:
-  ViewBuilder(const RayScene& scene, const ViewCamera& camera, float step)
+  ViewBuilder(const RayScene& scene, const ViewCamera& camera, float step,
+              const ViewpointModelOptions& options)
       : scene_(scene),
         camera_(camera),
         step_(step),
+        inner_weight_(static_cast<float>(options.inner_weight)),
+        mark_contrast_(static_cast<float>(options.mark_contrast)),
+        crease_cosine_(static_cast<float>(std::cos(options.crease_angle_deg * kDegree))),
         hits_(static_cast<std::size_t>(camera.size) * camera.size) {
     for (int v = 0; v < camera_.size; ++v) {
       for (int u = 0; u < camera_.size; ++u)
@@ -131,23 +162,31 @@ class ViewBuilder {
     }
   }
 
-  /// Evenly spaced points along the contour; `length_px` is the contour's length.
-  std::vector<ContourPoint> Sample(int count, double* length_px) const {
+  struct Lines {
+    std::vector<ContourPoint> points;  ///< Those of the contour first.
+    int outline_size = 0;
+    double length_px = 0;  ///< All together, inner lines weighted.
+  };
+  /// Evenly spaced points along contour and inner lines.
+  Lines Sample(int count) const {
     std::vector<Candidate> candidates = FindContour();
-    std::sort(candidates.begin(), candidates.end(),
-              [](const Candidate& a, const Candidate& b) { return a.order < b.order; });
+    if (inner_weight_ > 0) AddInnerLines(candidates);
+    std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+      return std::tie(a.inner, a.order) < std::tie(b.inner, b.order);
+    });
+    Lines lines;
     double total = 0;
     for (const Candidate& candidate : candidates) total += candidate.length;
-    *length_px = total;
-    std::vector<ContourPoint> points;
+    lines.length_px = total;
     double sum = 0, next = 0.5 * total / count;
     for (const Candidate& candidate : candidates) {
       sum += candidate.length;
       if (sum < next) continue;
-      points.push_back(Refine(candidate));
+      lines.points.push_back(candidate.inner ? OnInnerLine(candidate) : Refine(candidate));
+      lines.outline_size += candidate.inner ? 0 : 1;
       next += total / count;
     }
-    return points;
+    return lines;
   }
 
  private:
@@ -156,6 +195,9 @@ class ViewBuilder {
     Eigen::Vector2f normal;
     float length;
     std::uint32_t order;
+    bool inner = false;       ///< A crease or a mark, whose place is known:
+    float offset = 0;         ///< From the pixel along `normal` [px].
+    float inverse_depth = 0;  ///< There.
   };
 
   RayScene::Hit& At(int u, int v) { return hits_[static_cast<std::size_t>(v) * camera_.size + u]; }
@@ -184,6 +226,113 @@ class ViewBuilder {
       }
     }
     return found;
+  }
+
+  InversePlane PlaneAt(int u, int v) const {
+    const RayScene::Hit& hit = At(u, v);
+    const float along =
+        hit.normal.dot(camera_.Direction(static_cast<float>(u), static_cast<float>(v)));
+    const float scale = camera_.pixel / (hit.distance * along);
+    return {1.0f / hit.distance,
+            scale * Eigen::Vector2f(hit.normal.dot(camera_.right), hit.normal.dot(camera_.down))};
+  }
+
+  /// Creases and marks: faces that meet at an angle, or a step of colour, between the pixels before
+  /// and after this one, along the axis that crosses the line more squarely. A line between two
+  /// pixels is seen from both, so each counts half. (The rule of shaders/likelihood/
+  /// atlas_score.comp.)
+  void AddInnerLines(std::vector<Candidate>& found) const {
+    for (int v = 4; v < camera_.size - 4; ++v) {
+      for (int u = 4; u < camera_.size - 4; ++u) {
+        for (int axis = 0; axis < 2; ++axis) {
+          std::optional<Candidate> line = CreaseAt(u, v, axis);
+          if (!line) line = MarkAt(u, v, axis);
+          if (line) found.push_back(*line);
+        }
+      }
+    }
+  }
+
+  std::optional<Candidate> CreaseAt(int u, int v, int axis) const {
+    const int du = axis == 0 ? 1 : 0, dv = 1 - du;
+    const RayScene::Hit &p = At(u - du, v - dv), &q = At(u + du, v + dv);
+    if (p.distance == 0 || q.distance == 0 || At(u, v).distance == 0) return std::nullopt;
+    const Eigen::Vector3f ray_p = Moved(u, v, -1, du, dv), ray_q = Moved(u, v, 1, du, dv);
+    // Normals as the camera sees them: meshes may be wound either way.
+    const float facing = p.normal.dot(ray_p) * q.normal.dot(ray_q) < 0 ? -1.0f : 1.0f;
+    if (facing * p.normal.dot(q.normal) > crease_cosine_) return std::nullopt;
+    const InversePlane a = PlaneAt(u - du, v - dv), b = PlaneAt(u + du, v + dv);
+    const Eigen::Vector2f across = a.slope - b.slope;
+    const float norm = across.norm();
+    if (norm == 0) return std::nullopt;
+    const Eigen::Vector2f normal = across / norm;
+    if (std::abs(normal[axis]) < std::abs(normal[1 - axis])) return std::nullopt;
+    // Where the planes meet, along the axis from the pixel; far away they are two surfaces.
+    const float at_a = a.value + a.slope[axis], at_b = b.value - b.slope[axis];
+    const float meet = (at_b - at_a) / across[axis];
+    if (!(std::abs(meet) <= 1.0f)) return std::nullopt;
+    Candidate crease{u,
+                     v,
+                     normal,
+                     0.5f * inner_weight_ / std::abs(normal[axis]),
+                     ZOrder(static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v)),
+                     true};
+    crease.offset = meet * normal[axis];
+    Eigen::Vector2f step = crease.offset * normal;
+    step[axis] += 1.0f;  // from the pixel before
+    crease.inverse_depth = a.value + a.slope.dot(step);
+    return crease.inverse_depth > 0 ? std::optional(crease) : std::nullopt;
+  }
+
+  std::optional<Candidate> MarkAt(int u, int v, int axis) const {
+    const RayScene::Hit& hit = At(u, v);
+    if (hit.distance == 0) return std::nullopt;
+    // All on one surface: elsewhere it is the contour's.
+    static constexpr int kNeighbours[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    for (const auto& n : kNeighbours) {
+      const RayScene::Hit& other = At(u + n[0], v + n[1]);
+      if (other.distance == 0 || std::abs(other.distance - hit.distance) > step_)
+        return std::nullopt;
+    }
+    const Eigen::Vector2f gradient(At(u + 1, v).luminance - At(u - 1, v).luminance,
+                                   At(u, v + 1).luminance - At(u, v - 1).luminance);
+    if (std::abs(gradient[axis]) < std::max(mark_contrast_, std::abs(gradient[1 - axis])))
+      return std::nullopt;
+    const Eigen::Vector2f normal = gradient.normalized();
+    Candidate mark{u,
+                   v,
+                   normal,
+                   0.5f * inner_weight_ / std::abs(normal[axis]),
+                   ZOrder(static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v)),
+                   true};
+    // Halfway between the colours of the pixels before and after, by bisection along the axis.
+    const int du = axis == 0 ? 1 : 0, dv = 1 - du;
+    const float before = At(u - du, v - dv).luminance, after = At(u + du, v + dv).luminance;
+    float low = -1, high = 1;
+    RayScene::Hit there = hit;
+    for (int i = 0; i < 5; ++i) {
+      const float middle = 0.5f * (low + high);
+      there = scene_.Cast(camera_.origin, Moved(u, v, middle, du, dv));
+      if (there.distance == 0) return std::nullopt;
+      const bool past = std::abs(there.luminance - before) > std::abs(there.luminance - after);
+      (past ? high : low) = middle;
+    }
+    mark.offset = 0.5f * (low + high) * normal[axis];
+    mark.inverse_depth = 1.0f / there.distance;
+    return mark;
+  }
+
+  Eigen::Vector3f Moved(int u, int v, float by, int du, int dv) const {
+    return camera_.Direction(static_cast<float>(u) + by * static_cast<float>(du),
+                             static_cast<float>(v) + by * static_cast<float>(dv));
+  }
+
+  ContourPoint OnInnerLine(const Candidate& line) const {
+    const Eigen::Vector3f ray =
+        camera_.Direction(static_cast<float>(line.u) + line.offset * line.normal.x(),
+                          static_cast<float>(line.v) + line.offset * line.normal.y());
+    const Eigen::Vector3f across = line.normal.x() * camera_.right + line.normal.y() * camera_.down;
+    return {camera_.origin + ray / line.inverse_depth, across.normalized()};
   }
 
   /// From the side that continues this pixel's surface to the side that lies behind it, in the
@@ -234,7 +383,7 @@ class ViewBuilder {
 
   const RayScene& scene_;
   const ViewCamera& camera_;
-  float step_;
+  float step_, inner_weight_, mark_contrast_, crease_cosine_;
   std::vector<RayScene::Hit> hits_;
 };
 
@@ -260,7 +409,7 @@ std::string CacheKey(const CadModel& model, const ViewpointModelOptions& o) {
   for (const double value :
        {static_cast<double>(o.azimuths), static_cast<double>(o.elevations), o.min_elevation_deg,
         o.max_elevation_deg, static_cast<double>(o.points), static_cast<double>(o.image_px),
-        o.contour_step_m}) {
+        o.contour_step_m, o.inner_weight, o.crease_angle_deg, o.mark_contrast}) {
     key += "|" + std::to_string(value);
   }
   for (const double distance : o.distances) key += "|" + std::to_string(distance);
@@ -312,6 +461,7 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(
   const int views = result->NumViews();
   std::vector<std::vector<ContourPoint>> found(static_cast<std::size_t>(views));
   result->length_per_point_m_.resize(static_cast<std::size_t>(views));
+  result->outline_size_.resize(static_cast<std::size_t>(views));
   std::atomic<int> done = 0;
   tbb::parallel_for(0, views, [&](int view) {
     const int azimuth_index = view % options.azimuths;
@@ -329,13 +479,13 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(
         static_cast<float>(options.distances[static_cast<std::size_t>(distance_index)]) * radius;
     const ViewCamera camera =
         CameraAt(result->center_, from_center, distance, radius, options.image_px);
-    double length_px = 0;
-    auto& points = found[static_cast<std::size_t>(view)];
-    points = ViewBuilder(scene, camera, step).Sample(options.points, &length_px);
+    ViewBuilder::Lines lines = ViewBuilder(scene, camera, step, options).Sample(options.points);
+    result->outline_size_[static_cast<std::size_t>(view)] = lines.outline_size;
     result->length_per_point_m_[static_cast<std::size_t>(view)] =
-        points.empty() ? 0.0f
-                       : static_cast<float>(length_px * camera.pixel * distance /
-                                            static_cast<double>(points.size()));
+        lines.points.empty() ? 0.0f
+                             : static_cast<float>(lines.length_px * camera.pixel * distance /
+                                                  static_cast<double>(lines.points.size()));
+    found[static_cast<std::size_t>(view)] = std::move(lines.points);
     const int now = ++done;
     if (now % 64 == 0 || now == views) work.report({"viewpoint models", now, views});
   });
@@ -353,6 +503,8 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(
       points = found[static_cast<std::size_t>(view - azimuth_index)];
       result->length_per_point_m_[static_cast<std::size_t>(view)] =
           result->length_per_point_m_[static_cast<std::size_t>(view - azimuth_index)];
+      result->outline_size_[static_cast<std::size_t>(view)] =
+          result->outline_size_[static_cast<std::size_t>(view - azimuth_index)];
       for (ContourPoint& point : points) point = {turn * point.position, turn * point.normal};
     }
     for (int k = 0; k < 3; ++k) {
@@ -379,7 +531,7 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::LoadOrBuild(
     std::vector<float> head;
     if (HashHex(rest) == hash && TakeVector(rest, head) && head.size() == 4 &&
         TakeVector(rest, result->first_point_) && TakeVector(rest, result->length_per_point_m_) &&
-        TakeVector(rest, result->points_)) {
+        TakeVector(rest, result->outline_size_) && TakeVector(rest, result->points_)) {
       result->options_ = options;
       result->center_ = {head[0], head[1], head[2]};
       result->bounding_radius_ = head[3];
@@ -394,6 +546,7 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::LoadOrBuild(
             body);
   PutVector(m.first_point_, body);
   PutVector(m.length_per_point_m_, body);
+  PutVector(m.outline_size_, body);
   PutVector(m.points_, body);
   // A cache that cannot be written costs only the next start.
   static_cast<void>(WriteFileAtomically(file, HashHex(body) + body).ok());
@@ -426,7 +579,8 @@ ContourView ViewpointModel::View(const Eigen::Vector3f& camera_in_object) const 
   const std::int32_t first = first_point_[view];
   const int n = first_point_[view + 1] - first;
   const float* x = points_.data() + 6 * static_cast<std::size_t>(first);
-  return {n, x, x + n, x + 2 * n, x + 3 * n, x + 4 * n, x + 5 * n, length_per_point_m_[view]};
+  return {n,         outline_size_[view],      x, x + n, x + 2 * n, x + 3 * n, x + 4 * n,
+          x + 5 * n, length_per_point_m_[view]};
 }
 
 }  // namespace plumbline

@@ -16,7 +16,9 @@
 namespace plumbline {
 
 /// One point of a model's contour as seen from one viewpoint, in `object` [m]. The contour is the
-/// silhouette and the depth discontinuities; the point lies on the near side.
+/// silhouette and the depth discontinuities; the point lies on the near side. Inner lines belong to
+/// it with a lower weight: creases, where two faces meet at an angle, and marks, where the colours
+/// of the vertices change.
 struct ContourPoint {
   Eigen::Vector3f position;
   Eigen::Vector3f normal;  ///< Unit vector across the contour, from the near side outwards,
@@ -26,14 +28,15 @@ struct ContourPoint {
 /// The contour from one viewpoint: points evenly spaced along it, by coordinate.
 struct ContourView {
   int size = 0;
+  int outline_size = 0;      ///< The first of them are contour, the rest inner lines.
   const float* x = nullptr;  ///< Positions and normals in `object`, `size` each.
   const float* y = nullptr;
   const float* z = nullptr;
   const float* nx = nullptr;
   const float* ny = nullptr;
   const float* nz = nullptr;
-  float length_per_point_m =
-      0;  ///< Contour length that one point stands for, measured at the object's centre depth.
+  float length_per_point_m = 0;  ///< Contour length (of inner lines: weighted) that one point
+                                 ///< stands for, measured at the object's centre depth.
 };
 
 struct ViewpointModelOptions {
@@ -46,6 +49,9 @@ struct ViewpointModelOptions {
   int image_px = 176;   ///< Resolution of the rays that find the contour.
   double contour_step_m =
       0.04;  ///< Depth jump that makes a contour (less for objects smaller than 13 cm).
+  double inner_weight = 0.5;  ///< Of a length of crease or mark beside the same length of contour.
+  double crease_angle_deg = 40;  ///< Between faces that make a crease.
+  double mark_contrast = 0.15;   ///< Step of luminance (0 .. 1) that makes a mark.
 };
 
 /// Contours of a model precomputed for viewpoints around it, by casting rays (Embree): the same on
@@ -76,6 +82,7 @@ class ViewpointModel {
   float bounding_radius_ = 0;
   std::vector<float> points_;  ///< View after view: all x, all y, all z, all nx, all ny, all nz.
   std::vector<std::int32_t> first_point_;  ///< NumViews() + 1; counts points.
+  std::vector<std::int32_t> outline_size_;
   std::vector<float> length_per_point_m_;
 };
 
