@@ -18,6 +18,8 @@ constexpr double kFirstFrame_s = 1.0 / 30.0;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kMinKeyFrameVisibility = 0.15;
 constexpr double kMaxEvidence = 15.0;
+constexpr double kMoveFramesPerSecondSeen = 4.0;
+constexpr double kMostDetectorSurplus = 0.1;
 constexpr double kBirthReach = 2.0;  // at half size: four times as far as later
 
 /// What a random draw is for: each has numbers of its own.
@@ -157,7 +159,10 @@ void Mapper::Impl::Weigh(MapObject& object, const MapperInput& input, const Rend
   object.last_frame = input.frame;
   object.seen_s += dt_s;
   const double edge = options().evidence_per_edge * (after.phi_edge - options().expected_edge);
-  const double cnn = options().evidence_per_cnn * (after.phi_cnn - options().expected_cnn);
+  // A box says that something is there, not that it stands so: it helps less than its absence
+  // harms.
+  const double cnn = options().evidence_per_cnn *
+                     std::min(after.phi_cnn - options().expected_cnn, kMostDetectorSurplus);
   // Few visible edges say little either way.
   const double informative = std::min(1.0, after.visible_fraction / 0.3);
   object.log_evidence = std::clamp(object.log_evidence + gain * informative * (edge + cnn),
@@ -227,7 +232,11 @@ std::vector<JudgingView> Mapper::Impl::JudgingViews(const MapObject& object,
 void Mapper::Impl::Move(MapObject& object, const MapperInput& input,
                         const RenderedMaps& occluders) {
   const bool tentative = object.state == ObjectState::kTentative;
-  const int period = tentative ? options().tentative_move_period : options().confirmed_move_period;
+  // What has been seen for long has been moved often: the search relaxes with age.
+  const int period =
+      tentative ? options().tentative_move_period
+                : std::clamp(static_cast<int>(kMoveFramesPerSecondSeen * object.seen_s),
+                             options().tentative_move_period, options().confirmed_move_period);
   if (options().key_frames == 0 || !object.weighed || input.frame - object.last_move_frame < period)
     return;
   const std::vector<JudgingView> views = JudgingViews(object, memory, input, occluders);
@@ -241,7 +250,7 @@ void Mapper::Impl::Move(MapObject& object, const MapperInput& input,
       ToHypotheses(SystematicResample(object.particles, count,
                                       Key(setup.seed, input.frame, object.id, Draw::kSpread)),
                    object.world_from_reference_cam);
-  if (tentative && object.last_proposal) {
+  if (object.last_proposal) {
     move.newcomers =
         SampleBirth(*object.last_proposal, setup.camera, object.world_from_proposal_cam, map,
                     options(), 150, Key(setup.seed, input.frame, object.id, Draw::kNewcomers));

@@ -78,10 +78,10 @@ struct MapperOptions {
   int confirmed_move_period = 30;
 
   // Life
-  double expected_edge = 0.22;
-  double expected_cnn = 0.10;
-  double evidence_per_edge = 10.0;
-  double evidence_per_cnn = 4.0;
+  double expected_edge = 0.30;
+  double expected_cnn = 0.16;
+  double evidence_per_edge = 9.0;
+  double evidence_per_cnn = 14.0;
   double confirm_evidence = 3.0;
   double retire_evidence = -3.0;
   double confirm_position_std_m = 0.10;

@@ -48,7 +48,8 @@ class Mover {
     return hypothesis;
   }
 
-  /// Turned by a half or a quarter turn about a vertical axis somewhere inside the object.
+  /// Turned by a half turn, a quarter turn or any angle about a vertical axis somewhere inside the
+  /// object.
   PoseHypothesis Turned(PoseHypothesis hypothesis) {
     Random random = Next();
     const Eigen::Vector3d size =
@@ -56,8 +57,9 @@ class Mover {
     const Eigen::Vector3d pivot(random.Uniform(-0.5, 0.5) * size.x(),
                                 random.Uniform(-0.5, 0.5) * size.y(), 0);
     const double pick = random.Uniform();
-    const double turn =
-        pick < 0.6 ? std::numbers::pi : (pick < 0.8 ? 0.5 : -0.5) * std::numbers::pi;
+    const double turn = pick < 0.4   ? std::numbers::pi
+                        : pick < 0.7 ? (pick < 0.55 ? 0.5 : -0.5) * std::numbers::pi
+                                     : Next().Uniform(-std::numbers::pi, std::numbers::pi);
     const Eigen::Matrix3d before = map_.upright.WorldFromObjectRotation(hypothesis.azimuth_rad);
     const Eigen::Matrix3d after =
         map_.upright.WorldFromObjectRotation(hypothesis.azimuth_rad + turn);
