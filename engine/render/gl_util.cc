@@ -120,6 +120,14 @@ UploadedMesh Upload(const TriangleMesh& mesh) {
                mesh.triangles.data(), GL_STATIC_DRAW);
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Eigen::Vector3f), nullptr);
   glEnableVertexAttribArray(0);
+  if (!mesh.colors.empty()) {
+    uploaded.colors = MakeBuffer();
+    glBindBuffer(GL_ARRAY_BUFFER, uploaded.colors.get());
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(3 * mesh.colors.size()),
+                 mesh.colors.data(), GL_STATIC_DRAW);
+    glVertexAttribPointer(1, 3, GL_UNSIGNED_BYTE, GL_TRUE, 3, nullptr);
+    glEnableVertexAttribArray(1);
+  }
   return uploaded;
 }
 

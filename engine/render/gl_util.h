@@ -61,7 +61,7 @@ GLint Uniform(const Program& program, const char* name);
 /// A mesh in buffers of its own, positions at location 0.
 struct UploadedMesh {
   VertexArray vertex_array;
-  Buffer vertices, indices;
+  Buffer vertices, indices, colors;
   GLsizei index_count = 0;
 };
 UploadedMesh Upload(const TriangleMesh& mesh);

@@ -24,7 +24,7 @@ struct GpuHypothesis {
 static_assert(sizeof(GpuHypothesis) == 144);
 
 struct GpuScore {
-  float hits_m, visible_m, total_m, visible_samples;
+  float agreement_m, visible_m, total_m, visible_samples;
   float whole[4], visible[4];
 };
 static_assert(sizeof(GpuScore) == 48);
@@ -196,6 +196,11 @@ void GlHypothesisAtlas::Reduce(const AtlasView& view, int count) {
               static_cast<GLfloat>(view.camera.cy));
   glUniform1f(gl::Uniform(score_, "margin_m"), static_cast<GLfloat>(view.occlusion_margin_m));
   glUniform1f(gl::Uniform(score_, "near_m"), static_cast<GLfloat>(view.near_m));
+  glUniform1f(gl::Uniform(score_, "chance"), static_cast<GLfloat>(view.chance));
+  glUniform1f(gl::Uniform(score_, "inner_weight"), static_cast<GLfloat>(options_.inner_weight));
+  glUniform1f(gl::Uniform(score_, "crease_cosine"),
+              static_cast<GLfloat>(std::cos(options_.crease_angle_deg * std::numbers::pi / 180.0)));
+  glUniform1f(gl::Uniform(score_, "mark_contrast"), static_cast<GLfloat>(options_.mark_contrast));
   glMemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
   glDispatchCompute(static_cast<GLuint>(count), 1, 1);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -222,7 +227,7 @@ void GlHypothesisAtlas::ScoreBatch(const AtlasView& view,
                      static_cast<GLsizeiptr>(sums.size() * sizeof(GpuScore)), sums.data());
   for (std::size_t i = 0; i < sums.size(); ++i) {
     AtlasScore& score = scores[i];
-    score.agreement_m = sums[i].hits_m - static_cast<float>(view.chance) * sums[i].visible_m;
+    score.agreement_m = sums[i].agreement_m;
     score.visible_m = sums[i].visible_m;
     score.total_m = sums[i].total_m;
     score.visible_samples = static_cast<int>(sums[i].visible_samples);

@@ -22,7 +22,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr char kFormat[] = "plumbline-viewpoints-9";
+constexpr char kFormat[] = "plumbline-viewpoints-10";
 
 /// Rec. 601, as a camera's grey.
 float Luminance(const std::array<std::uint8_t, 3>& rgb) {
@@ -294,11 +294,11 @@ class ViewBuilder {
       if (other.distance == 0 || std::abs(other.distance - hit.distance) > step_)
         return std::nullopt;
     }
-    const Eigen::Vector2f gradient(At(u + 1, v).luminance - At(u - 1, v).luminance,
-                                   At(u, v + 1).luminance - At(u, v - 1).luminance);
-    if (std::abs(gradient[axis]) < std::max(mark_contrast_, std::abs(gradient[1 - axis])))
-      return std::nullopt;
-    const Eigen::Vector2f normal = gradient.normalized();
+    const int du = axis == 0 ? 1 : 0, dv = 1 - du;
+    const float before = At(u - du, v - dv).luminance, after = At(u + du, v + dv).luminance;
+    if (std::abs(after - before) < mark_contrast_) return std::nullopt;
+    const Eigen::Vector2f normal = LuminanceGradient(u, v).normalized();
+    if (!(std::abs(normal[axis]) >= std::abs(normal[1 - axis]))) return std::nullopt;
     Candidate mark{u,
                    v,
                    normal,
@@ -306,8 +306,6 @@ class ViewBuilder {
                    ZOrder(static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v)),
                    true};
     // Halfway between the colours of the pixels before and after, by bisection along the axis.
-    const int du = axis == 0 ? 1 : 0, dv = 1 - du;
-    const float before = At(u - du, v - dv).luminance, after = At(u + du, v + dv).luminance;
     float low = -1, high = 1;
     RayScene::Hit there = hit;
     for (int i = 0; i < 5; ++i) {
@@ -320,6 +318,22 @@ class ViewBuilder {
     mark.offset = 0.5f * (low + high) * normal[axis];
     mark.inverse_depth = 1.0f / there.distance;
     return mark;
+  }
+
+  /// Of the surface that the pixel shows, over a window.
+  Eigen::Vector2f LuminanceGradient(int u, int v) const {
+    const RayScene::Hit& hit = At(u, v);
+    Eigen::Vector2f gradient = Eigen::Vector2f::Zero();
+    constexpr int kRadius = 3;
+    for (int dv = -kRadius; dv <= kRadius; ++dv) {
+      for (int du = -kRadius; du <= kRadius; ++du) {
+        const RayScene::Hit& other = At(u + du, v + dv);
+        if (other.distance == 0 || std::abs(other.distance - hit.distance) > 2 * step_) continue;
+        const float weight = std::exp(-0.5f * (du * du + dv * dv) / (1.5f * 1.5f));
+        gradient += weight * (other.luminance - hit.luminance) * Eigen::Vector2f(du, dv);
+      }
+    }
+    return gradient;
   }
 
   Eigen::Vector3f Moved(int u, int v, float by, int du, int dv) const {

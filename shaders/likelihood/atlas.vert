@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One instance is one hypothesis; it lands in its own tile of the atlas and is cut off at the tile's edges.
 layout(location = 0) in vec3 point_in_object;
+layout(location = 1) in vec3 rgb;
 struct Hypothesis {
   mat4 tile_from_object;
   mat4 cam_from_tile;
@@ -14,8 +15,10 @@ uniform int tile_px;
 uniform int tiles_per_row;
 uniform float near_m;
 out float gl_ClipDistance[4];
+out float luminance;
 
 void main() {
+  luminance = dot(rgb, vec3(0.299, 0.587, 0.114));
   uint tile = tile_of_instance[first_instance + uint(gl_InstanceID)];
   vec3 p = (hypotheses[tile].tile_from_object * vec4(point_in_object, 1.0)).xyz;
   vec2 in_tile = p.xy * 2.0 / (hypotheses[tile].pixel_step_length_unused.x * float(tile_px));

@@ -28,8 +28,10 @@ CadModel ModelOf(TriangleMesh mesh, int symmetry_order = 1) {
   return ModelDatabase::FromModels({model})->models().front();
 }
 
+/// Of the contour alone.
 ViewpointModelOptions FewViews() {
   ViewpointModelOptions options;
+  options.inner_weight = 0;
   options.azimuths = 15;
   options.elevations = 3;
   options.distances = {1.3, 3.0};
@@ -259,6 +261,67 @@ TEST(ViewpointModel, FollowsTheRenderersContourOfShapesWithInnerSteps) {
   }
   EXPECT_LE(far_points, 0.01 * points);
   EXPECT_LE(far_pixels, 0.02 * pixels);
+}
+
+/// A box of two halves of different colour, x < 0 and x > 0.
+TriangleMesh TwoColouredBox() {
+  TriangleMesh left = MakeBox({-0.3f, -0.2f, 0}, {0, 0.2f, 0.5f});
+  TriangleMesh right = MakeBox({0, -0.2f, 0}, {0.3f, 0.2f, 0.5f});
+  left.colors.assign(left.vertices.size(), {230, 230, 230});
+  right.colors.assign(right.vertices.size(), {90, 60, 40});
+  Append(right, left);
+  return left;
+}
+
+TEST(ViewpointModel, InnerLinesAreCreasesAndStepsOfColour) {
+  const CadModel model = ModelOf(TwoColouredBox());
+  ViewpointModelOptions options = FewViews();
+  options.inner_weight = 0.5;
+  const auto views = Built(model, options);
+  ViewpointModelOptions outline = FewViews();
+  const auto outlines = Built(model, outline);
+  int creases = 0, marks = 0, turned = 0;
+  double sum_rad = 0;
+  for (const Viewpoint& viewpoint : ViewpointsOf(model, options)) {
+    const ContourView view = views->View(viewpoint.camera_in_object);
+    const ContourView alone = outlines->View(viewpoint.camera_in_object);
+    ASSERT_LE(view.outline_size, view.size);
+    EXPECT_EQ(alone.outline_size, alone.size);
+    // A point stands for the same length of contour as of weighted inner lines.
+    EXPECT_NEAR(view.length_per_point_m * static_cast<float>(view.outline_size),
+                alone.length_per_point_m * static_cast<float>(alone.size),
+                1.5f * view.length_per_point_m);
+    const float pixel_m = static_cast<float>(viewpoint.distance / viewpoint.camera.fx);
+    for (int i = view.outline_size; i < view.size; ++i) {
+      const float to_mark = std::abs(view.x[i]);
+      const float sides[] = {0.3f - std::abs(view.x[i]), 0.2f - std::abs(view.y[i]),
+                             std::min(view.z[i], 0.5f - view.z[i])};
+      // On an edge of the box two of its sides meet.
+      int near_sides = 0;
+      for (const float side : sides) near_sides += std::abs(side) < 1.5f * pixel_m ? 1 : 0;
+      const bool crease = near_sides >= 2, mark = to_mark < 1.5f * pixel_m;
+      EXPECT_TRUE(crease || mark) << view.x[i] << ' ' << view.y[i] << ' ' << view.z[i];
+      creases += crease ? 1 : 0;
+      marks += mark && !crease ? 1 : 0;
+      if (!mark || crease) continue;
+      // The mark runs along y on the top and along z on the sides; the normal lies across.
+      const Eigen::Vector3d point(view.x[i], view.y[i], view.z[i]);
+      const bool on_top = view.z[i] > 0.5f - 1.5f * pixel_m;
+      const Eigen::Vector3d along = on_top ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+      const Eigen::Vector2d line =
+          viewpoint.camera.Project(viewpoint.cam_from_object * (point + 0.01 * along)) -
+          viewpoint.camera.Project(viewpoint.cam_from_object * point);
+      const Eigen::Vector3d normal =
+          viewpoint.cam_from_object.linear() * Eigen::Vector3d(view.nx[i], view.ny[i], view.nz[i]);
+      const double off_rad = std::asin(std::abs(line.normalized().dot(normal.head<2>())));
+      sum_rad += off_rad;
+      turned += off_rad > 16 * kDegree ? 1 : 0;
+    }
+  }
+  EXPECT_GT(creases, 2000);
+  EXPECT_GT(marks, 500);
+  EXPECT_LT(sum_rad / marks, 5 * kDegree);
+  EXPECT_LE(turned, 0.06 * marks) << "of " << marks << ": where the mark ends, the window is cut";
 }
 
 TEST(ViewpointModel, TakesTheNearestView) {
