@@ -19,7 +19,7 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kMinKeyFrameVisibility = 0.15;
 constexpr double kMaxEvidence = 15.0;
 constexpr double kMoveFramesPerSecondSeen = 4.0;
-constexpr double kMostDetectorSurplus = 0.1;
+constexpr double kMostEdgeSurplus = 0.22, kMostDetectorSurplus = 0.1;
 constexpr double kBirthReach = 2.0;  // at half size: four times as far as later
 
 /// What a random draw is for: each has numbers of its own.
@@ -158,9 +158,10 @@ void Mapper::Impl::Weigh(MapObject& object, const MapperInput& input, const Rend
   object.visible_box = after.visible_box;
   object.last_frame = input.frame;
   object.seen_s += dt_s;
-  const double edge = options().evidence_per_edge * (after.phi_edge - options().expected_edge);
-  // A box says that something is there, not that it stands so: it helps less than its absence
-  // harms.
+  // A missing detection weighs more than all that can speak for the object: edges alone may be any
+  // rectangle's, and a box says that something is there, not that it stands so.
+  const double edge = options().evidence_per_edge *
+                      std::min(after.phi_edge - options().expected_edge, kMostEdgeSurplus);
   const double cnn = options().evidence_per_cnn *
                      std::min(after.phi_cnn - options().expected_cnn, kMostDetectorSurplus);
   // Few visible edges say little either way.
