@@ -51,7 +51,7 @@ Result<OpenedInputs> OpenInputs(const AnnotationProject& project) {
 
 Result<std::vector<int>> FramesOf(const OpenedInputs& inputs, const std::string& range) {
   if (!inputs.sequence) return std::vector<int>{};
-  const Result<FrameRange> parsed = ParseFrameRange(range);
+  const Result<FrameRange> parsed = range.empty() ? FrameRange{} : ParseFrameRange(range);
   if (!parsed) return parsed.error();
   std::vector<int> frames;
   const int count = inputs.sequence->num_frames(),

@@ -3,13 +3,17 @@
 // clutter, azimuth unknown, up to 30 cm away.
 // The baseline is VTK's rigid ICP from the same starts, the best by its mean distance, given the
 // same cropped scan.
-//   alignment_benchmark [CASES]
+// Open3D's where libopen3d-dev is installed. Cases for CloudCompare are written to FOLDER.
+//   alignment_benchmark [CASES [FOLDER]]
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <map>
 #include <numbers>
 #include <vector>
 
@@ -24,9 +28,13 @@
 #include <vtkSmartPointer.h>
 
 #include "engine/geometry/gravity.h"
+#include "engine/models/mesh_file.h"
 #include "engine/registration/model_alignment.h"
 #include "tests/support/alignment_case.h"
 #include "tests/support/furniture_models.h"
+#ifdef PLUMBLINE_OPEN3D
+#include "tests/benchmarks/open3d_icp.h"
+#endif
 
 namespace plumbline {
 namespace {
@@ -135,13 +143,77 @@ void Print(const char* name, std::vector<Outcome> outcomes) {
     tilt = std::max(tilt, o.tilt_rad);
     seconds += o.seconds;
   }
-  std::printf("%-34s %4zu of %zu   %6.2f mm   %6.3f deg   %8.1e rad   %7.1f ms\n", name, good,
+  std::printf("%-42s %4zu of %zu   %6.2f mm   %6.3f deg   %8.1e rad   %7.1f ms\n", name, good,
               outcomes.size(), 1e3 * median(&Outcome::translation_m),
               Degrees(median(&Outcome::azimuth_rad)), tilt,
               1e3 * seconds / static_cast<double>(outcomes.size()));
 }
 
-int Run(int cases) {
+/// The other programs' results, from the same crop: what lies around without the support plane.
+class Baselines {
+ public:
+  Baselines(const AlignmentCase& test, const CadModel& model, const ModelSurface& surface,
+            int symmetry_order, const AlignmentCrop& crop)
+      : test_(test), model_(model), surface_(surface), order_(symmetry_order), crop_(crop) {}
+
+  Outcome Vtk(int starts) const {
+    const auto scan = ToVtk(crop_.fine.points);
+    vtkNew<vtkCellLocator> locator;
+    locator->SetDataSet(scan);
+    locator->BuildLocator();
+    return Timed([&] { return Baseline(test_, surface_, scan, locator, starts); });
+  }
+
+#ifdef PLUMBLINE_OPEN3D
+  Outcome Open3d(int starts) const {
+    return Timed(
+        [&] { return AlignWithOpen3d(crop_, surface_, test_.start, test_.up_in_scan, starts); });
+  }
+#endif
+
+ private:
+  template <typename Align>
+  Outcome Timed(const Align& align) const {
+    const double start_ms = CpuMilliseconds();
+    const Eigen::Isometry3d found = align();
+    const double seconds = (CpuMilliseconds() - start_ms) / 1e3;
+    Outcome outcome = Compare(test_, model_, order_, found);
+    outcome.seconds = seconds;
+    return outcome;
+  }
+
+  const AlignmentCase& test_;
+  const CadModel& model_;
+  const ModelSurface& surface_;
+  int order_;
+  const AlignmentCrop& crop_;
+};
+
+/// For CloudCompare (cloudcompare_alignment.py): model at its start and crop as points, z up, and
+/// the motion that would be right.
+void WriteCase(const std::filesystem::path& folder, int number, const AlignmentCase& test,
+               const CadModel& model, int order, const ModelSurface& surface,
+               const AlignmentCrop& crop) {
+  std::filesystem::create_directories(folder);
+  const std::string name = "case" + std::to_string(number);
+  Eigen::Isometry3d level = Eigen::Isometry3d::Identity();
+  level.linear() = UprightFrame(-test.up_in_scan).upright_rotation().transpose();
+  TriangleMesh scan, start;
+  scan.vertices = crop.fine.points;
+  start.vertices = surface.samples().points;
+  scan = Transformed(std::move(scan), level);
+  start = Transformed(std::move(start), level * test.start);
+  static_cast<void>(WritePly(folder / (name + "_scan.ply"), scan).ok());
+  static_cast<void>(WritePly(folder / (name + "_model.ply"), start).ok());
+  const Eigen::Isometry3d motion = level * test.scan_from_model * (level * test.start).inverse();
+  std::ofstream truth(folder / (name + ".txt"));
+  truth.precision(17);
+  truth << motion.matrix() << "\n"
+        << (level * test.start * model.center()).transpose() << "\n"
+        << order << "\n";
+}
+
+int Run(int cases, const std::filesystem::path& write_to) {
   const auto models = MakeFurnitureDatabase();
   std::vector<std::shared_ptr<const ModelSurface>> surfaces;
   std::vector<int> orders;
@@ -149,58 +221,55 @@ int Run(int cases) {
     surfaces.push_back(ModelSurface::Prepare(model.mesh).value());
     orders.push_back(surfaces.back()->SymmetryOrder(0.01));
   }
-  std::vector<Outcome> one, many, vtk_one, vtk_many;
+  std::map<std::string, std::vector<Outcome>> outcomes;
   double prepare_ms = 0;
   std::size_t points = 0;
   for (int i = 0; i < cases; ++i) {
     const ModelId id{i % static_cast<int>(models->models().size())};
+    const auto k = static_cast<std::size_t>(id.value);
     const AlignmentCase test = MakeAlignmentCase(*models, id, static_cast<std::uint64_t>(1000 + i));
     double start_ms = CpuMilliseconds();
     const auto target = ScanTarget::Prepare(test.scan, test.camera_centers).value();
     prepare_ms += CpuMilliseconds() - start_ms;
     points += test.scan.vertices.size();
     for (const int starts : {1, 24}) {
+      const std::string from = starts == 1 ? ", the given start" : ", 24 starts";
       AlignOptions options;
       options.starts = starts;
       start_ms = CpuMilliseconds();
-      const auto aligned = AlignModel(*target, *surfaces[static_cast<std::size_t>(id.value)],
-                                      test.start, test.up_in_scan, options);
+      const auto aligned = AlignModel(*target, *surfaces[k], test.start, test.up_in_scan, options);
       const double seconds = (CpuMilliseconds() - start_ms) / 1e3;
-      Outcome outcome;
-      outcome.translation_m = outcome.azimuth_rad = 1;
+      Outcome outcome{1, 1, 0, 0};
       if (aligned.ok()) {
-        outcome = Compare(test, models->model(id), aligned->symmetry_order,
-                          aligned->candidates[0].scan_from_model);
+        outcome =
+            Compare(test, models->model(id), orders[k], aligned->candidates[0].scan_from_model);
       }
       outcome.seconds = seconds;
-      (starts == 1 ? one : many).push_back(outcome);
+      outcomes["Plumbline" + from].push_back(outcome);
       if (i % kBaselineStep != 0) continue;
-      const AlignmentCrop crop = CropScan(*target, *surfaces[static_cast<std::size_t>(id.value)],
-                                          test.start, test.up_in_scan, options.search_m);
-      const auto scan = ToVtk(crop.fine.points);
-      vtkNew<vtkCellLocator> locator;
-      locator->SetDataSet(scan);
-      locator->BuildLocator();
-      start_ms = CpuMilliseconds();
-      Outcome baseline = Compare(
-          test, models->model(id), orders[static_cast<std::size_t>(id.value)],
-          Baseline(test, *surfaces[static_cast<std::size_t>(id.value)], scan, locator, starts));
-      baseline.seconds = (CpuMilliseconds() - start_ms) / 1e3;
-      (starts == 1 ? vtk_one : vtk_many).push_back(baseline);
+      const AlignmentCrop crop =
+          CropScan(*target, *surfaces[k], test.start, test.up_in_scan, options.search_m);
+      if (!write_to.empty()) {
+        WriteCase(write_to, i, test, models->model(id), orders[k], *surfaces[k], crop);
+      }
+      const Baselines baselines(test, models->model(id), *surfaces[k], orders[k], crop);
+      outcomes["VTK's rigid ICP" + from].push_back(baselines.Vtk(starts));
+#ifdef PLUMBLINE_OPEN3D
+      outcomes["Open3D's ICP to planes" + from].push_back(baselines.Open3d(starts));
+#endif
     }
   }
   std::printf("%d cases, %zu points each on average, prepared in %.1f ms\n", cases,
               points / static_cast<std::size_t>(cases), prepare_ms / cases);
-  std::printf("%-34s %-11s %12s %12s %14s %12s\n", "", "under 2 cm, 2 deg", "median", "median",
+  std::printf("%-42s %-11s %12s %12s %14s %12s\n", "", "under 2 cm, 2 deg", "median", "median",
               "worst tilt", "CPU time");
-  Print("Plumbline, the given start", one);
-  Print("Plumbline, 24 starts", many);
-  Print("VTK's rigid ICP, the given start", vtk_one);
-  Print("VTK's rigid ICP, 24 starts", vtk_many);
+  for (const auto& [name, list] : outcomes) Print(name.c_str(), list);
   return 0;
 }
 
 }  // namespace
 }  // namespace plumbline
 
-int main(int argc, char** argv) { return plumbline::Run(argc > 1 ? std::atoi(argv[1]) : 100); }
+int main(int argc, char** argv) {
+  return plumbline::Run(argc > 1 ? std::atoi(argv[1]) : 100, argc > 2 ? argv[2] : "");
+}
