@@ -20,7 +20,7 @@ def apply(m, p):
 
 
 rows = []
-for truth_file in sorted(glob.glob(os.path.join(folder, "case*.txt"))):
+for truth_file in sorted(glob.glob(os.path.join(folder, "case*[0-9].txt"))):
     base = truth_file[:-4]
     lines = open(truth_file).read().splitlines()
     truth, center, order = read_matrix(lines), [float(x) for x in lines[4].split()], int(lines[5])
@@ -35,7 +35,11 @@ for truth_file in sorted(glob.glob(os.path.join(folder, "case*.txt"))):
     if not found:
         rows.append((1e9, 180, 90, seconds))
         continue
-    moved = read_matrix(open(found[0]).read().splitlines())
+    lines = open(found[0]).read().splitlines()
+    if len(lines) < 4:  # it gave up
+        rows.append((1e9, 180, 90, seconds))
+        continue
+    moved = read_matrix(lines)
     translation = math.dist(apply(moved, center), apply(truth, center))
     turn = math.degrees(math.atan2(moved[1][0], moved[0][0]) - math.atan2(truth[1][0], truth[0][0]))
     step = 360 / order if order else 1e-9
