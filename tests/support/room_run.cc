@@ -81,6 +81,16 @@ const ObjectReport* RoomRun::Find(const FrameReport& report, const RoomInstance&
   return best;
 }
 
+SyntheticOptions QuicklyLit(SyntheticScene scene, std::uint64_t seed) {
+  SyntheticOptions options;
+  options.scene = scene;
+  options.seed = seed;
+  options.samples_per_pixel = 2;
+  options.light_rays = 48;
+  options.light_spacing = 2;
+  return options;
+}
+
 RoomRun MapRoom(const SyntheticOptions& options, const std::string& edges) {
   const std::filesystem::path folder = Film(options);
   RoomRun run;

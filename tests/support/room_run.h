@@ -38,6 +38,9 @@ struct RoomRun {
   const ObjectReport* Find(const FrameReport& report, const RoomInstance& instance) const;
 };
 
+/// A room whose light is good enough for a test, in a third of the time.
+SyntheticOptions QuicklyLit(SyntheticScene scene, std::uint64_t seed);
+
 /// Films the room into the test cache (once) and maps it with `edges` (dataset or gradient).
 RoomRun MapRoom(const SyntheticOptions& options, const std::string& edges);
 

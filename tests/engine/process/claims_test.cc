@@ -8,12 +8,7 @@
 namespace plumbline {
 namespace {
 
-RoomRun Map(SyntheticScene scene) {
-  SyntheticOptions options;
-  options.scene = scene;
-  options.seed = 5;
-  return MapRoom(options, "gradient");
-}
+RoomRun Map(SyntheticScene scene) { return MapRoom(QuicklyLit(scene, 5), "gradient"); }
 
 double ErrorOf(const ObjectReport& object, const RoomInstance& instance) {
   return (object.world_from_object.translation() - instance.truth.world_from_object.translation())

@@ -24,9 +24,8 @@ void ExpectFindsTheFurniture(const std::string& edges, double mean_m, double mea
   RoomFigures all;
   int clean_rooms = 0;
   for (int seed = kFirstSeed; seed < kFirstSeed + NumSeeds(); ++seed) {
-    SyntheticOptions options;
-    options.seed = static_cast<std::uint64_t>(seed);
-    const RoomFigures room = Judge(MapRoom(options, edges));
+    const RoomFigures room =
+        Judge(MapRoom(QuicklyLit(SyntheticScene::kRoom, static_cast<std::uint64_t>(seed)), edges));
     std::cout << "room " << seed << ": " << room.right << " of " << room.instances << " right, "
               << room.spurious << " spurious, " << 100 * room.sum_m / std::max(1, room.found)
               << " cm, " << room.sum_deg / std::max(1, room.found) << " deg\n"
