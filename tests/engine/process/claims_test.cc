@@ -8,7 +8,11 @@
 namespace plumbline {
 namespace {
 
-RoomRun Map(SyntheticScene scene) { return MapRoom(QuicklyLit(scene, 5), "gradient"); }
+RoomRun Map(SyntheticScene scene, int frames = 180) {
+  SyntheticOptions options = QuicklyLit(scene, 5);
+  options.frames = frames;
+  return MapRoom(options, "gradient");
+}
 
 double ErrorOf(const ObjectReport& object, const RoomInstance& instance) {
   return (object.world_from_object.translation() - instance.truth.world_from_object.translation())
@@ -41,7 +45,7 @@ void ExpectFurnished(const RoomRun& run, double mean_m, double mean_deg) {
 }
 
 TEST(Claims, AHiddenObjectStaysWhereItIsThroughSixtyFramesWithoutADetection) {
-  const RoomRun run = Map(SyntheticScene::kOcclusion);
+  const RoomRun run = Map(SyntheticScene::kOcclusion, 300);
   const RoomInstance& chair = run.Instance(run.main_instance);
   const int confirmed = ConfirmedFrame(run, chair);
   ASSERT_GE(confirmed, 0);
@@ -104,7 +108,7 @@ TEST(Claims, FurnitureCutByTheImageBorderIsPlaced) {
     int frames = 0;
     for (const FrameRun& truncated : instance.truncated)
       frames += truncated.last - truncated.first + 1;
-    if (frames < 150 || instance.shown_frames < 100) continue;
+    if (frames < 90 || instance.shown_frames < 90) continue;
     ++cut;
     const ObjectReport* object = run.Find(run.reports.back(), instance);
     placed += object != nullptr && ErrorOf(*object, instance) < 0.05 ? 1 : 0;
