@@ -90,8 +90,9 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   timeline_ = MakeTimelinePanel();
   why_ = MakeWhyPanel();
   particle_table_ = MakeParticleTablePanel();
+  flow_ = MakeFlowPanel();
   for (const auto* panel : {&image_, &edges_, &depth_, &masks_, &particles_, &map_, &objects_,
-                            &details_, &timings_, &timeline_, &why_, &particle_table_}) {
+                            &details_, &timings_, &timeline_, &why_, &particle_table_, &flow_}) {
     panels_.push_back(panel->get());
   }
   context_.playback = std::make_shared<const PlaybackView>();
@@ -101,6 +102,7 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   context_.viewport = &viewport_;
   context_.scene = scene_.get();
   wanted_scale_ = window_->content_scale();
+  context_.light = options_.light;
   LoadSettings();
   if (options_.ui_scale) wanted_scale_ = options_.ui_scale;
   script_host_.screenshot = [this](const std::string& file, const std::string& of) -> Status {
@@ -126,8 +128,11 @@ void Application::Open(const std::string& path, std::optional<int> frame) {
   process_.reset();
   context_.sequence = nullptr;
   context_.snapshot = nullptr;
-  context_.selection = {};
-  auto_select_ = true;
+  context_.selection = {options_.select, -1, 0};
+  auto_select_ = options_.select.value <= 0;
+  context_.bare = options_.layout != nullptr && !options_.layout->panels.empty();
+  context_.look_through =
+      options_.layout != nullptr && std::string_view(options_.layout->name) == "through";
   context_.source = path;
   ++context_.source_version;
   context_.bookmarks = ReadBookmarks(BookmarkFile(path, options_.settings));
@@ -317,6 +322,11 @@ void Application::DrawWindow() {
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
                    ImGuiWindowFlags_NoScrollWithMouse);
+  if (options_.layout != nullptr && !options_.layout->panels.empty()) {
+    DrawFigure(size);
+    ImGui::End();
+    return;
+  }
   const InspectLayout layout = ComputeInspectLayout(size, context_.ui_scale, ratios_);
   DrawTopBar(context_, layout.top_bar, *this);
   if (context_.sequence != nullptr) {
@@ -329,6 +339,17 @@ void Application::DrawWindow() {
   if (show_help_) DrawHelpSheet(context_, *this);
   DrawPalette(context_, palette_, *this);
   if (!palette_.open) PostShortcuts(context_, show_help_, *this);
+}
+
+void Application::DrawFigure(ImVec2 size) {
+  const float gap = context_.Scaled(4);
+  for (const PlacedPanel& placed : options_.layout->panels) {
+    const LayoutRect rect{{placed.x0 * size.x + 0.5f * gap, placed.y0 * size.y + 0.5f * gap},
+                          {placed.x1 * size.x - 0.5f * gap, placed.y1 * size.y - 0.5f * gap}};
+    for (Panel* panel : panels_) {
+      if (std::string_view(panel->Id()) == placed.panel) DrawPanel(context_, rect, *panel, *this);
+    }
+  }
 }
 
 void Application::DrawPanels(const InspectLayout& layout) {

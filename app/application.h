@@ -13,6 +13,7 @@
 
 #include "app/platform/imgui_backend.h"
 #include "app/platform/window.h"
+#include "app/render_layout.h"
 #include "app/ui_script.h"
 #include "engine/process/mapping_process.h"
 #include "engine/snapshot/commands.h"
@@ -30,7 +31,10 @@ struct ApplicationOptions {
   std::function<MappingProcess::OpenSource(const std::string& path)> opener;
   std::string path;  ///< To open at the start; "": none.
   std::optional<int> start_frame;
-  bool play = false;            ///< Plays once it is open.
+  bool play = false;                     ///< Plays once it is open.
+  const RenderLayout* layout = nullptr;  ///< Shows these panels alone; null: the whole window.
+  bool light = false;                    ///< Theme, unless the settings say otherwise.
+  ObjectId select;                       ///< Selected at the start; not valid: one in view.
   bool ignore_pointer = false;  ///< Nobody holds the mouse: a film must not show its tooltips.
   int width = 1600, height = 1000;
   std::optional<double> ui_scale;    ///< Else as the desktop wishes, or as it was left.
@@ -67,6 +71,8 @@ class Application : private CommandSink {
   void SelectByItself();
   void DrawWindow();
   void DrawPanels(const InspectLayout& layout);
+  /// The panels of options_.layout.
+  void DrawFigure(ImVec2 size);
   void Remember(const std::string& path);
   void KeepBookmarks();
   void SetUiScale(double scale);
@@ -88,7 +94,7 @@ class Application : private CommandSink {
   LayoutRatios ratios_;
   FrameContext context_;
   std::unique_ptr<Panel> image_, edges_, depth_, masks_, particles_, map_, objects_, details_,
-      timings_, timeline_, why_, particle_table_;
+      timings_, timeline_, why_, particle_table_, flow_;
   std::size_t details_tab_ = 0;
   std::vector<Panel*> panels_;
   std::optional<UiScript> script_;

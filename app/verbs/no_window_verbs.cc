@@ -21,6 +21,12 @@ void AddGuiVerb(CLI::App& app, VerbFunction& chosen) {
   verb->callback([&chosen] { chosen = NoWindow; });
 }
 
+void AddRenderVerb(CLI::App& app, VerbFunction& chosen) {
+  CLI::App* verb = app.add_subcommand("render", "Film a run (left out of this build)");
+  verb->allow_extras();
+  verb->callback([&chosen] { chosen = NoWindow; });
+}
+
 Status ShowDemoWindow(const std::filesystem::path&) { return NoWindow(); }
 
 Status FilmDemoWindow(const std::filesystem::path&, const std::filesystem::path&,

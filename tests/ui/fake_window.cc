@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The window on made-up frames: fake_window [--script FILE] [--settings FILE] [--size W H]
-// [--frames N] [--state FILE]
+// [--frames N] [--state FILE] [--film OUT --layout NAME]
 // [--open PATH] [--slow MS] [--fail FRAME] [--recorded]. Tests drive it; it needs a display.
 
 #include <cstdlib>
@@ -8,18 +8,22 @@
 #include <string>
 
 #include "app/application.h"
+#include "app/film.h"
 #include "tests/support/fake_source.h"
 
 int main(int argc, char** argv) {
   plumbline::FakeSourceOptions fake;
   plumbline::ApplicationOptions options;
   options.path = "made-up room";
+  std::string film;
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     const auto next = [&] { return std::string(++i < argc ? argv[i] : "0"); };
     if (option == "--script") options.script = next();
     if (option == "--open") options.path = next();
     if (option == "--settings") options.settings = next();
+    if (option == "--film") film = next();
+    if (option == "--layout") options.layout = *plumbline::FindRenderLayout(next());
     if (option == "--state") options.state_file = next();
     if (option == "--frames") fake.num_frames = std::stoi(next());
     if (option == "--slow") fake.milliseconds_per_frame = std::stoi(next());
@@ -47,6 +51,15 @@ int main(int argc, char** argv) {
   if (!application.ok()) {
     std::cerr << application.error().message << std::endl;
     return 1;
+  }
+  if (!film.empty()) {
+    auto sink = plumbline::OpenFilm(film, 10);
+    const auto take = [&](const cv::Mat& picture, int frame) {
+      return (*sink)->Take(picture, frame);
+    };
+    const auto filmed = plumbline::FilmFrames(**application, {6, 2}, {}, take);
+    const bool good = filmed.ok() && *filmed == 3 && (*sink)->Finish().ok();
+    return good ? 0 : 1;
   }
   const plumbline::Status status = (*application)->Run();
   if (status.ok()) return 0;

@@ -21,6 +21,7 @@ std::vector<std::unique_ptr<Panel>> AllPanels() {
   panels.push_back(MakeScenePanel());
   panels.push_back(MakeObjectsPanel());
   panels.push_back(MakeDetailsPanel());
+  panels.push_back(MakeFlowPanel());
   panels.push_back(MakeWhyPanel());
   panels.push_back(MakeParticleTablePanel());
   panels.push_back(MakeTimingsPanel());

@@ -420,6 +420,31 @@ TEST_F(Window, GrowsItsTextOnDemand) {
   EXPECT_NEAR(State("same.json")["ui_scale"], 1.0, 1e-9);
 }
 
+TEST_F(Window, FilmsEveryLayoutIntoPicturesVideoAndGif) {
+  const std::string program = (ProgramFile().parent_path() / "fake_window").string();
+  const auto film = [&](const std::string& layout, const std::string& out) {
+    return std::system(("cd '" + folder_.path().string() + "' && DISPLAY=" + display_->name() +
+                        " timeout 60 '" + program + "' --frames 20 --image 240 125 --size 640 480" +
+                        " --layout " + layout + " --film " + out + " 2>>errors.txt")
+                           .c_str());
+  };
+  for (const char* layout : {"inspect", "image", "map", "through", "insets", "column", "flow"}) {
+    ASSERT_EQ(film(layout, layout), 0) << layout << ReadFile(File("errors.txt")).value();
+    for (const char* frame : {"000000.png", "000002.png", "000004.png"}) {
+      const cv::Mat picture = cv::imread(File(std::string(layout) + "/" + frame));
+      ASSERT_EQ(picture.size(), cv::Size(640, 480)) << layout;
+      cv::Scalar mean, spread;
+      cv::meanStdDev(picture, mean, spread);
+      EXPECT_GT(spread[1], 10) << layout << " is not empty";
+    }
+  }
+  ASSERT_EQ(film("insets", "film.mp4"), 0);
+  EXPECT_GT(std::filesystem::file_size(File("film.mp4")), 1000u);
+  if (std::system("command -v ffmpeg >/dev/null") != 0) GTEST_SKIP() << "no ffmpeg: no GIF";
+  ASSERT_EQ(film("map", "film.gif"), 0);
+  EXPECT_EQ(ReadFile(File("film.gif")).value().substr(0, 4), "GIF8");
+}
+
 TEST_F(Window, RefusesAScriptThatItDoesNotUnderstand) {
   EXPECT_EQ(Run(R"(
       {"click": "no.such.control"})"),

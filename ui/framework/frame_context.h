@@ -86,6 +86,7 @@ struct FrameContext {
   bool follow = false;        ///< The 3-D view moves with the camera.
   bool look_through = false;  ///< The 3-D view is that of the camera.
   bool light = false;         ///< Theme
+  bool bare = false;          ///< A figure: panels without their controls.
   double window_ms = 0;       ///< CPU time of drawing the last window frame.
   double scene_ms = 0;        ///< Of the last render of the 3-D view.
   double ui_scale = 1;

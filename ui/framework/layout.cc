@@ -85,7 +85,7 @@ void DrawTitle(const FrameContext& context, Panel& panel, std::span<Panel* const
   ImGui::SameLine(0, context.Scaled(12));
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {context.Scaled(3), context.Scaled(4)});
   ImGui::SetCursorPosY(ImGui::GetCursorPosY() - context.Scaled(2));
-  panel.DrawHeader(context, sink);
+  if (!context.bare) panel.DrawHeader(context, sink);
   ImGui::PopStyleVar();
   const float content_y = context.Scaled(6) + ImGui::GetTextLineHeight() + context.Scaled(7);
   ImGui::SetCursorPos({context.Scaled(8), content_y});

@@ -17,6 +17,7 @@ std::unique_ptr<Panel> MakeParticlesPanel();
 std::unique_ptr<Panel> MakeScenePanel();
 std::unique_ptr<Panel> MakeObjectsPanel();
 std::unique_ptr<Panel> MakeDetailsPanel();
+std::unique_ptr<Panel> MakeFlowPanel();
 std::unique_ptr<Panel> MakeWhyPanel();
 std::unique_ptr<Panel> MakeParticleTablePanel();
 std::unique_ptr<Panel> MakeTimingsPanel();
