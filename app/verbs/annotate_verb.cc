@@ -12,6 +12,7 @@
 #include "engine/annotation/bop_files.h"
 #include "engine/base/files.h"
 #include "engine/base/log.h"
+#include "engine/models/mesh_file.h"
 #include "engine/process/mapping_pipeline.h"
 
 namespace plumbline {
@@ -162,6 +163,18 @@ PoseFrame FrameOf(const std::string& name) {
   return name == "world" ? PoseFrame::kWorld : PoseFrame::kScan;
 }
 
+/// With its scene where the project knows both scan and models.
+Status ExportVisma(const AnnotationProject& project, const ModelDatabase* models,
+                   const std::string& folder) {
+  constexpr double kReach_m = 0.03;
+  const AnnotationDocument& document = project.document();
+  const Status written = WriteVisma(document, models, folder);
+  if (!written.ok() || !models || document.scan.empty()) return written;
+  const Result<TriangleMesh> scan = ReadMesh(project.Resolve(document.scan));
+  if (!scan) return scan.error();
+  return WriteVismaScene(document, *models, *scan, kReach_m, folder);
+}
+
 Status Export(const AnnotateArguments& arguments) {
   const auto project = OpenProject(arguments, AnnotationProject::Access::kRead);
   if (!project) return project.error();
@@ -174,7 +187,7 @@ Status Export(const AnnotateArguments& arguments) {
   ConsoleWork work;
   Status status;
   if (arguments.format == "visma") {
-    status = WriteVisma(document, inputs.models, arguments.path);
+    status = ExportVisma(**project, inputs.models, arguments.path);
   } else if (arguments.format == "bop") {
     status = WriteBop(document, inputs, arguments.path, work.context());
   } else if (arguments.format == "labelfusion") {

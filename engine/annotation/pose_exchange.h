@@ -48,6 +48,12 @@ Result<ImportedPoses> ReadGroundTruthPoses(const std::filesystem::path& file);
 Status WriteVisma(const AnnotationDocument& document, const ModelDatabase* models,
                   const std::filesystem::path& folder);
 Result<ImportedPoses> ReadVisma(const std::filesystem::path& folder);
+/// What VISMA's folder holds of the scan: `<name>_<N>.ply`, the scan's points within `reach_m` of
+/// each posed model, and augmented_scene.ply, the scan together with all posed models; all in the
+/// scan's frame.
+Status WriteVismaScene(const AnnotationDocument& document, const ModelDatabase& models,
+                       const TriangleMesh& scan, double reach_m,
+                       const std::filesystem::path& folder);
 
 /// LabelFusion's registration_result.yaml: name to {filename, pose [[x, y, z], [qw, qx, qy, qz]]},
 /// model to the camera of the sequence's first frame with a pose, metres. Errors: kInvalidInput

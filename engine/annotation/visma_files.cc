@@ -7,6 +7,8 @@
 #include "engine/annotation/pose_exchange.h"
 #include "engine/base/files.h"
 #include "engine/dataset/json_fields.h"
+#include "engine/geometry/closest_triangle.h"
+#include "engine/models/mesh_file.h"
 
 namespace plumbline {
 namespace {
@@ -115,6 +117,40 @@ Status WriteVisma(const AnnotationDocument& document, const ModelDatabase* model
         WriteFileAtomically(folder / "CAD" / (name + ".obj"), ObjText(models->model(*id).mesh));
   }
   return status;
+}
+
+Status WriteVismaScene(const AnnotationDocument& document, const ModelDatabase& models,
+                       const TriangleMesh& scan, double reach_m,
+                       const std::filesystem::path& folder) {
+  const std::vector<std::string> names = VismaNames(document);
+  TriangleMesh augmented = scan;
+  for (std::size_t i = 0; i < document.instances.size(); ++i) {
+    const AnnotatedInstance& instance = document.instances[i];
+    const auto id = models.Find(instance.model);
+    if (!id) {
+      return Error{ErrorCode::kInvalidInput, "the model '" + instance.model + "' of '" +
+                                                 instance.id + "' is not in the database"};
+    }
+    const CadModel& model = models.model(*id);
+    const auto surface = ClosestTriangleSearch::Build(model.mesh);
+    if (!surface) return surface.error();
+    const Eigen::Isometry3d object_from_scan = instance.scan_from_object.inverse();
+    const auto reach = static_cast<float>(reach_m);
+    const Eigen::AlignedBox3f near(model.bounds.min().array() - reach,
+                                   model.bounds.max().array() + reach);
+    TriangleMesh fragment;
+    for (std::size_t k = 0; k < scan.vertices.size(); ++k) {
+      const Eigen::Vector3d point = object_from_scan * scan.vertices[k].cast<double>();
+      if (!near.contains(Eigen::Vector3f(point.cast<float>()))) continue;
+      if (!(*surface)->FindWithin(point, reach_m)) continue;
+      fragment.vertices.push_back(scan.vertices[k]);
+      if (!scan.colors.empty()) fragment.colors.push_back(scan.colors[k]);
+    }
+    const Status written = WritePly(folder / (names[i] + ".ply"), fragment);
+    if (!written.ok()) return written;
+    Append(Transformed(model.mesh, instance.scan_from_object), augmented);
+  }
+  return WritePly(folder / "augmented_scene.ply", augmented);
 }
 
 Result<ImportedPoses> ReadVisma(const std::filesystem::path& folder) {

@@ -12,6 +12,7 @@
 #include "engine/annotation/bop_files.h"
 #include "engine/base/files.h"
 #include "engine/geometry/gravity.h"
+#include "engine/models/mesh_file.h"
 #include "tests/engine/annotation/random_edits.h"
 #include "tests/support/furniture_models.h"
 #include "tests/support/test_data.h"
@@ -118,6 +119,22 @@ TEST_F(PoseExchange, VismaPosesAreThoseOfModelsWithYUp) {
   EXPECT_EQ(numbers[1], 0.0);
   EXPECT_EQ(numbers[5], 0.0);
   EXPECT_EQ(numbers[9], 1.0);
+}
+
+TEST_F(PoseExchange, VismasFragmentsAreTheScanNearTheModels) {
+  document_.instances.resize(1);
+  const AnnotatedInstance& chair = document_.instances[0];
+  TriangleMesh scan =
+      Transformed(models_->model(*models_->Find("chair")).mesh, chair.scan_from_object);
+  const std::size_t own = scan.vertices.size();
+  scan.vertices.emplace_back(9.0f, 9.0f, 9.0f);
+  ASSERT_TRUE(WriteVismaScene(document_, *models_, scan, 0.03, folder_.path()).ok());
+  const auto fragment = ReadMesh(folder_.path() / (chair.id + ".ply"));
+  ASSERT_TRUE(fragment.ok()) << fragment.error().message;
+  EXPECT_EQ(fragment->vertices.size(), own);
+  const auto scene = ReadMesh(folder_.path() / "augmented_scene.ply");
+  ASSERT_TRUE(scene.ok());
+  EXPECT_EQ(scene->vertices.size(), 2 * own + 1);
 }
 
 TEST_F(PoseExchange, VismaNamesBeginWithTheModel) {
