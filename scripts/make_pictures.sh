@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes docs/pictures/*.png again: the window on the built-in synthetic room, on a private X server.
+# Makes docs/pictures/*.png and demo.gif again: the window on the built-in synthetic room, on a private X server.
 #   scripts/make_pictures.sh [FOLDER]     PLUMBLINE=path/to/plumbline chooses the program
 # The first time it films the room (minutes); the room is kept in the user's cache.
 set -euo pipefail
@@ -51,7 +51,11 @@ cat >"$work/script.json" <<'JSON'
 ]}
 JSON
 (cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
-  "$program" gui demo: --frame 118 --size 1600x1000 --ui-scale 1 --script script.json)
+  "$program" gui demo: --frame 118 --out demo.plb --size 1600x1000 --ui-scale 1 --script script.json)
+# The film: every fourth frame of the run that the window left, made small.
+"$program" render "$work/demo.plb" --layout column --frames 0:120:4 --rate 8 --size 800x480 --ui-scale 0.7 --out "$work/large.gif"
+ffmpeg -v error -y -i "$work/large.gif" -vf "scale=640:-1:flags=lanczos,split[a][b];\
+[a]palettegen=max_colors=96:stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=5:diff_mode=rectangle" "$out/demo.gif"
 # 256 colours: a quarter of the size, and nobody sees it.
 for picture in "$work"/*.png; do
   name=$(basename "$picture")

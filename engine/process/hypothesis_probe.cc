@@ -16,6 +16,7 @@ namespace {
 constexpr int kSliceSteps = 61;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kFarthestTruth_m = 1.5;
+constexpr double kSpurious_m = 0.5;  ///< Further off than evaluation pairs estimates with truth.
 /// A particle this near to the truth would have been enough.
 constexpr double kNear_m = 0.05, kNear_rad = 10 * kDegree;
 
@@ -265,6 +266,11 @@ void HypothesisProbe::ScoreHypotheses(const Frame& frame, const HypothesisScorer
                     nearest.label == truth.label;
   if (*mean.from_truth_m < kNear_m && *mean.from_truth_rad < kNear_rad) {
     view.verdict = "It is where it should be.";
+  } else if (*mean.from_truth_m > kSpurious_m) {
+    view.verdict = fmt::format(
+        "Spurious: the nearest true object of this category is {:.0f} cm away; here the score is "
+        "{:.2f}, there {:.2f}.",
+        100 * *mean.from_truth_m, mean.score, truth.score);
   } else if (truth.score <= mean.score + margin) {
     view.verdict = fmt::format(
         "Likelihood: in this frame the wrong place scores {:.2f}, the truth {:.2f}. No search can "

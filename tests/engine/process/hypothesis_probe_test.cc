@@ -103,6 +103,11 @@ TEST_F(HypothesisProbeTest, BlamesTheSearchWhereNoParticleIsNearABetterTruth) {
   EXPECT_GT(view.nearest_particle_m, 0.2);
 }
 
+TEST_F(HypothesisProbeTest, TellsASpuriousObject) {
+  const ProbeView view = Probe(Snapshot(At(0, 0), At(0.2, 0.6), 0.02));
+  EXPECT_THAT(view.verdict, testing::StartsWith("Spurious:")) << view.verdict;
+}
+
 TEST_F(HypothesisProbeTest, BlamesTheLikelihoodWhereTheWrongPlaceScoresBetter) {
   const ProbeView view = Probe(Snapshot(At(0.1, 0.3), At(0.1, 0.3), 0.02));
   EXPECT_THAT(view.verdict, testing::StartsWith("Likelihood:")) << view.verdict;
