@@ -250,8 +250,8 @@ TEST_F(Window, ShowsAndHidesTheHelpSheet) {
 TEST_F(Window, RemembersLayoutAndSwitches) {
   const std::string settings = "--settings settings.json";
   ASSERT_EQ(Run(R"(
-      {"drag": "split.columns", "from": [0.5, 0.5], "to": [20, 0.5]},
       {"click": "scene.truth"},
+      {"drag": "split.columns", "from": [0.5, 0.5], "to": [20, 0.5]},
       {"click": "image.names"},
       {"dump_state": "first.json"})",
                 settings),
