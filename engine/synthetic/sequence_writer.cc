@@ -203,7 +203,7 @@ void SequenceJob::Remember(int frame, const Visibility& visibility) {
     const bool visible = pixels > kVisiblePixels * area;
     if (visible) history_[i].visible.Add(frame);
     if (visible && visibility.truncated[i]) history_[i].truncated.Add(frame);
-    if (visibility.share[i] > 0 ? visibility.share[i] < 0.15 : false) history_[i].hidden.Add(frame);
+    if (visibility.share[i] >= 0 && visibility.share[i] < 0.15) history_[i].hidden.Add(frame);
   }
 }
 

@@ -58,7 +58,7 @@ Visibility VisibilityMeter::Measure(const PinholeCamera& camera,
   Visibility result;
   const std::size_t count = bodies_.size();
   result.pixels.assign(count, 0);
-  result.share.assign(count, 0);
+  result.share.assign(count, -1);
   result.box.assign(count, {});
   result.truncated.assign(count, false);
   std::vector<cv::Rect> extent(count);

@@ -8,10 +8,10 @@
 namespace plumbline {
 namespace {
 
-RoomRun Map(SyntheticScene scene, int frames = 180) {
+RoomRun Map(SyntheticScene scene, int frames = 180, const std::string& edges = "gradient") {
   SyntheticOptions options = QuicklyLit(scene, 5);
   options.frames = frames;
-  return MapRoom(options, "gradient");
+  return MapRoom(options, edges);
 }
 
 double ErrorOf(const ObjectReport& object, const RoomInstance& instance) {
@@ -45,7 +45,7 @@ void ExpectFurnished(const RoomRun& run, double mean_m, double mean_deg) {
 }
 
 TEST(Claims, AHiddenObjectStaysWhereItIsThroughSixtyFramesWithoutADetection) {
-  const RoomRun run = Map(SyntheticScene::kOcclusion, 300);
+  const RoomRun run = Map(SyntheticScene::kOcclusion, 300, "dataset");
   const RoomInstance& chair = run.Instance(run.main_instance);
   const int confirmed = ConfirmedFrame(run, chair);
   ASSERT_GE(confirmed, 0);
@@ -69,11 +69,11 @@ TEST(Claims, AHiddenObjectStaysWhereItIsThroughSixtyFramesWithoutADetection) {
 }
 
 TEST(Claims, ClutterIsNotTakenForFurniture) {
-  ExpectFurnished(Map(SyntheticScene::kClutter), 0.03, 3);
+  ExpectFurnished(Map(SyntheticScene::kClutter, 180, "dataset"), 0.03, 3);
 }
 
 TEST(Claims, WhatIsConfirmedOutlastsBlur) {
-  const RoomRun run = Map(SyntheticScene::kBlur);
+  const RoomRun run = Map(SyntheticScene::kBlur, 300);
   ASSERT_FALSE(run.shaken.empty());
   int kept = 0;
   for (const FrameRun& shaken : run.shaken) {
