@@ -416,6 +416,8 @@ nlohmann::json Application::State() const {
       {"seeking", playback.seek_target.has_value()},
       {"recorded", playback.recorded},
       {"speed", playback.speed},
+      {"mapping", playback.mapping},
+      {"follow_newest", playback.follow},
       {"loop", playback.loop},
       {"range", {playback.range_begin.value_or(-1), playback.range_end.value_or(-1)}},
       {"history", std::count_if(playback.history->frames.begin(), playback.history->frames.end(),

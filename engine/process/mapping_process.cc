@@ -71,6 +71,9 @@ void MappingProcess::Loop(std::stop_token stop) {
     if (target_ || (playing_ && Clock::now() >= due_)) {
       TakeCommands();
       Advance(stop);
+    } else if (MapsOn()) {
+      TakeCommands();
+      MapOn(stop);
     } else if (auto command = NextCommand()) {
       Apply(*command);
       TakeCommands();
@@ -123,6 +126,8 @@ void MappingProcess::SetTarget(int position) { target_ = std::clamp(position, 0,
 
 void MappingProcess::Apply(const PlaybackCommand& command) {
   const auto play = [this](bool on) {
+    if (!on) state_.mapping = false;
+    state_.follow = false;
     playing_ = on && !(failed_ && position_ >= LastPosition());
     if (playing_ && (position_ >= RangeEnd() || position_ < RangeBegin())) SetTarget(RangeBegin());
     if (!on) target_.reset();
@@ -133,12 +138,23 @@ void MappingProcess::Apply(const PlaybackCommand& command) {
         using T = std::decay_t<decltype(c)>;
         if constexpr (std::is_same_v<T, PlayCommand>) play(true);
         if constexpr (std::is_same_v<T, PauseCommand>) play(false);
-        if constexpr (std::is_same_v<T, TogglePlayCommand>) play(!playing_ && !target_);
+        if constexpr (std::is_same_v<T, TogglePlayCommand>) {
+          const bool in_past = state_.mapping && !state_.follow;
+          if (in_past && playing_)
+            playing_ = false;  // the mapper stays at work
+          else
+            play(!playing_ && !target_ && !state_.follow);
+        }
         if constexpr (std::is_same_v<T, StepCommand>) {
           playing_ = false;
           SetTarget(target_.value_or(position_) + c.frames);
+          state_.follow = state_.mapping && *target_ >= source_->mapped();
         }
-        if constexpr (std::is_same_v<T, SeekCommand>) SetTarget(PositionOf(c.frame));
+        if constexpr (std::is_same_v<T, SeekCommand>) {
+          SetTarget(PositionOf(c.frame));
+          state_.follow = state_.mapping && *target_ + 1 >= source_->mapped();
+        }
+        if constexpr (std::is_same_v<T, FollowNewestCommand>) Follow(c.on);
         if constexpr (std::is_same_v<T, SetRangeCommand>) {
           state_.range_begin = c.begin;
           state_.range_end = c.end;
@@ -156,6 +172,30 @@ void MappingProcess::Apply(const PlaybackCommand& command) {
         }
       },
       command);
+}
+
+void MappingProcess::Follow(bool on) {
+  playing_ = false;
+  target_.reset();
+  state_.follow = state_.mapping = on && !failed_ && source_->mapped() < source_->size();
+  if (on && source_->mapped() > 0 && position_ + 1 < source_->mapped())
+    SetTarget(source_->mapped() - 1);
+}
+
+bool MappingProcess::MapsOn() const { return state_.mapping && !failed_; }
+
+/// Maps a frame while a past one is shown, or to be shown.
+void MappingProcess::MapOn(std::stop_token stop) {
+  if (!MapsOn() || target_) return PublishPlayback();
+  const int next = source_->mapped();
+  if (next >= source_->size()) {
+    state_.mapping = state_.follow = false;
+    return PublishPlayback();
+  }
+  auto snapshot = source_->Next(stop);
+  if (state_.follow || !snapshot.ok()) return Show(std::move(snapshot), next);
+  history_changed_ = true;
+  PublishPlayback();
 }
 
 /// One frame: the target if it is mapped, else the next towards it; without a target the next of
@@ -206,7 +246,7 @@ void MappingProcess::Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, i
 void MappingProcess::Fail(std::string message) {
   log::error("{}", message);
   failed_ = true;
-  playing_ = false;
+  playing_ = state_.mapping = state_.follow = false;
   target_.reset();
   state_.message = std::move(message);
   PublishPlayback();
@@ -225,17 +265,18 @@ void MappingProcess::PublishPlayback() {
       history_published_ = Clock::now();
       state_.history = std::make_shared<const RunHistory>(source_->history());
     }
-    const bool at_end = !playing_ && !target_ && position_ + 1 >= source_->size();
-    state_.state = failed_    ? PlaybackState::kFailed
-                   : playing_ ? PlaybackState::kPlaying
-                   : at_end   ? PlaybackState::kFinished
-                              : PlaybackState::kPaused;
+    const bool at_end =
+        !playing_ && !target_ && !state_.mapping && position_ + 1 >= source_->size();
+    state_.state = failed_                     ? PlaybackState::kFailed
+                   : playing_ || state_.follow ? PlaybackState::kPlaying
+                   : at_end                    ? PlaybackState::kFinished
+                                               : PlaybackState::kPaused;
   } else if (failed_) {
     state_.state = PlaybackState::kFailed;
   }
   state_.seek_target =
       target_ && source_ != nullptr ? std::optional(source_->FrameAt(*target_)) : std::nullopt;
-  if (!playing_ && !target_) state_.frames_per_second = 0;
+  if (!playing_ && !target_ && !state_.follow) state_.frames_per_second = 0;
   playback_.Publish(std::make_shared<const PlaybackView>(state_));
   if (on_publish_) on_publish_();
 }

@@ -61,6 +61,9 @@ class MappingProcess {
   void SetTarget(int position);
   void TakeCommands();
   void Advance(std::stop_token stop);
+  bool MapsOn() const;
+  void MapOn(std::stop_token stop);
+  void Follow(bool on);
   void Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, int position);
   void Fail(std::string message);
   void PublishPlayback();

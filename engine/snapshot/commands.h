@@ -39,6 +39,12 @@ struct SetLoopCommand {
   bool loop = false;
 };
 
+/// Maps on as fast as it goes and shows the newest frame; a seek or step into the past leaves the
+/// mapper at work. Off: stops both. Nothing in a recorded run.
+struct FollowNewestCommand {
+  bool on = true;
+};
+
 /// Scores an object of the frame that is shown again, with what was not tried: the truth, places
 /// around the mean. The answer is a ProbeView.
 struct ProbeCommand {
@@ -48,9 +54,9 @@ struct ProbeCommand {
 };
 
 /// For the process that plays and maps.
-using PlaybackCommand =
-    std::variant<PlayCommand, PauseCommand, TogglePlayCommand, StepCommand, SeekCommand,
-                 SetSpeedCommand, SetRangeCommand, SetLoopCommand, ProbeCommand>;
+using PlaybackCommand = std::variant<PlayCommand, PauseCommand, TogglePlayCommand, StepCommand,
+                                     SeekCommand, SetSpeedCommand, SetRangeCommand, SetLoopCommand,
+                                     FollowNewestCommand, ProbeCommand>;
 
 /// An id that is not valid clears the selection.
 struct SelectObjectCommand {

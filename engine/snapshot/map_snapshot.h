@@ -90,7 +90,9 @@ struct PlaybackView {
       std::make_shared<const std::vector<FrameEvent>>();
   /// Never null.
   std::shared_ptr<const RunHistory> history = std::make_shared<const RunHistory>();
-  bool loop = false;                          ///< Playing starts again at the end.
+  bool mapping = false;  ///< The mapper goes on, whatever is shown.
+  bool follow = false;   ///< Shows every frame that is mapped; only while `mapping`.
+  bool loop = false;     ///< Playing starts again at the end.
   std::optional<int> range_begin, range_end;  ///< Frames that playing keeps to, both included.
 };
 

@@ -94,6 +94,24 @@ TEST_F(Window, StepsAndJumpsByKeys) {
             0);
 }
 
+TEST_F(Window, FollowsTheMapperAndLooksBackMeanwhile) {
+  ASSERT_EQ(Run(R"(
+      {"key": "n"},
+      {"wait_for": {"frame": {"min": 4}, "follow_newest": true}},
+      {"key": "left", "times": 2},
+      {"wait_for": {"follow_newest": false, "mapping": true}},
+      {"dump_state": "past.json"},
+      {"wait_for": {"newest_frame": 59}},
+      {"dump_state": "later.json"},
+      {"key": "end"},
+      {"wait_for": {"frame": 59, "mapping": false, "state": "finished"}})",
+                "--slow 30"),
+            0)
+      << ReadFile(File("errors.txt")).value();
+  EXPECT_EQ(State("past.json")["frame"], State("later.json")["frame"])
+      << "what is shown stays while the mapper goes on";
+}
+
 TEST_F(Window, GoesToATypedFrameNumber) {
   ASSERT_EQ(Run(R"(
       {"key": "g"},

@@ -26,6 +26,8 @@ constexpr std::array kShortcuts = {
     Shortcut{keys::kRightBracket, false, false, "", "", ""},
     Shortcut{keys::kG, false, false, "G", "Go to a frame by number", "Playback"},
     Shortcut{keys::kL, false, false, "L", "Loop", "Playback"},
+    Shortcut{keys::kN, false, false, "N", "Map on and follow the newest frame, or stop",
+             "Playback"},
     Shortcut{keys::kI, false, false, "I  O", "Play only after, before this frame", "Playback"},
     Shortcut{keys::kO, false, false, "", "", ""},
     Shortcut{keys::kB, false, false, "B", "Bookmark this frame", "Playback"},
@@ -89,6 +91,8 @@ void PostShortcut(const Shortcut& shortcut, const FrameContext& context, bool he
     case keys::kL:
       if (shortcut.control) return sink.Post(SetThemeCommand{!context.light});
       return sink.Post(SetLoopCommand{!context.playback->loop});
+    case keys::kN:
+      return sink.Post(FollowNewestCommand{!context.playback->follow});
     case keys::kI:
       return sink.Post(SetRangeCommand{context.playback->frame, context.playback->range_end});
     case keys::kO:

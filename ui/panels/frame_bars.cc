@@ -38,6 +38,9 @@ std::string StatusText(const FrameContext& context) {
       return fmt::format("At the end: all {} frames are {}.", last + 1,
                          playback.recorded ? "recorded" : "mapped");
     case PlaybackState::kPlaying:
+      if (playback.mapping && !playback.follow)
+        return fmt::format("Playing frame {}; the mapper is at {} of {}{}", playback.frame,
+                           playback.newest_mapped_frame, last, rate);
       return fmt::format("{} frame {} of {}{}", doing, playback.frame, last, rate);
     case PlaybackState::kPaused:
       break;
@@ -51,6 +54,9 @@ std::string StatusText(const FrameContext& context) {
     return fmt::format("Mapping up to frame {}: {} to go{}{}", *playback.seek_target, missing, eta,
                        rate);
   }
+  if (playback.mapping)
+    return fmt::format("Mapping goes on: frame {} of {}. N shows the newest.",
+                       playback.newest_mapped_frame, last);
   if (playback.recorded) return "Paused. Space plays the recording.";
   return fmt::format("Paused. Mapped up to frame {}; Space goes on.", playback.newest_mapped_frame);
 }

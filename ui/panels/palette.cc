@@ -46,6 +46,11 @@ void AddActions(const FrameContext& context, std::vector<PaletteEntry>& all) {
   all.push_back(Entry("Ten frames back", "Shift + Left", StepCommand{-10}));
   all.push_back(Entry("Go to a frame by number", "G", AskFrameCommand{}));
   all.push_back(Entry(playback.loop ? "Do not loop" : "Loop", "L", SetLoopCommand{!playback.loop}));
+  if (!playback.recorded) {
+    all.push_back(Entry(playback.follow ? "Stop mapping" : "Map on and follow the newest frame",
+                        "N", FollowNewestCommand{!playback.follow}));
+    if (playback.mapping) all.push_back(Entry("Pause the mapper", "", PauseCommand{}));
+  }
   all.push_back(Entry("Play only after this frame", "I",
                       SetRangeCommand{playback.frame, playback.range_end}));
   all.push_back(Entry("Play only before this frame", "O",

@@ -103,6 +103,17 @@ class TimelinePanel : public Panel {
     const PlaybackView& playback = *context.playback;
     ImGui::SameLine(0, context.Scaled(20));
     ImGui::SetCursorPosY(ImGui::GetCursorPosY() + context.Scaled(1));
+    if (!playback.recorded) {
+      bool follow = playback.follow;
+      const bool behind = playback.mapping && !follow;
+      if (Toggle(context, "timeline.live", behind ? "Back to live" : "Live", follow,
+                 behind
+                     ? "The mapper goes on meanwhile: back to its newest frame (N)."
+                     : "Maps on as fast as it goes and shows the newest frame. Look back whenever "
+                       "you like: the mapper goes on (N)."))
+        sink.Post(FollowNewestCommand{follow});
+      ImGui::SameLine(0, context.Scaled(3));
+    }
     bool loop = playback.loop;
     if (Toggle(context, "timeline.loop", "Loop", loop, "Playing starts again at the end (L)."))
       sink.Post(SetLoopCommand{loop});

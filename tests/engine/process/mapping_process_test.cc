@@ -127,6 +127,56 @@ TEST(MappingProcess, PauseInterruptsASeek) {
   EXPECT_LT(process.Playback()->frame, 29);
 }
 
+TEST(MappingProcess, MapsOnWhileThePastIsShownAndFollowsAgain) {
+  FakeSourceOptions options = Small();
+  options.num_frames = 400;
+  options.milliseconds_per_frame = 2;
+  MappingProcess process(Opener(options), std::nullopt, {});
+  ASSERT_TRUE(Shows(process, 0));
+  process.Post(FollowNewestCommand{});
+  ASSERT_TRUE(WaitFor([&] { return process.Playback()->frame >= 10; }));
+  EXPECT_TRUE(process.Playback()->follow);
+  EXPECT_EQ(process.Playback()->state, PlaybackState::kPlaying);
+  process.Post(SeekCommand{3});
+  ASSERT_TRUE(Shows(process, 3));
+  const int newest = process.Playback()->newest_mapped_frame;
+  ASSERT_TRUE(WaitFor([&] { return process.Playback()->newest_mapped_frame > newest + 10; }));
+  EXPECT_EQ(process.Playback()->frame, 3) << "the past stays on the screen";
+  EXPECT_TRUE(process.Playback()->mapping);
+  EXPECT_FALSE(process.Playback()->follow);
+  process.Post(StepCommand{1});
+  ASSERT_TRUE(Shows(process, 4));
+  process.Post(FollowNewestCommand{});
+  ASSERT_TRUE(WaitFor([&] { return process.Playback()->frame > newest; }));
+  process.Post(FollowNewestCommand{false});
+  ASSERT_TRUE(WaitFor([&] { return !process.Playback()->mapping; }));
+  EXPECT_EQ(process.Playback()->state, PlaybackState::kPaused);
+  EXPECT_EQ(process.Playback()->frame, process.Playback()->newest_mapped_frame);
+  process.Post(FollowNewestCommand{});
+  ASSERT_TRUE(WaitFor([&] { return process.Playback()->state == PlaybackState::kFinished; }));
+  EXPECT_EQ(process.Playback()->frame, 399);
+  EXPECT_FALSE(process.Playback()->mapping);
+}
+
+TEST(MappingProcess, PlaysThePastWhileItMapsOn) {
+  FakeSourceOptions options = Small();
+  options.num_frames = 400;
+  options.milliseconds_per_frame = 2;
+  MappingProcess process(Opener(options), std::nullopt, {});
+  process.Post(FollowNewestCommand{});
+  ASSERT_TRUE(WaitFor([&] { return process.Playback()->frame >= 30; }));
+  process.Post(SeekCommand{0});
+  ASSERT_TRUE(Shows(process, 0));
+  process.Post(TogglePlayCommand{});
+  ASSERT_TRUE(WaitFor([&] { return process.Playback()->frame == 2; }));
+  EXPECT_EQ(process.Playback()->state, PlaybackState::kPlaying);
+  process.Post(TogglePlayCommand{});
+  ASSERT_TRUE(WaitFor([&] { return process.Playback()->state == PlaybackState::kPaused; }));
+  EXPECT_TRUE(process.Playback()->mapping) << "Space stops the playing only";
+  process.Post(PauseCommand{});
+  ASSERT_TRUE(WaitFor([&] { return !process.Playback()->mapping; }));
+}
+
 TEST(MappingProcess, KeepsTheMappedFramesAfterAFailure) {
   FakeSourceOptions options = Small();
   options.fail_at_frame = 5;
