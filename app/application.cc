@@ -16,6 +16,7 @@
 #include "engine/base/files.h"
 #include "engine/base/log.h"
 #include "engine/base/timer.h"
+#include "engine/snapshot/annotation_snapshot.h"
 #include "ui/framework/shortcuts.h"
 #include "ui/framework/widgets.h"
 #include "ui/panels/frame_bars.h"
@@ -96,6 +97,11 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
     panels_.push_back(panel->get());
   }
   context_.playback = std::make_shared<const PlaybackView>();
+  annotate_ =
+      std::make_unique<AnnotateWorkspace>(options_.annotation, window_->software_gl(), [this] {
+        published_ = true;
+        PlatformWindow::Wake();
+      });
   context_.renderer = window_->renderer();
   context_.textures = textures_.get();
   context_.widgets = &widgets_;
@@ -119,12 +125,19 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
 Application::~Application() {
   process_.reset();
   SaveSettings();
+  annotate_.reset();
   scene_.reset();
   textures_.reset();
   backend_.reset();
 }
 
 void Application::Open(const std::string& path, std::optional<int> frame) {
+  if (annotate_->Takes(path)) {
+    context_.workspace = WorkspaceId::kAnnotate;
+    Remember(path);
+    return annotate_->Open(path, context_);
+  }
+  context_.workspace = WorkspaceId::kInspect;
   process_.reset();
   context_.sequence = nullptr;
   context_.snapshot = nullptr;
@@ -153,10 +166,14 @@ void Application::Remember(const std::string& path) {
 }
 
 void Application::Send(Command command) {
+  const bool to_annotate = std::holds_alternative<AnnotationCommand>(command);
+  if (to_annotate ? annotate_->Handle(command) : shown() != nullptr && shown()->Handle(command)) {
+    return;
+  }
   if (const auto* playback = std::get_if<PlaybackCommand>(&command)) {
     if (process_ != nullptr) process_->Post(*playback);
-  } else {
-    Handle(std::get<WindowCommand>(command));
+  } else if (const auto* window = std::get_if<WindowCommand>(&command)) {
+    Handle(*window);
   }
 }
 
@@ -210,6 +227,8 @@ void Application::Handle(const WindowCommand& command) {
           wanted_scale_ = c.scale;
         } else if constexpr (std::is_same_v<T, OpenCommand>) {
           wanted_path_ = c.path;
+        } else if constexpr (std::is_same_v<T, SwitchWorkspaceCommand>) {
+          context_.workspace = c.annotate ? WorkspaceId::kAnnotate : WorkspaceId::kInspect;
         } else if constexpr (std::is_same_v<T, QuitCommand>) {
           quit_ = true;
         }
@@ -239,6 +258,7 @@ void Application::SetUiScale(double scale) {
 }
 
 void Application::ReadSlots() {
+  annotate_->ReadSlots(context_);
   if (process_ == nullptr) return;
   context_.playback = process_->Playback();
   context_.sequence = process_->Sequence();
@@ -329,16 +349,26 @@ void Application::DrawWindow() {
   }
   const InspectLayout layout = ComputeInspectLayout(size, context_.ui_scale, ratios_);
   DrawTopBar(context_, layout.top_bar, *this);
-  if (context_.sequence != nullptr) {
-    DrawPanels(layout);
+  const LayoutRect room{{0, layout.top_bar.high.y}, {size.x, layout.status_bar.low.y}};
+  if (shown() == nullptr) {
+    DrawInspect(layout);
+  } else if (context_.annotation != nullptr && !context_.annotation->project_file.empty()) {
+    shown()->Draw(context_, room, *this);
   } else {
-    DrawWelcome(context_, {layout.image.low, {layout.scene.high.x, layout.timeline.high.y}}, *this);
+    DrawWelcome(context_, room, *this);
   }
   DrawStatusBar(context_, layout.status_bar, note_);
   ImGui::End();
   if (show_help_) DrawHelpSheet(context_, *this);
   DrawPalette(context_, palette_, *this);
-  if (!palette_.open) PostShortcuts(context_, show_help_, *this);
+  if (palette_.open) return;
+  PostShortcuts(context_, show_help_, *this);
+  if (shown() != nullptr && !show_help_) shown()->PostShortcuts(context_, *this);
+}
+
+void Application::DrawInspect(const InspectLayout& layout) {
+  if (context_.sequence != nullptr) return DrawPanels(layout);
+  DrawWelcome(context_, {layout.image.low, {layout.scene.high.x, layout.timeline.high.y}}, *this);
 }
 
 void Application::DrawFigure(ImVec2 size) {
@@ -446,6 +476,8 @@ nlohmann::json Application::State() const {
         {"focus",
          {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}}}},
       {"layout", RatiosToJson(ratios_)}};
+  state["workspace"] = context_.workspace == WorkspaceId::kAnnotate ? "annotate" : "inspect";
+  annotate_->AddState(context_, state);
   for (const Bookmark& bookmark : context_.bookmarks)
     state["bookmarks"].push_back({{"frame", bookmark.frame}, {"note", bookmark.note}});
   for (const Panel* panel : panels_) state["panels"][panel->Id()] = panel->SaveState();
@@ -466,6 +498,7 @@ void Application::LoadSettings() {
     for (Panel* panel : panels_) {
       if (panels.contains(panel->Id())) panel->LoadState(panels.at(panel->Id()));
     }
+    annotate_->LoadSettings(settings->value("annotate", nlohmann::json::object()));
     context_.light = settings->value("light", false);
     details_tab_ = settings->value("details_tab", details_tab_);
     context_.recent = settings->value("recent", std::vector<std::string>());
@@ -484,6 +517,7 @@ void Application::SaveSettings() const {
       {"layout", RatiosToJson(ratios_)}, {"ui_scale", context_.ui_scale},
       {"details_tab", details_tab_},     {"light", context_.light},
       {"recent", context_.recent},       {"window", {window_->width(), window_->height()}}};
+  settings["annotate"] = annotate_->SaveSettings();
   for (const Panel* panel : panels_) settings["panels"][panel->Id()] = panel->SaveState();
   std::error_code ignored;
   std::filesystem::create_directories(options_.settings.parent_path(), ignored);

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/annotate_workspace.h"
 #include "app/platform/imgui_backend.h"
 #include "app/platform/window.h"
 #include "app/render_layout.h"
@@ -29,7 +30,8 @@ namespace plumbline {
 struct ApplicationOptions {
   /// How to open a path that the user names, on the command line or by dropping it onto the window.
   std::function<MappingProcess::OpenSource(const std::string& path)> opener;
-  std::string path;  ///< To open at the start; "": none.
+  AnnotationChoice annotation;  ///< What is opened as a scan is opened with these models.
+  std::string path;             ///< To open at the start; "": none.
   std::optional<int> start_frame;
   bool play = false;                     ///< Plays once it is open.
   const RenderLayout* layout = nullptr;  ///< Shows these panels alone; null: the whole window.
@@ -70,6 +72,11 @@ class Application : private CommandSink {
   void ReadSlots();
   void SelectByItself();
   void DrawWindow();
+  void DrawInspect(const InspectLayout& layout);
+  /// Null while Inspect, which is this class itself, shows.
+  Workspace* shown() {
+    return context_.workspace == WorkspaceId::kAnnotate ? annotate_.get() : nullptr;
+  }
   void DrawPanels(const InspectLayout& layout);
   /// The panels of options_.layout.
   void DrawFigure(ImVec2 size);
@@ -113,7 +120,9 @@ class Application : private CommandSink {
   int settle_frames_ = 0;  ///< Frames to draw after the last input until ImGui has come to rest.
   std::atomic<bool> published_ = false;
 
-  std::unique_ptr<MappingProcess> process_;  ///< Last: its thread wakes the window.
+  // Last: their threads wake the window.
+  std::unique_ptr<AnnotateWorkspace> annotate_;
+  std::unique_ptr<MappingProcess> process_;
 };
 
 /// Where settings of the window are kept: `$XDG_CONFIG_HOME/plumbline/window.json` or below

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdlib>
 #include <memory>
 #include <optional>
 
@@ -24,6 +25,9 @@ Status Gui(GuiArguments& arguments) {
   if (Status status = arguments.window.Apply(options); !status.ok()) return status;
   options.opener = SourceOpener({arguments.pipeline.choice, arguments.out, PLUMBLINE_VERSION},
                                 {{}, arguments.sequence, arguments.pipeline.choice.models});
+  const char* user = std::getenv("USER");
+  options.annotation = {"", arguments.pipeline.choice.models, arguments.sequence,
+                        user != nullptr ? user : ""};
   options.path = arguments.path;
   options.start_frame = arguments.frame;
   auto application = Application::Create(std::move(options));
@@ -35,15 +39,20 @@ Status Gui(GuiArguments& arguments) {
 
 void AddGuiVerb(CLI::App& app, VerbFunction& chosen) {
   auto arguments = std::make_shared<GuiArguments>();
-  CLI::App* verb = app.add_subcommand(
-      "gui", "Open the window: play a sequence through the mapper, or a recorded run");
+  CLI::App* verb = app.add_subcommand("gui",
+                                      "Open the window: play a sequence through the mapper, or a "
+                                      "recorded run; or place models in a "
+                                      "scan");
   verb->add_option("path", arguments->path,
-                   "Folder of a sequence, or a run file (.plb); without one the window asks");
+                   "Folder of a sequence, a run file (.plb), a scan (.ply, .obj), or an annotation "
+                   "project (.json); without one the window asks");
   verb->add_option("--frame", arguments->frame, "Frame to show first; the mapper goes up to it");
   arguments->pipeline.AddTo(*verb);
   verb->add_option("--out", arguments->out,
                    "Keep the run that the window maps in this file (.plb)");
-  verb->add_option("--sequence", arguments->sequence, "Where the sequence of a run file is now");
+  verb->add_option(
+      "--sequence", arguments->sequence,
+      "Where the sequence of a run file is now, or the sequence that belongs to a scan");
   arguments->window.AddTo(*verb);
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Gui(*arguments); }; });
 }

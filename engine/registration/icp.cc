@@ -187,12 +187,12 @@ AlignmentCrop CropScan(const ScanTarget& scan, const ModelSurface& model,
 }
 
 int AlignCoarsely(const AlignmentCrop& crop, const ModelSurface& model, double reach_m,
-                  ConstrainedPose& pose) {
-  constexpr double kPlanesBelow_m = 0.08, kLeastReach_m = 0.02, kShrink = 0.75;
+                  ConstrainedPose& pose, double least_reach_m) {
+  constexpr double kPlanesBelow_m = 0.08, kShrink = 0.75;
   constexpr int kIterationsPerReach = 3;
   std::vector<PointPair> pairs;
   int iterations = 0;
-  for (double reach = reach_m; reach >= kLeastReach_m; reach *= kShrink) {
+  for (double reach = reach_m; reach >= least_reach_m; reach *= kShrink) {
     for (int i = 0; i < kIterationsPerReach; ++i, ++iterations) {
       FindCoarsePairs(crop, model, pose.scan_from_model(), reach, pairs);
       if (reach < kPlanesBelow_m) {

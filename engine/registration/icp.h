@@ -22,10 +22,13 @@ AlignmentCrop CropScan(const ScanTarget& scan, const ModelSurface& model,
                        const Eigen::Isometry3d& scan_from_model, const Eigen::Vector3d& up_in_scan,
                        double search_m);
 
+inline constexpr double kLeastCoarseReach_m = 0.02;
+
 /// Brings a model from as far as `reach_m` into the pull of the right minimum: point-to-point, then
-/// point-to-plane, with a reach that shrinks. Returns the number of iterations.
+/// point-to-plane, with a reach that shrinks down to `least_reach_m`. Returns the number of
+/// iterations.
 int AlignCoarsely(const AlignmentCrop& crop, const ModelSurface& model, double reach_m,
-                  ConstrainedPose& pose);
+                  ConstrainedPose& pose, double least_reach_m = kLeastCoarseReach_m);
 
 enum class IcpResidual { kPointToPoint, kPointToPlane };
 

@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "engine/base/ids.h"
+#include "engine/snapshot/annotation_commands.h"
 
 namespace plumbline {
 
@@ -117,6 +118,10 @@ struct OpenCommand {
   std::string path;
 };
 inline constexpr const char* kDemoPath = "demo:";
+/// Shows the other workspace; what is open in either stays open.
+struct SwitchWorkspaceCommand {
+  bool annotate = false;
+};
 struct QuitCommand {};
 
 /// For the window itself.
@@ -125,9 +130,9 @@ using WindowCommand =
                  ResetViewCommand, ViewDirectionCommand, LookThroughCommand, SetThemeCommand,
                  ShowPaletteCommand, BookmarkCommand, RemoveBookmarkCommand, AskFrameCommand,
                  SelectHypothesisCommand, ScreenshotCommand, ShowHelpCommand, SetUiScaleCommand,
-                 OpenCommand, QuitCommand>;
+                 OpenCommand, SwitchWorkspaceCommand, QuitCommand>;
 
-using Command = std::variant<PlaybackCommand, WindowCommand>;
+using Command = std::variant<PlaybackCommand, WindowCommand, AnnotationCommand>;
 
 /// Where panels put what they ask for.
 class CommandSink {
@@ -137,6 +142,8 @@ class CommandSink {
   void Post(C command) {
     if constexpr (std::is_constructible_v<PlaybackCommand, C>) {
       Send(PlaybackCommand(std::move(command)));
+    } else if constexpr (std::is_constructible_v<AnnotationCommand, C>) {
+      Send(AnnotationCommand(std::move(command)));
     } else {
       Send(WindowCommand(std::move(command)));
     }

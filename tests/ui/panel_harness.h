@@ -31,6 +31,9 @@ class RecordingSink : public CommandSink {
     if constexpr (std::is_constructible_v<PlaybackCommand, C>) {
       const auto* group = std::get_if<PlaybackCommand>(&command);
       return group == nullptr ? nullptr : std::get_if<C>(group);
+    } else if constexpr (std::is_constructible_v<AnnotationCommand, C>) {
+      const auto* group = std::get_if<AnnotationCommand>(&command);
+      return group == nullptr ? nullptr : std::get_if<C>(group);
     } else {
       const auto* group = std::get_if<WindowCommand>(&command);
       return group == nullptr ? nullptr : std::get_if<C>(group);

@@ -20,6 +20,11 @@
 namespace plumbline {
 
 class SceneSurface;
+class AnnotateSurface;
+struct AnnotateView;
+struct AnnotationSnapshot;
+
+enum class WorkspaceId { kInspect, kAnnotate };
 
 /// Pictures on their way to the screen. The GL implementation is in gl_texture_store.h; tests use a
 /// null one.
@@ -91,6 +96,9 @@ struct FrameContext {
   double scene_ms = 0;        ///< Of the last render of the 3-D view.
   double ui_scale = 1;
   std::string renderer;  ///< GL_RENDERER
+  WorkspaceId workspace = WorkspaceId::kInspect;
+  std::shared_ptr<const AnnotationSnapshot> annotation;  ///< Null: no scan is open.
+  std::uint64_t annotation_version = 0;                  ///< Changes with `annotation`.
   Fonts fonts;
 
   // What panels draw with.
@@ -98,6 +106,8 @@ struct FrameContext {
   WidgetLog* widgets = nullptr;
   ImageViewport* viewport = nullptr;
   SceneSurface* scene = nullptr;
+  AnnotateView* annotate = nullptr;
+  AnnotateSurface* annotate_scene = nullptr;
 
   /// Null if nothing is selected or it does not live in this frame.
   const ObjectReport* SelectedObject() const {

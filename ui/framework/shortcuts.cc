@@ -6,6 +6,7 @@
 #include <cctype>
 #include <iterator>
 #include <map>
+#include <string_view>
 
 namespace plumbline {
 namespace {
@@ -160,7 +161,13 @@ int KeyByName(std::string_view name) {
 void PostShortcuts(const FrameContext& context, bool help_shown, CommandSink& sink) {
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantTextInput || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId)) return;
+  bool playback = true;
   for (const Shortcut& shortcut : kShortcuts) {
+    // Aliases belong to the row before them.
+    if (*shortcut.group != '\0') playback = std::string_view(shortcut.group) == "Playback";
+    const bool inspect_only =
+        playback || shortcut.key == '0' || (shortcut.key == keys::kEscape && !help_shown);
+    if (inspect_only && context.workspace != WorkspaceId::kInspect) continue;
     if (shortcut.shift != io.KeyShift || shortcut.control != io.KeyCtrl || io.KeyAlt) continue;
     const bool repeats = shortcut.key == keys::kLeft || shortcut.key == keys::kRight;
     if (ImGui::IsKeyPressed(shortcut.key, repeats))

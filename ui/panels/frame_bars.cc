@@ -7,6 +7,7 @@
 
 #include "ui/framework/shortcuts.h"
 #include "ui/framework/widgets.h"
+#include "ui/panels/annotate_panels.h"
 
 namespace plumbline {
 namespace {
@@ -61,10 +62,37 @@ std::string StatusText(const FrameContext& context) {
   return fmt::format("Paused. Mapped up to frame {}; Space goes on.", playback.newest_mapped_frame);
 }
 
+/// A workspace's name; the one that shows is underlined.
+void DrawTab(const FrameContext& context, const LayoutRect& bar, const char* name,
+             const char* label, WorkspaceId id, const char* help, CommandSink& sink) {
+  const bool shown = context.workspace == id;
+  const ImVec2 low = ImGui::GetCursorScreenPos();
+  ImGui::PushStyleColor(ImGuiCol_Text, shown ? colors::kText : colors::kDimText);
+  ImGui::TextUnformatted(label);
+  ImGui::PopStyleColor();
+  LogItem(context, name);
+  Tooltip(context, help);
+  if (ImGui::IsItemClicked()) sink.Post(SwitchWorkspaceCommand{id == WorkspaceId::kAnnotate});
+  if (!shown) return;
+  ImGui::GetWindowDrawList()->AddRectFilled(
+      {low.x, bar.high.y - context.Scaled(5)},
+      {low.x + ImGui::CalcTextSize(label).x, bar.high.y - context.Scaled(3)}, colors::kAccent);
+}
+
+void DrawSequenceName(const FrameContext& context) {
+  const std::string what = context.sequence != nullptr ? context.sequence->name : context.source;
+  ImGui::TextUnformatted(what.c_str());
+  if (context.sequence == nullptr) return;
+  Tooltip(context, context.sequence->path);
+  ImGui::SameLine(0, context.Scaled(12));
+  DimText("%d frames, %d \u00d7 %d px, %g Hz%s", context.sequence->num_frames,
+          context.sequence->image_width, context.sequence->image_height, context.sequence->rate_hz,
+          context.playback->recorded ? ", recorded run" : "");
+}
+
 }  // namespace
 
 void DrawTopBar(const FrameContext& context, const LayoutRect& rect, CommandSink& sink) {
-  ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float middle = 0.5f * (rect.low.y + rect.high.y);
   const float line = ImGui::GetTextLineHeight();
   DrawLogo({rect.low.x + context.Scaled(24), middle}, context.Scaled(10));
@@ -73,23 +101,21 @@ void DrawTopBar(const FrameContext& context, const LayoutRect& rect, CommandSink
   ImGui::TextUnformatted("Plumbline");
   ImGui::PopFont();
   ImGui::SameLine(0, context.Scaled(24));
-  const ImVec2 tab = ImGui::GetCursorScreenPos();
-  ImGui::TextUnformatted("Inspect");
-  Tooltip(context,
+  DrawTab(context, rect, "top.inspect", "Inspect", WorkspaceId::kInspect,
           "Workspace: play a sequence through the mapper, or a recorded run, and see what it sees "
-          "and believes.");
-  const float tab_width = ImGui::CalcTextSize("Inspect").x;
-  draw.AddRectFilled({tab.x, rect.high.y - context.Scaled(5)},
-                     {tab.x + tab_width, rect.high.y - context.Scaled(3)}, colors::kAccent);
+          "and believes.",
+          sink);
+  ImGui::SameLine(0, context.Scaled(16));
+  DrawTab(context, rect, "top.annotate", "Annotate", WorkspaceId::kAnnotate,
+          "Workspace: place models in a scan, to make the truth that maps are judged by.", sink);
   ImGui::SameLine(0, context.Scaled(24));
-  const std::string what = context.sequence != nullptr ? context.sequence->name : context.source;
-  ImGui::TextUnformatted(what.c_str());
-  if (context.sequence != nullptr) {
-    Tooltip(context, context.sequence->path);
-    ImGui::SameLine(0, context.Scaled(12));
-    DimText("%d frames, %d \u00d7 %d px, %g Hz%s", context.sequence->num_frames,
-            context.sequence->image_width, context.sequence->image_height,
-            context.sequence->rate_hz, context.playback->recorded ? ", recorded run" : "");
+  if (context.workspace == WorkspaceId::kAnnotate) {
+    const float buttons = 2 * (ImGui::GetFrameHeight() + context.Scaled(4)) + context.Scaled(26);
+    DrawProjectBar(
+        context,
+        {{ImGui::GetCursorScreenPos().x, rect.low.y}, {rect.high.x - buttons, rect.high.y}}, sink);
+  } else {
+    DrawSequenceName(context);
   }
   const float button = ImGui::GetFrameHeight() + context.Scaled(4);
   ImGui::SetCursorScreenPos(
@@ -104,7 +130,9 @@ void DrawTopBar(const FrameContext& context, const LayoutRect& rect, CommandSink
 
 void DrawStatusBar(const FrameContext& context, const LayoutRect& rect, const std::string& note) {
   const float y = 0.5f * (rect.low.y + rect.high.y) - 0.5f * context.fonts.small->FontSize;
-  const bool failed = context.playback->state == PlaybackState::kFailed;
+  const bool annotates = context.workspace == WorkspaceId::kAnnotate;
+  bool failed = context.playback->state == PlaybackState::kFailed;
+  const std::string status = annotates ? AnnotationStatus(context, failed) : StatusText(context);
   const std::string right = fmt::format("window {:.1f} ms  \u00b7  3-D {:.0f} ms  \u00b7  {}",
                                         context.window_ms, context.scene_ms, context.renderer);
   const float right_width =
@@ -114,7 +142,7 @@ void DrawStatusBar(const FrameContext& context, const LayoutRect& rect, const st
   ImGui::PushClipRect(rect.low, {both ? right_x - context.Scaled(10) : rect.high.x, rect.high.y},
                       true);
   ImGui::SetCursorScreenPos({rect.low.x + context.Scaled(14), y});
-  const std::string text = note.empty() || failed ? StatusText(context) : note;
+  const std::string text = note.empty() || failed ? status : note;
   SmallText(context, failed ? colors::kBad : colors::kDimText, "%s", text.c_str());
   Tooltip(context, text);
   ImGui::PopClipRect();

@@ -7,6 +7,7 @@
 #include "ui/framework/scene_surface.h"
 #include "ui/framework/widgets.h"
 #include "ui/panels/panels.h"
+#include "ui/panels/scene_mouse.h"
 #include "ui/panels/waiting.h"
 
 namespace plumbline {
@@ -99,7 +100,7 @@ class ScenePanel : public Panel {
     const ImVec2 high(low.x + static_cast<float>(width), low.y + static_cast<float>(height));
     ImGui::GetWindowDrawList()->AddImageRounded(texture, low, high, {0, 1}, {1, 0}, IM_COL32_WHITE,
                                                 context.Scaled(4));
-    DrawTriad(context, low, high);
+    DrawTriad(context, context.scene->camera().view_from_world, low, high);
     if (layers_.grid && !context.look_through) DrawGridLabel(context, low, high);
   }
 
@@ -124,51 +125,13 @@ class ScenePanel : public Panel {
 
   /// True while the view moves.
   bool HandleMouse(SceneSurface& scene, ImVec2 low, CommandSink& sink) {
-    const ImGuiIO& io = ImGui::GetIO();
-    const double x = io.MousePos.x - low.x, y = io.MousePos.y - low.y;
-    const bool moving =
-        ImGui::IsItemActive() &&
-        (ImGui::IsMouseDragging(ImGuiMouseButton_Left, 1) ||
-         ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle));
-    const bool moved = io.MouseDelta.x != 0 || io.MouseDelta.y != 0;
-    if (ImGui::IsItemActive() && moved) {
-      const bool turns = ImGui::IsMouseDown(ImGuiMouseButton_Left) && !io.KeyShift && !io.KeyCtrl;
-      turns ? scene.Orbit(io.MouseDelta.x, io.MouseDelta.y)
-            : scene.Pan(io.MouseDelta.x, io.MouseDelta.y);
-    }
-    if (!ImGui::IsItemHovered()) return moving;
-    if (io.MouseWheel != 0) scene.Zoom(io.MouseWheel);
-    if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
-      scene.FocusAt(x, y);
-    } else if (ImGui::IsItemDeactivated() && ImGui::IsMouseReleased(ImGuiMouseButton_Left)) {
-      const ImVec2 dragged = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0);
-      if (dragged.x == 0 && dragged.y == 0) {
-        if (const auto object = scene.Pick(x, y)) sink.Post(SelectObjectCommand{*object});
-      }
+    const bool moving = MoveView(scene, low, false);
+    const ImVec2 mouse = ImGui::GetIO().MousePos;
+    if (WasClicked() && !ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
+      if (const auto object = scene.Pick(mouse.x - low.x, mouse.y - low.y))
+        sink.Post(SelectObjectCommand{*object});
     }
     return moving;
-  }
-
-  static void DrawTriad(const FrameContext& context, ImVec2 low, ImVec2 high) {
-    const Eigen::Matrix3d view = context.scene->camera().view_from_world;
-    const float length = context.Scaled(26);
-    const ImVec2 origin(low.x + context.Scaled(40), high.y - context.Scaled(40));
-    constexpr ImU32 kColors[] = {IM_COL32(236, 92, 88, 255), IM_COL32(112, 200, 100, 255),
-                                 IM_COL32(92, 146, 246, 255)};
-    constexpr const char* kNames[] = {"x", "y", "z"};
-    int order[] = {0, 1, 2};
-    std::sort(order, order + 3, [&](int a, int b) { return view(2, a) < view(2, b); });
-    ImDrawList& draw = *ImGui::GetWindowDrawList();
-    for (const int axis : order) {
-      const ImVec2 tip(origin.x + length * static_cast<float>(view(0, axis)),
-                       origin.y - length * static_cast<float>(view(1, axis)));
-      draw.AddLine(origin, tip, kColors[axis], context.Scaled(2));
-      const ImVec2 at(origin.x + 1.35f * (tip.x - origin.x), origin.y + 1.35f * (tip.y - origin.y));
-      const ImVec2 text =
-          context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, kNames[axis]);
-      draw.AddText(context.fonts.small, context.fonts.small->FontSize,
-                   {at.x - 0.5f * text.x, at.y - 0.5f * text.y}, kColors[axis], kNames[axis]);
-    }
   }
 
   static void DrawGridLabel(const FrameContext& context, ImVec2 low, ImVec2 high) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "engine/snapshot/annotation_snapshot.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -54,6 +55,25 @@ void DrawRecent(const FrameContext& context, CommandSink& sink) {
   }
 }
 
+/// What the Annotate workspace shows while no scan is open.
+void DrawAnnotateWelcome(const FrameContext& context) {
+  if (context.annotation == nullptr) {
+    Headline(context, "No scan is open");
+    Wrapped(
+        colors::kDimText,
+        "Drop a scan (.ply, .obj) or an annotation project (.json) onto this window, or name it "
+        "on the command line:");
+    ImGui::Indent(context.Scaled(14));
+    Wrapped(colors::kText, "plumbline gui SCAN.ply --models FOLDER");
+    Wrapped(colors::kText, "plumbline gui PROJECT.json");
+    ImGui::Unindent(context.Scaled(14));
+    return;
+  }
+  const bool failed = !context.annotation->failure.empty();
+  Headline(context, failed ? "This could not be opened" : "Opening");
+  if (failed) Wrapped(colors::kBad, context.annotation->failure);
+}
+
 }  // namespace
 
 void DrawWelcome(const FrameContext& context, const LayoutRect& rect, CommandSink& sink) {
@@ -68,7 +88,9 @@ void DrawWelcome(const FrameContext& context, const LayoutRect& rect, CommandSin
   ImGui::Begin("welcome", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
-  if (context.source.empty()) {
+  if (context.workspace == WorkspaceId::kAnnotate) {
+    DrawAnnotateWelcome(context);
+  } else if (context.source.empty()) {
     Headline(context, "Nothing is open");
     DrawWays(context, sink);
     DrawRecent(context, sink);

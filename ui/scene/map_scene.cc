@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ui/scene/map_scene.h"
 
-#include <epoxy/gl.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,18 +8,14 @@
 
 #include <vtkCamera.h>
 #include <vtkCellPicker.h>
-#include <vtkGenericOpenGLRenderWindow.h>
-#include <vtkLight.h>
 #include <vtkNew.h>
-#include <vtkOpenGLFramebufferObject.h>
 #include <vtkOpenGLState.h>
 #include <vtkRenderer.h>
-#include <vtkTextureObject.h>
 
-#include "engine/base/timer.h"
 #include "engine/geometry/gravity.h"
 #include "ui/scene/scene_actors.h"
 #include "ui/scene/turntable_camera.h"
+#include "ui/scene/vtk_view.h"
 
 namespace plumbline {
 namespace {
@@ -35,29 +29,8 @@ constexpr double kResetAside = 0.35, kResetElevation = 0.65;
 
 class MapScene : public SceneSurface {
  public:
-  explicit MapScene(bool software_gl) : actors_(ground_, renderer_, software_gl) {
-    window_->SetOwnContext(0);
-    window_->SetFrameBlitModeToNoBlit();
-    window_->SetMultiSamples(software_gl ? 0 : 4);
-    window_->SetIsCurrent(true);
-    window_->SetReadyForRendering(true);
-    window_->SetSupportsOpenGL(1);
-    window_->SetIsDirect(1);
-    window_->SetMapped(1);
-    window_->OpenGLInitContext();
-    window_->SetNumberOfLayers(2);
-    SetBackground(false);
-    ground_->GradientBackgroundOn();
-    ground_->SetBackgroundAlpha(1.0);
-    renderer_->SetLayer(1);
-    ground_->SetActiveCamera(renderer_->GetActiveCamera());
-    for (vtkRenderer* renderer : {ground_.Get(), renderer_.Get()}) {
-      renderer->AutomaticLightCreationOff();
-      window_->AddRenderer(renderer);
-    }
-    AddLight(0.4, 0.9, 1.0, 0.85);
-    AddLight(-0.8, 0.2, 0.6, 0.35);
-  }
+  explicit MapScene(bool software_gl)
+      : view_(software_gl), actors_(view_.ground(), view_.front(), software_gl) {}
 
   void SetContent(const SceneContent& content) override {
     const bool new_sequence = content.sequence != content_.sequence;
@@ -77,28 +50,21 @@ class MapScene : public SceneSurface {
       camera_ = TurntableCamera(content.sequence->up_in_world);
       Reset();
     }
-    SetBackground(content.light);
+    view_.SetBackground(content.light);
     actors_.SetSnapshot(content);
     if (content.follow) Follow(new_follow);
   }
 
   ImTextureID Texture(int width, int height, bool interacting) override {
     const bool coarse = interacting && full_render_ms_ > kSlowRenderMs;
-    if (width != width_ || height != height_) {
-      width_ = width;
-      height_ = height;
-      window_->SetSize(width, height);
-      dirty_ = true;
-    }
+    dirty_ = view_.Resize(width, height) || dirty_;
     if (coarse != coarse_) {
       coarse_ = coarse;
       actors_.SetCoarse(coarse);
       dirty_ = true;
     }
     if (dirty_) Render();
-    vtkTextureObject* texture =
-        window_->GetDisplayFramebuffer()->GetColorAttachmentAsTextureObject(0);
-    return reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(texture->GetHandle()));
+    return view_.texture();
   }
 
   void Orbit(double dx_px, double dy_px) override {
@@ -106,7 +72,7 @@ class MapScene : public SceneSurface {
     dirty_ = true;
   }
   void Pan(double dx_px, double dy_px) override {
-    camera_.Pan(-dx_px / height_, dy_px / height_);
+    camera_.Pan(-dx_px / view_.height(), dy_px / view_.height());
     dirty_ = true;
   }
   void Zoom(double notches) override {
@@ -149,13 +115,13 @@ class MapScene : public SceneSurface {
   }
 
   std::optional<ObjectId> Pick(double x_px, double y_px) override {
-    window_->GetState()->Reset();
+    view_.window()->GetState()->Reset();
     vtkNew<vtkCellPicker> picker;
     picker->SetTolerance(0.002);
     picker->PickFromListOn();
     const auto pickable = actors_.pickable();
     for (const auto& [actor, id] : pickable) picker->AddPickList(actor);
-    if (picker->Pick(x_px, height_ - 1 - y_px, 0, renderer_) == 0) return std::nullopt;
+    if (picker->Pick(x_px, view_.height() - 1 - y_px, 0, view_.front()) == 0) return std::nullopt;
     for (const auto& [actor, id] : pickable) {
       if (picker->GetActor() == actor) return id;
     }
@@ -171,24 +137,6 @@ class MapScene : public SceneSurface {
   double grid_step_m() const override { return actors_.grid_step_m(); }
 
  private:
-  void AddLight(double x, double y, double z, double intensity) {
-    vtkNew<vtkLight> light;
-    light->SetLightTypeToCameraLight();
-    light->SetPosition(x, y, z);
-    light->SetFocalPoint(0, 0, 0);
-    light->SetIntensity(intensity);
-    renderer_->AddLight(light);
-  }
-
-  void SetBackground(bool light) {
-    const double low = light ? 0.86 : 0.058, high = light ? 0.95 : 0.122;
-    ground_->SetBackground(0.86 * low, low, light ? low : 1.2 * low);
-    ground_->SetBackground2(0.86 * high, high, light ? high : 1.2 * high);
-    if (!light) return;
-    ground_->SetBackground(low, low, low);
-    ground_->SetBackground2(high, high, high);
-  }
-
   /// Puts VTK's camera where that of the sequence is, so that its image fits into the view.
   void LookThrough(vtkCamera& camera) const {
     const SequenceView& sequence = *content_.sequence;
@@ -199,7 +147,7 @@ class MapScene : public SceneSurface {
     camera.SetFocalPoint(ahead.x(), ahead.y(), ahead.z());
     camera.SetViewUp(up.x(), up.y(), up.z());
     const double image_aspect = static_cast<double>(sequence.image_width) / sequence.image_height;
-    const double view_aspect = static_cast<double>(width_) / height_;
+    const double view_aspect = static_cast<double>(view_.width()) / view_.height();
     const double half_height =
         0.5 * sequence.image_height / sequence.fy * std::max(1.0, image_aspect / view_aspect);
     camera.SetViewAngle(2 * std::atan(half_height) * 180 / std::numbers::pi);
@@ -228,14 +176,14 @@ class MapScene : public SceneSurface {
   }
 
   std::optional<Vector3d> WorldAt(double x_px, double y_px) {
-    window_->GetState()->Reset();
-    const int x = static_cast<int>(x_px), y = height_ - 1 - static_cast<int>(y_px);
-    const double z = renderer_->GetZ(x, y);  // of the upper layer only
+    view_.window()->GetState()->Reset();
+    const int x = static_cast<int>(x_px), y = view_.height() - 1 - static_cast<int>(y_px);
+    const double z = view_.front()->GetZ(x, y);  // of the upper layer only
     if (z >= 1.0) return ScanAt(x, y);
-    renderer_->SetDisplayPoint(x, y, z);
-    renderer_->DisplayToWorld();
+    view_.front()->SetDisplayPoint(x, y, z);
+    view_.front()->DisplayToWorld();
     double point[4];
-    renderer_->GetWorldPoint(point);
+    view_.front()->GetWorldPoint(point);
     if (point[3] == 0) return std::nullopt;
     return Vector3d(point[0] / point[3], point[1] / point[3], point[2] / point[3]);
   }
@@ -246,46 +194,33 @@ class MapScene : public SceneSurface {
     picker->SetTolerance(0.002);
     picker->PickFromListOn();
     picker->AddPickList(actors_.scan());
-    if (picker->Pick(x, y, 0, ground_) == 0) return std::nullopt;
+    if (picker->Pick(x, y, 0, view_.ground()) == 0) return std::nullopt;
     return Vector3d(picker->GetPickPosition());
   }
 
   void Render() {
-    const Stopwatch watch;
-    vtkCamera& camera = *renderer_->GetActiveCamera();
-    const Vector3d eye = camera_.eye_in_world();
-    const Eigen::Matrix3d view = camera_.view_from_world();
-    camera.SetPosition(eye.x(), eye.y(), eye.z());
-    camera.SetFocalPoint(camera_.focus_in_world().data());
-    camera.SetViewUp(view(1, 0), view(1, 1), view(1, 2));
-    camera.SetViewAngle(TurntableCamera::kViewAngle * 180 / std::numbers::pi);
-    camera.SetWindowCenter(0, 0);
     const bool through = content_.look_through && content_.snapshot != nullptr &&
                          content_.snapshot->report.world_from_cam && content_.sequence->fx > 0;
-    if (through) LookThrough(camera);
     // The grid does not count as bounds, but must not be cut off.
     const double far =
         camera_.distance_m() +
         2.0 * std::max(2.0, actors_.bounds().isEmpty() ? 0.0 : actors_.bounds().diagonal().norm());
-    camera.SetClippingRange(through ? 0.05 : std::max(0.01, 0.01 * camera_.distance_m()),
-                            through ? std::max(far, 1.1 * SceneActors::kBackdrop_m) : far);
-    window_->GetState()->Reset();
-    window_->GetState()->Push();
-    window_->Render();
-    window_->GetState()->Pop();
-    glFinish();
-    render_ms_ = watch.Milliseconds();
+    view_.SetCamera(camera_, std::max(0.01, 0.01 * camera_.distance_m()), far);
+    if (through) {
+      vtkCamera& camera = *view_.front()->GetActiveCamera();
+      LookThrough(camera);
+      camera.SetClippingRange(0.05, std::max(far, 1.1 * SceneActors::kBackdrop_m));
+    }
+    render_ms_ = view_.Render();
     if (!coarse_) full_render_ms_ = render_ms_;
     ++renders_;
     dirty_ = false;
   }
 
-  vtkNew<vtkRenderer> ground_, renderer_;
-  vtkNew<vtkGenericOpenGLRenderWindow> window_;
+  VtkView view_;
   SceneActors actors_;
   TurntableCamera camera_;
   SceneContent content_;
-  int width_ = 0, height_ = 0;
   bool dirty_ = true, coarse_ = false;
   double render_ms_ = 0, full_render_ms_ = 0;
   double followed_azimuth_rad_ = 0;

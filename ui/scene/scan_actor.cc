@@ -40,12 +40,9 @@ vtkSmartPointer<vtkUnsignedCharArray> ColorsOf(const TriangleMesh& scan, const V
   return rgb;
 }
 
-/// +1: the triangles' fronts face the cameras, -1: their backs do, 0: no clear majority.
-int SideOfCameras(const TriangleMesh& scan, const SequenceView& sequence) {
-  if (sequence.world_from_cam.empty()) return 0;
-  Vector3d eye = Vector3d::Zero();
-  for (const auto& pose : sequence.world_from_cam) eye += pose.translation();
-  eye /= static_cast<double>(sequence.world_from_cam.size());
+}  // namespace
+
+int SideTowards(const TriangleMesh& scan, const Vector3d& eye) {
   const std::size_t stride = std::max<std::size_t>(1, scan.triangles.size() / 5000);
   double votes = 0, count = 0;
   for (std::size_t i = 0; i < scan.triangles.size(); i += stride) {
@@ -58,9 +55,8 @@ int SideOfCameras(const TriangleMesh& scan, const SequenceView& sequence) {
   return votes > kClearMajority * count ? 1 : votes < -kClearMajority * count ? -1 : 0;
 }
 
-}  // namespace
-
-vtkSmartPointer<vtkActor> ScanActor(const TriangleMesh& scan, const SequenceView& sequence) {
+vtkSmartPointer<vtkActor> ScanActor(const TriangleMesh& scan, const Vector3d& up_in_scan,
+                                    const std::optional<Vector3d>& eye) {
   vtkNew<vtkPoints> points;
   points->SetDataTypeToFloat();
   for (const Eigen::Vector3f& v : scan.vertices) points->InsertNextPoint(v.data());
@@ -79,9 +75,9 @@ vtkSmartPointer<vtkActor> ScanActor(const TriangleMesh& scan, const SequenceView
     }
     data->SetPolys(cells);
   }
-  data->GetPointData()->SetScalars(ColorsOf(scan, sequence.up_in_world));
+  data->GetPointData()->SetScalars(ColorsOf(scan, up_in_scan));
   auto actor = LineActorOf(data, IM_COL32_WHITE, 0.75);
-  const int side = scan.triangles.empty() ? 0 : SideOfCameras(scan, sequence);
+  const int side = scan.triangles.empty() || !eye ? 0 : SideTowards(scan, *eye);
   actor->GetProperty()->SetBackfaceCulling(side > 0);
   actor->GetProperty()->SetFrontfaceCulling(side < 0);
   return actor;

@@ -51,6 +51,14 @@ double FloorHeight(const SequenceView& sequence) {
   return heights.empty() ? 0.0 : *std::min_element(heights.begin(), heights.end()) - 1.4;
 }
 
+/// Where the cameras are on the whole.
+std::optional<Vector3d> MeanEye(const SequenceView& sequence) {
+  if (sequence.world_from_cam.empty()) return std::nullopt;
+  Vector3d eye = Vector3d::Zero();
+  for (const auto& pose : sequence.world_from_cam) eye += pose.translation();
+  return Vector3d(eye / static_cast<double>(sequence.world_from_cam.size()));
+}
+
 }  // namespace
 
 SceneActors::SceneActors(vtkRenderer* ground, vtkRenderer* renderer, bool software_gl)
@@ -140,8 +148,10 @@ void SceneActors::AddScan(const SequenceView& sequence) {
   }
   bounds_.extend(low);
   bounds_.extend(high);
-  scan_fine_ = ScanActor(*fine, sequence);
-  scan_coarse_ = ScanActor(ClusterToAbout(*fine, kScanVerticesWhileMoving), sequence);
+  const std::optional<Vector3d> eye = MeanEye(sequence);
+  scan_fine_ = ScanActor(*fine, sequence.up_in_world, eye);
+  scan_coarse_ =
+      ScanActor(ClusterToAbout(*fine, kScanVerticesWhileMoving), sequence.up_in_world, eye);
   for (vtkActor* actor : {scan_fine_.Get(), scan_coarse_.Get()}) ground_->AddActor(actor);
 }
 

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/annotate_workspace.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "ui/framework/widgets.h"
+#include "ui/panels/annotate_panels.h"
+#include "ui/scene/annotate_scene.h"
+
+namespace plumbline {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+json MatrixOf(const Eigen::Isometry3d& pose) {
+  json rows = json::array();
+  for (int row = 0; row < 4; ++row) {
+    rows.push_back({pose.matrix()(row, 0), pose.matrix()(row, 1), pose.matrix()(row, 2),
+                    pose.matrix()(row, 3)});
+  }
+  return rows;
+}
+
+const char* NameOf(AnnotateTool tool) {
+  return tool == AnnotateTool::kFloor ? "floor" : tool == AnnotateTool::kPlace ? "place" : "select";
+}
+
+}  // namespace
+
+AnnotateWorkspace::AnnotateWorkspace(AnnotationChoice defaults, bool software_gl,
+                                     std::function<void()> wake)
+    : defaults_(std::move(defaults)),
+      software_gl_(software_gl),
+      wake_(std::move(wake)),
+      scene_panel_(MakeAnnotateScenePanel()),
+      models_(MakeAnnotateModelsPanel()),
+      instances_(MakeAnnotateInstancesPanel()) {}
+
+AnnotateWorkspace::~AnnotateWorkspace() = default;
+
+bool AnnotateWorkspace::Takes(const std::string& path) const { return IsForAnnotation(path); }
+
+void AnnotateWorkspace::Open(const std::string& path, FrameContext& context) {
+  process_.reset();
+  view_ = {};
+  // Made anew: a scene remembers its camera and its actors.
+  scene_ = CreateAnnotateScene(software_gl_);
+  context.annotate = &view_;
+  context.annotate_scene = scene_.get();
+  AnnotationChoice choice = defaults_;
+  choice.path = path;
+  process_ = std::make_unique<AnnotationProcess>(std::move(choice), wake_);
+  ReadSlots(context);
+}
+
+void AnnotateWorkspace::ReadSlots(FrameContext& context) {
+  if (process_ == nullptr) return;
+  auto snapshot = process_->Snapshot();
+  if (snapshot == context.annotation) return;
+  if (context.annotation != nullptr &&
+      context.annotation->proposal_number != snapshot->proposal_number && !snapshot->placement) {
+    view_.candidate = 0;
+  }
+  context.annotation = std::move(snapshot);
+  ++context.annotation_version;
+  view_.pending.reset();
+}
+
+void AnnotateWorkspace::Draw(const FrameContext& context, const LayoutRect& rect,
+                             CommandSink& sink) {
+  const float gap = context.Scaled(6), margin = context.Scaled(8);
+  const LayoutRect room{{rect.low.x + margin, rect.low.y}, {rect.high.x - margin, rect.high.y}};
+  const float left_x = room.low.x + static_cast<float>(std::round(left_ * room.width()));
+  const float middle_y = room.low.y + static_cast<float>(std::round(models_share_ * room.height()));
+  DrawPanel(context, {room.low, {left_x, middle_y}}, *models_, sink);
+  DrawPanel(context, {{room.low.x, middle_y + gap}, {left_x, room.high.y}}, *instances_, sink);
+  DrawPanel(context, {{left_x + gap, room.low.y}, room.high}, *scene_panel_, sink);
+}
+
+void AnnotateWorkspace::PostShortcuts(const FrameContext&, CommandSink&) {}
+
+bool AnnotateWorkspace::Handle(const Command& command) {
+  if (const auto* annotation = std::get_if<AnnotationCommand>(&command)) {
+    if (process_ != nullptr) process_->Post(*annotation);
+    return true;
+  }
+  const auto* window = std::get_if<WindowCommand>(&command);
+  if (window == nullptr || scene_ == nullptr) return false;
+  if (std::holds_alternative<FocusSelectionCommand>(*window)) {
+    view_.focus = true;
+  } else if (std::holds_alternative<ResetViewCommand>(*window)) {
+    view_.reset = true;
+  } else if (const auto* direction = std::get_if<ViewDirectionCommand>(window)) {
+    scene_->SetDirection(direction->azimuth_rad, direction->elevation_rad);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const {
+  if (context.annotation == nullptr) return;
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  using State = AnnotationSnapshot::State;
+  json annotate = {{"state", snapshot.state == State::kReady    ? "ready"
+                             : snapshot.state == State::kFailed ? "failed"
+                                                                : "opening"},
+                   {"busy", snapshot.busy},
+                   {"failure", snapshot.failure},
+                   {"project", snapshot.project_name},
+                   {"modified", snapshot.modified},
+                   {"read_only", snapshot.read_only},
+                   {"notices", snapshot.notices},
+                   {"answer", snapshot.answer},
+                   {"undo", snapshot.undo_label.value_or("")},
+                   {"redo", snapshot.redo_label.value_or("")},
+                   {"scan_points", snapshot.scan_points},
+                   {"aligns", snapshot.ready_to_align},
+                   {"models", snapshot.models->size()},
+                   {"floor_known", snapshot.floor_known},
+                   {"level_from_scan", MatrixOf(snapshot.level_from_scan)},
+                   {"selected", snapshot.selected},
+                   {"tool", NameOf(view_.tool)},
+                   {"candidate", view_.candidate},
+                   {"proposal", snapshot.floor        ? "floor"
+                                : snapshot.placement  ? "placement"
+                                : snapshot.refinement ? "refinement"
+                                                      : ""},
+                   {"instances", json::array()}};
+  for (const InstanceView& instance : snapshot.instances) {
+    annotate["instances"].push_back({{"id", instance.id},
+                                     {"model", instance.model},
+                                     {"quality", instance.fine ? "fine" : "coarse"},
+                                     {"hidden", instance.hidden},
+                                     {"locked", instance.locked},
+                                     {"note", instance.note},
+                                     {"scan_from_object", MatrixOf(instance.scan_from_object)}});
+  }
+  if (const auto& placement = snapshot.placement) {
+    annotate["placement_running"] = placement->running;
+    annotate["placement_seconds"] = placement->seconds;
+    for (const PlacementCandidate& candidate : placement->candidates) {
+      annotate["candidates"].push_back({{"azimuth_deg", candidate.azimuth_rad * kDegrees},
+                                        {"fitness", candidate.fitness},
+                                        {"rmse_m", candidate.rmse_m}});
+    }
+  }
+  if (const auto& refinement = snapshot.refinement) {
+    annotate["refining"] = refinement->running;
+    annotate["iteration"] = refinement->iteration;
+  }
+  // Flat names, so that scripts can wait for them.
+  for (const char* key : {"state", "busy", "modified", "read_only", "undo", "redo", "aligns",
+                          "floor_known", "selected", "tool", "proposal", "candidate"}) {
+    state[std::string("annotate.") + key] = annotate[key];
+  }
+  state["annotate.instances"] = snapshot.instances.size();
+  state["annotate.models"] = snapshot.models->size();
+  state["annotate.running"] = (snapshot.placement && snapshot.placement->running) ||
+                              (snapshot.refinement && snapshot.refinement->running);
+  state["annotate.candidates"] = snapshot.placement ? snapshot.placement->candidates.size() : 0;
+  state["annotate"] = std::move(annotate);
+}
+
+json AnnotateWorkspace::SaveSettings() const {
+  return {{"left", left_}, {"right", right_}, {"models", models_share_}};
+}
+
+void AnnotateWorkspace::LoadSettings(const json& json) {
+  left_ = std::clamp(json.value("left", left_), 0.1, 0.4);
+  right_ = std::clamp(json.value("right", right_), 0.55, 0.9);
+  models_share_ = std::clamp(json.value("models", models_share_), 0.15, 0.85);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/workspace.h"
+#include "engine/process/annotation_process.h"
+#include "ui/framework/annotate_view.h"
+#include "ui/framework/panel.h"
+
+namespace plumbline {
+
+/// Places models in a scan.
+class AnnotateWorkspace : public Workspace {
+ public:
+  /// @param wake  Called from other threads when there is something new to draw.
+  AnnotateWorkspace(AnnotationChoice defaults, bool software_gl, std::function<void()> wake);
+  ~AnnotateWorkspace() override;
+
+  WorkspaceId id() const override { return WorkspaceId::kAnnotate; }
+  bool Takes(const std::string& path) const override;
+  void Open(const std::string& path, FrameContext& context) override;
+  void ReadSlots(FrameContext& context) override;
+  void Draw(const FrameContext& context, const LayoutRect& rect, CommandSink& sink) override;
+  void PostShortcuts(const FrameContext& context, CommandSink& sink) override;
+  bool Handle(const Command& command) override;
+  void AddState(const FrameContext& context, nlohmann::json& state) const override;
+  nlohmann::json SaveSettings() const override;
+  void LoadSettings(const nlohmann::json& json) override;
+
+ private:
+  AnnotationChoice defaults_;
+  bool software_gl_;
+  std::function<void()> wake_;
+  AnnotateView view_;
+  std::unique_ptr<AnnotateSurface> scene_;
+  std::unique_ptr<Panel> scene_panel_, models_, instances_;
+  double left_ = 0.19, right_ = 0.77, models_share_ = 0.55;  ///< Of the room.
+  std::unique_ptr<AnnotationProcess> process_;               ///< Last: its thread wakes the window.
+};
+
+}  // namespace plumbline

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The long work of the Annotate workspace as plain functions: they touch nothing but what they are
+// given, so that any thread can run them.
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/base/progress.h"
+#include "engine/geometry/mesh.h"
+#include "engine/registration/floor.h"
+#include "engine/registration/model_alignment.h"
+#include "engine/registration/model_surface.h"
+#include "engine/registration/scan_target.h"
+#include "engine/snapshot/annotation_snapshot.h"
+
+namespace plumbline {
+
+/// A scan for the eye and for aligning.
+struct AnnotationScan {
+  std::shared_ptr<const TriangleMesh> full, fine, coarse;
+  std::shared_ptr<const ScanTarget> target;
+};
+
+/// Errors: of ReadMesh.
+Result<AnnotationScan> ReadAnnotationScan(const std::filesystem::path& file);
+
+/// A model where it may go.
+struct PlacementTask {
+  std::shared_ptr<const ScanTarget> target;
+  std::shared_ptr<const TriangleMesh> scan;  ///< For the pictures.
+  std::shared_ptr<const ModelSurface> surface;
+  std::shared_ptr<const TriangleMesh> mesh;
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d up_in_scan{0, 0, 1};
+  FreeMotion motion = FreeMotion::kAzimuthAndTranslation;
+  double view_azimuth_rad = 0;
+};
+
+/// Fills in candidates, or where there is nothing to align to the start itself with the reason.
+void FindPlacements(const PlacementTask& task, const WorkContext& work, PlacementView& placement);
+
+/// Aligns from the start, a step at a time, each told to `step`; at most a step in `pace_ms`, so
+/// that people can follow.
+void Refine(const PlacementTask& task, const WorkContext& work, int pace_ms,
+            const std::function<void(const RefinementView&)>& step, RefinementView& refinement);
+
+/// The plane around a seed or by itself, as a proposal. Errors: kDegenerate.
+Result<FloorProposal> ProposeFloor(const ScanTarget& target,
+                                   const std::optional<Eigen::Vector3d>& seed_in_scan,
+                                   const FloorHints& hints, const Eigen::Vector3d& up_now_in_scan);
+/// Which points of the scan a floor holds, for looking at it.
+void ShowFloorPoints(const ScanTarget& target, FloorProposal& proposal);
+
+}  // namespace plumbline

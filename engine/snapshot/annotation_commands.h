@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the Annotate workspace asks for. Points and poses are in the frame of the scan's file.
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace plumbline {
+
+/// "": nothing.
+struct SelectInstanceCommand {
+  std::string id;
+};
+/// Looks for the floor, from a point on it or by itself, and proposes it.
+struct FindFloorCommand {
+  std::optional<Eigen::Vector3d> seed_in_scan;
+};
+/// Proposes an up that was typed; any length > 0.
+struct TypeGravityCommand {
+  Eigen::Vector3d up_in_scan{0, 0, 1};
+  std::optional<double> floor_offset_m;  ///< up . x + offset = 0 on the floor, for up of length 1.
+};
+/// Where a model stands; the answer is a PlacementView with candidates.
+struct PlaceModelCommand {
+  std::string model;
+  Eigen::Vector3d point_in_scan{0, 0, 0};
+  double view_azimuth_rad = 0;  ///< From where the pictures of the candidates are taken (level).
+  bool on_floor = true;         ///< Keeps models that stand on the floor exactly on it.
+};
+/// Tries all azimuths again for an instance, from where it is.
+struct PlaceAgainCommand {
+  std::string id;
+  double view_azimuth_rad = 0;
+  bool on_floor = true;
+};
+/// Aligns an instance from exactly where it is.
+struct RefineInstanceCommand {
+  std::string id;
+  bool on_floor = true;  ///< The height stays.
+};
+/// Takes the floor, the placement's candidate or the refinement that is proposed.
+struct AcceptProposalCommand {
+  int candidate = 0;
+};
+/// Drops what is proposed and stops what runs for it.
+struct CancelProposalCommand {};
+
+struct SetInstancePoseCommand {
+  std::string id;
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+};
+/// Changes what is set.
+struct ChangeInstanceCommand {
+  std::string id;
+  std::optional<std::string> new_id, note, model;
+  std::optional<bool> fine, hidden, locked;
+};
+struct RemoveInstanceCommand {
+  std::string id;
+};
+/// The copy gets an id of its own and is selected.
+struct DuplicateInstanceCommand {
+  std::string id;
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();  ///< Of the copy.
+};
+struct UndoCommand {};
+struct RedoCommand {};
+/// "": where it is.
+struct SaveProjectCommand {
+  std::string file;
+};
+struct SetAnnotatorCommand {
+  std::string name;
+};
+/// Adds the objects of a run (.plb, or its JSON) as coarse instances, in one step.
+struct ImportDraftsCommand {
+  std::string run;
+};
+struct DismissNoticesCommand {};
+
+/// For the process that annotates.
+using AnnotationCommand =
+    std::variant<SelectInstanceCommand, FindFloorCommand, TypeGravityCommand, PlaceModelCommand,
+                 PlaceAgainCommand, RefineInstanceCommand, AcceptProposalCommand,
+                 CancelProposalCommand, SetInstancePoseCommand, ChangeInstanceCommand,
+                 RemoveInstanceCommand, DuplicateInstanceCommand, UndoCommand, RedoCommand,
+                 SaveProjectCommand, SetAnnotatorCommand, ImportDraftsCommand,
+                 DismissNoticesCommand>;
+
+}  // namespace plumbline

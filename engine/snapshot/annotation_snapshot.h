@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the Annotate workspace sees: values only, shared and never written after publication. Poses
+// and points are in the frame of the scan's file; `level_from_scan` turns them z-up with the floor
+// at 0, which is how the window shows them.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+
+#include "engine/geometry/mesh.h"
+
+namespace plumbline {
+
+/// A shape of the database.
+struct AnnotationModel {
+  std::string name, category;
+  std::shared_ptr<const TriangleMesh> mesh;
+  Eigen::AlignedBox3f bounds;
+  bool on_floor = false;   ///< Stands on the floor, not on other things.
+  int symmetry_order = 1;  ///< 0: round
+  cv::Mat thumbnail;       ///< CV_8UC3 BGR; empty until it is made.
+};
+
+/// An object that somebody placed, or a draft of one.
+struct InstanceView {
+  std::string id, model, category, note, annotator;
+  int model_index = -1;  ///< In `models`; -1: the database has none of that name.
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+  bool fine = true, hidden = false, locked = false;
+  double seconds_spent = 0;
+};
+
+/// A floor to accept or not.
+struct FloorProposal {
+  std::string source;  ///< "picked", "found" or "typed"
+  Eigen::Vector3d up_in_scan{0, 0, 1};
+  std::optional<double> offset_m;  ///< up . x + offset = 0 on the floor; nothing: only up is known.
+  /// Points of the scan that lie on the plane, and those close to it that do not; never null.
+  std::shared_ptr<const std::vector<Eigen::Vector3f>> inliers, outliers;
+  std::size_t num_inliers = 0;
+  double rmse_m = 0, normal_std_rad = 0;
+  double turn_rad = 0;  ///< Between up and what counts as up now.
+};
+
+/// One way in which a model fits the scan.
+struct PlacementCandidate {
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+  double fitness = 0;  ///< Share of the model's surface that has scan within 2 cm.
+  double rmse_m = 0;   ///< Of the distances of the scan points explained.
+  double azimuth_rad = 0;
+  double position_std_m = 0, azimuth_std_rad = 0;
+  bool same_by_symmetry = false;  ///< The first one, turned within itself.
+  cv::Mat picture;                ///< CV_8UC3 BGR
+};
+
+/// A model on its way into the scan.
+struct PlacementView {
+  int model = -1;
+  std::string instance;  ///< The one that is placed again; "": a new one.
+  bool running = true;
+  double seconds = 0;   ///< That the alignment took.
+  std::string problem;  ///< Why there is only the place that was clicked.
+  int symmetry_order = 1;
+  std::vector<PlacementCandidate> candidates;  ///< Best first.
+};
+
+/// An alignment that starts from where an instance is.
+struct RefinementView {
+  std::string instance;
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();  ///< So far.
+  bool running = true, converged = false;
+  int iteration = 0;
+  double fitness = 0, rmse_m = 0, fitness_before = 0, rmse_before_m = 0;
+  double azimuth_rad = 0, horizontal_m = 0, height_m = 0, tilt_rad = 0;  ///< Changes.
+  double position_std_m = 0, azimuth_std_rad = 0;
+  std::string problem;
+  /// Of every vertex of the model: distance of the nearest scan point; negative: none within 10 cm.
+  std::shared_ptr<const std::vector<float>> residuals_m;
+};
+
+/// What crosses to the window.
+struct AnnotationSnapshot {
+  enum class State { kOpening, kReady, kFailed };
+  State state = State::kOpening;
+  std::string busy;  ///< What runs now; "": nothing.
+  bool can_cancel = false;
+  std::string failure;  ///< Why nothing could be opened.
+
+  std::string project_file, project_name, scan_name;
+  bool modified = false, read_only = false;
+  std::vector<std::string> notices;  ///< What the user should know, until dismissed.
+  std::string journal_problem;       ///< Edits are not safe on the disk; "": they are.
+  std::string answer;                ///< To the last command: what was refused or done.
+  bool refused = false;              ///< The answer is bad news.
+  std::uint64_t answer_number = 0;   ///< Counts the answers.
+  std::optional<std::string> undo_label, redo_label;
+  std::string annotator;
+
+  /// Made coarse enough to draw, and coarser for machines without a GPU; null until it is read.
+  std::shared_ptr<const TriangleMesh> scan, scan_coarse;
+  std::size_t scan_points = 0;  ///< Of the file.
+  bool ready_to_align = false;
+  Eigen::Isometry3d level_from_scan = Eigen::Isometry3d::Identity();
+  bool floor_known = false, gravity_known = false;
+  std::vector<Eigen::Vector3d> cameras_in_scan;  ///< Of the sequence, where there is one.
+
+  /// Never null.
+  std::shared_ptr<const std::vector<AnnotationModel>> models =
+      std::make_shared<const std::vector<AnnotationModel>>();
+  std::uint64_t models_version = 0;
+  std::string models_problem;  ///< Why there are none.
+  std::vector<InstanceView> instances;
+  std::string selected;  ///< Id; "": none.
+
+  std::optional<FloorProposal> floor;
+  std::optional<PlacementView> placement;
+  std::optional<RefinementView> refinement;
+  std::uint64_t proposal_number = 0;  ///< Changes with the three above.
+
+  /// Null if there is none of that id.
+  const InstanceView* Find(const std::string& id) const {
+    for (const InstanceView& instance : instances) {
+      if (instance.id == id) return &instance;
+    }
+    return nullptr;
+  }
+  const InstanceView* Selected() const { return selected.empty() ? nullptr : Find(selected); }
+  const AnnotationModel* Model(int index) const {
+    return index < 0 || index >= static_cast<int>(models->size())
+               ? nullptr
+               : &(*models)[static_cast<std::size_t>(index)];
+  }
+};
+
+}  // namespace plumbline

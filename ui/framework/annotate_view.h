@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <imgui.h>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "engine/snapshot/annotation_snapshot.h"
+#include "ui/framework/scene_surface.h"
+
+namespace plumbline {
+
+/// What a click in the 3-D view of the Annotate workspace does.
+enum class AnnotateTool { kSelect, kFloor, kPlace };
+
+/// A pose on its way: shown, but not yet an edit.
+struct PendingPose {
+  std::string id;
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+};
+
+/// What the panels of the Annotate workspace share, besides the snapshot.
+struct AnnotateView {
+  AnnotateTool tool = AnnotateTool::kSelect;
+  std::string model;     ///< The one that is to be placed.
+  int candidate = 0;     ///< Of the placement that is shown.
+  bool on_floor = true;  ///< What stands on the floor stays on it.
+  bool tilt = false;     ///< The gizmo may tilt.
+  bool scan = true, models = true, grid = true, cameras = false;
+  std::optional<PendingPose> pending;
+  std::optional<Eigen::Isometry3d> copied;  ///< Pose in the scan's frame.
+  bool focus = false;                       ///< In this frame: the view turns to the selection.
+  bool reset = false;                       ///< In this frame: the view shows everything.
+};
+
+/// What the 3-D view of the Annotate workspace shows.
+struct AnnotateContent {
+  std::shared_ptr<const AnnotationSnapshot> snapshot;
+  std::uint64_t version = 0;  ///< Changes with `snapshot`.
+  std::optional<PendingPose> pending;
+  int candidate = 0;
+  bool scan = true, models = true, grid = true, cameras = false;
+  bool light = false;
+};
+
+/// A line of sight in the level frame (z up, floor at 0).
+struct SightLine {
+  Eigen::Vector3d eye{0, 0, 0}, direction{0, 0, -1};  ///< Unit direction.
+};
+
+/// The 3-D view of the Annotate workspace as the panels know it; ui/scene implements it. It shows
+/// the level frame. Pixels count from the top left of the view.
+class AnnotateSurface {
+ public:
+  virtual ~AnnotateSurface() = default;
+  virtual void SetContent(const AnnotateContent& content) = 0;
+  virtual ImTextureID Texture(int width, int height, bool interacting) = 0;
+  virtual void Orbit(double dx_px, double dy_px) = 0;
+  virtual void Pan(double dx_px, double dy_px) = 0;
+  virtual void Zoom(double notches) = 0;
+  virtual void FocusAt(double x_px, double y_px) = 0;
+  virtual void FocusOn(const std::string& instance) = 0;
+  virtual void Reset() = 0;
+  virtual void SetDirection(double azimuth_rad, double elevation_rad) = 0;
+  /// Id of the instance under a pixel; "" if there is none.
+  virtual std::string PickInstance(double x_px, double y_px) = 0;
+  /// The point of the scan under a pixel, in the level frame.
+  virtual std::optional<Eigen::Vector3d> PickScan(double x_px, double y_px) = 0;
+  virtual SightLine Sight(double x_px, double y_px) const = 0;
+  /// Pixel of a point of the level frame; nothing behind the eye.
+  virtual std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& in_level) const = 0;
+  virtual SceneCamera camera() const = 0;
+  virtual double last_render_ms() const = 0;
+  virtual int renders() const = 0;
+  virtual double grid_step_m() const = 0;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "ui/framework/annotate_view.h"
+#include "ui/framework/widgets.h"
+#include "ui/panels/annotate_panels.h"
+
+namespace plumbline {
+namespace {
+
+class AnnotateInstancesPanel : public Panel {
+ public:
+  const char* Id() const override { return "annotate_instances"; }
+  const char* Title() const override { return "Placed"; }
+  const char* Help() const override {
+    return "What stands in the scan so far. Click one to select it, double click to look at it.";
+  }
+
+  void DrawHeader(const FrameContext& context, CommandSink&) override {
+    if (context.annotation == nullptr) return;
+    const std::size_t count = context.annotation->instances.size();
+    const std::string text = fmt::format("{} object{}", count, count == 1 ? "" : "s");
+    AlignRight(
+        context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, text.c_str()).x);
+    ImGui::SetCursorPosY(ImGui::GetCursorPosY() + context.Scaled(3));
+    SmallText(context, colors::kDimText, "%s", text.c_str());
+  }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    const AnnotationSnapshot& snapshot = *context.annotation;
+    if (snapshot.instances.empty()) {
+      return EmptyState(context, "Nothing is placed yet",
+                        "Click a model above, then click in the scan where it stands.");
+    }
+    ImGui::BeginChild("instances", {0, 0});
+    int number = 0;
+    for (const InstanceView& instance : snapshot.instances) {
+      DrawRow(context, instance, ++number, sink);
+    }
+    ImGui::EndChild();
+  }
+
+ private:
+  static void DrawRow(const FrameContext& context, const InstanceView& instance, int number,
+                      CommandSink& sink) {
+    const std::string name = "annotate_instances.row." + instance.id;
+    const bool selected = context.annotation->selected == instance.id;
+    const float switches = context.Scaled(92);
+    const ImVec2 low = ImGui::GetCursorScreenPos();
+    const float line = ImGui::GetTextLineHeight() + context.Scaled(6);
+    const float width = ImGui::GetContentRegionAvail().x;
+    if (ImGui::Selectable(
+            ("##" + name).c_str(), selected,
+            ImGuiSelectableFlags_AllowDoubleClick | ImGuiSelectableFlags_AllowItemOverlap,
+            {width, line})) {
+      sink.Post(SelectInstanceCommand{instance.id});
+      if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) context.annotate->focus = true;
+    }
+    LogItem(context, name);
+    Tooltip(context,
+            instance.note.empty() ? instance.model : instance.model + "\n" + instance.note);
+    const float size = 0.62f * ImGui::GetTextLineHeight();
+    const float middle = low.y + 0.5f * line;
+    ImDrawList& draw = *ImGui::GetWindowDrawList();
+    draw.AddRectFilled({low.x + context.Scaled(4), middle - 0.5f * size},
+                       {low.x + context.Scaled(4) + size, middle + 0.5f * size},
+                       ObjectColor(ObjectId{number}), 0.2f * size);
+    const ImU32 color = instance.hidden            ? colors::kFaint
+                        : instance.model_index < 0 ? colors::kBad
+                                                   : colors::kText;
+    draw.PushClipRect(low, {low.x + width - switches, low.y + line}, true);
+    draw.AddText({low.x + context.Scaled(12) + size, middle - 0.5f * ImGui::GetFontSize()}, color,
+                 instance.id.c_str());
+    draw.PopClipRect();
+    DrawSwitches(context, instance, {low.x + width - switches, low.y}, line, sink);
+    ImGui::SetCursorScreenPos({low.x, low.y + line + context.Scaled(2)});
+    ImGui::Dummy({0, 0});
+  }
+
+  static void DrawSwitches(const FrameContext& context, const InstanceView& instance, ImVec2 at,
+                           float line, CommandSink& sink) {
+    const auto word = [&](float x, float width, const char* id, const char* text, bool on,
+                          const char* help) {
+      ImGui::SetCursorScreenPos({at.x + context.Scaled(x), at.y});
+      const std::string name = std::string("annotate_instances.") + id + "." + instance.id;
+      const bool clicked = ImGui::InvisibleButton(name.c_str(), {context.Scaled(width), line});
+      LogItem(context, name);
+      Tooltip(context, help);
+      const bool hovered = ImGui::IsItemHovered();
+      ImFont& font = *context.fonts.small;
+      ImGui::GetWindowDrawList()->AddText(
+          &font, font.FontSize, {at.x + context.Scaled(x), at.y + 0.5f * (line - font.FontSize)},
+          on        ? colors::kText
+          : hovered ? colors::kDimText
+                    : colors::kFaint,
+          text);
+      return clicked;
+    };
+    ChangeInstanceCommand change;
+    change.id = instance.id;
+    if (word(0, 24, "quality", instance.fine ? "fine" : "crs", instance.fine,
+             "Quality: fine, or coarse. A click changes it.")) {
+      change.fine = !instance.fine;
+      sink.Post(change);
+    }
+    if (word(30, 28, "hide", "hide", instance.hidden, "Hidden or not (H).")) {
+      change.hidden = !instance.hidden;
+      sink.Post(change);
+    }
+    if (word(62, 28, "lock", "lock", instance.locked,
+             "A locked object cannot be moved, renamed or removed (L).")) {
+      change.locked = !instance.locked;
+      sink.Post(change);
+    }
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeAnnotateInstancesPanel() {
+  return std::make_unique<AnnotateInstancesPanel>();
+}
+
+}  // namespace plumbline

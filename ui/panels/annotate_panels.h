@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "ui/framework/layout.h"
+#include "ui/framework/panel.h"
+
+namespace plumbline {
+
+// Panels of the Annotate workspace, each in a file of its own. docs/annotate_guide.md shows them.
+
+std::unique_ptr<Panel> MakeAnnotateScenePanel();
+std::unique_ptr<Panel> MakeAnnotateModelsPanel();
+std::unique_ptr<Panel> MakeAnnotateInstancesPanel();
+
+/// What is open, and what can be done with it as a whole: save, undo, redo. Right of the tabs.
+void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, CommandSink& sink);
+/// What the status bar says; `bad`: it is a failure.
+std::string AnnotationStatus(const FrameContext& context, bool& bad);
+
+}  // namespace plumbline

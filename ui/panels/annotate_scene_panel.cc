@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/framework/annotate_view.h"
+#include "ui/framework/widgets.h"
+#include "ui/panels/annotate_panels.h"
+#include "ui/panels/scene_mouse.h"
+
+namespace plumbline {
+namespace {
+
+constexpr ImGuiButtonFlags kAllButtons = ImGuiButtonFlags_MouseButtonLeft |
+                                         ImGuiButtonFlags_MouseButtonRight |
+                                         ImGuiButtonFlags_MouseButtonMiddle;
+
+struct LayerToggle {
+  const char* name;
+  const char* label;
+  bool AnnotateView::*layer;
+  const char* tooltip;
+};
+constexpr LayerToggle kLayers[] = {
+    {"scan", "Scan", &AnnotateView::scan, "The scan."},
+    {"models", "Models", &AnnotateView::models, "The models that are placed."},
+    {"grid", "Grid", &AnnotateView::grid, "Grid at height 0: the floor, once it is known."},
+    {"cameras", "Path", &AnnotateView::cameras, "Where the cameras of the sequence were."},
+};
+
+class AnnotateScenePanel : public Panel {
+ public:
+  const char* Id() const override { return "annotate_scene"; }
+  const char* Title() const override { return "Scan"; }
+  const char* Help() const override {
+    return "The scan with the models in it, z up. Left drag turns, right drag (or middle, or Shift "
+           "and left) moves, the wheel zooms, double click turns about what is under the mouse.";
+  }
+
+  void DrawHeader(const FrameContext& context, CommandSink& sink) override {
+    AnnotateView& view = *context.annotate;
+    const auto tool = [&](AnnotateTool which, const char* name, const char* label,
+                          const char* help) {
+      bool on = view.tool == which;
+      if (Toggle(context, name, label, on, help)) {
+        view.tool = on ? which : AnnotateTool::kSelect;
+        sink.Post(CancelProposalCommand{});
+      }
+      ImGui::SameLine();
+    };
+    tool(AnnotateTool::kSelect, "annotate.tool.select", "Select",
+         "A click selects an object (Esc comes back here).");
+    tool(AnnotateTool::kFloor, "annotate.tool.floor", "Floor",
+         "A click on the floor finds the whole floor, and with it where down is.");
+    if (!view.model.empty()) {
+      tool(AnnotateTool::kPlace, "annotate.tool.place", "Place",
+           "A click puts the chosen model there.");
+    }
+    float width = 0;
+    for (const LayerToggle& layer : kLayers) {
+      width += ToggleWidth(context, layer.label) + context.Scaled(3);
+    }
+    AlignRight(width);
+    for (const LayerToggle& layer : kLayers) {
+      Toggle(context, std::string("annotate.layer.") + layer.name, layer.label, view.*layer.layer,
+             layer.tooltip);
+      ImGui::SameLine();
+    }
+  }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    AnnotateView& view = *context.annotate;
+    if (context.annotate_scene == nullptr) {
+      return EmptyState(context, "No 3-D view", "This display has no OpenGL that VTK can use.");
+    }
+    AnnotateSurface& scene = *context.annotate_scene;
+    scene.SetContent({context.annotation, context.annotation_version, view.pending, view.candidate,
+                      view.scan, view.models, view.grid, view.cameras, context.light});
+    if (view.focus) scene.FocusOn(context.annotation->selected);
+    if (view.reset) scene.Reset();
+    view.focus = view.reset = false;
+    const ImVec2 low = ImGui::GetCursorScreenPos();
+    const ImVec2 size = ImGui::GetContentRegionAvail();
+    const int width = std::max(8, static_cast<int>(size.x)),
+              height = std::max(8, static_cast<int>(size.y));
+    const ImVec2 high(low.x + static_cast<float>(width), low.y + static_cast<float>(height));
+    ImGui::InvisibleButton("annotate.view", {static_cast<float>(width), static_cast<float>(height)},
+                           kAllButtons);
+    ImGui::SetItemAllowOverlap();
+    LogItem(context, "annotate.view");
+    const bool moving = MoveView(scene, low, false);
+    if (WasClicked()) Click(context, low, sink);
+    const ImTextureID texture = scene.Texture(width, height, moving);
+    ImGui::GetWindowDrawList()->AddImageRounded(texture, low, high, {0, 1}, {1, 0}, IM_COL32_WHITE,
+                                                context.Scaled(4));
+    DrawTriad(context, scene.camera().view_from_world, low, high);
+    DrawLabels(context, low, high);
+    DrawNotices(context, low, high, sink);
+  }
+
+ private:
+  static void Click(const FrameContext& context, ImVec2 low, CommandSink& sink) {
+    AnnotateView& view = *context.annotate;
+    AnnotateSurface& scene = *context.annotate_scene;
+    const ImVec2 mouse = ImGui::GetIO().MousePos;
+    const double x = mouse.x - low.x, y = mouse.y - low.y;
+    if (view.tool == AnnotateTool::kSelect) {
+      sink.Post(SelectInstanceCommand{scene.PickInstance(x, y)});
+      return;
+    }
+    const auto point = scene.PickScan(x, y);
+    if (!point) return;
+    const Eigen::Vector3d in_scan = context.annotation->level_from_scan.inverse() * *point;
+    if (view.tool == AnnotateTool::kFloor) {
+      sink.Post(FindFloorCommand{in_scan});
+    } else {
+      view.candidate = 0;
+      sink.Post(PlaceModelCommand{view.model, in_scan, scene.camera().azimuth_rad, view.on_floor});
+    }
+  }
+
+  /// What the next click does, over the picture.
+  static std::string Hint(const FrameContext& context) {
+    const AnnotateView& view = *context.annotate;
+    const AnnotationSnapshot& snapshot = *context.annotation;
+    if (snapshot.scan == nullptr) return snapshot.busy.empty() ? "" : snapshot.busy + " ...";
+    if (snapshot.placement && snapshot.placement->running) return "Trying 24 azimuths ...";
+    if (snapshot.placement) return "Choose a candidate: Enter takes it, Esc drops it.";
+    if (view.tool == AnnotateTool::kFloor) return "Click on the floor.";
+    if (view.tool == AnnotateTool::kPlace) {
+      return "Click where the " + view.model + " stands. Esc stops.";
+    }
+    return "";
+  }
+
+  static void DrawLabels(const FrameContext& context, ImVec2 low, ImVec2 high) {
+    PictureLabels labels(context, low, high);
+    const std::string grid = fmt::format("grid {:g} m", context.annotate_scene->grid_step_m());
+    const float margin = context.Scaled(6);
+    if (context.annotate->grid) {
+      labels.Add({{high.x - labels.SizeOf(grid).x - margin, high.y - margin}},
+                 colors::kOnPictureDim, grid);
+    }
+    const std::string hint = Hint(context);
+    if (hint.empty()) return;
+    labels.Add({{0.5f * (low.x + high.x - labels.SizeOf(hint).x), high.y - margin}},
+               colors::kOnPicture, hint);
+  }
+
+  static void DrawNotices(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink) {
+    const auto& notices = context.annotation->notices;
+    if (notices.empty()) return;
+    const float width = std::min(context.Scaled(560), high.x - low.x - context.Scaled(24));
+    ImGui::SetCursorScreenPos({0.5f * (low.x + high.x - width), low.y + context.Scaled(10)});
+    ImGui::PushStyleColor(ImGuiCol_ChildBg, colors::kSheet);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {context.Scaled(14), context.Scaled(10)});
+    float text = 0;
+    const float wrap = width - context.Scaled(28) - context.Scaled(52);
+    for (const std::string& notice : notices) {
+      text += ImGui::CalcTextSize(notice.c_str(), nullptr, false, wrap).y + context.Scaled(7);
+    }
+    ImGui::BeginChild("annotate.notices", {width, text + context.Scaled(16)}, true,
+                      ImGuiWindowFlags_NoScrollbar);
+    for (std::size_t i = 0; i < notices.size(); ++i) {
+      ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + wrap);
+      ImGui::TextUnformatted(notices[i].c_str());
+      ImGui::PopTextWrapPos();
+      if (i > 0) continue;
+      ImGui::SameLine(width - context.Scaled(62));
+      if (Button(context, "annotate.dismiss", "OK", "")) sink.Post(DismissNoticesCommand{});
+    }
+    ImGui::EndChild();
+    LogItem(context, "annotate.notices");
+    ImGui::PopStyleVar();
+    ImGui::PopStyleColor();
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeAnnotateScenePanel() { return std::make_unique<AnnotateScenePanel>(); }
+
+}  // namespace plumbline
