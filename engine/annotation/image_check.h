@@ -6,23 +6,10 @@
 #include <Eigen/Geometry>
 
 #include "engine/annotation/annotation_images.h"
+#include "engine/annotation/edge_search.h"
 #include "engine/annotation/outline_projection.h"
 
 namespace plumbline {
-
-struct EdgeAgreementOptions {
-  double search_px = 8;  ///< Along the normal, each way, in an image 640 wide (in proportion).
-  double sigma_px = 2;   ///< An edge at distance d counts exp(-d^2 / (2 sigma^2)); likewise.
-  double min_agreement = 0.9;         ///< |cos| between the line's normal and the edge's.
-  double certain_probability = 0.25;  ///< An edge of this probability or more counts in full.
-  double crease_weight = 0.5;         ///< Of a length of crease beside the same length of contour.
-};
-
-/// The image's edge that a sample of the outline meets.
-struct EdgeHit {
-  float offset_px = 0;  ///< From the sample along its normal.
-  float strength = 0;   ///< 0 .. 1, less the farther; 0: there is no edge in reach.
-};
 
 /// How a posed model lies in one image.
 struct ImageCheck {

@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Outlines and edge agreement of the true poses of a sequence: image_check_benchmark SEQUENCE
-// [PICTURES]. Prints, for each object, the agreement and the milliseconds that an image takes on
-// one core; with PICTURES, draws the outlines there.
+// How well the true poses of a sequence agree with its images, and what refinement by images makes
+// of poses that are off. Prints the milliseconds that an image takes on one core.
 #include <cstdio>
 #include <filesystem>
+#include <numbers>
 
+#include <CLI/CLI.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "engine/annotation/check_frames.h"
 #include "engine/annotation/image_check.h"
+#include "engine/annotation/image_refinement.h"
 #include "engine/annotation/outline_scene.h"
+#include "engine/base/random.h"
 #include "engine/base/timer.h"
 #include "engine/dataset/ground_truth.h"
+#include "engine/geometry/gravity.h"
 #include "engine/models/mesh_file.h"
 
 namespace plumbline {
@@ -43,8 +47,75 @@ void Draw(const AnnotationImage& image, const ImageCheck& check,
   cv::imwrite(file, picture);
 }
 
-Status Run(const std::filesystem::path& folder, const std::filesystem::path& pictures) {
-  const auto sequence = OpenSequence(folder);
+struct Arguments {
+  std::filesystem::path sequence, pictures;
+  std::string edges;
+  int frames = 12, trials = 0;
+  double shift_m = 0.05, turn_deg = 5;
+  std::uint64_t seed = 1;
+};
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+/// The errors of a pose: across up, along up [m] and about up [degrees].
+Eigen::Vector3d Errors(const Eigen::Isometry3d& truth, const Eigen::Isometry3d& pose,
+                       const Eigen::Vector3d& center, const UprightFrame& upright) {
+  const Eigen::Vector3d up = upright.up_in_world(), off = pose * center - truth * center;
+  const double height = up.dot(off);
+  return {(off - height * up).norm(), height,
+          kDegrees * WrapAngle(upright.Azimuth(pose.linear()) - upright.Azimuth(truth.linear()))};
+}
+
+/// Refines from the truth itself and from places around it.
+Status Refine(const Arguments& arguments, const AnnotationImages& images, const OutlineModel& model,
+              const AnnotatedInstance& instance, const Occluders& occluders,
+              const UprightFrame& upright) {
+  const Eigen::Vector3d up = upright.up_in_world(), center = model.center().cast<double>();
+  for (int trial = 0; trial <= arguments.trials; ++trial) {
+    Random random({arguments.seed, static_cast<std::uint32_t>(trial)});
+    const double amount = trial == 0 ? 0 : 1, heading = 2 * std::numbers::pi * random.Uniform();
+    const Eigen::Matrix3d frame = upright.upright_rotation();
+    const Eigen::Vector3d shift =
+        amount * arguments.shift_m *
+        (std::cos(heading) * frame.col(0) + std::sin(heading) * frame.col(1) +
+         0.5 * (2 * random.Uniform() - 1) * up);
+    const double turn = amount * arguments.turn_deg / kDegrees * (random.Uniform() < 0.5 ? -1 : 1);
+    Eigen::Isometry3d start = instance.scan_from_object;
+    start.linear() = Eigen::AngleAxisd(turn, up) * start.linear();
+    start.translation() = instance.scan_from_object * center + shift - start.linear() * center;
+    Stopwatch watch;
+    const auto refined = RefineByImages(images, model, start, up, occluders);
+    if (!refined) {
+      std::printf("    %s\n", refined.error().message.c_str());
+      return {};
+    }
+    const Eigen::Vector3d error =
+        Errors(instance.scan_from_object, refined->scan_from_object, center, upright);
+    // The covariance is of the origin; the middle swings with the turn.
+    Eigen::Matrix<double, 3, 6> middle;
+    const Eigen::Vector3d lever = refined->scan_from_object.linear() * center;
+    middle << Eigen::Matrix3d::Identity(), (Eigen::Matrix3d() << 0, lever.z(), -lever.y(),
+                                            -lever.z(), 0, lever.x(), lever.y(), -lever.x(), 0)
+                                               .finished();
+    const Eigen::Matrix3d at = middle * refined->covariance * middle.transpose();
+    const double height_var = up.dot(at * up);
+    std::printf(
+        "    %-5s %5.1f mm %5.1f mm %6.2f deg  sigma %4.1f %4.1f mm %4.2f deg  agreement "
+        "%.3f -> %.3f  %s, start %d, %d images, %.2f s\n",
+        trial == 0 ? "truth" : "off", 1e3 * error[0], 1e3 * error[1], error[2],
+        1e3 * std::sqrt(at.trace() - height_var), 1e3 * std::sqrt(height_var),
+        kDegrees * std::sqrt(up.dot(refined->covariance.bottomRightCorner<3, 3>() * up)),
+        refined->agreement_before, refined->agreement_after,
+        refined->stop == RefinementStop::kConverged ? "converged"
+        : refined->stop == RefinementStop::kMoving  ? "moving"
+                                                    : "no better",
+        refined->start, refined->images, watch.Lap() / 1e3);
+  }
+  return {};
+}
+
+Status Run(const Arguments& arguments) {
+  const auto sequence = OpenSequence(arguments.sequence);
   if (!sequence) return sequence.error();
   const auto truth = ReadGroundTruth(*(*sequence)->ground_truth_file());
   if (!truth) return truth.error();
@@ -67,8 +138,10 @@ Status Run(const std::filesystem::path& folder, const std::filesystem::path& pic
     if (!model) return model.error();
     const Occluders occluders = scene.OccludersOf(document, instance.id);
     watch.Lap();
-    const auto frames =
-        ChooseCheckFrames(**sequence, document, **model, instance.scan_from_object, occluders);
+    CheckFrameOptions choice;
+    choice.frames = arguments.frames;
+    const auto frames = ChooseCheckFrames(**sequence, document, **model, instance.scan_from_object,
+                                          occluders, choice);
     const double choose_ms = watch.Lap();
     if (!frames) return frames.error();
     std::vector<int> indices;
@@ -77,7 +150,7 @@ Status Run(const std::filesystem::path& folder, const std::filesystem::path& pic
       std::printf("%-16s no frame shows it\n", instance.id.c_str());
       continue;
     }
-    const auto images = AnnotationImages::Load(*sequence, document, indices, "");
+    const auto images = AnnotationImages::Load(*sequence, document, indices, arguments.edges);
     if (!images) return images.error();
     const double load_ms = watch.Lap();
     std::vector<ImageCheck> checks;
@@ -91,6 +164,12 @@ Status Run(const std::filesystem::path& folder, const std::filesystem::path& pic
         "loaded in %.0f ms\n",
         instance.id.c_str(), MeanAgreement(checks), check_ms, (*model)->edges().size(),
         frames->size(), choose_ms, load_ms);
+    if (arguments.trials > 0) {
+      const Status refined = Refine(arguments, **images, **model, instance, occluders,
+                                    UprightFrame(document.gravity_in_scan));
+      if (!refined.ok()) return refined;
+      continue;
+    }
     for (std::size_t i = 0; i < checks.size(); ++i) {
       const CheckFrame& frame = (*frames)[i];
       std::printf(
@@ -98,9 +177,9 @@ Status Run(const std::filesystem::path& folder, const std::filesystem::path& pic
           "px  %zu samples\n",
           frame.frame, 100 * frame.visible, frame.distance_m, 57.2958 * frame.bearing_rad,
           checks[i].agreement, checks[i].median_offset_px, checks[i].hits.size());
-      if (!pictures.empty()) {
+      if (!arguments.pictures.empty()) {
         Draw((*images)->images()[i], checks[i],
-             pictures / (instance.id + "_" + std::to_string(frame.frame) + ".png"));
+             arguments.pictures / (instance.id + "_" + std::to_string(frame.frame) + ".png"));
       }
     }
   }
@@ -111,11 +190,18 @@ Status Run(const std::filesystem::path& folder, const std::filesystem::path& pic
 }  // namespace plumbline
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "image_check_benchmark SEQUENCE [PICTURES]\n");
-    return 2;
-  }
-  const plumbline::Status status = plumbline::Run(argv[1], argc > 2 ? argv[2] : "");
+  CLI::App app("Image agreement and refinement by images on a sequence with ground truth");
+  plumbline::Arguments arguments;
+  app.add_option("sequence", arguments.sequence, "In Plumbline's own layout")->required();
+  app.add_option("--pictures", arguments.pictures, "Folder to draw outlines into");
+  app.add_option("--edges", arguments.edges, "dataset, gradient or a FILE.onnx");
+  app.add_option("--frames", arguments.frames, "Key frames of each object");
+  app.add_option("--trials", arguments.trials, "Refine from so many poses that are off");
+  app.add_option("--shift", arguments.shift_m, "By how much [m]");
+  app.add_option("--turn", arguments.turn_deg, "By how much [degrees]");
+  app.add_option("--seed", arguments.seed);
+  CLI11_PARSE(app, argc, argv);
+  const plumbline::Status status = plumbline::Run(arguments);
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.error().message.c_str());
   return status.ok() ? 0 : 1;
 }
