@@ -91,9 +91,11 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   timeline_ = MakeTimelinePanel();
   why_ = MakeWhyPanel();
   particle_table_ = MakeParticleTablePanel();
+  posterior_ = MakePosteriorPanel();
   flow_ = MakeFlowPanel();
-  for (const auto* panel : {&image_, &edges_, &depth_, &masks_, &particles_, &map_, &objects_,
-                            &details_, &timings_, &timeline_, &why_, &particle_table_, &flow_}) {
+  for (const auto* panel :
+       {&image_, &edges_, &depth_, &masks_, &particles_, &map_, &objects_, &details_, &timings_,
+        &timeline_, &why_, &particle_table_, &posterior_, &flow_}) {
     panels_.push_back(panel->get());
   }
   context_.playback = std::make_shared<const PlaybackView>();
@@ -171,6 +173,7 @@ void Application::Send(Command command) {
     return;
   }
   if (const auto* playback = std::get_if<PlaybackCommand>(&command)) {
+    if (const auto* probe = std::get_if<ProbeCommand>(playback)) asked_ = *probe;
     if (process_ != nullptr) process_->Post(*playback);
   } else if (const auto* window = std::get_if<WindowCommand>(&command)) {
     Handle(*window);
@@ -187,8 +190,11 @@ void Application::Handle(const WindowCommand& command) {
         } else if constexpr (std::is_same_v<T, SelectParticleCommand>) {
           context_.selection.particle = c.particle;
           context_.selection.hypothesis = c.particle >= 0 ? kParticleHypothesis : 0;
-          if (c.particle >= 0 && process_ != nullptr)
-            process_->Post(ProbeCommand{context_.selection.object, c.particle});
+          if (c.particle >= 0)
+            Send(PlaybackCommand(ProbeCommand{context_.selection.object, c.particle,
+                                              asked_.reference, asked_.maps}));
+        } else if constexpr (std::is_same_v<T, HoverParticleCommand>) {
+          HoverParticle(c.particle);
         } else if constexpr (std::is_same_v<T, FollowCommand>) {
           context_.follow = c.follow;
         } else if constexpr (std::is_same_v<T, FocusSelectionCommand>) {
@@ -234,6 +240,25 @@ void Application::Handle(const WindowCommand& command) {
         }
       },
       command);
+}
+
+/// Asks for its outline, one question at a time.
+void Application::HoverParticle(int particle) {
+  hovered_now_ = particle;
+  const ProbeView* known = context_.probe.get();
+  const bool answered = known == nullptr || known->hovered == asked_.hovered ||
+                        known->object != asked_.object || !known->message.empty();
+  const bool shown = known != nullptr && known->hovered == particle &&
+                     known->object == context_.selection.object && context_.snapshot != nullptr &&
+                     known->frame == context_.snapshot->report.frame;
+  if (particle < 0 || shown || !answered || asked_.reference || process_ == nullptr ||
+      context_.playback->state == PlaybackState::kPlaying)
+    return;
+  ProbeCommand ask = asked_;
+  ask.object = context_.selection.object;
+  ask.particle = context_.selection.particle;
+  ask.hovered = particle;
+  Send(PlaybackCommand(ask));
 }
 
 void Application::KeepBookmarks() {
@@ -319,6 +344,7 @@ void Application::DrawFrame(cv::Mat* picture) {
     script_status_ = script_->SetInput(widgets_, ImGui::GetIO(), script_host_);
   ImGui::NewFrame();
   widgets_.Clear();
+  context_.selection.hovered = std::exchange(hovered_now_, -1);
   context_.ask_frame = std::exchange(wanted_ask_frame_, false);
   DrawWindow();
   ImGui::Render();
@@ -390,7 +416,8 @@ void Application::DrawPanels(const InspectLayout& layout) {
   DrawPanel(context_, layout.particles, *particles_, *this);
   DrawPanel(context_, layout.scene, *map_, *this);
   DrawPanel(context_, layout.objects, *objects_, *this);
-  Panel* const about_object[] = {details_.get(), why_.get(), particle_table_.get()};
+  Panel* const about_object[] = {details_.get(), why_.get(), posterior_.get(),
+                                 particle_table_.get()};
   LayoutRect details = layout.details;
   const bool wide = details_tab_ > 0;
   if (wide) details.high = layout.timings.high;  // it needs the room
@@ -456,6 +483,8 @@ nlohmann::json Application::State() const {
       {"objects", context_.snapshot != nullptr ? context_.snapshot->report.objects.size() : 0},
       {"selected_object", context_.selection.object.value},
       {"selected_particle", context_.selection.particle},
+      {"hovered_particle", context_.selection.hovered},
+      {"outlined_particle", context_.probe != nullptr ? context_.probe->hovered : -1},
       {"selected_hypothesis", context_.selection.hypothesis},
       {"probe_frame", context_.probe != nullptr ? context_.probe->frame : -1},
       {"verdict", context_.probe != nullptr ? context_.probe->verdict : ""},

@@ -81,6 +81,7 @@ class Application : private CommandSink {
   /// The panels of options_.layout.
   void DrawFigure(ImVec2 size);
   void Remember(const std::string& path);
+  void HoverParticle(int particle);
   void KeepBookmarks();
   void SetUiScale(double scale);
   void LoadSettings();
@@ -101,13 +102,15 @@ class Application : private CommandSink {
   LayoutRatios ratios_;
   FrameContext context_;
   std::unique_ptr<Panel> image_, edges_, depth_, masks_, particles_, map_, objects_, details_,
-      timings_, timeline_, why_, particle_table_, flow_;
+      timings_, timeline_, why_, particle_table_, posterior_, flow_;
   std::size_t details_tab_ = 0;
   std::vector<Panel*> panels_;
   std::optional<UiScript> script_;
   UiScript::Host script_host_;
   Status script_status_;
 
+  ProbeCommand asked_;       ///< The last question about an object.
+  int hovered_now_ = -1;     ///< The particle that a panel of this frame saw under the mouse.
   bool auto_select_ = true;  ///< Until the user selects: an object that is in view.
   bool show_help_ = false;
   PaletteState palette_;

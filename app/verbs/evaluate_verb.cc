@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <numbers>
 #include <optional>
 
 #include "app/verbs/verb.h"
+#include "engine/base/log.h"
 #include "engine/evaluation/map_evaluation.h"
 #include "engine/models/mesh_file.h"
+#include "engine/process/run_review.h"
 #include "engine/recording/run_summary.h"
+#include "engine/snapshot/calibration.h"
 
 namespace plumbline {
 namespace {
@@ -97,6 +101,46 @@ void PrintTable(const MapEvaluation& evaluation, const EvaluateArguments& argume
               Number("%.2f", degrees(evaluation.mean_all.rotation_rad)).c_str(), "4.7 - 9.1 VISMA");
 }
 
+nlohmann::json CalibrationToJson(const Calibration& c) {
+  nlohmann::json bins = nlohmann::json::array();
+  for (const Calibration::Bin& bin : c.bins) {
+    if (bin.labels > 0)
+      bins.push_back({{"above", bin.above},
+                      {"count", bin.labels},
+                      {"believed", bin.claimed / bin.labels},
+                      {"right", static_cast<double>(bin.right) / bin.labels}});
+  }
+  const double poses = std::max(1, c.poses);
+  return {{"poses", c.poses},
+          {"truth_in_50_percent", c.within_50 / poses},
+          {"truth_in_95_percent", c.within_95 / poses},
+          {"label_bins", bins}};
+}
+
+/// Whether the beliefs along the run were honest; nothing where the input is no run file, its
+/// frame is not that of the truth, or the models are not those of the run.
+std::optional<Calibration> Honesty(const EvaluateArguments& arguments) {
+  if (std::filesystem::path(arguments.run).extension() != ".plb" || arguments.align != "none")
+    return std::nullopt;
+  const Result<RunReview> review =
+      ReviewRun({arguments.run, {}, arguments.models}, arguments.ground_truth, WorkContext());
+  if (!review) {
+    log::warn("the beliefs along the run are not judged: {}", review.error().message);
+    return std::nullopt;
+  }
+  return CalibrationOf(review->history);
+}
+
+void PrintHonesty(const Calibration& c) {
+  if (c.poses == 0) return;
+  std::printf("\nbeliefs along the run (%d poses of confirmed objects)\n", c.poses);
+  std::printf("%-34s %5.1f %%\n", "truth in the 50 % region", 100.0 * c.within_50 / c.poses);
+  std::printf("%-34s %5.1f %%\n", "truth in the 95 % region", 100.0 * c.within_95 / c.poses);
+  if (c.labels() == 0) return;
+  std::printf("%-34s %5.1f %%, believed at %.1f %%\n", "most likely shape is the true one",
+              100.0 * c.right() / c.labels(), 100 * c.claimed());
+}
+
 Status Evaluate(EvaluateArguments arguments) {
   arguments.options.align = ValueOf<Alignment>(arguments.align);
   arguments.options.truth = ValueOf<TruthSurface>(arguments.truth);
@@ -120,9 +164,15 @@ Status Evaluate(EvaluateArguments arguments) {
   const Result<MapEvaluation> evaluation =
       EvaluateMap(*estimates, *truth, **database, scan ? &*scan : nullptr, arguments.options);
   if (!evaluation) return evaluation.error();
-  if (arguments.json != "-") PrintTable(*evaluation, arguments);
+  const std::optional<Calibration> honesty = Honesty(arguments);
+  if (arguments.json != "-") {
+    PrintTable(*evaluation, arguments);
+    if (honesty) PrintHonesty(*honesty);
+  }
   if (arguments.json.empty()) return {};
-  return WriteJsonResult(arguments.json, EvaluationToJson(*evaluation, arguments.options));
+  nlohmann::json json = EvaluationToJson(*evaluation, arguments.options);
+  if (honesty) json["posterior"] = CalibrationToJson(*honesty);
+  return WriteJsonResult(arguments.json, json);
 }
 
 }  // namespace

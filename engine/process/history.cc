@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/geometry/gravity.h"
+#include "engine/snapshot/calibration.h"
 
 namespace plumbline {
 namespace {
@@ -26,7 +27,19 @@ const ModelView* ModelByName(const SequenceView& view, const std::string& name) 
 double AzimuthError(const ModelView& model, double azimuth_rad) {
   if (model.any_azimuth) return 0;
   const double period = 2 * std::numbers::pi / std::max(1, model.symmetry_order);
-  return std::abs(std::remainder(azimuth_rad, period));
+  return std::remainder(azimuth_rad, period);
+}
+
+/// Where the truth lies in the object's belief; the belief is about the centres of the models.
+float LevelOf(const ObjectReport& object, const SequenceView& view,
+              const SequenceView::Truth& truth, const ModelView& true_model, double turned) {
+  const auto label = static_cast<std::size_t>(object.label.value);
+  const Eigen::Vector3d center =
+      label < view.models.size() ? view.models[label].center : true_model.center;
+  Eigen::Vector4d offset;
+  offset << truth.world_from_object * true_model.center - object.world_from_object * center,
+      -turned;
+  return static_cast<float>(CredibleLevel(offset, object.covariance, true_model.any_azimuth));
 }
 
 }  // namespace
@@ -45,9 +58,10 @@ std::optional<TruthError> ErrorOf(const ObjectReport& object, const SequenceView
     const double turned = upright.Azimuth(object.world_from_object.linear()) -
                           upright.Azimuth(truth.world_from_object.linear());
     const auto label = static_cast<std::size_t>(object.label.value);
+    const double azimuth = AzimuthError(*model, turned);
     nearest = TruthError{truth.id, label < view.models.size() && &view.models[label] == model,
-                         static_cast<float>(distance_m),
-                         static_cast<float>(AzimuthError(*model, turned))};
+                         static_cast<float>(distance_m), static_cast<float>(std::abs(azimuth)),
+                         LevelOf(object, view, truth, *model, azimuth)};
   }
   return nearest;
 }

@@ -9,11 +9,12 @@
 
 #include "engine/base/files.h"
 #include "engine/base/log.h"
+#include "engine/process/frame_pictures.h"
 
 namespace plumbline {
 namespace {
 
-constexpr int kSliceSteps = 61;
+constexpr int kSliceSteps = 61, kMapSteps = 41;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kFarthestTruth_m = 1.5;
 constexpr double kSpurious_m = 0.5;  ///< Further off than evaluation pairs estimates with truth.
@@ -67,6 +68,25 @@ struct HypothesisProbe::Frame {
   double AzimuthFromTruth(double azimuth_rad) const {
     return AzimuthDifference(map.database->model(truth_hypothesis.label), azimuth_rad,
                              truth_hypothesis.azimuth_rad);
+  }
+};
+
+/// A parameter that is swept about the mean.
+struct HypothesisProbe::Axis {
+  const char* name;
+  const char* unit;
+  double reach;     ///< In m or rad.
+  double per_unit;  ///< `unit` per m or rad.
+  Eigen::Vector3d direction;
+  std::optional<float> truth;  ///< Offset of the true place, in `unit`.
+
+  bool turns() const { return direction.isZero(); }
+  double Offset(int step, int steps) const { return reach * (2.0 * step / (steps - 1) - 1); }
+  void Move(double offset, PoseHypothesis& pose) const {
+    if (turns())
+      pose.azimuth_rad += offset;
+    else
+      pose.center_in_world += offset * direction;
   }
 };
 
@@ -156,7 +176,13 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
   const HypothesisScorer* reference = request.reference ? reference_.get() : nullptr;
   AddHypotheses(frame, sequence, request, view);
   ScoreHypotheses(frame, reference, edges, view);
+  AddOutlines(frame, request.hovered, view);
   AddSlices(frame, reference, view);
+  if (request.maps) {
+    const std::vector<Axis> axes = Axes(frame, view);
+    AddMap(frame, axes[0], axes[2], view);
+    AddMap(frame, axes[3], axes[2], view);
+  }
   return view;
 }
 
@@ -291,31 +317,53 @@ void HypothesisProbe::ScoreHypotheses(const Frame& frame, const HypothesisScorer
   }
 }
 
-void HypothesisProbe::AddSlices(const Frame& frame, const HypothesisScorer* reference,
-                                ProbeView& view) const {
-  struct Axis {
-    const char* name;
-    const char* unit;
-    double reach;     ///< In m or rad.
-    double per_unit;  ///< `unit` per m or rad.
-    Eigen::Vector3d direction;
+void HypothesisProbe::AddOutlines(const Frame& frame, int hovered, ProbeView& view) {
+  const cv::Size size(camera_.width, camera_.height);
+  const auto outline = [&](const PoseHypothesis& pose) {
+    const PlacedModel placed[] = {{frame.object->id, pose.label, frame.map.WorldFromObject(pose)}};
+    const RenderedMaps maps = renderer_->Render(camera_, frame.view.cam_from_world, placed);
+    std::vector<OutlineView> outlines = OutlinesOf(maps.id, size);
+    return outlines.empty() ? std::vector<std::vector<Eigen::Vector2f>>()
+                            : std::move(outlines.front().contours);
   };
+  for (ProbedHypothesis& h : view.hypotheses)
+    h.outline = outline({h.label, h.azimuth_rad, h.center_in_world});
+  if (hovered < 0 || hovered >= static_cast<int>(frame.particles.size())) return;
+  view.hovered = hovered;
+  view.hovered_outline = outline(frame.particles[static_cast<std::size_t>(hovered)]);
+}
+
+std::vector<HypothesisProbe::Axis> HypothesisProbe::Axes(const Frame& frame,
+                                                         const ProbeView& view) {
   const Eigen::Isometry3d& world_from_cam = frame.object->world_from_reference_cam;
   const ProbedHypothesis& mean = view.hypotheses.front();
   const Eigen::Vector3d ray = (mean.center_in_world - world_from_cam.translation()).normalized();
-  const Axis axes[] = {{"sideways", "cm", 0.3, 100, world_from_cam.linear().col(0)},
-                       {"down", "cm", 0.3, 100, world_from_cam.linear().col(1)},
-                       {"distance", "cm", 0.5, 100, ray},
-                       {"azimuth", "\u00b0", std::numbers::pi, 1 / kDegree, {0, 0, 0}}};
-  for (const Axis& axis : axes) {
-    const bool turns = axis.direction.isZero();
-    LikelihoodSlice slice{axis.name, axis.unit, {}, {}, {}, {}, {}, {}};
+  std::vector<Axis> axes = {{"sideways", "cm", 0.3, 100, world_from_cam.linear().col(0)},
+                            {"down", "cm", 0.3, 100, world_from_cam.linear().col(1)},
+                            {"distance", "cm", 0.5, 100, ray},
+                            {"azimuth", "\u00b0", std::numbers::pi, 1 / kDegree, {0, 0, 0}}};
+  if (frame.truth == nullptr) return axes;
+  for (Axis& axis : axes) {
+    const double offset =
+        axis.turns()
+            ? -frame.AzimuthFromTruth(mean.azimuth_rad)
+            : (frame.truth_hypothesis.center_in_world - mean.center_in_world).dot(axis.direction);
+    axis.truth = static_cast<float>(offset * axis.per_unit);
+  }
+  return axes;
+}
+
+void HypothesisProbe::AddSlices(const Frame& frame, const HypothesisScorer* reference,
+                                ProbeView& view) const {
+  const ProbedHypothesis& mean = view.hypotheses.front();
+  for (const Axis& axis : Axes(frame, view)) {
+    LikelihoodSlice slice{axis.name, axis.unit, {}, {}, {}, {}, {}, axis.truth};
     std::vector<PoseHypothesis> poses;
     for (int i = 0; i < kSliceSteps; ++i) {
-      const double offset = axis.reach * (2.0 * i / (kSliceSteps - 1) - 1);
+      const double offset = axis.Offset(i, kSliceSteps);
       slice.offsets.push_back(static_cast<float>(offset * axis.per_unit));
-      poses.push_back({mean.label, mean.azimuth_rad + (turns ? offset : 0),
-                       mean.center_in_world + offset * axis.direction});
+      poses.push_back({mean.label, mean.azimuth_rad, mean.center_in_world});
+      axis.Move(offset, poses.back());
     }
     for (const Likelihood& likelihood : Score(frame, *scorer_, poses)) {
       slice.phi_cnn.push_back(likelihood.phi_cnn);
@@ -327,15 +375,32 @@ void HypothesisProbe::AddSlices(const Frame& frame, const HypothesisScorer* refe
       for (const Likelihood& likelihood : Score(frame, *reference, poses))
         slice.phi_edge_rendered.push_back(likelihood.phi_edge);
     }
-    if (frame.truth != nullptr) {
-      const double offset =
-          turns
-              ? -frame.AzimuthFromTruth(mean.azimuth_rad)
-              : (frame.truth_hypothesis.center_in_world - mean.center_in_world).dot(axis.direction);
-      slice.truth = static_cast<float>(offset * axis.per_unit);
-    }
     view.slices.push_back(std::move(slice));
   }
+}
+
+void HypothesisProbe::AddMap(const Frame& frame, const Axis& x, const Axis& y,
+                             ProbeView& view) const {
+  const ProbedHypothesis& mean = view.hypotheses.front();
+  LikelihoodMap map{x.name, x.unit, y.name, y.unit, {}, {}, {}, {}, {}, {}};
+  std::vector<PoseHypothesis> poses;
+  for (int row = 0; row < kMapSteps; ++row) {
+    map.x_offsets.push_back(static_cast<float>(x.Offset(row, kMapSteps) * x.per_unit));
+    map.y_offsets.push_back(static_cast<float>(y.Offset(row, kMapSteps) * y.per_unit));
+    for (int column = 0; column < kMapSteps; ++column) {
+      poses.push_back({mean.label, mean.azimuth_rad, mean.center_in_world});
+      x.Move(x.Offset(column, kMapSteps), poses.back());
+      y.Move(y.Offset(row, kMapSteps), poses.back());
+    }
+  }
+  for (const Likelihood& likelihood : Score(frame, *scorer_, poses)) {
+    map.phi_cnn.push_back(likelihood.phi_cnn);
+    map.phi_edge.push_back(likelihood.phi_edge);
+    map.score.push_back(
+        static_cast<float>(view.alpha * likelihood.phi_cnn + view.beta * likelihood.phi_edge));
+  }
+  if (x.truth && y.truth) map.truth = Eigen::Vector2f(*x.truth, *y.truth);
+  view.maps.push_back(std::move(map));
 }
 
 std::vector<ContourSample> HypothesisProbe::Samples(const Frame& frame,

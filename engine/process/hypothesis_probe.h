@@ -41,7 +41,11 @@ class HypothesisProbe {
                      ProbeView& view) const;
   void ScoreHypotheses(const Frame& frame, const HypothesisScorer* reference, const EdgeMap& edges,
                        ProbeView& view) const;
+  void AddOutlines(const Frame& frame, int hovered, ProbeView& view);
+  struct Axis;
+  static std::vector<Axis> Axes(const Frame& frame, const ProbeView& view);
   void AddSlices(const Frame& frame, const HypothesisScorer* reference, ProbeView& view) const;
+  void AddMap(const Frame& frame, const Axis& x, const Axis& y, ProbeView& view) const;
   std::vector<ContourSample> Samples(const Frame& frame, const PoseHypothesis& hypothesis,
                                      const EdgeMap& edges) const;
 

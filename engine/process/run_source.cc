@@ -129,15 +129,8 @@ struct Inputs {
 
 Result<Inputs> OpenInputs(const RunChoice& choice, const RunHeader& header,
                           const WorkContext& work) {
-  const std::filesystem::path models =
-      choice.models.empty() ? std::filesystem::path(header.models_path) : choice.models;
-  auto database = ModelDatabase::Load(models);
-  if (!database.ok())
-    return Error{database.error().code,
-                 database.error().message + "; --models names another folder"};
-  if (Status status = CheckModels(header, **database, choice.run); !status.ok())
-    return status.error();
-
+  auto database = LoadModelsOfRun(choice, header);
+  if (!database.ok()) return database.error();
   const std::filesystem::path path =
       choice.sequence.empty() ? std::filesystem::path(header.sequence_path) : choice.sequence;
   auto sequence = OpenSequence(path);
@@ -157,6 +150,19 @@ Result<Inputs> OpenInputs(const RunChoice& choice, const RunHeader& header,
 }
 
 }  // namespace
+
+Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& choice,
+                                                             const RunHeader& header) {
+  const std::filesystem::path models =
+      choice.models.empty() ? std::filesystem::path(header.models_path) : choice.models;
+  auto database = ModelDatabase::Load(models);
+  if (!database.ok())
+    return Error{database.error().code,
+                 database.error().message + "; --models names another folder"};
+  if (Status status = CheckModels(header, **database, choice.run); !status.ok())
+    return status.error();
+  return database;
+}
 
 Result<std::unique_ptr<SnapshotSource>> OpenRunSource(const RunChoice& choice,
                                                       const WorkContext& work) {

@@ -5,7 +5,9 @@
 #include <memory>
 
 #include "engine/base/progress.h"
+#include "engine/models/model_database.h"
 #include "engine/process/snapshot_source.h"
+#include "engine/recording/run_header.h"
 
 namespace plumbline {
 
@@ -13,6 +15,11 @@ struct RunChoice {
   std::filesystem::path run;
   std::filesystem::path sequence, models;  ///< Empty: where the run says that they are.
 };
+
+/// The models that the run was made with. Errors: kNotFound; kInvalidInput where the folder holds
+/// other models than the run names.
+Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& choice,
+                                                             const RunHeader& header);
 
 /// Gives the frames of a run file; images and maps are computed again from the sequence and the
 /// models that the run was made from. Without the sequence its thumbnails stand in for the images.

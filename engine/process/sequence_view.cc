@@ -54,8 +54,7 @@ SequenceView ViewOf(const PinholeCamera& camera, double rate_hz, const ModelData
 
 }  // namespace
 
-SequenceView MakeSequenceView(const Sequence& sequence, const ModelDatabase& database,
-                              const WorkContext& work) {
+SequenceView MakeViewWithoutScan(const Sequence& sequence, const ModelDatabase& database) {
   SequenceView view = ViewOf(sequence.camera(), sequence.rate_hz(), database);
   view.name = NameOf(sequence.path());
   view.path = sequence.path().string();
@@ -66,6 +65,12 @@ SequenceView MakeSequenceView(const Sequence& sequence, const ModelDatabase& dat
     if (const auto pose = sequence.world_from_cam(i)) view.world_from_cam.push_back(*pose);
   }
   if (const auto file = sequence.ground_truth_file()) AddTruth(*file, view);
+  return view;
+}
+
+SequenceView MakeSequenceView(const Sequence& sequence, const ModelDatabase& database,
+                              const WorkContext& work) {
+  SequenceView view = MakeViewWithoutScan(sequence, database);
   if (const auto file = sequence.scene_file()) {
     work.report({"Reading the scan"});
     AddScan(*file, view);

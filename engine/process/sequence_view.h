@@ -14,6 +14,9 @@ namespace plumbline {
 SequenceView MakeSequenceView(const Sequence& sequence, const ModelDatabase& database,
                               const WorkContext& work);
 
+/// The same, leaving the scan out.
+SequenceView MakeViewWithoutScan(const Sequence& sequence, const ModelDatabase& database);
+
 /// The same of a run whose sequence is gone: no path, no scan, no truth.
 SequenceView ViewWithoutSequence(const RunHeader& header, const ModelDatabase& database);
 

@@ -52,6 +52,8 @@ struct ProbeCommand {
   ObjectId object;
   int particle = -1;       ///< Also this one; -1: none.
   bool reference = false;  ///< Also by the reference scorer, which takes longer.
+  bool maps = false;       ///< Also the score over two parameters at once.
+  int hovered = -1;        ///< Also the outline of this particle.
 };
 
 /// For the process that plays and maps.
@@ -65,6 +67,10 @@ struct SelectObjectCommand {
 };
 /// Index into the particles of the selected object; -1 clears.
 struct SelectParticleCommand {
+  int particle = -1;
+};
+/// The particle of the selected object under the mouse, while it is; its outline is drawn.
+struct HoverParticleCommand {
   int particle = -1;
 };
 /// The 3-D view moves with the camera of the sequence.
@@ -126,11 +132,11 @@ struct QuitCommand {};
 
 /// For the window itself.
 using WindowCommand =
-    std::variant<SelectObjectCommand, SelectParticleCommand, FollowCommand, FocusSelectionCommand,
-                 ResetViewCommand, ViewDirectionCommand, LookThroughCommand, SetThemeCommand,
-                 ShowPaletteCommand, BookmarkCommand, RemoveBookmarkCommand, AskFrameCommand,
-                 SelectHypothesisCommand, ScreenshotCommand, ShowHelpCommand, SetUiScaleCommand,
-                 OpenCommand, SwitchWorkspaceCommand, QuitCommand>;
+    std::variant<SelectObjectCommand, SelectParticleCommand, HoverParticleCommand, FollowCommand,
+                 FocusSelectionCommand, ResetViewCommand, ViewDirectionCommand, LookThroughCommand,
+                 SetThemeCommand, ShowPaletteCommand, BookmarkCommand, RemoveBookmarkCommand,
+                 AskFrameCommand, SelectHypothesisCommand, ScreenshotCommand, ShowHelpCommand,
+                 SetUiScaleCommand, OpenCommand, SwitchWorkspaceCommand, QuitCommand>;
 
 using Command = std::variant<PlaybackCommand, WindowCommand, AnnotationCommand>;
 

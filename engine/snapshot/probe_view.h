@@ -40,6 +40,7 @@ struct ProbedHypothesis {
   Box2 whole_box, visible_box;
   std::optional<float> from_truth_m, from_truth_rad;  ///< Of centre and azimuth.
   std::vector<ContourSample> samples;
+  std::vector<std::vector<Eigen::Vector2f>> outline;  ///< Of its whole projection [px], closed.
 };
 
 /// The score along one parameter, the others as in the mean.
@@ -51,6 +52,14 @@ struct LikelihoodSlice {
   std::optional<float> truth;            ///< Offset of the true place.
 };
 
+/// The score over two parameters at once, the others as in the mean. Values row by row, `y` rising.
+struct LikelihoodMap {
+  std::string x_parameter, x_unit, y_parameter, y_unit;
+  std::vector<float> x_offsets, y_offsets;  ///< From the mean.
+  std::vector<float> phi_cnn, phi_edge, score;
+  std::optional<Eigen::Vector2f> truth;  ///< Offset of the true place.
+};
+
 struct ProbeView {
   int frame = -1;
   ObjectId object;
@@ -60,7 +69,10 @@ struct ProbeView {
   std::string message;                       ///< Why there is nothing; "" else.
   std::string verdict;                       ///< In words: search, likelihood, or neither.
   std::vector<ProbedHypothesis> hypotheses;  ///< The first is the mean.
+  int hovered = -1;  ///< The particle under the mouse, if one was asked for.
+  std::vector<std::vector<Eigen::Vector2f>> hovered_outline;
   std::vector<LikelihoodSlice> slices;
+  std::vector<LikelihoodMap> maps;  ///< Only where they were asked for.
   float nearest_particle_m =
       -1;  ///< Of the particles' centres from the true one; < 0 without truth.
 };

@@ -22,6 +22,8 @@ struct TruthError {
   bool model_correct = false;  ///< The most likely shape is the true one.
   float translation_m = 0;     ///< Between origins.
   float azimuth_rad = 0;       ///< Modulo the shape's symmetry, >= 0; 0 for a round one.
+  float credible_level =
+      0;  ///< Share of the belief that is likelier than the truth (calibration.h).
 };
 
 /// An object in one frame.

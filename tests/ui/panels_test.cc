@@ -24,6 +24,7 @@ std::vector<std::unique_ptr<Panel>> AllPanels() {
   panels.push_back(MakeFlowPanel());
   panels.push_back(MakeWhyPanel());
   panels.push_back(MakeParticleTablePanel());
+  panels.push_back(MakePosteriorPanel());
   panels.push_back(MakeTimingsPanel());
   panels.push_back(MakeTimelinePanel());
   return panels;
@@ -247,6 +248,59 @@ TEST(WhyPanel, AsksOnceAndSelectsAHypothesis) {
   ASSERT_NE(harness.sink.Last<SelectHypothesisCommand>(), nullptr);
   EXPECT_EQ(harness.sink.Last<SelectHypothesisCommand>()->hypothesis, 1);
   harness.Point(*panel, "why.slice.azimuth");
+}
+
+TEST(PosteriorPanel, DrawsAHistogramForEachParameter) {
+  PanelHarness harness;
+  const auto panel = MakePosteriorPanel();
+  harness.size = {900, 240};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  harness.Draw(*panel, 2);
+  for (const char* axis : {"0", "1", "2", "3"})
+    EXPECT_NE(harness.widgets.Find(std::string("posterior.axis.") + axis), nullptr) << axis;
+}
+
+TEST(WhyPanel, SweepsTwoParametersAtOnce) {
+  PanelHarness harness;
+  const auto panel = MakeWhyPanel();
+  harness.size = {900, 260};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  harness.Click(*panel, "why.maps");
+  harness.Draw(*panel, 2);
+  ASSERT_NE(harness.sink.Last<ProbeCommand>(), nullptr);
+  EXPECT_TRUE(harness.sink.Last<ProbeCommand>()->maps);
+  auto probe = std::make_shared<ProbeView>();
+  probe->frame = harness.context.snapshot->report.frame;
+  probe->object = {1};
+  probe->hypotheses.resize(1);
+  probe->maps = {{"azimuth",
+                  "\u00b0",
+                  "distance",
+                  "cm",
+                  {-180, 0, 180},
+                  {-5, 0, 5},
+                  std::vector<float>(9),
+                  std::vector<float>(9),
+                  {0, 1, 2, 3, 4, 5, 6, 7, 8},
+                  {}}};
+  harness.context.probe = probe;
+  harness.Point(*panel, "why.map.azimuth");
+  harness.Click(*panel, "why.term.1");
+  EXPECT_EQ(panel->SaveState()["term"], 1);
+}
+
+TEST(ParticlesPanel, AsksForTheOutlineOfTheParticleUnderTheMouse) {
+  PanelHarness harness;
+  const auto panel = MakeParticleTablePanel();
+  harness.size = {900, 300};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  harness.Draw(*panel, 3);
+  harness.Point(*panel, "particle_table.row.2");
+  ASSERT_NE(harness.sink.Last<HoverParticleCommand>(), nullptr);
+  EXPECT_GE(harness.sink.Last<HoverParticleCommand>()->particle, 0);
 }
 
 TEST(ParticleTablePanel, SortsAndMarks) {

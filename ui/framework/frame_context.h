@@ -67,6 +67,7 @@ struct Selection {
   ObjectId object;     ///< Not valid: nothing.
   int particle = -1;   ///< Of that object; -1: none.
   int hypothesis = 0;  ///< Of the probe: its contour is drawn.
+  int hovered = -1;    ///< The particle under the mouse.
 };
 
 /// A frame to come back to.

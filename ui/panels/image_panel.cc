@@ -90,6 +90,7 @@ class ImagePanel : public Panel {
       DrawParticleOverlay(context, canvas, *object, {});
     }
     if (contour_) DrawContourOverlay(context, canvas);
+    DrawParticleOutline(context, canvas);
     PictureLabels labels(context, canvas.low(), canvas.high());
     if (!snapshot.report.skipped.empty()) {
       labels.Add({canvas.low()}, colors::kWarning, "not used: " + snapshot.report.skipped);

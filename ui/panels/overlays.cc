@@ -123,6 +123,29 @@ void DrawContourOverlay(const FrameContext& context, const ImageCanvas& canvas) 
   }
 }
 
+void DrawParticleOutline(const FrameContext& context, const ImageCanvas& canvas) {
+  const ProbeView* probe = ProbeOfSelection(context);
+  if (probe == nullptr) return;
+  const std::vector<std::vector<Eigen::Vector2f>>* outline = nullptr;
+  for (const ProbedHypothesis& h : probe->hypotheses) {
+    if (context.selection.particle >= 0 && h.particle == context.selection.particle)
+      outline = &h.outline;
+  }
+  if (context.selection.hovered >= 0 && probe->hovered == context.selection.hovered)
+    outline = &probe->hovered_outline;
+  if (outline == nullptr) return;
+  std::vector<ImVec2> points;
+  for (const auto& contour : *outline) {
+    points.clear();
+    for (const Eigen::Vector2f& p : contour) points.push_back(canvas.ToScreen(p));
+    const int count = static_cast<int>(points.size());
+    canvas.draw().AddPolyline(points.data(), count, IM_COL32(0, 0, 0, 160), ImDrawFlags_Closed,
+                              context.Scaled(3.5));
+    canvas.draw().AddPolyline(points.data(), count, IM_COL32_WHITE, ImDrawFlags_Closed,
+                              context.Scaled(1.5));
+  }
+}
+
 ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel) {
   const MapSnapshot& snapshot = *context.snapshot;
   if (snapshot.id.empty()) return {};

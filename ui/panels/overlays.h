@@ -34,6 +34,9 @@ const ProbeView* ProbeOfSelection(const FrameContext& context);
 /// where the edge was found. Green hits well, red misses, grey is hidden.
 void DrawContourOverlay(const FrameContext& context, const ImageCanvas& canvas);
 
+/// Outline of the particle under the mouse, else of the marked one, as far as it is known.
+void DrawParticleOutline(const FrameContext& context, const ImageCanvas& canvas);
+
 /// The object whose mean state shows at a pixel of the image; not valid where there is none.
 ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel);
 

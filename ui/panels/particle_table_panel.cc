@@ -111,6 +111,7 @@ class ParticleTablePanel : public Panel {
                               context.selection.particle == index,
                               ImGuiSelectableFlags_SpanAllColumns))
           sink.Post(SelectParticleCommand{context.selection.particle == index ? -1 : index});
+        if (ImGui::IsItemHovered()) sink.Post(HoverParticleCommand{index});
         LogItem(context, fmt::format("particle_table.row.{}", row));
         for (std::size_t c = 1; c < std::size(kColumns); ++c) {
           ImGui::TableNextColumn();

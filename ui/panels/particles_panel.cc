@@ -22,8 +22,8 @@ class ParticlesPanel : public Panel {
   const char* Help() const override {
     return "The hypotheses of the selected object over the image: a dot where each puts the centre "
            "of the model, a "
-           "line along the model's front. Brighter weighs more. Point at one for its numbers, "
-           "click to mark it in 3-D.";
+           "line along the model's front. Brighter weighs more. Point at one for its numbers and "
+           "its outline, click to mark it in the images and in 3-D.";
   }
 
   void DrawHeader(const FrameContext& context, CommandSink&) override {
@@ -58,10 +58,12 @@ class ParticlesPanel : public Panel {
     DrawOutlineOverlay(context, canvas,
                        {.width_px = 1, .alpha = 0.7, .shadow = false, .only = object->id});
     const int nearest = DrawParticleOverlay(context, canvas, *object, {needles_, 1.75});
+    DrawParticleOutline(context, canvas);
     PictureLabels(context, canvas.low(), canvas.high())
         .Add({{canvas.low().x, canvas.high().y}}, ObjectColor(object->id),
              fmt::format("#{}  {} particles", object->id.value,
                          object->particles == nullptr ? 0 : object->particles->size()));
+    if (nearest >= 0) sink.Post(HoverParticleCommand{nearest});
     if (nearest >= 0)
       DrawNumbers(context, (*object->particles)[static_cast<std::size_t>(nearest)], nearest);
     if (canvas.clicked()) sink.Post(SelectParticleCommand{nearest});

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ui/framework/widgets.h"
+#include "ui/panels/likelihood_maps.h"
 #include "ui/panels/overlays.h"
 #include "ui/panels/panels.h"
 #include "ui/panels/waiting.h"
@@ -31,7 +32,12 @@ class WhyPanel : public Panel {
   }
 
   void DrawHeader(const FrameContext& context, CommandSink&) override {
-    AlignRight(ToggleWidth(context, "Reference"));
+    AlignRight(ToggleWidth(context, "Two at once") + ToggleWidth(context, "Reference") +
+               context.Scaled(4));
+    if (Toggle(context, "why.maps", "Two at once", maps_,
+               "Sweeps two parameters at once: colours show where the score is high."))
+      asked_version_ = 0;
+    ImGui::SameLine();
     if (Toggle(context, "why.reference", "Reference", reference_,
                "Also by the reference scorer, which renders every hypothesis. It takes longer."))
       asked_version_ = 0;
@@ -61,13 +67,20 @@ class WhyPanel : public Panel {
     DrawTable(context, *probe, sink);
     ImGui::EndChild();
     if (beside) ImGui::SameLine(0, context.Scaled(10));
-    DrawSlices(context, *probe);
+    if (maps_)
+      DrawLikelihoodMaps(context, *probe, term_);
+    else
+      DrawSlices(context, *probe);
     ImGui::PopFont();
   }
 
-  nlohmann::json SaveState() const override { return {{"reference", reference_}}; }
+  nlohmann::json SaveState() const override {
+    return {{"reference", reference_}, {"maps", maps_}, {"term", term_}};
+  }
   void LoadState(const nlohmann::json& json) override {
     reference_ = json.value("reference", reference_);
+    maps_ = json.value("maps", maps_);
+    term_ = json.value("term", term_);
   }
 
  private:
@@ -79,7 +92,8 @@ class WhyPanel : public Panel {
       return;
     asked_version_ = context.snapshot_version;
     asked_ = context.selection;
-    sink.Post(ProbeCommand{context.selection.object, context.selection.particle, reference_});
+    sink.Post(
+        ProbeCommand{context.selection.object, context.selection.particle, reference_, maps_});
   }
 
   static void DrawVerdict(const ProbeView& probe) {
@@ -245,7 +259,8 @@ class WhyPanel : public Panel {
     ImGui::EndTooltip();
   }
 
-  bool reference_ = false;
+  bool reference_ = false, maps_ = false;
+  int term_ = 0;  ///< Of the maps: whole score, edges, detector.
   std::uint64_t asked_version_ = 0;
   Selection asked_;
 };

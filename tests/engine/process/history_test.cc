@@ -52,6 +52,24 @@ TEST(TruthError, TellsAWrongShape) {
   EXPECT_FALSE(ErrorOf(Object("dining table", 2, At(2, 0)), Room())->model_correct);
 }
 
+TEST(TruthError, TellsWhereTheTruthLiesInTheBelief) {
+  SequenceView room = Room();
+  ObjectReport object = Object("chair", 0, At(0, 10));
+  object.covariance.diagonal() = Eigen::Vector4d(0.01, 0.01, 0.01, 0.01);
+  EXPECT_NEAR(ErrorOf(object, room)->credible_level, 0, 1e-6);
+  object.world_from_object = At(0.15, 20);
+  const float near = ErrorOf(object, room)->credible_level;
+  object.world_from_object = At(0.3, 40);
+  const float far = ErrorOf(object, room)->credible_level;
+  EXPECT_GT(near, 0.2);
+  EXPECT_LT(near, 0.95);
+  EXPECT_GT(far, 0.99);
+  // The belief is about the centre: the same turn moves a centre that is off the origin.
+  room.models[0].center = Eigen::Vector3d(1, 0, 0);
+  object.world_from_object = At(0, 40);
+  EXPECT_GT(ErrorOf(object, room)->credible_level, 0.999);
+}
+
 TEST(TruthError, IsNothingFarFromAnyTruthOrForAnotherCategory) {
   EXPECT_FALSE(ErrorOf(Object("chair", 0, At(1.2, 0)), Room()));
   EXPECT_FALSE(ErrorOf(Object("lamp", 0, At(0, 0)), Room()));

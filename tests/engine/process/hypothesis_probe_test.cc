@@ -134,6 +134,41 @@ TEST_F(HypothesisProbeTest, SlicesPeakAtTheTruth) {
               *sideways.truth, 2.5);
 }
 
+TEST_F(HypothesisProbeTest, SweepsTwoParametersAtOnceWhereItIsAsked) {
+  const MapSnapshot snapshot = Snapshot(At(0, 0), At(0, 0.12), 0.02);
+  EXPECT_TRUE(Probe(snapshot).maps.empty());
+  const ProbeView view = probe_->Probe(snapshot, view_, {{1}, -1, false, true});
+  ASSERT_EQ(view.maps.size(), 2u);
+  const LikelihoodMap& map = view.maps.front();
+  ASSERT_EQ(map.score.size(), map.x_offsets.size() * map.y_offsets.size());
+  ASSERT_TRUE(map.truth);
+  const auto best = std::max_element(map.score.begin(), map.score.end()) - map.score.begin();
+  const auto columns = static_cast<std::ptrdiff_t>(map.x_offsets.size());
+  EXPECT_NEAR(map.x_offsets[static_cast<std::size_t>(best % columns)], map.truth->x(), 3);
+  EXPECT_NEAR(map.y_offsets[static_cast<std::size_t>(best / columns)], map.truth->y(), 8);
+  // The row through the mean is the slice.
+  const std::size_t middle = map.y_offsets.size() / 2;
+  EXPECT_NEAR(map.score[middle * map.x_offsets.size() + middle], view.hypotheses.front().score,
+              1e-4);
+}
+
+TEST_F(HypothesisProbeTest, OutlinesEveryHypothesis) {
+  const MapSnapshot snapshot = Snapshot(At(0, 0), At(0, 0), 0.02);
+  const ProbeView view = probe_->Probe(snapshot, view_, {{1}, 5, false, false, 7});
+  EXPECT_EQ(view.hovered, 7);
+  EXPECT_FALSE(view.hovered_outline.empty());
+  ASSERT_EQ(view.hypotheses[3].particle, 5);
+  for (const ProbedHypothesis& h : view.hypotheses) {
+    ASSERT_FALSE(h.outline.empty()) << h.name;
+    for (const auto& contour : h.outline) {
+      for (const Eigen::Vector2f& p : contour) {
+        EXPECT_GT(p.x(), h.whole_box.x0 - 6);
+        EXPECT_LT(p.y(), h.whole_box.y1 + 6);
+      }
+    }
+  }
+}
+
 TEST_F(HypothesisProbeTest, SaysWhatIsMissing) {
   MapSnapshot snapshot = Snapshot(At(0, 0), At(0, 0), 0.02);
   EXPECT_THAT(probe_->Probe(snapshot, view_, {{9}, -1, false}).message,
