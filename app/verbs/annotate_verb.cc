@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/verbs/annotate_images.h"
+#include "app/verbs/annotation_inputs.h"
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
 #include "engine/annotation/annotation_check.h"
@@ -22,33 +24,9 @@ struct AnnotateArguments {
   std::string project, edits, format, path, frame = "scan", frames, annotator, json;
   bool create = false;
   AnnotationCheckOptions check;
+  ImageArguments images;
+  RefineArguments refine;
 };
-
-/// What the project names, opened; null where it names nothing.
-struct OpenedInputs {
-  std::shared_ptr<const ModelDatabase> models;
-  std::shared_ptr<const Sequence> sequence;
-
-  ExchangeInputs View(std::vector<int> frames) const {
-    return {models.get(), sequence.get(), std::move(frames)};
-  }
-};
-
-Result<OpenedInputs> OpenInputs(const AnnotationProject& project) {
-  OpenedInputs opened;
-  const AnnotationDocument& document = project.document();
-  if (!document.models.empty()) {
-    auto models = ModelDatabase::Load(project.Resolve(document.models));
-    if (!models) return models.error();
-    opened.models = std::move(*models);
-  }
-  if (!document.sequence.empty()) {
-    auto sequence = OpenSequence(project.Resolve(document.sequence));
-    if (!sequence) return sequence.error();
-    opened.sequence = std::move(*sequence);
-  }
-  return opened;
-}
 
 Result<std::vector<int>> FramesOf(const OpenedInputs& inputs, const std::string& range) {
   if (!inputs.sequence) return std::vector<int>{};
@@ -61,40 +39,14 @@ Result<std::vector<int>> FramesOf(const OpenedInputs& inputs, const std::string&
   return frames;
 }
 
-void Warn(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) log::warn("{}", warning);
-}
-
-Result<std::unique_ptr<AnnotationProject>> OpenProject(const AnnotateArguments& arguments,
-                                                       AnnotationProject::Access access) {
-  std::error_code ignored;
-  if (arguments.create && !std::filesystem::exists(arguments.project, ignored)) {
-    return AnnotationProject::Create(arguments.project, {});
-  }
-  auto project = AnnotationProject::Open(arguments.project, access);
-  if (!project) return project.error();
-  Warn((*project)->warnings());
-  if ((*project)->num_recovered() > 0) {
-    log::info("{}: took {} unsaved edits from the journal", arguments.project,
-              (*project)->num_recovered());
-  }
-  return project;
-}
-
-Status SaveAndSay(AnnotationProject& project, const char* what, std::size_t count) {
-  if (const Status saved = project.Save(); !saved.ok()) return saved;
-  std::printf("%s: %zu %s, %zu instances\n", project.file().c_str(), count, what,
-              project.document().instances.size());
-  return {};
-}
-
 Status ApplyEdits(const AnnotateArguments& arguments) {
   const Result<nlohmann::json> edits = ReadJson(arguments.edits);
   if (!edits) return edits.error();
   if (!edits->is_array()) {
     return Error{ErrorCode::kInvalidInput, "'" + arguments.edits + "' must be a list of edits"};
   }
-  const auto project = OpenProject(arguments, AnnotationProject::Access::kWrite);
+  const auto project =
+      OpenProject(arguments.project, AnnotationProject::Access::kWrite, arguments.create);
   if (!project) return project.error();
   // All or nothing, and one step to undo: a script that fails half-way can be mended and run again.
   EditGroup group{"Apply " + arguments.edits, {}};
@@ -131,7 +83,8 @@ Result<ImportedPoses> ReadPoses(const AnnotationProject& project, const Exchange
 }
 
 Status Import(const AnnotateArguments& arguments) {
-  const auto project = OpenProject(arguments, AnnotationProject::Access::kWrite);
+  const auto project =
+      OpenProject(arguments.project, AnnotationProject::Access::kWrite, arguments.create);
   if (!project) return project.error();
   const auto inputs = OpenInputs(**project);
   if (!inputs) return inputs.error();
@@ -176,7 +129,7 @@ Status ExportVisma(const AnnotationProject& project, const ModelDatabase* models
 }
 
 Status Export(const AnnotateArguments& arguments) {
-  const auto project = OpenProject(arguments, AnnotationProject::Access::kRead);
+  const auto project = OpenProject(arguments.project, AnnotationProject::Access::kRead);
   if (!project) return project.error();
   const auto opened = OpenInputs(**project);
   if (!opened) return opened.error();
@@ -203,29 +156,45 @@ Status Export(const AnnotateArguments& arguments) {
   return status;
 }
 
-Status Check(const AnnotateArguments& arguments) {
-  const auto project = OpenProject(arguments, AnnotationProject::Access::kRead);
-  if (!project) return project.error();
-  const auto inputs = OpenInputs(**project);
-  if (!inputs) return inputs.error();
-  const auto findings = CheckAnnotations((*project)->document(), inputs->View({}), arguments.check);
+nlohmann::json FindingsToJson(const std::vector<AnnotationFinding>& findings) {
   nlohmann::json json = nlohmann::json::array();
   for (const AnnotationFinding& finding : findings) {
-    if (arguments.json != "-") {
-      std::printf("%-16s %s\n", finding.kind.c_str(), finding.sentence.c_str());
-    }
     json.push_back({{"kind", finding.kind},
                     {"instances", finding.instances},
                     {"amount", finding.amount},
                     {"unit", finding.unit},
                     {"sentence", finding.sentence}});
   }
-  if (arguments.json != "-") {
+  return json;
+}
+
+Status Check(const AnnotateArguments& arguments) {
+  const auto project = OpenProject(arguments.project, AnnotationProject::Access::kRead);
+  if (!project) return project.error();
+  const auto inputs = OpenInputs(**project);
+  if (!inputs) return inputs.error();
+  const auto findings = CheckAnnotations((*project)->document(), inputs->View({}), arguments.check);
+  const bool quiet = arguments.json == "-";
+  for (const AnnotationFinding& finding : findings) {
+    if (!quiet) std::printf("%-16s %s\n", finding.kind.c_str(), finding.sentence.c_str());
+  }
+  nlohmann::json agreement = nlohmann::json::array();
+  if (inputs->sequence && inputs->models && arguments.images.frames > 0) {
+    auto checked = CheckByImages(**project, *inputs, arguments.images, quiet);
+    if (!checked) return checked.error();
+    agreement = std::move(*checked);
+  }
+  if (!quiet) {
     std::printf("%s: %zu instances, %zu findings\n", arguments.project.c_str(),
                 (*project)->document().instances.size(), findings.size());
   }
   if (arguments.json.empty()) return {};
-  return WriteJsonResult(arguments.json, json);
+  return WriteJsonResult(arguments.json,
+                         {{"findings", FindingsToJson(findings)}, {"images", agreement}});
+}
+
+Status Refine(const AnnotateArguments& arguments) {
+  return RefineByImages(arguments.project, arguments.images, arguments.refine, arguments.json);
 }
 
 using ArgumentsPointer = std::shared_ptr<AnnotateArguments>;
@@ -258,6 +227,13 @@ void AddCreation(CLI::App& command, const ArgumentsPointer& arguments) {
   command.add_flag("--create", arguments->create, "Begin a new project if there is none");
   command.add_option("--annotator", arguments->annotator, "Whose name new instances carry")
       ->type_name("NAME");
+}
+
+void AddJson(CLI::App& command, const ArgumentsPointer& arguments) {
+  command
+      .add_option("--json", arguments->json,
+                  "Write the results for machines ('-': to standard output)")
+      ->type_name("FILE");
 }
 
 }  // namespace
@@ -296,7 +272,8 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
 
   CLI::App* check = AddCommand(*verb, "check",
                                "Report tilted, floating, sunk, interpenetrating and duplicate "
-                               "objects, unknown models and missing frames",
+                               "objects, unknown models and missing frames, and how well the "
+                               "outlines lie on the edges of the images",
                                arguments, chosen, Check);
   check->add_option("--tilt", arguments->check.tilt_deg, "Largest tilt [degrees]")
       ->capture_default_str();
@@ -306,10 +283,16 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
       ->capture_default_str();
   check->add_option("--overlap", arguments->check.overlap_m, "Deepest overlap [m]")
       ->capture_default_str();
-  check
-      ->add_option("--json", arguments->json,
-                   "Write the results for machines ('-': to standard output)")
-      ->type_name("FILE");
+  AddImageOptions(*check, arguments->images, "0: do not look at the images");
+  AddJson(*check, arguments);
+
+  CLI::App* refine = AddCommand(*verb, "refine",
+                                "Move objects so that their outlines lie on the edges of the "
+                                "sequence's images, upright, and save; one step to undo",
+                                arguments, chosen, Refine);
+  AddImageOptions(*refine, arguments->images, "at least 1");
+  AddRefineOptions(*refine, arguments->refine);
+  AddJson(*refine, arguments);
 }
 
 }  // namespace plumbline

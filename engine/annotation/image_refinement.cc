@@ -29,6 +29,8 @@ using Information = Eigen::Matrix4d;
 constexpr double kIndependent_px = 100;
 constexpr double kSmallestSigma_px = 0.5;
 constexpr int kParts = 8;
+/// By how much more a farther start must agree with the images to be preferred.
+constexpr double kBetter = 0.002;
 
 /// How far edges are looked for, from wide to narrow, and how often the outline is drawn anew.
 struct Level {
@@ -117,8 +119,8 @@ class Refiner {
         work_(work),
         free_(motion_.Free(options.motion)),
         max_turn_rad_(options.max_turn_deg * std::numbers::pi / 180) {
-    prior_.diagonal() << Eigen::Vector3d::Constant(1 / std::pow(options.max_shift_m, 2)),
-        1 / std::pow(max_turn_rad_, 2);
+    prior_.diagonal() << Eigen::Vector3d::Constant(4 / std::pow(options.max_shift_m, 2)),
+        4 / std::pow(max_turn_rad_, 2);
   }
 
   Result<ImageRefinement> Run() {
@@ -151,7 +153,7 @@ class Refiner {
       result.iterations += refined.iterations;
       if (known || !refined.inside) continue;
       const double agreement = MeanAgreement(Check(refined.move));
-      if (agreement <= best_agreement) continue;
+      if (agreement < best_agreement + kBetter) continue;
       best_agreement = agreement;
       best = refined;
       result.start = static_cast<int>(i);
@@ -271,8 +273,8 @@ class Refiner {
     return 1 / (variance * kIndependent_px * width);
   }
 
-  /// Where the start counts as a measurement as wide as the search: what the images do not show
-  /// stays put.
+  /// The start counts as a measurement with half the search as its standard deviation: what the
+  /// images do not show stays put.
   Move Step(const Equations& sum, const Move& move) const {
     const double scale = Scale(sum);
     const Eigen::MatrixXd information =

@@ -97,13 +97,13 @@ TEST_F(AnnotateVerb, WhatIsExportedIsReadAgain) {
 
 TEST_F(AnnotateVerb, ChecksTheProject) {
   ASSERT_EQ(Run("check room.json --json check.json"), 0) << Output();
-  EXPECT_EQ(Json("check.json").size(), 0u);
+  EXPECT_EQ(Json("check.json")["findings"].size(), 0u);
   Write("edits.json", R"([{"edit": "change", "id": "chair_1",
       "scan_from_object": [[1,0,0,0.52],[0,1,0,0.1],[0,0,1,0.1],[0,0,0,1]]}])");
   ASSERT_EQ(Run("apply room.json edits.json"), 0) << Output();
   ASSERT_EQ(Run("check room.json --json check.json"), 0);
   EXPECT_THAT(Output(), testing::HasSubstr("chair_1 floats 0.100 m above the floor"));
-  EXPECT_EQ(Json("check.json")[0]["kind"], "floating");
+  EXPECT_EQ(Json("check.json")["findings"][0]["kind"], "floating");
 }
 
 }  // namespace

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "app/verbs/annotation_inputs.h"
+#include "engine/annotation/image_refinement.h"
+
+namespace plumbline {
+
+/// Which images of the project's sequence an object is compared with.
+struct ImageArguments {
+  int frames = 12;
+  std::string edges;
+};
+void AddImageOptions(CLI::App& command, ImageArguments& arguments, const char* least_frames);
+
+struct RefineArguments {
+  std::vector<std::string> instances;  ///< All that are not locked where there are none.
+  int dof = 4;
+  ImageRefinementOptions options;
+};
+void AddRefineOptions(CLI::App& command, RefineArguments& arguments);
+
+/// Prints, unless `quiet`, and returns for each instance how well its outline lies on the edges of
+/// the images. The project must have models and a sequence.
+Result<nlohmann::json> CheckByImages(const AnnotationProject& project, const OpenedInputs& inputs,
+                                     const ImageArguments& arguments, bool quiet);
+
+/// `annotate refine`.
+Status RefineByImages(const std::string& project, const ImageArguments& images,
+                      const RefineArguments& arguments, const std::string& json_file);
+
+}  // namespace plumbline
