@@ -43,9 +43,10 @@ void AddGuiVerb(CLI::App& app, VerbFunction& chosen) {
                                       "Open the window: play a sequence through the mapper, or a "
                                       "recorded run; or place models in a "
                                       "scan");
-  verb->add_option("path", arguments->path,
-                   "Folder of a sequence, a run file (.plb), a scan (.ply, .obj), or an annotation "
-                   "project (.json); without one the window asks");
+  verb->add_option(
+      "path", arguments->path,
+      "Folder of a sequence, a run file (.plb), a scan (.ply, .pcd, .obj), or an annotation "
+      "project (.json); without one the window asks");
   verb->add_option("--frame", arguments->frame, "Frame to show first; the mapper goes up to it");
   arguments->pipeline.AddTo(*verb);
   verb->add_option("--out", arguments->out,

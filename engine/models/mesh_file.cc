@@ -12,6 +12,7 @@
 #include <string>
 
 #include "engine/base/files.h"
+#include "engine/models/pcd_file.h"
 #include "engine/models/ply_file.h"
 
 namespace plumbline {
@@ -146,10 +147,15 @@ Result<TriangleMesh> ReadMesh(const std::filesystem::path& file) {
     if (!bytes.ok()) return bytes.error();
     return ParsePly(*bytes, file);
   }
+  if (extension == ".pcd") {
+    Result<std::string> bytes = ReadFile(file);
+    if (!bytes.ok()) return bytes.error();
+    return ParsePcd(*bytes, file);
+  }
   if (extension != ".obj" && extension != ".glb" && extension != ".gltf" && extension != ".stl") {
     return Error{
         ErrorCode::kUnsupported,
-        "'" + file.string() + "' is no mesh file that Plumbline reads (PLY, OBJ, GLB, GLTF, STL)"};
+        "'" + file.string() + "' is no mesh file that Plumbline reads (PLY, PCD, OBJ, GLB, GLTF, STL)"};
   }
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) {

@@ -17,7 +17,7 @@ namespace {
 
 using std::filesystem::path;
 
-constexpr std::array kScanEndings = {".ply", ".obj", ".glb", ".gltf", ".stl"};
+constexpr std::array kScanEndings = {".ply", ".pcd", ".obj", ".glb", ".gltf", ".stl"};
 
 std::string Ending(const path& file) {
   std::string ending = file.extension().string();

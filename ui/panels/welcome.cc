@@ -59,10 +59,10 @@ void DrawRecent(const FrameContext& context, CommandSink& sink) {
 void DrawAnnotateWelcome(const FrameContext& context) {
   if (context.annotation == nullptr) {
     Headline(context, "No scan is open");
-    Wrapped(
-        colors::kDimText,
-        "Drop a scan (.ply, .obj) or an annotation project (.json) onto this window, or name it "
-        "on the command line:");
+    Wrapped(colors::kDimText,
+            "Drop a scan (.ply, .pcd, .obj) or an annotation project (.json) onto this window, or "
+            "name it "
+            "on the command line:");
     ImGui::Indent(context.Scaled(14));
     Wrapped(colors::kText, "plumbline gui SCAN.ply --models FOLDER");
     Wrapped(colors::kText, "plumbline gui PROJECT.json");
