@@ -16,6 +16,7 @@
 #include "engine/base/log.h"
 #include "engine/models/mesh_file.h"
 #include "engine/process/mapping_pipeline.h"
+#include "engine/process/run_drafts.h"
 
 namespace plumbline {
 namespace {
@@ -69,8 +70,17 @@ Status ApplyEdits(const AnnotateArguments& arguments) {
 
 // Reading.
 
+Result<ImportedPoses> ReadDrafts(const AnnotationDocument& document, const std::string& run) {
+  auto drafts = DraftsOfRun(document, run);
+  if (!drafts) return drafts.error();
+  ImportedPoses imported;
+  imported.instances = std::move(*drafts);
+  return imported;
+}
+
 Result<ImportedPoses> ReadPoses(const AnnotationProject& project, const ExchangeInputs& inputs,
                                 const AnnotateArguments& arguments) {
+  if (arguments.format == "run") return ReadDrafts(project.document(), arguments.path);
   if (arguments.format == "visma") return ReadVisma(arguments.path);
   if (arguments.format == "bop") return ReadBop(arguments.path);
   if (arguments.format == "labelfusion") {
@@ -211,15 +221,17 @@ CLI::App* AddCommand(CLI::App& parent, const char* name, const char* what,
   return command;
 }
 
-void AddFormat(CLI::App& command, const ArgumentsPointer& arguments, const char* option,
-               const char* what) {
-  command
-      .add_option(
-          "--format", arguments->format,
-          "ground_truth (our ground_truth.json), visma (a fragments folder), bop (a dataset "
-          "folder), labelfusion (registration_result.yaml), poses (per-frame poses, JSON)")
-      ->required()
-      ->check(CLI::IsMember({"ground_truth", "visma", "bop", "labelfusion", "poses"}));
+constexpr const char* kFormats =
+    "ground_truth (our ground_truth.json), visma (a fragments folder), bop (a dataset folder), "
+    "labelfusion (registration_result.yaml), poses (per-frame poses, JSON)";
+
+void AddFormat(CLI::App& command, const ArgumentsPointer& arguments, const std::string& what,
+               std::vector<std::string> names) {
+  command.add_option("--format", arguments->format, what)->required()->check(CLI::IsMember(names));
+}
+
+void AddPath(CLI::App& command, const ArgumentsPointer& arguments, const char* option,
+             const char* what) {
   command.add_option(option, arguments->path, what)->required()->type_name("PATH");
 }
 
@@ -253,12 +265,17 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
 
   CLI::App* import = AddCommand(*verb, "import", "Take instances from another format, as one edit",
                                 arguments, chosen, Import);
-  AddFormat(*import, arguments, "--from", "The file or folder to read");
+  AddFormat(*import, arguments,
+            std::string(kFormats) +
+                ", run (RUN.plb or the JSON of a run: its confirmed objects as coarse drafts)",
+            {"ground_truth", "visma", "bop", "labelfusion", "poses", "run"});
+  AddPath(*import, arguments, "--from", "The file or folder to read");
   AddCreation(*import, arguments);
 
   CLI::App* write = AddCommand(*verb, "export", "Write the instances in another format", arguments,
                                chosen, Export);
-  AddFormat(*write, arguments, "--out", "The file or folder to write");
+  AddFormat(*write, arguments, kFormats, {"ground_truth", "visma", "bop", "labelfusion", "poses"});
+  AddPath(*write, arguments, "--out", "The file or folder to write");
   write
       ->add_option("--frame", arguments->frame,
                    "Of ground_truth: the scan's own frame, the scan turned z-up with the floor at "

@@ -8,8 +8,8 @@
 
 #include "engine/annotation/pose_exchange.h"
 #include "engine/geometry/gravity.h"
+#include "engine/process/run_drafts.h"
 #include "engine/process/small_picture.h"
-#include "engine/recording/run_summary.h"
 
 namespace plumbline {
 namespace {
@@ -492,29 +492,16 @@ void AnnotationSession::On(const SetAnnotatorCommand& command) { view_.annotator
 void AnnotationSession::On(const DismissNoticesCommand&) { view_.notices.clear(); }
 
 void AnnotationSession::On(const ImportDraftsCommand& command) {
-  const auto estimates = ReadEstimates(command.run);
-  if (!estimates) return Refuse(estimates.error().message);
+  auto drafts = DraftsOfRun(project_->document(), command.run);
+  if (!drafts) return Refuse(drafts.error().message);
   const std::string run = std::filesystem::path(command.run).filename().string();
-  const Eigen::Isometry3d scan_from_world =
-      project_->document().scan_from_world.value_or(Eigen::Isometry3d::Identity());
+  if (drafts->empty()) return Refuse(run + " has no confirmed objects.");
+  const std::size_t count = drafts->size();
   EditGroup group{"Take drafts from " + run, {}};
-  AnnotationDocument trial = project_->document();
-  for (const EstimatedObject& estimate : *estimates) {
-    AnnotatedInstance instance;
-    for (int i = 0; instance.id.empty() || trial.Find(instance.id) != nullptr; ++i) {
-      instance.id = estimate.model + "_" + std::to_string(i);
-    }
-    instance.model = estimate.model;
-    instance.category = estimate.category;
-    instance.scan_from_object = scan_from_world * estimate.world_from_object;
-    instance.annotator = view_.annotator;
-    instance.fine = false;
-    instance.note = "draft: object " + estimate.id + " of " + run;
-    trial.instances.push_back(instance);
-    group.edits.push_back(AddInstance{instance, std::nullopt});
+  for (AnnotatedInstance& draft : *drafts) {
+    draft.annotator = view_.annotator;
+    group.edits.push_back(AddInstance{std::move(draft), std::nullopt});
   }
-  if (group.edits.empty()) return Refuse(run + " has no confirmed objects.");
-  const std::size_t count = group.edits.size();
   if (Edit(group)) Answer(std::to_string(count) + " drafts taken from " + run);
 }
 

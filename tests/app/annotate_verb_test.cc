@@ -95,6 +95,28 @@ TEST_F(AnnotateVerb, WhatIsExportedIsReadAgain) {
   }
 }
 
+TEST_F(AnnotateVerb, TakesTheObjectsOfARunAsDrafts) {
+  Write("run.json", R"({"objects": [
+      {"id": 4, "model": "chair", "category": "chair", "confirmed": true,
+       "world_from_object": [[1,0,0,3],[0,1,0,1],[0,0,1,0],[0,0,0,1]]},
+      {"id": 5, "model": "chair", "category": "chair", "confirmed": false,
+       "world_from_object": [[1,0,0,7],[0,1,0,1],[0,0,1,0],[0,0,0,1]]}]})");
+  // The sequence's world lies 10 m along x in the scan.
+  Write("edits.json", R"([{"edit": "scene_alignment",
+      "scan_from_world": [[1,0,0,10],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}])");
+  ASSERT_EQ(Run("apply room.json edits.json"), 0) << Output();
+  ASSERT_EQ(Run("import room.json --format run --from run.json --annotator Ada"), 0) << Output();
+  const nlohmann::json read = Json("room.json");
+  ASSERT_EQ(read["instances"].size(), 3u);
+  const nlohmann::json& draft = read["instances"][2];
+  EXPECT_EQ(draft["id"], "chair_2");
+  EXPECT_EQ(draft["quality"], "coarse");
+  EXPECT_EQ(draft["note"], "draft: object 4 of run.json");
+  EXPECT_EQ(draft["scan_from_object"][0][3], 13);
+  EXPECT_EQ(Run("import room.json --format run --from none.plb"), 1);
+  EXPECT_EQ(Run("export room.json --format run --out again"), 2);
+}
+
 TEST_F(AnnotateVerb, ChecksTheProject) {
   ASSERT_EQ(Run("check room.json --json check.json"), 0) << Output();
   EXPECT_EQ(Json("check.json")["findings"].size(), 0u);
