@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ui/framework/widgets.h"
+#include "ui/panels/annotate_actions.h"
 #include "ui/panels/annotate_panels.h"
 #include "ui/scene/annotate_scene.h"
 
@@ -39,7 +40,11 @@ AnnotateWorkspace::AnnotateWorkspace(AnnotationChoice defaults, bool software_gl
       wake_(std::move(wake)),
       scene_panel_(MakeAnnotateScenePanel()),
       models_(MakeAnnotateModelsPanel()),
-      instances_(MakeAnnotateInstancesPanel()) {}
+      instances_(MakeAnnotateInstancesPanel()),
+      floor_(MakeAnnotateFloorPanel()),
+      candidates_(MakeAnnotateCandidatesPanel()),
+      refinement_(MakeAnnotateRefinementPanel()),
+      instance_(MakeAnnotateInstancePanel()) {}
 
 AnnotateWorkspace::~AnnotateWorkspace() = default;
 
@@ -62,13 +67,33 @@ void AnnotateWorkspace::ReadSlots(FrameContext& context) {
   if (process_ == nullptr) return;
   auto snapshot = process_->Snapshot();
   if (snapshot == context.annotation) return;
-  if (context.annotation != nullptr &&
-      context.annotation->proposal_number != snapshot->proposal_number && !snapshot->placement) {
-    view_.candidate = 0;
-  }
+  if (context.annotation != nullptr) Follow(*context.annotation, *snapshot);
   context.annotation = std::move(snapshot);
   ++context.annotation_version;
+}
+
+/// A pose that is on its way is shown until the project has it, or has refused it.
+void AnnotateWorkspace::Follow(const AnnotationSnapshot& before, const AnnotationSnapshot& now) {
+  if (before.placement.has_value() != now.placement.has_value()) view_.candidate = 0;
+  if (!view_.pending) return;
+  const InstanceView* was = before.Find(view_.pending->id);
+  const InstanceView* is = now.Find(view_.pending->id);
+  const bool arrived = was == nullptr || is == nullptr ||
+                       was->scan_from_object.matrix() != is->scan_from_object.matrix();
+  const bool refused = now.refused && now.answer_number != before.answer_number;
+  if (!arrived && !refused) return;
   view_.pending.reset();
+  view_.nudged = false;
+}
+
+Panel& AnnotateWorkspace::TaskPanel(const FrameContext& context) {
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  if (snapshot.placement) return *candidates_;
+  if (snapshot.refinement) return *refinement_;
+  const bool first =
+      !snapshot.gravity_known && snapshot.instances.empty() && view_.tool != AnnotateTool::kPlace;
+  if (snapshot.floor || first || view_.tool == AnnotateTool::kFloor) return *floor_;
+  return *instance_;
 }
 
 void AnnotateWorkspace::Draw(const FrameContext& context, const LayoutRect& rect,
@@ -79,10 +104,14 @@ void AnnotateWorkspace::Draw(const FrameContext& context, const LayoutRect& rect
   const float middle_y = room.low.y + static_cast<float>(std::round(models_share_ * room.height()));
   DrawPanel(context, {room.low, {left_x, middle_y}}, *models_, sink);
   DrawPanel(context, {{room.low.x, middle_y + gap}, {left_x, room.high.y}}, *instances_, sink);
-  DrawPanel(context, {{left_x + gap, room.low.y}, room.high}, *scene_panel_, sink);
+  const float right_x = room.low.x + static_cast<float>(std::round(right_ * room.width()));
+  DrawPanel(context, {{left_x + gap, room.low.y}, {right_x, room.high.y}}, *scene_panel_, sink);
+  DrawPanel(context, {{right_x + gap, room.low.y}, room.high}, TaskPanel(context), sink);
 }
 
-void AnnotateWorkspace::PostShortcuts(const FrameContext&, CommandSink&) {}
+void AnnotateWorkspace::PostShortcuts(const FrameContext& context, CommandSink& sink) {
+  PostAnnotateShortcuts(context, sink);
+}
 
 bool AnnotateWorkspace::Handle(const Command& command) {
   if (const auto* annotation = std::get_if<AnnotationCommand>(&command)) {

@@ -32,12 +32,17 @@ class AnnotateWorkspace : public Workspace {
   void LoadSettings(const nlohmann::json& json) override;
 
  private:
+  void Follow(const AnnotationSnapshot& before, const AnnotationSnapshot& now);
+  /// What is to be decided now, else the selected object.
+  Panel& TaskPanel(const FrameContext& context);
+
   AnnotationChoice defaults_;
   bool software_gl_;
   std::function<void()> wake_;
   AnnotateView view_;
   std::unique_ptr<AnnotateSurface> scene_;
-  std::unique_ptr<Panel> scene_panel_, models_, instances_;
+  std::unique_ptr<Panel> scene_panel_, models_, instances_, floor_, candidates_, refinement_,
+      instance_;
   double left_ = 0.19, right_ = 0.77, models_share_ = 0.55;  ///< Of the room.
   std::unique_ptr<AnnotationProcess> process_;               ///< Last: its thread wakes the window.
 };

@@ -16,8 +16,9 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kFineVertices = 400'000, kCoarseVertices = 60'000;
+constexpr std::size_t kFineVertices = 400'000, kCoarseVertices = 140'000;
 constexpr int kPictureWidth = 208, kPictureHeight = 156;
+constexpr double kFarShare = 0.6;  ///< Of the search radius.
 constexpr double kResidualReach_m = 0.1;
 constexpr std::size_t kShownFloorPoints = 12'000;
 
@@ -130,7 +131,7 @@ void FindPlacements(const PlacementTask& task, const WorkContext& work, Placemen
 
 void Refine(const PlacementTask& task, const WorkContext& work, int pace_ms,
             const std::function<void(const RefinementView&)>& step, RefinementView& refinement) {
-  constexpr double kReach_m = 0.1, kShrink = 0.7, kWithin_m = 0.02, kConverged = 2e-6;
+  constexpr double kReach_m = 0.1, kShrink = 0.7, kWithin_m = 0.02, kConverged = 2e-5;
   constexpr int kMaxIterations = 40;
   const Eigen::Vector3d& up = task.up_in_scan;
   const AlignmentCrop crop =

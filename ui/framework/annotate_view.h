@@ -24,6 +24,12 @@ struct PendingPose {
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
 };
 
+/// A model that would land where the mouse is.
+struct GhostModel {
+  int model = -1;
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+};
+
 /// What the panels of the Annotate workspace share, besides the snapshot.
 struct AnnotateView {
   AnnotateTool tool = AnnotateTool::kSelect;
@@ -33,6 +39,7 @@ struct AnnotateView {
   bool tilt = false;     ///< The gizmo may tilt.
   bool scan = true, models = true, grid = true, cameras = false;
   std::optional<PendingPose> pending;
+  bool nudged = false;  ///< `pending` comes from keys that are still held.
   std::optional<Eigen::Isometry3d> copied;  ///< Pose in the scan's frame.
   bool focus = false;                       ///< In this frame: the view turns to the selection.
   bool reset = false;                       ///< In this frame: the view shows everything.
@@ -43,6 +50,7 @@ struct AnnotateContent {
   std::shared_ptr<const AnnotationSnapshot> snapshot;
   std::uint64_t version = 0;  ///< Changes with `snapshot`.
   std::optional<PendingPose> pending;
+  std::optional<GhostModel> ghost;
   int candidate = 0;
   bool scan = true, models = true, grid = true, cameras = false;
   bool light = false;

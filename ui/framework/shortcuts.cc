@@ -144,13 +144,13 @@ std::span<const AxisView> AxisViews() {
 
 int KeyByName(std::string_view name) {
   static const std::map<std::string_view, int> kNames = {
-      {"space", keys::kSpace},    {"left", keys::kLeft}, {"right", keys::kRight},
-      {"enter", keys::kEnter},    {"up", keys::kUp},     {"down", keys::kDown},
-      {"home", keys::kHome},      {"end", keys::kEnd},   {"escape", keys::kEscape},
-      {"f1", keys::kF1},          {"f12", keys::kF12},   {"[", keys::kLeftBracket},
-      {"]", keys::kRightBracket}, {"?", keys::kSlash},   {"/", keys::kSlash},
-      {",", keys::kComma},        {".", keys::kPeriod},  {"=", keys::kEqual},
-      {"-", keys::kMinus}};
+      {"space", keys::kSpace},   {"left", keys::kLeft},      {"right", keys::kRight},
+      {"enter", keys::kEnter},   {"up", keys::kUp},          {"down", keys::kDown},
+      {"delete", keys::kDelete}, {"home", keys::kHome},      {"end", keys::kEnd},
+      {"escape", keys::kEscape}, {"f1", keys::kF1},          {"f12", keys::kF12},
+      {"[", keys::kLeftBracket}, {"]", keys::kRightBracket}, {"?", keys::kSlash},
+      {"/", keys::kSlash},       {",", keys::kComma},        {".", keys::kPeriod},
+      {"=", keys::kEqual},       {"-", keys::kMinus}};
   if (const auto found = kNames.find(name); found != kNames.end()) return found->second;
   if (name.size() == 1 && std::isalnum(static_cast<unsigned char>(name[0]))) {
     return std::toupper(static_cast<unsigned char>(name[0]));

@@ -14,6 +14,11 @@ namespace plumbline {
 std::unique_ptr<Panel> MakeAnnotateScenePanel();
 std::unique_ptr<Panel> MakeAnnotateModelsPanel();
 std::unique_ptr<Panel> MakeAnnotateInstancesPanel();
+// One of these stands on the right: whatever is to be decided now, else the selected object.
+std::unique_ptr<Panel> MakeAnnotateFloorPanel();
+std::unique_ptr<Panel> MakeAnnotateCandidatesPanel();
+std::unique_ptr<Panel> MakeAnnotateRefinementPanel();
+std::unique_ptr<Panel> MakeAnnotateInstancePanel();
 
 /// What is open, and what can be done with it as a whole: save, undo, redo. Right of the tabs.
 void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, CommandSink& sink);

@@ -6,6 +6,7 @@
 
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
+#include "ui/panels/annotate_gizmo.h"
 #include "ui/panels/annotate_panels.h"
 #include "ui/panels/scene_mouse.h"
 
@@ -75,8 +76,9 @@ class AnnotateScenePanel : public Panel {
       return EmptyState(context, "No 3-D view", "This display has no OpenGL that VTK can use.");
     }
     AnnotateSurface& scene = *context.annotate_scene;
-    scene.SetContent({context.annotation, context.annotation_version, view.pending, view.candidate,
-                      view.scan, view.models, view.grid, view.cameras, context.light});
+    scene.SetContent({context.annotation, context.annotation_version, view.pending, ghost_,
+                      view.candidate, view.scan, view.models, view.grid, view.cameras,
+                      context.light});
     if (view.focus) scene.FocusOn(context.annotation->selected);
     if (view.reset) scene.Reset();
     view.focus = view.reset = false;
@@ -89,11 +91,14 @@ class AnnotateScenePanel : public Panel {
                            kAllButtons);
     ImGui::SetItemAllowOverlap();
     LogItem(context, "annotate.view");
-    const bool moving = MoveView(scene, low, false);
-    if (WasClicked()) Click(context, low, sink);
-    const ImTextureID texture = scene.Texture(width, height, moving);
+    const bool held = gizmo_.Handle(context, low, sink);
+    const bool moving = MoveView(scene, low, held);
+    if (!held && WasClicked()) Click(context, low, sink);
+    const bool hovers = MoveGhost(context, low);
+    const ImTextureID texture = scene.Texture(width, height, moving || held || hovers);
     ImGui::GetWindowDrawList()->AddImageRounded(texture, low, high, {0, 1}, {1, 0}, IM_COL32_WHITE,
                                                 context.Scaled(4));
+    gizmo_.Draw(context, low, high);
     DrawTriad(context, scene.camera().view_from_world, low, high);
     DrawLabels(context, low, high);
     DrawNotices(context, low, high, sink);
@@ -120,6 +125,32 @@ class AnnotateScenePanel : public Panel {
     }
   }
 
+  /// Keeps the model that is to be placed under the mouse; true while it moves.
+  bool MoveGhost(const FrameContext& context, ImVec2 low) {
+    const AnnotateView& view = *context.annotate;
+    const AnnotationSnapshot& snapshot = *context.annotation;
+    const bool places =
+        view.tool == AnnotateTool::kPlace && !snapshot.placement && ImGui::IsItemHovered();
+    if (!places) {
+      ghost_.reset();
+      return false;
+    }
+    const ImVec2 mouse = ImGui::GetIO().MousePos;
+    if (mouse.x == ghost_at_.x && mouse.y == ghost_at_.y) return false;
+    ghost_at_ = mouse;
+    ghost_.reset();
+    const auto point = context.annotate_scene->PickScan(mouse.x - low.x, mouse.y - low.y);
+    for (int i = 0; point && i < static_cast<int>(snapshot.models->size()); ++i) {
+      const AnnotationModel& model = *snapshot.Model(i);
+      if (model.name != view.model) continue;
+      Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+      pose.translation() = *point;
+      if (view.on_floor && model.on_floor && snapshot.floor_known) pose.translation().z() = 0;
+      ghost_ = GhostModel{i, snapshot.level_from_scan.inverse() * pose};
+    }
+    return true;
+  }
+
   /// What the next click does, over the picture.
   static std::string Hint(const FrameContext& context) {
     const AnnotateView& view = *context.annotate;
@@ -127,6 +158,7 @@ class AnnotateScenePanel : public Panel {
     if (snapshot.scan == nullptr) return snapshot.busy.empty() ? "" : snapshot.busy + " ...";
     if (snapshot.placement && snapshot.placement->running) return "Trying 24 azimuths ...";
     if (snapshot.placement) return "Choose a candidate: Enter takes it, Esc drops it.";
+    if (snapshot.floor) return "Is this the floor? Enter takes it, Esc drops it.";
     if (view.tool == AnnotateTool::kFloor) return "Click on the floor.";
     if (view.tool == AnnotateTool::kPlace) {
       return "Click where the " + view.model + " stands. Esc stops.";
@@ -175,6 +207,10 @@ class AnnotateScenePanel : public Panel {
     ImGui::PopStyleVar();
     ImGui::PopStyleColor();
   }
+
+  AnnotateGizmo gizmo_;
+  std::optional<GhostModel> ghost_;
+  ImVec2 ghost_at_{-1, -1};
 };
 
 }  // namespace

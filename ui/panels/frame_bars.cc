@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <vector>
 
 #include "ui/framework/shortcuts.h"
 #include "ui/framework/widgets.h"
+#include "ui/panels/annotate_actions.h"
 #include "ui/panels/annotate_panels.h"
 
 namespace plumbline {
@@ -173,8 +175,16 @@ void DrawHelpSheet(const FrameContext& context, CommandSink& sink) {
   ImGui::Dummy({0, context.Scaled(4)});
   if (ImGui::BeginTable("help.table", 2, ImGuiTableFlags_SizingFixedFit)) {
     const char* group = "";
+    const bool annotates = context.workspace == WorkspaceId::kAnnotate;
+    std::vector<Shortcut> shortcuts;
+    if (annotates) {
+      shortcuts.assign(AnnotateShortcuts().begin(), AnnotateShortcuts().end());
+    }
     for (const Shortcut& shortcut : Shortcuts()) {
-      if (*shortcut.keys == '\0') continue;
+      const bool shown = !annotates || std::strcmp(shortcut.group, "Playback") != 0;
+      if (*shortcut.keys != '\0' && shown) shortcuts.push_back(shortcut);
+    }
+    for (const Shortcut& shortcut : shortcuts) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       if (std::strcmp(group, shortcut.group) != 0) {

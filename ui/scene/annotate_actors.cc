@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <vtkCellArray.h>
+#include <vtkMapper.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -78,6 +79,7 @@ AnnotateActors::AnnotateActors(vtkRenderer* ground, vtkRenderer* front, bool sof
     front_->AddActor(actor);
   }
   residuals_->VisibilityOff();
+  vtkMapper::SetResolveCoincidentTopologyToPolygonOffset();  // edges lie on their faces
   residuals_->GetProperty()->SetAmbient(0.45);
   residuals_->GetProperty()->SetDiffuse(0.6);
 }
@@ -165,7 +167,7 @@ AnnotateActors::Posed& AnnotateActors::Next() {
     posed.surface->GetProperty()->SetAmbient(0.25);
     posed.surface->GetProperty()->SetDiffuse(0.75);
     ground_->AddActor(posed.surface);
-    front_->AddActor(posed.edges);
+    ground_->AddActor(posed.edges);
     posed_.push_back(std::move(posed));
   }
   return posed_[used_++];
@@ -183,10 +185,10 @@ void AnnotateActors::Show(const AnnotateContent& content, int model,
   SetPose(*posed.surface, pose);
   SetPose(*posed.edges, pose);
   SetColor(*posed.surface, color);
-  SetColor(*posed.edges, outlined ? IM_COL32_WHITE : Mixed(color, IM_COL32_BLACK, 0.35));
+  SetColor(*posed.edges,
+           outlined ? Mixed(color, IM_COL32_WHITE, 0.8) : Mixed(color, IM_COL32_BLACK, 0.35));
   posed.surface->GetProperty()->SetOpacity(opacity);
-  posed.edges->GetProperty()->SetOpacity(outlined ? 0.8 : 0.35);
-  posed.edges->GetProperty()->SetLineWidth(outlined ? 1.5f : 1.0f);
+  posed.edges->GetProperty()->SetLineWidth(outlined ? 1.3f : 1.0f);
   posed.surface->VisibilityOn();
   posed.edges->VisibilityOn();
 }
@@ -230,7 +232,7 @@ void AnnotateActors::ShowInstances(const AnnotateContent& content) {
     const bool selected = snapshot.selected == instance.id;
     Show(content, instance.model_index,
          pending ? content.pending->scan_from_object : instance.scan_from_object,
-         ObjectColor(ObjectId{number}), selected ? 0.8 : 1.0, selected, instance.id);
+         ObjectColor(ObjectId{number}), 1.0, selected, instance.id);
   }
 }
 
@@ -243,7 +245,11 @@ void AnnotateActors::ShowProposals(const AnnotateContent& content) {
     const auto chosen = static_cast<std::size_t>(
         std::clamp(content.candidate, 0, static_cast<int>(placement->candidates.size()) - 1));
     Show(content, placement->model, placement->candidates[chosen].scan_from_object, colors::kAccent,
-         0.75, true, "");
+         1.0, true, "");
+  }
+  if (content.ghost) {
+    Show(content, content.ghost->model, content.ghost->scan_from_object, colors::kAccent, 0.45,
+         true, "");
   }
   residuals_->VisibilityOff();
   if (snapshot.refinement) ShowResiduals(snapshot, *snapshot.refinement);

@@ -32,21 +32,24 @@ constexpr double kOrbitPerPixel = 0.006;
 constexpr double kResetAzimuth = -0.9, kResetElevation = 0.75;
 constexpr double kCloudCone_px = 5;
 
+/// Of two poses that may be missing.
+template <typename T>
+bool Same(const std::optional<T>& a, const std::optional<T>& b) {
+  if (a.has_value() != b.has_value()) return false;
+  return !a || a->scan_from_object.matrix() == b->scan_from_object.matrix();
+}
+
 class AnnotateScene : public AnnotateSurface {
  public:
   explicit AnnotateScene(bool software_gl)
       : view_(software_gl), actors_(view_.ground(), view_.front(), software_gl) {}
 
   void SetContent(const AnnotateContent& content) override {
-    const bool same_pending =
-        content.pending.has_value() == content_.pending.has_value() &&
-        (!content.pending || (content.pending->id == content_.pending->id &&
-                              content.pending->scan_from_object.matrix() ==
-                                  content_.pending->scan_from_object.matrix()));
-    if (content.version == content_.version && same_pending &&
-        content.candidate == content_.candidate && content.scan == content_.scan &&
-        content.models == content_.models && content.grid == content_.grid &&
-        content.cameras == content_.cameras && content.light == content_.light) {
+    if (content.version == content_.version && Same(content.pending, content_.pending) &&
+        Same(content.ghost, content_.ghost) && content.candidate == content_.candidate &&
+        content.scan == content_.scan && content.models == content_.models &&
+        content.grid == content_.grid && content.cameras == content_.cameras &&
+        content.light == content_.light) {
       return;
     }
     content_ = content;

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drives the real window's Annotate workspace on a private display, through scripts.
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <numbers>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "app/platform/virtual_display.h"
+#include "engine/base/files.h"
+#include "tests/support/annotation_scene.h"
+#include "tests/support/test_data.h"
+
+namespace plumbline {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+class AnnotateWindow : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    auto display = VirtualDisplay::Start(2048, 1200);
+    if (display.ok()) display_ = std::move(display).value();
+  }
+  static void TearDownTestSuite() { display_.reset(); }
+  void SetUp() override {
+    if (display_ == nullptr) GTEST_SKIP() << "Xvfb is not installed; the window is not tested";
+  }
+
+  std::string File(const std::string& name) const { return (folder_.path() / name).string(); }
+  std::string Errors() const { return ReadFile(File("errors.txt")).value(); }
+
+  /// Runs the steps once the scan can be aligned to, seen from above: the middle of the view is
+  /// the origin of the floor, up in the picture is +y.
+  int Run(const std::string& steps, const std::string& path = "scan.ply", bool wait = true) {
+    const std::string first = wait ? R"({"wait_for": {"annotate.aligns": true, "annotate.models": 5,
+        "annotate.busy": ""}}, {"key": "5"}, {"wait_frames": 3},)"
+                                   : "";
+    std::ofstream(File("script.json")) << "{\"steps\": [" << first << steps << "]}";
+    const std::string program = (ProgramFile().parent_path() / "fake_window").string();
+    const std::string command =
+        "cd '" + folder_.path().string() + "' && DISPLAY=" + display_->name() + " timeout 100 '" +
+        program + "' --open " + path + " --size 1200 800 --script script.json 2>errors.txt";
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  json State(const std::string& name) const {
+    const auto state = ReadJson(File(name));
+    EXPECT_TRUE(state.ok()) << Errors();
+    return state.ok() ? (*state)["annotate"] : json::object();
+  }
+  static Eigen::Isometry3d PoseOf(const json& instance) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column) {
+        pose.matrix()(row, column) = instance["scan_from_object"][row][column];
+      }
+    }
+    return pose;
+  }
+
+  // Where things are in the view from above (script: key 5).
+  static constexpr const char* kPlaceArmchair = R"(
+      {"click": "annotate_models.armchair"},
+      {"wait_for": {"annotate.tool": "place"}},
+      {"click": "annotate.view", "at": [0.59, 0.43]},
+      {"wait_for": {"annotate.proposal": "placement", "annotate.running": false}},)";
+  static constexpr const char* kFloor = R"(
+      {"click": "floor.pick"},
+      {"wait_for": {"annotate.tool": "floor"}},
+      {"click": "annotate.view", "at": [0.5, 0.75]},
+      {"wait_for": {"annotate.proposal": "floor"}},
+      {"key": "enter"},
+      {"wait_for": {"annotate.floor_known": true, "annotate.tool": "select"}},
+      {"key": "5"},
+      {"wait_frames": 3},)";
+
+  TemporaryFolder folder_;
+  AnnotationScene scene_ = MakeAnnotationScene(folder_.path());
+  static inline std::unique_ptr<VirtualDisplay> display_;
+};
+
+TEST_F(AnnotateWindow, PlacesAModelByClicksNudgesUndoesSavesAndOpensItAgain) {
+  ASSERT_EQ(Run(std::string(kFloor) + kPlaceArmchair + R"(
+      {"wait_frames": 3},
+      {"key": "down"},
+      {"key": "up"},
+      {"wait_for": {"annotate.candidate": 0}},
+      {"key": "enter"},
+      {"wait_for": {"annotate.instances": 1, "annotate.selected": "armchair_0"}},
+      {"key": "escape"},
+      {"wait_for": {"annotate.tool": "select"}},
+      {"dump_state": "placed.json"},
+      {"key": "d", "shift": true},
+      {"wait_for": {"annotate.undo": "Move armchair_0"}},
+      {"key": "z", "times": 2},
+      {"wait_frames": 10},
+      {"dump_state": "nudged.json"},
+      {"key": "z", "control": true, "times": 3},
+      {"wait_for": {"annotate.undo": "Add armchair_0"}},
+      {"dump_state": "undone.json"},
+      {"key": "y", "control": true, "times": 3},
+      {"wait_for": {"annotate.redo": ""}},
+      {"dump_state": "redone.json"},
+      {"key": "s", "control": true},
+      {"wait_for": {"annotate.modified": false}},
+      {"dump_state": "saved.json"})"),
+            0)
+      << Errors();
+  const Eigen::Isometry3d placed = PoseOf(State("placed.json")["instances"][0]);
+  EXPECT_THAT(placed, IsometryNear(scene_.scan_from_armchair, 0.2, 0.002));
+  // From above, right is +x: 5 cm, then half a degree twice.
+  Eigen::Isometry3d expected = placed;
+  expected.translation().x() += 0.05;
+  expected.linear() =
+      Eigen::AngleAxisd(std::numbers::pi / 180, Eigen::Vector3d::UnitZ()) * expected.linear();
+  EXPECT_THAT(PoseOf(State("nudged.json")["instances"][0]), IsometryNear(expected, 0.001, 1e-4));
+  EXPECT_EQ(State("undone.json")["instances"], State("placed.json")["instances"]);
+  EXPECT_EQ(State("redone.json")["instances"], State("nudged.json")["instances"]);
+  ASSERT_EQ(Run(R"({"dump_state": "again.json"})", "scan.annotation.json"), 0) << Errors();
+  EXPECT_EQ(State("again.json")["instances"], State("saved.json")["instances"]);
+  EXPECT_EQ(State("again.json")["level_from_scan"], State("saved.json")["level_from_scan"]);
+  EXPECT_EQ(State("again.json")["notices"], json::array());
+}
+
+TEST_F(AnnotateWindow, MovesTurnsAndLiftsByTheGizmoOneUndoStepADrag) {
+  ASSERT_EQ(Run(std::string(kFloor) + kPlaceArmchair + R"(
+      {"key": "enter"},
+      {"wait_for": {"annotate.instances": 1}},
+      {"key": "escape"},
+      {"key": "f"},
+      {"wait_frames": 3},
+      {"dump_state": "0.json"},
+      {"drag": "annotate.view", "from": [0.5, 0.5], "to": [0.6, 0.5]},
+      {"wait_for": {"annotate.undo": "Move armchair_0"}},
+      {"wait_frames": 5},
+      {"dump_state": "1.json"},
+      {"key": "z", "control": true},
+      {"wait_for": {"annotate.undo": "Add armchair_0"}},
+      {"wait_frames": 3},
+      {"dump_state": "2.json"})"),
+            0)
+      << Errors();
+  const Eigen::Isometry3d before = PoseOf(State("0.json")["instances"][0]);
+  const Eigen::Isometry3d after = PoseOf(State("1.json")["instances"][0]);
+  EXPECT_GT(after.translation().x(), before.translation().x() + 0.05);
+  EXPECT_NEAR(after.translation().y(), before.translation().y(), 0.02);
+  EXPECT_NEAR(after.translation().z(), before.translation().z(), 1e-12) << "along the floor";
+  EXPECT_THAT(after.linear().isApprox(before.linear(), 1e-12), true);
+  EXPECT_EQ(State("2.json")["instances"], State("0.json")["instances"]);
+}
+
+TEST_F(AnnotateWindow, RefinesAndTakesTypedNumbersAndNotes) {
+  ASSERT_EQ(Run(std::string(kFloor) + kPlaceArmchair + R"(
+      {"key": "enter"},
+      {"wait_for": {"annotate.instances": 1}},
+      {"key": "escape"},
+      {"wait_frames": 2},
+      {"dump_state": "0.json"},
+      {"double_click": "instance.azimuth"},
+      {"text": "55"},
+      {"key": "enter"},
+      {"wait_for": {"annotate.undo": "Move armchair_0"}},
+      {"wait_frames": 3},
+      {"dump_state": "1.json"},
+      {"click": "instance.refine"},
+      {"wait_for": {"annotate.proposal": "refinement", "annotate.running": false}},
+      {"wait_frames": 3},
+      {"screenshot": "refined.png"},
+      {"click": "proposal.accept"},
+      {"wait_for": {"annotate.proposal": ""}},
+      {"wait_frames": 3},
+      {"dump_state": "2.json"},
+      {"click": "instance.note"},
+      {"text": "a leg is hidden"},
+      {"key": "enter"},
+      {"wait_frames": 5},
+      {"click": "instance.coarse"},
+      {"wait_frames": 5},
+      {"click": "annotate_instances.lock.armchair_0"},
+      {"wait_frames": 5},
+      {"dump_state": "3.json"},
+      {"key": "delete"},
+      {"wait_frames": 5},
+      {"dump_state": "4.json"})"),
+            0)
+      << Errors();
+  const auto azimuth = [&](const char* file) {
+    const Eigen::Matrix3d r = PoseOf(State(file)["instances"][0]).linear();
+    return std::atan2(r(1, 0), r(0, 0)) * 180 / std::numbers::pi;
+  };
+  EXPECT_NEAR(azimuth("1.json"), 55, 0.02);
+  EXPECT_THAT(PoseOf(State("2.json")["instances"][0]),
+              IsometryNear(scene_.scan_from_armchair, 0.2, 0.002));
+  const json instance = State("3.json")["instances"][0];
+  EXPECT_EQ(instance["note"], "a leg is hidden");
+  EXPECT_EQ(instance["quality"], "coarse");
+  EXPECT_EQ(instance["locked"], true);
+  EXPECT_EQ(State("4.json")["instances"].size(), 1u) << "a locked object stays";
+}
+
+TEST_F(AnnotateWindow, SaysWhatItRecoveredAndWhatIsWrong) {
+  ASSERT_EQ(Run(std::string(kFloor) + R"({"wait_frames": 2})"), 0) << Errors();  // not saved
+  ASSERT_EQ(Run(R"(
+      {"dump_state": "recovered.json"},
+      {"screenshot": "recovered.png"},
+      {"click": "annotate.dismiss"},
+      {"wait_frames": 5},
+      {"dump_state": "dismissed.json"})"),
+            0)
+      << Errors();
+  const json notices = State("recovered.json")["notices"];
+  ASSERT_EQ(notices.size(), 1u);
+  EXPECT_THAT(notices[0].get<std::string>(), HasSubstr("1 edit recovered"));
+  EXPECT_EQ(State("recovered.json")["undo"], "Set gravity");
+  EXPECT_EQ(State("dismissed.json")["notices"], json::array());
+  std::ofstream(File("broken.ply")) << "ply\nformat nonsense\n";
+  ASSERT_EQ(Run(R"({"wait_for": {"annotate.state": "ready", "annotate.busy": ""}},
+      {"wait_frames": 10}, {"dump_state": "broken.json"})",
+                "broken.ply", false),
+            0)
+      << Errors();
+  ASSERT_FALSE(State("broken.json")["notices"].empty());
+  EXPECT_THAT(State("broken.json")["notices"][0].get<std::string>(), HasSubstr("broken.ply"));
+}
+
+TEST_F(AnnotateWindow, KeepsEveryControlInsideAndSwitchesToInspectAndBack) {
+  for (const auto& [width, height] : {std::pair{1024, 700}, {1600, 1000}}) {
+    ASSERT_EQ(Run(R"(
+      {"resize": [)" +
+                  std::to_string(width) + ", " + std::to_string(height) + R"(]},
+      {"wait_frames": 3},
+      {"screenshot": "window.png"},
+      {"dump_state": "state.json"},
+      {"click": "top.inspect"},
+      {"wait_for": {"workspace": "inspect"}},
+      {"click": "top.annotate"},
+      {"wait_for": {"workspace": "annotate"}})"),
+              0)
+        << Errors();
+    const auto state = ReadJson(File("state.json")).value();
+    for (const auto& [name, rect] : state["widgets"].items()) {
+      if (name.starts_with("annotate_models.")) continue;  // they scroll
+      EXPECT_GE(rect[0], 0) << name;
+      EXPECT_GE(rect[1], 0) << name;
+      EXPECT_LE(rect[2], width) << name;
+      EXPECT_LE(rect[3], height) << name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

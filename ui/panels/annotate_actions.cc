@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/panels/annotate_actions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "ui/framework/annotate_view.h"
+#include "ui/panels/annotate_pose.h"
+
+namespace plumbline {
+namespace {
+
+using Eigen::Vector3d;
+
+// labelCloud's keys for moving, with finer steps; Shift is coarse.
+constexpr double kFine_m = 0.005, kCoarse_m = 0.05;
+constexpr double kFine_rad = 0.5 * std::numbers::pi / 180, kCoarse_rad = 5 * std::numbers::pi / 180;
+
+constexpr std::array kAnnotateShortcuts = {
+    Shortcut{keys::kW, false, false, "W A S D", "Move it along the floor: 5 mm (Shift: 5 cm)",
+             "Move"},
+    Shortcut{keys::kQ, false, false, "Q  E", "Lower, lift it: 5 mm (Shift: 5 cm)", "Move"},
+    Shortcut{keys::kZ, false, false, "Z  X", "Turn it: 0.5\u00b0 (Shift: 5\u00b0)", "Move"},
+    Shortcut{keys::kG, false, false, "G", "Onto the floor", "Move"},
+    Shortcut{keys::kI, false, false, "I", "Refine: align it from where it is", "Align"},
+    Shortcut{keys::kT, false, false, "T", "Try all azimuths", "Align"},
+    Shortcut{keys::kEnter, false, false, "Enter  Esc", "Take, drop what is proposed", "Align"},
+    Shortcut{keys::kUp, false, false, "\u2191  \u2193", "The candidate before, after", "Align"},
+    Shortcut{keys::kH, false, false, "H  L", "Hide, lock it", "Edit"},
+    Shortcut{keys::kDelete, false, false, "Del", "Remove it", "Edit"},
+    Shortcut{keys::kD, false, true, "Ctrl + D", "Duplicate it", "Edit"},
+    Shortcut{keys::kC, false, true, "Ctrl + C  V", "Copy, paste the pose", "Edit"},
+    Shortcut{keys::kZ, false, true, "Ctrl + Z  Y", "Undo, redo", "Edit"},
+    Shortcut{keys::kS, false, true, "Ctrl + S", "Save", "Edit"},
+};
+
+/// One of the six floor directions and turns, for each nudge key.
+struct Nudge {
+  int key;
+  double right, ahead, up, turn;
+};
+constexpr Nudge kNudges[] = {{keys::kW, 0, 1, 0, 0},  {keys::kS, 0, -1, 0, 0},
+                             {keys::kA, -1, 0, 0, 0}, {keys::kD, 1, 0, 0, 0},
+                             {keys::kE, 0, 0, 1, 0},  {keys::kQ, 0, 0, -1, 0},
+                             {keys::kZ, 0, 0, 0, 1},  {keys::kX, 0, 0, 0, -1}};
+
+bool Editable(const FrameContext& context, const InstanceView* instance) {
+  return instance != nullptr && !instance->locked && !context.annotation->read_only;
+}
+
+void PostNudges(const FrameContext& context, const InstanceView& instance, CommandSink& sink) {
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  AnnotateView& view = *context.annotate;
+  const ImGuiIO& io = ImGui::GetIO();
+  const Eigen::Matrix3d eye = context.annotate_scene->camera().view_from_world;
+  Vector3d right = eye.row(0).transpose();
+  right.z() = 0;
+  right.normalize();
+  const Vector3d ahead = Vector3d::UnitZ().cross(right);
+  bool any_down = false;
+  for (const Nudge& nudge : kNudges) {
+    any_down = any_down || ImGui::IsKeyDown(nudge.key);
+    if (io.KeyCtrl || !ImGui::IsKeyPressed(nudge.key, true)) continue;
+    const double step = io.KeyShift ? kCoarse_m : kFine_m;
+    const double turn = nudge.turn * (io.KeyShift ? kCoarse_rad : kFine_rad);
+    Eigen::Isometry3d pose =
+        view.pending ? view.pending->scan_from_object : instance.scan_from_object;
+    pose = Moved(snapshot, pose,
+                 step * (nudge.right * right + nudge.ahead * ahead + nudge.up * Vector3d::UnitZ()));
+    if (turn != 0) pose = Turned(snapshot, pose, Vector3d::UnitZ(), turn);
+    view.pending = PendingPose{instance.id, pose};
+    view.nudged = true;
+  }
+  if (any_down || !view.nudged) return;
+  view.nudged = false;
+  if (view.pending) {
+    sink.Post(SetInstancePoseCommand{view.pending->id, view.pending->scan_from_object});
+  }
+}
+
+/// Keys that answer a proposal; true if there is one.
+bool PostAnswer(const FrameContext& context, CommandSink& sink) {
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  AnnotateView& view = *context.annotate;
+  if (ImGui::IsKeyPressed(keys::kEscape, false)) {
+    if (snapshot.floor || snapshot.placement || snapshot.refinement) {
+      sink.Post(CancelProposalCommand{});
+    } else if (view.tool != AnnotateTool::kSelect) {
+      view.tool = AnnotateTool::kSelect;
+    } else {
+      sink.Post(SelectInstanceCommand{});
+    }
+    return true;
+  }
+  if (!snapshot.floor && !snapshot.placement && !snapshot.refinement) return false;
+  if (ImGui::IsKeyPressed(keys::kEnter, false)) {
+    if (snapshot.floor) {
+      view.tool = AnnotateTool::kSelect;
+      view.reset = true;
+    }
+    sink.Post(AcceptProposalCommand{view.candidate});
+  }
+  if (snapshot.placement) {
+    const int count = static_cast<int>(snapshot.placement->candidates.size());
+    if (ImGui::IsKeyPressed(keys::kDown)) view.candidate = std::min(view.candidate + 1, count - 1);
+    if (ImGui::IsKeyPressed(keys::kUp)) view.candidate = std::max(view.candidate - 1, 0);
+  }
+  return true;
+}
+
+void PostControlKeys(const FrameContext& context, const InstanceView* instance, CommandSink& sink) {
+  const ImGuiIO& io = ImGui::GetIO();
+  AnnotateView& view = *context.annotate;
+  const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
+  if (pressed(keys::kZ)) {
+    if (io.KeyShift) {
+      sink.Post(RedoCommand{});
+    } else {
+      sink.Post(UndoCommand{});
+    }
+  }
+  if (pressed(keys::kY)) sink.Post(RedoCommand{});
+  if (pressed(keys::kS)) sink.Post(SaveProjectCommand{});
+  if (instance == nullptr) return;
+  if (pressed(keys::kC)) view.copied = instance->scan_from_object;
+  if (pressed(keys::kV) && view.copied && Editable(context, instance))
+    sink.Post(SetInstancePoseCommand{instance->id, *view.copied});
+  if (pressed(keys::kD)) Duplicate(context, sink);
+}
+
+}  // namespace
+
+std::span<const Shortcut> AnnotateShortcuts() { return kAnnotateShortcuts; }
+
+void PlaceAgain(const FrameContext& context, CommandSink& sink) {
+  const InstanceView* instance = context.annotation->Selected();
+  if (instance == nullptr) return;
+  context.annotate->candidate = 0;
+  sink.Post(PlaceAgainCommand{instance->id, context.annotate_scene->camera().azimuth_rad,
+                              context.annotate->on_floor});
+}
+
+void Duplicate(const FrameContext& context, CommandSink& sink) {
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  const InstanceView* instance = snapshot.Selected();
+  if (instance == nullptr) return;
+  const AnnotationModel* model = snapshot.Model(instance->model_index);
+  const double beside = model != nullptr ? 1.1 * model->bounds.sizes().head<2>().maxCoeff() : 0.5;
+  sink.Post(DuplicateInstanceCommand{instance->id,
+                                     Moved(snapshot, instance->scan_from_object, {beside, 0, 0})});
+}
+
+void PostAnnotateShortcuts(const FrameContext& context, CommandSink& sink) {
+  if (context.annotation == nullptr || context.annotate_scene == nullptr) return;
+  const ImGuiIO& io = ImGui::GetIO();
+  if (io.WantTextInput || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId)) return;
+  const InstanceView* instance = context.annotation->Selected();
+  if (io.KeyCtrl) return PostControlKeys(context, instance, sink);
+  if (PostAnswer(context, sink)) return;
+  if (instance == nullptr) return;
+  if (Editable(context, instance)) {
+    PostNudges(context, *instance, sink);
+    const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
+    if (pressed(keys::kG)) {
+      const LevelPose pose = ReadPose(*context.annotation, instance->scan_from_object);
+      sink.Post(SetInstancePoseCommand{
+          instance->id, Moved(*context.annotation, instance->scan_from_object, {0, 0, -pose.z})});
+    }
+    if (pressed(keys::kI))
+      sink.Post(RefineInstanceCommand{instance->id, context.annotate->on_floor});
+    if (pressed(keys::kT)) PlaceAgain(context, sink);
+    if (pressed(keys::kDelete)) sink.Post(RemoveInstanceCommand{instance->id});
+  }
+  ChangeInstanceCommand change;
+  change.id = instance->id;
+  if (ImGui::IsKeyPressed(keys::kH, false)) {
+    change.hidden = !instance->hidden;
+    sink.Post(change);
+  } else if (ImGui::IsKeyPressed(keys::kL, false)) {
+    change.locked = !instance->locked;
+    sink.Post(change);
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "engine/snapshot/commands.h"
+#include "ui/framework/frame_context.h"
+#include "ui/framework/shortcuts.h"
+
+namespace plumbline {
+
+// What buttons and keys of the Annotate workspace both do.
+
+/// All azimuths again for the selected object.
+void PlaceAgain(const FrameContext& context, CommandSink& sink);
+/// A copy of the selected object beside it.
+void Duplicate(const FrameContext& context, CommandSink& sink);
+
+/// For the help sheet.
+std::span<const Shortcut> AnnotateShortcuts();
+/// What the keys that went down in this ImGui frame ask for. Nudges are shown at once and become
+/// one edit when the keys are let go.
+void PostAnnotateShortcuts(const FrameContext& context, CommandSink& sink);
+
+}  // namespace plumbline

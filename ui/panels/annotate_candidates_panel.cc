@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ui/framework/annotate_view.h"
+#include "ui/framework/widgets.h"
+#include "ui/panels/annotate_panels.h"
+#include "ui/panels/annotate_pose.h"
+
+namespace plumbline {
+namespace {
+
+class AnnotateCandidatesPanel : public Panel {
+ public:
+  const char* Id() const override { return "annotate_candidates"; }
+  const char* Title() const override { return "Which way round?"; }
+  const char* Help() const override {
+    return "24 azimuths were tried, each aligned to the scan; these are the different results, the "
+           "best first. Up and down or a click choose one, Enter or a double click takes it.";
+  }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    const PlacementView& placement = *context.annotation->placement;
+    if (placement.running) {
+      return EmptyState(context, "Trying 24 azimuths", "Each is aligned to the scan. Esc stops.");
+    }
+    if (!placement.problem.empty()) {
+      ImGui::PushStyleColor(ImGuiCol_Text, colors::kWarning);
+      ImGui::TextWrapped("%s. It can be placed as it is and aligned by hand.",
+                         placement.problem.c_str());
+      ImGui::PopStyleColor();
+    } else {
+      const char* symmetric =
+          placement.symmetry_order == 0  ? "  The model is round: its azimuth means nothing."
+          : placement.symmetry_order > 1 ? "  The model looks the same from several sides."
+                                         : "";
+      SmallText(context, colors::kDimText, "%zu found in %.2f s.%s", placement.candidates.size(),
+                placement.seconds, symmetric);
+    }
+    const float buttons = ImGui::GetFrameHeight() + context.Scaled(14);
+    ImGui::BeginChild("candidates", {0, ImGui::GetContentRegionAvail().y - buttons});
+    for (int i = 0; i < static_cast<int>(placement.candidates.size()); ++i) {
+      DrawCandidate(context, i, sink);
+    }
+    ImGui::EndChild();
+    ImGui::Dummy({0, context.Scaled(2)});
+    ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
+    if (Button(context, "proposal.accept", "Place it", "Enter takes the chosen one, too.")) {
+      sink.Post(AcceptProposalCommand{context.annotate->candidate});
+    }
+    ImGui::PopStyleColor();
+    ImGui::SameLine();
+    if (Button(context, "proposal.cancel", "Drop it", "Esc drops it, too.")) {
+      sink.Post(CancelProposalCommand{});
+    }
+  }
+
+ private:
+  static void DrawCandidate(const FrameContext& context, int index, CommandSink& sink) {
+    const PlacementCandidate& candidate =
+        context.annotation->placement->candidates[static_cast<std::size_t>(index)];
+    int& chosen = context.annotate->candidate;
+    const std::string name = fmt::format("candidate.{}", index);
+    const float width = ImGui::GetContentRegionAvail().x;
+    const float picture_width = std::min(0.55f * width, context.Scaled(150));
+    const float height = 0.75f * picture_width;
+    const ImVec2 low = ImGui::GetCursorScreenPos();
+    if (ImGui::InvisibleButton(name.c_str(), {width, height})) chosen = index;
+    if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
+      sink.Post(AcceptProposalCommand{index});
+    }
+    LogItem(context, name);
+    ImDrawList& draw = *ImGui::GetWindowDrawList();
+    const ImVec2 high(low.x + width, low.y + height);
+    const bool is_chosen = chosen == index;
+    draw.AddRectFilled(low, high, is_chosen ? colors::kAccentDim : colors::kInset,
+                       context.Scaled(5));
+    if (context.textures != nullptr && !candidate.picture.empty()) {
+      const ImTextureID texture = context.textures->Get(name, context.annotation->proposal_number,
+                                                        [&] { return candidate.picture; });
+      draw.AddImageRounded(texture, low, {low.x + picture_width, high.y}, {0, 0}, {1, 1},
+                           IM_COL32_WHITE, context.Scaled(5));
+    }
+    if (is_chosen || ImGui::IsItemHovered()) {
+      draw.AddRect(low, high, is_chosen ? colors::kAccent : colors::kFaint, context.Scaled(5), 0,
+                   context.Scaled(is_chosen ? 2 : 1));
+    }
+    float y = low.y + context.Scaled(8);
+    const float x = low.x + picture_width + context.Scaled(10);
+    ImFont& font = *context.fonts.small;
+    const auto line = [&](ImU32 color, const std::string& text) {
+      draw.PushClipRect(low, high, true);
+      draw.AddText(&font, font.FontSize, {x, y}, color, text.c_str());
+      draw.PopClipRect();
+      y += font.FontSize + context.Scaled(4);
+    };
+    line(colors::kText,
+         fmt::format("azimuth {:.1f}\u00b0", candidate.azimuth_rad * kDegreesPerRadian));
+    const ImU32 dim = is_chosen ? colors::kText : colors::kDimText;
+    line(dim, fmt::format("fits {:.0f} %", 100 * candidate.fitness));
+    line(dim, fmt::format("{:.1f} mm rms", 1000 * candidate.rmse_m));
+    if (candidate.position_std_m > 0) {
+      line(dim, fmt::format("\u00b1 {:.1f} mm, {:.2f}\u00b0", 1000 * candidate.position_std_m,
+                            candidate.azimuth_std_rad * kDegreesPerRadian));
+    }
+    if (candidate.same_by_symmetry) line(colors::kWarning, "same shape");
+    Tooltip(context,
+            "Fits: share of the model's surface that has scan within 2 cm; the back is "
+            "often not scanned. Then the distance of the scan points from the model, and "
+            "how well place and azimuth are known.");
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeAnnotateCandidatesPanel() {
+  return std::make_unique<AnnotateCandidatesPanel>();
+}
+
+}  // namespace plumbline

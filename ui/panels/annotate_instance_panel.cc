@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "ui/framework/annotate_view.h"
+#include "ui/framework/widgets.h"
+#include "ui/panels/annotate_actions.h"
+#include "ui/panels/annotate_panels.h"
+#include "ui/panels/annotate_pose.h"
+
+namespace plumbline {
+namespace {
+
+class AnnotateInstancePanel : public Panel {
+ public:
+  const char* Id() const override { return "annotate_instance"; }
+  const char* Title() const override { return "Object"; }
+  const char* Help() const override {
+    return "The selected object. Drag it in the scan to move it along the floor, its ring to turn "
+           "it, its arrow to lift it; or type numbers here.";
+  }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    const InstanceView* instance = context.annotation->Selected();
+    if (instance == nullptr) {
+      return EmptyState(context, "Nothing is selected",
+                        "Click an object in the scan or in the list.");
+    }
+    ImGui::BeginChild("instance", {0, 0});
+    DrawName(context, *instance, sink);
+    ImGui::BeginDisabled(instance->locked || context.annotation->read_only);
+    DrawPose(context, *instance, sink);
+    ImGui::Dummy({0, context.Scaled(2)});
+    DrawActions(context, *instance, sink);
+    ImGui::EndDisabled();
+    DrawQuality(context, *instance, sink);
+    DrawNote(context, *instance, sink);
+    ImGui::EndChild();
+  }
+
+ private:
+  void DrawName(const FrameContext& context, const InstanceView& instance, CommandSink& sink) {
+    if (shown_ != instance.id) {
+      shown_ = instance.id;
+      std::snprintf(name_, sizeof(name_), "%s", instance.id.c_str());
+      std::snprintf(note_, sizeof(note_), "%s", instance.note.c_str());
+    }
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+    ImGui::InputText("##instance.name", name_, sizeof(name_), ImGuiInputTextFlags_AutoSelectAll);
+    LogItem(context, "instance.name");
+    Tooltip(context, "Its name, unique in the project.");
+    if (ImGui::IsItemDeactivatedAfterEdit() && instance.id != name_) {
+      ChangeInstanceCommand change;
+      change.id = instance.id;
+      change.new_id = name_;
+      sink.Post(change);
+      shown_.clear();
+    }
+    const char* category = instance.category.empty() ? "" : instance.category.c_str();
+    SmallText(context, colors::kDimText, "%s \u00b7 %s", instance.model.c_str(), category);
+    if (instance.model_index < 0) {
+      SmallText(context, colors::kBad, "The database has no model of this name.");
+    }
+  }
+
+  static void DrawPose(const FrameContext& context, const InstanceView& instance,
+                       CommandSink& sink) {
+    const AnnotationSnapshot& snapshot = *context.annotation;
+    const auto& pending = context.annotate->pending;
+    const Eigen::Isometry3d& pose = pending && pending->id == instance.id
+                                        ? pending->scan_from_object
+                                        : instance.scan_from_object;
+    const LevelPose level = ReadPose(snapshot, pose);
+    const float unit = context.Scaled(76);
+    // A typed number becomes an edit when it is left, not at every digit.
+    const auto number = [&](const char* name, const char* label, const char* suffix, double value,
+                            const char* format, const char* help) -> std::optional<double> {
+      ImGui::AlignTextToFramePadding();
+      DimText("%s", label);
+      ImGui::SameLine(unit);
+      ImGui::SetNextItemWidth(context.Scaled(104));
+      double typed = value;
+      ImGui::InputDouble((std::string("##") + name).c_str(), &typed, 0, 0, format,
+                         ImGuiInputTextFlags_AutoSelectAll);
+      const bool done = ImGui::IsItemDeactivatedAfterEdit();
+      LogItem(context, name);
+      Tooltip(context, help);
+      ImGui::SameLine(0, context.Scaled(6));
+      DimText("%s", suffix);
+      return done ? std::optional(typed) : std::nullopt;
+    };
+    const auto post = [&](const Eigen::Isometry3d& changed) {
+      sink.Post(SetInstancePoseCommand{instance.id, changed});
+    };
+    if (const auto x = number("instance.x", "x", "m", level.x, "%.4f", "In the level frame."))
+      post(Moved(snapshot, pose, {*x - level.x, 0, 0}));
+    if (const auto y = number("instance.y", "y", "m", level.y, "%.4f", "In the level frame."))
+      post(Moved(snapshot, pose, {0, *y - level.y, 0}));
+    if (const auto z = number("instance.z", "Height", "m", level.z, "%.4f",
+                              "Of the object's foot above the floor."))
+      post(Moved(snapshot, pose, {0, 0, *z - level.z}));
+    ImGui::SameLine();
+    if (Button(context, "instance.floor", "Floor", "Puts it onto the floor (G)."))
+      post(Moved(snapshot, pose, {0, 0, -level.z}));
+    const double degrees = level.azimuth_rad * kDegreesPerRadian;
+    if (const auto azimuth = number("instance.azimuth", "Azimuth", "\u00b0", degrees, "%.2f",
+                                    "About up: where its front (+x) points."))
+      post(Turned(snapshot, pose, {0, 0, 1}, (*azimuth - degrees) / kDegreesPerRadian));
+    DrawTilt(context, instance, level.tilt_rad, sink);
+  }
+
+  static void DrawTilt(const FrameContext& context, const InstanceView& instance, double tilt_rad,
+                       CommandSink& sink) {
+    ImGui::AlignTextToFramePadding();
+    DimText("Tilt");
+    ImGui::SameLine(context.Scaled(76));
+    ImGui::AlignTextToFramePadding();
+    ImGui::Text("%.2f\u00b0", tilt_rad * kDegreesPerRadian);
+    ImGui::SameLine(context.Scaled(146));
+    Toggle(context, "instance.tilt", context.annotate->tilt ? "unlocked" : "locked",
+           context.annotate->tilt,
+           "Upright is what keeps poses true. Unlocked, two more rings tilt the object.");
+    if (tilt_rad < 1e-5) return;
+    ImGui::SameLine();
+    if (Button(context, "instance.upright", "Upright", "Takes the tilt away.")) {
+      sink.Post(SetInstancePoseCommand{instance.id,
+                                       Upright(*context.annotation, instance.scan_from_object)});
+    }
+  }
+
+  static void DrawActions(const FrameContext& context, const InstanceView& instance,
+                          CommandSink& sink) {
+    AnnotateView& view = *context.annotate;
+    ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
+    if (Button(context, "instance.refine", "Refine",
+               "Aligns it to the scan from where it is (I).")) {
+      sink.Post(RefineInstanceCommand{instance.id, view.on_floor});
+    }
+    ImGui::PopStyleColor();
+    ImGui::SameLine(0, context.Scaled(6));
+    if (Button(context, "instance.again", "Try azimuths", "All ways round again, to choose (T).")) {
+      PlaceAgain(context, sink);
+    }
+    ImGui::SameLine(0, context.Scaled(12));
+    ImGui::Checkbox("On floor", &view.on_floor);
+    LogItem(context, "instance.on_floor");
+    Tooltip(context, "What stands on the floor keeps its height while it is aligned.");
+    if (Button(context, "instance.duplicate", "Duplicate", "A copy beside it (Ctrl + D)."))
+      Duplicate(context, sink);
+    ImGui::SameLine(0, context.Scaled(6));
+    if (Button(context, "instance.copy", "Copy pose", "Ctrl + C"))
+      view.copied = instance.scan_from_object;
+    ImGui::SameLine(0, context.Scaled(6));
+    ImGui::BeginDisabled(!view.copied);
+    if (Button(context, "instance.paste", "Paste", "Ctrl + V: this object takes the copied pose."))
+      sink.Post(SetInstancePoseCommand{instance.id, *view.copied});
+    ImGui::EndDisabled();
+    ImGui::SameLine(0, context.Scaled(6));
+    if (Button(context, "instance.delete", "Delete", "Del; Undo brings it back."))
+      sink.Post(RemoveInstanceCommand{instance.id});
+  }
+
+  static void DrawQuality(const FrameContext& context, const InstanceView& instance,
+                          CommandSink& sink) {
+    ImGui::Dummy({0, context.Scaled(2)});
+    ImGui::AlignTextToFramePadding();
+    DimText("Quality");
+    ImGui::SameLine(context.Scaled(76));
+    for (const bool fine : {true, false}) {
+      bool on = instance.fine == fine;
+      if (Toggle(context, fine ? "instance.fine" : "instance.coarse", fine ? "fine" : "coarse", on,
+                 fine ? "The scan shows it well: counts in mean errors."
+                      : "Roughly right: counts apart.") &&
+          on) {
+        ChangeInstanceCommand change;
+        change.id = instance.id;
+        change.fine = fine;
+        sink.Post(change);
+      }
+      ImGui::SameLine(0, context.Scaled(3));
+    }
+    ImGui::NewLine();
+    const int seconds = static_cast<int>(instance.seconds_spent);
+    SmallText(context, colors::kDimText, "%s%s%d min %02d s spent",
+              instance.annotator.empty() ? "" : instance.annotator.c_str(),
+              instance.annotator.empty() ? "" : ", ", seconds / 60, seconds % 60);
+  }
+
+  void DrawNote(const FrameContext& context, const InstanceView& instance, CommandSink& sink) {
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+    ImGui::InputTextWithHint("##instance.note", "Note", note_, sizeof(note_));
+    LogItem(context, "instance.note");
+    Tooltip(context, "Whatever others should know about this object.");
+    if (!ImGui::IsItemDeactivatedAfterEdit() || instance.note == note_) return;
+    ChangeInstanceCommand change;
+    change.id = instance.id;
+    change.note = note_;
+    sink.Post(change);
+  }
+
+  std::string shown_;  ///< Whose name and note are in the fields.
+  char name_[96] = "", note_[256] = "";
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeAnnotateInstancePanel() {
+  return std::make_unique<AnnotateInstancePanel>();
+}
+
+}  // namespace plumbline

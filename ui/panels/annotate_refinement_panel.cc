@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/framework/annotate_view.h"
+#include "ui/framework/residual_color.h"
+#include "ui/framework/widgets.h"
+#include "ui/panels/annotate_panels.h"
+#include "ui/panels/annotate_pose.h"
+
+namespace plumbline {
+namespace {
+
+void Row(const char* name, const std::string& value, const std::string& more = "") {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  DimText("%s", name);
+  ImGui::TableNextColumn();
+  ImGui::TextUnformatted(value.c_str());
+  ImGui::TableNextColumn();
+  DimText("%s", more.c_str());
+}
+
+class AnnotateRefinementPanel : public Panel {
+ public:
+  const char* Id() const override { return "annotate_refinement"; }
+  const char* Title() const override { return "Refine"; }
+  const char* Help() const override {
+    return "The model is aligned to the scan from where it is, upright all the while. Colours show "
+           "how far its surface is from the scan.";
+  }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    const RefinementView& refinement = *context.annotation->refinement;
+    ImGui::BeginChild("refinement", {0, 0});
+    ImGui::TextUnformatted(refinement.instance.c_str());
+    ImGui::SameLine();
+    DimText("%s", !refinement.problem.empty() ? ""
+                  : refinement.running
+                      ? fmt::format("iteration {} ...", refinement.iteration).c_str()
+                  : refinement.converged
+                      ? fmt::format("converged after {} iterations", refinement.iteration).c_str()
+                      : fmt::format("stopped after {} iterations", refinement.iteration).c_str());
+    if (!refinement.problem.empty()) {
+      ImGui::PushStyleColor(ImGuiCol_Text, colors::kWarning);
+      ImGui::TextWrapped("%s", refinement.problem.c_str());
+      ImGui::PopStyleColor();
+    }
+    ImGui::Dummy({0, context.Scaled(2)});
+    if (ImGui::BeginTable("refinement.table", 3, ImGuiTableFlags_SizingFixedFit)) {
+      Row("Azimuth", fmt::format("{:+.2f}\u00b0", refinement.azimuth_rad * kDegreesPerRadian),
+          refinement.azimuth_std_rad > 0
+              ? fmt::format("\u00b1 {:.2f}\u00b0", refinement.azimuth_std_rad * kDegreesPerRadian)
+              : "");
+      Row("Along the floor", fmt::format("{:.1f} mm", 1000 * refinement.horizontal_m),
+          refinement.position_std_m > 0
+              ? fmt::format("\u00b1 {:.1f} mm", 1000 * refinement.position_std_m)
+              : "");
+      Row("Height",
+          fmt::format("{:+.1f} mm",
+                      1000 * (std::abs(refinement.height_m) < 5e-5 ? 0.0 : refinement.height_m)));
+      Row("Fits", fmt::format("{:.0f} %", 100 * refinement.fitness),
+          fmt::format("was {:.0f} %", 100 * refinement.fitness_before));
+      Row("Distance", fmt::format("{:.1f} mm rms", 1000 * refinement.rmse_m),
+          fmt::format("was {:.1f}", 1000 * refinement.rmse_before_m));
+      ImGui::EndTable();
+    }
+    ImGui::Dummy({0, context.Scaled(4)});
+    DrawLegend(context);
+    ImGui::Dummy({0, context.Scaled(6)});
+    ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
+    if (Button(context, "proposal.accept", "Take it", "Enter takes it, too, as one edit.")) {
+      sink.Post(AcceptProposalCommand{});
+    }
+    ImGui::PopStyleColor();
+    ImGui::SameLine();
+    if (Button(context, "proposal.cancel", "Back", "Leaves it where it was (Esc).")) {
+      sink.Post(CancelProposalCommand{});
+    }
+    ImGui::EndChild();
+  }
+
+ private:
+  static void DrawLegend(const FrameContext& context) {
+    const ImVec2 low = ImGui::GetCursorScreenPos();
+    const float width = std::min(ImGui::GetContentRegionAvail().x, context.Scaled(230));
+    const float height = context.Scaled(10);
+    ImDrawList& draw = *ImGui::GetWindowDrawList();
+    constexpr int kSteps = 32;
+    for (int i = 0; i < kSteps; ++i) {
+      const float a = static_cast<float>(i) / kSteps, b = static_cast<float>(i + 1) / kSteps;
+      draw.AddRectFilled({low.x + a * width, low.y}, {low.x + b * width, low.y + height},
+                         ResidualColor(a * kWorstResidual_m));
+    }
+    ImGui::Dummy({width, height});
+    SmallText(context, colors::kDimText, "0");
+    ImGui::SameLine(0.5f * width - context.Scaled(8));
+    SmallText(context, colors::kDimText, "%.0f", 500 * kWorstResidual_m);
+    ImGui::SameLine(width - context.Scaled(36));
+    SmallText(context, colors::kDimText, "%.0f mm", 1000 * kWorstResidual_m);
+    const ImVec2 grey = ImGui::GetCursorScreenPos();
+    draw.AddRectFilled({grey.x, grey.y + context.Scaled(3)},
+                       {grey.x + height, grey.y + context.Scaled(3) + height}, ResidualColor(-1));
+    ImGui::SetCursorScreenPos({grey.x + height + context.Scaled(6), grey.y});
+    SmallText(context, colors::kDimText, "no scan within 10 cm");
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeAnnotateRefinementPanel() {
+  return std::make_unique<AnnotateRefinementPanel>();
+}
+
+}  // namespace plumbline
