@@ -48,6 +48,8 @@ nlohmann::json ToJson(const FloorPlane& floor) {
           {"world_from_scan", IsometryToJson(floor.WorldFromScan())},
           {"inliers", floor.inliers.size()},
           {"rmse_m", floor.rmse_m},
+          {"guessed", floor.guessed},
+          {"rival", floor.rival},
           {"normal_std_deg", floor.normal_std_rad * 180 / std::numbers::pi}};
 }
 
@@ -72,6 +74,12 @@ Status FindGravity(const GravityArguments& arguments) {
     std::printf("gravity %.6f,%.6f,%.6f   floor at %.4f m along up   %zu points, %.1f mm rms\n",
                 gravity.x(), gravity.y(), gravity.z(), -floor->offset_m, floor->inliers.size(),
                 1e3 * floor->rmse_m);
+    if (floor->guessed) {
+      std::printf(
+          "Guessed from the surfaces alone (evidence for another direction: %.0f %%): look "
+          "at it, or give --near, --up or --trajectory.\n",
+          100 * floor->rival);
+    }
   }
   if (arguments.json.empty()) return {};
   return WriteJsonResult(arguments.json, ToJson(*floor));
@@ -88,7 +96,7 @@ void AddGravityVerb(CLI::App& app, VerbFunction& chosen) {
       ->type_name("SCAN.ply");
   verb->add_option("--near", arguments->near,
                    "A point on the floor to grow it from; without one the widest plane with the "
-                   "scene on one side is taken, which may be a wall")
+                   "scene on one side is taken, to which the other surfaces stand square")
       ->type_name("x,y,z");
   verb->add_option("--trajectory", arguments->trajectory,
                    "Camera poses in the scan's frame (TUM): cameras are above the floor and held "

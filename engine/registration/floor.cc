@@ -145,6 +145,86 @@ Result<FloorPlane> Finish(const ScanTarget& scan, Plane plane, const FloorHints&
   return floor;
 }
 
+struct ScoredPlane {
+  Plane plane;
+  double score = 0;
+};
+
+/// The plane of most points with the scene on one side, for each direction; best first, three at
+/// most.
+std::vector<ScoredPlane> WidePlanes(const OrientedPoints& points, const FloorHints& hints,
+                                    const FloorOptions& options) {
+  constexpr int kTries = 600;
+  constexpr double kSameDirection = 0.8;
+  std::vector<ScoredPlane> planes;
+  Random random({.seed = 1});
+  for (int i = 0; i < kTries; ++i) {
+    const auto k = random.Index(static_cast<std::uint32_t>(points.points.size()));
+    Plane plane{points.normals[k].cast<double>(), 0};
+    if (!(plane.normal.norm() > 0.5)) continue;
+    if (hints.up_in_scan && std::abs(plane.normal.dot(*hints.up_in_scan)) < kLeastHint) continue;
+    plane.offset = -plane.normal.dot(points.points[k].cast<double>());
+    plane = FacingTheScene(points, plane, hints);
+    std::size_t on = 0, above = 0, below = 0;
+    for (std::size_t j = 0; j < points.points.size(); ++j) {
+      const double distance = plane.Distance(points.points[j]);
+      if (Lies(points, j, plane, options.thickness_m)) {
+        ++on;
+      } else if (std::abs(distance) > 2 * options.thickness_m) {
+        ++(distance > 0 ? above : below);
+      }
+    }
+    // A table's top is wide, too, but has the floor and its legs below.
+    const double one_sided =
+        static_cast<double>(above) / static_cast<double>(std::max<std::size_t>(1, above + below));
+    const double score = static_cast<double>(on) * std::pow(one_sided, 8);
+    const auto same = std::find_if(planes.begin(), planes.end(), [&](const ScoredPlane& other) {
+      return std::abs(other.plane.normal.dot(plane.normal)) > kSameDirection;
+    });
+    if (same == planes.end()) {
+      planes.push_back({plane, score});
+    } else if (score > same->score) {
+      *same = {plane, score};
+    }
+  }
+  std::erase_if(planes, [](const ScoredPlane& plane) { return !(plane.score > 0); });
+  std::stable_sort(planes.begin(), planes.end(),
+                   [](const ScoredPlane& a, const ScoredPlane& b) { return a.score > b.score; });
+  if (planes.size() > 3) planes.resize(3);
+  return planes;
+}
+
+/// Tells the floor from bare walls by everything else: whatever way furniture is turned, its sides
+/// stand across the floor and its tops lie along it, while to a wall they may stand at any angle.
+void WeighByTheRest(const OrientedPoints& points, double thickness_m,
+                    std::vector<ScoredPlane>& planes) {
+  constexpr float kAlong = 0.94f, kAcross = 0.2f;  // 20 and 78 degrees
+  constexpr std::size_t kFewest = 200;
+  std::vector<std::size_t> rest;
+  for (std::size_t i = 0; i < points.points.size(); ++i) {
+    const bool on_any =
+        std::any_of(planes.begin(), planes.end(), [&](const ScoredPlane& candidate) {
+          return std::abs(candidate.plane.Distance(points.points[i])) < 2 * thickness_m;
+        });
+    if (!on_any && points.normals[i].norm() > 0.5f) rest.push_back(i);
+  }
+  if (rest.size() < kFewest) return;
+  // The more there is of the rest, the more it tells.
+  const double trust = std::min(
+      6.0, 12.0 * static_cast<double>(rest.size()) / static_cast<double>(points.points.size()));
+  for (ScoredPlane& candidate : planes) {
+    const Eigen::Vector3f normal = candidate.plane.normal.cast<float>();
+    const auto square = std::count_if(rest.begin(), rest.end(), [&](std::size_t i) {
+      const float cosine = std::abs(points.normals[i].dot(normal));
+      return cosine > kAlong || cosine < kAcross;
+    });
+    candidate.score *=
+        std::pow(static_cast<double>(square) / static_cast<double>(rest.size()), trust);
+  }
+  std::stable_sort(planes.begin(), planes.end(),
+                   [](const ScoredPlane& a, const ScoredPlane& b) { return a.score > b.score; });
+}
+
 }  // namespace
 
 Eigen::Isometry3d FloorPlane::WorldFromScan() const {
@@ -191,42 +271,20 @@ Result<FloorPlane> FitFloorFrom(const ScanTarget& scan, const Eigen::Vector3d& s
 Result<FloorPlane> FindFloor(const ScanTarget& scan, const FloorHints& hints,
                              const FloorOptions& options) {
   constexpr float kVoxel_m = 0.06f;
-  constexpr int kTries = 600;
   const OrientedPoints points =
       Select(scan.points(), VoxelSample(scan.points().points, kVoxel_m, 20'000));
-  std::optional<Plane> best;
-  double best_score = 0;
-  Random random({.seed = 1});
-  for (int i = 0; i < kTries; ++i) {
-    const auto k = random.Index(static_cast<std::uint32_t>(points.points.size()));
-    Plane plane{points.normals[k].cast<double>(), 0};
-    if (!(plane.normal.norm() > 0.5)) continue;
-    if (hints.up_in_scan && std::abs(plane.normal.dot(*hints.up_in_scan)) < kLeastHint) continue;
-    plane.offset = -plane.normal.dot(points.points[k].cast<double>());
-    plane = FacingTheScene(points, plane, hints);
-    std::size_t on = 0, above = 0, below = 0;
-    for (std::size_t j = 0; j < points.points.size(); ++j) {
-      const double distance = plane.Distance(points.points[j]);
-      if (Lies(points, j, plane, options.thickness_m)) {
-        ++on;
-      } else if (std::abs(distance) > 2 * options.thickness_m) {
-        ++(distance > 0 ? above : below);
-      }
-    }
-    // A table's top is wide, too, but has the floor and its legs below.
-    const double one_sided =
-        static_cast<double>(above) / static_cast<double>(std::max<std::size_t>(1, above + below));
-    const double score = static_cast<double>(on) * std::pow(one_sided, 8);
-    if (score > best_score) {
-      best_score = score;
-      best = plane;
-    }
-  }
-  if (!best) {
+  std::vector<ScoredPlane> planes = WidePlanes(points, hints, options);
+  if (planes.empty()) {
     return Error{ErrorCode::kDegenerate,
                  "the scan has no plane that could be a floor; give a point on it"};
   }
-  return Finish(scan, *best, hints, options.thickness_m);
+  const bool guessed = hints.camera_centers.empty() && !hints.up_in_scan;
+  if (guessed) WeighByTheRest(points, options.thickness_m, planes);
+  Result<FloorPlane> floor = Finish(scan, planes[0].plane, hints, options.thickness_m);
+  if (!floor) return floor;
+  floor->guessed = guessed;
+  if (planes.size() > 1) floor->rival = planes[1].score / planes[0].score;
+  return floor;
 }
 
 std::optional<Eigen::Vector3d> UpOfCameras(const std::vector<Eigen::Isometry3d>& scan_from_cam) {

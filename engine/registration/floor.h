@@ -17,6 +17,9 @@ struct FloorPlane {
   std::vector<int> inliers;             ///< Indices of scan points, rising.
   double rmse_m = 0;                    ///< Of the inliers' distances to the plane.
   double normal_std_rad = 0;            ///< Of the direction, if the distances are independent.
+  /// Nothing was known but the scan: a wall may have been taken for the floor.
+  bool guessed = false;
+  double rival = 0;  ///< Evidence for the next best direction, as a share of this one's.
 
   /// z up, floor at z = 0, heading as of UprightFrame; no shift along the floor.
   Eigen::Isometry3d WorldFromScan() const;
@@ -40,8 +43,8 @@ Result<FloorPlane> FitFloorFrom(const ScanTarget& scan, const Eigen::Vector3d& s
                                 const FloorHints& hints = {}, const FloorOptions& options = {});
 
 /// The widest plane that has the scene on one side (and, with a hint, lies across it). Without
-/// hints a bare wall may win over the floor: look at the result. Errors: kDegenerate without any
-/// plane.
+/// hints it is told from bare walls by how the rest of the surfaces stands to it; what is
+/// `guessed` so should be looked at. Errors: kDegenerate without any plane.
 Result<FloorPlane> FindFloor(const ScanTarget& scan, const FloorHints& hints = {},
                              const FloorOptions& options = {});
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/registration/floor.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "engine/base/random.h"
@@ -74,6 +76,52 @@ TEST(Floor, IsFoundWithoutASeed) {
     const auto floor = FindFloor(**target);
     ASSERT_TRUE(floor.ok()) << floor.error().message;
     EXPECT_LT(TiltDeg(room, *floor), 0.03);
+  }
+}
+
+/// A narrow strip of floor before a high bare wall, and boxes on it that are turned anyhow.
+Room MakeCorridor(std::uint64_t seed) {
+  Room room = MakeRoom(seed);
+  room.scan.vertices.clear();
+  Random random({.seed = 100 + seed});
+  const auto add = [&](const Eigen::Vector3d& corner, const Eigen::Vector3d& a,
+                       const Eigen::Vector3d& b) {
+    const int count = static_cast<int>(2000 * a.cross(b).norm());
+    for (int i = 0; i < count; ++i) {
+      const Eigen::Vector3d noise(random.Gaussian(), random.Gaussian(), random.Gaussian());
+      const Eigen::Vector3d point =
+          corner + random.Uniform() * a + random.Uniform() * b + 0.004 * noise;
+      room.scan.vertices.push_back((room.scan_from_world * point).cast<float>());
+    }
+  };
+  add({0, 0, 0}, {5, 0, 0}, {0, 1.4, 0});
+  add({0, 0, 0}, {5, 0, 0}, {0, 0, 2.6});
+  for (int box = 0; box < 4; ++box) {
+    const double turn = random.Uniform(0.2, 1.3), height = random.Uniform(0.4, 0.9);
+    const Eigen::Vector3d a(0.5 * std::cos(turn), 0.5 * std::sin(turn), 0),
+        b(-0.4 * std::sin(turn), 0.4 * std::cos(turn), 0), up(0, 0, height),
+        corner(0.6 + 1.1 * box, 0.4, 0);
+    add(corner, a, up);
+    add(corner, b, up);
+    add(corner + a, b, up);
+    add(corner + up, a, b);
+  }
+  return room;
+}
+
+TEST(Floor, IsNotABareWall) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    const Room room = MakeCorridor(seed);
+    const auto target = ScanTarget::Prepare(room.scan);
+    ASSERT_TRUE(target.ok());
+    const auto floor = FindFloor(**target);
+    ASSERT_TRUE(floor.ok()) << floor.error().message;
+    EXPECT_LT(TiltDeg(room, *floor), 0.1) << seed;
+    EXPECT_TRUE(floor->guessed);
+    EXPECT_LT(floor->rival, 0.5);
+    FloorHints hints;
+    hints.up_in_scan = floor->up_in_scan;
+    EXPECT_FALSE(FindFloor(**target, hints)->guessed);
   }
 }
 
