@@ -87,6 +87,14 @@ struct Times {
   int count = 0, classic_count = 0;
 };
 
+ViewpointModelOptions BenchOptions() {
+  ViewpointModelOptions o;
+  auto get=[](const char*n,double d){const char*v=getenv(n);return v?atof(v):d;};
+  o.azimuths=(int)get("AZ",o.azimuths);o.elevations=(int)get("EL",o.elevations);o.points=(int)get("PT",o.points);o.image_px=(int)get("PX",o.image_px);o.contour_step_m=get("ST",o.contour_step_m);o.inner_weight=get("IW",o.inner_weight);o.crease_angle_deg=get("CR",o.crease_angle_deg);
+  if(getenv("DI")) o.distances={1.25,1.6,2.0,2.8,4.0,8.0};
+  return o;
+}
+
 class Benchmark {
  public:
   void Prepare() {
@@ -98,7 +106,7 @@ class Benchmark {
     for (const char* name : {"chair", "armchair", "table"}) {
       const ModelId id = *database_->Find(name);
       views[static_cast<std::size_t>(id.value)] =
-          ViewpointModel::Build(database_->model(id), {}, {}).value();
+          ViewpointModel::Build(database_->model(id), BenchOptions(), {}).value();
       models_.push_back(id);
     }
     fast_ = std::make_unique<ViewpointScorer>(views, database_);

@@ -41,6 +41,7 @@ Outcome RunProgram(const std::string& arguments) {
   return outcome;
 }
 
+/// Those of this build: without the window there is nothing behind `gui` and `render`.
 std::set<std::string> Commands() {
   std::istringstream help(RunProgram("--help").output);
   std::set<std::string> commands;
@@ -49,7 +50,8 @@ std::set<std::string> Commands() {
     static const std::regex kCommand("^  ([a-z]+)( |$)");
     std::smatch match;
     if (line.starts_with("Subcommands:")) listing = true;
-    if (listing && std::regex_search(line, match, kCommand)) commands.insert(match[1]);
+    const bool left_out = line.find("left out of this build") != std::string::npos;
+    if (listing && !left_out && std::regex_search(line, match, kCommand)) commands.insert(match[1]);
   }
   return commands;
 }
@@ -57,7 +59,7 @@ std::set<std::string> Commands() {
 TEST(CommandLine, SaysItsVersionAndExplainsItself) {
   EXPECT_THAT(RunProgram("--version").output, testing::ContainsRegex("[0-9]+\\.[0-9]+\\.[0-9]+"));
   EXPECT_EQ(RunProgram("--help").exit_code, 0);
-  EXPECT_THAT(Commands(), testing::IsSupersetOf({"gui", "run", "synth", "evaluate", "detect"}));
+  EXPECT_THAT(Commands(), testing::IsSupersetOf({"run", "synth", "evaluate", "detect"}));
 }
 
 TEST(CommandLine, ExplainsEveryCommand) {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <future>
 #include <sstream>
 #include <thread>
 
@@ -27,9 +28,12 @@ std::string HashOf(const AnnotationDocument& document) {
   return HashHex(DocumentToJson(document).dump());
 }
 
-/// Runs the victim for `milliseconds`, kills it, and returns the lines that it had printed.
+enum class Since { kStart, kFirstLine };
+
+/// Runs the victim, kills it `milliseconds` after its start or its first line, and returns the
+/// lines that it had printed.
 std::vector<std::string> RunAndKill(const std::filesystem::path& project, int seed,
-                                    double milliseconds) {
+                                    double milliseconds, Since since) {
   int ends[2];
   if (pipe(ends) != 0) return {};
   const pid_t child = fork();
@@ -43,15 +47,19 @@ std::vector<std::string> RunAndKill(const std::filesystem::path& project, int se
     _exit(9);
   }
   close(ends[1]);
-  std::thread killer([&] {
+  std::promise<void> first_line;
+  std::thread killer([&, printed = first_line.get_future()] {
+    if (since == Since::kFirstLine) printed.wait();
     std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(milliseconds));
     kill(child, SIGKILL);
   });
   std::string output;
   char buffer[4096];
   for (ssize_t size; (size = read(ends[0], buffer, sizeof(buffer))) > 0;) {
+    if (output.empty()) first_line.set_value();
     output.append(buffer, static_cast<std::size_t>(size));
   }
+  if (output.empty()) first_line.set_value();
   killer.join();
   int status = 0;
   waitpid(child, &status, 0);
@@ -74,7 +82,8 @@ TEST(KilledAnnotation, LosesNoFinishedEditAndCorruptsNoFile) {
   int steps = 0, killed_while_editing = 0;
   std::string last = HashOf({});
   for (int i = 0; i < kills; ++i) {
-    const auto lines = RunAndKill(file, i, random.Uniform(20, 180));
+    const auto lines = i % 4 == 0 ? RunAndKill(file, i, random.Uniform(5, 60), Since::kStart)
+                                  : RunAndKill(file, i, random.Uniform(0, 150), Since::kFirstLine);
     steps += static_cast<int>(lines.size());
     killed_while_editing += !lines.empty();
     if (!lines.empty()) last = lines.back();
