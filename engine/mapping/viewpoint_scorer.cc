@@ -14,14 +14,17 @@ namespace plumbline {
 namespace {
 
 constexpr int kMaxPoints = 1024;
+constexpr int kLanes = 8;  ///< Loops over points go in steps of so many.
 
-/// The projection of one contour.
+/// The projection of one contour, filled up to whole lanes with points that do not count.
 struct Projected {
   alignas(64) float u[kMaxPoints];
   alignas(64) float v[kMaxPoints];
   alignas(64) float z[kMaxPoints];
   alignas(
       64) float turn[kMaxPoints];  ///< Direction of the normal in the image, in half turns [0, 1].
+  alignas(64) std::int32_t cell[kMaxPoints];  ///< Of the table; -1 for a point that is not seen.
+  int lanes_end = 0;
 };
 
 /// Projection and image directions in single precision: pixel = (fx X/Z + cx, fy Y/Z + cy).
@@ -46,8 +49,12 @@ inline float HalfTurn(float x, float y) {
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-__attribute__((target_clones("arch=x86-64-v3", "default")))
+#define PLUMBLINE_VECTORISED __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define PLUMBLINE_VECTORISED
 #endif
+
+PLUMBLINE_VECTORISED
 void Project(const ContourView& contour, const Projection& p, Projected& out) {
   for (int i = 0; i < contour.size; ++i) {
     const float x = contour.x[i], y = contour.y[i], z = contour.z[i];
@@ -65,16 +72,13 @@ void Project(const ContourView& contour, const Projection& p, Projected& out) {
     out.z[i] = qz;
     out.turn[i] = HalfTurn(p.fx * (dx - dz * bx), p.fy * (dy - dz * by));
   }
+  out.lanes_end = (contour.size + kLanes - 1) / kLanes * kLanes;
+  for (int i = contour.size; i < out.lanes_end; ++i)
+    out.u[i] = out.v[i] = out.turn[i] = 0, out.z[i] = -1;
 }
 
 struct Bounds {
   float x0 = std::numeric_limits<float>::max(), y0 = x0, x1 = -x0, y1 = -x0;
-  void Extend(float x, float y) {
-    x0 = x < x0 ? x : x0;
-    y0 = y < y0 ? y : y0;
-    x1 = x > x1 ? x : x1;
-    y1 = y > y1 ? y : y1;
-  }
   Box2 Clipped(const PinholeCamera& camera) const {
     if (x1 < x0) return {};
     return Intersection({x0, y0, x1, y1}, {0, 0, static_cast<float>(camera.width - 1),
@@ -82,46 +86,95 @@ struct Bounds {
   }
 };
 
+/// Box of the points of at least that depth and, of those, of the points that have a cell.
+struct Boxes {
+  Bounds whole, seen;
+};
+
+/// Finds each point's cell of the table.
+PLUMBLINE_VECTORISED
+void FindCells(float near_m, int width, int height, Projected& points) {
+  const float right = static_cast<float>(width), bottom = static_cast<float>(height);
+  for (int i = 0; i < points.lanes_end; ++i) {
+    // Pixel centres are at integers: pixel 0 spans [-0.5, 0.5).
+    const float u = points.u[i] + 0.5f, v = points.v[i] + 0.5f;
+    const bool inside = (points.z[i] >= near_m) & (u >= 0) & (v >= 0) & (u < right) & (v < bottom);
+    const int x = static_cast<int>(inside ? u : 0.0f), y = static_cast<int>(inside ? v : 0.0f);
+    const int bin =
+        static_cast<int>(points.turn[i] * OrientedTable::kBins) & (OrientedTable::kBins - 1);
+    points.cell[i] = inside ? (bin * height + y) * width + x : -1;
+  }
+}
+
+/// Points that something in front hides lose their cell.
+void Hide(const cv::Mat& occluder, float margin_m, int width, int height, Projected& points) {
+  const float scale_x = static_cast<float>(occluder.cols) / static_cast<float>(width),
+              scale_y = static_cast<float>(occluder.rows) / static_cast<float>(height);
+  for (int i = 0; i < points.lanes_end; ++i) {
+    if (points.cell[i] < 0) continue;
+    const float in_front = occluder.ptr<float>(static_cast<int>(
+        (points.v[i] + 0.5f) * scale_y))[static_cast<int>((points.u[i] + 0.5f) * scale_x)];
+    if (in_front > 0 && in_front < points.z[i] - margin_m) points.cell[i] = -1;
+  }
+}
+
+PLUMBLINE_VECTORISED
+Boxes FindBoxes(float near_m, const Projected& points) {
+  constexpr float kNone = std::numeric_limits<float>::max();
+  alignas(32) float bounds[8][kLanes];
+  for (int k = 0; k < kLanes; ++k) {
+    for (int b = 0; b < 8; ++b) bounds[b][k] = b % 4 < 2 ? kNone : -kNone;
+  }
+  for (int i = 0; i < points.lanes_end; i += kLanes) {
+    for (int k = 0; k < kLanes; ++k) {
+      const float u = points.u[i + k], v = points.v[i + k];
+      const bool in_front = points.z[i + k] >= near_m, seen = points.cell[i + k] >= 0;
+      const float low[4] = {in_front ? u : kNone, in_front ? v : kNone, seen ? u : kNone,
+                            seen ? v : kNone};
+      const float high[4] = {in_front ? u : -kNone, in_front ? v : -kNone, seen ? u : -kNone,
+                             seen ? v : -kNone};
+      bounds[0][k] = low[0] < bounds[0][k] ? low[0] : bounds[0][k];
+      bounds[1][k] = low[1] < bounds[1][k] ? low[1] : bounds[1][k];
+      bounds[2][k] = high[0] > bounds[2][k] ? high[0] : bounds[2][k];
+      bounds[3][k] = high[1] > bounds[3][k] ? high[1] : bounds[3][k];
+      bounds[4][k] = low[2] < bounds[4][k] ? low[2] : bounds[4][k];
+      bounds[5][k] = low[3] < bounds[5][k] ? low[3] : bounds[5][k];
+      bounds[6][k] = high[2] > bounds[6][k] ? high[2] : bounds[6][k];
+      bounds[7][k] = high[3] > bounds[7][k] ? high[3] : bounds[7][k];
+    }
+  }
+  const auto least = [&](int b) { return *std::min_element(bounds[b], bounds[b] + kLanes); };
+  const auto most = [&](int b) { return *std::max_element(bounds[b], bounds[b] + kLanes); };
+  return {{least(0), least(1), most(2), most(3)}, {least(4), least(5), most(6), most(7)}};
+}
+
 HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& contour,
-                               const Projected& points) {
+                               Projected& points) {
   const OrientedTable& table = *view.table;
   const float near_m = static_cast<float>(view.near_m);
-  const float margin = static_cast<float>(view.occlusion_margin_m);
-  const float width = static_cast<float>(table.width()),
-              height = static_cast<float>(table.height());
-  const cv::Mat& occluder = view.occluder_depth;
-  const bool may_hide = !occluder.empty();
-  const float scale_x = may_hide ? occluder.cols / width : 0,
-              scale_y = may_hide ? occluder.rows / height : 0;
-  Bounds whole, visible;
+  FindCells(near_m, table.width(), table.height(), points);
+  if (!view.occluder_depth.empty()) {
+    Hide(view.occluder_depth, static_cast<float>(view.occlusion_margin_m), table.width(),
+         table.height(), points);
+  }
+  const std::uint8_t* cells = table.cells();
   std::int64_t hits = 0;
   int seen = 0, looked_up = 0;
   for (int i = 0; i < contour.size; ++i) {
-    if (points.z[i] < near_m) continue;
-    // Pixel centres are at integers: pixel 0 spans [-0.5, 0.5).
-    const float u = points.u[i] + 0.5f, v = points.v[i] + 0.5f;
-    whole.Extend(points.u[i], points.v[i]);
-    if (!(u >= 0 && v >= 0 && u < width && v < height)) continue;
-    if (may_hide) {
-      const float in_front =
-          occluder.ptr<float>(static_cast<int>(v * scale_y))[static_cast<int>(u * scale_x)];
-      if (in_front > 0 && in_front < points.z[i] - margin) continue;
-    }
-    visible.Extend(points.u[i], points.v[i]);
+    if (points.cell[i] < 0) continue;
+    hits += cells[points.cell[i]];
     ++looked_up;
     seen += i < contour.outline_size ? 1 : 0;
-    const int bin =
-        static_cast<int>(points.turn[i] * OrientedTable::kBins) & (OrientedTable::kBins - 1);
-    hits += table.Hit(static_cast<int>(u), static_cast<int>(v), bin);
   }
+  const Boxes boxes = FindBoxes(near_m, points);
   HypothesisScore score;
   score.agreement_m =
       contour.length_per_point_m *
       static_cast<float>(static_cast<double>(hits) / 255.0 - looked_up * table.chance());
   score.visible_m = contour.length_per_point_m * static_cast<float>(seen);
   score.total_m = contour.length_per_point_m * static_cast<float>(contour.outline_size);
-  score.whole_box = whole.Clipped(view.camera);
-  score.visible_box = visible.Clipped(view.camera);
+  score.whole_box = boxes.whole.Clipped(view.camera);
+  score.visible_box = boxes.seen.Clipped(view.camera);
   return score;
 }
 

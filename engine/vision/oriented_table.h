@@ -32,6 +32,8 @@ class OrientedTable {
   std::uint8_t Hit(int x, int y, int bin) const {
     return hits_[(static_cast<std::size_t>(bin) * height_ + y) * width_ + x];
   }
+  /// All hits: that of pixel (x, y) and a bin is at (bin * height + y) * width + x.
+  const std::uint8_t* cells() const { return hits_.data(); }
   /// The hits pixel by pixel, row by row: kBins of each.
   std::vector<std::uint8_t> Interleaved() const;
   /// Mean hit over all pixels and bins, in [0, 1]: what a contour scores by chance.

@@ -9,18 +9,13 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/random.h"
+#include "engine/vision/edge_gradient.h"
+#include "engine/vision/model_lines.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-
-void SetEdge(const cv::Point& at, double angle, int probability, EdgeMap& edges) {
-  if (!cv::Rect(0, 0, edges.probability.cols, edges.probability.rows).contains(at)) return;
-  edges.probability.at<uchar>(at) = static_cast<uchar>(probability);
-  edges.angle.at<uchar>(at) = static_cast<uchar>(
-      static_cast<int>(std::floor(angle * 256 / std::numbers::pi + 256.5)) & 255);
-}
 
 Eigen::Isometry3d LookingAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
   const Eigen::Vector3d forward = (target - eye).normalized();
@@ -31,34 +26,63 @@ Eigen::Isometry3d LookingAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& t
   return world_from_cam.inverse();
 }
 
-EdgeMap EdgesOf(const RenderedMaps& maps, Random& random) {
-  const cv::Size size = maps.depth.size();
-  cv::Mat shade = maps.depth.clone(), dx, dy;
-  shade.setTo(4.5, maps.depth == 0);
-  cv::GaussianBlur(shade, shade, {}, 1.0);
-  cv::Sobel(shade, dx, CV_32F, 1, 0);
-  cv::Sobel(shade, dy, CV_32F, 0, 1);
-  EdgeMap edges;
-  edges.probability = cv::Mat(size, CV_8U, cv::Scalar(0));
-  edges.angle = edges.probability.clone();
-  for (int y = 0; y < size.height; ++y) {
-    for (int x = 0; x < size.width; ++x) {
-      const bool dropped = (x / 24 * 7 + y / 24 * 13) % 3 == 0;
-      if (maps.contour.at<uchar>(y, x) == 0 || dropped) continue;
-      const cv::Point jittered(static_cast<int>(std::lround(x + 0.6 * random.Gaussian())),
-                               static_cast<int>(std::lround(y + 0.6 * random.Gaussian())));
-      SetEdge(jittered, std::atan2(dy.at<float>(y, x), dx.at<float>(y, x)), 220, edges);
+/// A picture of the object before a wall, by rays: nothing that the scorers share. Two lamps, noise
+/// of a camera, a blurred pixel, and 30 strokes of clutter.
+struct Picture {
+  cv::Mat image;  ///< CV_8UC3 BGR
+  cv::Rect object;
+};
+
+Picture Photograph(const TriangleMesh& mesh, const PinholeCamera& camera,
+                   const Eigen::Isometry3d& cam_from_object, Random& random) {
+  const RayScene scene(mesh);
+  const Eigen::Matrix3f object_from_cam = cam_from_object.linear().transpose().cast<float>().eval();
+  const Eigen::Vector3f origin = cam_from_object.inverse().translation().cast<float>();
+  const Eigen::Vector3f lamps[] = {object_from_cam * Eigen::Vector3f(0.5f, -0.7f, -0.5f),
+                                   object_from_cam * Eigen::Vector3f(-0.8f, -0.1f, -0.6f)};
+  constexpr int kSide = 3;  // rays along each side of a pixel
+  cv::Mat shade(camera.height, camera.width, CV_32F);
+  cv::Mat hit(shade.size(), CV_8U, cv::Scalar(0));
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      float sum = 0;
+      for (int k = 0; k < kSide * kSide; ++k) {
+        const double u = x + (k % kSide + 0.5) / kSide - 0.5,
+                     v = y + (k / kSide + 0.5) / kSide - 0.5;
+        const Eigen::Vector3f direction =
+            object_from_cam * Eigen::Vector3f(static_cast<float>((u - camera.cx) / camera.fx),
+                                              static_cast<float>((v - camera.cy) / camera.fy), 1);
+        const RayScene::Hit at = scene.Cast(origin, direction);
+        if (at.distance <= 0) {
+          sum += 150 - 0.05f * static_cast<float>(y);
+          continue;
+        }
+        hit.at<uchar>(y, x) = 255;
+        Eigen::Vector3f normal = at.normal.normalized();
+        if (normal.dot(direction) > 0) normal = -normal;
+        sum += 40 + 70 * std::max(0.0f, normal.dot(lamps[0])) +
+               35 * std::max(0.0f, normal.dot(lamps[1]));
+      }
+      shade.at<float>(y, x) = sum / (kSide * kSide);
     }
   }
-  for (int line = 0; line < 30; ++line) {
+  for (int stroke = 0; stroke < 30; ++stroke) {
     const double angle = std::numbers::pi * random.Uniform();
-    const cv::Point2d from(size.width * random.Uniform(), size.height * random.Uniform());
-    for (int k = 0; k < 60; ++k) {
-      SetEdge(cv::Point(from + k * cv::Point2d(-std::sin(angle), std::cos(angle))), angle, 180,
-              edges);
-    }
+    const cv::Point2d from(camera.width * random.Uniform(), camera.height * random.Uniform());
+    cv::line(shade, cv::Point(from),
+             cv::Point(from + 60 * cv::Point2d(-std::sin(angle), std::cos(angle))),
+             cv::Scalar(60 + 140 * random.Uniform()), 3, cv::LINE_AA);
   }
-  return edges;
+  cv::GaussianBlur(shade, shade, {}, 0.7);
+  for (int y = 0; y < shade.rows; ++y) {
+    for (int x = 0; x < shade.cols; ++x)
+      shade.at<float>(y, x) += 2.0f * static_cast<float>(random.Gaussian());
+  }
+  Picture picture;
+  shade.convertTo(picture.image, CV_8U);
+  cv::cvtColor(picture.image, picture.image, cv::COLOR_GRAY2BGR);
+  picture.object = cv::boundingRect(hit);
+  return picture;
 }
 
 }  // namespace
@@ -83,7 +107,7 @@ Eigen::Isometry3d CamFromObject(const ScoringScene& scene, const ModelDatabase& 
   return scene.cam_from_world * world_from_object;
 }
 
-ScoringScene MakeScoringScene(Renderer& renderer, const ModelDatabase& database, ModelId model,
+ScoringScene MakeScoringScene(const ModelDatabase& database, ModelId model,
                               const PinholeCamera& camera, std::uint64_t seed) {
   Random random({.seed = seed});
   ScoringScene scene;
@@ -93,21 +117,21 @@ ScoringScene MakeScoringScene(Renderer& renderer, const ModelDatabase& database,
                  2 * std::numbers::pi * random.Uniform(),
                  {distance, 0.3 * random.Gaussian(), database.model(model).center().z()}};
   scene.cam_from_world = LookingAt({0, 0, 1.5}, {2.5, 0.2 * random.Gaussian(), 0.5});
-  const RenderInstance instance{renderer.AddMesh(database.model(model).mesh),
-                                CamFromObject(scene, database, scene.truth), 1};
-  RenderOptions options;
-  options.contour = true;
-  RenderedMaps maps = renderer.Render(camera, std::span(&instance, 1), options);
+  Picture picture = Photograph(database.model(model).mesh, camera,
+                               CamFromObject(scene, database, scene.truth), random);
   if (seed % 2 == 1) {
-    scene.occluder_depth = cv::Mat(camera.height / 2, camera.width / 2, CV_32F, cv::Scalar(0));
-    const cv::Rect box = cv::boundingRect(maps.id > 0);
+    const cv::Rect box = picture.object;
     const cv::Rect board(box.x, box.y + box.height / 2, box.width / 2, box.height / 2);
-    maps.contour(board).setTo(0);
+    picture.image(board).setTo(cv::Scalar::all(90));
+    scene.occluder_depth = cv::Mat(camera.height / 2, camera.width / 2, CV_32F, cv::Scalar(0));
     cv::Mat hidden =
         scene.occluder_depth(cv::Rect(board.x / 2, board.y / 2, board.width / 2, board.height / 2));
     hidden.setTo(1.0);
   }
-  scene.table = std::make_unique<OrientedTable>(EdgesOf(maps, random), OrientedTableOptions{});
+  Frame frame;
+  frame.image = picture.image;
+  const EdgeMap edges = CreateGradientEdgeDetector()->Detect(frame).value();
+  scene.table = std::make_unique<OrientedTable>(edges, OrientedTableOptions{});
   return scene;
 }
 

@@ -7,11 +7,10 @@
 
 #include "engine/mapping/hypothesis_scorer.h"
 #include "engine/models/model_database.h"
-#include "engine/render/renderer.h"
 
 namespace plumbline {
 
-/// One object in one image with the edges that a detector might find of it, in a world whose z is
+/// One object in one image with the edges that are found of it, in a world whose z is
 /// up and whose floor is z = 0.
 struct ScoringScene {
   PinholeCamera camera;
@@ -23,9 +22,9 @@ struct ScoringScene {
   ScoringView View() const;
 };
 
-/// The object 2 to 3 m in front of a camera at eye height, its edges with a third missing, jitter
-/// and 30 lines of clutter; every other seed hides a part of it.
-ScoringScene MakeScoringScene(Renderer& renderer, const ModelDatabase& database, ModelId model,
+/// The object 2 to 3 m in front of a camera at eye height, photographed by rays with clutter and
+/// noise, and the gradient edges of that picture; every other seed hides a part of it.
+ScoringScene MakeScoringScene(const ModelDatabase& database, ModelId model,
                               const PinholeCamera& camera, std::uint64_t seed);
 
 Eigen::Isometry3d CamFromObject(const ScoringScene& scene, const ModelDatabase& database,

@@ -18,11 +18,7 @@ class RenderedScorerTest : public testing::Test {
  protected:
   void SetUp() override {
     database_ = MakeFurnitureDatabase();
-    Result<std::unique_ptr<RenderContext>> context = RenderContext::CreateHeadless();
-    ASSERT_TRUE(context.ok()) << context.error().message;
-    Result<std::unique_ptr<Renderer>> renderer = Renderer::Create(**context);
-    ASSERT_TRUE(renderer.ok()) << renderer.error().message;
-    scene_ = MakeScoringScene(**renderer, *database_, *database_->Find("chair"),
+    scene_ = MakeScoringScene(*database_, *database_->Find("chair"),
                               {640, 480, 520, 525, 300.4, 251.7}, 4);
     Result<std::unique_ptr<RenderedScorer>> scorer = RenderedScorer::Create(database_, {});
     ASSERT_TRUE(scorer.ok()) << scorer.error().message;
