@@ -115,6 +115,9 @@ void AnnotateWorkspace::PostShortcuts(const FrameContext& context, CommandSink& 
 
 bool AnnotateWorkspace::Handle(const Command& command) {
   if (const auto* annotation = std::get_if<AnnotationCommand>(&command)) {
+    if (const auto* set = std::get_if<SetAnnotatorCommand>(annotation)) {
+      defaults_.annotator = set->name;  // for the next scan, too
+    }
     if (process_ != nullptr) process_->Post(*annotation);
     return true;
   }
@@ -197,13 +200,17 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
 }
 
 json AnnotateWorkspace::SaveSettings() const {
-  return {{"left", left_}, {"right", right_}, {"models", models_share_}};
+  return {{"left", left_},
+          {"right", right_},
+          {"models", models_share_},
+          {"annotator", defaults_.annotator}};
 }
 
 void AnnotateWorkspace::LoadSettings(const json& json) {
   left_ = std::clamp(json.value("left", left_), 0.1, 0.4);
   right_ = std::clamp(json.value("right", right_), 0.55, 0.9);
   models_share_ = std::clamp(json.value("models", models_share_), 0.15, 0.85);
+  defaults_.annotator = json.value("annotator", defaults_.annotator);
 }
 
 }  // namespace plumbline

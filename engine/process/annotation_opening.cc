@@ -91,6 +91,16 @@ path IfExists(const path& file) {
   return std::filesystem::exists(file, ignored) ? file : path();
 }
 
+/// Whether nobody is meant to write here. An administrator could all the same, and must not: the
+/// data is somebody's original.
+bool IsMeantReadOnly(const path& folder) {
+  using std::filesystem::perms;
+  std::error_code error;
+  const perms all = std::filesystem::status(folder, error).permissions();
+  return !error &&
+         (all & (perms::owner_write | perms::group_write | perms::others_write)) == perms::none;
+}
+
 Result<OpenedAnnotation> Make(const AnnotationChoice& choice, const path& file) {
   const path folder = FolderOf(choice.path);
   path sequence = choice.sequence, models = choice.models;
@@ -159,11 +169,12 @@ Result<OpenedAnnotation> OpenAnnotation(const AnnotationChoice& choice) {
     if (const Status taken = TakeChoices(choice, *opened); !taken.ok()) return taken.error();
     return opened;
   }
-  auto made = Make(choice, beside);
-  if (made || made.error().code != ErrorCode::kIo) return made;
-  const std::string why = made.error().message;
+  if (!IsMeantReadOnly(FolderOf(choice.path))) {
+    auto made = Make(choice, beside);
+    if (made || made.error().code != ErrorCode::kIo) return made;
+  }
   std::filesystem::create_directories(elsewhere.parent_path(), ignored);
-  made = Make(choice, elsewhere);
+  auto made = Make(choice, elsewhere);
   if (made) {
     made->notices.push_back("The folder of the scan cannot be written, so the project is kept as " +
                             elsewhere.string() + ". Save as puts it elsewhere.");

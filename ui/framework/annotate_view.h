@@ -39,8 +39,9 @@ struct AnnotateView {
   bool tilt = false;     ///< The gizmo may tilt.
   bool scan = true, models = true, grid = true, cameras = false;
   std::optional<PendingPose> pending;
-  bool nudged = false;  ///< `pending` comes from keys that are still held.
+  bool nudged = false;                      ///< `pending` comes from keys that are still held.
   std::optional<Eigen::Isometry3d> copied;  ///< Pose in the scan's frame.
+  std::string save_as, run;                 ///< Paths that are being typed.
   bool focus = false;                       ///< In this frame: the view turns to the selection.
   bool reset = false;                       ///< In this frame: the view shows everything.
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <cstring>
+#include <cstdio>
 
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
@@ -21,6 +21,61 @@ bool BarButton(const FrameContext& context, const char* name, const char* label,
   const bool clicked = Button(context, name, label, tooltip);
   ImGui::EndDisabled();
   return clicked && enabled;
+}
+
+/// A line for a path or a name, and a button that does something with it.
+bool PathField(const FrameContext& context, const char* name, const char* hint, char* text,
+               std::size_t size, const char* button, const char* help) {
+  ImGui::SetNextItemWidth(context.Scaled(330));
+  const std::string field = std::string(name) + ".field";
+  const bool entered = ImGui::InputTextWithHint(("##" + field).c_str(), hint, text, size,
+                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  LogItem(context, field);
+  Tooltip(context, help);
+  ImGui::SameLine(0, context.Scaled(6));
+  const bool clicked = Button(context, name, button, help);
+  return (entered || clicked) && *text != '\0';
+}
+
+void DrawMore(const FrameContext& context, CommandSink& sink) {
+  static constexpr std::size_t kLongest = 512;
+  struct Fields {
+    char save_as[kLongest], run[kLongest], annotator[96];
+  };
+  AnnotateView& view = *context.annotate;
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  Fields fields{};
+  const auto fill = [](char* to, std::size_t size, const std::string& from) {
+    std::snprintf(to, size, "%s", from.c_str());
+  };
+  fill(fields.save_as, kLongest, view.save_as.empty() ? snapshot.project_file : view.save_as);
+  fill(fields.run, kLongest, view.run);
+  fill(fields.annotator, sizeof(fields.annotator), snapshot.annotator);
+  SmallText(context, colors::kAccent, "Save as");
+  if (PathField(context, "more.save_as", "PROJECT.json", fields.save_as, kLongest, "Save",
+                "Goes on in this file, which is overwritten; paths to scan and models are made to "
+                "fit.")) {
+    sink.Post(SaveProjectCommand{fields.save_as});
+    ImGui::CloseCurrentPopup();
+  }
+  view.save_as = fields.save_as;
+  ImGui::Dummy({0, context.Scaled(4)});
+  SmallText(context, colors::kAccent, "Drafts");
+  if (PathField(
+          context, "more.drafts", "RUN.plb", fields.run, kLongest, "Take",
+          "The objects of a run come in as coarse ones, to be mended or removed. One edit.")) {
+    sink.Post(ImportDraftsCommand{fields.run});
+    ImGui::CloseCurrentPopup();
+  }
+  view.run = fields.run;
+  ImGui::Dummy({0, context.Scaled(4)});
+  SmallText(context, colors::kAccent, "Annotator");
+  ImGui::SetNextItemWidth(context.Scaled(200));
+  if (ImGui::InputText("##more.annotator", fields.annotator, sizeof(fields.annotator))) {
+    sink.Post(SetAnnotatorCommand{fields.annotator});
+  }
+  LogItem(context, "more.annotator");
+  Tooltip(context, "Your name: it is kept with everything that you place.");
 }
 
 }  // namespace
@@ -68,6 +123,15 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
   if (BarButton(context, "project.redo", redo.c_str(), snapshot.redo_label.has_value(),
                 "Does it again (Ctrl + Shift + Z, Ctrl + Y)")) {
     sink.Post(RedoCommand{});
+  }
+  ImGui::SameLine(0, context.Scaled(6));
+  if (Button(context, "project.more", "More", "Save as, drafts from a run, your name."))
+    ImGui::OpenPopup("project.more");
+  ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});
+  if (ImGui::BeginPopup("project.more")) {
+    DrawMore(context, sink);
+    if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
+    ImGui::EndPopup();
   }
   ImGui::PopClipRect();
 }

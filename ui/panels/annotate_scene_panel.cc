@@ -105,6 +105,15 @@ class AnnotateScenePanel : public Panel {
   }
 
  private:
+  /// Where a model would stand: on the scan or, where it has a hole, on the floor if that is known.
+  static std::optional<Eigen::Vector3d> PlaceAt(const FrameContext& context, double x, double y) {
+    const AnnotateSurface& scene = *context.annotate_scene;
+    if (const auto point = context.annotate_scene->PickScan(x, y)) return point;
+    const SightLine sight = scene.Sight(x, y);
+    if (!context.annotation->floor_known || sight.direction.z() > -0.05) return std::nullopt;
+    return Eigen::Vector3d(sight.eye - sight.eye.z() / sight.direction.z() * sight.direction);
+  }
+
   static void Click(const FrameContext& context, ImVec2 low, CommandSink& sink) {
     AnnotateView& view = *context.annotate;
     AnnotateSurface& scene = *context.annotate_scene;
@@ -114,7 +123,8 @@ class AnnotateScenePanel : public Panel {
       sink.Post(SelectInstanceCommand{scene.PickInstance(x, y)});
       return;
     }
-    const auto point = scene.PickScan(x, y);
+    const auto point =
+        view.tool == AnnotateTool::kPlace ? PlaceAt(context, x, y) : scene.PickScan(x, y);
     if (!point) return;
     const Eigen::Vector3d in_scan = context.annotation->level_from_scan.inverse() * *point;
     if (view.tool == AnnotateTool::kFloor) {
@@ -139,7 +149,7 @@ class AnnotateScenePanel : public Panel {
     if (mouse.x == ghost_at_.x && mouse.y == ghost_at_.y) return false;
     ghost_at_ = mouse;
     ghost_.reset();
-    const auto point = context.annotate_scene->PickScan(mouse.x - low.x, mouse.y - low.y);
+    const auto point = PlaceAt(context, mouse.x - low.x, mouse.y - low.y);
     for (int i = 0; point && i < static_cast<int>(snapshot.models->size()); ++i) {
       const AnnotationModel& model = *snapshot.Model(i);
       if (model.name != view.model) continue;

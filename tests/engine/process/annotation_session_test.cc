@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/process/annotation_session.h"
 
+#include <cstdlib>
 #include <fstream>
 #include <numbers>
 
@@ -259,6 +260,25 @@ TEST_F(AnnotationSessionTest, ASecondWindowReadsOnlyUntilItSavesAs) {
   EXPECT_FALSE(second->Snapshot().read_only);
   Do(*second, RemoveInstanceCommand{"armchair_0"});
   EXPECT_TRUE(second->Snapshot().instances.empty());
+}
+
+TEST_F(AnnotationSessionTest, WritesNothingIntoAFolderThatIsMeantToStayAsItIs) {
+  using std::filesystem::perms;
+  const TemporaryFolder data;
+  ::setenv("XDG_DATA_HOME", data.path().c_str(), 1);
+  std::filesystem::permissions(folder_.path(), perms::owner_read | perms::owner_exec);
+  {
+    const auto session = Open();
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "scan.annotation.json"));
+    ASSERT_EQ(session->Snapshot().notices.size(), 1u);
+    EXPECT_THAT(session->Snapshot().notices[0], HasSubstr(data.path().string()));
+    Do(*session, TypeGravityCommand{scene_.up_in_scan, std::nullopt});
+    Do(*session, AcceptProposalCommand{});
+    Do(*session, SaveProjectCommand{});
+  }
+  EXPECT_TRUE(Open()->Snapshot().gravity_known) << "found again by the scan";
+  std::filesystem::permissions(folder_.path(), perms::owner_all);
+  ::unsetenv("XDG_DATA_HOME");
 }
 
 TEST_F(AnnotationSessionTest, OpensAProjectByItsFile) {
