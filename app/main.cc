@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
       {plumbline::AddDetectVerb}, {plumbline::AddEdgesVerb},    {plumbline::AddModelsVerb},
       {plumbline::AddSynthVerb},  {plumbline::AddEvaluateVerb}, {plumbline::AddGravityVerb},
       {plumbline::AddAlignVerb},  {plumbline::AddAnnotateVerb}, {plumbline::AddExportVerb},
-      {plumbline::AddRenderVerb},
+      {plumbline::AddRenderVerb}, {plumbline::AddReportVerb},   {plumbline::AddCompareVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
                "plumbline");

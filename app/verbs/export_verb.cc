@@ -5,6 +5,7 @@
 #include "app/verbs/verb.h"
 #include "engine/base/log.h"
 #include "engine/models/mesh_file.h"
+#include "engine/process/run_tables.h"
 #include "engine/recording/map_mesh.h"
 #include "engine/recording/run_summary.h"
 
@@ -41,6 +42,12 @@ Status ExportPly(RunReader& reader, const ExportArguments& arguments) {
   return WritePly(arguments.out, *mesh);
 }
 
+Status ExportCsv(RunReader&, const ExportArguments& arguments) {
+  const auto review = ReviewRun({arguments.run, {}, arguments.models}, {}, WorkContext());
+  if (!review) return review.error();
+  return WriteRunTables(arguments.out, *review);
+}
+
 struct Format {
   std::string name;
   Status (*write)(RunReader& reader, const ExportArguments& arguments);
@@ -49,6 +56,7 @@ struct Format {
 // One line for each format.
 const std::array kFormats = {
     Format{"json", ExportJson},
+    Format{"csv", ExportCsv},
     Format{"ply", ExportPly},
 };
 
@@ -69,9 +77,11 @@ void AddExportVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("run", arguments->run, "A run file")->required()->type_name("RUN.plb");
   std::vector<std::string> names;
   for (const Format& format : kFormats) names.push_back(format.name);
-  verb->add_option("--format", arguments->format,
-                   "json: the result of 'run --json'; ply: one mesh of the confirmed objects, each "
-                   "in its colour")
+  verb->add_option(
+          "--format", arguments->format,
+          "json: the result of 'run --json'; csv: a folder of tables (objects, frames, events, "
+          "timings); ply: one mesh of the confirmed objects, each "
+          "in its colour")
       ->required()
       ->check(CLI::IsMember(names));
   verb->add_option("--out", arguments->out, "Where to (json: '-' is standard output)")

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <ctime>
 #include <memory>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -21,6 +22,8 @@ struct RunArguments {
   PipelineArguments pipeline;
   std::string out, json;
   bool resume = false;
+  std::string fork;       ///< A run whose past this one takes over.
+  std::optional<int> at;  ///< Up to this frame; nothing: all of it.
 };
 
 std::string Now() {
@@ -49,6 +52,38 @@ Result<std::unique_ptr<RunWriter>> OpenWriter(const RunArguments& arguments,
   return std::move(resumed->writer);
 }
 
+/// Copies the past of another run into the new one, and lets the pipeline go on from there.
+Status TakeOverPast(const RunArguments& arguments, MappingPipeline& pipeline, RunWriter& writer,
+                    RunSummary& summary) {
+  auto reader = RunReader::Open(arguments.fork);
+  if (!reader.ok()) return reader.error();
+  const RunHeader past = (*reader)->header(), now = pipeline.header();
+  if (past.sequence_hash != now.sequence_hash || past.models_hash != now.models_hash)
+    return Error{ErrorCode::kInvalidInput, "'" + arguments.fork +
+                                               "' is of another sequence or other models; a run "
+                                               "can only be forked over its own"};
+  if (past.first_frame != now.first_frame || past.frame_step != now.frame_step)
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + arguments.fork + "' took other frames; give the same --frames"};
+  const auto last = arguments.at ? (*reader)->FindFrame(*arguments.at)
+                                 : Result<std::optional<int>>((*reader)->NumFrames().value() - 1);
+  if (!last.ok()) return last.error();
+  if (!*last || **last < 0)
+    return Error{ErrorCode::kInvalidInput, "'" + arguments.fork + "' has no frame that early"};
+  std::optional<FrameReport> restored;
+  for (int i = 0; i <= **last; ++i) {
+    auto report = (*reader)->ReadFrame(i);
+    if (!report.ok()) return report.error();
+    const auto image = (*reader)->ReadThumbnail(i);
+    summary.Add(*report);
+    if (Status status = writer.Write(*report, image.ok() ? *image : cv::Mat()); !status.ok())
+      return status;
+    restored = std::move(report).value();
+  }
+  std::fprintf(stderr, "forking after frame %d\n", restored->frame);
+  return pipeline.Resume(*restored);
+}
+
 void PrintObjects(const FrameReport& report, const ModelDatabase& database) {
   std::printf("%6s  %-16s %-14s %-10s %9s  %-24s %8s\n", "object", "model", "category", "state",
               "confirmed", "position [m]", "std [cm]");
@@ -64,6 +99,10 @@ void PrintObjects(const FrameReport& report, const ModelDatabase& database) {
 
 Status Run(RunArguments& arguments) {
   if (Status status = arguments.pipeline.Finish(); !status.ok()) return status;
+  std::error_code ignored;
+  if (!arguments.fork.empty() &&
+      std::filesystem::equivalent(arguments.fork, arguments.out, ignored))
+    return Error{ErrorCode::kInvalidInput, "--fork and --out name the same file"};
   ConsoleWork console;
   const WorkContext work = console.context();
   Result<std::unique_ptr<MappingPipeline>> opened =
@@ -75,6 +114,10 @@ Status Run(RunArguments& arguments) {
 
   std::shared_ptr<const MapSnapshot> last;
   RunSummary summary;
+  if (!arguments.fork.empty()) {
+    if (Status status = TakeOverPast(arguments, pipeline, **writer, summary); !status.ok())
+      return status;
+  }
   Stopwatch watch;
   while (!work.stop.stop_requested()) {
     const auto snapshot = pipeline.Next();
@@ -117,6 +160,13 @@ void AddRunVerb(CLI::App& app, VerbFunction& chosen) {
   arguments->pipeline.AddTo(*verb);
   verb->add_flag("--resume", arguments->resume,
                  "Go on with the run that --out holds, if there is one");
+  verb->add_option("--fork", arguments->fork,
+                   "Take over the past of this run, and go on with other options or another seed")
+      ->type_name("RUN.plb")
+      ->excludes("--resume");
+  verb->add_option("--at", arguments->at, "The last frame that is taken over (default: all)")
+      ->type_name("FRAME")
+      ->needs("--fork");
   verb->add_option("--json", arguments->json, "Write the result here; - for standard output");
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Run(*arguments); }; });
 }

@@ -29,6 +29,8 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen);
 void AddGravityVerb(CLI::App& app, VerbFunction& chosen);
 void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen);
 void AddExportVerb(CLI::App& app, VerbFunction& chosen);
+void AddReportVerb(CLI::App& app, VerbFunction& chosen);
+void AddCompareVerb(CLI::App& app, VerbFunction& chosen);
 void AddRenderVerb(CLI::App& app, VerbFunction& chosen);
 void AddGuiVerb(CLI::App& app, VerbFunction& chosen);
 void AddRunVerb(CLI::App& app, VerbFunction& chosen);

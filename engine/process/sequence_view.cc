@@ -14,6 +14,7 @@ namespace {
 constexpr std::size_t kScanVertices = 400'000, kCoarseScanVertices = 60'000;
 
 std::string NameOf(const std::filesystem::path& path) {
+  if (path.empty()) return "a sequence without a name";
   const std::filesystem::path clean = std::filesystem::absolute(path).lexically_normal();
   return clean.has_filename() ? clean.filename().string() : clean.parent_path().filename().string();
 }

@@ -50,8 +50,9 @@ class EvaluateVerb : public testing::Test {
   }
 
   /// One confirmed wedge, 4 cm off 'a', and a tentative one.
-  void WriteRun() {
+  void WriteRun(double x = 0.04, std::uint64_t seed = 0) {
     RunHeader header;
+    header.seed = seed;
     header.models = {{"wedge", "chair"}};
     header.models_path = (folder_.path() / "models").string();
     FrameReport report;
@@ -62,7 +63,7 @@ class EvaluateVerb : public testing::Test {
       object.category = "chair";
       object.label = {0};
       object.label_probability = {{{0}, 1.0}};
-      object.world_from_object.translation() = Eigen::Vector3d(0.04, 0, 0);
+      object.world_from_object.translation() = Eigen::Vector3d(x, 0, 0);
       report.objects.push_back(object);
     }
     const auto writer = RunWriter::Create(folder_.path() / "run.plb", header).value();
@@ -120,6 +121,46 @@ TEST_F(EvaluateVerb, ExportsTheConfirmedObjectsAsAColouredMesh) {
   EXPECT_EQ(mesh.triangles.size(), 4u);
   EXPECT_EQ(mesh.colors.size(), 4u);
   EXPECT_NEAR(mesh.vertices[0].x(), -0.46, 1e-6);
+}
+
+TEST_F(EvaluateVerb, WritesAReportThatNeedsNothingElse) {
+  const Outcome outcome = Run("report run.plb --ground-truth truth.json --out report.html");
+  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  const std::string html = ReadFile(folder_.path() / "report.html").value();
+  EXPECT_THAT(html, HasSubstr("<!doctype html>"));
+  EXPECT_THAT(html, HasSubstr("1 / 1 / 0")) << "matched, missed, spurious";
+  EXPECT_THAT(html, HasSubstr("4.0 cm"));
+  EXPECT_THAT(html, HasSubstr("<svg"));
+  EXPECT_THAT(html, testing::Not(HasSubstr("http"))) << "nothing is fetched";
+  EXPECT_THAT(html, HasSubstr("</html>"));
+}
+
+TEST_F(EvaluateVerb, ExportsTables) {
+  const Outcome outcome = Run("export run.plb --format csv --out tables");
+  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  const std::string objects = ReadFile(folder_.path() / "tables" / "objects.csv").value();
+  EXPECT_THAT(objects, testing::StartsWith("id,model,category,state,x_m,"));
+  EXPECT_THAT(objects, HasSubstr("\n1,wedge,chair,confirmed,0.040000,"));
+  EXPECT_THAT(objects, HasSubstr("\n2,wedge,chair,tentative,"));
+  for (const char* name : {"frames.csv", "events.csv", "timings.csv"})
+    EXPECT_TRUE(ReadFile(folder_.path() / "tables" / name).ok()) << name;
+}
+
+TEST_F(EvaluateVerb, TellsTwoRunsApart) {
+  const Outcome same = Run("compare run.plb run.plb");
+  EXPECT_EQ(same.code, 0) << same.output;
+  EXPECT_THAT(same.output, HasSubstr("no difference"));
+  std::filesystem::copy(folder_.path() / "run.plb", folder_.path() / "before.plb");
+  WriteRun(0.09, 5);
+  const Outcome outcome =
+      Run("compare before.plb run.plb --ground-truth truth.json --json difference.json");
+  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("seed: 0 / 5"));
+  const nlohmann::json json = ReadJson(folder_.path() / "difference.json").value();
+  ASSERT_EQ(json["objects"].size(), 1u);
+  EXPECT_NEAR(json["objects"][0]["distance_m"].get<double>(), 0.05, 1e-9);
+  EXPECT_NEAR(json["objects"][0]["a"]["translation_m"].get<double>(), 0.04, 1e-6);
+  EXPECT_NEAR(json["objects"][0]["b"]["translation_m"].get<double>(), 0.09, 1e-6);
 }
 
 TEST_F(EvaluateVerb, SaysWhatIsMissingAndEndsWithOne) {

@@ -124,6 +124,32 @@ TEST_F(RunVerb, InterruptedItKeepsWhatIsDone) {
   EXPECT_EQ(FramesIn("stopped.plb"), kFrames);
 }
 
+TEST_F(RunVerb, ForkedWithTheSameOptionsItIsTheSameRun) {
+  ASSERT_EQ(Wait(StartRun("whole.plb", false)), 0);
+  const auto fork = [&](const char* file, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"run",    Path("sequence"),  "--out", Path(file),
+                                          "--fork", Path("whole.plb"), "--at",  "20"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Wait(Start(arguments));
+  };
+  ASSERT_EQ(fork("same.plb", {"--seed", "3"}), 0) << ReadFile(Path("output.txt")).value();
+  ASSERT_EQ(fork("other.plb", {"--seed", "4", "--set", "alpha=1"}), 0);
+  const auto whole = RunReader::Open(Path("whole.plb")).value();
+  const auto same = RunReader::Open(Path("same.plb")).value();
+  const auto other = RunReader::Open(Path("other.plb")).value();
+  ASSERT_EQ(same->NumFrames().value(), kFrames);
+  ASSERT_EQ(other->NumFrames().value(), kFrames);
+  EXPECT_EQ(other->header().seed, 4u);
+  for (int i = 0; i < kFrames; ++i)
+    EXPECT_EQ(BytesOf(same->ReadFrame(i).value()), BytesOf(whole->ReadFrame(i).value())) << i;
+  EXPECT_EQ(BytesOf(other->ReadFrame(20).value()), BytesOf(whole->ReadFrame(20).value()));
+  EXPECT_NE(BytesOf(other->LastFrame().value()), BytesOf(whole->LastFrame().value()));
+  EXPECT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("whole.plb"), "--fork",
+                        Path("whole.plb")})),
+            1);
+  EXPECT_EQ(FramesIn("whole.plb"), kFrames) << "a run is not overwritten by its own fork";
+}
+
 TEST_F(RunVerb, DoesNotResumeAnotherRun) {
   ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--frames", "0:3"})), 0);
   EXPECT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--resume", "--set",
