@@ -86,6 +86,7 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   particles_ = MakeParticlesPanel();
   map_ = MakeScenePanel();
   objects_ = MakeObjectsPanel();
+  relations_ = MakeRelationsPanel();
   details_ = MakeDetailsPanel();
   timings_ = MakeTimingsPanel();
   timeline_ = MakeTimelinePanel();
@@ -94,8 +95,8 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   posterior_ = MakePosteriorPanel();
   flow_ = MakeFlowPanel();
   for (const auto* panel :
-       {&image_, &edges_, &depth_, &masks_, &particles_, &map_, &objects_, &details_, &timings_,
-        &timeline_, &why_, &particle_table_, &posterior_, &flow_}) {
+       {&image_, &edges_, &depth_, &masks_, &particles_, &map_, &objects_, &relations_, &details_,
+        &timings_, &timeline_, &why_, &particle_table_, &posterior_, &flow_}) {
     panels_.push_back(panel->get());
   }
   context_.playback = std::make_shared<const PlaybackView>();
@@ -415,7 +416,8 @@ void Application::DrawPanels(const InspectLayout& layout) {
   DrawPanel(context_, layout.masks, *masks_, *this);
   DrawPanel(context_, layout.particles, *particles_, *this);
   DrawPanel(context_, layout.scene, *map_, *this);
-  DrawPanel(context_, layout.objects, *objects_, *this);
+  Panel* const about_map[] = {objects_.get(), relations_.get()};
+  DrawTabbedPanels(context_, layout.objects, about_map, objects_tab_, *this);
   Panel* const about_object[] = {details_.get(), why_.get(), posterior_.get(),
                                  particle_table_.get()};
   LayoutRect details = layout.details;

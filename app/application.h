@@ -101,9 +101,9 @@ class Application : private CommandSink {
   ImageViewport viewport_;
   LayoutRatios ratios_;
   FrameContext context_;
-  std::unique_ptr<Panel> image_, edges_, depth_, masks_, particles_, map_, objects_, details_,
-      timings_, timeline_, why_, particle_table_, posterior_, flow_;
-  std::size_t details_tab_ = 0;
+  std::unique_ptr<Panel> image_, edges_, depth_, masks_, particles_, map_, objects_, relations_,
+      details_, timings_, timeline_, why_, particle_table_, posterior_, flow_;
+  std::size_t details_tab_ = 0, objects_tab_ = 0;
   std::vector<Panel*> panels_;
   std::optional<UiScript> script_;
   UiScript::Host script_host_;

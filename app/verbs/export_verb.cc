@@ -5,9 +5,11 @@
 #include "app/verbs/verb.h"
 #include "engine/base/log.h"
 #include "engine/models/mesh_file.h"
+#include "engine/process/run_source.h"
 #include "engine/process/run_tables.h"
 #include "engine/recording/map_mesh.h"
 #include "engine/recording/run_summary.h"
+#include "engine/snapshot/relations.h"
 
 namespace plumbline {
 namespace {
@@ -16,9 +18,40 @@ struct ExportArguments {
   std::string run, format, out, models;
 };
 
+/// How the objects of the last frame that was used stand to one another, and which it shows.
+/// Errors: of opening the run with its models; kNotFound where every frame was skipped.
+Result<nlohmann::json> RelationsJson(const ExportArguments& arguments) {
+  auto source = OpenRunSource({arguments.run, {}, arguments.models}, WorkContext());
+  if (!source) return source.error();
+  for (int i = (*source)->mapped() - 1; i >= 0; --i) {
+    const auto snapshot = (*source)->Past(i, {});
+    if (!snapshot) return snapshot.error();
+    if (!(*snapshot)->report.skipped.empty()) continue;
+    const FrameReport& report = (*snapshot)->report;
+    nlohmann::json in_view = nlohmann::json::array(), relations = nlohmann::json::array();
+    for (const ObjectReport& object : report.objects) {
+      if (object.state == ObjectState::kConfirmed && !object.visible_box.empty())
+        in_view.push_back(object.id.value);
+    }
+    for (const ObjectRelation& r :
+         RelationsOf(report, (*source)->view(), (*snapshot)->depth, (*snapshot)->id)) {
+      const char* value = r.kind == RelationKind::kHides ? "share" : "gap_m";
+      relations.push_back(
+          {{"a", r.a.value}, {"is", RelationName(r.kind)}, {"b", r.b.value}, {value, r.value}});
+    }
+    return nlohmann::json{{"frame", report.frame}, {"in_view", in_view}, {"relations", relations}};
+  }
+  return Error{ErrorCode::kNotFound, "no frame of " + arguments.run + " was used"};
+}
+
 Status ExportJson(RunReader& reader, const ExportArguments& arguments) {
-  const Result<nlohmann::json> json = RunResultJson(reader);
+  Result<nlohmann::json> json = RunResultJson(reader);
   if (!json) return json.error();
+  const Result<nlohmann::json> relations = RelationsJson(arguments);
+  if (relations)
+    (*json)["last_frame"] = *relations;
+  else
+    log::warn("relations are left out: {}", relations.error().message);
   return WriteJsonResult(arguments.out, *json);
 }
 
@@ -77,11 +110,11 @@ void AddExportVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("run", arguments->run, "A run file")->required()->type_name("RUN.plb");
   std::vector<std::string> names;
   for (const Format& format : kFormats) names.push_back(format.name);
-  verb->add_option(
-          "--format", arguments->format,
-          "json: the result of 'run --json'; csv: a folder of tables (objects, frames, events, "
-          "timings); ply: one mesh of the confirmed objects, each "
-          "in its colour")
+  verb->add_option("--format", arguments->format,
+                   "json: the result of 'run --json' and the relations of the last frame; csv: a "
+                   "folder of tables (objects, frames, events, "
+                   "timings); ply: one mesh of the confirmed objects, each "
+                   "in its colour")
       ->required()
       ->check(CLI::IsMember(names));
   verb->add_option("--out", arguments->out, "Where to (json: '-' is standard output)")

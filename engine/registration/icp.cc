@@ -208,7 +208,6 @@ int AlignCoarsely(const AlignmentCrop& crop, const ModelSurface& model, double r
 FineAlignment AlignFinely(const AlignmentCrop& crop, const ModelSurface& model,
                           IcpResidual residual, int max_iterations, ConstrainedPose& pose) {
   constexpr double kReach_m = 0.03, kLeastReach_m = 1e-3, kConverged = 1e-8;
-  constexpr double kPatch_m = 0.15;  // What a fused scan errs together over.
   FineAlignment result;
   std::vector<PointPair> pairs;
   double reach = kReach_m;
@@ -233,8 +232,7 @@ FineAlignment AlignFinely(const AlignmentCrop& crop, const ModelSurface& model,
                          (pose.scan_from_model().linear() - before.linear()).norm();
     result.converged = moved < kConverged;
   }
-  const double effect = pose.DesignEffect(pairs, kPatch_m);
-  result.covariance = pose.PlaneCovariance(pairs, std::sqrt(effect) * result.sigma_m);
+  result.covariance = pose.PlaneCovariance(pairs, result.sigma_m);
   return result;
 }
 

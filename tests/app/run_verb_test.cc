@@ -174,5 +174,18 @@ TEST_F(RunVerb, WritesItsResultAsJson) {
   EXPECT_EQ(confirmed, 3);
 }
 
+TEST_F(RunVerb, ExportsHowObjectsStandToOneAnother) {
+  ASSERT_EQ(Wait(StartRun("a.plb", false)), 0);
+  ASSERT_EQ(Wait(Start({"export", Path("a.plb"), "--format", "json", "--out", Path("a.json")})), 0)
+      << *ReadFile(Path("output.txt"));
+  const nlohmann::json last = ReadJson(Path("a.json")).value().at("last_frame");
+  EXPECT_EQ(last.at("frame"), kFrames - 1);
+  int nearest = 0;
+  for (const nlohmann::json& relation : last.at("relations")) {
+    nearest += relation.at("is") == "is nearest to" && relation.at("gap_m") >= 0;
+  }
+  EXPECT_EQ(nearest, 3) << "one for each confirmed object";
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -25,6 +25,7 @@ std::vector<std::unique_ptr<Panel>> AllPanels() {
   panels.push_back(MakeWhyPanel());
   panels.push_back(MakeParticleTablePanel());
   panels.push_back(MakePosteriorPanel());
+  panels.push_back(MakeRelationsPanel());
   panels.push_back(MakeTimingsPanel());
   panels.push_back(MakeTimelinePanel());
   return panels;

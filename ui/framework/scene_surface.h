@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include <imgui.h>
 #include <Eigen/Core>
@@ -35,6 +37,8 @@ struct SceneContent {
   bool follow = false;
   bool look_through = false;  ///< From the camera of the sequence, its image behind everything.
   bool light = false;         ///< Theme
+  /// Colours of objects; those that are not named have their own.
+  std::vector<std::pair<ObjectId, ImU32>> colors;
 };
 
 /// A turntable camera about `focus`, in numbers.
@@ -43,6 +47,7 @@ struct SceneCamera {
   double azimuth_rad = 0, elevation_rad = 0, distance_m = 1;
   Eigen::Matrix3d view_from_world =
       Eigen::Matrix3d::Identity();  ///< x right, y up, z to the viewer
+  double view_angle_rad = 0.7;      ///< From the lower edge to the upper.
 };
 
 /// The 3-D view as the panels know it; ui/scene implements it. Pixels count from the top left of

@@ -6,6 +6,7 @@
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/pictures.h"
 #include "ui/framework/widgets.h"
+#include "ui/panels/edge_difference.h"
 #include "ui/panels/overlays.h"
 #include "ui/panels/panels.h"
 #include "ui/panels/waiting.h"
@@ -45,7 +46,12 @@ class EdgesPanel : public Panel {
 
   void DrawHeader(const FrameContext& context, CommandSink&) override {
     AlignRight(ToggleWidth(context, "Outlines") + ToggleWidth(context, "Contour") +
-               context.Scaled(4));
+               ToggleWidth(context, "Expected") + context.Scaled(8));
+    Toggle(
+        context, "edges.difference", "Expected", difference_,
+        "Edges against the contours of the mean states: green edges that one explains, grey ones "
+        "that none does, red contour without an edge within 5 pixels.");
+    ImGui::SameLine();
     Toggle(context, "edges.contour", "Contour", contour_,
            "Contour samples of the hypothesis that is chosen under 'Why here?'.");
     ImGui::SameLine();
@@ -64,15 +70,17 @@ class EdgesPanel : public Panel {
     const float shown = ImGui::GetContentRegionAvail().x * context.viewport->zoom /
                         static_cast<float>(snapshot.edge_probability.cols);
     const bool thick = shown < 0.6f;
-    const ImTextureID texture = context.textures->Get(
-        thick ? "edges, thick" : "edges", context.snapshot_version,
-        [&] { return EdgePicture(snapshot.edge_probability, snapshot.edge_angle, thick); });
+    const char* name = difference_ ? "edges, expected" : thick ? "edges, thick" : "edges";
+    const ImTextureID texture = context.textures->Get(name, context.snapshot_version, [&] {
+      return difference_ ? EdgeDifferencePicture(snapshot)
+                         : EdgePicture(snapshot.edge_probability, snapshot.edge_angle, thick);
+    });
     const ImageCanvas canvas(context, "edges.view", texture, snapshot.edge_probability.cols,
                              snapshot.edge_probability.rows);
     if (outlines_)
       DrawOutlineOverlay(context, canvas, {.width_px = 1, .alpha = 0.8, .shadow = false});
     if (contour_) DrawContourOverlay(context, canvas);
-    DrawOrientationLegend(context, canvas);
+    if (!difference_) DrawOrientationLegend(context, canvas);
     if (const auto pixel = canvas.hovered()) {
       const int x = static_cast<int>(std::lround(pixel->x())),
                 y = static_cast<int>(std::lround(pixel->y()));
@@ -85,15 +93,16 @@ class EdgesPanel : public Panel {
   }
 
   nlohmann::json SaveState() const override {
-    return {{"outlines", outlines_}, {"contour", contour_}};
+    return {{"outlines", outlines_}, {"contour", contour_}, {"difference", difference_}};
   }
   void LoadState(const nlohmann::json& json) override {
     outlines_ = json.value("outlines", outlines_);
     contour_ = json.value("contour", contour_);
+    difference_ = json.value("difference", difference_);
   }
 
  private:
-  bool outlines_ = false, contour_ = false;
+  bool outlines_ = false, contour_ = false, difference_ = false;
 };
 
 }  // namespace

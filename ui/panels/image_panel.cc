@@ -97,6 +97,7 @@ class ImagePanel : public Panel {
     }
     if (names_) LabelObjects(context, canvas, labels);
     if (proposals_) LabelProposals(context, canvas, labels);
+    DrawPixelValue(context, canvas);
     if (const auto pixel = canvas.clicked())
       sink.Post(SelectObjectCommand{ObjectAt(context, *pixel)});
   }

@@ -28,6 +28,7 @@ class MasksPanel : public Panel {
     });
     const ImageCanvas canvas(context, "masks.view", texture, context.sequence->image_width,
                              context.sequence->image_height);
+    DrawPixelValue(context, canvas);
     const auto pixel = canvas.hovered();
     if (!pixel) return;
     const ObjectId object = ObjectAt(context, *pixel);

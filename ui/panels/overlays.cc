@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ui/panels/overlays.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "ui/framework/particle_place.h"
+#include "ui/framework/widgets.h"
 
 namespace plumbline {
 namespace {
@@ -144,6 +147,26 @@ void DrawParticleOutline(const FrameContext& context, const ImageCanvas& canvas)
     canvas.draw().AddPolyline(points.data(), count, IM_COL32_WHITE, ImDrawFlags_Closed,
                               context.Scaled(1.5));
   }
+}
+
+void DrawPixelValue(const FrameContext& context, const ImageCanvas& canvas) {
+  const cv::Mat& image = context.snapshot->image;
+  const auto pixel = canvas.hovered();
+  if (!pixel || image.empty()) return;
+  const int width = context.sequence->image_width, height = context.sequence->image_height;
+  const int x = static_cast<int>(std::lround(pixel->x())),
+            y = static_cast<int>(std::lround(pixel->y()));
+  if (x < 0 || y < 0 || x >= width || y >= height) return;
+  // A run without its sequence has small pictures only.
+  const auto& bgr = image.at<cv::Vec3b>(y * image.rows / height, x * image.cols / width);
+  std::string text = fmt::format("x {}  y {}   rgb {} {} {}", x, y, bgr[2], bgr[1], bgr[0]);
+  const cv::Mat& depth = context.snapshot->depth;
+  if (!depth.empty()) {
+    const float z = depth.at<float>(y * depth.rows / height, x * depth.cols / width);
+    if (z > 0) text += fmt::format("   {:.2f} m", z);
+  }
+  PictureLabels labels(context, canvas.low(), canvas.high());
+  labels.Add({canvas.low()}, colors::kOnPicture, text);
 }
 
 ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel) {

@@ -37,6 +37,9 @@ void DrawContourOverlay(const FrameContext& context, const ImageCanvas& canvas);
 /// Outline of the particle under the mouse, else of the marked one, as far as it is known.
 void DrawParticleOutline(const FrameContext& context, const ImageCanvas& canvas);
 
+/// Position and colour of the pixel under the mouse, in a corner of the picture.
+void DrawPixelValue(const FrameContext& context, const ImageCanvas& canvas);
+
 /// The object whose mean state shows at a pixel of the image; not valid where there is none.
 ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel);
 

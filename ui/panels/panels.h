@@ -21,6 +21,7 @@ std::unique_ptr<Panel> MakeFlowPanel();
 std::unique_ptr<Panel> MakeWhyPanel();
 std::unique_ptr<Panel> MakeParticleTablePanel();
 std::unique_ptr<Panel> MakePosteriorPanel();
+std::unique_ptr<Panel> MakeRelationsPanel();
 std::unique_ptr<Panel> MakeTimingsPanel();
 std::unique_ptr<Panel> MakeTimelinePanel();
 

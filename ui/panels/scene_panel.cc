@@ -8,6 +8,7 @@
 #include "ui/framework/widgets.h"
 #include "ui/panels/panels.h"
 #include "ui/panels/scene_mouse.h"
+#include "ui/panels/scene_overlay.h"
 #include "ui/panels/waiting.h"
 
 namespace plumbline {
@@ -34,6 +35,20 @@ constexpr LayerToggle kLayers[] = {
     {"grid", "Grid", &SceneLayers::grid, "Grid on the floor."},
 };
 
+struct OverlayToggle {
+  const char* name;
+  const char* label;
+  bool SceneOverlay::*part;
+  const char* tooltip;
+};
+constexpr OverlayToggle kOverlays[] = {
+    {"names", "Names", &SceneOverlay::names, "Numbers and models of confirmed objects."},
+    {"spread", "Spread", &SceneOverlay::spread,
+     "Ellipsoids that hold 95 % of the belief about each object's centre."},
+    {"links", "Links", &SceneOverlay::links,
+     "Relations: green stands on, yellow hides from the camera, blue is nearest to."},
+};
+
 class ScenePanel : public Panel {
  public:
   const char* Id() const override { return "scene"; }
@@ -46,24 +61,26 @@ class ScenePanel : public Panel {
   }
 
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
-    float width =
+    const float gap = context.Scaled(3), room = ImGui::GetContentRegionAvail().x;
+    const float views =
         ToggleWidth(context, "Follow") + ToggleWidth(context, "Through") + context.Scaled(17);
-    for (const LayerToggle& layer : kLayers) {
-      width += ToggleWidth(context, layer.label) + context.Scaled(3);
-    }
-    if (width <= ImGui::GetContentRegionAvail().x) {
-      AlignRight(width);
+    float layers = 0, overlays = ToggleWidth(context, ColorLabel().c_str()) + gap;
+    for (const LayerToggle& layer : kLayers) layers += ToggleWidth(context, layer.label) + gap;
+    for (const OverlayToggle& part : kOverlays) overlays += ToggleWidth(context, part.label) + gap;
+    const float more = ToggleWidth(context, "More") + gap;
+    if (views + layers + overlays <= room) {
+      AlignRight(views + layers + overlays);
       DrawLayerToggles(context, false);
+      ImGui::SameLine();
+      DrawOverlayToggles(context, false);
+    } else if (views + layers + more <= room) {
+      AlignRight(views + layers + more);
+      DrawLayerToggles(context, false);
+      ImGui::SameLine();
+      DrawMenu(context, "More", false);
     } else {
-      AlignRight(ToggleWidth(context, "Layers") + ToggleWidth(context, "Follow") +
-                 ToggleWidth(context, "Through") + context.Scaled(17));
-      bool open = false;
-      if (Toggle(context, "scene.layers", "Layers", open, "What the map shows."))
-        ImGui::OpenPopup("layers");
-      if (ImGui::BeginPopup("layers")) {
-        DrawLayerToggles(context, true);
-        ImGui::EndPopup();
-      }
+      AlignRight(views + ToggleWidth(context, "Layers") + gap);
+      DrawMenu(context, "Layers", true);
     }
     ImGui::SameLine(0, context.Scaled(12));
     bool follow = context.follow;
@@ -85,7 +102,8 @@ class ScenePanel : public Panel {
     }
     context.scene->SetContent({context.sequence, context.snapshot, context.snapshot_version,
                                context.selection.object, context.selection.particle, layers_,
-                               context.follow, context.look_through, context.light});
+                               context.follow, context.look_through, context.light,
+                               ColorsOf(context, coloring_)});
     const ImVec2 low = ImGui::GetCursorScreenPos();
     const ImVec2 size = ImGui::GetContentRegionAvail();
     const int width = std::max(8, static_cast<int>(size.x)),
@@ -100,27 +118,75 @@ class ScenePanel : public Panel {
     const ImVec2 high(low.x + static_cast<float>(width), low.y + static_cast<float>(height));
     ImGui::GetWindowDrawList()->AddImageRounded(texture, low, high, {0, 1}, {1, 0}, IM_COL32_WHITE,
                                                 context.Scaled(4));
+    DrawOverlay(context, low, high);
     DrawTriad(context, context.scene->camera().view_from_world, low, high);
     if (layers_.grid && !context.look_through) DrawGridLabel(context, low, high);
   }
 
   nlohmann::json SaveState() const override {
     nlohmann::json json;
+    for (const OverlayToggle& toggle : kOverlays) json[toggle.name] = overlay_.*toggle.part;
+    json["color"] = ColoringName(coloring_);
     for (const LayerToggle& layer : kLayers) json[layer.name] = layers_.*layer.layer;
     return json;
   }
   void LoadState(const nlohmann::json& json) override {
+    for (const OverlayToggle& toggle : kOverlays)
+      overlay_.*toggle.part = json.value(toggle.name, overlay_.*toggle.part);
+    for (const auto coloring :
+         {SceneColoring::kIdentity, SceneColoring::kState, SceneColoring::kError}) {
+      if (json.value("color", std::string(ColoringName(coloring_))) == ColoringName(coloring))
+        coloring_ = coloring;
+    }
     for (const LayerToggle& layer : kLayers)
       layers_.*layer.layer = json.value(layer.name, layers_.*layer.layer);
   }
 
  private:
+  void DrawMenu(const FrameContext& context, const char* label, bool layers_too) {
+    bool open = false;
+    if (Toggle(context, "scene.layers", label, open, "What the map shows."))
+      ImGui::OpenPopup("layers");
+    if (!ImGui::BeginPopup("layers")) return;
+    if (layers_too) DrawLayerToggles(context, true);
+    DrawOverlayToggles(context, true);
+    ImGui::EndPopup();
+  }
+
   void DrawLayerToggles(const FrameContext& context, bool below_one_another) {
     for (const LayerToggle& layer : kLayers) {
       if (&layer != kLayers && !below_one_another) ImGui::SameLine();
       Toggle(context, fmt::format("scene.{}", layer.name), layer.label, layers_.*layer.layer,
              layer.tooltip);
     }
+  }
+
+  void DrawOverlayToggles(const FrameContext& context, bool below_one_another) {
+    for (const OverlayToggle& toggle : kOverlays) {
+      if (&toggle != kOverlays && !below_one_another) ImGui::SameLine();
+      Toggle(context, fmt::format("scene.{}", toggle.name), toggle.label, overlay_.*toggle.part,
+             toggle.tooltip);
+    }
+    if (!below_one_another) ImGui::SameLine();
+    bool other = coloring_ != SceneColoring::kIdentity;
+    if (Toggle(context, "scene.color", ColorLabel().c_str(), other,
+               "What the colours of the models mean: which object it is, its state, or its error "
+               "against ground truth (green 0, red 10 cm or more, grey unknown). A click goes to "
+               "the next."))
+      coloring_ = static_cast<SceneColoring>((static_cast<int>(coloring_) + 1) % 3);
+  }
+
+  std::string ColorLabel() const { return fmt::format("Colour: {}", ColoringName(coloring_)); }
+
+  void DrawOverlay(const FrameContext& context, ImVec2 low, ImVec2 high) {
+    if (context.snapshot == nullptr) return;
+    if (overlay_.links && version_ != context.snapshot_version) {
+      const MapSnapshot& s = *context.snapshot;
+      relations_ = RelationsOf(s.report, *context.sequence, s.depth, s.id);
+      version_ = context.snapshot_version;
+    }
+    const SceneProjection project(context, context.scene->camera(), low, high);
+    DrawSceneOverlay(context, project, low, high, overlay_, relations_);
   }
 
   /// True while the view moves.
@@ -143,6 +209,10 @@ class ScenePanel : public Panel {
   }
 
   SceneLayers layers_;
+  SceneOverlay overlay_;
+  SceneColoring coloring_ = SceneColoring::kIdentity;
+  std::uint64_t version_ = 0;  ///< Of the snapshot whose relations these are.
+  std::vector<ObjectRelation> relations_;
 };
 
 }  // namespace

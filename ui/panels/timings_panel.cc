@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "ui/framework/widgets.h"
 #include "ui/panels/panels.h"
+#include "ui/panels/timings_plot.h"
 #include "ui/panels/waiting.h"
 
 namespace plumbline {
@@ -20,10 +22,21 @@ class TimingsPanel : public Panel {
            "what the window itself takes.";
   }
 
+  void DrawHeader(const FrameContext& context, CommandSink&) override {
+    AlignRight(ToggleWidth(context, "Over time"));
+    Toggle(context, "timings.over_time", "Over time", over_time_,
+           "The stages of all frames so far, one upon the other.");
+  }
+
   void Draw(const FrameContext& context, CommandSink&) override {
     if (DrawWaiting(context)) return;
     Remember(context);
     ImGui::PushFont(context.fonts.small);
+    DrawRates(context);
+    if (over_time_) {
+      DrawTimingsPlot(context);
+      return ImGui::PopFont();
+    }
     ImGui::BeginChild("timings.scroll", ImGui::GetContentRegionAvail());
     const auto& timings = context.snapshot->report.timings;
     double total = 0, longest = 1;
@@ -40,7 +53,7 @@ class TimingsPanel : public Panel {
       if (wide) ImGui::TableSetupColumn("mean");
       for (const StageTiming& timing : timings) {
         Row(context, timing.stage, timing.milliseconds, wide ? means_[timing.stage] : -1, longest,
-            colors::kAccent);
+            StageColor(static_cast<std::size_t>(&timing - timings.data())));
       }
       Row(context, "frame", total, wide ? mean_total_ : -1, 0, colors::kText);
       Row(context, "window", context.window_ms, -1, 0, colors::kDimText);
@@ -53,7 +66,38 @@ class TimingsPanel : public Panel {
     ImGui::PopFont();
   }
 
+  nlohmann::json SaveState() const override { return {{"over_time", over_time_}}; }
+  void LoadState(const nlohmann::json& json) override {
+    over_time_ = json.value("over_time", over_time_);
+  }
+
  private:
+  /// Hypotheses a second, and frames that were not used.
+  static void DrawRates(const FrameContext& context) {
+    double weigh_ms = 0;
+    std::size_t hypotheses = 0;
+    for (const StageTiming& timing : context.snapshot->report.timings) {
+      if (timing.stage == "weigh") weigh_ms = timing.milliseconds;
+    }
+    for (const ObjectReport& object : context.snapshot->report.objects) {
+      if (object.weighed && object.particles != nullptr) hypotheses += object.particles->size();
+    }
+    int dropped = 0;
+    for (const auto& frame : context.playback->history->frames)
+      dropped += frame != nullptr && frame->skipped;
+    if (weigh_ms > 0)
+      DimText("%.0f 000 hypotheses/s", std::ceil(static_cast<double>(hypotheses) / weigh_ms));
+    else
+      DimText("no hypotheses weighed");
+    Tooltip(context, "Particles weighed in this frame, over the time of the stage 'weigh'.");
+    ImGui::SameLine(0, context.Scaled(12));
+    if (dropped > 0)
+      SmallText(context, colors::kWarning, "%d frames dropped", dropped);
+    else
+      DimText("none dropped");
+    Tooltip(context, "Frames of this run that could not be used.");
+  }
+
   void Remember(const FrameContext& context) {
     if (version_ == context.snapshot_version) return;
     version_ = context.snapshot_version;
@@ -97,6 +141,7 @@ class TimingsPanel : public Panel {
   }
 
   static constexpr double kShare = 1.0 / 30;
+  bool over_time_ = false;
   std::map<std::string, double> means_;
   double mean_total_ = 0;
   std::uint64_t version_ = 0;

@@ -39,7 +39,7 @@ class MapScene : public SceneSurface {
         content.selected != content_.selected || content.layers != content_.layers ||
         content.selected_particle != content_.selected_particle ||
         content.follow != content_.follow || content.look_through != content_.look_through ||
-        content.light != content_.light;
+        content.light != content_.light || content.colors != content_.colors;
     if (!changed) return;
     const bool new_follow = content.follow && !content_.follow;
     content_ = content;

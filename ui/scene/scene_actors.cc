@@ -244,7 +244,11 @@ void SceneActors::UpdateObjects(const SceneContent& content) {
     ObjectActors& actors = ActorsOf(object);
     const bool selected = object.id == content.selected;
     const bool tentative = object.state == ObjectState::kTentative;
-    const ImU32 color = ObjectColor(object.id);
+    ImU32 color = ObjectColor(object.id);
+    for (const auto& [id, wanted] : content.colors) {
+      if (id == object.id) color = wanted;
+    }
+    SetColor(*actors.surface, color);
     actors.surface->VisibilityOn();
     actors.edges->VisibilityOn();
     SetPose(*actors.surface, object.world_from_object);

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/snapshot/relations.h"
+
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+/// A box from the floor up.
+ModelView BoxModel(const char* name, float x, float y, float z) {
+  auto mesh = std::make_shared<TriangleMesh>();
+  for (const float dx : {-0.5f, 0.5f}) {
+    for (const float dy : {-0.5f, 0.5f}) {
+      for (const float dz : {0.0f, 1.0f}) mesh->vertices.emplace_back(dx * x, dy * y, dz * z);
+    }
+  }
+  ModelView model;
+  model.name = name;
+  model.mesh = mesh;
+  model.center = Eigen::Vector3d(0, 0, 0.5 * z);
+  return model;
+}
+
+ObjectReport At(int id, int label, double x, double y, double z) {
+  ObjectReport object;
+  object.id = {id};
+  object.label = {label};
+  object.state = ObjectState::kConfirmed;
+  object.world_from_object.translation() = Eigen::Vector3d(x, y, z);
+  return object;
+}
+
+class Relations : public testing::Test {
+ protected:
+  Relations() {
+    view_.models = {BoxModel("sideboard", 1, 0.4f, 0.7f), BoxModel("tv", 0.8f, 0.1f, 0.5f),
+                    BoxModel("chair", 0.5f, 0.5f, 1)};
+    view_.image_width = 100;
+    view_.image_height = 80;
+    view_.fx = view_.fy = 80;
+    view_.cx = 50;
+    view_.cy = 40;
+    report_.objects = {At(1, 0, 0, 0, 0), At(2, 1, 0, 0, 0.7), At(3, 2, 1.5, 0, 0)};
+  }
+  const ObjectRelation* Find(const std::vector<ObjectRelation>& all, RelationKind kind, int a) {
+    for (const ObjectRelation& relation : all) {
+      if (relation.kind == kind && relation.a.value == a) return &relation;
+    }
+    return nullptr;
+  }
+  SequenceView view_;
+  FrameReport report_;
+};
+
+TEST_F(Relations, TellWhatStandsOnWhatAndWhatIsNear) {
+  const auto all = RelationsOf(report_, view_, {}, {});
+  ASSERT_NE(Find(all, RelationKind::kStandsOn, 2), nullptr);
+  EXPECT_EQ(Find(all, RelationKind::kStandsOn, 2)->b, ObjectId{1});
+  EXPECT_EQ(Find(all, RelationKind::kStandsOn, 1), nullptr);
+  EXPECT_EQ(Find(all, RelationKind::kStandsOn, 3), nullptr);
+  const ObjectRelation* chair = Find(all, RelationKind::kNear, 3);
+  ASSERT_NE(chair, nullptr);
+  EXPECT_EQ(chair->b, ObjectId{1});
+  EXPECT_NEAR(chair->value, 0.75, 1e-6) << "1.5 m less half of both";
+  EXPECT_EQ(Find(all, RelationKind::kHides, 1), nullptr) << "without a Z-buffer";
+}
+
+TEST_F(Relations, TellWhatHidesWhatInTheCamera) {
+  // Looking along +y from before the chair; object 3 covers the right half of the picture at 2 m.
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  pose.translation() = Eigen::Vector3d(0, -3, 0.5);
+  report_.world_from_cam = pose;
+  cv::Mat depth = cv::Mat::zeros(40, 50, CV_32F), id = cv::Mat::zeros(40, 50, CV_16U);
+  depth(cv::Rect(25, 0, 25, 40)) = 2.0f;
+  id(cv::Rect(25, 0, 25, 40)) = 3;
+  const auto all = RelationsOf(report_, view_, depth, id);
+  const ObjectRelation* hides = Find(all, RelationKind::kHides, 3);
+  ASSERT_NE(hides, nullptr);
+  EXPECT_NEAR(hides->value, 0.5, 0.26) << "about half of the sideboard or the screen";
+}
+
+TEST_F(Relations, LeaveOutWhatIsNotConfirmed) {
+  report_.objects[2].state = ObjectState::kTentative;
+  report_.objects[1].label = {9};
+  EXPECT_TRUE(RelationsOf(report_, view_, {}, {}).empty());
+}
+
+}  // namespace
+}  // namespace plumbline

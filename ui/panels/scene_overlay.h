@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <imgui.h>
+
+#include "engine/snapshot/relations.h"
+#include "ui/framework/frame_context.h"
+#include "ui/framework/scene_surface.h"
+
+namespace plumbline {
+
+/// What the colours of the models in the map mean.
+enum class SceneColoring { kIdentity, kState, kError };
+const char* ColoringName(SceneColoring coloring);
+/// Colours of the objects of this frame; empty for identity.
+std::vector<std::pair<ObjectId, ImU32>> ColorsOf(const FrameContext& context,
+                                                 SceneColoring coloring);
+
+/// Points of the world on the picture of the 3-D view.
+class SceneProjection {
+ public:
+  SceneProjection(const FrameContext& context, const SceneCamera& camera, ImVec2 low, ImVec2 high);
+  std::optional<ImVec2> operator()(const Eigen::Vector3d& point_in_world) const;
+
+ private:
+  const FrameContext& context_;
+  Eigen::Isometry3d view_from_world_ = Eigen::Isometry3d::Identity();  ///< z ahead, y down
+  Eigen::Vector2d focal_, middle_;
+};
+
+struct SceneOverlay {
+  bool names = true;
+  bool spread = false;  ///< Ellipsoids that hold 95 % of the belief about the centre.
+  bool links = false;
+};
+
+/// Names, ellipsoids and relations over the 3-D view.
+void DrawSceneOverlay(const FrameContext& context, const SceneProjection& project, ImVec2 low,
+                      ImVec2 high, const SceneOverlay& overlay,
+                      const std::vector<ObjectRelation>& relations);
+
+}  // namespace plumbline
