@@ -44,6 +44,7 @@ AnnotateWorkspace::AnnotateWorkspace(AnnotationChoice defaults, bool software_gl
       floor_(MakeAnnotateFloorPanel()),
       candidates_(MakeAnnotateCandidatesPanel()),
       refinement_(MakeAnnotateRefinementPanel()),
+      images_(MakeAnnotateImagesPanel()),
       instance_(MakeAnnotateInstancePanel()) {}
 
 AnnotateWorkspace::~AnnotateWorkspace() = default;
@@ -105,8 +106,25 @@ void AnnotateWorkspace::Draw(const FrameContext& context, const LayoutRect& rect
   DrawPanel(context, {room.low, {left_x, middle_y}}, *models_, sink);
   DrawPanel(context, {{room.low.x, middle_y + gap}, {left_x, room.high.y}}, *instances_, sink);
   const float right_x = room.low.x + static_cast<float>(std::round(right_ * room.width()));
-  DrawPanel(context, {{left_x + gap, room.low.y}, {right_x, room.high.y}}, *scene_panel_, sink);
+  const bool images = context.annotation->has_sequence;
+  const float images_y =
+      images ? room.low.y + static_cast<float>(std::round(images_share_ * room.height()))
+             : room.high.y;
+  DrawPanel(context, {{left_x + gap, room.low.y}, {right_x, images_y}}, *scene_panel_, sink);
+  if (images) {
+    DrawPanel(context, {{left_x + gap, images_y + gap}, {right_x, room.high.y}}, *images_, sink);
+  }
+  Preview();
   DrawPanel(context, {{right_x + gap, room.low.y}, room.high}, TaskPanel(context), sink);
+}
+
+void AnnotateWorkspace::Preview() {
+  const bool same = view_.pending.has_value() == previewed_.has_value() &&
+                    (!previewed_ || view_.pending->scan_from_object.matrix() ==
+                                        previewed_->scan_from_object.matrix());
+  if (same) return;
+  previewed_ = view_.pending;
+  if (previewed_) process_->Post(PreviewPoseCommand{previewed_->id, previewed_->scan_from_object});
 }
 
 void AnnotateWorkspace::PostShortcuts(const FrameContext& context, CommandSink& sink) {
@@ -172,6 +190,10 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
                                      {"locked", instance.locked},
                                      {"note", instance.note},
                                      {"scan_from_object", MatrixOf(instance.scan_from_object)}});
+  }
+  if (snapshot.checks) {
+    state["annotate.images"] = snapshot.checks->images.size();
+    annotate["agreement"] = snapshot.checks->agreement;
   }
   if (const auto& placement = snapshot.placement) {
     annotate["placement_running"] = placement->running;

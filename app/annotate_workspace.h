@@ -32,6 +32,8 @@ class AnnotateWorkspace : public Workspace {
   void LoadSettings(const nlohmann::json& json) override;
 
  private:
+  /// Has the images follow a pose that is on its way.
+  void Preview();
   void Follow(const AnnotationSnapshot& before, const AnnotationSnapshot& now);
   /// What is to be decided now, else the selected object.
   Panel& TaskPanel(const FrameContext& context);
@@ -40,11 +42,12 @@ class AnnotateWorkspace : public Workspace {
   bool software_gl_;
   std::function<void()> wake_;
   AnnotateView view_;
+  std::optional<PendingPose> previewed_;
   std::unique_ptr<AnnotateSurface> scene_;
   std::unique_ptr<Panel> scene_panel_, models_, instances_, floor_, candidates_, refinement_,
-      instance_;
-  double left_ = 0.19, right_ = 0.77, models_share_ = 0.55;  ///< Of the room.
-  std::unique_ptr<AnnotationProcess> process_;               ///< Last: its thread wakes the window.
+      images_, instance_;
+  double left_ = 0.19, right_ = 0.77, models_share_ = 0.55, images_share_ = 0.76;  ///< Of the room.
+  std::unique_ptr<AnnotationProcess> process_;  ///< Last: its thread wakes the window.
 };
 
 }  // namespace plumbline

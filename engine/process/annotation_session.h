@@ -12,6 +12,7 @@
 #include "engine/base/progress.h"
 #include "engine/dataset/sequence.h"
 #include "engine/models/model_database.h"
+#include "engine/process/annotation_checks.h"
 #include "engine/process/annotation_jobs.h"
 #include "engine/process/annotation_opening.h"
 #include "engine/snapshot/annotation_commands.h"
@@ -58,6 +59,8 @@ class AnnotationSession {
   void On(const PlaceModelCommand& command);
   void On(const PlaceAgainCommand& command);
   void On(const RefineInstanceCommand& command);
+  void On(const RefineByImagesCommand& command);
+  void On(const PreviewPoseCommand& command);
   void On(const AcceptProposalCommand& command);
   void On(const CancelProposalCommand& command);
   void On(const SetInstancePoseCommand& command);
@@ -75,6 +78,12 @@ class AnnotationSession {
   void QueueModels();
   void QueueThumbnails();
   void QueueTarget();
+  void QueueOutlines();
+  /// Asks for the images of the selected object, or for its outline in them, if they are not those
+  /// of where it is now.
+  void WantChecks();
+  Job ImagesJob();
+  Job CheckJob();
   void QueuePlacement(PlacementTask task, int model, std::string instance);
   std::optional<PlacementTask> TaskFor(int model, const Eigen::Isometry3d& pose, bool on_floor,
                                        bool& floor_bound);
@@ -84,6 +93,7 @@ class AnnotationSession {
   void Answer(std::string text, bool refused = false);
   void Refuse(const std::string& text) { Answer(text, true); }
   double SpentSinceLastEdit();
+  Eigen::Isometry3d PoseOf(const std::string& id) const;
   std::string FreeId(const std::string& model) const;
   Eigen::Vector3d up_in_scan() const { return -project_->document().gravity_in_scan; }
   FloorHints Hints() const;
@@ -100,6 +110,11 @@ class AnnotationSession {
   std::shared_ptr<const ModelDatabase> models_;
   std::shared_ptr<const Sequence> sequence_;
   std::map<int, std::shared_ptr<const ModelSurface>> surfaces_;
+  std::shared_ptr<OutlineScene> outlines_;  ///< Of jobs alone; null until it is ready.
+  std::shared_ptr<const InstanceImages> images_;
+  std::optional<Eigen::Isometry3d> preview_;  ///< Of the selected object.
+  std::optional<Eigen::Isometry3d> checked_;  ///< The last pose that was checked.
+  bool images_wanted_ = false, check_wanted_ = false;
 };
 
 }  // namespace plumbline

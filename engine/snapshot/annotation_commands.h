@@ -43,6 +43,16 @@ struct RefineInstanceCommand {
   std::string id;
   bool on_floor = true;  ///< The height stays.
 };
+/// Aligns an instance to the edges of its key frames.
+struct RefineByImagesCommand {
+  std::string id;
+  bool on_floor = true;  ///< The height stays.
+};
+/// An instance on its way, to be checked in the images; the project does not change.
+struct PreviewPoseCommand {
+  std::string id;
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+};
 /// Takes the floor, the placement's candidate or the refinement that is proposed.
 struct AcceptProposalCommand {
   int candidate = 0;
@@ -86,10 +96,10 @@ struct DismissNoticesCommand {};
 /// For the process that annotates.
 using AnnotationCommand =
     std::variant<SelectInstanceCommand, FindFloorCommand, TypeGravityCommand, PlaceModelCommand,
-                 PlaceAgainCommand, RefineInstanceCommand, AcceptProposalCommand,
-                 CancelProposalCommand, SetInstancePoseCommand, ChangeInstanceCommand,
-                 RemoveInstanceCommand, DuplicateInstanceCommand, UndoCommand, RedoCommand,
-                 SaveProjectCommand, SetAnnotatorCommand, ImportDraftsCommand,
-                 DismissNoticesCommand>;
+                 PlaceAgainCommand, RefineInstanceCommand, RefineByImagesCommand,
+                 PreviewPoseCommand, AcceptProposalCommand, CancelProposalCommand,
+                 SetInstancePoseCommand, ChangeInstanceCommand, RemoveInstanceCommand,
+                 DuplicateInstanceCommand, UndoCommand, RedoCommand, SaveProjectCommand,
+                 SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand>;
 
 }  // namespace plumbline

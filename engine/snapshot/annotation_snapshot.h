@@ -82,9 +82,38 @@ struct RefinementView {
   double fitness = 0, rmse_m = 0, fitness_before = 0, rmse_before_m = 0;
   double azimuth_rad = 0, horizontal_m = 0, height_m = 0, tilt_rad = 0;  ///< Changes.
   double position_std_m = 0, azimuth_std_rad = 0;
+  bool by_images = false;                      ///< Aligned to the edges of images, not to the scan.
+  double agreement = 0, agreement_before = 0;  ///< By images: as of ImageChecksView.
+  double offset_px = 0, offset_before_px = 0;  ///< By images: median.
   std::string problem;
   /// Of every vertex of the model: distance of the nearest scan point; negative: none within 10 cm.
   std::shared_ptr<const std::vector<float>> residuals_m;
+};
+
+/// A line of a posed model in an image.
+struct OutlineLine {
+  bool crease = false;  ///< Else a contour.
+  bool hidden = false;  ///< Behind the scan or another object.
+  std::vector<Eigen::Vector2f> pixels;
+};
+
+/// How the selected object lies in one key frame.
+struct ImageCheckView {
+  int frame = 0;
+  cv::Mat image;  ///< CV_8UC3 BGR
+  Eigen::Isometry3d scan_from_cam = Eigen::Isometry3d::Identity();
+  std::vector<OutlineLine> lines;
+  double agreement = 0;         ///< Share of the visible outline that lies on edges, beyond chance.
+  double median_offset_px = 0;  ///< Of the edges from the outline.
+  double visible_px = 0;
+};
+
+struct ImageChecksView {
+  std::string instance;
+  bool running = true;  ///< Frames are still being chosen.
+  std::string problem;  ///< Why there are none.
+  double agreement = 0;
+  std::vector<ImageCheckView> images;
 };
 
 /// What crosses to the window.
@@ -125,6 +154,10 @@ struct AnnotationSnapshot {
   std::optional<PlacementView> placement;
   std::optional<RefinementView> refinement;
   std::uint64_t proposal_number = 0;  ///< Changes with the three above.
+
+  bool has_sequence = false;
+  std::optional<ImageChecksView> checks;  ///< Of the selected object.
+  std::uint64_t images_number = 0;        ///< Changes with the images (not the lines) of `checks`.
 
   /// Null if there is none of that id.
   const InstanceView* Find(const std::string& id) const {

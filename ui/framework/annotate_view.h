@@ -39,11 +39,13 @@ struct AnnotateView {
   bool tilt = false;     ///< The gizmo may tilt.
   bool scan = true, models = true, grid = true, cameras = false;
   std::optional<PendingPose> pending;
-  bool nudged = false;                      ///< `pending` comes from keys that are still held.
-  std::optional<Eigen::Isometry3d> copied;  ///< Pose in the scan's frame.
-  std::string save_as, run;                 ///< Paths that are being typed.
-  bool focus = false;                       ///< In this frame: the view turns to the selection.
-  bool reset = false;                       ///< In this frame: the view shows everything.
+  bool nudged = false;                       ///< `pending` comes from keys that are still held.
+  std::optional<Eigen::Isometry3d> copied;   ///< Pose in the scan's frame.
+  std::string save_as, run;                  ///< Paths that are being typed.
+  bool focus = false;                        ///< In this frame: the view turns to the selection.
+  std::optional<Eigen::Vector3d> look_from;  ///< In this frame: the view looks at the selection
+                                             ///< from this point of the scan.
+  bool reset = false;  ///< In this frame: the view shows everything.
 };
 
 /// What the 3-D view of the Annotate workspace shows.
@@ -74,6 +76,8 @@ class AnnotateSurface {
   virtual void Zoom(double notches) = 0;
   virtual void FocusAt(double x_px, double y_px) = 0;
   virtual void FocusOn(const std::string& instance) = 0;
+  /// Looks at it from a point of the level frame.
+  virtual void LookAtFrom(const std::string& instance, const Eigen::Vector3d& eye_in_level) = 0;
   virtual void Reset() = 0;
   virtual void SetDirection(double azimuth_rad, double elevation_rad) = 0;
   /// Id of the instance under a pixel; "" if there is none.

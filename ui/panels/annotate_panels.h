@@ -14,6 +14,7 @@ namespace plumbline {
 std::unique_ptr<Panel> MakeAnnotateScenePanel();
 std::unique_ptr<Panel> MakeAnnotateModelsPanel();
 std::unique_ptr<Panel> MakeAnnotateInstancesPanel();
+std::unique_ptr<Panel> MakeAnnotateImagesPanel();
 // One of these stands on the right: whatever is to be decided now, else the selected object.
 std::unique_ptr<Panel> MakeAnnotateFloorPanel();
 std::unique_ptr<Panel> MakeAnnotateCandidatesPanel();

@@ -61,14 +61,11 @@ class AnnotateRefinementPanel : public Panel {
       Row("Height",
           fmt::format("{:+.1f} mm",
                       1000 * (std::abs(refinement.height_m) < 5e-5 ? 0.0 : refinement.height_m)));
-      Row("Fits", fmt::format("{:.0f} %", 100 * refinement.fitness),
-          fmt::format("was {:.0f} %", 100 * refinement.fitness_before));
-      Row("Distance", fmt::format("{:.1f} mm rms", 1000 * refinement.rmse_m),
-          fmt::format("was {:.1f}", 1000 * refinement.rmse_before_m));
+      DrawFit(refinement);
       ImGui::EndTable();
     }
     ImGui::Dummy({0, context.Scaled(4)});
-    DrawLegend(context);
+    if (!refinement.by_images) DrawLegend(context);
     ImGui::Dummy({0, context.Scaled(6)});
     ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
     if (Button(context, "proposal.accept", "Take it", "Enter takes it, too, as one edit.")) {
@@ -83,6 +80,20 @@ class AnnotateRefinementPanel : public Panel {
   }
 
  private:
+  static void DrawFit(const RefinementView& refinement) {
+    if (refinement.by_images) {
+      Row("On edges", fmt::format("{:.0f} %", 100 * refinement.agreement),
+          fmt::format("was {:.0f} %", 100 * refinement.agreement_before));
+      Row("Edges are off by", fmt::format("{:.1f} px", refinement.offset_px),
+          fmt::format("was {:.1f}", refinement.offset_before_px));
+      return;
+    }
+    Row("Fits", fmt::format("{:.0f} %", 100 * refinement.fitness),
+        fmt::format("was {:.0f} %", 100 * refinement.fitness_before));
+    Row("Distance", fmt::format("{:.1f} mm rms", 1000 * refinement.rmse_m),
+        fmt::format("was {:.1f}", 1000 * refinement.rmse_before_m));
+  }
+
   static void DrawLegend(const FrameContext& context) {
     const ImVec2 low = ImGui::GetCursorScreenPos();
     const float width = std::min(ImGui::GetContentRegionAvail().x, context.Scaled(230));

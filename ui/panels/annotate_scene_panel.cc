@@ -81,7 +81,12 @@ class AnnotateScenePanel : public Panel {
                       context.light});
     if (view.focus) scene.FocusOn(context.annotation->selected);
     if (view.reset) scene.Reset();
+    if (view.look_from) {
+      scene.LookAtFrom(context.annotation->selected,
+                       context.annotation->level_from_scan * *view.look_from);
+    }
     view.focus = view.reset = false;
+    view.look_from.reset();
     const ImVec2 low = ImGui::GetCursorScreenPos();
     const ImVec2 size = ImGui::GetContentRegionAvail();
     const int width = std::max(8, static_cast<int>(size.x)),

@@ -111,6 +111,14 @@ class AnnotateScene : public AnnotateSurface {
     camera_.LookAt(center, 2.6 * static_cast<double>(model->bounds.diagonal().norm()));
     dirty_ = true;
   }
+  void LookAtFrom(const std::string& instance, const Vector3d& eye_in_level) override {
+    FocusOn(instance);
+    const Vector3d back = eye_in_level - camera_.focus_in_world();
+    camera_.LookAt(camera_.focus_in_world(), back.norm());
+    camera_.SetDirection(std::atan2(back.y(), back.x()),
+                         std::atan2(back.z(), back.head<2>().norm()));
+    dirty_ = true;
+  }
   void Reset() override {
     const Eigen::AlignedBox3d& box = actors_.bounds();
     const double radius = box.isEmpty() ? 2.0 : std::max(0.3, 0.5 * box.diagonal().norm());

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/framework/annotate_view.h"
+#include "ui/framework/widgets.h"
+#include "ui/panels/annotate_panels.h"
+#include "ui/panels/annotate_pose.h"
+
+namespace plumbline {
+namespace {
+
+constexpr ImU32 kLine = IM_COL32(120, 255, 160, 255), kHidden = IM_COL32(255, 210, 120, 200);
+constexpr float kDash_px = 5;
+
+/// Green where outlines lie on edges, over yellow to red.
+ImU32 ScoreColor(double agreement) {
+  const double share = std::clamp(agreement / 0.6, 0.0, 1.0);
+  return share < 0.5 ? Mixed(colors::kBad, colors::kWarning, 2 * share)
+                     : Mixed(colors::kWarning, colors::kGood, 2 * share - 1);
+}
+
+/// The part of an image around an outline, in the shape of the cell.
+struct Part {
+  float x0 = 0, y0 = 0, width = 1, height = 1;
+};
+
+Part PartOf(const ImageCheckView& check, float aspect) {
+  const auto columns = static_cast<float>(check.image.cols),
+             rows = static_cast<float>(check.image.rows);
+  float x0 = columns, y0 = rows, x1 = 0, y1 = 0;
+  for (const OutlineLine& line : check.lines) {
+    for (const Eigen::Vector2f& p : line.pixels) {
+      x0 = std::min(x0, p.x());
+      x1 = std::max(x1, p.x());
+      y0 = std::min(y0, p.y());
+      y1 = std::max(y1, p.y());
+    }
+  }
+  if (x1 <= x0 || y1 <= y0) {
+    x0 = y0 = 0;
+    x1 = columns;
+    y1 = rows;
+  }
+  constexpr float kMargin = 0.25f, kLeast_px = 60;
+  float width = std::max((1 + 2 * kMargin) * (x1 - x0), kLeast_px);
+  float height = std::max((1 + 2 * kMargin) * (y1 - y0), kLeast_px);
+  width = std::max(width, aspect * height);
+  height = width / aspect;
+  const float shrink = std::min({1.0f, columns / width, rows / height});
+  width *= shrink;
+  height *= shrink;
+  const float x = std::clamp(0.5f * (x0 + x1 - width), 0.0f, columns - width);
+  const float y = std::clamp(0.5f * (y0 + y1 - height), 0.0f, rows - height);
+  return {x, y, width, height};
+}
+
+class AnnotateImagesPanel : public Panel {
+ public:
+  const char* Id() const override { return "annotate_images"; }
+  const char* Title() const override { return "In the images"; }
+  const char* Help() const override {
+    return "The selected object's outline in key frames from different sides; dashed where it is "
+           "hidden. It follows while the object is moved. A click shows the scan from there.";
+  }
+
+  void DrawHeader(const FrameContext& context, CommandSink& sink) override {
+    const auto& checks = context.annotation->checks;
+    const InstanceView* selected = context.annotation->Selected();
+    if (!checks || checks->images.empty() || selected == nullptr) return;
+    SmallText(context, ScoreColor(checks->agreement), "%.0f %% of the outline on edges",
+              100 * checks->agreement);
+    Tooltip(context, "Beyond what would lie on edges by chance; mean over the images.");
+    const char* label = "Refine by images";
+    ImGui::SameLine();
+    AlignRight(ToggleWidth(context, label));
+    bool on = false;
+    if (Toggle(
+            context, "images.refine", label, on,
+            "Aligns the outline to the edges of all these images at once: for what the scan does "
+            "not show.") &&
+        !selected->locked) {
+      sink.Post(RefineByImagesCommand{selected->id, context.annotate->on_floor});
+    }
+  }
+
+  void Draw(const FrameContext& context, CommandSink&) override {
+    const AnnotationSnapshot& snapshot = *context.annotation;
+    const auto& checks = snapshot.checks;
+    if (!checks) {
+      return EmptyState(context, "Nothing is selected",
+                        "Select an object to see its outline in the images.");
+    }
+    if (checks->images.empty()) {
+      return EmptyState(context, checks->running ? "Choosing key frames" : "No images",
+                        checks->problem.c_str());
+    }
+    const auto count = static_cast<float>(checks->images.size());
+    const float gap = context.Scaled(6);
+    const ImVec2 room = ImGui::GetContentRegionAvail();
+    const ImVec2 size(std::floor((room.x - gap * (count - 1)) / count), room.y);
+    for (std::size_t i = 0; i < checks->images.size(); ++i) {
+      if (i > 0) ImGui::SameLine(0, gap);
+      DrawImage(context, checks->images[i], i, size);
+    }
+  }
+
+ private:
+  static void DrawImage(const FrameContext& context, const ImageCheckView& check, std::size_t index,
+                        ImVec2 size) {
+    if (size.x < 8 || size.y < 8) return;
+    const std::string name = fmt::format("images.{}", index);
+    const ImVec2 low = ImGui::GetCursorScreenPos(), high(low.x + size.x, low.y + size.y);
+    if (ImGui::InvisibleButton(name.c_str(), size)) {
+      context.annotate->look_from = check.scan_from_cam.translation();
+    }
+    LogItem(context, name);
+    Tooltip(context,
+            fmt::format("Frame {}: {:.0f} % of the visible outline on edges, median {:.1f} "
+                        "px off. Click: look from there.",
+                        check.frame, 100 * check.agreement, check.median_offset_px));
+    const Part part = PartOf(check, size.x / size.y);
+    const auto columns = static_cast<float>(check.image.cols),
+               rows = static_cast<float>(check.image.rows);
+    ImDrawList& draw = *ImGui::GetWindowDrawList();
+    if (context.textures != nullptr) {
+      const ImTextureID texture = context.textures->Get(name, context.annotation->images_number,
+                                                        [&] { return check.image; });
+      draw.AddImageRounded(texture, low, high, {part.x0 / columns, part.y0 / rows},
+                           {(part.x0 + part.width) / columns, (part.y0 + part.height) / rows},
+                           IM_COL32_WHITE, context.Scaled(4));
+    }
+    draw.PushClipRect(low, high, true);
+    const float scale = size.x / part.width;
+    for (const OutlineLine& line : check.lines) {
+      std::vector<ImVec2> points;
+      for (const Eigen::Vector2f& p : line.pixels) {
+        points.emplace_back(low.x + (p.x() - part.x0 + 0.5f) * scale,
+                            low.y + (p.y() - part.y0 + 0.5f) * scale);
+      }
+      if (line.hidden) {
+        DrawDashed(draw, points, context.Scaled(kDash_px));
+      } else {
+        draw.AddPolyline(points.data(), static_cast<int>(points.size()),
+                         WithAlpha(kLine, line.crease ? 0.45 : 0.95), 0,
+                         context.Scaled(line.crease ? 1 : 1.6));
+      }
+    }
+    draw.AddRectFilled(
+        {low.x, high.y - context.Scaled(4)},
+        {low.x + size.x * static_cast<float>(std::clamp(check.agreement, 0.0, 1.0)), high.y},
+        ScoreColor(check.agreement));
+    draw.PopClipRect();
+    PictureLabels labels(context, low, high);
+    labels.Add({{low.x + context.Scaled(4), low.y + context.Scaled(22)}}, colors::kOnPicture,
+               fmt::format("{}   {:.0f} %", check.frame, 100 * check.agreement));
+  }
+
+  static void DrawDashed(ImDrawList& draw, const std::vector<ImVec2>& points, float dash) {
+    float along = 0;
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      const ImVec2 a = points[i], b = points[i + 1];
+      const float length = std::hypot(b.x - a.x, b.y - a.y);
+      for (float at = 0; at < length;) {
+        const float phase = std::fmod(along + at, 2 * dash);
+        const float step = std::min((phase < dash ? dash : 2 * dash) - phase + 0.01f, length - at);
+        if (phase < dash) {
+          const float s = at / length, t = (at + step) / length;
+          draw.AddLine({a.x + s * (b.x - a.x), a.y + s * (b.y - a.y)},
+                       {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)}, kHidden, 1.0f);
+        }
+        at += step;
+      }
+      along += length;
+    }
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeAnnotateImagesPanel() { return std::make_unique<AnnotateImagesPanel>(); }
+
+}  // namespace plumbline
