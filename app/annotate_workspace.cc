@@ -27,6 +27,8 @@ json MatrixOf(const Eigen::Isometry3d& pose) {
   return rows;
 }
 
+json VectorOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
 const char* NameOf(AnnotateTool tool) {
   return tool == AnnotateTool::kFloor ? "floor" : tool == AnnotateTool::kPlace ? "place" : "select";
 }
@@ -182,6 +184,7 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
                                 : snapshot.refinement ? "refinement"
                                                       : ""},
                    {"instances", json::array()}};
+  if (scene_ != nullptr) annotate["eye_in_level"] = VectorOf(scene_->Sight(0, 0).eye);
   for (const InstanceView& instance : snapshot.instances) {
     annotate["instances"].push_back({{"id", instance.id},
                                      {"model", instance.model},
@@ -193,7 +196,14 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
   }
   if (snapshot.checks) {
     state["annotate.images"] = snapshot.checks->images.size();
+    state["annotate.agreement_percent"] = std::lround(100 * snapshot.checks->agreement);
     annotate["agreement"] = snapshot.checks->agreement;
+    for (const ImageCheckView& image : snapshot.checks->images) {
+      annotate["images"].push_back({{"frame", image.frame},
+                                    {"agreement", image.agreement},
+                                    {"eye_in_level", VectorOf(snapshot.level_from_scan *
+                                                              image.scan_from_cam.translation())}});
+    }
   }
   if (const auto& placement = snapshot.placement) {
     annotate["placement_running"] = placement->running;
@@ -207,6 +217,15 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
   if (const auto& refinement = snapshot.refinement) {
     annotate["refining"] = refinement->running;
     annotate["iteration"] = refinement->iteration;
+    annotate["refinement"] = {{"azimuth_rad", refinement->azimuth_rad},
+                              {"horizontal_m", refinement->horizontal_m},
+                              {"height_m", refinement->height_m},
+                              {"azimuth_std_rad", refinement->azimuth_std_rad},
+                              {"horizontal_std_m", refinement->horizontal_std_m},
+                              {"height_std_m", refinement->height_std_m},
+                              {"fitness", refinement->fitness},
+                              {"agreement", refinement->agreement},
+                              {"problem", refinement->problem}};
   }
   // Flat names, so that scripts can wait for them.
   for (const char* key : {"state", "busy", "modified", "read_only", "undo", "redo", "aligns",

@@ -23,7 +23,8 @@ int ButtonOf(const json& step) {
                             : ImGuiMouseButton_Left;
 }
 
-/// Whether every key of `wanted` has that value in `state` ({"min": x}: at least x).
+/// Whether every key of `wanted` has that value in `state` ({"min": x}: at least x, {"max": x}: at
+/// most).
 bool Matches(const json& wanted, const json& state) {
   return std::all_of(wanted.items().begin(), wanted.items().end(), [&](const auto& item) {
     const auto found = state.find(item.key());
@@ -31,6 +32,8 @@ bool Matches(const json& wanted, const json& state) {
     const json& value = item.value();
     if (value.is_object() && value.contains("min"))
       return found->is_number() && *found >= value["min"];
+    if (value.is_object() && value.contains("max"))
+      return found->is_number() && *found <= value["max"];
     return *found == value;
   });
 }

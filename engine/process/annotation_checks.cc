@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/annotation/check_frames.h"
+#include "engine/process/annotation_jobs.h"
 
 namespace plumbline {
 namespace {
@@ -15,10 +16,28 @@ constexpr double kFarMove_m = 0.3, kFarTurn_rad = 0.6;
 
 }  // namespace
 
-bool InstanceImages::Suit(const Eigen::Isometry3d& scan_from_object) const {
-  const Eigen::Isometry3d moved = chosen_for.inverse() * scan_from_object;
+bool InstanceImages::Suit(const AnnotationDocument& document,
+                          const AnnotatedInstance& found) const {
+  if (found.id != instance || found.model != model_name) return false;
+  if (document.scan_from_world.has_value() != scan_from_world.has_value()) return false;
+  if (scan_from_world && document.scan_from_world->matrix() != scan_from_world->matrix()) {
+    return false;
+  }
+  const Eigen::Isometry3d moved = chosen_for.inverse() * found.scan_from_object;
   return moved.translation().norm() < kFarMove_m &&
          Eigen::AngleAxisd(moved.linear()).angle() < kFarTurn_rad;
+}
+
+InstanceImages InstanceImages::None(const AnnotationDocument& document,
+                                    const std::string& instance) {
+  InstanceImages none;
+  none.instance = instance;
+  none.scan_from_world = document.scan_from_world;
+  if (const AnnotatedInstance* found = document.Find(instance)) {
+    none.model_name = found->model;
+    none.chosen_for = found->scan_from_object;
+  }
+  return none;
 }
 
 Result<InstanceImages> ReadInstanceImages(const std::shared_ptr<const Sequence>& sequence,
@@ -29,13 +48,13 @@ Result<InstanceImages> ReadInstanceImages(const std::shared_ptr<const Sequence>&
   if (found == nullptr) return Error{ErrorCode::kNotFound, "there is no instance " + instance};
   const auto model = scene.Model(found->model);
   if (!model) return model.error();
-  InstanceImages images{instance, found->scan_from_object, *model,
-                        scene.OccludersOf(document, instance), nullptr};
+  InstanceImages images = InstanceImages::None(document, instance);
+  images.model = *model;
   CheckFrameOptions options;
   options.frames = kFrames;
   options.max_candidates = 150;
   const auto frames = ChooseCheckFrames(*sequence, document, **model, found->scan_from_object,
-                                        images.occluders, options, work);
+                                        scene.OccludersOf(document, instance), options, work);
   if (!frames) return frames.error();
   if (frames->empty()) return images;
   std::vector<int> indices;
@@ -46,7 +65,8 @@ Result<InstanceImages> ReadInstanceImages(const std::shared_ptr<const Sequence>&
   return images;
 }
 
-ImageChecksView CheckPose(const InstanceImages& images, const Eigen::Isometry3d& scan_from_object) {
+ImageChecksView CheckPose(const InstanceImages& images, const Eigen::Isometry3d& scan_from_object,
+                          const Occluders& occluders) {
   ImageChecksView view;
   view.instance = images.instance;
   view.running = false;
@@ -54,8 +74,7 @@ ImageChecksView CheckPose(const InstanceImages& images, const Eigen::Isometry3d&
     view.problem = "No frame of the sequence shows it well.";
     return view;
   }
-  const auto checks =
-      CheckImages(*images.images, *images.model, scan_from_object, images.occluders);
+  const auto checks = CheckImages(*images.images, *images.model, scan_from_object, occluders);
   view.agreement = MeanAgreement(checks);
   for (std::size_t i = 0; i < checks.size(); ++i) {
     const AnnotationImage& source = images.images->images()[i];
@@ -74,8 +93,9 @@ ImageChecksView CheckPose(const InstanceImages& images, const Eigen::Isometry3d&
   return view;
 }
 
-void RefineInImages(const InstanceImages& images, const Eigen::Vector3d& up_in_scan,
-                    FreeMotion motion, const WorkContext& work, RefinementView& refinement) {
+void RefineInImages(const InstanceImages& images, const Occluders& occluders,
+                    const Eigen::Vector3d& up_in_scan, FreeMotion motion, const WorkContext& work,
+                    RefinementView& refinement) {
   refinement.by_images = true;
   refinement.running = false;
   if (images.images == nullptr) {
@@ -85,7 +105,7 @@ void RefineInImages(const InstanceImages& images, const Eigen::Vector3d& up_in_s
   ImageRefinementOptions options;
   options.motion = motion;
   const auto refined = RefineByImages(*images.images, *images.model, refinement.scan_from_object,
-                                      up_in_scan, images.occluders, options, work);
+                                      up_in_scan, occluders, options, work);
   if (!refined) {
     refinement.problem = refined.error().message;
     return;
@@ -103,10 +123,7 @@ void RefineInImages(const InstanceImages& images, const Eigen::Vector3d& up_in_s
   refinement.agreement_before = refined->agreement_before;
   refinement.offset_px = refined->offset_after_px;
   refinement.offset_before_px = refined->offset_before_px;
-  const Eigen::Matrix3d turn = refined->covariance.bottomRightCorner<3, 3>();
-  refinement.position_std_m =
-      std::sqrt(std::max(0.0, refined->covariance.topLeftCorner<3, 3>().trace()));
-  refinement.azimuth_std_rad = std::sqrt(std::max(0.0, up_in_scan.dot(turn * up_in_scan)));
+  SetDeviations(refined->covariance, up_in_scan, refinement);
 }
 
 }  // namespace plumbline

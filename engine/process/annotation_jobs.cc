@@ -129,6 +129,16 @@ void FindPlacements(const PlacementTask& task, const WorkContext& work, Placemen
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+void SetDeviations(const PoseCovariance& covariance, const Eigen::Vector3d& up_in_scan,
+                   RefinementView& refinement) {
+  const Eigen::Matrix3d place = covariance.topLeftCorner<3, 3>();
+  const double height = std::max(0.0, up_in_scan.dot(place * up_in_scan));
+  constexpr double kRounding_m = 1e-9;
+  refinement.height_std_m = std::sqrt(height) < kRounding_m ? 0 : std::sqrt(height);
+  refinement.horizontal_std_m = std::sqrt(std::max(0.0, place.trace() - height));
+  refinement.azimuth_std_rad = Deviations(covariance, up_in_scan).second;
+}
+
 void Refine(const PlacementTask& task, const WorkContext& work, int pace_ms,
             const std::function<void(const RefinementView&)>& step, RefinementView& refinement) {
   constexpr double kReach_m = 0.1, kShrink = 0.7, kWithin_m = 0.02, kConverged = 2e-5;
@@ -172,7 +182,7 @@ void Refine(const PlacementTask& task, const WorkContext& work, int pace_ms,
   }
   const FineAlignment last = AlignFinely(crop, *task.surface, IcpResidual::kPointToPlane, 20, pose);
   refinement.converged = refinement.converged || last.converged;
-  std::tie(refinement.position_std_m, refinement.azimuth_std_rad) = Deviations(last.covariance, up);
+  SetDeviations(last.covariance, up, refinement);
   refinement.running = false;
   show();
 }

@@ -44,6 +44,10 @@ struct PlacementTask {
 /// Fills in candidates, or where there is nothing to align to the start itself with the reason.
 void FindPlacements(const PlacementTask& task, const WorkContext& work, PlacementView& placement);
 
+/// How sure azimuth, place and height are. `covariance`: as of PoseCovariance.
+void SetDeviations(const PoseCovariance& covariance, const Eigen::Vector3d& up_in_scan,
+                   RefinementView& refinement);
+
 /// Aligns from the start, a step at a time, each told to `step`; at most a step in `pace_ms`, so
 /// that people can follow.
 void Refine(const PlacementTask& task, const WorkContext& work, int pace_ms,

@@ -81,7 +81,7 @@ struct RefinementView {
   int iteration = 0;
   double fitness = 0, rmse_m = 0, fitness_before = 0, rmse_before_m = 0;
   double azimuth_rad = 0, horizontal_m = 0, height_m = 0, tilt_rad = 0;  ///< Changes.
-  double position_std_m = 0, azimuth_std_rad = 0;
+  double azimuth_std_rad = 0, horizontal_std_m = 0, height_std_m = 0;    ///< 0: not free.
   bool by_images = false;                      ///< Aligned to the edges of images, not to the scan.
   double agreement = 0, agreement_before = 0;  ///< By images: as of ImageChecksView.
   double offset_px = 0, offset_before_px = 0;  ///< By images: median.

@@ -15,7 +15,7 @@
 
 #include "app/platform/virtual_display.h"
 #include "engine/base/files.h"
-#include "tests/support/annotation_scene.h"
+#include "tests/support/annotation_walk.h"
 #include "tests/support/test_data.h"
 
 namespace plumbline {
@@ -40,15 +40,17 @@ class AnnotateWindow : public testing::Test {
 
   /// Runs the steps once the scan can be aligned to, seen from above: the middle of the view is
   /// the origin of the floor, up in the picture is +y.
-  int Run(const std::string& steps, const std::string& path = "scan.ply", bool wait = true) {
+  int Run(const std::string& steps, const std::string& path = "scan.ply", bool wait = true,
+          const std::string& options = "") {
     const std::string first = wait ? R"({"wait_for": {"annotate.aligns": true, "annotate.models": 5,
         "annotate.busy": ""}}, {"key": "5"}, {"wait_frames": 3},)"
                                    : "";
     std::ofstream(File("script.json")) << "{\"steps\": [" << first << steps << "]}";
     const std::string program = (ProgramFile().parent_path() / "fake_window").string();
-    const std::string command =
-        "cd '" + folder_.path().string() + "' && DISPLAY=" + display_->name() + " timeout 100 '" +
-        program + "' --open " + path + " --size 1200 800 --script script.json 2>errors.txt";
+    const std::string command = "cd '" + folder_.path().string() +
+                                "' && DISPLAY=" + display_->name() + " timeout 100 '" + program +
+                                "' --open " + path + " --size 1200 800 --script script.json " +
+                                options + " 2>errors.txt";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
@@ -206,6 +208,55 @@ TEST_F(AnnotateWindow, RefinesAndTakesTypedNumbersAndNotes) {
   EXPECT_EQ(instance["quality"], "coarse");
   EXPECT_EQ(instance["locked"], true);
   EXPECT_EQ(State("4.json")["instances"].size(), 1u) << "a locked object stays";
+}
+
+TEST_F(AnnotateWindow, ShowsTheOutlineInImagesWhileItMovesAndRefinesByThem) {
+  WriteAnnotationWalk(scene_, folder_.path() / "walk");
+  ASSERT_EQ(Run(std::string(kFloor) + kPlaceArmchair + R"(
+      {"key": "enter"},
+      {"wait_for": {"annotate.instances": 1}},
+      {"key": "escape"},
+      {"wait_for": {"annotate.images": 6, "annotate.busy": ""}},
+      {"wait_frames": 3},
+      {"dump_state": "placed.json"},
+      {"key": "f"},
+      {"wait_frames": 3},
+      {"drag": "annotate.view", "from": [0.5, 0.5], "to": [0.53, 0.5]},
+      {"wait_for": {"annotate.undo": "Move armchair_0"}},
+      {"wait_for": {"annotate.agreement_percent": {"max": 50}}},
+      {"wait_for": {"annotate.busy": ""}},
+      {"dump_state": "dragged.json"},
+      {"screenshot": "dragged.png"},
+      {"click": "images.2"},
+      {"wait_frames": 5},
+      {"dump_state": "there.json"},
+      {"click": "instance.by_images"},
+      {"wait_for": {"annotate.proposal": "refinement", "annotate.running": false}, "timeout_s": 60},
+      {"wait_frames": 3},
+      {"dump_state": "refined.json"},
+      {"key": "escape"},
+      {"wait_for": {"annotate.proposal": "", "annotate.agreement_percent": {"max": 50}}},
+      {"dump_state": "rejected.json"},
+      {"click": "instance.by_images"},
+      {"wait_for": {"annotate.proposal": "refinement", "annotate.running": false}, "timeout_s": 60},
+      {"key": "enter"},
+      {"wait_for": {"annotate.proposal": ""}},
+      {"wait_frames": 3},
+      {"dump_state": "taken.json"})",
+                "scan.ply", true, "--sequence walk"),
+            0)
+      << Errors();
+  EXPECT_GT(State("placed.json")["agreement"], 0.8);
+  EXPECT_EQ(State("rejected.json")["instances"], State("dragged.json")["instances"]);
+  const json refined = State("refined.json")["refinement"];
+  EXPECT_GT(refined["agreement"], 0.8);
+  EXPECT_GT(refined["horizontal_std_m"], 0);
+  EXPECT_LT(refined["horizontal_std_m"], 0.01);
+  EXPECT_THAT(PoseOf(State("taken.json")["instances"][0]),
+              IsometryNear(scene_.scan_from_armchair, 0.3, 0.004));
+  // Looking from where frame 2 of the strip was taken: the eye is there.
+  const json eye = State("there.json")["eye_in_level"], camera = State("there.json")["images"][2];
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(eye[i], camera["eye_in_level"][i], 1e-3);
 }
 
 TEST_F(AnnotateWindow, SaysWhatItRecoveredAndWhatIsWrong) {

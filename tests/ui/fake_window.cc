@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The window on made-up frames: fake_window [--script FILE] [--settings FILE] [--size W H]
 // [--frames N] [--state FILE] [--film OUT --layout NAME]
-// [--open PATH] [--slow MS] [--fail FRAME] [--recorded]. Tests drive it; it needs a display.
+// [--open PATH] [--sequence FOLDER] [--slow MS] [--fail FRAME] [--recorded]. Tests drive it; it
+// needs a display.
 
 #include <cstdlib>
 #include <iostream>
@@ -21,6 +22,7 @@ int main(int argc, char** argv) {
     const auto next = [&] { return std::string(++i < argc ? argv[i] : "0"); };
     if (option == "--script") options.script = next();
     if (option == "--open") options.path = next();
+    if (option == "--sequence") options.annotation.sequence = next();
     if (option == "--settings") options.settings = next();
     if (option == "--film") film = next();
     if (option == "--layout") options.layout = *plumbline::FindRenderLayout(next());

@@ -24,7 +24,8 @@ constexpr std::array kAnnotateShortcuts = {
     Shortcut{keys::kQ, false, false, "Q  E", "Lower, lift it: 5 mm (Shift: 5 cm)", "Move"},
     Shortcut{keys::kZ, false, false, "Z  X", "Turn it: 0.5\u00b0 (Shift: 5\u00b0)", "Move"},
     Shortcut{keys::kG, false, false, "G", "Onto the floor", "Move"},
-    Shortcut{keys::kI, false, false, "I", "Refine: align it from where it is", "Align"},
+    Shortcut{keys::kI, false, false, "I", "Refine: align it to the scan (Shift: to the images)",
+             "Align"},
     Shortcut{keys::kT, false, false, "T", "Try all azimuths", "Align"},
     Shortcut{keys::kEnter, false, false, "Enter  Esc", "Take, drop what is proposed", "Align"},
     Shortcut{keys::kUp, false, false, "\u2191  \u2193", "The candidate before, after", "Align"},
@@ -168,8 +169,11 @@ void PostAnnotateShortcuts(const FrameContext& context, CommandSink& sink) {
       sink.Post(SetInstancePoseCommand{
           instance->id, Moved(*context.annotation, instance->scan_from_object, {0, 0, -pose.z})});
     }
-    if (pressed(keys::kI))
+    if (pressed(keys::kI) && io.KeyShift) {
+      sink.Post(RefineByImagesCommand{instance->id, context.annotate->on_floor});
+    } else if (pressed(keys::kI)) {
       sink.Post(RefineInstanceCommand{instance->id, context.annotate->on_floor});
+    }
     if (pressed(keys::kT)) PlaceAgain(context, sink);
     if (pressed(keys::kDelete)) sink.Post(RemoveInstanceCommand{instance->id});
   }

@@ -27,23 +27,21 @@ struct Part {
   float x0 = 0, y0 = 0, width = 1, height = 1;
 };
 
+Eigen::AlignedBox2f BoundsOf(const ImageCheckView& check) {
+  Eigen::AlignedBox2f bounds;
+  for (const OutlineLine& line : check.lines) {
+    for (const Eigen::Vector2f& p : line.pixels) bounds.extend(p);
+  }
+  return bounds;
+}
+
 Part PartOf(const ImageCheckView& check, float aspect) {
   const auto columns = static_cast<float>(check.image.cols),
              rows = static_cast<float>(check.image.rows);
-  float x0 = columns, y0 = rows, x1 = 0, y1 = 0;
-  for (const OutlineLine& line : check.lines) {
-    for (const Eigen::Vector2f& p : line.pixels) {
-      x0 = std::min(x0, p.x());
-      x1 = std::max(x1, p.x());
-      y0 = std::min(y0, p.y());
-      y1 = std::max(y1, p.y());
-    }
-  }
-  if (x1 <= x0 || y1 <= y0) {
-    x0 = y0 = 0;
-    x1 = columns;
-    y1 = rows;
-  }
+  Eigen::AlignedBox2f bounds = BoundsOf(check);
+  if (bounds.isEmpty()) bounds = {Eigen::Vector2f(0, 0), Eigen::Vector2f(columns, rows)};
+  const float x0 = bounds.min().x(), y0 = bounds.min().y(), x1 = bounds.max().x(),
+              y1 = bounds.max().y();
   constexpr float kMargin = 0.25f, kLeast_px = 60;
   float width = std::max((1 + 2 * kMargin) * (x1 - x0), kLeast_px);
   float height = std::max((1 + 2 * kMargin) * (y1 - y0), kLeast_px);
@@ -66,24 +64,13 @@ class AnnotateImagesPanel : public Panel {
            "hidden. It follows while the object is moved. A click shows the scan from there.";
   }
 
-  void DrawHeader(const FrameContext& context, CommandSink& sink) override {
+  void DrawHeader(const FrameContext& context, CommandSink&) override {
     const auto& checks = context.annotation->checks;
-    const InstanceView* selected = context.annotation->Selected();
-    if (!checks || checks->images.empty() || selected == nullptr) return;
+    if (!checks || checks->images.empty()) return;
+    ImGui::SetCursorPosY(ImGui::GetCursorPosY() + context.Scaled(3));
     SmallText(context, ScoreColor(checks->agreement), "%.0f %% of the outline on edges",
               100 * checks->agreement);
     Tooltip(context, "Beyond what would lie on edges by chance; mean over the images.");
-    const char* label = "Refine by images";
-    ImGui::SameLine();
-    AlignRight(ToggleWidth(context, label));
-    bool on = false;
-    if (Toggle(
-            context, "images.refine", label, on,
-            "Aligns the outline to the edges of all these images at once: for what the scan does "
-            "not show.") &&
-        !selected->locked) {
-      sink.Post(RefineByImagesCommand{selected->id, context.annotate->on_floor});
-    }
   }
 
   void Draw(const FrameContext& context, CommandSink&) override {
@@ -108,8 +95,26 @@ class AnnotateImagesPanel : public Panel {
   }
 
  private:
-  static void DrawImage(const FrameContext& context, const ImageCheckView& check, std::size_t index,
-                        ImVec2 size) {
+  /// The picture stands still while the outline moves in it, as long as it stays inside.
+  const Part& Shown(const FrameContext& context, const ImageCheckView& check, std::size_t index,
+                    float aspect) {
+    if (parts_of_ != context.annotation->images_number) parts_.clear();
+    parts_of_ = context.annotation->images_number;
+    if (parts_.size() <= index) parts_.resize(index + 1);
+    Part& part = parts_[index];
+    const Eigen::AlignedBox2f bounds = BoundsOf(check);
+    const bool inside =
+        bounds.isEmpty() ||
+        Eigen::AlignedBox2f(Eigen::Vector2f(part.x0, part.y0),
+                            Eigen::Vector2f(part.x0 + part.width, part.y0 + part.height))
+            .contains(bounds);
+    const bool same_shape = std::abs(part.width / part.height - aspect) < 0.01f * aspect;
+    if (!inside || !same_shape) part = PartOf(check, aspect);
+    return part;
+  }
+
+  void DrawImage(const FrameContext& context, const ImageCheckView& check, std::size_t index,
+                 ImVec2 size) {
     if (size.x < 8 || size.y < 8) return;
     const std::string name = fmt::format("images.{}", index);
     const ImVec2 low = ImGui::GetCursorScreenPos(), high(low.x + size.x, low.y + size.y);
@@ -121,7 +126,7 @@ class AnnotateImagesPanel : public Panel {
             fmt::format("Frame {}: {:.0f} % of the visible outline on edges, median {:.1f} "
                         "px off. Click: look from there.",
                         check.frame, 100 * check.agreement, check.median_offset_px));
-    const Part part = PartOf(check, size.x / size.y);
+    const Part part = Shown(context, check, index, size.x / size.y);
     const auto columns = static_cast<float>(check.image.cols),
                rows = static_cast<float>(check.image.rows);
     ImDrawList& draw = *ImGui::GetWindowDrawList();
@@ -176,6 +181,9 @@ class AnnotateImagesPanel : public Panel {
       along += length;
     }
   }
+
+  std::vector<Part> parts_;
+  std::uint64_t parts_of_ = 0;  ///< Number of the images that they are of.
 };
 
 }  // namespace

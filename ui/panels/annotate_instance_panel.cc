@@ -143,7 +143,15 @@ class AnnotateInstancePanel : public Panel {
     if (Button(context, "instance.again", "Try azimuths", "All ways round again, to choose (T).")) {
       PlaceAgain(context, sink);
     }
-    ImGui::SameLine(0, context.Scaled(12));
+    if (context.annotation->has_sequence) {
+      ImGui::SameLine(0, context.Scaled(6));
+      if (Button(context, "instance.by_images", "By images",
+                 "Aligns its outline to the edges of all key frames at once: for what the scan "
+                 "does not show (Shift + I).")) {
+        sink.Post(RefineByImagesCommand{instance.id, view.on_floor});
+      }
+    }
+    ImGui::SameLine(0, context.Scaled(10));
     ImGui::Checkbox("On floor", &view.on_floor);
     LogItem(context, "instance.on_floor");
     Tooltip(context, "What stands on the floor keeps its height while it is aligned.");

@@ -28,8 +28,9 @@ class AnnotateRefinementPanel : public Panel {
   const char* Id() const override { return "annotate_refinement"; }
   const char* Title() const override { return "Refine"; }
   const char* Help() const override {
-    return "The model is aligned to the scan from where it is, upright all the while. Colours show "
-           "how far its surface is from the scan.";
+    return "The model is aligned from where it is, upright all the while: to the scan (colours "
+           "show "
+           "how far its surface is from it), or to the edges in the images.";
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
@@ -37,7 +38,8 @@ class AnnotateRefinementPanel : public Panel {
     ImGui::BeginChild("refinement", {0, 0});
     ImGui::TextUnformatted(refinement.instance.c_str());
     ImGui::SameLine();
-    DimText("%s", !refinement.problem.empty() ? ""
+    DimText("%s", !refinement.problem.empty()                  ? ""
+                  : refinement.running && refinement.by_images ? "trying places in all images ..."
                   : refinement.running
                       ? fmt::format("iteration {} ...", refinement.iteration).c_str()
                   : refinement.converged
@@ -55,12 +57,16 @@ class AnnotateRefinementPanel : public Panel {
               ? fmt::format("\u00b1 {:.2f}\u00b0", refinement.azimuth_std_rad * kDegreesPerRadian)
               : "");
       Row("Along the floor", fmt::format("{:.1f} mm", 1000 * refinement.horizontal_m),
-          refinement.position_std_m > 0
-              ? fmt::format("\u00b1 {:.1f} mm", 1000 * refinement.position_std_m)
+          refinement.horizontal_std_m > 0
+              ? fmt::format("\u00b1 {:.1f} mm", 1000 * refinement.horizontal_std_m)
               : "");
       Row("Height",
           fmt::format("{:+.1f} mm",
-                      1000 * (std::abs(refinement.height_m) < 5e-5 ? 0.0 : refinement.height_m)));
+                      1000 * (std::abs(refinement.height_m) < 5e-5 ? 0.0 : refinement.height_m)),
+          refinement.height_std_m > 0
+              ? fmt::format("\u00b1 {:.1f} mm", 1000 * refinement.height_std_m)
+          : refinement.running ? ""
+                               : "kept");
       DrawFit(refinement);
       ImGui::EndTable();
     }

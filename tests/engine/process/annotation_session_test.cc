@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/geometry/gravity.h"
-#include "tests/support/annotation_scene.h"
+#include "tests/support/annotation_walk.h"
 #include "tests/support/test_data.h"
 
 namespace plumbline {
@@ -33,6 +33,7 @@ class AnnotationSessionTest : public testing::Test {
 
   std::unique_ptr<AnnotationSession> Open(std::filesystem::path path = {}) {
     AnnotationChoice choice;
+    choice.sequence = sequence_;
     choice.path = path.empty() ? scene_.scan : std::move(path);
     choice.annotator = "Ada";
     auto session = AnnotationSession::Open(
@@ -67,6 +68,7 @@ class AnnotationSessionTest : public testing::Test {
   TemporaryFolder folder_;
   AnnotationScene scene_ = MakeAnnotationScene(folder_.path(), ScanFromLevel());
   double seconds_ = 0;
+  std::filesystem::path sequence_;
 };
 
 TEST_F(AnnotationSessionTest, OpensAScanWithItsModelsAndMakesAProjectBesideIt) {
@@ -305,6 +307,35 @@ TEST_F(AnnotationSessionTest, TakesTheObjectsOfARunAsDraftsInOneStep) {
   EXPECT_THAT(snapshot.instances[0].note, HasSubstr("draft"));
   Do(*session, UndoCommand{});
   EXPECT_TRUE(session->Snapshot().instances.empty());
+}
+
+TEST_F(AnnotationSessionTest, ChecksTheSelectedObjectInImagesFromAllSidesAsItMoves) {
+  sequence_ = folder_.path() / "walk";
+  WriteAnnotationWalk(scene_, sequence_);
+  const auto session = WithArmchair();
+  AnnotationSnapshot snapshot = session->Snapshot();
+  ASSERT_TRUE(snapshot.checks.has_value()) << snapshot.answer;
+  EXPECT_EQ(snapshot.checks->images.size(), 6u);
+  EXPECT_GT(snapshot.checks->agreement, 0.8);
+  const Eigen::Isometry3d placed = snapshot.instances[0].scan_from_object;
+  const Eigen::Isometry3d moved = placed * Eigen::Translation3d(0.06, 0.02, 0);
+  const std::uint64_t images = snapshot.images_number;
+  Do(*session, PreviewPoseCommand{"armchair_0", moved});
+  snapshot = session->Snapshot();
+  EXPECT_LT(snapshot.checks->agreement, 0.5);
+  EXPECT_EQ(snapshot.images_number, images) << "the same images";
+  EXPECT_EQ(snapshot.instances[0].scan_from_object.matrix(), placed.matrix()) << "only looked at";
+  Do(*session, SetInstancePoseCommand{"armchair_0", moved});
+  Do(*session, RefineByImagesCommand{"armchair_0"});
+  snapshot = session->Snapshot();
+  ASSERT_TRUE(snapshot.refinement.has_value());
+  EXPECT_EQ(snapshot.refinement->problem, "");
+  EXPECT_THAT(snapshot.refinement->scan_from_object,
+              IsometryNear(scene_.scan_from_armchair, 0.3, 0.004));
+  EXPECT_GT(snapshot.checks->agreement, 0.8) << "of what is proposed";
+  EXPECT_EQ(snapshot.refinement->height_std_m, 0) << "it stays on the floor";
+  Do(*session, CancelProposalCommand{});
+  EXPECT_LT(session->Snapshot().checks->agreement, 0.5);
 }
 
 }  // namespace
