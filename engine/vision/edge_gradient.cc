@@ -15,8 +15,10 @@
 #include "engine/vision/thinning.h"
 
 // Hot loops are compiled twice, the second time for machines that take eight floats at once. The
-// results are the same bit for bit: without contraction both round every operation alike.
-#if defined(__x86_64__) && defined(__GNUC__)
+// results are the same bit for bit: without contraction both round every operation alike. The
+// sanitizers are not up yet when the loader chooses.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PLB_WIDE __attribute__((target_clones("avx2", "default")))
 #else
 #define PLB_WIDE
