@@ -12,6 +12,7 @@
 #include "engine/annotation/annotation_check.h"
 #include "engine/annotation/annotation_project.h"
 #include "engine/annotation/bop_files.h"
+#include "engine/annotation/crop_cut.h"
 #include "engine/base/files.h"
 #include "engine/base/log.h"
 #include "engine/models/mesh_file.h"
@@ -40,6 +41,54 @@ Result<std::vector<int>> FramesOf(const OpenedInputs& inputs, const std::string&
   return frames;
 }
 
+/// Cuts crops out of the scan that the edits before them name.
+class Cutter {
+ public:
+  explicit Cutter(const AnnotationProject& project) : project_(project) {}
+
+  /// The edit with all that a crop brings: itself, its model's instance. Other edits stay.
+  Result<Edit> Prepare(const Edit& edit, const AnnotationDocument& document,
+                       const std::string& annotator) {
+    const auto* add = std::get_if<AddCrop>(&edit);
+    if (!add) return edit;
+    if (document.scan.empty()) {
+      return Error{ErrorCode::kInvalidInput, "there is no scan to cut '" + add->crop.id +
+                                                 "' out of; name one with an edit 'inputs'"};
+    }
+    const std::filesystem::path file = project_.Resolve(document.scan);
+    if (file != scan_file_) {
+      Result<TriangleMesh> scan = ReadMesh(file);
+      if (!scan) return scan.error();
+      scan_ = std::move(*scan);
+      scan_file_ = file;
+    }
+    Crop crop = add->crop;
+    if (crop.annotator.empty()) crop.annotator = annotator;
+    const std::filesystem::path folder = project_.Resolve(document.models);
+    auto prepared = PrepareCrop(scan_, file, std::move(crop), document, folder);
+    if (!prepared) return prepared.error();
+    if (prepared->model) models_.emplace_back(std::move(prepared->model->built), folder);
+    return Edit(std::move(prepared->edit));
+  }
+
+  /// Enters the models in their databases.
+  Status Store() const {
+    for (const auto& [model, folder] : models_) {
+      if (const Status stored = StoreModel(model, folder); !stored.ok()) return stored;
+      std::printf("%s: %zu faces, %.2f x %.2f x %.2f m\n", model.model.name.c_str(),
+                  model.model.mesh.triangles.size(), model.model.bounds.sizes().x(),
+                  model.model.bounds.sizes().y(), model.model.bounds.sizes().z());
+    }
+    return {};
+  }
+
+ private:
+  const AnnotationProject& project_;
+  std::filesystem::path scan_file_;
+  TriangleMesh scan_;
+  std::vector<std::pair<BuiltModel, std::filesystem::path>> models_;
+};
+
 Status ApplyEdits(const AnnotateArguments& arguments) {
   const Result<nlohmann::json> edits = ReadJson(arguments.edits);
   if (!edits) return edits.error();
@@ -52,8 +101,10 @@ Status ApplyEdits(const AnnotateArguments& arguments) {
   // All or nothing, and one step to undo: a script that fails half-way can be mended and run again.
   EditGroup group{"Apply " + arguments.edits, {}};
   AnnotationDocument trial = (*project)->document();
+  Cutter cutter(**project);
   for (std::size_t i = 0; i < edits->size(); ++i) {
     Result<Edit> edit = EditFromJson((*edits)[i]);
+    if (edit.ok()) edit = cutter.Prepare(*edit, trial, arguments.annotator);
     const Result<Edit> tried = edit.ok() ? ApplyEdit(*edit, trial) : Result<Edit>(edit.error());
     if (!tried) {
       return Error{tried.error().code, "'" + arguments.edits + "', edit " + std::to_string(i + 1) +
@@ -64,6 +115,7 @@ Status ApplyEdits(const AnnotateArguments& arguments) {
     }
     group.edits.push_back(std::move(*edit));
   }
+  if (const Status stored = cutter.Store(); !stored.ok()) return stored;
   if (const Status applied = (*project)->Apply(group); !applied.ok()) return applied;
   return SaveAndSay(**project, "edits applied", edits->size());
 }
@@ -183,7 +235,16 @@ Status Check(const AnnotateArguments& arguments) {
   if (!project) return project.error();
   const auto inputs = OpenInputs(**project);
   if (!inputs) return inputs.error();
-  const auto findings = CheckAnnotations((*project)->document(), inputs->View({}), arguments.check);
+  const AnnotationDocument& document = (*project)->document();
+  ExchangeInputs view = inputs->View({});
+  TriangleMesh scan;
+  if (!document.crops.empty() && !document.scan.empty()) {
+    Result<TriangleMesh> read = ReadMesh((*project)->Resolve(document.scan));
+    if (!read) return read.error();
+    scan = std::move(*read);
+    view.scan = &scan;
+  }
+  const auto findings = CheckAnnotations(document, view, arguments.check);
   const bool quiet = arguments.json == "-";
   for (const AnnotationFinding& finding : findings) {
     if (!quiet) std::printf("%-16s %s\n", finding.kind.c_str(), finding.sentence.c_str());

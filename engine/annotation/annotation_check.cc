@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "engine/annotation/crop_cut.h"
 #include "engine/geometry/gravity.h"
 #include "engine/registration/model_surface.h"
 
@@ -35,6 +36,7 @@ class Checker {
         CheckPair(document_.instances[k], document_.instances[i]);
       }
     }
+    for (const Crop& crop : document_.crops) CheckCropAlone(crop);
     CheckFrames();
     return std::move(findings_);
   }
@@ -153,6 +155,20 @@ class Checker {
       if (inside) depth_m = std::max(depth_m, standing->triangles().Find(point).distance_m);
     }
     return depth_m;
+  }
+
+  void CheckCropAlone(const Crop& crop) {
+    if (inputs_.models && crop.into == Crop::Into::kModel && !inputs_.models->Find(crop.id)) {
+      findings_.push_back({"unmade_crop",
+                           {crop.id},
+                           0,
+                           "",
+                           "the model '" + crop.id + "' that was cut out is not in the database"});
+    }
+    if (!inputs_.scan) return;
+    if (const auto cut = CutOut(*inputs_.scan, crop); !cut) {
+      findings_.push_back({"empty_crop", {crop.id}, 0, "", cut.error().message});
+    }
   }
 
   void CheckFrames() {

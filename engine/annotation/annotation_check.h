@@ -10,8 +10,8 @@ namespace plumbline {
 
 /// Something in a document that is probably wrong.
 struct AnnotationFinding {
-  std::string
-      kind;  ///< tilted, floating, sunk, interpenetrating, duplicate, unknown_model, missing_frames
+  std::string kind;  ///< tilted, floating, sunk, interpenetrating, duplicate, unknown_model,
+  ///< missing_frames, empty_crop, unmade_crop
   std::vector<std::string> instances;
   double amount = 0;  ///< Of `unit`.
   std::string unit;   ///< deg, m or frames; "" where there is no amount
@@ -25,7 +25,7 @@ struct AnnotationCheckOptions {
   double duplicate_m = 0.05;  ///< Between the centres of two instances of one model.
 };
 
-/// `models` and `sequence` may be null: then what needs them is not looked at.
+/// `models`, `sequence` and `scan` may be null: then what needs them is not looked at.
 std::vector<AnnotationFinding> CheckAnnotations(const AnnotationDocument& document,
                                                 const ExchangeInputs& inputs,
                                                 const AnnotationCheckOptions& options = {});

@@ -39,6 +39,12 @@ const AnnotatedInstance* AnnotationDocument::Find(const std::string& id) const {
   return found == instances.end() ? nullptr : &*found;
 }
 
+const Crop* AnnotationDocument::FindCrop(const std::string& id) const {
+  const auto found =
+      std::find_if(crops.begin(), crops.end(), [&](const auto& crop) { return crop.id == id; });
+  return found == crops.end() ? nullptr : &*found;
+}
+
 Eigen::Isometry3d AnnotationDocument::LevelFromScan() const {
   Eigen::Isometry3d level_from_scan = Eigen::Isometry3d::Identity();
   level_from_scan.linear() = UprightFrame(gravity_in_scan).upright_rotation().transpose();
@@ -105,6 +111,7 @@ nlohmann::json DocumentToJson(const AnnotationDocument& document) {
   for (const AnnotatedInstance& instance : document.instances) {
     json["instances"].push_back(InstanceToJson(instance));
   }
+  for (const Crop& crop : document.crops) json["crops"].push_back(CropToJson(crop));
   return json;
 }
 
@@ -149,6 +156,15 @@ Result<AnnotationDocument> DocumentFromJson(const nlohmann::json& json) {
       return Invalid("has two instances with the id '" + instance->id + "'");
     }
     document.instances.push_back(std::move(*instance));
+  }
+  ids.clear();
+  for (const nlohmann::json& entry : json.value("crops", nlohmann::json::array())) {
+    Result<Crop> crop = CropFromJson(entry);
+    if (!crop) return crop.error();
+    if (!ids.insert(crop->id).second) {
+      return Invalid("has two crops with the id '" + crop->id + "'");
+    }
+    document.crops.push_back(std::move(*crop));
   }
   return document;
 }

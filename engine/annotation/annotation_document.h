@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json_fwd.hpp>
 
+#include "engine/annotation/crop.h"
 #include "engine/base/result.h"
 
 namespace plumbline {
@@ -38,8 +39,10 @@ struct AnnotationDocument {
   /// Where the sequence's world is in the scan; nothing where both share a frame.
   std::optional<Eigen::Isometry3d> scan_from_world;
   std::vector<AnnotatedInstance> instances;
+  std::vector<Crop> crops;  ///< What was cut out of the scan.
 
   const AnnotatedInstance* Find(const std::string& id) const;
+  const Crop* FindCrop(const std::string& id) const;
   /// The scan turned z-up with the floor (if known) at z = 0.
   Eigen::Isometry3d LevelFromScan() const;
 };

@@ -127,6 +127,29 @@ Result<Edit> Apply(const SetInputs& edit, AnnotationDocument& document) {
   return Edit(std::move(back));
 }
 
+Result<Edit> Apply(const AddCrop& edit, AnnotationDocument& document) {
+  Result<Crop> crop = CompletedCrop(edit.crop, document);
+  if (!crop) return crop.error();
+  if (document.FindCrop(crop->id)) return Invalid("there is a crop '" + crop->id + "' already");
+  Edit back = RemoveCrop{crop->id};
+  const std::size_t index =
+      std::min(edit.index.value_or(document.crops.size()), document.crops.size());
+  document.crops.insert(document.crops.begin() + static_cast<std::ptrdiff_t>(index),
+                        std::move(*crop));
+  return back;
+}
+
+Result<Edit> Apply(const RemoveCrop& edit, AnnotationDocument& document) {
+  const auto found = std::find_if(document.crops.begin(), document.crops.end(),
+                                  [&](const Crop& crop) { return crop.id == edit.id; });
+  if (found == document.crops.end()) {
+    return Error{ErrorCode::kNotFound, "there is no crop '" + edit.id + "'"};
+  }
+  AddCrop back{std::move(*found), static_cast<std::size_t>(found - document.crops.begin())};
+  document.crops.erase(found);
+  return Edit(std::move(back));
+}
+
 Result<Edit> Apply(const EditGroup& group, AnnotationDocument& document) {
   AnnotationDocument changed = document;
   EditGroup back{group.label, {}};
@@ -151,9 +174,23 @@ std::string Describe(const ChangeInstance& edit) {
 std::string Describe(const SetGravity&) { return "Set gravity"; }
 std::string Describe(const SetSceneAlignment&) { return "Align sequence and scan"; }
 std::string Describe(const SetInputs&) { return "Choose scan, models and sequence"; }
+std::string Describe(const AddCrop& edit) { return "Cut out " + edit.crop.id; }
+std::string Describe(const RemoveCrop& edit) { return "Forget the crop " + edit.id; }
 std::string Describe(const EditGroup& group) { return group.label; }
 
 }  // namespace
+
+Result<Crop> CompletedCrop(Crop crop, const AnnotationDocument& document) {
+  if (!crop.up_in_scan) crop.up_in_scan = -document.gravity_in_scan;
+  if (crop.without_support && !crop.support_in_scan) crop.support_in_scan = document.floor_in_scan;
+  if (crop.without_support && !crop.support_in_scan) {
+    return Invalid("what '" + crop.id +
+                   "' stands on is not known; find the floor first, or say which plane it is, or "
+                   "keep it");
+  }
+  if (const Status good = CheckCrop(crop); !good.ok()) return good.error();
+  return crop;
+}
 
 Result<Edit> ApplyEdit(const Edit& edit, AnnotationDocument& document) {
   return std::visit([&](const auto& chosen) { return Apply(chosen, document); }, edit);

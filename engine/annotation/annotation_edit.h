@@ -42,15 +42,30 @@ struct SetInputs {
   std::string scan, models, sequence;
 };
 
+/// Cuts something out of the scan. What the crop does not say, up and the support, is filled in
+/// from the document.
+struct AddCrop {
+  Crop crop;
+  std::optional<std::size_t> index;  ///< Position in the list; at the end where there is none.
+};
+
+struct RemoveCrop {
+  std::string id;
+};
+
 struct EditGroup;
 using Edit = std::variant<AddInstance, RemoveInstance, ChangeInstance, SetGravity,
-                          SetSceneAlignment, SetInputs, EditGroup>;
+                          SetSceneAlignment, SetInputs, AddCrop, RemoveCrop, EditGroup>;
 
 /// Several edits that are done and undone as one: an import, the acceptance of a run's drafts.
 struct EditGroup {
   std::string label;
   std::vector<Edit> edits;
 };
+
+/// The crop with what it leaves open taken from the document: up, and the floor as its support.
+/// Errors: kInvalidInput (the floor is not known; see CheckCrop).
+Result<Crop> CompletedCrop(Crop crop, const AnnotationDocument& document);
 
 /// Changes the document and returns the edit that takes it back exactly. Errors: kNotFound (no such
 /// instance), kInvalidInput (an id that exists, a locked instance, numbers that are none); the
@@ -60,7 +75,8 @@ Result<Edit> ApplyEdit(const Edit& edit, AnnotationDocument& document);
 /// What a menu says: "Move chair_1".
 std::string DescribeEdit(const Edit& edit);
 
-/// {"edit": "add"|"remove"|"change"|"gravity"|"scene_alignment"|"inputs"|"group", ...}; the rest of
+/// {"edit": "add"|"remove"|"change"|"gravity"|"scene_alignment"|"inputs"|"crop"|
+/// "remove_crop"|"group", ...}; the rest of
 /// the keys as in the project file.
 nlohmann::json EditToJson(const Edit& edit);
 /// Errors: kInvalidInput.

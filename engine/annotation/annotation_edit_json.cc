@@ -60,22 +60,42 @@ json ToJson(const SetInputs& edit) {
           {"sequence", edit.sequence}};
 }
 
+json ToJson(const AddCrop& edit) {
+  json result = {{"edit", "crop"}, {"crop", CropToJson(edit.crop)}};
+  if (edit.index) result["index"] = *edit.index;
+  return result;
+}
+
+json ToJson(const RemoveCrop& edit) { return {{"edit", "remove_crop"}, {"id", edit.id}}; }
+
 json ToJson(const EditGroup& group) {
   json result = {{"edit", "group"}, {"label", group.label}, {"edits", json::array()}};
   for (const Edit& edit : group.edits) result["edits"].push_back(EditToJson(edit));
   return result;
 }
 
+Result<std::optional<std::size_t>> IndexFrom(const json& source) {
+  if (!source.contains("index")) return std::optional<std::size_t>();
+  if (!source["index"].is_number_unsigned()) return Invalid("'index' must be a whole number");
+  return std::optional(source["index"].get<std::size_t>());
+}
+
+Result<Edit> CropEditFrom(const json& source) {
+  if (!source.contains("crop")) return Invalid("an edit 'crop' needs a 'crop'");
+  Result<Crop> crop = CropFromJson(source["crop"]);
+  if (!crop) return crop.error();
+  const auto index = IndexFrom(source);
+  if (!index) return index.error();
+  return Edit(AddCrop{std::move(*crop), *index});
+}
+
 Result<Edit> AddFrom(const json& source) {
   if (!source.contains("instance")) return Invalid("an edit 'add' needs an 'instance'");
   Result<AnnotatedInstance> instance = InstanceFromJson(source["instance"]);
   if (!instance) return instance.error();
-  AddInstance edit{std::move(*instance), std::nullopt};
-  if (source.contains("index")) {
-    if (!source["index"].is_number_unsigned()) return Invalid("'index' must be a whole number");
-    edit.index = source["index"].get<std::size_t>();
-  }
-  return Edit(std::move(edit));
+  const auto index = IndexFrom(source);
+  if (!index) return index.error();
+  return Edit(AddInstance{std::move(*instance), *index});
 }
 
 Result<Edit> ChangeFrom(const json& source, const std::string& id) {
@@ -161,6 +181,7 @@ json EditToJson(const Edit& edit) {
 Result<Edit> EditFromJson(const json& source) {
   const std::string kind = TextFromJson(source, "edit").value_or("");
   if (kind == "add") return AddFrom(source);
+  if (kind == "crop") return CropEditFrom(source);
   if (kind == "gravity") return GravityFrom(source);
   if (kind == "group") return GroupFrom(source);
   if (kind == "scene_alignment") {
@@ -174,15 +195,16 @@ Result<Edit> EditFromJson(const json& source) {
                           TextFromJson(source, "models").value_or(""),
                           TextFromJson(source, "sequence").value_or("")});
   }
-  if (kind == "remove" || kind == "change") {
+  if (kind == "remove" || kind == "change" || kind == "remove_crop") {
     const auto id = TextFromJson(source, "id");
-    if (!id) return Invalid("an edit '" + kind + "' needs the 'id' of an instance");
+    if (!id) return Invalid("an edit '" + kind + "' needs an 'id'");
+    if (kind == "remove_crop") return Edit(RemoveCrop{*id});
     if (kind == "remove") return Edit(RemoveInstance{*id});
     return ChangeFrom(source, *id);
   }
   return Invalid(
-      "an edit needs 'edit': add, remove, change, gravity, scene_alignment, inputs or "
-      "group, not '" +
+      "an edit needs 'edit': add, remove, change, gravity, scene_alignment, inputs, crop, "
+      "remove_crop or group, not '" +
       kind + "'");
 }
 

@@ -17,6 +17,7 @@ struct ExchangeInputs {
   const ModelDatabase* models = nullptr;
   const Sequence* sequence = nullptr;
   std::vector<int> frames;  ///< Of the sequence.
+  const TriangleMesh* scan = nullptr;
 };
 
 /// Poses read from a foreign format, in the frame of the scan.
@@ -41,16 +42,17 @@ Status WriteGroundTruthOf(const AnnotationDocument& document, PoseFrame frame,
                           const std::filesystem::path& file);
 Result<ImportedPoses> ReadGroundTruthPoses(const std::filesystem::path& file);
 
-/// VISMA's fragments folder: objects.json, alignment.json (12 numbers, row-major 3x4, model to
-/// scan, metres), result_alignment.json (T_ef_corvis: sequence to scan) if known, and the models as
-/// VISMA holds them, +y up, in CAD/. Poses are those of these y-up models: y-up (x, y, z) is our
-/// (x, -z, y).
+/// VISMA's fragments folder: objects.json (instances, and fragments that wait for one),
+/// alignment.json (12 numbers, row-major 3x4, model to scan, metres), result_alignment.json
+/// (T_ef_corvis: sequence to scan) if known, and the models as VISMA holds them, +y up, in CAD/.
+/// Poses are those of these y-up models: y-up (x, y, z) is our (x, -z, y).
 Status WriteVisma(const AnnotationDocument& document, const ModelDatabase* models,
                   const std::filesystem::path& folder);
 Result<ImportedPoses> ReadVisma(const std::filesystem::path& folder);
 /// What VISMA's folder holds of the scan: `<name>_<N>.ply`, the scan's points within `reach_m` of
 /// each posed model, and augmented_scene.ply, the scan together with all posed models; all in the
-/// scan's frame.
+/// scan's frame. A crop into a fragment is written as it was cut, also in place of what lies near a
+/// model of its name.
 Status WriteVismaScene(const AnnotationDocument& document, const ModelDatabase& models,
                        const TriangleMesh& scan, double reach_m,
                        const std::filesystem::path& folder);

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/annotation/crop_cut.h"
 #include "engine/annotation/pose_exchange.h"
 #include "engine/base/files.h"
 #include "engine/dataset/json_fields.h"
@@ -103,6 +104,11 @@ Status WriteVisma(const AnnotationDocument& document, const ModelDatabase* model
         TwelveNumbers(instance.scan_from_object * ObjectFromYUp());
     used.insert(instance.model);
   }
+  for (const Crop& crop : document.crops) {
+    if (crop.into == Crop::Into::kFragment && !alignment.contains(crop.id)) {
+      names.push_back(crop.id);  // Still to be aligned.
+    }
+  }
   Status status = WriteJson(folder / "objects.json", {{"entries", names}});
   if (status.ok()) status = WriteJson(folder / "alignment.json", alignment);
   if (status.ok()) status = WriteFileAtomically(folder / "README.txt", kReadme);
@@ -149,6 +155,14 @@ Status WriteVismaScene(const AnnotationDocument& document, const ModelDatabase& 
     const Status written = WritePly(folder / (names[i] + ".ply"), fragment);
     if (!written.ok()) return written;
     Append(Transformed(model.mesh, instance.scan_from_object), augmented);
+  }
+  for (const Crop& crop : document.crops) {
+    if (crop.into != Crop::Into::kFragment) continue;
+    const Result<TriangleMesh> cut = CutOut(scan, crop);
+    if (!cut) return cut.error();
+    if (const Status written = WritePly(folder / (crop.id + ".ply"), *cut); !written.ok()) {
+      return written;
+    }
   }
   return WritePly(folder / "augmented_scene.ply", augmented);
 }

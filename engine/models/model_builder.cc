@@ -104,7 +104,7 @@ Status Settle(const TriangleMesh& mesh, const std::string& extension, const std:
 }
 
 /// Metres, +z up, +x front, origin at the centre of the footprint on the supporting plane.
-void BringIntoCanonicalFrame(const ModelBuildReport& report, TriangleMesh& mesh) {
+void BringIntoCanonicalFrame(ModelBuildReport& report, TriangleMesh& mesh) {
   Eigen::Matrix3d object_from_file;
   object_from_file.row(0) = report.front.vector();
   object_from_file.row(1) = report.up.vector().cross(report.front.vector());
@@ -118,6 +118,8 @@ void BringIntoCanonicalFrame(const ModelBuildReport& report, TriangleMesh& mesh)
   const Eigen::Vector3d origin(bounds.center().x(), bounds.center().y(), bounds.min().z());
   for (std::size_t i = 0; i < points.size(); ++i)
     mesh.vertices[i] = (points[i] - origin).cast<float>();
+  report.object_from_file.linear() = object_from_file;
+  report.object_from_file.translation() = -origin;
 }
 
 void FindTexture(const std::filesystem::path& mesh_file, BuiltModel& built) {
@@ -160,6 +162,12 @@ Result<BuiltModel> BuildModel(const std::filesystem::path& mesh_file,
                               const ModelBuildOptions& options) {
   Result<TriangleMesh> mesh = ReadMesh(mesh_file);
   if (!mesh.ok()) return mesh.error();
+  return BuildModelFrom(*mesh, ModelName(mesh_file), mesh_file, options);
+}
+
+Result<BuiltModel> BuildModelFrom(const TriangleMesh& mesh, const std::string& name,
+                                  const std::filesystem::path& mesh_file,
+                                  const ModelBuildOptions& options) {
   const auto failed = [&mesh_file](const Error& error) {
     return Error{error.code, "'" + mesh_file.string() + "': " + error.message};
   };
@@ -167,14 +175,14 @@ Result<BuiltModel> BuildModel(const std::filesystem::path& mesh_file,
   built.source = mesh_file;
   CadModel& model = built.model;
   ModelBuildReport& report = built.report;
-  model.mesh = CleanMesh(*mesh, report.cleanup);
+  model.mesh = CleanMesh(mesh, report.cleanup);
   if (model.mesh.triangles.empty()) {
     return failed(
         {ErrorCode::kDegenerate, "it has no faces of positive area; a model needs a surface"});
   }
-  model.name = ModelName(mesh_file);
+  model.name = name;
   model.file = model.name + ".ply";
-  model.category = options.category.empty() ? CategoryInName(mesh_file) : options.category;
+  model.category = options.category.empty() ? CategoryInName(name) : options.category;
   const std::string extension = Lower(mesh_file.extension().string());
   if (const Status status = Settle(model.mesh, extension, model.category, options, report);
       !status.ok()) {

@@ -31,6 +31,7 @@ struct ModelBuildReport {
   DecimationReport decimation;
   LengthUnit unit = LengthUnit::kMetre;
   SignedAxis up{2, 1}, front{0, 1};
+  Eigen::Isometry3d object_from_file = Eigen::Isometry3d::Identity();  ///< After the unit [m].
   std::vector<std::string>
       warnings;  ///< Sentences: what was guessed, why and how surely; what was left out.
 };
@@ -48,6 +49,12 @@ struct BuiltModel {
 /// without area or one that cannot be decimated.
 Result<BuiltModel> BuildModel(const std::filesystem::path& mesh_file,
                               const ModelBuildOptions& options);
+
+/// The same for a mesh in memory that is called `name` and was taken from `source`, beside which its
+/// texture is. Errors: as of BuildModel, without those of reading.
+Result<BuiltModel> BuildModelFrom(const TriangleMesh& mesh, const std::string& name,
+                                  const std::filesystem::path& source,
+                                  const ModelBuildOptions& options);
 
 /// Writes the mesh as PLY (and its texture) into the folder and enters it in models.json, which is
 /// replaced atomically; a model of the same name is replaced, other entries and unknown keys stay.

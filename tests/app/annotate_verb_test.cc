@@ -11,6 +11,7 @@
 #include "engine/base/files.h"
 #include "engine/models/mesh_file.h"
 #include "tests/support/furniture_models.h"
+#include "tests/support/meshes.h"
 #include "tests/support/test_data.h"
 #include "tests/support/tiny_sequence.h"
 
@@ -115,6 +116,34 @@ TEST_F(AnnotateVerb, TakesTheObjectsOfARunAsDrafts) {
   EXPECT_EQ(draft["scan_from_object"][0][3], 13);
   EXPECT_EQ(Run("import room.json --format run --from none.plb"), 1);
   EXPECT_EQ(Run("export room.json --format run --out again"), 2);
+}
+
+TEST_F(AnnotateVerb, CutsAModelOutOfTheScan) {
+  // A chair on a floor, both in many triangles; the floor reaches beyond the box.
+  TriangleMesh scan;
+  for (int i = 0; i < 40; ++i) {
+    for (int k = 0; k < 40; ++k) {
+      const auto x = static_cast<float>(i) * 0.05f - 1, y = static_cast<float>(k) * 0.05f - 1;
+      Append(MakeParallelogram({x, y, 0}, {0.05f, 0, 0}, {0, 0.05f, 0}), scan);
+    }
+  }
+  Append(MakeChair(true), scan);
+  ASSERT_TRUE(WritePly(folder_.path() / "scan.ply", scan).ok());
+  Write("crop.json", R"([
+      {"edit": "inputs", "scan": "scan.ply", "models": "models", "sequence": ""},
+      {"edit": "crop", "crop": {"id": "stool", "category": "chair",
+       "box": {"center": [0, 0, 0.45], "size": [0.7, 0.7, 1.0]}}}])");
+  ASSERT_EQ(Run("apply room.json crop.json --annotator Ada"), 0) << Output();
+  EXPECT_THAT(Output(), testing::HasSubstr("stool: "));
+  const nlohmann::json project = Json("room.json");
+  ASSERT_EQ(project["instances"].size(), 3u);
+  EXPECT_EQ(project["instances"][2]["id"], "stool_0");
+  EXPECT_EQ(project["crops"][0]["annotator"], "Ada");
+  EXPECT_EQ(Json("models/models.json")["models"][1]["name"], "stool");
+  ASSERT_EQ(Run("check room.json --json -"), 0) << Output();
+  EXPECT_THAT(Output(), testing::Not(testing::HasSubstr("crop")));
+  EXPECT_EQ(Run("apply room.json crop.json"), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("there is a crop 'stool' already"));
 }
 
 TEST_F(AnnotateVerb, ChecksTheProject) {

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // How well the true poses of a sequence agree with its images, and what refinement by images makes
 // of poses that are off. Prints the milliseconds that an image takes on one core.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -48,10 +52,12 @@ void Draw(const AnnotationImage& image, const ImageCheck& check,
 }
 
 struct Arguments {
-  std::filesystem::path sequence, pictures;
+  std::vector<std::filesystem::path> sequences;
+  std::filesystem::path pictures;
   std::string edges;
   int frames = 12, trials = 0;
-  double shift_m = 0.05, turn_deg = 5;
+  std::vector<double> shifts_m{0.05};
+  double turn_deg_per_m = 80;
   std::uint64_t seed = 1;
 };
 
@@ -66,56 +72,137 @@ Eigen::Vector3d Errors(const Eigen::Isometry3d& truth, const Eigen::Isometry3d& 
           kDegrees * WrapAngle(upright.Azimuth(pose.linear()) - upright.Azimuth(truth.linear()))};
 }
 
-/// Refines from the truth itself and from places around it.
-Status Refine(const Arguments& arguments, const AnnotationImages& images, const OutlineModel& model,
-              const AnnotatedInstance& instance, const Occluders& occluders,
-              const UprightFrame& upright) {
+/// A refinement that began `shift_m` beside the truth; 0: at the truth.
+struct Trial {
+  double shift_m = 0;
+  Eigen::Vector3d error = Eigen::Vector3d::Zero();  ///< As of Errors.
+  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  ///< Likewise.
+  double squared_by_covariance = 0;  ///< Of shift and turn; 4 on average where it is right.
+  bool back = false;                 ///< At the place that it comes to from the truth itself.
+};
+
+/// A refinement by the truth, at the model's middle, where shift and turn are apart.
+Trial Judge(const Eigen::Isometry3d& truth, const ImageRefinement& refined,
+            const Eigen::Vector3d& center, const UprightFrame& upright) {
+  const Eigen::Vector3d up = upright.up_in_world();
+  const Eigen::Vector3d lever = refined.scan_from_object.linear() * center;
+  Eigen::Matrix<double, 4, 6> middle = Eigen::Matrix<double, 4, 6>::Zero();
+  middle.topLeftCorner<3, 3>().setIdentity();
+  middle.topRightCorner<3, 3>() << 0, lever.z(), -lever.y(), -lever.z(), 0, lever.x(), lever.y(),
+      -lever.x(), 0;
+  middle.bottomRightCorner<1, 3>() = up.transpose();
+  const Eigen::Matrix4d at = middle * refined.covariance * middle.transpose();
+  Trial trial;
+  trial.error = Errors(truth, refined.scan_from_object, center, upright);
+  const double height_var = up.dot(at.topLeftCorner<3, 3>() * up);
+  trial.sigma = {std::sqrt(at.topLeftCorner<3, 3>().trace() - height_var), std::sqrt(height_var),
+                 kDegrees * std::sqrt(at(3, 3))};
+  Eigen::Vector4d off;
+  off << refined.scan_from_object * center - truth * center, trial.error[2] / kDegrees;
+  trial.squared_by_covariance = off.dot(at.ldlt().solve(off));
+  return trial;
+}
+
+Eigen::Isometry3d Beside(const Eigen::Isometry3d& pose, const Eigen::Vector3d& center,
+                         const UprightFrame& upright, double shift_m, double turn_deg,
+                         Random random) {
+  const double heading = 2 * std::numbers::pi * random.Uniform();
+  const Eigen::Vector3d up = upright.up_in_world();
+  const Eigen::Matrix3d frame = upright.upright_rotation();
+  const Eigen::Vector3d shift =
+      shift_m * (std::cos(heading) * frame.col(0) + std::sin(heading) * frame.col(1) +
+                 0.5 * (2 * random.Uniform() - 1) * up);
+  const double turn = turn_deg / kDegrees * (random.Uniform() < 0.5 ? -1 : 1);
+  Eigen::Isometry3d start = pose;
+  start.linear() = Eigen::AngleAxisd(turn, up) * start.linear();
+  start.translation() = pose * center + shift - start.linear() * center;
+  return start;
+}
+
+/// Refines from the truth itself and from places around it. What fewer than six images show does
+/// not count.
+void Refine(const Arguments& arguments, const AnnotationImages& images, const OutlineModel& model,
+            const AnnotatedInstance& instance, const Occluders& occluders,
+            const UprightFrame& upright, std::vector<Trial>& trials) {
+  constexpr double kSame_m = 0.005, kSame_deg = 0.5, kTurnUnseen_deg = 2;
   const Eigen::Vector3d up = upright.up_in_world(), center = model.center().cast<double>();
-  for (int trial = 0; trial <= arguments.trials; ++trial) {
-    Random random({arguments.seed, static_cast<std::uint32_t>(trial)});
-    const double amount = trial == 0 ? 0 : 1, heading = 2 * std::numbers::pi * random.Uniform();
-    const Eigen::Matrix3d frame = upright.upright_rotation();
-    const Eigen::Vector3d shift =
-        amount * arguments.shift_m *
-        (std::cos(heading) * frame.col(0) + std::sin(heading) * frame.col(1) +
-         0.5 * (2 * random.Uniform() - 1) * up);
-    const double turn = amount * arguments.turn_deg / kDegrees * (random.Uniform() < 0.5 ? -1 : 1);
-    Eigen::Isometry3d start = instance.scan_from_object;
-    start.linear() = Eigen::AngleAxisd(turn, up) * start.linear();
-    start.translation() = instance.scan_from_object * center + shift - start.linear() * center;
+  constexpr int kFewestImages = 6;
+  std::optional<Eigen::Isometry3d> from_truth;
+  bool counts = false;
+  const auto refine = [&](double shift_m, std::uint32_t number) {
+    const Eigen::Isometry3d start =
+        Beside(instance.scan_from_object, center, upright, shift_m,
+               arguments.turn_deg_per_m * shift_m, Random({arguments.seed, number}));
     Stopwatch watch;
     const auto refined = RefineByImages(images, model, start, up, occluders);
     if (!refined) {
       std::printf("    %s\n", refined.error().message.c_str());
-      return {};
+      return;
     }
-    const Eigen::Vector3d error =
-        Errors(instance.scan_from_object, refined->scan_from_object, center, upright);
-    // The covariance is of the origin; the middle swings with the turn.
-    Eigen::Matrix<double, 3, 6> middle;
-    const Eigen::Vector3d lever = refined->scan_from_object.linear() * center;
-    middle << Eigen::Matrix3d::Identity(), (Eigen::Matrix3d() << 0, lever.z(), -lever.y(),
-                                            -lever.z(), 0, lever.x(), lever.y(), -lever.x(), 0)
-                                               .finished();
-    const Eigen::Matrix3d at = middle * refined->covariance * middle.transpose();
-    const double height_var = up.dot(at * up);
+    if (!from_truth) {
+      from_truth = refined->scan_from_object;
+      counts = refined->images >= kFewestImages;
+    }
+    Trial trial = Judge(instance.scan_from_object, *refined, center, upright);
+    const Eigen::Vector3d apart = Errors(*from_truth, refined->scan_from_object, center, upright);
+    trial.shift_m = shift_m;
+    trial.back = apart[0] < kSame_m && std::abs(apart[1]) < kSame_m &&
+                 (std::abs(apart[2]) < kSame_deg || trial.sigma[2] > kTurnUnseen_deg);
+    if (counts) trials.push_back(trial);
     std::printf(
-        "    %-5s %5.1f mm %5.1f mm %6.2f deg  sigma %4.1f %4.1f mm %4.2f deg  agreement "
+        "    from %3.0f mm: %5.1f mm %5.1f mm %6.2f deg  sigma %4.1f %4.1f mm %4.2f deg  agreement "
         "%.3f -> %.3f  %s, start %d, %d images, %.2f s\n",
-        trial == 0 ? "truth" : "off", 1e3 * error[0], 1e3 * error[1], error[2],
-        1e3 * std::sqrt(at.trace() - height_var), 1e3 * std::sqrt(height_var),
-        kDegrees * std::sqrt(up.dot(refined->covariance.bottomRightCorner<3, 3>() * up)),
-        refined->agreement_before, refined->agreement_after,
+        1e3 * shift_m, 1e3 * trial.error[0], 1e3 * trial.error[1], trial.error[2],
+        1e3 * trial.sigma[0], 1e3 * trial.sigma[1], trial.sigma[2], refined->agreement_before,
+        refined->agreement_after,
         refined->stop == RefinementStop::kConverged ? "converged"
         : refined->stop == RefinementStop::kMoving  ? "moving"
                                                     : "no better",
         refined->start, refined->images, watch.Lap() / 1e3);
+  };
+  refine(0, 0);
+  for (const double shift_m : arguments.shifts_m) {
+    for (int i = 1; i <= arguments.trials; ++i) refine(shift_m, static_cast<std::uint32_t>(i));
   }
-  return {};
 }
 
-Status Run(const Arguments& arguments) {
-  const auto sequence = OpenSequence(arguments.sequence);
+double Quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1,
+                         static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+}
+
+/// A line for each distance of the start from the truth.
+void Summarise(const std::vector<Trial>& trials) {
+  constexpr double kSquaredWithin95 = 9.49;  // Of four degrees of freedom.
+  std::map<double, std::vector<Trial>> by_shift;
+  for (const Trial& trial : trials) by_shift[trial.shift_m].push_back(trial);
+  std::printf(
+      "start  runs  same place as from the truth  median, 90 %%: across, height, azimuth"
+      "   squared by covariance: median, within 95 %%\n");
+  for (const auto& [shift_m, list] : by_shift) {
+    std::vector<double> errors[3], squared;
+    int back = 0, within = 0;
+    for (const Trial& trial : list) {
+      for (int i = 0; i < 3; ++i) errors[i].push_back(std::abs(trial.error[i]));
+      squared.push_back(trial.squared_by_covariance);
+      back += trial.back;
+      within += trial.squared_by_covariance < kSquaredWithin95;
+    }
+    std::printf(
+        "%3.0f mm  %4zu  %5.1f %%  %4.1f %5.1f mm  %4.1f %5.1f mm  %5.2f %5.2f deg   %.2f  "
+        "%.1f %%\n",
+        1e3 * shift_m, list.size(), 100.0 * back / static_cast<double>(list.size()),
+        1e3 * Quantile(errors[0], 0.5), 1e3 * Quantile(errors[0], 0.9),
+        1e3 * Quantile(errors[1], 0.5), 1e3 * Quantile(errors[1], 0.9), Quantile(errors[2], 0.5),
+        Quantile(errors[2], 0.9), Quantile(squared, 0.5),
+        100.0 * within / static_cast<double>(list.size()));
+  }
+}
+
+Status Run(const Arguments& arguments, const std::filesystem::path& folder,
+           std::vector<Trial>& trials) {
+  const auto sequence = OpenSequence(folder);
   if (!sequence) return sequence.error();
   const auto truth = ReadGroundTruth(*(*sequence)->ground_truth_file());
   if (!truth) return truth.error();
@@ -165,9 +252,8 @@ Status Run(const Arguments& arguments) {
         instance.id.c_str(), MeanAgreement(checks), check_ms, (*model)->edges().size(),
         frames->size(), choose_ms, load_ms);
     if (arguments.trials > 0) {
-      const Status refined = Refine(arguments, **images, **model, instance, occluders,
-                                    UprightFrame(document.gravity_in_scan));
-      if (!refined.ok()) return refined;
+      Refine(arguments, **images, **model, instance, occluders,
+             UprightFrame(document.gravity_in_scan), trials);
       continue;
     }
     for (std::size_t i = 0; i < checks.size(); ++i) {
@@ -192,16 +278,23 @@ Status Run(const Arguments& arguments) {
 int main(int argc, char** argv) {
   CLI::App app("Image agreement and refinement by images on a sequence with ground truth");
   plumbline::Arguments arguments;
-  app.add_option("sequence", arguments.sequence, "In Plumbline's own layout")->required();
+  app.add_option("sequences", arguments.sequences, "In Plumbline's own layout")->required();
   app.add_option("--pictures", arguments.pictures, "Folder to draw outlines into");
   app.add_option("--edges", arguments.edges, "dataset, gradient or a FILE.onnx");
   app.add_option("--frames", arguments.frames, "Key frames of each object");
   app.add_option("--trials", arguments.trials, "Refine from so many poses that are off");
-  app.add_option("--shift", arguments.shift_m, "By how much [m]");
-  app.add_option("--turn", arguments.turn_deg, "By how much [degrees]");
+  app.add_option("--shift", arguments.shifts_m, "By how much [m]; several: the basin")
+      ->delimiter(',');
+  app.add_option("--turn", arguments.turn_deg_per_m, "Degrees of turn for each metre of shift");
   app.add_option("--seed", arguments.seed);
   CLI11_PARSE(app, argc, argv);
-  const plumbline::Status status = plumbline::Run(arguments);
-  if (!status.ok()) std::fprintf(stderr, "%s\n", status.error().message.c_str());
-  return status.ok() ? 0 : 1;
+  std::vector<plumbline::Trial> trials;
+  for (const std::filesystem::path& folder : arguments.sequences) {
+    const plumbline::Status status = plumbline::Run(arguments, folder, trials);
+    if (status.ok()) continue;
+    std::fprintf(stderr, "%s\n", status.error().message.c_str());
+    return 1;
+  }
+  if (!trials.empty()) plumbline::Summarise(trials);
+  return 0;
 }

@@ -40,6 +40,14 @@ Edit Change(const AnnotationDocument& document, Random& random) {
   return edit;
 }
 
+Edit AddOrRemoveCrop(const AnnotationDocument& document, Random& random) {
+  if (document.crops.size() > 10 || (!document.crops.empty() && random.Index(3) == 0)) {
+    return RemoveCrop{
+        document.crops[random.Index(static_cast<std::uint32_t>(document.crops.size()))].id};
+  }
+  return AddCrop{RandomCrop("crop_" + std::to_string(random.Bits()), random), std::nullopt};
+}
+
 }  // namespace
 
 Eigen::Isometry3d RandomPose(Random& random) {
@@ -63,8 +71,33 @@ AnnotatedInstance RandomInstance(const std::string& id, Random& random) {
   return instance;
 }
 
+Crop RandomCrop(const std::string& id, Random& random) {
+  Crop crop;
+  crop.id = id;
+  crop.into = random.Index(2) == 0 ? Crop::Into::kModel : Crop::Into::kFragment;
+  crop.category = "chair";
+  crop.without_support = random.Index(2) == 0;
+  if (crop.without_support) crop.support_in_scan = Eigen::Vector4d(0, 0, 1, random.Gaussian());
+  if (random.Index(2) == 0) {
+    crop.region = CropBox{{random.Gaussian(), random.Gaussian(), random.Gaussian()},
+                          {random.Uniform(0.1, 1), 0.5, 1},
+                          random.Uniform(-3, 3)};
+    return crop;
+  }
+  CropLasso lasso;
+  lasso.scan_from_cam = RandomPose(random);
+  lasso.camera = {640, 480, 500, 500, 319.5, 239.5};
+  for (int i = 0; i < 5; ++i) {
+    lasso.polygon_px.emplace_back(random.Uniform(0, 640), random.Uniform(0, 480));
+  }
+  if (random.Index(2) == 0) lasso.far_m = 3;
+  if (random.Index(2) == 0) lasso.azimuth_rad = random.Uniform(-3, 3);
+  crop.region = std::move(lasso);
+  return crop;
+}
+
 Edit RandomEdit(const AnnotationDocument& document, Random& random) {
-  const std::uint32_t kind = random.Index(12);
+  const std::uint32_t kind = random.Index(13);
   if (document.instances.size() < 3 || (kind < 2 && document.instances.size() < 40)) {
     return AddInstance{RandomInstance(FreeName(document, random), random), std::nullopt};
   }
@@ -80,6 +113,7 @@ Edit RandomEdit(const AnnotationDocument& document, Random& random) {
   }
   if (kind == 4) return SetSceneAlignment{RandomPose(random)};
   if (kind == 5) return SetInputs{"scan.ply", "models", "walk" + std::to_string(random.Index(9))};
+  if (kind == 7) return AddOrRemoveCrop(document, random);
   if (kind == 6) {
     EditGroup group{"Two at once", {}};
     group.edits.push_back(

@@ -9,6 +9,8 @@ namespace plumbline {
 Eigen::Isometry3d RandomPose(Random& random);
 AnnotatedInstance RandomInstance(const std::string& id, Random& random);
 
+Crop RandomCrop(const std::string& id, Random& random);
+
 /// An edit that fits the document: all kinds, groups included. The same for the same document and
 /// state of `random`.
 Edit RandomEdit(const AnnotationDocument& document, Random& random);
