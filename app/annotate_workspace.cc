@@ -30,7 +30,17 @@ json MatrixOf(const Eigen::Isometry3d& pose) {
 json VectorOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 const char* NameOf(AnnotateTool tool) {
-  return tool == AnnotateTool::kFloor ? "floor" : tool == AnnotateTool::kPlace ? "place" : "select";
+  switch (tool) {
+    case AnnotateTool::kFloor:
+      return "floor";
+    case AnnotateTool::kPlace:
+      return "place";
+    case AnnotateTool::kSequence:
+      return "sequence";
+    case AnnotateTool::kSelect:
+      break;
+  }
+  return "select";
 }
 
 }  // namespace
@@ -47,7 +57,9 @@ AnnotateWorkspace::AnnotateWorkspace(AnnotationChoice defaults, bool software_gl
       candidates_(MakeAnnotateCandidatesPanel()),
       refinement_(MakeAnnotateRefinementPanel()),
       images_(MakeAnnotateImagesPanel()),
-      instance_(MakeAnnotateInstancePanel()) {}
+      instance_(MakeAnnotateInstancePanel()),
+      sequence_(MakeAnnotateSequencePanel()),
+      frame_(MakeAnnotateFramePanel()) {}
 
 AnnotateWorkspace::~AnnotateWorkspace() = default;
 
@@ -93,6 +105,8 @@ Panel& AnnotateWorkspace::TaskPanel(const FrameContext& context) {
   const AnnotationSnapshot& snapshot = *context.annotation;
   if (snapshot.placement) return *candidates_;
   if (snapshot.refinement) return *refinement_;
+  if (snapshot.sequence_alignment) return *sequence_;
+  if (view_.tool == AnnotateTool::kSequence && !snapshot.floor) return *sequence_;
   const bool first =
       !snapshot.gravity_known && snapshot.instances.empty() && view_.tool != AnnotateTool::kPlace;
   if (snapshot.floor || first || view_.tool == AnnotateTool::kFloor) return *floor_;
@@ -109,12 +123,15 @@ void AnnotateWorkspace::Draw(const FrameContext& context, const LayoutRect& rect
   DrawPanel(context, {{room.low.x, middle_y + gap}, {left_x, room.high.y}}, *instances_, sink);
   const float right_x = room.low.x + static_cast<float>(std::round(right_ * room.width()));
   const bool images = context.annotation->has_sequence;
+  const bool picks = images && view_.tool == AnnotateTool::kSequence;
+  constexpr double kFrameShare = 0.46;  // where the frame begins that is picked in
+  const double share = picks ? kFrameShare : images_share_;
   const float images_y =
-      images ? room.low.y + static_cast<float>(std::round(images_share_ * room.height()))
-             : room.high.y;
+      images ? room.low.y + static_cast<float>(std::round(share * room.height())) : room.high.y;
   DrawPanel(context, {{left_x + gap, room.low.y}, {right_x, images_y}}, *scene_panel_, sink);
   if (images) {
-    DrawPanel(context, {{left_x + gap, images_y + gap}, {right_x, room.high.y}}, *images_, sink);
+    DrawPanel(context, {{left_x + gap, images_y + gap}, {right_x, room.high.y}},
+              picks ? *frame_ : *images_, sink);
   }
   Preview();
   DrawPanel(context, {{right_x + gap, room.low.y}, room.high}, TaskPanel(context), sink);
@@ -179,10 +196,11 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
                    {"selected", snapshot.selected},
                    {"tool", NameOf(view_.tool)},
                    {"candidate", view_.candidate},
-                   {"proposal", snapshot.floor        ? "floor"
-                                : snapshot.placement  ? "placement"
-                                : snapshot.refinement ? "refinement"
-                                                      : ""},
+                   {"proposal", snapshot.floor                ? "floor"
+                                : snapshot.placement          ? "placement"
+                                : snapshot.refinement         ? "refinement"
+                                : snapshot.sequence_alignment ? "sequence"
+                                                              : ""},
                    {"instances", json::array()}};
   if (scene_ != nullptr) annotate["eye_in_level"] = VectorOf(scene_->Sight(0, 0).eye);
   for (const InstanceView& instance : snapshot.instances) {
@@ -227,6 +245,21 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
                               {"agreement", refinement->agreement},
                               {"problem", refinement->problem}};
   }
+  for (const PairView& pair : snapshot.pairs) {
+    annotate["pairs"].push_back({{"frame", pair.frame},
+                                 {"in_scan", VectorOf(pair.in_scan)},
+                                 {"residual_px", pair.residual_px}});
+  }
+  if (const auto& found = snapshot.sequence_alignment) {
+    annotate["sequence"] = {{"scan_from_world", MatrixOf(found->scan_from_world)},
+                            {"problem", found->problem},
+                            {"azimuth_std_rad", found->azimuth_std_rad},
+                            {"rmse_m", found->rmse_m}};
+  }
+  state["annotate.pairs"] = snapshot.pairs.size();
+  state["annotate.frame"] =
+      snapshot.frame && !snapshot.frame->image.empty() ? snapshot.frame->frame : -1;
+  state["annotate.registered"] = snapshot.sequence_registered;
   // Flat names, so that scripts can wait for them.
   for (const char* key : {"state", "busy", "modified", "read_only", "undo", "redo", "aligns",
                           "floor_known", "selected", "tool", "proposal", "candidate"}) {
@@ -235,7 +268,8 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
   state["annotate.instances"] = snapshot.instances.size();
   state["annotate.models"] = snapshot.models->size();
   state["annotate.running"] = (snapshot.placement && snapshot.placement->running) ||
-                              (snapshot.refinement && snapshot.refinement->running);
+                              (snapshot.refinement && snapshot.refinement->running) ||
+                              (snapshot.sequence_alignment && snapshot.sequence_alignment->running);
   state["annotate.candidates"] = snapshot.placement ? snapshot.placement->candidates.size() : 0;
   state["annotate"] = std::move(annotate);
 }

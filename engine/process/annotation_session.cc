@@ -67,6 +67,7 @@ AnnotationSession::AnnotationSession(OpenedAnnotation opened, const AnnotationCh
 }
 
 std::optional<AnnotationSession::Job> AnnotationSession::TakeJob() {
+  if (frame_wanted_) return FrameJob(*std::exchange(frame_wanted_, std::nullopt));
   if (jobs_.empty() && std::exchange(check_wanted_, false)) return CheckJob();
   if (jobs_.empty() && std::exchange(images_wanted_, false)) return ImagesJob();
   if (jobs_.empty()) return std::nullopt;
@@ -120,8 +121,8 @@ void AnnotationSession::QueueLoading() {
     if (auto opened = OpenSequence(file); opened.ok()) {
       sequence_ = std::move(*opened);
       for (int i = 0; i < sequence_->num_frames(); ++i) {
-        if (const auto pose = ScanFromCam(document, *sequence_, i)) {
-          view_.cameras_in_scan.push_back(pose->translation());
+        if (const auto pose = sequence_->world_from_cam(i)) {
+          cameras_in_world_.push_back(pose->translation());
         }
       }
     } else {
@@ -151,16 +152,16 @@ void AnnotationSession::QueueLoading() {
 }
 
 void AnnotationSession::QueueTarget() {
-  jobs_.push_front({"Preparing the scan", false,
-                    [scan = scan_.full, cameras = view_.cameras_in_scan](const WorkContext&,
-                                                                         const auto&) -> Update {
-                      auto target = ScanTarget::Prepare(*scan, cameras);
-                      return [target](AnnotationSession& session) {
-                        if (!target) return session.Refuse(target.error().message);
-                        session.scan_.target = *target;
-                        session.view_.ready_to_align = true;
-                      };
-                    }});
+  jobs_.push_front(
+      {"Preparing the scan", false,
+       [scan = scan_.full, cameras = CamerasInScan()](const WorkContext&, const auto&) -> Update {
+         auto target = ScanTarget::Prepare(*scan, cameras);
+         return [target](AnnotationSession& session) {
+           if (!target) return session.Refuse(target.error().message);
+           session.scan_.target = *target;
+           session.view_.ready_to_align = true;
+         };
+       }});
 }
 
 void AnnotationSession::QueueModels() {
@@ -218,6 +219,7 @@ void AnnotationSession::DropProposals() {
   view_.floor.reset();
   view_.placement.reset();
   view_.refinement.reset();
+  view_.sequence_alignment.reset();
   ++view_.proposal_number;
   ++proposals_;
   std::erase_if(jobs_, [](const Job& job) { return job.can_cancel; });
@@ -244,7 +246,7 @@ void AnnotationSession::Propose(Job job) {
 
 FloorHints AnnotationSession::Hints() const {
   FloorHints hints;
-  hints.camera_centers = view_.cameras_in_scan;
+  hints.camera_centers = CamerasInScan();
   return hints;
 }
 
@@ -418,6 +420,9 @@ void AnnotationSession::On(const AcceptProposalCommand& command) {
     }
   } else if (const auto& refinement = view_.refinement) {
     On(SetInstancePoseCommand{refinement->instance, refinement->scan_from_object});
+  } else if (const auto& alignment = view_.sequence_alignment) {
+    if (alignment->running || !alignment->problem.empty()) return;
+    if (!Edit(SetSceneAlignment{alignment->scan_from_world})) return;
   } else {
     return;
   }
@@ -523,7 +528,7 @@ AnnotationSnapshot AnnotationSession::Snapshot() const {
   const AnnotationDocument& document = project_->document();
   snapshot.project_file = project_->file().string();
   snapshot.project_name = project_->file().filename().string();
-  snapshot.has_sequence = sequence_ != nullptr;
+  AddSequence(snapshot);
   snapshot.modified = project_->modified();
   if (const auto& problem = project_->journal_problem())
     snapshot.journal_problem = problem->message;

@@ -15,6 +15,7 @@
 #include "engine/process/annotation_checks.h"
 #include "engine/process/annotation_jobs.h"
 #include "engine/process/annotation_opening.h"
+#include "engine/process/sequence_registration.h"
 #include "engine/snapshot/annotation_commands.h"
 #include "engine/snapshot/annotation_snapshot.h"
 
@@ -73,6 +74,10 @@ class AnnotationSession {
   void On(const SetAnnotatorCommand& command);
   void On(const ImportDraftsCommand& command);
   void On(const DismissNoticesCommand& command);
+  void On(const ShowFrameCommand& command);
+  void On(const AddPairCommand& command);
+  void On(const RemovePairCommand& command);
+  void On(const AlignSequenceCommand& command);
 
   void QueueLoading();
   void QueueModels();
@@ -84,6 +89,11 @@ class AnnotationSession {
   void WantChecks();
   Job ImagesJob();
   Job CheckJob();
+  Job FrameJob(int frame);
+  void SetChange(SequenceAlignmentView& view) const;
+  std::optional<Eigen::Isometry3d> ScanFromWorldNow() const;
+  std::vector<Eigen::Vector3d> CamerasInScan() const;
+  void AddSequence(AnnotationSnapshot& snapshot) const;
   void QueuePlacement(PlacementTask task, int model, std::string instance);
   std::optional<PlacementTask> TaskFor(int model, const Eigen::Isometry3d& pose, bool on_floor,
                                        bool& floor_bound);
@@ -115,6 +125,9 @@ class AnnotationSession {
   std::optional<Eigen::Isometry3d> preview_;  ///< Of the selected object.
   std::optional<Eigen::Isometry3d> checked_;  ///< The last pose that was checked.
   bool images_wanted_ = false, check_wanted_ = false;
+  std::vector<Eigen::Vector3d> cameras_in_world_;
+  std::vector<FramePick> picks_;
+  std::optional<int> frame_wanted_;
 };
 
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 
 // What the Annotate workspace asks for. Points and poses are in the frame of the scan's file.
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <variant>
@@ -92,6 +93,25 @@ struct ImportDraftsCommand {
   std::string run;
 };
 struct DismissNoticesCommand {};
+/// Reads a frame of the sequence, to pick in it.
+struct ShowFrameCommand {
+  int frame = 0;
+};
+/// The same point in the scan and in a frame.
+struct AddPairCommand {
+  Eigen::Vector3d in_scan{0, 0, 0};
+  int frame = 0;
+  Eigen::Vector2d pixel{0, 0};
+};
+struct RemovePairCommand {
+  std::size_t index = 0;
+};
+/// Looks for where the world of the sequence is in the scan, and proposes it.
+struct AlignSequenceCommand {
+  enum class How { kPairs, kPoints, kObjects };
+  How how = How::kPairs;
+  std::string file;  ///< Of the points (.ply, .pcd), or the run with the objects.
+};
 
 /// For the process that annotates.
 using AnnotationCommand =
@@ -100,6 +120,7 @@ using AnnotationCommand =
                  PreviewPoseCommand, AcceptProposalCommand, CancelProposalCommand,
                  SetInstancePoseCommand, ChangeInstanceCommand, RemoveInstanceCommand,
                  DuplicateInstanceCommand, UndoCommand, RedoCommand, SaveProjectCommand,
-                 SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand>;
+                 SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand, ShowFrameCommand,
+                 AddPairCommand, RemovePairCommand, AlignSequenceCommand>;
 
 }  // namespace plumbline

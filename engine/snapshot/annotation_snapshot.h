@@ -116,6 +116,41 @@ struct ImageChecksView {
   std::vector<ImageCheckView> images;
 };
 
+/// A frame to pick in.
+struct FrameView {
+  int frame = 0;
+  cv::Mat image;  ///< CV_8UC3 BGR; empty while it is read.
+  std::string problem;
+};
+
+/// The same point in the scan and in a frame.
+struct PairView {
+  Eigen::Vector3d in_scan{0, 0, 0};
+  int frame = 0;
+  Eigen::Vector2d pixel{0, 0};
+  /// Where the point of the scan is seen by what is proposed, else by the project; nothing behind
+  /// the camera.
+  std::optional<Eigen::Vector2d> seen_at;
+  double residual_px = 0;
+};
+
+/// Where the world of the sequence would be in the scan.
+struct SequenceAlignmentView {
+  std::string how;  ///< "pairs", "points" or "objects"
+  bool running = true;
+  std::string problem;
+  Eigen::Isometry3d scan_from_world = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d position_std_m{0, 0, 0};  ///< In the middle of what was compared.
+  double azimuth_std_rad = 0;
+  double turn_rad = 0, shift_m = 0;  ///< From where the project has it; the cameras' mean shift.
+  double rmse_m = 0, share = 1;      ///< Of the points or objects that were used.
+  struct Residual {
+    std::string name;
+    double meters = 0;  ///< Negative: it meets nothing.
+  };
+  std::vector<Residual> residuals;  ///< By objects.
+};
+
 /// What crosses to the window.
 struct AnnotationSnapshot {
   enum class State { kOpening, kReady, kFailed };
@@ -153,9 +188,15 @@ struct AnnotationSnapshot {
   std::optional<FloorProposal> floor;
   std::optional<PlacementView> placement;
   std::optional<RefinementView> refinement;
-  std::uint64_t proposal_number = 0;  ///< Changes with the three above.
+  std::optional<SequenceAlignmentView> sequence_alignment;
+  std::uint64_t proposal_number = 0;  ///< Changes with the four above.
 
-  bool has_sequence = false;
+  bool has_sequence = false, sequence_registered = false;
+  int num_frames = 0;
+  Eigen::Vector2i frame_size{0, 0};  ///< Of the sequence's images.
+  std::optional<FrameView> frame;
+  std::uint64_t frame_number = 0;  ///< Changes with the image of `frame`.
+  std::vector<PairView> pairs;
   std::optional<ImageChecksView> checks;  ///< Of the selected object.
   std::uint64_t images_number = 0;        ///< Changes with the images (not the lines) of `checks`.
 
@@ -166,6 +207,7 @@ struct AnnotationSnapshot {
     }
     return nullptr;
   }
+  bool HasProposal() const { return floor || placement || refinement || sequence_alignment; }
   const InstanceView* Selected() const { return selected.empty() ? nullptr : Find(selected); }
   const AnnotationModel* Model(int index) const {
     return index < 0 || index >= static_cast<int>(models->size())

@@ -15,6 +15,7 @@
 
 #include "app/platform/virtual_display.h"
 #include "engine/base/files.h"
+#include "engine/process/sequence_registration.h"
 #include "tests/support/annotation_walk.h"
 #include "tests/support/test_data.h"
 
@@ -257,6 +258,74 @@ TEST_F(AnnotateWindow, ShowsTheOutlineInImagesWhileItMovesAndRefinesByThem) {
   // Looking from where frame 2 of the strip was taken: the eye is there.
   const json eye = State("there.json")["eye_in_level"], camera = State("there.json")["images"][2];
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(eye[i], camera["eye_in_level"][i], 1e-3);
+}
+
+TEST_F(AnnotateWindow, RegistersASequenceByPointsClickedInTheScanAndInItsFrames) {
+  const Eigen::Isometry3d world_from_scan =
+      Eigen::Translation3d(1, -2, 0.4) * Eigen::AngleAxisd(2, Eigen::Vector3d::UnitZ());
+  WriteAnnotationWalk(scene_, folder_.path() / "walk", world_from_scan);
+  struct Click {
+    double x, y;  // where the scan is clicked
+    int frame;
+  };
+  constexpr Click kClicks[] = {
+      {0.56, 0.36, 5}, {0.62, 0.36, 5}, {0.62, 0.52, 11}, {0.55, 0.52, 19}};
+  // First with any pixel, to learn which points the clicks meet; then with the right ones.
+  const auto steps = [&](const std::vector<Eigen::Vector2d>& at) {
+    std::string text = std::string(kFloor) + R"({"click": "annotate.tool.sequence"},
+        {"wait_for": {"annotate.tool": "sequence", "annotate.frame": 12}},)";
+    for (std::size_t i = 0; i < std::size(kClicks); ++i) {
+      const auto at_scan = json{kClicks[i].x, kClicks[i].y}, at_frame = json{at[i].x(), at[i].y()};
+      text += R"({"click": "frame.number", "at": [)" +
+              std::to_string((kClicks[i].frame + 0.5) / 24) +
+              R"(, 0.5]}, {"wait_for": {"annotate.frame": )" + std::to_string(kClicks[i].frame) +
+              R"(}}, {"click": "annotate.view", "at": )" + at_scan.dump() +
+              R"(}, {"wait_frames": 2}, {"click": "frame.view", "at": )" + at_frame.dump() +
+              R"(}, {"wait_for": {"annotate.pairs": )" + std::to_string(i + 1) + "}},";
+    }
+    return text;
+  };
+  const std::vector<Eigen::Vector2d> middles(std::size(kClicks), Eigen::Vector2d(0.5, 0.5));
+  ASSERT_EQ(
+      Run(steps(middles) + R"({"dump_state": "met.json"})", "scan.ply", true, "--sequence walk"), 0)
+      << Errors();
+  for (const char* ending : {"", ".journal"}) {
+    std::filesystem::remove(File(std::string("scan.annotation.json") + ending));
+  }
+  const auto sequence = OpenSequence(folder_.path() / "walk").value();
+  std::vector<Eigen::Vector2d> right;
+  for (std::size_t i = 0; i < std::size(kClicks); ++i) {
+    const json in_scan = State("met.json")["pairs"][i]["in_scan"];
+    const auto pixel = SeenAt(*sequence, kClicks[i].frame, world_from_scan.inverse(),
+                              Eigen::Vector3d(in_scan[0].get<double>(), in_scan[1].get<double>(),
+                                              in_scan[2].get<double>()));
+    ASSERT_TRUE(pixel.has_value());
+    const PinholeCamera& camera = sequence->camera();
+    right.emplace_back((pixel->x() + 0.5) / camera.width, (pixel->y() + 0.5) / camera.height);
+  }
+  ASSERT_EQ(Run(steps(right) + R"(
+      {"click": "sequence.by_pairs"},
+      {"wait_for": {"annotate.proposal": "sequence", "annotate.running": false}},
+      {"wait_frames": 3},
+      {"dump_state": "proposed.json"},
+      {"screenshot": "sequence.png"},
+      {"key": "enter"},
+      {"wait_for": {"annotate.registered": true, "annotate.tool": "select"}},
+      {"key": "z", "control": true},
+      {"wait_for": {"annotate.registered": false}},
+      {"key": "y", "control": true},
+      {"wait_for": {"annotate.registered": true}},
+      {"key": "s", "control": true},
+      {"wait_for": {"annotate.modified": false}})",
+                "scan.ply", true, "--sequence walk"),
+            0)
+      << Errors();
+  const json found = State("proposed.json")["sequence"];
+  EXPECT_EQ(found["problem"], "");
+  // A click is as good as the window's pixels are small: 4 image pixels, at 2 m.
+  EXPECT_THAT(PoseOf(json{{"scan_from_object", found["scan_from_world"]}}),
+              IsometryNear(world_from_scan.inverse(), 0.5, 0.03));
+  for (const json& pair : State("proposed.json")["pairs"]) EXPECT_LT(pair["residual_px"], 4);
 }
 
 TEST_F(AnnotateWindow, SaysWhatItRecoveredAndWhatIsWrong) {

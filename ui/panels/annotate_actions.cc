@@ -86,7 +86,7 @@ bool PostAnswer(const FrameContext& context, CommandSink& sink) {
   const AnnotationSnapshot& snapshot = *context.annotation;
   AnnotateView& view = *context.annotate;
   if (ImGui::IsKeyPressed(keys::kEscape, false)) {
-    if (snapshot.floor || snapshot.placement || snapshot.refinement) {
+    if (snapshot.HasProposal()) {
       sink.Post(CancelProposalCommand{});
     } else if (view.tool != AnnotateTool::kSelect) {
       view.tool = AnnotateTool::kSelect;
@@ -95,12 +95,13 @@ bool PostAnswer(const FrameContext& context, CommandSink& sink) {
     }
     return true;
   }
-  if (!snapshot.floor && !snapshot.placement && !snapshot.refinement) return false;
+  if (!snapshot.HasProposal()) return false;
   if (ImGui::IsKeyPressed(keys::kEnter, false)) {
     if (snapshot.floor) {
       view.tool = AnnotateTool::kSelect;
       view.reset = true;
     }
+    if (snapshot.sequence_alignment) view.tool = AnnotateTool::kSelect;
     sink.Post(AcceptProposalCommand{view.candidate});
   }
   if (snapshot.placement) {

@@ -20,6 +20,9 @@ std::unique_ptr<Panel> MakeAnnotateFloorPanel();
 std::unique_ptr<Panel> MakeAnnotateCandidatesPanel();
 std::unique_ptr<Panel> MakeAnnotateRefinementPanel();
 std::unique_ptr<Panel> MakeAnnotateInstancePanel();
+std::unique_ptr<Panel> MakeAnnotateSequencePanel();
+/// Stands in the place of the images while a sequence is registered.
+std::unique_ptr<Panel> MakeAnnotateFramePanel();
 
 /// What is open, and what can be done with it as a whole: save, undo, redo. Right of the tabs.
 void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, CommandSink& sink);

@@ -58,6 +58,11 @@ class AnnotateScenePanel : public Panel {
       tool(AnnotateTool::kPlace, "annotate.tool.place", "Place",
            "A click puts the chosen model there.");
     }
+    if (context.annotation->has_sequence) {
+      tool(AnnotateTool::kSequence, "annotate.tool.sequence", "Sequence",
+           "Where the sequence is in the scan: register it by pairs of points, by the points of "
+           "its map or by its objects.");
+    }
     float width = 0;
     for (const LayerToggle& layer : kLayers) {
       width += ToggleWidth(context, layer.label) + context.Scaled(3);
@@ -105,6 +110,7 @@ class AnnotateScenePanel : public Panel {
                                                 context.Scaled(4));
     gizmo_.Draw(context, low, high);
     DrawTriad(context, scene.camera().view_from_world, low, high);
+    DrawPicks(context, low, high);
     DrawLabels(context, low, high);
     DrawNotices(context, low, high, sink);
   }
@@ -134,10 +140,47 @@ class AnnotateScenePanel : public Panel {
     const Eigen::Vector3d in_scan = context.annotation->level_from_scan.inverse() * *point;
     if (view.tool == AnnotateTool::kFloor) {
       sink.Post(FindFloorCommand{in_scan});
+    } else if (view.tool == AnnotateTool::kSequence) {
+      Pick(context, in_scan, sink);
     } else {
       view.candidate = 0;
       sink.Post(PlaceModelCommand{view.model, in_scan, scene.camera().azimuth_rad, view.on_floor});
     }
+  }
+
+  static void Pick(const FrameContext& context, const Eigen::Vector3d& in_scan, CommandSink& sink) {
+    AnnotateView& view = *context.annotate;
+    if (view.pick_pixel && context.annotation->frame) {
+      sink.Post(AddPairCommand{in_scan, context.annotation->frame->frame, *view.pick_pixel});
+      view.pick_in_scan.reset();
+      view.pick_pixel.reset();
+    } else {
+      view.pick_in_scan = in_scan;
+    }
+  }
+
+  static void DrawPicks(const FrameContext& context, ImVec2 low, ImVec2 high) {
+    const AnnotateView& view = *context.annotate;
+    if (view.tool != AnnotateTool::kSequence) return;
+    PictureLabels labels(context, low, high);
+    const auto mark = [&](const Eigen::Vector3d& in_scan, ImU32 color, const std::string& text) {
+      const auto seen =
+          context.annotate_scene->Project(context.annotation->level_from_scan * in_scan);
+      if (!seen) return;
+      const ImVec2 at(low.x + static_cast<float>(seen->x()), low.y + static_cast<float>(seen->y()));
+      ImDrawList& draw = *ImGui::GetWindowDrawList();
+      draw.AddCircleFilled(at, context.Scaled(4), color);
+      draw.AddCircle(at, context.Scaled(5), IM_COL32(0, 0, 0, 160));
+      if (!text.empty()) {
+        labels.Add({{at.x + context.Scaled(6), at.y - context.Scaled(4)}}, colors::kOnPicture,
+                   text);
+      }
+    };
+    int number = 0;
+    for (const PairView& pair : context.annotation->pairs) {
+      mark(pair.in_scan, IM_COL32(120, 255, 160, 255), fmt::format("{}", ++number));
+    }
+    if (view.pick_in_scan) mark(*view.pick_in_scan, colors::kAccent, "");
   }
 
   /// Keeps the model that is to be placed under the mouse; true while it moves.
@@ -175,6 +218,12 @@ class AnnotateScenePanel : public Panel {
     if (snapshot.placement) return "Choose a candidate: Enter takes it, Esc drops it.";
     if (snapshot.floor) return "Is this the floor? Enter takes it, Esc drops it.";
     if (view.tool == AnnotateTool::kFloor) return "Click on the floor.";
+    if (snapshot.sequence_alignment) return "Is the path right? Enter takes it, Esc drops it.";
+    if (view.tool == AnnotateTool::kSequence) {
+      return view.pick_in_scan ? "Now click the same point in the frame below."
+             : view.pick_pixel ? "Now click the same point here."
+                               : "Click a point that you know again in a frame.";
+    }
     if (view.tool == AnnotateTool::kPlace) {
       return "Click where the " + view.model + " stands. Esc stops.";
     }

@@ -338,5 +338,80 @@ TEST_F(AnnotationSessionTest, ChecksTheSelectedObjectInImagesFromAllSidesAsItMov
   EXPECT_LT(session->Snapshot().checks->agreement, 0.5);
 }
 
+TEST_F(AnnotationSessionTest, RegistersASequenceOfAnotherFrameByPairsAndUndoesIt) {
+  const Eigen::Isometry3d world_from_scan =
+      Eigen::Translation3d(2, -1, 0.5) *
+      Eigen::AngleAxisd(2.2, Eigen::Vector3d(0.1, -0.3, 1).normalized());
+  sequence_ = folder_.path() / "walk";
+  WriteAnnotationWalk(scene_, sequence_, world_from_scan);
+  const auto session = Open();
+  Do(*session, TypeGravityCommand{scene_.up_in_scan, std::nullopt});
+  Do(*session, AcceptProposalCommand{});
+  Do(*session, AlignSequenceCommand{AlignSequenceCommand::How::kPairs, ""});
+  EXPECT_THAT(session->Snapshot().sequence_alignment->problem, HasSubstr("two pairs"));
+  Do(*session, ShowFrameCommand{7});
+  ASSERT_TRUE(session->Snapshot().frame.has_value());
+  EXPECT_EQ(session->Snapshot().frame->frame, 7);
+  EXPECT_FALSE(session->Snapshot().frame->image.empty());
+  const auto sequence = OpenSequence(sequence_).value();
+  const Eigen::Vector3d corners[] = {{0.3, 0.2, 0.4}, {-0.3, 0.3, 0.1}, {0.2, -0.4, 0.6}};
+  for (const auto& [frame, corner] : {std::pair{2, 0}, {2, 1}, {9, 2}, {16, 0}}) {
+    const Eigen::Vector3d in_scan = scene_.scan_from_armchair * corners[corner];
+    const auto pixel = SeenAt(*sequence, frame, world_from_scan.inverse(), in_scan);
+    Do(*session, AddPairCommand{in_scan, frame, pixel.value()});
+  }
+  EXPECT_GT(session->Snapshot().pairs[0].residual_px, 10) << "not registered";
+  Do(*session, AlignSequenceCommand{AlignSequenceCommand::How::kPairs, ""});
+  AnnotationSnapshot snapshot = session->Snapshot();
+  ASSERT_TRUE(snapshot.sequence_alignment.has_value());
+  EXPECT_EQ(snapshot.sequence_alignment->problem, "");
+  EXPECT_LT(snapshot.pairs[0].residual_px, 0.1) << "by what is proposed";
+  EXPECT_FALSE(snapshot.sequence_registered);
+  Do(*session, AcceptProposalCommand{});
+  const auto& document = session->project().document();
+  ASSERT_TRUE(document.scan_from_world.has_value());
+  EXPECT_THAT(*document.scan_from_world, IsometryNear(world_from_scan.inverse(), 0.01, 1e-4));
+  Do(*session, UndoCommand{});
+  EXPECT_FALSE(document.scan_from_world.has_value());
+  Do(*session, RedoCommand{});
+  EXPECT_TRUE(document.scan_from_world.has_value());
+}
+
+TEST_F(AnnotationSessionTest, RegistersASequenceByTheObjectsOfARunAndSaysHowFarEachIsOff) {
+  const Eigen::Isometry3d world_from_scan =
+      Eigen::Translation3d(2, -1, 0.5) *
+      Eigen::AngleAxisd(2.2, Eigen::Vector3d(0.1, -0.3, 1).normalized());
+  sequence_ = folder_.path() / "walk";
+  WriteAnnotationWalk(scene_, sequence_, world_from_scan);
+  const auto session = WithArmchair();
+  Do(*session, PlaceModelCommand{"table", scene_.scan_from_table * Eigen::Vector3d(0, 0, 0.7)});
+  Do(*session, AcceptProposalCommand{});
+  nlohmann::json objects = nlohmann::json::array();
+  for (const auto& instance : session->project().document().instances) {
+    const Eigen::Matrix4d pose = (world_from_scan * instance.scan_from_object).matrix();
+    nlohmann::json rows;
+    for (int row = 0; row < 4; ++row) {
+      rows.push_back({pose(row, 0), pose(row, 1), pose(row, 2), pose(row, 3)});
+    }
+    objects.push_back({{"id", 1 + objects.size()},
+                       {"model", instance.model},
+                       {"category", instance.category},
+                       {"confirmed", true},
+                       {"world_from_object", rows}});
+  }
+  std::ofstream(folder_.path() / "run.json") << nlohmann::json{{"objects", objects}};
+  Do(*session, AlignSequenceCommand{AlignSequenceCommand::How::kObjects,
+                                    (folder_.path() / "run.json").string()});
+  const auto proposed = session->Snapshot().sequence_alignment;
+  ASSERT_TRUE(proposed.has_value());
+  EXPECT_EQ(proposed->problem, "");
+  ASSERT_EQ(proposed->residuals.size(), 2u);
+  EXPECT_EQ(proposed->residuals[1].name, "table 2");
+  EXPECT_LT(proposed->residuals[1].meters, 1e-3);
+  Do(*session, AcceptProposalCommand{});
+  EXPECT_THAT(session->project().document().scan_from_world.value(),
+              IsometryNear(world_from_scan.inverse(), 0.1, 1e-3));
+}
+
 }  // namespace
 }  // namespace plumbline
