@@ -60,6 +60,90 @@ cat >"$work/script.json" <<'JSON'
 JSON
 (cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
   "$program" gui demo: --frame 118 --out demo.plb --size 1600x1000 --ui-scale 1 --script script.json)
+# Annotating the same room, whose floor nobody knows yet, for docs/annotate_guide.md.
+room=$(ls -d "${XDG_CACHE_HOME:-$HOME/.cache}"/plumbline/demo-room-*/ | tail -n 1)
+mkdir "$work/room"
+cp "$room/scene.ply" "$work/room"
+for part in camera.json trajectory.txt color depth edges models; do
+  ln -s "$room/$part" "$work/room/$part"
+done
+cat >"$work/annotate.json" <<'JSON'
+{"steps": [
+  {"wait_for": {"annotate.aligns": true, "annotate.models": 17, "annotate.busy": ""}, "timeout_s": 120},
+  {"click": "floor.pick"},
+  {"wait_for": {"annotate.tool": "floor"}},
+  {"click": "annotate.view", "at": [0.42, 0.62]},
+  {"wait_for": {"annotate.proposal": "floor", "annotate.running": false}, "timeout_s": 60},
+  {"hover": "panel.annotate_floor", "at": [0.5, 0.9]},
+  {"wait_frames": 10},
+  {"screenshot": "annotate-floor.png"},
+  {"key": "enter"},
+  {"wait_for": {"annotate.floor_known": true}},
+  {"key": "5"},
+  {"wait_frames": 5},
+  {"click": "annotate_models.chair_slat"},
+  {"wait_for": {"annotate.tool": "place"}},
+  {"click": "annotate.view", "at": [0.427, 0.516]},
+  {"wait_for": {"annotate.proposal": "placement", "annotate.running": false}, "timeout_s": 60},
+  {"hover": "panel.annotate_candidates", "at": [0.5, 0.98]},
+  {"wait_frames": 10},
+  {"screenshot": "annotate-place.png"},
+  {"key": "enter"},
+  {"wait_for": {"annotate.instances": 1}},
+  {"click": "annotate_models.table_rectangular"},
+  {"wait_for": {"annotate.tool": "place"}},
+  {"click": "annotate.view", "at": [0.5, 0.531]},
+  {"wait_for": {"annotate.proposal": "placement", "annotate.running": false}, "timeout_s": 60},
+  {"key": "enter"},
+  {"wait_for": {"annotate.instances": 2}},
+  {"click": "annotate_models.chair_slat_arms"},
+  {"click": "annotate.view", "at": [0.498, 0.413]},
+  {"wait_for": {"annotate.proposal": "placement", "annotate.running": false}, "timeout_s": 60},
+  {"key": "enter"},
+  {"wait_for": {"annotate.instances": 3}},
+  {"click": "annotate_models.chair_shell"},
+  {"click": "annotate.view", "at": [0.6186, 0.5503]},
+  {"wait_for": {"annotate.proposal": "placement", "annotate.running": false}, "timeout_s": 60},
+  {"key": "enter"},
+  {"wait_for": {"annotate.instances": 4}},
+  {"key": "escape"},
+  {"click": "annotate_instances.row.chair_slat_0"},
+  {"wait_for": {"annotate.images": {"min": 1}}, "timeout_s": 60},
+  {"wait_for": {"annotate.busy": ""}},
+  {"click": "images.1"},
+  {"wait_frames": 5},
+  {"key": "d", "shift": true},
+  {"wait_for": {"annotate.undo": "Move chair_slat_0", "annotate.agreement_percent": {"max": 60}}},
+  {"click": "instance.refine"},
+  {"wait_for": {"annotate.proposal": "refinement", "annotate.running": false}, "timeout_s": 60},
+  {"wait_for": {"annotate.agreement_percent": {"min": 60}}},
+  {"hover": "panel.annotate_refinement", "at": [0.5, 0.9]},
+  {"wait_frames": 10},
+  {"screenshot": "annotate-refine.png"},
+  {"key": "enter"},
+  {"wait_for": {"annotate.proposal": ""}},
+  {"wait_frames": 5},
+  {"hover": "panel.annotate_instance", "at": [0.5, 0.95]},
+  {"wait_frames": 10},
+  {"screenshot": "annotate.png"},
+  {"screenshot": "annotate-images.png", "of": "panel.annotate_images"},
+  {"click": "annotate.tool.sequence"},
+  {"wait_for": {"annotate.frame": {"min": 0}}},
+  {"key": "r"},
+  {"key": "5"},
+  {"wait_frames": 5},
+  {"click": "annotate.view", "at": [0.555, 0.497]},
+  {"wait_frames": 5},
+  {"click": "frame.view", "at": [0.307, 0.43]},
+  {"wait_for": {"annotate.pairs": 1}},
+  {"wait_frames": 5},
+  {"hover": "panel.annotate_sequence", "at": [0.5, 0.9]},
+  {"wait_frames": 10},
+  {"screenshot": "annotate-sequence.png"}
+]}
+JSON
+(cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
+  "$program" gui room/scene.ply --size 1600x1000 --ui-scale 1 --script annotate.json)
 # The film: every fourth frame of the run that the window left, made small.
 "$program" render "$work/demo.plb" --layout column --frames 0:120:4 --rate 8 --size 800x480 --ui-scale 0.7 --out "$work/large.gif"
 ffmpeg -v error -y -i "$work/large.gif" -vf "scale=640:-1:flags=lanczos,split[a][b];\

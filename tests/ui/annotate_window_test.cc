@@ -328,6 +328,64 @@ TEST_F(AnnotateWindow, RegistersASequenceByPointsClickedInTheScanAndInItsFrames)
   for (const json& pair : State("proposed.json")["pairs"]) EXPECT_LT(pair["residual_px"], 4);
 }
 
+TEST_F(AnnotateWindow, TakesDraftsOfARunMendsOneAcceptsItAndUndoesThemAsOne) {
+  // The armchair a little off, the table of a model that the database does not have.
+  const Eigen::Isometry3d off = scene_.scan_from_armchair * Eigen::Translation3d(0.05, 0.03, 0);
+  json rows;
+  for (int row = 0; row < 4; ++row) {
+    rows.push_back(
+        {off.matrix()(row, 0), off.matrix()(row, 1), off.matrix()(row, 2), off.matrix()(row, 3)});
+  }
+  const json identity = {{1, 0, 0, -1}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+  std::ofstream(File("run.json")) << json{{"objects",
+                                           {{{"id", 1},
+                                             {"model", "armchair"},
+                                             {"category", "chair"},
+                                             {"confirmed", true},
+                                             {"world_from_object", rows}},
+                                            {{"id", 2},
+                                             {"model", "desk"},
+                                             {"category", "dining table"},
+                                             {"confirmed", true},
+                                             {"world_from_object", identity}}}}};
+  ASSERT_EQ(Run(std::string(kFloor) + R"(
+      {"click": "project.more"},
+      {"wait_frames": 3},
+      {"click": "more.drafts.field"},
+      {"text": "run.json"},
+      {"key": "enter"},
+      {"wait_for": {"annotate.instances": 2, "annotate.undo": "Take drafts from run.json"}},
+      {"wait_frames": 3},
+      {"dump_state": "drafts.json"},
+      {"screenshot": "drafts.png"},
+      {"click": "annotate_instances.row.armchair_0"},
+      {"wait_for": {"annotate.selected": "armchair_0"}},
+      {"click": "instance.refine"},
+      {"wait_for": {"annotate.proposal": "refinement", "annotate.running": false}},
+      {"key": "enter"},
+      {"wait_for": {"annotate.proposal": ""}},
+      {"click": "instance.fine"},
+      {"wait_frames": 5},
+      {"dump_state": "accepted.json"},
+      {"click": "annotate_instances.row.desk_0"},
+      {"wait_for": {"annotate.selected": "desk_0"}},
+      {"key": "delete"},
+      {"wait_for": {"annotate.instances": 1}},
+      {"key": "z", "control": true, "times": 4},
+      {"wait_for": {"annotate.instances": 0}},
+      {"key": "y", "control": true},
+      {"wait_for": {"annotate.instances": 2}})"),
+            0)
+      << Errors();
+  const json draft = State("drafts.json")["instances"][0];
+  EXPECT_EQ(draft["quality"], "coarse");
+  EXPECT_THAT(draft["note"].get<std::string>(), HasSubstr("draft: object 1 of run.json"));
+  EXPECT_THAT(PoseOf(draft), IsometryNear(off, 1e-6, 1e-9));
+  const json mended = State("accepted.json")["instances"][0];
+  EXPECT_EQ(mended["quality"], "fine");
+  EXPECT_THAT(PoseOf(mended), IsometryNear(scene_.scan_from_armchair, 0.2, 0.003));
+}
+
 TEST_F(AnnotateWindow, SaysWhatItRecoveredAndWhatIsWrong) {
   ASSERT_EQ(Run(std::string(kFloor) + R"({"wait_frames": 2})"), 0) << Errors();  // not saved
   ASSERT_EQ(Run(R"(

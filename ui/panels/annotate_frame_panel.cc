@@ -29,10 +29,12 @@ class AnnotateFramePanel : public Panel {
     if (snapshot.num_frames == 0) return;
     int frame = snapshot.frame ? snapshot.frame->frame : 0;
     ImGui::SetNextItemWidth(context.Scaled(320));
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {context.Scaled(4), context.Scaled(1)});
     if (ImGui::SliderInt("##frame.number", &frame, 0, snapshot.num_frames - 1, "%d")) {
       context.annotate->pick_pixel.reset();
       sink.Post(ShowFrameCommand{frame});
     }
+    ImGui::PopStyleVar();
     LogItem(context, "frame.number");
     Tooltip(context, "Which frame is shown; Ctrl and a click to type its number.");
   }
