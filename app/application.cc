@@ -31,7 +31,7 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr int kSettleFrames = 3;
 constexpr double kNoteSeconds = 5;
 constexpr std::size_t kMaxRecent = 8;
-constexpr double kIdleWakeSeconds = 1.0;
+constexpr double kIdleWakeSeconds = 1.0, kBlinkWakeSeconds = 0.05, kPresentWaitSeconds = 0.01;
 constexpr int kParticleHypothesis = 3;  ///< Where a ProbeView has the particle that was asked for.
 
 const char* StateName(PlaybackState state) {
@@ -94,14 +94,23 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   particle_table_ = MakeParticleTablePanel();
   posterior_ = MakePosteriorPanel();
   flow_ = MakeFlowPanel();
+  what_if_panel_ = MakeWhatIfPanel();
+  other_image_ = MakeOtherImagePanel();
   for (const auto* panel :
        {&image_, &edges_, &depth_, &masks_, &particles_, &map_, &objects_, &relations_, &details_,
-        &timings_, &timeline_, &why_, &particle_table_, &posterior_, &flow_}) {
+        &timings_, &timeline_, &why_, &particle_table_, &posterior_, &flow_, &what_if_panel_}) {
     panels_.push_back(panel->get());
   }
+  views_ = std::make_unique<ImageViews>(
+      ImageViews::Panels{image_.get(), edges_.get(), depth_.get(), masks_.get(), particles_.get()});
   context_.playback = std::make_shared<const PlaybackView>();
   annotate_ =
       std::make_unique<AnnotateWorkspace>(options_.annotation, window_->software_gl(), [this] {
+        published_ = true;
+        PlatformWindow::Wake();
+      });
+  what_if_ =
+      std::make_unique<WhatIf>(options_.opener, options_.inputs, options_.program_version, [this] {
         published_ = true;
         PlatformWindow::Wake();
       });
@@ -122,11 +131,13 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   script_host_.resize = [this](int width, int height) { window_->Resize(width, height); };
   script_host_.open = [this](const std::string& path) { Open(path, std::nullopt); };
   if (!options_.path.empty()) Open(options_.path, options_.start_frame);
+  if (!options_.compare.empty()) what_if_->Compare(options_.compare, context_);
   if (options_.play && process_ != nullptr) process_->Post(PlayCommand{});
 }
 
 Application::~Application() {
   process_.reset();
+  what_if_.reset();
   SaveSettings();
   annotate_.reset();
   scene_.reset();
@@ -152,6 +163,7 @@ void Application::Open(const std::string& path, std::optional<int> frame) {
   context_.source = path;
   ++context_.source_version;
   context_.bookmarks = ReadBookmarks(BookmarkFile(path, options_.settings));
+  what_if_->Opened(path, context_);
   Remember(path);
   process_ = std::make_unique<MappingProcess>(options_.opener(path), frame, [this] {
     published_ = true;
@@ -175,13 +187,19 @@ void Application::Send(Command command) {
   }
   if (const auto* playback = std::get_if<PlaybackCommand>(&command)) {
     if (const auto* probe = std::get_if<ProbeCommand>(playback)) asked_ = *probe;
-    if (process_ != nullptr) process_->Post(*playback);
+    const bool asks = std::holds_alternative<ProbeCommand>(*playback);
+    MappingProcess* other = asks ? what_if_->shown_process(context_) : nullptr;
+    if (other != nullptr)
+      other->Post(*playback);
+    else if (process_ != nullptr)
+      process_->Post(*playback);
   } else if (const auto* window = std::get_if<WindowCommand>(&command)) {
     Handle(*window);
   }
 }
 
 void Application::Handle(const WindowCommand& command) {
+  if (what_if_->Handle(command, context_) || views_->Handle(command, context_)) return;
   std::visit(
       [this](const auto& c) {
         using T = std::decay_t<decltype(c)>;
@@ -227,7 +245,8 @@ void Application::Handle(const WindowCommand& command) {
         } else if constexpr (std::is_same_v<T, AskFrameCommand>) {
           wanted_ask_frame_ = true;
         } else if constexpr (std::is_same_v<T, ScreenshotCommand>) {
-          wanted_screenshot_ = c.file;
+          wanted_screenshot_ = c;
+          screenshot_in_ = kSettleFrames;
         } else if constexpr (std::is_same_v<T, ShowHelpCommand>) {
           show_help_ = c.show;
         } else if constexpr (std::is_same_v<T, SetUiScaleCommand>) {
@@ -236,6 +255,10 @@ void Application::Handle(const WindowCommand& command) {
           wanted_path_ = c.path;
         } else if constexpr (std::is_same_v<T, SwitchWorkspaceCommand>) {
           context_.workspace = c.annotate ? WorkspaceId::kAnnotate : WorkspaceId::kInspect;
+        } else if constexpr (std::is_same_v<T, PresentCommand>) {
+          Present(c.on);
+        } else if constexpr (std::is_same_v<T, AskForkCommand>) {
+          fork_sheet_.Open(context_, c.show);
         } else if constexpr (std::is_same_v<T, QuitCommand>) {
           quit_ = true;
         }
@@ -289,7 +312,8 @@ void Application::ReadSlots() {
   context_.playback = process_->Playback();
   context_.sequence = process_->Sequence();
   context_.probe = process_->Probe();
-  auto snapshot = process_->Snapshot();
+  auto snapshot = context_.first_snapshot = process_->Snapshot();
+  what_if_->ReadSlots(context_, snapshot);
   if (snapshot != context_.snapshot) {
     context_.snapshot = std::move(snapshot);
     ++context_.snapshot_version;
@@ -318,13 +342,17 @@ bool Application::NeedsFrame() {
   if (note_ended) note_.clear();
   if (window_->TakeActivity() || window_->HasKeys() || published_.exchange(false) || note_ended)
     settle_frames_ = kSettleFrames;
-  if (script_) return true;
+  if (script_ || presenter_.active() || wanted_screenshot_) return true;
+  if (what_if_->TakeBlink(context_)) settle_frames_ = kSettleFrames;
   return settle_frames_-- > 0;
 }
 
 Status Application::Run() {
   while (!quit_ && !window_->ShouldClose()) {
-    window_->TakeEvents(script_ || settle_frames_ > 0 ? 0.0 : kIdleWakeSeconds);
+    const double shortest = presenter_.active() && !script_ ? kPresentWaitSeconds : 0.0;
+    const double longest =
+        context_.run_shown == RunShown::kBlink ? kBlinkWakeSeconds : kIdleWakeSeconds;
+    window_->TakeEvents(script_ || settle_frames_ > 0 ? shortest : longest);
     for (const std::string& file : window_->TakeDroppedFiles()) wanted_path_ = file;
     if (wanted_path_) Open(*std::exchange(wanted_path_, std::nullopt), std::nullopt);
     if (!NeedsFrame()) continue;
@@ -340,9 +368,9 @@ void Application::DrawFrame(cv::Mat* picture) {
   ReadSlots();
   if (wanted_scale_) SetUiScale(*std::exchange(wanted_scale_, std::nullopt));
   backend_->TakeInput();
-  if (options_.ignore_pointer) ImGui::GetIO().MousePos = {-FLT_MAX, -FLT_MAX};
   if (script_ && script_status_.ok())
     script_status_ = script_->SetInput(widgets_, ImGui::GetIO(), script_host_);
+  if (options_.ignore_pointer || wanted_screenshot_) ImGui::GetIO().MousePos = {-FLT_MAX, -FLT_MAX};
   ImGui::NewFrame();
   widgets_.Clear();
   context_.selection.hovered = std::exchange(hovered_now_, -1);
@@ -353,9 +381,10 @@ void Application::DrawFrame(cv::Mat* picture) {
   context_.window_ms = watch.Milliseconds();
   context_.scene_ms = scene_->last_render_ms();
   if (picture != nullptr) *picture = window_->ReadPixels();
-  if (wanted_screenshot_) {
-    const auto saved = SaveScreenshot(*std::exchange(wanted_screenshot_, std::nullopt));
-    Note(saved.ok() ? "Saved the window as " + *saved : saved.error().message);
+  if (wanted_screenshot_ && screenshot_in_-- == 0) {
+    const auto saved = SaveScreenshot(wanted_screenshot_->file, wanted_screenshot_->of);
+    Note(saved.ok() ? "Saved the picture as " + *saved : saved.error().message);
+    wanted_screenshot_.reset();
   }
   if (script_ && script_status_.ok()) script_status_ = script_->AfterDraw(script_host_);
   window_->Swap();
@@ -374,6 +403,13 @@ void Application::DrawWindow() {
     ImGui::End();
     return;
   }
+  if (options_.present && context_.snapshot != nullptr)
+    Present(std::exchange(options_.present, false));
+  if (presenter_.active()) {
+    DrawPresentation(size);
+    ImGui::End();
+    return;
+  }
   const InspectLayout layout = ComputeInspectLayout(size, context_.ui_scale, ratios_);
   DrawTopBar(context_, layout.top_bar, *this);
   const LayoutRect room{{0, layout.top_bar.high.y}, {size.x, layout.status_bar.low.y}};
@@ -387,10 +423,24 @@ void Application::DrawWindow() {
   DrawStatusBar(context_, layout.status_bar, note_);
   ImGui::End();
   if (show_help_) DrawHelpSheet(context_, *this);
+  fork_sheet_.Draw(context_, *this);
   DrawPalette(context_, palette_, *this);
-  if (palette_.open) return;
+  if (palette_.open || fork_sheet_.is_open()) return;
   PostShortcuts(context_, show_help_, *this);
   if (shown() != nullptr && !show_help_) shown()->PostShortcuts(context_, *this);
+}
+
+void Application::Present(bool on) {
+  if (on && (context_.sequence == nullptr || shown() != nullptr)) return;
+  window_->SetFullScreen(on);
+  if (on)
+    presenter_.Start(context_, panels_, *this);
+  else
+    presenter_.Stop(context_, panels_, *this);
+}
+
+void Application::DrawPresentation(ImVec2 size) {
+  if (presenter_.Draw(context_, size, panels_, *this)) Present(false);
 }
 
 void Application::DrawInspect(const InspectLayout& layout) {
@@ -410,13 +460,11 @@ void Application::DrawFigure(ImVec2 size) {
 }
 
 void Application::DrawPanels(const InspectLayout& layout) {
-  DrawPanel(context_, layout.image, *image_, *this);
-  DrawPanel(context_, layout.edges, *edges_, *this);
-  DrawPanel(context_, layout.depth, *depth_, *this);
-  DrawPanel(context_, layout.masks, *masks_, *this);
-  DrawPanel(context_, layout.particles, *particles_, *this);
+  const bool beside = context_.run_shown == RunShown::kBeside && context_.other != nullptr;
+  if (beside) other_image_->LoadState(image_->SaveState());
+  views_->Draw(context_, layout, beside ? other_image_.get() : nullptr, *this);
   DrawPanel(context_, layout.scene, *map_, *this);
-  Panel* const about_map[] = {objects_.get(), relations_.get()};
+  Panel* const about_map[] = {objects_.get(), relations_.get(), what_if_panel_.get()};
   DrawTabbedPanels(context_, layout.objects, about_map, objects_tab_, *this);
   Panel* const about_object[] = {details_.get(), why_.get(), posterior_.get(),
                                  particle_table_.get()};
@@ -432,7 +480,8 @@ void Application::DrawPanels(const InspectLayout& layout) {
 Result<std::string> Application::SaveScreenshot(const std::string& file, const std::string& of) {
   std::string name = file;
   for (int i = 1; name.empty(); ++i) {
-    const std::string candidate = fmt::format("plumbline-{:03d}.png", i);
+    const std::string part = of.starts_with("panel.") ? of.substr(6) + "-" : "";
+    const std::string candidate = fmt::format("plumbline-{}{:03d}.png", part, i);
     if (!std::filesystem::exists(candidate)) name = candidate;
   }
   std::error_code ignored;
@@ -496,6 +545,8 @@ nlohmann::json Application::State() const {
       {"light", context_.light},
       {"palette", palette_.open},
       {"help", show_help_},
+      {"presenting", presenter_.active()},
+      {"shot", presenter_.shot()},
       {"ui_scale", context_.ui_scale},
       {"window", {window_->width(), window_->height()}},
       {"image_zoom", viewport_.zoom},
@@ -509,6 +560,8 @@ nlohmann::json Application::State() const {
       {"layout", RatiosToJson(ratios_)}};
   state["workspace"] = context_.workspace == WorkspaceId::kAnnotate ? "annotate" : "inspect";
   annotate_->AddState(context_, state);
+  state["image_views"] = views_->Save(context_);
+  AddWhatIfState(context_, fork_sheet_, state);
   for (const Bookmark& bookmark : context_.bookmarks)
     state["bookmarks"].push_back({{"frame", bookmark.frame}, {"note", bookmark.note}});
   for (const Panel* panel : panels_) state["panels"][panel->Id()] = panel->SaveState();
@@ -529,6 +582,7 @@ void Application::LoadSettings() {
     for (Panel* panel : panels_) {
       if (panels.contains(panel->Id())) panel->LoadState(panels.at(panel->Id()));
     }
+    views_->Load(settings->value("image_views", nlohmann::json::object()), context_);
     annotate_->LoadSettings(settings->value("annotate", nlohmann::json::object()));
     context_.light = settings->value("light", false);
     details_tab_ = settings->value("details_tab", details_tab_);
@@ -548,6 +602,7 @@ void Application::SaveSettings() const {
       {"layout", RatiosToJson(ratios_)}, {"ui_scale", context_.ui_scale},
       {"details_tab", details_tab_},     {"light", context_.light},
       {"recent", context_.recent},       {"window", {window_->width(), window_->height()}}};
+  settings["image_views"] = views_->Save(context_);
   settings["annotate"] = annotate_->SaveSettings();
   for (const Panel* panel : panels_) settings["panels"][panel->Id()] = panel->SaveState();
   std::error_code ignored;

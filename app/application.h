@@ -12,10 +12,13 @@
 #include <nlohmann/json.hpp>
 
 #include "app/annotate_workspace.h"
+#include "app/image_views.h"
 #include "app/platform/imgui_backend.h"
 #include "app/platform/window.h"
+#include "app/presenter.h"
 #include "app/render_layout.h"
 #include "app/ui_script.h"
+#include "app/what_if.h"
 #include "engine/process/mapping_process.h"
 #include "engine/snapshot/commands.h"
 #include "ui/framework/frame_context.h"
@@ -23,6 +26,7 @@
 #include "ui/framework/layout.h"
 #include "ui/framework/panel.h"
 #include "ui/framework/scene_surface.h"
+#include "ui/panels/fork_sheet.h"
 #include "ui/panels/palette.h"
 
 namespace plumbline {
@@ -32,7 +36,11 @@ struct ApplicationOptions {
   std::function<MappingProcess::OpenSource(const std::string& path)> opener;
   AnnotationChoice annotation;  ///< What is opened as a scan is opened with these models.
   std::string path;             ///< To open at the start; "": none.
+  std::string compare;          ///< A second run to open beside it; "": none.
+  RunChoice inputs;             ///< Where the sequence and the models of runs are now.
+  std::string program_version;  ///< What forks say that they were made by.
   std::optional<int> start_frame;
+  bool present = false;                  ///< Begins with the demo mode.
   bool play = false;                     ///< Plays once it is open.
   const RenderLayout* layout = nullptr;  ///< Shows these panels alone; null: the whole window.
   bool light = false;                    ///< Theme, unless the settings say otherwise.
@@ -73,6 +81,9 @@ class Application : private CommandSink {
   void SelectByItself();
   void DrawWindow();
   void DrawInspect(const InspectLayout& layout);
+  /// The demo mode, instead of everything else.
+  void DrawPresentation(ImVec2 size);
+  void Present(bool on);
   /// Null while Inspect, which is this class itself, shows.
   Workspace* shown() {
     return context_.workspace == WorkspaceId::kAnnotate ? annotate_.get() : nullptr;
@@ -102,9 +113,11 @@ class Application : private CommandSink {
   LayoutRatios ratios_;
   FrameContext context_;
   std::unique_ptr<Panel> image_, edges_, depth_, masks_, particles_, map_, objects_, relations_,
-      details_, timings_, timeline_, why_, particle_table_, posterior_, flow_;
+      details_, timings_, timeline_, why_, particle_table_, posterior_, flow_, what_if_panel_,
+      other_image_;
   std::size_t details_tab_ = 0, objects_tab_ = 0;
   std::vector<Panel*> panels_;
+  std::unique_ptr<ImageViews> views_;
   std::optional<UiScript> script_;
   UiScript::Host script_host_;
   Status script_status_;
@@ -114,10 +127,14 @@ class Application : private CommandSink {
   bool auto_select_ = true;  ///< Until the user selects: an object that is in view.
   bool show_help_ = false;
   PaletteState palette_;
+  ForkSheet fork_sheet_;
+  Presenter presenter_;
   bool quit_ = false;
   bool wanted_ask_frame_ = false;
   std::optional<double> wanted_scale_;
-  std::optional<std::string> wanted_screenshot_, wanted_path_;
+  std::optional<std::string> wanted_path_;
+  std::optional<ScreenshotCommand> wanted_screenshot_;
+  int screenshot_in_ = 0;  ///< Frames until it is taken: menus and tooltips go first.
   std::string note_, written_state_;
   std::chrono::steady_clock::time_point note_until_{};
   int settle_frames_ = 0;  ///< Frames to draw after the last input until ImGui has come to rest.
@@ -125,6 +142,7 @@ class Application : private CommandSink {
 
   // Last: their threads wake the window.
   std::unique_ptr<AnnotateWorkspace> annotate_;
+  std::unique_ptr<WhatIf> what_if_;
   std::unique_ptr<MappingProcess> process_;
 };
 

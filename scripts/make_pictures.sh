@@ -144,6 +144,37 @@ cat >"$work/annotate.json" <<'JSON'
 JSON
 (cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
   "$program" gui room/scene.ply --size 1600x1000 --ui-scale 1 --script annotate.json)
+# What if the edges counted for less from frame 30 on?
+cat >"$work/what-if.json" <<'JSON'
+{"steps": [
+  {"wait_for": {"frame": 30}},
+  {"click": "what_if.title"},
+  {"wait_frames": 3},
+  {"click": "what_if.fork"},
+  {"wait_for": {"fork_sheet": true}},
+  {"click": "fork.option.beta"},
+  {"key": "a", "control": true}, {"text": "1"}, {"key": "enter"},
+  {"hover": "fork.option.beta", "at": [0.5, 1.2]},
+  {"wait_frames": 5},
+  {"screenshot": "fork.png"},
+  {"click": "fork.start"},
+  {"wait_for": {"fork": "done", "other_frame": 30}, "timeout_s": 600},
+  {"key": "g"}, {"wait_frames": 3}, {"text": "118"}, {"key": "enter"},
+  {"wait_for": {"frame": 118, "other_frame": 118}},
+  {"hover": "panel.image", "at": [0.02, 0.99]},
+  {"wait_frames": 60},
+  {"screenshot": "what-if.png"},
+  {"click": "what_if.close"},
+  {"key": "f5"},
+  {"wait_for": {"presenting": true, "shot": 5}, "timeout_s": 90},
+  {"wait_frames": 20},
+  {"screenshot": "demo-mode.png"},
+  {"key": "space"},
+  {"wait_for": {"presenting": false}}
+]}
+JSON
+(cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
+  "$program" gui demo.plb --frame 30 --size 1600x1000 --ui-scale 1 --script what-if.json)
 # The film: every fourth frame of the run that the window left, made small.
 "$program" render "$work/demo.plb" --layout column --frames 0:120:4 --rate 8 --size 800x480 --ui-scale 0.7 --out "$work/large.gif"
 ffmpeg -v error -y -i "$work/large.gif" -vf "scale=640:-1:flags=lanczos,split[a][b];\

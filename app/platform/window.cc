@@ -119,6 +119,23 @@ bool PlatformWindow::ShouldClose() const { return glfwWindowShouldClose(window_)
 std::vector<std::string> PlatformWindow::TakeDroppedFiles() { return std::exchange(dropped_, {}); }
 void PlatformWindow::Swap() { glfwSwapBuffers(window_); }
 void PlatformWindow::Resize(int width, int height) { glfwSetWindowSize(window_, width, height); }
+
+void PlatformWindow::SetFullScreen(bool on) {
+  if (on == !windowed_.empty()) return;
+  if (!on) {
+    glfwSetWindowMonitor(window_, nullptr, windowed_.x, windowed_.y, windowed_.width,
+                         windowed_.height, GLFW_DONT_CARE);
+    windowed_ = {};
+    return;
+  }
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
+  if (mode == nullptr) return;
+  glfwGetWindowPos(window_, &windowed_.x, &windowed_.y);
+  glfwGetWindowSize(window_, &windowed_.width, &windowed_.height);
+  glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
+
 void PlatformWindow::SetTitle(const std::string& title) {
   glfwSetWindowTitle(window_, title.c_str());
 }

@@ -43,6 +43,8 @@ class PlatformWindow {
 
   void Swap();
   void Resize(int width, int height);
+  /// Fills the monitor that the window is on, or goes back to where it was.
+  void SetFullScreen(bool on);
   void SetTitle(const std::string& title);
   /// Of the framebuffer [px].
   int width() const;
@@ -61,6 +63,7 @@ class PlatformWindow {
   void InstallCallbacks();
 
   GLFWwindow* window_;
+  cv::Rect windowed_;  ///< Where it was before it filled the screen; empty: it does not.
   struct KeyEvent {
     int key;
     bool down;

@@ -12,6 +12,7 @@
 #include "app/verbs/verb.h"
 #include "engine/base/timer.h"
 #include "engine/process/mapping_pipeline.h"
+#include "engine/process/run_fork.h"
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_summary.h"
 
@@ -52,38 +53,6 @@ Result<std::unique_ptr<RunWriter>> OpenWriter(const RunArguments& arguments,
   return std::move(resumed->writer);
 }
 
-/// Copies the past of another run into the new one, and lets the pipeline go on from there.
-Status TakeOverPast(const RunArguments& arguments, MappingPipeline& pipeline, RunWriter& writer,
-                    RunSummary& summary) {
-  auto reader = RunReader::Open(arguments.fork);
-  if (!reader.ok()) return reader.error();
-  const RunHeader past = (*reader)->header(), now = pipeline.header();
-  if (past.sequence_hash != now.sequence_hash || past.models_hash != now.models_hash)
-    return Error{ErrorCode::kInvalidInput, "'" + arguments.fork +
-                                               "' is of another sequence or other models; a run "
-                                               "can only be forked over its own"};
-  if (past.first_frame != now.first_frame || past.frame_step != now.frame_step)
-    return Error{ErrorCode::kInvalidInput,
-                 "'" + arguments.fork + "' took other frames; give the same --frames"};
-  const auto last = arguments.at ? (*reader)->FindFrame(*arguments.at)
-                                 : Result<std::optional<int>>((*reader)->NumFrames().value() - 1);
-  if (!last.ok()) return last.error();
-  if (!*last || **last < 0)
-    return Error{ErrorCode::kInvalidInput, "'" + arguments.fork + "' has no frame that early"};
-  std::optional<FrameReport> restored;
-  for (int i = 0; i <= **last; ++i) {
-    auto report = (*reader)->ReadFrame(i);
-    if (!report.ok()) return report.error();
-    const auto image = (*reader)->ReadThumbnail(i);
-    summary.Add(*report);
-    if (Status status = writer.Write(*report, image.ok() ? *image : cv::Mat()); !status.ok())
-      return status;
-    restored = std::move(report).value();
-  }
-  std::fprintf(stderr, "forking after frame %d\n", restored->frame);
-  return pipeline.Resume(*restored);
-}
-
 void PrintObjects(const FrameReport& report, const ModelDatabase& database) {
   std::printf("%6s  %-16s %-14s %-10s %9s  %-24s %8s\n", "object", "model", "category", "state",
               "confirmed", "position [m]", "std [cm]");
@@ -115,8 +84,10 @@ Status Run(RunArguments& arguments) {
   std::shared_ptr<const MapSnapshot> last;
   RunSummary summary;
   if (!arguments.fork.empty()) {
-    if (Status status = TakeOverPast(arguments, pipeline, **writer, summary); !status.ok())
-      return status;
+    const auto at = TakeOverPast(arguments.fork, arguments.at, pipeline, **writer,
+                                 [&](const FrameReport& report) { summary.Add(report); });
+    if (!at.ok()) return at.error();
+    std::fprintf(stderr, "forking after frame %d\n", *at);
   }
   Stopwatch watch;
   while (!work.stop.stop_requested()) {

@@ -1,29 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/process/run_difference.h"
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 #include <utility>
 
-#include "engine/geometry/gravity.h"
 #include "engine/process/history.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kPair_m = 0.5;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-std::vector<std::string> Settings(const RunHeader& a, const RunHeader& b) {
+std::vector<ObjectDifference> Objects(const RunReview& a, const RunReview& b) {
+  std::vector<ObjectDifference> out;
+  for (const ObjectPair& pair : PairObjects(a.last, b.last, a.view.up_in_world)) {
+    ObjectDifference difference{pair, {}, {}};
+    if (pair.a != nullptr) difference.error_a = ErrorOf(*pair.a, a.view);
+    if (pair.b != nullptr) difference.error_b = ErrorOf(*pair.b, b.view);
+    out.push_back(difference);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> DifferentSettings(const RunHeader& a, const RunHeader& b) {
   std::vector<std::string> out;
   const auto compare = [&](const std::string& name, const std::string& x, const std::string& y) {
     if (x != y) out.push_back(name + ": " + x + " / " + y);
   };
   compare("seed", std::to_string(a.seed), std::to_string(b.seed));
-  compare("edges", a.edges, b.edges);
-  compare("detector", a.detector, b.detector);
+  // Where a sequence lies says nothing; its hash is compared below.
+  const auto kind = [](const std::string& description) {
+    return description.starts_with("dataset ") ? std::string("dataset") : description;
+  };
+  compare("edges", kind(a.edges), kind(b.edges));
+  compare("detector", kind(a.detector), kind(b.detector));
   compare("poses", a.poses, b.poses);
   compare("sequence", a.sequence_hash == b.sequence_hash ? "" : a.sequence_path,
           a.sequence_hash == b.sequence_hash ? "" : b.sequence_path);
@@ -41,101 +55,18 @@ std::vector<std::string> Settings(const RunHeader& a, const RunHeader& b) {
   return out;
 }
 
-bool Differ(const FrameSample& a, const FrameSample& b) {
-  if (a.objects.size() != b.objects.size() || a.skipped != b.skipped) return true;
-  for (std::size_t i = 0; i < a.objects.size(); ++i) {
-    const ObjectSample &x = a.objects[i], &y = b.objects[i];
-    if (x.id != y.id || x.label != y.label || x.state != y.state ||
-        x.log_evidence != y.log_evidence || x.position_std_m != y.position_std_m)
-      return true;
-  }
-  return false;
-}
-
-std::map<std::string, double> MeanStages(const RunReview& review) {
-  std::map<std::string, double> sums;
-  for (const RunTiming& frame : review.timings) {
-    for (const StageTiming& stage : frame.stages) sums[stage.stage] += stage.milliseconds;
-  }
-  for (auto& [stage, sum] : sums)
-    sum /= static_cast<double>(std::max<std::size_t>(1, review.timings.size()));
-  return sums;
-}
-
-std::vector<const ObjectReport*> Confirmed(const FrameReport& report) {
-  std::vector<const ObjectReport*> out;
-  for (const ObjectReport& object : report.objects) {
-    if (object.state == ObjectState::kConfirmed) out.push_back(&object);
-  }
-  return out;
-}
-
-std::vector<ObjectDifference> Objects(const RunReview& a, const RunReview& b) {
-  const UprightFrame upright(-a.view.up_in_world);
-  std::vector<const ObjectReport*> left = Confirmed(a.last), right = Confirmed(b.last);
-  struct Candidate {
-    double distance_m;
-    const ObjectReport *a, *b;
-  };
-  std::vector<Candidate> candidates;
-  for (const ObjectReport* x : left) {
-    for (const ObjectReport* y : right) {
-      const double distance_m =
-          (x->world_from_object.translation() - y->world_from_object.translation()).norm();
-      if (x->category == y->category && distance_m < kPair_m)
-        candidates.push_back({distance_m, x, y});
-    }
-  }
-  std::stable_sort(
-      candidates.begin(), candidates.end(),
-      [](const Candidate& x, const Candidate& y) { return x.distance_m < y.distance_m; });
-  std::vector<ObjectDifference> out;
-  for (const Candidate& candidate : candidates) {
-    const auto in_left = std::find(left.begin(), left.end(), candidate.a);
-    const auto in_right = std::find(right.begin(), right.end(), candidate.b);
-    if (in_left == left.end() || in_right == right.end()) continue;
-    left.erase(in_left);
-    right.erase(in_right);
-    const double turned =
-        std::abs(WrapAngle(upright.Azimuth(candidate.a->world_from_object.linear()) -
-                           upright.Azimuth(candidate.b->world_from_object.linear())));
-    out.push_back({candidate.a, candidate.b, candidate.distance_m, turned, {}, {}});
-  }
-  std::stable_sort(out.begin(), out.end(),
-                   [](const auto& x, const auto& y) { return x.a->id < y.a->id; });
-  for (const ObjectReport* x : left) out.push_back({x, nullptr, 0, 0, {}, {}});
-  for (const ObjectReport* y : right) out.push_back({nullptr, y, 0, 0, {}, {}});
-  for (ObjectDifference& difference : out) {
-    if (difference.a != nullptr) difference.error_a = ErrorOf(*difference.a, a.view);
-    if (difference.b != nullptr) difference.error_b = ErrorOf(*difference.b, b.view);
-  }
-  return out;
-}
-
-}  // namespace
-
 Result<RunDifference> CompareRuns(const RunReview& a, const RunReview& b) {
   if (a.header.models != b.header.models)
     return Error{ErrorCode::kInvalidInput,
                  "the two runs were made with different models; nothing can be compared"};
   RunDifference out;
-  out.settings = Settings(a.header, b.header);
-  std::map<int, const FrameSample*> by_frame;
-  for (const auto& frame : a.history.frames) by_frame[frame->frame] = frame.get();
-  for (const auto& frame : b.history.frames) {
-    const auto found = by_frame.find(frame->frame);
-    if (found == by_frame.end()) continue;
-    ++out.common_frames;
-    if (!out.first_frame && Differ(*found->second, *frame)) out.first_frame = frame->frame;
-  }
+  out.settings = DifferentSettings(a.header, b.header);
+  std::set<int> frames;
+  for (const auto& frame : a.history.frames) frames.insert(frame->frame);
+  for (const auto& frame : b.history.frames) out.common_frames += int(frames.count(frame->frame));
+  out.first_frame = FirstDifference(a.history, b.history);
   out.objects = Objects(a, b);
-  std::map<std::string, StageDifference> stages;
-  for (const auto& [stage, mean] : MeanStages(a)) stages[stage] = {stage, mean, 0};
-  for (const auto& [stage, mean] : MeanStages(b)) {
-    stages[stage].stage = stage;
-    stages[stage].mean_b_ms = mean;
-  }
-  for (auto& [name, stage] : stages) out.stages.push_back(stage);
+  out.stages = CompareStages(a.history, b.history);
   return out;
 }
 

@@ -8,21 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/process/run_review.h"
+#include "engine/snapshot/frame_difference.h"
 
 namespace plumbline {
 
-/// An object of one run beside that of another; one of them may be missing.
-struct ObjectDifference {
-  const ObjectReport* a = nullptr;
-  const ObjectReport* b = nullptr;
-  double distance_m = 0, azimuth_rad = 0;      ///< Between their poses; 0 where one is missing.
+/// An object of one run beside that of another, in the last frames.
+struct ObjectDifference : ObjectPair {
   std::optional<TruthError> error_a, error_b;  ///< Against ground truth, where there is any.
-};
-
-struct StageDifference {
-  std::string stage;
-  double mean_a_ms = 0,
-         mean_b_ms = 0;  ///< Over the frames of each run; 0 where it lacks the stage.
 };
 
 /// What tells two runs of one sequence apart. It points into both reviews.
@@ -34,7 +26,10 @@ struct RunDifference {
   std::vector<StageDifference> stages;
 };
 
-/// Objects are paired by category, nearest first, within 0.5 m. Errors: kInvalidInput for runs with
+/// "alpha: 4 / 6", seed, inputs: what differs in what the runs were made with.
+std::vector<std::string> DifferentSettings(const RunHeader& a, const RunHeader& b);
+
+/// Objects are paired by PairObjects. Errors: kInvalidInput for runs with
 /// different models.
 Result<RunDifference> CompareRuns(const RunReview& a, const RunReview& b);
 

@@ -19,16 +19,6 @@ namespace {
 constexpr std::size_t kMemoryBytes = 300u << 20;
 constexpr auto kReadAheadTime = std::chrono::milliseconds(8);
 
-/// What CreateEdgeDetector takes, from what an edge detector said of itself ("kind file hash").
-std::string EdgeChoice(const std::string& description) {
-  constexpr std::string_view kNetwork = "edge network ";
-  if (description.starts_with("dataset")) return "dataset";
-  if (!description.starts_with(kNetwork)) return "gradient";
-  const std::string file = description.substr(kNetwork.size());
-  const std::size_t end = file.find(".onnx");
-  return end == std::string::npos ? "gradient" : file.substr(0, end + 5);
-}
-
 class RunSource : public SnapshotSource {
  public:
   RunSource(std::unique_ptr<RunReader> reader, std::vector<RunFrame> frames,
@@ -113,14 +103,6 @@ Status CheckModels(const RunHeader& header, const ModelDatabase& database,
                    run.string() + "' was made with; name the right folder with --models"};
 }
 
-/// As far as this program knows them; a run of another version may have others.
-MapperOptions OptionsOf(const RunHeader& header) {
-  MapperOptions options;
-  if (const Status status = OptionsFromJson(header.options, options); !status.ok())
-    log::warn("the run's options are not all known here: {}", status.error().message);
-  return options;
-}
-
 struct Inputs {
   std::unique_ptr<FramePictures> pictures;
   SequenceView view;
@@ -150,6 +132,22 @@ Result<Inputs> OpenInputs(const RunChoice& choice, const RunHeader& header,
 }
 
 }  // namespace
+
+std::string EdgeChoice(const std::string& description) {
+  constexpr std::string_view kNetwork = "edge network ";
+  if (description.starts_with("dataset")) return "dataset";
+  if (!description.starts_with(kNetwork)) return "gradient";
+  const std::string file = description.substr(kNetwork.size());
+  const std::size_t end = file.find(".onnx");
+  return end == std::string::npos ? "gradient" : file.substr(0, end + 5);
+}
+
+MapperOptions OptionsOf(const RunHeader& header) {
+  MapperOptions options;
+  if (const Status status = OptionsFromJson(header.options, options); !status.ok())
+    log::warn("the run's options are not all known here: {}", status.error().message);
+  return options;
+}
 
 Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& choice,
                                                              const RunHeader& header) {

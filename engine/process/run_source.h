@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "engine/base/progress.h"
+#include "engine/mapping/mapper_options.h"
 #include "engine/models/model_database.h"
 #include "engine/process/snapshot_source.h"
 #include "engine/recording/run_header.h"
@@ -20,6 +22,12 @@ struct RunChoice {
 /// other models than the run names.
 Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& choice,
                                                              const RunHeader& header);
+
+/// As far as this program knows them; a run of another version may have others.
+MapperOptions OptionsOf(const RunHeader& header);
+
+/// What CreateEdgeDetector takes, from what an edge detector said of itself ("kind file hash").
+std::string EdgeChoice(const std::string& description);
 
 /// Gives the frames of a run file; images and maps are computed again from the sequence and the
 /// models that the run was made from. Without the sequence its thumbnails stand in for the images.

@@ -3,6 +3,7 @@
 
 // What panels ask for. Small values; nothing here points at the window or the engine.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -10,6 +11,7 @@
 #include <variant>
 
 #include "engine/base/ids.h"
+#include "engine/mapping/mapper_options.h"
 #include "engine/snapshot/annotation_commands.h"
 
 namespace plumbline {
@@ -105,6 +107,20 @@ struct RemoveBookmarkCommand {
 /// Writes the window as PNG; "" chooses a name in the working folder.
 struct ScreenshotCommand {
   std::string file;
+  std::string of;  ///< The part that this widget fills ("panel.image"); "": all.
+};
+/// How many image views there are, 1 to 5.
+struct ImageViewsCommand {
+  int count = 5;
+};
+/// Shows a panel in an image view; what was there goes where it was.
+struct PlaceViewCommand {
+  int view = 0;
+  std::string panel;
+};
+/// Full screen with a guided camera and captions, until any key.
+struct PresentCommand {
+  bool on = true;
 };
 /// The next key strokes name the frame to go to.
 struct AskFrameCommand {};
@@ -128,6 +144,28 @@ inline constexpr const char* kDemoPath = "demo:";
 struct SwitchWorkspaceCommand {
   bool annotate = false;
 };
+/// Opens the dialog that forks the run at the frame that is shown, or closes it.
+struct AskForkCommand {
+  bool show = true;
+};
+/// Maps the open run again from the frame after `frame` on, into a file of its own, which is then
+/// opened beside it.
+struct ForkCommand {
+  int frame = 0;
+  MapperOptions options;
+  std::uint64_t seed = 0;
+  std::string out;
+};
+struct CancelForkCommand {};
+/// Opens another run of the same sequence beside what is open; "": closes it.
+struct CompareRunCommand {
+  std::string run;
+};
+enum class RunShown { kFirst, kOther, kBlink, kBeside };
+/// Which of two runs the window shows.
+struct ShowRunCommand {
+  RunShown shown = RunShown::kFirst;
+};
 struct QuitCommand {};
 
 /// For the window itself.
@@ -136,7 +174,9 @@ using WindowCommand =
                  FocusSelectionCommand, ResetViewCommand, ViewDirectionCommand, LookThroughCommand,
                  SetThemeCommand, ShowPaletteCommand, BookmarkCommand, RemoveBookmarkCommand,
                  AskFrameCommand, SelectHypothesisCommand, ScreenshotCommand, ShowHelpCommand,
-                 SetUiScaleCommand, OpenCommand, SwitchWorkspaceCommand, QuitCommand>;
+                 SetUiScaleCommand, OpenCommand, SwitchWorkspaceCommand, AskForkCommand,
+                 ForkCommand, CancelForkCommand, CompareRunCommand, ShowRunCommand,
+                 ImageViewsCommand, PlaceViewCommand, PresentCommand, QuitCommand>;
 
 using Command = std::variant<PlaybackCommand, WindowCommand, AnnotationCommand>;
 

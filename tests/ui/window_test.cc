@@ -463,6 +463,68 @@ TEST_F(Window, FilmsEveryLayoutIntoPicturesVideoAndGif) {
   EXPECT_EQ(ReadFile(File("film.gif")).value().substr(0, 4), "GIF8");
 }
 
+TEST_F(Window, ShowsOneToFiveImageViewsOfTheUsersChoice) {
+  const std::string settings = "--settings settings.json";
+  ASSERT_EQ(Run(R"(
+      {"dump_state": "five.json"},
+      {"click": "image.title"},
+      {"wait_frames": 3},
+      {"click": "views.count.2"},
+      {"wait_frames": 3},
+      {"click": "edges.title"},
+      {"wait_frames": 3},
+      {"click": "views.place.masks"},
+      {"wait_frames": 3},
+      {"wheel": "masks.view", "amount": 3},
+      {"dump_state": "two.json"})",
+                settings),
+            0);
+  const json five = State("five.json"), two = State("two.json");
+  for (const char* panel : {"image", "edges", "depth", "masks", "particles"})
+    EXPECT_TRUE(five["widgets"].contains(std::string("panel.") + panel)) << panel;
+  EXPECT_TRUE(two["widgets"].contains("panel.masks"));
+  EXPECT_FALSE(two["widgets"].contains("panel.edges"));
+  EXPECT_GT(two["image_zoom"], 1.0) << "both zoom together";
+  ASSERT_EQ(Run(R"({"dump_state": "again.json"})", settings), 0);
+  EXPECT_EQ(State("again.json")["image_views"], two["image_views"]) << "remembered";
+}
+
+TEST_F(Window, SavesAPanelAsAPicture) {
+  ASSERT_EQ(Run(R"(
+      {"wait_frames": 3},
+      {"click": "scene.title", "button": "right"},
+      {"wait_frames": 10},
+      {"dump_state": "state.json"})"),
+            0);
+  const cv::Mat picture = cv::imread(File("plumbline-scene-001.png"));
+  const auto rect = State("state.json")["widgets"]["panel.scene"];
+  ASSERT_FALSE(picture.empty());
+  EXPECT_NEAR(picture.cols, rect[2].get<double>() - rect[0].get<double>(), 1.5);
+  EXPECT_NEAR(picture.rows, rect[3].get<double>() - rect[1].get<double>(), 1.5);
+}
+
+TEST_F(Window, PresentsUntilAKeyAndLeavesEverythingAsItWas) {
+  ASSERT_EQ(Run(R"(
+      {"click": "scene.scan"},
+      {"wait_frames": 2},
+      {"dump_state": "before.json"},
+      {"key": "f5"},
+      {"wait_for": {"presenting": true, "state": "playing", "loop": true}},
+      {"wait_for": {"shot": 1}, "timeout_s": 20},
+      {"dump_state": "during.json"},
+      {"key": "space"},
+      {"wait_for": {"presenting": false, "state": "paused"}},
+      {"dump_state": "after.json"})"),
+            0);
+  const json before = State("before.json"), during = State("during.json"),
+             after = State("after.json");
+  EXPECT_FALSE(during["widgets"].contains("timeline.play")) << "no controls";
+  EXPECT_NE(during["panels"]["image"], before["panels"]["image"]);
+  EXPECT_EQ(after["panels"], before["panels"]);
+  EXPECT_EQ(after["loop"], false);
+  EXPECT_EQ(after["window"], before["window"]);
+}
+
 TEST_F(Window, RefusesAScriptThatItDoesNotUnderstand) {
   EXPECT_EQ(Run(R"(
       {"click": "no.such.control"})"),

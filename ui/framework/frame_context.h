@@ -13,6 +13,8 @@
 #include <opencv2/core.hpp>
 
 #include "engine/base/ids.h"
+#include "engine/snapshot/commands.h"
+#include "engine/snapshot/fork_view.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/probe_view.h"
 #include "ui/framework/theme.h"
@@ -76,11 +78,35 @@ struct Bookmark {
   std::string note;
 };
 
+/// A second run of the same sequence, on the clock of the first.
+struct OtherRun {
+  std::string source;                            ///< Its file.
+  std::shared_ptr<const SequenceView> sequence;  ///< Null until it is open.
+  std::shared_ptr<const MapSnapshot> snapshot;   ///< Null until its first frame.
+  std::shared_ptr<const PlaybackView> playback;  ///< Never null.
+  std::uint64_t version = 0;                     ///< Changes with `snapshot`.
+  std::vector<std::string> settings;             ///< What differs: "alpha: 2.5 / 4".
+};
+
+/// Another run that could be made of what is open.
+struct ForkOffer {
+  std::string why_not;    ///< Why what is open cannot be forked; "": it can.
+  MapperOptions options;  ///< Those of the run.
+  std::uint64_t seed = 0;
+  std::string out;  ///< A name for the new file that is free.
+};
+
 /// What one frame of the window shows. All panels of a frame see the same.
 struct FrameContext {
-  std::shared_ptr<const SequenceView> sequence;  ///< Null until it is open.
-  std::shared_ptr<const MapSnapshot> snapshot;   ///< Null until the first frame.
-  std::shared_ptr<const PlaybackView> playback;  ///< Never null.
+  std::shared_ptr<const SequenceView> sequence;       ///< Null until it is open.
+  std::shared_ptr<const MapSnapshot> snapshot;        ///< Null until the first frame.
+  std::shared_ptr<const PlaybackView> playback;       ///< Never null.
+  std::shared_ptr<const MapSnapshot> first_snapshot;  ///< Of what is open, whichever run shows.
+  std::shared_ptr<const OtherRun> other;              ///< Null: no second run.
+  RunShown run_shown = RunShown::kFirst;
+  bool shows_other = false;                     ///< `snapshot` is that of the other run.
+  std::shared_ptr<const ForkOffer> fork_offer;  ///< Null: nothing is open.
+  std::shared_ptr<const ForkView> fork;         ///< The last one; null: none yet.
   std::shared_ptr<const ProbeView> probe;  ///< The last answer, maybe of another frame; null: none.
   std::uint64_t snapshot_version = 0;      ///< Changes with `snapshot`.
   std::string source;                      ///< What was opened, as it was named; "": nothing.
@@ -92,6 +118,8 @@ struct FrameContext {
   bool follow = false;        ///< The 3-D view moves with the camera.
   bool look_through = false;  ///< The 3-D view is that of the camera.
   bool light = false;         ///< Theme
+  int image_views = 5;        ///< How many there are.
+  bool presenting = false;    ///< Full screen with captions; panels show no controls.
   bool bare = false;          ///< A figure: panels without their controls.
   double window_ms = 0;       ///< CPU time of drawing the last window frame.
   double scene_ms = 0;        ///< Of the last render of the 3-D view.

@@ -62,8 +62,16 @@ void HandleY(const FrameContext& context, const char* name, const LayoutRect& ab
   Handle(context, name, false, gap, above.low.y, below.high.y - above.low.y, ratio);
 }
 
+/// A small triangle behind a title that opens a menu.
+void DrawMenuMark(const FrameContext& context) {
+  const ImVec2 high = ImGui::GetItemRectMax(), low = ImGui::GetItemRectMin();
+  const float x = high.x + context.Scaled(5), y = 0.5f * (low.y + high.y), r = context.Scaled(3);
+  ImGui::GetWindowDrawList()->AddTriangleFilled({x, y - 0.6f * r}, {x + 2 * r, y - 0.6f * r},
+                                                {x + r, y + r}, colors::kFaint);
+}
+
 void DrawTitle(const FrameContext& context, Panel& panel, std::span<Panel* const> tabs,
-               std::size_t* active, CommandSink& sink) {
+               std::size_t* active, CommandSink& sink, const std::function<void()>& menu) {
   for (std::size_t i = 0; i < tabs.size(); ++i) {
     const bool is_active = tabs[i] == &panel;
     if (i > 0) ImGui::SameLine(0, context.Scaled(14));
@@ -79,8 +87,21 @@ void DrawTitle(const FrameContext& context, Panel& panel, std::span<Panel* const
                                                 {high.x, high.y + context.Scaled(4)},
                                                 colors::kAccent);
     }
-    Tooltip(context, tabs[i]->Help());
-    if (active != nullptr && ImGui::IsItemClicked()) *active = i;
+    const bool clicked = ImGui::IsItemClicked();
+    const char* more = menu ? "\nA click chooses what is shown here; a right click saves it as PNG."
+                            : "\nA right click saves it as PNG.";
+    Tooltip(context, tabs[i]->Help() + std::string(is_active ? more : ""));
+    if (is_active && ImGui::IsItemClicked(ImGuiMouseButton_Right))
+      sink.Post(ScreenshotCommand{"", std::string("panel.") + panel.Id()});
+    if (menu && !context.bare) {
+      DrawMenuMark(context);
+      if (clicked) ImGui::OpenPopup("title menu");
+      if (ImGui::BeginPopup("title menu")) {
+        menu();
+        ImGui::EndPopup();
+      }
+    }
+    if (active != nullptr && clicked) *active = i;
   }
   ImGui::SameLine(0, context.Scaled(12));
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {context.Scaled(3), context.Scaled(4)});
@@ -161,7 +182,8 @@ void DragSplitters(const FrameContext& context, const InspectLayout& layout, Lay
 namespace {
 
 void DrawFrame(const FrameContext& context, const LayoutRect& rect, Panel& panel,
-               std::span<Panel* const> tabs, std::size_t* active, CommandSink& sink) {
+               std::span<Panel* const> tabs, std::size_t* active, CommandSink& sink,
+               const std::function<void()>& menu = {}) {
   const ImVec2 size(rect.width(), rect.height());
   if (size.x < 8 || size.y < 8) return;
   ImGui::SetCursorScreenPos(rect.low);
@@ -172,7 +194,7 @@ void DrawFrame(const FrameContext& context, const LayoutRect& rect, Panel& panel
                         ImGuiWindowFlags_AlwaysUseWindowPadding);
   ImGui::PopStyleVar();
   ImGui::PopStyleColor();
-  if (*panel.Title() != '\0') DrawTitle(context, panel, tabs, active, sink);
+  if (*panel.Title() != '\0') DrawTitle(context, panel, tabs, active, sink, menu);
   panel.Draw(context, sink);
   ImGui::EndChild();
   LogItem(context, std::string("panel.") + panel.Id());
@@ -180,10 +202,10 @@ void DrawFrame(const FrameContext& context, const LayoutRect& rect, Panel& panel
 
 }  // namespace
 
-void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel,
-               CommandSink& sink) {
+void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel, CommandSink& sink,
+               const std::function<void()>& menu) {
   Panel* const only[] = {&panel};
-  DrawFrame(context, rect, panel, only, nullptr, sink);
+  DrawFrame(context, rect, panel, only, nullptr, sink, menu);
 }
 
 void DrawTabbedPanels(const FrameContext& context, const LayoutRect& rect,

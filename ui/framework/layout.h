@@ -20,7 +20,7 @@ struct LayoutRect {
 
 /// Where one region ends and the next begins, as shares of the room; the user drags them.
 struct LayoutRatios {
-  double timeline = 0.225;  ///< Height of the timeline, of the whole window.
+  double timeline = 0.245;  ///< Height of the timeline, of the whole window.
   double columns = 0.46;    ///< Width of the image views.
   double image = 0.49;      ///< Height of the large image above the four small ones.
   double small_columns = 0.5;
@@ -59,8 +59,10 @@ void DragSplitters(const FrameContext& context, const InspectLayout& layout, Lay
 void DrawTabbedPanels(const FrameContext& context, const LayoutRect& rect,
                       std::span<Panel* const> panels, std::size_t& active, CommandSink& sink);
 
-/// A panel in its rounded frame with its title row; a panel without a title has none.
-void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel,
-               CommandSink& sink);
+/// A panel in its rounded frame with its title row; a panel without a title has none. A right click
+/// on the title saves the panel as a picture.
+/// @param menu  Draws what a click on the title opens; empty: nothing.
+void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel, CommandSink& sink,
+               const std::function<void()>& menu = {});
 
 }  // namespace plumbline

@@ -32,6 +32,9 @@ constexpr std::array kShortcuts = {
     Shortcut{keys::kI, false, false, "I  O", "Play only after, before this frame", "Playback"},
     Shortcut{keys::kO, false, false, "", "", ""},
     Shortcut{keys::kB, false, false, "B", "Bookmark this frame", "Playback"},
+    Shortcut{keys::kV, false, false, "V", "This run or the other, where two are open", "Playback"},
+    Shortcut{keys::kF5, false, false, "F5", "Demo mode: full screen with captions, until any key",
+             "Playback"},
     Shortcut{keys::kF, false, false, "F", "Frame the selected object in 3-D", "View"},
     Shortcut{keys::kR, false, false, "R", "Reset the views", "View"},
     Shortcut{keys::kEscape, false, false, "Esc", "Clear the selection", "View"},
@@ -100,6 +103,9 @@ void PostShortcut(const Shortcut& shortcut, const FrameContext& context, bool he
       return sink.Post(SetRangeCommand{context.playback->range_begin, context.playback->frame});
     case keys::kB:
       return sink.Post(BookmarkCommand{context.playback->frame, ""});
+    case keys::kV:
+      return sink.Post(ShowRunCommand{context.run_shown == RunShown::kOther ? RunShown::kFirst
+                                                                            : RunShown::kOther});
     case keys::kF:
       return sink.Post(FocusSelectionCommand{});
     case keys::kR:
@@ -111,6 +117,8 @@ void PostShortcut(const Shortcut& shortcut, const FrameContext& context, bool he
       return sink.Post(SetUiScaleCommand{context.ui_scale * 1.1});
     case keys::kMinus:
       return sink.Post(SetUiScaleCommand{context.ui_scale / 1.1});
+    case keys::kF5:
+      return sink.Post(PresentCommand{});
     case keys::kF12:
       return sink.Post(ScreenshotCommand{});
     case keys::kF1:
@@ -144,13 +152,13 @@ std::span<const AxisView> AxisViews() {
 
 int KeyByName(std::string_view name) {
   static const std::map<std::string_view, int> kNames = {
-      {"space", keys::kSpace},   {"left", keys::kLeft},      {"right", keys::kRight},
-      {"enter", keys::kEnter},   {"up", keys::kUp},          {"down", keys::kDown},
-      {"delete", keys::kDelete}, {"home", keys::kHome},      {"end", keys::kEnd},
-      {"escape", keys::kEscape}, {"f1", keys::kF1},          {"f12", keys::kF12},
-      {"[", keys::kLeftBracket}, {"]", keys::kRightBracket}, {"?", keys::kSlash},
-      {"/", keys::kSlash},       {",", keys::kComma},        {".", keys::kPeriod},
-      {"=", keys::kEqual},       {"-", keys::kMinus}};
+      {"space", keys::kSpace},   {"left", keys::kLeft},     {"right", keys::kRight},
+      {"enter", keys::kEnter},   {"up", keys::kUp},         {"down", keys::kDown},
+      {"delete", keys::kDelete}, {"home", keys::kHome},     {"end", keys::kEnd},
+      {"escape", keys::kEscape}, {"f1", keys::kF1},         {"f5", keys::kF5},
+      {"f12", keys::kF12},       {"[", keys::kLeftBracket}, {"]", keys::kRightBracket},
+      {"?", keys::kSlash},       {"/", keys::kSlash},       {",", keys::kComma},
+      {".", keys::kPeriod},      {"=", keys::kEqual},       {"-", keys::kMinus}};
   if (const auto found = kNames.find(name); found != kNames.end()) return found->second;
   if (name.size() == 1 && std::isalnum(static_cast<unsigned char>(name[0]))) {
     return std::toupper(static_cast<unsigned char>(name[0]));

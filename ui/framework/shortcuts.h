@@ -18,7 +18,7 @@ inline constexpr int kA = 65, kB = 66, kC = 67, kD = 68, kE = 69, kF = 70, kG = 
                      kRightBracket = 93;
 inline constexpr int kEscape = 256, kDelete = 261, kUp = 265, kDown = 264, kEnter = 257,
                      kRight = 262, kLeft = 263, kHome = 268, kEnd = 269;
-inline constexpr int kF1 = 290, kF12 = 301;
+inline constexpr int kF1 = 290, kF5 = 294, kF12 = 301;
 }  // namespace keys
 
 /// One row of the table that drives both the keyboard and the help sheet.

@@ -159,7 +159,9 @@ void DrawHelpSheet(const FrameContext& context, CommandSink& sink) {
                                        {"Shift + left drag", "Move the map"},
                                        {"Wheel", "Zoom the map or the images"},
                                        {"Double click", "Turn about a point; show the whole image"},
-                                       {"Click", "Select an object"}};
+                                       {"Click", "Select an object"},
+                                       {"Click on an image's title", "Choose what it shows"},
+                                       {"Right click on a title", "Save the panel as PNG"}};
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.5f * display.x, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowBgAlpha(0.98f);
@@ -173,7 +175,8 @@ void DrawHelpSheet(const FrameContext& context, CommandSink& sink) {
   ImGui::TextUnformatted("Keys and mouse");
   ImGui::PopFont();
   ImGui::Dummy({0, context.Scaled(4)});
-  if (ImGui::BeginTable("help.table", 2, ImGuiTableFlags_SizingFixedFit)) {
+  constexpr auto kFlags = ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_NoHostExtendX;
+  if (ImGui::BeginTable("help.table", 2, kFlags)) {
     const char* group = "";
     const bool annotates = context.workspace == WorkspaceId::kAnnotate;
     std::vector<Shortcut> shortcuts;
@@ -197,6 +200,10 @@ void DrawHelpSheet(const FrameContext& context, CommandSink& sink) {
       ImGui::TableNextColumn();
       DimText("%s", shortcut.meaning);
     }
+    ImGui::EndTable();
+  }
+  ImGui::SameLine(0, context.Scaled(36));
+  if (ImGui::BeginTable("help.mouse", 2, kFlags)) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     SmallText(context, colors::kAccent, "Mouse");

@@ -57,6 +57,14 @@ void AddActions(const FrameContext& context, std::vector<PaletteEntry>& all) {
                       SetRangeCommand{playback.range_begin, playback.frame}));
   all.push_back(Entry("Play everything: no sub-range", "", SetRangeCommand{}));
   all.push_back(Entry("Bookmark this frame", "B", BookmarkCommand{playback.frame, ""}));
+  all.push_back(Entry("Fork the run from here: what if?", "", AskForkCommand{}));
+  if (context.other != nullptr) {
+    all.push_back(Entry("Two runs: show the first", "V", ShowRunCommand{RunShown::kFirst}));
+    all.push_back(Entry("Two runs: show the other", "V", ShowRunCommand{RunShown::kOther}));
+    all.push_back(Entry("Two runs: blink", "", ShowRunCommand{RunShown::kBlink}));
+    all.push_back(Entry("Two runs: side by side", "", ShowRunCommand{RunShown::kBeside}));
+    all.push_back(Entry("Two runs: close the other", "", CompareRunCommand{}));
+  }
   for (const double speed : PlaybackSpeeds())
     all.push_back(Entry(speed > 0 ? fmt::format("Speed: {:g} times", speed)
                                   : std::string("Speed: as fast as it goes"),
@@ -76,7 +84,16 @@ void AddActions(const FrameContext& context, std::vector<PaletteEntry>& all) {
                       SetThemeCommand{!context.light}));
   all.push_back(Entry("Larger text", "Ctrl + =", SetUiScaleCommand{context.ui_scale * 1.1}));
   all.push_back(Entry("Smaller text", "Ctrl + -", SetUiScaleCommand{context.ui_scale / 1.1}));
+  for (int count = 1; count <= 5; ++count)
+    all.push_back(Entry(fmt::format("Image views: {}", count), "", ImageViewsCommand{count}));
   all.push_back(Entry("Save a picture of the window", "F12", ScreenshotCommand{}));
+  for (const auto& [name, rect] : context.widgets->rects()) {
+    if (name.starts_with("panel."))
+      all.push_back(Entry("Save a picture of the panel " + name.substr(6), "right click",
+                          ScreenshotCommand{"", name}));
+  }
+  all.push_back(
+      Entry("Demo mode: full screen with captions, until any key", "F5", PresentCommand{}));
   all.push_back(Entry("Keys and mouse", "F1", ShowHelpCommand{true}));
   all.push_back(Entry("Quit", "Ctrl + Q", QuitCommand{}));
 }
@@ -94,6 +111,10 @@ void AddThings(const FrameContext& context, std::vector<PaletteEntry>& all) {
   for (const Bookmark& bookmark : context.bookmarks)
     all.push_back(Entry(fmt::format("Bookmark {} {}", bookmark.frame, bookmark.note), "",
                         SeekCommand{bookmark.frame}));
+  for (const std::string& path : context.recent) {
+    if (path.ends_with(".plb") && context.playback->recorded)
+      all.push_back(Entry("Compare with " + path, "", CompareRunCommand{path}));
+  }
   for (const std::string& path : context.recent)
     all.push_back(
         Entry("Open " + (path == kDemoPath ? "the built-in demo" : path), "", OpenCommand{path}));

@@ -24,5 +24,8 @@ std::unique_ptr<Panel> MakePosteriorPanel();
 std::unique_ptr<Panel> MakeRelationsPanel();
 std::unique_ptr<Panel> MakeTimingsPanel();
 std::unique_ptr<Panel> MakeTimelinePanel();
+std::unique_ptr<Panel> MakeWhatIfPanel();
+/// The image of the other run, beside that of the first.
+std::unique_ptr<Panel> MakeOtherImagePanel();
 
 }  // namespace plumbline

@@ -64,8 +64,7 @@ class ParticlesPanel : public Panel {
              fmt::format("#{}  {} particles", object->id.value,
                          object->particles == nullptr ? 0 : object->particles->size()));
     if (nearest >= 0) sink.Post(HoverParticleCommand{nearest});
-    if (nearest >= 0)
-      DrawNumbers(context, (*object->particles)[static_cast<std::size_t>(nearest)], nearest);
+    if (nearest >= 0) DrawNumbers(context, *object->particles, nearest);
     if (canvas.clicked()) sink.Post(SelectParticleCommand{nearest});
   }
 
@@ -93,12 +92,19 @@ class ParticlesPanel : public Panel {
     return {x, y, x + width, y + height};
   }
 
-  static void DrawNumbers(const FrameContext& context, const Particle& particle, int index) {
+  static void DrawNumbers(const FrameContext& context, const std::vector<Particle>& particles,
+                          int index) {
+    const Particle& particle = particles[static_cast<std::size_t>(index)];
+    const auto rank = std::count_if(particles.begin(), particles.end(), [&](const Particle& other) {
+      return other.log_weight > particle.log_weight;
+    });
     const ModelView* model = context.Model({particle.label});
     ImGui::BeginTooltip();
     ImGui::Text("Particle %d", index);
     DimText("model %s", model != nullptr ? model->name.c_str() : "?");
-    DimText("weight %.4f", std::exp(particle.log_weight));
+    DimText("weight %.4f, rank %d of %d", std::exp(particle.log_weight), static_cast<int>(rank) + 1,
+            static_cast<int>(particles.size()));
+    DimText("comes from particle %d of the frame before", int{particle.ancestor});
     DimText("distance %.2f m", std::exp(particle.rho));
     DimText("azimuth %.0f\u00b0", particle.azimuth * kDegrees);
     DimText("\u03a6 detector %.2f   \u03a6 edges %.2f", particle.phi_cnn, particle.phi_edge);

@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-constexpr float kBarHeight = 10, kRulerHeight = 16, kThumbnailHeight = 40, kLaneHeight = 11;
+constexpr float kBarHeight = 10, kRulerHeight = 16, kThumbnailHeight = 38, kLaneHeight = 13;
 constexpr float kLeastPlotHeight = 34;
 
 ImDrawList& Draw() { return *ImGui::GetWindowDrawList(); }
@@ -171,8 +171,8 @@ void DrawLanes(const FrameContext& context, const TimeAxis& axis, float label_x,
   if (lanes.empty()) return;
   const float height =
       std::min(context.Scaled(kLaneHeight + 4), (y1 - y0) / static_cast<float>(lanes.size()));
-  const float font = std::clamp(1.1f * height, context.Scaled(8.5), context.fonts.small->FontSize);
-  const bool labels = height >= context.Scaled(5);
+  const float font = std::clamp(height, context.Scaled(10), context.fonts.small->FontSize);
+  float labelled_to = -1e9f;  // labels keep off one another
   const float mark = 0.42f * height;
   Draw().PushClipRect({label_x, y0}, {axis.x1, y1}, true);
   for (std::size_t i = 0; i < lanes.size(); ++i) {
@@ -199,7 +199,9 @@ void DrawLanes(const FrameContext& context, const TimeAxis& axis, float label_x,
       Draw().AddTriangleFilled({x - mark, y - mark}, {x + mark, y - mark}, {x, y + mark},
                                EventColor(event->event.kind));
     }
-    if (!labels) continue;
+    const bool selected = !all && lane.id == context.selection.object;
+    if (!selected && y - 0.45f * font < labelled_to) continue;
+    labelled_to = y + 0.45f * font;
     const std::string name = all ? "never confirmed" : fmt::format("#{}", lane.id.value);
     Draw().AddText(context.fonts.small, font, {label_x, y - 0.5f * font},
                    all ? colors::kFaint : color, name.c_str());

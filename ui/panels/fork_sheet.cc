@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/panels/fork_sheet.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "ui/framework/options_form.h"
+#include "ui/framework/shortcuts.h"
+#include "ui/framework/widgets.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kWidth = 760, kHeight = 620, kLowHeight = 190;
+
+void Label(const FrameContext& context, const char* text) {
+  ImGui::AlignTextToFramePadding();
+  DimText("%s", text);
+  ImGui::SameLine(context.Scaled(110));
+}
+
+}  // namespace
+
+void ForkSheet::Open(const FrameContext& context, bool show) {
+  open_ = show;
+  waits_ = false;
+  filter_[0] = '\0';
+  frame_ = context.playback->frame;
+  if (!show || context.fork_offer == nullptr) return;
+  options_ = context.fork_offer->options;
+  seed_ = static_cast<int>(context.fork_offer->seed);
+  std::strncpy(out_, context.fork_offer->out.c_str(), sizeof(out_) - 1);
+}
+
+void ForkSheet::Draw(const FrameContext& context, CommandSink& sink) {
+  if (!open_) return;
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  const bool running = context.fork != nullptr && context.fork->state == ForkState::kRunning;
+  const bool form =
+      !running && context.fork_offer != nullptr && context.fork_offer->why_not.empty();
+  const ImVec2 size(std::min(context.Scaled(kWidth), 0.94f * display.x),
+                    std::min(context.Scaled(form ? kHeight : kLowHeight), 0.9f * display.y));
+  ImGui::SetNextWindowPos({0.5f * display.x, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize(size);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, context.Scaled(10));
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {context.Scaled(24), context.Scaled(18)});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, colors::kSheet);
+  ImGui::Begin(
+      "fork", nullptr,
+      ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  if (ImGui::IsWindowAppearing()) ImGui::SetWindowFocus();
+  ImGui::PushFont(context.fonts.strong);
+  ImGui::Text("What if? Fork from frame %d", frame_);
+  ImGui::PopFont();
+  if (waits_ && !running && context.fork->state == ForkState::kDone) open_ = false;
+  if (running) {
+    DrawProgress(context, sink);
+  } else if (!form) {
+    ImGui::Dummy({0, context.Scaled(10)});
+    ImGui::TextWrapped("%s", context.fork_offer != nullptr ? context.fork_offer->why_not.c_str()
+                                                           : "Nothing is open.");
+    ImGui::Dummy({0, context.Scaled(10)});
+    if (Button(context, "fork.close", "Close", "Esc closes it, too.")) open_ = false;
+  } else {
+    DrawForm(context, *context.fork_offer, sink);
+  }
+  if (ImGui::IsKeyPressed(keys::kEscape, false)) open_ = false;
+  ImGui::End();
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar(2);
+}
+
+void ForkSheet::DrawProgress(const FrameContext& context, CommandSink& sink) {
+  const ForkView& fork = *context.fork;
+  ImGui::Dummy({0, context.Scaled(10)});
+  ImGui::TextWrapped("%s", fork.out.c_str());
+  ImGui::Dummy({0, context.Scaled(4)});
+  const double share = fork.total > 0 ? static_cast<double>(fork.done) / fork.total : 0;
+  Bar({ImGui::GetContentRegionAvail().x, context.Scaled(10)}, share, colors::kAccent);
+  LogItem(context, "fork.progress");
+  if (fork.total > 0)
+    DimText("%s: %d of %d", fork.message.c_str(), fork.done, fork.total);
+  else
+    DimText("%s", fork.message.c_str());
+  ImGui::Dummy({0, context.Scaled(10)});
+  if (Button(context, "fork.cancel", "Stop", "Stops the fork; what is done stays in its file."))
+    sink.Post(CancelForkCommand{});
+  ImGui::SameLine();
+  if (Button(context, "fork.hide", "Go on meanwhile",
+             "Closes this sheet; the fork is opened beside the run once it is done."))
+    open_ = false;
+}
+
+void ForkSheet::DrawForm(const FrameContext& context, const ForkOffer& offer, CommandSink& sink) {
+  ImGui::PushStyleColor(ImGuiCol_Text, colors::kDimText);
+  ImGui::TextWrapped(
+      "The past up to this frame is taken over as it is; from the next frame on the "
+      "mapper goes on with these options and this seed, into a file of its own.");
+  ImGui::PopStyleColor();
+  if (context.fork != nullptr && !context.fork->message.empty()) {
+    ImGui::PushStyleColor(ImGuiCol_Text, context.fork->state == ForkState::kCancelled
+                                             ? colors::kWarning
+                                             : colors::kBad);
+    ImGui::TextWrapped("The last fork: %s", context.fork->message.c_str());
+    ImGui::PopStyleColor();
+  }
+  ImGui::Dummy({0, context.Scaled(6)});
+  Label(context, "New run file");
+  ImGui::SetNextItemWidth(-1);
+  ImGui::InputText("##fork.out", out_, sizeof(out_));
+  LogItem(context, "fork.out");
+  Tooltip(context, "Where the fork is kept. A run of that name is replaced.");
+  Label(context, "Seed");
+  ImGui::SetNextItemWidth(context.Scaled(110));
+  ImGui::InputInt("##fork.seed", &seed_);
+  seed_ = std::max(seed_, 0);
+  LogItem(context, "fork.seed");
+  Tooltip(context, "Of all randomness. With the same seed and options the fork is the same run.");
+  ImGui::SameLine(0, context.Scaled(24));
+  ImGui::SetNextItemWidth(-1);
+  ImGui::InputTextWithHint("##fork.filter", "find an option", filter_, sizeof(filter_));
+  LogItem(context, "fork.filter");
+  Tooltip(context, "Shows the options whose name or explanation has these letters.");
+  ImGui::Dummy({0, context.Scaled(4)});
+  DrawOptions(context, offer);
+  DrawButtons(context, sink);
+}
+
+void ForkSheet::DrawOptions(const FrameContext& context, const ForkOffer& offer) {
+  const float below = ImGui::GetFrameHeightWithSpacing() + context.Scaled(14);
+  ImGui::PushStyleColor(ImGuiCol_ChildBg, colors::kPanel);
+  ImGui::BeginChild("fork.options", {0, ImGui::GetContentRegionAvail().y - below}, false,
+                    ImGuiWindowFlags_AlwaysUseWindowPadding);
+  DrawOptionsForm(context, "fork.option", filter_, offer.options, options_);
+  ImGui::EndChild();
+  ImGui::PopStyleColor();
+}
+
+void ForkSheet::DrawButtons(const FrameContext& context, CommandSink& sink) {
+  ImGui::Dummy({0, context.Scaled(4)});
+  const int changed = NumChanged(context.fork_offer->options, options_);
+  ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
+  const bool start = Button(context, "fork.start", "Fork",
+                            "Starts it; the fork is opened beside the run once it is done.");
+  ImGui::PopStyleColor();
+  if (start && out_[0] != '\0') {
+    sink.Post(ForkCommand{frame_, options_, static_cast<std::uint64_t>(seed_), out_});
+    waits_ = true;
+  }
+  ImGui::SameLine();
+  if (Button(context, "fork.close", "Cancel", "Esc closes it, too.")) open_ = false;
+  ImGui::SameLine(0, context.Scaled(16));
+  ImGui::AlignTextToFramePadding();
+  const bool other_seed = static_cast<std::uint64_t>(seed_) != context.fork_offer->seed;
+  if (changed == 0 && !other_seed)
+    DimText("Nothing is changed yet: the fork would be the same run.");
+  else
+    DimText("%d %s changed%s", changed, changed == 1 ? "option" : "options",
+            other_seed ? ", another seed" : "");
+}
+
+}  // namespace plumbline
