@@ -22,6 +22,7 @@ namespace {
 struct AlignArguments {
   std::string scan, model, init, gravity, trajectory, json;
   int dof = 4;
+  bool on_support = false;
   AlignOptions options;
 };
 
@@ -76,6 +77,7 @@ nlohmann::json ToJson(const AlignResult& result, const UprightFrame& upright,
          {"score", candidate.score},
          {"converged", candidate.converged},
          {"iterations", candidate.iterations},
+         {"stands", candidate.stands},
          {"same_by_symmetry", candidate.same_by_symmetry},
          {"covariance",
           CovarianceToJson(candidate, upright.up_in_world(), arguments.options.motion)}});
@@ -158,6 +160,7 @@ Status Align(AlignArguments arguments) {
   const Result<Eigen::Vector3d> gravity = ParseDirection(arguments.gravity, "--gravity");
   if (!gravity) return gravity.error();
   arguments.options.motion = MotionOf(arguments.dof);
+  if (arguments.on_support) arguments.options.standing = Standing::kOnSupport;
   const UprightFrame upright(*gravity);
   const Result<AlignResult> result = Run(arguments, *init, upright);
   if (!result) return result.error();
@@ -195,6 +198,9 @@ void AddAlignVerb(CLI::App& app, VerbFunction& chosen) {
                    "along the floor, 1 azimuth alone, 6 everything")
       ->check(CLI::IsMember({4, 3, 1, 6}))
       ->capture_default_str();
+  verb->add_flag("--on-support", arguments->on_support,
+                 "The model stands on the level surface below it (a chair on the floor): poses "
+                 "that float must fit far better");
   verb->add_option("--starts", arguments->options.starts,
                    "Azimuths to start from, evenly spread; 1: only the one given")
       ->check(CLI::Range(1, 3600))

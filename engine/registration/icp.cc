@@ -37,7 +37,18 @@ std::optional<double> SupportHeight(const OrientedPoints& points, const Eigen::V
     }
   }
   if (most * kCell_m * kCell_m < least_area_m2) return std::nullopt;
-  return lowest_m + (static_cast<double>(best) + 0.5) * kBin_m;
+  const double middle_m = lowest_m + (static_cast<double>(best) + 0.5) * kBin_m;
+  std::vector<float> heights;
+  for (std::size_t i = 0; i < points.points.size(); ++i) {
+    const float height = points.points[i].dot(upf);
+    if (std::abs(height - middle_m) < 1.5 * kBin_m &&
+        std::abs(points.normals[i].dot(upf)) > 0.95f) {
+      heights.push_back(height);
+    }
+  }
+  const auto median = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+  std::nth_element(heights.begin(), median, heights.end());
+  return *median;
 }
 
 double Squared(double x) { return x * x; }
@@ -179,6 +190,8 @@ AlignmentCrop CropScan(const ScanTarget& scan, const ModelSurface& model,
     all = Select(all, above);
   }
   AlignmentCrop crop;
+  crop.support_m = support;
+  crop.foot_m = lowest_m;
   crop.normals_face_out = scan.normals_face_out();
   crop.fine = Select(all, VoxelSample(all.points, kFineVoxel_m, kFinePoints));
   crop.coarse = Select(crop.fine, VoxelSample(crop.fine.points, kCoarseVoxel_m, kCoarsePoints));
@@ -205,9 +218,24 @@ int AlignCoarsely(const AlignmentCrop& crop, const ModelSurface& model, double r
   return iterations;
 }
 
+/// The foot on the support, as a pair that weighs as much as the pairs of the scan do if it is good
+/// to 1 cm and `effect` of them are one measurement.
+PointPair FootOnSupport(const AlignmentCrop& crop, const ConstrainedPose& pose, double sigma_m,
+                        double effect) {
+  constexpr double kSigma_m = 0.01;
+  const Eigen::Vector3d& up = pose.up_in_scan();
+  const Eigen::Isometry3d& scan_from_model = pose.scan_from_model();
+  const Eigen::Vector3d foot = scan_from_model.translation() + crop.foot_m * up;
+  return {scan_from_model.inverse() * foot, foot - crop.Gap(scan_from_model, up) * up, up,
+          effect * Squared(sigma_m / kSigma_m)};
+}
+
 FineAlignment AlignFinely(const AlignmentCrop& crop, const ModelSurface& model,
                           IcpResidual residual, int max_iterations, ConstrainedPose& pose) {
   constexpr double kReach_m = 0.03, kLeastReach_m = 1e-3, kConverged = 1e-8;
+  constexpr double kUsualEffect = 10;
+  const bool stands = crop.support_m && std::abs(crop.Gap(pose.scan_from_model(),
+                                                          pose.up_in_scan())) < kStandsWithin_m;
   FineAlignment result;
   std::vector<PointPair> pairs;
   double reach = kReach_m;
@@ -224,6 +252,7 @@ FineAlignment AlignFinely(const AlignmentCrop& crop, const ModelSurface& model,
     }
     const Eigen::Isometry3d before = pose.scan_from_model();
     if (residual == IcpResidual::kPointToPlane) {
+      if (stands) pairs.push_back(FootOnSupport(crop, pose, result.sigma_m, kUsualEffect));
       pose.StepPlanes(pairs);
     } else if (!pose.FitPoints(pairs).ok()) {
       break;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include <vector>
 
 #include "engine/registration/constrained_fit.h"
@@ -15,7 +17,17 @@ struct AlignmentCrop {
   OrientedPoints fine;    ///< A few thousand, to be exact.
   PointTree tree{{}};     ///< Of `fine`.
   bool normals_face_out = true;
+  /// The height along up of the surface that the model may stand on, which is not in the crop.
+  std::optional<double> support_m;
+  double foot_m = 0;  ///< The model's lowest point along up, from its origin.
+
+  /// How far a pose floats above the support (sunk: < 0).
+  double Gap(const Eigen::Isometry3d& scan_from_model, const Eigen::Vector3d& up_in_scan) const {
+    return scan_from_model.translation().dot(up_in_scan) + foot_m - support_m.value_or(0);
+  }
 };
+
+inline constexpr double kStandsWithin_m = 0.03;
 
 /// Takes what a model within `search_m` of `scan_from_model`, turned at will about up, could touch.
 AlignmentCrop CropScan(const ScanTarget& scan, const ModelSurface& model,
@@ -41,7 +53,8 @@ struct FineAlignment {
 
 /// Finishes the alignment: every scan point near the model to the closest point of its triangles,
 /// so that surface that was not scanned takes no part. Tukey's weights; the scale is the data's
-/// own.
+/// own. Where the model stands on the support, this counts as a measurement of its height, good to
+/// 1 cm: it decides where the scan shows none.
 FineAlignment AlignFinely(const AlignmentCrop& crop, const ModelSurface& model,
                           IcpResidual residual, int max_iterations, ConstrainedPose& pose);
 

@@ -66,20 +66,66 @@ void KeepDistinct(const Eigen::Vector3d& middle, std::size_t most,
   poses = std::move(distinct);
 }
 
+/// What is left of a score if the model floats above the support, or is sunk into it.
+double Discount(const AlignmentCrop& crop, Standing standing, bool stands) {
+  if (stands || !crop.support_m) return 1;
+  return standing == Standing::kOnSupport ? 0.4 : 0.8;
+}
+
+bool Stands(const AlignmentCrop& crop, const Eigen::Isometry3d& scan_from_model,
+            const Eigen::Vector3d& up_in_scan) {
+  return crop.support_m && std::abs(crop.Gap(scan_from_model, up_in_scan)) < kStandsWithin_m;
+}
+
+/// Fills in how well a pose explains the scan.
+void Judge(const AlignmentCrop& crop, const ModelSurface& model, const Eigen::Vector3d& up_in_scan,
+           Standing standing, double within_m, AlignCandidate& candidate) {
+  const AlignmentFit fit = Measure(crop, model, candidate.scan_from_model, within_m);
+  candidate.fitness = fit.fitness;
+  candidate.rmse_m = fit.rmse_m;
+  candidate.stands = Stands(crop, candidate.scan_from_model, up_in_scan);
+  candidate.score = fit.score * Discount(crop, standing, candidate.stands);
+}
+
 void Refine(const AlignmentCrop& crop, const ModelSurface& model, const Eigen::Vector3d& up_in_scan,
             const AlignOptions& options, int max_iterations, AlignCandidate& candidate) {
   ConstrainedPose pose(candidate.scan_from_model, up_in_scan, options.motion);
   const FineAlignment fine =
       AlignFinely(crop, model, IcpResidual::kPointToPlane, max_iterations, pose);
-  const AlignmentFit fit = Measure(crop, model, pose.scan_from_model(), options.within_m);
   candidate.scan_from_model = pose.scan_from_model();
-  candidate.fitness = fit.fitness;
-  candidate.rmse_m = fit.rmse_m;
-  candidate.score = fit.score;
+  Judge(crop, model, up_in_scan, options.standing, options.within_m, candidate);
   candidate.sigma_m = fine.sigma_m;
   candidate.covariance = fine.covariance;
   candidate.iterations += fine.iterations;
   candidate.converged = fine.converged;
+}
+
+AlignCandidate AlignFrom(const AlignmentCrop& crop, const ModelSurface& model,
+                         const Eigen::Isometry3d& start, FreeMotion motion,
+                         const Eigen::Vector3d& up_in_scan, const AlignOptions& options) {
+  ConstrainedPose pose(start, up_in_scan, motion);
+  AlignCandidate candidate;
+  candidate.iterations = AlignCoarsely(crop, model, kCoarseReach_m, pose);
+  candidate.scan_from_model = pose.scan_from_model();
+  Judge(crop, model, up_in_scan, options.standing, 2 * options.within_m, candidate);
+  return candidate;
+}
+
+/// From the best placement at one azimuth; where that floats, also from the best that stands.
+AlignCandidate BestOfTurn(const AlignmentCrop& crop, const ModelSurface& model,
+                          const PlacementGrid& grid, double turn_rad,
+                          const Eigen::Isometry3d& scan_from_model,
+                          const Eigen::Vector3d& up_in_scan, const AlignOptions& options) {
+  AlignCandidate best =
+      AlignFrom(crop, model, grid.BestPlacement(turn_rad), options.motion, up_in_scan, options);
+  if (best.stands || !crop.support_m || options.motion != FreeMotion::kAzimuthAndTranslation) {
+    return best;
+  }
+  const double gap_m = crop.Gap(scan_from_model, up_in_scan);
+  AlignCandidate standing = AlignFrom(crop, model, grid.BestPlacement(turn_rad, -gap_m),
+                                      FreeMotion::kAzimuthAndHorizontal, up_in_scan, options);
+  standing.iterations += best.iterations;
+  return standing.score > best.score ? standing : best;
 }
 
 Status CheckInput(const Eigen::Vector3d& up_in_scan, const AlignOptions& options) {
@@ -112,11 +158,7 @@ Result<ModelAlignment> AlignModel(const ScanTarget& scan, const ModelSurface& mo
   tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
     if (context.stop.stop_requested()) return;
     const double turn = 2 * std::numbers::pi * static_cast<double>(i) / options.starts;
-    ConstrainedPose pose(grid.BestPlacement(turn), up_in_scan, options.motion);
-    AlignCandidate& candidate = candidates[i];
-    candidate.iterations = AlignCoarsely(crop, model, kCoarseReach_m, pose);
-    candidate.scan_from_model = pose.scan_from_model();
-    candidate.score = Measure(crop, model, pose.scan_from_model(), 2 * options.within_m).score;
+    candidates[i] = BestOfTurn(crop, model, grid, turn, scan_from_model, up_in_scan, options);
   });
   // Few are worth the exact search, and fewer its end.
   for (const auto& [share, iterations] : {std::pair{0.5, 8}, std::pair{0.7, 40}}) {

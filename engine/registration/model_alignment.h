@@ -8,8 +8,15 @@
 
 namespace plumbline {
 
+/// What a model stands on.
+enum class Standing {
+  kAnywhere,  ///< It may hang or stand on something that was not found: the scan decides.
+  kOnSupport  ///< On the level surface below it: what floats must fit far better.
+};
+
 struct AlignOptions {
   FreeMotion motion = FreeMotion::kAzimuthAndTranslation;
+  Standing standing = Standing::kAnywhere;
   int starts = 24;         ///< Azimuths tried, evenly spread from the given one; >= 1.
   double search_m = 0.35;  ///< How far from the start the model may be, > 0.
   double within_m = 0.02;  ///< Distance that counts as explained, > 0.
@@ -18,7 +25,9 @@ struct AlignOptions {
 /// One minimum of the alignment.
 struct AlignCandidate {
   Eigen::Isometry3d scan_from_model = Eigen::Isometry3d::Identity();
-  double fitness = 0, rmse_m = 0, score = 0;  ///< As of AlignmentFit.
+  double fitness = 0, rmse_m = 0;  ///< As of AlignmentFit.
+  double score = 0;                ///< Likewise, less where the model does not stand.
+  bool stands = false;             ///< On the support that was found, within 3 cm.
   double sigma_m = 0;
   PoseCovariance covariance = PoseCovariance::Zero();
   int iterations = 0;

@@ -90,16 +90,19 @@ int PlacementGrid::Direction(const Eigen::Vector3d& normal) const {
   return best;
 }
 
-Eigen::Isometry3d PlacementGrid::BestPlacement(double turn_rad) const {
+Eigen::Isometry3d PlacementGrid::BestPlacement(double turn_rad,
+                                               std::optional<double> rise_m) const {
   Eigen::Isometry3d best = start_;
   best.linear() = Eigen::AngleAxisd(turn_rad, up_) * start_.linear();
   if (motion_ == FreeMotion::kAzimuth) return best;
+  if (rise_m) best.translation() += *rise_m * up_;
   const Eigen::Matrix3d grid_from_model = grid_from_scan_ * best.linear();
+  const Eigen::Vector3d lift(0, 0, rise_m.value_or(0));
   std::vector<int> places;
   const auto& samples = model_.samples();
   const std::size_t step = std::max<std::size_t>(1, samples.points.size() / kSamples);
   for (std::size_t i = 0; i < samples.points.size(); i += step) {
-    const Eigen::Vector3d p = grid_from_model * samples.points[i].cast<double>();
+    const Eigen::Vector3d p = grid_from_model * samples.points[i].cast<double>() + lift;
     const Eigen::Vector3i cell = ((p - corner_) / kCell_m).array().round().cast<int>();
     const int index = (cell.z() * size_.y() + cell.y()) * size_.x() + cell.x();
     const Eigen::Vector3d normal = grid_from_model * samples.normals[i].cast<double>();
@@ -107,7 +110,8 @@ Eigen::Isometry3d PlacementGrid::BestPlacement(double turn_rad) const {
     if (model_.two_sided()[i]) places.push_back(Direction(-normal) * size_.prod() + index);
   }
   const int reach = static_cast<int>(search_m_ / kCell_m);
-  const int reach_up = motion_ == FreeMotion::kAzimuthAndHorizontal ? 0 : reach;
+  const bool level = rise_m || motion_ == FreeMotion::kAzimuthAndHorizontal;
+  const int reach_up = level ? 0 : reach;
   int most = -1;
   Eigen::Vector3i moved(0, 0, 0);
   for (int z = -reach_up; z <= reach_up; ++z) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "engine/registration/constrained_fit.h"
 #include "engine/registration/icp.h"
 
@@ -15,8 +17,10 @@ class PlacementGrid {
                 double search_m, FreeMotion motion);
 
   /// The start turned by `turn_rad` about up and moved, as `motion` allows and by at most
-  /// `search_m`, to where most of the model's surface meets scan. Good to about 4 cm.
-  Eigen::Isometry3d BestPlacement(double turn_rad) const;
+  /// `search_m`, to where most of the model's surface meets scan. Good to about 4 cm. With `rise_m`
+  /// it is moved along up by that, exactly, whatever the motion allows.
+  Eigen::Isometry3d BestPlacement(double turn_rad,
+                                  std::optional<double> rise_m = std::nullopt) const;
 
  private:
   static constexpr int kDirections = 10;  ///< Up, down and eight around.

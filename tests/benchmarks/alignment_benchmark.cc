@@ -265,6 +265,22 @@ int Run(int cases, bool baselines_too, const std::filesystem::path& write_to) {
 #endif
     }
   }
+  for (int i = 0; i < cases / 2; ++i) {
+    const ModelId id{i % 2};  // The chairs.
+    const auto k = static_cast<std::size_t>(id.value);
+    AlignmentCaseOptions under_table;
+    under_table.under_table = true;
+    AlignOptions on_floor;
+    on_floor.standing = Standing::kOnSupport;
+    const AlignmentCase test =
+        MakeAlignmentCase(*models, id, static_cast<std::uint64_t>(5000 + i), under_table);
+    const auto target = ScanTarget::Prepare(test.scan, test.camera_centers).value();
+    outcomes["Plumbline, 24 starts, chairs under a table"].push_back(Timed([&] {
+      const auto aligned = AlignModel(*target, *surfaces[k], test.start, test.up_in_scan, on_floor);
+      if (!aligned) return Outcome{1, 1, 0, 0, 0};
+      return Compare(test, models->model(id), orders[k], aligned->candidates[0].scan_from_model);
+    }));
+  }
   std::printf("%d cases, %zu points each on average, prepared in %.1f ms\n", cases,
               points / static_cast<std::size_t>(cases), prepare_ms / cases);
   std::printf("%-42s %-10s %11s %12s  %24s  %s\n", "", "under 2 cm, 2 deg", "median", "median",

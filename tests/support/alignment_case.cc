@@ -96,7 +96,15 @@ AlignmentCase MakeAlignmentCase(const ModelDatabase& models, ModelId model, std:
       {MakeParallelogram({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}), Eigen::Isometry3d::Identity()}};
   constexpr double kBetweenCameras = std::numbers::pi / 3;
   double direction = random.Uniform(0, 2 * std::numbers::pi);
-  if (options.clutter) {
+  if (options.under_table) {
+    const double azimuth =
+        std::atan2(world_from_model.linear()(1, 0), world_from_model.linear()(0, 0));
+    constexpr double kTableAway_m = 0.3;  // Its edge is over the seat.
+    const CadModel& table = models.model(*models.Find("table"));
+    scene.push_back(
+        {table.mesh, world_from_model * Upright(std::numbers::pi / 2, {kTableAway_m, 0, 0})});
+    direction = azimuth + random.Uniform(-0.3, 0.3) - 0.5 * kBetweenCameras;
+  } else if (options.clutter) {
     const double middle = direction + 0.5 * kBetweenCameras * (options.cameras - 1);
     for (Placed& placed : Clutter(models, shape.bounds, middle, random)) {
       scene.push_back(std::move(placed));

@@ -12,6 +12,9 @@ struct AlignmentCaseOptions {
   int cameras = 2;         ///< That see the object from one side: 60 degrees between them.
   double noise_m = 0.004;  ///< Along the rays and along the scan's axes.
   bool clutter = true;     ///< Other furniture around, a box touching, a wall.
+  /// Instead: a chair drawn up to a table over which the cameras look. They see the upper part of
+  /// its back.
+  bool under_table = false;
   double offset_m = 0.3;   ///< Largest offset of the start.
   double azimuth_rad = 3.14159265358979323846;  ///< Largest turn of the start.
   bool tilted_scan = true;                      ///< Gravity in any direction.

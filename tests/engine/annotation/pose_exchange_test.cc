@@ -301,5 +301,19 @@ TEST_F(AnnotationCheck, FindsObjectsThatReachIntoOneAnother) {
   EXPECT_TRUE(Kinds().empty());
 }
 
+TEST_F(AnnotationCheck, FindsFramesWithoutPose) {
+  const auto file = folder_.path() / "walk" / "trajectory.txt";
+  std::string trajectory = ReadFile(file).value();
+  trajectory.erase(trajectory.rfind('\n', trajectory.size() - 2) + 1);
+  ASSERT_TRUE(WriteFileAtomically(file, trajectory).ok());
+  const auto sequence = OpenSequence(folder_.path() / "walk");
+  ASSERT_TRUE(sequence.ok()) << sequence.error().message;
+  const auto findings = CheckAnnotations(document_, {models_.get(), sequence->get(), {}});
+  ASSERT_FALSE(findings.empty());
+  EXPECT_EQ(findings[0].kind, "missing_frames");
+  EXPECT_EQ(findings[0].amount, 1);
+  EXPECT_EQ(findings[0].unit, "frames");
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -152,6 +152,46 @@ TEST_F(ModelAlignmentTest, AmongClutterFromOneSideTheRightPlaceWins) {
   EXPECT_GE(good, 5);
 }
 
+TEST_F(ModelAlignmentTest, AChairOfWhichOnlyTheBackIsSeenStandsOnTheFloor) {
+  AlignmentCaseOptions under_table;
+  under_table.under_table = true;
+  AlignOptions options;
+  options.standing = Standing::kOnSupport;
+  int good = 0;
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    const AlignmentCase test = MakeAlignmentCase(*models_, ModelId{1}, 60 + seed, under_table);
+    const auto target = ScanTarget::Prepare(test.scan, test.camera_centers).value();
+    const auto aligned = AlignModel(*target, *surface_, test.start, test.up_in_scan, options);
+    ASSERT_TRUE(aligned.ok());
+    const AlignCandidate& best = aligned->candidates[0];
+    EXPECT_LE(UprightFrame(-test.up_in_scan).Tilt(best.scan_from_model.linear()), 1e-9);
+    good += best.stands &&
+            (best.scan_from_model.translation() - test.scan_from_model.translation()).norm() < 0.02;
+  }
+  EXPECT_GE(good, 5);
+}
+
+TEST_F(ModelAlignmentTest, WhatHangsIsFoundWhereItHangs) {
+  // 25 cm above a floor; the model is told to stand, but all of it is seen up there.
+  TriangleMesh scan = CleanScan(15000, 0.003);
+  const Eigen::Matrix3d level = UprightFrame(-up_).upright_rotation();
+  for (int i = 0; i < 120; ++i) {
+    for (int k = 0; k < 120; ++k) {
+      const Eigen::Vector3d on_floor(0.015 * i - 0.9, 0.015 * k - 0.9, -0.25);
+      scan.vertices.push_back((Truth().translation() + level * on_floor).cast<float>());
+      scan.normals.push_back(up_.cast<float>());
+    }
+  }
+  for (const Standing standing : {Standing::kAnywhere, Standing::kOnSupport}) {
+    AlignOptions options;
+    options.standing = standing;
+    const auto aligned = Align(scan, Start(1, {0.1, 0, 0.05}), options);
+    ASSERT_TRUE(aligned.ok());
+    EXPECT_THAT(aligned->candidates[0].scan_from_model, IsometryNear(Truth(), 0.2, 0.002));
+    EXPECT_FALSE(aligned->candidates[0].stands);
+  }
+}
+
 TEST_F(ModelAlignmentTest, CandidatesAreRankedAndDistinct) {
   const auto aligned = Align(CleanScan(20000, 0.002), Start(1, {0.1, 0, 0}), {});
   ASSERT_TRUE(aligned.ok());
