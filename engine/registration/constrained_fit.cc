@@ -2,7 +2,9 @@
 #include "engine/registration/constrained_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include <Eigen/Dense>
@@ -192,6 +194,33 @@ PoseCovariance ConstrainedPose::PlaneCovariance(std::span<const PointPair> pairs
   const Eigen::VectorXd variances = eigen.eigenvalues().cwiseMax(kUnseenInformation).cwiseInverse();
   return free * eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose() *
          free.transpose();
+}
+
+double ConstrainedPose::DesignEffect(std::span<const PointPair> pairs, double patch_m) const {
+  using Pull = Eigen::Matrix<double, 6, 1>;
+  std::map<std::array<int, 3>, Pull> patches;
+  Normal information = Normal::Zero(), apart = Normal::Zero(), together = Normal::Zero();
+  for (const PointPair& pair : pairs) {
+    const Pull row = Row(pair, scan_from_model_);
+    const double distance =
+        pair.normal_in_scan.dot(scan_from_model_ * pair.in_model - pair.in_scan);
+    const Pull pull = pair.weight * distance * row;
+    const Eigen::Array3i cell = (pair.in_model / patch_m).array().floor().cast<int>();
+    patches.try_emplace({cell.x(), cell.y(), cell.z()}, Pull::Zero()).first->second += pull;
+    information.noalias() += pair.weight * row * row.transpose();
+    apart.noalias() += pull * pull.transpose();
+  }
+  for (const auto& [cell, pull] : patches) together.noalias() += pull * pull.transpose();
+  const auto free = FreeDirections();
+  const Eigen::MatrixXd reduced = free.transpose() * information * free;
+  const Eigen::LDLT<Eigen::MatrixXd> solver(reduced);
+  const auto variance = [&](const Normal& scatter) {
+    return solver.solve(Eigen::MatrixXd(free.transpose() * scatter * free)).trace();
+  };
+  const double single = variance(apart);
+  if (solver.info() != Eigen::Success || !(single > 0)) return 1;
+  const double effect = variance(together) / single;
+  return std::isfinite(effect) ? std::max(1.0, effect) : 1;
 }
 
 }  // namespace plumbline

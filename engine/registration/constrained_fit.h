@@ -58,6 +58,12 @@ class ConstrainedPose {
   /// `sigma_m`. Directions that the pairs do not show get a variance of 1 (m^2 or rad^2).
   PoseCovariance PlaneCovariance(std::span<const PointPair> pairs, double sigma_m) const;
 
+  /// How many times fewer independent measurements the pairs are than their number, because errors
+  /// within patches of `patch_m` go together; at least 1. The variance of the pose by what the
+  /// pulls of the patches differ by, over the same by single pairs (the design effect of cluster
+  /// samples; docs/algorithms/registration.md).
+  double DesignEffect(std::span<const PointPair> pairs, double patch_m) const;
+
  private:
   using Normal = Eigen::Matrix<double, 6, 6>;
 

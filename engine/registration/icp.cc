@@ -236,6 +236,7 @@ FineAlignment AlignFinely(const AlignmentCrop& crop, const ModelSurface& model,
   constexpr double kUsualEffect = 10;
   const bool stands = crop.support_m && std::abs(crop.Gap(pose.scan_from_model(),
                                                           pose.up_in_scan())) < kStandsWithin_m;
+  constexpr double kPatch_m = 0.15;  // What a fused scan errs together over.
   FineAlignment result;
   std::vector<PointPair> pairs;
   double reach = kReach_m;
@@ -261,7 +262,10 @@ FineAlignment AlignFinely(const AlignmentCrop& crop, const ModelSurface& model,
                          (pose.scan_from_model().linear() - before.linear()).norm();
     result.converged = moved < kConverged;
   }
-  result.covariance = pose.PlaneCovariance(pairs, result.sigma_m);
+  if (stands && residual == IcpResidual::kPointToPlane && !pairs.empty()) pairs.pop_back();
+  const double effect = pose.DesignEffect(pairs, kPatch_m);
+  if (stands) pairs.push_back(FootOnSupport(crop, pose, result.sigma_m, effect));
+  result.covariance = pose.PlaneCovariance(pairs, std::sqrt(effect) * result.sigma_m);
   return result;
 }
 

@@ -2,6 +2,8 @@
 #include "engine/registration/model_alignment.h"
 
 #include <cmath>
+#include <cstdio>
+#include <numbers>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -97,6 +99,87 @@ TEST_F(ModelAlignmentTest, LockedDirectionsStayExactlyForEveryMotion) {
       if (motion == FreeMotion::kAzimuthAndHorizontal) {
         EXPECT_LE(std::abs(moved.dot(up_)), 1e-12);
       }
+    }
+  }
+}
+
+/// Errors along the normals of a scan: what fusion leaves, a smooth field of waves in any
+/// direction, and independent noise.
+struct ScanErrors {
+  double smooth_m, longest_wave_m, noise_m;
+  bool one_side = false;  ///< Half of the surface is not in the scan.
+};
+
+TriangleMesh ScanWithErrors(const SurfaceSamples& samples, const ModelSurface& surface,
+                            const Eigen::Isometry3d& scan_from_model, const ScanErrors& errors,
+                            Random& random) {
+  constexpr int kWaves = 8;
+  Eigen::Matrix<double, 4, kWaves> waves;
+  for (int k = 0; k < kWaves; ++k) {
+    const Eigen::Vector3d direction(random.Gaussian(), random.Gaussian(), random.Gaussian());
+    const double length_m = errors.longest_wave_m * random.Uniform(0.5, 1);
+    waves.col(k) << direction.normalized() * 2 * std::numbers::pi / length_m,
+        random.Uniform(0, 2 * std::numbers::pi);
+  }
+  TriangleMesh scan;
+  for (std::size_t i = 0; i < samples.points.size(); ++i) {
+    const Eigen::Vector3d normal = surface.face(samples.triangles[i]).normal;
+    const double field = (waves.transpose() * samples.points[i].homogeneous()).array().cos().sum() *
+                         std::sqrt(2.0 / kWaves);
+    const double off = errors.smooth_m * field + errors.noise_m * random.Gaussian();
+    if (errors.one_side && samples.points[i].x() > 0) continue;
+    scan.vertices.push_back((scan_from_model * (samples.points[i] + off * normal)).cast<float>());
+    scan.normals.push_back((scan_from_model.linear() * normal).cast<float>());
+  }
+  return scan;
+}
+
+/// The squared error of the four free parameters by their covariance: 4 on average where it is
+/// right. At the model's middle, where shift and turn are apart.
+double NormalisedErrorSquared(const AlignCandidate& found, const Eigen::Isometry3d& truth,
+                              const Eigen::Vector3d& up, const Eigen::Vector3d& middle) {
+  const Eigen::Vector3d lever = found.scan_from_model.linear() * middle;
+  Eigen::Matrix<double, 4, 6> of_middle = Eigen::Matrix<double, 4, 6>::Zero();
+  of_middle.topLeftCorner<3, 3>().setIdentity();
+  of_middle.topRightCorner<3, 3>() << 0, lever.z(), -lever.y(), -lever.z(), 0, lever.x(), lever.y(),
+      -lever.x(), 0;
+  of_middle.bottomRightCorner<1, 3>() = up.transpose();
+  Eigen::Vector4d error;
+  error << found.scan_from_model * middle - truth * middle,
+      WrapAngle(UprightFrame(-up).Azimuth(found.scan_from_model.linear()) -
+                UprightFrame(-up).Azimuth(truth.linear()));
+  const Eigen::Matrix4d covariance = of_middle * found.covariance * of_middle.transpose();
+  return error.dot(covariance.ldlt().solve(error));
+}
+
+TEST_F(ModelAlignmentTest, CovarianceIsHonestForIndependentAndForFusedScans) {
+  const auto samples = SampleSurface(chair_.mesh, 12000, 99).value();
+  const auto mean_of = [&](const ScanErrors& errors) {
+    constexpr int kRuns = 24;
+    double sum = 0;
+    for (std::uint32_t run = 0; run < kRuns; ++run) {
+      Random random({.seed = 11, .frame = run});
+      AlignOptions options;
+      options.starts = 1;
+      const auto aligned = Align(ScanWithErrors(samples, *surface_, Truth(), errors, random),
+                                 Start(0.02, {0.01, 0, 0.01}), options);
+      EXPECT_TRUE(aligned.ok());
+      sum += NormalisedErrorSquared(aligned->candidates[0], Truth(), up_, chair_.center());
+    }
+    std::printf("smooth %.1f mm, waves to %.1f m, noise %.1f mm%s: %.2f\n", 1e3 * errors.smooth_m,
+                errors.longest_wave_m, 1e3 * errors.noise_m, errors.one_side ? ", one side" : "",
+                sum / kRuns);
+    return sum / kRuns;
+  };
+  // 4 +- 0.6 where independent; the covariance itself is estimated from some 20 patches.
+  for (const bool one_side : {false, true}) {
+    const double independent = mean_of({0, 0.4, 0.003, one_side});
+    EXPECT_GT(independent, 2.5);
+    EXPECT_LT(independent, 6);
+    for (const double longest_wave_m : {0.2, 0.4, 0.8}) {
+      const double fused = mean_of({0.003, longest_wave_m, 0.0005, one_side});
+      EXPECT_GT(fused, 1.2);
+      EXPECT_LT(fused, 7);
     }
   }
 }
