@@ -20,7 +20,7 @@ namespace plumbline {
 namespace {
 
 struct AlignArguments {
-  std::string scan, model, init, gravity, trajectory, json;
+  std::string scan, model, init, gravity, floor, trajectory, json;
   int dof = 4;
   bool on_support = false;
   AlignOptions options;
@@ -161,6 +161,11 @@ Status Align(AlignArguments arguments) {
   if (!gravity) return gravity.error();
   arguments.options.motion = MotionOf(arguments.dof);
   if (arguments.on_support) arguments.options.standing = Standing::kOnSupport;
+  if (!arguments.floor.empty()) {
+    const Result<Eigen::VectorXd> floor = ParseNumbers(arguments.floor, "--floor", 4, 4);
+    if (!floor) return floor.error();
+    arguments.options.floor_in_scan = *floor;
+  }
   const UprightFrame upright(*gravity);
   const Result<AlignResult> result = Run(arguments, *init, upright);
   if (!result) return result.error();
@@ -201,6 +206,11 @@ void AddAlignVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_flag("--on-support", arguments->on_support,
                  "The model stands on the level surface below it (a chair on the floor): poses "
                  "that float must fit far better");
+  verb->add_option(
+          "--floor", arguments->floor,
+          "The floor's plane ax + by + cz + d = 0 with (a, b, c) up, as 'plumbline gravity' "
+          "finds it: where the scan shows no surface below the model")
+      ->type_name("a,b,c,d");
   verb->add_option("--starts", arguments->options.starts,
                    "Azimuths to start from, evenly spread; 1: only the one given")
       ->check(CLI::Range(1, 3600))

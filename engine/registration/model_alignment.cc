@@ -144,11 +144,15 @@ Result<ModelAlignment> AlignModel(const ScanTarget& scan, const ModelSurface& mo
                                   const Eigen::Vector3d& up_in_scan, const AlignOptions& options,
                                   const WorkContext& context) {
   if (const Status fine = CheckInput(up_in_scan, options); !fine.ok()) return fine.error();
-  const AlignmentCrop crop = CropScan(scan, model, scan_from_model, up_in_scan, options.search_m);
+  AlignmentCrop crop = CropScan(scan, model, scan_from_model, up_in_scan, options.search_m);
   if (crop.fine.points.size() < kFewestPoints) {
     return Error{ErrorCode::kDegenerate,
                  "there are only " + std::to_string(crop.fine.points.size()) +
                      " points of the scan where the model is to go; start nearer to the object"};
+  }
+  if (!crop.support_m && options.floor_in_scan) {
+    crop.support_m = -(*options.floor_in_scan)[3];
+    if (std::abs(crop.Gap(scan_from_model, up_in_scan)) > options.search_m) crop.support_m.reset();
   }
   const PlacementGrid grid(crop, model, scan_from_model, up_in_scan, options.search_m,
                            options.motion);

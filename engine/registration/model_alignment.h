@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "engine/base/progress.h"
@@ -17,6 +18,9 @@ enum class Standing {
 struct AlignOptions {
   FreeMotion motion = FreeMotion::kAzimuthAndTranslation;
   Standing standing = Standing::kAnywhere;
+  /// (a, b, c) = up, ax + by + cz + d = 0: the support where the scan shows none below the model
+  /// and this lies within `search_m` of its foot.
+  std::optional<Eigen::Vector4d> floor_in_scan;
   int starts = 24;         ///< Azimuths tried, evenly spread from the given one; >= 1.
   double search_m = 0.35;  ///< How far from the start the model may be, > 0.
   double within_m = 0.02;  ///< Distance that counts as explained, > 0.

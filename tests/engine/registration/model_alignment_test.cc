@@ -254,6 +254,28 @@ TEST_F(ModelAlignmentTest, AChairOfWhichOnlyTheBackIsSeenStandsOnTheFloor) {
   EXPECT_GE(good, 5);
 }
 
+TEST_F(ModelAlignmentTest, AFloorThatIsKnownHelpsWhereItWasNotScanned) {
+  // The upper part of the back alone: by itself it slides along up.
+  TriangleMesh scan = CleanScan(30000, 0.003);
+  const TriangleMesh all = scan;
+  scan.vertices.clear();
+  scan.normals.clear();
+  for (std::size_t i = 0; i < all.vertices.size(); ++i) {
+    const double height = up_.dot(all.vertices[i].cast<double>() - Truth().translation());
+    if (height < 0.5 || height > 0.8) continue;
+    scan.vertices.push_back(all.vertices[i]);
+    scan.normals.push_back(all.normals[i]);
+  }
+  AlignOptions options;
+  options.standing = Standing::kOnSupport;
+  options.floor_in_scan = (Eigen::Vector4d() << up_, -up_.dot(Truth().translation())).finished();
+  const auto aligned = Align(scan, Start(1, 0.15 * up_), options);
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_TRUE(aligned->candidates[0].stands);
+  EXPECT_NEAR(up_.dot(aligned->candidates[0].scan_from_model.translation() - Truth().translation()),
+              0, 0.015);
+}
+
 TEST_F(ModelAlignmentTest, WhatHangsIsFoundWhereItHangs) {
   // 25 cm above a floor; the model is told to stand, but all of it is seen up there.
   TriangleMesh scan = CleanScan(15000, 0.003);
