@@ -123,11 +123,20 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   context_.light = options_.light;
   LoadSettings();
   if (options_.ui_scale) wanted_scale_ = options_.ui_scale;
+  for (Panel* panel : panels_) {
+    if (options_.layout != nullptr && options_.layout->states.contains(panel->Id()))
+      panel->LoadState(options_.layout->states.at(panel->Id()));
+  }
   script_host_.screenshot = [this](const std::string& file, const std::string& of) -> Status {
     const auto saved = SaveScreenshot(file, of);
     return saved.ok() ? Status() : Status(saved.error());
   };
-  script_host_.state = [this] { return State(); };
+  script_host_.state = [this] {
+    nlohmann::json state = State();
+    state["window_ms"] = context_.window_ms;
+    state["scene_ms"] = context_.scene_ms;
+    return state;
+  };
   script_host_.resize = [this](int width, int height) { window_->Resize(width, height); };
   script_host_.open = [this](const std::string& path) { Open(path, std::nullopt); };
   if (!options_.path.empty()) Open(options_.path, options_.start_frame);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "engine/base/result.h"
 
 namespace plumbline {
@@ -20,6 +22,7 @@ struct RenderLayout {
   const char* name;
   const char* meaning;
   std::vector<PlacedPanel> panels;
+  nlohmann::json states = nlohmann::json::object();  ///< Of panels, where they differ.
 };
 
 const std::vector<RenderLayout>& RenderLayouts();

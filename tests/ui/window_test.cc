@@ -446,7 +446,8 @@ TEST_F(Window, FilmsEveryLayoutIntoPicturesVideoAndGif) {
                         " --layout " + layout + " --film " + out + " 2>>errors.txt")
                            .c_str());
   };
-  for (const char* layout : {"inspect", "image", "map", "through", "insets", "column", "flow"}) {
+  for (const char* layout :
+       {"inspect", "image", "map", "through", "insets", "column", "truth", "flow"}) {
     ASSERT_EQ(film(layout, layout), 0) << layout << ReadFile(File("errors.txt")).value();
     for (const char* frame : {"000000.png", "000002.png", "000004.png"}) {
       const cv::Mat picture = cv::imread(File(std::string(layout) + "/" + frame));

@@ -24,6 +24,7 @@ struct SceneLayers {
   bool frustum = true;
   bool particles = true;
   bool grid = true;
+  bool truth_solid = false;  ///< The truth as grey surfaces instead of green edges.
   bool operator==(const SceneLayers&) const = default;
 };
 

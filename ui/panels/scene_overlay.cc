@@ -65,9 +65,8 @@ ImU32 LinkColor(RelationKind kind) {
 }  // namespace
 
 const char* ColoringName(SceneColoring coloring) {
-  return coloring == SceneColoring::kState   ? "state"
-         : coloring == SceneColoring::kError ? "error"
-                                             : "identity";
+  static constexpr const char* kNames[] = {"identity", "state", "error", "on truth"};
+  return kNames[static_cast<std::size_t>(coloring)];
 }
 
 std::vector<std::pair<ObjectId, ImU32>> ColorsOf(const FrameContext& context,
@@ -90,6 +89,7 @@ std::vector<std::pair<ObjectId, ImU32>> ColorsOf(const FrameContext& context,
                                     : Mixed(colors::kGood, colors::kBad,
                                             std::min(1.0, error->second / kWorstError_m));
     }
+    if (coloring == SceneColoring::kOnTruth) color = colors::kTruth;
     colored.emplace_back(object.id, color);
   }
   return colored;

@@ -15,7 +15,7 @@
 namespace plumbline {
 
 /// What the colours of the models in the map mean.
-enum class SceneColoring { kIdentity, kState, kError };
+enum class SceneColoring { kIdentity, kState, kError, kOnTruth };
 const char* ColoringName(SceneColoring coloring);
 /// Colours of the objects of this frame; empty for identity.
 std::vector<std::pair<ObjectId, ImU32>> ColorsOf(const FrameContext& context,

@@ -100,8 +100,10 @@ class ScenePanel : public Panel {
     if (context.scene == nullptr) {
       return EmptyState(context, "No 3-D view", "This display has no OpenGL that VTK can use.");
     }
+    SceneLayers layers = layers_;
+    layers.truth_solid = coloring_ == SceneColoring::kOnTruth;
     context.scene->SetContent({context.sequence, context.snapshot, context.snapshot_version,
-                               context.selection.object, context.selection.particle, layers_,
+                               context.selection.object, context.selection.particle, layers,
                                context.follow, context.look_through, context.light,
                                ColorsOf(context, coloring_)});
     const ImVec2 low = ImGui::GetCursorScreenPos();
@@ -133,8 +135,8 @@ class ScenePanel : public Panel {
   void LoadState(const nlohmann::json& json) override {
     for (const OverlayToggle& toggle : kOverlays)
       overlay_.*toggle.part = json.value(toggle.name, overlay_.*toggle.part);
-    for (const auto coloring :
-         {SceneColoring::kIdentity, SceneColoring::kState, SceneColoring::kError}) {
+    for (const auto coloring : {SceneColoring::kIdentity, SceneColoring::kState,
+                                SceneColoring::kError, SceneColoring::kOnTruth}) {
       if (json.value("color", std::string(ColoringName(coloring_))) == ColoringName(coloring))
         coloring_ = coloring;
     }
@@ -171,9 +173,10 @@ class ScenePanel : public Panel {
     bool other = coloring_ != SceneColoring::kIdentity;
     if (Toggle(context, "scene.color", ColorLabel().c_str(), other,
                "What the colours of the models mean: which object it is, its state, or its error "
-               "against ground truth (green 0, red 10 cm or more, grey unknown). A click goes to "
-               "the next."))
-      coloring_ = static_cast<SceneColoring>((static_cast<int>(coloring_) + 1) % 3);
+               "against ground truth (green 0, red 10 cm or more, grey unknown); or green "
+               "estimates on "
+               "the truth in grey. A click goes to the next."))
+      coloring_ = static_cast<SceneColoring>((static_cast<int>(coloring_) + 1) % 4);
   }
 
   std::string ColorLabel() const { return fmt::format("Colour: {}", ColoringName(coloring_)); }

@@ -69,6 +69,7 @@ void SceneActors::SetSequence(const SequenceView& sequence) {
   renderer_->RemoveAllViewProps();
   models_.clear();
   truth_.clear();
+  truth_solid_.clear();
   objects_.clear();
   bounds_.setEmpty();
   for (const auto& pose : sequence.world_from_cam) bounds_.extend(pose.translation());
@@ -123,6 +124,11 @@ void SceneActors::AddTruth(const SequenceView& sequence) {
       SetPose(*actor, truth.world_from_object);
       renderer_->AddActor(actor);
       truth_.push_back(actor);
+      auto solid = ActorOf(models_[i].surface, IM_COL32(150, 152, 156, 255));
+      SetPose(*solid, truth.world_from_object);
+      solid->VisibilityOff();
+      renderer_->AddActor(solid);
+      truth_solid_.push_back(solid);
     }
   }
 }
@@ -196,7 +202,8 @@ void SceneActors::AddGrid(const SequenceView& sequence) {
 
 void SceneActors::SetSnapshot(const SceneContent& content) {
   const SceneLayers& layers = content.layers;
-  for (const auto& actor : truth_) actor->SetVisibility(layers.truth);
+  for (const auto& actor : truth_) actor->SetVisibility(layers.truth && !layers.truth_solid);
+  for (const auto& actor : truth_solid_) actor->SetVisibility(layers.truth_solid);
   trajectory_->SetVisibility(layers.trajectory && !content.look_through);
   walked_->SetVisibility(layers.trajectory && !content.look_through);
   grid_->SetVisibility(layers.grid && !content.look_through);

@@ -71,7 +71,7 @@ class SceneActors {
   Eigen::AlignedBox3d bounds_, focus_bounds_;
   double grid_step_m_ = 0.5;
   std::vector<ModelData> models_;
-  std::vector<vtkSmartPointer<vtkActor>> truth_;
+  std::vector<vtkSmartPointer<vtkActor>> truth_, truth_solid_;
   vtkSmartPointer<vtkActor> scan_fine_, scan_coarse_;
   vtkSmartPointer<vtkActor> trajectory_, walked_;
   vtkSmartPointer<vtkActor> grid_, grid_major_;
