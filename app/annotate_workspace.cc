@@ -37,6 +37,8 @@ const char* NameOf(AnnotateTool tool) {
       return "place";
     case AnnotateTool::kSequence:
       return "sequence";
+    case AnnotateTool::kCut:
+      return "cut";
     case AnnotateTool::kSelect:
       break;
   }
@@ -59,7 +61,8 @@ AnnotateWorkspace::AnnotateWorkspace(AnnotationChoice defaults, bool software_gl
       images_(MakeAnnotateImagesPanel()),
       instance_(MakeAnnotateInstancePanel()),
       sequence_(MakeAnnotateSequencePanel()),
-      frame_(MakeAnnotateFramePanel()) {}
+      frame_(MakeAnnotateFramePanel()),
+      crop_(MakeAnnotateCropPanel()) {}
 
 AnnotateWorkspace::~AnnotateWorkspace() = default;
 
@@ -106,6 +109,7 @@ Panel& AnnotateWorkspace::TaskPanel(const FrameContext& context) {
   if (snapshot.placement) return *candidates_;
   if (snapshot.refinement) return *refinement_;
   if (snapshot.sequence_alignment) return *sequence_;
+  if (snapshot.crop || view_.tool == AnnotateTool::kCut) return *crop_;
   if (view_.tool == AnnotateTool::kSequence && !snapshot.floor) return *sequence_;
   const bool first =
       !snapshot.gravity_known && snapshot.instances.empty() && view_.tool != AnnotateTool::kPlace;
@@ -200,6 +204,7 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
                                 : snapshot.placement          ? "placement"
                                 : snapshot.refinement         ? "refinement"
                                 : snapshot.sequence_alignment ? "sequence"
+                                : snapshot.crop               ? "crop"
                                                               : ""},
                    {"instances", json::array()}};
   if (scene_ != nullptr) annotate["eye_in_level"] = VectorOf(scene_->Sight(0, 0).eye);
@@ -250,12 +255,20 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
                                  {"in_scan", VectorOf(pair.in_scan)},
                                  {"residual_px", pair.residual_px}});
   }
+  if (const auto& crop = snapshot.crop) {
+    annotate["crop"] = {{"id", crop->id},
+                        {"problem", crop->problem},
+                        {"points", crop->points == nullptr ? 0 : crop->points->size()},
+                        {"faces", crop->num_faces},
+                        {"size_m", VectorOf(crop->size_m)}};
+  }
   if (const auto& found = snapshot.sequence_alignment) {
     annotate["sequence"] = {{"scan_from_world", MatrixOf(found->scan_from_world)},
                             {"problem", found->problem},
                             {"azimuth_std_rad", found->azimuth_std_rad},
                             {"rmse_m", found->rmse_m}};
   }
+  state["annotate.crop"] = snapshot.crop ? snapshot.crop->id : "";
   state["annotate.pairs"] = snapshot.pairs.size();
   state["annotate.frame"] =
       snapshot.frame && !snapshot.frame->image.empty() ? snapshot.frame->frame : -1;
@@ -269,6 +282,7 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
   state["annotate.models"] = snapshot.models->size();
   state["annotate.running"] = (snapshot.placement && snapshot.placement->running) ||
                               (snapshot.refinement && snapshot.refinement->running) ||
+                              (snapshot.crop && snapshot.crop->running) ||
                               (snapshot.sequence_alignment && snapshot.sequence_alignment->running);
   state["annotate.candidates"] = snapshot.placement ? snapshot.placement->candidates.size() : 0;
   state["annotate"] = std::move(annotate);

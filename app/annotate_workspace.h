@@ -45,7 +45,7 @@ class AnnotateWorkspace : public Workspace {
   std::optional<PendingPose> previewed_;
   std::unique_ptr<AnnotateSurface> scene_;
   std::unique_ptr<Panel> scene_panel_, models_, instances_, floor_, candidates_, refinement_,
-      images_, instance_, sequence_, frame_;
+      images_, instance_, sequence_, frame_, crop_;
   double left_ = 0.19, right_ = 0.77, models_share_ = 0.55, images_share_ = 0.76;  ///< Of the room.
   std::unique_ptr<AnnotationProcess> process_;  ///< Last: its thread wakes the window.
 };

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/verbs/annotate_images.h"
+#include "app/verbs/annotate_register.h"
 #include "app/verbs/annotation_inputs.h"
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
@@ -28,6 +29,7 @@ struct AnnotateArguments {
   AnnotationCheckOptions check;
   ImageArguments images;
   RefineArguments refine;
+  RegisterArguments registration;
 };
 
 Result<std::vector<int>> FramesOf(const OpenedInputs& inputs, const std::string& range) {
@@ -268,6 +270,10 @@ Status Refine(const AnnotateArguments& arguments) {
   return RefineByImages(arguments.project, arguments.images, arguments.refine, arguments.json);
 }
 
+Status Register(const AnnotateArguments& arguments) {
+  return RegisterSequence(arguments.project, arguments.registration, arguments.json);
+}
+
 using ArgumentsPointer = std::shared_ptr<AnnotateArguments>;
 
 CLI::App* AddCommand(CLI::App& parent, const char* name, const char* what,
@@ -371,6 +377,13 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
   AddImageOptions(*refine, arguments->images, "at least 1");
   AddRefineOptions(*refine, arguments->refine);
   AddJson(*refine, arguments);
+
+  CLI::App* registration = AddCommand(*verb, "register",
+                                      "Find where a sequence of another frame is in the scan: a "
+                                      "turn about gravity and a shift; one step to undo",
+                                      arguments, chosen, Register);
+  AddRegisterOptions(*registration, arguments->registration);
+  AddJson(*registration, arguments);
 }
 
 }  // namespace plumbline

@@ -192,7 +192,9 @@ void AnnotationSession::QueueModels() {
            session.view_.models = std::move(models);
            ++session.view_.models_version;
            session.QueueThumbnails();
-           if (session.view_.scan_name.empty()) session.QueueOutlines();
+           if (session.view_.scan_name.empty() || session.outlines_ != nullptr) {
+             session.QueueOutlines();
+           }
          };
        }});
 }
@@ -220,6 +222,8 @@ void AnnotationSession::DropProposals() {
   view_.placement.reset();
   view_.refinement.reset();
   view_.sequence_alignment.reset();
+  view_.crop.reset();
+  prepared_crop_.reset();
   ++view_.proposal_number;
   ++proposals_;
   std::erase_if(jobs_, [](const Job& job) { return job.can_cancel; });
@@ -423,6 +427,8 @@ void AnnotationSession::On(const AcceptProposalCommand& command) {
   } else if (const auto& alignment = view_.sequence_alignment) {
     if (alignment->running || !alignment->problem.empty()) return;
     if (!Edit(SetSceneAlignment{alignment->scan_from_world})) return;
+  } else if (view_.crop) {
+    if (!TakeCrop()) return;
   } else {
     return;
   }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/annotation/crop_cut.h"
 #include "engine/base/progress.h"
 #include "engine/dataset/sequence.h"
 #include "engine/models/model_database.h"
@@ -78,6 +79,8 @@ class AnnotationSession {
   void On(const AddPairCommand& command);
   void On(const RemovePairCommand& command);
   void On(const AlignSequenceCommand& command);
+  void On(const ProposeCropCommand& command);
+  bool TakeCrop();
 
   void QueueLoading();
   void QueueModels();
@@ -127,6 +130,7 @@ class AnnotationSession {
   bool images_wanted_ = false, check_wanted_ = false;
   std::vector<Eigen::Vector3d> cameras_in_world_;
   std::vector<FramePick> picks_;
+  std::shared_ptr<const PreparedCrop> prepared_crop_;
   std::optional<int> frame_wanted_;
 };
 

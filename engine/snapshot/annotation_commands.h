@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -103,6 +104,15 @@ struct AddPairCommand {
   int frame = 0;
   Eigen::Vector2d pixel{0, 0};
 };
+/// Cuts what lies inside a line in a view out of the scan, and proposes it.
+struct ProposeCropCommand {
+  std::string id, category;
+  bool fragment = false;                    ///< Of a VISMA folder; else a model of the database.
+  std::vector<Eigen::Vector2d> polygon_px;  ///< 3 or more corners.
+  Eigen::Isometry3d scan_from_cam = Eigen::Isometry3d::Identity();  ///< Of the view.
+  double focal_px = 1;
+  Eigen::Vector2d center_px{0, 0};
+};
 struct RemovePairCommand {
   std::size_t index = 0;
 };
@@ -121,6 +131,6 @@ using AnnotationCommand =
                  SetInstancePoseCommand, ChangeInstanceCommand, RemoveInstanceCommand,
                  DuplicateInstanceCommand, UndoCommand, RedoCommand, SaveProjectCommand,
                  SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand, ShowFrameCommand,
-                 AddPairCommand, RemovePairCommand, AlignSequenceCommand>;
+                 AddPairCommand, RemovePairCommand, AlignSequenceCommand, ProposeCropCommand>;
 
 }  // namespace plumbline

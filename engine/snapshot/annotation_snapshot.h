@@ -151,6 +151,17 @@ struct SequenceAlignmentView {
   std::vector<Residual> residuals;  ///< By objects.
 };
 
+/// A part of the scan to be cut out.
+struct CropView {
+  std::string id;
+  bool running = true;
+  std::string problem;
+  std::shared_ptr<const std::vector<Eigen::Vector3f>> points;  ///< In the scan; null if none.
+  Eigen::Vector3d size_m{0, 0, 0};
+  int num_faces = 0;                       ///< Of the model; 0 for a fragment.
+  std::optional<double> support_height_m;  ///< Of what it stood on, above the floor.
+};
+
 /// What crosses to the window.
 struct AnnotationSnapshot {
   enum class State { kOpening, kReady, kFailed };
@@ -189,7 +200,8 @@ struct AnnotationSnapshot {
   std::optional<PlacementView> placement;
   std::optional<RefinementView> refinement;
   std::optional<SequenceAlignmentView> sequence_alignment;
-  std::uint64_t proposal_number = 0;  ///< Changes with the four above.
+  std::optional<CropView> crop;
+  std::uint64_t proposal_number = 0;  ///< Changes with the five above.
 
   bool has_sequence = false, sequence_registered = false;
   int num_frames = 0;
@@ -207,7 +219,9 @@ struct AnnotationSnapshot {
     }
     return nullptr;
   }
-  bool HasProposal() const { return floor || placement || refinement || sequence_alignment; }
+  bool HasProposal() const {
+    return floor || placement || refinement || sequence_alignment || crop;
+  }
   const InstanceView* Selected() const { return selected.empty() ? nullptr : Find(selected); }
   const AnnotationModel* Model(int index) const {
     return index < 0 || index >= static_cast<int>(models->size())

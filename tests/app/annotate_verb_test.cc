@@ -118,6 +118,28 @@ TEST_F(AnnotateVerb, TakesTheObjectsOfARunAsDrafts) {
   EXPECT_EQ(Run("export room.json --format run --out again"), 2);
 }
 
+TEST_F(AnnotateVerb, RegistersASequenceToTheScanAndExportsWhereItIs) {
+  // A quarter turn about up, and 3 m along x.
+  Write("pairs.json", R"([{"in_scan": [3, 0, 0], "in_world": [0, 0, 0]},
+      {"in_scan": [3, 2, 0.5], "in_world": [2, 0, 0.5]},
+      {"in_scan": [2, 0, 1], "in_world": [0, 1, 1]}])");
+  ASSERT_EQ(Run("register room.json --pairs pairs.json --json found.json"), 0) << Output();
+  const nlohmann::json found = Json("found.json");
+  EXPECT_LT(found["residuals"][1], 1e-6);
+  const nlohmann::json pose = Json("room.json")["scan_from_world"];
+  EXPECT_EQ(pose, found["scan_from_world"]);
+  EXPECT_NEAR(pose[0][1], -1, 1e-7);
+  EXPECT_NEAR(pose[0][3], 3, 1e-6);
+  ASSERT_EQ(Run("export room.json --format visma --out visma"), 0) << Output();
+  const nlohmann::json written = Json("visma/result_alignment.json")["T_ef_corvis"];
+  ASSERT_EQ(written.size(), 12u);
+  EXPECT_EQ(written[3], pose[0][3]);
+  Write("one.json", R"([{"in_scan": [3, 0, 0], "in_world": [0, 0, 0]}])");
+  EXPECT_EQ(Run("register room.json --pairs one.json"), 1);
+  EXPECT_NE(Output().find("two pairs"), std::string::npos) << Output();
+  EXPECT_NE(Run("register room.json"), 0) << "by what?";
+}
+
 TEST_F(AnnotateVerb, CutsAModelOutOfTheScan) {
   // A chair on a floor, both in many triangles; the floor reaches beyond the box.
   TriangleMesh scan;

@@ -386,6 +386,51 @@ TEST_F(AnnotateWindow, TakesDraftsOfARunMendsOneAcceptsItAndUndoesThemAsOne) {
   EXPECT_THAT(PoseOf(mended), IsometryNear(scene_.scan_from_armchair, 0.2, 0.003));
 }
 
+TEST_F(AnnotateWindow, CutsAFragmentOutByABoxOrALineAndSaysWhatCannotBeCut) {
+  ASSERT_EQ(Run(std::string(kFloor) + R"(
+      {"click": "annotate.tool.cut"},
+      {"wait_for": {"annotate.tool": "cut"}},
+      {"drag": "annotate.view", "from": [0.52, 0.30], "to": [0.66, 0.55]},
+      {"wait_for": {"annotate.proposal": "crop", "annotate.running": false}},
+      {"wait_frames": 3},
+      {"dump_state": "model.json"},
+      {"click": "crop.fragment"},
+      {"click": "crop.name"},
+      {"key": "end"},
+      {"text": "_0"},
+      {"click": "crop.again"},
+      {"wait_for": {"annotate.crop": "cutout_0", "annotate.running": false}},
+      {"wait_frames": 3},
+      {"dump_state": "box.json"},
+      {"screenshot": "box.png"},
+      {"click": "proposal.cancel"},
+      {"wait_for": {"annotate.proposal": ""}},
+      {"click": "annotate.view", "at": [0.52, 0.30]},
+      {"click": "annotate.view", "at": [0.66, 0.30]},
+      {"click": "annotate.view", "at": [0.66, 0.55]},
+      {"click": "annotate.view", "at": [0.52, 0.55]},
+      {"wait_frames": 2},
+      {"key": "enter"},
+      {"wait_for": {"annotate.proposal": "crop", "annotate.running": false}},
+      {"wait_frames": 3},
+      {"dump_state": "line.json"},
+      {"key": "enter"},
+      {"wait_for": {"annotate.proposal": "", "annotate.tool": "select"}},
+      {"dump_state": "taken.json"},
+      {"key": "z", "control": true},
+      {"wait_for": {"annotate.undo": "Set gravity"}})"),
+            0)
+      << Errors();
+  EXPECT_THAT(State("model.json")["crop"]["problem"].get<std::string>(), HasSubstr("fragment"))
+      << "points have no surface";
+  const json box = State("box.json")["crop"], line = State("line.json")["crop"];
+  EXPECT_EQ(box["problem"], "");
+  EXPECT_EQ(box["id"], "cutout_0");
+  EXPECT_GT(box["points"], 3000);
+  EXPECT_NEAR(line["points"], box["points"].get<double>(), 0.02 * box["points"].get<double>());
+  EXPECT_NE(State("taken.json")["undo"], "Set gravity");
+}
+
 TEST_F(AnnotateWindow, SaysWhatItRecoveredAndWhatIsWrong) {
   ASSERT_EQ(Run(std::string(kFloor) + R"({"wait_frames": 2})"), 0) << Errors();  // not saved
   ASSERT_EQ(Run(R"(

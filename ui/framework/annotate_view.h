@@ -16,7 +16,7 @@
 namespace plumbline {
 
 /// What a click in the 3-D view of the Annotate workspace does.
-enum class AnnotateTool { kSelect, kFloor, kPlace, kSequence };
+enum class AnnotateTool { kSelect, kFloor, kPlace, kSequence, kCut };
 
 /// A pose on its way: shown, but not yet an edit.
 struct PendingPose {
@@ -43,12 +43,17 @@ struct AnnotateView {
   std::optional<Eigen::Isometry3d> copied;      ///< Pose in the scan's frame.
   std::optional<Eigen::Vector3d> pick_in_scan;  ///< Half a pair: the frame's half is missing, ...
   std::optional<Eigen::Vector2d> pick_pixel;    ///< ... or the scan's. Of the frame that is shown.
-  std::string map_points, mapped_run;           ///< Paths that are being typed.
-  std::string save_as, run;                     ///< Paths that are being typed.
-  bool focus = false;                           ///< In this frame: the view turns to the selection.
-  std::optional<Eigen::Vector3d> look_from;     ///< In this frame: the view looks at the selection
-                                                ///< from this point of the scan.
-  bool reset = false;                           ///< In this frame: the view shows everything.
+  std::vector<Eigen::Vector2d> lasso;           ///< Corners in the view [px] of what is cut out.
+  bool lasso_closed = false;
+  Eigen::Vector2d view_px{1, 1};  ///< Size of the 3-D view.
+  std::string crop_id = "cutout", crop_category = "object";
+  bool crop_fragment = false;
+  std::string map_points, mapped_run;        ///< Paths that are being typed.
+  std::string save_as, run;                  ///< Paths that are being typed.
+  bool focus = false;                        ///< In this frame: the view turns to the selection.
+  std::optional<Eigen::Vector3d> look_from;  ///< In this frame: the view looks at the selection
+                                             ///< from this point of the scan.
+  bool reset = false;                        ///< In this frame: the view shows everything.
 };
 
 /// What the 3-D view of the Annotate workspace shows.

@@ -86,7 +86,11 @@ bool PostAnswer(const FrameContext& context, CommandSink& sink) {
   const AnnotationSnapshot& snapshot = *context.annotation;
   AnnotateView& view = *context.annotate;
   if (ImGui::IsKeyPressed(keys::kEscape, false)) {
-    if (snapshot.HasProposal()) {
+    if (view.tool == AnnotateTool::kCut && !view.lasso.empty()) {
+      view.lasso.clear();
+      view.lasso_closed = false;
+      sink.Post(CancelProposalCommand{});
+    } else if (snapshot.HasProposal()) {
       sink.Post(CancelProposalCommand{});
     } else if (view.tool != AnnotateTool::kSelect) {
       view.tool = AnnotateTool::kSelect;
@@ -95,13 +99,19 @@ bool PostAnswer(const FrameContext& context, CommandSink& sink) {
     }
     return true;
   }
+  if (view.tool == AnnotateTool::kCut && !view.lasso_closed &&
+      ImGui::IsKeyPressed(keys::kEnter, false)) {
+    ProposeCrop(context, sink);
+    return true;
+  }
   if (!snapshot.HasProposal()) return false;
   if (ImGui::IsKeyPressed(keys::kEnter, false)) {
     if (snapshot.floor) {
       view.tool = AnnotateTool::kSelect;
       view.reset = true;
     }
-    if (snapshot.sequence_alignment) view.tool = AnnotateTool::kSelect;
+    if (snapshot.sequence_alignment || (snapshot.crop && snapshot.crop->problem.empty()))
+      view.tool = AnnotateTool::kSelect;
     sink.Post(AcceptProposalCommand{view.candidate});
   }
   if (snapshot.placement) {
@@ -142,6 +152,23 @@ void PlaceAgain(const FrameContext& context, CommandSink& sink) {
   context.annotate->candidate = 0;
   sink.Post(PlaceAgainCommand{instance->id, context.annotate_scene->camera().azimuth_rad,
                               context.annotate->on_floor});
+}
+
+void ProposeCrop(const FrameContext& context, CommandSink& sink) {
+  AnnotateView& view = *context.annotate;
+  if (view.lasso.size() < 3) return;
+  view.lasso_closed = true;
+  const AnnotateSurface& scene = *context.annotate_scene;
+  const SceneCamera camera = scene.camera();
+  Eigen::Isometry3d level_from_cam = Eigen::Isometry3d::Identity();
+  const Vector3d flip(1, -1, -1);  // x right, y down, z ahead
+  level_from_cam.linear() = (flip.asDiagonal() * camera.view_from_world).transpose();
+  level_from_cam.translation() = scene.Sight(0, 0).eye;
+  ProposeCropCommand command{view.crop_id, view.crop_category, view.crop_fragment, view.lasso};
+  command.scan_from_cam = context.annotation->level_from_scan.inverse() * level_from_cam;
+  command.focal_px = 0.5 * view.view_px.y() / std::tan(0.5 * camera.view_angle_rad);
+  command.center_px = 0.5 * view.view_px - Eigen::Vector2d(0.5, 0.5);
+  sink.Post(command);
 }
 
 void Duplicate(const FrameContext& context, CommandSink& sink) {

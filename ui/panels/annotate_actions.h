@@ -14,6 +14,8 @@ namespace plumbline {
 /// All azimuths again for the selected object.
 void PlaceAgain(const FrameContext& context, CommandSink& sink);
 /// A copy of the selected object beside it.
+/// Proposes to cut out what is inside the line that was drawn in the 3-D view.
+void ProposeCrop(const FrameContext& context, CommandSink& sink);
 void Duplicate(const FrameContext& context, CommandSink& sink);
 
 /// For the help sheet.

@@ -28,6 +28,7 @@ class AnnotateFramePanel : public Panel {
     const AnnotationSnapshot& snapshot = *context.annotation;
     if (snapshot.num_frames == 0) return;
     int frame = snapshot.frame ? snapshot.frame->frame : 0;
+    ImGui::SetCursorPosY(ImGui::GetCursorPosY() - context.Scaled(2));
     ImGui::SetNextItemWidth(context.Scaled(320));
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {context.Scaled(4), context.Scaled(1)});
     if (ImGui::SliderInt("##frame.number", &frame, 0, snapshot.num_frames - 1, "%d")) {

@@ -20,6 +20,7 @@ std::unique_ptr<Panel> MakeAnnotateFloorPanel();
 std::unique_ptr<Panel> MakeAnnotateCandidatesPanel();
 std::unique_ptr<Panel> MakeAnnotateRefinementPanel();
 std::unique_ptr<Panel> MakeAnnotateInstancePanel();
+std::unique_ptr<Panel> MakeAnnotateCropPanel();
 std::unique_ptr<Panel> MakeAnnotateSequencePanel();
 /// Stands in the place of the images while a sequence is registered.
 std::unique_ptr<Panel> MakeAnnotateFramePanel();

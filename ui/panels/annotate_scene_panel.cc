@@ -6,6 +6,7 @@
 
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
+#include "ui/panels/annotate_actions.h"
 #include "ui/panels/annotate_gizmo.h"
 #include "ui/panels/annotate_panels.h"
 #include "ui/panels/scene_mouse.h"
@@ -63,6 +64,8 @@ class AnnotateScenePanel : public Panel {
            "Where the sequence is in the scan: register it by pairs of points, by the points of "
            "its map or by its objects.");
     }
+    tool(AnnotateTool::kCut, "annotate.tool.cut", "Cut out",
+         "An object of the scan becomes a model of the database or a VISMA fragment.");
     float width = 0;
     for (const LayerToggle& layer : kLayers) {
       width += ToggleWidth(context, layer.label) + context.Scaled(3);
@@ -102,8 +105,12 @@ class AnnotateScenePanel : public Panel {
     ImGui::SetItemAllowOverlap();
     LogItem(context, "annotate.view");
     const bool held = gizmo_.Handle(context, low, sink);
-    const bool moving = MoveView(scene, low, held);
+    view.view_px = {static_cast<double>(width), static_cast<double>(height)};
+    const bool cuts = view.tool == AnnotateTool::kCut;
+    const bool moving = MoveView(scene, low, held || cuts);
     if (!held && WasClicked()) Click(context, low, sink);
+    const auto box = cuts ? DragBox(context, low, sink) : std::nullopt;
+    ForgetLasso(context);
     const bool hovers = MoveGhost(context, low);
     const ImTextureID texture = scene.Texture(width, height, moving || held || hovers);
     ImGui::GetWindowDrawList()->AddImageRounded(texture, low, high, {0, 1}, {1, 0}, IM_COL32_WHITE,
@@ -111,6 +118,7 @@ class AnnotateScenePanel : public Panel {
     gizmo_.Draw(context, low, high);
     DrawTriad(context, scene.camera().view_from_world, low, high);
     DrawPicks(context, low, high);
+    DrawLasso(context, low, box);
     DrawLabels(context, low, high);
     DrawNotices(context, low, high, sink);
   }
@@ -134,6 +142,7 @@ class AnnotateScenePanel : public Panel {
       sink.Post(SelectInstanceCommand{scene.PickInstance(x, y)});
       return;
     }
+    if (view.tool == AnnotateTool::kCut) return AddCorner(context, {x, y}, sink);
     const auto point =
         view.tool == AnnotateTool::kPlace ? PlaceAt(context, x, y) : scene.PickScan(x, y);
     if (!point) return;
@@ -156,6 +165,75 @@ class AnnotateScenePanel : public Panel {
       view.pick_pixel.reset();
     } else {
       view.pick_in_scan = in_scan;
+    }
+  }
+
+  /// A click: another corner of the line, or the first one again to close it.
+  static void AddCorner(const FrameContext& context, const Eigen::Vector2d& at, CommandSink& sink) {
+    AnnotateView& view = *context.annotate;
+    if (view.lasso_closed) {
+      view.lasso.clear();
+      view.lasso_closed = false;
+      sink.Post(CancelProposalCommand{});
+    }
+    if (view.lasso.size() > 2 && (view.lasso.front() - at).norm() < context.Scaled(8)) {
+      return ProposeCrop(context, sink);
+    }
+    view.lasso.push_back(at);
+  }
+
+  /// The box that is being dragged, in pixels of the view; proposed when the button is let go.
+  static std::optional<Eigen::AlignedBox2d> DragBox(const FrameContext& context, ImVec2 low,
+                                                    CommandSink& sink) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const ImVec2 from = io.MouseClickedPos[ImGuiMouseButton_Left];
+    Eigen::AlignedBox2d box;
+    for (const ImVec2& corner : {from, io.MousePos}) {
+      box.extend(Eigen::Vector2d(corner.x - low.x, corner.y - low.y));
+    }
+    if (box.sizes().minCoeff() < 4) return std::nullopt;
+    if (ImGui::IsItemActive() && ImGui::IsMouseDown(ImGuiMouseButton_Left)) return box;
+    if (!ImGui::IsItemDeactivated() || !ImGui::IsMouseReleased(ImGuiMouseButton_Left)) {
+      return std::nullopt;
+    }
+    AnnotateView& view = *context.annotate;
+    const Eigen::Vector2d a = box.min(), b = box.max();
+    view.lasso = {a, {b.x(), a.y()}, b, {a.x(), b.y()}};
+    ProposeCrop(context, sink);
+    return std::nullopt;
+  }
+
+  /// The line belongs to the view in which it was drawn.
+  void ForgetLasso(const FrameContext& context) {
+    AnnotateView& view = *context.annotate;
+    Eigen::Matrix<double, 3, 5> now;
+    now << context.annotate_scene->camera().view_from_world,
+        context.annotate_scene->Sight(0, 0).eye,
+        Eigen::Vector3d(view.view_px.x(), view.view_px.y(), 0);
+    if (now == lasso_view_ && view.tool == AnnotateTool::kCut) return;
+    lasso_view_ = now;
+    view.lasso.clear();
+    view.lasso_closed = false;
+  }
+
+  static void DrawLasso(const FrameContext& context, ImVec2 low,
+                        const std::optional<Eigen::AlignedBox2d>& box) {
+    const AnnotateView& view = *context.annotate;
+    ImDrawList& draw = *ImGui::GetWindowDrawList();
+    const auto at = [&](const Eigen::Vector2d& p) {
+      return ImVec2(low.x + static_cast<float>(p.x()), low.y + static_cast<float>(p.y()));
+    };
+    if (box) {
+      draw.AddRectFilled(at(box->min()), at(box->max()), WithAlpha(colors::kAccent, 0.15));
+      draw.AddRect(at(box->min()), at(box->max()), colors::kAccent);
+    }
+    std::vector<ImVec2> points;
+    for (const Eigen::Vector2d& corner : view.lasso) points.push_back(at(corner));
+    draw.AddPolyline(points.data(), static_cast<int>(points.size()), colors::kAccent,
+                     view.lasso_closed ? ImDrawFlags_Closed : 0, context.Scaled(1.5f));
+    if (view.lasso_closed) return;
+    for (const ImVec2& point : points) {
+      draw.AddCircleFilled(point, context.Scaled(3), colors::kAccent);
     }
   }
 
@@ -218,6 +296,11 @@ class AnnotateScenePanel : public Panel {
     if (snapshot.placement) return "Choose a candidate: Enter takes it, Esc drops it.";
     if (snapshot.floor) return "Is this the floor? Enter takes it, Esc drops it.";
     if (view.tool == AnnotateTool::kFloor) return "Click on the floor.";
+    if (snapshot.crop) return "Is this the object? Enter takes it, Esc drops it.";
+    if (view.tool == AnnotateTool::kCut) {
+      return view.lasso.empty() ? "Drag a box around the object, or click corners around it."
+                                : "Click the next corner; Enter closes the line.";
+    }
     if (snapshot.sequence_alignment) return "Is the path right? Enter takes it, Esc drops it.";
     if (view.tool == AnnotateTool::kSequence) {
       return view.pick_in_scan ? "Now click the same point in the frame below."
@@ -273,6 +356,7 @@ class AnnotateScenePanel : public Panel {
   }
 
   AnnotateGizmo gizmo_;
+  Eigen::Matrix<double, 3, 5> lasso_view_ = Eigen::Matrix<double, 3, 5>::Zero();
   std::optional<GhostModel> ghost_;
   ImVec2 ghost_at_{-1, -1};
 };

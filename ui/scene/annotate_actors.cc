@@ -239,7 +239,9 @@ void AnnotateActors::ShowInstances(const AnnotateContent& content) {
 void AnnotateActors::ShowProposals(const AnnotateContent& content) {
   const AnnotationSnapshot& snapshot = *content.snapshot;
   const auto& floor = snapshot.floor;
-  ShowPoints(inliers_, floor ? floor->inliers.get() : nullptr, level_from_scan_);
+  const auto& crop = snapshot.crop;
+  const auto* shown = floor ? floor->inliers.get() : crop ? crop->points.get() : nullptr;
+  ShowPoints(inliers_, shown, level_from_scan_);
   ShowPoints(outliers_, floor ? floor->outliers.get() : nullptr, level_from_scan_);
   if (const auto& placement = snapshot.placement; placement && !placement->candidates.empty()) {
     const auto chosen = static_cast<std::size_t>(
