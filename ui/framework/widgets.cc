@@ -192,6 +192,22 @@ void SmallText(const FrameContext& context, ImU32 color, const char* format, ...
   va_end(arguments);
 }
 
+void WrappedText(ImU32 color, const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, color);
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+}
+
+void TableRow(const char* name, const std::string& value, const std::string& more) {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  DimText("%s", name);
+  ImGui::TableNextColumn();
+  ImGui::TextUnformatted(value.c_str());
+  ImGui::TableNextColumn();
+  DimText("%s", more.c_str());
+}
+
 ImVec2 PictureLabels::SizeOf(const std::string& text) const {
   ImFont* font = context_.fonts.small;
   const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str());

@@ -41,6 +41,9 @@ void Bar(ImVec2 size, double share, ImU32 color);
 
 void DimText(const char* format, ...) IM_FMTARGS(1);
 void SmallText(const FrameContext& context, ImU32 color, const char* format, ...) IM_FMTARGS(3);
+void WrappedText(ImU32 color, const std::string& text);
+/// A row of a table with three columns: what, its value, and what qualifies it (dim).
+void TableRow(const char* name, const std::string& value, const std::string& more = "");
 
 /// Labels with a dark ground in a picture, placed so that they do not cover one another where that
 /// can be helped.

@@ -11,12 +11,6 @@
 namespace plumbline {
 namespace {
 
-void Wrapped(ImU32 color, const char* text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, color);
-  ImGui::TextWrapped("%s", text);
-  ImGui::PopStyleColor();
-}
-
 class AnnotateCropPanel : public Panel {
  public:
   const char* Id() const override { return "annotate_crop"; }
@@ -29,9 +23,9 @@ class AnnotateCropPanel : public Panel {
   void Draw(const FrameContext& context, CommandSink& sink) override {
     AnnotateView& view = *context.annotate;
     ImGui::BeginChild("crop", {0, 0});
-    Wrapped(colors::kDimText,
-            "Turn the scan so that nothing stands before or behind the object, then drag a box "
-            "around it, or click the corners of a line around it and press Enter.");
+    WrappedText(colors::kDimText,
+                "Turn the scan so that nothing stands before or behind the object, then drag a box "
+                "around it, or click the corners of a line around it and press Enter.");
     ImGui::Dummy({0, context.Scaled(4)});
     Field(context, "crop.name", "Name", view.crop_id,
           "Of the model, or of the fragment: <model>_<N>. Letters, digits, - _ and dots.");
@@ -74,7 +68,7 @@ class AnnotateCropPanel : public Panel {
   static void DrawProposal(const FrameContext& context, const CropView& crop, CommandSink& sink) {
     const bool good = !crop.running && crop.problem.empty();
     if (crop.running) DimText("cutting it out ...");
-    if (!crop.problem.empty()) Wrapped(colors::kWarning, crop.problem.c_str());
+    if (!crop.problem.empty()) WrappedText(colors::kWarning, crop.problem);
     if (good) {
       ImGui::TextUnformatted(crop.id.c_str());
       DimText("%.2f x %.2f x %.2f m", crop.size_m.x(), crop.size_m.y(), crop.size_m.z());

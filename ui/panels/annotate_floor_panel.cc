@@ -9,12 +9,6 @@
 namespace plumbline {
 namespace {
 
-void Wrapped(const char* text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, colors::kDimText);
-  ImGui::TextWrapped("%s", text);
-  ImGui::PopStyleColor();
-}
-
 class AnnotateFloorPanel : public Panel {
  public:
   const char* Id() const override { return "annotate_floor"; }
@@ -36,8 +30,9 @@ class AnnotateFloorPanel : public Panel {
  private:
   void DrawWays(const FrameContext& context, CommandSink& sink) {
     const AnnotationSnapshot& snapshot = *context.annotation;
-    Wrapped(snapshot.floor_known ? "The floor is known. Find it again:"
-                                 : "Objects stand upright, so first: where is the floor?");
+    WrappedText(colors::kDimText, snapshot.floor_known
+                                      ? "The floor is known. Find it again:"
+                                      : "Objects stand upright, so first: where is the floor?");
     ImGui::Dummy({0, context.Scaled(4)});
     const ImVec2 wide(ImGui::GetContentRegionAvail().x, 0);
     const bool picks = context.annotate->tool == AnnotateTool::kFloor;
@@ -56,7 +51,7 @@ class AnnotateFloorPanel : public Panel {
             "may be a wall.");
     ImGui::EndDisabled();
     ImGui::Dummy({0, context.Scaled(6)});
-    Wrapped("Or type which way is up in the scan's file:");
+    WrappedText(colors::kDimText, "Or type which way is up in the scan's file:");
     ImGui::SetNextItemWidth(wide.x);
     ImGui::InputScalarN("##floor.up", ImGuiDataType_Double, typed_.data(), 3, nullptr, nullptr,
                         "%.4f");
@@ -89,9 +84,9 @@ class AnnotateFloorPanel : public Panel {
       ImGui::TableNextColumn();
       ImGui::TextUnformatted(value.c_str());
     };
-    Wrapped(
-        "Green points are taken for the floor, red ones are close to it but not on it. Is "
-        "this the floor?");
+    WrappedText(colors::kDimText,
+                "Green points are taken for the floor, red ones are close to it but not on it. Is "
+                "this the floor?");
     ImGui::Dummy({0, context.Scaled(2)});
     if (ImGui::BeginTable("floor.table", 2, ImGuiTableFlags_SizingFixedFit)) {
       const Eigen::Vector3d& up = floor.up_in_scan;

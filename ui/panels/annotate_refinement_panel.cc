@@ -13,24 +13,13 @@
 namespace plumbline {
 namespace {
 
-void Row(const char* name, const std::string& value, const std::string& more = "") {
-  ImGui::TableNextRow();
-  ImGui::TableNextColumn();
-  DimText("%s", name);
-  ImGui::TableNextColumn();
-  ImGui::TextUnformatted(value.c_str());
-  ImGui::TableNextColumn();
-  DimText("%s", more.c_str());
-}
-
 class AnnotateRefinementPanel : public Panel {
  public:
   const char* Id() const override { return "annotate_refinement"; }
   const char* Title() const override { return "Refine"; }
   const char* Help() const override {
     return "The model is aligned from where it is, upright all the while: to the scan (colours "
-           "show "
-           "how far its surface is from it), or to the edges in the images.";
+           "show how far its surface is from it), or to the edges in the images.";
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
@@ -46,21 +35,21 @@ class AnnotateRefinementPanel : public Panel {
                       ? fmt::format("converged after {} iterations", refinement.iteration).c_str()
                       : fmt::format("stopped after {} iterations", refinement.iteration).c_str());
     if (!refinement.problem.empty()) {
-      ImGui::PushStyleColor(ImGuiCol_Text, colors::kWarning);
-      ImGui::TextWrapped("%s", refinement.problem.c_str());
-      ImGui::PopStyleColor();
+      WrappedText(colors::kWarning, refinement.problem);
     }
     ImGui::Dummy({0, context.Scaled(2)});
     if (ImGui::BeginTable("refinement.table", 3, ImGuiTableFlags_SizingFixedFit)) {
-      Row("Azimuth", fmt::format("{:+.2f}\u00b0", refinement.azimuth_rad * kDegreesPerRadian),
+      TableRow(
+          "Azimuth", fmt::format("{:+.2f}\u00b0", refinement.azimuth_rad * kDegreesPerRadian),
           refinement.azimuth_std_rad > 0
               ? fmt::format("\u00b1 {:.2f}\u00b0", refinement.azimuth_std_rad * kDegreesPerRadian)
               : "");
-      Row("Along the floor", fmt::format("{:.1f} mm", 1000 * refinement.horizontal_m),
-          refinement.horizontal_std_m > 0
-              ? fmt::format("\u00b1 {:.1f} mm", 1000 * refinement.horizontal_std_m)
-              : "");
-      Row("Height",
+      TableRow("Along the floor", fmt::format("{:.1f} mm", 1000 * refinement.horizontal_m),
+               refinement.horizontal_std_m > 0
+                   ? fmt::format("\u00b1 {:.1f} mm", 1000 * refinement.horizontal_std_m)
+                   : "");
+      TableRow(
+          "Height",
           fmt::format("{:+.1f} mm",
                       1000 * (std::abs(refinement.height_m) < 5e-5 ? 0.0 : refinement.height_m)),
           refinement.height_std_m > 0
@@ -88,16 +77,16 @@ class AnnotateRefinementPanel : public Panel {
  private:
   static void DrawFit(const RefinementView& refinement) {
     if (refinement.by_images) {
-      Row("On edges", fmt::format("{:.0f} %", 100 * refinement.agreement),
-          fmt::format("was {:.0f} %", 100 * refinement.agreement_before));
-      Row("Edges are off by", fmt::format("{:.1f} px", refinement.offset_px),
-          fmt::format("was {:.1f}", refinement.offset_before_px));
+      TableRow("On edges", fmt::format("{:.0f} %", 100 * refinement.agreement),
+               fmt::format("was {:.0f} %", 100 * refinement.agreement_before));
+      TableRow("Edges are off by", fmt::format("{:.1f} px", refinement.offset_px),
+               fmt::format("was {:.1f}", refinement.offset_before_px));
       return;
     }
-    Row("Fits", fmt::format("{:.0f} %", 100 * refinement.fitness),
-        fmt::format("was {:.0f} %", 100 * refinement.fitness_before));
-    Row("Distance", fmt::format("{:.1f} mm rms", 1000 * refinement.rmse_m),
-        fmt::format("was {:.1f}", 1000 * refinement.rmse_before_m));
+    TableRow("Fits", fmt::format("{:.0f} %", 100 * refinement.fitness),
+             fmt::format("was {:.0f} %", 100 * refinement.fitness_before));
+    TableRow("Distance", fmt::format("{:.1f} mm rms", 1000 * refinement.rmse_m),
+             fmt::format("was {:.1f}", 1000 * refinement.rmse_before_m));
   }
 
   static void DrawLegend(const FrameContext& context) {

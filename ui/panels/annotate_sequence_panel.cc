@@ -13,12 +13,6 @@ namespace {
 
 using How = AlignSequenceCommand::How;
 
-void Wrapped(ImU32 color, const char* text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, color);
-  ImGui::TextWrapped("%s", text);
-  ImGui::PopStyleColor();
-}
-
 class AnnotateSequencePanel : public Panel {
  public:
   const char* Id() const override { return "annotate_sequence"; }
@@ -42,19 +36,20 @@ class AnnotateSequencePanel : public Panel {
   static void DrawWays(const FrameContext& context, CommandSink& sink) {
     AnnotateView& view = *context.annotate;
     const AnnotationSnapshot& snapshot = *context.annotation;
-    Wrapped(colors::kDimText, snapshot.sequence_registered
-                                  ? "The sequence is registered to the scan. Do it again:"
-                                  : "The sequence counts as being in the scan's frame. If it is "
-                                    "not, register it:");
+    WrappedText(colors::kDimText,
+                snapshot.sequence_registered
+                    ? "The sequence is registered to the scan. Do it again:"
+                    : "The sequence counts as being in the scan's frame. If it is "
+                      "not, register it:");
     ImGui::Dummy({0, context.Scaled(6)});
     SmallText(context, colors::kAccent, "By pairs");
-    Wrapped(colors::kDimText,
-            "Click a point in the scan and the same point in a frame, three or more, far apart.");
+    WrappedText(
+        colors::kDimText,
+        "Click a point in the scan and the same point in a frame, three or more, far apart.");
     DrawPairs(context, sink);
     ImGui::BeginDisabled(snapshot.pairs.size() < 2);
     if (Button(context, "sequence.by_pairs", "Register by pairs",
-               "Proposes it; nothing changes "
-               "yet.")) {
+               "Proposes it; nothing changes yet.")) {
       sink.Post(AlignSequenceCommand{How::kPairs, ""});
     }
     ImGui::EndDisabled();
@@ -111,21 +106,11 @@ class AnnotateSequencePanel : public Panel {
     if ((entered || clicked) && !path.empty()) sink.Post(AlignSequenceCommand{how, path});
   }
 
-  static void Row(const char* name, const std::string& value, const std::string& more = "") {
-    ImGui::TableNextRow();
-    ImGui::TableNextColumn();
-    DimText("%s", name);
-    ImGui::TableNextColumn();
-    ImGui::TextUnformatted(value.c_str());
-    ImGui::TableNextColumn();
-    DimText("%s", more.c_str());
-  }
-
   static void DrawProposal(const FrameContext& context, const SequenceAlignmentView& proposal,
                            CommandSink& sink) {
     ImGui::Text("By %s", proposal.how.c_str());
     if (proposal.running) DimText("looking for it ...");
-    if (!proposal.problem.empty()) Wrapped(colors::kWarning, proposal.problem.c_str());
+    if (!proposal.problem.empty()) WrappedText(colors::kWarning, proposal.problem);
     const bool good = !proposal.running && proposal.problem.empty();
     ImGui::Dummy({0, context.Scaled(2)});
     if (good) DrawNumbers(context, proposal);
@@ -147,13 +132,13 @@ class AnnotateSequencePanel : public Panel {
 
   static void DrawNumbers(const FrameContext& context, const SequenceAlignmentView& proposal) {
     if (!ImGui::BeginTable("sequence.table", 3, ImGuiTableFlags_SizingFixedFit)) return;
-    Row("Turns by", fmt::format("{:.2f}\u00b0", proposal.turn_rad * kDegreesPerRadian),
-        fmt::format("\u00b1 {:.2f}\u00b0", proposal.azimuth_std_rad * kDegreesPerRadian));
-    Row("Cameras move", fmt::format("{:.1f} cm", 100 * proposal.shift_m),
-        fmt::format("\u00b1 {:.1f} cm", 100 * proposal.position_std_m.norm()));
+    TableRow("Turns by", fmt::format("{:.2f}\u00b0", proposal.turn_rad * kDegreesPerRadian),
+             fmt::format("\u00b1 {:.2f}\u00b0", proposal.azimuth_std_rad * kDegreesPerRadian));
+    TableRow("Cameras move", fmt::format("{:.1f} cm", 100 * proposal.shift_m),
+             fmt::format("\u00b1 {:.1f} cm", 100 * proposal.position_std_m.norm()));
     if (proposal.rmse_m > 0) {
-      Row("Residual", fmt::format("{:.1f} cm rms", 100 * proposal.rmse_m),
-          fmt::format("{:.0f} % used", 100 * proposal.share));
+      TableRow("Residual", fmt::format("{:.1f} cm rms", 100 * proposal.rmse_m),
+               fmt::format("{:.0f} % used", 100 * proposal.share));
     }
     ImGui::EndTable();
     LogItem(context, "sequence.table");

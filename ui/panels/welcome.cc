@@ -17,19 +17,14 @@ void Headline(const FrameContext& context, const char* text) {
   ImGui::PopFont();
 }
 
-void Wrapped(ImU32 color, const std::string& text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, color);
-  ImGui::TextWrapped("%s", text.c_str());
-  ImGui::PopStyleColor();
-}
-
 void DrawWays(const FrameContext& context, CommandSink& sink) {
-  Wrapped(colors::kDimText,
-          "Drop the folder of a sequence or a recorded run (.plb) onto this window, or name it on "
-          "the command line:");
+  WrappedText(
+      colors::kDimText,
+      "Drop the folder of a sequence or a recorded run (.plb) onto this window, or name it on "
+      "the command line:");
   ImGui::Indent(context.Scaled(14));
-  Wrapped(colors::kText, "plumbline gui SEQUENCE");
-  Wrapped(colors::kText, "plumbline gui RUN.plb");
+  WrappedText(colors::kText, "plumbline gui SEQUENCE");
+  WrappedText(colors::kText, "plumbline gui RUN.plb");
   ImGui::Unindent(context.Scaled(14));
   ImGui::Dummy({0, context.Scaled(6)});
   ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
@@ -59,19 +54,20 @@ void DrawRecent(const FrameContext& context, CommandSink& sink) {
 void DrawAnnotateWelcome(const FrameContext& context) {
   if (context.annotation == nullptr) {
     Headline(context, "No scan is open");
-    Wrapped(colors::kDimText,
-            "Drop a scan (.ply, .pcd, .obj) or an annotation project (.json) onto this window, or "
-            "name it "
-            "on the command line:");
+    WrappedText(
+        colors::kDimText,
+        "Drop a scan (.ply, .pcd, .obj) or an annotation project (.json) onto this window, or "
+        "name it "
+        "on the command line:");
     ImGui::Indent(context.Scaled(14));
-    Wrapped(colors::kText, "plumbline gui SCAN.ply --models FOLDER");
-    Wrapped(colors::kText, "plumbline gui PROJECT.json");
+    WrappedText(colors::kText, "plumbline gui SCAN.ply --models FOLDER");
+    WrappedText(colors::kText, "plumbline gui PROJECT.json");
     ImGui::Unindent(context.Scaled(14));
     return;
   }
   const bool failed = !context.annotation->failure.empty();
   Headline(context, failed ? "This could not be opened" : "Opening");
-  if (failed) Wrapped(colors::kBad, context.annotation->failure);
+  if (failed) WrappedText(colors::kBad, context.annotation->failure);
 }
 
 }  // namespace
@@ -96,16 +92,17 @@ void DrawWelcome(const FrameContext& context, const LayoutRect& rect, CommandSin
     DrawRecent(context, sink);
   } else if (failed) {
     Headline(context, "This could not be opened");
-    Wrapped(colors::kDimText, context.source);
+    WrappedText(colors::kDimText, context.source);
     ImGui::Dummy({0, context.Scaled(2)});
-    Wrapped(colors::kBad, context.playback->message);
+    WrappedText(colors::kBad, context.playback->message);
     ImGui::Dummy({0, context.Scaled(10)});
     DrawWays(context, sink);
   } else {
     Headline(context, "Opening");
-    Wrapped(colors::kDimText, context.source == kDemoPath ? "the built-in demo" : context.source);
+    WrappedText(colors::kDimText,
+                context.source == kDemoPath ? "the built-in demo" : context.source);
     ImGui::Dummy({0, context.Scaled(6)});
-    Wrapped(colors::kText, context.playback->message);
+    WrappedText(colors::kText, context.playback->message);
   }
   ImGui::End();
   ImGui::PopStyleVar(2);
