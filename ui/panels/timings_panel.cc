@@ -80,12 +80,15 @@ class TimingsPanel : public Panel {
       if (timing.stage == "weigh") weigh_ms = timing.milliseconds;
     }
     for (const ObjectReport& object : context.snapshot->report.objects) {
-      if (object.weighed && object.particles != nullptr) hypotheses += object.particles->size();
+      // Birth has a stage of its own.
+      const bool born_now = object.first_frame == context.snapshot->report.frame;
+      if (object.weighed && !born_now && object.particles != nullptr)
+        hypotheses += object.particles->size();
     }
     int dropped = 0;
     for (const auto& frame : context.playback->history->frames)
       dropped += frame != nullptr && frame->skipped;
-    if (weigh_ms > 0)
+    if (hypotheses > 0 && weigh_ms > 0)
       DimText("%.0f 000 hypotheses/s", std::ceil(static_cast<double>(hypotheses) / weigh_ms));
     else
       DimText("no hypotheses weighed");
