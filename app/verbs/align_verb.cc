@@ -19,6 +19,8 @@
 namespace plumbline {
 namespace {
 
+constexpr double kLeastLevel = 0.985;  ///< Cosine of 10 degrees.
+
 struct AlignArguments {
   std::string scan, model, init, gravity, floor, trajectory, json;
   int dof = 4;
@@ -164,7 +166,14 @@ Status Align(AlignArguments arguments) {
   if (!arguments.floor.empty()) {
     const Result<Eigen::VectorXd> floor = ParseNumbers(arguments.floor, "--floor", 4, 4);
     if (!floor) return floor.error();
-    arguments.options.floor_in_scan = *floor;
+    // Scaled so that (a, b, c) is a unit vector; a wall, or a floor upside down, is a mistake.
+    const Eigen::Vector4d plane = *floor / floor->head(3).norm();
+    if (!plane.allFinite() || plane.head<3>().dot(-*gravity) < kLeastLevel) {
+      return Error{ErrorCode::kInvalidInput, "--floor " + arguments.floor +
+                                                 " is not level: (a, b, c) must point up, against "
+                                                 "--gravity, within 10 degrees"};
+    }
+    arguments.options.floor_in_scan = plane;
   }
   const UprightFrame upright(*gravity);
   const Result<AlignResult> result = Run(arguments, *init, upright);

@@ -27,6 +27,7 @@ struct Picks {
 Result<Picks> ReadPicks(const std::string& file) {
   const auto read = ReadJson(file);
   if (!read) return read.error();
+  int number = 0;
   try {
     Picks picks;
     const auto point = [](const json& list) {
@@ -34,6 +35,7 @@ Result<Picks> ReadPicks(const std::string& file) {
                              list.at(2).get<double>());
     };
     for (const json& pair : *read) {
+      ++number;
       const Eigen::Vector3d in_scan = point(pair.at("in_scan"));
       if (pair.contains("in_world")) {
         picks.in_world.push_back({in_scan, point(pair.at("in_world"))});
@@ -45,12 +47,11 @@ Result<Picks> ReadPicks(const std::string& file) {
       }
     }
     return picks;
-  } catch (const json::exception& error) {
+  } catch (const json::exception&) {
     return Error{ErrorCode::kInvalidInput,
-                 "'" + file +
-                     "' is no list of pairs (in_scan with frame and pixel, or with "
-                     "in_world): " +
-                     error.what()};
+                 "'" + file + "', pair " + std::to_string(number) +
+                     ": a pair is {in_scan: [x, y, z], frame, pixel: [u, v]} or {in_scan, "
+                     "in_world: [x, y, z]}"};
   }
 }
 
@@ -61,7 +62,9 @@ Result<SequenceAlignment> Align(const AnnotationProject& project, const Sequence
   if (!arguments.pairs.empty()) {
     const auto picks = ReadPicks(arguments.pairs);
     if (!picks) return picks.error();
-    return RegisterByPicks(document, sequence, picks->in_frames, picks->in_world);
+    auto found = RegisterByPicks(document, sequence, picks->in_frames, picks->in_world);
+    if (found) return found;
+    return Error{found.error().code, "'" + arguments.pairs + "': " + found.error().message};
   }
   if (!arguments.run.empty()) return RegisterByObjects(document, sequence, arguments.run, names);
   const auto scan = ReadMesh(project.Resolve(document.scan));

@@ -27,8 +27,9 @@ Result<SequenceAlignment> RegisterByPicks(const AnnotationDocument& document,
     const bool exists = pick.frame >= 0 && pick.frame < sequence.num_frames();
     const auto pose = exists ? sequence.world_from_cam(pick.frame) : std::nullopt;
     if (!pose) {
-      return Error{ErrorCode::kInvalidInput,
-                   "frame " + std::to_string(pick.frame) + " has no pose to start from"};
+      return Error{ErrorCode::kInvalidInput, "frame " + std::to_string(pick.frame) +
+                                                 " has no pose; pick in another frame of 0 to " +
+                                                 std::to_string(sequence.num_frames() - 1)};
     }
     const Eigen::Vector2d bearing = sequence.camera().Bearing(pick.pixel);
     pairs.push_back({pick.in_scan, WorldRay{pose->translation(),

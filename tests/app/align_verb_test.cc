@@ -77,6 +77,13 @@ TEST_F(AlignVerb, MistakesAreSentencesAndExitCodes) {
   EXPECT_THAT(Output(), testing::HasSubstr("start nearer"));
   EXPECT_EQ(Run("align --scan scan.ply --model chair.ply --init 1,2,3 --gravity 0,0,-1 --dof 5"),
             2);
+  for (const char* floor : {"0,0,0,0", "1,0,0,0", "0,0,-1,0"}) {
+    EXPECT_EQ(Run(std::string("align --scan scan.ply --model chair.ply --init 1,2,3 --gravity "
+                              "0,0,-1 --floor ") +
+                  floor),
+              1);
+    EXPECT_THAT(Output(), testing::HasSubstr("is not level")) << floor;
+  }
   EXPECT_EQ(Run("gravity scan.ply --near 0,7,7"), 1);
   EXPECT_THAT(Output(), testing::HasSubstr("scan.ply"));
 }
