@@ -28,6 +28,8 @@ using Information = Eigen::Matrix4d;
 /// place errs together over about a tenth of an image.
 constexpr double kIndependent_px = 100;
 constexpr double kSmallestSigma_px = 0.5;
+/// By how much the edges of an object may all lie outside of its contour, or inside.
+constexpr double kOutwardSigma_px = 0.5;
 constexpr int kParts = 8;
 /// By how much more a farther start must agree with the images to be preferred.
 constexpr double kBetter = 0.002;
@@ -46,6 +48,7 @@ struct Observation {
   Eigen::Vector2d normal;
   double length_px;  ///< Creases count less.
   int part;          ///< Octant of the model.
+  bool contour;      ///< The normal points out of the object.
 };
 using Observations = std::vector<std::vector<Observation>>;  ///< By image.
 
@@ -92,12 +95,22 @@ class Motion {
 struct Equations {
   Information information = Information::Zero();  ///< Sum of weight * J^T J.
   Move gradient = Move::Zero();                   ///< Sum of weight * J^T * distance.
-  std::array<Move, kParts> by_part;
+  Move outward = Move::Zero();  ///< The gradient if all contours lay a pixel further out.
   double weight = 0, squares = 0;
   int samples = 0;
 
-  Equations() { by_part.fill(Move::Zero()); }
+  Equations& operator+=(const Equations& other) {
+    information += other.information;
+    gradient += other.gradient;
+    outward += other.outward;
+    weight += other.weight;
+    squares += other.squares;
+    samples += other.samples;
+    return *this;
+  }
 };
+/// Of one image.
+using EquationsByPart = std::array<Equations, kParts>;
 
 struct Refined {
   Move move = Move::Zero();
@@ -190,8 +203,8 @@ class Refiner {
         const Eigen::Vector3d from_middle = point - motion_.middle();
         const int part =
             (from_middle.x() > 0) + 2 * (from_middle.y() > 0) + 4 * (from_middle.z() > 0);
-        observations[i].push_back(
-            {point, sample.normal.cast<double>(), weight * sample.length_px, part});
+        observations[i].push_back({point, sample.normal.cast<double>(), weight * sample.length_px,
+                                   part, sample.kind == OutlineKind::kContour});
       }
     });
     return observations;
@@ -221,17 +234,16 @@ class Refiner {
     return row;
   }
 
-  std::vector<Equations> Collect(const Observations& observations, const Move& move,
-                                 const Level& level) const {
+  std::vector<EquationsByPart> Collect(const Observations& observations, const Move& move,
+                                       const Level& level) const {
     EdgeAgreementOptions edges;
     edges.search_px = level.search_px;
     edges.sigma_px = level.sigma_px;
     const Eigen::Isometry3d pose = motion_.At(move);
-    std::vector<Equations> equations(observations.size());
+    std::vector<EquationsByPart> equations(observations.size());
     tbb::parallel_for(std::size_t{0}, observations.size(), [&](std::size_t i) {
       const AnnotationImage& image = images_.images()[i];
       const EdgeSearch search(image.edges, edges);
-      Equations& sum = equations[i];
       for (const Observation& observation : observations[i]) {
         const Eigen::Vector3d in_scan = pose * observation.in_object;
         const auto pixel = Project(image, in_scan);
@@ -240,10 +252,10 @@ class Refiner {
         if (hit.strength == 0) continue;
         const Move row = Row(image, in_scan, observation.normal, move);
         const double weight = observation.length_px * hit.strength;
-        const Move pull = weight * hit.offset_px * row;
+        Equations& sum = equations[i][static_cast<std::size_t>(observation.part)];
         sum.information += weight * row * row.transpose();
-        sum.gradient += pull;
-        sum.by_part[static_cast<std::size_t>(observation.part)] += pull;
+        sum.gradient += weight * hit.offset_px * row;
+        if (observation.contour) sum.outward += weight * row;
         sum.weight += weight;
         sum.squares += weight * hit.offset_px * hit.offset_px;
         ++sum.samples;
@@ -252,15 +264,10 @@ class Refiner {
     return equations;
   }
 
-  static Equations Sum(const std::vector<Equations>& equations) {
+  static Equations Sum(const std::vector<EquationsByPart>& equations) {
     Equations sum;
-    for (const Equations& one : equations) {
-      sum.information += one.information;
-      sum.gradient += one.gradient;
-      for (std::size_t k = 0; k < kParts; ++k) sum.by_part[k] += one.by_part[k];
-      sum.weight += one.weight;
-      sum.squares += one.squares;
-      sum.samples += one.samples;
+    for (const EquationsByPart& parts : equations) {
+      for (const Equations& part : parts) sum += part;
     }
     return sum;
   }
@@ -335,7 +342,7 @@ class Refiner {
   std::vector<Move> Starts() const;
   void Describe(const std::vector<ImageCheck>& before, const Move& move,
                 ImageRefinement& result) const;
-  PoseCovariance Covariance(const std::vector<Equations>& equations, const Move& move) const;
+  PoseCovariance Covariance(const std::vector<EquationsByPart>& equations, const Move& move) const;
 
   const AnnotationImages& images_;
   const OutlineModel& model_;
@@ -412,31 +419,44 @@ std::vector<Move> Refiner::Starts() const {
   return starts;
 }
 
-PoseCovariance Refiner::Covariance(const std::vector<Equations>& equations,
+/// Covariance of the free parameters by leaving out one group of measurements at a time.
+/// @param information  Of all, the prior included.
+Eigen::MatrixXd Jackknife(const std::vector<Equations>& groups, double scale,
+                          const Eigen::MatrixXd& information, const Eigen::MatrixXd& free) {
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(information.rows(), information.cols());
+  int used = 0;
+  for (const Equations& group : groups) {
+    if (group.samples == 0) continue;
+    ++used;
+    const Eigen::MatrixXd without =
+        information - scale * free.transpose() * group.information * free;
+    const Eigen::VectorXd moved = without.ldlt().solve(scale * free.transpose() * group.gradient);
+    covariance += moved * moved.transpose();
+  }
+  if (used > 1) covariance *= (used - 1.0) / used;
+  return covariance;
+}
+
+PoseCovariance Refiner::Covariance(const std::vector<EquationsByPart>& equations,
                                    const Move& move) const {
+  std::vector<Equations> by_image, by_part(kParts);
+  for (const EquationsByPart& parts : equations) {
+    Equations& image = by_image.emplace_back();
+    for (std::size_t k = 0; k < kParts; ++k) {
+      image += parts[k];
+      by_part[k] += parts[k];
+    }
+  }
   const Equations sum = Sum(equations);
   const double scale = Scale(sum);
-  // What the pulls of the images, and of the parts of the model, differ by.
-  Information scatter = scale * sum.information;
-  int images = 0, parts = 0;
-  Information between_images = Information::Zero(), between_parts = Information::Zero();
-  for (const Equations& one : equations) {
-    if (one.samples == 0) continue;
-    ++images;
-    between_images += scale * scale * one.gradient * one.gradient.transpose();
-  }
-  for (const Move& part : sum.by_part) {
-    parts += part.squaredNorm() > 0;
-    between_parts += scale * scale * part * part.transpose();
-  }
-  if (images > 1) scatter += images / (images - 1.0) * between_images;
-  if (parts > 1) scatter += parts / (parts - 1.0) * between_parts;
   const Eigen::MatrixXd information =
       free_.transpose() * (scale * sum.information + Information(prior_)) * free_;
-  const Eigen::MatrixXd inverse = information.inverse();
-  const Eigen::Matrix4d of_move = free_ * inverse *
-                                  (free_.transpose() * (scatter + Information(prior_)) * free_) *
-                                  inverse * free_.transpose();
+  const Eigen::VectorXd outward = information.ldlt().solve(
+      kOutwardSigma_px * images_.camera().width / 640.0 * scale * free_.transpose() * sum.outward);
+  const Eigen::MatrixXd of_free = information.inverse() + outward * outward.transpose() +
+                                  Jackknife(by_image, scale, information, free_) +
+                                  Jackknife(by_part, scale, information, free_);
+  const Eigen::Matrix4d of_move = free_ * of_free * free_.transpose();
   Eigen::Matrix<double, 6, 4> pose_from_move = Eigen::Matrix<double, 6, 4>::Zero();
   pose_from_move.topLeftCorner<3, 3>().setIdentity();
   pose_from_move.topRightCorner<3, 1>() =
@@ -463,11 +483,13 @@ void Refiner::Describe(const std::vector<ImageCheck>& before, const Move& move,
   result.agreement_after = MeanAgreement(after);
   result.offset_before_px = MedianOffset(before);
   result.offset_after_px = MedianOffset(after);
-  const std::vector<Equations> equations =
+  const std::vector<EquationsByPart> equations =
       Collect(Outline(move, OutlineOptions{}.own_scan_m), move, kFinish);
-  for (const Equations& one : equations) {
-    result.images += one.samples > 0;
-    result.samples += one.samples;
+  for (const EquationsByPart& parts : equations) {
+    int samples = 0;
+    for (const Equations& part : parts) samples += part.samples;
+    result.images += samples > 0;
+    result.samples += samples;
   }
   result.covariance = Covariance(equations, move);
   result.azimuth_rad = move[3];
