@@ -147,6 +147,14 @@ TEST_F(SequenceAlignmentTest, LaysSparsePointsOntoAScanFromNothingKnown) {
   ExpectUpright(found->scan_from_world);
   EXPECT_GT(found->share, 0.7);
   EXPECT_LT(found->share, 0.97) << "far points are left out";
+  // The middle of what was compared is known to well under the 10 mm of one point, and not wrong
+  // by more than it says.
+  const Vector3d middle(1.6, 1.2, 0.7);
+  const double off =
+      ((found->scan_from_world * world_from_level_).inverse() * scan_from_level_ * middle - middle)
+          .norm();
+  EXPECT_LT(found->position_std_m.norm(), 0.003);
+  EXPECT_LT(off, 4 * found->position_std_m.norm());
 }
 
 TEST_F(SequenceAlignmentTest, MatchesMappedObjectsToAnnotatedOnesOfTheirKind) {
