@@ -76,7 +76,7 @@ void AnnotateWorkspace::Open(const std::string& path, FrameContext& context) {
   context.annotate = &view_;
   context.annotate_scene = scene_.get();
   AnnotationChoice choice = defaults_;
-  choice.path = path;
+  choice.path = source_ = path;
   process_ = std::make_unique<AnnotationProcess>(std::move(choice), wake_);
   ReadSlots(context);
 }

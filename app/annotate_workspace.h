@@ -21,6 +21,10 @@ class AnnotateWorkspace : public Workspace {
   ~AnnotateWorkspace() override;
 
   WorkspaceId id() const override { return WorkspaceId::kAnnotate; }
+  /// For what is opened from now on.
+  void UseModels(const std::string& folder) { defaults_.models = folder; }
+  /// What was opened last, as it was named; "": nothing.
+  const std::string& source() const { return source_; }
   bool Takes(const std::string& path) const override;
   void Open(const std::string& path, FrameContext& context) override;
   void ReadSlots(FrameContext& context) override;
@@ -39,6 +43,7 @@ class AnnotateWorkspace : public Workspace {
   Panel& TaskPanel(const FrameContext& context);
 
   AnnotationChoice defaults_;
+  std::string source_;
   bool software_gl_;
   std::function<void()> wake_;
   AnnotateView view_;

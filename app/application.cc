@@ -83,8 +83,10 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
         published_ = true;
         PlatformWindow::Wake();
       });
-  what_if_ =
-      std::make_unique<WhatIf>(options_.opener, options_.inputs, options_.program_version, [this] {
+  what_if_ = std::make_unique<WhatIf>(
+      [this](const std::string& path) { return options_.opener(path, models_); }, options_.inputs,
+      options_.program_version,
+      [this] {
         published_ = true;
         PlatformWindow::Wake();
       });
@@ -112,6 +114,7 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
     return state;
   };
   script_host_.resize = [this](int width, int height) { window_->Resize(width, height); };
+  script_host_.drop = [this](std::vector<std::string> files) { window_->Drop(std::move(files)); };
   script_host_.open = [this](const std::string& path) { Open(path, std::nullopt); };
   if (!options_.path.empty()) Open(options_.path, options_.start_frame);
   if (!options_.compare.empty()) what_if_->Compare(options_.compare, context_);
@@ -129,6 +132,9 @@ Application::~Application() {
 }
 
 void Application::Open(const std::string& path, std::optional<int> frame) {
+  if (std::filesystem::exists(std::filesystem::path(path) / "models.json") &&
+      !std::filesystem::exists(std::filesystem::path(path) / "camera.json"))
+    return OpenModels(path);
   if (annotate_->Takes(path)) {
     context_.workspace = WorkspaceId::kAnnotate;
     Remember(path);
@@ -146,13 +152,25 @@ void Application::Open(const std::string& path, std::optional<int> frame) {
   context_.source = path;
   ++context_.source_version;
   context_.bookmarks = ReadBookmarks(BookmarkFile(path, options_.settings));
-  what_if_->Opened(path, context_);
+  what_if_->Opened(context_);
   Remember(path);
-  process_ = std::make_unique<MappingProcess>(options_.opener(path), frame, [this] {
+  process_ = std::make_unique<MappingProcess>(options_.opener(path, models_), frame, [this] {
     published_ = true;
     PlatformWindow::Wake();
   });
   context_.playback = process_->Playback();
+}
+
+void Application::OpenModels(const std::string& folder) {
+  models_ = folder;
+  what_if_->UseModels(folder);
+  annotate_->UseModels(folder);
+  const std::string open = shown() == nullptr               ? context_.source
+                           : context_.annotation != nullptr ? annotate_->source()
+                                                            : "";
+  if (open.empty()) return Note("These models are taken with what is opened next: " + folder);
+  Open(open, shown() == nullptr ? std::optional(context_.playback->frame) : std::nullopt);
+  Note("Opened again with the models of " + folder);
 }
 
 void Application::Remember(const std::string& path) {
@@ -241,7 +259,10 @@ void Application::Handle(const WindowCommand& command) {
         } else if constexpr (std::is_same_v<T, PresentCommand>) {
           Present(c.on);
         } else if constexpr (std::is_same_v<T, AskForkCommand>) {
+          what_if_->OfferFork(context_);
           fork_sheet_.Open(context_, c.show);
+        } else if constexpr (std::is_same_v<T, AskOptionsCommand>) {
+          fork_sheet_.OpenOptions(context_, c.show);
         } else if constexpr (std::is_same_v<T, QuitCommand>) {
           quit_ = true;
         }
@@ -386,8 +407,10 @@ void Application::DrawWindow() {
     ImGui::End();
     return;
   }
-  if (options_.present && context_.snapshot != nullptr)
+  if (options_.present && context_.snapshot != nullptr) {
     Present(std::exchange(options_.present, false));
+    quit_after_presenting_ = presenter_.active();
+  }
   if (presenter_.active()) {
     DrawPresentation(size);
     ImGui::End();
@@ -423,7 +446,9 @@ void Application::Present(bool on) {
 }
 
 void Application::DrawPresentation(ImVec2 size) {
-  if (presenter_.Draw(context_, size, panels_, *this)) Present(false);
+  if (!presenter_.Draw(context_, size, panels_, *this)) return;
+  Present(false);
+  quit_ = quit_after_presenting_;
 }
 
 void Application::DrawInspect(const InspectLayout& layout) {

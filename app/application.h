@@ -33,14 +33,16 @@ namespace plumbline {
 
 struct ApplicationOptions {
   /// How to open a path that the user names, on the command line or by dropping it onto the window.
-  std::function<MappingProcess::OpenSource(const std::string& path)> opener;
+  /// `models`: a folder of models instead of those chosen at the start; "": none.
+  std::function<MappingProcess::OpenSource(const std::string& path, const std::string& models)>
+      opener;
   AnnotationChoice annotation;  ///< What is opened as a scan is opened with these models.
   std::string path;             ///< To open at the start; "": none.
   std::string compare;          ///< A second run to open beside it; "": none.
   RunChoice inputs;             ///< Where the sequence and the models of runs are now.
   std::string program_version;  ///< What forks say that they were made by.
   std::optional<int> start_frame;
-  bool present = false;                  ///< Begins with the demo mode.
+  bool present = false;                  ///< Begins with the demo mode; its end is that of all.
   bool play = false;                     ///< Plays once it is open.
   const RenderLayout* layout = nullptr;  ///< Shows these panels alone; null: the whole window.
   bool light = false;                    ///< Theme, unless the settings say otherwise.
@@ -77,6 +79,8 @@ class Application : private CommandSink {
   void Send(Command command) override;
   void Handle(const WindowCommand& command);
   void Open(const std::string& path, std::optional<int> frame);
+  /// A folder of models was dropped: what is open is opened again with them.
+  void OpenModels(const std::string& folder);
   void ReadSlots();
   void SelectByItself();
   void DrawWindow();
@@ -122,6 +126,7 @@ class Application : private CommandSink {
   UiScript::Host script_host_;
   Status script_status_;
 
+  std::string models_;       ///< Dropped onto the window; "": none.
   ProbeCommand asked_;       ///< The last question about an object.
   int hovered_now_ = -1;     ///< The particle that a panel of this frame saw under the mouse.
   bool auto_select_ = true;  ///< Until the user selects: an object that is in view.
@@ -130,6 +135,7 @@ class Application : private CommandSink {
   ForkSheet fork_sheet_;
   Presenter presenter_;
   bool quit_ = false;
+  bool quit_after_presenting_ = false;  ///< It was opened for that alone.
   bool wanted_ask_frame_ = false;
   std::optional<double> wanted_scale_;
   std::optional<std::string> wanted_path_;

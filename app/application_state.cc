@@ -98,6 +98,8 @@ nlohmann::json Application::State() const {
         {"focus",
          {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}}}},
       {"layout", RatiosToJson(ratios_)}};
+  state["source"] = context_.source;
+  state["models"] = models_;
   state["workspace"] = context_.workspace == WorkspaceId::kAnnotate ? "annotate" : "inspect";
   annotate_->AddState(context_, state);
   state["image_views"] = views_->Save(context_);

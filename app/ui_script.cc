@@ -129,6 +129,9 @@ Status UiScript::Expand(const json& step, const WidgetLog& widgets, const Host& 
   } else if (step.contains("resize")) {
     host.resize(step["resize"][0], step["resize"][1]);
     for (int i = 0; i < 6; ++i) actions_.push_back({});
+  } else if (step.contains("drop")) {
+    host.drop(step["drop"].get<std::vector<std::string>>());
+    actions_.push_back({});
   } else if (step.contains("open")) {
     host.open(step["open"]);
     actions_.push_back({});

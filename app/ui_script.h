@@ -28,6 +28,7 @@ class UiScript {
     std::function<nlohmann::json()> state;
     std::function<void(int width, int height)> resize;
     std::function<void(const std::string& name)> open;
+    std::function<void(std::vector<std::string> files)> drop;
   };
 
   /// Errors: kNotFound, kCorrupt, kInvalidInput, naming the file and the step.

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/what_if.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <filesystem>
 #include <utility>
 
+#include "engine/process/option_history.h"
 #include "engine/process/run_difference.h"
 #include "engine/recording/run_file.h"
 
@@ -15,12 +18,24 @@ constexpr auto kBlinkPeriod = std::chrono::milliseconds(700);
 
 bool IsRun(const std::string& path) { return std::filesystem::path(path).extension() == ".plb"; }
 
-/// RUN-fork-1.plb beside the run, or the next number that is free.
-std::string FreeName(const std::filesystem::path& run) {
+/// RUN-fork-1.plb beside the run, or the next number that is free. Of a run that is kept only for
+/// the time being: in the working folder, named after the sequence.
+std::string FreeName(const FrameContext& context) {
   std::error_code ignored;
+  const std::filesystem::path run = context.playback->recording;
+  const auto temporary = std::filesystem::temp_directory_path(ignored);
+  const bool kept = run.parent_path().parent_path() != temporary || run.stem() != "live";
+  const std::filesystem::path folder =
+      kept ? run.parent_path() : std::filesystem::current_path(ignored);
+  std::string stem = run.stem().string();
+  if (!kept) {
+    const auto source = std::filesystem::path(context.source).lexically_normal();
+    stem = context.source == kDemoPath
+               ? "demo"
+               : (source.has_filename() ? source : source.parent_path()).filename().string();
+  }
   for (int i = 1;; ++i) {
-    const std::filesystem::path name =
-        run.parent_path() / (run.stem().string() + "-fork-" + std::to_string(i) + ".plb");
+    const auto name = folder / (stem + "-fork-" + std::to_string(i) + ".plb");
     if (!std::filesystem::exists(name, ignored)) return name.string();
   }
 }
@@ -38,29 +53,33 @@ WhatIf::WhatIf(Opener opener, RunChoice inputs, std::string program_version,
       program_version_(std::move(program_version)),
       on_publish_(std::move(on_publish)) {}
 
-void WhatIf::Opened(const std::string& path, FrameContext& context) {
+void WhatIf::Opened(FrameContext& context) {
   Compare("", context);
   fork_.reset();
   context.fork = nullptr;
-  OfferFork(path, context);
+  context.fork_offer = nullptr;
 }
 
-void WhatIf::OfferFork(const std::string& path, FrameContext& context) {
+void WhatIf::OfferFork(FrameContext& context) const {
   auto offer = std::make_shared<ForkOffer>();
   context.fork_offer = offer;
-  if (!IsRun(path)) {
-    offer->why_not =
-        "A run is forked once it is recorded: keep it with --out RUN.plb, and open that file.";
+  const std::string& run = context.playback->recording;
+  if (run.empty() || context.playback->newest_mapped_frame < 0) {
+    offer->why_not = context.sequence == nullptr
+                         ? "Nothing is open: open a sequence or a run first."
+                         : "Nothing is mapped yet: a run is forked at a frame that it has mapped.";
     return;
   }
-  auto reader = RunReader::Open(path);
-  if (!reader.ok()) {
-    offer->why_not = reader.error().message;
+  auto reader = RunReader::Open(run);
+  auto options =
+      reader.ok() ? OptionHistory::Read(**reader) : Result<OptionHistory>(reader.error());
+  if (!options.ok()) {
+    offer->why_not = options.error().message;
     return;
   }
-  offer->options = OptionsOf((*reader)->header());
+  offer->options = options->At(context.playback->frame);
   offer->seed = (*reader)->header().seed;
-  offer->out = FreeName(path);
+  offer->out = FreeName(context);
 }
 
 void WhatIf::Compare(const std::string& run, FrameContext& context) {
@@ -68,27 +87,43 @@ void WhatIf::Compare(const std::string& run, FrameContext& context) {
   last_ = nullptr;
   sought_ = -1;
   settings_.clear();
+  settings_of_ = 0;
   context.other = nullptr;
   context.run_shown = RunShown::kFirst;
   context.shows_other = false;
   if (run.empty()) return;
-  if (IsRun(run) && IsRun(context.source)) {
-    const auto a = RunReader::Open(context.source), b = RunReader::Open(run);
-    if (a.ok() && b.ok()) settings_ = DifferentSettings((*a)->header(), (*b)->header());
-  }
   other_ = std::make_unique<MappingProcess>(opener_(run), context.playback->frame, on_publish_);
   auto other = std::make_shared<OtherRun>();
   other->source = run;
   other->playback = other_->Playback();
-  other->settings = settings_;
   context.other = other;
   context.run_shown = RunShown::kBeside;
+  ReadSettings(context);
+}
+
+void WhatIf::ReadSettings(const FrameContext& context) {
+  const std::string &first = context.playback->recording, &second = context.other->source;
+  if (!IsRun(first) || !IsRun(second)) return;
+  const auto a = RunReader::Open(first), b = RunReader::Open(second);
+  if (!a.ok() || !b.ok()) return;
+  settings_ = DifferentSettings((*a)->header(), (*b)->header());
+  const auto add_changes = [&](const char* which, const RunReader& run,
+                               const std::vector<FrameEvent>& events) {
+    for (const FrameEvent& event : events) {
+      if (event.event.kind == EventKind::kOptionsChanged &&
+          event.frame > run.header().forked_after.value_or(-1))
+        settings_.push_back(
+            fmt::format("{} run, from frame {}: {}", which, event.frame, event.event.text));
+    }
+  };
+  add_changes("first", **a, *context.playback->events);
+  add_changes("other", **b, *context.other->playback->events);
 }
 
 bool WhatIf::Handle(const WindowCommand& command, FrameContext& context) {
   if (const auto* fork = std::get_if<ForkCommand>(&command)) {
     ForkChoice choice{inputs_, fork->frame, fork->options, fork->seed, fork->out, program_version_};
-    choice.run.run = context.source;
+    choice.run.run = context.playback->recording;
     fork_ = std::make_unique<ForkProcess>(std::move(choice), on_publish_);
     context.fork = fork_->View();
     return true;
@@ -112,10 +147,10 @@ void WhatIf::ReadSlots(FrameContext& context, std::shared_ptr<const MapSnapshot>
   if (fork_ != nullptr) {
     const bool ran = context.fork != nullptr && context.fork->state == ForkState::kRunning;
     context.fork = fork_->View();
-    if (ran && context.fork->state == ForkState::kDone) {
-      Compare(context.fork->out, context);
-      OfferFork(context.source, context);  // the name is taken now
-    }
+    // What a stopped fork has done is kept, and shown, too.
+    const bool ended = context.fork->state == ForkState::kDone ||
+                       (context.fork->state == ForkState::kCancelled && context.fork->done > 0);
+    if (ran && ended) Compare(context.fork->out, context);
   }
   context.shows_other = false;
   if (other_ == nullptr) return;
@@ -126,6 +161,9 @@ void WhatIf::ReadSlots(FrameContext& context, std::shared_ptr<const MapSnapshot>
   auto snapshot = other_->Snapshot();
   if (snapshot != last_) ++version_;
   last_ = snapshot;
+  const std::size_t events =
+      context.playback->events->size() + context.other->playback->events->size();
+  if (events != std::exchange(settings_of_, events)) ReadSettings(context);
   auto other = std::make_shared<OtherRun>();
   other->source = context.other->source;
   other->sequence = other_->Sequence();
@@ -153,7 +191,13 @@ void AddWhatIfState(const FrameContext& context, const ForkSheet& sheet, nlohman
   state["fork_sheet"] = sheet.is_open();
   state["fork"] =
       kForks[context.fork != nullptr ? static_cast<std::size_t>(context.fork->state) : 0];
+  state["fork_done"] = context.fork != nullptr ? context.fork->done : 0;
   state["fork_message"] = context.fork != nullptr ? context.fork->message : "";
+  state["option_changes"] = nlohmann::json::array();
+  for (const FrameEvent& event : *context.playback->events) {
+    if (event.event.kind == EventKind::kOptionsChanged)
+      state["option_changes"].push_back(fmt::format("{}: {}", event.frame, event.event.text));
+  }
   state["run_shown"] = kShown[static_cast<std::size_t>(context.run_shown)];
   state["shows_other"] = context.shows_other;
   const OtherRun* other = context.other.get();

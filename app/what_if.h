@@ -22,8 +22,12 @@ class WhatIf {
   WhatIf(Opener opener, RunChoice inputs, std::string program_version,
          std::function<void()> on_publish);
 
-  /// Something else was opened: forgets the second run and offers a fork of the new one.
-  void Opened(const std::string& path, FrameContext& context);
+  /// Instead of the models that runs were made with.
+  void UseModels(const std::string& folder) { inputs_.models = folder; }
+  /// Something else was opened: forgets the second run and the fork of the last.
+  void Opened(FrameContext& context);
+  /// Brings `context.fork_offer` up to the frame that is shown.
+  void OfferFork(FrameContext& context) const;
   /// Opens a second run; "" closes it.
   void Compare(const std::string& run, FrameContext& context);
   /// True if it took the command.
@@ -39,7 +43,8 @@ class WhatIf {
   }
 
  private:
-  void OfferFork(const std::string& path, FrameContext& context);
+  /// What the two runs were made with, where it differs, changes on the way included.
+  void ReadSettings(const FrameContext& context);
 
   Opener opener_;
   RunChoice inputs_;
@@ -50,6 +55,7 @@ class WhatIf {
   int sought_ = -1;  ///< The frame that the second run was sent to.
   bool blink_phase_ = false;
   std::vector<std::string> settings_;
+  std::size_t settings_of_ = 0;  ///< Events of both runs that settings_ knows.
   std::unique_ptr<ForkProcess> fork_;
   std::unique_ptr<MappingProcess> other_;
 };

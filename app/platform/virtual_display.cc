@@ -22,8 +22,8 @@ constexpr int kStartMilliseconds = 10'000;
   dup2(nowhere, STDOUT_FILENO);
   dup2(nowhere, STDERR_FILENO);
   const std::string fd = std::to_string(display_fd);
-  execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", screen.c_str(), "-nolisten",
-         "tcp", static_cast<char*>(nullptr));
+  execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", screen.c_str(), "-noreset",
+         "-nolisten", "tcp", static_cast<char*>(nullptr));
   _exit(127);
 }
 

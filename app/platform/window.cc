@@ -84,8 +84,7 @@ void PlatformWindow::InstallCallbacks() {
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { Self(w).activity_ = true; });
   glfwSetWindowCloseCallback(window_, [](GLFWwindow* w) { Self(w).activity_ = true; });
   glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
-    Self(w).activity_ = true;
-    Self(w).dropped_.assign(paths, paths + count);
+    Self(w).Drop({paths, paths + count});
   });
 }
 
@@ -116,6 +115,11 @@ const std::bitset<512>& PlatformWindow::NextKeys() {
 void PlatformWindow::Wake() { glfwPostEmptyEvent(); }
 bool PlatformWindow::TakeActivity() { return std::exchange(activity_, false); }
 bool PlatformWindow::ShouldClose() const { return glfwWindowShouldClose(window_) != 0; }
+void PlatformWindow::Drop(std::vector<std::string> files) {
+  activity_ = true;
+  dropped_ = std::move(files);
+}
+
 std::vector<std::string> PlatformWindow::TakeDroppedFiles() { return std::exchange(dropped_, {}); }
 void PlatformWindow::Swap() { glfwSwapBuffers(window_); }
 void PlatformWindow::Resize(int width, int height) { glfwSetWindowSize(window_, width, height); }

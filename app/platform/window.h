@@ -38,6 +38,8 @@ class PlatformWindow {
   const std::bitset<512>& NextKeys();
   /// Whether NextKeys has more to tell.
   bool HasKeys() const { return !key_events_.empty(); }
+  /// What the desktop tells as files are dropped onto the window; scripts do, too.
+  void Drop(std::vector<std::string> files);
   /// Files that were dropped onto the window since the last call.
   std::vector<std::string> TakeDroppedFiles();
 

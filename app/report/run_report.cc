@@ -87,6 +87,8 @@ const char* EventWord(EventKind kind) {
       return "shape changed";
     case EventKind::kFrameSkipped:
       return "frame skipped";
+    case EventKind::kOptionsChanged:
+      return "options changed";
   }
   return "";
 }

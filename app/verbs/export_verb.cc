@@ -34,7 +34,7 @@ Result<nlohmann::json> RelationsJson(const ExportArguments& arguments) {
         in_view.push_back(object.id.value);
     }
     for (const ObjectRelation& r :
-         RelationsOf(report, (*source)->view(), (*snapshot)->depth, (*snapshot)->id)) {
+         RelationFinder().Find(report, (*source)->view(), (*snapshot)->depth, (*snapshot)->id)) {
       const char* value = r.kind == RelationKind::kHides ? "share" : "gap_m";
       relations.push_back(
           {{"a", r.a.value}, {"is", RelationName(r.kind)}, {"b", r.b.value}, {value, r.value}});

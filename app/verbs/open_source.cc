@@ -5,17 +5,21 @@
 
 namespace plumbline {
 
-std::function<MappingProcess::OpenSource(const std::string& path)> SourceOpener(
-    const LiveChoice& live, const RunChoice& run) {
-  return [live, run](const std::string& path) -> MappingProcess::OpenSource {
-    return [live, run, path](const WorkContext& work) -> Result<std::unique_ptr<SnapshotSource>> {
+std::function<MappingProcess::OpenSource(const std::string& path, const std::string& models)>
+SourceOpener(const LiveChoice& live, const RunChoice& run) {
+  return [live, run](const std::string& path,
+                     const std::string& models) -> MappingProcess::OpenSource {
+    return [live, run, path,
+            models](const WorkContext& work) -> Result<std::unique_ptr<SnapshotSource>> {
       if (std::filesystem::path(path).extension() == ".plb") {
         RunChoice choice = run;
         choice.run = path;
+        if (!models.empty()) choice.models = models;
         return OpenRunSource(choice, work);
       }
       LiveChoice choice = live;
       choice.pipeline.sequence = path;
+      if (!models.empty()) choice.pipeline.models = models;
       if (path == kDemoPath) {
         auto demo = BuiltInSequence(kDemoFrames, work);
         if (!demo.ok()) return demo.error();

@@ -12,7 +12,7 @@ namespace plumbline {
 
 /// How the window opens a path: run files by their ending, kDemoPath, everything else as a
 /// sequence.
-std::function<MappingProcess::OpenSource(const std::string& path)> SourceOpener(
-    const LiveChoice& live, const RunChoice& run);
+std::function<MappingProcess::OpenSource(const std::string& path, const std::string& models)>
+SourceOpener(const LiveChoice& live, const RunChoice& run);
 
 }  // namespace plumbline

@@ -12,6 +12,7 @@
 #include "app/verbs/verb.h"
 #include "engine/base/timer.h"
 #include "engine/process/mapping_pipeline.h"
+#include "engine/process/option_history.h"
 #include "engine/process/run_fork.h"
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_summary.h"
@@ -38,6 +39,7 @@ std::string Now() {
 Result<std::unique_ptr<RunWriter>> OpenWriter(const RunArguments& arguments,
                                               MappingPipeline& pipeline) {
   RunHeader header = pipeline.header();
+  header.forked_after = arguments.at;
   header.program_version = PLUMBLINE_VERSION;
   header.started = Now();
   std::error_code ignored;
@@ -47,7 +49,12 @@ Result<std::unique_ptr<RunWriter>> OpenWriter(const RunArguments& arguments,
   Result<RunWriter::Resumed> resumed = RunWriter::OpenToResume(arguments.out, header);
   if (!resumed.ok()) return resumed.error();
   if (resumed->last) {
-    if (Status status = pipeline.Resume(*resumed->last); !status.ok()) return status.error();
+    const auto reader = RunReader::Open(arguments.out);
+    if (!reader.ok()) return reader.error();
+    const auto options = OptionHistory::Read(**reader);  // the window may have changed some
+    if (!options.ok()) return options.error();
+    if (Status status = pipeline.Resume(*resumed->last, options->newest()); !status.ok())
+      return status.error();
     std::fprintf(stderr, "resuming after frame %d\n", resumed->last->frame);
   }
   return std::move(resumed->writer);
@@ -78,13 +85,18 @@ Status Run(RunArguments& arguments) {
       MappingPipeline::Open(arguments.pipeline.choice, work);
   if (!opened.ok()) return opened.error();
   MappingPipeline& pipeline = **opened;
+  if (!arguments.fork.empty() && !arguments.at) {
+    const auto last = LastFrameOf(arguments.fork);
+    if (!last.ok()) return last.error();
+    arguments.at = *last;
+  }
   Result<std::unique_ptr<RunWriter>> writer = OpenWriter(arguments, pipeline);
   if (!writer.ok()) return writer.error();
 
   std::shared_ptr<const MapSnapshot> last;
   RunSummary summary;
   if (!arguments.fork.empty()) {
-    const auto at = TakeOverPast(arguments.fork, arguments.at, pipeline, **writer,
+    const auto at = TakeOverPast(arguments.fork, *arguments.at, pipeline, **writer,
                                  [&](const FrameReport& report) { summary.Add(report); });
     if (!at.ok()) return at.error();
     std::fprintf(stderr, "forking after frame %d\n", *at);

@@ -41,6 +41,11 @@ std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges, const Map
   return std::make_shared<const OrientedTable>(edges, table);
 }
 
+void KeyFrameMemory::SetOptions(const MapperOptions& options) {
+  options_ = options;
+  for (KeyFrame& key : frames_) key.input.table = SearchTable(key.input.edges, options);
+}
+
 void KeyFrameMemory::Offer(const MapperInput& input) {
   // 1 where the camera has just moved or turned far enough.
   const auto distance = [&](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {

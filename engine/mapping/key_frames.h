@@ -40,7 +40,8 @@ class KeyFrameMemory {
   KeyFrameMemory(const PinholeCamera& camera, const MapperOptions& options)
       : camera_(camera), options_(options) {}
 
-  void SetOptions(const MapperOptions& options) { options_ = options; }
+  /// Kept frames are searched as the new options say, as if they had been kept under them.
+  void SetOptions(const MapperOptions& options);
   /// Keeps the frame if it shows something new: the camera is further from all kept ones than the
   /// options say. When full, forgets one of the two that are closest to each other, the older.
   void Offer(const MapperInput& input);

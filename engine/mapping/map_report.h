@@ -101,7 +101,8 @@ enum class EventKind : std::uint8_t {
   kMerged,
   kRetired,
   kLabelChanged,
-  kFrameSkipped
+  kFrameSkipped,
+  kOptionsChanged  ///< of the mapper, from this frame on; `text` is that of option_changes.h
 };
 
 struct LifeEvent {

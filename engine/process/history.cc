@@ -14,7 +14,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kFarthestTruth_m = 1.0;
-constexpr std::size_t kLabelsKept = 4;
+constexpr double kLeastLabel = 0.02;
 constexpr int kThumbnailWidth = 96;
 
 const ModelView* ModelByName(const SequenceView& view, const std::string& name) {
@@ -77,8 +77,9 @@ FrameSample SampleOf(const FrameReport& report, const SequenceView& view) {
     kept.state = object.state;
     kept.weighed = object.weighed;
     kept.label = object.label;
-    kept.label_probability = object.label_probability;
-    if (kept.label_probability.size() > kLabelsKept) kept.label_probability.resize(kLabelsKept);
+    for (const LabelProbability& label : object.label_probability) {
+      if (label.probability >= kLeastLabel) kept.label_probability.push_back(label);
+    }
     kept.position_std_m =
         static_cast<float>(std::sqrt(object.covariance.topLeftCorner<3, 3>().trace()));
     kept.azimuth_std_rad = static_cast<float>(std::sqrt(std::max(0.0, object.covariance(3, 3))));

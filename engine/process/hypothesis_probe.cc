@@ -9,95 +9,67 @@
 
 #include "engine/base/files.h"
 #include "engine/base/log.h"
+#include "engine/mapping/option_changes.h"
 #include "engine/process/frame_pictures.h"
+#include "engine/process/hypothesis_frame.h"
+#include "engine/snapshot/particle_rank.h"
 
 namespace plumbline {
 namespace {
 
-constexpr int kSliceSteps = 61, kMapSteps = 41;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kFarthestTruth_m = 1.5;
 constexpr double kSpurious_m = 0.5;  ///< Further off than evaluation pairs estimates with truth.
 /// A particle this near to the truth would have been enough.
 constexpr double kNear_m = 0.05, kNear_rad = 10 * kDegree;
 
-OrientedTableOptions TableOptions(const MapperOptions& options) {
-  OrientedTableOptions table;
-  table.radius_px = options.search_radius_px;
-  table.sigma_px = options.search_sigma_px;
-  table.power = options.edge_power;
-  return table;
-}
-
-/// The edge that gives the best hit along the normal, as the search table counts it.
-std::optional<float> BestEdge(const EdgeMap& edges, const OrientedTableOptions& options,
-                              const Eigen::Vector2f& pixel, const Eigen::Vector2f& normal) {
-  std::optional<float> best_at;
-  double best = 0;
-  const int radius = static_cast<int>(options.radius_px);
-  for (int k = -radius; k <= radius; ++k) {
-    const int x = static_cast<int>(std::lround(pixel.x() + static_cast<float>(k) * normal.x()));
-    const int y = static_cast<int>(std::lround(pixel.y() + static_cast<float>(k) * normal.y()));
-    if (x < 0 || y < 0 || x >= edges.probability.cols || y >= edges.probability.rows) continue;
-    const double probability = edges.probability.at<std::uint8_t>(y, x) / 255.0;
-    if (probability == 0) continue;
-    const double angle = edges.angle.at<std::uint8_t>(y, x) * std::numbers::pi / 256;
-    const double agreement = std::abs(std::cos(angle) * normal.x() + std::sin(angle) * normal.y());
-    if (agreement < options.min_agreement) continue;
-    const double hit = std::pow(probability, options.power) *
-                       std::exp(-0.5 * k * k / (options.sigma_px * options.sigma_px));
-    if (hit <= best) continue;
-    best = hit;
-    best_at = static_cast<float>(k);
+/// Whether it is the search or the likelihood, in words. The last two hypotheses are the particle
+/// nearest to the truth and the truth, if there is one.
+std::string VerdictOf(const ProbeView& view, bool has_truth) {
+  if (!has_truth) return "There is no true object of this category nearby to compare with.";
+  const ProbedHypothesis& mean = view.hypotheses.front();
+  const ProbedHypothesis& nearest = view.hypotheses[view.hypotheses.size() - 2];
+  const ProbedHypothesis& truth = view.hypotheses.back();
+  const double margin = 0.02 * std::abs(view.alpha + view.beta);
+  const bool near = *nearest.from_truth_m < kNear_m && *nearest.from_truth_rad < kNear_rad &&
+                    nearest.label == truth.label;
+  if (*mean.from_truth_m < kNear_m && *mean.from_truth_rad < kNear_rad) {
+    return "It is where it should be.";
   }
-  return best_at;
+  if (*mean.from_truth_m > kSpurious_m) {
+    return fmt::format(
+        "Spurious: the nearest true object of this category is {:.0f} cm away; here the score is "
+        "{:.2f}, there {:.2f}.",
+        100 * *mean.from_truth_m, mean.score, truth.score);
+  }
+  if (truth.score <= mean.score + margin) {
+    return fmt::format(
+        "Likelihood: in this frame the wrong place scores {:.2f}, the truth {:.2f}. No search can "
+        "find what does not score; look at edges, model and truth.",
+        mean.score, truth.score);
+  }
+  if (!near) {
+    return fmt::format(
+        "Search: the truth would score {:.2f} against {:.2f}, but the nearest particle is {:.0f} "
+        "cm "
+        "and {:.0f}\u00b0 away.",
+        truth.score, mean.score, 100 * *nearest.from_truth_m, *nearest.from_truth_rad / kDegree);
+  }
+  return fmt::format(
+      "Time: the truth scores better ({:.2f} against {:.2f}) and there are particles near it; "
+      "the "
+      "weights have not followed yet.",
+      truth.score, mean.score);
 }
 
 }  // namespace
 
-struct HypothesisProbe::Frame {
-  MapFrame map;
-  ScoringView view;
-  std::unique_ptr<const FrameDetections> detections;
-  const ObjectReport* object = nullptr;
-  std::vector<PoseHypothesis> particles;
-  float normalizer = 0, reference_normalizer = 0;
-  const SequenceView::Truth* truth = nullptr;  ///< Nearest of the object's category.
-  PoseHypothesis truth_hypothesis;
-
-  double AzimuthFromTruth(double azimuth_rad) const {
-    return AzimuthDifference(map.database->model(truth_hypothesis.label), azimuth_rad,
-                             truth_hypothesis.azimuth_rad);
-  }
-};
-
-/// A parameter that is swept about the mean.
-struct HypothesisProbe::Axis {
-  const char* name;
-  const char* unit;
-  double reach;     ///< In m or rad.
-  double per_unit;  ///< `unit` per m or rad.
-  Eigen::Vector3d direction;
-  std::optional<float> truth;  ///< Offset of the true place, in `unit`.
-
-  bool turns() const { return direction.isZero(); }
-  double Offset(int step, int steps) const { return reach * (2.0 * step / (steps - 1) - 1); }
-  void Move(double offset, PoseHypothesis& pose) const {
-    if (turns())
-      pose.azimuth_rad += offset;
-    else
-      pose.center_in_world += offset * direction;
-  }
-};
-
 Result<std::unique_ptr<HypothesisProbe>> HypothesisProbe::Create(
     const PinholeCamera& camera, std::shared_ptr<const ModelDatabase> database,
-    const MapperOptions& options, std::optional<Eigen::Vector4d> floor_in_world,
-    const WorkContext& work) {
+    std::optional<Eigen::Vector4d> floor_in_world, const WorkContext& work) {
   std::unique_ptr<HypothesisProbe> probe(new HypothesisProbe);
   probe->camera_ = camera;
   probe->database_ = database;
-  probe->options_ = options;
   probe->floor_in_world_ = floor_in_world;
   for (const CadModel& model : database->models()) {
     auto views = ViewpointModel::LoadOrBuild(model, {}, CacheDirectory(), work);
@@ -119,7 +91,9 @@ std::vector<Likelihood> HypothesisProbe::Score(const Frame& frame, const Hypothe
 }
 
 ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
-                                 const ProbeCommand& request) {
+                                 const MapperOptions& options, const ProbeCommand& request) {
+  if (!DescribeOptionChanges(options_, options).empty()) table_ = nullptr;
+  options_ = options;
   ProbeView view;
   view.frame = snapshot.report.frame;
   view.object = request.object;
@@ -221,20 +195,13 @@ void HypothesisProbe::AddHypotheses(Frame& frame, const SequenceView& sequence,
   }
 
   const std::vector<Particle>& particles = *object.particles;
-  std::vector<int> by_weight(particles.size());
-  for (std::size_t i = 0; i < particles.size(); ++i) by_weight[i] = static_cast<int>(i);
-  // After resampling all weigh the same: then the better score goes first.
-  const auto score = [&](int i) {
-    const Particle& p = particles[static_cast<std::size_t>(i)];
-    return p.log_weight + options_.alpha * p.phi_cnn + options_.beta * p.phi_edge;
-  };
-  std::sort(by_weight.begin(), by_weight.end(), [&](int a, int b) { return score(a) > score(b); });
+  const std::vector<int> by_rank = ByRank(particles, options_.alpha, options_.beta);
   const auto add_particle = [&](const char* name, int index) {
     add(fmt::format("{} ({})", name, index), frame.particles[static_cast<std::size_t>(index)],
         index, false);
   };
-  add_particle("best particle", by_weight.front());
-  add_particle("median particle", by_weight[by_weight.size() / 2]);
+  add_particle("best particle", by_rank.front());
+  add_particle("median particle", by_rank[by_rank.size() / 2]);
   if (request.particle >= 0 && request.particle < static_cast<int>(particles.size()))
     add_particle("particle", request.particle);
   if (frame.truth == nullptr) return;
@@ -280,41 +247,7 @@ void HypothesisProbe::ScoreHypotheses(const Frame& frame, const HypothesisScorer
     }
     h.samples = Samples(frame, poses[i], edges);
   }
-  if (frame.truth == nullptr) {
-    view.verdict = "There is no true object of this category nearby to compare with.";
-    return;
-  }
-  const ProbedHypothesis& mean = view.hypotheses.front();
-  const ProbedHypothesis& nearest = view.hypotheses[view.hypotheses.size() - 2];
-  const ProbedHypothesis& truth = view.hypotheses.back();
-  const double margin = 0.02 * std::abs(view.alpha + view.beta);
-  const bool near = *nearest.from_truth_m < kNear_m && *nearest.from_truth_rad < kNear_rad &&
-                    nearest.label == truth.label;
-  if (*mean.from_truth_m < kNear_m && *mean.from_truth_rad < kNear_rad) {
-    view.verdict = "It is where it should be.";
-  } else if (*mean.from_truth_m > kSpurious_m) {
-    view.verdict = fmt::format(
-        "Spurious: the nearest true object of this category is {:.0f} cm away; here the score is "
-        "{:.2f}, there {:.2f}.",
-        100 * *mean.from_truth_m, mean.score, truth.score);
-  } else if (truth.score <= mean.score + margin) {
-    view.verdict = fmt::format(
-        "Likelihood: in this frame the wrong place scores {:.2f}, the truth {:.2f}. No search can "
-        "find what does not score; look at edges, model and truth.",
-        mean.score, truth.score);
-  } else if (!near) {
-    view.verdict = fmt::format(
-        "Search: the truth would score {:.2f} against {:.2f}, but the nearest particle is {:.0f} "
-        "cm "
-        "and {:.0f}\u00b0 away.",
-        truth.score, mean.score, 100 * *nearest.from_truth_m, *nearest.from_truth_rad / kDegree);
-  } else {
-    view.verdict = fmt::format(
-        "Time: the truth scores better ({:.2f} against {:.2f}) and there are particles near it; "
-        "the "
-        "weights have not followed yet.",
-        truth.score, mean.score);
-  }
+  view.verdict = VerdictOf(view, frame.truth != nullptr);
 }
 
 void HypothesisProbe::AddOutlines(const Frame& frame, int hovered, ProbeView& view) {
@@ -333,134 +266,10 @@ void HypothesisProbe::AddOutlines(const Frame& frame, int hovered, ProbeView& vi
   view.hovered_outline = outline(frame.particles[static_cast<std::size_t>(hovered)]);
 }
 
-std::vector<HypothesisProbe::Axis> HypothesisProbe::Axes(const Frame& frame,
-                                                         const ProbeView& view) {
-  const Eigen::Isometry3d& world_from_cam = frame.object->world_from_reference_cam;
-  const ProbedHypothesis& mean = view.hypotheses.front();
-  const Eigen::Vector3d ray = (mean.center_in_world - world_from_cam.translation()).normalized();
-  std::vector<Axis> axes = {{"sideways", "cm", 0.3, 100, world_from_cam.linear().col(0)},
-                            {"down", "cm", 0.3, 100, world_from_cam.linear().col(1)},
-                            {"distance", "cm", 0.5, 100, ray},
-                            {"azimuth", "\u00b0", std::numbers::pi, 1 / kDegree, {0, 0, 0}}};
-  if (frame.truth == nullptr) return axes;
-  for (Axis& axis : axes) {
-    const double offset =
-        axis.turns()
-            ? -frame.AzimuthFromTruth(mean.azimuth_rad)
-            : (frame.truth_hypothesis.center_in_world - mean.center_in_world).dot(axis.direction);
-    axis.truth = static_cast<float>(offset * axis.per_unit);
-  }
-  return axes;
-}
-
-void HypothesisProbe::AddSlices(const Frame& frame, const HypothesisScorer* reference,
-                                ProbeView& view) const {
-  const ProbedHypothesis& mean = view.hypotheses.front();
-  for (const Axis& axis : Axes(frame, view)) {
-    LikelihoodSlice slice{axis.name, axis.unit, {}, {}, {}, {}, {}, axis.truth};
-    std::vector<PoseHypothesis> poses;
-    for (int i = 0; i < kSliceSteps; ++i) {
-      const double offset = axis.Offset(i, kSliceSteps);
-      slice.offsets.push_back(static_cast<float>(offset * axis.per_unit));
-      poses.push_back({mean.label, mean.azimuth_rad, mean.center_in_world});
-      axis.Move(offset, poses.back());
-    }
-    for (const Likelihood& likelihood : Score(frame, *scorer_, poses)) {
-      slice.phi_cnn.push_back(likelihood.phi_cnn);
-      slice.phi_edge.push_back(likelihood.phi_edge);
-      slice.score.push_back(
-          static_cast<float>(view.alpha * likelihood.phi_cnn + view.beta * likelihood.phi_edge));
-    }
-    if (reference != nullptr) {
-      for (const Likelihood& likelihood : Score(frame, *reference, poses))
-        slice.phi_edge_rendered.push_back(likelihood.phi_edge);
-    }
-    view.slices.push_back(std::move(slice));
-  }
-}
-
-void HypothesisProbe::AddMap(const Frame& frame, const Axis& x, const Axis& y,
-                             ProbeView& view) const {
-  const ProbedHypothesis& mean = view.hypotheses.front();
-  LikelihoodMap map{x.name, x.unit, y.name, y.unit, {}, {}, {}, {}, {}, {}};
-  std::vector<PoseHypothesis> poses;
-  for (int row = 0; row < kMapSteps; ++row) {
-    map.x_offsets.push_back(static_cast<float>(x.Offset(row, kMapSteps) * x.per_unit));
-    map.y_offsets.push_back(static_cast<float>(y.Offset(row, kMapSteps) * y.per_unit));
-    for (int column = 0; column < kMapSteps; ++column) {
-      poses.push_back({mean.label, mean.azimuth_rad, mean.center_in_world});
-      x.Move(x.Offset(column, kMapSteps), poses.back());
-      y.Move(y.Offset(row, kMapSteps), poses.back());
-    }
-  }
-  for (const Likelihood& likelihood : Score(frame, *scorer_, poses)) {
-    map.phi_cnn.push_back(likelihood.phi_cnn);
-    map.phi_edge.push_back(likelihood.phi_edge);
-    map.score.push_back(
-        static_cast<float>(view.alpha * likelihood.phi_cnn + view.beta * likelihood.phi_edge));
-  }
-  if (x.truth && y.truth) map.truth = Eigen::Vector2f(*x.truth, *y.truth);
-  view.maps.push_back(std::move(map));
-}
-
-std::vector<ContourSample> HypothesisProbe::Samples(const Frame& frame,
-                                                    const PoseHypothesis& hypothesis,
-                                                    const EdgeMap& edges) const {
-  const auto& model = viewpoints_[static_cast<std::size_t>(hypothesis.label.value)];
-  const Eigen::Vector3d center = database_->model(hypothesis.label).center();
-  const Eigen::Matrix3d world_from_object =
-      frame.map.upright.WorldFromObjectRotation(hypothesis.azimuth_rad);
-  const Eigen::Isometry3d& cam_from_world = frame.view.cam_from_world;
-  const Eigen::Vector3d camera_in_object =
-      world_from_object.transpose() *
-          (cam_from_world.inverse().translation() - hypothesis.center_in_world) +
-      center;
-  const ContourView contour = model->View(camera_in_object.cast<float>());
-  const Eigen::Matrix3d rotation = cam_from_world.linear() * world_from_object;
-  const Eigen::Vector3d translation =
-      cam_from_world * hypothesis.center_in_world - rotation * center;
-  const OrientedTableOptions table_options = TableOptions(options_);
-  const cv::Mat& occluder = frame.view.occluder_depth;
-  std::vector<ContourSample> samples;
-  for (int i = 0; i < contour.size; ++i) {
-    const Eigen::Vector3d p =
-        rotation * Eigen::Vector3d(contour.x[i], contour.y[i], contour.z[i]) + translation;
-    if (p.z() < frame.view.near_m) continue;
-    const Eigen::Vector3d n =
-        rotation * Eigen::Vector3d(contour.nx[i], contour.ny[i], contour.nz[i]);
-    const double bx = p.x() / p.z(), by = p.y() / p.z();
-    ContourSample sample;
-    sample.pixel =
-        Eigen::Vector2d(camera_.fx * bx + camera_.cx, camera_.fy * by + camera_.cy).cast<float>();
-    sample.normal =
-        Eigen::Vector2d(camera_.fx * (n.x() - n.z() * bx), camera_.fy * (n.y() - n.z() * by))
-            .normalized()
-            .cast<float>();
-    const int x = static_cast<int>(std::floor(sample.pixel.x() + 0.5f));
-    const int y = static_cast<int>(std::floor(sample.pixel.y() + 0.5f));
-    if (x < 0 || y < 0 || x >= table_->width() || y >= table_->height()) continue;
-    sample.visible = true;
-    if (!occluder.empty()) {
-      const float in_front = occluder.at<float>(y * occluder.rows / table_->height(),
-                                                x * occluder.cols / table_->width());
-      sample.visible = !(in_front > 0 && in_front < p.z() - frame.view.occlusion_margin_m);
-    }
-    double turn = std::atan2(sample.normal.y(), sample.normal.x()) / std::numbers::pi;
-    turn -= std::floor(turn);
-    const int bin =
-        std::min(OrientedTable::kBins - 1, static_cast<int>(turn * OrientedTable::kBins));
-    sample.hit = static_cast<float>(table_->Hit(x, y, bin)) / 255.0f;
-    sample.edge_at_px = BestEdge(edges, table_options, sample.pixel, sample.normal);
-    samples.push_back(sample);
-  }
-  return samples;
-}
-
 ProbeView LazyProbe::Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
-                           const ProbeCommand& request) {
+                           const MapperOptions& options, const ProbeCommand& request) {
   if (probe_ == nullptr) {
-    auto made =
-        HypothesisProbe::Create(camera_, database_, options_, floor_in_world_, WorkContext());
+    auto made = HypothesisProbe::Create(camera_, database_, floor_in_world_, WorkContext());
     if (!made.ok()) {
       ProbeView failed;
       failed.frame = snapshot.report.frame;
@@ -470,7 +279,7 @@ ProbeView LazyProbe::Probe(const MapSnapshot& snapshot, const SequenceView& sequ
     }
     probe_ = std::move(made).value();
   }
-  return probe_->Probe(snapshot, sequence, request);
+  return probe_->Probe(snapshot, sequence, options, request);
 }
 
 }  // namespace plumbline

@@ -24,12 +24,12 @@ class HypothesisProbe {
   /// The models' contours are read from the cache or built (seconds). Errors: kCancelled.
   static Result<std::unique_ptr<HypothesisProbe>> Create(
       const PinholeCamera& camera, std::shared_ptr<const ModelDatabase> database,
-      const MapperOptions& options, std::optional<Eigen::Vector4d> floor_in_world,
-      const WorkContext& work);
+      std::optional<Eigen::Vector4d> floor_in_world, const WorkContext& work);
 
   /// A request that cannot be answered gives a view with a message.
+  /// @param options  Those that the frame was mapped with.
   ProbeView Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
-                  const ProbeCommand& request);
+                  const MapperOptions& options, const ProbeCommand& request);
 
  private:
   struct Frame;
@@ -51,7 +51,7 @@ class HypothesisProbe {
 
   PinholeCamera camera_;
   std::shared_ptr<const ModelDatabase> database_;
-  MapperOptions options_;
+  MapperOptions options_;  ///< Of the last request.
   std::optional<Eigen::Vector4d> floor_in_world_;
   std::vector<std::shared_ptr<const ViewpointModel>> viewpoints_;
   std::unique_ptr<ViewpointScorer> scorer_;
@@ -66,18 +66,14 @@ class HypothesisProbe {
 class LazyProbe {
  public:
   LazyProbe(const PinholeCamera& camera, std::shared_ptr<const ModelDatabase> database,
-            const MapperOptions& options, std::optional<Eigen::Vector4d> floor_in_world)
-      : camera_(camera),
-        database_(std::move(database)),
-        options_(options),
-        floor_in_world_(floor_in_world) {}
+            std::optional<Eigen::Vector4d> floor_in_world)
+      : camera_(camera), database_(std::move(database)), floor_in_world_(floor_in_world) {}
   ProbeView Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
-                  const ProbeCommand& request);
+                  const MapperOptions& options, const ProbeCommand& request);
 
  private:
   PinholeCamera camera_;
   std::shared_ptr<const ModelDatabase> database_;
-  MapperOptions options_;
   std::optional<Eigen::Vector4d> floor_in_world_;
   std::unique_ptr<HypothesisProbe> probe_;
 };

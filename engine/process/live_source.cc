@@ -11,6 +11,7 @@
 #include "engine/process/frame_pictures.h"
 #include "engine/process/history.h"
 #include "engine/process/hypothesis_probe.h"
+#include "engine/process/option_history.h"
 #include "engine/process/sequence_view.h"
 #include "engine/process/snapshot_memory.h"
 #include "engine/recording/run_file.h"
@@ -64,12 +65,21 @@ class LiveSource : public SnapshotSource {
         writer_(std::move(writer)),
         view_(std::move(view)),
         range_(choice.pipeline.frames),
-        probe_(pipeline_->sequence().camera(), pipeline_->database(), choice.pipeline.options,
-               pipeline_->sequence().floor_in_world()) {}
+        probe_(pipeline_->sequence().camera(), pipeline_->database(),
+               pipeline_->sequence().floor_in_world()),
+        mapped_with_(pipeline_->header()),
+        options_(choice.pipeline.options) {}
 
   ProbeView Probe(const MapSnapshot& snapshot, const ProbeCommand& request) override {
-    return probe_.Probe(snapshot, view_, request);
+    return probe_.Probe(snapshot, view_, mapped_with_.At(snapshot.report.frame), request);
   }
+  MapperOptions options() const override { return options_; }
+  Status SetOptions(const MapperOptions& options) override {
+    options_ = options;
+    pipeline_->SetOptions(options);
+    return {};
+  }
+  std::filesystem::path recording() const override { return place_.path(); }
 
   const SequenceView& view() const override { return view_; }
   int size() const override { return pipeline_->num_selected(); }
@@ -86,8 +96,10 @@ class LiveSource : public SnapshotSource {
     std::shared_ptr<const MapSnapshot> snapshot = *next;
     if (Status status = writer_->Write(snapshot->report, snapshot->image); !status.ok())
       return status.error();
-    for (const LifeEvent& event : snapshot->report.events)
+    for (const LifeEvent& event : snapshot->report.events) {
+      mapped_with_.Add(snapshot->report.frame, event);
       events_.push_back({snapshot->report.frame, event});
+    }
     history_.frames.push_back(
         std::make_shared<const FrameSample>(SampleOf(snapshot->report, view_)));
     if (WantsThumbnail(mapped_, size()) && !snapshot->image.empty())
@@ -130,6 +142,8 @@ class LiveSource : public SnapshotSource {
   SequenceView view_;
   FrameRange range_;
   LazyProbe probe_;
+  OptionHistory mapped_with_;
+  MapperOptions options_;  ///< Of the next frame.
   SnapshotMemory memory_{kMemoryBytes};
   std::vector<FrameEvent> events_;
   RunHistory history_;

@@ -10,6 +10,7 @@
 #include "engine/base/files.h"
 #include "engine/base/queue.h"
 #include "engine/base/timer.h"
+#include "engine/mapping/option_changes.h"
 #include "engine/mapping/viewpoint_scorer.h"
 #include "engine/process/frame_pictures.h"
 #include "engine/vision/edge_detector.h"
@@ -24,6 +25,7 @@ struct Prepared {
   Frame frame;
   EdgeMap edges;
   std::optional<MapperInput> input;
+  int options_version = 0;  ///< Of the options that the table was made with.
   std::string skipped;
   std::vector<StageTiming> timings;
 };
@@ -49,8 +51,15 @@ class FramePreparer {
         edges_(std::move(edges)),
         options_(options) {}
 
+  void SetOptions(const MapperOptions& options) {
+    options_ = options;
+    ++options_version_;
+  }
+  int options_version() const { return options_version_; }
+
   Prepared Prepare(int index) {
     Prepared prepared;
+    prepared.options_version = options_version_;
     prepared.frame.index = index;
     prepared.frame.stamp_ns = sequence_->stamp_ns(index);
     const Status status = TryPrepare(index, prepared);
@@ -97,6 +106,7 @@ class FramePreparer {
   std::unique_ptr<Detector> detector_;
   std::unique_ptr<EdgeDetector> edges_;
   MapperOptions options_;
+  int options_version_ = 0;
 };
 
 }  // namespace
@@ -137,6 +147,9 @@ struct MappingPipeline::Impl {
   std::unique_ptr<FramePreparer> preparer;
   std::mutex preparer_mutex;
   std::unique_ptr<Mapper> mapper;
+  MapperOptions options;      ///< Of the next frame.
+  MapperOptions mapped_with;  ///< Of the last frame.
+  int options_version = 0;    ///< The preparer's, of `options`.
   std::vector<int> selected;
   std::size_t next = 0;
   FrameReport last_report;  ///< A skipped frame leaves the map as it was.
@@ -160,6 +173,14 @@ struct MappingPipeline::Impl {
 
   ~Impl() {
     if (ahead) ahead->Close();
+  }
+
+  void UseOptions(const MapperOptions& now) {
+    options = now;
+    mapper->SetOptions(now);
+    const std::lock_guard lock(preparer_mutex);
+    preparer->SetOptions(now);
+    options_version = preparer->options_version();
   }
 
   /// The map as the last used frame left it.
@@ -253,6 +274,7 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineCho
   Result<std::unique_ptr<Mapper>> mapper = Mapper::Create(setup);
   if (!mapper.ok()) return mapper.error();
   impl->mapper = std::move(mapper).value();
+  impl->options = impl->mapped_with = choice.options;
   return std::unique_ptr<MappingPipeline>(new MappingPipeline(std::move(impl)));
 }
 
@@ -285,9 +307,7 @@ RunHeader MappingPipeline::header() const {
 
 int MappingPipeline::num_done() const { return static_cast<int>(impl_->next); }
 int MappingPipeline::num_selected() const { return static_cast<int>(impl_->selected.size()); }
-void MappingPipeline::SetOptions(const MapperOptions& options) {
-  impl_->mapper->SetOptions(options);
-}
+void MappingPipeline::SetOptions(const MapperOptions& options) { impl_->UseOptions(options); }
 
 std::optional<std::shared_ptr<const MapSnapshot>> MappingPipeline::Next() {
   Impl& m = *impl_;
@@ -296,18 +316,33 @@ std::optional<std::shared_ptr<const MapSnapshot>> MappingPipeline::Next() {
   std::optional<Prepared> prepared = m.ahead->Pop();
   if (!prepared) return std::nullopt;
   ++m.next;
+  std::vector<LifeEvent> events;
+  if (std::string change = DescribeOptionChanges(m.mapped_with, m.options); !change.empty())
+    events.push_back({EventKind::kOptionsChanged, {}, {}, std::move(change)});
+  m.mapped_with = m.options;
+  const auto add_events = [&](FrameReport& report) {
+    report.events.insert(report.events.begin(), events.begin(), events.end());
+  };
   if (!prepared->input) {
-    return m.Snapshot(m.Skip(*prepared), prepared->frame, prepared->edges, {});
+    FrameReport report = m.Skip(*prepared);
+    add_events(report);
+    return m.Snapshot(std::move(report), prepared->frame, prepared->edges, {});
   }
+  if (prepared->options_version != m.options_version)  // made ready before they changed
+    prepared->input->table = SearchTable(prepared->edges, m.options);
   FrameReport report = m.mapper->Step(*prepared->input);
+  add_events(report);
   report.timings.insert(report.timings.begin(), prepared->timings.begin(), prepared->timings.end());
   m.last_report = report;
   return m.Snapshot(std::move(report), prepared->frame, prepared->edges, m.mapper->mean_maps());
 }
 
-Status MappingPipeline::Resume(const FrameReport& report) {
+Status MappingPipeline::Resume(const FrameReport& report,
+                               const std::optional<MapperOptions>& options) {
   Impl& m = *impl_;
   PLB_CHECK(m.next == 0 && !m.ahead) << "resume before the first frame";
+  if (options) m.UseOptions(*options);
+  m.mapped_with = m.options;
   while (m.next < m.selected.size() && m.selected[m.next] <= report.frame) ++m.next;
   m.last_report = report;
   return m.mapper->Restore(report, [&](int frame) -> Result<MapperInput> {

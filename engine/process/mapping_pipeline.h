@@ -60,11 +60,12 @@ class MappingPipeline {
   /// report with `skipped` set.
   std::optional<std::shared_ptr<const MapSnapshot>> Next();
   /// Continues after `report` bit for bit. Call before the first Next.
-  Status Resume(const FrameReport& report);
+  /// @param options  Those of that frame; nothing: as the pipeline was opened with.
+  Status Resume(const FrameReport& report, const std::optional<MapperOptions>& options = {});
   /// What a frame's snapshot shows besides the report: image, edges, Z-buffer and outlines,
   /// computed again.
   Result<std::shared_ptr<const MapSnapshot>> Recompute(const FrameReport& report);
-  /// Takes effect with the next frame.
+  /// Takes effect with the next frame, whose report tells of it by a kOptionsChanged event.
   void SetOptions(const MapperOptions& options);
 
  private:

@@ -62,6 +62,8 @@ void MappingProcess::ReportProgress(const Progress& progress) {
 
 void MappingProcess::Loop(std::stop_token stop) {
   state_.recorded = source_->recorded();
+  state_.options = std::make_shared<const MapperOptions>(source_->options());
+  state_.recording = source_->recording().string();
   state_.message.clear();
   sequence_.Publish(std::make_shared<const SequenceView>(source_->view()));
   state_.frame = source_->FrameAt(0);
@@ -164,6 +166,11 @@ void MappingProcess::Apply(const PlaybackCommand& command) {
         if constexpr (std::is_same_v<T, ProbeCommand>) {
           if (const auto shown = snapshot_.Latest())
             probe_.Publish(std::make_shared<const ProbeView>(source_->Probe(*shown, c)));
+        }
+        if constexpr (std::is_same_v<T, SetOptionsCommand>) {
+          if (const Status status = source_->SetOptions(c.options); !status.ok())
+            log::warn("{}", status.error().message);
+          state_.options = std::make_shared<const MapperOptions>(source_->options());
         }
         if constexpr (std::is_same_v<T, SetLoopCommand>) state_.loop = c.loop;
         if constexpr (std::is_same_v<T, SetSpeedCommand>) {

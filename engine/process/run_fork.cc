@@ -3,10 +3,14 @@
 
 #include <chrono>
 #include <ctime>
+#include <limits>
+#include <thread>
 #include <utility>
 
 namespace plumbline {
 namespace {
+
+constexpr auto kPatience = std::chrono::seconds(5);
 
 std::string Now() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
@@ -35,11 +39,36 @@ PipelineChoice InputsOf(const RunChoice& choice, const RunHeader& header) {
   return pipeline;
 }
 
+/// A run that is being recorded is a few frames behind what was mapped.
+Status WaitForFrame(const std::filesystem::path& run, int frame, const std::stop_token& stop) {
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (true) {
+    const auto last = LastFrameOf(run);
+    if (last.ok() && *last >= frame) return {};
+    if (!last.ok() && last.error().code != ErrorCode::kInvalidInput) return last.error();
+    if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+    if (std::chrono::steady_clock::now() > deadline)
+      return Error{ErrorCode::kIo, "'" + run.string() + "' does not hold frame " +
+                                       std::to_string(frame) + "; fork from an earlier one"};
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
 }  // namespace
 
-Result<int> TakeOverPast(const std::filesystem::path& file, std::optional<int> at,
-                         MappingPipeline& pipeline, RunWriter& writer,
-                         const std::function<void(const FrameReport&)>& seen) {
+Result<int> LastFrameOf(const std::filesystem::path& file) {
+  auto reader = RunReader::Open(file);
+  if (!reader.ok()) return reader.error();
+  const auto last = (*reader)->FindFrame(std::numeric_limits<int>::max());
+  if (!last.ok()) return last.error();
+  if (!*last) return Error{ErrorCode::kInvalidInput, "'" + file.string() + "' holds no frames yet"};
+  const auto frames = (*reader)->Frames(**last);
+  if (!frames.ok()) return frames.error();
+  return frames->back().frame;
+}
+
+Result<int> TakeOverPast(const std::filesystem::path& file, int at, MappingPipeline& pipeline,
+                         RunWriter& writer, const std::function<void(const FrameReport&)>& seen) {
   auto reader = RunReader::Open(file);
   if (!reader.ok()) return reader.error();
   const RunHeader past = (*reader)->header(), now = pipeline.header();
@@ -50,10 +79,9 @@ Result<int> TakeOverPast(const std::filesystem::path& file, std::optional<int> a
   if (past.first_frame != now.first_frame || past.frame_step != now.frame_step)
     return Error{ErrorCode::kInvalidInput,
                  "'" + file.string() + "' took other frames; give the same --frames"};
-  const auto last = at ? (*reader)->FindFrame(*at)
-                       : Result<std::optional<int>>((*reader)->NumFrames().value() - 1);
+  const auto last = (*reader)->FindFrame(at);
   if (!last.ok()) return last.error();
-  if (!*last || **last < 0)
+  if (!*last)
     return Error{ErrorCode::kInvalidInput, "'" + file.string() + "' has no frame that early"};
   std::optional<FrameReport> restored;
   for (int i = 0; i <= **last; ++i) {
@@ -85,8 +113,11 @@ Status ForkRun(const ForkChoice& choice, const WorkContext& work) {
   auto pipeline = MappingPipeline::Open(inputs, work);
   if (!pipeline.ok()) return pipeline.error();
   RunHeader header = (*pipeline)->header();
+  header.forked_after = choice.at;
   header.program_version = choice.program_version;
   header.started = Now();
+  if (Status status = WaitForFrame(choice.run.run, choice.at, work.stop); !status.ok())
+    return status;
   auto writer = RunWriter::Create(choice.out, header);
   if (!writer.ok()) return writer.error();
   const auto at =

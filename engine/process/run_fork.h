@@ -13,14 +13,16 @@
 
 namespace plumbline {
 
-/// Copies the past of the run `file`, up to the frame `at` (nothing: all of it), into `writer`, and
+/// The last frame that the run `file` holds. Errors: kNotFound; kInvalidInput where it is empty.
+Result<int> LastFrameOf(const std::filesystem::path& file);
+
+/// Copies the past of the run `file`, up to the frame `at`, into `writer`, and
 /// lets `pipeline` go on from there.
 /// @param seen  Gets every report that is taken over.
 /// @return The last frame that was taken over. Errors: of reading and writing; kInvalidInput for a
 /// run of another sequence, other models or other frames.
-Result<int> TakeOverPast(const std::filesystem::path& file, std::optional<int> at,
-                         MappingPipeline& pipeline, RunWriter& writer,
-                         const std::function<void(const FrameReport&)>& seen);
+Result<int> TakeOverPast(const std::filesystem::path& file, int at, MappingPipeline& pipeline,
+                         RunWriter& writer, const std::function<void(const FrameReport&)>& seen);
 
 /// What a run would have become with other options or another seed from a frame on.
 struct ForkChoice {

@@ -9,6 +9,7 @@
 #include "engine/process/frame_pictures.h"
 #include "engine/process/history.h"
 #include "engine/process/hypothesis_probe.h"
+#include "engine/process/option_history.h"
 #include "engine/process/sequence_view.h"
 #include "engine/process/snapshot_memory.h"
 #include "engine/recording/run_file.h"
@@ -29,8 +30,10 @@ class RunSource : public SnapshotSource {
         events_(std::move(events)),
         pictures_(std::move(pictures)),
         view_(std::move(view)),
-        probe_(std::move(probe)) {
+        probe_(std::move(probe)),
+        mapped_with_(reader_->header()) {
     history_.frames.resize(frames_.size());
+    for (const FrameEvent& event : events_) mapped_with_.Add(event.frame, event.event);
   }
 
   const SequenceView& view() const override { return view_; }
@@ -43,8 +46,10 @@ class RunSource : public SnapshotSource {
   const std::vector<FrameEvent>& events() const override { return events_; }
   const RunHistory& history() const override { return history_; }
   ProbeView Probe(const MapSnapshot& snapshot, const ProbeCommand& request) override {
-    return probe_.Probe(snapshot, view_, request);
+    return probe_.Probe(snapshot, view_, mapped_with_.At(snapshot.report.frame), request);
   }
+  MapperOptions options() const override { return mapped_with_.newest(); }
+  std::filesystem::path recording() const override { return reader_->file(); }
 
   bool ReadAhead() override {
     const auto until = std::chrono::steady_clock::now() + kReadAheadTime;
@@ -86,6 +91,7 @@ class RunSource : public SnapshotSource {
   std::unique_ptr<FramePictures> pictures_;
   SequenceView view_;
   LazyProbe probe_;
+  OptionHistory mapped_with_;
   SnapshotMemory memory_{kMemoryBytes};
   RunHistory history_;
   int read_ = 0;  ///< Positions that the history knows.
@@ -142,13 +148,6 @@ std::string EdgeChoice(const std::string& description) {
   return end == std::string::npos ? "gradient" : file.substr(0, end + 5);
 }
 
-MapperOptions OptionsOf(const RunHeader& header) {
-  MapperOptions options;
-  if (const Status status = OptionsFromJson(header.options, options); !status.ok())
-    log::warn("the run's options are not all known here: {}", status.error().message);
-  return options;
-}
-
 Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& choice,
                                                              const RunHeader& header) {
   const std::filesystem::path models =
@@ -183,7 +182,7 @@ Result<std::unique_ptr<SnapshotSource>> OpenRunSource(const RunChoice& choice,
   return std::unique_ptr<SnapshotSource>(std::make_unique<RunSource>(
       std::move(reader).value(), std::move(frames).value(), std::move(events),
       std::move(inputs->pictures), std::move(inputs->view),
-      LazyProbe(header.camera, inputs->database, OptionsOf(header), header.floor_in_world)));
+      LazyProbe(header.camera, inputs->database, header.floor_in_world)));
 }
 
 }  // namespace plumbline

@@ -23,9 +23,6 @@ struct RunChoice {
 Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& choice,
                                                              const RunHeader& header);
 
-/// As far as this program knows them; a run of another version may have others.
-MapperOptions OptionsOf(const RunHeader& header);
-
 /// What CreateEdgeDetector takes, from what an edge detector said of itself ("kind file hash").
 std::string EdgeChoice(const std::string& description);
 

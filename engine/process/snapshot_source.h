@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <stop_token>
 #include <vector>
 
 #include "engine/base/result.h"
+#include "engine/mapping/mapper_options.h"
 #include "engine/snapshot/commands.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/probe_view.h"
@@ -46,6 +48,15 @@ class SnapshotSource {
     nothing.message = "This source cannot score hypotheses again.";
     return nothing;
   }
+  /// The options of the frame that is mapped next; of a recorded run, of its last one.
+  virtual MapperOptions options() const { return {}; }
+  /// Takes effect with the next frame that is mapped. Errors: kUnsupported where nothing is mapped.
+  virtual Status SetOptions(const MapperOptions&) {
+    return Error{ErrorCode::kUnsupported,
+                 "what is recorded keeps its options; fork the run to try others"};
+  }
+  /// The run file that holds the frames which are mapped; empty: none.
+  virtual std::filesystem::path recording() const { return {}; }
   /// Reads a little more of the history, for some milliseconds; false once there is no more to
   /// read.
   virtual bool ReadAhead() { return false; }

@@ -59,6 +59,7 @@ nlohmann::json HeaderToJson(const RunHeader& header) {
        {{"first", header.first_frame}, {"end", header.end_frame}, {"step", header.frame_step}}},
       {"started", header.started}};
   if (header.floor_in_world) json["floor"] = ToArray(*header.floor_in_world);
+  if (header.forked_after) json["forked_after"] = *header.forked_after;
   return json;
 }
 
@@ -91,6 +92,7 @@ Result<RunHeader> HeaderFromJson(const nlohmann::json& json) {
     header.end_frame = json.at("frames").at("end").get<int>();
     header.frame_step = json.at("frames").at("step").get<int>();
     header.started = json.at("started").get<std::string>();
+    if (json.contains("forked_after")) header.forked_after = json.at("forked_after").get<int>();
   } catch (const std::exception& error) {
     return Error{ErrorCode::kCorrupt,
                  std::string("its header cannot be read (") + error.what() + ")"};

@@ -37,7 +37,9 @@ struct RunHeader {
   PinholeCamera camera;
   double rate_hz = 30;
   int first_frame = 0, end_frame = 0,
-      frame_step = 1;   ///< The frames asked for: first, first + step ... < end.
+      frame_step = 1;  ///< The frames asked for: first, first + step ... < end.
+  /// Up to this frame the run is the past of another one; options and seed count after it.
+  std::optional<int> forked_after;
   std::string started;  ///< Wall-clock time in words; says nothing about the result.
 };
 

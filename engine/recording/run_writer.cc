@@ -285,6 +285,7 @@ Result<std::unique_ptr<RunWriter>> RunWriter::Create(const std::filesystem::path
 Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& file,
                                                    const RunHeader& header) {
   Resumed resumed;
+  RunHeader stored_header = header;
   int num_frames = 0;
   double elapsed_s = 0;
   {
@@ -294,6 +295,7 @@ Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& 
       return Error{same.error().code,
                    "cannot resume " + file.string() + ": " + same.error().message};
     }
+    stored_header.forked_after = (*reader)->header().forked_after;
     const Result<int> stored = (*reader)->NumFrames();
     if (!stored) return stored.error();
     for (num_frames = *stored; num_frames > 0; --num_frames) {
@@ -316,7 +318,7 @@ Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& 
         std::string("DELETE FROM ") + table + " WHERE position >= " + std::to_string(num_frames);
     if (status.ok()) status = (*database)->Execute(sql.c_str());
   }
-  if (status.ok()) status = StoreHeader(**database, header);
+  if (status.ok()) status = StoreHeader(**database, stored_header);
   if (status.ok()) status = (*database)->Execute("COMMIT");
   if (!status.ok()) return status.error();
   const int last_frame = resumed.last ? resumed.last->frame : std::numeric_limits<int>::min();

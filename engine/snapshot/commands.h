@@ -48,6 +48,11 @@ struct FollowNewestCommand {
   bool on = true;
 };
 
+/// The options of the frames that are mapped from now on. Nothing in a recorded run.
+struct SetOptionsCommand {
+  MapperOptions options;
+};
+
 /// Scores an object of the frame that is shown again, with what was not tried: the truth, places
 /// around the mean. The answer is a ProbeView.
 struct ProbeCommand {
@@ -61,7 +66,7 @@ struct ProbeCommand {
 /// For the process that plays and maps.
 using PlaybackCommand = std::variant<PlayCommand, PauseCommand, TogglePlayCommand, StepCommand,
                                      SeekCommand, SetSpeedCommand, SetRangeCommand, SetLoopCommand,
-                                     FollowNewestCommand, ProbeCommand>;
+                                     FollowNewestCommand, SetOptionsCommand, ProbeCommand>;
 
 /// An id that is not valid clears the selection.
 struct SelectObjectCommand {
@@ -148,6 +153,10 @@ struct SwitchWorkspaceCommand {
 struct AskForkCommand {
   bool show = true;
 };
+/// Opens the dialog that changes the options of the run that is being mapped, or closes it.
+struct AskOptionsCommand {
+  bool show = true;
+};
 /// Maps the open run again from the frame after `frame` on, into a file of its own, which is then
 /// opened beside it.
 struct ForkCommand {
@@ -175,8 +184,8 @@ using WindowCommand =
                  SetThemeCommand, ShowPaletteCommand, BookmarkCommand, RemoveBookmarkCommand,
                  AskFrameCommand, SelectHypothesisCommand, ScreenshotCommand, ShowHelpCommand,
                  SetUiScaleCommand, OpenCommand, SwitchWorkspaceCommand, AskForkCommand,
-                 ForkCommand, CancelForkCommand, CompareRunCommand, ShowRunCommand,
-                 ImageViewsCommand, PlaceViewCommand, PresentCommand, QuitCommand>;
+                 AskOptionsCommand, ForkCommand, CancelForkCommand, CompareRunCommand,
+                 ShowRunCommand, ImageViewsCommand, PlaceViewCommand, PresentCommand, QuitCommand>;
 
 using Command = std::variant<PlaybackCommand, WindowCommand, AnnotationCommand>;
 

@@ -17,6 +17,7 @@
 #include "engine/base/ids.h"
 #include "engine/geometry/mesh.h"
 #include "engine/mapping/map_report.h"
+#include "engine/mapping/mapper_options.h"
 #include "engine/snapshot/run_history.h"
 
 namespace plumbline {
@@ -93,6 +94,9 @@ struct PlaybackView {
   bool mapping = false;  ///< The mapper goes on, whatever is shown.
   bool follow = false;   ///< Shows every frame that is mapped; only while `mapping`.
   bool loop = false;     ///< Playing starts again at the end.
+  /// Of the frame that is mapped next; null until the source is open.
+  std::shared_ptr<const MapperOptions> options;
+  std::string recording;  ///< The run file that holds the mapped frames; "": none.
   std::optional<int> range_begin, range_end;  ///< Frames that playing keeps to, both included.
 };
 

@@ -3,71 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace plumbline {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kVertices = 400;
 constexpr double kTouch_m = 0.06;       ///< What stands on something is this close to its top,
 constexpr double kOverhang_m = 0.05;    ///< and its centre at most this far outside.
 constexpr double kLeastHeight_m = 0.1;  ///< A carpet carries nothing.
 constexpr double kOcclusionMargin_m = 0.05;
 constexpr double kLeastHidden = 0.05;
 
-struct Body {
-  ObjectId id;
-  Eigen::Isometry3d world_from_object;
-  Eigen::AlignedBox3d box;         ///< In the object's frame.
-  std::vector<Vector3d> vertices;  ///< In the world.
-  double low = 1e9, high = -1e9;   ///< Along up.
-};
-
-std::vector<Body> BodiesOf(const FrameReport& report, const SequenceView& view) {
-  std::vector<Body> bodies;
-  for (const ObjectReport& object : report.objects) {
-    const auto label = static_cast<std::size_t>(object.label.value);
-    if (object.state != ObjectState::kConfirmed || label >= view.models.size()) continue;
-    const auto& mesh = view.models[label].mesh;
-    if (mesh == nullptr || mesh->vertices.empty()) continue;
-    Body body{object.id, object.world_from_object, BoundingBox(*mesh).cast<double>(), {}};
-    const std::size_t stride = std::max<std::size_t>(1, mesh->vertices.size() / kVertices);
-    for (std::size_t i = 0; i < mesh->vertices.size(); i += stride)
-      body.vertices.push_back(object.world_from_object * mesh->vertices[i].cast<double>());
-    for (const Vector3d& p : body.vertices) {
-      body.low = std::min(body.low, p.dot(view.up_in_world));
-      body.high = std::max(body.high, p.dot(view.up_in_world));
-    }
-    bodies.push_back(std::move(body));
-  }
-  return bodies;
-}
-
-/// From the vertices of one to the box of the other, the smaller way.
-double Gap(const Body& a, const Body& b) {
-  const auto one_way = [](const Body& from, const Body& to) {
-    const Eigen::Isometry3d inside = to.world_from_object.inverse();
-    double least = 1e9;
-    for (const Vector3d& p : from.vertices)
-      least = std::min(least, to.box.exteriorDistance(inside * p));
-    return least;
-  };
-  return std::min(one_way(a, b), one_way(b, a));
-}
-
-std::optional<double> StandsOn(const Body& a, const Body& b) {
-  const double gap = a.low - b.high;
-  if (std::abs(gap) > kTouch_m || b.high - b.low < kLeastHeight_m) return std::nullopt;
-  const Vector3d inside = b.world_from_object.inverse() * (a.world_from_object * a.box.center());
-  const bool above =
-      inside.x() > b.box.min().x() - kOverhang_m && inside.x() < b.box.max().x() + kOverhang_m &&
-      inside.y() > b.box.min().y() - kOverhang_m && inside.y() < b.box.max().y() + kOverhang_m;
-  return above ? std::optional(std::max(0.0, gap)) : std::nullopt;
-}
-
 /// What the Z-buffer shows instead of `hidden`.
+template <typename Body>
 void AddHiders(const Body& hidden, const std::vector<Body>& bodies, const FrameReport& report,
                const SequenceView& view, const cv::Mat& depth, const cv::Mat& id,
                std::vector<ObjectRelation>& relations) {
@@ -77,8 +26,9 @@ void AddHiders(const Body& hidden, const std::vector<Body>& bodies, const FrameR
   const double scale_y = double(depth.rows) / view.image_height;
   std::vector<std::pair<int, int>> counts;
   int in_view = 0;
-  for (const Vector3d& vertex : hidden.vertices) {
-    const Vector3d p = cam_from_world * vertex;
+  const Eigen::Isometry3d cam_from_object = cam_from_world * hidden.world_from_object;
+  for (const Vector3d& point : hidden.surface->points()) {
+    const Vector3d p = cam_from_object * point;
     if (p.z() < 0.05) continue;
     const int x = static_cast<int>(std::floor((view.fx * p.x() / p.z() + view.cx + 0.5) * scale_x));
     const int y = static_cast<int>(std::floor((view.fy * p.y() / p.z() + view.cy + 0.5) * scale_y));
@@ -106,23 +56,110 @@ void AddHiders(const Body& hidden, const std::vector<Body>& bodies, const FrameR
 
 }  // namespace
 
-std::vector<ObjectRelation> RelationsOf(const FrameReport& report, const SequenceView& view,
-                                        const cv::Mat& depth, const cv::Mat& id) {
-  const std::vector<Body> bodies = BodiesOf(report, view);
-  std::vector<ObjectRelation> near, stands, hides;
-  for (const Body& a : bodies) {
-    ObjectRelation nearest{RelationKind::kNear, a.id, {}, 1e9};
-    for (const Body& b : bodies) {
-      if (a.id == b.id) continue;
-      if (const auto gap = StandsOn(a, b))
-        stands.push_back({RelationKind::kStandsOn, a.id, b.id, *gap});
-      const double gap = Gap(a, b);
-      if (gap < nearest.value) nearest = {RelationKind::kNear, a.id, b.id, gap};
+struct RelationFinder::Body {
+  ObjectId id;
+  ModelId label;
+  Eigen::Isometry3d world_from_object;
+  std::shared_ptr<const MeasuredSurface> surface;
+  double low = 1e9, high = -1e9;  ///< Along up.
+
+  const Eigen::AlignedBox3d& box() const { return surface->box(); }
+  /// Above `other`'s footprint, and as high as its top.
+  bool StandsOn(const Body& other) const {
+    if (std::abs(low - other.high) > kTouch_m || other.high - other.low < kLeastHeight_m)
+      return false;
+    const Vector3d inside =
+        other.world_from_object.inverse() * (world_from_object * box().center());
+    Eigen::AlignedBox3d around = other.box();
+    around.min().array() -= kOverhang_m;
+    around.max().array() += kOverhang_m;
+    return inside.x() > around.min().x() && inside.x() < around.max().x() &&
+           inside.y() > around.min().y() && inside.y() < around.max().y();
+  }
+};
+
+std::vector<RelationFinder::Body> RelationFinder::BodiesOf(const FrameReport& report,
+                                                           const SequenceView& view) {
+  std::vector<Body> bodies;
+  for (const ObjectReport& object : report.objects) {
+    const auto label = static_cast<std::size_t>(object.label.value);
+    if (object.state != ObjectState::kConfirmed || label >= view.models.size()) continue;
+    const auto& mesh = view.models[label].mesh;
+    if (mesh == nullptr) continue;
+    const auto [found, is_new] = surfaces_.try_emplace(mesh);
+    if (is_new) {
+      if (auto made = MeasuredSurface::Make(*mesh); made.ok()) found->second = std::move(*made);
     }
-    if (nearest.b.value > 0) near.push_back(nearest);
+    if (found->second == nullptr) continue;  // a mesh without area is nowhere
+    Body body{object.id, object.label, object.world_from_object, found->second};
+    for (int i = 0; i < 8; ++i) {
+      const auto corner = static_cast<Eigen::AlignedBox3d::CornerType>(i);
+      const double height =
+          (body.world_from_object * body.box().corner(corner)).dot(view.up_in_world);
+      body.low = std::min(body.low, height);
+      body.high = std::max(body.high, height);
+    }
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
+double RelationFinder::GapOf(const Body& a, const Body& b) {
+  if (b.id < a.id) return GapOf(b, a);
+  const Eigen::Isometry3d b_from_a = b.world_from_object.inverse() * a.world_from_object;
+  const auto [known, is_new] = gaps_.try_emplace({a.id, b.id});
+  Gap& gap = known->second;
+  if (!is_new && gap.label_a == a.label && gap.label_b == b.label &&
+      gap.b_from_a.isApprox(b_from_a, 1e-12))
+    return gap.gap_m;
+  gap = {a.label, b.label, b_from_a,
+         SurfaceGap(*a.surface, a.world_from_object, *b.surface, b.world_from_object)};
+  return gap.gap_m;
+}
+
+/// Only those are measured that could be nearer than the nearest so far.
+const RelationFinder::Body* RelationFinder::NearestOf(const Body& a,
+                                                      const std::vector<Body>& bodies,
+                                                      double& gap_m) {
+  std::vector<std::pair<double, const Body*>> others;
+  for (const Body& b : bodies) {
+    if (b.id == a.id) continue;
+    others.emplace_back(
+        GapAtLeast(*a.surface, a.world_from_object, *b.surface, b.world_from_object), &b);
+  }
+  std::sort(others.begin(), others.end());
+  const Body* nearest = nullptr;
+  for (const auto& [at_least, b] : others) {
+    if (nearest != nullptr && at_least >= gap_m) break;
+    const double gap = GapOf(a, *b);
+    if (nearest != nullptr && gap >= gap_m) continue;
+    nearest = b;
+    gap_m = gap;
+  }
+  return nearest;
+}
+
+std::vector<ObjectRelation> RelationFinder::Find(const FrameReport& report,
+                                                 const SequenceView& view, const cv::Mat& depth,
+                                                 const cv::Mat& id) {
+  // Meshes of a sequence that is no longer open.
+  std::erase_if(surfaces_, [](const auto& entry) { return entry.first.use_count() == 1; });
+  const std::vector<Body> bodies = BodiesOf(report, view);
+  std::erase_if(gaps_, [&](const auto& gap) {
+    return std::none_of(bodies.begin(), bodies.end(),
+                        [&](const Body& body) { return body.id == gap.first.first; });
+  });
+  std::vector<ObjectRelation> all, near, hides;
+  for (const Body& a : bodies) {
+    for (const Body& b : bodies) {
+      if (a.id != b.id && a.StandsOn(b))
+        all.push_back({RelationKind::kStandsOn, a.id, b.id, GapOf(a, b)});
+    }
+    double gap_m = 0;
+    if (const Body* nearest = NearestOf(a, bodies, gap_m))
+      near.push_back({RelationKind::kNear, a.id, nearest->id, gap_m});
     AddHiders(a, bodies, report, view, depth, id, hides);
   }
-  std::vector<ObjectRelation> all = std::move(stands);
   all.insert(all.end(), hides.begin(), hides.end());
   all.insert(all.end(), near.begin(), near.end());
   return all;

@@ -32,7 +32,7 @@ struct ObjectSample {
   ObjectState state = ObjectState::kTentative;
   bool weighed = false;
   ModelId label;
-  std::vector<LabelProbability> label_probability;  ///< The most likely four at most.
+  std::vector<LabelProbability> label_probability;  ///< Those of 2 % at least.
   float position_std_m = 0, azimuth_std_rad = 0;
   float phi_cnn = 0, phi_edge = 0;
   float log_evidence = 0;

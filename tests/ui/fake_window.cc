@@ -5,6 +5,7 @@
 // needs a display.
 
 #include <cstdlib>
+#include <fstream>
 #include <iostream>
 #include <string>
 
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
     if (option == "--frames") fake.num_frames = std::stoi(next());
     if (option == "--slow") fake.milliseconds_per_frame = std::stoi(next());
     if (option == "--fail") fake.fail_at_frame = std::stoi(next());
+    if (option == "--demo") options.present = true;
     if (option == "--recorded") fake.recorded = true;
     if (option == "--scale") options.ui_scale = std::stod(next());
     if (option == "--size") {
@@ -41,9 +43,11 @@ int main(int argc, char** argv) {
       fake.height = std::stoi(next());
     }
   }
-  options.opener = [fake](const std::string& path) -> plumbline::MappingProcess::OpenSource {
-    return [fake, path](const plumbline::WorkContext&)
+  options.opener = [fake](const std::string& path,
+                          const std::string& models) -> plumbline::MappingProcess::OpenSource {
+    return [fake, path, models](const plumbline::WorkContext&)
                -> plumbline::Result<std::unique_ptr<plumbline::SnapshotSource>> {
+      if (!models.empty()) std::ofstream("models.txt") << models;
       if (path == "missing")
         return plumbline::Error{plumbline::ErrorCode::kNotFound, "there is no sequence 'missing'"};
       return plumbline::MakeFakeSource(fake);

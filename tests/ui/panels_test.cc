@@ -3,6 +3,7 @@
 // them.
 
 #include "ui/panels/panels.h"
+#include "engine/snapshot/particle_rank.h"
 
 #include <gtest/gtest.h>
 
@@ -216,6 +217,68 @@ TEST(TimelinePanel, SeeksWhereItIsClickedAndFollowsADrag) {
   EXPECT_NEAR(harness.sink.Last<SeekCommand>()->frame, 48, 1);
 }
 
+/// So many confirmed objects, and options that changed in frame 15.
+PlaybackView Crowd(const PlaybackView& before, int objects) {
+  PlaybackView playback = before;
+  std::vector<FrameEvent> events;
+  for (int i = 1; i <= objects; ++i) {
+    events.push_back({1, {EventKind::kSpawned, {i}, {}, ""}});
+    events.push_back({5, {EventKind::kConfirmed, {i}, {}, ""}});
+  }
+  events.push_back({15, {EventKind::kOptionsChanged, {}, {}, "alpha 2.5 -> 4.0"}});
+  playback.events = std::make_shared<const std::vector<FrameEvent>>(events);
+  return playback;
+}
+
+int LanesIn(const WidgetLog& widgets) {
+  return static_cast<int>(
+      std::count_if(widgets.rects().begin(), widgets.rects().end(),
+                    [](const auto& entry) { return entry.first.starts_with("timeline.lane."); }));
+}
+
+TEST(TimelinePanel, ScrollsLanesThatStayLargeEnoughToRead) {
+  PanelHarness harness;
+  const auto panel = MakeTimelinePanel();
+  harness.size = {1200, 260};
+  harness.ShowFrame(20);
+  harness.context.playback =
+      std::make_shared<const PlaybackView>(Crowd(*harness.context.playback, 21));
+  harness.Draw(*panel, 2);
+  const int shown = LanesIn(harness.widgets);
+  EXPECT_GE(shown, 4);
+  EXPECT_LT(shown, 21);
+  const WidgetLog::Rect first = *harness.widgets.Find("timeline.lane.1");
+  EXPECT_GE(first.high.y - first.low.y, 18);
+  EXPECT_EQ(harness.widgets.Find("timeline.lane.21"), nullptr);
+  harness.Wheel(*panel, "timeline.lanes", -50);
+  ASSERT_NE(harness.widgets.Find("timeline.lane.21"), nullptr);
+  harness.Click(*panel, "timeline.lane.21");
+  ASSERT_NE(harness.sink.Last<SelectObjectCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectObjectCommand>()->object, ObjectId{21});
+  EXPECT_EQ(harness.sink.Last<SeekCommand>(), nullptr) << "a name is no place in time";
+  harness.context.selection.object = {2};
+  harness.Draw(*panel, 2);
+  EXPECT_NE(harness.widgets.Find("timeline.lane.2"), nullptr) << "what is selected comes into view";
+}
+
+TEST(TimelinePanel, ShowsTheLanesOfTheRunThatShows) {
+  PanelHarness harness;
+  const auto panel = MakeTimelinePanel();
+  harness.size = {1200, 260};
+  harness.ShowFrame(20);
+  harness.context.playback =
+      std::make_shared<const PlaybackView>(Crowd(*harness.context.playback, 3));
+  auto other = std::make_shared<OtherRun>();
+  other->playback = std::make_shared<const PlaybackView>(Crowd(*harness.context.playback, 2));
+  harness.context.other = other;
+  harness.Draw(*panel, 2);
+  EXPECT_EQ(LanesIn(harness.widgets), 3);
+  harness.context.shows_other = true;
+  harness.Draw(*panel, 2);
+  EXPECT_EQ(LanesIn(harness.widgets), 2);
+  harness.Point(*panel, "timeline.track", 0.25f, 0.3f);  // the mark's tooltip
+}
+
 TEST(ParticlesPanel, MarksTheParticleUnderTheMouse) {
   PanelHarness harness;
   const auto panel = MakeParticlesPanel();
@@ -260,6 +323,32 @@ TEST(PosteriorPanel, DrawsAHistogramForEachParameter) {
   harness.Draw(*panel, 2);
   for (const char* axis : {"0", "1", "2", "3"})
     EXPECT_NE(harness.widgets.Find(std::string("posterior.axis.") + axis), nullptr) << axis;
+}
+
+TEST(PosteriorPanel, ShowsShapesOverTimeAndGoesToTheFrameThatIsClicked) {
+  PanelHarness harness;
+  const auto panel = MakePosteriorPanel();
+  harness.size = {900, 240};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {2};
+  harness.Click(*panel, "posterior.shapes");
+  EXPECT_EQ(panel->SaveState()["shapes"], true);
+  EXPECT_EQ(harness.widgets.Find("posterior.labels"), nullptr) << "nothing is read yet";
+  PlaybackView playback = *harness.context.playback;
+  auto history = std::make_shared<RunHistory>();
+  for (int i = 10; i < 40; ++i) {
+    auto frame = std::make_shared<FrameSample>();
+    frame->frame = i;
+    frame->objects.resize(1);
+    frame->objects[0].id = {2};
+    frame->objects[0].label_probability = {{{0}, 0.9}, {{1}, 0.1}};
+    history->frames.push_back(frame);
+  }
+  playback.history = history;
+  harness.context.playback = std::make_shared<const PlaybackView>(playback);
+  harness.Click(*panel, "posterior.labels", 0.5f, 0.5f);
+  ASSERT_NE(harness.sink.Last<SeekCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 25);
 }
 
 TEST(WhyPanel, SweepsTwoParametersAtOnce) {
@@ -311,13 +400,37 @@ TEST(ParticleTablePanel, SortsAndMarks) {
   harness.ShowFrame(30);
   harness.context.selection.object = {1};
   harness.Draw(*panel, 3);                           // columns find their places
-  harness.Click(*panel, "particle_table.column.3");  // falling edge term
+  harness.Click(*panel, "particle_table.column.4");  // falling edge term
   harness.Click(*panel, "particle_table.row.0");
   ASSERT_NE(harness.sink.Last<SelectParticleCommand>(), nullptr);
   const int marked = harness.sink.Last<SelectParticleCommand>()->particle;
   const auto& particles = *harness.context.SelectedObject()->particles;
   for (const Particle& particle : particles)
     EXPECT_LE(particle.phi_edge, particles[static_cast<std::size_t>(marked)].phi_edge);
+}
+
+TEST(ParticleTablePanel, SortsByRank) {
+  PanelHarness harness;
+  const auto panel = MakeParticleTablePanel();
+  harness.size = {900, 300};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  PlaybackView playback = *harness.context.playback;
+  auto options = std::make_shared<MapperOptions>();
+  options->alpha = 0;
+  options->beta = 1;
+  playback.options = options;
+  harness.context.playback = std::make_shared<const PlaybackView>(playback);
+  harness.Draw(*panel, 3);
+  const auto& particles = *harness.context.SelectedObject()->particles;
+  const std::vector<int> order = ByRank(particles, 0, 1);
+  harness.Click(*panel, "particle_table.column.1");  // falling: the worst first
+  harness.Click(*panel, "particle_table.row.0");
+  ASSERT_NE(harness.sink.Last<SelectParticleCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectParticleCommand>()->particle, order.back());
+  harness.Click(*panel, "particle_table.column.1");  // rising
+  harness.Click(*panel, "particle_table.row.0");
+  EXPECT_EQ(harness.sink.Last<SelectParticleCommand>()->particle, order.front());
 }
 
 }  // namespace

@@ -97,22 +97,59 @@ TEST_F(WhatIfWindow, ForksARunAndShowsBothOnOneClock) {
   EXPECT_NE(BytesOf(fork->LastFrame().value()), BytesOf(run->LastFrame().value()));
 }
 
-TEST_F(WhatIfWindow, SaysWhyALiveRunIsNotForked) {
+TEST_F(WhatIfWindow, ChangesAndForksARunThatIsBeingMapped) {
   ASSERT_EQ(Window(R"(
-      {"wait_for": {"frame": 0}},
+      {"wait_for": {"frame": 10}},
       {"key": "p", "control": true},
       {"wait_for": {"palette": true}},
       {"wait_frames": 3},
-      {"text": "what if"}, {"wait_frames": 2}, {"key": "enter"},
+      {"text": "change options"}, {"wait_frames": 2}, {"key": "enter"},
       {"wait_for": {"fork_sheet": true}},
+      {"click": "fork.filter"}, {"text": "alpha"}, {"wait_frames": 2},
+      {"click": "fork.option.alpha"}, {"key": "a", "control": true}, {"text": "1"},
+      {"key": "enter"}, {"wait_frames": 2},
+      {"screenshot": "sheet.png"},
+      {"click": "options.apply"},
+      {"wait_for": {"fork_sheet": false}},
+      {"key": "right"},
+      {"wait_for": {"frame": 11, "option_changes": ["11: alpha 2.5 -> 1.0"]}},
+      {"key": "right", "shift": true},
+      {"wait_for": {"frame": 21}},
+      {"key": "left", "shift": true},
+      {"wait_for": {"frame": 11}},
+      {"key": "left"},
+      {"wait_for": {"frame": 10}},
+      {"click": "what_if.title"},
       {"wait_frames": 2},
-      {"dump_state": "sheet.json"},
-      {"key": "escape"},
-      {"wait_for": {"fork_sheet": false}})",
-                   "sequence"),
+      {"click": "what_if.fork"},
+      {"wait_for": {"fork_sheet": true}},
+      {"click": "fork.start"},
+      {"wait_for": {"fork": "done", "other_frame": 10}, "timeout_s": 150},
+      {"dump_state": "forked.json"})",
+                   "sequence --frame 10 --seed 3 --out live.plb"),
             0)
       << *ReadFile(File("output.txt"));
-  EXPECT_FALSE(State("sheet.json")["widgets"].contains("fork.start"));
+  // At frame 10 the run had its first options: the fork, unchanged, is the run as it would have
+  // been.
+  const auto live = RunReader::Open(File("live.plb")).value();
+  const auto fork = RunReader::Open(File("live-fork-1.plb")).value();
+  EXPECT_EQ(fork->NumFrames().value(), 30);
+  EXPECT_EQ(live->NumFrames().value(), 22);
+  EXPECT_EQ(BytesOf(fork->ReadFrame(10).value()), BytesOf(live->ReadFrame(10).value()));
+  EXPECT_NE(BytesOf(fork->ReadFrame(21).value()), BytesOf(live->ReadFrame(21).value()));
+  EXPECT_THAT(State("forked.json")["other_settings"].dump(),
+              testing::HasSubstr("first run, from frame 11: alpha 2.5 -> 1.0"));
+
+  // What the window left is resumed with the options that it had come to.
+  ASSERT_EQ(Plumbline("run sequence --out live.plb --seed 3 --resume"), 0)
+      << *ReadFile(File("output.txt"));
+  ASSERT_EQ(Plumbline("run sequence --out same.plb --seed 3 --fork live.plb --at 10 --set alpha=1"),
+            0)
+      << *ReadFile(File("output.txt"));
+  const auto same = RunReader::Open(File("same.plb")).value();
+  const auto resumed = RunReader::Open(File("live.plb")).value();
+  ASSERT_EQ(resumed->NumFrames().value(), 30);
+  EXPECT_EQ(BytesOf(same->LastFrame().value()), BytesOf(resumed->LastFrame().value()));
 }
 
 }  // namespace

@@ -138,6 +138,10 @@ struct FrameContext {
   AnnotateView* annotate = nullptr;
   AnnotateSurface* annotate_scene = nullptr;
 
+  /// Of the run that shows.
+  const PlaybackView& shown_playback() const {
+    return shows_other && other != nullptr ? *other->playback : *playback;
+  }
   /// Null if nothing is selected or it does not live in this frame.
   const ObjectReport* SelectedObject() const {
     if (snapshot == nullptr) return nullptr;

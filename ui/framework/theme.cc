@@ -222,6 +222,8 @@ const char* EventName(EventKind kind) {
       return "label changed";
     case EventKind::kFrameSkipped:
       return "frame skipped";
+    case EventKind::kOptionsChanged:
+      return "options changed";
   }
   return "";
 }
@@ -240,6 +242,8 @@ ImU32 EventColor(EventKind kind) {
       return colors::kWarning;
     case EventKind::kFrameSkipped:
       return colors::kBad;
+    case EventKind::kOptionsChanged:
+      return IM_COL32(236, 122, 190, 255);
   }
   return colors::kDimText;
 }

@@ -134,7 +134,10 @@ void DrawStatusBar(const FrameContext& context, const LayoutRect& rect, const st
   const float y = 0.5f * (rect.low.y + rect.high.y) - 0.5f * context.fonts.small->FontSize;
   const bool annotates = context.workspace == WorkspaceId::kAnnotate;
   bool failed = context.playback->state == PlaybackState::kFailed;
-  const std::string status = annotates ? AnnotationStatus(context, failed) : StatusText(context);
+  std::string status = annotates ? AnnotationStatus(context, failed) : StatusText(context);
+  if (const ForkView* fork = context.fork.get();
+      fork != nullptr && fork->state == ForkState::kRunning)
+    status += fmt::format("  \u00b7  Fork: {} of {}", fork->done, fork->total);
   const std::string right = fmt::format("window {:.1f} ms  \u00b7  3-D {:.0f} ms  \u00b7  {}",
                                         context.window_ms, context.scene_ms, context.renderer);
   const float right_width =

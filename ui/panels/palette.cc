@@ -49,6 +49,7 @@ void AddActions(const FrameContext& context, std::vector<PaletteEntry>& all) {
   if (!playback.recorded) {
     all.push_back(Entry(playback.follow ? "Stop mapping" : "Map on and follow the newest frame",
                         "N", FollowNewestCommand{!playback.follow}));
+    all.push_back(Entry("Change options of this run: what if?", "", AskOptionsCommand{}));
     if (playback.mapping) all.push_back(Entry("Pause the mapper", "", PauseCommand{}));
   }
   all.push_back(Entry("Play only after this frame", "I",
@@ -112,7 +113,7 @@ void AddThings(const FrameContext& context, std::vector<PaletteEntry>& all) {
     all.push_back(Entry(fmt::format("Bookmark {} {}", bookmark.frame, bookmark.note), "",
                         SeekCommand{bookmark.frame}));
   for (const std::string& path : context.recent) {
-    if (path.ends_with(".plb") && context.playback->recorded)
+    if (path.ends_with(".plb") && !context.playback->recording.empty())
       all.push_back(Entry("Compare with " + path, "", CompareRunCommand{path}));
   }
   for (const std::string& path : context.recent)

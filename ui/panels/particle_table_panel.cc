@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "engine/snapshot/particle_rank.h"
 #include "ui/framework/widgets.h"
 #include "ui/panels/panels.h"
 #include "ui/panels/waiting.h"
@@ -17,10 +18,11 @@ constexpr double kDegrees = 57.29577951308232;
 struct Column {
   const char* name;
   const char* help;
-  double (*value)(const Particle& particle);  ///< Null: the row's number.
+  double (*value)(const Particle& particle);  ///< Null: index or rank.
 };
 constexpr Column kColumns[] = {
     {"#", "Index among the object's particles.", nullptr},
+    {"Rank", "1 is the best: by weight times what this frame says of it.", nullptr},
     {"Weight", "Share of the belief, in thousandths.",
      [](const Particle& p) { return 1000 * std::exp(double{p.log_weight}); }},
     {"\u03a6 det", "Detector term.", [](const Particle& p) { return double{p.phi_cnn}; }},
@@ -34,6 +36,8 @@ constexpr Column kColumns[] = {
     {"From", "The particle of the last weighed frame that it comes from.",
      [](const Particle& p) { return double(p.ancestor); }},
 };
+
+constexpr int kRank = 1, kWeight = 2;
 
 class ParticleTablePanel : public Panel {
  public:
@@ -59,8 +63,9 @@ class ParticleTablePanel : public Panel {
       ImGui::TableSetupScrollFreeze(0, 1);
       for (const Column& column : kColumns)
         ImGui::TableSetupColumn(
-            column.name, ImGuiTableColumnFlags_PreferSortDescending |
-                             (&column == &kColumns[1] ? ImGuiTableColumnFlags_DefaultSort : 0));
+            column.name,
+            ImGuiTableColumnFlags_PreferSortDescending |
+                (&column == &kColumns[kWeight] ? ImGuiTableColumnFlags_DefaultSort : 0));
       ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
       for (int i = 0; i < static_cast<int>(std::size(kColumns)); ++i) {
         ImGui::TableSetColumnIndex(i);
@@ -86,16 +91,29 @@ class ParticleTablePanel : public Panel {
     object_ = object.id;
     order_.resize(particles.size());
     std::iota(order_.begin(), order_.end(), 0);
+    RankParticles(context, particles);
     if (specs == nullptr || specs->SpecsCount == 0) return;
     specs->SpecsDirty = false;
     const Column& column = kColumns[specs->Specs[0].ColumnIndex];
     const bool rises = specs->Specs[0].SortDirection == ImGuiSortDirection_Ascending;
-    const auto key = [&](int i) {
-      return column.value == nullptr ? double(i)
-                                     : column.value(particles[static_cast<std::size_t>(i)]);
-    };
+    const auto key = [&](int i) { return Value(column, particles, i); };
     std::stable_sort(order_.begin(), order_.end(),
                      [&](int a, int b) { return rises ? key(a) < key(b) : key(a) > key(b); });
+  }
+
+  void RankParticles(const FrameContext& context, const std::vector<Particle>& particles) {
+    const MapperOptions options =
+        context.playback->options != nullptr ? *context.playback->options : MapperOptions();
+    rank_.resize(particles.size());
+    int rank = 0;
+    for (const int index : ByRank(particles, options.alpha, options.beta))
+      rank_[static_cast<std::size_t>(index)] = ++rank;
+  }
+
+  double Value(const Column& column, const std::vector<Particle>& particles, int index) const {
+    const auto i = static_cast<std::size_t>(index);
+    if (column.value != nullptr) return column.value(particles[i]);
+    return &column == &kColumns[kRank] ? rank_[i] : index;
   }
 
   void DrawRows(const FrameContext& context, const ObjectReport& object, CommandSink& sink) const {
@@ -115,11 +133,11 @@ class ParticleTablePanel : public Panel {
         LogItem(context, fmt::format("particle_table.row.{}", row));
         for (std::size_t c = 1; c < std::size(kColumns); ++c) {
           ImGui::TableNextColumn();
-          const double value = kColumns[c].value(particle);
+          const double value = Value(kColumns[c], *object.particles, index);
           const ModelView* model = context.Model({particle.label});
           if (std::string_view(kColumns[c].name) == "Model") {
             ImGui::TextUnformatted(model != nullptr ? model->name.c_str() : "?");
-          } else if (std::string_view(kColumns[c].name) == "From") {
+          } else if (c == kRank || std::string_view(kColumns[c].name) == "From") {
             ImGui::Text("%.0f", value);
           } else {
             ImGui::Text("%.2f", value);
@@ -131,7 +149,7 @@ class ParticleTablePanel : public Panel {
 
   std::uint64_t version_ = 0;
   ObjectId object_;
-  std::vector<int> order_;
+  std::vector<int> order_, rank_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/snapshot/particle_rank.h"
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"
 #include "ui/panels/overlays.h"
@@ -95,9 +96,10 @@ class ParticlesPanel : public Panel {
   static void DrawNumbers(const FrameContext& context, const std::vector<Particle>& particles,
                           int index) {
     const Particle& particle = particles[static_cast<std::size_t>(index)];
-    const auto rank = std::count_if(particles.begin(), particles.end(), [&](const Particle& other) {
-      return other.log_weight > particle.log_weight;
-    });
+    const MapperOptions options =
+        context.playback->options != nullptr ? *context.playback->options : MapperOptions();
+    const std::vector<int> order = ByRank(particles, options.alpha, options.beta);
+    const auto rank = std::find(order.begin(), order.end(), index) - order.begin();
     const ModelView* model = context.Model({particle.label});
     ImGui::BeginTooltip();
     ImGui::Text("Particle %d", index);

@@ -3,133 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "engine/geometry/gravity.h"
 #include "engine/snapshot/calibration.h"
 #include "ui/framework/widgets.h"
+#include "ui/panels/label_plot.h"
 #include "ui/panels/panels.h"
+#include "ui/panels/posterior_marginals.h"
 #include "ui/panels/waiting.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 57.29577951308232;
-constexpr int kBins = 36;
-
-/// The four parameters of a place, as people read them: bearing to the right and down [deg],
-/// log-depth, azimuth [deg].
-struct Parameters {
-  double value[4];
-};
-
-struct Axis {
-  const char* name;
-  const char* unit;
-  const char* help;
-  double least_reach;  ///< Narrower beliefs are not blown up further than this.
-};
-constexpr Axis kAxes[] = {
-    {"bearing, right", "\u00b0", "Angle to the right of the reference camera's axis.", 0.1},
-    {"bearing, down", "\u00b0", "Angle below the reference camera's axis.", 0.1},
-    {"log-depth", "", "Logarithm of the depth before the reference camera [m].", 0.004},
-    {"azimuth", "\u00b0",
-     "Turn about up. Where a shape looks the same from several sides, the "
-     "true azimuth is the one nearest to the mean.",
-     0.5}};
-constexpr int kDepth = 2, kAzimuth = 3;
-
-Parameters At(const Eigen::Vector3d& center_in_cam, double azimuth_rad) {
-  const double z = std::max(0.05, center_in_cam.z());
-  return {{kDegrees * std::atan(center_in_cam.x() / z), kDegrees * std::atan(center_in_cam.y() / z),
-           std::log(z), kDegrees * azimuth_rad}};
-}
-
-/// Weighted histograms of an object's particles.
-struct Marginals {
-  double low[4], high[4], mean[4], std[4];
-  double share[4][kBins] = {};
-  std::optional<Parameters> truth;
-};
-
-const SequenceView::Truth* TruthOf(const FrameContext& context) {
-  for (const auto& frame : context.playback->history->frames) {
-    if (frame == nullptr || frame->frame != context.snapshot->report.frame) continue;
-    for (const ObjectSample& sample : frame->objects) {
-      if (sample.id != context.selection.object || !sample.error) continue;
-      for (const SequenceView::Truth& truth : context.sequence->truth) {
-        if (truth.id == sample.error->truth) return &truth;
-      }
-    }
-  }
-  return nullptr;
-}
-
-std::optional<Parameters> TruthParameters(const FrameContext& context, const ObjectReport& object,
-                                          double mean_azimuth_deg) {
-  const SequenceView::Truth* truth = TruthOf(context);
-  if (truth == nullptr) return std::nullopt;
-  const UprightFrame upright(-context.sequence->up_in_world);
-  for (const ModelView& model : context.sequence->models) {
-    if (model.name != truth->model) continue;
-    Parameters at =
-        At(object.world_from_reference_cam.inverse() * (truth->world_from_object * model.center),
-           upright.Azimuth(truth->world_from_object.linear()));
-    const double period = 360.0 / std::max(1, model.symmetry_order);
-    at.value[kAzimuth] =
-        mean_azimuth_deg +
-        (model.any_azimuth ? 0 : std::remainder(at.value[kAzimuth] - mean_azimuth_deg, period));
-    return at;
-  }
-  return std::nullopt;
-}
-
-Marginals MarginalsOf(const FrameContext& context, const ObjectReport& object) {
-  const std::vector<Particle>& particles = *object.particles;
-  const UprightFrame upright(-context.sequence->up_in_world);
-  const double around = kDegrees * upright.Azimuth(object.world_from_object.linear());
-  std::vector<Parameters> places;
-  std::vector<double> weights;
-  double sum = 0;
-  for (const Particle& p : particles) {
-    const double z = std::exp(double{p.rho});
-    places.push_back(At({z * p.x_c, z * p.y_c, z}, p.azimuth));
-    double& azimuth = places.back().value[kAzimuth];
-    azimuth = around + std::remainder(azimuth - around, 360.0);
-    weights.push_back(std::exp(double{p.log_weight}));
-    sum += weights.back();
-  }
-  Marginals result;
-  result.truth = TruthParameters(context, object, around);
-  for (int axis = 0; axis < 4; ++axis) {
-    double mean = 0, square = 0, low = 1e9, high = -1e9;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const double v = places[i].value[axis];
-      mean += weights[i] / sum * v;
-      square += weights[i] / sum * v * v;
-      low = std::min(low, v);
-      high = std::max(high, v);
-    }
-    const double reach = std::max(high - low, kAxes[axis].least_reach);
-    // A truth not far outside widens the axis; one further off is named in words.
-    if (result.truth && std::abs(result.truth->value[axis] - mean) < 2 * reach) {
-      low = std::min(low, result.truth->value[axis]);
-      high = std::max(high, result.truth->value[axis]);
-    }
-    const double middle = 0.5 * (low + high);
-    const double half = 0.54 * std::max(high - low, kAxes[axis].least_reach);
-    result.low[axis] = middle - half;
-    result.high[axis] = middle + half;
-    result.mean[axis] = mean;
-    result.std[axis] = std::sqrt(std::max(0.0, square - mean * mean));
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const int bin =
-          static_cast<int>(kBins * (places[i].value[axis] - result.low[axis]) / (2 * half));
-      result.share[axis][std::clamp(bin, 0, kBins - 1)] += weights[i] / sum;
-    }
-  }
-  return result;
-}
 
 void Words(const FrameContext& context, ImVec2 at, float align, ImU32 color,
            const std::string& words) {
@@ -149,12 +32,22 @@ class PosteriorPanel : public Panel {
   const char* Title() const override { return "Belief"; }
   const char* Help() const override {
     return "How the hypotheses of the selected object spread along each parameter, in the camera "
-           "of its reference time, and, where there is ground truth, whether beliefs of this run "
+           "of its reference time; what it was believed to be over time; and, where there is "
+           "ground truth, whether beliefs of this run "
            "are honest: the truth should lie in half of the 50 % regions and in 95 of 100 of the "
            "95 % regions.";
   }
 
-  void Draw(const FrameContext& context, CommandSink&) override {
+  void DrawHeader(const FrameContext& context, CommandSink&) override {
+    AlignRight(ToggleWidth(context, "Shapes over time"));
+    Toggle(context, "posterior.shapes", "Shapes over time", shapes_,
+           "What the object was believed to be, frame by frame, instead of its parameters now.");
+  }
+
+  nlohmann::json SaveState() const override { return {{"shapes", shapes_}}; }
+  void LoadState(const nlohmann::json& json) override { shapes_ = json.value("shapes", shapes_); }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
     const ObjectReport* object = context.SelectedObject();
     if (object == nullptr || object->particles == nullptr || object->particles->empty())
@@ -166,7 +59,10 @@ class PosteriorPanel : public Panel {
     const bool beside = room.x > context.Scaled(520) && room.y > context.Scaled(60);
     const float side = beside ? context.Scaled(250) : 0;
     Remember(context, *object);
-    DrawMarginals(context, corner, {room.x - side, room.y});
+    if (shapes_)
+      DrawLabelPlot(context, labels_, corner, {room.x - side, room.y}, sink);
+    else
+      DrawMarginals(context, corner, {room.x - side, room.y});
     if (beside) {
       ImGui::SetCursorScreenPos({corner.x + room.x - side + context.Scaled(14), corner.y});
       ImGui::BeginChild("posterior.honest", {side - context.Scaled(14), room.y});
@@ -178,7 +74,7 @@ class PosteriorPanel : public Panel {
 
  private:
   void Remember(const FrameContext& context, const ObjectReport& object) {
-    const RunHistory* history = context.playback->history.get();
+    const RunHistory* history = context.shown_playback().history.get();
     const bool same = version_ == context.snapshot_version && object_ == object.id;
     if (same && history_ == history) return;
     version_ = context.snapshot_version;
@@ -187,6 +83,7 @@ class PosteriorPanel : public Panel {
     marginals_ = MarginalsOf(context, object);
     all_ = CalibrationOf(*history);
     this_ = CalibrationOf(*history, object.id);
+    labels_ = LabelsOf(*history, object.id);
   }
 
   void DrawMarginals(const FrameContext& context, ImVec2 corner, ImVec2 room) const {
@@ -209,9 +106,9 @@ class PosteriorPanel : public Panel {
     draw.AddRectFilled(low, high, colors::kInset, context.Scaled(2));
     const auto& share = marginals_.share[axis];
     const double tallest = *std::max_element(std::begin(share), std::end(share));
-    const float width = size.x / kBins;
+    const float width = size.x / kMarginalBins;
     const ImU32 color = ObjectColor(object_);
-    for (int i = 0; i < kBins; ++i) {
+    for (int i = 0; i < kMarginalBins; ++i) {
       const auto tall = static_cast<float>(share[i] / tallest) * (high.y - low.y - 2);
       draw.AddRectFilled({low.x + width * static_cast<float>(i), high.y - tall},
                          {low.x + width * static_cast<float>(i + 1) - 1, high.y},
@@ -230,13 +127,14 @@ class PosteriorPanel : public Panel {
     line(marginals_.mean[axis], colors::kText);
     if (marginals_.truth) line(marginals_.truth->value[axis], colors::kTruth);
     const auto number = [&](double v) {
-      return axis == kDepth ? fmt::format("{:.2f} m", std::exp(v))
-                            : fmt::format("{:.1f}{}", v, kAxes[axis].unit);
+      return axis == kDepthAxis ? fmt::format("{:.2f} m", std::exp(v))
+                                : fmt::format("{:.1f}{}", v, kParameterAxes[axis].unit);
     };
     const std::string spread =
-        axis == kDepth ? fmt::format("{:.1f} %", 100 * marginals_.std[axis])
-                       : fmt::format("{:.1f}{}", marginals_.std[axis], kAxes[axis].unit);
-    Words(context, corner, 0, colors::kDimText, kAxes[axis].name);
+        axis == kDepthAxis
+            ? fmt::format("{:.1f} %", 100 * marginals_.std[axis])
+            : fmt::format("{:.1f}{}", marginals_.std[axis], kParameterAxes[axis].unit);
+    Words(context, corner, 0, colors::kDimText, kParameterAxes[axis].name);
     Words(context, {high.x, corner.y}, 1, colors::kText,
           fmt::format("{} \u00b1 {}", number(marginals_.mean[axis]), spread));
     Words(context, {low.x, high.y}, 0, colors::kFaint, number(marginals_.low[axis]));
@@ -245,9 +143,9 @@ class PosteriorPanel : public Panel {
       Words(context, {0.5f * (low.x + high.x), high.y}, 0.5f, colors::kTruth,
             "truth " + number(marginals_.truth->value[axis]));
     ImGui::SetCursorScreenPos(corner);
-    ImGui::InvisibleButton(kAxes[axis].name, size);
+    ImGui::InvisibleButton(kParameterAxes[axis].name, size);
     LogItem(context, fmt::format("posterior.axis.{}", axis));
-    Tooltip(context, std::string(kAxes[axis].help) +
+    Tooltip(context, std::string(kParameterAxes[axis].help) +
                          " Bars: the particles by weight. White: their mean. Green: the truth.");
   }
 
@@ -311,6 +209,8 @@ class PosteriorPanel : public Panel {
   ObjectId object_;
   const RunHistory* history_ = nullptr;  ///< Compared only.
   Marginals marginals_{};
+  LabelHistory labels_;
+  bool shapes_ = false;
   Calibration all_, this_;
 };
 

@@ -25,7 +25,7 @@ class RelationsPanel : public Panel {
     if (version_ != context.snapshot_version) {
       version_ = context.snapshot_version;
       const MapSnapshot& s = *context.snapshot;
-      relations_ = RelationsOf(s.report, *context.sequence, s.depth, s.id);
+      relations_ = finder_.Find(s.report, *context.sequence, s.depth, s.id);
     }
     if (relations_.empty())
       return EmptyState(context, "No relations yet",
@@ -73,15 +73,16 @@ class RelationsPanel : public Panel {
     ImGui::TableNextColumn();
     const std::string value = relation.kind == RelationKind::kHides
                                   ? fmt::format("{:.0f} %", 100 * relation.value)
-                                  : fmt::format("{:.0f} cm", 100 * relation.value);
+                                  : fmt::format("{:.1f} cm", 100 * relation.value);
     ImGui::TextUnformatted(value.c_str());
     Tooltip(context, relation.kind == RelationKind::kHides
                          ? "Share of the second object's surface points in the picture that the "
                            "first one covers."
-                         : "Gap between the one's surface points and the other's bounding box.");
+                         : "Smallest distance between the surfaces of the two models.");
   }
 
   std::uint64_t version_ = 0;
+  RelationFinder finder_;
   std::vector<ObjectRelation> relations_;
 };
 

@@ -185,7 +185,7 @@ class ScenePanel : public Panel {
     if (context.snapshot == nullptr) return;
     if (overlay_.links && version_ != context.snapshot_version) {
       const MapSnapshot& s = *context.snapshot;
-      relations_ = RelationsOf(s.report, *context.sequence, s.depth, s.id);
+      relations_ = finder_.Find(s.report, *context.sequence, s.depth, s.id);
       version_ = context.snapshot_version;
     }
     const SceneProjection project(context, context.scene->camera(), low, high);
@@ -215,6 +215,7 @@ class ScenePanel : public Panel {
   SceneOverlay overlay_;
   SceneColoring coloring_ = SceneColoring::kIdentity;
   std::uint64_t version_ = 0;  ///< Of the snapshot whose relations these are.
+  RelationFinder finder_;
   std::vector<ObjectRelation> relations_;
 };
 

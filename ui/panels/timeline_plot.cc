@@ -63,7 +63,7 @@ struct Curve {
 std::map<ObjectId, Curve> CurvesOf(const FrameContext& context, const TimeAxis& axis,
                                    const PlottedQuantity& quantity) {
   std::map<ObjectId, Curve> curves;
-  for (const auto& sample : context.playback->history->frames) {
+  for (const auto& sample : context.shown_playback().history->frames) {
     if (sample == nullptr || sample->frame < axis.first - 1 || sample->frame > axis.last + 1)
       continue;
     const float x = axis.XOf(sample->frame);
@@ -107,7 +107,7 @@ void Text(const FrameContext& context, ImVec2 at, ImU32 color, const std::string
 std::span<const PlottedQuantity> PlottedQuantities() { return kQuantities; }
 
 std::string ValueNow(const FrameContext& context, const PlottedQuantity& quantity) {
-  for (const auto& sample : context.playback->history->frames) {
+  for (const auto& sample : context.shown_playback().history->frames) {
     if (sample == nullptr || sample->frame != context.playback->frame) continue;
     for (const ObjectSample& object : sample->objects) {
       if (object.id != context.selection.object) continue;
@@ -142,7 +142,7 @@ void DrawPlot(const FrameContext& context, const TimeAxis& axis, float label_x, 
   if (y1 - y0 > 2.2f * font)
     Text(context, {label_x, y1 - font}, colors::kFaint, fmt::format("{:g}", low));
   if (curves.empty()) {
-    if (!context.playback->history->frames.empty())
+    if (!context.shown_playback().history->frames.empty())
       Text(context, {axis.x0 + context.Scaled(8), 0.5f * (y0 + y1 - font)}, colors::kFaint,
            quantity.nothing);
     return;

@@ -5,13 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace plumbline {
 namespace {
 
-constexpr float kBarHeight = 10, kRulerHeight = 16, kThumbnailHeight = 38, kLaneHeight = 13;
-constexpr float kLeastPlotHeight = 34;
+constexpr float kBarHeight = 10, kRulerHeight = 16, kThumbnailHeight = 38;
+constexpr float kLeastPlotHeight = 34, kPlotHeight = 60;
 
 ImDrawList& Draw() { return *ImGui::GetWindowDrawList(); }
 
@@ -39,52 +38,26 @@ std::string TimeName(double seconds) {
   return fmt::format("{}:{:05.2f}", minutes, seconds - 60 * minutes);
 }
 
-std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId also) {
-  std::map<ObjectId, ObjectLane> by_id;
-  ObjectLane others;
-  for (const FrameEvent& event : events) {
-    const LifeEvent& life = event.event;
-    if (life.object.value <= 0) {
-      others.events.push_back(&event);
-      continue;
-    }
-    ObjectLane& lane = by_id[life.object];
-    lane.id = life.object;
-    if (life.kind == EventKind::kSpawned) lane.born = event.frame;
-    if (life.kind == EventKind::kConfirmed && lane.confirmed < 0) lane.confirmed = event.frame;
-    if (life.kind == EventKind::kRetired || life.kind == EventKind::kMerged)
-      lane.ended = event.frame;
-    lane.events.push_back(&event);
-  }
-  std::vector<ObjectLane> lanes;
-  for (auto& [id, lane] : by_id) {
-    if (lane.confirmed >= 0 || id == also) {
-      lanes.push_back(std::move(lane));
-    } else {
-      others.events.insert(others.events.end(), lane.events.begin(), lane.events.end());
-    }
-  }
-  if (!others.events.empty()) lanes.push_back(std::move(others));
-  return lanes;
-}
-
 TrackRows PlanRows(const FrameContext& context, float top, float bottom, std::size_t lanes) {
   TrackRows rows;
   const float room = bottom - top;
   rows.ruler = top;
   float y = top + context.Scaled(kRulerHeight);
   rows.thumbnails = y;
-  if (room > context.Scaled(130)) y += context.Scaled(kThumbnailHeight);
+  if (room > context.Scaled(150)) y += context.Scaled(kThumbnailHeight);
   rows.bar = y;
   y += context.Scaled(kBarHeight);
   rows.lanes = y;
   const float left = bottom - y;
-  const float wanted = context.Scaled(kLaneHeight) * static_cast<float>(lanes);
-  const bool plot = left > context.Scaled(kLeastPlotHeight + 2 * kLaneHeight);
-  y += std::min(wanted,
-                plot ? std::max(left - context.Scaled(kLeastPlotHeight), 0.5f * left) : left);
-  rows.plot = plot && bottom - y > context.Scaled(24) ? y + context.Scaled(3) : bottom;
-  if (!plot) rows.plot = bottom;
+  // The plot keeps its place; lanes that do not fit above it scroll, whole ones at a time.
+  const float lane = context.Scaled(kLaneHeight), wanted = lane * static_cast<float>(lanes);
+  const float least_plot = context.Scaled(kLeastPlotHeight);
+  const bool plot = left > least_plot + lane;
+  const float room_for_lanes =
+      plot ? std::max(left - context.Scaled(kPlotHeight), std::min(0.6f * left, left - least_plot))
+           : left;
+  y += std::min(wanted, std::max(lane, lane * std::floor(room_for_lanes / lane)));
+  rows.plot = plot ? y + context.Scaled(3) : bottom;
   rows.end = bottom;
   return rows;
 }
@@ -115,7 +88,7 @@ void DrawRuler(const FrameContext& context, const TimeAxis& axis, float y0, floa
 }
 
 void DrawThumbnails(const FrameContext& context, const TimeAxis& axis, float y0, float y1) {
-  const auto& thumbnails = context.playback->history->thumbnails;
+  const auto& thumbnails = context.shown_playback().history->thumbnails;
   Draw().AddRectFilled({axis.x0, y0}, {axis.x1, y1}, colors::kInset);
   if (thumbnails.empty()) return;
   const cv::Mat& any = thumbnails.front().image;
@@ -166,47 +139,16 @@ void DrawPlayed(const FrameContext& context, const TimeAxis& axis, float y0, flo
   }
 }
 
-void DrawLanes(const FrameContext& context, const TimeAxis& axis, float label_x, float y0, float y1,
-               const std::vector<ObjectLane>& lanes) {
-  if (lanes.empty()) return;
-  const float height =
-      std::min(context.Scaled(kLaneHeight + 4), (y1 - y0) / static_cast<float>(lanes.size()));
-  const float font = std::clamp(height, context.Scaled(10), context.fonts.small->FontSize);
-  float labelled_to = -1e9f;  // labels keep off one another
-  const float mark = 0.42f * height;
-  Draw().PushClipRect({label_x, y0}, {axis.x1, y1}, true);
-  for (std::size_t i = 0; i < lanes.size(); ++i) {
-    const ObjectLane& lane = lanes[i];
-    const float y = y0 + height * (static_cast<float>(i) + 0.5f);
-    const bool all = lane.id.value <= 0;
-    const ImU32 color = all ? colors::kFaint : ObjectColor(lane.id);
-    if (!all && lane.id == context.selection.object)
-      Draw().AddRectFilled({label_x, y - 0.5f * height}, {axis.x1, y + 0.5f * height},
-                           colors::kControl);
-    const int end = lane.ended >= 0 ? lane.ended : context.playback->newest_mapped_frame;
-    const auto line = [&](int from, int to, float width, double alpha) {
-      const float a = std::max(axis.XOf(from), axis.x0), b = std::min(axis.XOf(to), axis.x1);
-      if (b > a)
-        Draw().AddLine({a, y}, {b, y}, WithAlpha(color, alpha), std::max(1.0f, width * height));
-    };
-    if (!all) {
-      line(lane.born, lane.confirmed >= 0 ? std::min(lane.confirmed, end) : end, 0.14f, 0.8);
-      if (lane.confirmed >= 0) line(lane.confirmed, end, 0.5f, 0.75);
-    }
-    for (const FrameEvent* event : lane.events) {
-      const float x = axis.XOf(event->frame);
-      if (x < axis.x0 || x > axis.x1) continue;
-      Draw().AddTriangleFilled({x - mark, y - mark}, {x + mark, y - mark}, {x, y + mark},
-                               EventColor(event->event.kind));
-    }
-    const bool selected = !all && lane.id == context.selection.object;
-    if (!selected && y - 0.45f * font < labelled_to) continue;
-    labelled_to = y + 0.45f * font;
-    const std::string name = all ? "never confirmed" : fmt::format("#{}", lane.id.value);
-    Draw().AddText(context.fonts.small, font, {label_x, y - 0.5f * font},
-                   all ? colors::kFaint : color, name.c_str());
+void DrawOptionMarks(const FrameContext& context, const TimeAxis& axis, const TrackRows& rows) {
+  for (const FrameEvent& event : *context.shown_playback().events) {
+    if (event.event.kind != EventKind::kOptionsChanged) continue;
+    const float x = axis.XOf(event.frame);
+    if (x < axis.x0 || x > axis.x1) continue;
+    const ImU32 color = EventColor(event.event.kind);
+    const float y = 0.5f * (rows.bar + rows.lanes), size = context.Scaled(5);
+    Draw().AddLine({x, rows.bar}, {x, rows.end}, WithAlpha(color, 0.6), context.Scaled(1));
+    Draw().AddQuadFilled({x - size, y}, {x, y - size}, {x + size, y}, {x, y + size}, color);
   }
-  Draw().PopClipRect();
 }
 
 }  // namespace plumbline

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <imgui.h>
 
@@ -25,24 +24,16 @@ struct TrackRows {
   float ruler = 0, thumbnails = 0, bar = 0, lanes = 0, plot = 0, end = 0;  ///< Where each begins.
 };
 
-/// The life of one object.
-struct ObjectLane {
-  ObjectId id;  ///< Not valid: all objects that were never confirmed, together.
-  int born = 0;
-  int confirmed = -1;  ///< -1: never
-  int ended = -1;      ///< -1: lives
-  std::vector<const FrameEvent*> events;
-};
-/// Objects that were confirmed at some time, by birth; then `also`, then one lane for the others.
-std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId also);
+inline constexpr float kLaneHeight = 18;  ///< At text scale 1.
 
+/// @param lanes  How many there are; those that do not fit scroll.
 TrackRows PlanRows(const FrameContext& context, float top, float bottom, std::size_t lanes);
 void DrawRuler(const FrameContext& context, const TimeAxis& axis, float y0, float y1);
 void DrawThumbnails(const FrameContext& context, const TimeAxis& axis, float y0, float y1);
 /// What is mapped, what is played, the sub-range, where a seek goes.
 void DrawPlayed(const FrameContext& context, const TimeAxis& axis, float y0, float y1);
-void DrawLanes(const FrameContext& context, const TimeAxis& axis, float label_x, float y0, float y1,
-               const std::vector<ObjectLane>& lanes);
+/// Where options were changed while the run went on.
+void DrawOptionMarks(const FrameContext& context, const TimeAxis& axis, const TrackRows& rows);
 
 /// "1:02.33" of seconds.
 std::string TimeName(double seconds);

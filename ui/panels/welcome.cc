@@ -18,10 +18,10 @@ void Headline(const FrameContext& context, const char* text) {
 }
 
 void DrawWays(const FrameContext& context, CommandSink& sink) {
-  WrappedText(
-      colors::kDimText,
-      "Drop the folder of a sequence or a recorded run (.plb) onto this window, or name it on "
-      "the command line:");
+  WrappedText(colors::kDimText,
+              "Drop the folder of a sequence, a recorded run (.plb) or a folder of models onto "
+              "this window, or name it on "
+              "the command line:");
   ImGui::Indent(context.Scaled(14));
   WrappedText(colors::kText, "plumbline gui SEQUENCE");
   WrappedText(colors::kText, "plumbline gui RUN.plb");

@@ -40,12 +40,21 @@ class WhatIfPanel : public Panel {
 
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
     const float gap = context.Scaled(3);
+    const bool live = context.sequence != nullptr && !context.playback->recorded;
     float width = ToggleWidth(context, "Fork from here");
+    if (live) width += ToggleWidth(context, "Options") + gap;
     if (context.other != nullptr) {
       for (const ShownToggle& toggle : kShown) width += ToggleWidth(context, toggle.label) + gap;
       width += ToggleWidth(context, "Close") + context.Scaled(20);
     }
     AlignRight(width);
+    if (live) {
+      bool options = false;
+      if (Toggle(context, "what_if.options", "Options", options,
+                 "Changes options of this run between two frames, while it is mapped."))
+        sink.Post(AskOptionsCommand{});
+      ImGui::SameLine(0, gap);
+    }
     bool fork = context.fork != nullptr && context.fork->state == ForkState::kRunning;
     if (Toggle(context, "what_if.fork", "Fork from here", fork,
                "Maps on from this frame with other options or another seed, into a second run."))
@@ -67,13 +76,15 @@ class WhatIfPanel : public Panel {
   void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
     if (context.fork != nullptr && context.fork->state == ForkState::kRunning)
-      DimText("%s: %d of %d", context.fork->message.c_str(), context.fork->done,
-              context.fork->total);
+      DrawProgress(context, *context.fork, sink);
     const OtherRun* other = context.other.get();
     if (other == nullptr)
       return EmptyState(context, "One run is open",
-                        "Fork it from here with other options or another seed, or give a second "
-                        "one: plumbline gui RUN.plb --compare OTHER.plb");
+                        context.playback->recorded
+                            ? "Fork it from here with other options or another seed, or give a "
+                              "second one: plumbline gui RUN.plb --compare OTHER.plb"
+                            : "Change its options while it is mapped, or fork it at any frame that "
+                              "it has mapped.");
     if (other->playback->state == PlaybackState::kFailed)
       return EmptyState(context, "The other run cannot be shown", other->playback->message.c_str());
     if (other->snapshot == nullptr || context.first_snapshot == nullptr)
@@ -94,6 +105,25 @@ class WhatIfPanel : public Panel {
   }
 
  private:
+  static void DrawProgress(const FrameContext& context, const ForkView& fork, CommandSink& sink) {
+    const float stop = context.Scaled(70);
+    const double share = fork.total > 0 ? static_cast<double>(fork.done) / fork.total : 0;
+    Bar({ImGui::GetContentRegionAvail().x - stop, ImGui::GetFrameHeight()}, share,
+        colors::kAccentDim);
+    LogItem(context, "what_if.progress");
+    Tooltip(context, fork.out);
+    const ImVec2 low = ImGui::GetItemRectMin();
+    const ImVec2 inset = ImGui::GetStyle().FramePadding;
+    const std::string text = fork.total > 0
+                                 ? fmt::format("{}: {} of {}", fork.message, fork.done, fork.total)
+                                 : fork.message;
+    ImGui::GetWindowDrawList()->AddText({low.x + inset.x, low.y + inset.y}, colors::kText,
+                                        text.c_str());
+    ImGui::SameLine();
+    if (Button(context, "what_if.stop", "Stop", "Ends the fork; what is done is kept and shown."))
+      sink.Post(CancelForkCommand{});
+  }
+
   void DrawSettings(const FrameContext& context, const OtherRun& other) {
     if (history_a_ != context.playback->history || history_b_ != other.playback->history) {
       history_a_ = context.playback->history;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/process/hypothesis_probe.h"
+#include "engine/snapshot/particle_rank.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ class HypothesisProbeTest : public testing::Test {
     world_from_cam_.linear().col(2) =
         world_from_cam_.linear().col(0).cross(world_from_cam_.linear().col(1));
     world_from_cam_.translation() = Eigen::Vector3d(-2.3, 0.1, 1.5);
-    auto probe = HypothesisProbe::Create(camera_, database_, {}, std::nullopt, WorkContext());
+    auto probe = HypothesisProbe::Create(camera_, database_, std::nullopt, WorkContext());
     ASSERT_TRUE(probe.ok()) << probe.error().message;
     probe_ = std::move(probe).value();
     for (const CadModel& model : database_->models())
@@ -75,7 +76,7 @@ class HypothesisProbeTest : public testing::Test {
   }
 
   ProbeView Probe(const MapSnapshot& snapshot) {
-    return probe_->Probe(snapshot, view_, {{1}, -1, false});
+    return probe_->Probe(snapshot, view_, {}, {{1}, -1, false});
   }
 
   PinholeCamera camera_{640, 480, 520, 520, 320, 240};
@@ -113,6 +114,30 @@ TEST_F(HypothesisProbeTest, BlamesTheLikelihoodWhereTheWrongPlaceScoresBetter) {
   EXPECT_THAT(view.verdict, testing::StartsWith("Likelihood:")) << view.verdict;
 }
 
+TEST_F(HypothesisProbeTest, NamesTheBestTheMedianAndTheParticleNearestToTheTruth) {
+  MapSnapshot snapshot = Snapshot(At(0, 0), At(0.01, 0), 0.05);
+  auto particles = std::make_shared<std::vector<Particle>>(*snapshot.report.objects[0].particles);
+  for (std::size_t i = 0; i < particles->size(); ++i)
+    (*particles)[i].phi_edge = static_cast<float>((i * 37) % 60) / 60;  // rank by made-up scores
+  const Eigen::Vector3d truth = At(0, 0) * database_->model(chair_).center();
+  (*particles)[23] = ToParticle({chair_, 0.6, truth}, world_from_cam_);
+  (*particles)[23].log_weight = (*particles)[0].log_weight;
+  snapshot.report.objects[0].particles = particles;
+  const MapperOptions options;
+  const std::vector<int> order = ByRank(*particles, options.alpha, options.beta);
+  const ProbeView view = Probe(snapshot);
+  const auto particle = [&](const std::string& name) {
+    for (const ProbedHypothesis& h : view.hypotheses) {
+      if (h.name.starts_with(name)) return h.particle.value_or(-1);
+    }
+    return -2;
+  };
+  EXPECT_EQ(particle("best particle"), order.front());
+  EXPECT_EQ(particle("median particle"), order[order.size() / 2]);
+  EXPECT_EQ(particle("nearest to truth"), 23);
+  EXPECT_NEAR(view.nearest_particle_m, 0, 1e-5);
+}
+
 TEST_F(HypothesisProbeTest, FindsTheEdgesThatContourSamplesHit) {
   const ProbeView view = Probe(Snapshot(At(0, 0), At(0, 0), 0.01));
   int visible = 0, near = 0;
@@ -137,7 +162,7 @@ TEST_F(HypothesisProbeTest, SlicesPeakAtTheTruth) {
 TEST_F(HypothesisProbeTest, SweepsTwoParametersAtOnceWhereItIsAsked) {
   const MapSnapshot snapshot = Snapshot(At(0, 0), At(0, 0.12), 0.02);
   EXPECT_TRUE(Probe(snapshot).maps.empty());
-  const ProbeView view = probe_->Probe(snapshot, view_, {{1}, -1, false, true});
+  const ProbeView view = probe_->Probe(snapshot, view_, {}, {{1}, -1, false, true});
   ASSERT_EQ(view.maps.size(), 2u);
   const LikelihoodMap& map = view.maps.front();
   ASSERT_EQ(map.score.size(), map.x_offsets.size() * map.y_offsets.size());
@@ -154,7 +179,7 @@ TEST_F(HypothesisProbeTest, SweepsTwoParametersAtOnceWhereItIsAsked) {
 
 TEST_F(HypothesisProbeTest, OutlinesEveryHypothesis) {
   const MapSnapshot snapshot = Snapshot(At(0, 0), At(0, 0), 0.02);
-  const ProbeView view = probe_->Probe(snapshot, view_, {{1}, 5, false, false, 7});
+  const ProbeView view = probe_->Probe(snapshot, view_, {}, {{1}, 5, false, false, 7});
   EXPECT_EQ(view.hovered, 7);
   EXPECT_FALSE(view.hovered_outline.empty());
   ASSERT_EQ(view.hypotheses[3].particle, 5);
@@ -171,7 +196,7 @@ TEST_F(HypothesisProbeTest, OutlinesEveryHypothesis) {
 
 TEST_F(HypothesisProbeTest, SaysWhatIsMissing) {
   MapSnapshot snapshot = Snapshot(At(0, 0), At(0, 0), 0.02);
-  EXPECT_THAT(probe_->Probe(snapshot, view_, {{9}, -1, false}).message,
+  EXPECT_THAT(probe_->Probe(snapshot, view_, {}, {{9}, -1, false}).message,
               testing::HasSubstr("not in this frame"));
   snapshot.edge_probability = cv::Mat();
   EXPECT_THAT(Probe(snapshot).message, testing::HasSubstr("images"));

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "engine/mapping/option_changes.h"
 #include "engine/process/mapping_pipeline.h"
 #include "tests/support/drawn_sequence.h"
 #include "tests/support/report_bytes.h"
@@ -129,6 +130,31 @@ TEST_F(PipelineTest, ChangesOfOptionsTakeEffectWithTheNextFrame) {
   ExpectSame(reports[2], WholeRun()[2]);
   ASSERT_FALSE(reports[3].objects.empty());
   EXPECT_EQ(reports[3].objects.front().particles->size(), 300u);
+}
+
+TEST_F(PipelineTest, ARunWhoseOptionsChangedTellsOfItAndResumesBitForBit) {
+  const auto pipeline = Open(Original(), {.end = 40});
+  std::vector<FrameReport> run;
+  for (int i = 0; i < 12; ++i) run.push_back((*pipeline->Next())->report);
+  MapperOptions options;
+  options.search_radius_px = 9;  // frames that are made ready ahead are searched anew
+  options.infant_particles = 400;
+  pipeline->SetOptions(options);
+  for (const FrameReport& report : Rest(*pipeline)) run.push_back(report);
+  ASSERT_EQ(run.size(), 40u);
+  ASSERT_FALSE(run[12].events.empty());
+  EXPECT_EQ(run[12].events[0].kind, EventKind::kOptionsChanged);
+  EXPECT_EQ(run[12].events[0].text, DescribeOptionChanges({}, options));
+  EXPECT_FALSE(BytesOf(run[39]) == BytesOf(WholeRun()[39]));
+
+  for (const std::size_t after : {11u, 12u, 26u}) {
+    const auto resumed = Open(Original(), {.end = 40});
+    ASSERT_TRUE(resumed->Resume(run[after], after < 12 ? MapperOptions() : options).ok());
+    if (after < 12) resumed->SetOptions(options);
+    const std::vector<FrameReport> rest = Rest(*resumed);
+    ASSERT_EQ(rest.size(), 39 - after);
+    for (std::size_t i = 0; i < rest.size(); ++i) ExpectSame(rest[i], run[after + 1 + i]);
+  }
 }
 
 TEST_F(PipelineTest, TakesEveryNthFrame) {

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drives the real window through scripts: views, layout, theme, pictures.
+
+#include <gmock/gmock.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/ui/window_fixture.h"
+
+namespace plumbline {
+namespace {
+
+using nlohmann::json;
+
+TEST_F(Window, TurnsMovesAndZoomsTheMap) {
+  ASSERT_EQ(Run(R"(
+      {"dump_state": "0.json"},
+      {"drag": "scene.view", "from": [0.5, 0.5], "to": [0.6, 0.6]},
+      {"dump_state": "1.json"},
+      {"drag": "scene.view", "from": [0.5, 0.5], "to": [0.6, 0.5], "button": "right"},
+      {"dump_state": "2.json"},
+      {"drag": "scene.view", "from": [0.5, 0.5], "to": [0.4, 0.5], "shift": true},
+      {"dump_state": "3.json"},
+      {"wheel": "scene.view", "amount": 2},
+      {"dump_state": "4.json"},
+      {"key": "r"},
+      {"wait_frames": 3},
+      {"dump_state": "5.json"})"),
+            0);
+  const auto camera = [&](int i) { return State(std::to_string(i) + ".json")["camera"]; };
+  EXPECT_LT(camera(1)["azimuth_deg"], camera(0)["azimuth_deg"]);
+  EXPECT_GT(camera(1)["elevation_deg"], camera(0)["elevation_deg"]);
+  EXPECT_EQ(camera(1)["focus"], camera(0)["focus"]);
+  EXPECT_EQ(camera(2)["azimuth_deg"], camera(1)["azimuth_deg"]);
+  EXPECT_NE(camera(2)["focus"], camera(1)["focus"]);
+  EXPECT_NEAR(camera(3)["focus"][0], camera(1)["focus"][0], 1e-6) << "moved back by the same way";
+  EXPECT_NEAR(camera(4)["distance_m"].get<double>(),
+              0.88 * 0.88 * camera(3)["distance_m"].get<double>(), 1e-9);
+  EXPECT_EQ(camera(5), camera(0));
+}
+
+TEST_F(Window, SelectsObjectsAndFramesThem) {
+  ASSERT_EQ(Run(R"(
+      {"key": "right", "shift": true},
+      {"wait_for": {"frame": 10}},
+      {"wait_frames": 2},
+      {"click": "objects.row.3"},
+      {"key": "f"},
+      {"wait_frames": 2},
+      {"dump_state": "selected.json"},
+      {"click": "scene.view", "at": [0.5, 0.5]},
+      {"wait_frames": 2},
+      {"dump_state": "picked.json"},
+      {"key": "escape"},
+      {"wait_frames": 2},
+      {"dump_state": "cleared.json"},
+      {"click": "masks.view", "at": [0.49, 0.36]},
+      {"wait_frames": 2},
+      {"dump_state": "in_image.json"})"),
+            0);
+  EXPECT_EQ(State("selected.json")["selected_object"], 3);
+  const json focus = State("selected.json")["camera"]["focus"];
+  EXPECT_NEAR(focus[0], -0.2, 0.2);
+  EXPECT_NEAR(focus[1], 0.85, 0.2);
+  EXPECT_GT(State("picked.json")["selected_object"], 0);
+  EXPECT_LE(State("cleared.json")["selected_object"], 0);
+  EXPECT_GT(State("in_image.json")["selected_object"], 0);
+}
+
+TEST_F(Window, RemembersLayoutAndSwitches) {
+  const std::string settings = "--settings settings.json";
+  ASSERT_EQ(Run(R"(
+      {"click": "scene.truth"},
+      {"drag": "split.columns", "from": [0.5, 0.5], "to": [20, 0.5]},
+      {"click": "image.names"},
+      {"dump_state": "first.json"})",
+                settings),
+            0);
+  ASSERT_EQ(Run(R"(
+      {"dump_state": "second.json"})",
+                settings),
+            0);
+  const json first = State("first.json"), second = State("second.json");
+  EXPECT_GT(first["layout"]["columns"], 0.47);
+  EXPECT_EQ(first["layout"], second["layout"]);
+  EXPECT_EQ(second["panels"]["scene"]["truth"], true);
+  EXPECT_EQ(second["panels"]["image"]["names"], false);
+}
+
+TEST_F(Window, RendersTheMapOnlyWhenSomethingChanged) {
+  ASSERT_EQ(Run(R"(
+      {"wait_frames": 5},
+      {"dump_state": "before.json"},
+      {"wait_frames": 60},
+      {"dump_state": "after.json"})"),
+            0);
+  EXPECT_EQ(State("before.json")["scene_renders"], State("after.json")["scene_renders"]);
+}
+
+TEST_F(Window, KeepsEveryControlInsideTheWindow) {
+  for (const auto& [width, height] : {std::pair{1024, 700}, {1600, 1000}, {2048, 1200}}) {
+    ASSERT_EQ(Run(R"(
+      {"resize": [)" +
+                  std::to_string(width) + ", " + std::to_string(height) + R"(]},
+      {"key": "right", "shift": true},
+      {"wait_for": {"frame": 10}},
+      {"wait_frames": 3},
+      {"dump_state": "state.json"},
+      {"screenshot": "window.png"})"),
+              0);
+    const json state = State("state.json");
+    ASSERT_EQ(state["window"], json({width, height}));
+    for (const auto& [name, rect] : state["widgets"].items()) {
+      if (name.starts_with("objects.row")) continue;  // rows scroll
+      EXPECT_GE(rect[0], 0) << name;
+      EXPECT_GE(rect[1], 0) << name;
+      EXPECT_LE(rect[2], width) << name;
+      EXPECT_LE(rect[3], height) << name;
+    }
+    const cv::Mat picture = cv::imread(File("window.png"));
+    ASSERT_EQ(picture.size(), cv::Size(width, height));
+  }
+}
+
+TEST_F(Window, LooksFromTheAxesAndThroughTheCamera) {
+  ASSERT_EQ(Run(R"(
+      {"key": "4"},
+      {"wait_frames": 2},
+      {"dump_state": "right.json"},
+      {"key": "0"},
+      {"wait_for": {"look_through": true}},
+      {"wait_frames": 2},
+      {"screenshot": "through.png", "of": "scene.view"},
+      {"key": "r"},
+      {"wait_for": {"look_through": false}})"),
+            0)
+      << ReadFile(File("errors.txt")).value();
+  EXPECT_NEAR(State("right.json")["camera"]["azimuth_deg"], 0, 1e-6);
+  const cv::Mat through = cv::imread(File("through.png"));
+  ASSERT_FALSE(through.empty());
+  // The made-up image fills the middle of the view, from side to side or from top to bottom.
+  EXPECT_GT(cv::mean(through(cv::Rect(through.cols / 3, through.rows / 3, through.cols / 3,
+                                      through.rows / 3)))[1],
+            60);
+}
+
+TEST_F(Window, TurnsLightAndRemembersIt) {
+  const std::string settings = "--settings settings.json";
+  ASSERT_EQ(Run(R"(
+      {"key": "l", "control": true},
+      {"wait_for": {"light": true}},
+      {"wait_frames": 3},
+      {"screenshot": "light.png"})",
+                settings),
+            0);
+  ASSERT_EQ(Run(R"({"wait_for": {"light": true}})", settings), 0);
+  EXPECT_GT(cv::mean(cv::imread(File("light.png")))[1], 120);
+}
+
+TEST_F(Window, GrowsItsTextOnDemand) {
+  ASSERT_EQ(Run(R"(
+      {"key": "=", "control": true},
+      {"wait_frames": 2},
+      {"dump_state": "larger.json"},
+      {"key": "-", "control": true},
+      {"wait_frames": 2},
+      {"dump_state": "same.json"})",
+                "--scale 1"),
+            0);
+  EXPECT_NEAR(State("larger.json")["ui_scale"], 1.1, 1e-9);
+  EXPECT_NEAR(State("same.json")["ui_scale"], 1.0, 1e-9);
+}
+
+TEST_F(Window, FilmsEveryLayoutIntoPicturesVideoAndGif) {
+  const std::string program = (ProgramFile().parent_path() / "fake_window").string();
+  const auto film = [&](const std::string& layout, const std::string& out) {
+    return std::system(("cd '" + folder_.path().string() + "' && DISPLAY=" + display_->name() +
+                        " timeout 60 '" + program + "' --frames 20 --image 240 125 --size 640 480" +
+                        " --layout " + layout + " --film " + out + " 2>>errors.txt")
+                           .c_str());
+  };
+  for (const char* layout :
+       {"inspect", "image", "map", "through", "insets", "column", "truth", "flow"}) {
+    ASSERT_EQ(film(layout, layout), 0) << layout << ReadFile(File("errors.txt")).value();
+    for (const char* frame : {"000000.png", "000002.png", "000004.png"}) {
+      const cv::Mat picture = cv::imread(File(std::string(layout) + "/" + frame));
+      ASSERT_EQ(picture.size(), cv::Size(640, 480)) << layout;
+      cv::Scalar mean, spread;
+      cv::meanStdDev(picture, mean, spread);
+      EXPECT_GT(spread[1], 10) << layout << " is not empty";
+    }
+  }
+  ASSERT_EQ(film("insets", "film.mp4"), 0);
+  EXPECT_GT(std::filesystem::file_size(File("film.mp4")), 1000u);
+  if (std::system("command -v ffmpeg >/dev/null") != 0) GTEST_SKIP() << "no ffmpeg: no GIF";
+  ASSERT_EQ(film("map", "film.gif"), 0);
+  EXPECT_EQ(ReadFile(File("film.gif")).value().substr(0, 4), "GIF8");
+}
+
+TEST_F(Window, ShowsOneToFiveImageViewsOfTheUsersChoice) {
+  const std::string settings = "--settings settings.json";
+  ASSERT_EQ(Run(R"(
+      {"dump_state": "five.json"},
+      {"click": "image.title"},
+      {"wait_frames": 3},
+      {"click": "views.count.2"},
+      {"wait_frames": 3},
+      {"click": "edges.title"},
+      {"wait_frames": 3},
+      {"click": "views.place.masks"},
+      {"wait_frames": 3},
+      {"wheel": "masks.view", "amount": 3},
+      {"dump_state": "two.json"})",
+                settings),
+            0);
+  const json five = State("five.json"), two = State("two.json");
+  for (const char* panel : {"image", "edges", "depth", "masks", "particles"})
+    EXPECT_TRUE(five["widgets"].contains(std::string("panel.") + panel)) << panel;
+  EXPECT_TRUE(two["widgets"].contains("panel.masks"));
+  EXPECT_FALSE(two["widgets"].contains("panel.edges"));
+  EXPECT_GT(two["image_zoom"], 1.0) << "both zoom together";
+  ASSERT_EQ(Run(R"({"dump_state": "again.json"})", settings), 0);
+  EXPECT_EQ(State("again.json")["image_views"], two["image_views"]) << "remembered";
+}
+
+TEST_F(Window, SavesAPanelAsAPicture) {
+  ASSERT_EQ(Run(R"(
+      {"wait_frames": 3},
+      {"click": "scene.title", "button": "right"},
+      {"wait_frames": 10},
+      {"dump_state": "state.json"})"),
+            0);
+  const cv::Mat picture = cv::imread(File("plumbline-scene-001.png"));
+  const auto rect = State("state.json")["widgets"]["panel.scene"];
+  ASSERT_FALSE(picture.empty());
+  EXPECT_NEAR(picture.cols, rect[2].get<double>() - rect[0].get<double>(), 1.5);
+  EXPECT_NEAR(picture.rows, rect[3].get<double>() - rect[1].get<double>(), 1.5);
+}
+
+TEST_F(Window, FocusesByDoubleClickFollowsTheCameraAndLetsGo) {
+  ASSERT_EQ(Run(R"(
+      {"key": "right", "shift": true},
+      {"wait_for": {"frame": 10}},
+      {"wait_frames": 2},
+      {"dump_state": "0.json"},
+      {"double_click": "scene.view", "at": [0.5, 0.62]},
+      {"wait_frames": 2},
+      {"dump_state": "1.json"},
+      {"key": "r"}, {"wait_frames": 2},
+      {"click": "scene.follow"},
+      {"wait_for": {"follow": true}},
+      {"wait_frames": 2},
+      {"dump_state": "2.json"},
+      {"key": "right", "shift": true},
+      {"wait_for": {"frame": 20}},
+      {"wait_frames": 2},
+      {"dump_state": "3.json"},
+      {"click": "scene.follow"},
+      {"wait_for": {"follow": false}},
+      {"key": "right", "shift": true},
+      {"wait_for": {"frame": 30}},
+      {"wait_frames": 2},
+      {"dump_state": "4.json"})"),
+            0)
+      << ReadFile(File("errors.txt")).value();
+  const auto camera = [&](int i) { return State(std::to_string(i) + ".json")["camera"]; };
+  EXPECT_NE(camera(1)["focus"], camera(0)["focus"]) << "turns about what was clicked";
+  EXPECT_EQ(camera(1)["azimuth_deg"], camera(0)["azimuth_deg"]);
+  EXPECT_NE(camera(3), camera(2)) << "moves with the camera";
+  EXPECT_EQ(camera(4), camera(3)) << "and stays where it was left";
+}
+
+TEST_F(Window, KeepsEverythingInsideOnADesktopThatWantsTwiceTheScale) {
+  // GLFW asks the resource database of the X server what the desktop wants.
+  auto dense = VirtualDisplay::Start(2048, 1200);
+  ASSERT_TRUE(dense.ok());
+  const std::string set = "DISPLAY=" + (*dense)->name() +
+                          " xprop -root -f RESOURCE_MANAGER 8s -set RESOURCE_MANAGER "
+                          "'Xft.dpi: 192\n'";
+  if (std::system(("command -v xprop >/dev/null && " + set).c_str()) != 0)
+    GTEST_SKIP() << "xprop is not installed (apt-get install x11-utils)";
+  std::swap(display_, *dense);
+  ASSERT_EQ(Run(R"(
+      {"resize": [2048, 1200]},
+      {"key": "right", "shift": true},
+      {"wait_for": {"frame": 10}},
+      {"wait_frames": 3},
+      {"dump_state": "state.json"},
+      {"screenshot": "window.png"})"),
+            0)
+      << ReadFile(File("errors.txt")).value();
+  std::swap(display_, *dense);
+  const json state = State("state.json");
+  EXPECT_NEAR(state["ui_scale"], 2, 1e-9);
+  for (const auto& [name, rect] : state["widgets"].items()) {
+    if (name.starts_with("objects.row")) continue;  // rows scroll
+    EXPECT_GE(rect[0], 0) << name;
+    EXPECT_GE(rect[1], 0) << name;
+    EXPECT_LE(rect[2], 2048) << name;
+    EXPECT_LE(rect[3], 1200) << name;
+  }
+  const json play = state["widgets"]["timeline.play"];
+  EXPECT_GE(play[3].get<double>() - play[1].get<double>(), 40) << "twice the size";
+}
+
+}  // namespace
+}  // namespace plumbline
