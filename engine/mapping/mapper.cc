@@ -259,6 +259,14 @@ void Mapper::Impl::Move(MapObject& object, const MapperInput& input,
   object.particles = ToParticles(ResampleMove(*setup.scorer, map, views, move, count, options(),
                                               Key(setup.seed, input.frame, object.id, Draw::kMove)),
                                  object.world_from_reference_cam);
+  // What this frame says of the new ones: for those who look at the run, not for the filter.
+  const std::vector<Likelihood> likelihoods = Evaluate(
+      *setup.scorer, View(input, occluders, object.id), map, input.detections.get(),
+      ToHypotheses(object.particles, object.world_from_reference_cam), std::nullopt, options());
+  for (std::size_t i = 0; i < object.particles.size(); ++i) {
+    object.particles[i].phi_cnn = likelihoods[i].phi_cnn;
+    object.particles[i].phi_edge = likelihoods[i].phi_edge;
+  }
   object.Summarize(map);
 }
 

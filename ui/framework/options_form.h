@@ -66,7 +66,7 @@ void DrawOptionsForm(const FrameContext& context, const std::string& name, std::
     else
       now = field;
     const bool changed = now != old.at(key);
-    ImGui::SetNextItemWidth(context.Scaled(136));
+    ImGui::SetNextItemWidth(context.Scaled(128));
     DrawOptionField(id, info, field);
     LogItem(context, name + "." + key);
     std::string help(info.help);

@@ -244,7 +244,8 @@ void PictureLabels::Add(std::initializer_list<ImVec2> corners, ImU32 color,
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.AddRectFilled(best.low, best.high, IM_COL32(12, 14, 17, 200), context_.Scaled(3));
   draw.AddText(context_.fonts.small, context_.fonts.small->FontSize,
-               {best.low.x + context_.Scaled(4), best.low.y + context_.Scaled(2)}, color,
+               {best.low.x + context_.Scaled(4), best.low.y + context_.Scaled(2)},
+               context_.light ? Mixed(color, IM_COL32_WHITE, 0.45) : color,  // the ground is dark
                text.c_str());
 }
 

@@ -16,7 +16,8 @@ namespace {
 
 /// A half wheel that says which colour is which direction of the edge itself.
 void DrawOrientationLegend(const FrameContext& context, const ImageCanvas& canvas) {
-  const float radius = context.Scaled(17), pad = context.Scaled(7);
+  const float pad = context.Scaled(7);
+  const float radius = std::min(context.Scaled(17), 0.13f * (canvas.high().y - canvas.low().y));
   if (canvas.high().x - canvas.low().x < 6 * radius) return;
   const ImVec2 center(canvas.high().x - radius - pad, canvas.high().y - pad);
   canvas.draw().AddRectFilled({center.x - radius - 4, center.y - radius - 4},

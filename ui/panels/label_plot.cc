@@ -48,12 +48,13 @@ void DrawAreas(const LabelHistory& history, const Area& area) {
     const int until =
         next > i ? std::min(history.frames[next].frame, frame.frame + 4 * static_cast<int>(stride))
                  : frame.frame + 1;
-    const float x0 = area.XOf(frame.frame), x1 = std::max(x0 + 1, area.XOf(until));
+    const float x0 = std::round(area.XOf(frame.frame));  // whole pixels: no seams
+    const float x1 = std::max(x0 + 1, std::round(area.XOf(until)));
     double below = 0;
     for (std::size_t k = 0; k < frame.probability.size(); ++k) {
       const double share = frame.probability[k];
       draw.AddRectFilled({x0, area.YOf(below + share)}, {x1, area.YOf(below)},
-                         WithAlpha(LabelColor(k), 0.8));
+                         Mixed(LabelColor(k), colors::kInset, 0.2));
       below += share;
     }
   }

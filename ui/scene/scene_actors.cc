@@ -158,7 +158,11 @@ void SceneActors::AddScan(const SequenceView& sequence) {
   scan_fine_ = ScanActor(*fine, sequence.up_in_world, eye);
   scan_coarse_ =
       ScanActor(ClusterToAbout(*fine, kScanVerticesWhileMoving), sequence.up_in_world, eye);
-  for (vtkActor* actor : {scan_fine_.Get(), scan_coarse_.Get()}) ground_->AddActor(actor);
+  for (vtkActor* actor : {scan_fine_.Get(), scan_coarse_.Get()}) {
+    // A cloud that was thinned out closes again.
+    if (fine->triangles.empty()) actor->GetProperty()->SetPointSize(3);
+    ground_->AddActor(actor);
+  }
 }
 
 void SceneActors::AddTrajectory(const SequenceView& sequence) {

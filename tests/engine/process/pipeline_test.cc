@@ -84,6 +84,20 @@ TEST_F(PipelineTest, FindsTheTableAndTheChairs) {
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_TRUE(found[i]) << "object " << i;
 }
 
+TEST_F(PipelineTest, RatesTheParticlesOfEveryObjectThatIsWeighedAlsoAfterAMove) {
+  int rated = 0;
+  for (const FrameReport& report : WholeRun()) {
+    for (const ObjectReport& object : report.objects) {
+      if (!object.weighed || object.first_frame == report.frame) continue;
+      EXPECT_TRUE(std::any_of(object.particles->begin(), object.particles->end(),
+                              [](const Particle& p) { return p.phi_edge != 0; }))
+          << "frame " << report.frame << " object " << object.id.value;
+      ++rated;
+    }
+  }
+  EXPECT_GT(rated, 60);
+}
+
 TEST_F(PipelineTest, RepeatsBitForBit) {
   const std::vector<FrameReport> again = Run(Original(), {});
   ASSERT_EQ(again.size(), WholeRun().size());
