@@ -107,17 +107,15 @@ void WhatIf::ReadSettings(const FrameContext& context) {
   const auto a = RunReader::Open(first), b = RunReader::Open(second);
   if (!a.ok() || !b.ok()) return;
   settings_ = DifferentSettings((*a)->header(), (*b)->header());
-  const auto add_changes = [&](const char* which, const RunReader& run,
+  const auto add_changes = [&](const char* which, const RunHeader& header,
                                const std::vector<FrameEvent>& events) {
-    for (const FrameEvent& event : events) {
-      if (event.event.kind == EventKind::kOptionsChanged &&
-          event.frame > run.header().forked_after.value_or(-1))
-        settings_.push_back(
-            fmt::format("{} run, from frame {}: {}", which, event.frame, event.event.text));
-    }
+    std::vector<RunEvent> of_run;
+    for (const FrameEvent& event : events) of_run.push_back({0, event.frame, event.event});
+    for (std::string& change : ChangesOnTheWay(which, header, of_run))
+      settings_.push_back(std::move(change));
   };
-  add_changes("first", **a, *context.playback->events);
-  add_changes("other", **b, *context.other->playback->events);
+  add_changes("first", (*a)->header(), *context.playback->events);
+  add_changes("other", (*b)->header(), *context.other->playback->events);
 }
 
 bool WhatIf::Handle(const WindowCommand& command, FrameContext& context) {

@@ -55,12 +55,28 @@ std::vector<std::string> DifferentSettings(const RunHeader& a, const RunHeader& 
   return out;
 }
 
+std::vector<std::string> ChangesOnTheWay(const char* run, const RunHeader& header,
+                                         const std::vector<RunEvent>& events) {
+  std::vector<std::string> out;
+  for (const RunEvent& event : events) {
+    // What a fork took over is that of another run.
+    if (event.event.kind == EventKind::kOptionsChanged &&
+        event.frame > header.forked_after.value_or(-1))
+      out.push_back(std::string(run) + " run, from frame " + std::to_string(event.frame) + ": " +
+                    event.event.text);
+  }
+  return out;
+}
+
 Result<RunDifference> CompareRuns(const RunReview& a, const RunReview& b) {
   if (a.header.models != b.header.models)
     return Error{ErrorCode::kInvalidInput,
                  "the two runs were made with different models; nothing can be compared"};
   RunDifference out;
   out.settings = DifferentSettings(a.header, b.header);
+  for (const auto& changes :
+       {ChangesOnTheWay("first", a.header, a.events), ChangesOnTheWay("other", b.header, b.events)})
+    out.settings.insert(out.settings.end(), changes.begin(), changes.end());
   std::set<int> frames;
   for (const auto& frame : a.history.frames) frames.insert(frame->frame);
   for (const auto& frame : b.history.frames) out.common_frames += int(frames.count(frame->frame));

@@ -29,6 +29,10 @@ struct RunDifference {
 /// "alpha: 4 / 6", seed, inputs: what differs in what the runs were made with.
 std::vector<std::string> DifferentSettings(const RunHeader& a, const RunHeader& b);
 
+/// "first run, from frame 41: alpha 2.5 -> 4.0": options that changed while a run went on.
+std::vector<std::string> ChangesOnTheWay(const char* run, const RunHeader& header,
+                                         const std::vector<RunEvent>& events);
+
 /// Objects are paired by PairObjects. Errors: kInvalidInput for runs with
 /// different models.
 Result<RunDifference> CompareRuns(const RunReview& a, const RunReview& b);
