@@ -10,6 +10,7 @@
 
 #include "app/application.h"
 #include "app/bookmarks.h"
+#include "engine/process/live_source.h"
 
 namespace plumbline {
 namespace {
@@ -131,8 +132,11 @@ void Application::KeepBookmarks() {
   std::sort(context_.bookmarks.begin(), context_.bookmarks.end(),
             [](const Bookmark& a, const Bookmark& b) { return a.frame < b.frame; });
   const auto file = BookmarkFile(context_.source, options_.settings);
-  if (file.empty()) return;
-  const Status status = WriteBookmarks(file, context_.bookmarks);
+  Status status = file.empty() ? Status() : WriteBookmarks(file, context_.bookmarks);
+  // They belong to the run that the window is mapping, too, if that is kept.
+  const std::string& run = context_.playback->recording;
+  if (status.ok() && !run.empty() && run != context_.source && !IsTemporaryRun(run))
+    status = WriteBookmarks(BookmarkFile(run, {}), context_.bookmarks);
   if (!status.ok()) Note("The bookmarks are not kept: " + status.error().message);
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "engine/process/live_source.h"
 #include "engine/process/option_history.h"
 #include "engine/process/run_difference.h"
 #include "engine/recording/run_file.h"
@@ -23,8 +24,7 @@ bool IsRun(const std::string& path) { return std::filesystem::path(path).extensi
 std::string FreeName(const FrameContext& context) {
   std::error_code ignored;
   const std::filesystem::path run = context.playback->recording;
-  const auto temporary = std::filesystem::temp_directory_path(ignored);
-  const bool kept = run.parent_path().parent_path() != temporary || run.stem() != "live";
+  const bool kept = !IsTemporaryRun(run);
   const std::filesystem::path folder =
       kept ? run.parent_path() : std::filesystem::current_path(ignored);
   std::string stem = run.stem().string();

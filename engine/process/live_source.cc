@@ -20,6 +20,7 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kMemoryBytes = 300u << 20;
+constexpr const char *kTemporaryFolder = "plumbline_XXXXXX", *kTemporaryRun = "live.plb";
 constexpr auto kWriterPatience = std::chrono::seconds(5);
 
 /// A run file, removed with its companions if it is only for the time being.
@@ -29,14 +30,14 @@ class RunFilePlace {
     RunFilePlace place;
     place.path_ = wanted;
     if (!wanted.empty()) return place;
-    std::string folder = (std::filesystem::temp_directory_path() / "plumbline_XXXXXX").string();
+    std::string folder = (std::filesystem::temp_directory_path() / kTemporaryFolder).string();
     if (mkdtemp(folder.data()) == nullptr) {
       return Error{ErrorCode::kIo, "cannot make a temporary folder in '" +
                                        std::filesystem::temp_directory_path().string() +
                                        "' to record into"};
     }
     place.folder_ = folder;
-    place.path_ = place.folder_ / "live.plb";
+    place.path_ = place.folder_ / kTemporaryRun;
     return place;
   }
   RunFilePlace(RunFilePlace&& other) noexcept
@@ -151,6 +152,13 @@ class LiveSource : public SnapshotSource {
 };
 
 }  // namespace
+
+bool IsTemporaryRun(const std::filesystem::path& run) {
+  std::error_code ignored;
+  const std::filesystem::path folder = run.parent_path();
+  return run.filename() == kTemporaryRun && folder.filename().string().starts_with("plumbline_") &&
+         folder.parent_path() == std::filesystem::temp_directory_path(ignored);
+}
 
 Result<std::unique_ptr<SnapshotSource>> OpenLiveSource(const LiveChoice& choice,
                                                        const WorkContext& work) {

@@ -21,4 +21,7 @@ struct LiveChoice {
 Result<std::unique_ptr<SnapshotSource>> OpenLiveSource(const LiveChoice& choice,
                                                        const WorkContext& work);
 
+/// Whether a run file is one that OpenLiveSource keeps only for as long as the source lives.
+bool IsTemporaryRun(const std::filesystem::path& run);
+
 }  // namespace plumbline

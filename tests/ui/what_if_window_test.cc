@@ -113,6 +113,7 @@ TEST_F(WhatIfWindow, ChangesAndForksARunThatIsBeingMapped) {
       {"wait_for": {"fork_sheet": false}},
       {"key": "right"},
       {"wait_for": {"frame": 11, "option_changes": ["11: alpha 2.5 -> 1.0"]}},
+      {"key": "b"},
       {"key": "right", "shift": true},
       {"wait_for": {"frame": 21}},
       {"key": "left", "shift": true},
@@ -135,6 +136,7 @@ TEST_F(WhatIfWindow, ChangesAndForksARunThatIsBeingMapped) {
   const auto fork = RunReader::Open(File("live-fork-1.plb")).value();
   EXPECT_EQ(fork->NumFrames().value(), 30);
   EXPECT_EQ(live->NumFrames().value(), 22);
+  EXPECT_TRUE(std::filesystem::exists(File("live.plb.bookmarks.json")));
   EXPECT_EQ(BytesOf(fork->ReadFrame(10).value()), BytesOf(live->ReadFrame(10).value()));
   EXPECT_NE(BytesOf(fork->ReadFrame(21).value()), BytesOf(live->ReadFrame(21).value()));
   EXPECT_THAT(State("forked.json")["other_settings"].dump(),
