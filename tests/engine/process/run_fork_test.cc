@@ -6,6 +6,7 @@
 #include "engine/mapping/option_changes.h"
 #include "engine/process/live_source.h"
 #include "engine/process/option_history.h"
+#include "engine/process/run_difference.h"
 #include "tests/support/drawn_sequence.h"
 #include "tests/support/report_bytes.h"
 #include "tests/support/test_data.h"
@@ -89,6 +90,10 @@ TEST_F(RunForkTest, TheOptionsOfEveryFrameAreKnownAfterwards) {
   const auto fork = Open(folder_.path() / "back.plb");
   EXPECT_EQ(fork->header().forked_after, 14);
   EXPECT_EQ(DescribeOptionChanges(OptionHistory::Read(*fork)->newest(), {}), "");
+  EXPECT_THAT(
+      ChangesOnTheWay("first", run->header(), run->Events().value()),
+      testing::ElementsAre("first run, from frame 10: " + DescribeOptionChanges({}, after_)));
+  EXPECT_THAT(ChangesOnTheWay("other", fork->header(), fork->Events().value()), testing::IsEmpty());
 }
 
 TEST_F(RunForkTest, AStoppedForkKeepsWhatIsDone) {

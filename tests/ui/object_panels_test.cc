@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// Panels about one object, its particles and what might have become of it, on made-up frames.
+
+#include <gtest/gtest.h>
+
+#include "engine/snapshot/particle_rank.h"
+#include "tests/ui/panel_harness.h"
+#include "ui/panels/panels.h"
+
+namespace plumbline {
+namespace {
+
+TEST(ParticlesPanel, MarksTheParticleUnderTheMouse) {
+  PanelHarness harness;
+  const auto panel = MakeParticlesPanel();
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  harness.Click(*panel, "particles.view", 0.02f, 0.02f);
+  ASSERT_NE(harness.sink.Last<SelectParticleCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectParticleCommand>()->particle, -1);
+}
+
+TEST(WhyPanel, AsksOnceAndSelectsAHypothesis) {
+  PanelHarness harness;
+  const auto panel = MakeWhyPanel();
+  harness.size = {900, 220};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  harness.Draw(*panel, 4);
+  ASSERT_EQ(harness.sink.commands.size(), 1u);
+  EXPECT_EQ(harness.sink.Last<ProbeCommand>()->object, ObjectId{1});
+  auto probe = std::make_shared<ProbeView>();
+  probe->frame = harness.context.snapshot->report.frame;
+  probe->object = {1};
+  probe->beta = 10;
+  probe->verdict = "Search: no particle is near.";
+  probe->hypotheses.resize(2);
+  probe->hypotheses[0].name = "mean";
+  probe->hypotheses[1].name = "truth";
+  probe->slices = {{"azimuth", "\u00b0", {-180, 0, 180}, {0, 0, 0}, {0, 1, 0}, {0, 10, 0}, {}, {}}};
+  harness.context.probe = probe;
+  harness.Click(*panel, "why.row.1");
+  ASSERT_NE(harness.sink.Last<SelectHypothesisCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectHypothesisCommand>()->hypothesis, 1);
+  harness.Point(*panel, "why.slice.azimuth");
+}
+
+TEST(WhatIfPanel, ShowsHowFarAForkIsAndStopsIt) {
+  PanelHarness harness;
+  const auto panel = MakeWhatIfPanel();
+  harness.size = {700, 200};
+  harness.ShowFrame(30);
+  harness.Click(*panel, "what_if.options");
+  EXPECT_NE(harness.sink.Last<AskOptionsCommand>(), nullptr);
+  harness.Click(*panel, "what_if.fork");
+  EXPECT_NE(harness.sink.Last<AskForkCommand>(), nullptr);
+  EXPECT_EQ(harness.widgets.Find("what_if.progress"), nullptr);
+  harness.context.fork = std::make_shared<const ForkView>(
+      ForkView{ForkState::kRunning, "fork.plb", "Mapping the fork", 30, 90});
+  harness.Click(*panel, "what_if.stop");
+  EXPECT_NE(harness.widgets.Find("what_if.progress"), nullptr);
+  EXPECT_NE(harness.sink.Last<CancelForkCommand>(), nullptr);
+  PlaybackView recorded = *harness.context.playback;
+  recorded.recorded = true;
+  harness.context.playback = std::make_shared<const PlaybackView>(recorded);
+  harness.Draw(*panel, 2);
+  EXPECT_EQ(harness.widgets.Find("what_if.options"), nullptr) << "what is recorded keeps its own";
+}
+
+TEST(PosteriorPanel, DrawsAHistogramForEachParameter) {
+  PanelHarness harness;
+  const auto panel = MakePosteriorPanel();
+  harness.size = {900, 240};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  harness.Draw(*panel, 2);
+  for (const char* axis : {"0", "1", "2", "3"})
+    EXPECT_NE(harness.widgets.Find(std::string("posterior.axis.") + axis), nullptr) << axis;
+}
+
+TEST(PosteriorPanel, ShowsShapesOverTimeAndGoesToTheFrameThatIsClicked) {
+  PanelHarness harness;
+  const auto panel = MakePosteriorPanel();
+  harness.size = {900, 240};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {2};
+  harness.Click(*panel, "posterior.shapes");
+  EXPECT_EQ(panel->SaveState()["shapes"], true);
+  EXPECT_EQ(harness.widgets.Find("posterior.labels"), nullptr) << "nothing is read yet";
+  PlaybackView playback = *harness.context.playback;
+  auto history = std::make_shared<RunHistory>();
+  for (int i = 10; i < 40; ++i) {
+    auto frame = std::make_shared<FrameSample>();
+    frame->frame = i;
+    frame->objects.resize(1);
+    frame->objects[0].id = {2};
+    frame->objects[0].label_probability = {{{0}, 0.9}, {{1}, 0.1}};
+    history->frames.push_back(frame);
+  }
+  playback.history = history;
+  harness.context.playback = std::make_shared<const PlaybackView>(playback);
+  harness.Click(*panel, "posterior.labels", 0.5f, 0.5f);
+  ASSERT_NE(harness.sink.Last<SeekCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 25);
+}
+
+TEST(WhyPanel, SweepsTwoParametersAtOnce) {
+  PanelHarness harness;
+  const auto panel = MakeWhyPanel();
+  harness.size = {900, 260};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  harness.Click(*panel, "why.maps");
+  harness.Draw(*panel, 2);
+  ASSERT_NE(harness.sink.Last<ProbeCommand>(), nullptr);
+  EXPECT_TRUE(harness.sink.Last<ProbeCommand>()->maps);
+  auto probe = std::make_shared<ProbeView>();
+  probe->frame = harness.context.snapshot->report.frame;
+  probe->object = {1};
+  probe->hypotheses.resize(1);
+  probe->maps = {{"azimuth",
+                  "\u00b0",
+                  "distance",
+                  "cm",
+                  {-180, 0, 180},
+                  {-5, 0, 5},
+                  std::vector<float>(9),
+                  std::vector<float>(9),
+                  {0, 1, 2, 3, 4, 5, 6, 7, 8},
+                  {}}};
+  harness.context.probe = probe;
+  harness.Point(*panel, "why.map.azimuth");
+  harness.Click(*panel, "why.term.1");
+  EXPECT_EQ(panel->SaveState()["term"], 1);
+}
+
+TEST(ParticlesPanel, AsksForTheOutlineOfTheParticleUnderTheMouse) {
+  PanelHarness harness;
+  const auto panel = MakeParticleTablePanel();
+  harness.size = {900, 300};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  harness.Draw(*panel, 3);
+  harness.Point(*panel, "particle_table.row.2");
+  ASSERT_NE(harness.sink.Last<HoverParticleCommand>(), nullptr);
+  EXPECT_GE(harness.sink.Last<HoverParticleCommand>()->particle, 0);
+}
+
+TEST(ParticleTablePanel, SortsAndMarks) {
+  PanelHarness harness;
+  const auto panel = MakeParticleTablePanel();
+  harness.size = {900, 300};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  harness.Draw(*panel, 3);                           // columns find their places
+  harness.Click(*panel, "particle_table.column.4");  // falling edge term
+  harness.Click(*panel, "particle_table.row.0");
+  ASSERT_NE(harness.sink.Last<SelectParticleCommand>(), nullptr);
+  const int marked = harness.sink.Last<SelectParticleCommand>()->particle;
+  const auto& particles = *harness.context.SelectedObject()->particles;
+  for (const Particle& particle : particles)
+    EXPECT_LE(particle.phi_edge, particles[static_cast<std::size_t>(marked)].phi_edge);
+}
+
+TEST(ParticleTablePanel, SortsByRank) {
+  PanelHarness harness;
+  const auto panel = MakeParticleTablePanel();
+  harness.size = {900, 300};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {1};
+  PlaybackView playback = *harness.context.playback;
+  auto options = std::make_shared<MapperOptions>();
+  options->alpha = 0;
+  options->beta = 1;
+  playback.options = options;
+  harness.context.playback = std::make_shared<const PlaybackView>(playback);
+  harness.Draw(*panel, 3);
+  const auto& particles = *harness.context.SelectedObject()->particles;
+  const std::vector<int> order = ByRank(particles, 0, 1);
+  harness.Click(*panel, "particle_table.column.1");  // falling: the worst first
+  harness.Click(*panel, "particle_table.row.0");
+  ASSERT_NE(harness.sink.Last<SelectParticleCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectParticleCommand>()->particle, order.back());
+  harness.Click(*panel, "particle_table.column.1");  // rising
+  harness.Click(*panel, "particle_table.row.0");
+  EXPECT_EQ(harness.sink.Last<SelectParticleCommand>()->particle, order.front());
+}
+
+}  // namespace
+}  // namespace plumbline
