@@ -8,6 +8,8 @@
 #include <thread>
 #include <utility>
 
+#include <tbb/parallel_for.h>
+
 #include "engine/geometry/gravity.h"
 #include "engine/geometry/vertex_clustering.h"
 #include "engine/models/mesh_file.h"
@@ -53,6 +55,40 @@ PlacementCandidate CandidateOf(const AlignCandidate& found, const Eigen::Vector3
   return candidate;
 }
 
+/// Onto the floor exactly, and along it to where it fits best there: floors are flat, and scans of
+/// them less so. Only what stands on it already, within 3 cm.
+void SetOnFloor(const PlacementTask& task, const AlignmentCrop& crop, AlignCandidate& found) {
+  constexpr double kWithin_m = 0.02;
+  constexpr int kMaxIterations = 20;
+  const Eigen::Vector3d up = task.floor_in_scan->head<3>();
+  const double height_m = up.dot(found.scan_from_model.translation()) + (*task.floor_in_scan)[3];
+  if (!found.stands || std::abs(height_m) > kStandsWithin_m) return;
+  found.scan_from_model.translation() -= height_m * up;
+  ConstrainedPose pose(found.scan_from_model, up, FreeMotion::kAzimuthAndHorizontal);
+  const FineAlignment fine =
+      AlignFinely(crop, *task.surface, IcpResidual::kPointToPlane, kMaxIterations, pose);
+  found.scan_from_model = pose.scan_from_model();
+  found.covariance = fine.covariance;
+  const AlignmentFit fit = Measure(crop, *task.surface, found.scan_from_model, kWithin_m);
+  found.fitness = fit.fitness;
+  found.rmse_m = fit.rmse_m;
+}
+
+/// Of what came to the same place on the floor the first stays.
+void DropSame(std::vector<PlacementCandidate>& candidates) {
+  constexpr double kSame_m = 0.01, kSame_rad = 0.02;
+  std::vector<PlacementCandidate> distinct;
+  for (PlacementCandidate& candidate : candidates) {
+    const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const auto& other) {
+      const Eigen::Isometry3d moved = other.scan_from_object.inverse() * candidate.scan_from_object;
+      return moved.translation().norm() < kSame_m &&
+             Eigen::AngleAxisd(moved.linear()).angle() < kSame_rad;
+    });
+    if (!known) distinct.push_back(std::move(candidate));
+  }
+  candidates = std::move(distinct);
+}
+
 void AddPictures(const PlacementTask& task, PlacementView& placement) {
   const Eigen::AlignedBox3f box = BoundingBox(*task.mesh);
   PictureView view;
@@ -62,10 +98,11 @@ void AddPictures(const PlacementTask& task, PlacementView& placement) {
   view.radius_m = std::max(0.1, 0.56 * static_cast<double>(box.diagonal().norm()));
   view.focus = placement.candidates.front().scan_from_object * box.center().cast<double>();
   const TriangleMesh part = PartOf(*task.scan, view.focus, 1.5 * view.radius_m);
-  for (PlacementCandidate& candidate : placement.candidates) {
-    candidate.picture = PlacementPicture(part, *task.mesh, candidate.scan_from_object, view,
-                                         kPictureWidth, kPictureHeight);
-  }
+  auto& candidates = placement.candidates;
+  tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+    candidates[i].picture = PlacementPicture(part, *task.mesh, candidates[i].scan_from_object, view,
+                                             kPictureWidth, kPictureHeight);
+  });
 }
 
 /// What changed, split as people think of it.
@@ -107,16 +144,24 @@ Result<AnnotationScan> ReadAnnotationScan(const std::filesystem::path& file) {
 void FindPlacements(const PlacementTask& task, const WorkContext& work, PlacementView& placement) {
   const auto start = std::chrono::steady_clock::now();
   AlignOptions options;
-  options.motion = task.motion;
-  const auto found = AlignModel(*task.target, *task.surface, task.scan_from_object, task.up_in_scan,
-                                options, work);
+  if (task.stands) options.standing = Standing::kOnSupport;
+  options.floor_in_scan = task.floor_in_scan;
+  auto found = AlignModel(*task.target, *task.surface, task.scan_from_object, task.up_in_scan,
+                          options, work);
   placement.running = false;
   if (work.stop.stop_requested()) return;
   if (found) {
     placement.symmetry_order = found->symmetry_order;
+    if (task.stands && task.floor_in_scan) {
+      const AlignmentCrop crop = CropScan(*task.target, *task.surface, task.scan_from_object,
+                                          task.up_in_scan, options.search_m);
+      tbb::parallel_for(std::size_t{0}, found->candidates.size(),
+                        [&](std::size_t i) { SetOnFloor(task, crop, found->candidates[i]); });
+    }
     for (const AlignCandidate& candidate : found->candidates) {
       placement.candidates.push_back(CandidateOf(candidate, task.up_in_scan));
     }
+    DropSame(placement.candidates);
   } else {
     placement.problem = found.error().message;
     PlacementCandidate as_clicked;
@@ -146,7 +191,9 @@ void Refine(const PlacementTask& task, const WorkContext& work, int pace_ms,
   const Eigen::Vector3d& up = task.up_in_scan;
   const AlignmentCrop crop =
       CropScan(*task.target, *task.surface, task.scan_from_object, up, kReach_m);
-  ConstrainedPose pose(task.scan_from_object, up, task.motion);
+  ConstrainedPose pose(
+      task.scan_from_object, up,
+      task.floor_in_scan ? FreeMotion::kAzimuthAndHorizontal : FreeMotion::kAzimuthAndTranslation);
   const AlignmentFit before = Measure(crop, *task.surface, task.scan_from_object, kWithin_m);
   refinement.fitness_before = before.fitness;
   refinement.rmse_before_m = before.rmse_m;

@@ -37,11 +37,12 @@ struct PlacementTask {
   std::shared_ptr<const TriangleMesh> mesh;
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
   Eigen::Vector3d up_in_scan{0, 0, 1};
-  FreeMotion motion = FreeMotion::kAzimuthAndTranslation;
+  bool stands = false;  ///< On the level surface below it, which the scan shows or the floor is.
+  std::optional<Eigen::Vector4d> floor_in_scan;  ///< As of AlignOptions.
   double view_azimuth_rad = 0;
 };
 
-/// Fills in candidates, or where there is nothing to align to the start itself with the reason.
+/// Fills in candidates, which stand if the task says so, or where there is nothing to align to the start itself with the reason.
 void FindPlacements(const PlacementTask& task, const WorkContext& work, PlacementView& placement);
 
 /// How sure azimuth, place and height are. `covariance`: as of PoseCovariance.
@@ -49,7 +50,7 @@ void SetDeviations(const PoseCovariance& covariance, const Eigen::Vector3d& up_i
                    RefinementView& refinement);
 
 /// Aligns from the start, a step at a time, each told to `step`; at most a step in `pace_ms`, so
-/// that people can follow.
+/// that people can follow. What stands on a known floor keeps its height.
 void Refine(const PlacementTask& task, const WorkContext& work, int pace_ms,
             const std::function<void(const RefinementView&)>& step, RefinementView& refinement);
 

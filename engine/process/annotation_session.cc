@@ -283,10 +283,9 @@ void AnnotationSession::On(const TypeGravityCommand& command) {
   view_.floor = std::move(proposal);
 }
 
-/// Nothing, with an answer, if it cannot be done now. `floor_bound`: it stands on the floor and
-/// stays there.
+/// Nothing, with an answer, if it cannot be done now.
 std::optional<PlacementTask> AnnotationSession::TaskFor(int model, const Eigen::Isometry3d& pose,
-                                                        bool on_floor, bool& floor_bound) {
+                                                        bool on_floor) {
   const AnnotationModel* view = view_.Model(model);
   if (view == nullptr) {
     Refuse("The database has no such model.");
@@ -305,7 +304,6 @@ std::optional<PlacementTask> AnnotationSession::TaskFor(int model, const Eigen::
     }
     surfaces_[model] = std::move(*surface);
   }
-  floor_bound = on_floor && view->on_floor && project_->document().floor_in_scan.has_value();
   PlacementTask task;
   task.target = scan_.target;
   task.scan = scan_.full;
@@ -313,8 +311,8 @@ std::optional<PlacementTask> AnnotationSession::TaskFor(int model, const Eigen::
   task.mesh = view->mesh;
   task.scan_from_object = pose;
   task.up_in_scan = up_in_scan();
-  task.motion =
-      floor_bound ? FreeMotion::kAzimuthAndHorizontal : FreeMotion::kAzimuthAndTranslation;
+  task.stands = on_floor && view->on_floor;
+  if (task.stands) task.floor_in_scan = project_->document().floor_in_scan;
   return task;
 }
 
@@ -338,13 +336,11 @@ void AnnotationSession::On(const PlaceModelCommand& command) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = UprightFrame(-up_in_scan()).upright_rotation();
   pose.translation() = command.point_in_scan;
-  bool floor_bound = false;
-  auto task = TaskFor(model, pose, command.on_floor, floor_bound);
+  auto task = TaskFor(model, pose, command.on_floor);
   if (!task) return;
-  if (floor_bound) {
-    const Eigen::Vector4d& floor = *project_->document().floor_in_scan;
-    const Eigen::Vector3d up = floor.head<3>();
-    task->scan_from_object.translation() -= up * (up.dot(command.point_in_scan) + floor[3]);
+  if (const auto& floor = task->floor_in_scan) {  // a click on the seat means what is below it
+    const Eigen::Vector3d up = floor->head<3>();
+    task->scan_from_object.translation() -= up * (up.dot(command.point_in_scan) + (*floor)[3]);
   }
   task->view_azimuth_rad = command.view_azimuth_rad;
   QueuePlacement(std::move(*task), model, "");
@@ -355,9 +351,7 @@ void AnnotationSession::On(const PlaceAgainCommand& command) {
   if (instance == nullptr || models_ == nullptr) return Refuse("Select an object first.");
   if (instance->locked) return Refuse("'" + command.id + "' is locked; unlock it first.");
   const auto id = models_->Find(instance->model);
-  bool floor_bound = false;
-  auto task =
-      TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor, floor_bound);
+  auto task = TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor);
   if (!task) return;
   task->view_azimuth_rad = command.view_azimuth_rad;
   QueuePlacement(std::move(*task), id->value, command.id);
@@ -368,9 +362,7 @@ void AnnotationSession::On(const RefineInstanceCommand& command) {
   if (instance == nullptr || models_ == nullptr) return Refuse("Select an object first.");
   if (instance->locked) return Refuse("'" + command.id + "' is locked; unlock it first.");
   const auto id = models_->Find(instance->model);
-  bool floor_bound = false;
-  const auto task =
-      TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor, floor_bound);
+  const auto task = TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor);
   if (!task) return;
   DropProposals();
   RefinementView refinement;

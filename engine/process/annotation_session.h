@@ -98,8 +98,7 @@ class AnnotationSession {
   std::vector<Eigen::Vector3d> CamerasInScan() const;
   void AddSequence(AnnotationSnapshot& snapshot) const;
   void QueuePlacement(PlacementTask task, int model, std::string instance);
-  std::optional<PlacementTask> TaskFor(int model, const Eigen::Isometry3d& pose, bool on_floor,
-                                       bool& floor_bound);
+  std::optional<PlacementTask> TaskFor(int model, const Eigen::Isometry3d& pose, bool on_floor);
   void Propose(Job job);
   void DropProposals();
   bool Edit(const plumbline::Edit& edit);

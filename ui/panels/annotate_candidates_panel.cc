@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
@@ -10,6 +11,8 @@
 
 namespace plumbline {
 namespace {
+
+constexpr double kFloats_m = 0.03;
 
 class AnnotateCandidatesPanel : public Panel {
  public:
@@ -103,6 +106,13 @@ class AnnotateCandidatesPanel : public Panel {
     if (candidate.position_std_m > 0) {
       line(dim, fmt::format("\u00b1 {:.1f} mm, {:.2f}\u00b0", 1000 * candidate.position_std_m,
                             candidate.azimuth_std_rad * kDegreesPerRadian));
+    }
+    const AnnotationModel* model = context.annotation->Model(context.annotation->placement->model);
+    const double height = ReadPose(*context.annotation, candidate.scan_from_object).z;
+    if (context.annotation->floor_known && model != nullptr && model->on_floor &&
+        std::abs(height) > kFloats_m) {
+      line(colors::kWarning, fmt::format("{:.0f} cm {} the floor", 100 * std::abs(height),
+                                         height > 0 ? "above" : "below"));
     }
     if (candidate.same_by_symmetry) line(colors::kWarning, "same shape");
     Tooltip(context,

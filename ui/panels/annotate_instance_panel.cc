@@ -154,7 +154,11 @@ class AnnotateInstancePanel : public Panel {
     ImGui::SameLine(0, context.Scaled(10));
     ImGui::Checkbox("On floor", &view.on_floor);
     LogItem(context, "instance.on_floor");
-    Tooltip(context, "What stands on the floor keeps its height while it is aligned.");
+    Tooltip(
+        context,
+        "What stands on the floor, by its model, is placed standing: on the floor exactly, once "
+        "that is known, else on what the scan shows below it. While it is refined it keeps its "
+        "height.");
     if (Button(context, "instance.duplicate", "Duplicate", "A copy beside it (Ctrl + D)."))
       Duplicate(context, sink);
     ImGui::SameLine(0, context.Scaled(6));

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/geometry/gravity.h"
+#include "engine/models/mesh_file.h"
 #include "tests/support/annotation_walk.h"
 #include "tests/support/test_data.h"
 
@@ -125,6 +126,37 @@ TEST_F(AnnotationSessionTest, PlacesAModelUprightOnTheFloorTheRightWayRound) {
   const auto& document = session->project().document();
   EXPECT_LT(UprightFrame(document.gravity_in_scan).Tilt(chair.scan_from_object.linear()), 1e-9);
   EXPECT_NEAR((snapshot.level_from_scan * chair.scan_from_object).translation().z(), 0, 1e-12);
+}
+
+TEST_F(AnnotationSessionTest, ALowHalfThatWasNotScannedDoesNotKeepAModelFromStanding) {
+  // Only what is above 55 cm, the upper back, was seen of the armchair.
+  TriangleMesh scan = ReadMesh(scene_.scan).value();
+  TriangleMesh seen;
+  for (std::size_t i = 0; i < scan.vertices.size(); ++i) {
+    const Eigen::Vector3d at =
+        scene_.scan_from_armchair.inverse() * scan.vertices[i].cast<double>();
+    if (at.head<2>().norm() < 0.7 && at.z() > 0.01 && at.z() < 0.55) continue;
+    seen.vertices.push_back(scan.vertices[i]);
+    seen.normals.push_back(scan.normals[i]);
+  }
+  ASSERT_TRUE(WritePly(scene_.scan, seen).ok());
+  const auto session = Open();
+  const auto height = [&] {
+    const auto placement = session->Snapshot().placement;
+    EXPECT_TRUE(placement && !placement->candidates.empty());
+    return (scene_.scan_from_armchair.inverse() * placement->candidates[0].scan_from_object)
+        .translation()
+        .z();
+  };
+  const Eigen::Vector3d clicked = scene_.scan_from_armchair * Eigen::Vector3d(0.05, 0.08, 0);
+  Do(*session, TypeGravityCommand{scene_.up_in_scan, std::nullopt});
+  Do(*session, AcceptProposalCommand{});
+  Do(*session, PlaceModelCommand{"armchair", clicked});
+  EXPECT_NEAR(height(), 0, 0.015) << "the scan shows what it stands on";
+  Do(*session, FindFloorCommand{scene_.scan_from_armchair * Eigen::Vector3d(0.9, 0.3, 0)});
+  Do(*session, AcceptProposalCommand{});
+  Do(*session, PlaceModelCommand{"armchair", clicked});
+  EXPECT_NEAR(height(), 0, 1e-4) << "exactly on the floor";
 }
 
 TEST_F(AnnotationSessionTest, OffersCandidatesWithPicturesBestFirst) {
