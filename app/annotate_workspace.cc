@@ -90,9 +90,24 @@ void AnnotateWorkspace::ReadSlots(FrameContext& context) {
   ++context.annotation_version;
 }
 
+/// The images may change the order of candidates; what was chosen stays chosen.
+void AnnotateWorkspace::KeepCandidate(const AnnotationSnapshot& before,
+                                      const AnnotationSnapshot& now) {
+  const auto& old = before.placement->candidates;
+  const auto& candidates = now.placement->candidates;
+  if (view_.candidate >= static_cast<int>(old.size())) return;
+  const auto& chosen = old[static_cast<std::size_t>(view_.candidate)];
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (candidates[i].scan_from_object.matrix() == chosen.scan_from_object.matrix()) {
+      view_.candidate = static_cast<int>(i);
+    }
+  }
+}
+
 /// A pose that is on its way is shown until the project has it, or has refused it.
 void AnnotateWorkspace::Follow(const AnnotationSnapshot& before, const AnnotationSnapshot& now) {
   if (before.placement.has_value() != now.placement.has_value()) view_.candidate = 0;
+  if (before.placement && now.placement && view_.candidate > 0) KeepCandidate(before, now);
   if (!view_.pending) return;
   const InstanceView* was = before.Find(view_.pending->id);
   const InstanceView* is = now.Find(view_.pending->id);
@@ -189,6 +204,8 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
                    {"modified", snapshot.modified},
                    {"read_only", snapshot.read_only},
                    {"notices", snapshot.notices},
+                   {"recovered", snapshot.num_recovered},
+                   {"journal_problem", snapshot.journal_problem},
                    {"answer", snapshot.answer},
                    {"undo", snapshot.undo_label.value_or("")},
                    {"redo", snapshot.redo_label.value_or("")},
@@ -217,6 +234,16 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
                                      {"note", instance.note},
                                      {"scan_from_object", MatrixOf(instance.scan_from_object)}});
   }
+  annotate["exported"] = !snapshot.exported                   ? ""
+                         : snapshot.exported->running         ? "running"
+                         : snapshot.exported->problem.empty() ? "done"
+                                                              : snapshot.exported->problem;
+  if (snapshot.box) annotate["box_points"] = snapshot.box->points->size();
+  if (view_.crop_box) {
+    annotate["crop_box"] = {{"center", VectorOf(view_.crop_box->center)},
+                            {"size_m", VectorOf(view_.crop_box->size_m)},
+                            {"azimuth_rad", view_.crop_box->azimuth_rad}};
+  }
   if (snapshot.checks) {
     state["annotate.images"] = snapshot.checks->images.size();
     state["annotate.agreement_percent"] = std::lround(100 * snapshot.checks->agreement);
@@ -230,11 +257,14 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
   }
   if (const auto& placement = snapshot.placement) {
     annotate["placement_running"] = placement->running;
+    annotate["placement_images"] = placement->images;
     annotate["placement_seconds"] = placement->seconds;
     for (const PlacementCandidate& candidate : placement->candidates) {
       annotate["candidates"].push_back({{"azimuth_deg", candidate.azimuth_rad * kDegrees},
                                         {"fitness", candidate.fitness},
-                                        {"rmse_m", candidate.rmse_m}});
+                                        {"rmse_m", candidate.rmse_m},
+                                        {"agreement", candidate.agreement.value_or(-1)},
+                                        {"from_images", candidate.from_images}});
     }
   }
   if (const auto& refinement = snapshot.refinement) {
@@ -274,10 +304,13 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
       snapshot.frame && !snapshot.frame->image.empty() ? snapshot.frame->frame : -1;
   state["annotate.registered"] = snapshot.sequence_registered;
   // Flat names, so that scripts can wait for them.
-  for (const char* key : {"state", "busy", "modified", "read_only", "undo", "redo", "aligns",
-                          "floor_known", "selected", "tool", "proposal", "candidate"}) {
+  for (const char* key :
+       {"state", "busy", "modified", "read_only", "undo", "redo", "aligns", "floor_known",
+        "selected", "tool", "proposal", "candidate", "exported", "recovered"}) {
     state[std::string("annotate.") + key] = annotate[key];
   }
+  state["annotate.unsafe"] = !snapshot.journal_problem.empty();
+  state["annotate.box"] = view_.crop_box.has_value();
   state["annotate.instances"] = snapshot.instances.size();
   state["annotate.models"] = snapshot.models->size();
   state["annotate.running"] = (snapshot.placement && snapshot.placement->running) ||

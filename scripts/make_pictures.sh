@@ -146,7 +146,20 @@ cat >"$work/annotate.json" <<'JSON'
   {"wait_frames": 5},
   {"hover": "panel.annotate_sequence", "at": [0.5, 0.9]},
   {"wait_frames": 10},
-  {"screenshot": "annotate-sequence.png"}
+  {"screenshot": "annotate-sequence.png"},
+  {"click": "annotate.tool.select"},
+  {"click": "project.export"},
+  {"wait_frames": 3},
+  {"click": "export.bop"},
+  {"wait_frames": 10},
+  {"screenshot": "annotate-export.png"},
+  {"key": "escape"},
+  {"click": "annotate.tool.cut"},
+  {"wait_frames": 5},
+  {"click": "annotate.view", "at": [0.38, 0.35]},
+  {"wait_for": {"annotate.box": true}},
+  {"wait_frames": 5},
+  {"screenshot": "annotate-cut.png"}
 ]}
 JSON
 (cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \

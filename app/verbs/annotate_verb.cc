@@ -11,9 +11,11 @@
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
 #include "engine/annotation/annotation_check.h"
+#include "engine/annotation/annotation_export.h"
 #include "engine/annotation/annotation_project.h"
 #include "engine/annotation/bop_files.h"
 #include "engine/annotation/crop_cut.h"
+#include "engine/annotation/crop_models.h"
 #include "engine/base/files.h"
 #include "engine/base/log.h"
 #include "engine/models/mesh_file.h"
@@ -73,10 +75,10 @@ class Cutter {
     return Edit(std::move(prepared->edit));
   }
 
-  /// Enters the models in their databases.
-  Status Store() const {
+  /// Puts the models where the edit will find them.
+  Status Stage() const {
     for (const auto& [model, folder] : models_) {
-      if (const Status stored = StoreModel(model, folder); !stored.ok()) return stored;
+      if (const Status staged = StageCropModel(model, folder); !staged.ok()) return staged;
       std::printf("%s: %zu faces, %.2f x %.2f x %.2f m\n", model.model.name.c_str(),
                   model.model.mesh.triangles.size(), model.model.bounds.sizes().x(),
                   model.model.bounds.sizes().y(), model.model.bounds.sizes().z());
@@ -117,8 +119,9 @@ Status ApplyEdits(const AnnotateArguments& arguments) {
     }
     group.edits.push_back(std::move(*edit));
   }
-  if (const Status stored = cutter.Store(); !stored.ok()) return stored;
+  if (const Status staged = cutter.Stage(); !staged.ok()) return staged;
   if (const Status applied = (*project)->Apply(group); !applied.ok()) return applied;
+  if (const auto synced = SyncCropModels(**project); !synced) return synced.error();
   return SaveAndSay(**project, "edits applied", edits->size());
 }
 
@@ -180,18 +183,6 @@ PoseFrame FrameOf(const std::string& name) {
   return name == "world" ? PoseFrame::kWorld : PoseFrame::kScan;
 }
 
-/// With its scene where the project knows both scan and models.
-Status ExportVisma(const AnnotationProject& project, const ModelDatabase* models,
-                   const std::string& folder) {
-  constexpr double kReach_m = 0.03;
-  const AnnotationDocument& document = project.document();
-  const Status written = WriteVisma(document, models, folder);
-  if (!written.ok() || !models || document.scan.empty()) return written;
-  const Result<TriangleMesh> scan = ReadMesh(project.Resolve(document.scan));
-  if (!scan) return scan.error();
-  return WriteVismaScene(document, *models, *scan, kReach_m, folder);
-}
-
 Status Export(const AnnotateArguments& arguments) {
   const auto project = OpenProject(arguments.project, AnnotationProject::Access::kRead);
   if (!project) return project.error();
@@ -202,18 +193,9 @@ Status Export(const AnnotateArguments& arguments) {
   const ExchangeInputs inputs = opened->View(std::move(*frames));
   const AnnotationDocument& document = (*project)->document();
   ConsoleWork work;
-  Status status;
-  if (arguments.format == "visma") {
-    status = ExportVisma(**project, inputs.models, arguments.path);
-  } else if (arguments.format == "bop") {
-    status = WriteBop(document, inputs, arguments.path, work.context());
-  } else if (arguments.format == "labelfusion") {
-    status = WriteLabelFusion(document, inputs, arguments.path);
-  } else if (arguments.format == "poses") {
-    status = WriteFramePoses(document, inputs, arguments.path);
-  } else {
-    status = WriteGroundTruthOf(document, FrameOf(arguments.frame), arguments.path);
-  }
+  const Status status = ExportAnnotation(
+      document, inputs, (*project)->Resolve(document.scan),
+      {arguments.format, arguments.path, FrameOf(arguments.frame)}, work.context());
   if (status.ok()) {
     std::printf("%s: %zu instances\n", arguments.path.c_str(), document.instances.size());
   }
@@ -345,8 +327,8 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
   AddPath(*write, arguments, "--out", "The file or folder to write");
   write
       ->add_option("--frame", arguments->frame,
-                   "Of ground_truth: the scan's own frame, the scan turned z-up with the floor at "
-                   "0, or the sequence's world")
+                   "The scan's own frame, the scan turned z-up with the floor at 0, or "
+                   "(ground_truth) the sequence's world; labelfusion and poses are in cameras")
       ->check(CLI::IsMember({"scan", "level", "world"}))
       ->capture_default_str();
   write

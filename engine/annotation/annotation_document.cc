@@ -95,6 +95,26 @@ Result<AnnotatedInstance> InstanceFromJson(const nlohmann::json& json) {
   return instance;
 }
 
+nlohmann::json PairToJson(const FramePick& pair) {
+  return {{"in_scan", {pair.in_scan.x(), pair.in_scan.y(), pair.in_scan.z()}},
+          {"frame", pair.frame},
+          {"pixel", {pair.pixel.x(), pair.pixel.y()}}};
+}
+
+Result<FramePick> PairFromJson(const nlohmann::json& json) {
+  const auto numbers = [&](const char* key, int count) {
+    return json.is_object() && json.contains(key) ? VectorFromJson(json[key], count) : std::nullopt;
+  };
+  const auto in_scan = numbers("in_scan", 3), pixel = numbers("pixel", 2);
+  const int frame = json.is_object() && json.contains("frame") && json["frame"].is_number_integer()
+                        ? json["frame"].get<int>()
+                        : -1;
+  if (!in_scan || !pixel || frame < 0) {
+    return Invalid("a pair needs 'in_scan' [x, y, z], a 'frame' and its 'pixel' [u, v]");
+  }
+  return FramePick{*in_scan, frame, *pixel};
+}
+
 nlohmann::json DocumentToJson(const AnnotationDocument& document) {
   nlohmann::json json = {
       {"plumbline_annotation", 1},
@@ -112,6 +132,7 @@ nlohmann::json DocumentToJson(const AnnotationDocument& document) {
     json["instances"].push_back(InstanceToJson(instance));
   }
   for (const Crop& crop : document.crops) json["crops"].push_back(CropToJson(crop));
+  for (const FramePick& pair : document.pairs) json["pairs"].push_back(PairToJson(pair));
   return json;
 }
 
@@ -165,6 +186,11 @@ Result<AnnotationDocument> DocumentFromJson(const nlohmann::json& json) {
       return Invalid("has two crops with the id '" + crop->id + "'");
     }
     document.crops.push_back(std::move(*crop));
+  }
+  for (const nlohmann::json& entry : json.value("pairs", nlohmann::json::array())) {
+    const Result<FramePick> pair = PairFromJson(entry);
+    if (!pair) return pair.error();
+    document.pairs.push_back(*pair);
   }
   return document;
 }

@@ -28,6 +28,13 @@ struct AnnotatedInstance {
   bool locked = false;  ///< Refuses changes of pose and model, and removal.
 };
 
+/// A point of the scan that was clicked in a frame of the sequence, too.
+struct FramePick {
+  Eigen::Vector3d in_scan{0, 0, 0};
+  int frame = 0;
+  Eigen::Vector2d pixel{0, 0};
+};
+
 /// What an annotation project says. All poses are in the frame of the scan's file, whatever is
 /// found out about gravity later: the original frame is never lost.
 struct AnnotationDocument {
@@ -39,7 +46,8 @@ struct AnnotationDocument {
   /// Where the sequence's world is in the scan; nothing where both share a frame.
   std::optional<Eigen::Isometry3d> scan_from_world;
   std::vector<AnnotatedInstance> instances;
-  std::vector<Crop> crops;  ///< What was cut out of the scan.
+  std::vector<Crop> crops;       ///< What was cut out of the scan.
+  std::vector<FramePick> pairs;  ///< That the sequence is registered by.
 
   const AnnotatedInstance* Find(const std::string& id) const;
   const Crop* FindCrop(const std::string& id) const;
@@ -50,6 +58,11 @@ struct AnnotationDocument {
 nlohmann::json InstanceToJson(const AnnotatedInstance& instance);
 /// Errors: kInvalidInput, what is wrong with it.
 Result<AnnotatedInstance> InstanceFromJson(const nlohmann::json& json);
+
+/// {"in_scan": [x, y, z], "frame", "pixel": [u, v]}
+nlohmann::json PairToJson(const FramePick& pair);
+/// Errors: kInvalidInput, what is wrong with it.
+Result<FramePick> PairFromJson(const nlohmann::json& json);
 
 nlohmann::json DocumentToJson(const AnnotationDocument& document);
 /// Unknown keys are ignored. Errors: kInvalidInput, what is wrong and where.

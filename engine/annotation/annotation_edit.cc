@@ -150,6 +150,26 @@ Result<Edit> Apply(const RemoveCrop& edit, AnnotationDocument& document) {
   return Edit(std::move(back));
 }
 
+Result<Edit> Apply(const AddPair& edit, AnnotationDocument& document) {
+  if (!edit.pair.in_scan.allFinite() || !edit.pair.pixel.allFinite() || edit.pair.frame < 0) {
+    return Invalid("a pair needs a point of the scan and a pixel of a frame");
+  }
+  const std::size_t index =
+      std::min(edit.index.value_or(document.pairs.size()), document.pairs.size());
+  document.pairs.insert(document.pairs.begin() + static_cast<std::ptrdiff_t>(index), edit.pair);
+  return Edit(RemovePair{index});
+}
+
+Result<Edit> Apply(const RemovePair& edit, AnnotationDocument& document) {
+  if (edit.index >= document.pairs.size()) {
+    return Error{ErrorCode::kNotFound, "there is no pair " + std::to_string(edit.index + 1)};
+  }
+  const auto found = document.pairs.begin() + static_cast<std::ptrdiff_t>(edit.index);
+  AddPair back{*found, edit.index};
+  document.pairs.erase(found);
+  return Edit(back);
+}
+
 Result<Edit> Apply(const EditGroup& group, AnnotationDocument& document) {
   AnnotationDocument changed = document;
   EditGroup back{group.label, {}};
@@ -176,6 +196,12 @@ std::string Describe(const SetSceneAlignment&) { return "Align sequence and scan
 std::string Describe(const SetInputs&) { return "Choose scan, models and sequence"; }
 std::string Describe(const AddCrop& edit) { return "Cut out " + edit.crop.id; }
 std::string Describe(const RemoveCrop& edit) { return "Forget the crop " + edit.id; }
+std::string Describe(const AddPair& edit) {
+  return "Pick a pair in frame " + std::to_string(edit.pair.frame);
+}
+std::string Describe(const RemovePair& edit) {
+  return "Remove pair " + std::to_string(edit.index + 1);
+}
 std::string Describe(const EditGroup& group) { return group.label; }
 
 }  // namespace

@@ -53,9 +53,20 @@ struct RemoveCrop {
   std::string id;
 };
 
+/// One more pair of points to register the sequence by.
+struct AddPair {
+  FramePick pair;
+  std::optional<std::size_t> index;  ///< Position in the list; at the end where there is none.
+};
+
+struct RemovePair {
+  std::size_t index = 0;
+};
+
 struct EditGroup;
-using Edit = std::variant<AddInstance, RemoveInstance, ChangeInstance, SetGravity,
-                          SetSceneAlignment, SetInputs, AddCrop, RemoveCrop, EditGroup>;
+using Edit =
+    std::variant<AddInstance, RemoveInstance, ChangeInstance, SetGravity, SetSceneAlignment,
+                 SetInputs, AddCrop, RemoveCrop, AddPair, RemovePair, EditGroup>;
 
 /// Several edits that are done and undone as one: an import, the acceptance of a run's drafts.
 struct EditGroup {
@@ -76,7 +87,7 @@ Result<Edit> ApplyEdit(const Edit& edit, AnnotationDocument& document);
 std::string DescribeEdit(const Edit& edit);
 
 /// {"edit": "add"|"remove"|"change"|"gravity"|"scene_alignment"|"inputs"|"crop"|
-/// "remove_crop"|"group", ...}; the rest of
+/// "remove_crop"|"pair"|"remove_pair"|"group", ...}; the rest of
 /// the keys as in the project file.
 nlohmann::json EditToJson(const Edit& edit);
 /// Errors: kInvalidInput.

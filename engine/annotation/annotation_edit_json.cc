@@ -68,6 +68,14 @@ json ToJson(const AddCrop& edit) {
 
 json ToJson(const RemoveCrop& edit) { return {{"edit", "remove_crop"}, {"id", edit.id}}; }
 
+json ToJson(const AddPair& edit) {
+  json result = {{"edit", "pair"}, {"pair", PairToJson(edit.pair)}};
+  if (edit.index) result["index"] = *edit.index;
+  return result;
+}
+
+json ToJson(const RemovePair& edit) { return {{"edit", "remove_pair"}, {"index", edit.index}}; }
+
 json ToJson(const EditGroup& group) {
   json result = {{"edit", "group"}, {"label", group.label}, {"edits", json::array()}};
   for (const Edit& edit : group.edits) result["edits"].push_back(EditToJson(edit));
@@ -87,6 +95,19 @@ Result<Edit> CropEditFrom(const json& source) {
   const auto index = IndexFrom(source);
   if (!index) return index.error();
   return Edit(AddCrop{std::move(*crop), *index});
+}
+
+Result<Edit> PairEditFrom(const json& source) {
+  const auto index = IndexFrom(source);
+  if (!index) return index.error();
+  if (source["edit"] == "remove_pair") {
+    if (!*index) return Invalid("an edit 'remove_pair' needs an 'index'");
+    return Edit(RemovePair{**index});
+  }
+  if (!source.contains("pair")) return Invalid("an edit 'pair' needs a 'pair'");
+  const Result<FramePick> pair = PairFromJson(source["pair"]);
+  if (!pair) return pair.error();
+  return Edit(AddPair{*pair, *index});
 }
 
 Result<Edit> AddFrom(const json& source) {
@@ -182,6 +203,7 @@ Result<Edit> EditFromJson(const json& source) {
   const std::string kind = TextFromJson(source, "edit").value_or("");
   if (kind == "add") return AddFrom(source);
   if (kind == "crop") return CropEditFrom(source);
+  if (kind == "pair" || kind == "remove_pair") return PairEditFrom(source);
   if (kind == "gravity") return GravityFrom(source);
   if (kind == "group") return GroupFrom(source);
   if (kind == "scene_alignment") {
@@ -204,7 +226,7 @@ Result<Edit> EditFromJson(const json& source) {
   }
   return Invalid(
       "an edit needs 'edit': add, remove, change, gravity, scene_alignment, inputs, crop, "
-      "remove_crop or group, not '" +
+      "remove_crop, pair, remove_pair or group, not '" +
       kind + "'");
 }
 

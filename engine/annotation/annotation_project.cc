@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/annotation/annotation_project.h"
 
+#include <set>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -29,6 +30,16 @@ void MoveInputs(Edit& edit, const path& from, const path& to) {
   }
   if (auto* group = std::get_if<EditGroup>(&edit)) {
     for (Edit& inner : group->edits) MoveInputs(inner, from, to);
+  }
+}
+
+/// Names of the models that an edit would bring in by crops.
+void AddCropModels(const Edit& edit, std::set<std::string>& names) {
+  if (const auto* add = std::get_if<AddCrop>(&edit); add && add->crop.into == Crop::Into::kModel) {
+    names.insert(add->crop.id);
+  }
+  if (const auto* group = std::get_if<EditGroup>(&edit)) {
+    for (const Edit& inner : group->edits) AddCropModels(inner, names);
   }
 }
 
@@ -203,6 +214,15 @@ std::optional<std::string> AnnotationProject::UndoLabel() const {
 
 std::optional<std::string> AnnotationProject::RedoLabel() const {
   return redo_.empty() ? std::nullopt : std::optional(redo_.back().label);
+}
+
+std::vector<std::string> AnnotationProject::ForgottenModels() const {
+  std::set<std::string> names;
+  for (const std::vector<Step>* steps : {&undo_, &redo_}) {
+    for (const Step& step : *steps) AddCropModels(step.edit, names);
+  }
+  for (const Crop& crop : document_.crops) names.erase(crop.id);
+  return {names.begin(), names.end()};
 }
 
 std::string AnnotationProject::FileContent() const {

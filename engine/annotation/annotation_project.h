@@ -45,6 +45,8 @@ class AnnotationProject {
   /// What would be undone or redone, as a menu says it.
   std::optional<std::string> UndoLabel() const;
   std::optional<std::string> RedoLabel() const;
+  /// Names of models whose crops undo or redo would bring back.
+  std::vector<std::string> ForgottenModels() const;
 
   /// Errors: kIo; nothing is lost by it.
   Status Save();

@@ -36,8 +36,8 @@ struct CroppedModel {
 Result<CroppedModel> ModelOfCrop(const TriangleMesh& scan, const std::filesystem::path& scan_file,
                                  const Crop& crop, int faces = 5000);
 
-/// What accepting a crop takes: the model, if any, is to be stored (StoreModel), then the edit
-/// applied.
+/// What accepting a crop takes: the model, if any, is staged (StageCropModel), the edit applied,
+/// then the database brought in step (SyncCropModels).
 struct PreparedCrop {
   EditGroup edit;
   std::optional<CroppedModel> model;
@@ -45,7 +45,7 @@ struct PreparedCrop {
 
 /// Completes the crop and, for a model, makes it. The edit, one step to undo, adds the crop and for
 /// a model an instance of it where it stands; it fits the document that was given. Undoing it
-/// forgets both; the model's file stays. Nothing is written. Errors: kInvalidInput (also a crop, or
+/// forgets both. Nothing is written. Errors: kInvalidInput (also a crop, or
 /// a model of `models_folder`, that has this name), kDegenerate.
 Result<PreparedCrop> PrepareCrop(const TriangleMesh& scan, const std::filesystem::path& scan_file,
                                  Crop crop, const AnnotationDocument& document,

@@ -89,22 +89,6 @@ void DropSame(std::vector<PlacementCandidate>& candidates) {
   candidates = std::move(distinct);
 }
 
-void AddPictures(const PlacementTask& task, PlacementView& placement) {
-  const Eigen::AlignedBox3f box = BoundingBox(*task.mesh);
-  PictureView view;
-  view.up = task.up_in_scan;
-  view.azimuth_rad = task.view_azimuth_rad;
-  view.elevation_rad = 0.5;
-  view.radius_m = std::max(0.1, 0.56 * static_cast<double>(box.diagonal().norm()));
-  view.focus = placement.candidates.front().scan_from_object * box.center().cast<double>();
-  const TriangleMesh part = PartOf(*task.scan, view.focus, 1.5 * view.radius_m);
-  auto& candidates = placement.candidates;
-  tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
-    candidates[i].picture = PlacementPicture(part, *task.mesh, candidates[i].scan_from_object, view,
-                                             kPictureWidth, kPictureHeight);
-  });
-}
-
 /// What changed, split as people think of it.
 void Compare(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to, const Eigen::Vector3d& up,
              RefinementView& refinement) {
@@ -172,6 +156,23 @@ void FindPlacements(const PlacementTask& task, const WorkContext& work, Placemen
   AddPictures(task, placement);
   placement.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void AddPictures(const PlacementTask& task, PlacementView& placement) {
+  const Eigen::AlignedBox3f box = BoundingBox(*task.mesh);
+  PictureView view;
+  view.up = task.up_in_scan;
+  view.azimuth_rad = task.view_azimuth_rad;
+  view.elevation_rad = 0.5;
+  view.radius_m = std::max(0.1, 0.56 * static_cast<double>(box.diagonal().norm()));
+  view.focus = placement.candidates.front().scan_from_object * box.center().cast<double>();
+  const TriangleMesh part = PartOf(*task.scan, view.focus, 1.5 * view.radius_m);
+  auto& candidates = placement.candidates;
+  tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+    if (!candidates[i].picture.empty()) return;
+    candidates[i].picture = PlacementPicture(part, *task.mesh, candidates[i].scan_from_object, view,
+                                             kPictureWidth, kPictureHeight);
+  });
 }
 
 void SetDeviations(const PoseCovariance& covariance, const Eigen::Vector3d& up_in_scan,

@@ -42,8 +42,12 @@ struct PlacementTask {
   double view_azimuth_rad = 0;
 };
 
-/// Fills in candidates, which stand if the task says so, or where there is nothing to align to the start itself with the reason.
+/// Fills in candidates, which stand if the task says so, or where there is nothing to align to the
+/// start itself with the reason.
 void FindPlacements(const PlacementTask& task, const WorkContext& work, PlacementView& placement);
+
+/// Draws the candidates that have no picture yet.
+void AddPictures(const PlacementTask& task, PlacementView& placement);
 
 /// How sure azimuth, place and height are. `covariance`: as of PoseCovariance.
 void SetDeviations(const PoseCovariance& covariance, const Eigen::Vector3d& up_in_scan,

@@ -72,6 +72,8 @@ class AnnotationSession {
   void On(const UndoCommand& command);
   void On(const RedoCommand& command);
   void On(const SaveProjectCommand& command);
+  void On(const DropRecoveredCommand& command);
+  void On(const ExportCommand& command);
   void On(const SetAnnotatorCommand& command);
   void On(const ImportDraftsCommand& command);
   void On(const DismissNoticesCommand& command);
@@ -79,8 +81,10 @@ class AnnotationSession {
   void On(const AddPairCommand& command);
   void On(const RemovePairCommand& command);
   void On(const AlignSequenceCommand& command);
+  void On(const ShowBoxCommand& command);
   void On(const ProposeCropCommand& command);
   bool TakeCrop();
+  void FollowCrops();
 
   void QueueLoading();
   void QueueModels();
@@ -128,7 +132,6 @@ class AnnotationSession {
   std::optional<Eigen::Isometry3d> checked_;  ///< The last pose that was checked.
   bool images_wanted_ = false, check_wanted_ = false;
   std::vector<Eigen::Vector3d> cameras_in_world_;
-  std::vector<FramePick> picks_;
   std::shared_ptr<const PreparedCrop> prepared_crop_;
   std::optional<int> frame_wanted_;
 };

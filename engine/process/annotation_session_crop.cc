@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "engine/annotation/crop_cut.h"
+#include "engine/annotation/crop_models.h"
 #include "engine/geometry/gravity.h"
 #include "engine/process/annotation_session.h"
 
@@ -36,15 +37,11 @@ void Show(const PreparedCrop& prepared, const TriangleMesh& scan, const Eigen::V
   view.points = std::move(points);
 }
 
-}  // namespace
+CropBox RegionOf(const UprightBox& box) {
+  return {box.center_in_scan, box.size_m, box.azimuth_rad};
+}
 
-void AnnotationSession::On(const ProposeCropCommand& command) {
-  if (scan_.full == nullptr) return Refuse("There is no scan to cut from.");
-  Crop crop;
-  crop.id = command.id;
-  crop.category = command.category;
-  crop.into = command.fragment ? Crop::Into::kFragment : Crop::Into::kModel;
-  crop.annotator = view_.annotator;
+CropLasso RegionOf(const ProposeCropCommand& command) {
   CropLasso lasso;
   lasso.scan_from_cam = command.scan_from_cam;
   lasso.camera = {static_cast<int>(2 * command.center_px.x()),
@@ -54,7 +51,47 @@ void AnnotationSession::On(const ProposeCropCommand& command) {
                   command.center_px.x(),
                   command.center_px.y()};
   lasso.polygon_px = command.polygon_px;
-  crop.region = lasso;
+  return lasso;
+}
+
+}  // namespace
+
+/// In what is drawn, not in the whole scan: it follows the mouse.
+void AnnotationSession::On(const ShowBoxCommand& command) {
+  constexpr double kFloorThickness_m = 0.02;
+  view_.box.reset();
+  if (!command.box || view_.scan == nullptr) return;
+  Crop crop;
+  crop.region = RegionOf(*command.box);
+  crop.up_in_scan = up_in_scan();
+  const auto& floor = project_->document().floor_in_scan;
+  const Eigen::Matrix3d box_from_scan =
+      UprightFrame(-up_in_scan()).WorldFromObjectRotation(command.box->azimuth_rad).transpose();
+  auto points = std::make_shared<std::vector<Eigen::Vector3f>>();
+  BoxView view;
+  for (const int i : PointsInRegion(*view_.scan, crop)) {
+    const Eigen::Vector3f& point = view_.scan->vertices[static_cast<std::size_t>(i)];
+    points->push_back(point);
+    const Eigen::Vector3d in_scan = point.cast<double>();
+    if (floor && floor->head<3>().dot(in_scan) + (*floor)[3] < kFloorThickness_m) continue;
+    view.bounds.extend(Eigen::Vector3d(box_from_scan * (in_scan - command.box->center_in_scan)));
+  }
+  view.points = std::move(points);
+  view_.box = std::move(view);
+}
+
+void AnnotationSession::On(const ProposeCropCommand& command) {
+  if (scan_.full == nullptr) return Refuse("There is no scan to cut from.");
+  Crop crop;
+  crop.id = command.id;
+  crop.category = command.category;
+  crop.into = command.fragment ? Crop::Into::kFragment : Crop::Into::kModel;
+  crop.annotator = view_.annotator;
+  if (command.box) {
+    crop.region = RegionOf(*command.box);
+  } else {
+    crop.region = RegionOf(command);
+  }
   DropProposals();
   view_.crop = CropView{command.id};
   const AnnotationDocument& document = project_->document();
@@ -79,7 +116,7 @@ void AnnotationSession::On(const ProposeCropCommand& command) {
            }});
 }
 
-/// The model is stored before the edit that uses it; where it cannot be, nothing happens.
+/// The model is staged before the edit that uses it; where it cannot be, nothing happens.
 bool AnnotationSession::TakeCrop() {
   if (prepared_crop_ == nullptr || view_.crop->running) return false;
   const PreparedCrop prepared = *prepared_crop_;
@@ -89,7 +126,7 @@ bool AnnotationSession::TakeCrop() {
       Refuse("There is no model database to put it into. Open the scan with --models FOLDER.");
       return false;
     }
-    if (const Status stored = StoreModel(prepared.model->built, folder); !stored.ok()) {
+    if (const Status stored = StageCropModel(prepared.model->built, folder); !stored.ok()) {
       Refuse(stored.error().message);
       return false;
     }
@@ -98,12 +135,18 @@ bool AnnotationSession::TakeCrop() {
   for (const plumbline::Edit& edit : prepared.edit.edits) {
     if (const auto* add = std::get_if<AddInstance>(&edit)) view_.selected = add->instance.id;
   }
-  if (prepared.model) {
-    surfaces_.clear();
-    QueueModels();
-  }
   Answer(view_.crop->id + " cut out");
+  FollowCrops();
   return true;
+}
+
+/// Models come and go with the crops that made them.
+void AnnotationSession::FollowCrops() {
+  const auto changed = SyncCropModels(*project_);
+  if (!changed) return Refuse(changed.error().message);
+  if (!*changed) return;
+  surfaces_.clear();
+  QueueModels();
 }
 
 }  // namespace plumbline

@@ -31,13 +31,11 @@ AnnotationSession::Job AnnotationSession::FrameJob(int frame) {
 }
 
 void AnnotationSession::On(const AddPairCommand& command) {
-  picks_.push_back({command.in_scan, command.frame, command.pixel});
+  Edit(AddPair{{command.in_scan, command.frame, command.pixel}, std::nullopt});
 }
 
 void AnnotationSession::On(const RemovePairCommand& command) {
-  if (command.index >= picks_.size()) return;
-  picks_.erase(picks_.begin() + static_cast<std::ptrdiff_t>(command.index));
-  if (view_.sequence_alignment) DropProposals();
+  if (Edit(RemovePair{command.index}) && view_.sequence_alignment) DropProposals();
 }
 
 /// What it changes: the turn, and how far the cameras go in the mean.
@@ -67,11 +65,11 @@ void AnnotationSession::On(const AlignSequenceCommand& command) {
                                            : "objects";
   view_.sequence_alignment = view;
   Propose({"Registering the sequence", true,
-           [view, command, sequence = sequence_, document = project_->document(), picks = picks_,
+           [view, command, sequence = sequence_, document = project_->document(),
             target = scan_.target](const WorkContext& work, const auto&) -> Update {
              std::vector<std::string> names;
              const auto found =
-                 command.how == How::kPairs ? RegisterByPicks(document, *sequence, picks)
+                 command.how == How::kPairs ? RegisterByPicks(document, *sequence, document.pairs)
                  : command.how == How::kPoints
                      ? RegisterByPoints(document, *sequence, *target, command.file, work)
                      : RegisterByObjects(document, *sequence, command.file, names);
@@ -121,7 +119,7 @@ void AnnotationSession::AddSequence(AnnotationSnapshot& snapshot) const {
   snapshot.num_frames = sequence_->num_frames();
   snapshot.frame_size = {sequence_->camera().width, sequence_->camera().height};
   snapshot.cameras_in_scan = CamerasInScan();
-  for (const FramePick& pick : picks_) {
+  for (const FramePick& pick : project_->document().pairs) {
     PairView pair{pick.in_scan, pick.frame, pick.pixel,
                   SeenAt(*sequence_, pick.frame, scan_from_world, pick.in_scan)};
     if (pair.seen_at) pair.residual_px = (*pair.seen_at - pick.pixel).norm();

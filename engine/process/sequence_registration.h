@@ -16,13 +16,6 @@
 
 namespace plumbline {
 
-/// A point of the scan that was clicked in a frame, too.
-struct FramePick {
-  Eigen::Vector3d in_scan{0, 0, 0};
-  int frame = 0;
-  Eigen::Vector2d pixel{0, 0};
-};
-
 /// Down in both. Errors: kInvalidInput where the sequence does not know gravity.
 Result<GravityPair> GravityOf(const AnnotationDocument& document, const Sequence& sequence);
 

@@ -58,6 +58,8 @@ struct PreviewPoseCommand {
 /// Takes the floor, the placement's candidate or the refinement that is proposed.
 struct AcceptProposalCommand {
   int candidate = 0;
+  /// Of the candidate: their order may have changed since it was chosen.
+  std::optional<Eigen::Isometry3d> scan_from_object;
 };
 /// Drops what is proposed and stops what runs for it.
 struct CancelProposalCommand {};
@@ -86,6 +88,15 @@ struct RedoCommand {};
 struct SaveProjectCommand {
   std::string file;
 };
+/// Takes back what was recovered from a process that was killed; Redo brings it again.
+struct DropRecoveredCommand {};
+/// Writes the annotations in another format.
+struct ExportCommand {
+  std::string format;          ///< Of kExportFormats.
+  std::string out;             ///< A file or a folder.
+  std::string frame = "scan";  ///< or "level", "world"
+  int every = 1;               ///< Every how manieth frame of the sequence is written, > 0.
+};
 struct SetAnnotatorCommand {
   std::string name;
 };
@@ -104,10 +115,21 @@ struct AddPairCommand {
   int frame = 0;
   Eigen::Vector2d pixel{0, 0};
 };
-/// Cuts what lies inside a line in a view out of the scan, and proposes it.
+/// A box that stands upright, as the project knows up.
+struct UprightBox {
+  Eigen::Vector3d center_in_scan{0, 0, 0};
+  Eigen::Vector3d size_m{1, 1, 1};  ///< Along its own axes.
+  double azimuth_rad = 0;           ///< Of its x axis, as of UprightFrame.
+};
+/// Tells which points of the scan a box holds; nothing: it is gone.
+struct ShowBoxCommand {
+  std::optional<UprightBox> box;
+};
+/// Cuts what lies inside a box, or inside a line in a view, out of the scan, and proposes it.
 struct ProposeCropCommand {
   std::string id, category;
   bool fragment = false;                    ///< Of a VISMA folder; else a model of the database.
+  std::optional<UprightBox> box;            ///< Nothing: the line.
   std::vector<Eigen::Vector2d> polygon_px;  ///< 3 or more corners.
   Eigen::Isometry3d scan_from_cam = Eigen::Isometry3d::Identity();  ///< Of the view.
   double focal_px = 1;
@@ -131,6 +153,7 @@ using AnnotationCommand =
                  SetInstancePoseCommand, ChangeInstanceCommand, RemoveInstanceCommand,
                  DuplicateInstanceCommand, UndoCommand, RedoCommand, SaveProjectCommand,
                  SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand, ShowFrameCommand,
-                 AddPairCommand, RemovePairCommand, AlignSequenceCommand, ProposeCropCommand>;
+                 AddPairCommand, RemovePairCommand, AlignSequenceCommand, ShowBoxCommand,
+                 DropRecoveredCommand, ExportCommand, ProposeCropCommand>;
 
 }  // namespace plumbline

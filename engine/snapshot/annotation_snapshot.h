@@ -58,8 +58,10 @@ struct PlacementCandidate {
   double rmse_m = 0;   ///< Of the distances of the scan points explained.
   double azimuth_rad = 0;
   double position_std_m = 0, azimuth_std_rad = 0;
-  bool same_by_symmetry = false;  ///< The first one, turned within itself.
-  cv::Mat picture;                ///< CV_8UC3 BGR
+  bool same_by_symmetry = false;    ///< The first one, turned within itself.
+  std::optional<double> agreement;  ///< With the images, as of ImageChecksView.
+  bool from_images = false;         ///< The scan does not show it, the images do.
+  cv::Mat picture;                  ///< CV_8UC3 BGR
 };
 
 /// A model on its way into the scan.
@@ -71,6 +73,9 @@ struct PlacementView {
   std::string problem;  ///< Why there is only the place that was clicked.
   int symmetry_order = 1;
   std::vector<PlacementCandidate> candidates;  ///< Best first.
+  int images = 0;                              ///< In which they were compared; 0: in none (yet).
+  bool by_images = false;                      ///< The images decided which is the first.
+  bool searching = false;                      ///< In the images, because none agrees with them.
 };
 
 /// An alignment that starts from where an instance is.
@@ -162,6 +167,20 @@ struct CropView {
   std::optional<double> support_height_m;  ///< Of what it stood on, above the floor.
 };
 
+/// What a box in the scan holds.
+struct BoxView {
+  std::shared_ptr<const std::vector<Eigen::Vector3f>> points;  ///< In the scan; never null.
+  /// Of those that are not on the floor, in the box's own axes from its centre; may be empty.
+  Eigen::AlignedBox3d bounds;
+};
+
+/// The last export.
+struct ExportView {
+  bool running = true;
+  std::string problem;  ///< Why nothing was written.
+  std::string done;     ///< What was written, and where.
+};
+
 /// What crosses to the window.
 struct AnnotationSnapshot {
   enum class State { kOpening, kReady, kFailed };
@@ -173,6 +192,7 @@ struct AnnotationSnapshot {
   std::string project_file, project_name, scan_name;
   bool modified = false, read_only = false;
   std::vector<std::string> notices;  ///< What the user should know, until dismissed.
+  std::size_t num_recovered = 0;     ///< Edits of a killed process, not yet saved or taken back.
   std::string journal_problem;       ///< Edits are not safe on the disk; "": they are.
   std::string answer;                ///< To the last command: what was refused or done.
   bool refused = false;              ///< The answer is bad news.
@@ -201,6 +221,8 @@ struct AnnotationSnapshot {
   std::optional<RefinementView> refinement;
   std::optional<SequenceAlignmentView> sequence_alignment;
   std::optional<CropView> crop;
+  std::optional<BoxView> box;  ///< Of the box that is being drawn.
+  std::optional<ExportView> exported;
   std::uint64_t proposal_number = 0;  ///< Changes with the five above.
 
   bool has_sequence = false, sequence_registered = false;

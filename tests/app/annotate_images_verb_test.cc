@@ -1,27 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands of `annotate` that look at images, as a script meets them.
 
-#include <sys/wait.h>
-
 #include <cstdio>
-#include <cstdlib>
 
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "engine/base/files.h"
 #include "engine/dataset/json_fields.h"
 #include "engine/models/mesh_file.h"
+#include "tests/app/annotate_command.h"
 #include "tests/engine/annotation/checked_room.h"
-#include "tests/support/test_data.h"
 #include "tests/support/tiny_sequence.h"
 
 namespace plumbline {
 namespace {
 
 /// A seat in the origin, six images of its edges, and a project in which it stands elsewhere.
-class AnnotateImages : public testing::Test {
+class AnnotateImages : public AnnotateCommand {
  protected:
   void SetUp() override {
     const auto seat = OutlineModel::Prepare(SeatMesh()).value();
@@ -54,24 +48,11 @@ class AnnotateImages : public testing::Test {
     ASSERT_EQ(Run("apply room.json edits.json --create"), 0) << Output();
   }
 
-  void Write(const std::string& name, const std::string& text) const {
-    WriteText(folder_.path() / name, text);
-  }
   void Picture(const std::string& name, const cv::Mat& picture) const {
     const auto file = folder_.path() / "walk" / name;
     std::filesystem::create_directories(file.parent_path());
     ASSERT_TRUE(cv::imwrite(file, picture));
   }
-  int Run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.path().string() + "' && '" +
-                                ProgramFile().string() + "' annotate " + arguments +
-                                " > out.txt 2>&1";
-    return WEXITSTATUS(std::system(command.c_str()));
-  }
-  std::string Output() const { return ReadFile(folder_.path() / "out.txt").value(); }
-  nlohmann::json Json(const char* name) const { return ReadJson(folder_.path() / name).value(); }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(AnnotateImages, RefinesAPoseAndSavesIt) {

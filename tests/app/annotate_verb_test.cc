@@ -1,24 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands of `annotate` as a script meets them.
 
-#include <sys/wait.h>
-
-#include <cstdlib>
-
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
-
-#include "engine/base/files.h"
 #include "engine/models/mesh_file.h"
+#include "tests/app/annotate_command.h"
 #include "tests/support/furniture_models.h"
 #include "tests/support/meshes.h"
-#include "tests/support/test_data.h"
 #include "tests/support/tiny_sequence.h"
 
 namespace plumbline {
 namespace {
 
-class AnnotateVerb : public testing::Test {
+class AnnotateVerb : public AnnotateCommand {
  protected:
   void SetUp() override {
     WriteTinySequence(folder_.path() / "walk");
@@ -36,20 +28,6 @@ class AnnotateVerb : public testing::Test {
         {"edit": "change", "id": "chair_1", "quality": "coarse", "note": "back only"}])");
     ASSERT_EQ(Run("apply room.json edits.json --create --annotator Ada"), 0) << Output();
   }
-
-  void Write(const char* name, const char* text) const {
-    ASSERT_TRUE(WriteFileAtomically(folder_.path() / name, text).ok());
-  }
-  int Run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.path().string() + "' && '" +
-                                ProgramFile().string() + "' annotate " + arguments +
-                                " > out.txt 2>&1";
-    return WEXITSTATUS(std::system(command.c_str()));
-  }
-  std::string Output() const { return ReadFile(folder_.path() / "out.txt").value(); }
-  nlohmann::json Json(const char* name) const { return ReadJson(folder_.path() / name).value(); }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(AnnotateVerb, AppliesEditsAndSaves) {

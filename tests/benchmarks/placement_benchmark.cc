@@ -87,9 +87,20 @@ int Run(const AnnotationChoice& choice, const std::filesystem::path& truth_file,
         process, [](const AnnotationSnapshot& s) { return s.placement && !s.placement->running; });
     times.push_back(SecondsSince(clicked));
     const Outcome outcome = Judge(*placed->placement, instance.world_from_object, up);
-    std::printf("%-24s %8.2f %6.1f cm %7.1f cm %6.1f %6d %6zu\n", instance.id.c_str(), times.back(),
+    std::printf("%-24s %8.2f %6.1f cm %7.1f cm %6.1f %6d %6zu", instance.id.c_str(), times.back(),
                 100 * outcome.horizontal_m, 100 * outcome.height_m, outcome.turn_deg, outcome.right,
                 placed->placement->candidates.size());
+    // What the images say of them, later.
+    const auto compared =
+        WaitFor(process, [](const AnnotationSnapshot& s) { return s.placement && s.busy.empty(); });
+    if (compared->placement->images > 0) {
+      const Outcome later = Judge(*compared->placement, instance.world_from_object, up);
+      std::printf("   %5.1f s: %5.1f cm %6.1f %3d  agreement %.2f%s", SecondsSince(clicked),
+                  100 * later.horizontal_m, later.turn_deg, later.right,
+                  compared->placement->candidates[0].agreement.value_or(0),
+                  compared->placement->by_images ? " (by images)" : "");
+    }
+    std::printf("\n");
     // Taken, and on to the next: its images are still being looked for.
     process.Post(AcceptProposalCommand{0});
     WaitFor(process, [](const AnnotationSnapshot& s) { return !s.placement; });

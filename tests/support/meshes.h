@@ -2,6 +2,7 @@
 #pragma once
 
 #include <numbers>
+#include <utility>
 
 #include "engine/geometry/mesh.h"
 
@@ -51,6 +52,35 @@ inline TriangleMesh MakeParallelogram(const Eigen::Vector3f& corner, const Eigen
   mesh.vertices = {corner, corner + a, corner + a + b, corner + b};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   return mesh;
+}
+
+/// A finely meshed patch: `steps` squares along each side.
+inline TriangleMesh MakeGrid(const Eigen::Vector3f& corner, const Eigen::Vector3f& a,
+                             const Eigen::Vector3f& b, int steps) {
+  TriangleMesh mesh;
+  for (int i = 0; i <= steps; ++i) {
+    for (int k = 0; k <= steps; ++k) {
+      mesh.vertices.push_back(corner + static_cast<float>(i) / static_cast<float>(steps) * a +
+                              static_cast<float>(k) / static_cast<float>(steps) * b);
+      if (i == steps || k == steps) continue;
+      const int at = i * (steps + 1) + k;
+      mesh.triangles.emplace_back(at, at + 1, at + steps + 1);
+      mesh.triangles.emplace_back(at + 1, at + steps + 2, at + steps + 1);
+    }
+  }
+  return mesh;
+}
+
+/// A finely meshed box without a bottom; it stands on the origin.
+inline TriangleMesh MakeFineBox(const Eigen::Vector3f& size) {
+  const Eigen::Vector3f a(size.x(), 0, 0), b(0, size.y(), 0), c(0, 0, size.z()),
+      low(-size.x() / 2, -size.y() / 2, 0);
+  TriangleMesh box = MakeGrid(low + c, a, b, 20);
+  for (const auto& [corner, side] :
+       {std::pair(low, a), {low + a, b}, {low + a + b, -a}, {low + b, -b}}) {
+    Append(MakeGrid(corner, side, c, 20), box);
+  }
+  return box;
 }
 
 }  // namespace plumbline

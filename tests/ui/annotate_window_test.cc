@@ -1,96 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drives the real window's Annotate workspace on a private display, through scripts.
 
-#include <sys/wait.h>
-
-#include <cstdlib>
-#include <fstream>
 #include <numbers>
-#include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "app/platform/virtual_display.h"
-#include "engine/base/files.h"
 #include "engine/process/sequence_registration.h"
-#include "tests/support/annotation_walk.h"
-#include "tests/support/test_data.h"
+#include "tests/ui/annotate_window_fixture.h"
 
 namespace plumbline {
 namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
-
-class AnnotateWindow : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    auto display = VirtualDisplay::Start(2048, 1200);
-    if (display.ok()) display_ = std::move(display).value();
-  }
-  static void TearDownTestSuite() { display_.reset(); }
-  void SetUp() override {
-    if (display_ == nullptr) GTEST_SKIP() << "Xvfb is not installed; the window is not tested";
-  }
-
-  std::string File(const std::string& name) const { return (folder_.path() / name).string(); }
-  std::string Errors() const { return ReadFile(File("errors.txt")).value(); }
-
-  /// Runs the steps once the scan can be aligned to, seen from above: the middle of the view is
-  /// the origin of the floor, up in the picture is +y.
-  int Run(const std::string& steps, const std::string& path = "scan.ply", bool wait = true,
-          const std::string& options = "") {
-    const std::string first = wait ? R"({"wait_for": {"annotate.aligns": true, "annotate.models": 5,
-        "annotate.busy": ""}}, {"key": "5"}, {"wait_frames": 3},)"
-                                   : "";
-    std::ofstream(File("script.json")) << "{\"steps\": [" << first << steps << "]}";
-    const std::string program = (ProgramFile().parent_path() / "fake_window").string();
-    const std::string command = "cd '" + folder_.path().string() +
-                                "' && DISPLAY=" + display_->name() + " timeout 100 '" + program +
-                                "' --open " + path + " --size 1200 800 --script script.json " +
-                                options + " 2>errors.txt";
-    const int status = std::system(command.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
-  json State(const std::string& name) const {
-    const auto state = ReadJson(File(name));
-    EXPECT_TRUE(state.ok()) << Errors();
-    return state.ok() ? (*state)["annotate"] : json::object();
-  }
-  static Eigen::Isometry3d PoseOf(const json& instance) {
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    for (int row = 0; row < 4; ++row) {
-      for (int column = 0; column < 4; ++column) {
-        pose.matrix()(row, column) = instance["scan_from_object"][row][column];
-      }
-    }
-    return pose;
-  }
-
-  // Where things are in the view from above (script: key 5).
-  static constexpr const char* kPlaceArmchair = R"(
-      {"click": "annotate_models.armchair"},
-      {"wait_for": {"annotate.tool": "place"}},
-      {"click": "annotate.view", "at": [0.59, 0.43]},
-      {"wait_for": {"annotate.proposal": "placement", "annotate.running": false}},)";
-  static constexpr const char* kFloor = R"(
-      {"click": "floor.pick"},
-      {"wait_for": {"annotate.tool": "floor"}},
-      {"click": "annotate.view", "at": [0.5, 0.75]},
-      {"wait_for": {"annotate.proposal": "floor"}},
-      {"key": "enter"},
-      {"wait_for": {"annotate.floor_known": true, "annotate.tool": "select"}},
-      {"key": "5"},
-      {"wait_frames": 3},)";
-
-  TemporaryFolder folder_;
-  AnnotationScene scene_ = MakeAnnotationScene(folder_.path());
-  static inline std::unique_ptr<VirtualDisplay> display_;
-};
 
 TEST_F(AnnotateWindow, PlacesAModelByClicksNudgesUndoesSavesAndOpensItAgain) {
   ASSERT_EQ(Run(std::string(kFloor) + kPlaceArmchair + R"(
@@ -386,10 +308,12 @@ TEST_F(AnnotateWindow, TakesDraftsOfARunMendsOneAcceptsItAndUndoesThemAsOne) {
   EXPECT_THAT(PoseOf(mended), IsometryNear(scene_.scan_from_armchair, 0.2, 0.003));
 }
 
-TEST_F(AnnotateWindow, CutsAFragmentOutByABoxOrALineAndSaysWhatCannotBeCut) {
+TEST_F(AnnotateWindow, CutsAFragmentOutByALineAndSaysWhatCannotBeCut) {
   ASSERT_EQ(Run(std::string(kFloor) + R"(
       {"click": "annotate.tool.cut"},
       {"wait_for": {"annotate.tool": "cut"}},
+      {"wait_frames": 2},
+      {"click": "crop.line"},
       {"drag": "annotate.view", "from": [0.52, 0.30], "to": [0.66, 0.55]},
       {"wait_for": {"annotate.proposal": "crop", "annotate.running": false}},
       {"wait_frames": 3},
@@ -429,31 +353,6 @@ TEST_F(AnnotateWindow, CutsAFragmentOutByABoxOrALineAndSaysWhatCannotBeCut) {
   EXPECT_GT(box["points"], 3000);
   EXPECT_NEAR(line["points"], box["points"].get<double>(), 0.02 * box["points"].get<double>());
   EXPECT_NE(State("taken.json")["undo"], "Set gravity");
-}
-
-TEST_F(AnnotateWindow, SaysWhatItRecoveredAndWhatIsWrong) {
-  ASSERT_EQ(Run(std::string(kFloor) + R"({"wait_frames": 2})"), 0) << Errors();  // not saved
-  ASSERT_EQ(Run(R"(
-      {"dump_state": "recovered.json"},
-      {"screenshot": "recovered.png"},
-      {"click": "annotate.dismiss"},
-      {"wait_frames": 5},
-      {"dump_state": "dismissed.json"})"),
-            0)
-      << Errors();
-  const json notices = State("recovered.json")["notices"];
-  ASSERT_EQ(notices.size(), 1u);
-  EXPECT_THAT(notices[0].get<std::string>(), HasSubstr("1 edit recovered"));
-  EXPECT_EQ(State("recovered.json")["undo"], "Set gravity");
-  EXPECT_EQ(State("dismissed.json")["notices"], json::array());
-  std::ofstream(File("broken.ply")) << "ply\nformat nonsense\n";
-  ASSERT_EQ(Run(R"({"wait_for": {"annotate.state": "ready", "annotate.busy": ""}},
-      {"wait_frames": 10}, {"dump_state": "broken.json"})",
-                "broken.ply", false),
-            0)
-      << Errors();
-  ASSERT_FALSE(State("broken.json")["notices"].empty());
-  EXPECT_THAT(State("broken.json")["notices"][0].get<std::string>(), HasSubstr("broken.ply"));
 }
 
 TEST_F(AnnotateWindow, KeepsEveryControlInsideAndSwitchesToInspectAndBack) {

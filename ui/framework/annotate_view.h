@@ -24,6 +24,15 @@ struct PendingPose {
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
 };
 
+/// A box that stands upright in the level frame, for cutting out what is in it.
+struct LevelBox {
+  Eigen::Vector3d center{0, 0, 0};
+  Eigen::Vector3d size_m{0.7, 0.7, 1};  ///< Along its own axes.
+  double azimuth_rad = 0;               ///< Of its x axis.
+
+  bool operator==(const LevelBox&) const = default;
+};
+
 /// A model that would land where the mouse is.
 struct GhostModel {
   int model = -1;
@@ -43,13 +52,18 @@ struct AnnotateView {
   std::optional<Eigen::Isometry3d> copied;      ///< Pose in the scan's frame.
   std::optional<Eigen::Vector3d> pick_in_scan;  ///< Half a pair: the frame's half is missing, ...
   std::optional<Eigen::Vector2d> pick_pixel;    ///< ... or the scan's. Of the frame that is shown.
-  std::vector<Eigen::Vector2d> lasso;           ///< Corners in the view [px] of what is cut out.
+  bool crop_by_line = false;                    ///< Else by a box.
+  std::optional<LevelBox> crop_box;
+  std::vector<Eigen::Vector2d> lasso;  ///< Corners in the view [px] of what is cut out.
   bool lasso_closed = false;
   Eigen::Vector2d view_px{1, 1};  ///< Size of the 3-D view.
   std::string crop_id = "cutout", crop_category = "object";
   bool crop_fragment = false;
   std::string map_points, mapped_run;        ///< Paths that are being typed.
-  std::string save_as, run;                  ///< Paths that are being typed.
+  std::string save_as, run, save_elsewhere;  ///< Likewise.
+  std::size_t export_format = 0;             ///< In kExportFormats.
+  std::string export_frame = "scan", export_out;
+  int export_every = 1;
   bool focus = false;                        ///< In this frame: the view turns to the selection.
   std::optional<Eigen::Vector3d> look_from;  ///< In this frame: the view looks at the selection
                                              ///< from this point of the scan.

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "ui/framework/annotate_view.h"
+#include "ui/panels/annotate_crop_box.h"
 #include "ui/panels/annotate_pose.h"
 
 namespace plumbline {
@@ -51,9 +53,10 @@ bool Editable(const FrameContext& context, const InstanceView* instance) {
   return instance != nullptr && !instance->locked && !context.annotation->read_only;
 }
 
-void PostNudges(const FrameContext& context, const InstanceView& instance, CommandSink& sink) {
-  const AnnotationSnapshot& snapshot = *context.annotation;
-  AnnotateView& view = *context.annotate;
+/// What the nudge keys of this frame ask for, as the view is turned: metres in the level frame, and
+/// a turn. True while one of them is down.
+bool ReadNudges(const FrameContext& context,
+                const std::function<void(const Vector3d& by, double turn_rad)>& nudge_by) {
   const ImGuiIO& io = ImGui::GetIO();
   const Eigen::Matrix3d eye = context.annotate_scene->camera().view_from_world;
   Vector3d right = eye.row(0).transpose();
@@ -65,15 +68,30 @@ void PostNudges(const FrameContext& context, const InstanceView& instance, Comma
     any_down = any_down || ImGui::IsKeyDown(nudge.key);
     if (io.KeyCtrl || !ImGui::IsKeyPressed(nudge.key, true)) continue;
     const double step = io.KeyShift ? kCoarse_m : kFine_m;
-    const double turn = nudge.turn * (io.KeyShift ? kCoarse_rad : kFine_rad);
+    nudge_by(step * (nudge.right * right + nudge.ahead * ahead + nudge.up * Vector3d::UnitZ()),
+             nudge.turn * (io.KeyShift ? kCoarse_rad : kFine_rad));
+  }
+  return any_down;
+}
+
+void NudgeBox(const FrameContext& context, LevelBox& box) {
+  ReadNudges(context, [&](const Vector3d& by, double turn_rad) {
+    box.center += by;
+    box.azimuth_rad = WrapAngle(box.azimuth_rad + turn_rad);
+  });
+}
+
+void PostNudges(const FrameContext& context, const InstanceView& instance, CommandSink& sink) {
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  AnnotateView& view = *context.annotate;
+  const bool any_down = ReadNudges(context, [&](const Vector3d& by, double turn_rad) {
     Eigen::Isometry3d pose =
         view.pending ? view.pending->scan_from_object : instance.scan_from_object;
-    pose = Moved(snapshot, pose,
-                 step * (nudge.right * right + nudge.ahead * ahead + nudge.up * Vector3d::UnitZ()));
-    if (turn != 0) pose = Turned(snapshot, pose, Vector3d::UnitZ(), turn);
+    pose = Moved(snapshot, pose, by);
+    if (turn_rad != 0) pose = Turned(snapshot, pose, Vector3d::UnitZ(), turn_rad);
     view.pending = PendingPose{instance.id, pose};
     view.nudged = true;
-  }
+  });
   if (any_down || !view.nudged) return;
   view.nudged = false;
   if (view.pending) {
@@ -86,10 +104,8 @@ bool PostAnswer(const FrameContext& context, CommandSink& sink) {
   const AnnotationSnapshot& snapshot = *context.annotation;
   AnnotateView& view = *context.annotate;
   if (ImGui::IsKeyPressed(keys::kEscape, false)) {
-    if (view.tool == AnnotateTool::kCut && !view.lasso.empty()) {
-      view.lasso.clear();
-      view.lasso_closed = false;
-      sink.Post(CancelProposalCommand{});
+    if (view.tool == AnnotateTool::kCut && (!view.lasso.empty() || view.crop_box)) {
+      DropCut(context, sink);
     } else if (snapshot.HasProposal()) {
       sink.Post(CancelProposalCommand{});
     } else if (view.tool != AnnotateTool::kSelect) {
@@ -99,11 +115,12 @@ bool PostAnswer(const FrameContext& context, CommandSink& sink) {
     }
     return true;
   }
-  if (view.tool == AnnotateTool::kCut && !view.lasso_closed &&
-      ImGui::IsKeyPressed(keys::kEnter, false)) {
+  const bool cut_now = view.crop_by_line ? !view.lasso_closed : !snapshot.crop;
+  if (view.tool == AnnotateTool::kCut && cut_now && ImGui::IsKeyPressed(keys::kEnter, false)) {
     ProposeCrop(context, sink);
     return true;
   }
+  if (view.tool == AnnotateTool::kCut && view.crop_box) NudgeBox(context, *view.crop_box);
   if (!snapshot.HasProposal()) return false;
   if (ImGui::IsKeyPressed(keys::kEnter, false)) {
     if (snapshot.floor) {
@@ -112,7 +129,7 @@ bool PostAnswer(const FrameContext& context, CommandSink& sink) {
     }
     if (snapshot.sequence_alignment || (snapshot.crop && snapshot.crop->problem.empty()))
       view.tool = AnnotateTool::kSelect;
-    sink.Post(AcceptProposalCommand{view.candidate});
+    AcceptProposal(context, view.candidate, sink);
   }
   if (snapshot.placement) {
     const int count = static_cast<int>(snapshot.placement->candidates.size());
@@ -146,6 +163,16 @@ void PostControlKeys(const FrameContext& context, const InstanceView* instance, 
 
 std::span<const Shortcut> AnnotateShortcuts() { return kAnnotateShortcuts; }
 
+void AcceptProposal(const FrameContext& context, int candidate, CommandSink& sink) {
+  AcceptProposalCommand command{candidate, std::nullopt};
+  const auto& placement = context.annotation->placement;
+  if (placement && candidate >= 0 && candidate < static_cast<int>(placement->candidates.size())) {
+    command.scan_from_object =
+        placement->candidates[static_cast<std::size_t>(candidate)].scan_from_object;
+  }
+  sink.Post(command);
+}
+
 void PlaceAgain(const FrameContext& context, CommandSink& sink) {
   const InstanceView* instance = context.annotation->Selected();
   if (instance == nullptr) return;
@@ -156,6 +183,11 @@ void PlaceAgain(const FrameContext& context, CommandSink& sink) {
 
 void ProposeCrop(const FrameContext& context, CommandSink& sink) {
   AnnotateView& view = *context.annotate;
+  if (view.crop_box) {
+    ProposeCropCommand command{view.crop_id, view.crop_category, view.crop_fragment};
+    command.box = InScan(*context.annotation, *view.crop_box);
+    return sink.Post(command);
+  }
   if (view.lasso.size() < 3) return;
   view.lasso_closed = true;
   const AnnotateSurface& scene = *context.annotate_scene;
@@ -164,11 +196,20 @@ void ProposeCrop(const FrameContext& context, CommandSink& sink) {
   const Vector3d flip(1, -1, -1);  // x right, y down, z ahead
   level_from_cam.linear() = (flip.asDiagonal() * camera.view_from_world).transpose();
   level_from_cam.translation() = scene.Sight(0, 0).eye;
-  ProposeCropCommand command{view.crop_id, view.crop_category, view.crop_fragment, view.lasso};
+  ProposeCropCommand command{view.crop_id, view.crop_category, view.crop_fragment};
+  command.polygon_px = view.lasso;
   command.scan_from_cam = context.annotation->level_from_scan.inverse() * level_from_cam;
   command.focal_px = 0.5 * view.view_px.y() / std::tan(0.5 * camera.view_angle_rad);
   command.center_px = 0.5 * view.view_px - Eigen::Vector2d(0.5, 0.5);
   sink.Post(command);
+}
+
+void DropCut(const FrameContext& context, CommandSink& sink) {
+  AnnotateView& view = *context.annotate;
+  view.lasso.clear();
+  view.lasso_closed = false;
+  view.crop_box.reset();
+  sink.Post(CancelProposalCommand{});
 }
 
 void Duplicate(const FrameContext& context, CommandSink& sink) {
@@ -188,7 +229,7 @@ void PostAnnotateShortcuts(const FrameContext& context, CommandSink& sink) {
   const InstanceView* instance = context.annotation->Selected();
   if (io.KeyCtrl) return PostControlKeys(context, instance, sink);
   if (PostAnswer(context, sink)) return;
-  if (instance == nullptr) return;
+  if (instance == nullptr || context.annotate->tool == AnnotateTool::kCut) return;
   if (Editable(context, instance)) {
     PostNudges(context, *instance, sink);
     const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };

@@ -11,11 +11,15 @@ namespace plumbline {
 
 // What buttons and keys of the Annotate workspace both do.
 
+/// Takes what is proposed; of a placement, the candidate.
+void AcceptProposal(const FrameContext& context, int candidate, CommandSink& sink);
 /// All azimuths again for the selected object.
 void PlaceAgain(const FrameContext& context, CommandSink& sink);
-/// A copy of the selected object beside it.
-/// Proposes to cut out what is inside the line that was drawn in the 3-D view.
+/// Proposes to cut out what is inside the box, or the line that was drawn in the 3-D view.
 void ProposeCrop(const FrameContext& context, CommandSink& sink);
+/// Forgets box, line and what would have been cut out by them.
+void DropCut(const FrameContext& context, CommandSink& sink);
+/// A copy of the selected object beside it.
 void Duplicate(const FrameContext& context, CommandSink& sink);
 
 /// For the help sheet.

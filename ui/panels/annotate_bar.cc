@@ -125,6 +125,17 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
     sink.Post(RedoCommand{});
   }
   ImGui::SameLine(0, context.Scaled(6));
+  if (BarButton(context, "project.export", "Export", !snapshot.instances.empty(),
+                "Writes the annotations in other formats")) {
+    ImGui::OpenPopup("project.export");
+  }
+  ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});
+  if (ImGui::BeginPopup("project.export")) {
+    DrawExport(context, sink);
+    if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
+    ImGui::EndPopup();
+  }
+  ImGui::SameLine(0, context.Scaled(6));
   if (Button(context, "project.more", "More", "Save as, drafts from a run, your name."))
     ImGui::OpenPopup("project.more");
   ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});

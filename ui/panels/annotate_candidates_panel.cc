@@ -6,6 +6,7 @@
 
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
+#include "ui/panels/annotate_actions.h"
 #include "ui/panels/annotate_panels.h"
 #include "ui/panels/annotate_pose.h"
 
@@ -40,6 +41,10 @@ class AnnotateCandidatesPanel : public Panel {
                                          : "";
       SmallText(context, colors::kDimText, "%zu found in %.2f s.%s", placement.candidates.size(),
                 placement.seconds, symmetric);
+      const char* images = placement.searching   ? "None agrees with the images; looking there ..."
+                           : placement.by_images ? "The images decided which is first."
+                                                 : nullptr;
+      if (images != nullptr) SmallText(context, colors::kWarning, "%s", images);
     }
     const float buttons = ImGui::GetFrameHeight() + context.Scaled(14);
     ImGui::BeginChild("candidates", {0, ImGui::GetContentRegionAvail().y - buttons});
@@ -50,7 +55,7 @@ class AnnotateCandidatesPanel : public Panel {
     ImGui::Dummy({0, context.Scaled(2)});
     ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
     if (Button(context, "proposal.accept", "Place it", "Enter takes the chosen one, too.")) {
-      sink.Post(AcceptProposalCommand{context.annotate->candidate});
+      AcceptProposal(context, context.annotate->candidate, sink);
     }
     ImGui::PopStyleColor();
     ImGui::SameLine();
@@ -71,7 +76,7 @@ class AnnotateCandidatesPanel : public Panel {
     const ImVec2 low = ImGui::GetCursorScreenPos();
     if (ImGui::InvisibleButton(name.c_str(), {width, height})) chosen = index;
     if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
-      sink.Post(AcceptProposalCommand{index});
+      AcceptProposal(context, index, sink);
     }
     LogItem(context, name);
     ImDrawList& draw = *ImGui::GetWindowDrawList();
@@ -101,18 +106,22 @@ class AnnotateCandidatesPanel : public Panel {
     line(colors::kText,
          fmt::format("azimuth {:.1f}\u00b0", candidate.azimuth_rad * kDegreesPerRadian));
     const ImU32 dim = is_chosen ? colors::kText : colors::kDimText;
-    line(dim, fmt::format("fits {:.0f} %", 100 * candidate.fitness));
+    line(dim, candidate.from_images ? "by the images"
+                                    : fmt::format("fits {:.0f} %", 100 * candidate.fitness));
+    if (candidate.agreement) {
+      line(dim, fmt::format("images {:.0f} %", 100 * *candidate.agreement));
+    }
     line(dim, fmt::format("{:.1f} mm rms", 1000 * candidate.rmse_m));
     if (candidate.position_std_m > 0) {
       line(dim, fmt::format("\u00b1 {:.1f} mm, {:.2f}\u00b0", 1000 * candidate.position_std_m,
                             candidate.azimuth_std_rad * kDegreesPerRadian));
     }
     const AnnotationModel* model = context.annotation->Model(context.annotation->placement->model);
-    const double height = ReadPose(*context.annotation, candidate.scan_from_object).z;
+    const double above = ReadPose(*context.annotation, candidate.scan_from_object).z;
     if (context.annotation->floor_known && model != nullptr && model->on_floor &&
-        std::abs(height) > kFloats_m) {
-      line(colors::kWarning, fmt::format("{:.0f} cm {} the floor", 100 * std::abs(height),
-                                         height > 0 ? "above" : "below"));
+        std::abs(above) > kFloats_m) {
+      line(colors::kWarning, fmt::format("{:.0f} cm {} the floor", 100 * std::abs(above),
+                                         above > 0 ? "above" : "below"));
     }
     if (candidate.same_by_symmetry) line(colors::kWarning, "same shape");
     Tooltip(context,

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 
+#include "engine/geometry/gravity.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
 #include "ui/panels/annotate_actions.h"
 #include "ui/panels/annotate_panels.h"
+#include "ui/panels/annotate_pose.h"
 
 namespace plumbline {
 namespace {
+
+constexpr double kLabelWidth = 76;
+constexpr double kLeastSide_m = 0.04, kSpare_m = 0.01;
 
 class AnnotateCropPanel : public Panel {
  public:
@@ -23,46 +30,159 @@ class AnnotateCropPanel : public Panel {
   void Draw(const FrameContext& context, CommandSink& sink) override {
     AnnotateView& view = *context.annotate;
     ImGui::BeginChild("crop", {0, 0});
-    WrappedText(colors::kDimText,
-                "Turn the scan so that nothing stands before or behind the object, then drag a box "
-                "around it, or click the corners of a line around it and press Enter.");
+    Choice(context, "By", view.crop_by_line,
+           {"crop.box", "box", "An upright box with handles: for what stands among other things."},
+           {"crop.line", "line", "A line drawn in the view, through the whole depth of the scan."},
+           [&] { DropCut(context, sink); });
+    WrappedText(colors::kDimText, Advice(view));
+    if (view.crop_box) DrawBox(context, *view.crop_box);
     ImGui::Dummy({0, context.Scaled(4)});
     Field(context, "crop.name", "Name", view.crop_id,
           "Of the model, or of the fragment: <model>_<N>. Letters, digits, - _ and dots.");
     Field(context, "crop.category", "Category", view.crop_category,
           "What it is, by its COCO name: chair, couch, cup.");
-    ImGui::AlignTextToFramePadding();
-    DimText("Into");
-    ImGui::SameLine(context.Scaled(76));
-    for (const bool fragment : {false, true}) {
-      bool on = view.crop_fragment == fragment;
-      if (Toggle(context, fragment ? "crop.fragment" : "crop.model",
-                 fragment ? "VISMA fragment" : "model", on,
-                 fragment ? "Its points, written by the export of a VISMA folder."
-                          : "A new shape of the database, and an object of it where it stands.")) {
-        view.crop_fragment = fragment;
-      }
-      ImGui::SameLine(0, context.Scaled(3));
-    }
-    ImGui::NewLine();
+    Choice(
+        context, "Into", view.crop_fragment,
+        {"crop.model", "model",
+         "A new shape of the database, and an object of it where it stands."},
+        {"crop.fragment", "VISMA fragment", "Its points, written by the export of a VISMA folder."},
+        [] {});
     ImGui::Dummy({0, context.Scaled(6)});
-    if (context.annotation->crop) DrawProposal(context, *context.annotation->crop, sink);
+    if (context.annotation->crop) {
+      DrawProposal(context, *context.annotation->crop, sink);
+    } else if (view.crop_box || view.lasso.size() > 2) {
+      ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
+      if (Button(context, "crop.cut", "Cut", "Shows what would be cut out (Enter).")) {
+        ProposeCrop(context, sink);
+      }
+      ImGui::PopStyleColor();
+      ImGui::SameLine();
+      if (Button(context, "crop.drop", "Drop it", "Forgets the box or the line (Esc).")) {
+        DropCut(context, sink);
+      }
+    }
     ImGui::EndChild();
   }
 
  private:
+  struct Option {
+    const char* name;
+    const char* label;
+    const char* help;
+  };
+
+  static std::string Advice(const AnnotateView& view) {
+    if (view.crop_by_line) {
+      return "Turn the scan so that nothing stands before or behind the object, then drag a box "
+             "around it, or click the corners of a line around it and press Enter.";
+    }
+    if (!view.crop_box) return "Click the object in the scan: a box comes to stand around it.";
+    return "Drag the discs to move the sides, the square to move the box, the ring to turn it; the "
+           "keys W A S D, Q E, Z X, too.";
+  }
+
+  /// One of two, in a row after its label; `changed` is called when it is the other one.
+  template <typename Changed>
+  static void Choice(const FrameContext& context, const char* label, bool& second,
+                     const Option& first, const Option& other, Changed changed) {
+    ImGui::AlignTextToFramePadding();
+    DimText("%s", label);
+    ImGui::SameLine(context.Scaled(kLabelWidth));
+    for (const bool which : {false, true}) {
+      const Option& option = which ? other : first;
+      bool on = second == which;
+      if (Toggle(context, option.name, option.label, on, option.help) && second != which) {
+        second = which;
+        changed();
+      }
+      ImGui::SameLine(0, context.Scaled(3));
+    }
+    ImGui::NewLine();
+  }
+
   static void Field(const FrameContext& context, const char* name, const char* label,
                     std::string& text, const char* help) {
     char typed[96];
     std::snprintf(typed, sizeof(typed), "%s", text.c_str());
     ImGui::AlignTextToFramePadding();
     DimText("%s", label);
-    ImGui::SameLine(context.Scaled(76));
+    ImGui::SameLine(context.Scaled(kLabelWidth));
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
     ImGui::InputText((std::string("##") + name).c_str(), typed, sizeof(typed));
     LogItem(context, name);
     Tooltip(context, help);
     text = typed;
+  }
+
+  /// Numbers of the box that can be typed; they count when they are left.
+  static void DrawBox(const FrameContext& context, LevelBox& box) {
+    const float width = context.Scaled(56);
+    const auto number = [&](const char* name, double value, const char* format,
+                            const char* help) -> std::optional<double> {
+      ImGui::SetNextItemWidth(width);
+      double typed = value;
+      ImGui::InputDouble((std::string("##") + name).c_str(), &typed, 0, 0, format,
+                         ImGuiInputTextFlags_AutoSelectAll);
+      const bool done = ImGui::IsItemDeactivatedAfterEdit() && std::isfinite(typed);
+      LogItem(context, name);
+      Tooltip(context, help);
+      ImGui::SameLine(0, context.Scaled(4));
+      return done ? std::optional(typed) : std::nullopt;
+    };
+    const auto label = [&](const char* text) {
+      ImGui::AlignTextToFramePadding();
+      DimText("%s", text);
+      ImGui::SameLine(context.Scaled(kLabelWidth));
+    };
+    const auto unit = [](const char* text) {
+      ImGui::AlignTextToFramePadding();
+      DimText("%s", text);
+    };
+    label("Size");
+    constexpr const char* kSides[] = {"crop.size_x", "crop.size_y", "crop.size_z"};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto size = number(kSides[axis], box.size_m[axis], "%.3f",
+                               "Along its front, across it, and its height.");
+      if (size) Resize(box, axis, std::max(kLeastSide_m, *size));
+    }
+    unit("m");
+    label("Middle");
+    if (const auto x = number("crop.x", box.center.x(), "%.3f", "In the level frame."))
+      box.center.x() = *x;
+    if (const auto y = number("crop.y", box.center.y(), "%.3f", "In the level frame."))
+      box.center.y() = *y;
+    if (const auto z = number("crop.bottom", box.center.z() - 0.5 * box.size_m.z(), "%.3f",
+                              "Height of the bottom above the floor."))
+      box.center.z() = *z + 0.5 * box.size_m.z();
+    unit("m");
+    label("Azimuth");
+    if (const auto azimuth = number("crop.azimuth", box.azimuth_rad * kDegreesPerRadian, "%.1f",
+                                    "About up: where its front points."))
+      box.azimuth_rad = WrapAngle(*azimuth / kDegreesPerRadian);
+    unit("\u00b0");
+    const auto& inside = context.annotation->box;
+    label("Inside");
+    unit(fmt::format("{} points", inside ? inside->points->size() : 0).c_str());
+    ImGui::SameLine();
+    ImGui::BeginDisabled(!inside || inside->bounds.isEmpty());
+    if (Button(context, "crop.shrink", "Shrink",
+               "The sides come in to the points that are inside; those on the floor do not "
+               "count.")) {
+      Shrink(inside->bounds, box);
+    }
+    ImGui::EndDisabled();
+  }
+
+  /// The bottom stays where the height changes.
+  static void Resize(LevelBox& box, int axis, double size_m) {
+    if (axis == 2) box.center.z() += 0.5 * (size_m - box.size_m.z());
+    box.size_m[axis] = size_m;
+  }
+
+  static void Shrink(const Eigen::AlignedBox3d& bounds, LevelBox& box) {
+    const Eigen::AngleAxisd turn(box.azimuth_rad, Eigen::Vector3d::UnitZ());
+    box.center += turn * bounds.center();
+    box.size_m = (bounds.sizes().array() + 2 * kSpare_m).max(kLeastSide_m).min(box.size_m.array());
   }
 
   static void DrawProposal(const FrameContext& context, const CropView& crop, CommandSink& sink) {
@@ -88,13 +208,12 @@ class AnnotateCropPanel : public Panel {
     ImGui::PopStyleColor();
     ImGui::EndDisabled();
     ImGui::SameLine();
-    if (Button(context, "crop.again", "Again", "The same line, with the name as it is now.")) {
+    if (Button(context, "crop.again", "Again", "The same cut, with the name as it is now.")) {
       ProposeCrop(context, sink);
     }
     ImGui::SameLine();
-    if (Button(context, "proposal.cancel", "Back", "Forgets the line (Esc).")) {
-      context.annotate->lasso.clear();
-      sink.Post(CancelProposalCommand{});
+    if (Button(context, "proposal.cancel", "Back", "Forgets the box or the line (Esc).")) {
+      DropCut(context, sink);
     }
   }
 };

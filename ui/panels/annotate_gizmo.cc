@@ -10,6 +10,7 @@
 
 #include "ui/framework/widgets.h"
 #include "ui/panels/annotate_pose.h"
+#include "ui/panels/scene_geometry.h"
 
 namespace plumbline {
 namespace {
@@ -19,7 +20,6 @@ using Eigen::Vector3d;
 
 constexpr double kReach_px = 8, kShortestArrow_px = 14;
 constexpr int kSegments = 72;
-constexpr double kFlattest = 0.12;  ///< Sine of the angle at which a ring is still used as a plane.
 constexpr double kTurnPerPixel = 0.008;
 constexpr ImU32 kRingColor = IM_COL32(92, 146, 246, 255),
                 kArrowColor = IM_COL32(120, 220, 250, 255),
@@ -54,12 +54,6 @@ std::optional<Subject> SubjectOf(const FrameContext& context) {
   return subject;
 }
 
-std::optional<ImVec2> ScreenOf(const FrameContext& context, ImVec2 low, const Vector3d& point) {
-  const auto pixel = context.annotate_scene->Project(point);
-  if (!pixel) return std::nullopt;
-  return ImVec2(low.x + static_cast<float>(pixel->x()), low.y + static_cast<float>(pixel->y()));
-}
-
 /// A circle about `axis` through the origin of the subject, on the screen.
 std::vector<ImVec2> Ring(const FrameContext& context, ImVec2 low, const Subject& subject,
                          int axis) {
@@ -68,51 +62,23 @@ std::vector<ImVec2> Ring(const FrameContext& context, ImVec2 low, const Subject&
   const Vector3d a = Vector3d::Unit((axis + 1) % 3), b = Vector3d::Unit((axis + 2) % 3);
   for (int i = 0; i <= kSegments; ++i) {
     const double angle = 2 * std::numbers::pi * i / kSegments;
-    const auto at = ScreenOf(
-        context, low, center + subject.radius_m * (std::cos(angle) * a + std::sin(angle) * b));
+    const auto at =
+        ScreenOf(*context.annotate_scene, low,
+                 center + subject.radius_m * (std::cos(angle) * a + std::sin(angle) * b));
     if (!at) return {};
     points.push_back(*at);
   }
   return points;
 }
 
-double DistanceToLine(ImVec2 p, ImVec2 a, ImVec2 b) {
-  const Eigen::Vector2d u(b.x - a.x, b.y - a.y), v(p.x - a.x, p.y - a.y);
-  const double t = std::clamp(u.dot(v) / std::max(1e-9, u.squaredNorm()), 0.0, 1.0);
-  return (v - t * u).norm();
-}
-
-double DistanceTo(const std::vector<ImVec2>& line, ImVec2 p) {
-  double least = 1e9;
-  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
-    least = std::min(least, DistanceToLine(p, line[i], line[i + 1]));
-  }
-  return least;
-}
-
-std::optional<Vector3d> OnPlane(const SightLine& sight, const Vector3d& point,
-                                const Vector3d& normal) {
-  const double slope = sight.direction.dot(normal);
-  if (std::abs(slope) < kFlattest) return std::nullopt;
-  const double along = (point - sight.eye).dot(normal) / slope;
-  if (along <= 0) return std::nullopt;
-  return Vector3d(sight.eye + along * sight.direction);
-}
-
-/// Height of the point of the upright line through `foot` that is nearest to a line of sight.
-double HeightNear(const SightLine& sight, const Vector3d& foot) {
-  const Vector3d up = Vector3d::UnitZ(), to = foot - sight.eye;
-  const double slope = up.dot(sight.direction), level = 1 - slope * slope;
-  if (level < 1e-3) return foot.z();
-  return foot.z() + (slope * sight.direction.dot(to) - up.dot(to)) / level;
-}
-
 /// The part of the upright line that is the arrow; nothing where it is seen end on.
 std::optional<std::pair<ImVec2, ImVec2>> Arrow(const FrameContext& context, ImVec2 low,
                                                const Subject& subject) {
   const Vector3d foot = subject.pose.translation();
-  const auto a = ScreenOf(context, low, foot + 0.75 * subject.height_m * Vector3d::UnitZ());
-  const auto b = ScreenOf(context, low, foot + subject.height_m * Vector3d::UnitZ());
+  const auto a =
+      ScreenOf(*context.annotate_scene, low, foot + 0.75 * subject.height_m * Vector3d::UnitZ());
+  const auto b =
+      ScreenOf(*context.annotate_scene, low, foot + subject.height_m * Vector3d::UnitZ());
   if (!a || !b || std::hypot(b->x - a->x, b->y - a->y) < context.Scaled(kShortestArrow_px)) {
     return std::nullopt;
   }
@@ -155,7 +121,9 @@ Isometry3d AnnotateGizmo::PoseAt(const FrameContext& context, ImVec2 low) const 
     return Moved(snapshot, start_, {by.x(), by.y(), 0});
   }
   if (dragged_ == Grip::kArrow) {
-    return Moved(snapshot, start_, {0, 0, HeightNear(sight, origin) - grabbed_.z()});
+    return Moved(
+        snapshot, start_,
+        {0, 0, origin.z() + AlongAxisNear(sight, origin, Vector3d::UnitZ()) - grabbed_.z()});
   }
   const int axis = dragged_ == Grip::kRing ? 2 : dragged_ == Grip::kTiltX ? 0 : 1;
   const Vector3d normal = Vector3d::Unit(axis);
@@ -188,7 +156,7 @@ bool AnnotateGizmo::Handle(const FrameContext& context, ImVec2 low, CommandSink&
     const Vector3d origin = subject->pose.translation();
     grabbed_ = origin;
     if (dragged_ == Grip::kArrow) {
-      grabbed_.z() = HeightNear(sight, origin);
+      grabbed_.z() = origin.z() + AlongAxisNear(sight, origin, Vector3d::UnitZ());
     } else if (dragged_ == Grip::kBody) {
       const auto on_scan =
           OnPlane(sight, origin + 0.5 * subject->height_m * Vector3d::UnitZ(), Vector3d::UnitZ());
@@ -235,8 +203,8 @@ void AnnotateGizmo::Draw(const FrameContext& context, ImVec2 low, ImVec2 high) c
   }
   const Vector3d foot = subject->pose.translation();
   // The front: where the ring is grabbed is as good as any place, but this one tells the azimuth.
-  const auto front =
-      ScreenOf(context, low, foot + subject->radius_m * subject->pose.linear().col(0));
+  const auto front = ScreenOf(*context.annotate_scene, low,
+                              foot + subject->radius_m * subject->pose.linear().col(0));
   if (front) draw.AddCircleFilled(*front, context.Scaled(5), kRingColor);
   if (const auto arrow = Arrow(context, low, *subject)) {
     const ImVec2& tip = arrow->second;

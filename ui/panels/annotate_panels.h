@@ -25,6 +25,11 @@ std::unique_ptr<Panel> MakeAnnotateSequencePanel();
 /// Stands in the place of the images while a sequence is registered.
 std::unique_ptr<Panel> MakeAnnotateFramePanel();
 
+/// What the user must know, over the top of the 3-D view: edits that cannot be written, notices.
+void DrawAnnotateBanners(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink);
+/// The sheet that writes other formats.
+void DrawExport(const FrameContext& context, CommandSink& sink);
+
 /// What is open, and what can be done with it as a whole: save, undo, redo. Right of the tabs.
 void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, CommandSink& sink);
 /// What the status bar says; `bad`: it is a failure.

@@ -7,6 +7,7 @@
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
 #include "ui/panels/annotate_actions.h"
+#include "ui/panels/annotate_crop_box.h"
 #include "ui/panels/annotate_gizmo.h"
 #include "ui/panels/annotate_panels.h"
 #include "ui/panels/scene_mouse.h"
@@ -104,23 +105,25 @@ class AnnotateScenePanel : public Panel {
                            kAllButtons);
     ImGui::SetItemAllowOverlap();
     LogItem(context, "annotate.view");
-    const bool held = gizmo_.Handle(context, low, sink);
+    const bool held = gizmo_.Handle(context, low, sink) || crop_box_.Handle(context, low);
     view.view_px = {static_cast<double>(width), static_cast<double>(height)};
-    const bool cuts = view.tool == AnnotateTool::kCut;
-    const bool moving = MoveView(scene, low, held || cuts);
+    const bool lassoes = view.tool == AnnotateTool::kCut && view.crop_by_line;
+    const bool moving = MoveView(scene, low, held || lassoes);
     if (!held && WasClicked()) Click(context, low, sink);
-    const auto box = cuts ? DragBox(context, low, sink) : std::nullopt;
+    const auto box = lassoes ? DragBox(context, low, sink) : std::nullopt;
+    ShowBox(context, sink);
     ForgetLasso(context);
     const bool hovers = MoveGhost(context, low);
     const ImTextureID texture = scene.Texture(width, height, moving || held || hovers);
     ImGui::GetWindowDrawList()->AddImageRounded(texture, low, high, {0, 1}, {1, 0}, IM_COL32_WHITE,
                                                 context.Scaled(4));
     gizmo_.Draw(context, low, high);
+    crop_box_.Draw(context, low, high);
     DrawTriad(context, scene.camera().view_from_world, low, high);
     DrawPicks(context, low, high);
     DrawLasso(context, low, box);
     DrawLabels(context, low, high);
-    DrawNotices(context, low, high, sink);
+    DrawAnnotateBanners(context, low, high, sink);
   }
 
  private:
@@ -142,10 +145,12 @@ class AnnotateScenePanel : public Panel {
       sink.Post(SelectInstanceCommand{scene.PickInstance(x, y)});
       return;
     }
-    if (view.tool == AnnotateTool::kCut) return AddCorner(context, {x, y}, sink);
+    const bool cuts = view.tool == AnnotateTool::kCut;
+    if (cuts && view.crop_by_line) return AddCorner(context, {x, y}, sink);
     const auto point =
         view.tool == AnnotateTool::kPlace ? PlaceAt(context, x, y) : scene.PickScan(x, y);
     if (!point) return;
+    if (cuts) return PutBox(context, *point);
     const Eigen::Vector3d in_scan = context.annotation->level_from_scan.inverse() * *point;
     if (view.tool == AnnotateTool::kFloor) {
       sink.Post(FindFloorCommand{in_scan});
@@ -166,6 +171,31 @@ class AnnotateScenePanel : public Panel {
     } else {
       view.pick_in_scan = in_scan;
     }
+  }
+
+  /// Around what was clicked, from the floor up if that is known; one that is there stays.
+  static void PutBox(const FrameContext& context, const Eigen::Vector3d& point) {
+    constexpr double kAround_m = 0.3, kFloorMargin_m = 0.05;
+    AnnotateView& view = *context.annotate;
+    if (view.crop_box) return;
+    LevelBox box;
+    const bool floor = context.annotation->floor_known && point.z() > -kAround_m;
+    const double bottom = floor ? -kFloorMargin_m : point.z() - kAround_m;
+    const double top = point.z() + kAround_m;
+    box.center = {point.x(), point.y(), 0.5 * (bottom + top)};
+    box.size_m.z() = top - bottom;
+    view.crop_box = box;
+  }
+
+  /// Has the engine say what is in the box, whenever it changed; a cut of another box is dropped.
+  void ShowBox(const FrameContext& context, CommandSink& sink) {
+    AnnotateView& view = *context.annotate;
+    if (view.tool != AnnotateTool::kCut || view.crop_by_line) view.crop_box.reset();
+    if (view.crop_box == shown_box_) return;
+    shown_box_ = view.crop_box;
+    if (!shown_box_) return sink.Post(ShowBoxCommand{});
+    sink.Post(ShowBoxCommand{InScan(*context.annotation, *shown_box_)});
+    if (context.annotation->crop) sink.Post(CancelProposalCommand{});
   }
 
   /// A click: another corner of the line, or the first one again to close it.
@@ -297,6 +327,10 @@ class AnnotateScenePanel : public Panel {
     if (snapshot.floor) return "Is this the floor? Enter takes it, Esc drops it.";
     if (view.tool == AnnotateTool::kFloor) return "Click on the floor.";
     if (snapshot.crop) return "Is this the object? Enter takes it, Esc drops it.";
+    if (view.tool == AnnotateTool::kCut && !view.crop_by_line) {
+      return view.crop_box ? "Fit the box around the object; Enter cuts it out."
+                           : "Click the object that is to be cut out.";
+    }
     if (view.tool == AnnotateTool::kCut) {
       return view.lasso.empty() ? "Drag a box around the object, or click corners around it."
                                 : "Click the next corner; Enter closes the line.";
@@ -327,35 +361,9 @@ class AnnotateScenePanel : public Panel {
                colors::kOnPicture, hint);
   }
 
-  static void DrawNotices(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink) {
-    const auto& notices = context.annotation->notices;
-    if (notices.empty()) return;
-    const float width = std::min(context.Scaled(560), high.x - low.x - context.Scaled(24));
-    ImGui::SetCursorScreenPos({0.5f * (low.x + high.x - width), low.y + context.Scaled(10)});
-    ImGui::PushStyleColor(ImGuiCol_ChildBg, colors::kSheet);
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {context.Scaled(14), context.Scaled(10)});
-    float text = 0;
-    const float wrap = width - context.Scaled(28) - context.Scaled(52);
-    for (const std::string& notice : notices) {
-      text += ImGui::CalcTextSize(notice.c_str(), nullptr, false, wrap).y + context.Scaled(7);
-    }
-    ImGui::BeginChild("annotate.notices", {width, text + context.Scaled(16)}, true,
-                      ImGuiWindowFlags_NoScrollbar);
-    for (std::size_t i = 0; i < notices.size(); ++i) {
-      ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + wrap);
-      ImGui::TextUnformatted(notices[i].c_str());
-      ImGui::PopTextWrapPos();
-      if (i > 0) continue;
-      ImGui::SameLine(width - context.Scaled(62));
-      if (Button(context, "annotate.dismiss", "OK", "")) sink.Post(DismissNoticesCommand{});
-    }
-    ImGui::EndChild();
-    LogItem(context, "annotate.notices");
-    ImGui::PopStyleVar();
-    ImGui::PopStyleColor();
-  }
-
   AnnotateGizmo gizmo_;
+  CropBoxHandles crop_box_;
+  std::optional<LevelBox> shown_box_;
   Eigen::Matrix<double, 3, 5> lasso_view_ = Eigen::Matrix<double, 3, 5>::Zero();
   std::optional<GhostModel> ghost_;
   ImVec2 ghost_at_{-1, -1};

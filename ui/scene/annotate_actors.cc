@@ -240,7 +240,11 @@ void AnnotateActors::ShowProposals(const AnnotateContent& content) {
   const AnnotationSnapshot& snapshot = *content.snapshot;
   const auto& floor = snapshot.floor;
   const auto& crop = snapshot.crop;
-  const auto* shown = floor ? floor->inliers.get() : crop ? crop->points.get() : nullptr;
+  const bool cut = crop && crop->points != nullptr;
+  const auto* shown = floor          ? floor->inliers.get()
+                      : cut          ? crop->points.get()
+                      : snapshot.box ? snapshot.box->points.get()
+                                     : nullptr;
   ShowPoints(inliers_, shown, level_from_scan_);
   ShowPoints(outliers_, floor ? floor->outliers.get() : nullptr, level_from_scan_);
   if (const auto& placement = snapshot.placement; placement && !placement->candidates.empty()) {

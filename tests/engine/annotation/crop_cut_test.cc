@@ -18,34 +18,6 @@
 namespace plumbline {
 namespace {
 
-/// A finely meshed patch: `steps` squares along each side.
-TriangleMesh Grid(const Eigen::Vector3f& corner, const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                  int steps) {
-  TriangleMesh mesh;
-  for (int i = 0; i <= steps; ++i) {
-    for (int k = 0; k <= steps; ++k) {
-      mesh.vertices.push_back(corner + static_cast<float>(i) / static_cast<float>(steps) * a +
-                              static_cast<float>(k) / static_cast<float>(steps) * b);
-      if (i == steps || k == steps) continue;
-      const int at = i * (steps + 1) + k;
-      mesh.triangles.emplace_back(at, at + 1, at + steps + 1);
-      mesh.triangles.emplace_back(at + 1, at + steps + 2, at + steps + 1);
-    }
-  }
-  return mesh;
-}
-
-/// A finely meshed box without a bottom.
-TriangleMesh FineBox(float x, float y, float z) {
-  const Eigen::Vector3f a(x, 0, 0), b(0, y, 0), c(0, 0, z), low(-x / 2, -y / 2, 0);
-  TriangleMesh box = Grid(low + c, a, b, 20);
-  for (const auto& [corner, side] :
-       {std::pair(low, a), {low + a, b}, {low + a + b, -a}, {low + b, -b}}) {
-    Append(Grid(corner, side, c, 20), box);
-  }
-  return box;
-}
-
 /// A cabinet of 0.6 x 0.4 x 0.8 m that stands on a floor at (1, 2), turned by 30 degrees, a crumb
 /// beside it and a stool; in a scan whose up is no axis.
 class CutCabinet : public testing::Test {
@@ -58,12 +30,12 @@ class CutCabinet : public testing::Test {
     level_from_cabinet_.linear() =
         Eigen::AngleAxisd(kAzimuth, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     level_from_cabinet_.translation() = Eigen::Vector3d(1, 2, 0);
-    TriangleMesh level = Grid({-1, -1, 0}, {5, 0, 0}, {0, 5, 0}, 200);
-    Append(Transformed(FineBox(0.6f, 0.4f, 0.8f), level_from_cabinet_), level);
-    Append(Grid({1.4f, 2.2f, 0.5f}, {0.01f, 0, 0}, {0, 0.01f, 0}, 1), level);
-    Append(
-        Transformed(FineBox(0.3f, 0.3f, 0.4f), Eigen::Isometry3d(Eigen::Translation3d(2.2, 2, 0))),
-        level);
+    TriangleMesh level = MakeGrid({-1, -1, 0}, {5, 0, 0}, {0, 5, 0}, 200);
+    Append(Transformed(MakeFineBox({0.6f, 0.4f, 0.8f}), level_from_cabinet_), level);
+    Append(MakeGrid({1.4f, 2.2f, 0.5f}, {0.01f, 0, 0}, {0, 0.01f, 0}, 1), level);
+    Append(Transformed(MakeFineBox({0.3f, 0.3f, 0.4f}),
+                       Eigen::Isometry3d(Eigen::Translation3d(2.2, 2, 0))),
+           level);
     scan_ = Transformed(level, scan_from_level_);
     document_.gravity_in_scan = -up_;
     document_.models = "models";

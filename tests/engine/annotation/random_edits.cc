@@ -48,6 +48,15 @@ Edit AddOrRemoveCrop(const AnnotationDocument& document, Random& random) {
   return AddCrop{RandomCrop("crop_" + std::to_string(random.Bits()), random), std::nullopt};
 }
 
+Edit AddOrRemovePair(const AnnotationDocument& document, Random& random) {
+  const auto count = static_cast<std::uint32_t>(document.pairs.size());
+  if (count > 10 || (count > 0 && random.Index(3) == 0)) return RemovePair{random.Index(count)};
+  const FramePick pair{{random.Gaussian(), random.Gaussian(), random.Gaussian()},
+                       static_cast<int>(random.Index(500)),
+                       {random.Uniform(0, 640), random.Uniform(0, 480)}};
+  return AddPair{pair, random.Index(count + 1)};
+}
+
 }  // namespace
 
 Eigen::Isometry3d RandomPose(Random& random) {
@@ -97,7 +106,7 @@ Crop RandomCrop(const std::string& id, Random& random) {
 }
 
 Edit RandomEdit(const AnnotationDocument& document, Random& random) {
-  const std::uint32_t kind = random.Index(13);
+  const std::uint32_t kind = random.Index(14);
   if (document.instances.size() < 3 || (kind < 2 && document.instances.size() < 40)) {
     return AddInstance{RandomInstance(FreeName(document, random), random), std::nullopt};
   }
@@ -114,6 +123,7 @@ Edit RandomEdit(const AnnotationDocument& document, Random& random) {
   if (kind == 4) return SetSceneAlignment{RandomPose(random)};
   if (kind == 5) return SetInputs{"scan.ply", "models", "walk" + std::to_string(random.Index(9))};
   if (kind == 7) return AddOrRemoveCrop(document, random);
+  if (kind == 8) return AddOrRemovePair(document, random);
   if (kind == 6) {
     EditGroup group{"Two at once", {}};
     group.edits.push_back(

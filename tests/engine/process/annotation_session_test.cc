@@ -1,76 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/process/annotation_session.h"
+#include "tests/engine/process/annotation_session_fixture.h"
 
 #include <cstdlib>
 #include <fstream>
-#include <numbers>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "engine/geometry/gravity.h"
 #include "engine/models/mesh_file.h"
-#include "tests/support/annotation_walk.h"
-#include "tests/support/test_data.h"
 
 namespace plumbline {
 namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-std::string DocumentToJsonText(const AnnotationProject& project) {
-  return DocumentToJson(project.document()).dump();
-}
-
-class AnnotationSessionTest : public testing::Test {
- protected:
-  /// Tilted by 20 degrees and shifted, so that nothing is right by accident.
-  static Eigen::Isometry3d ScanFromLevel() {
-    return Eigen::Translation3d(0.3, -0.2, 0.7) *
-           Eigen::AngleAxisd(20 * std::numbers::pi / 180, Eigen::Vector3d(1, 0.5, 0).normalized());
-  }
-
-  std::unique_ptr<AnnotationSession> Open(std::filesystem::path path = {}) {
-    AnnotationChoice choice;
-    choice.sequence = sequence_;
-    choice.path = path.empty() ? scene_.scan : std::move(path);
-    choice.annotator = "Ada";
-    auto session = AnnotationSession::Open(
-        choice, [this] { return seconds_ += 2; }, 0);
-    EXPECT_TRUE(session.ok()) << session.error().message;
-    RunJobs(**session);
-    return std::move(*session);
-  }
-
-  static void RunJobs(AnnotationSession& session) {
-    while (auto job = session.TakeJob()) {
-      const auto update =
-          job->run({}, [&](AnnotationSession::Update emitted) { emitted(session); });
-      update(session);
-    }
-  }
-  static void Do(AnnotationSession& session, const AnnotationCommand& command) {
-    session.Apply(command);
-    RunJobs(session);
-  }
-  /// With the floor found, and the armchair placed and accepted.
-  std::unique_ptr<AnnotationSession> WithArmchair() {
-    auto session = Open();
-    Do(*session, FindFloorCommand{scene_.scan_from_armchair * Eigen::Vector3d(0.5, 0.5, 0)});
-    Do(*session, AcceptProposalCommand{});
-    Do(*session,
-       PlaceModelCommand{"armchair", scene_.scan_from_armchair * Eigen::Vector3d(0.1, 0.08, 0.4)});
-    Do(*session, AcceptProposalCommand{});
-    return session;
-  }
-
-  TemporaryFolder folder_;
-  AnnotationScene scene_ = MakeAnnotationScene(folder_.path(), ScanFromLevel());
-  double seconds_ = 0;
-  std::filesystem::path sequence_;
-};
 
 TEST_F(AnnotationSessionTest, OpensAScanWithItsModelsAndMakesAProjectBesideIt) {
   const auto session = Open();

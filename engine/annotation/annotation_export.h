@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "engine/annotation/pose_exchange.h"
+#include "engine/base/progress.h"
+
+namespace plumbline {
+
+/// What to write, and where.
+struct ExportRequest {
+  std::string format;         ///< ground_truth, visma, bop, labelfusion or poses
+  std::filesystem::path out;  ///< A file, or a folder of visma and bop.
+  PoseFrame frame = PoseFrame::kScan;
+};
+
+/// The same annotations in another frame of the scan; nothing stays behind.
+AnnotationDocument InFrame(const AnnotationDocument& document,
+                           const Eigen::Isometry3d& target_from_scan);
+
+/// Writes the document in any format. `scan_file`: from which VISMA's fragments are cut; empty:
+/// they are not written. Where the scan's mesh goes along, it goes into the same frame. Errors:
+/// kInvalidInput (no such format, no objects, a sequence or models that are missing, a frame that
+/// the format does not know), kIo, kCancelled.
+Status ExportAnnotation(const AnnotationDocument& document, const ExchangeInputs& inputs,
+                        const std::filesystem::path& scan_file, const ExportRequest& request,
+                        const WorkContext& work);
+
+}  // namespace plumbline

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <string>
+
+#include "ui/framework/annotate_view.h"
+#include "ui/framework/widgets.h"
+#include "ui/panels/annotate_panels.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kWidth = 600, kPadding = 14;
+
+/// A sheet over the top of the view that is as high as what is in it.
+bool BeginSheet(const FrameContext& context, const char* name, float x, float& y, float width,
+                ImU32 edge) {
+  ImGui::SetCursorScreenPos({x, y});
+  ImGui::PushStyleColor(ImGuiCol_ChildBg, colors::kSheet);
+  ImGui::PushStyleColor(ImGuiCol_Border, edge);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {context.Scaled(kPadding), context.Scaled(10)});
+  // Heights are those of the last frame: what is in a sheet rarely changes.
+  ImGuiStorage& heights = *ImGui::GetStateStorage();
+  const float height = heights.GetFloat(ImGui::GetID(name), context.Scaled(80));
+  ImGui::BeginChild(name, {width, height}, true, ImGuiWindowFlags_NoScrollbar);
+  ImGui::PushTextWrapPos(width - context.Scaled(kPadding));
+  return true;
+}
+
+void EndSheet(const FrameContext& context, const char* name, float& y) {
+  ImGui::PopTextWrapPos();
+  const float height = ImGui::GetCursorPosY() + context.Scaled(6);
+  ImGui::EndChild();
+  LogItem(context, name);
+  ImGui::PopStyleVar();
+  ImGui::PopStyleColor(2);
+  ImGui::GetStateStorage()->SetFloat(ImGui::GetID(name), height);
+  y += height + context.Scaled(8);
+}
+
+void DrawDiskProblem(const FrameContext& context, float x, float& y, float width,
+                     CommandSink& sink) {
+  const std::string& problem = context.annotation->journal_problem;
+  if (problem.empty()) return;
+  BeginSheet(context, "annotate.disk", x, y, width, colors::kBad);
+  ImGui::PushStyleColor(ImGuiCol_Text, colors::kBad);
+  ImGui::TextUnformatted("Your edits are not on the disk.");
+  ImGui::PopStyleColor();
+  ImGui::TextWrapped(
+      "%s. They are kept in memory and are written as soon as that is possible. "
+      "Keep this window open, or save elsewhere:",
+      problem.c_str());
+  static constexpr std::size_t kLongest = 512;
+  char path[kLongest];
+  std::snprintf(path, sizeof(path), "%s", context.annotate->save_elsewhere.c_str());
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - context.Scaled(120));
+  const bool entered =
+      ImGui::InputTextWithHint("##annotate.elsewhere", "/another/disk/PROJECT.json", path,
+                               sizeof(path), ImGuiInputTextFlags_EnterReturnsTrue);
+  LogItem(context, "annotate.elsewhere");
+  context.annotate->save_elsewhere = path;
+  ImGui::SameLine(0, context.Scaled(6));
+  const bool clicked =
+      Button(context, "annotate.save_elsewhere", "Save elsewhere",
+             "Goes on in that file. Paths to scan, models and sequence are made to fit.");
+  if ((entered || clicked) && path[0] != '\0') sink.Post(SaveProjectCommand{path});
+  if (context.annotation->refused) {
+    ImGui::PushStyleColor(ImGuiCol_Text, colors::kWarning);
+    ImGui::TextWrapped("%s", context.annotation->answer.c_str());
+    ImGui::PopStyleColor();
+  }
+  EndSheet(context, "annotate.disk", y);
+}
+
+void DrawNotices(const FrameContext& context, float x, float& y, float width, CommandSink& sink) {
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  if (snapshot.notices.empty()) return;
+  BeginSheet(context, "annotate.notices", x, y, width, colors::kWarning);
+  for (const std::string& notice : snapshot.notices) ImGui::TextWrapped("%s", notice.c_str());
+  ImGui::Dummy({0, context.Scaled(2)});
+  if (snapshot.num_recovered > 0) {
+    ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
+    if (Button(context, "annotate.recover_save", "Keep and save", "Saves the project with them.")) {
+      sink.Post(SaveProjectCommand{});
+      sink.Post(DismissNoticesCommand{});
+    }
+    ImGui::PopStyleColor();
+    ImGui::SameLine(0, context.Scaled(6));
+    if (Button(context, "annotate.recover_drop", "Take them back",
+               "The project as it was saved; Redo brings them again.")) {
+      sink.Post(DropRecoveredCommand{});
+    }
+    ImGui::SameLine(0, context.Scaled(6));
+  }
+  if (Button(context, "annotate.dismiss", snapshot.num_recovered > 0 ? "Decide later" : "OK", "")) {
+    sink.Post(DismissNoticesCommand{});
+  }
+  EndSheet(context, "annotate.notices", y);
+}
+
+}  // namespace
+
+void DrawAnnotateBanners(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink) {
+  const float width = std::min(context.Scaled(kWidth), high.x - low.x - context.Scaled(24));
+  const float x = 0.5f * (low.x + high.x - width);
+  float y = low.y + context.Scaled(10);
+  DrawDiskProblem(context, x, y, width, sink);
+  DrawNotices(context, x, y, width, sink);
+}
+
+}  // namespace plumbline

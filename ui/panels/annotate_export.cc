@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdio>
+#include <string>
+
+#include "engine/snapshot/export_formats.h"
+#include "ui/framework/annotate_view.h"
+#include "ui/framework/widgets.h"
+#include "ui/panels/annotate_panels.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kWidth = 470, kLabelWidth = 84;
+
+void Label(const FrameContext& context, const char* text) {
+  ImGui::AlignTextToFramePadding();
+  DimText("%s", text);
+  ImGui::SameLine(context.Scaled(kLabelWidth));
+}
+
+/// Beside the project.
+std::string UsualPath(const AnnotationSnapshot& snapshot, const ExportFormat& format) {
+  const std::size_t slash = snapshot.project_file.rfind('/');
+  return (slash == std::string::npos ? "" : snapshot.project_file.substr(0, slash + 1)) +
+         format.file;
+}
+
+void DrawFrames(const FrameContext& context, const ExportFormat& format) {
+  AnnotateView& view = *context.annotate;
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  struct Choice {
+    const char *frame, *label, *help;
+    bool offered;
+  };
+  const Choice choices[] = {
+      {"scan", "the scan's own", "Coordinates as in the file of the scan, whatever up is there.",
+       true},
+      {"level", "level", "z up against gravity, the floor at 0: as the window shows it.",
+       format.level},
+      {"world", "the sequence's", "The world in which the sequence's camera poses are.",
+       format.world && snapshot.has_sequence}};
+  if (!format.level) {
+    Label(context, "Frame");
+    ImGui::TextUnformatted("each camera's");
+    return;
+  }
+  const bool known = std::any_of(std::begin(choices), std::end(choices), [&](const Choice& c) {
+    return c.offered && view.export_frame == c.frame;
+  });
+  if (!known) view.export_frame = "scan";
+  Label(context, "Frame");
+  for (const Choice& choice : choices) {
+    if (!choice.offered) continue;
+    bool on = view.export_frame == choice.frame;
+    if (Toggle(context, std::string("export.frame.") + choice.frame, choice.label, on,
+               choice.help)) {
+      view.export_frame = choice.frame;
+    }
+    ImGui::SameLine(0, context.Scaled(3));
+  }
+  ImGui::NewLine();
+}
+
+void DrawResult(const AnnotationSnapshot& snapshot) {
+  if (!snapshot.exported) return;
+  const ExportView& exported = *snapshot.exported;
+  if (exported.running) return DimText("writing ...");
+  const bool good = exported.problem.empty();
+  WrappedText(good ? colors::kGood : colors::kBad, good ? exported.done : exported.problem);
+}
+
+}  // namespace
+
+void DrawExport(const FrameContext& context, CommandSink& sink) {
+  AnnotateView& view = *context.annotate;
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  ImGui::BeginChild("export", {context.Scaled(kWidth), context.Scaled(318)});
+  for (std::size_t i = 0; i < kExportFormats.size(); ++i) {
+    bool on = view.export_format == i;
+    if (Toggle(context, std::string("export.") + kExportFormats[i].name, kExportFormats[i].title,
+               on, kExportFormats[i].what)) {
+      view.export_format = i;
+      view.export_out.clear();
+    }
+    ImGui::SameLine(0, context.Scaled(3));
+  }
+  ImGui::NewLine();
+  const ExportFormat& format = kExportFormats[view.export_format];
+  ImGui::Dummy({0, context.Scaled(2)});
+  WrappedText(colors::kText, format.what);
+  WrappedText(colors::kAccent, format.conventions);
+  ImGui::Dummy({0, context.Scaled(4)});
+  DrawFrames(context, format);
+  if (format.has_frames && snapshot.has_sequence) {
+    Label(context, "Images");
+    ImGui::TextUnformatted("every");
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(context.Scaled(90));
+    ImGui::InputInt("##export.every", &view.export_every);
+    LogItem(context, "export.every");
+    Tooltip(context, "1: every frame of the sequence; 10: every tenth.");
+    view.export_every = std::clamp(view.export_every, 1, 100'000);
+    ImGui::SameLine();
+    DimText("of %d", snapshot.num_frames);
+  }
+  char path[512];
+  std::snprintf(
+      path, sizeof(path), "%s",
+      view.export_out.empty() ? UsualPath(snapshot, format).c_str() : view.export_out.c_str());
+  Label(context, "To");
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  ImGui::InputText("##export.out", path, sizeof(path));
+  LogItem(context, "export.out");
+  Tooltip(context, "A file, or a folder for VISMA and BOP. What is there is overwritten.");
+  view.export_out = path;
+  ImGui::Dummy({0, context.Scaled(4)});
+  const bool writing = snapshot.exported && snapshot.exported->running;
+  ImGui::BeginDisabled(writing);
+  ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
+  if (Button(context, "export.write", "Export", "Writes it now. The project does not change.")) {
+    sink.Post(ExportCommand{format.name, path, format.level ? view.export_frame : "scan",
+                            view.export_every});
+  }
+  ImGui::PopStyleColor();
+  ImGui::EndDisabled();
+  ImGui::SameLine();
+  if (Button(context, "export.close", "Close", "Esc closes it, too.")) ImGui::CloseCurrentPopup();
+  DrawResult(snapshot);
+  ImGui::EndChild();
+}
+
+}  // namespace plumbline
