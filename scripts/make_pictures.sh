@@ -151,14 +151,18 @@ cat >"$work/annotate.json" <<'JSON'
   {"click": "project.export"},
   {"wait_frames": 3},
   {"click": "export.bop"},
+  {"hover": "export.close", "at": [3, 0.5]},
   {"wait_frames": 10},
   {"screenshot": "annotate-export.png"},
   {"key": "escape"},
   {"click": "annotate.tool.cut"},
   {"wait_frames": 5},
-  {"click": "annotate.view", "at": [0.38, 0.35]},
+  {"click": "annotate.view", "at": [0.6186, 0.5503]},
   {"wait_for": {"annotate.box": true}},
-  {"wait_frames": 5},
+  {"drag": "annotate.view", "from": [0.3, 0.3], "to": [0.36, 0.12]},
+  {"wheel": "annotate.view", "at": [0.62, 0.52], "amount": 4},
+  {"hover": "panel.annotate_crop", "at": [0.5, 0.9]},
+  {"wait_frames": 10},
   {"screenshot": "annotate-cut.png"}
 ]}
 JSON

@@ -68,6 +68,10 @@ Status ExportAnnotation(const AnnotationDocument& document, const ExchangeInputs
                         const std::filesystem::path& scan_file, const ExportRequest& request,
                         const WorkContext& work) {
   if (request.out.empty()) return Invalid("an export needs the name of a file or a folder");
+  std::error_code ignored;  // a folder that cannot be made is found out when the file is written
+  if (request.out.has_parent_path()) {
+    std::filesystem::create_directories(request.out.parent_path(), ignored);
+  }
   if (request.format == "ground_truth") {
     return WriteGroundTruthOf(document, request.frame, request.out);
   }

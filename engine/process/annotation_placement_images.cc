@@ -17,6 +17,8 @@ constexpr int kAzimuths = 24;
 constexpr std::size_t kPromising = 4;
 /// Of agreement, which is 0.4 to 0.7 for poses that are right, and 0.1 for those that are not.
 constexpr double kAgrees = 0.3, kClearlyBetter = 0.1;
+/// What the scan knows nothing of must convince: a chair's slats lie on other edges easily.
+constexpr double kConvincing = 0.2;
 
 std::shared_ptr<const AnnotationImages> ImagesOf(const PlacementImages& task,
                                                  const OutlineModel& model,
@@ -120,7 +122,7 @@ void ComparePlacements(const PlacementImages& task, const Eigen::Isometry3d& sta
   changed(placement);
   auto found = SearchInImages(task, *images, **model, occluders, start, work);
   placement.searching = false;
-  if (!found || *found->agreement < Best(placement) + kClearlyBetter) return;
+  if (!found || *found->agreement < Best(placement) + kConvincing) return;
   placement.candidates.push_back(std::move(*found));
   PutBestFirst(placement);
 }

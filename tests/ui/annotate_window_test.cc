@@ -133,6 +133,63 @@ TEST_F(AnnotateWindow, RefinesAndTakesTypedNumbersAndNotes) {
   EXPECT_EQ(State("4.json")["instances"].size(), 1u) << "a locked object stays";
 }
 
+TEST_F(AnnotateWindow, SnapsCopiesDuplicatesRenamesHidesLocksAndSearches) {
+  ASSERT_EQ(Run(std::string(kFloor) + kPlaceArmchair + R"(
+      {"key": "enter"},
+      {"wait_for": {"annotate.instances": 1}},
+      {"key": "escape"},
+      {"key": "e", "times": 4},
+      {"wait_for": {"annotate.undo": "Move armchair_0"}},
+      {"wait_frames": 15},
+      {"dump_state": "lifted.json"},
+      {"key": "g"},
+      {"wait_frames": 10},
+      {"dump_state": "snapped.json"},
+      {"key": "c", "control": true},
+      {"key": "d", "control": true},
+      {"wait_for": {"annotate.instances": 2, "annotate.selected": "armchair_1"}},
+      {"wait_frames": 3},
+      {"dump_state": "copy.json"},
+      {"key": "v", "control": true},
+      {"wait_for": {"annotate.undo": "Move armchair_1"}},
+      {"wait_frames": 5},
+      {"dump_state": "pasted.json"},
+      {"click": "instance.name"},
+      {"text": "beside"},
+      {"key": "enter"},
+      {"wait_for": {"annotate.selected": "beside"}},
+      {"key": "h"},
+      {"wait_frames": 10},
+      {"dump_state": "hidden.json"},
+      {"key": "h"},
+      {"key": "l"},
+      {"wait_frames": 10},
+      {"key": "d"},
+      {"wait_frames": 10},
+      {"dump_state": "locked.json"},
+      {"click": "annotate_models.filter"},
+      {"text": "tab"},
+      {"wait_frames": 3},
+      {"dump_state": "found.json"})"),
+            0)
+      << Errors();
+  const auto pose = [&](const char* file, int index) {
+    return PoseOf(State(file)["instances"][index]);
+  };
+  EXPECT_NEAR(pose("lifted.json", 0).translation().z(), 0.02, 1e-9);
+  EXPECT_NEAR(pose("snapped.json", 0).translation().z(), 0, 1e-12);
+  EXPECT_GT((pose("copy.json", 1).translation() - pose("copy.json", 0).translation()).norm(), 0.3);
+  EXPECT_EQ(pose("pasted.json", 1).matrix(), pose("pasted.json", 0).matrix());
+  EXPECT_EQ(State("hidden.json")["instances"][1]["id"], "beside");
+  EXPECT_EQ(State("hidden.json")["instances"][1]["hidden"], true);
+  EXPECT_EQ(State("locked.json")["instances"][1]["hidden"], false);
+  EXPECT_EQ(State("locked.json")["instances"][1]["locked"], true);
+  EXPECT_EQ(pose("locked.json", 1).matrix(), pose("pasted.json", 1).matrix());
+  const json widgets = ReadJson(File("found.json")).value()["widgets"];
+  EXPECT_TRUE(widgets.contains("annotate_models.table"));
+  EXPECT_FALSE(widgets.contains("annotate_models.armchair"));
+}
+
 TEST_F(AnnotateWindow, ShowsTheOutlineInImagesWhileItMovesAndRefinesByThem) {
   WriteAnnotationWalk(scene_, folder_.path() / "walk");
   ASSERT_EQ(Run(std::string(kFloor) + kPlaceArmchair + R"(

@@ -111,7 +111,7 @@ class AnnotateCandidatesPanel : public Panel {
     if (candidate.agreement) {
       line(dim, fmt::format("images {:.0f} %", 100 * *candidate.agreement));
     }
-    line(dim, fmt::format("{:.1f} mm rms", 1000 * candidate.rmse_m));
+    if (!candidate.from_images) line(dim, fmt::format("{:.1f} mm rms", 1000 * candidate.rmse_m));
     if (candidate.position_std_m > 0) {
       line(dim, fmt::format("\u00b1 {:.1f} mm, {:.2f}\u00b0", 1000 * candidate.position_std_m,
                             candidate.azimuth_std_rad * kDegreesPerRadian));

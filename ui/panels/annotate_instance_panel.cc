@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "ui/framework/annotate_view.h"
@@ -12,6 +13,8 @@
 
 namespace plumbline {
 namespace {
+
+constexpr double kShown = 5e-5;
 
 class AnnotateInstancePanel : public Panel {
  public:
@@ -81,7 +84,7 @@ class AnnotateInstancePanel : public Panel {
       DimText("%s", label);
       ImGui::SameLine(unit);
       ImGui::SetNextItemWidth(context.Scaled(104));
-      double typed = value;
+      double typed = std::abs(value) < kShown ? 0 : value;  // no "-0.0000"
       ImGui::InputDouble((std::string("##") + name).c_str(), &typed, 0, 0, format,
                          ImGuiInputTextFlags_AutoSelectAll);
       const bool done = ImGui::IsItemDeactivatedAfterEdit();

@@ -43,7 +43,7 @@ class CutInWindow : public AnnotationSessionTest {
     return session;
   }
   static ProposeCropCommand Cut(const UprightBox& box) {
-    ProposeCropCommand command{"crate", "suitcase"};
+    ProposeCropCommand command{"chest", "suitcase"};
     command.box = box;
     return command;
   }
@@ -74,19 +74,19 @@ TEST_F(CutInWindow, TheModelOfACutGoesWithUndoAndComesBackWithRedo) {
   Do(*session, Cut(Around()));
   ASSERT_TRUE(session->Snapshot().crop.has_value());
   ASSERT_EQ(session->Snapshot().crop->problem, "");
-  EXPECT_FALSE(HasModel(scene_.models, "crate")) << "only proposed";
+  EXPECT_FALSE(HasModel(scene_.models, "chest")) << "only proposed";
   Do(*session, AcceptProposalCommand{});
-  EXPECT_TRUE(HasModel(scene_.models, "crate"));
+  EXPECT_TRUE(HasModel(scene_.models, "chest"));
   EXPECT_EQ(session->Snapshot().models->size(), before + 1);
-  EXPECT_EQ(session->Snapshot().selected, "crate_0");
+  EXPECT_EQ(session->Snapshot().selected, "chest_0");
   EXPECT_THAT(session->Snapshot().instances[0].scan_from_object,
               IsometryNear(ScanFromLevel() * level_from_box_, 0.5, 0.005));
   Do(*session, UndoCommand{});
-  EXPECT_FALSE(HasModel(scene_.models, "crate"));
-  EXPECT_FALSE(exists(scene_.models / "crate.ply")) << "no orphan beside the other models";
+  EXPECT_FALSE(HasModel(scene_.models, "chest"));
+  EXPECT_FALSE(exists(scene_.models / "chest.ply")) << "no orphan beside the other models";
   EXPECT_EQ(session->Snapshot().models->size(), before);
   Do(*session, RedoCommand{});
-  EXPECT_TRUE(HasModel(scene_.models, "crate"));
+  EXPECT_TRUE(HasModel(scene_.models, "chest"));
   EXPECT_EQ(session->Snapshot().models->size(), before + 1);
 }
 
