@@ -1,37 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <sys/wait.h>
-
-#include <cstdlib>
-#include <fstream>
-#include <memory>
 #include <string>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
-#include "app/platform/virtual_display.h"
-#include "engine/base/files.h"
 #include "tests/support/annotation_walk.h"
-#include "tests/support/test_data.h"
+#include "tests/ui/window_fixture.h"
 
 namespace plumbline {
 
 /// The real window's Annotate workspace on a private display and a small scan, driven by scripts.
-class AnnotateWindow : public testing::Test {
+class AnnotateWindow : public Window {
  protected:
-  static void SetUpTestSuite() {
-    auto display = VirtualDisplay::Start(2048, 1200);
-    if (display.ok()) display_ = std::move(display).value();
-  }
-  static void TearDownTestSuite() { display_.reset(); }
-  void SetUp() override {
-    if (display_ == nullptr) GTEST_SKIP() << "Xvfb is not installed; the window is not tested";
-  }
-
-  std::string File(const std::string& name) const { return (folder_.path() / name).string(); }
   std::string Errors() const { return ReadFile(File("errors.txt")).value(); }
 
   /// Runs the steps once the scan can be aligned to, seen from above: the middle of the view is
@@ -52,10 +33,9 @@ class AnnotateWindow : public testing::Test {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
+  /// What the state says of this workspace.
   nlohmann::json State(const std::string& name) const {
-    const auto state = ReadJson(File(name));
-    EXPECT_TRUE(state.ok()) << Errors();
-    return state.ok() ? (*state)["annotate"] : nlohmann::json::object();
+    return Window::State(name).value("annotate", nlohmann::json::object());
   }
   static Eigen::Isometry3d PoseOf(const nlohmann::json& instance) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -83,9 +63,7 @@ class AnnotateWindow : public testing::Test {
       {"key": "5"},
       {"wait_frames": 3},)";
 
-  TemporaryFolder folder_;
   AnnotationScene scene_ = MakeAnnotationScene(folder_.path());
-  static inline std::unique_ptr<VirtualDisplay> display_;
 };
 
 }  // namespace plumbline
