@@ -28,6 +28,7 @@ std::vector<std::unique_ptr<Panel>> AllPanels() {
   panels.push_back(MakeRelationsPanel());
   panels.push_back(MakeTimingsPanel());
   panels.push_back(MakeTimelinePanel());
+  panels.push_back(MakeWhatIfPanel());
   return panels;
 }
 
