@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <string>
 
@@ -12,7 +14,7 @@ namespace {
 constexpr double kWidth = 600, kPadding = 14;
 
 /// A sheet over the top of the view that is as high as what is in it.
-bool BeginSheet(const FrameContext& context, const char* name, float x, float& y, float width,
+void BeginSheet(const FrameContext& context, const char* name, float x, float& y, float width,
                 ImU32 edge) {
   ImGui::SetCursorScreenPos({x, y});
   ImGui::PushStyleColor(ImGuiCol_ChildBg, colors::kSheet);
@@ -21,9 +23,10 @@ bool BeginSheet(const FrameContext& context, const char* name, float x, float& y
   // Heights are those of the last frame: what is in a sheet rarely changes.
   ImGuiStorage& heights = *ImGui::GetStateStorage();
   const float height = heights.GetFloat(ImGui::GetID(name), context.Scaled(80));
-  ImGui::BeginChild(name, {width, height}, true, ImGuiWindowFlags_NoScrollbar);
+  ImGui::PushStyleVar(ImGuiStyleVar_ChildBorderSize, context.Scaled(1));
+  ImGui::BeginChild(name, {width, height}, true,
+                    ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_AlwaysUseWindowPadding);
   ImGui::PushTextWrapPos(width - context.Scaled(kPadding));
-  return true;
 }
 
 void EndSheet(const FrameContext& context, const char* name, float& y) {
@@ -31,7 +34,7 @@ void EndSheet(const FrameContext& context, const char* name, float& y) {
   const float height = ImGui::GetCursorPosY() + context.Scaled(6);
   ImGui::EndChild();
   LogItem(context, name);
-  ImGui::PopStyleVar();
+  ImGui::PopStyleVar(2);
   ImGui::PopStyleColor(2);
   ImGui::GetStateStorage()->SetFloat(ImGui::GetID(name), height);
   y += height + context.Scaled(8);
@@ -45,10 +48,9 @@ void DrawDiskProblem(const FrameContext& context, float x, float& y, float width
   ImGui::PushStyleColor(ImGuiCol_Text, colors::kBad);
   ImGui::TextUnformatted("Your edits are not on the disk.");
   ImGui::PopStyleColor();
-  ImGui::TextWrapped(
-      "%s. They are kept in memory and are written as soon as that is possible. "
-      "Keep this window open, or save elsewhere:",
-      problem.c_str());
+  std::string why = problem;
+  why[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(why[0])));
+  ImGui::TextWrapped("%s. What waits is written as soon as there is room.", why.c_str());
   static constexpr std::size_t kLongest = 512;
   char path[kLongest];
   std::snprintf(path, sizeof(path), "%s", context.annotate->save_elsewhere.c_str());

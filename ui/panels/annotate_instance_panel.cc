@@ -15,6 +15,16 @@ namespace plumbline {
 namespace {
 
 constexpr double kShown = 5e-5;
+constexpr double kBesideNumber = 86;  ///< Its unit, and a button.
+
+/// In the row of the item before if there is room, else below it.
+void NextInRow(const FrameContext& context, const char* label) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float width = ImGui::CalcTextSize(label).x + 2 * style.FramePadding.x;
+  const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  const float gap = context.Scaled(6);
+  if (ImGui::GetItemRectMax().x + gap + width <= end) ImGui::SameLine(0, gap);
+}
 
 class AnnotateInstancePanel : public Panel {
  public:
@@ -83,7 +93,8 @@ class AnnotateInstancePanel : public Panel {
       ImGui::AlignTextToFramePadding();
       DimText("%s", label);
       ImGui::SameLine(unit);
-      ImGui::SetNextItemWidth(context.Scaled(104));
+      ImGui::SetNextItemWidth(std::min(
+          context.Scaled(104), ImGui::GetContentRegionAvail().x - context.Scaled(kBesideNumber)));
       double typed = std::abs(value) < kShown ? 0 : value;  // no "-0.0000"
       ImGui::InputDouble((std::string("##") + name).c_str(), &typed, 0, 0, format,
                          ImGuiInputTextFlags_AutoSelectAll);
@@ -142,19 +153,19 @@ class AnnotateInstancePanel : public Panel {
       sink.Post(RefineInstanceCommand{instance.id, view.on_floor});
     }
     ImGui::PopStyleColor();
-    ImGui::SameLine(0, context.Scaled(6));
+    NextInRow(context, "Try azimuths");
     if (Button(context, "instance.again", "Try azimuths", "All ways round again, to choose (T).")) {
       PlaceAgain(context, sink);
     }
     if (context.annotation->has_sequence) {
-      ImGui::SameLine(0, context.Scaled(6));
+      NextInRow(context, "By images");
       if (Button(context, "instance.by_images", "By images",
                  "Aligns its outline to the edges of all key frames at once: for what the scan "
                  "does not show (Shift + I).")) {
         sink.Post(RefineByImagesCommand{instance.id, view.on_floor});
       }
     }
-    ImGui::SameLine(0, context.Scaled(10));
+    NextInRow(context, "On floor xxxx");  // with its box
     ImGui::Checkbox("On floor", &view.on_floor);
     LogItem(context, "instance.on_floor");
     Tooltip(
@@ -164,15 +175,15 @@ class AnnotateInstancePanel : public Panel {
         "height.");
     if (Button(context, "instance.duplicate", "Duplicate", "A copy beside it (Ctrl + D)."))
       Duplicate(context, sink);
-    ImGui::SameLine(0, context.Scaled(6));
+    NextInRow(context, "Copy pose");
     if (Button(context, "instance.copy", "Copy pose", "Ctrl + C"))
       view.copied = instance.scan_from_object;
-    ImGui::SameLine(0, context.Scaled(6));
+    NextInRow(context, "Paste");
     ImGui::BeginDisabled(!view.copied);
     if (Button(context, "instance.paste", "Paste", "Ctrl + V: this object takes the copied pose."))
       sink.Post(SetInstancePoseCommand{instance.id, *view.copied});
     ImGui::EndDisabled();
-    ImGui::SameLine(0, context.Scaled(6));
+    NextInRow(context, "Delete");
     if (Button(context, "instance.delete", "Delete", "Del; Undo brings it back."))
       sink.Post(RemoveInstanceCommand{instance.id});
   }

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/models/mesh_file.h"
 #include "engine/process/annotation_session.h"
 #include "tests/support/annotation_walk.h"
 #include "tests/support/test_data.h"
@@ -62,6 +63,20 @@ class AnnotationSessionTest : public testing::Test {
        PlaceModelCommand{"armchair", scene_.scan_from_armchair * Eigen::Vector3d(0.1, 0.08, 0.4)});
     Do(*session, AcceptProposalCommand{});
     return session;
+  }
+
+  /// Takes what was seen of the armchair below a height out of the scan's file.
+  void ForgetArmchair(double below_m) const {
+    const TriangleMesh scan = ReadMesh(scene_.scan).value();
+    TriangleMesh seen;
+    for (std::size_t i = 0; i < scan.vertices.size(); ++i) {
+      const Eigen::Vector3d at =
+          scene_.scan_from_armchair.inverse() * scan.vertices[i].cast<double>();
+      if (at.head<2>().norm() < 0.7 && at.z() > 0.01 && at.z() < below_m) continue;
+      seen.vertices.push_back(scan.vertices[i]);
+      seen.normals.push_back(scan.normals[i]);
+    }
+    ASSERT_TRUE(WritePly(scene_.scan, seen).ok());
   }
 
   TemporaryFolder folder_;

@@ -70,17 +70,7 @@ TEST_F(AnnotationSessionTest, PlacesAModelUprightOnTheFloorTheRightWayRound) {
 }
 
 TEST_F(AnnotationSessionTest, ALowHalfThatWasNotScannedDoesNotKeepAModelFromStanding) {
-  // Only what is above 55 cm, the upper back, was seen of the armchair.
-  TriangleMesh scan = ReadMesh(scene_.scan).value();
-  TriangleMesh seen;
-  for (std::size_t i = 0; i < scan.vertices.size(); ++i) {
-    const Eigen::Vector3d at =
-        scene_.scan_from_armchair.inverse() * scan.vertices[i].cast<double>();
-    if (at.head<2>().norm() < 0.7 && at.z() > 0.01 && at.z() < 0.55) continue;
-    seen.vertices.push_back(scan.vertices[i]);
-    seen.normals.push_back(scan.normals[i]);
-  }
-  ASSERT_TRUE(WritePly(scene_.scan, seen).ok());
+  ForgetArmchair(0.55);  // only the upper back was seen
   const auto session = Open();
   const auto height = [&] {
     const auto placement = session->Snapshot().placement;
@@ -98,6 +88,26 @@ TEST_F(AnnotationSessionTest, ALowHalfThatWasNotScannedDoesNotKeepAModelFromStan
   Do(*session, AcceptProposalCommand{});
   Do(*session, PlaceModelCommand{"armchair", clicked});
   EXPECT_NEAR(height(), 0, 1e-4) << "exactly on the floor";
+}
+
+TEST_F(AnnotationSessionTest, TheImagesFindWhatTheScanDoesNotHold) {
+  sequence_ = folder_.path() / "walk";
+  WriteAnnotationWalk(scene_, sequence_);
+  ForgetArmchair(2);
+  const auto session = Open();
+  Do(*session, FindFloorCommand{scene_.scan_from_armchair * Eigen::Vector3d(0.9, 0.3, 0)});
+  Do(*session, AcceptProposalCommand{});
+  Do(*session,
+     PlaceModelCommand{"armchair", scene_.scan_from_armchair * Eigen::Vector3d(0.08, -0.06, 0)});
+  const AnnotationSnapshot snapshot = session->Snapshot();
+  ASSERT_TRUE(snapshot.placement && !snapshot.placement->candidates.empty());
+  EXPECT_TRUE(snapshot.placement->by_images);
+  EXPECT_FALSE(snapshot.placement->searching);
+  const PlacementCandidate& first = snapshot.placement->candidates[0];
+  EXPECT_TRUE(first.from_images);
+  EXPECT_GT(first.agreement.value_or(0), 0.5);
+  EXPECT_FALSE(first.picture.empty());
+  EXPECT_THAT(first.scan_from_object, IsometryNear(scene_.scan_from_armchair, 0.5, 0.01));
 }
 
 TEST_F(AnnotationSessionTest, OffersCandidatesWithPicturesBestFirst) {
