@@ -13,6 +13,7 @@
 #include "engine/base/files.h"
 #include "engine/dataset/json_fields.h"
 #include "engine/render/renderer.h"
+#include "engine/sensor/camera.h"
 
 namespace plumbline {
 namespace {
@@ -247,13 +248,9 @@ Status WriteBop(const AnnotationDocument& document, const ExchangeInputs& inputs
       return Error{ErrorCode::kIo, "cannot write '" + file.string() + "'"};
     }
   }
-  Status status = WriteJson(folder / "camera.json", {{"width", camera.width},
-                                                     {"height", camera.height},
-                                                     {"fx", camera.fx},
-                                                     {"fy", camera.fy},
-                                                     {"cx", camera.cx},
-                                                     {"cy", camera.cy},
-                                                     {"depth_scale", 1.0}});
+  json intrinsics = IntrinsicsToJson(camera);
+  intrinsics["depth_scale"] = 1.0;
+  Status status = WriteJson(folder / "camera.json", intrinsics);
   if (status.ok()) status = WriteJson(scene / "scene_gt.json", truth);
   if (status.ok()) status = WriteJson(scene / "scene_camera.json", cameras);
   if (status.ok()) status = WriteJson(scene / "scene_gt_info.json", infos);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/dataset/json_fields.h"
+#include "engine/sensor/camera.h"
 
 namespace plumbline {
 namespace {
@@ -27,15 +28,8 @@ json RegionToJson(const CropBox& box) {
 }
 
 json RegionToJson(const CropLasso& lasso) {
-  const PinholeCamera& camera = lasso.camera;
   json result = {{"scan_from_cam", IsometryToJson(lasso.scan_from_cam)},
-                 {"camera",
-                  {{"width", camera.width},
-                   {"height", camera.height},
-                   {"fx", camera.fx},
-                   {"fy", camera.fy},
-                   {"cx", camera.cx},
-                   {"cy", camera.cy}}},
+                 {"camera", IntrinsicsToJson(lasso.camera)},
                  {"polygon", json::array()},
                  {"near", lasso.near_m}};
   for (const Eigen::Vector2d& corner : lasso.polygon_px)

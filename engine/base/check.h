@@ -33,7 +33,7 @@ struct CheckVoid {
 }  // namespace internal
 }  // namespace plumbline
 
-#define PLB_CHECK(condition)                          \
-  (condition) ? (void)0                               \
-              : ::plumbline::internal::CheckVoid() &  \
+#define PLB_CHECK(condition)                         \
+  (condition) ? (void)0                              \
+              : ::plumbline::internal::CheckVoid() & \
                     ::plumbline::internal::CheckFailure(#condition, __FILE__, __LINE__).stream()

@@ -18,7 +18,8 @@ namespace plumbline {
 namespace {
 
 Error IoError(std::string_view doing, const std::filesystem::path& path) {
-  return {ErrorCode::kIo, "cannot " + std::string(doing) + " '" + path.string() + "': " + std::strerror(errno)};
+  return {ErrorCode::kIo,
+          "cannot " + std::string(doing) + " '" + path.string() + "': " + std::strerror(errno)};
 }
 
 bool WriteAll(int file, std::string_view content) {

@@ -15,8 +15,8 @@ namespace plumbline {
 /// The whole file. Errors: kNotFound, kIo, naming the file.
 Result<std::string> ReadFile(const std::filesystem::path& path);
 
-/// Writes through a temporary file beside `path`, fsync and rename: afterwards `path` holds the old or the new
-/// content, never a part. Errors: kIo.
+/// Writes through a temporary file beside `path`, fsync and rename: afterwards `path` holds the old
+/// or the new content, never a part. Errors: kIo.
 Status WriteFileAtomically(const std::filesystem::path& path, std::string_view content);
 
 /// Parses JSON, // comments allowed. Errors: kNotFound, kIo, kCorrupt with file, line and column.
@@ -27,7 +27,8 @@ Status WriteJson(const std::filesystem::path& path, const nlohmann::json& json);
 std::string HashHex(std::string_view content);
 Result<std::string> HashFile(const std::filesystem::path& path);
 
-/// `$XDG_CACHE_HOME/plumbline` or `~/.cache/plumbline` (the temporary folder if there is no home), created.
+/// `$XDG_CACHE_HOME/plumbline` or `~/.cache/plumbline` (the temporary folder if there is no home),
+/// created.
 std::filesystem::path CacheDirectory();
 
 }  // namespace plumbline

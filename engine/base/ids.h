@@ -14,8 +14,10 @@ struct StrongId {
   auto operator<=>(const StrongId&) const = default;
 };
 
-using ObjectId = StrongId<struct ObjectIdTag>;  ///< An object of the map; counted from 1 in order of birth.
-using ModelId = StrongId<struct ModelIdTag>;    ///< Index of a model in its database: the shape label.
+using ObjectId =
+    StrongId<struct ObjectIdTag>;  ///< An object of the map; counted from 1 in order of birth.
+using ModelId =
+    StrongId<struct ModelIdTag>;  ///< Index of a model in its database: the shape label.
 
 }  // namespace plumbline
 

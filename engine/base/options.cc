@@ -32,8 +32,8 @@ std::string NearestName(std::string_view word, const std::vector<std::string>& c
 namespace internal {
 std::string OutOfRange(const FieldInfo& info, double value) {
   std::ostringstream text;
-  text << "option '" << info.name << "' is " << value << " but must lie between " << info.min << " and "
-       << info.max;
+  text << "option '" << info.name << "' is " << value << " but must lie between " << info.min
+       << " and " << info.max;
   if (!info.unit.empty()) text << " " << info.unit;
   return text.str();
 }

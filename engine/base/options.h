@@ -17,8 +17,8 @@
 namespace plumbline {
 
 /// How one field of an options struct is shown and checked. Written once, beside the struct, in
-/// `template <class V> void VisitFields(MyOptions& o, V&& visit)`, which calls `visit(field, info)`;
-/// JSON, the command line and the window's editor all read it.
+/// `template <class V> void VisitFields(MyOptions& o, V&& visit)`, which calls `visit(field,
+/// info)`; JSON, the command line and the window's editor all read it.
 struct FieldInfo {
   std::string_view name;
   std::string_view unit;  ///< "" where the number has none.
@@ -27,8 +27,8 @@ struct FieldInfo {
   double max = std::numeric_limits<double>::infinity();
 };
 
-/// Enumerations name their values by specialising this: `static constexpr std::string_view names[]`,
-/// in the order of the enumerators, which count from 0.
+/// Enumerations name their values by specialising this: `static constexpr std::string_view
+/// names[]`, in the order of the enumerators, which count from 0.
 template <typename E>
 struct EnumNames;
 
@@ -65,7 +65,8 @@ Status FieldFromJson(T& field, const FieldInfo& info, const nlohmann::json& json
   } else if constexpr (std::is_arithmetic_v<T>) {
     if (!json.is_number()) return wrong("a number");
     const double value = json.get<double>();
-    if (!(value >= info.min && value <= info.max)) return Error{ErrorCode::kInvalidInput, OutOfRange(info, value)};
+    if (!(value >= info.min && value <= info.max))
+      return Error{ErrorCode::kInvalidInput, OutOfRange(info, value)};
     if (std::is_integral_v<T> && !json.is_number_integer()) return wrong("a whole number");
     field = json.get<T>();
   } else {
@@ -91,8 +92,9 @@ nlohmann::json OptionsToJson(const Options& options) {
   return json;
 }
 
-/// Overwrites the fields that `json` names; the others keep their values. Errors (kInvalidInput): an unknown
-/// key (with the nearest known name), a wrong type, a value out of range. On error `options` is unchanged.
+/// Overwrites the fields that `json` names; the others keep their values. Errors (kInvalidInput):
+/// an unknown key (with the nearest known name), a wrong type, a value out of range. On error
+/// `options` is unchanged.
 template <typename Options>
 Status OptionsFromJson(const nlohmann::json& json, Options& options) {
   if (!json.is_object()) return Error{ErrorCode::kInvalidInput, "options must be a JSON object"};
@@ -119,12 +121,14 @@ template <typename Options>
 Status SetOption(std::string_view assignment, Options& options) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string_view::npos) {
-    return Error{ErrorCode::kInvalidInput, "'" + std::string(assignment) + "' is not of the form key=value"};
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + std::string(assignment) + "' is not of the form key=value"};
   }
   const std::string text(assignment.substr(equals + 1));
   nlohmann::json value = nlohmann::json::parse(text, nullptr, false);
   if (value.is_discarded()) value = text;
-  return OptionsFromJson(nlohmann::json{{std::string(assignment.substr(0, equals)), value}}, options);
+  return OptionsFromJson(nlohmann::json{{std::string(assignment.substr(0, equals)), value}},
+                         options);
 }
 
 }  // namespace plumbline

@@ -14,8 +14,8 @@ struct Progress {
   int total = 0;
 };
 
-/// What long work is given: somebody to tell, and a way to be asked to stop. Loops look at `stop` at least every
-/// 50 ms and then return kCancelled, keeping what is done.
+/// What long work is given: somebody to tell, and a way to be asked to stop. Loops look at `stop`
+/// at least every 50 ms and then return kCancelled, keeping what is done.
 struct WorkContext {
   std::function<void(const Progress&)> report = [](const Progress&) {};
   std::stop_token stop = {};

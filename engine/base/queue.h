@@ -12,7 +12,8 @@
 
 namespace plumbline {
 
-/// A bounded queue between threads. Closing it is the end-of-stream message: what is inside can still be taken.
+/// A bounded queue between threads. Closing it is the end-of-stream message: what is inside can
+/// still be taken.
 template <typename T>
 class BoundedQueue {
  public:
@@ -81,7 +82,8 @@ class BoundedQueue {
   bool closed_ = false;
 };
 
-/// The newest value of something that one thread publishes and others read. Nobody writes to a published value.
+/// The newest value of something that one thread publishes and others read. Nobody writes to a
+/// published value.
 template <typename T>
 class SnapshotSlot {
  public:

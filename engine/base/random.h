@@ -15,8 +15,8 @@ struct RandomKey {
   std::uint32_t particle = 0;
 };
 
-/// Counter-based generator (Philox4x32-10; Salmon et al., "Parallel random numbers: as easy as 1, 2, 3",
-/// SC 2011). Constructing one is cheap: make one for each particle.
+/// Counter-based generator (Philox4x32-10; Salmon et al., "Parallel random numbers: as easy as 1,
+/// 2, 3", SC 2011). Constructing one is cheap: make one for each particle.
 class Random {
  public:
   explicit Random(const RandomKey& key);

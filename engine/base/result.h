@@ -10,7 +10,15 @@
 
 namespace plumbline {
 
-enum class ErrorCode { kInvalidInput, kNotFound, kCorrupt, kDegenerate, kCancelled, kIo, kUnsupported };
+enum class ErrorCode {
+  kInvalidInput,
+  kNotFound,
+  kCorrupt,
+  kDegenerate,
+  kCancelled,
+  kIo,
+  kUnsupported
+};
 
 /// An expected failure: what was tried, on which file or object, what to do next, in one sentence.
 struct Error {

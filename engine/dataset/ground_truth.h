@@ -17,7 +17,7 @@ struct GroundTruthInstance {
   std::string model;     ///< Name in the model database.
   std::string category;  ///< COCO name.
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
-  bool fine = true;      ///< quality "fine" (else "coarse")
+  bool fine = true;  ///< quality "fine" (else "coarse")
 };
 
 struct GroundTruth {
@@ -25,7 +25,8 @@ struct GroundTruth {
   std::vector<GroundTruthInstance> instances;
 };
 
-/// Errors: kNotFound, kCorrupt, kInvalidInput (a rotation that is none, a duplicate id), naming file and instance.
+/// Errors: kNotFound, kCorrupt, kInvalidInput (a rotation that is none, a duplicate id), naming
+/// file and instance.
 Result<GroundTruth> ReadGroundTruth(const std::filesystem::path& file);
 Status WriteGroundTruth(const std::filesystem::path& file, const GroundTruth& truth);
 

@@ -27,23 +27,25 @@ struct Detection {
 
 /// Thinned edges of one image, same size as the image.
 struct EdgeMap {
-  cv::Mat probability;  ///< CV_8U, 255 = certain, 0 = no edge; thinned to one-pixel lines; calibrated.
-  cv::Mat angle;        ///< CV_8U, direction of the edge NORMAL in [0, pi), times 256 / pi.
+  cv::Mat
+      probability;  ///< CV_8U, 255 = certain, 0 = no edge; thinned to one-pixel lines; calibrated.
+  cv::Mat angle;    ///< CV_8U, direction of the edge NORMAL in [0, pi), times 256 / pi.
 
   bool empty() const { return probability.empty(); }
 };
 
 /// One image and what was recorded with it.
 struct Frame {
-  int index = 0;              ///< Position in the sequence.
+  int index = 0;  ///< Position in the sequence.
   std::int64_t stamp_ns = 0;
-  cv::Mat image;              ///< CV_8UC3 BGR, undistorted into `Sequence::camera()`.
+  cv::Mat image;  ///< CV_8UC3 BGR, undistorted into `Sequence::camera()`.
   std::optional<Eigen::Isometry3d> world_from_cam;
 };
 
-/// A recorded sequence: frames in time order with random access by index. Images are decoded when asked for. All
-/// functions are safe to call from several threads. Frames that cannot be used are errors of ReadFrame; the sequence
-/// itself opens as long as its camera and its list of frames make sense.
+/// A recorded sequence: frames in time order with random access by index. Images are decoded when
+/// asked for. All functions are safe to call from several threads. Frames that cannot be used are
+/// errors of ReadFrame; the sequence itself opens as long as its camera and its list of frames make
+/// sense.
 class Sequence {
  public:
   virtual ~Sequence() = default;
@@ -74,12 +76,13 @@ class Sequence {
   virtual std::optional<std::filesystem::path> ground_truth_file() const = 0;
   virtual std::optional<std::filesystem::path> models_folder() const = 0;
 
-  /// What was odd while opening (a pose that is not finite, an unordered stamp ...), one sentence each.
+  /// What was odd while opening (a pose that is not finite, an unordered stamp ...), one sentence
+  /// each.
   virtual const std::vector<std::string>& warnings() const = 0;
 };
 
-/// Opens any sequence this version can read (now: the own layout of docs/formats.md). Errors: kNotFound, kCorrupt,
-/// kInvalidInput, kUnsupported; one sentence that names the file.
+/// Opens any sequence this version can read (now: the own layout of docs/formats.md). Errors:
+/// kNotFound, kCorrupt, kInvalidInput, kUnsupported; one sentence that names the file.
 Result<std::shared_ptr<const Sequence>> OpenSequence(const std::filesystem::path& path);
 
 }  // namespace plumbline

@@ -14,7 +14,8 @@ double WrapAngle(double angle_rad) {
 }
 
 UprightFrame::UprightFrame(const Eigen::Vector3d& gravity_in_world) {
-  PLB_CHECK(gravity_in_world.allFinite() && gravity_in_world.norm() > 1e-9) << "gravity has no direction";
+  PLB_CHECK(gravity_in_world.allFinite() && gravity_in_world.norm() > 1e-9)
+      << "gravity has no direction";
   up_in_world_ = -gravity_in_world.normalized();
   const Eigen::Vector3d reference =
       std::abs(up_in_world_.x()) > 0.9 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
@@ -23,10 +24,12 @@ UprightFrame::UprightFrame(const Eigen::Vector3d& gravity_in_world) {
 }
 
 Eigen::Matrix3d UprightFrame::WorldFromObjectRotation(double azimuth_rad) const {
-  // AngleAxis(a, up) * upright_, written in the basis of upright_ so that its third column stays `up` exactly.
+  // AngleAxis(a, up) * upright_, written in the basis of upright_ so that its third column stays
+  // `up` exactly.
   Eigen::Matrix3d rotation;
   const double c = std::cos(azimuth_rad), s = std::sin(azimuth_rad);
-  rotation << c * upright_.col(0) + s * upright_.col(1), c * upright_.col(1) - s * upright_.col(0), up_in_world_;
+  rotation << c * upright_.col(0) + s * upright_.col(1), c * upright_.col(1) - s * upright_.col(0),
+      up_in_world_;
   return rotation;
 }
 

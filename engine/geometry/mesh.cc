@@ -4,7 +4,8 @@
 namespace plumbline {
 namespace {
 template <typename T>
-void AppendAttribute(const std::vector<T>& b, std::size_t b_size, std::vector<T>& a, std::size_t a_size) {
+void AppendAttribute(const std::vector<T>& b, std::size_t b_size, std::vector<T>& a,
+                     std::size_t a_size) {
   if (b.size() != b_size || a.size() != a_size) {
     a.clear();
   } else {
@@ -37,7 +38,8 @@ void Append(const TriangleMesh& b, TriangleMesh& a) {
   const int offset = static_cast<int>(a.vertices.size());
   AppendAttribute(b.normals, b.vertices.size(), a.normals, a.vertices.size());
   AppendAttribute(b.colors, b.vertices.size(), a.colors, a.vertices.size());
-  AppendAttribute(b.texture_coordinates, b.vertices.size(), a.texture_coordinates, a.vertices.size());
+  AppendAttribute(b.texture_coordinates, b.vertices.size(), a.texture_coordinates,
+                  a.vertices.size());
   if (a.texture_coordinates.empty() || a.texture_file != b.texture_file) a.texture_file.clear();
   a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
   for (const Eigen::Vector3i& triangle : b.triangles) {
@@ -48,7 +50,8 @@ void Append(const TriangleMesh& b, TriangleMesh& a) {
 void ComputeNormals(TriangleMesh& mesh) {
   std::vector<Eigen::Vector3d> sums(mesh.vertices.size(), Eigen::Vector3d::Zero());
   for (const Eigen::Vector3i& t : mesh.triangles) {
-    const Eigen::Vector3d a = mesh.vertices[t[0]].cast<double>(), b = mesh.vertices[t[1]].cast<double>(),
+    const Eigen::Vector3d a = mesh.vertices[t[0]].cast<double>(),
+                          b = mesh.vertices[t[1]].cast<double>(),
                           c = mesh.vertices[t[2]].cast<double>();
     const Eigen::Vector3d doubled_area_normal = (b - a).cross(c - a);
     for (int corner = 0; corner < 3; ++corner) sums[t[corner]] += doubled_area_normal;

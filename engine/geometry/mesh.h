@@ -11,7 +11,8 @@
 
 namespace plumbline {
 
-/// An indexed triangle mesh or, without triangles, a point cloud. Attribute arrays are empty or as long as `vertices`.
+/// An indexed triangle mesh or, without triangles, a point cloud. Attribute arrays are empty or as
+/// long as `vertices`.
 struct TriangleMesh {
   std::vector<Eigen::Vector3f> vertices;  ///< [m] once in the database
   std::vector<Eigen::Vector3i> triangles;

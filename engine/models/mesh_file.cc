@@ -153,9 +153,9 @@ Result<TriangleMesh> ReadMesh(const std::filesystem::path& file) {
     return ParsePcd(*bytes, file);
   }
   if (extension != ".obj" && extension != ".glb" && extension != ".gltf" && extension != ".stl") {
-    return Error{
-        ErrorCode::kUnsupported,
-        "'" + file.string() + "' is no mesh file that Plumbline reads (PLY, PCD, OBJ, GLB, GLTF, STL)"};
+    return Error{ErrorCode::kUnsupported,
+                 "'" + file.string() +
+                     "' is no mesh file that Plumbline reads (PLY, PCD, OBJ, GLB, GLTF, STL)"};
   }
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) {

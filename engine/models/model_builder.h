@@ -50,8 +50,8 @@ struct BuiltModel {
 Result<BuiltModel> BuildModel(const std::filesystem::path& mesh_file,
                               const ModelBuildOptions& options);
 
-/// The same for a mesh in memory that is called `name` and was taken from `source`, beside which its
-/// texture is. Errors: as of BuildModel, without those of reading.
+/// The same for a mesh in memory that is called `name` and was taken from `source`, beside which
+/// its texture is. Errors: as of BuildModel, without those of reading.
 Result<BuiltModel> BuildModelFrom(const TriangleMesh& mesh, const std::string& name,
                                   const std::filesystem::path& source,
                                   const ModelBuildOptions& options);

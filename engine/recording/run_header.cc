@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "engine/base/files.h"
+#include "engine/sensor/camera.h"
 
 namespace plumbline {
 namespace {
@@ -35,7 +36,8 @@ nlohmann::json HeaderToJson(const RunHeader& header) {
   for (const RunModel& model : header.models) {
     models.push_back({{"name", model.name}, {"category", model.category}});
   }
-  const PinholeCamera& camera = header.camera;
+  nlohmann::json camera = IntrinsicsToJson(header.camera);
+  camera["rate_hz"] = header.rate_hz;
   nlohmann::json json = {
       {"options", header.options},
       {"seed", header.seed},
@@ -47,14 +49,7 @@ nlohmann::json HeaderToJson(const RunHeader& header) {
       {"edges", header.edges},
       {"poses", header.poses},
       {"gravity", ToArray(header.gravity_in_world)},
-      {"camera",
-       {{"width", camera.width},
-        {"height", camera.height},
-        {"fx", camera.fx},
-        {"fy", camera.fy},
-        {"cx", camera.cx},
-        {"cy", camera.cy},
-        {"rate_hz", header.rate_hz}}},
+      {"camera", camera},
       {"frames",
        {{"first", header.first_frame}, {"end", header.end_frame}, {"step", header.frame_step}}},
       {"started", header.started}};

@@ -11,11 +11,12 @@ namespace {
 
 cv::Matx33d Intrinsics(const PinholeCamera& c) { return {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}; }
 
-Result<double> Number(const nlohmann::json& json, const char* key, const std::filesystem::path& file) {
+Result<double> Number(const nlohmann::json& json, const char* key,
+                      const std::filesystem::path& file) {
   const auto found = json.find(key);
   if (found == json.end() || !found->is_number() || !std::isfinite(found->get<double>())) {
-    return Error{ErrorCode::kInvalidInput,
-                 "'" + file.string() + "' needs a finite number '" + key + "' (camera intrinsics in pixels)"};
+    return Error{ErrorCode::kInvalidInput, "'" + file.string() + "' needs a finite number '" + key +
+                                               "' (camera intrinsics in pixels)"};
   }
   return found->get<double>();
 }
@@ -23,8 +24,12 @@ Result<double> Number(const nlohmann::json& json, const char* key, const std::fi
 }  // namespace
 
 PinholeCamera PinholeCamera::Scaled(double factor) const {
-  return {static_cast<int>(std::lround(width * factor)), static_cast<int>(std::lround(height * factor)), fx * factor,
-          fy * factor, (cx + 0.5) * factor - 0.5, (cy + 0.5) * factor - 0.5};
+  return {static_cast<int>(std::lround(width * factor)),
+          static_cast<int>(std::lround(height * factor)),
+          fx * factor,
+          fy * factor,
+          (cx + 0.5) * factor - 0.5,
+          (cy + 0.5) * factor - 0.5};
 }
 
 Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem::path& file) {
@@ -39,13 +44,18 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
     Result<double> number = Number(json, kKeys[i], file);
     if (!number.ok()) return number.error();
     numbers[i] = *number;
-    if (i < 4 && numbers[i] <= 0) return bad(std::string("has a '") + kKeys[i] + "' that is not positive");
+    if (i < 4 && numbers[i] <= 0)
+      return bad(std::string("has a '") + kKeys[i] + "' that is not positive");
   }
   if (numbers[0] > 32768 || numbers[1] > 32768 || numbers[0] != std::floor(numbers[0]) ||
       numbers[1] != std::floor(numbers[1])) {
     return bad("has an image size that is not a whole number of at most 32768 pixels");
   }
-  camera.pinhole = {static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), numbers[2], numbers[3], numbers[4],
+  camera.pinhole = {static_cast<int>(numbers[0]),
+                    static_cast<int>(numbers[1]),
+                    numbers[2],
+                    numbers[3],
+                    numbers[4],
                     numbers[5]};
   const auto model = json.find("model");
   if (model == json.end() || !model->is_string()) {
@@ -56,10 +66,12 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
   } else if (*model == "radial_tangential") {
     camera.model = CameraModel::kRadialTangential;
   } else {
-    return Error{ErrorCode::kUnsupported, "'" + file.string() + "' has the camera model '" + model->get<std::string>() +
-                                              "'; this version reads pinhole and radial_tangential"};
+    return Error{ErrorCode::kUnsupported,
+                 "'" + file.string() + "' has the camera model '" + model->get<std::string>() +
+                     "'; this version reads pinhole and radial_tangential"};
   }
-  if (const auto distortion = json.find("distortion"); distortion != json.end() && !distortion->is_null()) {
+  if (const auto distortion = json.find("distortion");
+      distortion != json.end() && !distortion->is_null()) {
     if (!distortion->is_array()) return bad("has a 'distortion' that is not a list of numbers");
     for (const auto& value : *distortion) {
       if (!value.is_number() || !std::isfinite(value.get<double>())) {
@@ -70,7 +82,9 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
   }
   const std::size_t n = camera.distortion.size();
   if (camera.model == CameraModel::kPinhole && n != 0) {
-    return bad("is a pinhole camera but has distortion coefficients; name the model radial_tangential or remove them");
+    return bad(
+        "is a pinhole camera but has distortion coefficients; name the model radial_tangential or "
+        "remove them");
   }
   if (camera.model == CameraModel::kRadialTangential && n != 4 && n != 5) {
     return bad("needs 4 or 5 distortion coefficients (k1 k2 p1 p2 [k3]) for radial_tangential");
@@ -91,7 +105,8 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
       return bad("has a 'body_from_cam' that is not a 4x4 matrix");
     }
     if (!matrix.allFinite() ||
-        !(matrix.topLeftCorner<3, 3>() * matrix.topLeftCorner<3, 3>().transpose()).isIdentity(1e-3) ||
+        !(matrix.topLeftCorner<3, 3>() * matrix.topLeftCorner<3, 3>().transpose())
+             .isIdentity(1e-3) ||
         matrix.topLeftCorner<3, 3>().determinant() < 0) {
       return bad("has a 'body_from_cam' whose rotation is not a rotation");
     }
@@ -100,14 +115,20 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
   return camera;
 }
 
+nlohmann::json IntrinsicsToJson(const PinholeCamera& camera) {
+  return {{"width", camera.width}, {"height", camera.height}, {"fx", camera.fx},
+          {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
+}
+
 nlohmann::json CameraToJson(const Camera& camera) {
-  const PinholeCamera& p = camera.pinhole;
-  nlohmann::json json = {{"width", p.width}, {"height", p.height}, {"fx", p.fx}, {"fy", p.fy}, {"cx", p.cx},
-                         {"cy", p.cy}, {"distortion", camera.distortion}, {"rate_hz", camera.rate_hz},
-                         {"model", camera.model == CameraModel::kPinhole ? "pinhole" : "radial_tangential"}};
+  nlohmann::json json = IntrinsicsToJson(camera.pinhole);
+  json["distortion"] = camera.distortion;
+  json["rate_hz"] = camera.rate_hz;
+  json["model"] = camera.model == CameraModel::kPinhole ? "pinhole" : "radial_tangential";
   if (camera.body_from_cam) {
     for (int r = 0; r < 4; ++r) {
-      for (int c = 0; c < 4; ++c) json["body_from_cam"][r][c] = camera.body_from_cam->matrix()(r, c);
+      for (int c = 0; c < 4; ++c)
+        json["body_from_cam"][r][c] = camera.body_from_cam->matrix()(r, c);
     }
   }
   return json;
@@ -117,7 +138,8 @@ Undistorter::Undistorter(const Camera& camera) : camera_(camera) {
   if (camera_.distortion.empty()) return;
   const cv::Matx33d intrinsics = Intrinsics(camera_.pinhole);
   cv::initUndistortRectifyMap(intrinsics, camera_.distortion, cv::noArray(), intrinsics,
-                              {camera_.pinhole.width, camera_.pinhole.height}, CV_16SC2, map1_, map2_);
+                              {camera_.pinhole.width, camera_.pinhole.height}, CV_16SC2, map1_,
+                              map2_);
 }
 
 cv::Mat Undistorter::Undistort(const cv::Mat& image) const {

@@ -16,20 +16,22 @@
 
 namespace plumbline {
 
-/// An ideal camera: `cam` is x right, y down, z forward; a point of pixel (u, v) has its centre at integer
-/// coordinates; u = fx X/Z + cx, v = fy Y/Z + cy.
+/// An ideal camera: `cam` is x right, y down, z forward; a point of pixel (u, v) has its centre at
+/// integer coordinates; u = fx X/Z + cx, v = fy Y/Z + cy.
 struct PinholeCamera {
-  int width = 0, height = 0;                ///< [px]
-  double fx = 0, fy = 0, cx = 0, cy = 0;    ///< [px]
+  int width = 0, height = 0;              ///< [px]
+  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< [px]
 
   Eigen::Vector2d Project(const Eigen::Vector3d& point_in_cam) const {
-    return {fx * point_in_cam.x() / point_in_cam.z() + cx, fy * point_in_cam.y() / point_in_cam.z() + cy};
+    return {fx * point_in_cam.x() / point_in_cam.z() + cx,
+            fy * point_in_cam.y() / point_in_cam.z() + cy};
   }
   /// (X/Z, Y/Z) of a pixel.
   Eigen::Vector2d Bearing(const Eigen::Vector2d& pixel) const {
     return {(pixel.x() - cx) / fx, (pixel.y() - cy) / fy};
   }
-  /// The camera of the image resized by `factor` (pixel centres at integers: u' = (u + 0.5) f - 0.5).
+  /// The camera of the image resized by `factor` (pixel centres at integers: u' = (u + 0.5) f -
+  /// 0.5).
   PinholeCamera Scaled(double factor) const;
   bool operator==(const PinholeCamera&) const = default;
 };
@@ -39,18 +41,23 @@ enum class CameraModel { kPinhole, kRadialTangential };
 /// A calibrated camera as camera.json describes it.
 struct Camera {
   CameraModel model = CameraModel::kPinhole;
-  PinholeCamera pinhole;            ///< Intrinsics of the image as recorded and, by choice, of the undistorted one.
-  std::vector<double> distortion;   ///< k1 k2 p1 p2 [k3] for kRadialTangential (OpenCV order); empty for kPinhole.
+  PinholeCamera
+      pinhole;  ///< Intrinsics of the image as recorded and, by choice, of the undistorted one.
+  std::vector<double>
+      distortion;  ///< k1 k2 p1 p2 [k3] for kRadialTangential (OpenCV order); empty for kPinhole.
   double rate_hz = 30.0;
   std::optional<Eigen::Isometry3d> body_from_cam;
 };
 
-/// Errors: kUnsupported for an unknown model; kInvalidInput for missing, non-finite or non-positive numbers. `file` is
-/// only for messages.
+/// Errors: kUnsupported for an unknown model; kInvalidInput for missing, non-finite or non-positive
+/// numbers. `file` is only for messages.
 Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem::path& file);
 nlohmann::json CameraToJson(const Camera& camera);
+/// {width, height, fx, fy, cx, cy} [px].
+nlohmann::json IntrinsicsToJson(const PinholeCamera& camera);
 
-/// Resamples images of a distorted camera into its pinhole camera. Cheap to copy; safe to use from several threads.
+/// Resamples images of a distorted camera into its pinhole camera. Cheap to copy; safe to use from
+/// several threads.
 class Undistorter {
  public:
   explicit Undistorter(const Camera& camera);

@@ -28,9 +28,9 @@ struct DetectorFlaws {
 
 /// How much of each instance shows: entry i belongs to number i + 1 in the masks.
 struct Visibility {
-  std::vector<int> pixels;    ///< In the mask.
-  std::vector<double> share;  ///< Of the whole projection within the image; 0 when all of it is
-                              ///< hidden, -1 where nothing would show.
+  std::vector<int> pixels;      ///< In the mask.
+  std::vector<double> share;    ///< Of the whole projection within the image; 0 when all of it is
+                                ///< hidden, -1 where nothing would show.
   std::vector<cv::Rect> box;    ///< Of the mask.
   std::vector<bool> truncated;  ///< The mask touches the border of the image.
 };

@@ -15,7 +15,7 @@ struct AlignmentCaseOptions {
   /// Instead: a chair drawn up to a table over which the cameras look. They see the upper part of
   /// its back.
   bool under_table = false;
-  double offset_m = 0.3;   ///< Largest offset of the start.
+  double offset_m = 0.3;                        ///< Largest offset of the start.
   double azimuth_rad = 3.14159265358979323846;  ///< Largest turn of the start.
   bool tilted_scan = true;                      ///< Gravity in any direction.
 };

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/engine/annotation/random_edits.h"
+#include "tests/support/random_pose.h"
 #include "tests/support/test_data.h"
 
 namespace plumbline {

@@ -15,6 +15,7 @@
 #include "engine/models/mesh_file.h"
 #include "tests/engine/annotation/random_edits.h"
 #include "tests/support/furniture_models.h"
+#include "tests/support/random_pose.h"
 #include "tests/support/test_data.h"
 #include "tests/support/tiny_sequence.h"
 

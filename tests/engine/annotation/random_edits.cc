@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/engine/annotation/random_edits.h"
 
+#include "tests/support/random_pose.h"
+
 namespace plumbline {
 namespace {
 
@@ -58,15 +60,6 @@ Edit AddOrRemovePair(const AnnotationDocument& document, Random& random) {
 }
 
 }  // namespace
-
-Eigen::Isometry3d RandomPose(Random& random) {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  const Eigen::Vector4d q(random.Gaussian(), random.Gaussian(), random.Gaussian(),
-                          random.Gaussian());
-  pose.linear() = Eigen::Quaterniond(q.normalized()).toRotationMatrix();
-  pose.translation() = Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
-  return pose;
-}
 
 AnnotatedInstance RandomInstance(const std::string& id, Random& random) {
   AnnotatedInstance instance;

@@ -6,7 +6,6 @@
 
 namespace plumbline {
 
-Eigen::Isometry3d RandomPose(Random& random);
 AnnotatedInstance RandomInstance(const std::string& id, Random& random);
 
 Crop RandomCrop(const std::string& id, Random& random);

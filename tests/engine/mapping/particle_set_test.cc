@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "tests/support/furniture_models.h"
+#include "tests/support/random_pose.h"
 #include "tests/support/test_data.h"
 
 namespace plumbline {
@@ -17,16 +18,6 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 MapFrame ZUpFrame() {
   return {UprightFrame({0, 0, -1}), Eigen::Vector4d(0, 0, 1, 0), MakeFurnitureDatabase()};
-}
-
-Eigen::Isometry3d RandomPose(Random& random) {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() =
-      Eigen::Quaterniond(random.Gaussian(), random.Gaussian(), random.Gaussian(), random.Gaussian())
-          .normalized()
-          .toRotationMatrix();
-  pose.translation() = Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
-  return pose;
 }
 
 /// A camera at (0, -3, 1.5) looking along +y and 20 degrees down.

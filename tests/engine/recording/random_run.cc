@@ -7,19 +7,10 @@
 #include <sstream>
 
 #include "engine/base/random.h"
+#include "tests/support/random_pose.h"
 
 namespace plumbline {
 namespace {
-
-Eigen::Isometry3d RandomPose(Random& random) {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() =
-      Eigen::Quaterniond(random.Gaussian(), random.Gaussian(), random.Gaussian(), random.Gaussian())
-          .normalized()
-          .toRotationMatrix();
-  pose.translation() = Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
-  return pose;
-}
 
 float OddFloat(std::uint32_t which) {
   constexpr float kOdd[] = {

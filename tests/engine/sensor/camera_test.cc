@@ -52,7 +52,7 @@ TEST(Camera, RefusesWhatItCannotUseAndNamesTheFile) {
            {"distortion", "none"},
            {"rate_hz", 0},
            {"width", 1e9},
-            {"height", 0.5},
+           {"height", 0.5},
            {"body_from_cam", {1, 2, 3}},
            {"body_from_cam", {{2, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 2, 0}, {0, 0, 0, 1}}}}) {
     EXPECT_NE(message(key, value).find("some/camera.json"), std::string::npos) << key << value;
