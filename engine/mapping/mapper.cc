@@ -15,7 +15,6 @@ namespace plumbline {
 namespace {
 
 constexpr double kFirstFrame_s = 1.0 / 30.0;
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kMinKeyFrameVisibility = 0.15;
 constexpr double kMaxEvidence = 15.0;
 constexpr double kMoveFramesPerSecondSeen = 4.0;

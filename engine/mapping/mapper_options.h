@@ -120,7 +120,7 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.bearing_noise, {"bearing_noise", "per sqrt(s)", "diffusion of the bearing", 0, 1});
   visit(o.log_depth_noise, {"log_depth_noise", "per sqrt(s)", "diffusion of the log-depth", 0, 1});
   visit(o.azimuth_noise_deg,
-        {"azimuth_noise_deg", "deg per sqrt(s)", "diffusion of the azimuth", 0, 180});
+        {"azimuth_noise_deg", "deg/sqrt(s)", "diffusion of the azimuth", 0, 180});
   visit(o.jump_rate, {"jump_rate", "1/s", "rate at which the label jumps", 0, 100});
   visit(o.jump_scope, {"jump_scope", "",
                        "labels that a jump may reach: of the category, or all as in the paper"});
