@@ -51,14 +51,12 @@ std::string VerdictOf(const ProbeView& view, bool has_truth) {
   if (!near) {
     return fmt::format(
         "Search: the truth would score {:.2f} against {:.2f}, but the nearest particle is {:.0f} "
-        "cm "
-        "and {:.0f}\u00b0 away.",
+        "cm and {:.0f}\u00b0 away.",
         truth.score, mean.score, 100 * *nearest.from_truth_m, *nearest.from_truth_rad / kDegree);
   }
   return fmt::format(
       "Time: the truth scores better ({:.2f} against {:.2f}) and there are particles near it; "
-      "the "
-      "weights have not followed yet.",
+      "the weights have not followed yet.",
       truth.score, mean.score);
 }
 

@@ -74,8 +74,7 @@ class RunReader::Implementation {
          "SELECT frame, stamp_ns, skipped, num_objects, details FROM frames WHERE position = ?1"},
         {objects_,
          "SELECT object, state, category, label, confirmed_frame, weighed, details, particles_at, "
-         "particles "
-         "FROM objects WHERE position = ?1 ORDER BY object"},
+         "particles FROM objects WHERE position = ?1 ORDER BY object"},
         {brief_objects_,
          "SELECT object, state, category, label, confirmed_frame, weighed, details, NULL, NULL "
          "FROM objects WHERE position = ?1 ORDER BY object"},

@@ -19,9 +19,8 @@ class AnnotateFramePanel : public Panel {
   const char* Title() const override { return "Frame"; }
   const char* Help() const override {
     return "A frame of the sequence: click where a point of the scan is seen. Wheel zooms, "
-           "dragging "
-           "moves, double click shows all. Crosses: what was clicked; circles: where the scan's "
-           "points are seen by the registration.";
+           "dragging moves, double click shows all. Crosses: what was clicked; circles: where the "
+           "scan's points are seen by the registration.";
   }
 
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
@@ -31,13 +30,20 @@ class AnnotateFramePanel : public Panel {
     ImGui::SetCursorPosY(ImGui::GetCursorPosY() - context.Scaled(2));
     ImGui::SetNextItemWidth(context.Scaled(320));
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {context.Scaled(4), context.Scaled(1)});
-    if (ImGui::SliderInt("##frame.number", &frame, 0, snapshot.num_frames - 1, "%d")) {
+    // The number stands beside the slider: on it, its handle would hide it.
+    if (!typing_) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0, 0, 0, 0));
+    const bool moved = ImGui::SliderInt("##frame.number", &frame, 0, snapshot.num_frames - 1, "%d");
+    if (!typing_) ImGui::PopStyleColor();
+    typing_ = ImGui::IsItemActive() && ImGui::GetIO().WantTextInput;
+    if (moved) {
       context.annotate->pick_pixel.reset();
       sink.Post(ShowFrameCommand{frame});
     }
     ImGui::PopStyleVar();
     LogItem(context, "frame.number");
     Tooltip(context, "Which frame is shown; Ctrl and a click to type its number.");
+    ImGui::SameLine();
+    ImGui::TextDisabled("%d of %d", frame, snapshot.num_frames - 1);
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
@@ -104,6 +110,8 @@ class AnnotateFramePanel : public Panel {
                  canvas.high().y - context.Scaled(6)}},
                colors::kOnPicture, hint);
   }
+
+  bool typing_ = false;  ///< The number of a frame.
 };
 
 }  // namespace

@@ -41,8 +41,7 @@ class FlowPanel : public Panel {
   const char* Title() const override { return "Pathways"; }
   const char* Help() const override {
     return "How a frame becomes map: the edge pathway above, the detector pathway below, the "
-           "filter "
-           "where they meet, with the milliseconds of this frame.";
+           "filter where they meet, with the milliseconds of this frame.";
   }
 
   void Draw(const FrameContext& context, CommandSink&) override {

@@ -45,8 +45,7 @@ class ParticleTablePanel : public Panel {
   const char* Title() const override { return "Particle list"; }
   const char* Help() const override {
     return "All hypotheses of the selected object in numbers. Click a heading to sort, a row to "
-           "mark "
-           "the hypothesis in the images and in the map.";
+           "mark the hypothesis in the images and in the map.";
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {

@@ -15,8 +15,8 @@ class RelationsPanel : public Panel {
   const char* Title() const override { return "Relations"; }
   const char* Help() const override {
     return "How the confirmed objects of this frame stand to one another: what stands on what, "
-           "what "
-           "hides what from the camera, and the nearest neighbour of each. Click a row to select "
+           "what hides what from the camera, and the nearest neighbour of each. Click a row to "
+           "select "
            "its first object. The switch Links draws them in the map.";
   }
 

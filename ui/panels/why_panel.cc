@@ -25,8 +25,8 @@ class WhyPanel : public Panel {
   const char* Title() const override { return "Why here?"; }
   const char* Help() const override {
     return "Scores the selected object again in this frame, by the mapper's own rule, together "
-           "with "
-           "what it did not try: the true place, and places around the mean. It tells whether the "
+           "with what it did not try: the true place, and places around the mean. It tells whether "
+           "the "
            "search or the likelihood is to blame. Detector scores come from the frame's proposals: "
            "exact for recorded proposals, close for networks.";
   }
