@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "engine/base/random.h"
 #include "engine/geometry/gravity.h"
 #include "engine/models/mesh_file.h"
 
@@ -358,6 +359,37 @@ TEST_F(AnnotationSessionTest, RegistersASequenceOfAnotherFrameByPairsAndUndoesIt
   EXPECT_FALSE(document.scan_from_world.has_value());
   Do(*session, RedoCommand{});
   EXPECT_TRUE(document.scan_from_world.has_value());
+}
+
+TEST_F(AnnotationSessionTest, RegistersASequenceByThePointsOfItsMap) {
+  const Eigen::Isometry3d world_from_scan =
+      Eigen::Translation3d(2, -1, 0.5) *
+      Eigen::AngleAxisd(2.2, Eigen::Vector3d(0.1, -0.3, 1).normalized());
+  sequence_ = folder_.path() / "walk";
+  WriteAnnotationWalk(scene_, sequence_, world_from_scan);
+  const auto session = Open();
+  Do(*session, TypeGravityCommand{scene_.up_in_scan, std::nullopt});
+  Do(*session, AcceptProposalCommand{});
+  const std::filesystem::path file = folder_.path() / "map.ply";
+  Do(*session, AlignSequenceCommand{AlignSequenceCommand::How::kPoints, file.string()});
+  EXPECT_THAT(session->Snapshot().sequence_alignment->problem, HasSubstr("map.ply"));
+  // Sparse and noisy, as a filter maps them.
+  const TriangleMesh scan = ReadMesh(scene_.scan).value();
+  Random random({3, 0});
+  TriangleMesh map;
+  for (std::size_t i = 0; i < scan.vertices.size(); i += 37) {
+    const Eigen::Vector3d noise(random.Gaussian(), random.Gaussian(), random.Gaussian());
+    map.vertices.push_back(
+        (world_from_scan * (scan.vertices[i].cast<double>() + 0.005 * noise)).cast<float>());
+  }
+  ASSERT_TRUE(WritePly(file, map).ok());
+  Do(*session, AlignSequenceCommand{AlignSequenceCommand::How::kPoints, file.string()});
+  const auto proposed = session->Snapshot().sequence_alignment;
+  ASSERT_TRUE(proposed.has_value());
+  EXPECT_EQ(proposed->problem, "");
+  Do(*session, AcceptProposalCommand{});
+  EXPECT_THAT(session->project().document().scan_from_world.value(),
+              IsometryNear(world_from_scan.inverse(), 0.3, 0.01));
 }
 
 TEST_F(AnnotationSessionTest, RegistersASequenceByTheObjectsOfARunAndSaysHowFarEachIsOff) {
