@@ -19,7 +19,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr char kFormat[] = "plumbline-viewpoints-10";
+constexpr char kFormat[] = "plumbline-viewpoints-11";
 
 std::string CacheKey(const CadModel& model, const ViewpointModelOptions& o) {
   std::string key = std::string(kFormat) + "|" + model.content_hash + "|" +
