@@ -17,6 +17,8 @@ std::string MeshHash(const TriangleMesh& mesh) {
                mesh.vertices.size() * sizeof(Eigen::Vector3f));
   bytes.append(reinterpret_cast<const char*>(mesh.triangles.data()),
                mesh.triangles.size() * sizeof(Eigen::Vector3i));
+  // Their marks are lines of the model, too.
+  bytes.append(reinterpret_cast<const char*>(mesh.colors.data()), 3 * mesh.colors.size());
   return HashHex(bytes);
 }
 

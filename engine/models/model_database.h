@@ -38,7 +38,7 @@ struct CadModel {
   std::string note;
   TriangleMesh mesh;
   Eigen::AlignedBox3f bounds;  ///< In `object`.
-  std::string content_hash;    ///< Of vertices and triangles.
+  std::string content_hash;    ///< Of vertices, triangles and colours.
   /// c_k: the point of `object` that bearing and log-depth locate.
   Eigen::Vector3d center() const { return bounds.center().cast<double>(); }
 };

@@ -56,7 +56,7 @@ TEST(ModelDatabase, ReadsModelsAndKeepsDefaults) {
   EXPECT_EQ(models.models()[0].content_hash, models.models()[1].content_hash);
 }
 
-TEST(ModelDatabase, HashTellsMeshesOrderAndSymmetryApart) {
+TEST(ModelDatabase, HashTellsMeshesColoursOrderAndSymmetryApart) {
   CadModel a, b;
   a.name = "a";
   a.category = b.category = "chair";
@@ -71,6 +71,11 @@ TEST(ModelDatabase, HashTellsMeshesOrderAndSymmetryApart) {
   CadModel turned = a;
   turned.symmetry.order = 2;
   EXPECT_NE(hash({a}), hash({turned}));
+  // What is precomputed of a model keeps its marks: another colour is another model.
+  CadModel red = a, blue = a;
+  red.mesh.colors.assign(a.mesh.vertices.size(), {200, 0, 0});
+  blue.mesh.colors.assign(a.mesh.vertices.size(), {0, 0, 200});
+  EXPECT_NE(hash({red}), hash({blue}));
 }
 
 TEST(ModelDatabase, SaysWhatIsWrongAndWhere) {
