@@ -41,7 +41,7 @@ cat >"$work/script.json" <<'JSON'
   {"screenshot": "panel-timeline.png", "of": "panel.timeline"},
   {"click": "why.title"},
   {"wait_for": {"probe_frame": 118}},
-  {"click": "objects.row.5"},
+  {"click": "objects.row.6"},
   {"wait_frames": 60},
   {"screenshot": "why.png"},
   {"screenshot": "panel-why.png", "of": "panel.why"},
