@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/process/annotation_checks.h"
+#include "engine/session/annotation_checks.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "engine/annotation/check_frames.h"
-#include "engine/process/annotation_jobs.h"
+#include "engine/session/annotation_jobs.h"
 
 namespace plumbline {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "engine/geometry/gravity.h"
-#include "engine/process/annotation_placement_images.h"
-#include "engine/process/annotation_session.h"
+#include "engine/session/annotation_placement_images.h"
+#include "engine/session/annotation_session.h"
 
 namespace plumbline {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/process/annotation_placement_images.h"
+#include "engine/session/annotation_placement_images.h"
 
 #include <algorithm>
 #include <numbers>

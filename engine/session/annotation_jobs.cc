@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/process/annotation_jobs.h"
+#include "engine/session/annotation_jobs.h"
 
 #include <algorithm>
 #include <chrono>
@@ -13,7 +13,7 @@
 #include "engine/geometry/gravity.h"
 #include "engine/geometry/vertex_clustering.h"
 #include "engine/models/mesh_file.h"
-#include "engine/process/small_picture.h"
+#include "engine/render/small_picture.h"
 
 namespace plumbline {
 namespace {
