@@ -53,13 +53,8 @@ Result<InstanceImages> ReadInstanceImages(const std::shared_ptr<const Sequence>&
   CheckFrameOptions options;
   options.frames = kFrames;
   options.max_candidates = 150;
-  const auto frames = ChooseCheckFrames(*sequence, document, **model, found->scan_from_object,
-                                        scene.OccludersOf(document, instance), options, work);
-  if (!frames) return frames.error();
-  if (frames->empty()) return images;
-  std::vector<int> indices;
-  for (const CheckFrame& frame : *frames) indices.push_back(frame.frame);
-  auto read = AnnotationImages::Load(sequence, document, indices, "", work);
+  auto read = LoadCheckImages(sequence, document, **model, found->scan_from_object,
+                              scene.OccludersOf(document, instance), options, "", work);
   if (!read) return read.error();
   images.images = std::move(*read);
   return images;
