@@ -7,7 +7,7 @@
 #include <string>
 
 #include "app/workspace.h"
-#include "engine/process/annotation_process.h"
+#include "engine/runtime/annotation_process.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/panel.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/engine/process/annotation_session_fixture.h"
+#include "tests/engine/session/annotation_session_fixture.h"
 
 #include <cstdlib>
 #include <fstream>

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "engine/annotation/crop_models.h"
-#include "engine/process/annotation_session.h"
-#include "engine/process/small_picture.h"
+#include "engine/render/small_picture.h"
+#include "engine/session/annotation_session.h"
 
 namespace plumbline {
 namespace {

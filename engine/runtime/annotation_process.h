@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "engine/base/queue.h"
-#include "engine/process/annotation_session.h"
+#include "engine/session/annotation_session.h"
 
 namespace plumbline {
 

@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "engine/geometry/gravity.h"
-#include "engine/process/annotation_placement_images.h"
-#include "engine/process/annotation_session.h"
+#include "engine/session/annotation_session.h"
 
 namespace plumbline {
 
@@ -115,15 +114,16 @@ void AnnotationSession::QueuePlacement(PlacementTask task, int model, std::strin
   placement.model = model;
   placement.instance = std::move(instance);
   view_.placement = placement;
-  std::optional<PlacementImages> images;
+  std::optional<PlacementQuestion> images;
   if (sequence_ != nullptr && outlines_ != nullptr) {
-    images = PlacementImages{sequence_,
-                             outlines_,
-                             project_->document(),
-                             view_.Model(model)->name,
-                             task.up_in_scan,
-                             task.floor_in_scan ? FreeMotion::kAzimuthAndHorizontal
-                                                : FreeMotion::kAzimuthAndTranslation};
+    images = PlacementQuestion{sequence_,
+                               outlines_,
+                               project_->document(),
+                               view_.Model(model)->name,
+                               placement.instance,
+                               task.up_in_scan,
+                               task.floor_in_scan ? FreeMotion::kAzimuthAndHorizontal
+                                                  : FreeMotion::kAzimuthAndTranslation};
   }
   Propose({"Trying 24 azimuths", true,
            [task = std::move(task), images = std::move(images), placement](

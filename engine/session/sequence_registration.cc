@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/process/sequence_registration.h"
+#include "engine/session/sequence_registration.h"
 
 #include "engine/models/mesh_file.h"
 #include "engine/recording/run_summary.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/process/annotation_jobs.h"
+#include "engine/session/annotation_jobs.h"
 
 #include <algorithm>
 #include <chrono>
@@ -13,14 +13,14 @@
 #include "engine/geometry/gravity.h"
 #include "engine/geometry/vertex_clustering.h"
 #include "engine/models/mesh_file.h"
-#include "engine/process/small_picture.h"
+#include "engine/registration/model_refinement.h"
+#include "engine/render/small_picture.h"
 
 namespace plumbline {
 namespace {
 
 constexpr std::size_t kFineVertices = 400'000, kCoarseVertices = 140'000;
 constexpr int kPictureWidth = 208, kPictureHeight = 156;
-constexpr double kFarShare = 0.6;  ///< Of the search radius.
 constexpr double kResidualReach_m = 0.1;
 constexpr std::size_t kShownFloorPoints = 12'000;
 
@@ -38,79 +38,53 @@ TriangleMesh PartOf(const TriangleMesh& scan, const Eigen::Vector3d& center, dou
   return part;
 }
 
-std::pair<double, double> Deviations(const PoseCovariance& covariance, const Eigen::Vector3d& up) {
-  const Eigen::Matrix3d turn = covariance.bottomRightCorner<3, 3>();
-  return {std::sqrt(std::max(0.0, covariance.topLeftCorner<3, 3>().trace())),
-          std::sqrt(std::max(0.0, up.dot(turn * up)))};
-}
-
 PlacementCandidate CandidateOf(const AlignCandidate& found, const Eigen::Vector3d& up) {
   PlacementCandidate candidate;
   candidate.scan_from_object = found.scan_from_model;
   candidate.fitness = found.fitness;
   candidate.rmse_m = found.rmse_m;
   candidate.azimuth_rad = UprightFrame(-up).Azimuth(found.scan_from_model.linear());
-  std::tie(candidate.position_std_m, candidate.azimuth_std_rad) = Deviations(found.covariance, up);
+  const PoseDeviations deviations = DeviationsOf(found.covariance, up);
+  candidate.position_std_m = deviations.position_m;
+  candidate.azimuth_std_rad = deviations.azimuth_rad;
   candidate.same_by_symmetry = found.same_by_symmetry;
   return candidate;
 }
 
-/// Onto the floor exactly, and along it to where it fits best there: floors are flat, and scans of
-/// them less so. Only what stands on it already, within 3 cm.
-void SetOnFloor(const PlacementTask& task, const AlignmentCrop& crop, AlignCandidate& found) {
-  constexpr double kWithin_m = 0.02;
-  constexpr int kMaxIterations = 20;
-  const Eigen::Vector3d up = task.floor_in_scan->head<3>();
-  const double height_m = up.dot(found.scan_from_model.translation()) + (*task.floor_in_scan)[3];
-  if (!found.stands || std::abs(height_m) > kStandsWithin_m) return;
-  found.scan_from_model.translation() -= height_m * up;
-  ConstrainedPose pose(found.scan_from_model, up, FreeMotion::kAzimuthAndHorizontal);
-  const FineAlignment fine =
-      AlignFinely(crop, *task.surface, IcpResidual::kPointToPlane, kMaxIterations, pose);
-  found.scan_from_model = pose.scan_from_model();
-  found.covariance = fine.covariance;
-  const AlignmentFit fit = Measure(crop, *task.surface, found.scan_from_model, kWithin_m);
-  found.fitness = fit.fitness;
-  found.rmse_m = fit.rmse_m;
-}
-
-/// Of what came to the same place on the floor the first stays.
-void DropSame(std::vector<PlacementCandidate>& candidates) {
-  constexpr double kSame_m = 0.01, kSame_rad = 0.02;
-  std::vector<PlacementCandidate> distinct;
-  for (PlacementCandidate& candidate : candidates) {
-    const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const auto& other) {
-      const Eigen::Isometry3d moved = other.scan_from_object.inverse() * candidate.scan_from_object;
-      return moved.translation().norm() < kSame_m &&
-             Eigen::AngleAxisd(moved.linear()).angle() < kSame_rad;
-    });
-    if (!known) distinct.push_back(std::move(candidate));
+std::vector<double> AgreementsOf(const PlacementView& placement) {
+  std::vector<double> agreements;
+  for (const PlacementCandidate& candidate : placement.candidates) {
+    agreements.push_back(candidate.agreement.value_or(0));
   }
-  candidates = std::move(distinct);
+  return agreements;
 }
 
-/// What changed, split as people think of it.
-void Compare(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to, const Eigen::Vector3d& up,
-             RefinementView& refinement) {
-  const UprightFrame frame(-up);
-  const Eigen::Vector3d moved = to.translation() - from.translation();
-  refinement.height_m = moved.dot(up);
-  refinement.horizontal_m = (moved - refinement.height_m * up).norm();
-  refinement.azimuth_rad = WrapAngle(frame.Azimuth(to.linear()) - frame.Azimuth(from.linear()));
-  refinement.tilt_rad = frame.Tilt(to.linear()) - frame.Tilt(from.linear());
+/// The candidate that the images clearly prefer comes first; the others stay in their order.
+void PutBestFirst(PlacementView& placement) {
+  const std::size_t best = PreferredByImages(AgreementsOf(placement));
+  if (best == 0) return;
+  const auto first = placement.candidates.begin();
+  std::rotate(first, first + static_cast<std::ptrdiff_t>(best),
+              first + static_cast<std::ptrdiff_t>(best) + 1);
+  placement.by_images = true;
 }
 
-std::shared_ptr<const std::vector<float>> Residuals(const PlacementTask& task,
-                                                    const Eigen::Isometry3d& scan_from_object) {
-  auto residuals = std::make_shared<std::vector<float>>();
-  residuals->reserve(task.mesh->vertices.size());
-  const Eigen::Isometry3f pose = scan_from_object.cast<float>();
-  for (const Eigen::Vector3f& vertex : task.mesh->vertices) {
-    const auto found = task.target->tree().Nearest(pose * vertex);
-    const float distance = std::sqrt(found.squared_distance);
-    residuals->push_back(distance < kResidualReach_m ? distance : -1.0f);
-  }
-  return residuals;
+void Show(const PlacementTask& task, const ModelRefinement& now, RefinementView& view) {
+  view.iteration = now.iterations;
+  view.converged = now.converged;
+  view.scan_from_object = now.scan_from_model;
+  view.fitness = now.fit.fitness;
+  view.rmse_m = now.fit.rmse_m;
+  view.fitness_before = now.before.fitness;
+  view.rmse_before_m = now.before.rmse_m;
+  const PoseChange change =
+      ChangeBetween(task.scan_from_object, now.scan_from_model, task.up_in_scan);
+  view.azimuth_rad = change.azimuth_rad;
+  view.horizontal_m = change.horizontal_m;
+  view.height_m = change.height_m;
+  view.tilt_rad = change.tilt_rad;
+  view.residuals_m = std::make_shared<const std::vector<float>>(
+      DistancesToScan(*task.target, task.mesh->vertices, now.scan_from_model, kResidualReach_m));
 }
 
 }  // namespace
@@ -136,16 +110,9 @@ void FindPlacements(const PlacementTask& task, const WorkContext& work, Placemen
   if (work.stop.stop_requested()) return;
   if (found) {
     placement.symmetry_order = found->symmetry_order;
-    if (task.stands && task.floor_in_scan) {
-      const AlignmentCrop crop = CropScan(*task.target, *task.surface, task.scan_from_object,
-                                          task.up_in_scan, options.search_m);
-      tbb::parallel_for(std::size_t{0}, found->candidates.size(),
-                        [&](std::size_t i) { SetOnFloor(task, crop, found->candidates[i]); });
-    }
     for (const AlignCandidate& candidate : found->candidates) {
       placement.candidates.push_back(CandidateOf(candidate, task.up_in_scan));
     }
-    DropSame(placement.candidates);
   } else {
     placement.problem = found.error().message;
     PlacementCandidate as_clicked;
@@ -175,64 +142,63 @@ void AddPictures(const PlacementTask& task, PlacementView& placement) {
   });
 }
 
+void ComparePlacements(const PlacementQuestion& question, const Eigen::Isometry3d& start,
+                       const WorkContext& work,
+                       const std::function<void(const PlacementView&)>& changed,
+                       PlacementView& placement) {
+  if (placement.candidates.empty()) return;
+  const auto images = PlacementImages::Choose(question, start, work);
+  if (!images) return;
+  for (PlacementCandidate& candidate : placement.candidates) {
+    if (work.stop.stop_requested()) return;
+    candidate.agreement = images->Agreement(candidate.scan_from_object);
+  }
+  placement.images = images->size();
+  PutBestFirst(placement);
+  if (AnyAgrees(AgreementsOf(placement))) return;
+  placement.searching = true;
+  changed(placement);
+  const auto found = images->Search(start, work);
+  placement.searching = false;
+  if (!found || !Convinces(found->agreement, AgreementsOf(placement))) return;
+  PlacementCandidate candidate;
+  candidate.scan_from_object = found->scan_from_object;
+  candidate.azimuth_rad =
+      UprightFrame(-question.up_in_scan).Azimuth(found->scan_from_object.linear());
+  candidate.agreement = found->agreement;
+  candidate.from_images = true;
+  placement.candidates.push_back(std::move(candidate));
+  PutBestFirst(placement);
+}
+
 void SetDeviations(const PoseCovariance& covariance, const Eigen::Vector3d& up_in_scan,
                    RefinementView& refinement) {
-  const Eigen::Matrix3d place = covariance.topLeftCorner<3, 3>();
-  const double height = std::max(0.0, up_in_scan.dot(place * up_in_scan));
-  constexpr double kRounding_m = 1e-9;
-  refinement.height_std_m = std::sqrt(height) < kRounding_m ? 0 : std::sqrt(height);
-  refinement.horizontal_std_m = std::sqrt(std::max(0.0, place.trace() - height));
-  refinement.azimuth_std_rad = Deviations(covariance, up_in_scan).second;
+  const PoseDeviations deviations = DeviationsOf(covariance, up_in_scan);
+  refinement.height_std_m = deviations.height_m;
+  refinement.horizontal_std_m = deviations.horizontal_m;
+  refinement.azimuth_std_rad = deviations.azimuth_rad;
 }
 
 void Refine(const PlacementTask& task, const WorkContext& work, int pace_ms,
             const std::function<void(const RefinementView&)>& step, RefinementView& refinement) {
-  constexpr double kReach_m = 0.1, kShrink = 0.7, kWithin_m = 0.02, kConverged = 2e-5;
-  constexpr int kMaxIterations = 40;
-  const Eigen::Vector3d& up = task.up_in_scan;
-  const AlignmentCrop crop =
-      CropScan(*task.target, *task.surface, task.scan_from_object, up, kReach_m);
-  ConstrainedPose pose(
-      task.scan_from_object, up,
-      task.floor_in_scan ? FreeMotion::kAzimuthAndHorizontal : FreeMotion::kAzimuthAndTranslation);
-  const AlignmentFit before = Measure(crop, *task.surface, task.scan_from_object, kWithin_m);
-  refinement.fitness_before = before.fitness;
-  refinement.rmse_before_m = before.rmse_m;
-  const auto show = [&] {
-    ++refinement.iteration;
-    refinement.scan_from_object = pose.scan_from_model();
-    Compare(task.scan_from_object, pose.scan_from_model(), up, refinement);
-    refinement.residuals_m = Residuals(task, pose.scan_from_model());
-    const AlignmentFit fit = Measure(crop, *task.surface, pose.scan_from_model(), kWithin_m);
-    refinement.fitness = fit.fitness;
-    refinement.rmse_m = fit.rmse_m;
+  const auto told = [&](const ModelRefinement& now) {
+    Show(task, now, refinement);
     step(refinement);
     std::this_thread::sleep_for(std::chrono::milliseconds(pace_ms));
   };
-  if (crop.fine.points.size() < 30) {
-    refinement.problem = "There is no scan around this object to align it to.";
-    show();
-    refinement.running = false;
-    return;
-  }
-  for (double reach = kReach_m; reach > kLeastCoarseReach_m; reach *= kShrink) {
-    if (work.stop.stop_requested()) return;
-    AlignCoarsely(crop, *task.surface, reach, pose, std::max(reach, kLeastCoarseReach_m));
-    show();
-  }
-  for (int i = 0; i < kMaxIterations && !refinement.converged; ++i) {
-    if (work.stop.stop_requested()) return;
-    const Eigen::Isometry3d last = pose.scan_from_model();
-    AlignFinely(crop, *task.surface, IcpResidual::kPointToPlane, 1, pose);
-    const double moved = (pose.scan_from_model().matrix() - last.matrix()).norm();
-    refinement.converged = moved < kConverged;
-    show();
-  }
-  const FineAlignment last = AlignFinely(crop, *task.surface, IcpResidual::kPointToPlane, 20, pose);
-  refinement.converged = refinement.converged || last.converged;
-  SetDeviations(last.covariance, up, refinement);
+  const auto refined = RefineModel(
+      *task.target, *task.surface, task.scan_from_object, task.up_in_scan,
+      task.floor_in_scan ? FreeMotion::kAzimuthAndHorizontal : FreeMotion::kAzimuthAndTranslation,
+      told, work);
+  if (!refined && refined.error().code == ErrorCode::kCancelled) return;
   refinement.running = false;
-  show();
+  if (!refined) {
+    refinement.problem = "There is no scan around this object to align it to.";
+    ModelRefinement none;
+    none.scan_from_model = task.scan_from_object;
+    return Show(task, none, refinement);
+  }
+  SetDeviations(refined->covariance, task.up_in_scan, refinement);
 }
 
 void ShowFloorPoints(const ScanTarget& target, FloorProposal& proposal) {

@@ -5,7 +5,7 @@
 #include "engine/annotation/crop_cut.h"
 #include "engine/annotation/crop_models.h"
 #include "engine/geometry/gravity.h"
-#include "engine/process/annotation_session.h"
+#include "engine/session/annotation_session.h"
 
 namespace plumbline {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/process/run_drafts.h"
+#include "engine/session/run_drafts.h"
 
 #include "engine/recording/run_summary.h"
 

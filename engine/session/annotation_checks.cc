@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/process/annotation_checks.h"
+#include "engine/session/annotation_checks.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "engine/annotation/check_frames.h"
-#include "engine/process/annotation_jobs.h"
+#include "engine/session/annotation_jobs.h"
 
 namespace plumbline {
 namespace {
@@ -53,13 +53,8 @@ Result<InstanceImages> ReadInstanceImages(const std::shared_ptr<const Sequence>&
   CheckFrameOptions options;
   options.frames = kFrames;
   options.max_candidates = 150;
-  const auto frames = ChooseCheckFrames(*sequence, document, **model, found->scan_from_object,
-                                        scene.OccludersOf(document, instance), options, work);
-  if (!frames) return frames.error();
-  if (frames->empty()) return images;
-  std::vector<int> indices;
-  for (const CheckFrame& frame : *frames) indices.push_back(frame.frame);
-  auto read = AnnotationImages::Load(sequence, document, indices, "", work);
+  auto read = LoadCheckImages(sequence, document, **model, found->scan_from_object,
+                              scene.OccludersOf(document, instance), options, "", work);
   if (!read) return read.error();
   images.images = std::move(*read);
   return images;

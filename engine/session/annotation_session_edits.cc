@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "engine/annotation/annotation_export.h"
-#include "engine/process/annotation_session.h"
-#include "engine/process/run_drafts.h"
+#include "engine/session/annotation_session.h"
+#include "engine/session/run_drafts.h"
 
 namespace plumbline {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/process/annotation_session.h"
+#include "engine/session/annotation_session.h"
 
 namespace plumbline {
 

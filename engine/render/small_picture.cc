@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/process/small_picture.h"
+#include "engine/render/small_picture.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of the session that looks at the images of the sequence.
-#include "engine/process/annotation_session.h"
+#include "engine/session/annotation_session.h"
 
 #include <utility>
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/annotation/placement_images.h"
 #include "engine/base/progress.h"
 #include "engine/geometry/mesh.h"
 #include "engine/registration/floor.h"
@@ -45,6 +46,15 @@ struct PlacementTask {
 /// Fills in candidates, which stand if the task says so, or where there is nothing to align to the
 /// start itself with the reason.
 void FindPlacements(const PlacementTask& task, const WorkContext& work, PlacementView& placement);
+
+/// Gives each candidate its agreement with the same few key frames. Where none agrees, the images
+/// alone are searched around `start`, and what convinces is added. Where the images clearly prefer
+/// a candidate to the first, it becomes the first. `changed` is called when there is something new
+/// to see. Without a frame that shows the place nothing changes.
+void ComparePlacements(const PlacementQuestion& question, const Eigen::Isometry3d& start,
+                       const WorkContext& work,
+                       const std::function<void(const PlacementView&)>& changed,
+                       PlacementView& placement);
 
 /// Draws the candidates that have no picture yet.
 void AddPictures(const PlacementTask& task, PlacementView& placement);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/process/annotation_process.h"
+#include "engine/runtime/annotation_process.h"
 
 #include <exception>
 #include <utility>

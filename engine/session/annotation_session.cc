@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/process/annotation_session.h"
+#include "engine/session/annotation_session.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/process/annotation_opening.h"
+#include "engine/session/annotation_opening.h"
 
 #include <algorithm>
 #include <array>

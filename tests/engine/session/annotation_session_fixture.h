@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/models/mesh_file.h"
-#include "engine/process/annotation_session.h"
+#include "engine/session/annotation_session.h"
 #include "tests/support/annotation_walk.h"
 #include "tests/support/test_data.h"
 

@@ -12,7 +12,7 @@
 #include "engine/models/mesh_file.h"
 #include "engine/models/model_move.h"
 #include "engine/snapshot/export_formats.h"
-#include "tests/engine/process/annotation_session_fixture.h"
+#include "tests/engine/session/annotation_session_fixture.h"
 #include "tests/support/meshes.h"
 
 namespace plumbline {
