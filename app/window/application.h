@@ -19,7 +19,7 @@
 #include "app/window/inspect/presenter.h"
 #include "app/window/inspect/what_if.h"
 #include "app/window/ui_script.h"
-#include "engine/process/mapping_process.h"
+#include "engine/runtime/mapping_process.h"
 #include "engine/snapshot/commands.h"
 #include "ui/common/palette.h"
 #include "ui/framework/frame_context.h"
