@@ -13,6 +13,7 @@
 #include "engine/dataset/trajectory.h"
 #include "engine/dataset/undistort.h"
 #include "engine/sensor/image_file.h"
+#include "engine/sensor/undistorter.h"
 
 namespace plumbline {
 namespace {
