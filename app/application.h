@@ -19,7 +19,7 @@
 #include "app/render_layout.h"
 #include "app/ui_script.h"
 #include "app/what_if.h"
-#include "engine/process/mapping_process.h"
+#include "engine/runtime/mapping_process.h"
 #include "engine/snapshot/commands.h"
 #include "ui/framework/frame_context.h"
 #include "ui/framework/gl_texture_store.h"

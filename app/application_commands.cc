@@ -10,7 +10,7 @@
 
 #include "app/application.h"
 #include "app/bookmarks.h"
-#include "engine/process/live_source.h"
+#include "engine/runtime/mapping_source.h"
 
 namespace plumbline {
 namespace {

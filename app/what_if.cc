@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <utility>
 
-#include "engine/process/live_source.h"
-#include "engine/process/option_history.h"
-#include "engine/process/run_difference.h"
+#include "engine/analysis/run_difference.h"
+#include "engine/recording/option_history.h"
 #include "engine/recording/run_file.h"
+#include "engine/runtime/mapping_source.h"
 
 namespace plumbline {
 namespace {

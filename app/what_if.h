@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/process/fork_process.h"
-#include "engine/process/mapping_process.h"
+#include "engine/runtime/fork_process.h"
+#include "engine/runtime/mapping_process.h"
 #include "ui/framework/frame_context.h"
 #include "ui/panels/fork_sheet.h"
 

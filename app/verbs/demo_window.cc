@@ -15,7 +15,7 @@ namespace {
 
 ApplicationOptions Options(const std::filesystem::path& sequence) {
   ApplicationOptions options;
-  LiveChoice live;
+  MappingChoice live;
   live.program_version = PLUMBLINE_VERSION;
   options.opener = SourceOpener(live, {});
   options.path = sequence.string();
