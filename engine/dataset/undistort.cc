@@ -11,6 +11,7 @@
 #include "engine/sensor/undistorter.h"
 
 namespace plumbline {
+
 EdgeMap UndistortEdges(const Camera& camera, const EdgeMap& recorded) {
   if (camera.distortion.empty() || recorded.empty()) return recorded;
   // Each edge pixel with its neighbour one pixel along the edge: the pair turns as the edge does.
@@ -65,7 +66,7 @@ Box2 UndistortBox(const Camera& camera, const Box2& recorded) {
     box.x1 = std::max(box.x1, static_cast<float>(point.x));
     box.y1 = std::max(box.y1, static_cast<float>(point.y));
   }
-  return box;
+  return box.x0 <= box.x1 ? box : Box2{};
 }
 
 }  // namespace plumbline

@@ -28,6 +28,7 @@ Result<ImuCalibration> ImuCalibrationFromJson(const nlohmann::json& json,
                       {"gravity_m_s2", &imu.gravity_m_s2, true},
                       {"saturation_gyro_rad_s", &gyro_limit, true},
                       {"saturation_accel_m_s2", &accel_limit, true}};
+  int known = 0;
   for (const Key& key : keys) {
     const auto found = json.find(key.name);
     if (found == json.end() || found->is_null()) continue;
@@ -37,7 +38,9 @@ Result<ImuCalibration> ImuCalibrationFromJson(const nlohmann::json& json,
                  (key.positive ? "positive" : "finite") + " number");
     }
     *key.value = found->get<double>();
+    ++known;
   }
+  if (known == 0) return bad("has none of the keys of an IMU, such as 'gyro_noise_density'");
   if (gyro_limit > 0) imu.saturation_gyro_rad_s = gyro_limit;
   if (accel_limit > 0) imu.saturation_accel_m_s2 = accel_limit;
   return imu;

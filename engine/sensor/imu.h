@@ -32,7 +32,7 @@ struct ImuCalibration {
 };
 
 /// Missing keys keep their defaults, which are those of a phone. Errors: kInvalidInput for a value
-/// that is not a number of its range. `file` is only for messages.
+/// that is not a number of its range, and where no key is known. `file` is only for messages.
 Result<ImuCalibration> ImuCalibrationFromJson(const nlohmann::json& json,
                                               const std::filesystem::path& file);
 

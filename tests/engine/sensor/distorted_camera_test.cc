@@ -101,7 +101,6 @@ TEST(DistortedCamera, UnprojectsEveryPixelOfItsImage) {
     for (int v = 0; v < camera.pinhole.height; v += 20) {
       for (int u = 0; u < camera.pinhole.width; u += 20) {
         const auto ray = lens.Unproject(Eigen::Vector2d(u, v));
-        if (!ray && camera.model == CameraModel::kFov) continue;  // its corners see no ray
         ASSERT_TRUE(ray) << CameraModelName(camera.model) << " " << u << " " << v;
         EXPECT_LT((lens.Project(*ray)->pixel - Eigen::Vector2d(u, v)).norm(), 1e-9);
       }

@@ -25,6 +25,7 @@ TEST(ImuCalibration, ReadsWhatIsThereAndKeepsDefaultsForTheRest) {
 
 TEST(ImuCalibration, RefusesWhatIsNoNumberOfItsRangeAndNamesTheFile) {
   for (const nlohmann::json& json : std::vector<nlohmann::json>{nlohmann::json::array(),
+                                                                {{"width", 640}},
                                                                 {{"rate_hz", 0}},
                                                                 {{"gyro_noise_density", "low"}},
                                                                 {{"accel_noise_density", -1}},
