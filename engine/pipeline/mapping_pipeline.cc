@@ -147,6 +147,7 @@ struct MappingPipeline::Impl {
   PipelineChoice choice;
   std::shared_ptr<const Sequence> sequence;
   std::unique_ptr<RecordedSource> source;  ///< Next is called by the thread below alone.
+  std::string poses = kDatasetPoses;       ///< What they are, for the run file.
   std::shared_ptr<const ModelDatabase> database;
   std::unique_ptr<FramePreparer> preparer;
   std::mutex preparer_mutex;
@@ -237,9 +238,16 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineCho
                                                                const WorkContext& work) {
   auto impl = std::make_unique<Impl>();
   impl->choice = choice;
-  Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(choice.sequence);
+  SequenceOptions poses;
+  if (choice.poses != kDatasetPoses) poses.poses = choice.poses;
+  Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(choice.sequence, poses);
   if (!sequence.ok()) return sequence.error();
   impl->sequence = *sequence;
+  if (!poses.poses.empty()) {
+    const Result<std::string> hash = HashFile(poses.poses);
+    if (!hash.ok()) return hash.error();
+    impl->poses = "trajectory " + hash.value();
+  }
   impl->source = std::make_unique<FolderSource>(*sequence, false);
   const Sequence& frames = *impl->sequence;
   if (!frames.has_images()) {
@@ -247,7 +255,7 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineCho
                                                "' has no images (there is no folder color/); "
                                                "objects are mapped from images"};
   }
-  if (Status status = CheckHasPoses(frames); !status.ok()) return status.error();
+  if (Status status = CheckHasPoses(frames, poses.poses); !status.ok()) return status.error();
   if (!frames.gravity_in_world()) {
     return Error{ErrorCode::kInvalidInput,
                  "'" + choice.sequence.string() +
@@ -310,6 +318,7 @@ const PipelineChoice& MappingPipeline::choice() const { return impl_->choice; }
 std::string MappingPipeline::detector_description() const {
   return impl_->preparer->detector_description();
 }
+const std::string& MappingPipeline::poses_description() const { return impl_->poses; }
 std::string MappingPipeline::edges_description() const {
   return impl_->preparer->edges_description();
 }

@@ -106,8 +106,13 @@ Result<std::optional<Packet>> FolderSource::Next(const std::stop_token& stop) {
   return packet;
 }
 
-Status CheckHasPoses(const Sequence& sequence) {
+Status CheckHasPoses(const Sequence& sequence, const std::filesystem::path& poses) {
   if (NumPosedFrames(sequence) > 0) return {};
+  if (!poses.empty()) {
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + poses.string() + "' has no pose within half a period of any frame of '" +
+                     sequence.path().string() + "'; both must have the same clock"};
+  }
   return Error{ErrorCode::kInvalidInput,
                "'" + sequence.path().string() +
                    "' has no camera poses; give a trajectory with --poses FILE"};

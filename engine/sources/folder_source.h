@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -40,8 +41,9 @@ class FolderSource : public RecordedSource {
   bool ended_ = false;
 };
 
+/// @param poses  The trajectory that the sequence was opened with; empty: its own poses.
 /// Errors: kInvalidInput where no frame of the sequence has a pose: a sentence that names the
 /// remedy.
-Status CheckHasPoses(const Sequence& sequence);
+Status CheckHasPoses(const Sequence& sequence, const std::filesystem::path& poses = {});
 
 }  // namespace plumbline

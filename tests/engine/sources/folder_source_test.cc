@@ -113,6 +113,10 @@ TEST_F(Folder, WithoutPosesNamesTheRemedy) {
   ASSERT_FALSE(status.ok());
   EXPECT_THAT(status.error().message, HasSubstr("--poses FILE"));
   EXPECT_THAT(status.error().message, HasSubstr(root_.string()));
+  const std::filesystem::path other = folder_.path() / "poses.txt";
+  WriteText(other, "900 0 0 0 0 0 0 1\n");
+  const auto elsewhere = OpenSequence(root_, {.poses = other}).value();
+  EXPECT_THAT(CheckHasPoses(*elsewhere, other).error().message, HasSubstr("the same clock"));
   FolderSource source = Open();
   EXPECT_THAT(All(source), testing::Not(testing::Contains(HasSubstr("pose"))));
 }
