@@ -7,8 +7,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "engine/analysis/run_review.h"
 #include "engine/evaluation/map_evaluation.h"
-#include "engine/process/run_review.h"
 
 namespace plumbline {
 

@@ -19,8 +19,8 @@
 #include "engine/base/files.h"
 #include "engine/base/log.h"
 #include "engine/models/mesh_file.h"
-#include "engine/process/mapping_pipeline.h"
-#include "engine/process/run_drafts.h"
+#include "engine/pipeline/mapping_pipeline.h"
+#include "engine/session/run_drafts.h"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
-#include "engine/process/run_difference.h"
+#include "engine/analysis/run_difference.h"
 
 namespace plumbline {
 namespace {

@@ -12,7 +12,7 @@
 #include "app/verbs/demo_sequence.h"
 #include "app/verbs/demo_window.h"
 #include "app/verbs/verb.h"
-#include "engine/process/mapping_pipeline.h"
+#include "engine/pipeline/mapping_pipeline.h"
 
 namespace plumbline {
 namespace {

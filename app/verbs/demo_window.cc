@@ -5,17 +5,17 @@
 
 #include <cstdio>
 
-#include "app/application.h"
-#include "app/film.h"
+#include "app/film/film.h"
 #include "app/platform/virtual_display.h"
 #include "app/verbs/open_source.h"
+#include "app/window/application.h"
 
 namespace plumbline {
 namespace {
 
 ApplicationOptions Options(const std::filesystem::path& sequence) {
   ApplicationOptions options;
-  LiveChoice live;
+  MappingChoice live;
   live.program_version = PLUMBLINE_VERSION;
   options.opener = SourceOpener(live, {});
   options.path = sequence.string();

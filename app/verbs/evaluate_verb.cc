@@ -6,10 +6,10 @@
 #include <optional>
 
 #include "app/verbs/verb.h"
+#include "engine/analysis/run_review.h"
 #include "engine/base/log.h"
 #include "engine/evaluation/map_evaluation.h"
 #include "engine/models/mesh_file.h"
-#include "engine/process/run_review.h"
 #include "engine/recording/run_summary.h"
 #include "engine/snapshot/calibration.h"
 

@@ -6,7 +6,7 @@
 namespace plumbline {
 
 std::function<MappingProcess::OpenSource(const std::string& path, const std::string& models)>
-SourceOpener(const LiveChoice& live, const RunChoice& run) {
+SourceOpener(const MappingChoice& live, const RunChoice& run) {
   return [live, run](const std::string& path,
                      const std::string& models) -> MappingProcess::OpenSource {
     return [live, run, path,
@@ -17,7 +17,7 @@ SourceOpener(const LiveChoice& live, const RunChoice& run) {
         if (!models.empty()) choice.models = models;
         return OpenRunSource(choice, work);
       }
-      LiveChoice choice = live;
+      MappingChoice choice = live;
       choice.pipeline.sequence = path;
       if (!models.empty()) choice.pipeline.models = models;
       if (path == kDemoPath) {
@@ -25,7 +25,7 @@ SourceOpener(const LiveChoice& live, const RunChoice& run) {
         if (!demo.ok()) return demo.error();
         choice.pipeline.sequence = *demo;
       }
-      return OpenLiveSource(choice, work);
+      return OpenMappingSource(choice, work);
     };
   };
 }

@@ -4,15 +4,15 @@
 #include <functional>
 #include <string>
 
-#include "engine/process/live_source.h"
-#include "engine/process/mapping_process.h"
-#include "engine/process/run_source.h"
+#include "engine/runtime/mapping_process.h"
+#include "engine/runtime/mapping_source.h"
+#include "engine/runtime/run_source.h"
 
 namespace plumbline {
 
 /// How the window opens a path: run files by their ending, kDemoPath, everything else as a
 /// sequence.
 std::function<MappingProcess::OpenSource(const std::string& path, const std::string& models)>
-SourceOpener(const LiveChoice& live, const RunChoice& run);
+SourceOpener(const MappingChoice& live, const RunChoice& run);
 
 }  // namespace plumbline

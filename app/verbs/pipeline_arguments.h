@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "engine/base/result.h"
-#include "engine/process/mapping_pipeline.h"
+#include "engine/pipeline/mapping_pipeline.h"
 
 namespace plumbline {
 

@@ -11,10 +11,10 @@
 #include "app/verbs/pipeline_arguments.h"
 #include "app/verbs/verb.h"
 #include "engine/base/timer.h"
-#include "engine/process/mapping_pipeline.h"
-#include "engine/process/option_history.h"
-#include "engine/process/run_fork.h"
+#include "engine/pipeline/mapping_pipeline.h"
+#include "engine/recording/option_history.h"
 #include "engine/recording/run_file.h"
+#include "engine/recording/run_fork.h"
 #include "engine/recording/run_summary.h"
 
 namespace plumbline {
@@ -39,7 +39,7 @@ std::string Now() {
 /// @param summary  Gets every report that a fork takes over.
 Result<std::unique_ptr<RunWriter>> OpenWriter(const RunArguments& arguments,
                                               MappingPipeline& pipeline, RunSummary& summary) {
-  RunHeader header = pipeline.header();
+  RunHeader header = HeaderOf(pipeline);
   header.forked_after = arguments.at;
   header.program_version = PLUMBLINE_VERSION;
   header.started = Now();
@@ -124,7 +124,8 @@ Status Run(RunArguments& arguments) {
                 summary.frames() / seconds, arguments.out.c_str());
   }
   if (!arguments.json.empty()) {
-    if (Status status = WriteJsonResult(arguments.json, summary.ToJson(pipeline.header(), seconds));
+    if (Status status =
+            WriteJsonResult(arguments.json, summary.ToJson(HeaderOf(pipeline), seconds));
         !status.ok())
       return status;
   }

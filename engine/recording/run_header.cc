@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "engine/base/files.h"
+#include "engine/pipeline/mapping_pipeline.h"
 #include "engine/sensor/camera.h"
 
 namespace plumbline {
@@ -30,6 +31,31 @@ Vector FromArray(const nlohmann::json& json) {
 }
 
 }  // namespace
+
+RunHeader HeaderOf(const MappingPipeline& pipeline) {
+  const PipelineChoice& choice = pipeline.choice();
+  const Sequence& sequence = pipeline.sequence();
+  const ModelDatabase& database = *pipeline.database();
+  RunHeader header;
+  header.options = OptionsToJson(choice.options);
+  header.seed = choice.seed;
+  header.sequence_path = std::filesystem::absolute(choice.sequence).string();
+  header.sequence_hash = SequenceFingerprint(sequence);
+  header.models_path = std::filesystem::absolute(database.folder()).string();
+  header.models_hash = database.content_hash();
+  header.detector = pipeline.detector_description();
+  header.edges = pipeline.edges_description();
+  for (const CadModel& model : database.models())
+    header.models.push_back({model.name, model.category});
+  header.gravity_in_world = *sequence.gravity_in_world();
+  header.floor_in_world = sequence.floor_in_world();
+  header.camera = sequence.camera();
+  header.rate_hz = sequence.rate_hz();
+  header.first_frame = choice.frames.begin;
+  header.end_frame = pipeline.end_frame();
+  header.frame_step = choice.frames.step;
+  return header;
+}
 
 nlohmann::json HeaderToJson(const RunHeader& header) {
   nlohmann::json models = nlohmann::json::array();

@@ -15,6 +15,8 @@
 
 namespace plumbline {
 
+class MappingPipeline;
+
 /// A model as a run names it; its index in the header is the shape label.
 struct RunModel {
   std::string name;
@@ -42,6 +44,9 @@ struct RunHeader {
   std::optional<int> forked_after;
   std::string started;  ///< Wall-clock time in words; says nothing about the result.
 };
+
+/// What a run file says of a run of `pipeline`; the caller adds program version and time.
+RunHeader HeaderOf(const MappingPipeline& pipeline);
 
 nlohmann::json HeaderToJson(const RunHeader& header);
 /// Errors: kCorrupt, with what is wrong but no file name.

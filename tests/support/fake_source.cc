@@ -12,7 +12,7 @@
 
 #include "engine/base/random.h"
 #include "engine/geometry/gravity.h"
-#include "engine/process/history.h"
+#include "engine/analysis/history.h"
 
 namespace plumbline {
 namespace {

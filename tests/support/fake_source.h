@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/process/snapshot_source.h"
+#include "engine/runtime/snapshot_source.h"
 
 namespace plumbline {
 

@@ -11,7 +11,7 @@
 
 #include "engine/base/files.h"
 #include "engine/evaluation/pose_error.h"
-#include "engine/process/mapping_pipeline.h"
+#include "engine/pipeline/mapping_pipeline.h"
 #include "engine/synthetic/sequence_writer.h"
 
 namespace plumbline {

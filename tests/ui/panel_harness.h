@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/process/snapshot_source.h"
+#include "engine/runtime/snapshot_source.h"
 #include "engine/snapshot/commands.h"
 #include "ui/framework/panel.h"
 #include "ui/framework/scene_surface.h"

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/analysis/run_difference.h"
+
+#include <map>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "engine/analysis/history.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+std::vector<ObjectDifference> Objects(const RunReview& a, const RunReview& b) {
+  std::vector<ObjectDifference> out;
+  for (const ObjectPair& pair : PairObjects(a.last, b.last, a.view.up_in_world)) {
+    ObjectDifference difference{pair, {}, {}};
+    if (pair.a != nullptr) difference.error_a = ErrorOf(*pair.a, a.view);
+    if (pair.b != nullptr) difference.error_b = ErrorOf(*pair.b, b.view);
+    out.push_back(difference);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> DifferentSettings(const RunHeader& a, const RunHeader& b) {
+  std::vector<std::string> out;
+  const auto compare = [&](const std::string& name, const std::string& x, const std::string& y) {
+    if (x != y) out.push_back(name + ": " + x + " / " + y);
+  };
+  compare("seed", std::to_string(a.seed), std::to_string(b.seed));
+  // Where a sequence lies says nothing; its hash is compared below.
+  const auto kind = [](const std::string& description) {
+    return description.starts_with("dataset ") ? std::string("dataset") : description;
+  };
+  compare("edges", kind(a.edges), kind(b.edges));
+  compare("detector", kind(a.detector), kind(b.detector));
+  compare("poses", a.poses, b.poses);
+  compare("sequence", a.sequence_hash == b.sequence_hash ? "" : a.sequence_path,
+          a.sequence_hash == b.sequence_hash ? "" : b.sequence_path);
+  compare("program", a.program_version, b.program_version);
+  const auto options_a = a.options.flatten(), options_b = b.options.flatten();
+  std::map<std::string, std::pair<std::string, std::string>> all;
+  for (const auto& [key, value] : options_a.items()) all[key].first = value.dump();
+  for (const auto& [key, value] : options_b.items()) all[key].second = value.dump();
+  for (const auto& [key, values] : all) {
+    const auto text = [](const std::string& value) {
+      return value.empty() ? std::string("(none)") : value;
+    };
+    compare(key.empty() ? "options" : key.substr(1), text(values.first), text(values.second));
+  }
+  return out;
+}
+
+std::vector<std::string> ChangesOnTheWay(const char* run, const RunHeader& header,
+                                         const std::vector<RunEvent>& events) {
+  std::vector<std::string> out;
+  for (const RunEvent& event : events) {
+    // What a fork took over is that of another run.
+    if (event.event.kind == EventKind::kOptionsChanged &&
+        event.frame > header.forked_after.value_or(-1))
+      out.push_back(std::string(run) + " run, from frame " + std::to_string(event.frame) + ": " +
+                    event.event.text);
+  }
+  return out;
+}
+
+Result<RunDifference> CompareRuns(const RunReview& a, const RunReview& b) {
+  if (a.header.models != b.header.models)
+    return Error{ErrorCode::kInvalidInput,
+                 "the two runs were made with different models; nothing can be compared"};
+  RunDifference out;
+  out.settings = DifferentSettings(a.header, b.header);
+  for (const auto& changes :
+       {ChangesOnTheWay("first", a.header, a.events), ChangesOnTheWay("other", b.header, b.events)})
+    out.settings.insert(out.settings.end(), changes.begin(), changes.end());
+  std::set<int> frames;
+  for (const auto& frame : a.history.frames) frames.insert(frame->frame);
+  for (const auto& frame : b.history.frames) out.common_frames += int(frames.count(frame->frame));
+  out.first_frame = FirstDifference(a.history, b.history);
+  out.objects = Objects(a, b);
+  out.stages = CompareStages(a.history, b.history);
+  return out;
+}
+
+nlohmann::json DifferenceToJson(const RunDifference& difference, const RunReview& a,
+                                const RunReview& b) {
+  const auto side = [](const RunReview& review, const ObjectReport* object,
+                       const std::optional<TruthError>& error) -> nlohmann::json {
+    if (object == nullptr) return nullptr;
+    const auto label = static_cast<std::size_t>(object->label.value);
+    nlohmann::json json = {
+        {"id", object->id.value},
+        {"model", label < review.header.models.size() ? review.header.models[label].name : ""}};
+    if (error)
+      json.update({{"ground_truth", error->truth},
+                   {"translation_m", error->translation_m},
+                   {"azimuth_deg", kDegrees * error->azimuth_rad}});
+    return json;
+  };
+  nlohmann::json objects = nlohmann::json::array(), stages = nlohmann::json::object();
+  for (const ObjectDifference& o : difference.objects)
+    objects.push_back({{"a", side(a, o.a, o.error_a)},
+                       {"b", side(b, o.b, o.error_b)},
+                       {"distance_m", o.distance_m},
+                       {"azimuth_deg", kDegrees * o.azimuth_rad}});
+  for (const StageDifference& s : difference.stages)
+    stages[s.stage] = {{"a", s.mean_a_ms}, {"b", s.mean_b_ms}};
+  return {{"settings", difference.settings},
+          {"common_frames", difference.common_frames},
+          {"first_difference",
+           difference.first_frame ? nlohmann::json(*difference.first_frame) : nlohmann::json()},
+          {"objects", objects},
+          {"timings_ms", stages}};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/analysis/run_review.h"
+
+#include <utility>
+
+#include "engine/analysis/history.h"
+#include "engine/analysis/sequence_view.h"
+#include "engine/base/log.h"
+#include "engine/dataset/ground_truth.h"
+
+namespace plumbline {
+namespace {
+
+Result<SequenceView> ViewOfRun(const RunChoice& choice, const std::filesystem::path& ground_truth,
+                               const RunHeader& header, const ModelDatabase& database) {
+  const std::filesystem::path path =
+      choice.sequence.empty() ? std::filesystem::path(header.sequence_path) : choice.sequence;
+  auto sequence = OpenSequence(path);
+  if (!sequence.ok() && !choice.sequence.empty()) return sequence.error();
+  SequenceView view = sequence.ok() ? MakeViewWithoutScan(**sequence, database)
+                                    : ViewWithoutSequence(header, database);
+  if (!sequence.ok()) log::warn("{}; --sequence names another folder", sequence.error().message);
+  if (ground_truth.empty()) return view;
+  const Result<GroundTruth> truth = ReadGroundTruth(ground_truth);
+  if (!truth.ok()) return truth.error();
+  view.truth.clear();
+  for (const GroundTruthInstance& instance : truth->instances)
+    view.truth.push_back({instance.id, instance.model, instance.world_from_object});
+  return view;
+}
+
+}  // namespace
+
+Result<RunReview> ReviewRun(const RunChoice& choice, const std::filesystem::path& ground_truth,
+                            const WorkContext& work) {
+  auto reader = RunReader::Open(choice.run);
+  if (!reader.ok()) return reader.error();
+  RunReview review;
+  review.header = (*reader)->header();
+  auto database = LoadModelsOfRun(choice, review.header);
+  if (!database.ok()) return database.error();
+  review.database = *database;
+  auto view = ViewOfRun(choice, ground_truth, review.header, **database);
+  if (!view.ok()) return view.error();
+  review.view = std::move(view).value();
+  auto events = (*reader)->Events();
+  if (!events.ok()) return events.error();
+  review.events = std::move(events).value();
+  auto timings = (*reader)->Timings();
+  if (!timings.ok()) return timings.error();
+  review.timings = std::move(timings).value();
+  auto tracks = (*reader)->ObjectTracks();
+  if (!tracks.ok()) return tracks.error();
+  review.tracks = std::move(tracks).value();
+  const auto count = (*reader)->NumFrames();
+  if (!count.ok()) return count.error();
+  for (int i = 0; i < *count; ++i) {
+    if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+    work.report({"Reading the run", i, *count});
+    auto frame = (*reader)->ReadFrameBrief(i);
+    if (!frame.ok()) return frame.error();
+    review.history.frames.push_back(
+        std::make_shared<const FrameSample>(SampleOf(*frame, review.view)));
+    if (frame->skipped.empty()) review.last = std::move(frame).value();
+  }
+  return review;
+}
+
+}  // namespace plumbline

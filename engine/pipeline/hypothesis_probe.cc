@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/pipeline/hypothesis_probe.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "engine/base/files.h"
+#include "engine/base/log.h"
+#include "engine/mapping/option_changes.h"
+#include "engine/pipeline/frame_pictures.h"
+#include "engine/pipeline/hypothesis_frame.h"
+#include "engine/snapshot/particle_rank.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kFarthestTruth_m = 1.5;
+constexpr double kSpurious_m = 0.5;  ///< Further off than evaluation pairs estimates with truth.
+/// A particle this near to the truth would have been enough.
+constexpr double kNear_m = 0.05, kNear_rad = 10 * kDegree;
+
+/// Whether it is the search or the likelihood, in words. The last two hypotheses are the particle
+/// nearest to the truth and the truth, if there is one.
+std::string VerdictOf(const ProbeView& view, bool has_truth) {
+  if (!has_truth) return "There is no true object of this category nearby to compare with.";
+  const ProbedHypothesis& mean = view.hypotheses.front();
+  const ProbedHypothesis& nearest = view.hypotheses[view.hypotheses.size() - 2];
+  const ProbedHypothesis& truth = view.hypotheses.back();
+  const double margin = 0.02 * std::abs(view.alpha + view.beta);
+  const bool near = *nearest.from_truth_m < kNear_m && *nearest.from_truth_rad < kNear_rad &&
+                    nearest.label == truth.label;
+  if (*mean.from_truth_m < kNear_m && *mean.from_truth_rad < kNear_rad) {
+    return "It is where it should be.";
+  }
+  if (*mean.from_truth_m > kSpurious_m) {
+    return fmt::format(
+        "Spurious: the nearest true object of this category is {:.0f} cm away; here the score is "
+        "{:.2f}, there {:.2f}.",
+        100 * *mean.from_truth_m, mean.score, truth.score);
+  }
+  if (truth.score <= mean.score + margin) {
+    return fmt::format(
+        "Likelihood: in this frame the wrong place scores {:.2f}, the truth {:.2f}. No search can "
+        "find what does not score; look at edges, model and truth.",
+        mean.score, truth.score);
+  }
+  if (!near) {
+    return fmt::format(
+        "Search: the truth would score {:.2f} against {:.2f}, but the nearest particle is {:.0f} "
+        "cm and {:.0f}\u00b0 away.",
+        truth.score, mean.score, 100 * *nearest.from_truth_m, *nearest.from_truth_rad / kDegree);
+  }
+  return fmt::format(
+      "Time: the truth scores better ({:.2f} against {:.2f}) and there are particles near it; "
+      "the weights have not followed yet.",
+      truth.score, mean.score);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<HypothesisProbe>> HypothesisProbe::Create(
+    const PinholeCamera& camera, std::shared_ptr<const ModelDatabase> database,
+    std::optional<Eigen::Vector4d> floor_in_world, const WorkContext& work) {
+  std::unique_ptr<HypothesisProbe> probe(new HypothesisProbe);
+  probe->camera_ = camera;
+  probe->database_ = database;
+  probe->floor_in_world_ = floor_in_world;
+  for (const CadModel& model : database->models()) {
+    auto views = ViewpointModel::LoadOrBuild(model, {}, CacheDirectory(), work);
+    if (!views.ok()) return views.error();
+    probe->viewpoints_.push_back(*views);
+  }
+  auto renderer = OcclusionRenderer::Create(database);
+  if (!renderer.ok()) return renderer.error();
+  probe->renderer_ = std::move(renderer).value();
+  probe->scorer_ = std::make_unique<ViewpointScorer>(probe->viewpoints_, database);
+  return probe;
+}
+
+std::vector<Likelihood> HypothesisProbe::Score(const Frame& frame, const HypothesisScorer& scorer,
+                                               std::span<const PoseHypothesis> hypotheses) const {
+  const float normalizer = &scorer == scorer_.get() ? frame.normalizer : frame.reference_normalizer;
+  return Evaluate(scorer, frame.view, frame.map, frame.detections.get(), hypotheses, normalizer,
+                  options_);
+}
+
+ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
+                                 const MapperOptions& options, const ProbeCommand& request) {
+  if (!DescribeOptionChanges(options_, options).empty()) table_ = nullptr;
+  options_ = options;
+  ProbeView view;
+  view.frame = snapshot.report.frame;
+  view.object = request.object;
+  view.alpha = options_.alpha;
+  view.beta = options_.beta;
+  view.search_radius_px = static_cast<float>(options_.search_radius_px);
+  Frame frame{{UprightFrame(-sequence.up_in_world), floor_in_world_, database_}};
+  for (const ObjectReport& object : snapshot.report.objects) {
+    if (object.id == request.object) frame.object = &object;
+  }
+  const auto nothing = [&](const char* why) {
+    view.message = why;
+    return view;
+  };
+  if (frame.object == nullptr) return nothing("The object is not in this frame.");
+  if (!snapshot.report.world_from_cam || snapshot.edge_probability.empty())
+    return nothing("Without the images of the sequence nothing can be scored again.");
+  if (frame.object->particles == nullptr || frame.object->particles->empty())
+    return nothing("The object has no particles in this frame.");
+
+  const EdgeMap edges{snapshot.edge_probability, snapshot.edge_angle};
+  if (table_frame_ != view.frame || table_ == nullptr) {
+    table_ = std::make_shared<const OrientedTable>(edges, TableOptions(options_));
+    table_frame_ = view.frame;
+  }
+  view.chance = static_cast<float>(table_->chance());
+  frame.view.camera = camera_;
+  frame.view.cam_from_world = snapshot.report.world_from_cam->inverse();
+  frame.view.table = table_.get();
+  std::vector<PlacedModel> others;
+  for (const ObjectReport& object : snapshot.report.objects) {
+    if (object.id != request.object && object.state == ObjectState::kConfirmed)
+      others.push_back({object.id, object.label, object.world_from_object});
+  }
+  frame.view.occluder_depth = renderer_->Render(camera_, frame.view.cam_from_world, others).depth;
+  frame.view.occlusion_margin_m = options_.occlusion_margin_m;
+  std::vector<Detection> proposals;
+  for (const ProposalReport& proposal : snapshot.report.proposals)
+    proposals.push_back({proposal.box, proposal.category, proposal.score});
+  frame.detections = DetectionsFromProposals(std::move(proposals));
+  for (const Particle& particle : *frame.object->particles)
+    frame.particles.push_back(ToHypothesis(particle, frame.object->world_from_reference_cam));
+  std::vector<HypothesisScore> scores(frame.particles.size());
+  scorer_->Score(frame.view, frame.map.upright, frame.particles, scores);
+  frame.normalizer = EdgeNormalizer(scores);
+  frame.reference_normalizer = frame.normalizer;
+
+  if (request.reference && reference_ == nullptr && !reference_failed_) {
+    auto made = RenderedScorer::Create(database_, {});
+    reference_failed_ = !made.ok();
+    if (made.ok()) reference_ = std::move(made).value();
+    if (!made.ok()) log::warn("no reference scorer: {}", made.error().message);
+  }
+  const HypothesisScorer* reference = request.reference ? reference_.get() : nullptr;
+  AddHypotheses(frame, sequence, request, view);
+  ScoreHypotheses(frame, reference, edges, view);
+  AddOutlines(frame, request.hovered, view);
+  AddSlices(frame, reference, view);
+  if (request.maps) {
+    const std::vector<Axis> axes = Axes(frame, view);
+    AddMap(frame, axes[0], axes[2], view);
+    AddMap(frame, axes[3], axes[2], view);
+  }
+  return view;
+}
+
+void HypothesisProbe::AddHypotheses(Frame& frame, const SequenceView& sequence,
+                                    const ProbeCommand& request, ProbeView& view) const {
+  const ObjectReport& object = *frame.object;
+  const auto add = [&](std::string name, const PoseHypothesis& pose, std::optional<int> particle,
+                       bool is_truth) {
+    ProbedHypothesis hypothesis;
+    hypothesis.name = std::move(name);
+    hypothesis.particle = particle;
+    hypothesis.is_truth = is_truth;
+    hypothesis.label = pose.label;
+    hypothesis.center_in_world = pose.center_in_world;
+    hypothesis.azimuth_rad = pose.azimuth_rad;
+    view.hypotheses.push_back(std::move(hypothesis));
+  };
+  PoseMode mean;
+  mean.label = object.label;
+  mean.world_from_object = object.world_from_object;
+  add("mean", ToHypothesis(mean, frame.map), std::nullopt, false);
+
+  double nearest_m = kFarthestTruth_m;
+  for (const SequenceView::Truth& truth : sequence.truth) {
+    const auto label = database_->Find(truth.model);
+    if (!label || database_->model(*label).category != object.category) continue;
+    const double distance_m =
+        (truth.world_from_object.translation() - object.world_from_object.translation()).norm();
+    if (distance_m >= nearest_m) continue;
+    nearest_m = distance_m;
+    frame.truth = &truth;
+    PoseMode mode;
+    mode.label = *label;
+    mode.world_from_object = truth.world_from_object;
+    frame.truth_hypothesis = ToHypothesis(mode, frame.map);
+  }
+
+  const std::vector<Particle>& particles = *object.particles;
+  const std::vector<int> by_rank = ByRank(particles, options_.alpha, options_.beta);
+  const auto add_particle = [&](const char* name, int index) {
+    add(fmt::format("{} ({})", name, index), frame.particles[static_cast<std::size_t>(index)],
+        index, false);
+  };
+  add_particle("best particle", by_rank.front());
+  add_particle("median particle", by_rank[by_rank.size() / 2]);
+  if (request.particle >= 0 && request.particle < static_cast<int>(particles.size()))
+    add_particle("particle", request.particle);
+  if (frame.truth == nullptr) return;
+  int nearest = 0;
+  double nearest_distance = 1e9;
+  view.nearest_particle_m = 1e9f;
+  for (std::size_t i = 0; i < frame.particles.size(); ++i) {
+    const PoseHypothesis& p = frame.particles[i];
+    const double meters = (p.center_in_world - frame.truth_hypothesis.center_in_world).norm();
+    const double turned = std::abs(frame.AzimuthFromTruth(p.azimuth_rad));
+    const double distance =
+        meters + 0.3 * turned + (p.label == frame.truth_hypothesis.label ? 0.0 : 0.1);
+    if (distance >= nearest_distance) continue;
+    nearest_distance = distance;
+    nearest = static_cast<int>(i);
+    view.nearest_particle_m = static_cast<float>(meters);
+  }
+  add_particle("nearest to truth", nearest);
+  add("truth " + frame.truth->id, frame.truth_hypothesis, std::nullopt, true);
+}
+
+void HypothesisProbe::ScoreHypotheses(const Frame& frame, const HypothesisScorer* reference,
+                                      const EdgeMap& edges, ProbeView& view) const {
+  std::vector<PoseHypothesis> poses;
+  for (const ProbedHypothesis& h : view.hypotheses)
+    poses.push_back({h.label, h.azimuth_rad, h.center_in_world});
+  const std::vector<Likelihood> scored = Score(frame, *scorer_, poses);
+  std::vector<Likelihood> rendered;
+  if (reference != nullptr) rendered = Score(frame, *reference, poses);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    ProbedHypothesis& h = view.hypotheses[i];
+    h.phi_cnn = scored[i].phi_cnn;
+    h.phi_edge = scored[i].phi_edge;
+    h.score = static_cast<float>(view.alpha * h.phi_cnn + view.beta * h.phi_edge);
+    h.visible_fraction = scored[i].visible_fraction;
+    h.whole_box = scored[i].whole_box;
+    h.visible_box = scored[i].visible_box;
+    if (!rendered.empty()) h.phi_edge_rendered = rendered[i].phi_edge;
+    if (frame.truth != nullptr) {
+      h.from_truth_m =
+          static_cast<float>((h.center_in_world - frame.truth_hypothesis.center_in_world).norm());
+      h.from_truth_rad = static_cast<float>(std::abs(frame.AzimuthFromTruth(h.azimuth_rad)));
+    }
+    h.samples = Samples(frame, poses[i], edges);
+  }
+  view.verdict = VerdictOf(view, frame.truth != nullptr);
+}
+
+void HypothesisProbe::AddOutlines(const Frame& frame, int hovered, ProbeView& view) {
+  const cv::Size size(camera_.width, camera_.height);
+  const auto outline = [&](const PoseHypothesis& pose) {
+    const PlacedModel placed[] = {{frame.object->id, pose.label, frame.map.WorldFromObject(pose)}};
+    const RenderedMaps maps = renderer_->Render(camera_, frame.view.cam_from_world, placed);
+    std::vector<OutlineView> outlines = OutlinesOf(maps.id, size);
+    return outlines.empty() ? std::vector<std::vector<Eigen::Vector2f>>()
+                            : std::move(outlines.front().contours);
+  };
+  for (ProbedHypothesis& h : view.hypotheses)
+    h.outline = outline({h.label, h.azimuth_rad, h.center_in_world});
+  if (hovered < 0 || hovered >= static_cast<int>(frame.particles.size())) return;
+  view.hovered = hovered;
+  view.hovered_outline = outline(frame.particles[static_cast<std::size_t>(hovered)]);
+}
+
+ProbeView LazyProbe::Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
+                           const MapperOptions& options, const ProbeCommand& request) {
+  if (probe_ == nullptr) {
+    auto made = HypothesisProbe::Create(camera_, database_, floor_in_world_, WorkContext());
+    if (!made.ok()) {
+      ProbeView failed;
+      failed.frame = snapshot.report.frame;
+      failed.object = request.object;
+      failed.message = made.error().message;
+      return failed;
+    }
+    probe_ = std::move(made).value();
+  }
+  return probe_->Probe(snapshot, sequence, options, request);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/pipeline/mapping_pipeline.h"
+
+#include <charconv>
+#include <mutex>
+#include <thread>
+
+#include <opencv2/imgproc.hpp>
+
+#include "engine/base/files.h"
+#include "engine/base/queue.h"
+#include "engine/base/timer.h"
+#include "engine/mapping/option_changes.h"
+#include "engine/mapping/viewpoint_scorer.h"
+#include "engine/pipeline/frame_pictures.h"
+#include "engine/vision/edge_detector.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kFramesAhead = 4;
+
+/// A frame made ready for the mapper, or why it cannot be used.
+struct Prepared {
+  Frame frame;
+  EdgeMap edges;
+  std::optional<MapperInput> input;
+  int options_version = 0;  ///< Of the options that the table was made with.
+  std::string skipped;
+  std::vector<StageTiming> timings;
+};
+
+Result<int> ParseInt(std::string_view text, std::string_view whole) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < 0) {
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + std::string(whole) +
+                     "' is not a range of frames; write A:B or A:B:S, for instance 0:300:2"};
+  }
+  return value;
+}
+
+/// Finds edges and detections of frames. Used by one thread at a time.
+class FramePreparer {
+ public:
+  FramePreparer(std::shared_ptr<const Sequence> sequence, std::unique_ptr<Detector> detector,
+                std::unique_ptr<EdgeDetector> edges, const MapperOptions& options)
+      : sequence_(std::move(sequence)),
+        detector_(std::move(detector)),
+        edges_(std::move(edges)),
+        options_(options) {}
+
+  void SetOptions(const MapperOptions& options) {
+    options_ = options;
+    ++options_version_;
+  }
+  int options_version() const { return options_version_; }
+
+  Prepared Prepare(int index) {
+    Prepared prepared;
+    prepared.options_version = options_version_;
+    prepared.frame.index = index;
+    prepared.frame.stamp_ns = sequence_->stamp_ns(index);
+    const Status status = TryPrepare(index, prepared);
+    if (!status.ok()) {
+      prepared.skipped = status.error().message;
+      prepared.input.reset();
+    }
+    return prepared;
+  }
+
+  std::string detector_description() const { return detector_->Description(); }
+  std::string edges_description() const { return edges_->Description(); }
+
+ private:
+  Status TryPrepare(int index, Prepared& prepared) {
+    Stopwatch watch;
+    Result<Frame> frame = sequence_->ReadFrame(index);
+    if (!frame.ok()) return frame.error();
+    prepared.frame = std::move(frame).value();
+    prepared.timings.push_back({"decode", watch.Lap()});
+    if (!prepared.frame.world_from_cam) {
+      return Error{ErrorCode::kNotFound, "frame " + std::to_string(index) + " has no camera pose"};
+    }
+    Result<EdgeMap> edges = edges_->Detect(prepared.frame);
+    if (!edges.ok()) return edges.error();
+    prepared.edges = std::move(edges).value();
+    prepared.timings.push_back({"edges", watch.Lap()});
+    Result<std::unique_ptr<const FrameDetections>> detections = detector_->Detect(prepared.frame);
+    if (!detections.ok()) return detections.error();
+    prepared.timings.push_back({"detect", watch.Lap()});
+    MapperInput input;
+    input.frame = index;
+    input.stamp_ns = prepared.frame.stamp_ns;
+    input.world_from_cam = *prepared.frame.world_from_cam;
+    input.edges = prepared.edges;
+    input.table = SearchTable(prepared.edges, options_);
+    input.detections = std::move(detections).value();
+    prepared.input = std::move(input);
+    prepared.timings.push_back({"search table", watch.Lap()});
+    return {};
+  }
+
+  std::shared_ptr<const Sequence> sequence_;
+  std::unique_ptr<Detector> detector_;
+  std::unique_ptr<EdgeDetector> edges_;
+  MapperOptions options_;
+  int options_version_ = 0;
+};
+
+}  // namespace
+
+Result<FrameRange> ParseFrameRange(std::string_view text) {
+  FrameRange range;
+  std::vector<std::string_view> parts;
+  std::size_t from = 0;
+  while (true) {
+    const std::size_t colon = text.find(':', from);
+    parts.push_back(text.substr(from, colon == std::string_view::npos ? colon : colon - from));
+    if (colon == std::string_view::npos) break;
+    from = colon + 1;
+  }
+  int numbers[3] = {0, 0, 1};
+  for (std::size_t i = 0; i < parts.size() && i < 3; ++i) {
+    if (parts[i].empty()) continue;
+    Result<int> number = ParseInt(parts[i], text);
+    if (!number.ok()) return number.error();
+    numbers[i] = *number;
+    if (i == 1) range.end = numbers[i];
+  }
+  if (parts.size() < 2 || parts.size() > 3 || numbers[2] < 1 ||
+      (range.end && *range.end <= numbers[0])) {
+    return Error{
+        ErrorCode::kInvalidInput,
+        "'" + std::string(text) + "' selects no frames; write A:B or A:B:S with A < B, S > 0"};
+  }
+  range.begin = numbers[0];
+  range.step = numbers[2];
+  return range;
+}
+
+struct MappingPipeline::Impl {
+  PipelineChoice choice;
+  std::shared_ptr<const Sequence> sequence;
+  std::shared_ptr<const ModelDatabase> database;
+  std::unique_ptr<FramePreparer> preparer;
+  std::mutex preparer_mutex;
+  std::unique_ptr<Mapper> mapper;
+  MapperOptions options;      ///< Of the next frame.
+  MapperOptions mapped_with;  ///< Of the last frame.
+  int options_version = 0;    ///< The preparer's, of `options`.
+  std::vector<int> selected;
+  std::size_t next = 0;
+  FrameReport last_report;  ///< A skipped frame leaves the map as it was.
+  std::unique_ptr<BoundedQueue<Prepared>> ahead;
+  std::jthread thread;  ///< Last: stops before what it uses goes.
+
+  void StartAhead() {
+    ahead = std::make_unique<BoundedQueue<Prepared>>(kFramesAhead);
+    thread = std::jthread([this, from = next](const std::stop_token& stop) {
+      for (std::size_t i = from; i < selected.size() && !stop.stop_requested(); ++i) {
+        Prepared prepared;
+        {
+          const std::lock_guard lock(preparer_mutex);
+          prepared = preparer->Prepare(selected[i]);
+        }
+        if (!ahead->Push(std::move(prepared))) return;
+      }
+      ahead->Close();
+    });
+  }
+
+  ~Impl() {
+    if (ahead) ahead->Close();
+  }
+
+  void UseOptions(const MapperOptions& now) {
+    options = now;
+    mapper->SetOptions(now);
+    const std::lock_guard lock(preparer_mutex);
+    preparer->SetOptions(now);
+    options_version = preparer->options_version();
+  }
+
+  /// The map as the last used frame left it.
+  FrameReport Skip(const Prepared& prepared) const {
+    FrameReport report = last_report;
+    report.frame = prepared.frame.index;
+    report.world_from_cam = prepared.frame.world_from_cam;
+    report.skipped = prepared.skipped;
+    report.proposals.clear();
+    report.timings.clear();
+    report.events = {{EventKind::kFrameSkipped, {}, {}, prepared.skipped}};
+    std::erase_if(report.objects,
+                  [](const ObjectReport& object) { return object.state == ObjectState::kRetired; });
+    for (ObjectReport& object : report.objects) object.weighed = false;
+    return report;
+  }
+
+  std::shared_ptr<const MapSnapshot> Snapshot(FrameReport report, const Frame& frame,
+                                              const EdgeMap& edges,
+                                              const RenderedMaps& maps) const {
+    auto snapshot = std::make_shared<MapSnapshot>();
+    snapshot->report = std::move(report);
+    snapshot->image = frame.image;
+    snapshot->edge_probability = edges.probability;
+    snapshot->edge_angle = edges.angle;
+    snapshot->depth = maps.depth;
+    snapshot->id = maps.id;
+    snapshot->outlines = OutlinesOf(maps.id, {sequence->camera().width, sequence->camera().height});
+    return snapshot;
+  }
+};
+
+MappingPipeline::MappingPipeline(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+MappingPipeline::~MappingPipeline() = default;
+
+Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineChoice& choice,
+                                                               const WorkContext& work) {
+  auto impl = std::make_unique<Impl>();
+  impl->choice = choice;
+  Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(choice.sequence);
+  if (!sequence.ok()) return sequence.error();
+  impl->sequence = *sequence;
+  const Sequence& frames = *impl->sequence;
+  if (!frames.gravity_in_world()) {
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + choice.sequence.string() +
+                     "' has no gravity.json; objects stand upright, so the mapper needs gravity"};
+  }
+  const std::optional<std::filesystem::path> own_models = frames.models_folder();
+  if (choice.models.empty() && !own_models) {
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + choice.sequence.string() +
+                     "' has no models of its own; name a folder of CAD models with --models"};
+  }
+  Result<std::shared_ptr<const ModelDatabase>> database =
+      ModelDatabase::Load(choice.models.empty() ? *own_models : choice.models);
+  if (!database.ok()) return database.error();
+  impl->database = *database;
+  Result<std::unique_ptr<Detector>> detector = CreateDetector(choice.detector, impl->sequence);
+  if (!detector.ok()) return detector.error();
+  const std::string edge_choice =
+      !choice.edges.empty() ? choice.edges : (frames.has_edges() ? "dataset" : "gradient");
+  Result<std::unique_ptr<EdgeDetector>> edges = CreateEdgeDetector(edge_choice, impl->sequence);
+  if (!edges.ok()) return edges.error();
+
+  const int end = std::min(choice.frames.end.value_or(frames.num_frames()), frames.num_frames());
+  for (int i = choice.frames.begin; i < end; i += choice.frames.step) impl->selected.push_back(i);
+  if (impl->selected.empty()) {
+    return Error{ErrorCode::kInvalidInput, "the range selects none of the " +
+                                               std::to_string(frames.num_frames()) +
+                                               " frames of '" + choice.sequence.string() + "'"};
+  }
+
+  std::vector<std::shared_ptr<const ViewpointModel>> viewpoints;
+  for (const CadModel& model : impl->database->models()) {
+    Result<std::shared_ptr<const ViewpointModel>> views =
+        ViewpointModel::LoadOrBuild(model, {}, CacheDirectory(), work);
+    if (!views.ok()) return views.error();
+    viewpoints.push_back(*views);
+  }
+  impl->preparer = std::make_unique<FramePreparer>(impl->sequence, std::move(detector).value(),
+                                                   std::move(edges).value(), choice.options);
+  MapperSetup setup;
+  setup.camera = frames.camera();
+  setup.gravity_in_world = *frames.gravity_in_world();
+  setup.floor_in_world = frames.floor_in_world();
+  setup.database = impl->database;
+  setup.scorer = std::make_shared<ViewpointScorer>(std::move(viewpoints), impl->database);
+  setup.options = choice.options;
+  setup.seed = choice.seed;
+  Result<std::unique_ptr<Mapper>> mapper = Mapper::Create(setup);
+  if (!mapper.ok()) return mapper.error();
+  impl->mapper = std::move(mapper).value();
+  impl->options = impl->mapped_with = choice.options;
+  return std::unique_ptr<MappingPipeline>(new MappingPipeline(std::move(impl)));
+}
+
+const Sequence& MappingPipeline::sequence() const { return *impl_->sequence; }
+std::shared_ptr<const Sequence> MappingPipeline::shared_sequence() const { return impl_->sequence; }
+std::shared_ptr<const ModelDatabase> MappingPipeline::database() const { return impl_->database; }
+
+const PipelineChoice& MappingPipeline::choice() const { return impl_->choice; }
+std::string MappingPipeline::detector_description() const {
+  return impl_->preparer->detector_description();
+}
+std::string MappingPipeline::edges_description() const {
+  return impl_->preparer->edges_description();
+}
+int MappingPipeline::end_frame() const { return impl_->selected.back() + 1; }
+int MappingPipeline::num_done() const { return static_cast<int>(impl_->next); }
+int MappingPipeline::num_selected() const { return static_cast<int>(impl_->selected.size()); }
+void MappingPipeline::SetOptions(const MapperOptions& options) { impl_->UseOptions(options); }
+
+std::optional<std::shared_ptr<const MapSnapshot>> MappingPipeline::Next() {
+  Impl& m = *impl_;
+  if (m.next >= m.selected.size()) return std::nullopt;
+  if (!m.ahead) m.StartAhead();
+  std::optional<Prepared> prepared = m.ahead->Pop();
+  if (!prepared) return std::nullopt;
+  ++m.next;
+  std::vector<LifeEvent> events;
+  if (std::string change = DescribeOptionChanges(m.mapped_with, m.options); !change.empty())
+    events.push_back({EventKind::kOptionsChanged, {}, {}, std::move(change)});
+  m.mapped_with = m.options;
+  const auto add_events = [&](FrameReport& report) {
+    report.events.insert(report.events.begin(), events.begin(), events.end());
+  };
+  if (!prepared->input) {
+    FrameReport report = m.Skip(*prepared);
+    add_events(report);
+    return m.Snapshot(std::move(report), prepared->frame, prepared->edges, {});
+  }
+  if (prepared->options_version != m.options_version)  // made ready before they changed
+    prepared->input->table = SearchTable(prepared->edges, m.options);
+  FrameReport report = m.mapper->Step(*prepared->input);
+  add_events(report);
+  report.timings.insert(report.timings.begin(), prepared->timings.begin(), prepared->timings.end());
+  m.last_report = report;
+  return m.Snapshot(std::move(report), prepared->frame, prepared->edges, m.mapper->mean_maps());
+}
+
+Status MappingPipeline::Resume(const FrameReport& report,
+                               const std::optional<MapperOptions>& options) {
+  Impl& m = *impl_;
+  PLB_CHECK(m.next == 0 && !m.ahead) << "resume before the first frame";
+  if (options) m.UseOptions(*options);
+  m.mapped_with = m.options;
+  while (m.next < m.selected.size() && m.selected[m.next] <= report.frame) ++m.next;
+  m.last_report = report;
+  return m.mapper->Restore(report, [&](int frame) -> Result<MapperInput> {
+    Prepared prepared = m.preparer->Prepare(frame);
+    if (!prepared.input) return Error{ErrorCode::kCorrupt, prepared.skipped};
+    return *prepared.input;
+  });
+}
+
+Result<std::shared_ptr<const MapSnapshot>> MappingPipeline::Recompute(const FrameReport& report) {
+  Impl& m = *impl_;
+  Prepared prepared;
+  {
+    const std::lock_guard lock(m.preparer_mutex);
+    prepared = m.preparer->Prepare(report.frame);
+  }
+  const RenderedMaps maps = m.mapper->RenderMeans(report);
+  return m.Snapshot(report, prepared.frame, prepared.edges, maps);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "engine/base/result.h"
+#include "engine/models/model_database.h"
+#include "engine/recording/run_header.h"
+
+namespace plumbline {
+
+struct RunChoice {
+  std::filesystem::path run;
+  std::filesystem::path sequence, models;  ///< Empty: where the run says that they are.
+};
+
+/// The models that the run was made with. Errors: kNotFound; kInvalidInput where the folder holds
+/// other models than the run names.
+Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& choice,
+                                                             const RunHeader& header);
+
+/// What CreateEdgeDetector takes, from what an edge detector said of itself ("kind file hash").
+std::string EdgeChoice(const std::string& description);
+
+}  // namespace plumbline

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/runtime/mapping_process.h"
+
+#include <algorithm>
+#include <exception>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "engine/base/log.h"
+
+namespace plumbline {
+
+namespace {
+constexpr auto kHistoryPeriod = std::chrono::milliseconds(150);
+}
+
+MappingProcess::MappingProcess(OpenSource open, std::optional<int> start_frame,
+                               std::function<void()> on_publish)
+    : open_(std::move(open)), start_frame_(start_frame), on_publish_(std::move(on_publish)) {
+  state_.message = "Opening";
+  playback_.Publish(std::make_shared<const PlaybackView>(state_));
+  thread_ = std::jthread([this](std::stop_token stop) { Run(stop); });
+}
+
+MappingProcess::~MappingProcess() {
+  thread_.request_stop();
+  commands_.Close();
+  if (thread_.joinable()) thread_.join();
+}
+
+void MappingProcess::Post(PlaybackCommand command) {
+  if (!commands_.TryPush(std::move(command))) {
+    log::warn("the playback does not keep up with its commands; one was dropped");
+  }
+}
+
+void MappingProcess::Run(std::stop_token stop) {
+  try {
+    const WorkContext work{[this](const Progress& progress) { ReportProgress(progress); }, stop};
+    auto source = open_(work);
+    if (source.ok()) {
+      source_ = std::move(source).value();
+      Loop(stop);
+    } else if (source.error().code != ErrorCode::kCancelled) {
+      Fail(source.error().message);
+    }
+  } catch (const std::exception& error) {
+    Fail(std::string("This is a bug in Plumbline: ") + error.what());
+  }
+  source_.reset();  // It may own things of this thread.
+}
+
+void MappingProcess::ReportProgress(const Progress& progress) {
+  state_.message = std::string(progress.stage);
+  if (progress.total > 0) {
+    state_.message +=
+        ": " + std::to_string(progress.done) + " of " + std::to_string(progress.total);
+  }
+  PublishPlayback();
+}
+
+void MappingProcess::Loop(std::stop_token stop) {
+  state_.recorded = source_->recorded();
+  state_.options = std::make_shared<const MapperOptions>(source_->options());
+  state_.recording = source_->recording().string();
+  state_.message.clear();
+  sequence_.Publish(std::make_shared<const SequenceView>(source_->view()));
+  state_.frame = source_->FrameAt(0);
+  SetTarget(start_frame_ ? PositionOf(*start_frame_) : 0);
+  PublishPlayback();
+  while (!stop.stop_requested()) {
+    if (target_ || (playing_ && Clock::now() >= due_)) {
+      TakeCommands();
+      Advance(stop);
+    } else if (MapsOn()) {
+      TakeCommands();
+      MapOn(stop);
+    } else if (auto command = NextCommand()) {
+      Apply(*command);
+      TakeCommands();
+      if (!target_) PublishPlayback();
+    }
+  }
+}
+
+/// Waits for a command, while playing until the next frame is due; reads ahead meanwhile.
+std::optional<PlaybackCommand> MappingProcess::NextCommand() {
+  while (reads_ahead_) {
+    if (auto command = commands_.TryPop()) return command;
+    if (playing_ && Clock::now() >= due_) return std::nullopt;
+    reads_ahead_ = source_->ReadAhead();
+    if (!reads_ahead_ || Clock::now() - history_published_ > kHistoryPeriod) {
+      history_changed_ = true;
+      PublishPlayback();
+    }
+  }
+  return playing_ ? commands_.PopUntil(due_) : commands_.Pop();
+}
+
+void MappingProcess::TakeCommands() {
+  while (auto command = commands_.TryPop()) Apply(*command);
+}
+
+int MappingProcess::PositionOf(int frame) const {
+  int low = 0, high = source_->size();  // the last position whose frame is at most `frame`
+  while (high - low > 1) {
+    const int middle = low + (high - low) / 2;
+    (source_->FrameAt(middle) <= frame ? low : high) = middle;
+  }
+  return low;
+}
+
+/// A failed source goes no further than it came.
+int MappingProcess::LastPosition() const {
+  return failed_ ? std::max(source_->mapped() - 1, 0) : source_->size() - 1;
+}
+
+int MappingProcess::RangeBegin() const {
+  return state_.range_begin ? PositionOf(*state_.range_begin) : 0;
+}
+int MappingProcess::RangeEnd() const {
+  return state_.range_end ? std::min(PositionOf(*state_.range_end), LastPosition())
+                          : LastPosition();
+}
+
+void MappingProcess::SetTarget(int position) { target_ = std::clamp(position, 0, LastPosition()); }
+
+void MappingProcess::Apply(const PlaybackCommand& command) {
+  const auto play = [this](bool on) {
+    if (!on) state_.mapping = false;
+    state_.follow = false;
+    playing_ = on && !(failed_ && position_ >= LastPosition());
+    if (playing_ && (position_ >= RangeEnd() || position_ < RangeBegin())) SetTarget(RangeBegin());
+    if (!on) target_.reset();
+    due_ = Clock::now();
+  };
+  std::visit(
+      [&](const auto& c) {
+        using T = std::decay_t<decltype(c)>;
+        if constexpr (std::is_same_v<T, PlayCommand>) play(true);
+        if constexpr (std::is_same_v<T, PauseCommand>) play(false);
+        if constexpr (std::is_same_v<T, TogglePlayCommand>) {
+          const bool in_past = state_.mapping && !state_.follow;
+          if (in_past && playing_)
+            playing_ = false;  // the mapper stays at work
+          else
+            play(!playing_ && !target_ && !state_.follow);
+        }
+        if constexpr (std::is_same_v<T, StepCommand>) {
+          playing_ = false;
+          SetTarget(target_.value_or(position_) + c.frames);
+          state_.follow = state_.mapping && *target_ >= source_->mapped();
+        }
+        if constexpr (std::is_same_v<T, SeekCommand>) {
+          SetTarget(PositionOf(c.frame));
+          state_.follow = state_.mapping && *target_ + 1 >= source_->mapped();
+        }
+        if constexpr (std::is_same_v<T, FollowNewestCommand>) Follow(c.on);
+        if constexpr (std::is_same_v<T, SetRangeCommand>) {
+          state_.range_begin = c.begin;
+          state_.range_end = c.end;
+          if (c.begin && c.end && *c.begin > *c.end)
+            std::swap(state_.range_begin, state_.range_end);
+        }
+        if constexpr (std::is_same_v<T, ProbeCommand>) {
+          if (const auto shown = snapshot_.Latest())
+            probe_.Publish(std::make_shared<const ProbeView>(source_->Probe(*shown, c)));
+        }
+        if constexpr (std::is_same_v<T, SetOptionsCommand>) {
+          if (const Status status = source_->SetOptions(c.options); !status.ok())
+            log::warn("{}", status.error().message);
+          state_.options = std::make_shared<const MapperOptions>(source_->options());
+        }
+        if constexpr (std::is_same_v<T, SetLoopCommand>) state_.loop = c.loop;
+        if constexpr (std::is_same_v<T, SetSpeedCommand>) {
+          state_.speed = c.speed;
+          due_ = Clock::now();
+        }
+      },
+      command);
+}
+
+void MappingProcess::Follow(bool on) {
+  playing_ = false;
+  target_.reset();
+  state_.follow = state_.mapping = on && !failed_ && source_->mapped() < source_->size();
+  if (on && source_->mapped() > 0 && position_ + 1 < source_->mapped())
+    SetTarget(source_->mapped() - 1);
+}
+
+bool MappingProcess::MapsOn() const { return state_.mapping && !failed_; }
+
+/// Maps a frame while a past one is shown, or to be shown.
+void MappingProcess::MapOn(std::stop_token stop) {
+  if (!MapsOn() || target_) return PublishPlayback();
+  const int next = source_->mapped();
+  if (next >= source_->size()) {
+    state_.mapping = state_.follow = false;
+    return PublishPlayback();
+  }
+  auto snapshot = source_->Next(stop);
+  if (state_.follow || !snapshot.ok()) return Show(std::move(snapshot), next);
+  history_changed_ = true;
+  PublishPlayback();
+}
+
+/// One frame: the target if it is mapped, else the next towards it; without a target the next of
+/// playing.
+void MappingProcess::Advance(std::stop_token stop) {
+  if (!target_ && !playing_) return PublishPlayback();
+  if (!target_ && position_ >= RangeEnd() && state_.loop && !failed_) SetTarget(RangeBegin());
+  const int wanted = target_.value_or(position_ + 1);
+  if (wanted > (target_ ? LastPosition() : RangeEnd())) {
+    playing_ = false;
+    target_.reset();
+    return PublishPlayback();
+  }
+  if (wanted < source_->mapped()) {
+    target_.reset();
+    Show(source_->Past(wanted, stop), wanted);
+  } else {
+    const int next = source_->mapped();
+    if (target_ && next >= *target_) target_.reset();
+    Show(source_->Next(stop), next);
+  }
+  const int at = std::max(position_, 0), after = std::min(at + 1, source_->size() - 1);
+  const double frames = source_->FrameAt(after) - source_->FrameAt(at);
+  const double rate = source_->view().rate_hz * state_.speed;
+  const auto period = std::chrono::duration<double>(rate > 0 ? std::max(frames, 1.0) / rate : 0.0);
+  // A frame that came late does not hurry the ones after it.
+  due_ = std::max(due_ + std::chrono::duration_cast<Clock::duration>(period), Clock::now());
+}
+
+void MappingProcess::Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, int position) {
+  if (!snapshot.ok()) {
+    if (snapshot.error().code != ErrorCode::kCancelled) Fail(snapshot.error().message);
+    return;
+  }
+  const auto now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - last_shown_).count();
+  last_shown_ = now;
+  const double rate = seconds < 2.0 && seconds > 0 ? 1.0 / seconds : 0.0;
+  state_.frames_per_second =
+      state_.frames_per_second > 0 && rate > 0 ? 0.8 * state_.frames_per_second + 0.2 * rate : rate;
+  position_ = position;
+  history_changed_ = history_changed_ || !source_->recorded();
+  state_.frame = source_->FrameAt(position);
+  snapshot_.Publish(std::move(snapshot).value());
+  PublishPlayback();
+}
+
+void MappingProcess::Fail(std::string message) {
+  log::error("{}", message);
+  failed_ = true;
+  playing_ = state_.mapping = state_.follow = false;
+  target_.reset();
+  state_.message = std::move(message);
+  PublishPlayback();
+}
+
+void MappingProcess::PublishPlayback() {
+  if (source_ != nullptr) {
+    state_.newest_mapped_frame =
+        source_->mapped() > 0 ? source_->FrameAt(source_->mapped() - 1) : -1;
+    if (source_->events().size() != published_events_) {
+      published_events_ = source_->events().size();
+      state_.events = std::make_shared<const std::vector<FrameEvent>>(source_->events());
+    }
+    if (history_changed_) {
+      history_changed_ = false;
+      history_published_ = Clock::now();
+      state_.history = std::make_shared<const RunHistory>(source_->history());
+    }
+    const bool at_end =
+        !playing_ && !target_ && !state_.mapping && position_ + 1 >= source_->size();
+    state_.state = failed_                     ? PlaybackState::kFailed
+                   : playing_ || state_.follow ? PlaybackState::kPlaying
+                   : at_end                    ? PlaybackState::kFinished
+                                               : PlaybackState::kPaused;
+  } else if (failed_) {
+    state_.state = PlaybackState::kFailed;
+  }
+  state_.seek_target =
+      target_ && source_ != nullptr ? std::optional(source_->FrameAt(*target_)) : std::nullopt;
+  if (!playing_ && !target_ && !state_.follow) state_.frames_per_second = 0;
+  playback_.Publish(std::make_shared<const PlaybackView>(state_));
+  if (on_publish_) on_publish_();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "engine/base/progress.h"
+#include "engine/base/queue.h"
+#include "engine/runtime/snapshot_source.h"
+#include "engine/snapshot/commands.h"
+#include "engine/snapshot/map_snapshot.h"
+
+namespace plumbline {
+
+/// Gives a SnapshotSource a thread: takes playback commands, publishes snapshots. Nobody waits for
+/// it: Post returns at once (a full queue drops the command) and the slots hold the newest state.
+/// Opening the source happens on the thread, too. A source that fails or throws turns the state to
+/// kFailed with its sentence; frames that are already mapped can still be shown. The destructor
+/// stops within one step of the source and joins.
+class MappingProcess {
+ public:
+  /// `work` tells the window how far it is and asks to stop.
+  using OpenSource =
+      std::function<Result<std::unique_ptr<SnapshotSource>>(const WorkContext& work)>;
+
+  /// @param on_publish  Called on the thread after every publication (to wake the window). May be
+  /// empty.
+  MappingProcess(OpenSource open, std::optional<int> start_frame, std::function<void()> on_publish);
+  ~MappingProcess();
+  MappingProcess(const MappingProcess&) = delete;
+  MappingProcess& operator=(const MappingProcess&) = delete;
+
+  void Post(PlaybackCommand command);
+
+  /// Null until the source is open.
+  std::shared_ptr<const SequenceView> Sequence() const { return sequence_.Latest(); }
+  /// Null until the first frame.
+  std::shared_ptr<const MapSnapshot> Snapshot() const { return snapshot_.Latest(); }
+  /// The last answer to a ProbeCommand; null before the first.
+  std::shared_ptr<const ProbeView> Probe() const { return probe_.Latest(); }
+  /// Never null.
+  std::shared_ptr<const PlaybackView> Playback() const { return playback_.Latest(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void Run(std::stop_token stop);
+  void Loop(std::stop_token stop);
+  void ReportProgress(const Progress& progress);
+  void Apply(const PlaybackCommand& command);
+  /// Of the last frame that is at most `frame`.
+  int PositionOf(int frame) const;
+  int LastPosition() const;
+  int RangeBegin() const;
+  int RangeEnd() const;
+  std::optional<PlaybackCommand> NextCommand();
+  void SetTarget(int position);
+  void TakeCommands();
+  void Advance(std::stop_token stop);
+  bool MapsOn() const;
+  void MapOn(std::stop_token stop);
+  void Follow(bool on);
+  void Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, int position);
+  void Fail(std::string message);
+  void PublishPlayback();
+
+  OpenSource open_;
+  std::optional<int> start_frame_;
+  std::function<void()> on_publish_;
+  BoundedQueue<PlaybackCommand> commands_{1024};
+  SnapshotSlot<SequenceView> sequence_;
+  SnapshotSlot<MapSnapshot> snapshot_;
+  SnapshotSlot<PlaybackView> playback_;
+  SnapshotSlot<ProbeView> probe_;
+
+  // Of the thread only.
+  std::unique_ptr<SnapshotSource> source_;
+  PlaybackView state_;
+  std::size_t published_events_ = 0;
+  bool playing_ = false;
+  bool failed_ = false;
+  bool reads_ahead_ = true;  ///< The source may have more to read.
+  bool history_changed_ = true;
+  Clock::time_point history_published_{};
+  int position_ = -1;          ///< Shown.
+  std::optional<int> target_;  ///< Position to show next, or to map towards.
+  Clock::time_point due_{};    ///< When the next frame of playing is due.
+  Clock::time_point last_shown_{};
+
+  std::jthread thread_;  ///< Last: it uses all of the above.
+};
+
+}  // namespace plumbline

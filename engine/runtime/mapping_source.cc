@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/runtime/mapping_source.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "engine/analysis/history.h"
+#include "engine/analysis/sequence_view.h"
+#include "engine/pipeline/frame_pictures.h"
+#include "engine/pipeline/hypothesis_probe.h"
+#include "engine/recording/option_history.h"
+#include "engine/recording/run_file.h"
+#include "engine/runtime/snapshot_memory.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kMemoryBytes = 300u << 20;
+constexpr const char *kTemporaryFolder = "plumbline_XXXXXX", *kTemporaryRun = "live.plb";
+constexpr auto kWriterPatience = std::chrono::seconds(5);
+
+/// A run file, removed with its companions if it is only for the time being.
+class RunFilePlace {
+ public:
+  static Result<RunFilePlace> Choose(const std::filesystem::path& wanted) {
+    RunFilePlace place;
+    place.path_ = wanted;
+    if (!wanted.empty()) return place;
+    std::string folder = (std::filesystem::temp_directory_path() / kTemporaryFolder).string();
+    if (mkdtemp(folder.data()) == nullptr) {
+      return Error{ErrorCode::kIo, "cannot make a temporary folder in '" +
+                                       std::filesystem::temp_directory_path().string() +
+                                       "' to record into"};
+    }
+    place.folder_ = folder;
+    place.path_ = place.folder_ / kTemporaryRun;
+    return place;
+  }
+  RunFilePlace(RunFilePlace&& other) noexcept
+      : path_(std::move(other.path_)), folder_(std::exchange(other.folder_, {})) {}
+  RunFilePlace(const RunFilePlace&) = delete;
+  RunFilePlace& operator=(const RunFilePlace&) = delete;
+  ~RunFilePlace() {
+    std::error_code ignored;
+    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  RunFilePlace() = default;
+  std::filesystem::path path_, folder_;
+};
+
+class MappingSource : public SnapshotSource {
+ public:
+  MappingSource(std::unique_ptr<MappingPipeline> pipeline, std::unique_ptr<FramePictures> pictures,
+                RunFilePlace place, std::unique_ptr<RunWriter> writer, SequenceView view,
+                const MappingChoice& choice)
+      : place_(std::move(place)),
+        pipeline_(std::move(pipeline)),
+        pictures_(std::move(pictures)),
+        writer_(std::move(writer)),
+        view_(std::move(view)),
+        range_(choice.pipeline.frames),
+        probe_(pipeline_->sequence().camera(), pipeline_->database(),
+               pipeline_->sequence().floor_in_world()),
+        mapped_with_(HeaderOf(*pipeline_)),
+        options_(choice.pipeline.options) {}
+
+  ProbeView Probe(const MapSnapshot& snapshot, const ProbeCommand& request) override {
+    return probe_.Probe(snapshot, view_, mapped_with_.At(snapshot.report.frame), request);
+  }
+  MapperOptions options() const override { return options_; }
+  Status SetOptions(const MapperOptions& options) override {
+    options_ = options;
+    pipeline_->SetOptions(options);
+    return {};
+  }
+  std::filesystem::path recording() const override { return place_.path(); }
+
+  const SequenceView& view() const override { return view_; }
+  int size() const override { return pipeline_->num_selected(); }
+  int mapped() const override { return mapped_; }
+  int FrameAt(int position) const override { return range_.begin + position * range_.step; }
+  bool recorded() const override { return false; }
+  const std::vector<FrameEvent>& events() const override { return events_; }
+  const RunHistory& history() const override { return history_; }
+
+  Result<std::shared_ptr<const MapSnapshot>> Next(std::stop_token stop) override {
+    if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+    const auto next = pipeline_->Next();
+    if (!next) return Error{ErrorCode::kIo, "the sequence ended before its last frame"};
+    std::shared_ptr<const MapSnapshot> snapshot = *next;
+    if (Status status = writer_->Write(snapshot->report, snapshot->image); !status.ok())
+      return status.error();
+    for (const LifeEvent& event : snapshot->report.events) {
+      mapped_with_.Add(snapshot->report.frame, event);
+      events_.push_back({snapshot->report.frame, event});
+    }
+    history_.frames.push_back(
+        std::make_shared<const FrameSample>(SampleOf(snapshot->report, view_)));
+    if (WantsThumbnail(mapped_, size()) && !snapshot->image.empty())
+      history_.thumbnails.push_back({snapshot->report.frame, ThumbnailOf(snapshot->image)});
+    memory_.Put(mapped_, snapshot);
+    ++mapped_;
+    return snapshot;
+  }
+
+  Result<std::shared_ptr<const MapSnapshot>> Past(int position, std::stop_token stop) override {
+    if (auto known = memory_.Get(position)) return known;
+    const auto deadline = std::chrono::steady_clock::now() + kWriterPatience;
+    while (writer_->num_written() <= position) {
+      if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+      if (std::chrono::steady_clock::now() > deadline) {
+        return Error{ErrorCode::kIo,
+                     "'" + place_.path().string() +
+                         "' is not written fast enough to look back; is the disk full?"};
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    if (reader_ == nullptr) {
+      auto reader = RunReader::Open(place_.path());
+      if (!reader.ok()) return reader.error();
+      reader_ = std::move(reader).value();
+    }
+    Result<FrameReport> report = reader_->ReadFrame(position);
+    if (!report.ok()) return report.error();
+    std::shared_ptr<const MapSnapshot> snapshot = pictures_->Make(std::move(report).value());
+    memory_.Put(position, snapshot);
+    return snapshot;
+  }
+
+ private:
+  RunFilePlace place_;  ///< First: removed after reader and writer are closed.
+  std::unique_ptr<MappingPipeline> pipeline_;
+  std::unique_ptr<FramePictures> pictures_;
+  std::unique_ptr<RunWriter> writer_;
+  std::unique_ptr<RunReader> reader_;
+  SequenceView view_;
+  FrameRange range_;
+  LazyProbe probe_;
+  OptionHistory mapped_with_;
+  MapperOptions options_;  ///< Of the next frame.
+  SnapshotMemory memory_{kMemoryBytes};
+  std::vector<FrameEvent> events_;
+  RunHistory history_;
+  int mapped_ = 0;
+};
+
+}  // namespace
+
+bool IsTemporaryRun(const std::filesystem::path& run) {
+  std::error_code ignored;
+  const std::filesystem::path folder = run.parent_path();
+  return run.filename() == kTemporaryRun && folder.filename().string().starts_with("plumbline_") &&
+         folder.parent_path() == std::filesystem::temp_directory_path(ignored);
+}
+
+Result<std::unique_ptr<SnapshotSource>> OpenMappingSource(const MappingChoice& choice,
+                                                          const WorkContext& work) {
+  work.report({"Opening the sequence"});
+  auto pipeline = MappingPipeline::Open(choice.pipeline, work);
+  if (!pipeline.ok()) return pipeline.error();
+  auto place = RunFilePlace::Choose(choice.out);
+  if (!place.ok()) return place.error();
+  RunHeader header = HeaderOf(**pipeline);
+  header.program_version = choice.program_version;
+  auto writer = RunWriter::Create(place->path(), header);
+  if (!writer.ok()) return writer.error();
+  const std::shared_ptr<const Sequence> sequence = (*pipeline)->shared_sequence();
+  auto pictures = FramePictures::Create(sequence, (*pipeline)->database(), choice.pipeline.edges);
+  if (!pictures.ok()) return pictures.error();
+  SequenceView view = MakeSequenceView(*sequence, *(*pipeline)->database(), work);
+  return std::unique_ptr<SnapshotSource>(std::make_unique<MappingSource>(
+      std::move(pipeline).value(), std::move(pictures).value(), std::move(place).value(),
+      std::move(writer).value(), std::move(view), choice));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <tbb/global_control.h>
+
+#include <numbers>
+
+#include "engine/mapping/option_changes.h"
+#include "engine/pipeline/mapping_pipeline.h"
+#include "tests/support/drawn_sequence.h"
+#include "tests/support/report_bytes.h"
+#include "tests/support/test_data.h"
+#include "tests/support/tiny_sequence.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+/// The sequence is written once for all tests; those that damage it make a copy.
+class PipelineTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    WriteDrawnSequence(Original(), {.frames = 70, .boxes_until = 100});
+  }
+  static void TearDownTestSuite() { delete folder_; }
+  static std::filesystem::path Original() { return folder_->path() / "sequence"; }
+  static std::filesystem::path Copy(const std::string& name) {
+    std::filesystem::copy(Original(), folder_->path() / name,
+                          std::filesystem::copy_options::recursive);
+    return folder_->path() / name;
+  }
+
+  static std::unique_ptr<MappingPipeline> Open(const std::filesystem::path& sequence,
+                                               const FrameRange& frames, std::uint64_t seed = 1) {
+    PipelineChoice choice;
+    choice.sequence = sequence;
+    choice.frames = frames;
+    choice.seed = seed;
+    Result<std::unique_ptr<MappingPipeline>> opened = MappingPipeline::Open(choice, {});
+    EXPECT_TRUE(opened.ok()) << opened.error().message;
+    return std::move(opened).value();
+  }
+  static std::vector<FrameReport> Rest(MappingPipeline& pipeline) {
+    std::vector<FrameReport> reports;
+    while (const auto snapshot = pipeline.Next()) reports.push_back((*snapshot)->report);
+    return reports;
+  }
+  static std::vector<FrameReport> Run(const std::filesystem::path& sequence,
+                                      const FrameRange& frames, std::uint64_t seed = 1) {
+    return Rest(*Open(sequence, frames, seed));
+  }
+  static void ExpectSame(const FrameReport& a, const FrameReport& b) {
+    EXPECT_TRUE(BytesOf(a) == BytesOf(b)) << "frame " << a.frame << " differs";
+  }
+  static const std::vector<FrameReport>& WholeRun() {
+    static const std::vector<FrameReport> run = Run(Original(), {});
+    return run;
+  }
+
+  static TemporaryFolder* folder_;
+};
+TemporaryFolder* PipelineTest::folder_ = nullptr;
+
+TEST_F(PipelineTest, FindsTheTableAndTheChairs) {
+  const std::vector<FrameReport>& run = WholeRun();
+  ASSERT_EQ(run.size(), 70u);
+  std::vector<bool> found(DrawnObjects().size(), false);
+  int confirmed = 0;
+  for (const ObjectReport& object : run.back().objects) {
+    if (object.state != ObjectState::kConfirmed) continue;
+    ++confirmed;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const PlacedModel truth = DrawnObjects()[i];
+      const Eigen::Isometry3d error = truth.world_from_object.inverse() * object.world_from_object;
+      double turn = Eigen::AngleAxisd(error.linear()).angle();
+      if (object.category == "dining table") turn = std::min(turn, std::numbers::pi - turn);
+      const bool table = i == 0;
+      found[i] = found[i] || (table == (object.category == "dining table") &&
+                              error.translation().norm() < 0.05 && turn < 0.09);
+    }
+  }
+  EXPECT_EQ(confirmed, 3);
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_TRUE(found[i]) << "object " << i;
+}
+
+TEST_F(PipelineTest, RatesTheParticlesOfEveryObjectThatIsWeighedAlsoAfterAMove) {
+  int rated = 0;
+  for (const FrameReport& report : WholeRun()) {
+    for (const ObjectReport& object : report.objects) {
+      if (!object.weighed || object.first_frame == report.frame) continue;
+      EXPECT_TRUE(std::any_of(object.particles->begin(), object.particles->end(),
+                              [](const Particle& p) { return p.phi_edge != 0; }))
+          << "frame " << report.frame << " object " << object.id.value;
+      ++rated;
+    }
+  }
+  EXPECT_GT(rated, 60);
+}
+
+TEST_F(PipelineTest, RepeatsBitForBit) {
+  const std::vector<FrameReport> again = Run(Original(), {});
+  ASSERT_EQ(again.size(), WholeRun().size());
+  for (std::size_t i = 0; i < again.size(); ++i) ExpectSame(again[i], WholeRun()[i]);
+  const std::vector<FrameReport> other = Run(Original(), {.end = 12}, 2);
+  EXPECT_FALSE(BytesOf(other.back()) == BytesOf(WholeRun()[11])) << "another seed";
+}
+
+TEST_F(PipelineTest, RepeatsBitForBitOnOneThread) {
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const std::vector<FrameReport> again = Run(Original(), {.end = 40});
+  ASSERT_EQ(again.size(), 40u);
+  for (std::size_t i = 0; i < again.size(); ++i) ExpectSame(again[i], WholeRun()[i]);
+}
+
+TEST_F(PipelineTest, IsCausal) {
+  for (const int end : {1, 7, 33}) {
+    const std::vector<FrameReport> part = Run(Original(), {.end = end});
+    ASSERT_EQ(part.size(), static_cast<std::size_t>(end));
+    for (std::size_t i = 0; i < part.size(); ++i) ExpectSame(part[i], WholeRun()[i]);
+  }
+}
+
+TEST_F(PipelineTest, ResumesBitForBit) {
+  for (const std::size_t after : {0u, 1u, 9u, 30u, 55u, 68u, 69u}) {
+    const auto pipeline = Open(Original(), {});
+    ASSERT_TRUE(pipeline->Resume(WholeRun()[after]).ok());
+    EXPECT_EQ(pipeline->num_done(), static_cast<int>(after) + 1);
+    const std::vector<FrameReport> rest = Rest(*pipeline);
+    ASSERT_EQ(rest.size(), 69 - after);
+    for (std::size_t i = 0; i < rest.size(); ++i) ExpectSame(rest[i], WholeRun()[after + 1 + i]);
+  }
+}
+
+TEST_F(PipelineTest, ChangesOfOptionsTakeEffectWithTheNextFrame) {
+  const auto pipeline = Open(Original(), {.end = 6});
+  std::vector<FrameReport> reports;
+  for (int i = 0; i < 3; ++i) reports.push_back((*pipeline->Next())->report);
+  MapperOptions options;
+  options.infant_particles = 300;
+  pipeline->SetOptions(options);
+  for (const FrameReport& report : Rest(*pipeline)) reports.push_back(report);
+  ASSERT_EQ(reports.size(), 6u);
+  ExpectSame(reports[2], WholeRun()[2]);
+  ASSERT_FALSE(reports[3].objects.empty());
+  EXPECT_EQ(reports[3].objects.front().particles->size(), 300u);
+}
+
+TEST_F(PipelineTest, ARunWhoseOptionsChangedTellsOfItAndResumesBitForBit) {
+  const auto pipeline = Open(Original(), {.end = 40});
+  std::vector<FrameReport> run;
+  for (int i = 0; i < 12; ++i) run.push_back((*pipeline->Next())->report);
+  MapperOptions options;
+  options.search_radius_px = 9;  // frames that are made ready ahead are searched anew
+  options.infant_particles = 400;
+  pipeline->SetOptions(options);
+  for (const FrameReport& report : Rest(*pipeline)) run.push_back(report);
+  ASSERT_EQ(run.size(), 40u);
+  ASSERT_FALSE(run[12].events.empty());
+  EXPECT_EQ(run[12].events[0].kind, EventKind::kOptionsChanged);
+  EXPECT_EQ(run[12].events[0].text, DescribeOptionChanges({}, options));
+  EXPECT_FALSE(BytesOf(run[39]) == BytesOf(WholeRun()[39]));
+
+  for (const std::size_t after : {11u, 12u, 26u}) {
+    const auto resumed = Open(Original(), {.end = 40});
+    ASSERT_TRUE(resumed->Resume(run[after], after < 12 ? MapperOptions() : options).ok());
+    if (after < 12) resumed->SetOptions(options);
+    const std::vector<FrameReport> rest = Rest(*resumed);
+    ASSERT_EQ(rest.size(), 39 - after);
+    for (std::size_t i = 0; i < rest.size(); ++i) ExpectSame(rest[i], run[after + 1 + i]);
+  }
+}
+
+TEST_F(PipelineTest, TakesEveryNthFrame) {
+  const std::vector<FrameReport> run = Run(Original(), {.begin = 5, .end = 30, .step = 6});
+  std::vector<int> frames;
+  for (const FrameReport& report : run) frames.push_back(report.frame);
+  EXPECT_THAT(frames, testing::ElementsAre(5, 11, 17, 23, 29));
+}
+
+TEST_F(PipelineTest, SkipsWhatItCannotUseAndSaysSoOnce) {
+  const std::filesystem::path sequence = Copy("damaged");
+  std::filesystem::resize_file(sequence / "color" / "000011.jpg", 300);
+  WriteText(sequence / "edges" / "000020.png", "no image");
+  WriteText(sequence / "proposals" / "000025.json", "[{");
+  const std::vector<FrameReport> run = Run(sequence, {.end = 40});
+  ASSERT_EQ(run.size(), 40u);
+  for (const FrameReport& report : run) {
+    const bool bad = report.frame == 11 || report.frame == 20 || report.frame == 25;
+    EXPECT_EQ(report.skipped.empty(), !bad) << report.skipped;
+    int told = 0;
+    for (const LifeEvent& event : report.events) told += event.kind == EventKind::kFrameSkipped;
+    EXPECT_EQ(told, bad ? 1 : 0);
+  }
+  EXPECT_THAT(run[11].skipped, HasSubstr("000011.jpg"));
+  EXPECT_THAT(run[20].skipped, HasSubstr("000020.png"));
+  EXPECT_THAT(run[25].skipped, HasSubstr("000025.json"));
+  // The map stays while a frame is skipped, and what comes after counts as usual.
+  ASSERT_EQ(run[20].objects.size(), run[19].objects.size());
+  for (std::size_t i = 0; i < run[20].objects.size(); ++i) {
+    EXPECT_FALSE(run[20].objects[i].weighed);
+    EXPECT_EQ(run[20].objects[i].particles, run[19].objects[i].particles);
+  }
+  int confirmed = 0;
+  for (const ObjectReport& object : run.back().objects)
+    confirmed += object.state == ObjectState::kConfirmed ? 1 : 0;
+  EXPECT_GE(confirmed, 2);
+
+  for (const std::size_t after : {11u, 20u, 24u}) {
+    const auto pipeline = Open(sequence, {.end = 40});
+    ASSERT_TRUE(pipeline->Resume(run[after]).ok());
+    const std::vector<FrameReport> rest = Rest(*pipeline);
+    ASSERT_EQ(rest.size(), 39 - after);
+    for (std::size_t i = 0; i < rest.size(); ++i) ExpectSame(rest[i], run[after + 1 + i]);
+  }
+}
+
+TEST_F(PipelineTest, SkipsAndResumesBeforeTheFirstUsableFrame) {
+  const std::filesystem::path sequence = Copy("late");
+  for (const char* file : {"000000.jpg", "000001.jpg"})
+    std::filesystem::resize_file(sequence / "color" / file, 100);
+  const std::vector<FrameReport> run = Run(sequence, {.end = 10});
+  ASSERT_EQ(run.size(), 10u);
+  EXPECT_FALSE(run[1].skipped.empty());
+  EXPECT_TRUE(run[2].skipped.empty());
+  const auto pipeline = Open(sequence, {.end = 10});
+  const Status resumed = pipeline->Resume(run[1]);
+  ASSERT_TRUE(resumed.ok()) << resumed.error().message;
+  const std::vector<FrameReport> rest = Rest(*pipeline);
+  ASSERT_EQ(rest.size(), 8u);
+  for (std::size_t i = 0; i < rest.size(); ++i) ExpectSame(rest[i], run[2 + i]);
+}
+
+TEST_F(PipelineTest, AnObjectThatIsNoLongerDetectedStaysConfirmed) {
+  const std::filesystem::path sequence = folder_->path() / "undetected";
+  WriteDrawnSequence(sequence, {.frames = 110, .boxes_until = 45});
+  const std::vector<FrameReport> run = Run(sequence, {});
+  ASSERT_EQ(run.size(), 110u);
+  std::vector<ObjectId> confirmed;
+  for (const ObjectReport& object : run[44].objects) {
+    if (object.state == ObjectState::kConfirmed) confirmed.push_back(object.id);
+  }
+  EXPECT_GE(confirmed.size(), 2u);
+  for (const ObjectId id : confirmed) {
+    const auto& last = run.back().objects;
+    const auto found = std::find_if(last.begin(), last.end(),
+                                    [&](const ObjectReport& object) { return object.id == id; });
+    ASSERT_NE(found, last.end()) << "object " << id.value << " went";
+    EXPECT_EQ(found->state, ObjectState::kConfirmed);
+    EXPECT_GT(found->phi_edge, 0.3f);
+  }
+}
+
+TEST_F(PipelineTest, RecomputesWhatAFrameShowed) {
+  const auto pipeline = Open(Original(), {.end = 12});
+  std::vector<std::shared_ptr<const MapSnapshot>> shown;
+  while (const auto snapshot = pipeline->Next()) shown.push_back(*snapshot);
+  const auto again = pipeline->Recompute(shown[8]->report);
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(cv::countNonZero((*again)->edge_probability != shown[8]->edge_probability), 0);
+  EXPECT_EQ(cv::countNonZero((*again)->id != shown[8]->id), 0);
+  EXPECT_EQ(cv::countNonZero((*again)->depth != shown[8]->depth), 0);
+}
+
+TEST_F(PipelineTest, SaysWhatItLacks) {
+  const std::filesystem::path sequence = Copy("incomplete");
+  PipelineChoice choice;
+  choice.sequence = sequence;
+  choice.frames = {.begin = 500};
+  auto opened = MappingPipeline::Open(choice, {});
+  ASSERT_FALSE(opened.ok());
+  EXPECT_THAT(opened.error().message, HasSubstr("none of the 70 frames"));
+  choice.frames = {};
+  std::filesystem::remove_all(sequence / "models");
+  opened = MappingPipeline::Open(choice, {});
+  ASSERT_FALSE(opened.ok());
+  EXPECT_THAT(opened.error().message, HasSubstr("--models"));
+  std::filesystem::remove(sequence / "gravity.json");
+  opened = MappingPipeline::Open(choice, {});
+  ASSERT_FALSE(opened.ok());
+  EXPECT_THAT(opened.error().message, HasSubstr("gravity.json"));
+}
+
+TEST(FrameRange, ParsesItsParts) {
+  const auto range = ParseFrameRange("5:30:2");
+  ASSERT_TRUE(range.ok());
+  EXPECT_EQ(range->begin, 5);
+  EXPECT_EQ(range->end, 30);
+  EXPECT_EQ(range->step, 2);
+  EXPECT_EQ(ParseFrameRange(":")->end, std::nullopt);
+  EXPECT_EQ(ParseFrameRange(":7")->end, 7);
+  EXPECT_EQ(ParseFrameRange("3:")->begin, 3);
+  for (const char* bad : {"", "5", "5:5", "9:3", "a:b", "1:9:0", "1:2:3:4", "-1:5", "1:9:x"})
+    EXPECT_FALSE(ParseFrameRange(bad).ok()) << bad;
+}
+
+}  // namespace
+}  // namespace plumbline
