@@ -133,7 +133,7 @@ Status Run(RunArguments& arguments) {
     return Error{ErrorCode::kCancelled,
                  "stopped; '" + arguments.out + "' keeps what was done, --resume goes on with it"};
   }
-  return {};
+  return summary.CheckAnyFrameUsed(arguments.pipeline.choice.sequence.string());
 }
 
 }  // namespace
