@@ -55,8 +55,10 @@ Status StoreHeader(sqlite::Database& database, const RunHeader& header) {
 Result<std::unique_ptr<FileLock>> Lock(const std::filesystem::path& file) {
   auto lock = FileLock::Acquire(file);
   if (lock.ok()) return lock;
+  const bool in_use = lock.error().code == ErrorCode::kInvalidInput;
   return Error{lock.error().code,
-               lock.error().message + "; wait until it ends, or choose another file"};
+               lock.error().message + (in_use ? "; wait until it ends, or choose another file"
+                                              : "; choose another folder")};
 }
 
 }  // namespace
@@ -354,6 +356,8 @@ Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& 
   }
   auto lock = Lock(file);
   if (!lock) return lock.error();
+  if (const Status left_over = RemoveRun(PlaceBeside(file)); !left_over.ok())
+    return left_over.error();
   Result<Found> found = FindEnd(file, header);
   if (!found) return found.error();
   Result<std::unique_ptr<sqlite::Database>> database =
