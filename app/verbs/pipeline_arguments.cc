@@ -10,7 +10,9 @@ namespace plumbline {
 void PipelineArguments::AddTo(CLI::App& verb) {
   verb.add_option("--models", choice.models, "Folder of CAD models (default: the sequence's own)");
   verb.add_option("--frames", frames, "Frames A:B or A:B:S; B is not included");
-  verb.add_option("--seed", choice.seed, "Seed of all randomness")->capture_default_str();
+  verb.add_option("--seed", choice.seed, "Seed of all randomness, a whole number from 0")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   verb.add_option("--detector", choice.detector,
                   "dataset (the sequence's proposals), or an ONNX network with its sidecar")
       ->capture_default_str();

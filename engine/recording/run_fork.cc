@@ -125,11 +125,12 @@ Status ForkRun(const ForkChoice& choice, const WorkContext& work) {
   header.started = Now();
   if (Status status = WaitForFrame(choice.run.run, choice.at, work.stop); !status.ok())
     return status;
-  auto writer = RunWriter::Create(choice.out, header);
+  auto writer = RunWriter::Create(choice.out, header, [&](RunWriter& past) -> Status {
+    const auto at =
+        TakeOverPast(choice.run.run, choice.at, **pipeline, past, [](const FrameReport&) {});
+    return at.ok() ? Status() : at.error();
+  });
   if (!writer.ok()) return writer.error();
-  const auto at =
-      TakeOverPast(choice.run.run, choice.at, **pipeline, **writer, [](const FrameReport&) {});
-  if (!at.ok()) return at.error();
   while (!work.stop.stop_requested()) {
     const auto snapshot = (*pipeline)->Next();
     if (!snapshot) return (*writer)->Close();
