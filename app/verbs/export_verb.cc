@@ -57,7 +57,7 @@ Status ExportJson(RunReader& reader, const ExportArguments& arguments) {
 
 Status ExportPly(RunReader& reader, const ExportArguments& arguments) {
   const std::string folder =
-      arguments.models.empty() ? reader.header().models_path : arguments.models;
+      arguments.models.empty() ? reader.header().recipe.models : arguments.models;
   const Result<std::shared_ptr<const ModelDatabase>> database = ModelDatabase::Load(folder);
   if (!database) {
     return Error{database.error().code,

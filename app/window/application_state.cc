@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdlib>
-#include <numbers>
 #include <utility>
 
 #include "app/window/application.h"
 #include "app/window/inspect/bookmarks.h"
 #include "engine/base/files.h"
 #include "engine/base/log.h"
+#include "engine/geometry/angles.h"
 
 // What the window tells of itself to scripts and tests, and what it keeps from one day to the next.
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 const char* StateName(PlaybackState state) {
   switch (state) {
@@ -92,8 +90,8 @@ nlohmann::json Application::State() const {
       {"image_zoom", viewport_.zoom},
       {"scene_renders", scene_->renders()},
       {"camera",
-       {{"azimuth_deg", camera.azimuth_rad * kDegrees},
-        {"elevation_deg", camera.elevation_rad * kDegrees},
+       {{"azimuth_deg", camera.azimuth_rad * kDegPerRad},
+        {"elevation_deg", camera.elevation_rad * kDegPerRad},
         {"distance_m", camera.distance_m},
         {"focus",
          {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}}}},

@@ -8,6 +8,8 @@
 #include <map>
 #include <string_view>
 
+#include "engine/geometry/angles.h"
+
 namespace plumbline {
 namespace {
 
@@ -140,13 +142,12 @@ std::span<const Shortcut> Shortcuts() { return kShortcuts; }
 std::span<const double> PlaybackSpeeds() { return kSpeeds; }
 
 std::span<const AxisView> AxisViews() {
-  constexpr double kDegree = 3.14159265358979323846 / 180;
-  static constexpr AxisView kViews[] = {{'1', "the front (-y)", -90 * kDegree, 0},
-                                        {'2', "the back (+y)", 90 * kDegree, 0},
-                                        {'3', "the left (-x)", 180 * kDegree, 0},
+  static constexpr AxisView kViews[] = {{'1', "the front (-y)", -90 * kRadPerDeg, 0},
+                                        {'2', "the back (+y)", 90 * kRadPerDeg, 0},
+                                        {'3', "the left (-x)", 180 * kRadPerDeg, 0},
                                         {'4', "the right (+x)", 0, 0},
-                                        {'5', "above", -90 * kDegree, 89.9 * kDegree},
-                                        {'6', "an angle", -55 * kDegree, 35 * kDegree}};
+                                        {'5', "above", -90 * kRadPerDeg, 89.9 * kRadPerDeg},
+                                        {'6', "an angle", -55 * kRadPerDeg, 35 * kRadPerDeg}};
   return kViews;
 }
 

@@ -78,7 +78,7 @@ void WhatIf::OfferFork(FrameContext& context) const {
     return;
   }
   offer->options = options->At(context.playback->frame);
-  offer->seed = (*reader)->header().seed;
+  offer->seed = (*reader)->header().recipe.seed;
   offer->out = FreeName(context);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "engine/geometry/angles.h"
 #include "engine/snapshot/frame_difference.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
@@ -12,8 +13,6 @@
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 57.29577951308232;
 
 struct ShownToggle {
   const char* name;
@@ -177,7 +176,7 @@ class WhatIfPanel : public Panel {
   static void ErrorText(const std::optional<TruthError>& error) {
     if (error)
       ImGui::Text("%.1f cm  %.0f\u00b0", 100.0 * error->translation_m,
-                  kDegrees * error->azimuth_rad);
+                  kDegPerRad * error->azimuth_rad);
     else
       DimText("\u2013");
   }
@@ -185,7 +184,7 @@ class WhatIfPanel : public Panel {
   /// Modulo the symmetry of the shape [deg].
   static double Turned(const FrameContext& context, const ObjectPair& pair) {
     const ModelView* model = context.Model(pair.a->label);
-    const double turned = kDegrees * pair.azimuth_rad;
+    const double turned = kDegPerRad * pair.azimuth_rad;
     if (model == nullptr || pair.a->label != pair.b->label) return turned;
     if (model->any_azimuth) return 0;
     const double period = 360.0 / std::max(1, model->symmetry_order);

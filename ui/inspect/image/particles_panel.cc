@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/angles.h"
 #include "engine/snapshot/particle_rank.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/image_canvas.h"
@@ -13,8 +14,6 @@
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 57.29577951308232;
 
 class ParticlesPanel : public Panel {
  public:
@@ -108,7 +107,7 @@ class ParticlesPanel : public Panel {
             static_cast<int>(particles.size()));
     DimText("comes from particle %d of the frame before", int{particle.ancestor});
     DimText("distance %.2f m", std::exp(particle.rho));
-    DimText("azimuth %.0f\u00b0", particle.azimuth * kDegrees);
+    DimText("azimuth %.0f\u00b0", particle.azimuth * kDegPerRad);
     DimText("\u03a6 detector %.2f   \u03a6 edges %.2f", particle.phi_cnn, particle.phi_edge);
     ImGui::EndTooltip();
   }
