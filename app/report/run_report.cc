@@ -13,8 +13,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "app/report/svg_plot.h"
+#include "engine/analysis/calibration.h"
 #include "engine/geometry/gravity.h"
-#include "engine/snapshot/calibration.h"
 
 namespace plumbline {
 namespace {
@@ -305,7 +305,7 @@ std::string Honesty(const RunReview& review) {
       "the 95 % region in <b>{:.0f} %</b> of {} poses of confirmed objects. The most likely shape "
       "was the true one in <b>{:.0f} %</b>, and believed at {:.0f} % on average.</p>",
       100.0 * c.within_50 / c.poses, 100.0 * c.within_95 / c.poses, c.poses,
-      c.labels() > 0 ? 100.0 * c.right() / c.labels() : 0.0, 100 * c.claimed());
+      c.labels > 0 ? 100.0 * c.right / c.labels : 0.0, 100 * c.claimed);
 }
 
 /// One line for each object that was ever confirmed.

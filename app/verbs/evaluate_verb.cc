@@ -6,12 +6,12 @@
 #include <optional>
 
 #include "app/verbs/verb.h"
+#include "engine/analysis/calibration.h"
 #include "engine/analysis/run_review.h"
 #include "engine/base/log.h"
 #include "engine/evaluation/map_evaluation.h"
 #include "engine/models/mesh_file.h"
 #include "engine/recording/run_summary.h"
-#include "engine/snapshot/calibration.h"
 
 namespace plumbline {
 namespace {
@@ -136,9 +136,9 @@ void PrintHonesty(const Calibration& c) {
   std::printf("\nbeliefs along the run (%d poses of confirmed objects)\n", c.poses);
   std::printf("%-34s %5.1f %%\n", "truth in the 50 % region", 100.0 * c.within_50 / c.poses);
   std::printf("%-34s %5.1f %%\n", "truth in the 95 % region", 100.0 * c.within_95 / c.poses);
-  if (c.labels() == 0) return;
+  if (c.labels == 0) return;
   std::printf("%-34s %5.1f %%, believed at %.1f %%\n", "most likely shape is the true one",
-              100.0 * c.right() / c.labels(), 100 * c.claimed());
+              100.0 * c.right / c.labels, 100 * c.claimed);
 }
 
 Status Evaluate(EvaluateArguments arguments) {

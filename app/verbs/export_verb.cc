@@ -9,7 +9,7 @@
 #include "engine/recording/map_mesh.h"
 #include "engine/recording/run_summary.h"
 #include "engine/runtime/run_source.h"
-#include "engine/snapshot/relations.h"
+#include "engine/analysis/relations.h"
 
 namespace plumbline {
 namespace {

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/ui/panel_harness.h"
+#include "ui/framework/actions.h"
 #include "ui/framework/layout.h"
 #include "ui/framework/pictures.h"
-#include "ui/framework/shortcuts.h"
 #include "ui/framework/theme.h"
 
 namespace plumbline {

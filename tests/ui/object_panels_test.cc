@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/snapshot/particle_rank.h"
+#include "engine/mapping/particle_rank.h"
 #include "tests/ui/panel_harness.h"
 #include "ui/inspect/panels.h"
 
@@ -33,7 +33,8 @@ TEST(WhyPanel, AsksOnceAndSelectsAHypothesis) {
   probe->frame = harness.context.snapshot->report.frame;
   probe->object = {1};
   probe->beta = 10;
-  probe->verdict = "Search: no particle is near.";
+  probe->verdict = Verdict::kSearch;
+  probe->verdict_text = "Search: no particle is near.";
   probe->hypotheses.resize(2);
   probe->hypotheses[0].name = "mean";
   probe->hypotheses[1].name = "truth";

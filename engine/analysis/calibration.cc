@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/snapshot/calibration.h"
+#include "engine/analysis/calibration.h"
 
 #include <cmath>
 #include <numbers>
@@ -12,24 +12,6 @@ namespace {
 constexpr double kTruthStd_m = 0.003, kTruthStd_rad = 0.5 * std::numbers::pi / 180;
 
 }  // namespace
-
-int Calibration::labels() const {
-  int sum = 0;
-  for (const Bin& bin : bins) sum += bin.labels;
-  return sum;
-}
-
-int Calibration::right() const {
-  int sum = 0;
-  for (const Bin& bin : bins) sum += bin.right;
-  return sum;
-}
-
-double Calibration::claimed() const {
-  double sum = 0;
-  for (const Bin& bin : bins) sum += bin.claimed;
-  return labels() > 0 ? sum / labels() : 0;
-}
 
 Calibration CalibrationOf(const RunHistory& history, ObjectId only) {
   Calibration result;
@@ -53,6 +35,13 @@ Calibration CalibrationOf(const RunHistory& history, ObjectId only) {
       bin->claimed += claimed;
     }
   }
+  double sum = 0;
+  for (const Calibration::Bin& bin : result.bins) {
+    result.labels += bin.labels;
+    result.right += bin.right;
+    sum += bin.claimed;
+  }
+  if (result.labels > 0) result.claimed = sum / result.labels;
   return result;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/snapshot/calibration.h"
+#include "engine/analysis/calibration.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
@@ -74,14 +74,14 @@ TEST(Calibration, CountsWhatWasClaimedAgainstWhatWasSo) {
   EXPECT_EQ(all.poses, 3) << "neither what is far from any truth nor what is tentative or hidden";
   EXPECT_EQ(all.within_50, 1);
   EXPECT_EQ(all.within_95, 2);
-  EXPECT_EQ(all.labels(), 3);
-  EXPECT_EQ(all.right(), 2);
-  EXPECT_NEAR(all.claimed(), (0.95 + 0.6 + 1.0) / 3, 1e-12);
+  EXPECT_EQ(all.labels, 3);
+  EXPECT_EQ(all.right, 2);
+  EXPECT_NEAR(all.claimed, (0.95 + 0.6 + 1.0) / 3, 1e-12);
   EXPECT_EQ(all.bins[1].labels, 1);
   EXPECT_EQ(all.bins[3].labels, 1);
   EXPECT_EQ(all.bins[4].right, 1);
   EXPECT_EQ(CalibrationOf(history, {2}).poses, 1);
-  EXPECT_EQ(CalibrationOf({}).claimed(), 0);
+  EXPECT_EQ(CalibrationOf({}).claimed, 0);
 }
 
 }  // namespace
