@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <numbers>
@@ -101,14 +102,12 @@ void PrintTable(const AlignResult& result, const UprightFrame& upright) {
   int rank = 1;
   for (const AlignCandidate& candidate : result.alignment.candidates) {
     const Eigen::Vector3d at = candidate.scan_from_model.translation();
-    const Eigen::Vector3d up = upright.up_in_world();
-    const double azimuth_std =
-        std::sqrt(up.dot(candidate.covariance.bottomRightCorner<3, 3>() * up));
-    const double position_std = std::sqrt(candidate.covariance.topLeftCorner<3, 3>().trace());
+    const Eigen::Vector3d& up = upright.up_in_world();
+    const PoseDeviations deviations = DeviationsOf(candidate.covariance, up);
     std::printf("%4d  %5.1f deg  %7.3f %7.3f %7.3f  %6.1f %%  %4.1f mm  %5.2f mm %5.3f deg%s\n",
                 rank++, kDegrees * upright.Azimuth(candidate.scan_from_model.linear()), at.x(),
-                at.y(), at.z(), 100 * candidate.fitness, 1e3 * candidate.rmse_m, 1e3 * position_std,
-                kDegrees * azimuth_std,
+                at.y(), at.z(), 100 * candidate.fitness, 1e3 * candidate.rmse_m,
+                1e3 * deviations.position_m, kDegrees * deviations.azimuth_rad,
                 candidate.same_by_symmetry ? "  (the first, turned by its symmetry)" : "");
   }
   const int order = result.alignment.symmetry_order;
@@ -166,8 +165,10 @@ Status Align(AlignArguments arguments) {
   if (!arguments.floor.empty()) {
     const Result<Eigen::VectorXd> floor = ParseNumbers(arguments.floor, "--floor", 4, 4);
     if (!floor) return floor.error();
-    // Scaled so that (a, b, c) is a unit vector; a wall, or a floor upside down, is a mistake.
-    const Eigen::Vector4d plane = *floor / floor->head(3).norm();
+    // Scaled so that (a, b, c) is a unit vector; one that is stays as it is, bit for bit. A wall,
+    // or a floor upside down, is a mistake.
+    const double norm = floor->head(3).norm();
+    const Eigen::Vector4d plane = std::abs(norm - 1) < 1e-12 ? *floor : *floor / norm;
     if (!plane.allFinite() || plane.head<3>().dot(-*gravity) < kLeastLevel) {
       return Error{ErrorCode::kInvalidInput, "--floor " + arguments.floor +
                                                  " is not level: (a, b, c) must point up, against "
@@ -214,7 +215,7 @@ void AddAlignVerb(CLI::App& app, VerbFunction& chosen) {
       ->capture_default_str();
   verb->add_flag("--on-support", arguments->on_support,
                  "The model stands on the level surface below it (a chair on the floor): poses "
-                 "that float must fit far better");
+                 "that float must fit far better, and what stands on --floor stands on it exactly");
   verb->add_option(
           "--floor", arguments->floor,
           "The floor's plane ax + by + cz + d = 0 with (a, b, c) up, as 'plumbline gravity' "

@@ -42,16 +42,10 @@ class ProjectImages {
     View view{*model, scene_.OccludersOf(document_, instance.id), nullptr};
     CheckFrameOptions options;
     options.frames = arguments_.frames;
-    const auto frames = ChooseCheckFrames(*inputs_.sequence, document_, **model,
-                                          instance.scan_from_object, view.occluders, options, work);
-    if (!frames) return frames.error();
-    if (frames->empty()) return view;
-    std::vector<int> indices;
-    for (const CheckFrame& frame : *frames) indices.push_back(frame.frame);
-    auto images =
-        AnnotationImages::Load(inputs_.sequence, document_, indices, arguments_.edges, work);
+    auto images = LoadCheckImages(inputs_.sequence, document_, **model, instance.scan_from_object,
+                                  view.occluders, options, arguments_.edges, work);
     if (!images) return images.error();
-    Warn((*images)->warnings());
+    if (*images != nullptr) Warn((*images)->warnings());
     view.images = std::move(*images);
     return view;
   }

@@ -11,7 +11,7 @@
 #include "app/verbs/verb.h"
 #include "engine/base/files.h"
 #include "engine/models/mesh_file.h"
-#include "engine/process/sequence_registration.h"
+#include "engine/session/sequence_registration.h"
 
 namespace plumbline {
 namespace {

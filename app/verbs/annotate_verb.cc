@@ -20,7 +20,7 @@
 #include "engine/base/log.h"
 #include "engine/models/mesh_file.h"
 #include "engine/pipeline/mapping_pipeline.h"
-#include "engine/process/run_drafts.h"
+#include "engine/session/run_drafts.h"
 
 namespace plumbline {
 namespace {

@@ -203,4 +203,18 @@ Result<std::vector<CheckFrame>> ChooseCheckFrames(
   return Chooser(sequence, document, model, scan_from_object, occluders, options).Run(work);
 }
 
+Result<std::shared_ptr<const AnnotationImages>> LoadCheckImages(
+    const std::shared_ptr<const Sequence>& sequence, const AnnotationDocument& document,
+    const OutlineModel& model, const Eigen::Isometry3d& scan_from_object,
+    const Occluders& occluders, const CheckFrameOptions& options, const std::string& edges,
+    const WorkContext& work) {
+  const auto frames =
+      ChooseCheckFrames(*sequence, document, model, scan_from_object, occluders, options, work);
+  if (!frames) return frames.error();
+  if (frames->empty()) return std::shared_ptr<const AnnotationImages>();
+  std::vector<int> indices;
+  for (const CheckFrame& frame : *frames) indices.push_back(frame.frame);
+  return AnnotationImages::Load(sequence, document, indices, edges, work);
+}
+
 }  // namespace plumbline

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "engine/annotation/annotation_document.h"
+#include "engine/annotation/annotation_images.h"
 #include "engine/annotation/occluders.h"
 #include "engine/base/progress.h"
 #include "engine/dataset/sequence.h"
@@ -37,5 +40,13 @@ Result<std::vector<CheckFrame>> ChooseCheckFrames(
     const Sequence& sequence, const AnnotationDocument& document, const OutlineModel& model,
     const Eigen::Isometry3d& scan_from_object, const Occluders& occluders,
     const CheckFrameOptions& options = {}, const WorkContext& work = {});
+
+/// The images of the frames that ChooseCheckFrames chooses; null if no frame sees the model.
+/// Errors: of AnnotationImages::Load, kCancelled.
+Result<std::shared_ptr<const AnnotationImages>> LoadCheckImages(
+    const std::shared_ptr<const Sequence>& sequence, const AnnotationDocument& document,
+    const OutlineModel& model, const Eigen::Isometry3d& scan_from_object,
+    const Occluders& occluders, const CheckFrameOptions& options = {},
+    const std::string& edges = "", const WorkContext& work = {});
 
 }  // namespace plumbline

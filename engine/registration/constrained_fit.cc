@@ -223,4 +223,33 @@ double ConstrainedPose::DesignEffect(std::span<const PointPair> pairs, double pa
   return std::isfinite(effect) ? std::max(1.0, effect) : 1;
 }
 
+PoseDeviations DeviationsOf(const PoseCovariance& covariance, const Eigen::Vector3d& up_in_scan) {
+  constexpr double kRounding_m = 1e-9;
+  const auto root = [](double variance) { return std::sqrt(std::max(0.0, variance)); };
+  const Eigen::Matrix3d place = covariance.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d turn = covariance.bottomRightCorner<3, 3>();
+  const double height = std::max(0.0, up_in_scan.dot(place * up_in_scan));
+  PoseDeviations deviations;
+  deviations.azimuth_rad = root(up_in_scan.dot(turn * up_in_scan));
+  deviations.height_m = std::sqrt(height) < kRounding_m ? 0 : std::sqrt(height);
+  deviations.horizontal_m = root(place.trace() - height);
+  deviations.position_m = root(place.trace());
+  return deviations;
+}
+
+PoseChange ChangeBetween(const Eigen::Isometry3d& scan_from_model,
+                         const Eigen::Isometry3d& changed_scan_from_model,
+                         const Eigen::Vector3d& up_in_scan) {
+  const UprightFrame frame(-up_in_scan);
+  const Eigen::Matrix3d before = scan_from_model.linear(), after = changed_scan_from_model.linear();
+  const Eigen::Vector3d moved =
+      changed_scan_from_model.translation() - scan_from_model.translation();
+  PoseChange change;
+  change.height_m = moved.dot(up_in_scan);
+  change.horizontal_m = (moved - change.height_m * up_in_scan).norm();
+  change.azimuth_rad = WrapAngle(frame.Azimuth(after) - frame.Azimuth(before));
+  change.tilt_rad = frame.Tilt(after) - frame.Tilt(before);
+  return change;
+}
+
 }  // namespace plumbline

@@ -33,6 +33,21 @@ struct PointPair {
 /// rotation vector applied on the left, in the scan frame [rad]. Locked directions are zero.
 using PoseCovariance = Eigen::Matrix<double, 6, 6>;
 
+/// A pose's standard deviations, split as people think of them. 0: that direction was locked.
+struct PoseDeviations {
+  double azimuth_rad = 0, horizontal_m = 0, height_m = 0;
+  double position_m = 0;  ///< Horizontal and height together.
+};
+PoseDeviations DeviationsOf(const PoseCovariance& covariance, const Eigen::Vector3d& up_in_scan);
+
+/// What lies between two poses of a model, split likewise.
+struct PoseChange {
+  double azimuth_rad = 0, horizontal_m = 0, height_m = 0, tilt_rad = 0;
+};
+PoseChange ChangeBetween(const Eigen::Isometry3d& scan_from_model,
+                         const Eigen::Isometry3d& changed_scan_from_model,
+                         const Eigen::Vector3d& up_in_scan);
+
 /// A pose of a model that moves only as it is allowed to. The turn is kept as one angle, so that
 /// the model's up axis keeps its angle to `up_in_scan` through any number of steps.
 class ConstrainedPose {

@@ -128,6 +128,30 @@ AlignCandidate BestOfTurn(const AlignmentCrop& crop, const ModelSurface& model,
   return standing.score > best.score ? standing : best;
 }
 
+/// Onto the floor exactly, and along it to where it fits best there: floors are flat, and scans of
+/// them less so. Only what stands on it already.
+void SetOnFloor(const AlignmentCrop& crop, const ModelSurface& model,
+                const Eigen::Vector3d& up_in_scan, const Eigen::Vector4d& floor_in_scan,
+                double within_m, AlignCandidate& candidate) {
+  constexpr int kMaxIterations = 20;
+  const Eigen::Vector3d normal = floor_in_scan.head<3>();
+  const double height_m = (normal.dot(candidate.scan_from_model.translation()) + floor_in_scan[3]) /
+                          normal.dot(up_in_scan);
+  if (!candidate.stands || !(std::abs(height_m) <= kStandsWithin_m)) return;
+  candidate.scan_from_model.translation() -= height_m * up_in_scan;
+  ConstrainedPose pose(candidate.scan_from_model, up_in_scan, FreeMotion::kAzimuthAndHorizontal);
+  const FineAlignment fine =
+      AlignFinely(crop, model, IcpResidual::kPointToPlane, kMaxIterations, pose);
+  candidate.scan_from_model = pose.scan_from_model();
+  candidate.sigma_m = fine.sigma_m;
+  candidate.covariance = fine.covariance;
+  candidate.iterations += fine.iterations;
+  candidate.converged = fine.converged;
+  const AlignmentFit fit = Measure(crop, model, candidate.scan_from_model, within_m);
+  candidate.fitness = fit.fitness;
+  candidate.rmse_m = fit.rmse_m;
+}
+
 Status CheckInput(const Eigen::Vector3d& up_in_scan, const AlignOptions& options) {
   const auto bad = [](const char* what) { return Error{ErrorCode::kInvalidInput, what}; };
   if (options.starts < 1) return bad("an alignment needs at least one start");
@@ -176,6 +200,12 @@ Result<ModelAlignment> AlignModel(const ScanTarget& scan, const ModelSurface& mo
     tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
       const int own_iterations = candidates[i].score < least ? 1 : iterations;
       Refine(crop, model, up_in_scan, options, own_iterations, candidates[i]);
+    });
+  }
+  if (options.standing == Standing::kOnSupport && options.floor_in_scan &&
+      options.motion == FreeMotion::kAzimuthAndTranslation) {
+    tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+      SetOnFloor(crop, model, up_in_scan, *options.floor_in_scan, options.within_m, candidates[i]);
     });
   }
   for (const AlignCandidate& candidate : candidates) result.iterations += candidate.iterations;

@@ -12,7 +12,9 @@ namespace plumbline {
 /// What a model stands on.
 enum class Standing {
   kAnywhere,  ///< It may hang or stand on something that was not found: the scan decides.
-  kOnSupport  ///< On the level surface below it: what floats must fit far better.
+  /// On the level surface below it: what floats must fit far better. What then stands within 3 cm
+  /// of a known floor is put onto that exactly and fitted along it, where all translation is free.
+  kOnSupport
 };
 
 struct AlignOptions {
@@ -30,7 +32,7 @@ struct AlignOptions {
 struct AlignCandidate {
   Eigen::Isometry3d scan_from_model = Eigen::Isometry3d::Identity();
   double fitness = 0, rmse_m = 0;  ///< As of AlignmentFit.
-  double score = 0;                ///< Likewise, less where the model does not stand.
+  double score = 0;                ///< Likewise, less where the model does not stand; ranks them.
   bool stands = false;             ///< On the support that was found, within 3 cm.
   double sigma_m = 0;
   PoseCovariance covariance = PoseCovariance::Zero();

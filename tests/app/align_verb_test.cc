@@ -12,6 +12,8 @@
 #include "engine/base/files.h"
 #include "engine/geometry/surface_sampling.h"
 #include "engine/models/mesh_file.h"
+#include "engine/session/annotation_session.h"
+#include "tests/support/annotation_scene.h"
 #include "tests/support/furniture_models.h"
 #include "tests/support/meshes.h"
 #include "tests/support/test_data.h"
@@ -86,6 +88,51 @@ TEST_F(AlignVerb, MistakesAreSentencesAndExitCodes) {
   }
   EXPECT_EQ(Run("gravity scan.ply --near 0,7,7"), 1);
   EXPECT_THAT(Output(), testing::HasSubstr("scan.ply"));
+}
+
+Eigen::Isometry3d PoseFrom(const nlohmann::json& rows) {
+  Eigen::Isometry3d pose;
+  for (int r = 0; r < 4; ++r) {
+    for (int c = 0; c < 4; ++c) pose.matrix()(r, c) = rows[r][c];
+  }
+  return pose;
+}
+
+/// A click in the window, and the command for the same place: one alignment, bit for bit.
+TEST(AlignVerbAndWindow, GiveTheSameCandidates) {
+  const TemporaryFolder folder;
+  const Eigen::Isometry3d scan_from_level(Eigen::Translation3d(0.3, -0.2, 0.7));
+  const AnnotationScene scene = MakeAnnotationScene(folder.path(), scan_from_level);
+  AnnotationChoice choice;
+  choice.path = scene.scan;
+  auto session = AnnotationSession::Open(
+                     choice, [] { return 0.0; }, 0)
+                     .value();
+  const auto apply = [&](const AnnotationCommand& command) {
+    session->Apply(command);
+    while (auto job = session->TakeJob()) job->run({}, [](const auto&) {})(*session);
+  };
+  // The scan's floor is at 0.7; the one that counts is a centimetre higher.
+  apply(TypeGravityCommand{{0, 0, 1}, -0.71});
+  apply(AcceptProposalCommand{});
+  apply(PlaceModelCommand{"armchair", {0.75, 0.05, 1.1}});
+  const AnnotationSnapshot snapshot = session->Snapshot();
+  ASSERT_TRUE(snapshot.placement.has_value()) << snapshot.answer;
+  const std::string command =
+      "'" + ProgramFile().string() + "' align --scan '" + scene.scan.string() + "' --model '" +
+      (scene.models / "armchair.ply").string() +
+      "' --init 0.75,0.05,0.71 --gravity 0,0,-1 --on-support --floor 0,0,1,-0.71 --json '" +
+      (folder.path() / "align.json").string() + "' > /dev/null";
+  ASSERT_EQ(WEXITSTATUS(std::system(command.c_str())), 0);
+  const nlohmann::json align = ReadJson(folder.path() / "align.json").value();
+  const auto& candidates = snapshot.placement->candidates;
+  ASSERT_EQ(align["candidates"].size(), candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    EXPECT_EQ(PoseFrom(align["candidates"][i]["scan_from_model"]).matrix(),
+              candidates[i].scan_from_object.matrix())
+        << "candidate " << i;
+  }
+  EXPECT_NEAR(candidates[0].scan_from_object.translation().z(), 0.71, 1e-12);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 
 #include "engine/dataset/ground_truth.h"
 #include "engine/geometry/gravity.h"
-#include "engine/process/annotation_process.h"
+#include "engine/runtime/annotation_process.h"
 
 namespace plumbline {
 namespace {

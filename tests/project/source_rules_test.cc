@@ -39,6 +39,8 @@ TEST(SourceRules, AllowWhatTheLayersAllow) {
       {"engine/snapshot/map_snapshot.h", Quoted("engine/mapping/map_report.h")},
       {"engine/snapshot/commands.h", Quoted("engine/mapping/mapper_options.h")},
       {"engine/runtime/mapping_process.cc", Quoted("engine/snapshot/map_snapshot.h")},
+      {"engine/session/session.cc", Quoted("engine/snapshot/annotation_snapshot.h")},
+      {"engine/runtime/worker.cc", Quoted("engine/session/session.h")},
       {"engine/geometry/decimate.cc", Angled("vtkQuadricDecimation.h")},
       {"engine/render/gl_context.cc", Angled("epoxy/egl.h")},
       {"engine/render/gl_util.h", Angled("epoxy/gl.h")},

@@ -5,7 +5,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "engine/process/sequence_registration.h"
+#include "engine/session/sequence_registration.h"
 #include "tests/ui/annotate_window_fixture.h"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/window/workspace.h"
-#include "engine/process/annotation_process.h"
+#include "engine/runtime/annotation_process.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/panel.h"
 

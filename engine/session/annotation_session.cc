@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/session/annotation_session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "engine/geometry/gravity.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kLongestPause_s = 90;  ///< Longer pauses are not time spent.
+
+InstanceView ViewOf(const AnnotatedInstance& instance, const ModelDatabase* models) {
+  InstanceView view;
+  view.id = instance.id;
+  view.model = instance.model;
+  view.category = instance.category;
+  view.note = instance.note;
+  view.annotator = instance.annotator;
+  view.scan_from_object = instance.scan_from_object;
+  view.fine = instance.fine;
+  view.hidden = instance.hidden;
+  view.locked = instance.locked;
+  view.seconds_spent = instance.seconds_spent;
+  if (models != nullptr) {
+    if (const auto found = models->Find(instance.model)) view.model_index = found->value;
+  }
+  return view;
+}
+
+}  // namespace
+
+double AnnotationSession::SteadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Result<std::unique_ptr<AnnotationSession>> AnnotationSession::Open(const AnnotationChoice& choice,
+                                                                   Clock clock,
+                                                                   int refine_pace_ms) {
+  auto opened = OpenAnnotation(choice);
+  if (!opened) return opened.error();
+  return std::unique_ptr<AnnotationSession>(
+      new AnnotationSession(std::move(*opened), choice, std::move(clock), refine_pace_ms));
+}
+
+AnnotationSession::AnnotationSession(OpenedAnnotation opened, const AnnotationChoice& choice,
+                                     Clock clock, int refine_pace_ms)
+    : project_(std::move(opened.project)),
+      clock_(std::move(clock)),
+      refine_pace_ms_(refine_pace_ms),
+      last_edit_s_(clock_()) {
+  view_.state = AnnotationSnapshot::State::kReady;
+  view_.read_only = opened.read_only;
+  view_.notices = std::move(opened.notices);
+  if (!opened.read_only) view_.num_recovered = project_->num_recovered();
+  view_.annotator = choice.annotator;
+  const AnnotationDocument& document = project_->document();
+  view_.gravity_known =
+      document.floor_in_scan.has_value() || document.gravity_in_scan != Eigen::Vector3d(0, 0, -1);
+  QueueLoading();
+}
+
+std::optional<AnnotationSession::Job> AnnotationSession::TakeJob() {
+  if (frame_wanted_) return FrameJob(*std::exchange(frame_wanted_, std::nullopt));
+  if (jobs_.empty() && std::exchange(check_wanted_, false)) return CheckJob();
+  if (jobs_.empty() && std::exchange(images_wanted_, false)) return ImagesJob();
+  if (jobs_.empty()) return std::nullopt;
+  Job job = std::move(jobs_.front());
+  jobs_.pop_front();
+  return job;
+}
+
+void AnnotationSession::Apply(const AnnotationCommand& command) {
+  std::visit([this](const auto& c) { On(c); }, command);
+  if (!std::holds_alternative<PreviewPoseCommand>(command)) {
+    preview_.reset();
+    checked_.reset();  // what hides it may have changed
+  }
+  WantChecks();
+}
+
+void AnnotationSession::Answer(std::string text, bool refused) {
+  view_.answer = std::move(text);
+  view_.refused = refused;
+  ++view_.answer_number;
+}
+
+bool AnnotationSession::Edit(const plumbline::Edit& edit) {
+  const Status done = project_->Apply(edit);
+  if (done.ok()) {
+    view_.num_recovered = 0;  // they are not the last ones any more
+    return true;
+  }
+  Refuse(done.error().message);
+  return false;
+}
+
+/// Counted with the edit that it led to.
+double AnnotationSession::SpentSinceLastEdit() {
+  const double now = clock_();
+  const double spent = std::min(now - last_edit_s_, kLongestPause_s);
+  last_edit_s_ = now;
+  return std::round(10 * spent) / 10;
+}
+
+std::string AnnotationSession::FreeId(const std::string& model) const {
+  for (int i = 0;; ++i) {
+    std::string id = model + "_" + std::to_string(i);
+    if (project_->document().Find(id) == nullptr) return id;
+  }
+}
+
+AnnotationSnapshot AnnotationSession::Snapshot() const {
+  AnnotationSnapshot snapshot = view_;
+  const AnnotationDocument& document = project_->document();
+  snapshot.project_file = project_->file().string();
+  snapshot.project_name = project_->file().filename().string();
+  AddSequence(snapshot);
+  snapshot.modified = project_->modified();
+  if (const auto& problem = project_->journal_problem())
+    snapshot.journal_problem = problem->message;
+  snapshot.undo_label = project_->UndoLabel();
+  snapshot.redo_label = project_->RedoLabel();
+  snapshot.level_from_scan = document.LevelFromScan();
+  snapshot.floor_known = document.floor_in_scan.has_value();
+  snapshot.gravity_known = view_.gravity_known || snapshot.floor_known;
+  for (const AnnotatedInstance& instance : document.instances) {
+    snapshot.instances.push_back(ViewOf(instance, models_.get()));
+  }
+  if (snapshot.Selected() == nullptr) snapshot.selected.clear();
+  return snapshot;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the session writes: crops and their models, pairs, exports; and what it does where it
+// cannot.
+
+#include <sys/resource.h>
+
+#include <csignal>
+
+#include "engine/base/files.h"
+#include "engine/dataset/ground_truth.h"
+#include "engine/geometry/gravity.h"
+#include "engine/models/mesh_file.h"
+#include "engine/models/model_move.h"
+#include "engine/snapshot/export_formats.h"
+#include "tests/engine/session/annotation_session_fixture.h"
+#include "tests/support/meshes.h"
+
+namespace plumbline {
+namespace {
+
+using std::filesystem::exists;
+using testing::HasSubstr;
+
+/// The scan is a surface: a box, finely meshed, that stands on the floor, instead of points.
+class CutInWindow : public AnnotationSessionTest {
+ protected:
+  void SetUp() override {
+    TriangleMesh level = MakeGrid({-1.5f, -1.5f, 0}, {3, 0, 0}, {0, 3, 0}, 120);
+    Append(Transformed(MakeFineBox({0.6f, 0.4f, 0.8f}), level_from_box_), level);
+    ASSERT_TRUE(WritePly(scene_.scan, Transformed(level, ScanFromLevel())).ok());
+  }
+  /// A little larger than what is to be cut out, as the window's box is after a click.
+  UprightBox Around(double height_m = 1.0) const {
+    const Eigen::Isometry3d scan_from_box = ScanFromLevel() * level_from_box_;
+    return {scan_from_box * Eigen::Vector3d(0, 0, 0.5 * height_m - 0.05),
+            {0.8, 0.6, height_m},
+            UprightFrame(-scene_.up_in_scan).Azimuth(scan_from_box.linear())};
+  }
+  std::unique_ptr<AnnotationSession> OnFloor() {
+    auto session = Open();
+    Do(*session, FindFloorCommand{ScanFromLevel() * Eigen::Vector3d(-1, -1, 0)});
+    Do(*session, AcceptProposalCommand{});
+    return session;
+  }
+  static ProposeCropCommand Cut(const UprightBox& box) {
+    ProposeCropCommand command{"chest", "suitcase"};
+    command.box = box;
+    return command;
+  }
+
+  Eigen::Isometry3d level_from_box_ =
+      Eigen::Translation3d(0.3, 0.2, 0) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ());
+};
+
+TEST_F(CutInWindow, TheBoxTellsWhatItHoldsAndHowFarItCanShrink) {
+  const auto session = OnFloor();
+  Do(*session, ShowBoxCommand{Around()});
+  const auto box = session->Snapshot().box;
+  ASSERT_TRUE(box.has_value());
+  EXPECT_GT(box->points->size(), 1000u);
+  ASSERT_FALSE(box->bounds.isEmpty());
+  EXPECT_NEAR(box->bounds.sizes().x(), 0.6, 0.01);
+  EXPECT_NEAR(box->bounds.sizes().y(), 0.4, 0.01);
+  EXPECT_NEAR(box->bounds.max().z(), 0.8 - 0.45, 0.01) << "from the middle of the box";
+  Do(*session, ShowBoxCommand{Around(0.4)});
+  EXPECT_LT(session->Snapshot().box->points->size(), box->points->size());
+  Do(*session, ShowBoxCommand{});
+  EXPECT_FALSE(session->Snapshot().box.has_value());
+}
+
+TEST_F(CutInWindow, TheModelOfACutGoesWithUndoAndComesBackWithRedo) {
+  const auto session = OnFloor();
+  const std::size_t before = session->Snapshot().models->size();
+  Do(*session, Cut(Around()));
+  ASSERT_TRUE(session->Snapshot().crop.has_value());
+  ASSERT_EQ(session->Snapshot().crop->problem, "");
+  EXPECT_FALSE(HasModel(scene_.models, "chest")) << "only proposed";
+  Do(*session, AcceptProposalCommand{});
+  EXPECT_TRUE(HasModel(scene_.models, "chest"));
+  EXPECT_EQ(session->Snapshot().models->size(), before + 1);
+  EXPECT_EQ(session->Snapshot().selected, "chest_0");
+  EXPECT_THAT(session->Snapshot().instances[0].scan_from_object,
+              IsometryNear(ScanFromLevel() * level_from_box_, 0.5, 0.005));
+  Do(*session, UndoCommand{});
+  EXPECT_FALSE(HasModel(scene_.models, "chest"));
+  EXPECT_FALSE(exists(scene_.models / "chest.ply")) << "no orphan beside the other models";
+  EXPECT_EQ(session->Snapshot().models->size(), before);
+  Do(*session, RedoCommand{});
+  EXPECT_TRUE(HasModel(scene_.models, "chest"));
+  EXPECT_EQ(session->Snapshot().models->size(), before + 1);
+}
+
+TEST_F(AnnotationSessionTest, PairsAreEditsThatAreUndoneAndSurviveTheEndOfTheProcess) {
+  sequence_ = folder_.path() / "walk";
+  WriteAnnotationWalk(scene_, sequence_);
+  {
+    const auto session = Open();
+    Do(*session, AddPairCommand{{0.1, 0.2, 0.3}, 4, {100, 50}});
+    Do(*session, AddPairCommand{{0.4, 0.2, 0.3}, 5, {200, 60}});
+    EXPECT_EQ(session->Snapshot().undo_label, "Pick a pair in frame 5");
+    Do(*session, UndoCommand{});
+    EXPECT_EQ(session->Snapshot().pairs.size(), 1u);
+    Do(*session, RedoCommand{});
+    Do(*session, RemovePairCommand{0});
+    ASSERT_EQ(session->Snapshot().pairs.size(), 1u);
+    EXPECT_EQ(session->Snapshot().pairs[0].frame, 5);
+    Do(*session, UndoCommand{});
+    EXPECT_EQ(session->Snapshot().pairs[0].frame, 4) << "in its place";
+  }  // not saved
+  const auto session = Open();
+  ASSERT_EQ(session->Snapshot().pairs.size(), 2u);
+  EXPECT_EQ(session->Snapshot().pairs[1].pixel, Eigen::Vector2d(200, 60));
+  EXPECT_TRUE(session->Snapshot().pairs[0].seen_at.has_value());
+}
+
+TEST_F(AnnotationSessionTest, WritesEveryFormatInTheFrameThatIsChosen) {
+  sequence_ = folder_.path() / "walk";
+  WriteAnnotationWalk(scene_, sequence_);
+  const auto session = Open();
+  const std::string out = (folder_.path() / "out").string();
+  Do(*session, ExportCommand{"ground_truth", out + ".json"});
+  EXPECT_THAT(session->Snapshot().exported->problem, HasSubstr("nothing to export"));
+  Do(*session, FindFloorCommand{scene_.scan_from_armchair * Eigen::Vector3d(0.5, 0.5, 0)});
+  Do(*session, AcceptProposalCommand{});
+  Do(*session, PlaceModelCommand{"armchair", scene_.scan_from_armchair.translation()});
+  Do(*session, AcceptProposalCommand{});
+  for (const ExportFormat& format : kExportFormats) {
+    Do(*session, ExportCommand{format.name, out + "/" + format.name + "/" + format.file,
+                               format.level ? "level" : "scan", 8});
+    ASSERT_TRUE(session->Snapshot().exported.has_value());
+    EXPECT_EQ(session->Snapshot().exported->problem, "") << format.name;
+    EXPECT_TRUE(exists(out + "/" + format.name)) << format.name;
+  }
+  const auto level = ReadGroundTruth(out + "/ground_truth/ground_truth.json");
+  ASSERT_TRUE(level.ok()) << level.error().message;
+  const Eigen::Isometry3d level_from_scan = session->Snapshot().level_from_scan;
+  EXPECT_THAT(level->instances[0].world_from_object,
+              IsometryNear(level_from_scan * session->Snapshot().instances[0].scan_from_object,
+                           1e-9, 1e-12));
+  EXPECT_NEAR(level->instances[0].world_from_object.translation().z(), 0, 1e-9) << "on the floor";
+  EXPECT_TRUE(exists(out + "/visma/fragments/augmented_scene.ply"));
+  // The whole of VISMA's folder is in one frame.
+  const auto alignment = ReadJson(out + "/visma/fragments/alignment.json");
+  ASSERT_TRUE(alignment.ok());
+  EXPECT_NEAR((*alignment)["armchair_0"][11].get<double>(), 0, 1e-9);
+  const auto fragment = ReadMesh(out + "/visma/fragments/armchair_0.ply");
+  ASSERT_TRUE(fragment.ok()) << fragment.error().message;
+  EXPECT_NEAR(BoundingBox(*fragment).min().z(), 0, 0.01);
+  Do(*session, ExportCommand{"visma", out + "/visma2", "world"});
+  EXPECT_THAT(session->Snapshot().exported->problem, HasSubstr("not in that of the sequence"));
+}
+
+TEST_F(AnnotationSessionTest, OnAFullDiskItSaysSoGoesOnAndSavesElsewhere) {
+  const auto session = WithArmchair();
+  rlimit old;
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old), 0);
+  const auto handler = signal(SIGXFSZ, SIG_IGN);
+  rlimit full = old;
+  full.rlim_cur =
+      std::filesystem::file_size(scene_.scan.parent_path() / "scan.annotation.json.journal") + 20;
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+  Do(*session, DuplicateInstanceCommand{"armchair_0", Eigen::Isometry3d::Identity()});
+  const std::string problem = session->Snapshot().journal_problem;
+  const std::size_t count = session->Snapshot().instances.size();
+  Do(*session, SaveProjectCommand{});
+  const bool refused = session->Snapshot().refused;
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &old), 0);
+  signal(SIGXFSZ, handler);
+  EXPECT_THAT(problem, HasSubstr("save it elsewhere"));
+  EXPECT_EQ(count, 2u) << "the work goes on in memory";
+  EXPECT_TRUE(refused);
+  const auto elsewhere = folder_.path() / "elsewhere" / "mine.json";
+  std::filesystem::create_directories(elsewhere.parent_path());
+  Do(*session, SaveProjectCommand{elsewhere.string()});
+  EXPECT_EQ(session->Snapshot().journal_problem, "");
+  const auto saved = AnnotationProject::Open(elsewhere, AnnotationProject::Access::kRead);
+  ASSERT_TRUE(saved.ok()) << saved.error().message;
+  EXPECT_EQ((*saved)->document().instances.size(), 2u);
+}
+
+TEST_F(AnnotationSessionTest, WhatWasRecoveredCanBeTakenBackAtOnce) {
+  { const auto session = WithArmchair(); }  // not saved
+  const auto session = Open();
+  EXPECT_EQ(session->Snapshot().num_recovered, 2u);
+  Do(*session, DropRecoveredCommand{});
+  EXPECT_TRUE(session->Snapshot().instances.empty());
+  EXPECT_FALSE(session->Snapshot().floor_known);
+  EXPECT_EQ(session->Snapshot().num_recovered, 0u);
+  Do(*session, RedoCommand{});
+  Do(*session, RedoCommand{});
+  EXPECT_EQ(session->Snapshot().instances.size(), 1u);
+}
+
+}  // namespace
+}  // namespace plumbline
