@@ -13,7 +13,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "app/report/svg_plot.h"
-#include "engine/analysis/calibration.h"
+#include "engine/analysis/reliability.h"
 #include "engine/geometry/gravity.h"
 
 namespace plumbline {
@@ -297,8 +297,8 @@ std::string EvaluationTable(const MapEvaluation& e) {
   return html + "</table></div>";
 }
 
-std::string Honesty(const RunReview& review) {
-  const Calibration c = CalibrationOf(review.history);
+std::string ReliabilityOfRun(const RunReview& review) {
+  const Reliability c = ReliabilityOf(review.history);
   if (c.poses == 0) return "";
   return fmt::format(
       "<p>Over the run, the truth lay in the 50 % region of the belief in <b>{:.0f} %</b> and in "
@@ -487,7 +487,7 @@ std::string RunReportHtml(const RunReview& review, const std::vector<ReportPictu
       Escaped(name), kStyle, Escaped(review.header.program_version), Escaped(review.view.name));
   html += Cards(review, evaluation) + Pictures(pictures) + Plan(review) + ObjectTable(review);
   if (evaluation) html += EvaluationTable(*evaluation);
-  html += Honesty(review) + Plots(review) + Cost(review) + Appendix(review);
+  html += ReliabilityOfRun(review) + Plots(review) + Cost(review) + Appendix(review);
   return html + "</main></body></html>\n";
 }
 

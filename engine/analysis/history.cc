@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "engine/analysis/calibration.h"
+#include "engine/analysis/reliability.h"
 #include "engine/geometry/gravity.h"
 
 namespace plumbline {

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "engine/analysis/calibration.h"
+#include "engine/analysis/reliability.h"
 #include "engine/analysis/label_history.h"
 #include "engine/mapping/particle_rank.h"
 
@@ -29,7 +29,7 @@ std::shared_ptr<const ObjectHistory> FrameAnalyst::OfHistory(const RunHistory& h
   if (!watched_.history || watched_.object.value <= 0) return nullptr;
   return std::make_shared<const ObjectHistory>(
       ObjectHistory{watched_.object, LabelsOf(history, watched_.object),
-                    CalibrationOf(history, watched_.object), CalibrationOf(history)});
+                    ReliabilityOf(history, watched_.object), ReliabilityOf(history)});
 }
 
 }  // namespace plumbline

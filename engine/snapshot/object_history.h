@@ -13,7 +13,7 @@ namespace plumbline {
 /// Whether the filter knows what it does not know: what it claimed in the frames of a run, against
 /// ground truth. Frames of one object resemble one another, so a few hundred of them are far fewer
 /// independent trials.
-struct Calibration {
+struct Reliability {
   int poses = 0;                     ///< Objects in frames, with a true object to compare with.
   int within_50 = 0, within_95 = 0;  ///< Of these: the truth lies in that region of the belief.
   /// By how surely the most likely shape was believed: how often that was the true one.
@@ -40,7 +40,7 @@ struct LabelHistory {
 struct ObjectHistory {
   ObjectId object;
   LabelHistory labels;
-  Calibration of_object, of_all;
+  Reliability of_object, of_all;
 };
 
 }  // namespace plumbline

@@ -5,6 +5,7 @@
 
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
+#include "ui/inspect/image/image_panel.h"
 
 namespace plumbline {
 namespace {

@@ -57,8 +57,8 @@ class PosteriorPanel : public Panel {
       DrawMarginals(context, corner, {room.x - side, room.y});
     if (beside) {
       ImGui::SetCursorScreenPos({corner.x + room.x - side + context.Scaled(14), corner.y});
-      ImGui::BeginChild("posterior.honest", {side - context.Scaled(14), room.y});
-      DrawHonesty(context);
+      ImGui::BeginChild("posterior.reliability", {side - context.Scaled(14), room.y});
+      DrawReliability(context);
       ImGui::EndChild();
     }
     ImGui::PopFont();
@@ -139,7 +139,7 @@ class PosteriorPanel : public Panel {
                          " Bars: the particles by weight. White: their mean. Green: the truth.");
   }
 
-  void DrawHonesty(const FrameContext& context) const {
+  void DrawReliability(const FrameContext& context) const {
     DimText("Is the belief honest?");
     Tooltip(context,
             "Over the frames of this run so far in which a confirmed object was weighed and a true "

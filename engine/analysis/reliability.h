@@ -9,10 +9,10 @@
 namespace plumbline {
 
 /// Counts confirmed objects in the frames in which they were weighed and lie within
-/// kCalibrationReach_m of a true object of their category.
+/// kReliabilityReach_m of a true object of their category.
 /// @param only  This object alone; not valid: all.
-Calibration CalibrationOf(const RunHistory& history, ObjectId only = {});
-inline constexpr float kCalibrationReach_m = 0.5f;
+Reliability ReliabilityOf(const RunHistory& history, ObjectId only = {});
+inline constexpr float kReliabilityReach_m = 0.5f;
 
 /// Share of a Gaussian belief that is likelier than the truth, in [0, 1]: the truth lies in the 95
 /// % region if it is at most 0.95. Ground truth is taken to be exact to 3 mm and half a degree.
