@@ -12,7 +12,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kSettleFrames = 3;  ///< Until menus and tooltips are gone.
+constexpr int kFramesUntilTaken = 3;  ///< Until menus and tooltips are gone.
 
 }  // namespace
 
@@ -36,7 +36,7 @@ void Application::Handle(const WindowCommand& command) {
                         },
                         [&](const ScreenshotCommand& c) {
                           wanted_screenshot_ = c;
-                          screenshot_in_ = kSettleFrames;
+                          screenshot_in_ = kFramesUntilTaken;
                         },
                         [&](const NoteCommand& c) { Note(c.text); },
                         [&](const FullScreenCommand& c) { window_->SetFullScreen(c.on); },
