@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "app/window/application.h"
 #include "engine/base/overloaded.h"
