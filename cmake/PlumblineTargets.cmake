@@ -4,6 +4,9 @@ add_library(plumbline_settings INTERFACE)
 target_compile_options(plumbline_settings INTERFACE -Wall -Wextra -Werror -Wshadow -Wno-missing-field-initializers
   # GCC 12 reports false positives inside Eigen and the standard library at -O2 and above.
   -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict)
+if(PLUMBLINE_UNITY)  # GCC takes what a source keeps to itself for a header's, as the large piece includes the source.
+  target_compile_options(plumbline_settings INTERFACE -Wno-subobject-linkage)
+endif()
 # A fixed evaluation order of floating point: the same run, bit for bit.
 target_compile_options(plumbline_settings INTERFACE -ffp-contract=off)
 target_include_directories(plumbline_settings INTERFACE ${CMAKE_SOURCE_DIR})

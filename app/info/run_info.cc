@@ -9,17 +9,19 @@ namespace plumbline {
 namespace {
 
 void AddInputs(const RunHeader& header, PathInfo& info) {
-  const std::pair<const char*, const std::string&> kInputs[] = {{"Sequence", header.sequence_path},
-                                                                {"Models", header.models_path}};
-  for (const auto& [label, path] : kInputs) {
-    info.lines.push_back({label, path});
+  const RunRecipe& recipe = header.recipe;
+  for (const auto& [label, path] :
+       {std::pair<const char*, std::filesystem::path>{"Sequence", recipe.sequence},
+        {"Models", recipe.models}}) {
+    info.lines.push_back({label, path.string()});
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored))
-      info.odd.push_back("'" + path +
+      info.odd.push_back("'" + path.string() +
                          "' is not there any more; name it again when opening the run.");
   }
-  info.lines.push_back({"Detector", header.detector});
-  info.lines.push_back({"Edges", header.edges});
+  info.lines.push_back({"Poses", ToText(recipe.poses)});
+  info.lines.push_back({"Detector", ToText(recipe.detector)});
+  if (recipe.edges) info.lines.push_back({"Edges", ToText(*recipe.edges)});
 }
 
 /// Objects by their last state.
@@ -48,12 +50,16 @@ Status AddFrames(RunReader& reader, PathInfo& info) {
   for (const RunFrame& frame : frames.value()) skipped += frame.skipped;
   const double seconds = timings.value().empty() ? 0 : timings.value().back().elapsed_s;
   const std::size_t count = frames.value().size();
-  info.lines.push_back({"Frames", Format("%zu of %d:%d:%d, in %.1f s (%.1f frames/s)", count,
-                                         header.first_frame, header.end_frame, header.frame_step,
-                                         seconds, seconds > 0 ? count / seconds : 0.0)});
-  info.json["frames"] = {
-      {"count", count},          {"skipped", skipped},        {"first", header.first_frame},
-      {"end", header.end_frame}, {"step", header.frame_step}, {"seconds", seconds}};
+  info.lines.push_back(
+      {"Frames", Format("%zu of %d:%d:%d, in %.1f s (%.1f frames/s)", count,
+                        header.recipe.frames.begin, header.end_frame, header.recipe.frames.step,
+                        seconds, seconds > 0 ? count / seconds : 0.0)});
+  info.json["frames"] = {{"count", count},
+                         {"skipped", skipped},
+                         {"first", header.recipe.frames.begin},
+                         {"end", header.end_frame},
+                         {"step", header.recipe.frames.step},
+                         {"seconds", seconds}};
   if (count == 0) info.odd.push_back("The run holds no frames.");
   if (skipped > 0) info.odd.push_back(Counted(skipped, "frame was", "frames were") + " skipped.");
   const auto finished = reader.Finished();
@@ -86,7 +92,7 @@ Result<PathInfo> DescribeRun(const std::filesystem::path& path) {
   if (const Status status = AddFrames(reader, info); !status.ok()) return status.error();
   if (const Status status = AddObjects(reader, info); !status.ok()) return status.error();
   AddInputs(header, info);
-  info.lines.push_back({"Seed", std::to_string(header.seed)});
+  info.lines.push_back({"Seed", std::to_string(header.recipe.seed)});
   info.lines.push_back({"Started", header.started});
   if (header.forked_after)
     info.lines.push_back({"Forked", "after frame " + std::to_string(*header.forked_after)});

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "app/info/info_text.h"
 #include "app/info/path_info.h"
@@ -9,6 +8,7 @@
 #include "engine/dataset/reference_states.h"
 #include "engine/dataset/stamp_statistics.h"
 #include "engine/dataset/tracks_file.h"
+#include "engine/geometry/angles.h"
 #include "engine/sensor/distorted_camera.h"
 
 namespace plumbline {
@@ -18,8 +18,6 @@ constexpr double kFrameGap = 1.5;  ///< In median steps; a frame is missing.
 constexpr double kImuGap = 2.5;    ///< Samples jitter more than frames do.
 constexpr int kImagesLookedAt = 8;
 constexpr double kFastestCamera = 20;  ///< [m/s]
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 void Warn(PathInfo& info, const std::vector<std::string>& sentences) {
   info.odd.insert(info.odd.end(), sentences.begin(), sentences.end());
@@ -67,7 +65,7 @@ double FieldOfView(const Camera& camera, bool horizontal) {
   const auto from_axis = [&](const std::optional<Eigen::Vector3d>& ray) {
     return ray ? std::acos(std::clamp(ray->z(), -1.0, 1.0)) : lens.max_angle_rad();
   };
-  return (from_axis(a) + from_axis(b)) * kDegrees;
+  return (from_axis(a) + from_axis(b)) * kDegPerRad;
 }
 
 void AddCameras(const Sequence& sequence, PathInfo& info) {

@@ -7,19 +7,18 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "app/report/svg_plot.h"
 #include "engine/analysis/reliability.h"
+#include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPictureWidth = 640;
 
@@ -119,7 +118,7 @@ std::string Cards(const RunReview& review, const std::optional<MapEvaluation>& e
                  "matched / missed / spurious") +
             Card(cm(evaluation->mean_all.translation_m), "mean translation") +
             Card(evaluation->mean_all.rotation_rad
-                     ? fmt::format("{:.1f}\u00b0", kDegrees * *evaluation->mean_all.rotation_rad)
+                     ? fmt::format("{:.1f}\u00b0", kDegPerRad * *evaluation->mean_all.rotation_rad)
                      : "\u2013",
                  "mean rotation") +
             Card(evaluation->surface.samples > 0 ? cm(evaluation->surface.mean_m) : "\u2013",
@@ -255,14 +254,14 @@ std::string ObjectTable(const RunReview& review) {
         "<td>{:.0f}\u00b0</td><td>{:.1f} cm</td><td>{:.1f}\u00b0</td><td>{:.0f} %</td><td>{}</td>"
         "<td class='l'>{}</td><td>{}</td></tr>",
         Dot(o.id.value), o.id.value, Escaped(ModelName(review, o.label)), StateWord(o.state), p.x(),
-        p.y(), p.z(), kDegrees * upright.Azimuth(o.world_from_object.linear()),
+        p.y(), p.z(), kDegPerRad * upright.Azimuth(o.world_from_object.linear()),
         100 * std::sqrt(o.covariance.topLeftCorner<3, 3>().trace()),
-        kDegrees * std::sqrt(std::max(0.0, o.covariance(3, 3))),
+        kDegPerRad * std::sqrt(std::max(0.0, o.covariance(3, 3))),
         o.label_probability.empty() ? 0 : 100 * o.label_probability.front().probability,
         o.confirmed_frame ? fmt::format("frame {}", *o.confirmed_frame) : "",
         has_error ? Escaped(error->second.truth) : "",
         has_error ? fmt::format("{:.1f} cm, {:.1f}\u00b0", 100 * error->second.translation_m,
-                                kDegrees * error->second.azimuth_rad)
+                                kDegPerRad * error->second.azimuth_rad)
                   : "");
   }
   return html + "</table></div>";
@@ -281,7 +280,7 @@ std::string EvaluationTable(const MapEvaluation& e) {
         o.model_correct ? "" : " <span class='bad'>wrong model</span>", Escaped(o.truth.id),
         o.truth.fine ? "" : " (coarse)", 100 * o.pose.translation_m, 100 * o.centre_m,
         o.continuous_symmetry ? "round"
-                              : fmt::format("{:.1f}\u00b0", kDegrees * o.pose.rotation_rad),
+                              : fmt::format("{:.1f}\u00b0", kDegPerRad * o.pose.rotation_rad),
         100 * o.pose.height_m, 100 * o.surface.mean_m);
   }
   for (const SpuriousObject& o : e.spurious)
@@ -344,7 +343,7 @@ std::string Plots(const RunReview& review) {
                      });
   html += ObjectPlot(review, {"Error of azimuth", "frame", "\u00b0", 860, 220, 45},
                      [](const ObjectSample& s) -> double {
-                       return s.error ? kDegrees * s.error->azimuth_rad : kNothing;
+                       return s.error ? kDegPerRad * s.error->azimuth_rad : kNothing;
                      });
   html += ObjectPlot(review, {"Spread of position", "frame", "cm", 860, 220, 20},
                      [](const ObjectSample& s) -> double { return 100 * s.position_std_m; });
@@ -426,15 +425,18 @@ std::string Appendix(const RunReview& review) {
             : EventWord(event.event.kind),
         Escaped(event.event.text));
   const RunHeader& h = review.header;
+  const RunRecipe& recipe = h.recipe;
   const auto row = [](const char* name, const std::string& value) {
     return fmt::format("<tr><td>{}</td><td class='l'>{}</td></tr>", name, Escaped(value));
   };
-  return "<h2>How it was made</h2><div class='scroll'><table>" + row("sequence", h.sequence_path) +
-         row("models", h.models_path) + row("edges", h.edges) + row("detector", h.detector) +
-         row("poses", h.poses) + row("seed", fmt::format("{}", h.seed)) +
-         row("program", h.program_version) + row("started", h.started) + "</table></div>" +
+  return "<h2>How it was made</h2><div class='scroll'><table>" +
+         row("sequence", recipe.sequence.string()) + row("models", recipe.models.string()) +
+         row("edges", ToText(recipe.edges.value_or(EdgeChoice()))) +
+         row("detector", ToText(recipe.detector)) + row("poses", ToText(recipe.poses)) +
+         row("seed", fmt::format("{}", recipe.seed)) + row("program", h.program_version) +
+         row("started", h.started) + "</table></div>" +
          fmt::format("<details><summary>Options</summary><pre>{}</pre></details>",
-                     Escaped(h.options.dump(1))) +
+                     Escaped(OptionsToJson(recipe.options).dump(1))) +
          fmt::format(
              "<details><summary>{} events</summary><table><tr><th>frame</th>"
              "<th class='l'>what</th><th class='l'>why</th></tr>{}</table></details>",

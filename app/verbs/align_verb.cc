@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <numbers>
 #include <optional>
 
 #include <nlohmann/json.hpp>
@@ -13,6 +12,7 @@
 #include "engine/base/timer.h"
 #include "engine/dataset/json_fields.h"
 #include "engine/dataset/trajectory.h"
+#include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 #include "engine/models/mesh_file.h"
 #include "engine/registration/model_alignment.h"
@@ -28,8 +28,6 @@ struct AlignArguments {
   bool on_support = false;
   AlignOptions options;
 };
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 FreeMotion MotionOf(int dof) {
   switch (dof) {
@@ -73,8 +71,8 @@ nlohmann::json ToJson(const AlignResult& result, const UprightFrame& upright,
   for (const AlignCandidate& candidate : result.alignment.candidates) {
     candidates.push_back(
         {{"scan_from_model", IsometryToJson(candidate.scan_from_model)},
-         {"azimuth_deg", kDegrees * upright.Azimuth(candidate.scan_from_model.linear())},
-         {"tilt_deg", kDegrees * upright.Tilt(candidate.scan_from_model.linear())},
+         {"azimuth_deg", kDegPerRad * upright.Azimuth(candidate.scan_from_model.linear())},
+         {"tilt_deg", kDegPerRad * upright.Tilt(candidate.scan_from_model.linear())},
          {"fitness", candidate.fitness},
          {"rmse_m", candidate.rmse_m},
          {"score", candidate.score},
@@ -105,9 +103,9 @@ void PrintTable(const AlignResult& result, const UprightFrame& upright) {
     const Eigen::Vector3d& up = upright.up_in_world();
     const PoseDeviations deviations = DeviationsOf(candidate.covariance, up);
     std::printf("%4d  %5.1f deg  %7.3f %7.3f %7.3f  %6.1f %%  %4.1f mm  %5.2f mm %5.3f deg%s\n",
-                rank++, kDegrees * upright.Azimuth(candidate.scan_from_model.linear()), at.x(),
+                rank++, kDegPerRad * upright.Azimuth(candidate.scan_from_model.linear()), at.x(),
                 at.y(), at.z(), 100 * candidate.fitness, 1e3 * candidate.rmse_m,
-                1e3 * deviations.position_m, kDegrees * deviations.azimuth_rad,
+                1e3 * deviations.position_m, kDegPerRad * deviations.azimuth_rad,
                 candidate.same_by_symmetry ? "  (the first, turned by its symmetry)" : "");
   }
   const int order = result.alignment.symmetry_order;
@@ -144,7 +142,7 @@ Result<AlignResult> Run(const AlignArguments& arguments, const Eigen::VectorXd& 
     return Error{surface.error().code, arguments.model + ": " + surface.error().message};
   result.prepare_ms = watch.Lap();
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
-  start.linear() = upright.WorldFromObjectRotation(init.size() > 3 ? init[3] / kDegrees : 0.0);
+  start.linear() = upright.WorldFromObjectRotation(init.size() > 3 ? init[3] / kDegPerRad : 0.0);
   start.translation() = init.head<3>();
   ConsoleWork work;
   Result<ModelAlignment> alignment = AlignModel(**target, **surface, start, upright.up_in_world(),

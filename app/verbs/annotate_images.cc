@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <optional>
 
 #include "app/verbs/console_work.h"
@@ -13,12 +12,11 @@
 #include "engine/annotation/outline_scene.h"
 #include "engine/base/log.h"
 #include "engine/dataset/json_fields.h"
+#include "engine/geometry/angles.h"
 #include "engine/models/mesh_file.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// What the outlines of a project are compared with.
 class ProjectImages {
@@ -107,7 +105,7 @@ nlohmann::json ToJson(const std::string& id, const ImageRefinement& refined,
   return {{"id", id},
           {"images", refined.images},
           {"result", StopName(refined.stop)},
-          {"azimuth_deg", kDegrees * refined.azimuth_rad},
+          {"azimuth_deg", kDegPerRad * refined.azimuth_rad},
           {"horizontal_m", refined.horizontal_m},
           {"height_m", refined.height_m},
           {"agreement_before", refined.agreement_before},
@@ -127,11 +125,11 @@ void PrintRow(const std::string& id, const ImageRefinement& refined, const Eigen
   std::printf(
       "%-16s %6d  %+5.2f deg %7.1f mm %+5.1f mm  %4.2f -> %4.2f  %5.1f -> %4.1f  "
       "%.1f mm %.2f deg  %s\n",
-      id.c_str(), refined.images, kDegrees * refined.azimuth_rad, 1e3 * refined.horizontal_m,
+      id.c_str(), refined.images, kDegPerRad * refined.azimuth_rad, 1e3 * refined.horizontal_m,
       1e3 * refined.height_m, refined.agreement_before, refined.agreement_after,
       refined.offset_before_px, refined.offset_after_px,
       1e3 * std::sqrt(refined.covariance.topLeftCorner<3, 3>().trace()),
-      kDegrees * AzimuthSigma(refined, up), StopName(refined.stop));
+      kDegPerRad * AzimuthSigma(refined, up), StopName(refined.stop));
 }
 
 /// Those asked for, or all that are not locked.

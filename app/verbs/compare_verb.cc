@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <memory>
-#include <numbers>
 
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
 #include "engine/analysis/run_difference.h"
+#include "engine/geometry/angles.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct CompareArguments {
   std::string a, b, models, sequence, ground_truth, json;
@@ -27,7 +25,7 @@ std::string Off(const std::optional<TruthError>& error) {
   if (!error) return "-";
   char text[40];
   std::snprintf(text, sizeof(text), "%.1f cm %.1f deg", 100 * error->translation_m,
-                kDegrees * error->azimuth_rad);
+                kDegPerRad * error->azimuth_rad);
   return text;
 }
 
@@ -47,7 +45,7 @@ void Print(const RunDifference& difference, const RunReview& a, const RunReview&
     char apart[20] = "-", turned[20] = "-";
     if (both) {
       std::snprintf(apart, sizeof(apart), "%.2f", 100 * o.distance_m);
-      std::snprintf(turned, sizeof(turned), "%.2f", kDegrees * o.azimuth_rad);
+      std::snprintf(turned, sizeof(turned), "%.2f", kDegPerRad * o.azimuth_rad);
     }
     std::printf("%-24s %-24s %8s %8s  %-18s %-18s\n", Name(a, o.a).c_str(), Name(b, o.b).c_str(),
                 apart, turned, Off(o.error_a).c_str(), Off(o.error_b).c_str());

@@ -37,9 +37,9 @@ bool HasDisplay() {
 /// For machines without a window.
 Status WritePictures(const std::filesystem::path& sequence, const std::filesystem::path& out,
                      const WorkContext& work) {
-  PipelineChoice choice;
-  choice.sequence = sequence;
-  Result<std::unique_ptr<MappingPipeline>> opened = MappingPipeline::Open(choice, work);
+  RunRecipe recipe;
+  recipe.sequence = sequence;
+  Result<std::unique_ptr<MappingPipeline>> opened = MappingPipeline::Open(recipe, work);
   if (!opened.ok()) return opened.error();
   MappingPipeline& pipeline = **opened;
   std::error_code error;

@@ -3,13 +3,13 @@
 #include <memory>
 
 #include "app/verbs/verb.h"
+#include "engine/analysis/relations.h"
 #include "engine/analysis/run_tables.h"
 #include "engine/base/log.h"
 #include "engine/models/mesh_file.h"
 #include "engine/recording/map_mesh.h"
 #include "engine/recording/run_summary.h"
 #include "engine/runtime/run_source.h"
-#include "engine/analysis/relations.h"
 
 namespace plumbline {
 namespace {
@@ -57,7 +57,7 @@ Status ExportJson(RunReader& reader, const ExportArguments& arguments) {
 
 Status ExportPly(RunReader& reader, const ExportArguments& arguments) {
   const std::string folder =
-      arguments.models.empty() ? reader.header().models_path : arguments.models;
+      arguments.models.empty() ? reader.header().recipe.models : arguments.models;
   const Result<std::shared_ptr<const ModelDatabase>> database = ModelDatabase::Load(folder);
   if (!database) {
     return Error{database.error().code,

@@ -24,11 +24,11 @@ Status Gui(GuiArguments& arguments) {
   if (Status status = arguments.pipeline.Finish(); !status.ok()) return status;
   ApplicationOptions options;
   if (Status status = arguments.window.Apply(options); !status.ok()) return status;
-  options.inspect.inputs = {{}, arguments.sequence, arguments.pipeline.choice.models};
+  options.inspect.inputs = {{}, arguments.sequence, arguments.pipeline.recipe.models};
   options.inspect.opener = SourceOpener(
-      {arguments.pipeline.choice, arguments.out, PLUMBLINE_VERSION}, options.inspect.inputs);
+      {arguments.pipeline.recipe, arguments.out, PLUMBLINE_VERSION}, options.inspect.inputs);
   const char* user = std::getenv("USER");
-  options.annotation = {"", arguments.pipeline.choice.models, arguments.sequence,
+  options.annotation = {"", arguments.pipeline.recipe.models, arguments.sequence,
                         user != nullptr ? user : ""};
   options.path = arguments.path;
   options.compare = arguments.compare;

@@ -18,12 +18,12 @@ SourceOpener(const MappingChoice& live, const RunChoice& run) {
         return OpenRunSource(choice, work);
       }
       MappingChoice choice = live;
-      choice.pipeline.sequence = path;
-      if (!models.empty()) choice.pipeline.models = models;
+      choice.recipe.sequence = path;
+      if (!models.empty()) choice.recipe.models = models;
       if (path == kDemoPath) {
         auto demo = BuiltInSequence(kDemoFrames, work);
         if (!demo.ok()) return demo.error();
-        choice.pipeline.sequence = *demo;
+        choice.recipe.sequence = *demo;
       }
       return OpenMappingSource(choice, work);
     };

@@ -8,44 +8,52 @@
 namespace plumbline {
 
 void PipelineArguments::AddTo(CLI::App& verb) {
-  verb.add_option("--models", choice.models, "Folder of CAD models (default: the sequence's own)");
+  verb.add_option("--models", recipe.models, "Folder of CAD models (default: the sequence's own)");
   verb.add_option("--frames", frames, "Frames A:B or A:B:S; B is not included");
-  verb.add_option("--seed", choice.seed, "Seed of all randomness, a whole number from 0")
+  verb.add_option("--seed", recipe.seed, "Seed of all randomness, a whole number from 0")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  verb.add_option("--detector", choice.detector,
+  verb.add_option("--detector", detector,
                   "dataset (the sequence's proposals), or an ONNX network with its sidecar")
       ->capture_default_str();
-  verb.add_option("--edges", choice.edges,
+  verb.add_option("--edges", edges,
                   "dataset, gradient, or an ONNX network with its sidecar (default: dataset where "
                   "there are any, else gradient)");
   verb.add_option(
-          "--poses", choice.poses,
+          "--poses", poses,
           "dataset (the sequence's own), or a trajectory: FILE with rows t tx ty tz qx qy qz "
           "qw (TUM), of the camera, or of the body if its first line says # world_from_body. "
           "It must be in the sequence's gravity-aligned world: gravity and floor are those "
           "of gravity.json")
       ->type_name("dataset|FILE")
       ->capture_default_str();
+  verb.add_option("--scorer", scorer,
+                  "viewpoint (fast), or rendered: the reference, about a thousand times slower")
+      ->check(CLI::IsMember({"viewpoint", "rendered"}))
+      ->capture_default_str();
   verb.add_option("--options", options_file, "JSON file of filter options");
   verb.add_option("--set", settings, "One filter option, key=value; may be repeated");
 }
 
 Status PipelineArguments::Finish() {
+  recipe.poses = ParsePoses(poses);
+  recipe.detector = ParseDetector(detector);
+  if (!edges.empty()) recipe.edges = ParseEdges(edges);
+  recipe.scorer = scorer == "rendered" ? ScorerKind::kRendered : ScorerKind::kViewpoint;
   if (!frames.empty()) {
     Result<FrameRange> range = ParseFrameRange(frames);
     if (!range.ok()) return range.error();
-    choice.frames = *range;
+    recipe.frames = *range;
   }
   if (!options_file.empty()) {
     Result<nlohmann::json> json = ReadJson(options_file);
     if (!json.ok()) return json.error();
-    if (Status status = OptionsFromJson(*json, choice.options); !status.ok()) {
+    if (Status status = OptionsFromJson(*json, recipe.options); !status.ok()) {
       return Error{status.error().code, "'" + options_file + "': " + status.error().message};
     }
   }
   for (const std::string& setting : settings) {
-    if (Status status = SetOption(setting, choice.options); !status.ok()) return status;
+    if (Status status = SetOption(setting, recipe.options); !status.ok()) return status;
   }
   return {};
 }

@@ -13,8 +13,9 @@ namespace plumbline {
 
 /// What commands that map a sequence share.
 struct PipelineArguments {
-  PipelineChoice choice;  ///< Complete after Finish, but for the sequence.
-  std::string frames, options_file;
+  RunRecipe recipe;  ///< Complete after Finish, but for the sequence.
+  std::string frames, options_file, poses = "dataset", detector = "dataset", edges,
+                                    scorer = "viewpoint";
   std::vector<std::string> settings;
 
   /// Declares --models, --frames, --seed, --detector, --edges, --poses, --options and --set.

@@ -32,13 +32,13 @@ Status Render(RenderArguments& arguments) {
   const auto layout = FindRenderLayout(arguments.layout);
   if (!layout.ok()) return layout.error();
   // A run is stepped through; a sequence is mapped in those steps.
-  FrameRange range = arguments.pipeline.choice.frames;
+  FrameRange range = arguments.pipeline.recipe.frames;
   const bool recorded = std::filesystem::path(arguments.path).extension() == ".plb";
   ApplicationOptions options;
   if (Status status = arguments.window.Apply(options); !status.ok()) return status;
   options.settings.clear();  // the same film for everybody
-  options.inspect.opener = SourceOpener({arguments.pipeline.choice, {}, PLUMBLINE_VERSION},
-                                        {{}, arguments.sequence, arguments.pipeline.choice.models});
+  options.inspect.opener = SourceOpener({arguments.pipeline.recipe, {}, PLUMBLINE_VERSION},
+                                        {{}, arguments.sequence, arguments.pipeline.recipe.models});
   options.path = arguments.path;
   options.start_frame = range.begin;
   options.inspect.layout = *layout;

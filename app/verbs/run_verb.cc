@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <optional>
 
@@ -28,21 +26,12 @@ struct RunArguments {
   std::optional<int> at;  ///< Up to this frame; nothing: all of it.
 };
 
-std::string Now() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  char text[32];
-  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
-  return text;
-}
-
 /// The run file to write to, new, forked or resumed; `pipeline` then stands where the run goes on.
 /// @param summary  Gets every report that a fork takes over.
 Result<std::unique_ptr<RunWriter>> OpenWriter(const RunArguments& arguments,
                                               MappingPipeline& pipeline, RunSummary& summary) {
-  RunHeader header = HeaderOf(pipeline);
+  RunHeader header = HeaderOf(pipeline, PLUMBLINE_VERSION);
   header.forked_after = arguments.at;
-  header.program_version = PLUMBLINE_VERSION;
-  header.started = Now();
   if (!arguments.fork.empty()) {
     return RunWriter::Create(arguments.out, header, [&](RunWriter& past) -> Status {
       const auto at = TakeOverPast(arguments.fork, *arguments.at, pipeline, past,
@@ -92,7 +81,7 @@ Status Run(RunArguments& arguments) {
   ConsoleWork console;
   const WorkContext work = console.context();
   Result<std::unique_ptr<MappingPipeline>> opened =
-      MappingPipeline::Open(arguments.pipeline.choice, work);
+      MappingPipeline::Open(arguments.pipeline.recipe, work);
   if (!opened.ok()) return opened.error();
   MappingPipeline& pipeline = **opened;
   if (!arguments.fork.empty() && !arguments.at) {
@@ -124,8 +113,8 @@ Status Run(RunArguments& arguments) {
                 summary.frames() / seconds, arguments.out.c_str());
   }
   if (!arguments.json.empty()) {
-    if (Status status =
-            WriteJsonResult(arguments.json, summary.ToJson(HeaderOf(pipeline), seconds));
+    if (Status status = WriteJsonResult(
+            arguments.json, summary.ToJson(HeaderOf(pipeline, PLUMBLINE_VERSION), seconds));
         !status.ok())
       return status;
   }
@@ -133,7 +122,7 @@ Status Run(RunArguments& arguments) {
     return Error{ErrorCode::kCancelled,
                  "stopped; '" + arguments.out + "' keeps what was done, --resume goes on with it"};
   }
-  return summary.CheckAnyFrameUsed(arguments.pipeline.choice.sequence.string());
+  return summary.CheckAnyFrameUsed(arguments.pipeline.recipe.sequence.string());
 }
 
 }  // namespace
@@ -142,7 +131,7 @@ void AddRunVerb(CLI::App& app, VerbFunction& chosen) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* verb =
       app.add_subcommand("run", "Map a sequence: find its objects and leave a run file");
-  verb->add_option("sequence", arguments->pipeline.choice.sequence, "Folder of the sequence")
+  verb->add_option("sequence", arguments->pipeline.recipe.sequence, "Folder of the sequence")
       ->required();
   verb->add_option("--out", arguments->out, "Run file to write (.plb)")->required();
   arguments->pipeline.AddTo(*verb);

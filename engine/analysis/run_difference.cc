@@ -2,16 +2,14 @@
 #include "engine/analysis/run_difference.h"
 
 #include <map>
-#include <numbers>
 #include <set>
 #include <utility>
 
 #include "engine/analysis/history.h"
+#include "engine/geometry/angles.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::vector<ObjectDifference> Objects(const RunReview& a, const RunReview& b) {
   std::vector<ObjectDifference> out;
@@ -28,21 +26,24 @@ std::vector<ObjectDifference> Objects(const RunReview& a, const RunReview& b) {
 
 std::vector<std::string> DifferentSettings(const RunHeader& a, const RunHeader& b) {
   std::vector<std::string> out;
-  const auto compare = [&](const std::string& name, const std::string& x, const std::string& y) {
-    if (x != y) out.push_back(name + ": " + x + " / " + y);
+  const auto compare = [&](const std::string& name, const std::string& p, const std::string& q) {
+    if (p != q) out.push_back(name + ": " + p + " / " + q);
   };
-  compare("seed", std::to_string(a.seed), std::to_string(b.seed));
-  // Where a sequence lies says nothing; its hash is compared below.
-  const auto kind = [](const std::string& description) {
-    return description.starts_with("dataset ") ? std::string("dataset") : description;
+  const RunRecipe &x = a.recipe, &y = b.recipe;
+  compare("seed", std::to_string(x.seed), std::to_string(y.seed));
+  // Where a file lies says nothing; its content does.
+  const auto compare_inputs = [&](const std::string& name, const auto& p, const auto& q) {
+    if (!p.SameContent(q)) out.push_back(name + ": " + ToText(p) + " / " + ToText(q));
   };
-  compare("edges", kind(a.edges), kind(b.edges));
-  compare("detector", kind(a.detector), kind(b.detector));
-  compare("poses", a.poses, b.poses);
-  compare("sequence", a.sequence_hash == b.sequence_hash ? "" : a.sequence_path,
-          a.sequence_hash == b.sequence_hash ? "" : b.sequence_path);
+  compare_inputs("edges", x.edges.value_or(EdgeChoice()), y.edges.value_or(EdgeChoice()));
+  compare_inputs("detector", x.detector, y.detector);
+  compare_inputs("poses", x.poses, y.poses);
+  compare("scorer", std::string(NameOf(x.scorer)), std::string(NameOf(y.scorer)));
+  if (a.sequence_hash != b.sequence_hash)
+    out.push_back("sequence: " + x.sequence.string() + " / " + y.sequence.string());
   compare("program", a.program_version, b.program_version);
-  const auto options_a = a.options.flatten(), options_b = b.options.flatten();
+  const auto options_a = OptionsToJson(x.options).flatten(),
+             options_b = OptionsToJson(y.options).flatten();
   std::map<std::string, std::pair<std::string, std::string>> all;
   for (const auto& [key, value] : options_a.items()) all[key].first = value.dump();
   for (const auto& [key, value] : options_b.items()) all[key].second = value.dump();
@@ -98,7 +99,7 @@ nlohmann::json DifferenceToJson(const RunDifference& difference, const RunReview
     if (error)
       json.update({{"ground_truth", error->truth},
                    {"translation_m", error->translation_m},
-                   {"azimuth_deg", kDegrees * error->azimuth_rad}});
+                   {"azimuth_deg", kDegPerRad * error->azimuth_rad}});
     return json;
   };
   nlohmann::json objects = nlohmann::json::array(), stages = nlohmann::json::object();
@@ -106,7 +107,7 @@ nlohmann::json DifferenceToJson(const RunDifference& difference, const RunReview
     objects.push_back({{"a", side(a, o.a, o.error_a)},
                        {"b", side(b, o.b, o.error_b)},
                        {"distance_m", o.distance_m},
-                       {"azimuth_deg", kDegrees * o.azimuth_rad}});
+                       {"azimuth_deg", kDegPerRad * o.azimuth_rad}});
   for (const StageDifference& s : difference.stages)
     stages[s.stage] = {{"a", s.mean_a_ms}, {"b", s.mean_b_ms}};
   return {{"settings", difference.settings},

@@ -5,15 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "engine/base/files.h"
+#include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::string Quoted(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
@@ -28,19 +26,6 @@ std::string Quoted(const std::string& text) {
 std::string ModelName(const RunReview& review, ModelId label) {
   const auto index = static_cast<std::size_t>(label.value);
   return Quoted(index < review.header.models.size() ? review.header.models[index].name : "");
-}
-
-const char* StateName(ObjectState state) {
-  return state == ObjectState::kConfirmed   ? "confirmed"
-         : state == ObjectState::kTentative ? "tentative"
-                                            : "retired";
-}
-
-const char* EventName(EventKind kind) {
-  static constexpr const char* kNames[] = {"spawned",        "confirmed",     "merged",
-                                           "retired",        "label_changed", "frame_skipped",
-                                           "options_changed"};
-  return kNames[static_cast<std::size_t>(kind)];
 }
 
 double LabelProbabilityOf(const std::vector<LabelProbability>& labels) {
@@ -58,10 +43,10 @@ std::string ObjectsCsv(const RunReview& review) {
     const Eigen::Vector3d p = o.world_from_object.translation();
     csv += fmt::format(
         "{},{},{},{},{:.6f},{:.6f},{:.6f},{:.4f},{:.6f},{:.4f},{:.6f},{:.4f},{},{},{}\n",
-        o.id.value, ModelName(review, o.label), Quoted(o.category), StateName(o.state), p.x(),
-        p.y(), p.z(), kDegrees * upright.Azimuth(o.world_from_object.linear()),
+        o.id.value, ModelName(review, o.label), Quoted(o.category), NameOf(o.state), p.x(), p.y(),
+        p.z(), kDegPerRad * upright.Azimuth(o.world_from_object.linear()),
         std::sqrt(o.covariance.topLeftCorner<3, 3>().trace()),
-        kDegrees * std::sqrt(std::max(0.0, o.covariance(3, 3))),
+        kDegPerRad * std::sqrt(std::max(0.0, o.covariance(3, 3))),
         LabelProbabilityOf(o.label_probability), o.log_evidence, o.first_frame,
         o.confirmed_frame ? fmt::format("{}", *o.confirmed_frame) : "", o.last_frame);
   }
@@ -76,12 +61,12 @@ std::string FramesCsv(const RunReview& review) {
   for (const auto& frame : review.history.frames) {
     for (const ObjectSample& o : frame->objects) {
       csv += fmt::format("{},{},{},{},{},{:.6f},{:.4f},{:.5f},{:.5f},{:.4f},{:.1f},{:.4f},{:.6f}",
-                         frame->frame, o.id.value, ModelName(review, o.label), StateName(o.state),
-                         o.weighed ? 1 : 0, o.position_std_m, kDegrees * o.azimuth_std_rad,
+                         frame->frame, o.id.value, ModelName(review, o.label), NameOf(o.state),
+                         o.weighed ? 1 : 0, o.position_std_m, kDegPerRad * o.azimuth_std_rad,
                          o.phi_cnn, o.phi_edge, o.log_evidence, o.effective_sample_size,
                          o.visible_fraction, LabelProbabilityOf(o.label_probability));
       csv += o.error ? fmt::format(",{},{:.6f},{:.4f},{:.5f}\n", Quoted(o.error->truth),
-                                   o.error->translation_m, kDegrees * o.error->azimuth_rad,
+                                   o.error->translation_m, kDegPerRad * o.error->azimuth_rad,
                                    o.error->credible_level)
                      : ",,,,\n";
     }
@@ -95,7 +80,7 @@ std::string EventsCsv(const RunReview& review) {
     const auto id = [](ObjectId object) {
       return object.value > 0 ? fmt::format("{}", object.value) : std::string();
     };
-    csv += fmt::format("{},{},{},{},{}\n", event.frame, EventName(event.event.kind),
+    csv += fmt::format("{},{},{},{},{}\n", event.frame, NameOf(event.event.kind),
                        id(event.event.object), id(event.event.other), Quoted(event.event.text));
   }
   return csv;

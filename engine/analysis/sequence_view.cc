@@ -81,8 +81,8 @@ SequenceView MakeSequenceView(const Sequence& sequence, const ModelDatabase& dat
 
 SequenceView ViewWithoutSequence(const RunHeader& header, const ModelDatabase& database) {
   SequenceView view = ViewOf(header.camera, header.rate_hz, database);
-  view.name = NameOf(header.sequence_path);
-  view.path = header.sequence_path;
+  view.name = NameOf(header.recipe.sequence);
+  view.path = header.recipe.sequence;
   view.num_frames = header.end_frame;
   view.up_in_world = -header.gravity_in_world.normalized();
   if (header.floor_in_world) view.floor_height_m = -(*header.floor_in_world)[3];

@@ -5,16 +5,14 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <numbers>
 
 #include "engine/annotation/crop_cut.h"
+#include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 #include "engine/registration/model_surface.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::string Sentence(const char* format, const std::string& a, double amount,
                      const std::string& b = "") {
@@ -58,7 +56,7 @@ class Checker {
 
   void CheckAlone(const AnnotatedInstance& instance) {
     const UprightFrame upright(document_.gravity_in_scan);
-    const double tilt_deg = kDegrees * upright.Tilt(instance.scan_from_object.linear());
+    const double tilt_deg = kDegPerRad * upright.Tilt(instance.scan_from_object.linear());
     if (tilt_deg > options_.tilt_deg) {
       findings_.push_back({"tilted",
                            {instance.id},

@@ -12,8 +12,6 @@
 namespace plumbline {
 namespace {
 
-Error Invalid(const std::string& what) { return {ErrorCode::kInvalidInput, what}; }
-
 template <typename T>
 T ValueOr(const nlohmann::json& json, const char* key, T otherwise) {
   const auto found = json.find(key);
@@ -67,23 +65,23 @@ nlohmann::json InstanceToJson(const AnnotatedInstance& instance) {
 }
 
 Result<AnnotatedInstance> InstanceFromJson(const nlohmann::json& json) {
-  if (!json.is_object()) return Invalid("an instance must be a JSON object");
+  if (!json.is_object()) return InvalidInput("an instance must be a JSON object");
   AnnotatedInstance instance;
   const auto id = TextFromJson(json, "id"), model = TextFromJson(json, "model");
-  if (!id || id->empty()) return Invalid("an instance needs a text 'id'");
-  if (!model || model->empty()) return Invalid("instance '" + *id + "' needs a text 'model'");
+  if (!id || id->empty()) return InvalidInput("an instance needs a text 'id'");
+  if (!model || model->empty()) return InvalidInput("instance '" + *id + "' needs a text 'model'");
   instance.id = *id;
   instance.model = *model;
   const auto pose =
       json.contains("scan_from_object") ? IsometryFromJson(json["scan_from_object"]) : std::nullopt;
   if (!pose) {
-    return Invalid("instance '" + *id +
-                   "' needs a 'scan_from_object' that is a 4x4 rigid transform, row by row");
+    return InvalidInput("instance '" + *id +
+                        "' needs a 'scan_from_object' that is a 4x4 rigid transform, row by row");
   }
   instance.scan_from_object = *pose;
   const std::string quality = ValueOr<std::string>(json, "quality", "fine");
   if (quality != "fine" && quality != "coarse") {
-    return Invalid("instance '" + *id + "' has a 'quality' that is neither fine nor coarse");
+    return InvalidInput("instance '" + *id + "' has a 'quality' that is neither fine nor coarse");
   }
   instance.fine = quality == "fine";
   instance.category = ValueOr<std::string>(json, "category", "");
@@ -110,7 +108,7 @@ Result<FramePick> PairFromJson(const nlohmann::json& json) {
                         ? json["frame"].get<int>()
                         : -1;
   if (!in_scan || !pixel || frame < 0) {
-    return Invalid("a pair needs 'in_scan' [x, y, z], a 'frame' and its 'pixel' [u, v]");
+    return InvalidInput("a pair needs 'in_scan' [x, y, z], a 'frame' and its 'pixel' [u, v]");
   }
   return FramePick{*in_scan, frame, *pixel};
 }
@@ -138,7 +136,7 @@ nlohmann::json DocumentToJson(const AnnotationDocument& document) {
 
 Result<AnnotationDocument> DocumentFromJson(const nlohmann::json& json) {
   if (!json.is_object() || !json.contains("plumbline_annotation")) {
-    return Invalid("is not an annotation project: it has no 'plumbline_annotation'");
+    return InvalidInput("is not an annotation project: it has no 'plumbline_annotation'");
   }
   if (json["plumbline_annotation"] != 1) {
     return Error{ErrorCode::kUnsupported, "was written by a newer Plumbline (version " +
@@ -151,30 +149,31 @@ Result<AnnotationDocument> DocumentFromJson(const nlohmann::json& json) {
   document.sequence = ValueOr<std::string>(json, "sequence", "");
   if (json.contains("gravity")) {
     const auto gravity = VectorFromJson(json["gravity"], 3);
-    if (!gravity || !(gravity->norm() > 1e-6)) return Invalid("has a 'gravity' without direction");
+    if (!gravity || !(gravity->norm() > 1e-6))
+      return InvalidInput("has a 'gravity' without direction");
     // A unit vector to rounding stays as it is: reading and writing changes no digit.
     const double norm = gravity->norm();
     document.gravity_in_scan = std::abs(norm - 1) < 1e-12 ? *gravity : *gravity / norm;
   }
   if (json.contains("floor")) {
     const auto floor = VectorFromJson(json["floor"], 4);
-    if (!floor) return Invalid("has a 'floor' that is not four numbers");
+    if (!floor) return InvalidInput("has a 'floor' that is not four numbers");
     document.floor_in_scan = *floor;
   }
   if (json.contains("scan_from_world")) {
     const auto pose = IsometryFromJson(json["scan_from_world"]);
-    if (!pose) return Invalid("has a 'scan_from_world' that is not a 4x4 rigid transform");
+    if (!pose) return InvalidInput("has a 'scan_from_world' that is not a 4x4 rigid transform");
     document.scan_from_world = *pose;
   }
   if (!json.contains("instances") || !json["instances"].is_array()) {
-    return Invalid("needs a list 'instances'");
+    return InvalidInput("needs a list 'instances'");
   }
   std::set<std::string> ids;
   for (const nlohmann::json& entry : json["instances"]) {
     Result<AnnotatedInstance> instance = InstanceFromJson(entry);
     if (!instance) return instance.error();
     if (!ids.insert(instance->id).second) {
-      return Invalid("has two instances with the id '" + instance->id + "'");
+      return InvalidInput("has two instances with the id '" + instance->id + "'");
     }
     document.instances.push_back(std::move(*instance));
   }
@@ -183,7 +182,7 @@ Result<AnnotationDocument> DocumentFromJson(const nlohmann::json& json) {
     Result<Crop> crop = CropFromJson(entry);
     if (!crop) return crop.error();
     if (!ids.insert(crop->id).second) {
-      return Invalid("has two crops with the id '" + crop->id + "'");
+      return InvalidInput("has two crops with the id '" + crop->id + "'");
     }
     document.crops.push_back(std::move(*crop));
   }

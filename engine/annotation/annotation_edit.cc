@@ -8,8 +8,6 @@
 namespace plumbline {
 namespace {
 
-Error Invalid(const std::string& what) { return {ErrorCode::kInvalidInput, what}; }
-
 bool IsRigid(const Eigen::Isometry3d& pose) {
   return pose.matrix().allFinite() &&
          (pose.linear() * pose.linear().transpose() - Eigen::Matrix3d::Identity())
@@ -26,18 +24,18 @@ Result<std::size_t> IndexOf(const AnnotationDocument& document, const std::strin
 }
 
 Error Locked(const std::string& id) {
-  return Invalid("instance '" + id + "' is locked; unlock it first");
+  return InvalidInput("instance '" + id + "' is locked; unlock it first");
 }
 
 Result<Edit> Apply(const AddInstance& edit, AnnotationDocument& document) {
   const AnnotatedInstance& instance = edit.instance;
   if (instance.id.empty() || instance.model.empty()) {
-    return Invalid("an instance needs an id and a model");
+    return InvalidInput("an instance needs an id and a model");
   }
   if (document.Find(instance.id))
-    return Invalid("there is an instance '" + instance.id + "' already");
+    return InvalidInput("there is an instance '" + instance.id + "' already");
   if (!IsRigid(instance.scan_from_object)) {
-    return Invalid("the pose of '" + instance.id + "' is not a rigid transform");
+    return InvalidInput("the pose of '" + instance.id + "' is not a rigid transform");
   }
   const std::size_t index =
       std::min(edit.index.value_or(document.instances.size()), document.instances.size());
@@ -71,17 +69,17 @@ Result<Edit> Apply(const ChangeInstance& edit, AnnotationDocument& document) {
     return Locked(edit.id);
   }
   if (edit.scan_from_object && !IsRigid(*edit.scan_from_object)) {
-    return Invalid("the new pose of '" + edit.id + "' is not a rigid transform");
+    return InvalidInput("the new pose of '" + edit.id + "' is not a rigid transform");
   }
   if (edit.new_id &&
       (edit.new_id->empty() || (*edit.new_id != edit.id && document.Find(*edit.new_id)))) {
-    return Invalid("'" + edit.id + "' cannot be called '" + *edit.new_id +
-                   "': names must be unique and not empty");
+    return InvalidInput("'" + edit.id + "' cannot be called '" + *edit.new_id +
+                        "': names must be unique and not empty");
   }
   if (edit.seconds_spent && !(*edit.seconds_spent >= 0 && std::isfinite(*edit.seconds_spent))) {
-    return Invalid("the time spent on '" + edit.id + "' must not be negative");
+    return InvalidInput("the time spent on '" + edit.id + "' must not be negative");
   }
-  if (edit.model && edit.model->empty()) return Invalid("'" + edit.id + "' needs a model");
+  if (edit.model && edit.model->empty()) return InvalidInput("'" + edit.id + "' needs a model");
   ChangeInstance back;
   back.id = edit.new_id.value_or(edit.id);
   Exchange(edit.new_id, instance.id, back.new_id);
@@ -99,11 +97,11 @@ Result<Edit> Apply(const ChangeInstance& edit, AnnotationDocument& document) {
 
 Result<Edit> Apply(const SetGravity& edit, AnnotationDocument& document) {
   const double norm = edit.gravity_in_scan.norm();
-  if (!(std::abs(norm - 1) < 1e-6)) return Invalid("gravity must be a unit vector");
+  if (!(std::abs(norm - 1) < 1e-6)) return InvalidInput("gravity must be a unit vector");
   if (edit.floor_in_scan) {
     const Eigen::Vector4d& floor = *edit.floor_in_scan;
     if (!floor.allFinite() || !((floor.head<3>() + edit.gravity_in_scan).norm() < 1e-4)) {
-      return Invalid("the floor's normal must be up, against gravity");
+      return InvalidInput("the floor's normal must be up, against gravity");
     }
   }
   SetGravity back{document.gravity_in_scan, document.floor_in_scan};
@@ -114,7 +112,7 @@ Result<Edit> Apply(const SetGravity& edit, AnnotationDocument& document) {
 
 Result<Edit> Apply(const SetSceneAlignment& edit, AnnotationDocument& document) {
   if (edit.scan_from_world && !IsRigid(*edit.scan_from_world)) {
-    return Invalid("the alignment of sequence and scan is not a rigid transform");
+    return InvalidInput("the alignment of sequence and scan is not a rigid transform");
   }
   return Edit(SetSceneAlignment{std::exchange(document.scan_from_world, edit.scan_from_world)});
 }
@@ -130,7 +128,8 @@ Result<Edit> Apply(const SetInputs& edit, AnnotationDocument& document) {
 Result<Edit> Apply(const AddCrop& edit, AnnotationDocument& document) {
   Result<Crop> crop = CompletedCrop(edit.crop, document);
   if (!crop) return crop.error();
-  if (document.FindCrop(crop->id)) return Invalid("there is a crop '" + crop->id + "' already");
+  if (document.FindCrop(crop->id))
+    return InvalidInput("there is a crop '" + crop->id + "' already");
   Edit back = RemoveCrop{crop->id};
   const std::size_t index =
       std::min(edit.index.value_or(document.crops.size()), document.crops.size());
@@ -152,7 +151,7 @@ Result<Edit> Apply(const RemoveCrop& edit, AnnotationDocument& document) {
 
 Result<Edit> Apply(const AddPair& edit, AnnotationDocument& document) {
   if (!edit.pair.in_scan.allFinite() || !edit.pair.pixel.allFinite() || edit.pair.frame < 0) {
-    return Invalid("a pair needs a point of the scan and a pixel of a frame");
+    return InvalidInput("a pair needs a point of the scan and a pixel of a frame");
   }
   const std::size_t index =
       std::min(edit.index.value_or(document.pairs.size()), document.pairs.size());
@@ -210,9 +209,10 @@ Result<Crop> CompletedCrop(Crop crop, const AnnotationDocument& document) {
   if (!crop.up_in_scan) crop.up_in_scan = -document.gravity_in_scan;
   if (crop.without_support && !crop.support_in_scan) crop.support_in_scan = document.floor_in_scan;
   if (crop.without_support && !crop.support_in_scan) {
-    return Invalid("what '" + crop.id +
-                   "' stands on is not known; find the floor first, or say which plane it is, or "
-                   "keep it");
+    return InvalidInput(
+        "what '" + crop.id +
+        "' stands on is not known; find the floor first, or say which plane it is, or "
+        "keep it");
   }
   if (const Status good = CheckCrop(crop); !good.ok()) return good.error();
   return crop;

@@ -9,8 +9,6 @@ namespace {
 
 using nlohmann::json;
 
-Error Invalid(const std::string& what) { return {ErrorCode::kInvalidInput, what}; }
-
 json VectorToJson(const Eigen::VectorXd& vector) {
   return std::vector<double>(vector.data(), vector.data() + vector.size());
 }
@@ -84,12 +82,12 @@ json ToJson(const EditGroup& group) {
 
 Result<std::optional<std::size_t>> IndexFrom(const json& source) {
   if (!source.contains("index")) return std::optional<std::size_t>();
-  if (!source["index"].is_number_unsigned()) return Invalid("'index' must be a whole number");
+  if (!source["index"].is_number_unsigned()) return InvalidInput("'index' must be a whole number");
   return std::optional(source["index"].get<std::size_t>());
 }
 
 Result<Edit> CropEditFrom(const json& source) {
-  if (!source.contains("crop")) return Invalid("an edit 'crop' needs a 'crop'");
+  if (!source.contains("crop")) return InvalidInput("an edit 'crop' needs a 'crop'");
   Result<Crop> crop = CropFromJson(source["crop"]);
   if (!crop) return crop.error();
   const auto index = IndexFrom(source);
@@ -101,17 +99,17 @@ Result<Edit> PairEditFrom(const json& source) {
   const auto index = IndexFrom(source);
   if (!index) return index.error();
   if (source["edit"] == "remove_pair") {
-    if (!*index) return Invalid("an edit 'remove_pair' needs an 'index'");
+    if (!*index) return InvalidInput("an edit 'remove_pair' needs an 'index'");
     return Edit(RemovePair{**index});
   }
-  if (!source.contains("pair")) return Invalid("an edit 'pair' needs a 'pair'");
+  if (!source.contains("pair")) return InvalidInput("an edit 'pair' needs a 'pair'");
   const Result<FramePick> pair = PairFromJson(source["pair"]);
   if (!pair) return pair.error();
   return Edit(AddPair{*pair, *index});
 }
 
 Result<Edit> AddFrom(const json& source) {
-  if (!source.contains("instance")) return Invalid("an edit 'add' needs an 'instance'");
+  if (!source.contains("instance")) return InvalidInput("an edit 'add' needs an 'instance'");
   Result<AnnotatedInstance> instance = InstanceFromJson(source["instance"]);
   if (!instance) return instance.error();
   const auto index = IndexFrom(source);
@@ -157,9 +155,9 @@ Result<Edit> ChangeFrom(const json& source, const std::string& id) {
       edit.scan_from_object = IsometryFromJson(value);
       good = edit.scan_from_object.has_value();
     } else {
-      return Invalid("an edit 'change' knows no '" + key + "'");
+      return InvalidInput("an edit 'change' knows no '" + key + "'");
     }
-    if (!good) return Invalid("'" + key + "' of the change of '" + id + "' has a wrong value");
+    if (!good) return InvalidInput("'" + key + "' of the change of '" + id + "' has a wrong value");
   }
   return Edit(std::move(edit));
 }
@@ -168,13 +166,13 @@ Result<Edit> GravityFrom(const json& source) {
   const auto gravity =
       source.contains("gravity") ? VectorFromJson(source["gravity"], 3) : std::nullopt;
   if (!gravity || !(gravity->norm() > 1e-6)) {
-    return Invalid("an edit 'gravity' needs 'gravity', three numbers that point down");
+    return InvalidInput("an edit 'gravity' needs 'gravity', three numbers that point down");
   }
   const double norm = gravity->norm();
   SetGravity edit{std::abs(norm - 1) < 1e-12 ? *gravity : *gravity / norm, std::nullopt};
   if (source.contains("floor")) {
     const auto floor = VectorFromJson(source["floor"], 4);
-    if (!floor) return Invalid("'floor' must be four numbers");
+    if (!floor) return InvalidInput("'floor' must be four numbers");
     edit.floor_in_scan = *floor;
   }
   return Edit(std::move(edit));
@@ -182,7 +180,7 @@ Result<Edit> GravityFrom(const json& source) {
 
 Result<Edit> GroupFrom(const json& source) {
   if (!source.contains("edits") || !source["edits"].is_array()) {
-    return Invalid("an edit 'group' needs a list 'edits'");
+    return InvalidInput("an edit 'group' needs a list 'edits'");
   }
   EditGroup group{TextFromJson(source, "label").value_or("Several edits"), {}};
   for (const json& entry : source["edits"]) {
@@ -209,7 +207,7 @@ Result<Edit> EditFromJson(const json& source) {
   if (kind == "scene_alignment") {
     if (!source.contains("scan_from_world")) return Edit(SetSceneAlignment{});
     const auto pose = IsometryFromJson(source["scan_from_world"]);
-    if (!pose) return Invalid("'scan_from_world' is not a 4x4 rigid transform");
+    if (!pose) return InvalidInput("'scan_from_world' is not a 4x4 rigid transform");
     return Edit(SetSceneAlignment{*pose});
   }
   if (kind == "inputs") {
@@ -219,12 +217,12 @@ Result<Edit> EditFromJson(const json& source) {
   }
   if (kind == "remove" || kind == "change" || kind == "remove_crop") {
     const auto id = TextFromJson(source, "id");
-    if (!id) return Invalid("an edit '" + kind + "' needs an 'id'");
+    if (!id) return InvalidInput("an edit '" + kind + "' needs an 'id'");
     if (kind == "remove_crop") return Edit(RemoveCrop{*id});
     if (kind == "remove") return Edit(RemoveInstance{*id});
     return ChangeFrom(source, *id);
   }
-  return Invalid(
+  return InvalidInput(
       "an edit needs 'edit': add, remove, change, gravity, scene_alignment, inputs, crop, "
       "remove_crop, pair, remove_pair or group, not '" +
       kind + "'");

@@ -12,8 +12,6 @@ namespace {
 /// How near a model the points of its fragment are.
 constexpr double kFragmentReach_m = 0.03;
 
-Error Invalid(const std::string& what) { return {ErrorCode::kInvalidInput, what}; }
-
 Eigen::Vector4d Moved(const Eigen::Vector4d& plane, const Eigen::Isometry3d& to_from_from) {
   const Eigen::Vector3d normal = to_from_from.linear() * plane.head<3>();
   Eigen::Vector4d moved;
@@ -67,7 +65,7 @@ AnnotationDocument InFrame(const AnnotationDocument& document,
 Status ExportAnnotation(const AnnotationDocument& document, const ExchangeInputs& inputs,
                         const std::filesystem::path& scan_file, const ExportRequest& request,
                         const WorkContext& work) {
-  if (request.out.empty()) return Invalid("an export needs the name of a file or a folder");
+  if (request.out.empty()) return InvalidInput("an export needs the name of a file or a folder");
   std::error_code ignored;  // a folder that cannot be made is found out when the file is written
   if (request.out.has_parent_path()) {
     std::filesystem::create_directories(request.out.parent_path(), ignored);
@@ -78,12 +76,13 @@ Status ExportAnnotation(const AnnotationDocument& document, const ExchangeInputs
   if (request.format == "labelfusion") return WriteLabelFusion(document, inputs, request.out);
   if (request.format == "poses") return WriteFramePoses(document, inputs, request.out);
   if (request.format != "visma" && request.format != "bop") {
-    return Invalid("there is no format '" + request.format + "'");
+    return InvalidInput("there is no format '" + request.format + "'");
   }
   if (request.frame == PoseFrame::kWorld) {
-    return Invalid("'" + request.format +
-                   "' is written in the frame of the scan, or of the level scan, and not in that "
-                   "of the sequence");
+    return InvalidInput(
+        "'" + request.format +
+        "' is written in the frame of the scan, or of the level scan, and not in that "
+        "of the sequence");
   }
   const bool level = request.frame == PoseFrame::kLevel;
   const Eigen::Isometry3d target_from_scan =

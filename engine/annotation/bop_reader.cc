@@ -15,7 +15,7 @@ namespace {
 using nlohmann::json;
 using std::filesystem::path;
 
-constexpr double kMillimetres = 1000;
+constexpr double kMillimetresPerMetre = 1000;
 
 /// The folder of the first scene: the dataset's own, or SPLIT/NNNNNN below it.
 std::optional<path> FirstScene(const path& folder) {
@@ -42,7 +42,7 @@ std::optional<Eigen::Isometry3d> PoseOf(const json& entry, const char* rotation,
   if (!r || !t) return std::nullopt;
   json rows = json::array();
   for (int i = 0; i < 3; ++i) {
-    rows.push_back({(*r)[3 * i], (*r)[3 * i + 1], (*r)[3 * i + 2], (*t)[i] / kMillimetres});
+    rows.push_back({(*r)[3 * i], (*r)[3 * i + 1], (*r)[3 * i + 2], (*t)[i] / kMillimetresPerMetre});
   }
   rows.push_back({0, 0, 0, 1});
   return IsometryFromJson(rows);

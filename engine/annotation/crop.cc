@@ -15,15 +15,13 @@ namespace {
 
 using nlohmann::json;
 
-Error Invalid(const std::string& what) { return {ErrorCode::kInvalidInput, what}; }
-
-json ListOf(const Eigen::VectorXd& vector) {
+json JsonListOf(const Eigen::VectorXd& vector) {
   return std::vector<double>(vector.data(), vector.data() + vector.size());
 }
 
 json RegionToJson(const CropBox& box) {
-  return {{"center", ListOf(box.center_in_scan)},
-          {"size", ListOf(box.size_m)},
+  return {{"center", JsonListOf(box.center_in_scan)},
+          {"size", JsonListOf(box.size_m)},
           {"azimuth", box.azimuth_rad}};
 }
 
@@ -33,7 +31,7 @@ json RegionToJson(const CropLasso& lasso) {
                  {"polygon", json::array()},
                  {"near", lasso.near_m}};
   for (const Eigen::Vector2d& corner : lasso.polygon_px)
-    result["polygon"].push_back(ListOf(corner));
+    result["polygon"].push_back(JsonListOf(corner));
   if (std::isfinite(lasso.far_m)) result["far"] = lasso.far_m;
   if (lasso.azimuth_rad) result["azimuth"] = *lasso.azimuth_rad;
   return result;
@@ -50,7 +48,7 @@ Result<CropBox> BoxFrom(const json& source) {
     return source.contains(key) ? VectorFromJson(source[key], 3) : std::nullopt;
   };
   const auto center = vector("center"), size = vector("size");
-  if (!center || !size) return Invalid("the 'box' of a crop needs 'center' and 'size' [m]");
+  if (!center || !size) return InvalidInput("the 'box' of a crop needs 'center' and 'size' [m]");
   return CropBox{*center, *size, NumberFrom(source, "azimuth").value_or(0)};
 }
 
@@ -61,7 +59,7 @@ Result<CropLasso> LassoFrom(const json& source) {
   const auto fx = NumberFrom(camera, "fx"), fy = NumberFrom(camera, "fy"),
              cx = NumberFrom(camera, "cx"), cy = NumberFrom(camera, "cy");
   if (!pose || !fx || !fy || !cx || !cy) {
-    return Invalid(
+    return InvalidInput(
         "the 'lasso' of a crop needs 'scan_from_cam', a 4x4 rigid transform, and a "
         "'camera' with fx, fy, cx, cy");
   }
@@ -75,7 +73,7 @@ Result<CropLasso> LassoFrom(const json& source) {
                   *cy};
   for (const json& corner : source.value("polygon", json::array())) {
     const auto pixel = VectorFromJson(corner, 2);
-    if (!pixel) return Invalid("the 'polygon' of a crop must be a list of [u, v]");
+    if (!pixel) return InvalidInput("the 'polygon' of a crop must be a list of [u, v]");
     lasso.polygon_px.emplace_back(*pixel);
   }
   lasso.near_m = NumberFrom(source, "near").value_or(lasso.near_m);
@@ -87,19 +85,20 @@ Result<CropLasso> LassoFrom(const json& source) {
 Status CheckRegion(const CropBox& box) {
   if (!box.center_in_scan.allFinite() || !std::isfinite(box.azimuth_rad) ||
       !(box.size_m.minCoeff() > 0) || !box.size_m.allFinite()) {
-    return Invalid("a crop's box needs a place, an azimuth and a size above zero");
+    return InvalidInput("a crop's box needs a place, an azimuth and a size above zero");
   }
   return {};
 }
 
 Status CheckRegion(const CropLasso& lasso) {
-  if (lasso.polygon_px.size() < 3) return Invalid("a crop's lasso needs at least three corners");
+  if (lasso.polygon_px.size() < 3)
+    return InvalidInput("a crop's lasso needs at least three corners");
   if (!lasso.scan_from_cam.matrix().allFinite() || !(lasso.camera.fx > 0) ||
       !(lasso.camera.fy > 0)) {
-    return Invalid("a crop's lasso needs the pose and the focal lengths of its view");
+    return InvalidInput("a crop's lasso needs the pose and the focal lengths of its view");
   }
   if (!(lasso.near_m >= 0) || !(lasso.far_m > lasso.near_m)) {
-    return Invalid("the far end of a crop's lasso must lie behind the near end");
+    return InvalidInput("the far end of a crop's lasso must lie behind the near end");
   }
   return {};
 }
@@ -118,18 +117,18 @@ Status CheckCrop(const Crop& crop) {
     return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
   });
   if (crop.id.empty() || crop.id.front() == '.' || !plain) {
-    return Invalid("a crop needs a name of letters, digits, '-', '_' and '.', not '" + crop.id +
-                   "'");
+    return InvalidInput("a crop needs a name of letters, digits, '-', '_' and '.', not '" +
+                        crop.id + "'");
   }
   if (crop.into == Crop::Into::kFragment && !IsFragmentName(crop.id)) {
-    return Invalid("the fragment '" + crop.id +
-                   "' must be called <model>_<number>, as VISMA's are");
+    return InvalidInput("the fragment '" + crop.id +
+                        "' must be called <model>_<number>, as VISMA's are");
   }
   if (crop.up_in_scan && !(std::abs(crop.up_in_scan->norm() - 1) < 1e-6)) {
-    return Invalid("the 'up' of a crop must be a unit vector");
+    return InvalidInput("the 'up' of a crop must be a unit vector");
   }
   if (crop.support_in_scan && !(std::abs(crop.support_in_scan->head<3>().norm() - 1) < 1e-6)) {
-    return Invalid("the 'support' of a crop needs a normal of length one");
+    return InvalidInput("the 'support' of a crop needs a normal of length one");
   }
   return std::visit([](const auto& region) { return CheckRegion(region); }, crop.region);
 }
@@ -141,11 +140,11 @@ json CropToJson(const Crop& crop) {
                  {"annotator", crop.annotator}};
   const char* kind = std::holds_alternative<CropBox>(crop.region) ? "box" : "lasso";
   result[kind] = std::visit([](const auto& region) { return RegionToJson(region); }, crop.region);
-  if (crop.up_in_scan) result["up"] = ListOf(*crop.up_in_scan);
+  if (crop.up_in_scan) result["up"] = JsonListOf(*crop.up_in_scan);
   if (!crop.without_support) {
     result["support"] = "keep";
   } else if (crop.support_in_scan) {
-    result["support"] = ListOf(*crop.support_in_scan);
+    result["support"] = JsonListOf(*crop.support_in_scan);
   } else {
     result["support"] = "auto";
   }
@@ -154,19 +153,20 @@ json CropToJson(const Crop& crop) {
 }
 
 Result<Crop> CropFromJson(const json& source) {
-  if (!source.is_object()) return Invalid("a crop must be a JSON object");
+  if (!source.is_object()) return InvalidInput("a crop must be a JSON object");
   Crop crop;
   crop.id = TextFromJson(source, "id").value_or("");
   const std::string into = TextFromJson(source, "into").value_or("model");
   if (into != "model" && into != "fragment") {
-    return Invalid("crop '" + crop.id + "' goes 'into' a model or a fragment, not '" + into + "'");
+    return InvalidInput("crop '" + crop.id + "' goes 'into' a model or a fragment, not '" + into +
+                        "'");
   }
   crop.into = into == "model" ? Crop::Into::kModel : Crop::Into::kFragment;
   crop.category = TextFromJson(source, "category").value_or("");
   crop.annotator = TextFromJson(source, "annotator").value_or("");
   crop.note = TextFromJson(source, "note").value_or("");
   if (source.contains("box") == source.contains("lasso")) {
-    return Invalid("crop '" + crop.id + "' needs either a 'box' or a 'lasso'");
+    return InvalidInput("crop '" + crop.id + "' needs either a 'box' or a 'lasso'");
   }
   if (source.contains("box")) {
     Result<CropBox> box = BoxFrom(source["box"]);
@@ -179,7 +179,7 @@ Result<Crop> CropFromJson(const json& source) {
   }
   if (source.contains("up")) {
     const auto up = VectorFromJson(source["up"], 3);
-    if (!up) return Invalid("the 'up' of crop '" + crop.id + "' must be three numbers");
+    if (!up) return InvalidInput("the 'up' of crop '" + crop.id + "' must be three numbers");
     crop.up_in_scan = *up;
   }
   const json support = source.value("support", json("auto"));
@@ -187,8 +187,8 @@ Result<Crop> CropFromJson(const json& source) {
   if (crop.without_support && support != "auto") {
     const auto plane = VectorFromJson(support, 4);
     if (!plane) {
-      return Invalid("the 'support' of crop '" + crop.id +
-                     "' must be four numbers [a, b, c, d], auto or keep");
+      return InvalidInput("the 'support' of crop '" + crop.id +
+                          "' must be four numbers [a, b, c, d], auto or keep");
     }
     crop.support_in_scan = *plane;
   }

@@ -26,6 +26,8 @@ struct Error {
   std::string message;
 };
 
+inline Error InvalidInput(std::string what) { return {ErrorCode::kInvalidInput, std::move(what)}; }
+
 /// A value or an `Error`. Asking for the value of a failure is the caller's bug (ContractError).
 template <typename T>
 class [[nodiscard]] Result {

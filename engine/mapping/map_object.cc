@@ -9,31 +9,13 @@ void MapObject::Summarize(const MapFrame& map) {
   modes = FindModes(particles, world_from_reference_cam, map);
   covariance = ModeCovariance(modes.front(), particles, world_from_reference_cam, map);
   label_probability = LabelPosterior(particles);
+  label = mean().label;
+  world_from_object = mean().world_from_object;
 }
 
 ObjectReport ToReport(const MapObject& object) {
   ObjectReport report;
-  report.id = object.id;
-  report.state = object.state;
-  report.category = object.category;
-  report.reference_frame = object.reference_frame;
-  report.world_from_reference_cam = object.world_from_reference_cam;
-  report.first_frame = object.first_frame;
-  report.confirmed_frame = object.confirmed_frame;
-  report.last_frame = object.last_frame;
-  report.label = object.mean().label;
-  report.label_probability = object.label_probability;
-  report.world_from_object = object.mean().world_from_object;
-  report.covariance = object.covariance;
-  report.modes = object.modes;
-  report.effective_sample_size = object.effective_sample_size;
-  report.log_evidence = object.log_evidence;
-  report.weighed = object.weighed;
-  report.visible_fraction = object.visible_fraction;
-  report.phi_cnn = object.phi_cnn;
-  report.phi_edge = object.phi_edge;
-  report.whole_box = object.whole_box;
-  report.visible_box = object.visible_box;
+  static_cast<ObjectBelief&>(report) = object;
   report.particles = std::make_shared<const std::vector<Particle>>(object.particles);
   ByteWriter out;
   out.Put(object.seen_s);
@@ -53,24 +35,8 @@ ObjectReport ToReport(const MapObject& object) {
 
 Result<MapObject> FromReport(const ObjectReport& report) {
   MapObject object;
-  object.id = report.id;
-  object.state = report.state;
-  object.category = report.category;
-  object.reference_frame = report.reference_frame;
-  object.world_from_reference_cam = report.world_from_reference_cam;
-  object.first_frame = report.first_frame;
-  object.confirmed_frame = report.confirmed_frame;
-  object.last_frame = report.last_frame;
-  object.label_probability = report.label_probability;
-  object.covariance = report.covariance;
-  object.modes = report.modes;
-  object.effective_sample_size = report.effective_sample_size;
-  object.log_evidence = report.log_evidence;
-  object.visible_fraction = report.visible_fraction;
-  object.phi_cnn = report.phi_cnn;
-  object.phi_edge = report.phi_edge;
-  object.whole_box = report.whole_box;
-  object.visible_box = report.visible_box;
+  static_cast<ObjectBelief&>(object) = report;
+  object.weighed = false;
   ByteReader in(report.filter_state);
   object.seen_s = in.Get<double>();
   object.last_move_frame = in.Get<std::int32_t>();

@@ -5,10 +5,12 @@
 // draws and what a run resumes from; it includes nothing but base and geometry, so that the
 // snapshot may hold it.
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -35,6 +37,12 @@ struct Particle {
 
 enum class ObjectState : std::uint8_t { kTentative, kConfirmed, kRetired };
 
+/// The one table of names, as files have them.
+constexpr std::string_view NameOf(ObjectState state) {
+  constexpr std::array<std::string_view, 3> kNames = {"tentative", "confirmed", "retired"};
+  return kNames.at(static_cast<std::size_t>(state));
+}
+
 /// One of several clearly separate places where an object may be.
 struct PoseMode {
   ModelId label;
@@ -49,7 +57,9 @@ struct LabelProbability {
   double probability = 0;
 };
 
-struct ObjectReport {
+/// What the mapper believes of one object, and how it fared in the last frame. The mapper works on
+/// it, its report contains it.
+struct ObjectBelief {
   ObjectId id;
   ObjectState state = ObjectState::kTentative;
   std::string category;
@@ -74,7 +84,9 @@ struct ObjectReport {
   float phi_cnn = 0, phi_edge = 0;  ///< Both terms at the mean.
   Box2 whole_box,
       visible_box;  ///< Of the mean in this image [px], clipped to it; empty if it does not show.
+};
 
+struct ObjectReport : ObjectBelief {
   std::shared_ptr<const std::vector<Particle>> particles;
   std::string filter_state;  ///< Opaque bytes that only the mapper reads, to resume.
 };
@@ -86,6 +98,12 @@ enum class ProposalFate : std::uint8_t {
   kLowScore,
   kImplausible,  ///< no place for a model of the category in this box
 };
+
+constexpr std::string_view NameOf(ProposalFate fate) {
+  constexpr std::array<std::string_view, 5> kNames = {"explained", "spawned", "unknown_category",
+                                                      "low_score", "implausible"};
+  return kNames.at(static_cast<std::size_t>(fate));
+}
 
 struct ProposalReport {
   Box2 box;
@@ -102,14 +120,22 @@ enum class EventKind : std::uint8_t {
   kRetired,
   kLabelChanged,
   kFrameSkipped,
-  kOptionsChanged  ///< of the mapper, from this frame on; `text` is that of option_changes.h
+  kOptionsChanged  ///< of the mapper, from this frame on: `option_changes`
 };
+
+constexpr std::string_view NameOf(EventKind kind) {
+  constexpr std::array<std::string_view, 7> kNames = {
+      "spawned",       "confirmed",     "merged",         "retired",
+      "label_changed", "frame_skipped", "options_changed"};
+  return kNames.at(static_cast<std::size_t>(kind));
+}
 
 struct LifeEvent {
   EventKind kind = EventKind::kSpawned;
   ObjectId object;
-  ObjectId other;    ///< kMerged: the object that goes on.
-  std::string text;  ///< Why, in words.
+  ObjectId other;              ///< kMerged: the object that goes on.
+  std::string text;            ///< Why, in words; nothing is decided by it.
+  std::string option_changes;  ///< kOptionsChanged: as of option_changes.h.
 };
 
 struct StageTiming {

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/geometry/angles.h"
+
 namespace plumbline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kIncumbents = 200;
 
 struct Round {
@@ -163,17 +164,17 @@ std::vector<PoseHypothesis> ResampleMove(const HypothesisScorer& scorer, const M
     incumbents.hypotheses.push_back(particle);
     if (i % 4 == 3) incumbents.hypotheses.push_back(mover.Relabelled(particle));
     if (input.wide && i % 2 == 0)
-      incumbents.hypotheses.push_back(mover.Step(particle, 0.08, 8 * kDegree));
+      incumbents.hypotheses.push_back(mover.Step(particle, 0.08, 8 * kRadPerDeg));
     if (input.wide) challengers.hypotheses.push_back(mover.Turned(particle));
   }
   judge(incumbents);
   // Challengers come from far and are rough: they compete among themselves until they are as
   // refined as the incumbents.
-  static constexpr Round kRefine[] = {{100, 3.0, 0.05, 6 * kDegree},
-                                      {60, 2.0, 0.025, 3 * kDegree},
-                                      {60, 1.5, 0.012, 1.5 * kDegree}};
-  static constexpr Round kIncumbent = {120, 2.0, 0.02, 2.5 * kDegree};
-  static constexpr Round kFinal = {150, 1.5, 0.01, 1.2 * kDegree};
+  static constexpr Round kRefine[] = {{100, 3.0, 0.05, 6 * kRadPerDeg},
+                                      {60, 2.0, 0.025, 3 * kRadPerDeg},
+                                      {60, 1.5, 0.012, 1.5 * kRadPerDeg}};
+  static constexpr Round kIncumbent = {120, 2.0, 0.02, 2.5 * kRadPerDeg};
+  static constexpr Round kFinal = {150, 1.5, 0.01, 1.2 * kRadPerDeg};
   if (!challengers.hypotheses.empty()) {
     judge(challengers);
     for (const Round& round : kRefine) run(challengers, round);
@@ -187,7 +188,7 @@ std::vector<PoseHypothesis> ResampleMove(const HypothesisScorer& scorer, const M
   for (const std::size_t index : mover.Choose(incumbents.judged, 1.0, count)) {
     // Copies of one hypothesis spread a little, so that they go on as different particles.
     const PoseHypothesis& chosen = incumbents.hypotheses[index];
-    result.push_back(taken[index] ? mover.Step(chosen, 0.004, 0.5 * kDegree) : chosen);
+    result.push_back(taken[index] ? mover.Step(chosen, 0.004, 0.5 * kRadPerDeg) : chosen);
     taken[index] = true;
   }
   return result;

@@ -13,7 +13,7 @@ constexpr double kModeRadius_m = 0.20;
 constexpr double kModeAngle_rad = 40.0 * std::numbers::pi / 180.0;
 constexpr double kMinModeWeight = 0.05;
 constexpr int kMaxModes = 4;
-constexpr double kNearest_m = 0.05;
+constexpr double kNearestDepth_m = 0.05;
 
 /// A particle as a point of its mode.
 struct Sample {
@@ -74,7 +74,7 @@ PoseHypothesis ToHypothesis(const Particle& particle,
 Particle ToParticle(const PoseHypothesis& hypothesis,
                     const Eigen::Isometry3d& world_from_reference_cam) {
   const Eigen::Vector3d center = world_from_reference_cam.inverse() * hypothesis.center_in_world;
-  const double depth = std::max(center.z(), kNearest_m);
+  const double depth = std::max(center.z(), kNearestDepth_m);
   Particle particle;
   particle.x_c = static_cast<float>(center.x() / depth);
   particle.y_c = static_cast<float>(center.y() / depth);

@@ -26,7 +26,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kErrorSamples = 20000;
-constexpr std::uint64_t kSeed = 1;
+constexpr std::uint64_t kDecimationSeed = 1;
 
 vtkNew<vtkPolyData> ToVtk(const TriangleMesh& mesh) {
   vtkNew<vtkPoints> points;
@@ -204,7 +204,7 @@ Status MeasureErrors(const TriangleMesh& a, const TriangleMesh& b, DecimationRep
   const std::array<std::pair<const TriangleMesh*, const TriangleMesh*>, 2> ways = {
       {{&a, &b}, {&b, &a}}};
   for (const auto& [from, to] : ways) {
-    const Result<SurfaceSamples> drawn = SampleSurface(*from, kErrorSamples, kSeed);
+    const Result<SurfaceSamples> drawn = SampleSurface(*from, kErrorSamples, kDecimationSeed);
     if (!drawn.ok()) return drawn.error();
     const auto surface = ClosestTriangleSearch::Build(*to);
     if (!surface.ok()) return surface.error();

@@ -122,7 +122,7 @@ void PutBytes(std::string& out, const T* values, std::size_t count) {
   out.append(reinterpret_cast<const char*>(values), count * sizeof(T));
 }
 
-std::string PlyHeader(const TriangleMesh& mesh) {
+std::string PlyHeaderOf(const TriangleMesh& mesh) {
   std::string header = "ply\nformat binary_little_endian 1.0\n";
   if (!mesh.texture_file.empty()) header += "comment TextureFile " + mesh.texture_file + "\n";
   header += "element vertex " + std::to_string(mesh.vertices.size()) +
@@ -173,7 +173,7 @@ Status WritePly(const std::filesystem::path& file, const TriangleMesh& mesh) {
   PLB_CHECK(mesh.colors.empty() || mesh.colors.size() == count) << "colours of another length";
   PLB_CHECK(mesh.texture_coordinates.empty() || mesh.texture_coordinates.size() == count)
       << "texture of another length";
-  std::string out = PlyHeader(mesh);
+  std::string out = PlyHeaderOf(mesh);
   out.reserve(out.size() + count * 35 + mesh.triangles.size() * 13);
   for (std::size_t i = 0; i < count; ++i) {
     PutBytes(out, mesh.vertices[i].data(), 3);

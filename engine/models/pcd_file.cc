@@ -26,7 +26,7 @@ struct Field {
   std::size_t begin = 0;            ///< Byte in a row.
 };
 
-struct Header {
+struct PcdHeader {
   std::vector<Field> fields;
   std::size_t points = 0, row_size = 0;
   std::string data;
@@ -42,7 +42,7 @@ std::string ReadList(std::istringstream& line, std::vector<T>& values) {
 }
 
 /// What is wrong with the header, or "".
-std::string ReadHeader(std::string_view bytes, Header& header) {
+std::string ReadHeader(std::string_view bytes, PcdHeader& header) {
   std::vector<std::string> names;
   std::vector<std::size_t> sizes, counts;
   std::vector<char> types;
@@ -83,7 +83,7 @@ std::string ReadHeader(std::string_view bytes, Header& header) {
   return "";
 }
 
-const Field* FieldNamed(const Header& header, std::string_view name) {
+const Field* FieldNamed(const PcdHeader& header, std::string_view name) {
   const auto found = std::find_if(header.fields.begin(), header.fields.end(),
                                   [&](const Field& field) { return field.name == name; });
   return found == header.fields.end() ? nullptr : &*found;
@@ -132,7 +132,7 @@ class Values {
 class BinaryValues : public Values {
  public:
   /// @param by_field  All values of a field together, as the compressed encoding has them.
-  BinaryValues(std::string_view bytes, const Header& header, bool by_field)
+  BinaryValues(std::string_view bytes, const PcdHeader& header, bool by_field)
       : bytes_(bytes), header_(header), by_field_(by_field) {}
 
   double Number(const Field& field, std::size_t point) const override {
@@ -171,14 +171,14 @@ class BinaryValues : public Values {
   }
 
   std::string_view bytes_;
-  const Header& header_;
+  const PcdHeader& header_;
   bool by_field_;
 };
 
 class TextValues : public Values {
  public:
   /// Nothing if there are fewer numbers than announced.
-  static std::optional<TextValues> Parse(std::string_view text, const Header& header) {
+  static std::optional<TextValues> Parse(std::string_view text, const PcdHeader& header) {
     TextValues values;
     for (const Field& field : header.fields) {
       values.first_.push_back(values.columns_);
@@ -217,7 +217,7 @@ class TextValues : public Values {
 };
 
 /// The three fields, or nothing.
-std::optional<std::array<const Field*, 3>> Triple(const Header& header, const char* x,
+std::optional<std::array<const Field*, 3>> Triple(const PcdHeader& header, const char* x,
                                                   const char* y, const char* z) {
   const std::array<const Field*, 3> fields = {FieldNamed(header, x), FieldNamed(header, y),
                                               FieldNamed(header, z)};
@@ -225,7 +225,7 @@ std::optional<std::array<const Field*, 3>> Triple(const Header& header, const ch
   return fields;
 }
 
-TriangleMesh ToCloud(const Header& header, const std::array<const Field*, 3>& position,
+TriangleMesh ToCloud(const PcdHeader& header, const std::array<const Field*, 3>& position,
                      const Values& values) {
   const auto normal = Triple(header, "normal_x", "normal_y", "normal_z");
   const Field* color = FieldNamed(header, "rgb");
@@ -259,7 +259,7 @@ Result<TriangleMesh> ParsePcd(std::string_view bytes, const std::filesystem::pat
   const auto corrupt = [&file](const std::string& what) {
     return Error{ErrorCode::kCorrupt, "'" + file.string() + "' is damaged: " + what};
   };
-  Header header;
+  PcdHeader header;
   if (const std::string wrong = ReadHeader(bytes, header); !wrong.empty()) return corrupt(wrong);
   const auto position = Triple(header, "x", "y", "z");
   if (!position) return corrupt("it has no fields x, y and z");

@@ -32,7 +32,7 @@ struct Element {
   std::vector<Property> properties;
 };
 
-struct Header {
+struct PlyHeader {
   Encoding encoding = Encoding::kAscii;
   std::vector<Element> elements;
   std::string texture_file;
@@ -120,7 +120,7 @@ Error Corrupt(const std::filesystem::path& file, const std::string& what) {
 }
 
 /// One line of the header into `header`; the text of the problem if it makes no sense.
-std::optional<std::string> ParseHeaderLine(const std::string& line, Header& header,
+std::optional<std::string> ParseHeaderLine(const std::string& line, PlyHeader& header,
                                            bool& has_format) {
   std::istringstream words(line);
   std::string keyword;
@@ -166,8 +166,8 @@ std::optional<std::string> ParseHeaderLine(const std::string& line, Header& head
   return std::nullopt;
 }
 
-Result<Header> ParseHeader(std::string_view bytes, const std::filesystem::path& file) {
-  Header header;
+Result<PlyHeader> ParseHeader(std::string_view bytes, const std::filesystem::path& file) {
+  PlyHeader header;
   bool has_format = false;
   for (int number = 0;; ++number) {
     const std::size_t end = bytes.find('\n', header.size);
@@ -326,7 +326,7 @@ std::optional<std::string> ReadFaces(Source& source, const Element& element, Tri
 }
 
 template <typename Source>
-std::optional<std::string> ReadBody(Source source, const Header& header, TriangleMesh& mesh) {
+std::optional<std::string> ReadBody(Source source, const PlyHeader& header, TriangleMesh& mesh) {
   for (const Element& element : header.elements) {
     std::optional<std::string> problem;
     if (element.name == "vertex") {
@@ -346,7 +346,7 @@ std::optional<std::string> ReadBody(Source source, const Header& header, Triangl
   return std::nullopt;
 }
 
-std::optional<std::string> ReadBody(std::string_view body, const Header& header,
+std::optional<std::string> ReadBody(std::string_view body, const PlyHeader& header,
                                     TriangleMesh& mesh) {
   constexpr bool kLittleHost = std::endian::native == std::endian::little;
   switch (header.encoding) {
@@ -363,7 +363,7 @@ std::optional<std::string> ReadBody(std::string_view body, const Header& header,
 }  // namespace
 
 Result<TriangleMesh> ParsePly(std::string_view bytes, const std::filesystem::path& file) {
-  Result<Header> header = ParseHeader(bytes, file);
+  Result<PlyHeader> header = ParseHeader(bytes, file);
   if (!header.ok()) return header.error();
   for (const Element& element : header->elements) {
     if (element.name == "tristrips" && element.count > 0) {

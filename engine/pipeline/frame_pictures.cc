@@ -46,13 +46,10 @@ std::vector<OutlineView> OutlinesOf(const cv::Mat& id, cv::Size image_size) {
 
 Result<std::unique_ptr<FramePictures>> FramePictures::Create(
     std::shared_ptr<const Sequence> sequence, std::shared_ptr<const ModelDatabase> database,
-    std::string_view edges) {
+    const std::optional<EdgeChoice>& edges) {
   auto pictures = CreateWithoutImages(sequence->camera(), std::move(database));
   if (!pictures.ok()) return pictures.error();
-  const std::string_view choice = !edges.empty()          ? edges
-                                  : sequence->has_edges() ? "dataset"
-                                                          : "gradient";
-  auto detector = CreateEdgeDetector(choice, sequence);
+  auto detector = CreateEdgeDetector(ToText(edges ? *edges : DefaultEdges(*sequence)), sequence);
   if (!detector.ok()) return detector.error();
   (*pictures)->sequence_ = std::move(sequence);
   (*pictures)->edges_ = std::move(detector).value();

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "engine/dataset/sequence.h"
 #include "engine/mapping/occlusion.h"
 #include "engine/models/model_database.h"
+#include "engine/pipeline/run_recipe.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/vision/edge_detector.h"
 
@@ -22,10 +23,10 @@ std::vector<OutlineView> OutlinesOf(const cv::Mat& id, cv::Size image_size);
 /// edges, Z-buffer and outlines. Nothing is detected or mapped. Use it in one thread.
 class FramePictures {
  public:
-  /// @param edges  As CreateEdgeDetector takes it; "": dataset where there are any, else gradient.
+  /// @param edges  Those of the run; nothing: DefaultEdges.
   static Result<std::unique_ptr<FramePictures>> Create(
       std::shared_ptr<const Sequence> sequence, std::shared_ptr<const ModelDatabase> database,
-      std::string_view edges);
+      const std::optional<EdgeChoice>& edges);
   /// Without a sequence: Z-buffer and outlines only.
   static Result<std::unique_ptr<FramePictures>> CreateWithoutImages(
       const PinholeCamera& camera, std::shared_ptr<const ModelDatabase> database);

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "engine/base/files.h"
 #include "engine/base/log.h"
+#include "engine/geometry/angles.h"
 #include "engine/mapping/option_changes.h"
 #include "engine/mapping/particle_rank.h"
 #include "engine/pipeline/frame_pictures.h"
@@ -17,11 +17,10 @@
 namespace plumbline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kFarthestTruth_m = 1.5;
 constexpr double kSpurious_m = 0.5;  ///< Further off than evaluation pairs estimates with truth.
 /// A particle this near to the truth would have been enough.
-constexpr double kNear_m = 0.05, kNear_rad = 10 * kDegree;
+constexpr double kNear_m = 0.05, kNear_rad = 10 * kRadPerDeg;
 
 /// Whether it is the search or the likelihood. The last two hypotheses are the particle nearest to
 /// the truth and the truth, if there is one.
@@ -64,7 +63,8 @@ std::string SentenceOf(Verdict verdict, const ProbeView& view) {
       return fmt::format(
           "Search: the truth would score {:.2f} against {:.2f}, but the nearest particle is {:.0f} "
           "cm and {:.0f}\u00b0 away.",
-          truth.score, mean.score, 100 * *nearest.from_truth_m, *nearest.from_truth_rad / kDegree);
+          truth.score, mean.score, 100 * *nearest.from_truth_m,
+          *nearest.from_truth_rad / kRadPerDeg);
     }
     case Verdict::kTime:
       return fmt::format(
@@ -105,7 +105,7 @@ std::vector<Likelihood> HypothesisProbe::Score(const Frame& frame, const Hypothe
 
 ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
                                  const MapperOptions& options, const ProbeCommand& request) {
-  if (!DescribeOptionChanges(options_, options).empty()) table_ = nullptr;
+  if (!OptionChanges(options_, options).empty()) table_ = nullptr;
   options_ = options;
   ProbeView view;
   view.frame = snapshot.report.frame;

@@ -4,13 +4,13 @@
 #include <numbers>
 #include <utility>
 
+#include "engine/geometry/angles.h"
 #include "engine/pipeline/hypothesis_frame.h"
 
 namespace plumbline {
 namespace {
 
 constexpr int kSliceSteps = 61, kMapSteps = 41;
-constexpr double kDegree = std::numbers::pi / 180;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ std::vector<HypothesisProbe::Axis> HypothesisProbe::Axes(const Frame& frame,
   std::vector<Axis> axes = {{"sideways", "cm", 0.3, 100, world_from_cam.linear().col(0)},
                             {"down", "cm", 0.3, 100, world_from_cam.linear().col(1)},
                             {"distance", "cm", 0.5, 100, ray},
-                            {"azimuth", "\u00b0", std::numbers::pi, 1 / kDegree, {0, 0, 0}}};
+                            {"azimuth", "\u00b0", std::numbers::pi, 1 / kRadPerDeg, {0, 0, 0}}};
   if (frame.truth == nullptr) return axes;
   for (Axis& axis : axes) {
     const double offset =

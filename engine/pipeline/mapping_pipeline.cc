@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/pipeline/mapping_pipeline.h"
 
-#include <charconv>
 #include <mutex>
 #include <thread>
 
@@ -11,8 +10,8 @@
 #include "engine/base/queue.h"
 #include "engine/base/timer.h"
 #include "engine/mapping/option_changes.h"
+#include "engine/mapping/rendered_scorer.h"
 #include "engine/mapping/viewpoint_scorer.h"
-#include "engine/pipeline/frame_pictures.h"
 #include "engine/sources/folder_source.h"
 #include "engine/vision/edge_detector.h"
 
@@ -31,15 +30,51 @@ struct Prepared {
   std::vector<StageTiming> timings;
 };
 
-Result<int> ParseInt(std::string_view text, std::string_view whole) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < 0) {
-    return Error{ErrorCode::kInvalidInput,
-                 "'" + std::string(whole) +
-                     "' is not a range of frames; write A:B or A:B:S, for instance 0:300:2"};
+/// Of an ONNX network and its sidecar together.
+Result<std::string> HashNetwork(const std::filesystem::path& file) {
+  std::string hashes;
+  for (const auto& part : {file, std::filesystem::path(file).replace_extension(".json")}) {
+    const Result<std::string> hash = HashFile(part);
+    if (!hash.ok()) return hash.error();
+    hashes += *hash;
   }
-  return value;
+  return HashHex(hashes);
+}
+
+/// Makes the recipe of what was opened complete: absolute paths, content hashes.
+Status Complete(const ModelDatabase& database, RunRecipe& recipe) {
+  recipe.sequence = std::filesystem::absolute(recipe.sequence);
+  recipe.models = std::filesystem::absolute(database.folder());
+  const auto complete = [](auto& choice, auto hash_of) -> Status {
+    if (choice.file.empty()) return {};
+    choice.file = std::filesystem::absolute(choice.file);
+    Result<std::string> hash = hash_of(choice.file);
+    if (!hash.ok()) return hash.error();
+    choice.hash = std::move(hash).value();
+    return {};
+  };
+  if (Status status = complete(recipe.poses, HashFile); !status.ok()) return status;
+  if (Status status = complete(recipe.detector, HashNetwork); !status.ok()) return status;
+  return complete(*recipe.edges, HashNetwork);
+}
+
+Result<std::shared_ptr<HypothesisScorer>> CreateScorer(
+    ScorerKind kind, const std::shared_ptr<const ModelDatabase>& database,
+    const WorkContext& work) {
+  if (kind == ScorerKind::kRendered) {
+    auto rendered = RenderedScorer::Create(database, {});
+    if (!rendered.ok()) return rendered.error();
+    return std::shared_ptr<HypothesisScorer>(std::move(rendered).value());
+  }
+  std::vector<std::shared_ptr<const ViewpointModel>> viewpoints;
+  for (const CadModel& model : database->models()) {
+    Result<std::shared_ptr<const ViewpointModel>> views =
+        ViewpointModel::LoadOrBuild(model, {}, CacheDirectory(), work);
+    if (!views.ok()) return views.error();
+    viewpoints.push_back(*views);
+  }
+  return std::shared_ptr<HypothesisScorer>(
+      std::make_shared<ViewpointScorer>(std::move(viewpoints), database));
 }
 
 /// Finds edges and detections of frames. Used by one thread at a time.
@@ -68,9 +103,6 @@ class FramePreparer {
     }
     return prepared;
   }
-
-  std::string detector_description() const { return detector_->Description(); }
-  std::string edges_description() const { return edges_->Description(); }
 
  private:
   Status TryPrepare(const FramePacket& packet, const std::optional<PoseEstimate>& pose,
@@ -114,40 +146,10 @@ class FramePreparer {
 
 }  // namespace
 
-Result<FrameRange> ParseFrameRange(std::string_view text) {
-  FrameRange range;
-  std::vector<std::string_view> parts;
-  std::size_t from = 0;
-  while (true) {
-    const std::size_t colon = text.find(':', from);
-    parts.push_back(text.substr(from, colon == std::string_view::npos ? colon : colon - from));
-    if (colon == std::string_view::npos) break;
-    from = colon + 1;
-  }
-  int numbers[3] = {0, 0, 1};
-  for (std::size_t i = 0; i < parts.size() && i < 3; ++i) {
-    if (parts[i].empty()) continue;
-    Result<int> number = ParseInt(parts[i], text);
-    if (!number.ok()) return number.error();
-    numbers[i] = *number;
-    if (i == 1) range.end = numbers[i];
-  }
-  if (parts.size() < 2 || parts.size() > 3 || numbers[2] < 1 ||
-      (range.end && *range.end <= numbers[0])) {
-    return Error{
-        ErrorCode::kInvalidInput,
-        "'" + std::string(text) + "' selects no frames; write A:B or A:B:S with A < B, S > 0"};
-  }
-  range.begin = numbers[0];
-  range.step = numbers[2];
-  return range;
-}
-
 struct MappingPipeline::Impl {
-  PipelineChoice choice;
+  RunRecipe recipe;
   std::shared_ptr<const Sequence> sequence;
   std::unique_ptr<RecordedSource> source;  ///< Next is called by the thread below alone.
-  std::string poses = kDatasetPoses;       ///< What they are, for the run file.
   std::shared_ptr<const ModelDatabase> database;
   std::unique_ptr<FramePreparer> preparer;
   std::mutex preparer_mutex;
@@ -209,16 +211,15 @@ struct MappingPipeline::Impl {
     report.skipped = prepared.skipped;
     report.proposals.clear();
     report.timings.clear();
-    report.events = {{EventKind::kFrameSkipped, {}, {}, prepared.skipped}};
+    report.events = {{EventKind::kFrameSkipped, {}, {}, prepared.skipped, {}}};
     std::erase_if(report.objects,
                   [](const ObjectReport& object) { return object.state == ObjectState::kRetired; });
     for (ObjectReport& object : report.objects) object.weighed = false;
     return report;
   }
 
-  std::shared_ptr<const MapSnapshot> Snapshot(FrameReport report, const Frame& frame,
-                                              const EdgeMap& edges,
-                                              const RenderedMaps& maps) const {
+  std::shared_ptr<MapSnapshot> Snapshot(FrameReport report, const Frame& frame,
+                                        const EdgeMap& edges, const RenderedMaps& maps) const {
     auto snapshot = std::make_shared<MapSnapshot>();
     snapshot->report = std::move(report);
     snapshot->image = frame.image;
@@ -226,7 +227,6 @@ struct MappingPipeline::Impl {
     snapshot->edge_angle = edges.angle;
     snapshot->depth = maps.depth;
     snapshot->id = maps.id;
-    snapshot->outlines = OutlinesOf(maps.id, {sequence->camera().width, sequence->camera().height});
     return snapshot;
   }
 };
@@ -234,79 +234,72 @@ struct MappingPipeline::Impl {
 MappingPipeline::MappingPipeline(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MappingPipeline::~MappingPipeline() = default;
 
-Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineChoice& choice,
+Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const RunRecipe& recipe,
                                                                const WorkContext& work) {
   auto impl = std::make_unique<Impl>();
-  impl->choice = choice;
   SequenceOptions poses;
-  if (choice.poses != kDatasetPoses) poses.poses = choice.poses;
-  Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(choice.sequence, poses);
+  if (recipe.poses.source == PoseSource::kTrajectory) poses.poses = recipe.poses.file;
+  Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(recipe.sequence, poses);
   if (!sequence.ok()) return sequence.error();
   impl->sequence = *sequence;
-  if (!poses.poses.empty()) {
-    const Result<std::string> hash = HashFile(poses.poses);
-    if (!hash.ok()) return hash.error();
-    impl->poses = "trajectory " + hash.value();
-  }
   impl->source = std::make_unique<FolderSource>(*sequence, false);
   const Sequence& frames = *impl->sequence;
   if (!frames.has_images()) {
-    return Error{ErrorCode::kInvalidInput, "'" + choice.sequence.string() +
+    return Error{ErrorCode::kInvalidInput, "'" + recipe.sequence.string() +
                                                "' has no images (there is no folder color/); "
                                                "objects are mapped from images"};
   }
   if (Status status = CheckHasPoses(frames, poses.poses); !status.ok()) return status.error();
   if (!frames.gravity_in_world()) {
     return Error{ErrorCode::kInvalidInput,
-                 "'" + choice.sequence.string() +
+                 "'" + recipe.sequence.string() +
                      "' has no gravity.json; objects stand upright, so the mapper needs gravity"};
   }
   const std::optional<std::filesystem::path> own_models = frames.models_folder();
-  if (choice.models.empty() && !own_models) {
+  if (recipe.models.empty() && !own_models) {
     return Error{ErrorCode::kInvalidInput,
-                 "'" + choice.sequence.string() +
+                 "'" + recipe.sequence.string() +
                      "' has no models of its own; name a folder of CAD models with --models"};
   }
   Result<std::shared_ptr<const ModelDatabase>> database =
-      ModelDatabase::Load(choice.models.empty() ? *own_models : choice.models);
+      ModelDatabase::Load(recipe.models.empty() ? *own_models : recipe.models);
   if (!database.ok()) return database.error();
   impl->database = *database;
-  Result<std::unique_ptr<Detector>> detector = CreateDetector(choice.detector, impl->sequence);
+  impl->recipe = recipe;
+  if (!recipe.edges) impl->recipe.edges = DefaultEdges(frames);
+  Result<std::unique_ptr<Detector>> detector =
+      CreateDetector(ToText(impl->recipe.detector), impl->sequence);
   if (!detector.ok()) return detector.error();
-  const std::string edge_choice =
-      !choice.edges.empty() ? choice.edges : (frames.has_edges() ? "dataset" : "gradient");
-  Result<std::unique_ptr<EdgeDetector>> edges = CreateEdgeDetector(edge_choice, impl->sequence);
+  Result<std::unique_ptr<EdgeDetector>> edges =
+      CreateEdgeDetector(ToText(*impl->recipe.edges), impl->sequence);
   if (!edges.ok()) return edges.error();
+  if (Status status = Complete(**database, impl->recipe); !status.ok()) return status.error();
 
-  const int end = std::min(choice.frames.end.value_or(frames.num_frames()), frames.num_frames());
-  for (int i = choice.frames.begin; i < end; i += choice.frames.step) impl->selected.push_back(i);
+  const int end = std::min(recipe.frames.end.value_or(frames.num_frames()), frames.num_frames());
+  for (int i = recipe.frames.begin; i < end; i += recipe.frames.step) impl->selected.push_back(i);
   if (impl->selected.empty()) {
     return Error{ErrorCode::kInvalidInput, "the range selects none of the " +
                                                std::to_string(frames.num_frames()) +
-                                               " frames of '" + choice.sequence.string() + "'"};
+                                               " frames of '" + recipe.sequence.string() + "'"};
   }
 
-  std::vector<std::shared_ptr<const ViewpointModel>> viewpoints;
-  for (const CadModel& model : impl->database->models()) {
-    Result<std::shared_ptr<const ViewpointModel>> views =
-        ViewpointModel::LoadOrBuild(model, {}, CacheDirectory(), work);
-    if (!views.ok()) return views.error();
-    viewpoints.push_back(*views);
-  }
+  Result<std::shared_ptr<HypothesisScorer>> scorer =
+      CreateScorer(recipe.scorer, impl->database, work);
+  if (!scorer.ok()) return scorer.error();
   impl->preparer = std::make_unique<FramePreparer>(std::move(detector).value(),
-                                                   std::move(edges).value(), choice.options);
+                                                   std::move(edges).value(), recipe.options);
   MapperSetup setup;
   setup.camera = frames.camera();
   setup.gravity_in_world = *frames.gravity_in_world();
   setup.floor_in_world = frames.floor_in_world();
   setup.database = impl->database;
-  setup.scorer = std::make_shared<ViewpointScorer>(std::move(viewpoints), impl->database);
-  setup.options = choice.options;
-  setup.seed = choice.seed;
+  setup.scorer = *scorer;
+  setup.options = recipe.options;
+  setup.seed = recipe.seed;
   Result<std::unique_ptr<Mapper>> mapper = Mapper::Create(setup);
   if (!mapper.ok()) return mapper.error();
   impl->mapper = std::move(mapper).value();
-  impl->options = impl->mapped_with = choice.options;
+  impl->options = impl->mapped_with = recipe.options;
   return std::unique_ptr<MappingPipeline>(new MappingPipeline(std::move(impl)));
 }
 
@@ -314,20 +307,13 @@ const Sequence& MappingPipeline::sequence() const { return *impl_->sequence; }
 std::shared_ptr<const Sequence> MappingPipeline::shared_sequence() const { return impl_->sequence; }
 std::shared_ptr<const ModelDatabase> MappingPipeline::database() const { return impl_->database; }
 
-const PipelineChoice& MappingPipeline::choice() const { return impl_->choice; }
-std::string MappingPipeline::detector_description() const {
-  return impl_->preparer->detector_description();
-}
-const std::string& MappingPipeline::poses_description() const { return impl_->poses; }
-std::string MappingPipeline::edges_description() const {
-  return impl_->preparer->edges_description();
-}
+const RunRecipe& MappingPipeline::recipe() const { return impl_->recipe; }
 int MappingPipeline::end_frame() const { return impl_->selected.back() + 1; }
 int MappingPipeline::num_done() const { return static_cast<int>(impl_->next); }
 int MappingPipeline::num_selected() const { return static_cast<int>(impl_->selected.size()); }
 void MappingPipeline::SetOptions(const MapperOptions& options) { impl_->UseOptions(options); }
 
-std::optional<std::shared_ptr<const MapSnapshot>> MappingPipeline::Next() {
+std::optional<std::shared_ptr<MapSnapshot>> MappingPipeline::Next() {
   Impl& m = *impl_;
   if (m.next >= m.selected.size()) return std::nullopt;
   if (!m.ahead) m.StartAhead();
@@ -335,8 +321,10 @@ std::optional<std::shared_ptr<const MapSnapshot>> MappingPipeline::Next() {
   if (!prepared) return std::nullopt;
   ++m.next;
   std::vector<LifeEvent> events;
-  if (std::string change = DescribeOptionChanges(m.mapped_with, m.options); !change.empty())
-    events.push_back({EventKind::kOptionsChanged, {}, {}, std::move(change)});
+  if (std::string changes = OptionChanges(m.mapped_with, m.options); !changes.empty()) {
+    std::string text = DescribeOptionChanges(changes);
+    events.push_back({EventKind::kOptionsChanged, {}, {}, std::move(text), std::move(changes)});
+  }
   m.mapped_with = m.options;
   const auto add_events = [&](FrameReport& report) {
     report.events.insert(report.events.begin(), events.begin(), events.end());
@@ -368,13 +356,6 @@ Status MappingPipeline::Resume(const FrameReport& report,
     if (!prepared.input) return Error{ErrorCode::kCorrupt, prepared.skipped};
     return *prepared.input;
   });
-}
-
-Result<std::shared_ptr<const MapSnapshot>> MappingPipeline::Recompute(const FrameReport& report) {
-  Impl& m = *impl_;
-  const Prepared prepared = m.PrepareAgain(report.frame);
-  const RenderedMaps maps = m.mapper->RenderMeans(report);
-  return m.Snapshot(report, prepared.frame, prepared.edges, maps);
 }
 
 }  // namespace plumbline

@@ -10,7 +10,7 @@ namespace plumbline {
 
 OptionHistory::OptionHistory(const RunHeader& header)
     : forked_after_(header.forked_after.value_or(std::numeric_limits<int>::min())),
-      changes_{{std::numeric_limits<int>::min(), OptionsOf(header)}} {}
+      changes_{{std::numeric_limits<int>::min(), header.recipe.options}} {}
 
 Result<OptionHistory> OptionHistory::Read(RunReader& reader) {
   OptionHistory history(reader.header());
@@ -23,7 +23,7 @@ Result<OptionHistory> OptionHistory::Read(RunReader& reader) {
 void OptionHistory::Add(int frame, const LifeEvent& event) {
   if (event.kind != EventKind::kOptionsChanged || frame <= forked_after_) return;
   MapperOptions options = newest();
-  if (const Status status = ApplyOptionChanges(event.text, options); !status.ok())
+  if (const Status status = ApplyOptionChanges(event.option_changes, options); !status.ok())
     log::warn("frame {} of the run: {}", frame, status.error().message);
   changes_.emplace_back(frame, options);
 }
@@ -32,13 +32,6 @@ const MapperOptions& OptionHistory::At(int frame) const {
   auto found = changes_.end() - 1;
   while (found->first > frame) --found;
   return found->second;
-}
-
-MapperOptions OptionsOf(const RunHeader& header) {
-  MapperOptions options;
-  if (const Status status = OptionsFromJson(header.options, options); !status.ok())
-    log::warn("the run's options are not all known here: {}", status.error().message);
-  return options;
 }
 
 }  // namespace plumbline

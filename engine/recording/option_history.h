@@ -29,7 +29,4 @@ class OptionHistory {
   std::vector<std::pair<int, MapperOptions>> changes_;  ///< From which frame on.
 };
 
-/// The options of the header; with a warning where this program does not know all of them.
-MapperOptions OptionsOf(const RunHeader& header);
-
 }  // namespace plumbline

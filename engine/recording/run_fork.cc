@@ -2,7 +2,6 @@
 #include "engine/recording/run_fork.h"
 
 #include <chrono>
-#include <ctime>
 #include <limits>
 #include <thread>
 #include <utility>
@@ -11,34 +10,6 @@ namespace plumbline {
 namespace {
 
 constexpr auto kPatience = std::chrono::seconds(5);
-
-std::string Now() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  char text[32];
-  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
-  return text;
-}
-
-/// What CreateDetector takes, from what a detector said of itself.
-std::string DetectorChoice(const std::string& description) {
-  constexpr std::string_view kNetwork = "fastestdet ";
-  const std::size_t end = description.find(".onnx");
-  if (!description.starts_with(kNetwork) || end == std::string::npos) return "dataset";
-  return description.substr(kNetwork.size(), end + 5 - kNetwork.size());
-}
-
-PipelineChoice InputsOf(const RunChoice& choice, const RunHeader& header) {
-  PipelineChoice pipeline;
-  pipeline.sequence =
-      choice.sequence.empty() ? std::filesystem::path(header.sequence_path) : choice.sequence;
-  pipeline.models =
-      choice.models.empty() ? std::filesystem::path(header.models_path) : choice.models;
-  pipeline.detector = DetectorChoice(header.detector);
-  pipeline.edges = EdgeChoice(header.edges);
-  if (!header.poses_path.empty()) pipeline.poses = header.poses_path;
-  pipeline.frames = {header.first_frame, header.end_frame, header.frame_step};
-  return pipeline;
-}
 
 /// A run that is being recorded is a few frames behind what was mapped.
 Status WaitForFrame(const std::filesystem::path& run, int frame, const std::stop_token& stop) {
@@ -53,6 +24,25 @@ Status WaitForFrame(const std::filesystem::path& run, int frame, const std::stop
                                        std::to_string(frame) + "; fork from an earlier one"};
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
+}
+
+/// Whether the pipeline maps what the run `file` mapped.
+Status CheckSameInputs(const RunHeader& past, const MappingPipeline& pipeline,
+                       const std::filesystem::path& file) {
+  const RunRecipe& now = pipeline.recipe();
+  const auto refuse = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidInput, "'" + file.string() + "' " + what};
+  };
+  if (!past.recipe.poses.SameContent(now.poses)) {
+    return refuse("was made with the poses '" + ToText(past.recipe.poses) +
+                  "', and these are others or have changed; give the same with --poses");
+  }
+  if (past.sequence_hash != SequenceFingerprint(pipeline.sequence()) ||
+      past.models_hash != pipeline.database()->content_hash())
+    return refuse("is of another sequence or other models; a run can only be forked over its own");
+  if (past.recipe.frames.begin != now.frames.begin || past.recipe.frames.step != now.frames.step)
+    return refuse("took other frames; give the same --frames");
+  return {};
 }
 
 }  // namespace
@@ -72,20 +62,8 @@ Result<int> TakeOverPast(const std::filesystem::path& file, int at, MappingPipel
                          RunWriter& writer, const std::function<void(const FrameReport&)>& seen) {
   auto reader = RunReader::Open(file);
   if (!reader.ok()) return reader.error();
-  const RunHeader past = (*reader)->header(), now = HeaderOf(pipeline);
-  if (past.poses != now.poses) {
-    const std::string as = past.poses_path.empty() ? "the sequence" : "'" + past.poses_path + "'";
-    return Error{ErrorCode::kInvalidInput,
-                 "'" + file.string() + "' was made with the poses of " + as +
-                     ", and these are others or have changed; give the same with --poses"};
-  }
-  if (past.sequence_hash != now.sequence_hash || past.models_hash != now.models_hash)
-    return Error{ErrorCode::kInvalidInput, "'" + file.string() +
-                                               "' is of another sequence or other models; a run "
-                                               "can only be forked over its own"};
-  if (past.first_frame != now.first_frame || past.frame_step != now.frame_step)
-    return Error{ErrorCode::kInvalidInput,
-                 "'" + file.string() + "' took other frames; give the same --frames"};
+  if (Status status = CheckSameInputs((*reader)->header(), pipeline, file); !status.ok())
+    return status.error();
   const auto last = (*reader)->FindFrame(at);
   if (!last.ok()) return last.error();
   if (!*last)
@@ -109,20 +87,18 @@ Status ForkRun(const ForkChoice& choice, const WorkContext& work) {
   if (std::filesystem::equivalent(choice.run.run, choice.out, ignored))
     return Error{ErrorCode::kInvalidInput,
                  "'" + choice.out.string() + "' is the run that is forked; name another file"};
-  PipelineChoice inputs;
+  RunRecipe recipe;
   {
     auto reader = RunReader::Open(choice.run.run);
     if (!reader.ok()) return reader.error();
-    inputs = InputsOf(choice.run, (*reader)->header());
+    recipe = RecipeOf(choice.run, (*reader)->header());
   }
-  inputs.options = choice.options;
-  inputs.seed = choice.seed;
-  auto pipeline = MappingPipeline::Open(inputs, work);
+  recipe.options = choice.options;
+  recipe.seed = choice.seed;
+  auto pipeline = MappingPipeline::Open(recipe, work);
   if (!pipeline.ok()) return pipeline.error();
-  RunHeader header = HeaderOf(**pipeline);
+  RunHeader header = HeaderOf(**pipeline, choice.program_version);
   header.forked_after = choice.at;
-  header.program_version = choice.program_version;
-  header.started = Now();
   if (Status status = WaitForFrame(choice.run.run, choice.at, work.stop); !status.ok())
     return status;
   auto writer = RunWriter::Create(choice.out, header, [&](RunWriter& past) -> Status {

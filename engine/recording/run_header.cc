@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/recording/run_header.h"
 
+#include <chrono>
 #include <cstring>
+#include <ctime>
+#include <iterator>
 #include <string_view>
 
 #include "engine/base/files.h"
@@ -30,33 +33,64 @@ Vector FromArray(const nlohmann::json& json) {
   return v;
 }
 
+std::string CurrentTime() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  char text[32];
+  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
+  return text;
+}
+
+/// Format 1 kept what the detectors said of themselves: "KIND FILE.onnx HASH" of a network, where
+/// KIND is `network`. Its hash was made differently and says nothing here.
+template <typename Source>
+InputChoice<Source> ChoiceOfFormat1(const std::string& description, std::string_view network) {
+  const auto& names = EnumNames<Source>::names;
+  const std::size_t end = description.find(".onnx");
+  if (description.starts_with(network) && end != std::string::npos) {
+    return {static_cast<Source>(std::size(names) - 1),
+            description.substr(network.size(), end + 5 - network.size()),
+            {}};
+  }
+  for (std::size_t i = 0; i + 1 < std::size(names); ++i) {
+    if (description.starts_with(names[i])) return {static_cast<Source>(i), {}, {}};
+  }
+  throw std::runtime_error("it was made with '" + description + "', which is not known");
+}
+
+/// The recipe of a run of format 1, whose header had no recipe.
+RunRecipe RecipeOfFormat1(const nlohmann::json& json) {
+  RunRecipe recipe;
+  recipe.sequence = json.at("sequence").at("path").get<std::string>();
+  recipe.models = json.at("database").at("path").get<std::string>();
+  recipe.detector =
+      ChoiceOfFormat1<DetectorSource>(json.at("detector").get<std::string>(), "fastestdet ");
+  recipe.edges = ChoiceOfFormat1<EdgeSource>(json.at("edges").get<std::string>(), "edge network ");
+  recipe.options = KnownOptions(json.at("options"));
+  recipe.seed = json.at("seed").get<std::uint64_t>();
+  const nlohmann::json& frames = json.at("frames");
+  recipe.frames = {frames.at("first").get<int>(), frames.at("end").get<int>(),
+                   frames.at("step").get<int>()};
+  return recipe;
+}
+
 }  // namespace
 
-RunHeader HeaderOf(const MappingPipeline& pipeline) {
-  const PipelineChoice& choice = pipeline.choice();
+RunHeader HeaderOf(const MappingPipeline& pipeline, const std::string& program_version) {
   const Sequence& sequence = pipeline.sequence();
   const ModelDatabase& database = *pipeline.database();
   RunHeader header;
-  header.options = OptionsToJson(choice.options);
-  header.seed = choice.seed;
-  header.sequence_path = std::filesystem::absolute(choice.sequence).string();
+  header.recipe = pipeline.recipe();
+  header.program_version = program_version;
   header.sequence_hash = SequenceFingerprint(sequence);
-  header.models_path = std::filesystem::absolute(database.folder()).string();
   header.models_hash = database.content_hash();
-  header.detector = pipeline.detector_description();
-  header.edges = pipeline.edges_description();
-  header.poses = pipeline.poses_description();
-  if (choice.poses != kDatasetPoses)
-    header.poses_path = std::filesystem::absolute(choice.poses).string();
   for (const CadModel& model : database.models())
     header.models.push_back({model.name, model.category});
   header.gravity_in_world = *sequence.gravity_in_world();
   header.floor_in_world = sequence.floor_in_world();
   header.camera = sequence.camera();
   header.rate_hz = sequence.rate_hz();
-  header.first_frame = choice.frames.begin;
   header.end_frame = pipeline.end_frame();
-  header.frame_step = choice.frames.step;
+  header.started = CurrentTime();
   return header;
 }
 
@@ -67,22 +101,15 @@ nlohmann::json HeaderToJson(const RunHeader& header) {
   }
   nlohmann::json camera = IntrinsicsToJson(header.camera);
   camera["rate_hz"] = header.rate_hz;
-  nlohmann::json json = {
-      {"options", header.options},
-      {"seed", header.seed},
-      {"program_version", header.program_version},
-      {"sequence", {{"path", header.sequence_path}, {"hash", header.sequence_hash}}},
-      {"database",
-       {{"path", header.models_path}, {"hash", header.models_hash}, {"models", models}}},
-      {"detector", header.detector},
-      {"edges", header.edges},
-      {"poses", header.poses},
-      {"gravity", ToArray(header.gravity_in_world)},
-      {"camera", camera},
-      {"frames",
-       {{"first", header.first_frame}, {"end", header.end_frame}, {"step", header.frame_step}}},
-      {"started", header.started}};
-  if (!header.poses_path.empty()) json["poses_path"] = header.poses_path;
+  nlohmann::json json = {{"recipe", RecipeToJson(header.recipe)},
+                         {"program_version", header.program_version},
+                         {"sequence_hash", header.sequence_hash},
+                         {"models_hash", header.models_hash},
+                         {"models", models},
+                         {"gravity", ToArray(header.gravity_in_world)},
+                         {"camera", camera},
+                         {"end_frame", header.end_frame},
+                         {"started", header.started}};
   if (header.floor_in_world) json["floor"] = ToArray(*header.floor_in_world);
   if (header.forked_after) json["forked_after"] = *header.forked_after;
   return json;
@@ -91,21 +118,23 @@ nlohmann::json HeaderToJson(const RunHeader& header) {
 Result<RunHeader> HeaderFromJson(const nlohmann::json& json) {
   RunHeader header;
   try {
-    header.options = json.at("options");
-    header.seed = json.at("seed").get<std::uint64_t>();
+    const bool format1 = !json.contains("recipe");
+    if (format1) {
+      header.recipe = RecipeOfFormat1(json);
+    } else {
+      Result<RunRecipe> recipe = RecipeFromJson(json.at("recipe"));
+      if (!recipe.ok()) return recipe.error();
+      header.recipe = std::move(recipe).value();
+    }
     header.program_version = json.at("program_version").get<std::string>();
-    header.sequence_path = json.at("sequence").at("path").get<std::string>();
-    header.sequence_hash = json.at("sequence").at("hash").get<std::string>();
-    header.models_path = json.at("database").at("path").get<std::string>();
-    header.models_hash = json.at("database").at("hash").get<std::string>();
-    for (const nlohmann::json& model : json.at("database").at("models")) {
+    const nlohmann::json& database = format1 ? json.at("database") : json;
+    header.sequence_hash =
+        (format1 ? json.at("sequence").at("hash") : json.at("sequence_hash")).get<std::string>();
+    header.models_hash = database.at(format1 ? "hash" : "models_hash").get<std::string>();
+    for (const nlohmann::json& model : database.at("models")) {
       header.models.push_back(
           {model.at("name").get<std::string>(), model.at("category").get<std::string>()});
     }
-    header.detector = json.at("detector").get<std::string>();
-    header.edges = json.at("edges").get<std::string>();
-    header.poses = json.at("poses").get<std::string>();
-    header.poses_path = json.value("poses_path", "");
     header.gravity_in_world = FromArray<Eigen::Vector3d>(json.at("gravity"));
     if (json.contains("floor"))
       header.floor_in_world = FromArray<Eigen::Vector4d>(json.at("floor"));
@@ -114,9 +143,7 @@ Result<RunHeader> HeaderFromJson(const nlohmann::json& json) {
                      camera.at("fx").get<double>(), camera.at("fy").get<double>(),
                      camera.at("cx").get<double>(), camera.at("cy").get<double>()};
     header.rate_hz = camera.at("rate_hz").get<double>();
-    header.first_frame = json.at("frames").at("first").get<int>();
-    header.end_frame = json.at("frames").at("end").get<int>();
-    header.frame_step = json.at("frames").at("step").get<int>();
+    header.end_frame = (format1 ? json.at("frames").at("end") : json.at("end_frame")).get<int>();
     header.started = json.at("started").get<std::string>();
     if (json.contains("forked_after")) header.forked_after = json.at("forked_after").get<int>();
   } catch (const std::exception& error) {
@@ -133,33 +160,37 @@ Status CheckContinues(const RunHeader& stored, const RunHeader& now) {
                                                std::string(after) +
                                                "; resume with the same, or start a new run"};
   };
-  for (const auto& [key, value] : stored.options.items()) {
-    const auto found = now.options.find(key);
-    const std::string after = found == now.options.end() ? "missing" : found->dump();
-    if (after != value.dump()) return differs("option '" + key + "'", value.dump(), after);
+  const RunRecipe &was = stored.recipe, &is = now.recipe;
+  const EdgeChoice was_edges = was.edges.value_or(EdgeChoice()),
+                   is_edges = is.edges.value_or(EdgeChoice());
+  const nlohmann::json options_were = OptionsToJson(was.options),
+                       options_are = OptionsToJson(is.options);
+  for (const auto& [key, value] : options_were.items()) {
+    if (value != options_are.at(key))
+      return differs("option '" + key + "'", value.dump(), options_are.at(key).dump());
   }
-  for (const auto& [key, value] : now.options.items()) {
-    if (!stored.options.contains(key))
-      return differs("option '" + key + "'", "missing", value.dump());
-  }
-  if (stored.seed != now.seed) {
-    return differs("the seed", std::to_string(stored.seed), std::to_string(now.seed));
-  }
-  const std::pair<std::string_view, std::string RunHeader::*> texts[] = {
-      {"the program version", &RunHeader::program_version},
-      {"the source of poses", &RunHeader::poses},  // before the sequence, whose hash covers them
-      {"the sequence", &RunHeader::sequence_hash},
-      {"the model database", &RunHeader::models_hash},
-      {"the detector", &RunHeader::detector},
-      {"the edge detector", &RunHeader::edges}};
-  for (const auto& [what, member] : texts) {
-    if (stored.*member != now.*member) return differs(what, stored.*member, now.*member);
-  }
-  if (stored.first_frame != now.first_frame || stored.frame_step != now.frame_step) {
-    const auto range = [](const RunHeader& h) {
-      return std::to_string(h.first_frame) + "::" + std::to_string(h.frame_step);
+  if (was.seed != is.seed)
+    return differs("the seed", std::to_string(was.seed), std::to_string(is.seed));
+  if (stored.program_version != now.program_version)
+    return differs("the program version", stored.program_version, now.program_version);
+  const auto described = [](const auto& choice) { return ToText(choice) + " " + choice.hash; };
+  // Poses before the sequence, whose hash covers them.
+  if (!was.poses.SameContent(is.poses))
+    return differs("the source of poses", described(was.poses), described(is.poses));
+  if (stored.sequence_hash != now.sequence_hash)
+    return differs("the sequence", stored.sequence_hash, now.sequence_hash);
+  if (stored.models_hash != now.models_hash)
+    return differs("the model database", stored.models_hash, now.models_hash);
+  if (!was.detector.SameContent(is.detector))
+    return differs("the detector", described(was.detector), described(is.detector));
+  if (!was_edges.SameContent(is_edges))
+    return differs("the edge detector", described(was_edges), described(is_edges));
+  if (was.scorer != is.scorer) return differs("the scorer", NameOf(was.scorer), NameOf(is.scorer));
+  if (was.frames.begin != is.frames.begin || was.frames.step != is.frames.step) {
+    const auto range = [](const FrameRange& frames) {
+      return std::to_string(frames.begin) + "::" + std::to_string(frames.step);
     };
-    return differs("the frame range", range(stored), range(now));
+    return differs("the frame range", range(was.frames), range(is.frames));
   }
   return {};
 }

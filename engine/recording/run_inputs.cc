@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/recording/run_inputs.h"
 
-#include <string_view>
-
 #include "engine/base/log.h"
 
 namespace plumbline {
@@ -22,34 +20,29 @@ Status CheckModels(const RunHeader& header, const ModelDatabase& database,
 
 }  // namespace
 
-std::string EdgeChoice(const std::string& description) {
-  constexpr std::string_view kNetwork = "edge network ";
-  if (description.starts_with("dataset")) return "dataset";
-  if (!description.starts_with(kNetwork)) return "gradient";
-  const std::string file = description.substr(kNetwork.size());
-  const std::size_t end = file.find(".onnx");
-  return end == std::string::npos ? "gradient" : file.substr(0, end + 5);
+RunRecipe RecipeOf(const RunChoice& choice, const RunHeader& header) {
+  RunRecipe recipe = header.recipe;
+  if (!choice.sequence.empty()) recipe.sequence = choice.sequence;
+  if (!choice.models.empty()) recipe.models = choice.models;
+  return recipe;
 }
 
 Result<std::shared_ptr<const Sequence>> OpenSequenceOfRun(const RunChoice& choice,
                                                           const RunHeader& header) {
-  const std::filesystem::path path =
-      choice.sequence.empty() ? std::filesystem::path(header.sequence_path) : choice.sequence;
-  SequenceOptions options{header.poses_path};
+  const RunRecipe recipe = RecipeOf(choice, header);
+  SequenceOptions options{recipe.poses.file};
   std::error_code ignored;
   if (!options.poses.empty() && !std::filesystem::exists(options.poses, ignored)) {
     log::warn("the trajectory '{}' of the run is not there any more; its sequence's own is shown",
-              header.poses_path);
+              options.poses.string());
     options.poses.clear();
   }
-  return OpenSequence(path, options);
+  return OpenSequence(recipe.sequence, options);
 }
 
 Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& choice,
                                                              const RunHeader& header) {
-  const std::filesystem::path models =
-      choice.models.empty() ? std::filesystem::path(header.models_path) : choice.models;
-  auto database = ModelDatabase::Load(models);
+  auto database = ModelDatabase::Load(RecipeOf(choice, header).models);
   if (!database.ok())
     return Error{database.error().code,
                  database.error().message + "; --models names another folder"};

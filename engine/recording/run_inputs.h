@@ -27,7 +27,7 @@ Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& ch
 Result<std::shared_ptr<const Sequence>> OpenSequenceOfRun(const RunChoice& choice,
                                                           const RunHeader& header);
 
-/// What CreateEdgeDetector takes, from what an edge detector said of itself ("kind file hash").
-std::string EdgeChoice(const std::string& description);
+/// The recipe of the run, with the folders that `choice` names in place of its own.
+RunRecipe RecipeOf(const RunChoice& choice, const RunHeader& header);
 
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "engine/mapping/option_changes.h"
 #include "engine/recording/frame_codec.h"
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_schema.h"
@@ -296,11 +297,21 @@ class RunReader::Implementation {
       const Result<bool> row = statement.Step();
       if (!row) return row.error();
       if (!*row) return events;
-      events.push_back({integer(0), integer(1),
-                        LifeEvent{static_cast<EventKind>(integer(2)),
-                                  {integer(3)},
-                                  {integer(4)},
-                                  std::string(statement.Text(5))}});
+      if (integer(2) < 0 || integer(2) > static_cast<int>(EventKind::kOptionsChanged))
+        return Corrupt("an event of a kind that is not known");
+      LifeEvent event{static_cast<EventKind>(integer(2)),
+                      {integer(3)},
+                      {integer(4)},
+                      std::string(statement.Text(5)),
+                      {}};
+      if (event.kind == EventKind::kOptionsChanged) {
+        Result<std::string> changes =
+            event.text.starts_with('{') ? event.text : OptionChangesFromFormat1(event.text);
+        if (!changes.ok()) return Corrupt(changes.error().message);
+        event.option_changes = std::move(changes).value();
+        event.text = DescribeOptionChanges(event.option_changes);
+      }
+      events.push_back({integer(0), integer(1), std::move(event)});
     }
   }
 

@@ -6,12 +6,12 @@
 namespace plumbline {
 
 inline constexpr int kRunApplicationId = 0x504C4252;  // "PLBR", in SQLite's header
-inline constexpr int kRunFormatVersion = 1;
+inline constexpr int kRunFormatVersion = 2;
 
 /// Run inside one transaction, so that a file either is a run file or is empty.
 inline constexpr const char* kRunSchema = R"(
 PRAGMA application_id = 0x504C4252;
-PRAGMA user_version = 1;
+PRAGMA user_version = 2;
 CREATE TABLE run (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE frames (
   position INTEGER PRIMARY KEY,

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kReach_m = 0.1, kShrink = 0.7, kWithin_m = 0.02, kConverged = 2e-5;
 constexpr int kMaxIterations = 40, kLastIterations = 20;
-constexpr std::size_t kFewestPoints = 30;
+constexpr std::size_t kFewestModelPoints = 30;
 
 }  // namespace
 
@@ -19,7 +19,7 @@ Result<ModelRefinement> RefineModel(const ScanTarget& scan, const ModelSurface& 
                                     const std::function<void(const ModelRefinement&)>& step,
                                     const WorkContext& context) {
   const AlignmentCrop crop = CropScan(scan, model, scan_from_model, up_in_scan, kReach_m);
-  if (crop.fine.points.size() < kFewestPoints) {
+  if (crop.fine.points.size() < kFewestModelPoints) {
     return Error{ErrorCode::kDegenerate, "there is no scan around this object to align it to"};
   }
   ConstrainedPose pose(scan_from_model, up_in_scan, motion);

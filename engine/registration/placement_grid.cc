@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kSamples = 150;
+constexpr std::size_t kGridSamples = 150;
 constexpr double kBlur_m = 0.06;
 
 Eigen::Vector3d AxisOf(int direction) {
@@ -100,7 +100,7 @@ Eigen::Isometry3d PlacementGrid::BestPlacement(double turn_rad,
   const Eigen::Vector3d lift(0, 0, rise_m.value_or(0));
   std::vector<int> places;
   const auto& samples = model_.samples();
-  const std::size_t step = std::max<std::size_t>(1, samples.points.size() / kSamples);
+  const std::size_t step = std::max<std::size_t>(1, samples.points.size() / kGridSamples);
   for (std::size_t i = 0; i < samples.points.size(); i += step) {
     const Eigen::Vector3d p = grid_from_model * samples.points[i].cast<double>() + lift;
     const Eigen::Vector3i cell = ((p - corner_) / kCell_m).array().round().cast<int>();

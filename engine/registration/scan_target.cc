@@ -12,7 +12,7 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kFewestPoints = 10;
+constexpr std::size_t kFewestScanPoints = 10;
 constexpr int kNormalNeighbors = 16;
 
 std::vector<Eigen::Vector3f> NormalsOfNeighborhoods(const PointTree& tree) {
@@ -59,7 +59,7 @@ std::uint64_t VoxelKey(const Eigen::Vector3f& point, float voxel_m) {
 
 Result<std::shared_ptr<const ScanTarget>> ScanTarget::Prepare(
     const TriangleMesh& scan, const std::vector<Eigen::Vector3d>& camera_centers) {
-  if (scan.vertices.size() < kFewestPoints) {
+  if (scan.vertices.size() < kFewestScanPoints) {
     return Error{ErrorCode::kDegenerate, "the scan has " + std::to_string(scan.vertices.size()) +
                                              " points; nothing can be aligned to so few"};
   }

@@ -66,7 +66,7 @@ void MappingProcess::Loop(std::stop_token stop) {
   state_.recording = source_->recording().string();
   state_.message.clear();
   if (auto header = source_->header()) {
-    state_.seed = header->seed;
+    state_.seed = header->recipe.seed;
     header_.Publish(std::move(header));
   }
   sequence_.Publish(std::make_shared<const SequenceView>(source_->view()));

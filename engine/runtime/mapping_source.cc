@@ -65,12 +65,12 @@ class MappingSource : public SnapshotSource {
         pictures_(std::move(pictures)),
         writer_(std::move(writer)),
         view_(std::move(view)),
-        range_(choice.pipeline.frames),
+        range_(pipeline_->recipe().frames),
         probe_(pipeline_->sequence().camera(), pipeline_->database(),
                pipeline_->sequence().floor_in_world()),
         header_(std::make_shared<const RunHeader>(header)),
         mapped_with_(header),
-        options_(choice.pipeline.options) {}
+        options_(choice.recipe.options) {}
 
   ProbeView Probe(const MapSnapshot& snapshot, const ProbeCommand& request) override {
     return probe_.Probe(snapshot, view_, mapped_with_.At(snapshot.report.frame), request);
@@ -97,6 +97,8 @@ class MappingSource : public SnapshotSource {
     if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
     const auto next = pipeline_->Next();
     if (!next) return Error{ErrorCode::kIo, "the sequence ended before its last frame"};
+    const PinholeCamera& camera = pipeline_->sequence().camera();
+    (*next)->outlines = OutlinesOf((*next)->id, {camera.width, camera.height});
     std::shared_ptr<const MapSnapshot> snapshot = *next;
     if (Status status = writer_->Write(snapshot->report, snapshot->image); !status.ok())
       return status.error();
@@ -167,16 +169,16 @@ bool IsTemporaryRun(const std::filesystem::path& run) {
 Result<std::unique_ptr<SnapshotSource>> OpenMappingSource(const MappingChoice& choice,
                                                           const WorkContext& work) {
   work.report({"Opening the sequence"});
-  auto pipeline = MappingPipeline::Open(choice.pipeline, work);
+  auto pipeline = MappingPipeline::Open(choice.recipe, work);
   if (!pipeline.ok()) return pipeline.error();
   auto place = RunFilePlace::Choose(choice.out);
   if (!place.ok()) return place.error();
-  RunHeader header = HeaderOf(**pipeline);
-  header.program_version = choice.program_version;
+  const RunHeader header = HeaderOf(**pipeline, choice.program_version);
   auto writer = RunWriter::Create(place->path(), header);
   if (!writer.ok()) return writer.error();
   const std::shared_ptr<const Sequence> sequence = (*pipeline)->shared_sequence();
-  auto pictures = FramePictures::Create(sequence, (*pipeline)->database(), choice.pipeline.edges);
+  auto pictures =
+      FramePictures::Create(sequence, (*pipeline)->database(), (*pipeline)->recipe().edges);
   if (!pictures.ok()) return pictures.error();
   SequenceView view = MakeSequenceView(*sequence, *(*pipeline)->database(), work);
   return std::unique_ptr<SnapshotSource>(std::make_unique<MappingSource>(

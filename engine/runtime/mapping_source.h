@@ -11,7 +11,7 @@
 namespace plumbline {
 
 struct MappingChoice {
-  PipelineChoice pipeline;
+  RunRecipe recipe;
   std::filesystem::path out;  ///< Run file to leave; empty: a temporary one, removed at the end.
   std::string program_version;
 };

@@ -17,7 +17,7 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kMemoryBytes = 300u << 20;
+constexpr std::size_t kPictureMemoryBytes = 300u << 20;
 constexpr auto kReadAheadTime = std::chrono::milliseconds(8);
 
 class RunSource : public SnapshotSource {
@@ -96,7 +96,7 @@ class RunSource : public SnapshotSource {
   SequenceView view_;
   LazyProbe probe_;
   OptionHistory mapped_with_;
-  SnapshotMemory memory_{kMemoryBytes};
+  SnapshotMemory memory_{kPictureMemoryBytes};
   RunHistory history_;
   int read_ = 0;  ///< Positions that the history knows.
 };
@@ -121,7 +121,7 @@ Result<Inputs> OpenInputs(const RunChoice& choice, const RunHeader& header,
     if (!pictures.ok()) return pictures.error();
     return Inputs{std::move(pictures).value(), ViewWithoutSequence(header, **database), *database};
   }
-  auto pictures = FramePictures::Create(*sequence, *database, EdgeChoice(header.edges));
+  auto pictures = FramePictures::Create(*sequence, *database, header.recipe.edges);
   if (!pictures.ok()) return pictures.error();
   return Inputs{std::move(pictures).value(), MakeSequenceView(**sequence, **database, work),
                 *database};

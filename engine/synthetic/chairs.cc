@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/geometry/angles.h"
 #include "engine/synthetic/furniture.h"
 #include "engine/synthetic/furniture_parts.h"
 
@@ -10,7 +11,6 @@ namespace {
 
 using Eigen::Vector2f;
 using Eigen::Vector3f;
-constexpr float kPi = std::numbers::pi_v<float>;
 
 /// x of the slat chair's back at a height: upright below the seat, leaning back above it.
 float SlatBackX(float z) {
@@ -64,7 +64,7 @@ void AddSlatBack(PaintedMesh& mesh, int wood) {
 
 void AddOfficeBase(PaintedMesh& mesh, int metal, int plastic) {
   for (int i = 0; i < 5; ++i) {
-    const float angle = 2 * kPi * (static_cast<float>(i) + 0.5f) / 5;
+    const float angle = 2 * kPiF * (static_cast<float>(i) + 0.5f) / 5;
     const Vector3f out(std::cos(angle), std::sin(angle), 0);
     const std::size_t first = mesh.vertices.size();
     AddBox(mesh, metal,
@@ -226,7 +226,7 @@ FurnitureModel ShellChair(const FurniturePalette& palette) {
     const float width =
         (1 - 0.12f * s) * std::sqrt(std::max(0.02f, 1 - 0.42f * (1 - round) * (1 - round)));
     const float t = p.y() / 0.235f;
-    const float curl = 0.075f * std::sin(kPi * std::clamp(0.15f + 0.8f * s, 0.0f, 1.0f)) * t * t;
+    const float curl = 0.075f * std::sin(kPiF * std::clamp(0.15f + 0.8f * s, 0.0f, 1.0f)) * t * t;
     return Vector3f(along(s) - Vector3f(0, p.y() * width, 0) + normal * (p.z() + curl));
   });
   const auto foot = [](float x, float y) { return Vector3f(x * 0.225f, y * 0.215f, 0); };
@@ -329,12 +329,12 @@ FurnitureModel RoundStool(const FurniturePalette& palette) {
            32);
   std::vector<Vector3f> ring;
   for (int i = 0; i <= 32; ++i) {
-    const float angle = 2 * kPi * static_cast<float>(i % 32) / 32;
+    const float angle = 2 * kPiF * static_cast<float>(i % 32) / 32;
     ring.emplace_back(0.152f * std::cos(angle), 0.152f * std::sin(angle), 0.19f);
   }
   AddTube(mesh, wood, ring, {0.008f}, 8);
   for (int i = 0; i < 4; ++i) {
-    const Eigen::AngleAxisf turn(kPi / 4 + kPi / 2 * static_cast<float>(i), Vector3f::UnitZ());
+    const Eigen::AngleAxisf turn(kPiF / 4 + kPiF / 2 * static_cast<float>(i), Vector3f::UnitZ());
     AddTube(mesh, wood,
             {turn * Vector3f(0.182f, 0, 0), turn * Vector3f(0.155f, 0, 0.19f),
              turn * Vector3f(0.12f, 0, 0.435f)},

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/geometry/angles.h"
 #include "engine/synthetic/furniture_parts.h"
 
 namespace plumbline {
@@ -13,7 +14,6 @@ namespace {
 using Eigen::Matrix3f;
 using Eigen::Vector2f;
 using Eigen::Vector3f;
-constexpr float kPi = std::numbers::pi_v<float>;
 
 float Between(Random& random, float low, float high) {
   return static_cast<float>(random.Uniform(low, high));
@@ -55,7 +55,7 @@ void AddLeaf(PaintedMesh& mesh, int paint, const Vector3f& root, float azimuth, 
     const float t = p.x() / length;
     const float outline =
         0.08f +
-        0.92f * std::pow(std::max(0.0f, std::sin(kPi * std::clamp(0.12f + 0.85f * t, 0.0f, 1.0f))),
+        0.92f * std::pow(std::max(0.0f, std::sin(kPiF * std::clamp(0.12f + 0.85f * t, 0.0f, 1.0f))),
                          0.8f);
     const float fold = 0.35f * std::abs(p.y());
     return Vector3f(root +
@@ -132,7 +132,7 @@ PaintedBody PottedPlant(float height_m, Random& random) {
   const int stems = 7 + static_cast<int>(random.Index(4));
   for (int i = 0; i < stems; ++i) {
     const float azimuth =
-        2 * kPi * (static_cast<float>(i) + Between(random, 0, 0.7f)) / static_cast<float>(stems);
+        2 * kPiF * (static_cast<float>(i) + Between(random, 0, 0.7f)) / static_cast<float>(stems);
     const float reach = height_m * Between(random, 0.10f, 0.28f);
     const float top = pot + (height_m - pot) * Between(random, 0.35f, 1.0f);
     const Vector3f out(std::cos(azimuth), std::sin(azimuth), 0);
@@ -172,14 +172,14 @@ PaintedBody Vase(Random& random) {
                                 .seed = 3});
   const int heart = body.Paint({.color = ColorFromHex(0x7a5326)});
   for (int i = 0; i < 6; ++i) {
-    const float azimuth = Between(random, 0, 2 * kPi), reach = Between(random, 0.04f, 0.12f) * s;
+    const float azimuth = Between(random, 0, 2 * kPiF), reach = Between(random, 0.04f, 0.12f) * s;
     const Vector3f out(std::cos(azimuth), std::sin(azimuth), 0);
     const Vector3f tip = out * reach + Vector3f(0, 0, Between(random, 0.36f, 0.5f) * s);
     AddTube(body.mesh, stalk,
             SmoothPath({{0, 0, 0.2f * s}, 0.35f * out * reach + Vector3f(0, 0, 0.32f * s), tip}, 3),
             {0.002f}, 5);
     for (int k = 0; k < 8; ++k) {
-      AddLeaf(body.mesh, petal, tip, 2 * kPi * static_cast<float>(k) / 8 + azimuth,
+      AddLeaf(body.mesh, petal, tip, 2 * kPiF * static_cast<float>(k) / 8 + azimuth,
               0.7f + 0.25f * static_cast<float>(k % 2), 0.036f * s, 0.02f * s);
     }
     AddLathe(body.mesh, heart, tip + Vector3f(0, 0, 0.004f),
@@ -202,14 +202,14 @@ PaintedBody Bowl(Random& random) {
            32);
   constexpr std::array<std::uint32_t, 3> kFruits = {0xc2452f, 0xd9912e, 0x8fa544};
   for (int i = 0; i < 4; ++i) {
-    const float angle = kPi / 2 * static_cast<float>(i) + Between(random, -0.2f, 0.2f);
+    const float angle = kPiF / 2 * static_cast<float>(i) + Between(random, -0.2f, 0.2f);
     const Vector3f at(0.052f * std::cos(angle), 0.052f * std::sin(angle), 0.058f);
     const int skin = body.Paint({.pattern = Pattern::kPlaster,
                                  .color = ColorFromHex(kFruits[random.Index(3)]),
                                  .gloss = 0.03f});
     std::vector<Vector2f> ball;
     for (int k = 0; k <= 8; ++k) {
-      const float t = kPi * static_cast<float>(k) / 8;
+      const float t = kPiF * static_cast<float>(k) / 8;
       ball.emplace_back(0.036f * std::sin(t), -0.034f * std::cos(t));
     }
     AddLathe(body.mesh, skin, at, ball, 16);

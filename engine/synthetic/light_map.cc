@@ -9,12 +9,13 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "engine/geometry/angles.h"
+
 namespace plumbline {
 namespace {
 
 using Eigen::Vector2f;
 using Eigen::Vector3f;
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr int kMaxSteps = 48;
 constexpr float kLiftM = 1e-3f;
 /// Of the light that comes from other surfaces: it varies slowly, unlike shadows.
@@ -45,7 +46,7 @@ Vector2f SpreadPoint(int i) {
 }
 
 Vector2f DiskPoint(const Vector2f& square) {
-  const float radius = std::sqrt(square.x()), angle = 2 * kPi * square.y();
+  const float radius = std::sqrt(square.x()), angle = 2 * kPiF * square.y();
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
@@ -77,7 +78,7 @@ Vector3f DirectLight(const TracedScene& scene, std::span<const AreaLight> lights
       if (cosines <= 0 || scene.Blocked(position, direction, distance * 0.999f)) continue;
       seen += cosines / (distance * distance);
     }
-    sum += light.radiance * (seen * area.norm() / (kPi * static_cast<float>(rays)));
+    sum += light.radiance * (seen * area.norm() / (kPiF * static_cast<float>(rays)));
   }
   if (sun && normal.dot(sun->to_sun) > -sun->radius) {
     const Eigen::Matrix3f frame = FrameAround(sun->to_sun);

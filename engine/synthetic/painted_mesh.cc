@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/geometry/angles.h"
 
 namespace plumbline {
 namespace {
@@ -15,7 +16,6 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 using Eigen::Vector3i;
-constexpr float kPi = std::numbers::pi_v<float>;
 
 int AddVertex(PaintedMesh& mesh, const Vector3f& position, const Vector3f& normal,
               const Vector3f& texture) {
@@ -54,14 +54,15 @@ struct BoxLine {
 std::vector<BoxLine> BoxLines(float half_core, int arc, int divisions) {
   std::vector<BoxLine> lines;
   for (int i = 0; i < arc; ++i) {
-    lines.push_back({-half_core, -kPi / 4 * static_cast<float>(arc - i) / static_cast<float>(arc)});
+    lines.push_back(
+        {-half_core, -kPiF / 4 * static_cast<float>(arc - i) / static_cast<float>(arc)});
   }
   for (int i = 0; i <= divisions; ++i) {
     lines.push_back(
         {half_core * (2.0f * static_cast<float>(i) / static_cast<float>(divisions) - 1), 0});
   }
   for (int i = 1; i <= arc; ++i) {
-    lines.push_back({half_core, kPi / 4 * static_cast<float>(i) / static_cast<float>(arc)});
+    lines.push_back({half_core, kPiF / 4 * static_cast<float>(i) / static_cast<float>(arc)});
   }
   return lines;
 }
@@ -138,7 +139,7 @@ void AddLathe(PaintedMesh& mesh, int paint, const Vector3f& origin,
     const Vector2f flat = span_normal(i);
     const auto shared_normal = [&](std::size_t neighbour) {
       const Vector2f other = span_normal(neighbour);
-      if (other.dot(flat) < std::cos(35 * kPi / 180)) return flat;
+      if (other.dot(flat) < std::cos(35 * kPiF / 180)) return flat;
       return Vector2f((other + flat).normalized());
     };
     const Vector2f low = shared_normal(i == 0 ? i : i - 1);
@@ -149,9 +150,9 @@ void AddLathe(PaintedMesh& mesh, int paint, const Vector3f& origin,
       const Vector2f& n = row == 0 ? low : high;
       for (int s = 0; s <= segments; ++s) {
         const float angle =
-            2 * kPi * static_cast<float>(s % segments) / static_cast<float>(segments);
+            2 * kPiF * static_cast<float>(s % segments) / static_cast<float>(segments);
         const Vector3f radial(std::cos(angle), std::sin(angle), 0);
-        const float around = 2 * kPi * static_cast<float>(s) / static_cast<float>(segments);
+        const float around = 2 * kPiF * static_cast<float>(s) / static_cast<float>(segments);
         AddVertex(mesh, origin + radial * p.x() + Vector3f(0, 0, p.y()),
                   (radial * n.x() + Vector3f(0, 0, n.y())).normalized(),
                   {row == 0 ? length : next_length, around * p.x(), 0});
@@ -167,7 +168,7 @@ void AddTube(PaintedMesh& mesh, int paint, const std::vector<Vector3f>& path,
   PLB_CHECK(path.size() >= 2 && (radii.size() == 1 || radii.size() == path.size()));
   const std::vector<PathFrame> frames = FramesAlong(path);
   const auto ring = [&](std::size_t i, int s) {
-    const float angle = 2 * kPi * static_cast<float>(s % sides) / static_cast<float>(sides);
+    const float angle = 2 * kPiF * static_cast<float>(s % sides) / static_cast<float>(sides);
     return Vector3f(frames[i].side * std::cos(angle) + frames[i].up * std::sin(angle));
   };
   const auto radius = [&](std::size_t i) { return radii.size() == 1 ? radii[0] : radii[i]; };
@@ -178,7 +179,7 @@ void AddTube(PaintedMesh& mesh, int paint, const std::vector<Vector3f>& path,
     for (int s = 0; s <= sides; ++s) {
       AddVertex(
           mesh, path[i] + ring(i, s) * radius(i), ring(i, s),
-          {length, 2 * kPi * radius(i) * static_cast<float>(s) / static_cast<float>(sides), 0});
+          {length, 2 * kPiF * radius(i) * static_cast<float>(s) / static_cast<float>(sides), 0});
     }
   }
   AddGrid(mesh, paint, first, static_cast<int>(path.size()), sides + 1);

@@ -20,7 +20,6 @@ using Eigen::Isometry3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
-constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kMaxInstances = 8;
 
 Isometry3d Upright(double x, double y, double z, double azimuth) {
@@ -171,7 +170,9 @@ void Furnisher::PlaceOnTop(const std::string& name, const Isometry3d& pose) {
 
 void Furnisher::ArrangeDining(const Vector2d& center) {
   const bool round = !demo() && Chance(0.35);
-  const double azimuth = (demo() ? kPi / 2 : (Chance(0.5) ? 0 : kPi / 2)) + Draw(-0.15, 0.15);
+  const double azimuth =
+      (demo() ? std::numbers::pi / 2 : (Chance(0.5) ? 0 : std::numbers::pi / 2)) +
+      Draw(-0.15, 0.15);
   const Isometry3d table = Upright(center.x(), center.y(), 0, azimuth);
   const Vector3f tone = palette_.fabric.color;
   const PaintedBody rug = Rug(2.1f, 2.9f, tone * 0.7f, ColorFromHex(0xe3d6bd) * 0.9f, 21);
@@ -185,14 +186,18 @@ void Furnisher::ArrangeDining(const Vector2d& center) {
   };
   std::vector<Slot> slots;
   if (round) {
-    const double first = Draw(0, kPi);
+    const double first = Draw(0, std::numbers::pi);
     for (int i = 0; i < 4; ++i) {
-      const double angle = first + i * kPi / 2 + Draw(-0.15, 0.15);
-      slots.push_back({0.53 * std::cos(angle), 0.53 * std::sin(angle), angle + kPi});
+      const double angle = first + i * std::numbers::pi / 2 + Draw(-0.15, 0.15);
+      slots.push_back({0.53 * std::cos(angle), 0.53 * std::sin(angle), angle + std::numbers::pi});
     }
   } else {
-    slots = {{0.43, 0.36, kPi}, {0.43, -0.36, kPi},  {-0.43, 0.36, 0},
-             {-0.43, -0.36, 0}, {0, 0.74, -kPi / 2}, {0, -0.74, kPi / 2}};
+    slots = {{0.43, 0.36, std::numbers::pi},
+             {0.43, -0.36, std::numbers::pi},
+             {-0.43, 0.36, 0},
+             {-0.43, -0.36, 0},
+             {0, 0.74, -std::numbers::pi / 2},
+             {0, -0.74, std::numbers::pi / 2}};
   }
   for (std::size_t i = slots.size() - 1; i > 0; --i)
     std::swap(slots[i], slots[random_.Index(static_cast<std::uint32_t>(i + 1))]);
@@ -225,8 +230,8 @@ void Furnisher::SetTable(const Isometry3d& room_from_table, double height, doubl
   std::vector<Footprint> taken;
   const auto put = [&](const PaintedBody& body) {
     for (int attempt = 0; attempt < 12; ++attempt) {
-      const Isometry3d at =
-          Upright(Draw(-reach_x, reach_x), Draw(-reach_y, reach_y), height, Draw(-kPi, kPi));
+      const Isometry3d at = Upright(Draw(-reach_x, reach_x), Draw(-reach_y, reach_y), height,
+                                    Draw(-std::numbers::pi, std::numbers::pi));
       const Footprint footprint = FootprintOf(body.mesh, at);
       if (std::any_of(taken.begin(), taken.end(),
                       [&](const Footprint& other) { return Overlap(footprint, other, 0.01); }))
@@ -275,7 +280,8 @@ void Furnisher::SofaWall(int wall) {
   const double edge = (wide ? 1.04 : 0.76);
   // A full table leaves no room for the lamp among the eight.
   if (room_.instances.size() <= kMaxInstances - 3) {
-    Place("lamp_floor", frame * Upright(0.36, shift + side * (edge + 0.38), 0, Draw(-kPi, kPi)));
+    Place("lamp_floor", frame * Upright(0.36, shift + side * (edge + 0.38), 0,
+                                        Draw(-std::numbers::pi, std::numbers::pi)));
   }
   const Isometry3d corner =
       frame * Upright(0.42, std::clamp(-side * (half - 0.45), -half, half), 0, 0);
@@ -360,9 +366,9 @@ void Furnisher::FurnishWalls() {
 /// A chair in the middle of the room with a cabinet standing free beside it, behind which it
 /// disappears.
 void Furnisher::ArrangeOcclusion() {
-  const double side = Draw(-kPi, kPi);
+  const double side = Draw(-std::numbers::pi, std::numbers::pi);
   const Vector2d out(std::cos(side), std::sin(side));
-  Place("chair_slat", Upright(0, 0, 0, Draw(-kPi, kPi)));
+  Place("chair_slat", Upright(0, 0, 0, Draw(-std::numbers::pi, std::numbers::pi)));
   room_.main_instance = 1;
   Place("cabinet_doors", Upright(0.62 * out.x(), 0.62 * out.y(), 0, side));
   room_.walk.start_angle_rad = side - 1.55;
@@ -393,10 +399,10 @@ void Furnisher::PlanWalk() {
   const double seconds = options_.frames / options_.rate_hz;
   walk.eye_height_m = Draw(1.38, 1.55);
   walk.focus_height_m = 0.95;
-  walk.sweep_rad = (Chance(0.5) ? 1 : -1) * 2 * kPi;
+  walk.sweep_rad = (Chance(0.5) ? 1 : -1) * 2 * std::numbers::pi;
   switch (options_.scene) {
     case SyntheticScene::kOcclusion:
-      walk.sweep_rad = 2 * kPi;
+      walk.sweep_rad = 2 * std::numbers::pi;
       walk.focus_height_m = 0.65;
       break;
     case SyntheticScene::kTruncation:
@@ -441,7 +447,7 @@ Room Furnisher::Furnish() {
     style_.accent_wall.color = ColorFromHex(0x9fb0a3);
   }
   BuildShell(style_, room_);
-  room_.walk.start_angle_rad = Draw(-kPi, kPi);
+  room_.walk.start_angle_rad = Draw(-std::numbers::pi, std::numbers::pi);
   if (options_.scene == SyntheticScene::kOcclusion) {
     ArrangeOcclusion();
   } else {

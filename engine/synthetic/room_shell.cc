@@ -12,7 +12,6 @@ namespace plumbline {
 namespace {
 
 using Eigen::Vector3f;
-constexpr double kPi = std::numbers::pi;
 constexpr float kSill = 0.75f, kLintel = 2.25f, kWindowWidth = 2.2f, kReveal = 0.2f;
 
 /// A piece of the wall x = 0 whose texture continues over its neighbours.
@@ -72,8 +71,8 @@ void AddWindow(const RoomStyle& style, Room& room) {
                          pose.linear() * Vector3f(0, kWindowWidth, 0),
                          pose.linear() * Vector3f(0, 0, kLintel - kSill),
                          style.sky_strength * Vector3f(0.92f, 0.98f, 1.06f)});
-  const auto height = style.sun_height_deg * static_cast<float>(kPi) / 180,
-             side = style.sun_side_deg * static_cast<float>(kPi) / 180;
+  const auto height = style.sun_height_deg * static_cast<float>(std::numbers::pi) / 180,
+             side = style.sun_side_deg * static_cast<float>(std::numbers::pi) / 180;
   const Vector3f to_sun(-std::cos(height) * std::cos(side), std::cos(height) * std::sin(side),
                         std::sin(height));
   room.sun =
@@ -161,7 +160,7 @@ RoomStyle RandomStyle(const FurniturePalette& palette, Random& random) {
 }
 
 Eigen::Isometry3d RoomFromWall(const Room& room, int wall) {
-  const double azimuth = kPi + wall * kPi / 2;  // of the wall's normal
+  const double azimuth = std::numbers::pi + wall * std::numbers::pi / 2;  // of the wall's normal
   const double distance = (wall % 2 == 0 ? room.size.x() : room.size.y()) / 2;
   Eigen::Isometry3d pose(Eigen::AngleAxisd(azimuth, Eigen::Vector3d::UnitZ()));
   pose.translation() = pose.linear() * Eigen::Vector3d(-distance, 0, 0);

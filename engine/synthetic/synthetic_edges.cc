@@ -12,12 +12,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/random.h"
+#include "engine/geometry/angles.h"
 #include "engine/synthetic/material.h"
 
 namespace plumbline {
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 struct EdgePoint {
   int x, y;
@@ -151,8 +150,8 @@ float ContrastAcross(const cv::Mat& picture, int x, int y, const cv::Point2f& no
 
 std::uint8_t AngleByte(const cv::Point2f& normal) {
   float angle = std::atan2(normal.y, normal.x);
-  if (angle < 0) angle += kPi;
-  return static_cast<std::uint8_t>(static_cast<int>(std::lround(angle * 256 / kPi)) & 255);
+  if (angle < 0) angle += kPiF;
+  return static_cast<std::uint8_t>(static_cast<int>(std::lround(angle * 256 / kPiF)) & 255);
 }
 
 void Draw(EdgeMap& map, int x, int y, float probability, const cv::Point2f& normal) {
@@ -201,7 +200,7 @@ void AddSpurious(EdgeMap& map, int pixels, std::uint64_t seed, int frame) {
   while (pixels > 0) {
     auto x = static_cast<float>(random.Uniform(0, map.probability.cols));
     auto y = static_cast<float>(random.Uniform(0, map.probability.rows));
-    auto heading = static_cast<float>(random.Uniform(0, 2 * kPi));
+    auto heading = static_cast<float>(random.Uniform(0, 2 * kPiF));
     const auto bend = static_cast<float>(random.Uniform(-0.08, 0.08));
     const int length = 6 + static_cast<int>(random.Index(15));
     const auto probability = static_cast<float>(random.Uniform(0.12, 0.45));
@@ -220,7 +219,7 @@ void AddSpurious(EdgeMap& map, int pixels, std::uint64_t seed, int frame) {
 
 cv::Mat GeometricEdges(const PinholeCamera& camera, const SurfaceMaps& maps) {
   cv::Mat edges(maps.depth.size(), CV_8U, cv::Scalar(0));
-  const float crease = std::cos(28 * kPi / 180);
+  const float crease = std::cos(28 * kPiF / 180);
   for (int y = 0; y < edges.rows; ++y) {
     for (int x = 0; x < edges.cols; ++x) {
       const float z = maps.depth.at<float>(y, x);

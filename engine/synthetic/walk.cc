@@ -9,14 +9,13 @@
 #include <optional>
 
 #include "engine/base/random.h"
+#include "engine/geometry/angles.h"
 
 namespace plumbline {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180;
 constexpr int kDirections = 96;  ///< Control points of the loop.
 constexpr int kRadii = 48;
 constexpr double kMinRadius = 0.7, kMaxRadius = 3.2;
@@ -25,8 +24,8 @@ constexpr int kLengthSteps = 4096;
 double RadiusOf(int index) { return kMinRadius + (kMaxRadius - kMinRadius) * index / (kRadii - 1); }
 
 Vector2d OnLoop(const WalkPlan& plan, int direction, double radius) {
-  const double angle =
-      plan.start_angle_rad + std::copysign(2 * kPi, plan.sweep_rad) * direction / kDirections;
+  const double angle = plan.start_angle_rad + std::copysign(2 * std::numbers::pi, plan.sweep_rad) *
+                                                  direction / kDirections;
   return plan.focus + radius * Vector2d(std::cos(angle), std::sin(angle));
 }
 
@@ -125,17 +124,17 @@ Result<Walk> Walk::Plan(const Room& room, std::uint64_t seed, double rate_hz) {
     std::vector<Wave> sum;
     for (int i = 0; i < count; ++i) {
       sum.push_back({amplitude * random.Uniform(0.6, 1.0) / std::sqrt(static_cast<double>(count)),
-                     random.Uniform(low_hz, high_hz), random.Uniform(0, 2 * kPi)});
+                     random.Uniform(low_hz, high_hz), random.Uniform(0, 2 * std::numbers::pi)});
     }
     return sum;
   };
   const double step_hz = random.Uniform(1.55, 1.8);
-  walk.yaw_ = waves(0.55 * kDegree, 0.3, 1.6, 4);
-  walk.pitch_ = waves(0.45 * kDegree, 0.3, 1.9, 4);
-  walk.roll_ = waves(0.7 * kDegree, 0.2, 1.2, 4);
-  walk.across_ = {{0.014, step_hz / 2, random.Uniform(0, 2 * kPi)}};
-  walk.up_ = {{0.010, step_hz, random.Uniform(0, 2 * kPi)},
-              {0.02, 0.21, random.Uniform(0, 2 * kPi)}};
+  walk.yaw_ = waves(0.55 * kRadPerDeg, 0.3, 1.6, 4);
+  walk.pitch_ = waves(0.45 * kRadPerDeg, 0.3, 1.9, 4);
+  walk.roll_ = waves(0.7 * kRadPerDeg, 0.2, 1.2, 4);
+  walk.across_ = {{0.014, step_hz / 2, random.Uniform(0, 2 * std::numbers::pi)}};
+  walk.up_ = {{0.010, step_hz, random.Uniform(0, 2 * std::numbers::pi)},
+              {0.02, 0.21, random.Uniform(0, 2 * std::numbers::pi)}};
   walk.pace_ = waves(0.05, 0.1, 0.3, 2);
   walk.gaze_x_ = waves(0.45, 0.06, 0.14, 2);
   walk.gaze_y_ = waves(0.45, 0.06, 0.14, 2);
@@ -146,7 +145,7 @@ Result<Walk> Walk::Plan(const Room& room, std::uint64_t seed, double rate_hz) {
 double Walk::Sum(const std::vector<Wave>& waves, double t_s) const {
   double sum = 0;
   for (const Wave& wave : waves)
-    sum += wave.amplitude * std::sin(2 * kPi * wave.frequency_hz * t_s + wave.phase);
+    sum += wave.amplitude * std::sin(2 * std::numbers::pi * wave.frequency_hz * t_s + wave.phase);
   return sum;
 }
 
@@ -154,7 +153,7 @@ double Walk::Shake(double t_s) const {
   for (const auto& [first, last] : plan_.shaken_frames) {
     const double from = first / rate_hz_, to = last / rate_hz_;
     if (t_s > from && t_s < to) {
-      const double s = std::sin(kPi * (t_s - from) / (to - from));
+      const double s = std::sin(std::numbers::pi * (t_s - from) / (to - from));
       return s * s;
     }
   }
@@ -210,9 +209,9 @@ Eigen::Isometry3d Walk::RoomFromCam(double t_s) const {
   const Vector3d gaze = target - eye;
   const double shake = Shake(t_s);
   const double yaw = std::atan2(gaze.y(), gaze.x()) + plan_.gaze_offset_rad + Sum(yaw_, t_s) +
-                     shake * 6 * kDegree * std::sin(2 * kPi * 1.9 * t_s);
+                     shake * 6 * kRadPerDeg * std::sin(2 * std::numbers::pi * 1.9 * t_s);
   const double pitch = std::atan2(gaze.z(), gaze.head<2>().norm()) + Sum(pitch_, t_s) +
-                       shake * 3 * kDegree * std::sin(2 * kPi * 2.6 * t_s + 1);
+                       shake * 3 * kRadPerDeg * std::sin(2 * std::numbers::pi * 2.6 * t_s + 1);
   const Vector3d forward(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch),
                          std::sin(pitch));
   const Vector3d right = forward.cross(Vector3d::UnitZ()).normalized();

@@ -5,18 +5,16 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <tuple>
 
 #include <Eigen/Geometry>
 
+#include "engine/geometry/angles.h"
 #include "engine/geometry/embree.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Rec. 601, as a camera's grey.
 float Luminance(const std::array<std::uint8_t, 3>& rgb) {
@@ -67,7 +65,7 @@ class ViewBuilder {
         step_(step),
         inner_weight_(static_cast<float>(options.inner_weight)),
         mark_contrast_(static_cast<float>(options.mark_contrast)),
-        crease_cosine_(static_cast<float>(std::cos(options.crease_angle_deg * kDegree))),
+        crease_cosine_(static_cast<float>(std::cos(options.crease_angle_deg * kRadPerDeg))),
         hits_(static_cast<std::size_t>(camera.size) * camera.size) {
     for (int v = 0; v < camera_.size; ++v) {
       for (int u = 0; u < camera_.size; ++u)
@@ -379,7 +377,7 @@ ViewCamera CameraAt(const Eigen::Vector3f& center, const Eigen::Vector3f& from_c
   camera.down = camera.forward.cross(camera.right);
   // The bounding sphere, with a margin of 6 pixels; at most 130 degrees wide when the camera is
   // close.
-  const float sine = std::min(radius / distance, std::sin(65.0f * static_cast<float>(kDegree)));
+  const float sine = std::min(radius / distance, std::sin(65.0f * static_cast<float>(kRadPerDeg)));
   const float half_width = sine / std::sqrt(1.0f - sine * sine);
   camera.pixel = 2.0f * half_width / (size - 12);
   camera.size = size;

@@ -13,12 +13,12 @@
 #include <numeric>
 
 #include "engine/base/files.h"
+#include "engine/geometry/angles.h"
 #include "engine/vision/model_lines.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr char kFormat[] = "plumbline-viewpoints-11";
 
 std::string CacheKey(const CadModel& model, const ViewpointModelOptions& o) {
@@ -87,9 +87,10 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(
     const int elevation_index = view / options.azimuths % options.elevations;
     const int distance_index = view / options.azimuths / options.elevations;
     const double azimuth = 2.0 * std::numbers::pi * azimuth_index / options.azimuths;
-    const double elevation = kDegree * (options.min_elevation_deg +
-                                        (options.max_elevation_deg - options.min_elevation_deg) *
-                                            elevation_index / std::max(1, options.elevations - 1));
+    const double elevation =
+        kRadPerDeg *
+        (options.min_elevation_deg + (options.max_elevation_deg - options.min_elevation_deg) *
+                                         elevation_index / std::max(1, options.elevations - 1));
     const Eigen::Vector3f from_center(static_cast<float>(std::cos(elevation) * std::cos(azimuth)),
                                       static_cast<float>(std::cos(elevation) * std::sin(azimuth)),
                                       static_cast<float>(std::sin(elevation)));
@@ -180,11 +181,11 @@ ContourView ViewpointModel::View(const Eigen::Vector3f& camera_in_object) const 
       static_cast<int>(std::lround((turn + 1.0f) * options_.azimuths)) % options_.azimuths;
   const float elevation = std::asin(std::clamp(from_center.z() / distance, -1.0f, 1.0f));
   const float step =
-      static_cast<float>((options_.max_elevation_deg - options_.min_elevation_deg) * kDegree) /
+      static_cast<float>((options_.max_elevation_deg - options_.min_elevation_deg) * kRadPerDeg) /
       std::max(1, options_.elevations - 1);
   const int ring = std::clamp(
       static_cast<int>(std::lround(
-          (elevation - static_cast<float>(options_.min_elevation_deg * kDegree)) / step)),
+          (elevation - static_cast<float>(options_.min_elevation_deg * kRadPerDeg)) / step)),
       0, options_.elevations - 1);
   const float ratio = distance / bounding_radius_;
   int shell = 0;

@@ -52,9 +52,9 @@ class EvaluateVerb : public testing::Test {
   /// One confirmed wedge, 4 cm off 'a', and a tentative one.
   void WriteRun(double x = 0.04, std::uint64_t seed = 0) {
     RunHeader header;
-    header.seed = seed;
+    header.recipe.seed = seed;
     header.models = {{"wedge", "chair"}};
-    header.models_path = (folder_.path() / "models").string();
+    header.recipe.models = folder_.path() / "models";
     FrameReport report;
     for (int id : {1, 2}) {
       ObjectReport object;

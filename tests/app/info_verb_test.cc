@@ -128,8 +128,8 @@ TEST_F(InfoVerb, DescribesModelsMeshesAndTrajectories) {
 
 TEST_F(InfoVerb, DescribesARunAndSaysThatItDidNotEnd) {
   RunHeader header;
-  header.sequence_path = Path("gone");
-  header.models_path = Path(".");
+  header.recipe.sequence = Path("gone");
+  header.recipe.models = Path(".");
   header.program_version = "1.2.3";
   header.end_frame = 5;
   header.camera = {64, 48, 60, 60, 31.5, 23.5};

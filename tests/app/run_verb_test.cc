@@ -140,7 +140,7 @@ TEST_F(RunVerb, ForkedWithTheSameOptionsItIsTheSameRun) {
   const auto other = RunReader::Open(Path("other.plb")).value();
   ASSERT_EQ(same->NumFrames().value(), kFrames);
   ASSERT_EQ(other->NumFrames().value(), kFrames);
-  EXPECT_EQ(other->header().seed, 4u);
+  EXPECT_EQ(other->header().recipe.seed, 4u);
   for (int i = 0; i < kFrames; ++i)
     EXPECT_EQ(BytesOf(same->ReadFrame(i).value()), BytesOf(whole->ReadFrame(i).value())) << i;
   EXPECT_EQ(BytesOf(other->ReadFrame(20).value()), BytesOf(whole->ReadFrame(20).value()));
@@ -199,7 +199,7 @@ TEST_F(RunVerb, GoesOnOnlyWithTheSamePoses) {
                                   "--poses", poses.string(),   "--frames", "0:8"};
   ASSERT_EQ(Wait(Start(run)), 0) << *ReadFile(Path("output.txt"));
   const RunHeader header = RunReader::Open(Path("run.plb")).value()->header();
-  EXPECT_EQ(header.poses_path, poses.string());
+  EXPECT_EQ(header.recipe.poses.file, poses);
   const std::vector<std::string> fork = {"run",      Path("sequence"), "--out", Path("fork.plb"),
                                          "--frames", "0:12",           "--at",  "4",
                                          "--fork",   Path("run.plb")};

@@ -20,6 +20,7 @@
 #include "engine/base/random.h"
 #include "engine/base/timer.h"
 #include "engine/dataset/ground_truth.h"
+#include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 #include "engine/models/mesh_file.h"
 
@@ -61,15 +62,13 @@ struct Arguments {
   std::uint64_t seed = 1;
 };
 
-constexpr double kDegrees = 180 / std::numbers::pi;
-
 /// The errors of a pose: across up, along up [m] and about up [degrees].
 Eigen::Vector3d Errors(const Eigen::Isometry3d& truth, const Eigen::Isometry3d& pose,
                        const Eigen::Vector3d& center, const UprightFrame& upright) {
   const Eigen::Vector3d up = upright.up_in_world(), off = pose * center - truth * center;
   const double height = up.dot(off);
   return {(off - height * up).norm(), height,
-          kDegrees * WrapAngle(upright.Azimuth(pose.linear()) - upright.Azimuth(truth.linear()))};
+          kDegPerRad * WrapAngle(upright.Azimuth(pose.linear()) - upright.Azimuth(truth.linear()))};
 }
 
 /// A refinement that began `shift_m` beside the truth; 0: at the truth.
@@ -96,9 +95,9 @@ Trial Judge(const Eigen::Isometry3d& truth, const ImageRefinement& refined,
   trial.error = Errors(truth, refined.scan_from_object, center, upright);
   const double height_var = up.dot(at.topLeftCorner<3, 3>() * up);
   trial.sigma = {std::sqrt(at.topLeftCorner<3, 3>().trace() - height_var), std::sqrt(height_var),
-                 kDegrees * std::sqrt(at(3, 3))};
+                 kDegPerRad * std::sqrt(at(3, 3))};
   Eigen::Vector4d off;
-  off << refined.scan_from_object * center - truth * center, trial.error[2] / kDegrees;
+  off << refined.scan_from_object * center - truth * center, trial.error[2] / kDegPerRad;
   trial.squared_by_covariance = off.dot(at.ldlt().solve(off));
   return trial;
 }
@@ -112,7 +111,7 @@ Eigen::Isometry3d Beside(const Eigen::Isometry3d& pose, const Eigen::Vector3d& c
   const Eigen::Vector3d shift =
       shift_m * (std::cos(heading) * frame.col(0) + std::sin(heading) * frame.col(1) +
                  0.5 * (2 * random.Uniform() - 1) * up);
-  const double turn = turn_deg / kDegrees * (random.Uniform() < 0.5 ? -1 : 1);
+  const double turn = turn_deg / kDegPerRad * (random.Uniform() < 0.5 ? -1 : 1);
   Eigen::Isometry3d start = pose;
   start.linear() = Eigen::AngleAxisd(turn, up) * start.linear();
   start.translation() = pose * center + shift - start.linear() * center;

@@ -109,10 +109,10 @@ RoomRun MapRoom(const SyntheticOptions& options, const std::string& edges) {
   }
   run.main_instance = scene.value("main_instance", "");
   run.shaken = ToRuns(scene["shaken_frames"]);
-  PipelineChoice choice;
-  choice.sequence = folder;
-  choice.edges = edges;
-  const std::unique_ptr<MappingPipeline> pipeline = Must(MappingPipeline::Open(choice, {}));
+  RunRecipe recipe;
+  recipe.sequence = folder;
+  recipe.edges = ParseEdges(edges);
+  const std::unique_ptr<MappingPipeline> pipeline = Must(MappingPipeline::Open(recipe, {}));
   run.database = pipeline->database();
   while (const auto snapshot = pipeline->Next()) {
     FrameReport report = (*snapshot)->report;

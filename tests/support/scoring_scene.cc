@@ -9,13 +9,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/random.h"
+#include "engine/geometry/angles.h"
 #include "engine/vision/edge_gradient.h"
 #include "engine/vision/model_lines.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 Eigen::Isometry3d LookingAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
   const Eigen::Vector3d forward = (target - eye).normalized();
@@ -141,7 +140,7 @@ std::vector<PoseHypothesis> Scattered(const ScoringScene& scene, int count, doub
   std::vector<PoseHypothesis> hypotheses;
   for (int i = 0; i < count; ++i) {
     PoseHypothesis hypothesis = scene.truth;
-    hypothesis.azimuth_rad += angle_deg * kDegree * random.Gaussian();
+    hypothesis.azimuth_rad += angle_deg * kRadPerDeg * random.Gaussian();
     hypothesis.center_in_world +=
         position_m * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
     hypotheses.push_back(hypothesis);

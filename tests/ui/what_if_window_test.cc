@@ -92,7 +92,7 @@ TEST_F(WhatIfWindow, ForksARunAndShowsBothOnOneClock) {
   const auto run = RunReader::Open(File("run.plb")).value();
   const auto fork = RunReader::Open(File("run-fork-1.plb")).value();
   ASSERT_EQ(fork->NumFrames().value(), 30);
-  EXPECT_EQ(fork->header().seed, 3u);
+  EXPECT_EQ(fork->header().recipe.seed, 3u);
   EXPECT_EQ(BytesOf(fork->ReadFrame(12).value()), BytesOf(run->ReadFrame(12).value()));
   EXPECT_NE(BytesOf(fork->LastFrame().value()), BytesOf(run->LastFrame().value()));
 }

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "engine/geometry/angles.h"
+
 namespace plumbline {
 namespace {
 
@@ -19,7 +21,6 @@ constexpr AxisView kAxisViews[] = {{'1', "the front (-y)", -90, 0}, {'2', "the b
 }  // namespace
 
 ActionGroup ViewActions() {
-  constexpr double kRadPerDeg = 3.14159265358979323846 / 180;
   ActionGroup group{"View", {}};
   group.actions = {{.text = "Frame the selected object in the map",
                     .keys = {{keys::kF}},

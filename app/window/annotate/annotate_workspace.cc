@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "engine/base/overloaded.h"
+#include "engine/geometry/angles.h"
 #include "ui/framework/widgets.h"
 #include "ui/panels/annotate_actions.h"
 #include "ui/panels/annotate_panels.h"
@@ -16,8 +16,6 @@ namespace plumbline {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 json MatrixOf(const Eigen::Isometry3d& pose) {
   json rows = json::array();
@@ -276,7 +274,7 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
     annotate["placement_images"] = placement->images;
     annotate["placement_seconds"] = placement->seconds;
     for (const PlacementCandidate& candidate : placement->candidates) {
-      annotate["candidates"].push_back({{"azimuth_deg", candidate.azimuth_rad * kDegrees},
+      annotate["candidates"].push_back({{"azimuth_deg", candidate.azimuth_rad * kDegPerRad},
                                         {"fitness", candidate.fitness},
                                         {"rmse_m", candidate.rmse_m},
                                         {"agreement", candidate.agreement.value_or(-1)},

@@ -5,16 +5,14 @@
 
 #include <algorithm>
 #include <cctype>
-#include <numbers>
 
 #include "app/window/inspect/inspect_workspace.h"
+#include "engine/geometry/angles.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/inspect_bar.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 const char* StateName(PlaybackState state) {
   switch (state) {
@@ -88,10 +86,10 @@ void InspectWorkspace::AddPaletteEntries(const FrameContext& context,
   if (context.snapshot != nullptr) {
     for (const ObjectReport& object : context.snapshot->report.objects) {
       const ModelView* model = context.Model(object.label);
-      entries.push_back(EntryFor(fmt::format("Select object #{} {} ({})", object.id.value,
-                                             model != nullptr ? model->name : object.category,
-                                             plumbline::StateName(object.state)),
-                                 SelectObjectCommand{object.id}));
+      entries.push_back(EntryFor(
+          fmt::format("Select object #{} {} ({})", object.id.value,
+                      model != nullptr ? model->name : object.category, NameOf(object.state)),
+          SelectObjectCommand{object.id}));
     }
   }
   for (const Bookmark& bookmark : context.bookmarks)
@@ -156,8 +154,8 @@ void InspectWorkspace::AddState(const FrameContext& context, nlohmann::json& sta
        {"image_zoom", viewport_.zoom},
        {"scene_renders", scene_->renders()},
        {"camera",
-        {{"azimuth_deg", camera.azimuth_rad * kDegrees},
-         {"elevation_deg", camera.elevation_rad * kDegrees},
+        {{"azimuth_deg", camera.azimuth_rad * kDegPerRad},
+         {"elevation_deg", camera.elevation_rad * kDegPerRad},
          {"distance_m", camera.distance_m},
          {"focus",
           {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}}}},

@@ -3,14 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/geometry/angles.h"
+
 namespace plumbline {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
-
 Eigen::Isometry3d At(double x, double azimuth_deg) {
   Eigen::Isometry3d pose(
-      Eigen::AngleAxisd(azimuth_deg * kDegree, Eigen::Vector3d::UnitZ()).toRotationMatrix());
+      Eigen::AngleAxisd(azimuth_deg * kRadPerDeg, Eigen::Vector3d::UnitZ()).toRotationMatrix());
   pose.translation() = Eigen::Vector3d(x, 0, 0);
   return pose;
 }
@@ -39,11 +39,11 @@ TEST(TruthError, IsThatOfTheNearestTrueObjectOfTheCategory) {
   EXPECT_EQ(error->truth, "c");
   EXPECT_TRUE(error->model_correct);
   EXPECT_NEAR(error->translation_m, 0.12, 1e-6);
-  EXPECT_NEAR(error->azimuth_rad, 20 * kDegree, 1e-6);
+  EXPECT_NEAR(error->azimuth_rad, 20 * kRadPerDeg, 1e-6);
 }
 
 TEST(TruthError, CountsAzimuthModuloTheSymmetry) {
-  EXPECT_NEAR(ErrorOf(Object("dining table", 1, At(2, 175)), Room())->azimuth_rad, 5 * kDegree,
+  EXPECT_NEAR(ErrorOf(Object("dining table", 1, At(2, 175)), Room())->azimuth_rad, 5 * kRadPerDeg,
               1e-6);
   EXPECT_EQ(ErrorOf(Object("dining table", 2, At(5, 77)), Room())->azimuth_rad, 0);
 }

@@ -2,11 +2,11 @@
 #include "engine/annotation/image_refinement.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "engine/base/random.h"
+#include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 #include "tests/engine/annotation/checked_room.h"
 #include "tests/support/meshes.h"
@@ -14,8 +14,6 @@
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// Six drawn images around a seat that stands at `truth`. With `pose_noise_m` the cameras are not
 /// quite where they are said to be.
@@ -25,7 +23,7 @@ std::shared_ptr<const AnnotationImages> DrawnAround(const OutlineModel& model,
                                                     std::uint64_t seed = 0) {
   std::vector<AnnotationImage> images;
   for (int i = 0; i < 6; ++i) {
-    const double angle = kDegree * 28 * i;
+    const double angle = kRadPerDeg * 28 * i;
     const Eigen::Isometry3d cam_at =
         LookAt({2 * std::cos(angle), 2 * std::sin(angle), 1.3 + 0.1 * (i % 2)}, {0, 0, 0.4});
     images.push_back(DrawnImage(i, model, truth, truth * cam_at));
@@ -41,7 +39,7 @@ std::shared_ptr<const AnnotationImages> DrawnAround(const OutlineModel& model,
 Eigen::Isometry3d Moved(const Eigen::Isometry3d& pose, const Eigen::Vector3d& up, double turn_deg,
                         const Eigen::Vector3d& shift) {
   Eigen::Isometry3d moved = pose;
-  moved.linear() = Eigen::AngleAxisd(turn_deg * kDegree, up) * pose.linear();
+  moved.linear() = Eigen::AngleAxisd(turn_deg * kRadPerDeg, up) * pose.linear();
   moved.translation() += shift;
   return moved;
 }
@@ -64,7 +62,7 @@ TEST_F(RefineSeat, ComesBackFromFiveCentimetresAndFiveDegrees) {
     EXPECT_EQ(refined->stop, RefinementStop::kConverged);
     EXPECT_GT(refined->agreement_after, 0.9);
     EXPECT_LT(refined->agreement_before, 0.5);
-    EXPECT_NEAR(refined->azimuth_rad, -turn_deg * kDegree, 0.003);
+    EXPECT_NEAR(refined->azimuth_rad, -turn_deg * kRadPerDeg, 0.003);
     EXPECT_NEAR(refined->height_m, -0.01, 0.001);
     EXPECT_EQ(refined->images, 6);
   }
@@ -106,7 +104,7 @@ TEST_F(RefineSeat, ForgivesAHiddenHalf) {
   std::vector<AnnotationImage> images;
   const Occluders occluders{nullptr, {{board, Eigen::Isometry3d(Eigen::Translation3d(0.7, 0, 0))}}};
   for (int i = 0; i < 6; ++i) {
-    const double angle = kDegree * (16 * i - 40);
+    const double angle = kRadPerDeg * (16 * i - 40);
     images.push_back(DrawnImage(
         i, *seat_, truth_, LookAt({2 * std::cos(angle), 2 * std::sin(angle), 1.2}, {0, 0, 0.4}),
         occluders));
@@ -150,7 +148,7 @@ TEST_F(RefineSeat, DoesNotTurnWhatLooksTheSameFromAllSides) {
       RefineByImages(*images, *ball, Moved(truth_, up_, 0, {0.03, 0.02, 0}), up_, {});
   ASSERT_TRUE(refined.ok());
   EXPECT_LT(refined->scan_from_object.translation().norm(), 0.003);
-  EXPECT_GT(std::sqrt(refined->covariance(5, 5)), 2 * kDegree);
+  EXPECT_GT(std::sqrt(refined->covariance(5, 5)), 2 * kRadPerDeg);
 }
 
 TEST_F(RefineSeat, SaysWhatItCannotDo) {

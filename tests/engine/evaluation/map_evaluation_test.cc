@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/evaluation/map_evaluation.h"
 
-#include <numbers>
-
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "engine/base/check.h"
 #include "engine/base/random.h"
+#include "engine/geometry/angles.h"
 #include "tests/engine/evaluation/test_scene.h"
 #include "tests/support/test_data.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 MapEvaluation Evaluate(const std::vector<EstimatedObject>& map, const GroundTruth& truth,
                        EvaluationOptions options = {}, const TriangleMesh* scan = nullptr) {
@@ -49,9 +46,9 @@ TEST(EvaluateMap, AveragesFineInstancesAndAllApart) {
       UprightPose(0.3, 0.15, 0.75, 90);  // coarse and round: 5 cm, no rotation
   const MapEvaluation evaluation = Evaluate(map, truth);
   EXPECT_NEAR(*evaluation.mean.translation_m, 0.03 / 3, 1e-9);
-  EXPECT_NEAR(*evaluation.mean.rotation_rad, 6 * kDegree / 3, 1e-9);
+  EXPECT_NEAR(*evaluation.mean.rotation_rad, 6 * kRadPerDeg / 3, 1e-9);
   EXPECT_NEAR(*evaluation.mean_all.translation_m, (0.03 + 0.10 + 0.05) / 5, 1e-9);
-  EXPECT_NEAR(*evaluation.mean_all.rotation_rad, (6 + 20) * kDegree / 4,
+  EXPECT_NEAR(*evaluation.mean_all.rotation_rad, (6 + 20) * kRadPerDeg / 4,
               1e-9);  // the mug is no part of it
   EXPECT_TRUE(evaluation.matched[4].continuous_symmetry);
   EXPECT_NEAR(evaluation.matched[0].centre_m,

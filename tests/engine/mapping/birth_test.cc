@@ -4,14 +4,12 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "engine/geometry/angles.h"
 #include "tests/support/mapping_scene.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 class BirthTest : public testing::Test {
  protected:
@@ -41,9 +39,10 @@ class BirthTest : public testing::Test {
                   double reach_m, double turn_deg) {
     int near = 0;
     for (const PoseHypothesis& hypothesis : hypotheses) {
-      near += hypothesis.label == truth.label &&
-              (hypothesis.center_in_world - truth.center_in_world).norm() < reach_m &&
-              std::abs(WrapAngle(hypothesis.azimuth_rad - truth.azimuth_rad)) < turn_deg * kDegree;
+      near +=
+          hypothesis.label == truth.label &&
+          (hypothesis.center_in_world - truth.center_in_world).norm() < reach_m &&
+          std::abs(WrapAngle(hypothesis.azimuth_rad - truth.azimuth_rad)) < turn_deg * kRadPerDeg;
     }
     return near;
   }

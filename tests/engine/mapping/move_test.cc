@@ -4,14 +4,12 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "engine/geometry/angles.h"
 #include "tests/support/mapping_scene.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// A chair seen from four sides.
 class MoveTest : public testing::Test {
@@ -48,7 +46,7 @@ class MoveTest : public testing::Test {
           shift + Eigen::Vector3d(0.02 * random.Gaussian(), 0.02 * random.Gaussian(),
                                   0.01 * random.Gaussian());
       hypothesis.azimuth_rad =
-          WrapAngle(hypothesis.azimuth_rad + (turn_deg + 3 * random.Gaussian()) * kDegree);
+          WrapAngle(hypothesis.azimuth_rad + (turn_deg + 3 * random.Gaussian()) * kRadPerDeg);
       input.particles.push_back(hypothesis);
     }
     return input;
@@ -65,7 +63,7 @@ class MoveTest : public testing::Test {
       const bool near =
           hypothesis.label == truth.label &&
           (hypothesis.center_in_world - truth.center_in_world).norm() < 0.04 &&
-          std::abs(WrapAngle(hypothesis.azimuth_rad - truth.azimuth_rad)) < 6 * kDegree;
+          std::abs(WrapAngle(hypothesis.azimuth_rad - truth.azimuth_rad)) < 6 * kRadPerDeg;
       share += near / static_cast<double>(hypotheses.size());
     }
     return share;

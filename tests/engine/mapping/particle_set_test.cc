@@ -7,14 +7,13 @@
 #include <limits>
 #include <numbers>
 
+#include "engine/geometry/angles.h"
 #include "tests/support/furniture_models.h"
 #include "tests/support/random_pose.h"
 #include "tests/support/test_data.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 MapFrame ZUpFrame() {
   return {UprightFrame({0, 0, -1}), Eigen::Vector4d(0, 0, 1, 0), MakeFurnitureDatabase()};
@@ -24,7 +23,7 @@ MapFrame ZUpFrame() {
 Eigen::Isometry3d WatchingCamera() {
   Eigen::Isometry3d world_from_cam = Eigen::Isometry3d::Identity();
   world_from_cam.linear() =
-      Eigen::AngleAxisd(-110 * kDegree, Eigen::Vector3d::UnitX()).toRotationMatrix();
+      Eigen::AngleAxisd(-110 * kRadPerDeg, Eigen::Vector3d::UnitX()).toRotationMatrix();
   world_from_cam.translation() = Eigen::Vector3d(0, -3, 1.5);
   return world_from_cam;
 }
@@ -171,7 +170,7 @@ TEST(Diffuse, NoiseGrowsWithTheRootOfTimeWhateverTheFrameRate) {
     expect([&](const Particle& p) { return p.y_c - start.y_c; }, options.bearing_noise);
     expect([&](const Particle& p) { return p.rho - start.rho; }, options.log_depth_noise);
     expect([&](const Particle& p) { return WrapAngle(p.azimuth - start.azimuth); },
-           options.azimuth_noise_deg * kDegree);
+           options.azimuth_noise_deg * kRadPerDeg);
   }
 }
 
@@ -296,7 +295,7 @@ void AddCloud(const PoseHypothesis& middle, int count, double weight,
     PoseHypothesis hypothesis = middle;
     hypothesis.center_in_world +=
         0.03 * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
-    hypothesis.azimuth_rad += 4 * kDegree * random.Gaussian();
+    hypothesis.azimuth_rad += 4 * kRadPerDeg * random.Gaussian();
     particles.push_back(ToParticle(hypothesis, WatchingCamera()));
     particles.back().log_weight = static_cast<float>(std::log(weight / count));
   }
@@ -310,9 +309,9 @@ void ExpectMode(const PoseMode& mode, const PoseHypothesis& middle, double weigh
   EXPECT_LT((found.center_in_world - middle.center_in_world).norm(), 0.01);
   EXPECT_LT(std::abs(AzimuthDifference(map.database->model(middle.label), found.azimuth_rad,
                                        middle.azimuth_rad)),
-            1.0 * kDegree);
+            1.0 * kRadPerDeg);
   EXPECT_NEAR(mode.position_std_m, 0.03 * std::sqrt(3.0), 0.01);
-  EXPECT_NEAR(mode.azimuth_std_rad, 4 * kDegree, 1 * kDegree);
+  EXPECT_NEAR(mode.azimuth_std_rad, 4 * kRadPerDeg, 1 * kRadPerDeg);
   EXPECT_LT((mode.world_from_object.linear().col(2) - map.upright.up_in_world()).norm(), 1e-9);
 }
 
@@ -365,7 +364,7 @@ TEST(FindModes, SeesASymmetricShapeInOnePlaceOnce) {
   const PoseHypothesis vase = Standing(map, "vase", 0, 0.3, 0);
   for (int i = 0; i < 36; ++i) {
     PoseHypothesis any = vase;
-    any.azimuth_rad = i * 10 * kDegree;
+    any.azimuth_rad = i * 10 * kRadPerDeg;
     AddCloud(any, 20, 1.0 / 36, particles);
   }
   modes = FindModes(particles, WatchingCamera(), map);
@@ -411,7 +410,7 @@ TEST(ModeCovariance, MeasuresTheHeaviestModeOnly) {
   const Eigen::Matrix4d covariance = ModeCovariance(modes[0], particles, WatchingCamera(), map);
   EXPECT_LT((covariance - covariance.transpose()).norm(), 1e-12);
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(std::sqrt(covariance(k, k)), 0.03, 0.003);
-  EXPECT_NEAR(std::sqrt(covariance(3, 3)), 4 * kDegree, 0.4 * kDegree);
+  EXPECT_NEAR(std::sqrt(covariance(3, 3)), 4 * kRadPerDeg, 0.4 * kRadPerDeg);
 }
 
 TEST(LabelPosterior, SumsWeightsByLabel) {

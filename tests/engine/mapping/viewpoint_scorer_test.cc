@@ -4,15 +4,13 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "engine/base/random.h"
+#include "engine/geometry/angles.h"
 #include "tests/support/mapping_scene.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 class ViewpointScorerTest : public testing::Test {
  protected:
@@ -48,7 +46,7 @@ class ViewpointScorerTest : public testing::Test {
   static PoseHypothesis Moved(PoseHypothesis hypothesis, const Eigen::Vector3d& by,
                               double turn_deg) {
     hypothesis.center_in_world += by;
-    hypothesis.azimuth_rad += turn_deg * kDegree;
+    hypothesis.azimuth_rad += turn_deg * kRadPerDeg;
     return hypothesis;
   }
   static void ExpectUnseen(const HypothesisScore& score) {

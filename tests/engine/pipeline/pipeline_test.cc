@@ -33,11 +33,11 @@ class PipelineTest : public testing::Test {
 
   static std::unique_ptr<MappingPipeline> Open(const std::filesystem::path& sequence,
                                                const FrameRange& frames, std::uint64_t seed = 1) {
-    PipelineChoice choice;
-    choice.sequence = sequence;
-    choice.frames = frames;
-    choice.seed = seed;
-    Result<std::unique_ptr<MappingPipeline>> opened = MappingPipeline::Open(choice, {});
+    RunRecipe recipe;
+    recipe.sequence = sequence;
+    recipe.frames = frames;
+    recipe.seed = seed;
+    Result<std::unique_ptr<MappingPipeline>> opened = MappingPipeline::Open(recipe, {});
     EXPECT_TRUE(opened.ok()) << opened.error().message;
     return std::move(opened).value();
   }
@@ -158,7 +158,7 @@ TEST_F(PipelineTest, ARunWhoseOptionsChangedTellsOfItAndResumesBitForBit) {
   ASSERT_EQ(run.size(), 40u);
   ASSERT_FALSE(run[12].events.empty());
   EXPECT_EQ(run[12].events[0].kind, EventKind::kOptionsChanged);
-  EXPECT_EQ(run[12].events[0].text, DescribeOptionChanges({}, options));
+  EXPECT_EQ(run[12].events[0].option_changes, OptionChanges({}, options));
   EXPECT_FALSE(BytesOf(run[39]) == BytesOf(WholeRun()[39]));
 
   for (const std::size_t after : {11u, 12u, 26u}) {
@@ -251,32 +251,21 @@ TEST_F(PipelineTest, AnObjectThatIsNoLongerDetectedStaysConfirmed) {
   }
 }
 
-TEST_F(PipelineTest, RecomputesWhatAFrameShowed) {
-  const auto pipeline = Open(Original(), {.end = 12});
-  std::vector<std::shared_ptr<const MapSnapshot>> shown;
-  while (const auto snapshot = pipeline->Next()) shown.push_back(*snapshot);
-  const auto again = pipeline->Recompute(shown[8]->report);
-  ASSERT_TRUE(again.ok());
-  EXPECT_EQ(cv::countNonZero((*again)->edge_probability != shown[8]->edge_probability), 0);
-  EXPECT_EQ(cv::countNonZero((*again)->id != shown[8]->id), 0);
-  EXPECT_EQ(cv::countNonZero((*again)->depth != shown[8]->depth), 0);
-}
-
 TEST_F(PipelineTest, SaysWhatItLacks) {
   const std::filesystem::path sequence = Copy("incomplete");
-  PipelineChoice choice;
-  choice.sequence = sequence;
-  choice.frames = {.begin = 500};
-  auto opened = MappingPipeline::Open(choice, {});
+  RunRecipe recipe;
+  recipe.sequence = sequence;
+  recipe.frames = {.begin = 500};
+  auto opened = MappingPipeline::Open(recipe, {});
   ASSERT_FALSE(opened.ok());
   EXPECT_THAT(opened.error().message, HasSubstr("none of the 70 frames"));
-  choice.frames = {};
+  recipe.frames = {};
   std::filesystem::remove_all(sequence / "models");
-  opened = MappingPipeline::Open(choice, {});
+  opened = MappingPipeline::Open(recipe, {});
   ASSERT_FALSE(opened.ok());
   EXPECT_THAT(opened.error().message, HasSubstr("--models"));
   std::filesystem::remove(sequence / "gravity.json");
-  opened = MappingPipeline::Open(choice, {});
+  opened = MappingPipeline::Open(recipe, {});
   ASSERT_FALSE(opened.ok());
   EXPECT_THAT(opened.error().message, HasSubstr("gravity.json"));
 }
@@ -296,10 +285,10 @@ TEST(FrameRange, ParsesItsParts) {
 
 TEST_F(PipelineTest, WithoutPosesOrImagesItSaysWhatToDo) {
   const auto refusal = [](const std::filesystem::path& sequence, const std::string& poses) {
-    PipelineChoice choice;
-    choice.sequence = sequence;
-    choice.poses = poses;
-    const auto opened = MappingPipeline::Open(choice, {});
+    RunRecipe recipe;
+    recipe.sequence = sequence;
+    recipe.poses = ParsePoses(poses);
+    const auto opened = MappingPipeline::Open(recipe, {});
     return opened.ok() ? std::string("opened") : opened.error().message;
   };
   const std::filesystem::path bare = Copy("bare");
@@ -318,12 +307,12 @@ TEST_F(PipelineTest, TheSamePosesFromAFileMakeTheSameRun) {
   const std::filesystem::path bare = Copy("posed_by_file");
   const std::filesystem::path poses = folder_->path() / "poses.txt";
   std::filesystem::rename(bare / "trajectory.txt", poses);
-  PipelineChoice choice;
-  choice.sequence = bare;
-  choice.poses = poses.string();
-  choice.frames = {0, 12, 1};
-  choice.seed = 1;
-  auto opened = MappingPipeline::Open(choice, {});
+  RunRecipe recipe;
+  recipe.sequence = bare;
+  recipe.poses = ParsePoses(poses.string());
+  recipe.frames = {0, 12, 1};
+  recipe.seed = 1;
+  auto opened = MappingPipeline::Open(recipe, {});
   ASSERT_TRUE(opened.ok()) << opened.error().message;
   EXPECT_THAT((*opened)->poses_description(), testing::StartsWith("trajectory "));
   const std::vector<FrameReport> run = Rest(**opened);

@@ -124,25 +124,24 @@ void Print(const ObjectReport& o, BitPrinter& out) {
 RunHeader RandomHeader(std::uint64_t seed) {
   Random random({.seed = seed});
   RunHeader header;
-  header.options = {{"particles", 500}, {"alpha", random.Uniform()}, {"prior", "informed"}};
-  header.seed = 0xFFFFFFFFFFFFFFF0ull + seed % 16;
+  header.recipe.sequence = "/data/kitchen";
+  header.recipe.models = "/data/kitchen/models";
+  header.recipe.poses = {PoseSource::kTrajectory, "/data/poses.txt", "77aa"};
+  header.recipe.detector = {DetectorSource::kNetwork, "/data/fastestdet.onnx", "00ff"};
+  header.recipe.edges = EdgeChoice{EdgeSource::kGradient, {}, {}};
+  header.recipe.options.alpha = random.Uniform();
+  header.recipe.seed = 0xFFFFFFFFFFFFFFF0ull + seed % 16;
+  header.recipe.frames = {3, 600, 2};
   header.program_version = "0.1.0";
-  header.sequence_path = "data/kitchen";
   header.sequence_hash = "0123456789abcdef";
-  header.models_path = "data/kitchen/models";
   header.models_hash = "fedcba9876543210";
-  header.detector = "onnx fastestdet.onnx 00ff";
-  header.edges = "gradient";
-  header.poses = "vio";
   header.models = {{"chair_kitchen", "chair"}, {"mug \"A\"", "cup"}};
   header.gravity_in_world =
       Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized();
   header.floor_in_world = Eigen::Vector4d(0, 0, 1, random.Gaussian());
   header.camera = {640, 480, 525.1 + random.Uniform(), 525, 319.5, 239.5};
   header.rate_hz = 29.97;
-  header.first_frame = 3;
   header.end_frame = 600;
-  header.frame_step = 2;
   header.started = "2018-09-08 12:00";
   return header;
 }

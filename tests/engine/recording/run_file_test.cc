@@ -65,7 +65,7 @@ TEST(RunFile, KeepsTheHeader) {
   WriteFrames(folder.path() / "run.plb", 1);
   const auto reader = OpenRun(folder.path() / "run.plb");
   EXPECT_EQ(HeaderToJson(reader->header()), HeaderToJson(RandomHeader(1)));
-  EXPECT_EQ(reader->header().seed, RandomHeader(1).seed);
+  EXPECT_EQ(reader->header().recipe.seed, RandomHeader(1).recipe.seed);
   EXPECT_EQ(reader->header().gravity_in_world, RandomHeader(1).gravity_in_world);
   EXPECT_EQ(reader->header().camera, RandomHeader(1).camera);
   EXPECT_EQ(reader->header().models, RandomHeader(1).models);
@@ -272,7 +272,7 @@ TEST(RunFile, ResumesBehindTheLastCompleteFrame) {
   WriteFrames(file, 5);
   RunHeader header = RandomHeader(1);
   header.end_frame = 900;
-  header.sequence_path = "elsewhere";
+  header.recipe.sequence = "/elsewhere";
   Result<RunWriter::Resumed> resumed = RunWriter::OpenToResume(file, header);
   ASSERT_TRUE(resumed.ok()) << resumed.error().message;
   ASSERT_TRUE(resumed->last.has_value());
@@ -299,13 +299,14 @@ TEST(RunFile, DoesNotResumeARunOfOtherOptionsSeedOrInputs) {
     return resumed.ok() ? std::string("resumed") : resumed.error().message;
   };
   using testing::HasSubstr;
-  EXPECT_THAT(message([](RunHeader& h) { h.options["particles"] = 200; }),
+  EXPECT_THAT(message([](RunHeader& h) { h.recipe.options.particles = 200; }),
               HasSubstr("option 'particles' of the run to resume was 500 and now is 200"));
-  EXPECT_THAT(message([](RunHeader& h) { h.options["new"] = 1; }), HasSubstr("option 'new'"));
-  EXPECT_THAT(message([](RunHeader& h) { ++h.seed; }), HasSubstr("the seed"));
+  EXPECT_THAT(message([](RunHeader& h) { h.recipe.poses.hash = "0"; }), HasSubstr("of poses"));
+  EXPECT_THAT(message([](RunHeader& h) { ++h.recipe.seed; }), HasSubstr("the seed"));
   EXPECT_THAT(message([](RunHeader& h) { h.models_hash = "0"; }), HasSubstr("the model database"));
-  EXPECT_THAT(message([](RunHeader& h) { h.detector = "dataset"; }), HasSubstr("the detector"));
-  EXPECT_THAT(message([](RunHeader& h) { h.frame_step = 1; }), HasSubstr("the frame range"));
+  EXPECT_THAT(message([](RunHeader& h) { h.recipe.detector = {}; }), HasSubstr("the detector"));
+  EXPECT_THAT(message([](RunHeader& h) { h.recipe.frames.step = 1; }),
+              HasSubstr("the frame range"));
   EXPECT_EQ(message([](RunHeader&) {}), "resumed");
 }
 

@@ -18,13 +18,13 @@ class RunForkTest : public testing::Test {
  protected:
   RunForkTest() {
     WriteDrawnSequence(folder_.path() / "sequence", {.frames = 30});
-    live_.pipeline.sequence = folder_.path() / "sequence";
-    live_.pipeline.seed = 3;
+    mapping_.recipe.sequence = folder_.path() / "sequence";
+    mapping_.recipe.seed = 3;
     after_.alpha = 1;
     after_.search_radius_px = 9;
   }
   std::unique_ptr<SnapshotSource> Live() const {
-    auto source = OpenMappingSource(live_, WorkContext());
+    auto source = OpenMappingSource(mapping_, WorkContext());
     EXPECT_TRUE(source.ok()) << source.error().message;
     return std::move(source).value();
   }
@@ -42,7 +42,7 @@ class RunForkTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  MappingChoice live_;
+  MappingChoice mapping_;
   MapperOptions after_;
 };
 
@@ -69,7 +69,7 @@ TEST_F(RunForkTest, ALiveRunIsForkedAtAnyFrameThatItHasMapped) {
                           [&](const RunEvent& event) {
                             return event.event.kind == EventKind::kOptionsChanged &&
                                    event.frame == 10 &&
-                                   event.event.text == DescribeOptionChanges({}, after_);
+                                   event.event.option_changes == OptionChanges({}, after_);
                           }),
             1);
 }
@@ -83,16 +83,16 @@ TEST_F(RunForkTest, TheOptionsOfEveryFrameAreKnownAfterwards) {
   const auto run = Open(source->recording());
   const auto options = OptionHistory::Read(*run);
   ASSERT_TRUE(options.ok());
-  EXPECT_EQ(DescribeOptionChanges(options->At(9), {}), "");
-  EXPECT_EQ(DescribeOptionChanges(options->At(10), after_), "");
-  EXPECT_EQ(DescribeOptionChanges(options->newest(), after_), "");
+  EXPECT_EQ(OptionChanges(options->At(9), {}), "");
+  EXPECT_EQ(OptionChanges(options->At(10), after_), "");
+  EXPECT_EQ(OptionChanges(options->newest(), after_), "");
   // What the fork took over changed options, but not those that the fork goes on with.
   const auto fork = Open(folder_.path() / "back.plb");
   EXPECT_EQ(fork->header().forked_after, 14);
-  EXPECT_EQ(DescribeOptionChanges(OptionHistory::Read(*fork)->newest(), {}), "");
-  EXPECT_THAT(
-      ChangesOnTheWay("first", run->header(), run->Events().value()),
-      testing::ElementsAre("first run, from frame 10: " + DescribeOptionChanges({}, after_)));
+  EXPECT_EQ(OptionChanges(OptionHistory::Read(*fork)->newest(), {}), "");
+  EXPECT_THAT(ChangesOnTheWay("first", run->header(), run->Events().value()),
+              testing::ElementsAre("first run, from frame 10: " +
+                                   DescribeOptionChanges(OptionChanges({}, after_))));
   EXPECT_THAT(ChangesOnTheWay("other", fork->header(), fork->Events().value()), testing::IsEmpty());
 }
 
@@ -114,14 +114,14 @@ TEST_F(RunForkTest, AStoppedForkKeepsWhatIsDone) {
 
 TEST_F(RunForkTest, ARecordedRunKeepsItsOptions) {
   {
-    live_.out = folder_.path() / "run.plb";
+    mapping_.out = folder_.path() / "run.plb";
     const auto source = Live();
     MapTo(*source, 3);
   }
-  auto run = OpenRunSource({live_.out, {}, {}}, WorkContext());
+  auto run = OpenRunSource({mapping_.out, {}, {}}, WorkContext());
   ASSERT_TRUE(run.ok());
   EXPECT_EQ((*run)->SetOptions(after_).error().code, ErrorCode::kUnsupported);
-  EXPECT_EQ((*run)->recording(), live_.out);
+  EXPECT_EQ((*run)->recording(), mapping_.out);
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/registration/sequence_alignment.h"
 
-#include <numbers>
 #include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 #include "tests/support/test_data.h"
 
@@ -16,8 +16,6 @@ namespace {
 using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-
-constexpr double kDegrees = std::numbers::pi / 180;
 
 /// Neither frame is z-up, so that nothing is right by accident.
 class SequenceAlignmentTest : public testing::Test {
@@ -94,7 +92,7 @@ TEST_F(SequenceAlignmentTest, SaysHowSureItIsOfNoisyPairsOfBothSorts) {
     squares += turn * turn;
     expected += found->azimuth_std_rad * found->azimuth_std_rad;
     EXPECT_EQ(found->residuals.size(), pairs.size());
-    EXPECT_LT(turn, 1.5 * kDegrees);
+    EXPECT_LT(turn, 1.5 * kRadPerDeg);
   }
   EXPECT_LT(squares, 4 * expected);
   EXPECT_GT(squares, expected / 4);
@@ -143,7 +141,7 @@ TEST_F(SequenceAlignmentTest, LaysSparsePointsOntoAScanFromNothingKnown) {
           [&](const Vector3d& p) { return (p - scan_from_level_ * Vector3d(2.5, 1.5, 1)).norm(); },
           testing::Lt(0.01)));
   EXPECT_LT(AngleAxisd(found->scan_from_world.linear().transpose() * truth_.linear()).angle(),
-            0.5 * kDegrees);
+            0.5 * kRadPerDeg);
   ExpectUpright(found->scan_from_world);
   EXPECT_GT(found->share, 0.7);
   EXPECT_LT(found->share, 0.97) << "far points are left out";
@@ -161,7 +159,7 @@ TEST_F(SequenceAlignmentTest, MatchesMappedObjectsToAnnotatedOnesOfTheirKind) {
   std::vector<PosedObject> annotated, mapped;
   const auto add = [&](const char* kind, double x, double y, double azimuth_deg, bool is_mapped) {
     const Isometry3d in_level =
-        Eigen::Translation3d(x, y, 0) * AngleAxisd(azimuth_deg * kDegrees, Vector3d::UnitZ());
+        Eigen::Translation3d(x, y, 0) * AngleAxisd(azimuth_deg * kRadPerDeg, Vector3d::UnitZ());
     annotated.push_back({kind, scan_from_level_ * in_level});
     if (!is_mapped) return;
     const Isometry3d off =
@@ -182,7 +180,7 @@ TEST_F(SequenceAlignmentTest, MatchesMappedObjectsToAnnotatedOnesOfTheirKind) {
   const Vector3d middle = scan_from_level_ * Vector3d(0.4, 0.9, 0);
   EXPECT_LT((found->scan_from_world * truth_.inverse() * middle - middle).norm(), 0.06);
   EXPECT_LT(AngleAxisd(found->scan_from_world.linear().transpose() * truth_.linear()).angle(),
-            4 * kDegrees);
+            4 * kRadPerDeg);
   ExpectUpright(found->scan_from_world);
   ASSERT_EQ(found->residuals.size(), 6u);
   for (int i = 0; i < 4; ++i) EXPECT_LT(found->residuals[static_cast<std::size_t>(i)], 0.12);

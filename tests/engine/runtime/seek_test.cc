@@ -68,10 +68,10 @@ void WriteSequence(const std::filesystem::path& folder) {
 void WriteRun(const std::filesystem::path& file, const std::filesystem::path& sequence,
               const std::filesystem::path& models) {
   RunHeader header = RandomHeader(1);
-  header.sequence_path = sequence.string();
-  header.models_path = models.string();
+  header.recipe.sequence = sequence;
+  header.recipe.models = models;
   header.models = {{"box", "chair"}};
-  header.edges = "gradient";
+  header.recipe.edges = EdgeChoice{EdgeSource::kGradient, {}, {}};
   header.camera = {960, 500, 600, 600, 480, 250};
   auto writer = RunWriter::Create(file, header);
   ASSERT_TRUE(writer.ok()) << writer.error().message;

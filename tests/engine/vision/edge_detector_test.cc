@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/timer.h"
+#include "engine/geometry/angles.h"
 #include "tests/engine/vision/edge_images.h"
 #include "tests/support/test_data.h"
 #include "tests/support/tiny_sequence.h"
@@ -13,8 +14,6 @@ namespace plumbline {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 EdgeMap Detect(EdgeDetector& detector, const cv::Mat& image) {
   Frame frame;
@@ -25,7 +24,7 @@ EdgeMap Detect(EdgeDetector& detector, const cv::Mat& image) {
 TEST(GradientEdges, KnowTheNormalOfAStepAtEveryAngleAndAreOnePixelWide) {
   const auto detector = CreateEdgeDetector("gradient", nullptr).value();
   for (int degrees = 0; degrees < 180; degrees += 3) {
-    const StraightEdge edge{degrees * kDegree, 0.3};
+    const StraightEdge edge{degrees * kRadPerDeg, 0.3};
     const LineQuality quality = MeasureLine(Detect(*detector, StepImage(edge, 80, 0)), edge);
     EXPECT_LT(quality.worst_angle_deg, 3) << degrees;
     EXPECT_NEAR(quality.pixels_per_step, 1, 0.03) << degrees;
@@ -37,7 +36,7 @@ TEST(GradientEdges, KnowTheNormalOfAStepAtEveryAngleAndAreOnePixelWide) {
 TEST(GradientEdges, StandTheNoiseOfACamera) {
   const auto detector = CreateEdgeDetector("gradient", nullptr).value();
   for (int degrees = 0; degrees < 180; degrees += 15) {
-    const StraightEdge edge{degrees * kDegree, 0.3};
+    const StraightEdge edge{degrees * kRadPerDeg, 0.3};
     const LineQuality quality = MeasureLine(Detect(*detector, StepImage(edge, 40, 4)), edge, 64);
     EXPECT_LT(quality.mean_angle_deg, 5) << degrees;
     EXPECT_NEAR(quality.pixels_per_step, 1, 0.15) << degrees;  // noise makes it sway by a pixel
@@ -90,7 +89,7 @@ class TrialNetwork : public testing::Test {
 
 TEST_F(TrialNetwork, KnowsTheNormalOfAStepAndIsOnePixelWide) {
   for (int degrees = 0; degrees < 180; degrees += 30) {
-    const StraightEdge edge{degrees * kDegree, 0.3, 300};
+    const StraightEdge edge{degrees * kRadPerDeg, 0.3, 300};
     const EdgeMap edges = Detect(*detector_, StepImage(edge, 80, 3));
     EXPECT_EQ(edges.probability.size(), cv::Size(300, 300));  // padded to 640x480 inside
     const LineQuality quality = MeasureLine(edges, edge);
@@ -100,7 +99,7 @@ TEST_F(TrialNetwork, KnowsTheNormalOfAStepAndIsOnePixelWide) {
 }
 
 TEST_F(TrialNetwork, ShrinksLargerImages) {
-  const StraightEdge edge{60 * kDegree, 0.3, 900};
+  const StraightEdge edge{60 * kRadPerDeg, 0.3, 900};
   const LineQuality quality = MeasureLine(Detect(*detector_, StepImage(edge, 80, 3)), edge);
   EXPECT_LT(quality.mean_angle_deg, 3);
   EXPECT_NEAR(quality.pixels_per_step, 1, 0.2);

@@ -4,16 +4,15 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "engine/geometry/angles.h"
 #include "tests/engine/vision/edge_images.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
 TEST(ThinRidges, FindsTheNormalOfARidgeAtEveryAngleAndThinsItToOnePixel) {
   for (int degrees = 0; degrees < 180; degrees += 3) {
-    const StraightEdge line{degrees * kDegree, 0.3};
+    const StraightEdge line{degrees * kRadPerDeg, 0.3};
     cv::Mat soft(line.side_px, line.side_px, CV_32FC1);
     for (int y = 0; y < soft.rows; ++y) {
       for (int x = 0; x < soft.cols; ++x) {

@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/files.h"
+#include "engine/geometry/angles.h"
 #include "engine/render/renderer.h"
 #include "tests/support/furniture_models.h"
 #include "tests/support/meshes.h"
@@ -17,8 +18,6 @@
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 CadModel ModelOf(TriangleMesh mesh, int symmetry_order = 1) {
   CadModel model;
@@ -60,9 +59,10 @@ std::vector<Viewpoint> ViewpointsOf(const CadModel& model, const ViewpointModelO
   std::vector<Viewpoint> viewpoints;
   for (const double ratio : options.distances) {
     for (int e = 0; e < options.elevations; ++e) {
-      const double elevation = kDegree * (options.min_elevation_deg +
-                                          (options.max_elevation_deg - options.min_elevation_deg) *
-                                              e / (options.elevations - 1));
+      const double elevation =
+          kRadPerDeg *
+          (options.min_elevation_deg +
+           (options.max_elevation_deg - options.min_elevation_deg) * e / (options.elevations - 1));
       for (int a = 0; a < options.azimuths; ++a) {
         const double azimuth = 2 * std::numbers::pi * a / options.azimuths;
         const Eigen::Vector3d from_center(std::cos(elevation) * std::cos(azimuth),
@@ -80,7 +80,7 @@ std::vector<Viewpoint> ViewpointsOf(const CadModel& model, const ViewpointModelO
         object_from_cam.translation() = origin;
         viewpoint.cam_from_object = object_from_cam.inverse();
         viewpoint.camera_in_object = origin.cast<float>();
-        const double sine = std::min(radius / viewpoint.distance, std::sin(65 * kDegree));
+        const double sine = std::min(radius / viewpoint.distance, std::sin(65 * kRadPerDeg));
         const double focal = (options.image_px - 12) * std::sqrt(1 - sine * sine) / (2 * sine);
         const double middle = 0.5 * (options.image_px - 1);
         viewpoint.camera = {options.image_px, options.image_px, focal, focal, middle, middle};
@@ -142,7 +142,7 @@ class ConvexSilhouette {
       const double away = std::abs((pixel - a).dot(across));
       if (away > 2 || t < -4 || t > length + 4) continue;
       const double sign = Inside((a + b) / 2 + across) < Inside((a + b) / 2 - across) ? 1 : -1;
-      if (normal && normal->dot(sign * across) < std::cos(8 * kDegree)) return std::nullopt;
+      if (normal && normal->dot(sign * across) < std::cos(8 * kRadPerDeg)) return std::nullopt;
       normal = sign * across;
     }
     return normal;
@@ -169,7 +169,7 @@ void ExpectOnSilhouette(const CadModel& model, const ViewpointModelOptions& opti
       const double error_rad = std::acos(std::min(1.0, normal->dot(point.normal)));
       ++judged;
       sum_rad += error_rad;
-      turned += error_rad > 16 * kDegree;
+      turned += error_rad > 16 * kRadPerDeg;
     }
     const double length_m = silhouette.Length() / viewpoint.camera.fx * viewpoint.distance;
     EXPECT_NEAR(view.length_per_point_m * static_cast<float>(view.size), length_m,
@@ -177,7 +177,7 @@ void ExpectOnSilhouette(const CadModel& model, const ViewpointModelOptions& opti
   }
   EXPECT_EQ(off, 0) << "of " << compared << " points lie off the silhouette";
   // Half a bin of the search table is 5.6 degrees; it accepts 25.
-  EXPECT_LE(sum_rad / judged, 5 * kDegree);
+  EXPECT_LE(sum_rad / judged, 5 * kRadPerDeg);
   // A corner seen at 176 pixels may point along its other side.
   EXPECT_LE(turned, 0.004 * judged) << "of " << judged << " normals point elsewhere";
 }
@@ -202,7 +202,7 @@ TEST(ViewpointModel, PointsOfASphereLieOnItsOutline) {
     for (const Projected& point : Project(views->View(viewpoint.camera_in_object), viewpoint)) {
       const double from_middle = cv::norm(point.pixel - middle);
       EXPECT_NEAR(from_middle, outline_px, 0.5);
-      EXPECT_GT(point.normal.dot((point.pixel - middle) / from_middle), std::cos(16 * kDegree));
+      EXPECT_GT(point.normal.dot((point.pixel - middle) / from_middle), std::cos(16 * kRadPerDeg));
     }
   }
 }
@@ -315,12 +315,12 @@ TEST(ViewpointModel, InnerLinesAreCreasesAndStepsOfColour) {
           viewpoint.cam_from_object.linear() * Eigen::Vector3d(view.nx[i], view.ny[i], view.nz[i]);
       const double off_rad = std::asin(std::abs(line.normalized().dot(normal.head<2>())));
       sum_rad += off_rad;
-      turned += off_rad > 16 * kDegree ? 1 : 0;
+      turned += off_rad > 16 * kRadPerDeg ? 1 : 0;
     }
   }
   EXPECT_GT(creases, 2000);
   EXPECT_GT(marks, 500);
-  EXPECT_LT(sum_rad / marks, 5 * kDegree);
+  EXPECT_LT(sum_rad / marks, 5 * kRadPerDeg);
   EXPECT_LE(turned, 0.06 * marks) << "of " << marks << ": where the mark ends, the window is cut";
 }
 
@@ -334,7 +334,7 @@ TEST(ViewpointModel, TakesTheNearestView) {
     const Eigen::Vector3f from_center = viewpoint.camera_in_object - center;
     const Eigen::Vector3f near =
         center +
-        1.05f * (Eigen::AngleAxisf(static_cast<float>(8 * kDegree), Eigen::Vector3f::UnitZ()) *
+        1.05f * (Eigen::AngleAxisf(static_cast<float>(8 * kRadPerDeg), Eigen::Vector3f::UnitZ()) *
                  from_center);
     EXPECT_EQ(views->View(near).x, exact.x);
   }

@@ -7,14 +7,13 @@
 #include <cmath>
 #include <optional>
 
+#include "engine/geometry/angles.h"
 #include "engine/snapshot/comparison_view.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 57.29577951308232;
 
 struct ShownToggle {
   const char* name;
@@ -166,7 +165,7 @@ class WhatIfPanel : public Panel {
   static void ErrorText(const std::optional<TruthError>& error) {
     if (error)
       ImGui::Text("%.1f cm  %.0f\u00b0", 100.0 * error->translation_m,
-                  kDegrees * error->azimuth_rad);
+                  kDegPerRad * error->azimuth_rad);
     else
       DimText("\u2013");
   }
@@ -174,7 +173,7 @@ class WhatIfPanel : public Panel {
   /// Modulo the symmetry of the shape [deg].
   static double Turned(const FrameContext& context, const ObjectPair& pair) {
     const ModelView* model = context.Model(pair.a->label);
-    const double turned = kDegrees * pair.azimuth_rad;
+    const double turned = kDegPerRad * pair.azimuth_rad;
     if (model == nullptr || pair.a->label != pair.b->label) return turned;
     if (model->any_azimuth) return 0;
     const double period = 360.0 / std::max(1, model->symmetry_order);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/angles.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"
@@ -13,8 +14,6 @@
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 57.29577951308232;
 
 class ParticlesPanel : public Panel {
  public:
@@ -102,7 +101,7 @@ class ParticlesPanel : public Panel {
     DimText("weight %.4f%s", std::exp(particle.log_weight), RankOf(context, index).c_str());
     DimText("comes from particle %d of the frame before", int{particle.ancestor});
     DimText("distance %.2f m", std::exp(particle.rho));
-    DimText("azimuth %.0f\u00b0", particle.azimuth * kDegrees);
+    DimText("azimuth %.0f\u00b0", particle.azimuth * kDegPerRad);
     DimText("\u03a6 detector %.2f   \u03a6 edges %.2f", particle.phi_cnn, particle.phi_edge);
     ImGui::EndTooltip();
   }

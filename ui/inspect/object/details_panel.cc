@@ -6,14 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 57.29577951308232;
 
 void Fact(const FrameContext& context, const char* name, const std::string& value,
           const char* help) {
@@ -89,8 +88,8 @@ class DetailsPanel : public Panel {
     } else {
       Fact(context, "azimuth",
            fmt::format("{:.0f}\u00b0 \u00b1 {:.1f}\u00b0",
-                       kDegrees * upright.Azimuth(object.world_from_object.linear()),
-                       kDegrees * std::sqrt(std::max(0.0, object.covariance(3, 3)))),
+                       kDegPerRad * upright.Azimuth(object.world_from_object.linear()),
+                       kDegPerRad * std::sqrt(std::max(0.0, object.covariance(3, 3)))),
            "Angle about up from the world's +x to the object's front.");
     }
     Fact(context, "evidence", fmt::format("{:+.1f}", object.log_evidence),
@@ -140,8 +139,8 @@ class DetailsPanel : public Panel {
       ImGui::Text("%3.0f %%", 100 * mode.weight);
       ImGui::SameLine();
       DimText("azimuth %.0f\u00b0 \u00b1 %.1f\u00b0,  \u00b1 %.1f cm",
-              kDegrees * upright.Azimuth(mode.world_from_object.linear()),
-              kDegrees * mode.azimuth_std_rad, 100 * mode.position_std_m);
+              kDegPerRad * upright.Azimuth(mode.world_from_object.linear()),
+              kDegPerRad * mode.azimuth_std_rad, 100 * mode.position_std_m);
     }
   }
 };

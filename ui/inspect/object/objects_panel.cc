@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
@@ -12,7 +13,6 @@
 namespace plumbline {
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
 constexpr double kNarrowest = 790;  ///< Narrower than this the table scrolls sideways.
 
 struct Column {
@@ -149,7 +149,7 @@ class ObjectsPanel : public Panel {
     }
     ImGui::TableNextColumn();
     ImGui::PushStyleColor(ImGuiCol_Text, StateColor(object.state));
-    ImGui::TextUnformatted(StateName(object.state));
+    ImGui::TextUnformatted(NameOf(object.state).data());
     ImGui::PopStyleColor();
     ImGui::TableNextColumn();
     TextRight(colors::kText, fmt::format("{:.0f} %", 100 * there));
@@ -160,7 +160,7 @@ class ObjectsPanel : public Panel {
       TextRight(colors::kFaint, "round");
       Tooltip(context, "The model looks the same from all sides.");
     } else {
-      TextRight(colors::kText, fmt::format("\u00b1 {:.1f}\u00b0", kDegrees * azimuth_std_rad));
+      TextRight(colors::kText, fmt::format("\u00b1 {:.1f}\u00b0", kDegPerRad * azimuth_std_rad));
     }
     const ImU32 seen = object.weighed ? colors::kText : colors::kFaint;
     ImGui::TableNextColumn();

@@ -7,13 +7,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "engine/geometry/angles.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegrees = 57.29577951308232;
 
 struct Column {
   const char* name;
@@ -31,7 +30,7 @@ constexpr Column kColumns[] = {
      [](const Particle& p) { return std::exp(double{p.rho}); }},
     {"x", "Bearing to the right, X/Z.", [](const Particle& p) { return double{p.x_c}; }},
     {"y", "Bearing down, Y/Z.", [](const Particle& p) { return double{p.y_c}; }},
-    {"Azimuth", "About up [\u00b0].", [](const Particle& p) { return kDegrees * p.azimuth; }},
+    {"Azimuth", "About up [\u00b0].", [](const Particle& p) { return kDegPerRad * p.azimuth; }},
     {"Model", "Its shape.", [](const Particle& p) { return double(p.label); }},
     {"From", "The particle of the last weighed frame that it comes from.",
      [](const Particle& p) { return double(p.ancestor); }},

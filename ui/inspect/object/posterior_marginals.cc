@@ -5,17 +5,16 @@
 #include <cmath>
 #include <vector>
 
+#include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
-
 Parameters At(const Eigen::Vector3d& center_in_cam, double azimuth_rad) {
   const double z = std::max(0.05, center_in_cam.z());
-  return {{kDegrees * std::atan(center_in_cam.x() / z), kDegrees * std::atan(center_in_cam.y() / z),
-           std::log(z), kDegrees * azimuth_rad}};
+  return {{kDegPerRad * std::atan(center_in_cam.x() / z),
+           kDegPerRad * std::atan(center_in_cam.y() / z), std::log(z), kDegPerRad * azimuth_rad}};
 }
 
 const SequenceView::Truth* TruthOf(const FrameContext& context) {
@@ -55,7 +54,7 @@ std::optional<Parameters> TruthParameters(const FrameContext& context, const Obj
 Marginals MarginalsOf(const FrameContext& context, const ObjectReport& object) {
   const std::vector<Particle>& particles = *object.particles;
   const UprightFrame upright(-context.sequence->up_in_world);
-  const double around = kDegrees * upright.Azimuth(object.world_from_object.linear());
+  const double around = kDegPerRad * upright.Azimuth(object.world_from_object.linear());
   std::vector<Parameters> places;
   std::vector<double> weights;
   double sum = 0;

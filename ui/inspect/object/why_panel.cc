@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/angles.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
@@ -13,8 +14,6 @@
 
 namespace plumbline {
 namespace {
-
-constexpr float kDegrees = 57.2957795f;
 
 ImU32 ColorOf(const ProbedHypothesis& hypothesis, ObjectId object) {
   return hypothesis.is_truth ? colors::kTruth : ObjectColor(object);
@@ -151,7 +150,7 @@ class WhyPanel : public Panel {
     ImGui::TextUnformatted(model != nullptr ? model->name.c_str() : "?");
     ImGui::TableNextColumn();
     if (h.from_truth_m && !h.is_truth)
-      ImGui::Text("%.0f cm, %.0f\u00b0", 100 * *h.from_truth_m, kDegrees * *h.from_truth_rad);
+      ImGui::Text("%.0f cm, %.0f\u00b0", 100 * *h.from_truth_m, kDegPerRad * *h.from_truth_rad);
     ImGui::TableNextColumn();
     ImGui::Text("%.2f", h.phi_cnn);
     ImGui::TableNextColumn();

@@ -8,10 +8,11 @@
 #include <limits>
 #include <map>
 
+#include "engine/geometry/angles.h"
+
 namespace plumbline {
 namespace {
 
-constexpr float kDegrees = 57.2957795f;
 constexpr const char* kNeedsTruth = "needs ground truth: no object is within 1 m of a true one";
 
 using Sample = ObjectSample;
@@ -20,7 +21,7 @@ constexpr PlottedQuantity kQuantities[] = {
     {"position", "Position spread", "cm", "Standard deviation of the position.",
      [](const Sample& s) -> std::optional<float> { return 100 * s.position_std_m; }, ""},
     {"azimuth", "Azimuth spread", "\u00b0", "Standard deviation of the azimuth.",
-     [](const Sample& s) -> std::optional<float> { return kDegrees * s.azimuth_std_rad; }, ""},
+     [](const Sample& s) -> std::optional<float> { return kDegPerRad * s.azimuth_std_rad; }, ""},
     {"error", "Error of position", "cm",
      "Distance of the mean from the nearest true object of its category.",
      [](const Sample& s) -> std::optional<float> {
@@ -30,7 +31,7 @@ constexpr PlottedQuantity kQuantities[] = {
     {"turned", "Error of azimuth", "\u00b0",
      "Angle from the nearest true object of its category, modulo its symmetry.",
      [](const Sample& s) -> std::optional<float> {
-       return s.error ? std::optional(kDegrees * s.error->azimuth_rad) : std::nullopt;
+       return s.error ? std::optional(kDegPerRad * s.error->azimuth_rad) : std::nullopt;
      },
      kNeedsTruth},
     {"cnn", "\u03a6 detector", "", "Detector term of the score at the mean.",

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "engine/base/result.h"
+#include "engine/dataset/sequence.h"
+#include "engine/mapping/mapper_options.h"
+
+namespace plumbline {
+
+/// Frames A:B:S of a sequence: from A, before B, every S-th.
+struct FrameRange {
+  int begin = 0;
+  std::optional<int> end;
+  int step = 1;
+  bool operator==(const FrameRange&) const = default;
+};
+
+/// Parses "A:B" or "A:B:S" (parts may be left out). Errors: kInvalidInput.
+Result<FrameRange> ParseFrameRange(std::string_view text);
+
+enum class PoseSource { kDataset, kTrajectory };
+enum class EdgeSource { kDataset, kGradient, kNetwork };
+enum class DetectorSource { kDataset, kNetwork };
+enum class ScorerKind { kViewpoint, kRendered };
+
+template <>
+struct EnumNames<PoseSource> {
+  static constexpr std::string_view names[] = {"dataset", "trajectory"};
+};
+template <>
+struct EnumNames<EdgeSource> {
+  static constexpr std::string_view names[] = {"dataset", "gradient", "network"};
+};
+template <>
+struct EnumNames<DetectorSource> {
+  static constexpr std::string_view names[] = {"dataset", "network"};
+};
+template <>
+struct EnumNames<ScorerKind> {
+  static constexpr std::string_view names[] = {"viewpoint", "rendered"};
+};
+
+/// Where one input of a run comes from. `file` (a network, a trajectory) belongs to the last of the
+/// sources; `hash` is that of its content, known once it has been opened.
+template <typename Source>
+struct InputChoice {
+  Source source{};
+  std::filesystem::path file;
+  std::string hash;
+
+  /// Whether both give the same, wherever their files lie.
+  bool SameContent(const InputChoice& other) const {
+    return source == other.source && hash == other.hash;
+  }
+};
+using PoseChoice = InputChoice<PoseSource>;
+using EdgeChoice = InputChoice<EdgeSource>;
+using DetectorChoice = InputChoice<DetectorSource>;
+
+/// Everything that a run depends on, as data. MappingPipeline::Open makes a run from it; the run
+/// file stores it, and resume, fork, probe, comparison and pictures start from what is stored.
+struct RunRecipe {
+  std::filesystem::path sequence;
+  std::filesystem::path models;  ///< Empty: the sequence's own.
+  PoseChoice poses;
+  DetectorChoice detector;
+  std::optional<EdgeChoice> edges;  ///< Nothing: dataset where there are any, else gradient.
+  ScorerKind scorer = ScorerKind::kViewpoint;
+  MapperOptions options;
+  std::uint64_t seed = 0;
+  FrameRange frames;
+};
+
+/// As the command line writes them: the name of a source, or the path of a file. A file that has
+/// the name of a source is written with its folder ("./gradient").
+PoseChoice ParsePoses(const std::string& text);
+EdgeChoice ParseEdges(const std::string& text);
+DetectorChoice ParseDetector(const std::string& text);
+/// The reverse; CreateEdgeDetector and CreateDetector take it.
+std::string ToText(const PoseChoice& choice);
+std::string ToText(const EdgeChoice& choice);
+std::string ToText(const DetectorChoice& choice);
+
+std::string_view NameOf(ScorerKind kind);
+
+/// Options as a file has them; with a warning in the log for each that this version does not know.
+MapperOptions KnownOptions(const nlohmann::json& stored);
+
+/// The sequence's own where it has any, else gradient.
+EdgeChoice DefaultEdges(const Sequence& sequence);
+
+/// {"version": 1, ..}, paths absolute.
+nlohmann::json RecipeToJson(const RunRecipe& recipe);
+/// Options that this version does not know are left out with a warning in the log. Errors:
+/// kUnsupported for a recipe of a newer version, kCorrupt; with what is wrong but no file name.
+Result<RunRecipe> RecipeFromJson(const nlohmann::json& json);
+
+}  // namespace plumbline

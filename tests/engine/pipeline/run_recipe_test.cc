@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/pipeline/run_recipe.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace plumbline {
+namespace {
+
+RunRecipe Recipe() {
+  RunRecipe recipe;
+  recipe.sequence = "/data/kitchen";
+  recipe.models = "/data/models";
+  recipe.poses = {PoseSource::kTrajectory, "/data/poses.txt", "0a"};
+  recipe.detector = {DetectorSource::kNetwork, "/nets/detector.onnx", "0b"};
+  recipe.edges = EdgeChoice{EdgeSource::kGradient, {}, {}};
+  recipe.scorer = ScorerKind::kRendered;
+  recipe.options.alpha = 0.1 + 0.2;
+  recipe.seed = 0xFFFFFFFFFFFFFFFFull;
+  recipe.frames = {3, 600, 2};
+  return recipe;
+}
+
+TEST(RunRecipe, IsTheSameAfterJson) {
+  const nlohmann::json json = RecipeToJson(Recipe());
+  const auto back = RecipeFromJson(nlohmann::json::parse(json.dump()));
+  ASSERT_TRUE(back.ok()) << back.error().message;
+  EXPECT_EQ(RecipeToJson(*back), json);
+  EXPECT_EQ(back->options.alpha, 0.1 + 0.2);
+  EXPECT_EQ(back->seed, 0xFFFFFFFFFFFFFFFFull);
+  EXPECT_EQ(back->frames, (FrameRange{3, 600, 2}));
+  EXPECT_TRUE(back->detector.SameContent(Recipe().detector));
+
+  RunRecipe least;
+  least.sequence = "/data/kitchen";
+  const auto least_back = RecipeFromJson(RecipeToJson(least));
+  ASSERT_TRUE(least_back.ok());
+  EXPECT_FALSE(least_back->edges.has_value());
+  EXPECT_TRUE(least_back->models.empty());
+}
+
+TEST(RunRecipe, OfANewerVersionIsRefusedWithASentence) {
+  nlohmann::json json = RecipeToJson(Recipe());
+  json["version"] = 99;
+  const auto refused = RecipeFromJson(json);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("update this program"));
+}
+
+TEST(RunRecipe, ThatIsDamagedIsAnError) {
+  const nlohmann::json whole = RecipeToJson(Recipe());
+  for (const auto& [key, value] : whole.items()) {
+    if (key == "models" || key == "edges") continue;
+    nlohmann::json json = whole;
+    json.erase(key);
+    EXPECT_FALSE(RecipeFromJson(json).ok()) << key;
+  }
+  nlohmann::json json = whole;
+  json["detector"]["source"] = "crystal ball";
+  EXPECT_FALSE(RecipeFromJson(json).ok());
+}
+
+TEST(RunRecipe, KeepsTheOptionsThatItKnows) {
+  const MapperOptions options = KnownOptions({{"alpha", 7}, {"of_the_future", 1}});
+  EXPECT_EQ(options.alpha, 7);
+}
+
+TEST(InputChoice, IsReadAsTheCommandLineWritesIt) {
+  EXPECT_EQ(ParseEdges("gradient").source, EdgeSource::kGradient);
+  EXPECT_EQ(ParseEdges("dataset").source, EdgeSource::kDataset);
+  EXPECT_EQ(ParseEdges("./gradient").source, EdgeSource::kNetwork);
+  EXPECT_EQ(ParseDetector("a b.onnx").file, "a b.onnx");
+  EXPECT_EQ(ParsePoses("poses.txt").source, PoseSource::kTrajectory);
+  for (const char* text : {"gradient", "dataset", "folder/net.onnx"})
+    EXPECT_EQ(ToText(ParseEdges(text)), text);
+}
+
+}  // namespace
+}  // namespace plumbline
