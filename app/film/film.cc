@@ -170,7 +170,7 @@ Result<int> FilmFrames(Application& application, const FilmRange& range, const W
     ++count;
     work.report({"filming the window", frame - first + 1, std::max(end - first, 1)});
     if (context.playback->state == PlaybackState::kFinished) break;
-    application.process()->Post(StepCommand{range.step});
+    application.Post(StepCommand{range.step});
     status = DrawUntil(application, work, picture,
                        [&] { return context.playback->frame != frame && shown(); });
     if (!status.ok()) return status.error();

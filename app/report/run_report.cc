@@ -12,9 +12,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "app/report/svg_plot.h"
+#include "engine/analysis/reliability.h"
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
-#include "engine/snapshot/calibration.h"
 
 namespace plumbline {
 namespace {
@@ -296,15 +296,15 @@ std::string EvaluationTable(const MapEvaluation& e) {
   return html + "</table></div>";
 }
 
-std::string Honesty(const RunReview& review) {
-  const Calibration c = CalibrationOf(review.history);
+std::string ReliabilityOfRun(const RunReview& review) {
+  const Reliability c = ReliabilityOf(review.history);
   if (c.poses == 0) return "";
   return fmt::format(
       "<p>Over the run, the truth lay in the 50 % region of the belief in <b>{:.0f} %</b> and in "
       "the 95 % region in <b>{:.0f} %</b> of {} poses of confirmed objects. The most likely shape "
       "was the true one in <b>{:.0f} %</b>, and believed at {:.0f} % on average.</p>",
       100.0 * c.within_50 / c.poses, 100.0 * c.within_95 / c.poses, c.poses,
-      c.labels() > 0 ? 100.0 * c.right() / c.labels() : 0.0, 100 * c.claimed());
+      c.labels > 0 ? 100.0 * c.right / c.labels : 0.0, 100 * c.claimed);
 }
 
 /// One line for each object that was ever confirmed.
@@ -489,7 +489,7 @@ std::string RunReportHtml(const RunReview& review, const std::vector<ReportPictu
       Escaped(name), kStyle, Escaped(review.header.program_version), Escaped(review.view.name));
   html += Cards(review, evaluation) + Pictures(pictures) + Plan(review) + ObjectTable(review);
   if (evaluation) html += EvaluationTable(*evaluation);
-  html += Honesty(review) + Plots(review) + Cost(review) + Appendix(review);
+  html += ReliabilityOfRun(review) + Plots(review) + Cost(review) + Appendix(review);
   return html + "</main></body></html>\n";
 }
 

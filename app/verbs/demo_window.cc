@@ -17,7 +17,7 @@ ApplicationOptions Options(const std::filesystem::path& sequence) {
   ApplicationOptions options;
   MappingChoice live;
   live.program_version = PLUMBLINE_VERSION;
-  options.opener = SourceOpener(live, {});
+  options.inspect.opener = SourceOpener(live, {});
   options.path = sequence.string();
   return options;
 }

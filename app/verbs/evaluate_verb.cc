@@ -6,12 +6,12 @@
 #include <optional>
 
 #include "app/verbs/verb.h"
+#include "engine/analysis/reliability.h"
 #include "engine/analysis/run_review.h"
 #include "engine/base/log.h"
 #include "engine/evaluation/map_evaluation.h"
 #include "engine/models/mesh_file.h"
 #include "engine/recording/run_summary.h"
-#include "engine/snapshot/calibration.h"
 
 namespace plumbline {
 namespace {
@@ -101,9 +101,9 @@ void PrintTable(const MapEvaluation& evaluation, const EvaluateArguments& argume
               Number("%.2f", degrees(evaluation.mean_all.rotation_rad)).c_str(), "4.7 - 9.1 VISMA");
 }
 
-nlohmann::json CalibrationToJson(const Calibration& c) {
+nlohmann::json ReliabilityToJson(const Reliability& c) {
   nlohmann::json bins = nlohmann::json::array();
-  for (const Calibration::Bin& bin : c.bins) {
+  for (const Reliability::Bin& bin : c.bins) {
     if (bin.labels > 0)
       bins.push_back({{"above", bin.above},
                       {"count", bin.labels},
@@ -119,7 +119,7 @@ nlohmann::json CalibrationToJson(const Calibration& c) {
 
 /// Whether the beliefs along the run were honest; nothing where the input is no run file, its
 /// frame is not that of the truth, or the models are not those of the run.
-std::optional<Calibration> Honesty(const EvaluateArguments& arguments) {
+std::optional<Reliability> ReliabilityOfRun(const EvaluateArguments& arguments) {
   if (std::filesystem::path(arguments.run).extension() != ".plb" || arguments.align != "none")
     return std::nullopt;
   const Result<RunReview> review =
@@ -128,17 +128,17 @@ std::optional<Calibration> Honesty(const EvaluateArguments& arguments) {
     log::warn("the beliefs along the run are not judged: {}", review.error().message);
     return std::nullopt;
   }
-  return CalibrationOf(review->history);
+  return ReliabilityOf(review->history);
 }
 
-void PrintHonesty(const Calibration& c) {
+void PrintReliability(const Reliability& c) {
   if (c.poses == 0) return;
   std::printf("\nbeliefs along the run (%d poses of confirmed objects)\n", c.poses);
   std::printf("%-34s %5.1f %%\n", "truth in the 50 % region", 100.0 * c.within_50 / c.poses);
   std::printf("%-34s %5.1f %%\n", "truth in the 95 % region", 100.0 * c.within_95 / c.poses);
-  if (c.labels() == 0) return;
+  if (c.labels == 0) return;
   std::printf("%-34s %5.1f %%, believed at %.1f %%\n", "most likely shape is the true one",
-              100.0 * c.right() / c.labels(), 100 * c.claimed());
+              100.0 * c.right / c.labels, 100 * c.claimed);
 }
 
 Status Evaluate(EvaluateArguments arguments) {
@@ -164,14 +164,14 @@ Status Evaluate(EvaluateArguments arguments) {
   const Result<MapEvaluation> evaluation =
       EvaluateMap(*estimates, *truth, **database, scan ? &*scan : nullptr, arguments.options);
   if (!evaluation) return evaluation.error();
-  const std::optional<Calibration> honesty = Honesty(arguments);
+  const std::optional<Reliability> reliability = ReliabilityOfRun(arguments);
   if (arguments.json != "-") {
     PrintTable(*evaluation, arguments);
-    if (honesty) PrintHonesty(*honesty);
+    if (reliability) PrintReliability(*reliability);
   }
   if (arguments.json.empty()) return {};
   nlohmann::json json = EvaluationToJson(*evaluation, arguments.options);
-  if (honesty) json["posterior"] = CalibrationToJson(*honesty);
+  if (reliability) json["posterior"] = ReliabilityToJson(*reliability);
   return WriteJsonResult(arguments.json, json);
 }
 

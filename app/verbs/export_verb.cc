@@ -3,13 +3,13 @@
 #include <memory>
 
 #include "app/verbs/verb.h"
+#include "engine/analysis/relations.h"
 #include "engine/analysis/run_tables.h"
 #include "engine/base/log.h"
 #include "engine/models/mesh_file.h"
 #include "engine/recording/map_mesh.h"
 #include "engine/recording/run_summary.h"
 #include "engine/runtime/run_source.h"
-#include "engine/snapshot/relations.h"
 
 namespace plumbline {
 namespace {

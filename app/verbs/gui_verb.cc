@@ -24,16 +24,16 @@ Status Gui(GuiArguments& arguments) {
   if (Status status = arguments.pipeline.Finish(); !status.ok()) return status;
   ApplicationOptions options;
   if (Status status = arguments.window.Apply(options); !status.ok()) return status;
-  options.inputs = {{}, arguments.sequence, arguments.pipeline.recipe.models};
-  options.opener =
-      SourceOpener({arguments.pipeline.recipe, arguments.out, PLUMBLINE_VERSION}, options.inputs);
+  options.inspect.inputs = {{}, arguments.sequence, arguments.pipeline.recipe.models};
+  options.inspect.opener = SourceOpener(
+      {arguments.pipeline.recipe, arguments.out, PLUMBLINE_VERSION}, options.inspect.inputs);
   const char* user = std::getenv("USER");
   options.annotation = {"", arguments.pipeline.recipe.models, arguments.sequence,
                         user != nullptr ? user : ""};
   options.path = arguments.path;
   options.compare = arguments.compare;
-  options.program_version = PLUMBLINE_VERSION;
-  options.present = arguments.demo;
+  options.inspect.program_version = PLUMBLINE_VERSION;
+  options.inspect.present = arguments.demo;
   options.start_frame = arguments.frame;
   auto application = Application::Create(std::move(options));
   if (!application.ok()) return application.error();

@@ -37,14 +37,14 @@ Status Render(RenderArguments& arguments) {
   ApplicationOptions options;
   if (Status status = arguments.window.Apply(options); !status.ok()) return status;
   options.settings.clear();  // the same film for everybody
-  options.opener = SourceOpener({arguments.pipeline.recipe, {}, PLUMBLINE_VERSION},
-                                {{}, arguments.sequence, arguments.pipeline.recipe.models});
+  options.inspect.opener = SourceOpener({arguments.pipeline.recipe, {}, PLUMBLINE_VERSION},
+                                        {{}, arguments.sequence, arguments.pipeline.recipe.models});
   options.path = arguments.path;
   options.start_frame = range.begin;
-  options.layout = *layout;
+  options.inspect.layout = *layout;
   options.light = arguments.light;
   options.ignore_pointer = true;
-  options.select = ObjectId{arguments.select};
+  options.inspect.select = ObjectId{arguments.select};
 
   // A display of its own even where there is one: nothing may cover the window while it is filmed.
   auto display = VirtualDisplay::Start(options.width, options.height);

@@ -5,17 +5,12 @@
 #include <cfloat>
 #include <utility>
 
-#include "app/window/inspect/bookmarks.h"
-#include "engine/base/files.h"
 #include "engine/base/log.h"
 #include "engine/base/timer.h"
-#include "engine/snapshot/annotation_snapshot.h"
 #include "ui/common/frame_bars.h"
 #include "ui/common/welcome.h"
-#include "ui/framework/shortcuts.h"
+#include "ui/common/window_actions.h"
 #include "ui/framework/widgets.h"
-#include "ui/inspect/panels.h"
-#include "ui/scene/map_scene.h"
 
 namespace plumbline {
 namespace {
@@ -23,7 +18,6 @@ namespace {
 constexpr int kSettleFrames = 3;
 constexpr double kNoteSeconds = 5;
 constexpr std::size_t kMaxRecent = 8;
-constexpr double kIdleWakeSeconds = 1.0, kBlinkWakeSeconds = 0.05, kPresentWaitSeconds = 0.01;
 
 }  // namespace
 
@@ -43,60 +37,42 @@ Result<std::unique_ptr<Application>> Application::Create(ApplicationOptions opti
 }
 
 Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWindow> window)
-    : options_(std::move(options)), window_(std::move(window)) {
-  backend_ = std::make_unique<ImGuiBackend>(*window_);
-  textures_ = std::make_unique<GlTextureStore>();
-  scene_ = CreateMapScene(window_->software_gl());
-  image_ = MakeImagePanel();
-  edges_ = MakeEdgesPanel();
-  depth_ = MakeDepthPanel();
-  masks_ = MakeMasksPanel();
-  particles_ = MakeParticlesPanel();
-  map_ = MakeScenePanel();
-  objects_ = MakeObjectsPanel();
-  relations_ = MakeRelationsPanel();
-  details_ = MakeDetailsPanel();
-  timings_ = MakeTimingsPanel();
-  timeline_ = MakeTimelinePanel();
-  why_ = MakeWhyPanel();
-  particle_table_ = MakeParticleTablePanel();
-  posterior_ = MakePosteriorPanel();
-  flow_ = MakeFlowPanel();
-  what_if_panel_ = MakeWhatIfPanel();
-  other_image_ = MakeOtherImagePanel();
-  for (const auto* panel :
-       {&image_, &edges_, &depth_, &masks_, &particles_, &map_, &objects_, &relations_, &details_,
-        &timings_, &timeline_, &why_, &particle_table_, &posterior_, &flow_, &what_if_panel_}) {
-    panels_.push_back(panel->get());
-  }
-  views_ = std::make_unique<ImageViews>(
-      ImageViews::Panels{image_.get(), edges_.get(), depth_.get(), masks_.get(), particles_.get()});
-  context_.playback = std::make_shared<const PlaybackView>();
-  annotate_ =
-      std::make_unique<AnnotateWorkspace>(options_.annotation, window_->software_gl(), [this] {
-        published_ = true;
-        PlatformWindow::Wake();
-      });
-  what_if_ = std::make_unique<WhatIf>(
-      [this](const std::string& path) { return options_.opener(path, models_); }, options_.inputs,
-      options_.program_version,
-      [this] {
-        published_ = true;
-        PlatformWindow::Wake();
-      });
+    : options_(std::move(options)),
+      window_(std::move(window)),
+      backend_(std::make_unique<ImGuiBackend>(*window_)),
+      textures_(std::make_unique<GlTextureStore>()),
+      common_actions_{ViewActions(), WindowActions()} {
   context_.renderer = window_->renderer();
   context_.textures = textures_.get();
   context_.widgets = &widgets_;
-  context_.viewport = &viewport_;
-  context_.scene = scene_.get();
-  wanted_scale_ = window_->content_scale();
   context_.light = options_.light;
+  const auto wake = [this] {
+    published_ = true;
+    PlatformWindow::Wake();
+  };
+  const bool software_gl = window_->software_gl();
+  options_.inspect.settings = options_.settings;
+  annotate_ = std::make_unique<AnnotateWorkspace>(options_.annotation, software_gl, wake);
+  inspect_ =
+      std::make_unique<InspectWorkspace>(options_.inspect, software_gl, context_, *this, wake);
+  wanted_scale_ = window_->content_scale();
   LoadSettings();
   if (options_.ui_scale) wanted_scale_ = options_.ui_scale;
-  for (Panel* panel : panels_) {
-    if (options_.layout != nullptr && options_.layout->states.contains(panel->Id()))
-      panel->LoadState(options_.layout->states.at(panel->Id()));
-  }
+  SetUpScriptHost();
+  if (!options_.path.empty()) Open(options_.path, options_.start_frame);
+  if (!options_.compare.empty()) inspect_->Compare(options_.compare, context_);
+  if (options_.play) Post(PlayCommand{});
+}
+
+Application::~Application() {
+  SaveSettings();
+  inspect_.reset();
+  annotate_.reset();
+  textures_.reset();
+  backend_.reset();
+}
+
+void Application::SetUpScriptHost() {
   script_host_.screenshot = [this](const std::string& file, const std::string& of) -> Status {
     const auto saved = SaveScreenshot(file, of);
     return saved.ok() ? Status() : Status(saved.error());
@@ -110,60 +86,31 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
   script_host_.resize = [this](int width, int height) { window_->Resize(width, height); };
   script_host_.drop = [this](std::vector<std::string> files) { window_->Drop(std::move(files)); };
   script_host_.open = [this](const std::string& path) { Open(path, std::nullopt); };
-  if (!options_.path.empty()) Open(options_.path, options_.start_frame);
-  if (!options_.compare.empty()) what_if_->Compare(options_.compare, context_);
-  if (options_.play && process_ != nullptr) process_->Post(PlayCommand{});
 }
 
-Application::~Application() {
-  process_.reset();
-  what_if_.reset();
-  SaveSettings();
-  annotate_.reset();
-  scene_.reset();
-  textures_.reset();
-  backend_.reset();
+Workspace& Application::WorkspaceOf(WorkspaceId id) const {
+  for (Workspace* workspace : workspaces()) {
+    if (workspace->tab().id == id) return *workspace;
+  }
+  return *inspect_;
 }
 
 void Application::Open(const std::string& path, std::optional<int> frame) {
   if (std::filesystem::exists(std::filesystem::path(path) / "models.json") &&
       !std::filesystem::exists(std::filesystem::path(path) / "camera.json"))
     return OpenModels(path);
-  if (annotate_->Takes(path)) {
-    context_.workspace = WorkspaceId::kAnnotate;
-    Remember(path);
-    return annotate_->Open(path, context_);
-  }
-  context_.workspace = WorkspaceId::kInspect;
-  process_.reset();
-  context_.sequence = nullptr;
-  context_.snapshot = nullptr;
-  context_.selection = {options_.select, -1, 0};
-  auto_select_ = options_.select.value <= 0;
-  context_.bare = options_.layout != nullptr && !options_.layout->panels.empty();
-  context_.look_through =
-      options_.layout != nullptr && std::string_view(options_.layout->name) == "through";
-  context_.source = path;
-  ++context_.source_version;
-  context_.bookmarks = ReadBookmarks(BookmarkFile(path, options_.settings));
-  what_if_->Opened(context_);
+  Workspace& workspace = annotate_->Takes(path) ? static_cast<Workspace&>(*annotate_) : *inspect_;
+  context_.workspace = workspace.tab().id;
   Remember(path);
-  process_ = std::make_unique<MappingProcess>(options_.opener(path, models_), frame, [this] {
-    published_ = true;
-    PlatformWindow::Wake();
-  });
-  context_.playback = process_->Playback();
+  workspace.Open(path, frame, context_);
 }
 
 void Application::OpenModels(const std::string& folder) {
-  models_ = folder;
-  what_if_->UseModels(folder);
-  annotate_->UseModels(folder);
-  const std::string open = shown() == nullptr               ? context_.source
-                           : context_.annotation != nullptr ? annotate_->source()
-                                                            : "";
+  for (Workspace* workspace : workspaces()) workspace->UseModels(folder);
+  const std::string open = shown().source();
   if (open.empty()) return Note("These models are taken with what is opened next: " + folder);
-  Open(open, shown() == nullptr ? std::optional(context_.playback->frame) : std::nullopt);
+  const bool at_frame = context_.workspace == WorkspaceId::kInspect;
+  Open(open, at_frame ? std::optional(context_.playback->frame) : std::nullopt);
   Note("Opened again with the models of " + folder);
 }
 
@@ -187,53 +134,20 @@ void Application::SetUiScale(double scale) {
   backend_->ReloadFonts();
 }
 
-void Application::ReadSlots() {
-  annotate_->ReadSlots(context_);
-  if (process_ == nullptr) return;
-  context_.playback = process_->Playback();
-  context_.sequence = process_->Sequence();
-  context_.probe = process_->Probe();
-  auto snapshot = context_.first_snapshot = process_->Snapshot();
-  what_if_->ReadSlots(context_, snapshot);
-  if (snapshot != context_.snapshot) {
-    context_.snapshot = std::move(snapshot);
-    ++context_.snapshot_version;
-    if (context_.selection.particle >= 0) context_.selection.particle = -1;
-  }
-  if (auto_select_ && context_.snapshot != nullptr) SelectByItself();
-}
-
-/// Keeps what is selected for as long as it shows; then the object that shows largest.
-void Application::SelectByItself() {
-  const ObjectReport* selected = context_.SelectedObject();
-  if (selected != nullptr && selected->weighed) return;
-  float largest = 0;
-  for (const ObjectReport& object : context_.snapshot->report.objects) {
-    if (!object.weighed || object.visible_box.empty()) continue;
-    const float area = object.visible_box.width() * object.visible_box.height() *
-                       (object.state == ObjectState::kConfirmed ? 4.0f : 1.0f);
-    if (area <= largest) continue;
-    largest = area;
-    context_.selection.object = object.id;
-  }
-}
-
 bool Application::NeedsFrame() {
   const bool note_ended = !note_.empty() && std::chrono::steady_clock::now() > note_until_;
   if (note_ended) note_.clear();
-  if (window_->TakeActivity() || window_->HasKeys() || published_.exchange(false) || note_ended)
+  if (window_->TakeActivity() || window_->HasKeys() || published_.exchange(false) || note_ended ||
+      shown().Moves(context_))
     settle_frames_ = kSettleFrames;
-  if (script_ || presenter_.active() || wanted_screenshot_) return true;
-  if (what_if_->TakeBlink(context_)) settle_frames_ = kSettleFrames;
+  if (script_ || wanted_screenshot_) return true;
   return settle_frames_-- > 0;
 }
 
 Status Application::Run() {
   while (!quit_ && !window_->ShouldClose()) {
-    const double shortest = presenter_.active() && !script_ ? kPresentWaitSeconds : 0.0;
-    const double longest =
-        context_.run_shown == RunShown::kBlink ? kBlinkWakeSeconds : kIdleWakeSeconds;
-    window_->TakeEvents(script_ || settle_frames_ > 0 ? shortest : longest);
+    const Pace pace = shown().pace(context_);
+    window_->TakeEvents(script_ ? 0 : settle_frames_ > 0 ? pace.shortest_s : pace.longest_s);
     for (const std::string& file : window_->TakeDroppedFiles()) wanted_path_ = file;
     if (wanted_path_) Open(*std::exchange(wanted_path_, std::nullopt), std::nullopt);
     if (!NeedsFrame()) continue;
@@ -246,7 +160,7 @@ Status Application::Run() {
 
 void Application::DrawFrame(cv::Mat* picture) {
   const Stopwatch watch;
-  ReadSlots();
+  for (Workspace* workspace : workspaces()) workspace->ReadSlots(context_);
   if (wanted_scale_) SetUiScale(*std::exchange(wanted_scale_, std::nullopt));
   backend_->TakeInput();
   if (script_ && script_status_.ok())
@@ -254,13 +168,11 @@ void Application::DrawFrame(cv::Mat* picture) {
   if (options_.ignore_pointer || wanted_screenshot_) ImGui::GetIO().MousePos = {-FLT_MAX, -FLT_MAX};
   ImGui::NewFrame();
   widgets_.Clear();
-  context_.selection.hovered = std::exchange(hovered_now_, -1);
-  context_.ask_frame = std::exchange(wanted_ask_frame_, false);
   DrawWindow();
   ImGui::Render();
   backend_->Draw();
   context_.window_ms = watch.Milliseconds();
-  context_.scene_ms = scene_->last_render_ms();
+  context_.scene_ms = context_.scene->last_render_ms();
   if (picture != nullptr) *picture = window_->ReadPixels();
   if (wanted_screenshot_ && screenshot_in_-- == 0) {
     const auto saved = SaveScreenshot(wanted_screenshot_->file, wanted_screenshot_->of);
@@ -279,87 +191,56 @@ void Application::DrawWindow() {
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
                    ImGuiWindowFlags_NoScrollWithMouse);
-  if (options_.layout != nullptr && !options_.layout->panels.empty()) {
-    DrawFigure(size);
-    ImGui::End();
-    return;
-  }
-  if (options_.present && context_.snapshot != nullptr) {
-    Present(std::exchange(options_.present, false));
-    quit_after_presenting_ = presenter_.active();
-  }
-  if (presenter_.active()) {
-    DrawPresentation(size);
-    ImGui::End();
-    return;
-  }
-  const InspectLayout layout = ComputeInspectLayout(size, context_.ui_scale, ratios_);
-  DrawTopBar(context_, layout.top_bar, *this);
-  const LayoutRect room{{0, layout.top_bar.high.y}, {size.x, layout.status_bar.low.y}};
-  if (shown() == nullptr) {
-    DrawInspect(layout);
-  } else if (context_.annotation != nullptr && !context_.annotation->project_file.empty()) {
-    shown()->Draw(context_, room, *this);
-  } else {
-    DrawWelcome(context_, room, *this);
-  }
-  DrawStatusBar(context_, layout.status_bar, note_);
-  ImGui::End();
-  if (show_help_) DrawHelpSheet(context_, *this);
-  fork_sheet_.Draw(context_, *this);
-  DrawPalette(context_, palette_, *this);
-  if (palette_.open || fork_sheet_.is_open()) return;
-  PostShortcuts(context_, show_help_, *this);
-  if (shown() != nullptr && !show_help_) shown()->PostShortcuts(context_, *this);
-}
-
-void Application::Present(bool on) {
-  if (on && (context_.sequence == nullptr || shown() != nullptr)) return;
-  window_->SetFullScreen(on);
-  if (on)
-    presenter_.Start(context_, panels_, *this);
+  const bool alone = shown().FillsWindow();
+  if (alone)
+    shown().Draw(context_, {{0, 0}, size}, *this);
   else
-    presenter_.Stop(context_, panels_, *this);
+    DrawBarsAndRoom(size);
+  ImGui::End();
+  if (!alone) DrawSheetsAndTakeKeys();
 }
 
-void Application::DrawPresentation(ImVec2 size) {
-  if (!presenter_.Draw(context_, size, panels_, *this)) return;
-  Present(false);
-  quit_ = quit_after_presenting_;
+void Application::DrawBarsAndRoom(ImVec2 size) {
+  const WindowLayout layout = ComputeWindowLayout(size, context_.ui_scale);
+  std::vector<WorkspaceTab> tabs;
+  for (const Workspace* workspace : workspaces()) tabs.push_back(workspace->tab());
+  Workspace& workspace = shown();
+  DrawTopBar(
+      context_, layout.top_bar, tabs,
+      [&](const LayoutRect& middle) { workspace.DrawBar(context_, middle, *this); }, *this);
+  if (workspace.IsOpen(context_))
+    workspace.Draw(context_, layout.room, *this);
+  else
+    DrawWelcome(context_, layout.room, *this);
+  DrawStatusBar(context_, layout.status_bar, workspace.status_line(context_), note_);
 }
 
-void Application::DrawInspect(const InspectLayout& layout) {
-  if (context_.sequence != nullptr) return DrawPanels(layout);
-  DrawWelcome(context_, {layout.image.low, {layout.scene.high.x, layout.timeline.high.y}}, *this);
+std::vector<ActionGroup> Application::Actions() const {
+  std::vector<ActionGroup> actions = shown().actions();
+  actions.insert(actions.end(), common_actions_.begin(), common_actions_.end());
+  return actions;
 }
 
-void Application::DrawFigure(ImVec2 size) {
-  const float gap = context_.Scaled(4);
-  for (const PlacedPanel& placed : options_.layout->panels) {
-    const LayoutRect rect{{placed.x0 * size.x + 0.5f * gap, placed.y0 * size.y + 0.5f * gap},
-                          {placed.x1 * size.x - 0.5f * gap, placed.y1 * size.y - 0.5f * gap}};
-    for (Panel* panel : panels_) {
-      if (std::string_view(panel->Id()) == placed.panel) DrawPanel(context_, rect, *panel, *this);
-    }
+void Application::DrawSheetsAndTakeKeys() {
+  Workspace& workspace = shown();
+  // A key that closes a sheet does nothing else.
+  const bool help = context_.help_shown, palette = palette_.open;
+  if (help) DrawHelpSheet(context_, Actions(), *this);
+  const bool sheet = workspace.DrawSheets(context_, *this);
+  if (palette) {
+    const std::vector<ActionGroup> actions = Actions();
+    std::vector<PaletteEntry> entries = EntriesOf(actions, context_);
+    workspace.AddPaletteEntries(context_, entries);
+    AddRecentEntries(context_, entries);
+    DrawPalette(
+        context_, palette_, std::move(entries),
+        [&](const std::string& query) { return workspace.AnswerPalette(context_, query); }, *this);
   }
-}
-
-void Application::DrawPanels(const InspectLayout& layout) {
-  const bool beside = context_.run_shown == RunShown::kBeside && context_.other != nullptr;
-  if (beside) other_image_->LoadState(image_->SaveState());
-  views_->Draw(context_, layout, beside ? other_image_.get() : nullptr, *this);
-  DrawPanel(context_, layout.scene, *map_, *this);
-  Panel* const about_map[] = {objects_.get(), relations_.get(), what_if_panel_.get()};
-  DrawTabbedPanels(context_, layout.objects, about_map, objects_tab_, *this);
-  Panel* const about_object[] = {details_.get(), why_.get(), posterior_.get(),
-                                 particle_table_.get()};
-  LayoutRect details = layout.details;
-  const bool wide = details_tab_ > 0;
-  if (wide) details.high = layout.timings.high;  // it needs the room
-  DrawTabbedPanels(context_, details, about_object, details_tab_, *this);
-  if (!wide) DrawPanel(context_, layout.timings, *timings_, *this);
-  DrawPanel(context_, layout.timeline, *timeline_, *this);
-  DragSplitters(context_, layout, ratios_);
+  if (palette || sheet) return;
+  RunKeys(workspace.actions(), context_, *this);
+  RunKeys(common_actions_, context_, *this);
+  if (!help) workspace.WatchKeys(context_, *this);
+  if (help && ImGui::IsKeyPressed(keys::kEscape, false)) context_.help_shown = false;
 }
 
 }  // namespace plumbline

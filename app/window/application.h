@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <chrono>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,42 +12,26 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/film/render_layout.h"
 #include "app/platform/imgui_backend.h"
 #include "app/platform/window.h"
 #include "app/window/annotate/annotate_workspace.h"
-#include "app/window/inspect/image_views.h"
-#include "app/window/inspect/presenter.h"
-#include "app/window/inspect/what_if.h"
+#include "app/window/inspect/inspect_workspace.h"
 #include "app/window/ui_script.h"
-#include "engine/runtime/mapping_process.h"
 #include "engine/snapshot/commands.h"
 #include "ui/common/palette.h"
 #include "ui/framework/frame_context.h"
 #include "ui/framework/gl_texture_store.h"
-#include "ui/framework/layout.h"
-#include "ui/framework/panel.h"
-#include "ui/framework/scene_surface.h"
-#include "ui/inspect/compare/fork_sheet.h"
 
 namespace plumbline {
 
 struct ApplicationOptions {
-  /// How to open a path that the user names, on the command line or by dropping it onto the window.
-  /// `models`: a folder of models instead of those chosen at the start; "": none.
-  std::function<MappingProcess::OpenSource(const std::string& path, const std::string& models)>
-      opener;
+  InspectOptions inspect;       ///< `settings` is taken from below.
   AnnotationChoice annotation;  ///< What is opened as a scan is opened with these models.
   std::string path;             ///< To open at the start; "": none.
   std::string compare;          ///< A second run to open beside it; "": none.
-  RunChoice inputs;             ///< Where the sequence and the models of runs are now.
-  std::string program_version;  ///< What forks say that they were made by.
   std::optional<int> start_frame;
-  bool present = false;                  ///< Begins with the demo mode; its end is that of all.
-  bool play = false;                     ///< Plays once it is open.
-  const RenderLayout* layout = nullptr;  ///< Shows these panels alone; null: the whole window.
-  bool light = false;                    ///< Theme, unless the settings say otherwise.
-  ObjectId select;                       ///< Selected at the start; not valid: one in view.
+  bool play = false;            ///< Plays once it is open.
+  bool light = false;           ///< Theme, unless the settings say otherwise.
   bool ignore_pointer = false;  ///< Nobody holds the mouse: a film must not show its tooltips.
   int width = 1600, height = 1000;
   std::optional<double> ui_scale;    ///< Else as the desktop wishes, or as it was left.
@@ -56,9 +41,9 @@ struct ApplicationOptions {
                                      ///< tests with real input.
 };
 
-/// Owns the window, the panels, the process that feeds them, and the settings; runs the frame loop.
-/// The main thread only: all drawing happens here, and nothing here waits for the engine.
-class Application : private CommandSink {
+/// Owns the window, its workspaces and the settings, and runs the frame loop. The main thread only:
+/// all drawing happens here, and nothing here waits for the engine.
+class Application : public CommandSink {
  public:
   static Result<std::unique_ptr<Application>> Create(ApplicationOptions options);
   ~Application() override;
@@ -68,7 +53,6 @@ class Application : private CommandSink {
   /// One turn of the loop without waiting for events: draws the newest state; the picture, if asked
   /// for.
   void DrawFrame(cv::Mat* picture = nullptr);
-  MappingProcess* process() { return process_.get(); }
   const FrameContext& context() const { return context_; }
   /// For scripts and tests.
   nlohmann::json State() const;
@@ -81,24 +65,17 @@ class Application : private CommandSink {
   void Open(const std::string& path, std::optional<int> frame);
   /// A folder of models was dropped: what is open is opened again with them.
   void OpenModels(const std::string& folder);
-  void ReadSlots();
-  void SelectByItself();
+  std::array<Workspace*, 2> workspaces() const { return {inspect_.get(), annotate_.get()}; }
+  Workspace& WorkspaceOf(WorkspaceId id) const;
+  Workspace& shown() const { return WorkspaceOf(context_.workspace); }
+  /// Of the workspace that shows, and of the window.
+  std::vector<ActionGroup> Actions() const;
   void DrawWindow();
-  void DrawInspect(const InspectLayout& layout);
-  /// The demo mode, instead of everything else.
-  void DrawPresentation(ImVec2 size);
-  void Present(bool on);
-  /// Null while Inspect, which is this class itself, shows.
-  Workspace* shown() {
-    return context_.workspace == WorkspaceId::kAnnotate ? annotate_.get() : nullptr;
-  }
-  void DrawPanels(const InspectLayout& layout);
-  /// The panels of options_.layout.
-  void DrawFigure(ImVec2 size);
+  void DrawBarsAndRoom(ImVec2 size);
+  void DrawSheetsAndTakeKeys();
   void Remember(const std::string& path);
-  void HoverParticle(int particle);
-  void KeepBookmarks();
   void SetUiScale(double scale);
+  void SetUpScriptHost();
   void LoadSettings();
   void SaveSettings() const;
   /// The name of the file that was written.
@@ -111,32 +88,15 @@ class Application : private CommandSink {
   std::unique_ptr<PlatformWindow> window_;
   std::unique_ptr<ImGuiBackend> backend_;
   std::unique_ptr<GlTextureStore> textures_;
-  std::unique_ptr<SceneSurface> scene_;
   WidgetLog widgets_;
-  ImageViewport viewport_;
-  LayoutRatios ratios_;
   FrameContext context_;
-  std::unique_ptr<Panel> image_, edges_, depth_, masks_, particles_, map_, objects_, relations_,
-      details_, timings_, timeline_, why_, particle_table_, posterior_, flow_, what_if_panel_,
-      other_image_;
-  std::size_t details_tab_ = 0, objects_tab_ = 0;
-  std::vector<Panel*> panels_;
-  std::unique_ptr<ImageViews> views_;
+  std::vector<ActionGroup> common_actions_;
   std::optional<UiScript> script_;
   UiScript::Host script_host_;
   Status script_status_;
 
-  std::string models_;       ///< Dropped onto the window; "": none.
-  ProbeCommand asked_;       ///< The last question about an object.
-  int hovered_now_ = -1;     ///< The particle that a panel of this frame saw under the mouse.
-  bool auto_select_ = true;  ///< Until the user selects: an object that is in view.
-  bool show_help_ = false;
   PaletteState palette_;
-  ForkSheet fork_sheet_;
-  Presenter presenter_;
   bool quit_ = false;
-  bool quit_after_presenting_ = false;  ///< It was opened for that alone.
-  bool wanted_ask_frame_ = false;
   std::optional<double> wanted_scale_;
   std::optional<std::string> wanted_path_;
   std::optional<ScreenshotCommand> wanted_screenshot_;
@@ -148,8 +108,7 @@ class Application : private CommandSink {
 
   // Last: their threads wake the window.
   std::unique_ptr<AnnotateWorkspace> annotate_;
-  std::unique_ptr<WhatIf> what_if_;
-  std::unique_ptr<MappingProcess> process_;
+  std::unique_ptr<InspectWorkspace> inspect_;
 };
 
 /// Where settings of the window are kept: `$XDG_CONFIG_HOME/plumbline/window.json` or below

@@ -1,34 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <cstdlib>
 #include <utility>
 
 #include "app/window/application.h"
-#include "app/window/inspect/bookmarks.h"
 #include "engine/base/files.h"
 #include "engine/base/log.h"
-#include "engine/geometry/angles.h"
 
 // What the window tells of itself to scripts and tests, and what it keeps from one day to the next.
 
 namespace plumbline {
-namespace {
-
-const char* StateName(PlaybackState state) {
-  switch (state) {
-    case PlaybackState::kPaused:
-      return "paused";
-    case PlaybackState::kPlaying:
-      return "playing";
-    case PlaybackState::kFinished:
-      return "finished";
-    case PlaybackState::kFailed:
-      return "failed";
-  }
-  return "";
-}
-
-}  // namespace
 
 std::filesystem::path DefaultSettingsFile() {
   if (const char* config = std::getenv("XDG_CONFIG_HOME"); config != nullptr && *config != '\0') {
@@ -50,61 +30,14 @@ void Application::WriteStateFile() {
 }
 
 nlohmann::json Application::State() const {
-  const PlaybackView& playback = *context_.playback;
-  const SceneCamera camera = scene_->camera();
   nlohmann::json state = {
-      {"frame", context_.snapshot != nullptr ? context_.snapshot->report.frame : -1},
-      {"playback_frame", playback.frame},
-      {"newest_frame", playback.newest_mapped_frame},
-      {"open", context_.sequence != nullptr},
-      {"num_frames", context_.sequence != nullptr ? context_.sequence->num_frames : 0},
-      {"state", StateName(playback.state)},
-      {"seeking", playback.seek_target.has_value()},
-      {"recorded", playback.recorded},
-      {"speed", playback.speed},
-      {"mapping", playback.mapping},
-      {"follow_newest", playback.follow},
-      {"loop", playback.loop},
-      {"range", {playback.range_begin.value_or(-1), playback.range_end.value_or(-1)}},
-      {"history", std::count_if(playback.history->frames.begin(), playback.history->frames.end(),
-                                [](const auto& sample) { return sample != nullptr; })},
-      {"message", playback.message},
-      {"objects", context_.snapshot != nullptr ? context_.snapshot->report.objects.size() : 0},
-      {"selected_object", context_.selection.object.value},
-      {"selected_particle", context_.selection.particle},
-      {"hovered_particle", context_.selection.hovered},
-      {"outlined_particle", context_.probe != nullptr ? context_.probe->hovered : -1},
-      {"selected_hypothesis", context_.selection.hypothesis},
-      {"probe_frame", context_.probe != nullptr ? context_.probe->frame : -1},
-      {"verdict", context_.probe != nullptr ? context_.probe->verdict : ""},
-      {"details_tab", details_tab_},
-      {"follow", context_.follow},
-      {"look_through", context_.look_through},
+      {"workspace", context_.workspace == WorkspaceId::kAnnotate ? "annotate" : "inspect"},
       {"light", context_.light},
       {"palette", palette_.open},
-      {"help", show_help_},
-      {"presenting", presenter_.active()},
-      {"shot", presenter_.shot()},
+      {"help", context_.help_shown},
       {"ui_scale", context_.ui_scale},
-      {"window", {window_->width(), window_->height()}},
-      {"image_zoom", viewport_.zoom},
-      {"scene_renders", scene_->renders()},
-      {"camera",
-       {{"azimuth_deg", camera.azimuth_rad * kDegPerRad},
-        {"elevation_deg", camera.elevation_rad * kDegPerRad},
-        {"distance_m", camera.distance_m},
-        {"focus",
-         {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}}}},
-      {"layout", RatiosToJson(ratios_)}};
-  state["source"] = context_.source;
-  state["models"] = models_;
-  state["workspace"] = context_.workspace == WorkspaceId::kAnnotate ? "annotate" : "inspect";
-  annotate_->AddState(context_, state);
-  state["image_views"] = views_->Save(context_);
-  AddWhatIfState(context_, fork_sheet_, state);
-  for (const Bookmark& bookmark : context_.bookmarks)
-    state["bookmarks"].push_back({{"frame", bookmark.frame}, {"note", bookmark.note}});
-  for (const Panel* panel : panels_) state["panels"][panel->Id()] = panel->SaveState();
+      {"window", {window_->width(), window_->height()}}};
+  for (const Workspace* workspace : workspaces()) workspace->AddState(context_, state);
   for (const auto& [name, rect] : widgets_.rects()) {
     state["widgets"][name] = {rect.low.x, rect.low.y, rect.high.x, rect.high.y};
   }
@@ -112,24 +45,22 @@ nlohmann::json Application::State() const {
 }
 
 void Application::LoadSettings() {
-  if (options_.settings.empty() || !std::filesystem::exists(options_.settings)) return;
-  const auto settings = ReadJson(options_.settings);
-  if (!settings.ok())
-    return log::warn("the window's settings are ignored: {}", settings.error().message);
+  nlohmann::json settings = nlohmann::json::object();
+  if (!options_.settings.empty() && std::filesystem::exists(options_.settings)) {
+    const auto read = ReadJson(options_.settings);
+    if (read.ok() && read->is_object())
+      settings = *read;
+    else
+      log::warn("the window's settings are ignored: {}",
+                read.ok() ? "they are no JSON object" : read.error().message);
+  }
   try {
-    RatiosFromJson(settings->value("layout", nlohmann::json::object()), ratios_);
-    const auto panels = settings->value("panels", nlohmann::json::object());
-    for (Panel* panel : panels_) {
-      if (panels.contains(panel->Id())) panel->LoadState(panels.at(panel->Id()));
-    }
-    views_->Load(settings->value("image_views", nlohmann::json::object()), context_);
-    annotate_->LoadSettings(settings->value("annotate", nlohmann::json::object()));
-    context_.light = settings->value("light", false);
-    details_tab_ = settings->value("details_tab", details_tab_);
-    context_.recent = settings->value("recent", std::vector<std::string>());
-    if (settings->contains("ui_scale")) wanted_scale_ = settings->at("ui_scale").get<double>();
-    if (settings->contains("window")) {
-      window_->Resize(settings->at("window").at(0), settings->at("window").at(1));
+    for (Workspace* workspace : workspaces()) workspace->LoadSettings(settings, context_);
+    context_.light = settings.value("light", context_.light);
+    context_.recent = settings.value("recent", std::vector<std::string>());
+    if (settings.contains("ui_scale")) wanted_scale_ = settings.at("ui_scale").get<double>();
+    if (settings.contains("window")) {
+      window_->Resize(settings.at("window").at(0), settings.at("window").at(1));
     }
   } catch (const nlohmann::json::exception& error) {
     log::warn("{}: some settings are ignored: {}", options_.settings.string(), error.what());
@@ -138,13 +69,11 @@ void Application::LoadSettings() {
 
 void Application::SaveSettings() const {
   if (options_.settings.empty()) return;
-  nlohmann::json settings = {
-      {"layout", RatiosToJson(ratios_)}, {"ui_scale", context_.ui_scale},
-      {"details_tab", details_tab_},     {"light", context_.light},
-      {"recent", context_.recent},       {"window", {window_->width(), window_->height()}}};
-  settings["image_views"] = views_->Save(context_);
-  settings["annotate"] = annotate_->SaveSettings();
-  for (const Panel* panel : panels_) settings["panels"][panel->Id()] = panel->SaveState();
+  nlohmann::json settings = {{"ui_scale", context_.ui_scale},
+                             {"light", context_.light},
+                             {"recent", context_.recent},
+                             {"window", {window_->width(), window_->height()}}};
+  for (const Workspace* workspace : workspaces()) workspace->SaveSettings(context_, settings);
   std::error_code ignored;
   std::filesystem::create_directories(options_.settings.parent_path(), ignored);
   const Status status = WriteJson(options_.settings, settings);

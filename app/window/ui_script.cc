@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include "engine/base/files.h"
-#include "ui/framework/shortcuts.h"
+#include "ui/framework/actions.h"
 
 namespace plumbline {
 namespace {

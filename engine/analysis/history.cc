@@ -7,8 +7,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/analysis/reliability.h"
 #include "engine/geometry/gravity.h"
-#include "engine/snapshot/calibration.h"
 
 namespace plumbline {
 namespace {

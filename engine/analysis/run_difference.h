@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/analysis/frame_difference.h"
 #include "engine/analysis/run_review.h"
-#include "engine/snapshot/frame_difference.h"
 
 namespace plumbline {
 

@@ -10,9 +10,9 @@
 #include "engine/base/log.h"
 #include "engine/geometry/angles.h"
 #include "engine/mapping/option_changes.h"
+#include "engine/mapping/particle_rank.h"
 #include "engine/pipeline/frame_pictures.h"
 #include "engine/pipeline/hypothesis_frame.h"
-#include "engine/snapshot/particle_rank.h"
 
 namespace plumbline {
 namespace {
@@ -22,41 +22,57 @@ constexpr double kSpurious_m = 0.5;  ///< Further off than evaluation pairs esti
 /// A particle this near to the truth would have been enough.
 constexpr double kNear_m = 0.05, kNear_rad = 10 * kRadPerDeg;
 
-/// Whether it is the search or the likelihood, in words. The last two hypotheses are the particle
-/// nearest to the truth and the truth, if there is one.
-std::string VerdictOf(const ProbeView& view, bool has_truth) {
-  if (!has_truth) return "There is no true object of this category nearby to compare with.";
+/// Whether it is the search or the likelihood. The last two hypotheses are the particle nearest to
+/// the truth and the truth, if there is one.
+Verdict VerdictOf(const ProbeView& view, bool has_truth) {
+  if (!has_truth) return Verdict::kNoTruth;
   const ProbedHypothesis& mean = view.hypotheses.front();
   const ProbedHypothesis& nearest = view.hypotheses[view.hypotheses.size() - 2];
   const ProbedHypothesis& truth = view.hypotheses.back();
+  const auto near = [](const ProbedHypothesis& hypothesis) {
+    return *hypothesis.from_truth_m < kNear_m && *hypothesis.from_truth_rad < kNear_rad;
+  };
   const double margin = 0.02 * std::abs(view.alpha + view.beta);
-  const bool near = *nearest.from_truth_m < kNear_m && *nearest.from_truth_rad < kNear_rad &&
-                    nearest.label == truth.label;
-  if (*mean.from_truth_m < kNear_m && *mean.from_truth_rad < kNear_rad) {
-    return "It is where it should be.";
+  if (near(mean)) return Verdict::kRight;
+  if (*mean.from_truth_m > kSpurious_m) return Verdict::kSpurious;
+  if (truth.score <= mean.score + margin) return Verdict::kLikelihood;
+  return near(nearest) && nearest.label == truth.label ? Verdict::kTime : Verdict::kSearch;
+}
+
+/// The only place where a verdict becomes words.
+std::string SentenceOf(Verdict verdict, const ProbeView& view) {
+  const ProbedHypothesis& mean = view.hypotheses.front();
+  const ProbedHypothesis& truth = view.hypotheses.back();
+  switch (verdict) {
+    case Verdict::kNoTruth:
+      return "There is no true object of this category nearby to compare with.";
+    case Verdict::kRight:
+      return "It is where it should be.";
+    case Verdict::kSpurious:
+      return fmt::format(
+          "Spurious: the nearest true object of this category is {:.0f} cm away; here the score is "
+          "{:.2f}, there {:.2f}.",
+          100 * *mean.from_truth_m, mean.score, truth.score);
+    case Verdict::kLikelihood:
+      return fmt::format(
+          "Likelihood: in this frame the wrong place scores {:.2f}, the truth {:.2f}. No search "
+          "can find what does not score; look at edges, model and truth.",
+          mean.score, truth.score);
+    case Verdict::kSearch: {
+      const ProbedHypothesis& nearest = view.hypotheses[view.hypotheses.size() - 2];
+      return fmt::format(
+          "Search: the truth would score {:.2f} against {:.2f}, but the nearest particle is {:.0f} "
+          "cm and {:.0f}\u00b0 away.",
+          truth.score, mean.score, 100 * *nearest.from_truth_m,
+          *nearest.from_truth_rad / kRadPerDeg);
+    }
+    case Verdict::kTime:
+      return fmt::format(
+          "Time: the truth scores better ({:.2f} against {:.2f}) and there are particles near it; "
+          "the weights have not followed yet.",
+          truth.score, mean.score);
   }
-  if (*mean.from_truth_m > kSpurious_m) {
-    return fmt::format(
-        "Spurious: the nearest true object of this category is {:.0f} cm away; here the score is "
-        "{:.2f}, there {:.2f}.",
-        100 * *mean.from_truth_m, mean.score, truth.score);
-  }
-  if (truth.score <= mean.score + margin) {
-    return fmt::format(
-        "Likelihood: in this frame the wrong place scores {:.2f}, the truth {:.2f}. No search can "
-        "find what does not score; look at edges, model and truth.",
-        mean.score, truth.score);
-  }
-  if (!near) {
-    return fmt::format(
-        "Search: the truth would score {:.2f} against {:.2f}, but the nearest particle is {:.0f} "
-        "cm and {:.0f}\u00b0 away.",
-        truth.score, mean.score, 100 * *nearest.from_truth_m, *nearest.from_truth_rad / kRadPerDeg);
-  }
-  return fmt::format(
-      "Time: the truth scores better ({:.2f} against {:.2f}) and there are particles near it; "
-      "the weights have not followed yet.",
-      truth.score, mean.score);
+  return "";
 }
 
 }  // namespace
@@ -245,6 +261,7 @@ void HypothesisProbe::ScoreHypotheses(const Frame& frame, const HypothesisScorer
     h.samples = Samples(frame, poses[i], edges);
   }
   view.verdict = VerdictOf(view, frame.truth != nullptr);
+  view.verdict_text = SentenceOf(*view.verdict, view);
 }
 
 void HypothesisProbe::AddOutlines(const Frame& frame, int hovered, ProbeView& view) {

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <exception>
-#include <type_traits>
 #include <utility>
 #include <variant>
 
 #include "engine/base/log.h"
+#include "engine/base/overloaded.h"
 
 namespace plumbline {
 
@@ -65,6 +65,10 @@ void MappingProcess::Loop(std::stop_token stop) {
   state_.options = std::make_shared<const MapperOptions>(source_->options());
   state_.recording = source_->recording().string();
   state_.message.clear();
+  if (auto header = source_->header()) {
+    state_.seed = header->recipe.seed;
+    header_.Publish(std::move(header));
+  }
   sequence_.Publish(std::make_shared<const SequenceView>(source_->view()));
   state_.frame = source_->FrameAt(0);
   SetTarget(start_frame_ ? PositionOf(*start_frame_) : 0);
@@ -127,58 +131,75 @@ int MappingProcess::RangeEnd() const {
 void MappingProcess::SetTarget(int position) { target_ = std::clamp(position, 0, LastPosition()); }
 
 void MappingProcess::Apply(const PlaybackCommand& command) {
-  const auto play = [this](bool on) {
-    if (!on) state_.mapping = false;
-    state_.follow = false;
-    playing_ = on && !(failed_ && position_ >= LastPosition());
-    if (playing_ && (position_ >= RangeEnd() || position_ < RangeBegin())) SetTarget(RangeBegin());
-    if (!on) target_.reset();
-    due_ = Clock::now();
-  };
   std::visit(
-      [&](const auto& c) {
-        using T = std::decay_t<decltype(c)>;
-        if constexpr (std::is_same_v<T, PlayCommand>) play(true);
-        if constexpr (std::is_same_v<T, PauseCommand>) play(false);
-        if constexpr (std::is_same_v<T, TogglePlayCommand>) {
-          const bool in_past = state_.mapping && !state_.follow;
-          if (in_past && playing_)
-            playing_ = false;  // the mapper stays at work
-          else
-            play(!playing_ && !target_ && !state_.follow);
-        }
-        if constexpr (std::is_same_v<T, StepCommand>) {
-          playing_ = false;
-          SetTarget(target_.value_or(position_) + c.frames);
-          state_.follow = state_.mapping && *target_ >= source_->mapped();
-        }
-        if constexpr (std::is_same_v<T, SeekCommand>) {
-          SetTarget(PositionOf(c.frame));
-          state_.follow = state_.mapping && *target_ + 1 >= source_->mapped();
-        }
-        if constexpr (std::is_same_v<T, FollowNewestCommand>) Follow(c.on);
-        if constexpr (std::is_same_v<T, SetRangeCommand>) {
-          state_.range_begin = c.begin;
-          state_.range_end = c.end;
-          if (c.begin && c.end && *c.begin > *c.end)
-            std::swap(state_.range_begin, state_.range_end);
-        }
-        if constexpr (std::is_same_v<T, ProbeCommand>) {
-          if (const auto shown = snapshot_.Latest())
-            probe_.Publish(std::make_shared<const ProbeView>(source_->Probe(*shown, c)));
-        }
-        if constexpr (std::is_same_v<T, SetOptionsCommand>) {
-          if (const Status status = source_->SetOptions(c.options); !status.ok())
-            log::warn("{}", status.error().message);
-          state_.options = std::make_shared<const MapperOptions>(source_->options());
-        }
-        if constexpr (std::is_same_v<T, SetLoopCommand>) state_.loop = c.loop;
-        if constexpr (std::is_same_v<T, SetSpeedCommand>) {
-          state_.speed = c.speed;
-          due_ = Clock::now();
-        }
-      },
+      Overloaded{[&](const PlayCommand&) { Play(true); }, [&](const PauseCommand&) { Play(false); },
+                 [&](const TogglePlayCommand&) { TogglePlay(); },
+                 [&](const StepCommand& c) { Step(c.frames); },
+                 [&](const SeekCommand& c) { Seek(c.frame); },
+                 [&](const SetSpeedCommand& c) {
+                   state_.speed = c.speed;
+                   due_ = Clock::now();
+                 },
+                 [&](const SetRangeCommand& c) { SetRange(c); },
+                 [&](const SetLoopCommand& c) { state_.loop = c.loop; },
+                 [&](const FollowNewestCommand& c) { Follow(c.on); },
+                 [&](const SetOptionsCommand& c) { SetOptions(c.options); },
+                 [&](const ProbeCommand& c) { AnswerProbe(c); },
+                 [&](const WatchCommand& c) { Watch(c); }},
       command);
+}
+
+void MappingProcess::Play(bool on) {
+  if (!on) state_.mapping = false;
+  state_.follow = false;
+  playing_ = on && !(failed_ && position_ >= LastPosition());
+  if (playing_ && (position_ >= RangeEnd() || position_ < RangeBegin())) SetTarget(RangeBegin());
+  if (!on) target_.reset();
+  due_ = Clock::now();
+}
+
+void MappingProcess::TogglePlay() {
+  const bool in_past = state_.mapping && !state_.follow;
+  if (in_past && playing_)
+    playing_ = false;  // the mapper stays at work
+  else
+    Play(!playing_ && !target_ && !state_.follow);
+}
+
+void MappingProcess::Step(int frames) {
+  playing_ = false;
+  SetTarget(target_.value_or(position_) + frames);
+  state_.follow = state_.mapping && *target_ >= source_->mapped();
+}
+
+void MappingProcess::Seek(int frame) {
+  SetTarget(PositionOf(frame));
+  state_.follow = state_.mapping && *target_ + 1 >= source_->mapped();
+}
+
+void MappingProcess::SetRange(const SetRangeCommand& range) {
+  state_.range_begin = range.begin;
+  state_.range_end = range.end;
+  if (range.begin && range.end && *range.begin > *range.end)
+    std::swap(state_.range_begin, state_.range_end);
+}
+
+void MappingProcess::AnswerProbe(const ProbeCommand& question) {
+  if (const auto shown = snapshot_.Latest())
+    probe_.Publish(std::make_shared<const ProbeView>(source_->Probe(*shown, question)));
+}
+
+void MappingProcess::SetOptions(const MapperOptions& options) {
+  if (const Status status = source_->SetOptions(options); !status.ok())
+    log::warn("{}", status.error().message);
+  state_.options = std::make_shared<const MapperOptions>(source_->options());
+}
+
+void MappingProcess::Watch(const WatchCommand& what) {
+  analyst_.Watch(what);
+  if (const auto shown = snapshot_.Latest())
+    analysis_.Publish(analyst_.OfFrame(shown, source_->view(), *state_.shown_options));
+  object_history_.Publish(analyst_.OfHistory(source_->history()));
 }
 
 void MappingProcess::Follow(bool on) {
@@ -246,6 +267,8 @@ void MappingProcess::Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, i
   position_ = position;
   history_changed_ = history_changed_ || !source_->recorded();
   state_.frame = source_->FrameAt(position);
+  state_.shown_options = std::make_shared<const MapperOptions>(source_->OptionsAt(state_.frame));
+  analysis_.Publish(analyst_.OfFrame(*snapshot, source_->view(), *state_.shown_options));
   snapshot_.Publish(std::move(snapshot).value());
   PublishPlayback();
 }
@@ -271,6 +294,7 @@ void MappingProcess::PublishPlayback() {
       history_changed_ = false;
       history_published_ = Clock::now();
       state_.history = std::make_shared<const RunHistory>(source_->history());
+      object_history_.Publish(analyst_.OfHistory(source_->history()));
     }
     const bool at_end =
         !playing_ && !target_ && !state_.mapping && position_ + 1 >= source_->size();

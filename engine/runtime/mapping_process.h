@@ -10,6 +10,7 @@
 
 #include "engine/base/progress.h"
 #include "engine/base/queue.h"
+#include "engine/runtime/frame_analyst.h"
 #include "engine/runtime/snapshot_source.h"
 #include "engine/snapshot/commands.h"
 #include "engine/snapshot/map_snapshot.h"
@@ -42,6 +43,12 @@ class MappingProcess {
   std::shared_ptr<const MapSnapshot> Snapshot() const { return snapshot_.Latest(); }
   /// The last answer to a ProbeCommand; null before the first.
   std::shared_ptr<const ProbeView> Probe() const { return probe_.Latest(); }
+  /// Of the newest snapshot, published just before it; null before the first.
+  std::shared_ptr<const FrameAnalysis> Analysis() const { return analysis_.Latest(); }
+  /// Null while nobody watches an object's history.
+  std::shared_ptr<const ObjectHistory> History() const { return object_history_.Latest(); }
+  /// What the run is made from; null until the source is open, or if it has none.
+  std::shared_ptr<const RunHeader> Header() const { return header_.Latest(); }
   /// Never null.
   std::shared_ptr<const PlaybackView> Playback() const { return playback_.Latest(); }
 
@@ -52,6 +59,14 @@ class MappingProcess {
   void Loop(std::stop_token stop);
   void ReportProgress(const Progress& progress);
   void Apply(const PlaybackCommand& command);
+  void Play(bool on);
+  void TogglePlay();
+  void Step(int frames);
+  void Seek(int frame);
+  void SetRange(const SetRangeCommand& range);
+  void AnswerProbe(const ProbeCommand& question);
+  void SetOptions(const MapperOptions& options);
+  void Watch(const WatchCommand& what);
   /// Of the last frame that is at most `frame`.
   int PositionOf(int frame) const;
   int LastPosition() const;
@@ -76,9 +91,13 @@ class MappingProcess {
   SnapshotSlot<MapSnapshot> snapshot_;
   SnapshotSlot<PlaybackView> playback_;
   SnapshotSlot<ProbeView> probe_;
+  SnapshotSlot<FrameAnalysis> analysis_;
+  SnapshotSlot<ObjectHistory> object_history_;
+  SnapshotSlot<RunHeader> header_;
 
   // Of the thread only.
   std::unique_ptr<SnapshotSource> source_;
+  FrameAnalyst analyst_;
   PlaybackView state_;
   std::size_t published_events_ = 0;
   bool playing_ = false;

@@ -58,8 +58,8 @@ class RunFilePlace {
 class MappingSource : public SnapshotSource {
  public:
   MappingSource(std::unique_ptr<MappingPipeline> pipeline, std::unique_ptr<FramePictures> pictures,
-                RunFilePlace place, std::unique_ptr<RunWriter> writer, SequenceView view,
-                const MappingChoice& choice)
+                RunFilePlace place, std::unique_ptr<RunWriter> writer, const RunHeader& header,
+                SequenceView view, const MappingChoice& choice)
       : place_(std::move(place)),
         pipeline_(std::move(pipeline)),
         pictures_(std::move(pictures)),
@@ -68,13 +68,16 @@ class MappingSource : public SnapshotSource {
         range_(pipeline_->recipe().frames),
         probe_(pipeline_->sequence().camera(), pipeline_->database(),
                pipeline_->sequence().floor_in_world()),
-        mapped_with_(HeaderOf(*pipeline_, choice.program_version)),
+        header_(std::make_shared<const RunHeader>(header)),
+        mapped_with_(header),
         options_(choice.recipe.options) {}
 
   ProbeView Probe(const MapSnapshot& snapshot, const ProbeCommand& request) override {
     return probe_.Probe(snapshot, view_, mapped_with_.At(snapshot.report.frame), request);
   }
   MapperOptions options() const override { return options_; }
+  MapperOptions OptionsAt(int frame) const override { return mapped_with_.At(frame); }
+  std::shared_ptr<const RunHeader> header() const override { return header_; }
   Status SetOptions(const MapperOptions& options) override {
     options_ = options;
     pipeline_->SetOptions(options);
@@ -145,6 +148,7 @@ class MappingSource : public SnapshotSource {
   SequenceView view_;
   FrameRange range_;
   LazyProbe probe_;
+  std::shared_ptr<const RunHeader> header_;
   OptionHistory mapped_with_;
   MapperOptions options_;  ///< Of the next frame.
   SnapshotMemory memory_{kMemoryBytes};
@@ -179,7 +183,7 @@ Result<std::unique_ptr<SnapshotSource>> OpenMappingSource(const MappingChoice& c
   SequenceView view = MakeSequenceView(*sequence, *(*pipeline)->database(), work);
   return std::unique_ptr<SnapshotSource>(std::make_unique<MappingSource>(
       std::move(pipeline).value(), std::move(pictures).value(), std::move(place).value(),
-      std::move(writer).value(), std::move(view), choice));
+      std::move(writer).value(), header, std::move(view), choice));
 }
 
 }  // namespace plumbline

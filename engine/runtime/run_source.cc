@@ -49,6 +49,10 @@ class RunSource : public SnapshotSource {
     return probe_.Probe(snapshot, view_, mapped_with_.At(snapshot.report.frame), request);
   }
   MapperOptions options() const override { return mapped_with_.newest(); }
+  MapperOptions OptionsAt(int frame) const override { return mapped_with_.At(frame); }
+  std::shared_ptr<const RunHeader> header() const override {
+    return std::make_shared<const RunHeader>(reader_->header());
+  }
   std::filesystem::path recording() const override { return reader_->file(); }
 
   bool ReadAhead() override {

@@ -8,6 +8,7 @@
 
 #include "engine/base/result.h"
 #include "engine/mapping/mapper_options.h"
+#include "engine/recording/run_header.h"
 #include "engine/snapshot/commands.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/probe_view.h"
@@ -50,6 +51,10 @@ class SnapshotSource {
   }
   /// The options of the frame that is mapped next; of a recorded run, of its last one.
   virtual MapperOptions options() const { return {}; }
+  /// The options that a frame was mapped with.
+  virtual MapperOptions OptionsAt(int /*frame*/) const { return options(); }
+  /// What the run is made from; null: it is none.
+  virtual std::shared_ptr<const RunHeader> header() const { return nullptr; }
   /// Takes effect with the next frame that is mapped. Errors: kUnsupported where nothing is mapped.
   virtual Status SetOptions(const MapperOptions&) {
     return Error{ErrorCode::kUnsupported,

@@ -63,10 +63,20 @@ struct ProbeCommand {
   int hovered = -1;        ///< Also the outline of this particle.
 };
 
+/// What is shown besides the frames, and takes time to work out: it is kept up to date for as long
+/// as it is asked for.
+struct WatchCommand {
+  ObjectId object;         ///< Ranks of its particles; not valid: of none.
+  bool history = false;    ///< Also what the history says of it: an ObjectHistory.
+  bool relations = false;  ///< Of the objects of the frame.
+  bool operator==(const WatchCommand&) const = default;
+};
+
 /// For the process that plays and maps.
-using PlaybackCommand = std::variant<PlayCommand, PauseCommand, TogglePlayCommand, StepCommand,
-                                     SeekCommand, SetSpeedCommand, SetRangeCommand, SetLoopCommand,
-                                     FollowNewestCommand, SetOptionsCommand, ProbeCommand>;
+using PlaybackCommand =
+    std::variant<PlayCommand, PauseCommand, TogglePlayCommand, StepCommand, SeekCommand,
+                 SetSpeedCommand, SetRangeCommand, SetLoopCommand, FollowNewestCommand,
+                 SetOptionsCommand, ProbeCommand, WatchCommand>;
 
 /// An id that is not valid clears the selection.
 struct SelectObjectCommand {
@@ -84,22 +94,9 @@ struct HoverParticleCommand {
 struct FollowCommand {
   bool follow = false;
 };
-/// Turns the 3-D view to the selected object.
-struct FocusSelectionCommand {};
-struct ResetViewCommand {};
-/// Azimuth and elevation of the eye about the focus of the 3-D view [rad].
-struct ViewDirectionCommand {
-  double azimuth_rad = 0, elevation_rad = 0;
-};
 /// The 3-D view is that of the sequence's camera, with its image behind.
 struct LookThroughCommand {
   bool on = true;
-};
-struct SetThemeCommand {
-  bool light = false;
-};
-struct ShowPaletteCommand {
-  bool show = true;
 };
 /// Remembers a frame with a note; replaces the bookmark that the frame has.
 struct BookmarkCommand {
@@ -108,11 +105,6 @@ struct BookmarkCommand {
 };
 struct RemoveBookmarkCommand {
   int frame = 0;
-};
-/// Writes the window as PNG; "" chooses a name in the working folder.
-struct ScreenshotCommand {
-  std::string file;
-  std::string of;  ///< The part that this widget fills ("panel.image"); "": all.
 };
 /// How many image views there are, 1 to 5.
 struct ImageViewsCommand {
@@ -123,6 +115,15 @@ struct PlaceViewCommand {
   int view = 0;
   std::string panel;
 };
+/// Brings a panel to the front, by its id, where several share a place.
+struct ShowPanelCommand {
+  std::string panel;
+};
+/// Of a panel that is drawn in this frame of the window: it shows what has to be worked out.
+struct NeedCommand {
+  enum class What { kObjectHistory, kRelations };
+  What what = What::kRelations;
+};
 /// Full screen with a guided camera and captions, until any key.
 struct PresentCommand {
   bool on = true;
@@ -132,22 +133,6 @@ struct AskFrameCommand {};
 /// Index into the hypotheses of the ProbeView: this one's contour is drawn.
 struct SelectHypothesisCommand {
   int hypothesis = 0;
-};
-struct ShowHelpCommand {
-  bool show = true;
-};
-/// Size of text and controls, 1 = normal.
-struct SetUiScaleCommand {
-  double scale = 1;
-};
-/// Opens a sequence, a run file, or (kDemoPath) the built-in sequence instead of what is open.
-struct OpenCommand {
-  std::string path;
-};
-inline constexpr const char* kDemoPath = "demo:";
-/// Shows the other workspace; what is open in either stays open.
-struct SwitchWorkspaceCommand {
-  bool annotate = false;
 };
 /// Opens the dialog that forks the run at the frame that is shown, or closes it.
 struct AskForkCommand {
@@ -175,19 +160,89 @@ enum class RunShown { kFirst, kOther, kBlink, kBeside };
 struct ShowRunCommand {
   RunShown shown = RunShown::kFirst;
 };
+
+/// For the workspace that shows runs.
+using InspectCommand =
+    std::variant<SelectObjectCommand, SelectParticleCommand, HoverParticleCommand,
+                 SelectHypothesisCommand, FollowCommand, LookThroughCommand, BookmarkCommand,
+                 RemoveBookmarkCommand, AskFrameCommand, ImageViewsCommand, PlaceViewCommand,
+                 ShowPanelCommand, NeedCommand, PresentCommand, AskForkCommand, AskOptionsCommand,
+                 ForkCommand, CancelForkCommand, CompareRunCommand, ShowRunCommand>;
+
+/// Turns the 3-D view to the selection.
+struct FocusSelectionCommand {};
+struct ResetViewCommand {};
+/// Azimuth and elevation of the eye about the focus of the 3-D view [rad].
+struct ViewDirectionCommand {
+  double azimuth_rad = 0, elevation_rad = 0;
+};
+
+/// For the 3-D view of the workspace that shows.
+using ViewCommand = std::variant<FocusSelectionCommand, ResetViewCommand, ViewDirectionCommand>;
+
+enum class WorkspaceId { kInspect, kAnnotate };
+struct SetThemeCommand {
+  bool light = false;
+};
+struct ShowPaletteCommand {
+  bool show = true;
+};
+/// Writes the window as PNG; "" chooses a name in the working folder.
+struct ScreenshotCommand {
+  std::string file;
+  std::string of;  ///< The part that this widget fills ("panel.image"); "": all.
+};
+/// Says something in the status bar for a while.
+struct NoteCommand {
+  std::string text;
+};
+struct FullScreenCommand {
+  bool on = true;
+};
+struct ShowHelpCommand {
+  bool show = true;
+};
+/// Size of text and controls, 1 = normal.
+struct SetUiScaleCommand {
+  double scale = 1;
+};
+/// Opens a sequence, a run file, or (kDemoPath) the built-in sequence instead of what is open.
+struct OpenCommand {
+  std::string path;
+};
+inline constexpr const char* kDemoPath = "demo:";
+/// Shows the other workspace; what is open in either stays open.
+struct SwitchWorkspaceCommand {
+  WorkspaceId workspace = WorkspaceId::kInspect;
+};
 struct QuitCommand {};
 
 /// For the window itself.
 using WindowCommand =
-    std::variant<SelectObjectCommand, SelectParticleCommand, HoverParticleCommand, FollowCommand,
-                 FocusSelectionCommand, ResetViewCommand, ViewDirectionCommand, LookThroughCommand,
-                 SetThemeCommand, ShowPaletteCommand, BookmarkCommand, RemoveBookmarkCommand,
-                 AskFrameCommand, SelectHypothesisCommand, ScreenshotCommand, ShowHelpCommand,
-                 SetUiScaleCommand, OpenCommand, SwitchWorkspaceCommand, AskForkCommand,
-                 AskOptionsCommand, ForkCommand, CancelForkCommand, CompareRunCommand,
-                 ShowRunCommand, ImageViewsCommand, PlaceViewCommand, PresentCommand, QuitCommand>;
+    std::variant<SetThemeCommand, ShowPaletteCommand, ScreenshotCommand, NoteCommand,
+                 FullScreenCommand, ShowHelpCommand, SetUiScaleCommand, OpenCommand,
+                 SwitchWorkspaceCommand, QuitCommand>;
 
-using Command = std::variant<PlaybackCommand, WindowCommand, AnnotationCommand>;
+using Command =
+    std::variant<PlaybackCommand, InspectCommand, ViewCommand, WindowCommand, AnnotationCommand>;
+
+/// Whether `Variant` is one of several types that C is among.
+template <typename C, typename Variant>
+inline constexpr bool kIsAmong = false;
+template <typename C, typename... Types>
+inline constexpr bool kIsAmong<C, std::variant<Types...>> = (std::is_same_v<C, Types> || ...);
+
+/// The group that a command belongs to; a command that is in none does not compile.
+template <typename C>
+struct GroupOf {
+  using type = std::conditional_t<
+      kIsAmong<C, PlaybackCommand>, PlaybackCommand,
+      std::conditional_t<kIsAmong<C, InspectCommand>, InspectCommand,
+                         std::conditional_t<kIsAmong<C, ViewCommand>, ViewCommand,
+                                            std::conditional_t<kIsAmong<C, AnnotationCommand>,
+                                                               AnnotationCommand, WindowCommand>>>>;
+  static_assert(kIsAmong<C, type>, "this command is in none of the groups");
+};
 
 /// Where panels put what they ask for.
 class CommandSink {
@@ -195,13 +250,7 @@ class CommandSink {
   virtual ~CommandSink() = default;
   template <typename C>
   void Post(C command) {
-    if constexpr (std::is_constructible_v<PlaybackCommand, C>) {
-      Send(PlaybackCommand(std::move(command)));
-    } else if constexpr (std::is_constructible_v<AnnotationCommand, C>) {
-      Send(AnnotationCommand(std::move(command)));
-    } else {
-      Send(WindowCommand(std::move(command)));
-    }
+    Send(typename GroupOf<C>::type(std::move(command)));
   }
 
  protected:

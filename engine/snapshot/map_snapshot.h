@@ -5,6 +5,7 @@
 // mapping/map_report.h, which is values only too (a departure from the house rule: the alternative
 // was to declare every field twice).
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +19,7 @@
 #include "engine/geometry/mesh.h"
 #include "engine/mapping/map_report.h"
 #include "engine/mapping/mapper_options.h"
+#include "engine/snapshot/object_relation.h"
 #include "engine/snapshot/run_history.h"
 
 namespace plumbline {
@@ -69,6 +71,15 @@ struct MapSnapshot {
   std::vector<OutlineView> outlines;
 };
 
+/// What is worked out of a frame besides what the mapper says, where somebody shows it.
+struct FrameAnalysis {
+  std::shared_ptr<const MapSnapshot> frame;  ///< Never null.
+  /// How its objects stand to one another; nothing: nobody asked.
+  std::optional<std::vector<ObjectRelation>> relations;
+  ObjectId object;           ///< The one that is watched.
+  std::vector<int> by_rank;  ///< Indices of its particles, the best first.
+};
+
 struct FrameEvent {
   int frame = 0;
   LifeEvent event;
@@ -96,7 +107,10 @@ struct PlaybackView {
   bool loop = false;     ///< Playing starts again at the end.
   /// Of the frame that is mapped next; null until the source is open.
   std::shared_ptr<const MapperOptions> options;
-  std::string recording;  ///< The run file that holds the mapped frames; "": none.
+  /// That the shown frame was mapped with; null until there is one.
+  std::shared_ptr<const MapperOptions> shown_options;
+  std::uint64_t seed = 0;  ///< Of the run.
+  std::string recording;   ///< The run file that holds the mapped frames; "": none.
   std::optional<int> range_begin, range_end;  ///< Frames that playing keeps to, both included.
 };
 

@@ -60,6 +60,16 @@ struct LikelihoodMap {
   std::optional<Eigen::Vector2f> truth;  ///< Offset of the true place.
 };
 
+/// What keeps an object from being where it should be.
+enum class Verdict {
+  kNoTruth,     ///< There is nothing to compare with.
+  kRight,       ///< Nothing: it is there.
+  kSpurious,    ///< There is no such object.
+  kLikelihood,  ///< The wrong place scores better in this frame.
+  kSearch,      ///< The truth would score better, but no particle is near it.
+  kTime         ///< Particles are near the truth; the weights have not followed yet.
+};
+
 struct ProbeView {
   int frame = -1;
   ObjectId object;
@@ -67,7 +77,8 @@ struct ProbeView {
   float search_radius_px = 0;
   float chance = 0;                          ///< Hit that a contour gets by chance.
   std::string message;                       ///< Why there is nothing; "" else.
-  std::string verdict;                       ///< In words: search, likelihood, or neither.
+  std::optional<Verdict> verdict;            ///< Nothing where there is a message.
+  std::string verdict_text;                  ///< The same as a sentence, with figures.
   std::vector<ProbedHypothesis> hypotheses;  ///< The first is the mean.
   int hovered = -1;  ///< The particle under the mouse, if one was asked for.
   std::vector<std::vector<Eigen::Vector2f>> hovered_outline;

@@ -23,7 +23,7 @@ struct TruthError {
   float translation_m = 0;     ///< Between origins.
   float azimuth_rad = 0;       ///< Modulo the shape's symmetry, >= 0; 0 for a round one.
   float credible_level =
-      0;  ///< Share of the belief that is likelier than the truth (calibration.h).
+      0;  ///< Share of the belief that is likelier than the truth (reliability.h).
 };
 
 /// An object in one frame.

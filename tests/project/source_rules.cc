@@ -101,6 +101,8 @@ std::string WrongLayer(std::string_view path, std::string_view file) {
   }
   if (StartsWith(path, "app/") && StartsWith(file, "tests/"))
     return "the program never includes tests";
+  if (StartsWith(path, "app/window/") && file == "engine/recording/run_file.h")
+    return "no run file is opened on the window's thread; engine/runtime does it";
   return "";
 }
 
@@ -192,6 +194,8 @@ std::vector<std::string> SourceViolations(std::string_view path, std::string_vie
   const auto add = [&](int line, const std::string& what) {
     violations.push_back(std::string(path) + ":" + std::to_string(line) + ": " + what);
   };
+  if (StartsWith(path, "engine/snapshot/") && EndsWith(path, ".cc"))
+    add(1, "engine/snapshot holds values and computes nothing; engine/analysis does");
   if (NeedsLicence(path) && !HasLicence(lines))
     add(1, "the first line is not the SPDX licence line");
   for (int i = 0; i < static_cast<int>(lines.size()); ++i) {

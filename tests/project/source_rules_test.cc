@@ -71,6 +71,7 @@ TEST(SourceRules, NameWhatTheLayersForbid) {
       {"ui/inspect/map/map_panel.cc", Angled("vtkNew.h"), "VTK stays in ui/scene"},
       {"ui/framework/panel.h", Quoted("app/window/application.h"), "never includes the program"},
       {"app/main.cc", Quoted("tests/support/test_data.h"), "never includes tests"},
+      {"app/window/inspect/what_if.cc", Quoted("engine/recording/run_file.h"), "window's thread"},
       {"app/main.cc", Angled("vtkRenderer.h"), "only in ui/scene"},
       {"app/main.cc", Angled("GLFW/glfw3.h"), "app/platform"},
       {"engine/geometry/decimate.h", Angled("vtkQuadricDecimation.h"), ".cc files only"},

@@ -26,12 +26,12 @@ int main(int argc, char** argv) {
     if (option == "--sequence") options.annotation.sequence = next();
     if (option == "--settings") options.settings = next();
     if (option == "--film") film = next();
-    if (option == "--layout") options.layout = *plumbline::FindRenderLayout(next());
+    if (option == "--layout") options.inspect.layout = *plumbline::FindRenderLayout(next());
     if (option == "--state") options.state_file = next();
     if (option == "--frames") fake.num_frames = std::stoi(next());
     if (option == "--slow") fake.milliseconds_per_frame = std::stoi(next());
     if (option == "--fail") fake.fail_at_frame = std::stoi(next());
-    if (option == "--demo") options.present = true;
+    if (option == "--demo") options.inspect.present = true;
     if (option == "--recorded") fake.recorded = true;
     if (option == "--scale") options.ui_scale = std::stod(next());
     if (option == "--size") {
@@ -43,8 +43,9 @@ int main(int argc, char** argv) {
       fake.height = std::stoi(next());
     }
   }
-  options.opener = [fake](const std::string& path,
-                          const std::string& models) -> plumbline::MappingProcess::OpenSource {
+  options.inspect.opener = [fake](
+                               const std::string& path,
+                               const std::string& models) -> plumbline::MappingProcess::OpenSource {
     return [fake, path, models](const plumbline::WorkContext&)
                -> plumbline::Result<std::unique_ptr<plumbline::SnapshotSource>> {
       if (!models.empty()) std::ofstream("models.txt") << models;

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/ui/panel_harness.h"
+#include "ui/framework/actions.h"
 #include "ui/framework/layout.h"
 #include "ui/framework/pictures.h"
-#include "ui/framework/shortcuts.h"
 #include "ui/framework/theme.h"
 
 namespace plumbline {
@@ -105,14 +105,12 @@ TEST(Layout, KeepsSaneRatiosOnly) {
   EXPECT_DOUBLE_EQ(again.columns, ratios.columns);
 }
 
-TEST(Shortcuts, AreAllNamedAndUnique) {
-  std::set<std::tuple<int, bool, bool>> seen;
-  for (const Shortcut& shortcut : Shortcuts()) {
-    EXPECT_TRUE(seen.insert({shortcut.key, shortcut.shift, shortcut.control}).second);
-  }
+TEST(Keys, HaveNamesBothWays) {
   EXPECT_EQ(KeyByName("space"), keys::kSpace);
   EXPECT_EQ(KeyByName("f"), keys::kF);
   EXPECT_EQ(KeyByName("no such key"), -1);
+  EXPECT_EQ(NameOf(KeyStroke{keys::kLeft, true}), "Shift + Left");
+  EXPECT_EQ(NameOf(KeyStroke{keys::kL, false, true}), "Ctrl + L");
 }
 
 }  // namespace

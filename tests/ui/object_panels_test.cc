@@ -3,16 +3,16 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/snapshot/particle_rank.h"
+#include "engine/mapping/particle_rank.h"
 #include "tests/ui/panel_harness.h"
-#include "ui/inspect/panels.h"
+#include "ui/inspect/panel_table.h"
 
 namespace plumbline {
 namespace {
 
 TEST(ParticlesPanel, MarksTheParticleUnderTheMouse) {
   PanelHarness harness;
-  const auto panel = MakeParticlesPanel();
+  const auto panel = MakeInspectPanel("particles");
   harness.ShowFrame(30);
   harness.context.selection.object = {1};
   harness.Click(*panel, "particles.view", 0.02f, 0.02f);
@@ -20,9 +20,25 @@ TEST(ParticlesPanel, MarksTheParticleUnderTheMouse) {
   EXPECT_EQ(harness.sink.Last<SelectParticleCommand>()->particle, -1);
 }
 
+TEST(RelationsPanel, AsksForRelationsAndShowsThem) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("relations");
+  harness.ShowFrame(40);
+  harness.Draw(*panel, 2);
+  ASSERT_NE(harness.sink.Last<NeedCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<NeedCommand>()->what, NeedCommand::What::kRelations);
+  EXPECT_EQ(harness.widgets.Find("relations.row.0"), nullptr) << "nothing is worked out here";
+  harness.Analyse();
+  ASSERT_FALSE(harness.context.analysis->relations->empty());
+  harness.Click(*panel, "relations.row.0");
+  ASSERT_NE(harness.sink.Last<SelectObjectCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectObjectCommand>()->object,
+            harness.context.analysis->relations->front().a);
+}
+
 TEST(WhyPanel, AsksOnceAndSelectsAHypothesis) {
   PanelHarness harness;
-  const auto panel = MakeWhyPanel();
+  const auto panel = MakeInspectPanel("why");
   harness.size = {900, 220};
   harness.ShowFrame(30);
   harness.context.selection.object = {1};
@@ -33,7 +49,8 @@ TEST(WhyPanel, AsksOnceAndSelectsAHypothesis) {
   probe->frame = harness.context.snapshot->report.frame;
   probe->object = {1};
   probe->beta = 10;
-  probe->verdict = "Search: no particle is near.";
+  probe->verdict = Verdict::kSearch;
+  probe->verdict_text = "Search: no particle is near.";
   probe->hypotheses.resize(2);
   probe->hypotheses[0].name = "mean";
   probe->hypotheses[1].name = "truth";
@@ -47,7 +64,7 @@ TEST(WhyPanel, AsksOnceAndSelectsAHypothesis) {
 
 TEST(WhatIfPanel, ShowsHowFarAForkIsAndStopsIt) {
   PanelHarness harness;
-  const auto panel = MakeWhatIfPanel();
+  const auto panel = MakeInspectPanel("what_if");
   harness.size = {700, 200};
   harness.ShowFrame(30);
   harness.Click(*panel, "what_if.options");
@@ -69,7 +86,7 @@ TEST(WhatIfPanel, ShowsHowFarAForkIsAndStopsIt) {
 
 TEST(PosteriorPanel, DrawsAHistogramForEachParameter) {
   PanelHarness harness;
-  const auto panel = MakePosteriorPanel();
+  const auto panel = MakeInspectPanel("posterior");
   harness.size = {900, 240};
   harness.ShowFrame(30);
   harness.context.selection.object = {1};
@@ -80,7 +97,7 @@ TEST(PosteriorPanel, DrawsAHistogramForEachParameter) {
 
 TEST(PosteriorPanel, ShowsShapesOverTimeAndGoesToTheFrameThatIsClicked) {
   PanelHarness harness;
-  const auto panel = MakePosteriorPanel();
+  const auto panel = MakeInspectPanel("posterior");
   harness.size = {900, 240};
   harness.ShowFrame(30);
   harness.context.selection.object = {2};
@@ -99,6 +116,7 @@ TEST(PosteriorPanel, ShowsShapesOverTimeAndGoesToTheFrameThatIsClicked) {
   }
   playback.history = history;
   harness.context.playback = std::make_shared<const PlaybackView>(playback);
+  harness.Analyse();
   harness.Click(*panel, "posterior.labels", 0.5f, 0.5f);
   ASSERT_NE(harness.sink.Last<SeekCommand>(), nullptr);
   EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 25);
@@ -106,7 +124,7 @@ TEST(PosteriorPanel, ShowsShapesOverTimeAndGoesToTheFrameThatIsClicked) {
 
 TEST(WhyPanel, SweepsTwoParametersAtOnce) {
   PanelHarness harness;
-  const auto panel = MakeWhyPanel();
+  const auto panel = MakeInspectPanel("why");
   harness.size = {900, 260};
   harness.ShowFrame(30);
   harness.context.selection.object = {1};
@@ -136,7 +154,7 @@ TEST(WhyPanel, SweepsTwoParametersAtOnce) {
 
 TEST(ParticlesPanel, AsksForTheOutlineOfTheParticleUnderTheMouse) {
   PanelHarness harness;
-  const auto panel = MakeParticleTablePanel();
+  const auto panel = MakeInspectPanel("particle_table");
   harness.size = {900, 300};
   harness.ShowFrame(30);
   harness.context.selection.object = {1};
@@ -148,7 +166,7 @@ TEST(ParticlesPanel, AsksForTheOutlineOfTheParticleUnderTheMouse) {
 
 TEST(ParticleTablePanel, SortsAndMarks) {
   PanelHarness harness;
-  const auto panel = MakeParticleTablePanel();
+  const auto panel = MakeInspectPanel("particle_table");
   harness.size = {900, 300};
   harness.ShowFrame(30);
   harness.context.selection.object = {1};
@@ -164,16 +182,14 @@ TEST(ParticleTablePanel, SortsAndMarks) {
 
 TEST(ParticleTablePanel, SortsByRank) {
   PanelHarness harness;
-  const auto panel = MakeParticleTablePanel();
+  const auto panel = MakeInspectPanel("particle_table");
   harness.size = {900, 300};
   harness.ShowFrame(30);
   harness.context.selection.object = {1};
-  PlaybackView playback = *harness.context.playback;
-  auto options = std::make_shared<MapperOptions>();
-  options->alpha = 0;
-  options->beta = 1;
-  playback.options = options;
-  harness.context.playback = std::make_shared<const PlaybackView>(playback);
+  MapperOptions options;
+  options.alpha = 0;
+  options.beta = 1;
+  harness.Analyse(options);
   harness.Draw(*panel, 3);
   const auto& particles = *harness.context.SelectedObject()->particles;
   const std::vector<int> order = ByRank(particles, 0, 1);

@@ -57,6 +57,13 @@ void PanelHarness::ShowFrame(int frame) {
   context.playback = std::make_shared<const PlaybackView>(playback);
 }
 
+void PanelHarness::Analyse(const MapperOptions& options) {
+  FrameAnalyst analyst;
+  analyst.Watch({context.selection.object, true, true});
+  context.analysis = analyst.OfFrame(context.snapshot, *context.sequence, options);
+  context.history = analyst.OfHistory(*context.playback->history);
+}
+
 void PanelHarness::Draw(Panel& panel, int frames) {
   for (int i = 0; i < frames; ++i) {
     ImGui::NewFrame();

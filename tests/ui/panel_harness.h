@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/runtime/frame_analyst.h"
 #include "engine/runtime/snapshot_source.h"
 #include "engine/snapshot/commands.h"
 #include "ui/framework/panel.h"
@@ -28,16 +29,8 @@ class RecordingSink : public CommandSink {
  private:
   template <typename C>
   static const C* Find(const Command& command) {
-    if constexpr (std::is_constructible_v<PlaybackCommand, C>) {
-      const auto* group = std::get_if<PlaybackCommand>(&command);
-      return group == nullptr ? nullptr : std::get_if<C>(group);
-    } else if constexpr (std::is_constructible_v<AnnotationCommand, C>) {
-      const auto* group = std::get_if<AnnotationCommand>(&command);
-      return group == nullptr ? nullptr : std::get_if<C>(group);
-    } else {
-      const auto* group = std::get_if<WindowCommand>(&command);
-      return group == nullptr ? nullptr : std::get_if<C>(group);
-    }
+    const auto* group = std::get_if<typename GroupOf<C>::type>(&command);
+    return group == nullptr ? nullptr : std::get_if<C>(group);
   }
   void Send(Command command) override { commands.push_back(std::move(command)); }
 };
@@ -90,6 +83,8 @@ class PanelHarness {
 
   /// Fills the context with this frame of the made-up room.
   void ShowFrame(int frame);
+  /// What a process would have worked out of that frame for the selected object.
+  void Analyse(const MapperOptions& options = {});
   void Draw(Panel& panel, int frames = 1);
   /// Moves the mouse to a share of a named widget, without a button.
   void Point(Panel& panel, const std::string& widget, float x = 0.5f, float y = 0.5f);

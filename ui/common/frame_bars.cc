@@ -3,13 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
-#include <vector>
+#include <utility>
 
-#include "ui/framework/shortcuts.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_actions.h"
-#include "ui/panels/annotate_panels.h"
 
 namespace plumbline {
 namespace {
@@ -24,104 +20,63 @@ void DrawLogo(ImVec2 center, float size) {
                          {center.x, center.y + size}, colors::kAccent);
 }
 
-std::string StatusText(const FrameContext& context) {
-  const PlaybackView& playback = *context.playback;
-  const std::string rate = playback.frames_per_second > 0 ? fmt::format("  \u00b7  {:.1f} frames/s",
-                                                                        playback.frames_per_second)
-                                                          : "";
-  if (context.sequence == nullptr && context.source.empty()) return "Nothing is open.";
-  if (context.sequence == nullptr) return playback.message.empty() ? "Opening" : playback.message;
-  const int last = std::max(0, context.sequence->num_frames - 1);
-  const bool at_newest = playback.frame >= playback.newest_mapped_frame;
-  const char* doing = playback.recorded || !at_newest ? "Playing the recording" : "Mapping";
-  switch (playback.state) {
-    case PlaybackState::kFailed:
-      return playback.message;
-    case PlaybackState::kFinished:
-      return fmt::format("At the end: all {} frames are {}.", last + 1,
-                         playback.recorded ? "recorded" : "mapped");
-    case PlaybackState::kPlaying:
-      if (playback.mapping && !playback.follow)
-        return fmt::format("Playing frame {}; the mapper is at {} of {}{}", playback.frame,
-                           playback.newest_mapped_frame, last, rate);
-      return fmt::format("{} frame {} of {}{}", doing, playback.frame, last, rate);
-    case PlaybackState::kPaused:
-      break;
-  }
-  if (playback.seek_target) {
-    const int missing = *playback.seek_target - playback.newest_mapped_frame;
-    const std::string eta =
-        playback.frames_per_second > 0
-            ? fmt::format(", about {:.0f} s", missing / playback.frames_per_second)
-            : "";
-    return fmt::format("Mapping up to frame {}: {} to go{}{}", *playback.seek_target, missing, eta,
-                       rate);
-  }
-  if (playback.mapping)
-    return fmt::format("Mapping goes on: frame {} of {}. N shows the newest.",
-                       playback.newest_mapped_frame, last);
-  if (playback.recorded) return "Paused. Space plays the recording.";
-  return fmt::format("Paused. Mapped up to frame {}; Space goes on.", playback.newest_mapped_frame);
-}
-
 /// A workspace's name; the one that shows is underlined.
-void DrawTab(const FrameContext& context, const LayoutRect& bar, const char* name,
-             const char* label, WorkspaceId id, const char* help, CommandSink& sink) {
-  const bool shown = context.workspace == id;
+void DrawTab(const FrameContext& context, const LayoutRect& bar, const WorkspaceTab& tab,
+             CommandSink& sink) {
+  const bool shown = context.workspace == tab.id;
   const ImVec2 low = ImGui::GetCursorScreenPos();
   ImGui::PushStyleColor(ImGuiCol_Text, shown ? colors::kText : colors::kDimText);
-  ImGui::TextUnformatted(label);
+  ImGui::TextUnformatted(tab.title);
   ImGui::PopStyleColor();
-  LogItem(context, name);
-  Tooltip(context, help);
-  if (ImGui::IsItemClicked()) sink.Post(SwitchWorkspaceCommand{id == WorkspaceId::kAnnotate});
+  LogItem(context, tab.widget);
+  Tooltip(context, tab.help);
+  if (ImGui::IsItemClicked()) sink.Post(SwitchWorkspaceCommand{tab.id});
   if (!shown) return;
   ImGui::GetWindowDrawList()->AddRectFilled(
       {low.x, bar.high.y - context.Scaled(5)},
-      {low.x + ImGui::CalcTextSize(label).x, bar.high.y - context.Scaled(3)}, colors::kAccent);
+      {low.x + ImGui::CalcTextSize(tab.title).x, bar.high.y - context.Scaled(3)}, colors::kAccent);
 }
 
-void DrawSequenceName(const FrameContext& context) {
-  const std::string what = context.sequence != nullptr ? context.sequence->name : context.source;
-  ImGui::TextUnformatted(what.c_str());
-  if (context.sequence == nullptr) return;
-  Tooltip(context, context.sequence->path);
-  ImGui::SameLine(0, context.Scaled(12));
-  DimText("%d frames, %d \u00d7 %d px, %g Hz%s", context.sequence->num_frames,
-          context.sequence->image_width, context.sequence->image_height, context.sequence->rate_hz,
-          context.playback->recorded ? ", recorded run" : "");
+void DrawKeyRows(const FrameContext& context, std::span<const ActionGroup> groups) {
+  for (const ActionGroup& group : groups) {
+    bool headed = false;
+    for (const Action& action : group.actions) {
+      if (action.help.empty()) continue;
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      if (!std::exchange(headed, true)) {
+        SmallText(context, colors::kAccent, "%s", group.title.c_str());
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+      }
+      ImGui::TextUnformatted(action.help_keys.c_str());
+      ImGui::TableNextColumn();
+      DimText("%s", action.help.c_str());
+    }
+  }
 }
 
 }  // namespace
 
-void DrawTopBar(const FrameContext& context, const LayoutRect& rect, CommandSink& sink) {
-  const float middle = 0.5f * (rect.low.y + rect.high.y);
+void DrawTopBar(const FrameContext& context, const LayoutRect& rect,
+                std::span<const WorkspaceTab> tabs,
+                const std::function<void(const LayoutRect&)>& middle, CommandSink& sink) {
+  const float mid_y = 0.5f * (rect.low.y + rect.high.y);
   const float line = ImGui::GetTextLineHeight();
-  DrawLogo({rect.low.x + context.Scaled(24), middle}, context.Scaled(10));
-  ImGui::SetCursorScreenPos({rect.low.x + context.Scaled(42), middle - 0.5f * line});
+  DrawLogo({rect.low.x + context.Scaled(24), mid_y}, context.Scaled(10));
+  ImGui::SetCursorScreenPos({rect.low.x + context.Scaled(42), mid_y - 0.5f * line});
   ImGui::PushFont(context.fonts.strong);
   ImGui::TextUnformatted("Plumbline");
   ImGui::PopFont();
-  ImGui::SameLine(0, context.Scaled(24));
-  DrawTab(context, rect, "top.inspect", "Inspect", WorkspaceId::kInspect,
-          "Workspace: play a sequence through the mapper, or a recorded run, and see what it sees "
-          "and believes.",
-          sink);
-  ImGui::SameLine(0, context.Scaled(16));
-  DrawTab(context, rect, "top.annotate", "Annotate", WorkspaceId::kAnnotate,
-          "Workspace: place models in a scan, to make the truth that maps are judged by.", sink);
-  ImGui::SameLine(0, context.Scaled(24));
-  if (context.workspace == WorkspaceId::kAnnotate) {
-    const float buttons = 2 * (ImGui::GetFrameHeight() + context.Scaled(4)) + context.Scaled(26);
-    DrawProjectBar(
-        context,
-        {{ImGui::GetCursorScreenPos().x, rect.low.y}, {rect.high.x - buttons, rect.high.y}}, sink);
-  } else {
-    DrawSequenceName(context);
+  for (const WorkspaceTab& tab : tabs) {
+    ImGui::SameLine(0, context.Scaled(&tab == &tabs.front() ? 24 : 16));
+    DrawTab(context, rect, tab, sink);
   }
+  ImGui::SameLine(0, context.Scaled(24));
   const float button = ImGui::GetFrameHeight() + context.Scaled(4);
-  ImGui::SetCursorScreenPos(
-      {rect.high.x - 2 * button - context.Scaled(14), middle - 0.5f * button});
+  const float buttons = 2 * button + context.Scaled(26);
+  middle({{ImGui::GetCursorScreenPos().x, rect.low.y}, {rect.high.x - buttons, rect.high.y}});
+  ImGui::SetCursorScreenPos({rect.high.x - 2 * button - context.Scaled(14), mid_y - 0.5f * button});
   if (IconButton(context, "top.screenshot", Icon::kCamera, false,
                  "Save a picture of the window (F12)"))
     sink.Post(ScreenshotCommand{});
@@ -130,14 +85,9 @@ void DrawTopBar(const FrameContext& context, const LayoutRect& rect, CommandSink
     sink.Post(ShowHelpCommand{true});
 }
 
-void DrawStatusBar(const FrameContext& context, const LayoutRect& rect, const std::string& note) {
+void DrawStatusBar(const FrameContext& context, const LayoutRect& rect, const StatusLine& status,
+                   const std::string& note) {
   const float y = 0.5f * (rect.low.y + rect.high.y) - 0.5f * context.fonts.small->FontSize;
-  const bool annotates = context.workspace == WorkspaceId::kAnnotate;
-  bool failed = context.playback->state == PlaybackState::kFailed;
-  std::string status = annotates ? AnnotationStatus(context, failed) : StatusText(context);
-  if (const ForkView* fork = context.fork.get();
-      fork != nullptr && fork->state == ForkState::kRunning)
-    status += fmt::format("  \u00b7  Fork: {} of {}", fork->done, fork->total);
   const std::string right = fmt::format("window {:.1f} ms  \u00b7  3-D {:.0f} ms  \u00b7  {}",
                                         context.window_ms, context.scene_ms, context.renderer);
   const float right_width =
@@ -147,8 +97,8 @@ void DrawStatusBar(const FrameContext& context, const LayoutRect& rect, const st
   ImGui::PushClipRect(rect.low, {both ? right_x - context.Scaled(10) : rect.high.x, rect.high.y},
                       true);
   ImGui::SetCursorScreenPos({rect.low.x + context.Scaled(14), y});
-  const std::string text = note.empty() || failed ? status : note;
-  SmallText(context, failed ? colors::kBad : colors::kDimText, "%s", text.c_str());
+  const std::string& text = note.empty() || status.failed ? status.text : note;
+  SmallText(context, status.failed ? colors::kBad : colors::kDimText, "%s", text.c_str());
   Tooltip(context, text);
   ImGui::PopClipRect();
   if (!both) return;
@@ -156,7 +106,8 @@ void DrawStatusBar(const FrameContext& context, const LayoutRect& rect, const st
   SmallText(context, colors::kFaint, "%s", right.c_str());
 }
 
-void DrawHelpSheet(const FrameContext& context, CommandSink& sink) {
+void DrawHelpSheet(const FrameContext& context, std::span<const ActionGroup> groups,
+                   CommandSink& sink) {
   constexpr const char* kMouse[][2] = {{"Left drag", "Turn the map; move a zoomed image"},
                                        {"Right or middle drag", "Move the map"},
                                        {"Shift + left drag", "Move the map"},
@@ -180,29 +131,7 @@ void DrawHelpSheet(const FrameContext& context, CommandSink& sink) {
   ImGui::Dummy({0, context.Scaled(4)});
   constexpr auto kFlags = ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_NoHostExtendX;
   if (ImGui::BeginTable("help.table", 2, kFlags)) {
-    const char* group = "";
-    const bool annotates = context.workspace == WorkspaceId::kAnnotate;
-    std::vector<Shortcut> shortcuts;
-    if (annotates) {
-      shortcuts.assign(AnnotateShortcuts().begin(), AnnotateShortcuts().end());
-    }
-    for (const Shortcut& shortcut : Shortcuts()) {
-      const bool shown = !annotates || std::strcmp(shortcut.group, "Playback") != 0;
-      if (*shortcut.keys != '\0' && shown) shortcuts.push_back(shortcut);
-    }
-    for (const Shortcut& shortcut : shortcuts) {
-      ImGui::TableNextRow();
-      ImGui::TableNextColumn();
-      if (std::strcmp(group, shortcut.group) != 0) {
-        group = shortcut.group;
-        SmallText(context, colors::kAccent, "%s", group);
-        ImGui::TableNextRow();
-        ImGui::TableNextColumn();
-      }
-      ImGui::TextUnformatted(shortcut.keys);
-      ImGui::TableNextColumn();
-      DimText("%s", shortcut.meaning);
-    }
+    DrawKeyRows(context, groups);
     ImGui::EndTable();
   }
   ImGui::SameLine(0, context.Scaled(36));

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "engine/snapshot/commands.h"
-#include "ui/framework/frame_context.h"
+#include "ui/framework/actions.h"
 
 namespace plumbline {
 
@@ -17,9 +17,17 @@ struct PaletteEntry {
   std::function<void(CommandSink&)> run;
 };
 
-/// All that fits `query`: every shortcut, views, objects, bookmarks, recent files; a number goes to
-/// that frame. Words may be given in any order, in part.
-std::vector<PaletteEntry> PaletteEntries(const FrameContext& context, const std::string& query);
+/// An entry that posts one command.
+template <typename C>
+PaletteEntry EntryFor(std::string text, C command) {
+  return {std::move(text), "", [command](CommandSink& sink) { sink.Post(command); }};
+}
+
+/// The actions that are offered now. They keep a reference to `context`.
+std::vector<PaletteEntry> EntriesOf(std::span<const ActionGroup> groups,
+                                    const FrameContext& context);
+/// What was opened before.
+void AddRecentEntries(const FrameContext& context, std::vector<PaletteEntry>& entries);
 
 /// The palette's own state.
 struct PaletteState {
@@ -28,7 +36,11 @@ struct PaletteState {
   int chosen = 0;
 };
 
-/// Over everything else: a field, and what fits. Up and down choose, Enter does it, Esc closes.
-void DrawPalette(const FrameContext& context, PaletteState& state, CommandSink& sink);
+/// Over everything else: a field, and what fits. Words may be given in any order, in part. Up and
+/// down choose, Enter does it, Esc closes.
+/// @param at_once  What the query stands for by itself, such as a frame's number; comes first.
+void DrawPalette(const FrameContext& context, PaletteState& state, std::vector<PaletteEntry> all,
+                 const std::function<std::vector<PaletteEntry>(const std::string& query)>& at_once,
+                 CommandSink& sink);
 
 }  // namespace plumbline

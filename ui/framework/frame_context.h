@@ -14,8 +14,10 @@
 
 #include "engine/base/ids.h"
 #include "engine/snapshot/commands.h"
+#include "engine/snapshot/comparison_view.h"
 #include "engine/snapshot/fork_view.h"
 #include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/object_history.h"
 #include "engine/snapshot/probe_view.h"
 #include "ui/framework/theme.h"
 
@@ -25,8 +27,6 @@ class SceneSurface;
 class AnnotateSurface;
 struct AnnotateView;
 struct AnnotationSnapshot;
-
-enum class WorkspaceId { kInspect, kAnnotate };
 
 /// Pictures on their way to the screen. The GL implementation is in gl_texture_store.h; tests use a
 /// null one.
@@ -80,12 +80,12 @@ struct Bookmark {
 
 /// A second run of the same sequence, on the clock of the first.
 struct OtherRun {
-  std::string source;                            ///< Its file.
-  std::shared_ptr<const SequenceView> sequence;  ///< Null until it is open.
-  std::shared_ptr<const MapSnapshot> snapshot;   ///< Null until its first frame.
-  std::shared_ptr<const PlaybackView> playback;  ///< Never null.
-  std::uint64_t version = 0;                     ///< Changes with `snapshot`.
-  std::vector<std::string> settings;             ///< What differs: "alpha: 2.5 / 4".
+  std::string source;                                ///< Its file.
+  std::shared_ptr<const SequenceView> sequence;      ///< Null until it is open.
+  std::shared_ptr<const MapSnapshot> snapshot;       ///< Null until its first frame.
+  std::shared_ptr<const PlaybackView> playback;      ///< Never null.
+  std::uint64_t version = 0;                         ///< Changes with `snapshot`.
+  std::shared_ptr<const ComparisonView> comparison;  ///< Null until it is worked out.
 };
 
 /// Another run that could be made of what is open.
@@ -108,16 +108,19 @@ struct FrameContext {
   std::shared_ptr<const ForkOffer> fork_offer;  ///< Null: nothing is open.
   std::shared_ptr<const ForkView> fork;         ///< The last one; null: none yet.
   std::shared_ptr<const ProbeView> probe;  ///< The last answer, maybe of another frame; null: none.
-  std::uint64_t snapshot_version = 0;      ///< Changes with `snapshot`.
-  std::string source;                      ///< What was opened, as it was named; "": nothing.
-  std::uint64_t source_version = 0;        ///< Changes when something else is opened.
-  std::vector<Bookmark> bookmarks;         ///< Of what is open, by frame.
-  bool ask_frame = false;           ///< In this frame: the keyboard goes to the field for it.
-  std::vector<std::string> recent;  ///< What was opened before, newest first.
+  std::shared_ptr<const FrameAnalysis> analysis;  ///< Of `snapshot`; null until it is known.
+  std::shared_ptr<const ObjectHistory> history;   ///< Of the object watched last; null: of none.
+  std::uint64_t snapshot_version = 0;             ///< Changes with `snapshot`.
+  std::string source;                ///< What was opened, as it was named; "": nothing.
+  std::uint64_t source_version = 0;  ///< Changes when something else is opened.
+  std::vector<Bookmark> bookmarks;   ///< Of what is open, by frame.
+  bool ask_frame = false;            ///< In this frame: the keyboard goes to the field for it.
+  std::vector<std::string> recent;   ///< What was opened before, newest first.
   Selection selection;
   bool follow = false;        ///< The 3-D view moves with the camera.
   bool look_through = false;  ///< The 3-D view is that of the camera.
   bool light = false;         ///< Theme
+  bool help_shown = false;    ///< The help sheet lies over the panels.
   int image_views = 5;        ///< How many there are.
   bool presenting = false;    ///< Full screen with captions; panels show no controls.
   bool bare = false;          ///< A figure: panels without their controls.
@@ -149,6 +152,11 @@ struct FrameContext {
       if (object.id == selection.object) return &object;
     }
     return nullptr;
+  }
+  /// Of the selected object's particles in this frame, the best first; null until it is known.
+  const std::vector<int>* ParticlesByRank() const {
+    return analysis != nullptr && analysis->object == selection.object ? &analysis->by_rank
+                                                                       : nullptr;
   }
   /// Null for a label that the sequence has no model for.
   const ModelView* Model(ModelId id) const {

@@ -77,10 +77,10 @@ void DrawTitle(const FrameContext& context, Panel& panel, std::span<Panel* const
     if (i > 0) ImGui::SameLine(0, context.Scaled(14));
     ImGui::PushFont(context.fonts.strong);
     ImGui::PushStyleColor(ImGuiCol_Text, is_active ? colors::kText : colors::kFaint);
-    ImGui::TextUnformatted(tabs[i]->Title());
+    ImGui::TextUnformatted(tabs[i]->info().title);
     ImGui::PopStyleColor();
     ImGui::PopFont();
-    LogItem(context, std::string(tabs[i]->Id()) + ".title");
+    LogItem(context, std::string(tabs[i]->id()) + ".title");
     if (tabs.size() > 1 && is_active) {
       const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
       ImGui::GetWindowDrawList()->AddRectFilled({low.x, high.y + context.Scaled(2)},
@@ -90,9 +90,9 @@ void DrawTitle(const FrameContext& context, Panel& panel, std::span<Panel* const
     const bool clicked = ImGui::IsItemClicked();
     const char* more = menu ? "\nA click chooses what is shown here; a right click saves it as PNG."
                             : "\nA right click saves it as PNG.";
-    Tooltip(context, tabs[i]->Help() + std::string(is_active ? more : ""));
+    Tooltip(context, tabs[i]->info().help + std::string(is_active ? more : ""));
     if (is_active && ImGui::IsItemClicked(ImGuiMouseButton_Right))
-      sink.Post(ScreenshotCommand{"", std::string("panel.") + panel.Id()});
+      sink.Post(ScreenshotCommand{"", std::string("panel.") + panel.id()});
     if (menu && !context.bare) {
       DrawMenuMark(context);
       if (clicked) ImGui::OpenPopup("title menu");
@@ -129,12 +129,22 @@ void RatiosFromJson(const nlohmann::json& json, LayoutRatios& ratios) {
   });
 }
 
+WindowLayout ComputeWindowLayout(ImVec2 size, double ui_scale) {
+  const auto scaled = [&](double v) { return static_cast<float>(std::round(v * ui_scale)); };
+  WindowLayout layout;
+  layout.top_bar = {{0, 0}, {size.x, scaled(kTopBar)}};
+  layout.status_bar = {{0, size.y - scaled(kStatusBar)}, size};
+  layout.room = {{0, layout.top_bar.high.y}, {size.x, layout.status_bar.low.y}};
+  return layout;
+}
+
 InspectLayout ComputeInspectLayout(ImVec2 size, double ui_scale, const LayoutRatios& ratios) {
   const auto scaled = [&](double v) { return static_cast<float>(std::round(v * ui_scale)); };
   const float gap = scaled(kGap), margin = scaled(kMargin);
   InspectLayout layout;
-  layout.top_bar = {{0, 0}, {size.x, scaled(kTopBar)}};
-  layout.status_bar = {{0, size.y - scaled(kStatusBar)}, size};
+  const WindowLayout window = ComputeWindowLayout(size, ui_scale);
+  layout.top_bar = window.top_bar;
+  layout.status_bar = window.status_bar;
   const float timeline =
       std::max(scaled(kLeastTimeline), std::floor(static_cast<float>(ratios.timeline) * size.y));
   layout.timeline = {{margin, layout.status_bar.low.y - timeline},
@@ -189,15 +199,15 @@ void DrawFrame(const FrameContext& context, const LayoutRect& rect, Panel& panel
   ImGui::SetCursorScreenPos(rect.low);
   ImGui::PushStyleColor(ImGuiCol_ChildBg, colors::kPanel);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {context.Scaled(8), context.Scaled(6)});
-  ImGui::BeginChild(panel.Id(), size, true,
+  ImGui::BeginChild(panel.id(), size, true,
                     ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse |
                         ImGuiWindowFlags_AlwaysUseWindowPadding);
   ImGui::PopStyleVar();
   ImGui::PopStyleColor();
-  if (*panel.Title() != '\0') DrawTitle(context, panel, tabs, active, sink, menu);
+  if (panel.info().has_title_row) DrawTitle(context, panel, tabs, active, sink, menu);
   panel.Draw(context, sink);
   ImGui::EndChild();
-  LogItem(context, std::string("panel.") + panel.Id());
+  LogItem(context, std::string("panel.") + panel.id());
 }
 
 }  // namespace

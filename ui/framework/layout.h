@@ -44,6 +44,12 @@ nlohmann::json RatiosToJson(const LayoutRatios& ratios);
 /// Takes what makes sense, keeps the rest.
 void RatiosFromJson(const nlohmann::json& json, LayoutRatios& ratios);
 
+/// What a workspace has to itself: all between the bars.
+struct WindowLayout {
+  LayoutRect top_bar, room, status_bar;
+};
+WindowLayout ComputeWindowLayout(ImVec2 size, double ui_scale);
+
 /// The regions of the Inspect workspace for a window of `size`.
 struct InspectLayout {
   LayoutRect top_bar, timeline, status_bar;
@@ -59,7 +65,7 @@ void DragSplitters(const FrameContext& context, const InspectLayout& layout, Lay
 void DrawTabbedPanels(const FrameContext& context, const LayoutRect& rect,
                       std::span<Panel* const> panels, std::size_t& active, CommandSink& sink);
 
-/// A panel in its rounded frame with its title row; a panel without a title has none. A right click
+/// A panel in its rounded frame with its title row, where it has one. A right click
 /// on the title saves the panel as a picture.
 /// @param menu  Draws what a click on the title opens; empty: nothing.
 void DrawPanel(const FrameContext& context, const LayoutRect& rect, Panel& panel, CommandSink& sink,

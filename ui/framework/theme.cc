@@ -180,18 +180,6 @@ ImU32 StateColor(ObjectState state) {
   return colors::kFaint;
 }
 
-const char* StateName(ObjectState state) {
-  switch (state) {
-    case ObjectState::kTentative:
-      return "tentative";
-    case ObjectState::kConfirmed:
-      return "confirmed";
-    case ObjectState::kRetired:
-      return "retired";
-  }
-  return "";
-}
-
 const char* FateName(ProposalFate fate) {
   switch (fate) {
     case ProposalFate::kExplained:
@@ -208,24 +196,10 @@ const char* FateName(ProposalFate fate) {
   return "";
 }
 
-const char* EventName(EventKind kind) {
-  switch (kind) {
-    case EventKind::kSpawned:
-      return "spawned";
-    case EventKind::kConfirmed:
-      return "confirmed";
-    case EventKind::kMerged:
-      return "merged";
-    case EventKind::kRetired:
-      return "retired";
-    case EventKind::kLabelChanged:
-      return "label changed";
-    case EventKind::kFrameSkipped:
-      return "frame skipped";
-    case EventKind::kOptionsChanged:
-      return "options changed";
-  }
-  return "";
+std::string EventWords(EventKind kind) {
+  std::string words(NameOf(kind));
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
 }
 
 ImU32 EventColor(EventKind kind) {

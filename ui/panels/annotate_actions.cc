@@ -2,7 +2,6 @@
 #include "ui/panels/annotate_actions.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -19,25 +18,6 @@ using Eigen::Vector3d;
 // labelCloud's keys for moving, with finer steps; Shift is coarse.
 constexpr double kFine_m = 0.005, kCoarse_m = 0.05;
 constexpr double kFine_rad = 0.5 * std::numbers::pi / 180, kCoarse_rad = 5 * std::numbers::pi / 180;
-
-constexpr std::array kAnnotateShortcuts = {
-    Shortcut{keys::kW, false, false, "W A S D", "Move it along the floor: 5 mm (Shift: 5 cm)",
-             "Move"},
-    Shortcut{keys::kQ, false, false, "Q  E", "Lower, lift it: 5 mm (Shift: 5 cm)", "Move"},
-    Shortcut{keys::kZ, false, false, "Z  X", "Turn it: 0.5\u00b0 (Shift: 5\u00b0)", "Move"},
-    Shortcut{keys::kG, false, false, "G", "Onto the floor", "Move"},
-    Shortcut{keys::kI, false, false, "I", "Refine: align it to the scan (Shift: to the images)",
-             "Align"},
-    Shortcut{keys::kT, false, false, "T", "Try all azimuths", "Align"},
-    Shortcut{keys::kEnter, false, false, "Enter  Esc", "Take, drop what is proposed", "Align"},
-    Shortcut{keys::kUp, false, false, "\u2191  \u2193", "The candidate before, after", "Align"},
-    Shortcut{keys::kH, false, false, "H  L", "Hide, lock it", "Edit"},
-    Shortcut{keys::kDelete, false, false, "Del", "Remove it", "Edit"},
-    Shortcut{keys::kD, false, true, "Ctrl + D", "Duplicate it", "Edit"},
-    Shortcut{keys::kC, false, true, "Ctrl + C  V", "Copy, paste the pose", "Edit"},
-    Shortcut{keys::kZ, false, true, "Ctrl + Z  Y", "Undo, redo", "Edit"},
-    Shortcut{keys::kS, false, true, "Ctrl + S", "Save", "Edit"},
-};
 
 /// One of the six floor directions and turns, for each nudge key.
 struct Nudge {
@@ -161,7 +141,42 @@ void PostControlKeys(const FrameContext& context, const InstanceView* instance, 
 
 }  // namespace
 
-std::span<const Shortcut> AnnotateShortcuts() { return kAnnotateShortcuts; }
+std::vector<ActionGroup> AnnotateActions() {
+  const auto watched = [](std::vector<KeyStroke> strokes, const char* help_keys, const char* help) {
+    return Action{.keys = std::move(strokes), .help_keys = help_keys, .help = help};
+  };
+  return {
+      {"Move",
+       {watched({{keys::kW},
+                 {keys::kA},
+                 {keys::kS},
+                 {keys::kD},
+                 {keys::kW, true},
+                 {keys::kA, true},
+                 {keys::kS, true},
+                 {keys::kD, true}},
+                "W A S D", "Move it along the floor: 5 mm (Shift: 5 cm)"),
+        watched({{keys::kQ}, {keys::kE}, {keys::kQ, true}, {keys::kE, true}}, "Q  E",
+                "Lower, lift it: 5 mm (Shift: 5 cm)"),
+        watched({{keys::kZ}, {keys::kX}, {keys::kZ, true}, {keys::kX, true}}, "Z  X",
+                "Turn it: 0.5\u00b0 (Shift: 5\u00b0)"),
+        watched({{keys::kG}}, "G", "Onto the floor")}},
+      {"Align",
+       {watched({{keys::kI}, {keys::kI, true}}, "I",
+                "Refine: align it to the scan (Shift: to the images)"),
+        watched({{keys::kT}}, "T", "Try all azimuths"),
+        watched({{keys::kEnter}, {keys::kEscape}}, "Enter  Esc", "Take, drop what is proposed"),
+        watched({{keys::kUp}, {keys::kDown}}, "\u2191  \u2193", "The candidate before, after")}},
+      {"Edit",
+       {watched({{keys::kH}, {keys::kL}}, "H  L", "Hide, lock it"),
+        watched({{keys::kDelete}}, "Del", "Remove it"),
+        watched({{keys::kD, false, true}}, "Ctrl + D", "Duplicate it"),
+        watched({{keys::kC, false, true}, {keys::kV, false, true}}, "Ctrl + C  V",
+                "Copy, paste the pose"),
+        watched({{keys::kZ, false, true}, {keys::kY, false, true}, {keys::kZ, true, true}},
+                "Ctrl + Z  Y", "Undo, redo"),
+        watched({{keys::kS, false, true}}, "Ctrl + S", "Save")}}};
+}
 
 void AcceptProposal(const FrameContext& context, int candidate, CommandSink& sink) {
   AcceptProposalCommand command{candidate, std::nullopt};

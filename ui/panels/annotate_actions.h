@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
+#include <vector>
 
 #include "engine/snapshot/commands.h"
+#include "ui/framework/actions.h"
 #include "ui/framework/frame_context.h"
-#include "ui/framework/shortcuts.h"
 
 namespace plumbline {
 
@@ -22,8 +22,8 @@ void DropCut(const FrameContext& context, CommandSink& sink);
 /// A copy of the selected object beside it.
 void Duplicate(const FrameContext& context, CommandSink& sink);
 
-/// For the help sheet.
-std::span<const Shortcut> AnnotateShortcuts();
+/// Its keys, which PostAnnotateShortcuts watches, with the rows of the help sheet.
+std::vector<ActionGroup> AnnotateActions();
 /// What the keys that went down in this ImGui frame ask for. Nudges are shown at once and become
 /// one edit when the keys are let go.
 void PostAnnotateShortcuts(const FrameContext& context, CommandSink& sink);

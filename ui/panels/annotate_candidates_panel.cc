@@ -17,13 +17,6 @@ constexpr double kFloats_m = 0.03;
 
 class AnnotateCandidatesPanel : public Panel {
  public:
-  const char* Id() const override { return "annotate_candidates"; }
-  const char* Title() const override { return "Which way round?"; }
-  const char* Help() const override {
-    return "24 azimuths were tried, each aligned to the scan; these are the different results, the "
-           "best first. Up and down or a click choose one, Enter or a double click takes it.";
-  }
-
   void Draw(const FrameContext& context, CommandSink& sink) override {
     const PlacementView& placement = *context.annotation->placement;
     if (placement.running) {

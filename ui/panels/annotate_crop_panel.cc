@@ -20,13 +20,6 @@ constexpr double kLeastSide_m = 0.04, kSpare_m = 0.01;
 
 class AnnotateCropPanel : public Panel {
  public:
-  const char* Id() const override { return "annotate_crop"; }
-  const char* Title() const override { return "Cut out"; }
-  const char* Help() const override {
-    return "An object is cut out of the scan: it becomes a model of the database that stands where "
-           "it was, or a fragment of a VISMA folder. The scan itself does not change.";
-  }
-
   void Draw(const FrameContext& context, CommandSink& sink) override {
     AnnotateView& view = *context.annotate;
     ImGui::BeginChild("crop", {0, 0});

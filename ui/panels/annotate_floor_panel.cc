@@ -11,12 +11,6 @@ namespace {
 
 class AnnotateFloorPanel : public Panel {
  public:
-  const char* Id() const override { return "annotate_floor"; }
-  const char* Title() const override { return "Floor and gravity"; }
-  const char* Help() const override {
-    return "Where down is. Everything that is placed stands upright to it.";
-  }
-
   void Draw(const FrameContext& context, CommandSink& sink) override {
     ImGui::BeginChild("floor", {0, 0});
     if (context.annotation->floor) {

@@ -15,14 +15,6 @@ constexpr ImU32 kPicked = IM_COL32(120, 255, 160, 255), kSeen = IM_COL32(255, 21
 
 class AnnotateFramePanel : public Panel {
  public:
-  const char* Id() const override { return "annotate_frame"; }
-  const char* Title() const override { return "Frame"; }
-  const char* Help() const override {
-    return "A frame of the sequence: click where a point of the scan is seen. Wheel zooms, "
-           "dragging moves, double click shows all. Crosses: what was clicked; circles: where the "
-           "scan's points are seen by the registration.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
     const AnnotationSnapshot& snapshot = *context.annotation;
     if (snapshot.num_frames == 0) return;

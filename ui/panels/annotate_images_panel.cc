@@ -57,13 +57,6 @@ Part PartOf(const ImageCheckView& check, float aspect) {
 
 class AnnotateImagesPanel : public Panel {
  public:
-  const char* Id() const override { return "annotate_images"; }
-  const char* Title() const override { return "In the images"; }
-  const char* Help() const override {
-    return "The selected object's outline in key frames from different sides; dashed where it is "
-           "hidden. It follows while the object is moved. A click shows the scan from there.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink&) override {
     const auto& checks = context.annotation->checks;
     if (!checks || checks->images.empty()) return;

@@ -28,13 +28,6 @@ void NextInRow(const FrameContext& context, const char* label) {
 
 class AnnotateInstancePanel : public Panel {
  public:
-  const char* Id() const override { return "annotate_instance"; }
-  const char* Title() const override { return "Object"; }
-  const char* Help() const override {
-    return "The selected object. Drag it in the scan to move it along the floor, its ring to turn "
-           "it, its arrow to lift it; or type numbers here.";
-  }
-
   void Draw(const FrameContext& context, CommandSink& sink) override {
     const InstanceView* instance = context.annotation->Selected();
     if (instance == nullptr) {

@@ -10,12 +10,6 @@ namespace {
 
 class AnnotateInstancesPanel : public Panel {
  public:
-  const char* Id() const override { return "annotate_instances"; }
-  const char* Title() const override { return "Placed"; }
-  const char* Help() const override {
-    return "What stands in the scan so far. Click one to select it, double click to look at it.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink&) override {
     if (context.annotation == nullptr) return;
     const std::size_t count = context.annotation->instances.size();

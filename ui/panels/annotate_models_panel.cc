@@ -34,12 +34,6 @@ std::string Shortened(ImFont& font, const std::string& text, float width) {
 
 class AnnotateModelsPanel : public Panel {
  public:
-  const char* Id() const override { return "annotate_models"; }
-  const char* Title() const override { return "Models"; }
-  const char* Help() const override {
-    return "The shapes of the database. Click one, then click in the scan where it stands.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink&) override {
     if (context.annotation == nullptr || context.annotation->models->empty()) return;
     const float width = context.Scaled(110);

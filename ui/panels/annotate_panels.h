@@ -2,7 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "ui/framework/layout.h"
 #include "ui/framework/panel.h"
@@ -24,6 +26,15 @@ std::unique_ptr<Panel> MakeAnnotateCropPanel();
 std::unique_ptr<Panel> MakeAnnotateSequencePanel();
 /// Stands in the place of the images while a sequence is registered.
 std::unique_ptr<Panel> MakeAnnotateFramePanel();
+
+/// All panels of the workspace, as InspectPanels is for the other one.
+struct AnnotatePanelEntry {
+  PanelInfo info;
+  std::unique_ptr<Panel> (*make)() = nullptr;
+};
+std::span<const AnnotatePanelEntry> AnnotatePanels();
+/// By its id, with what the table says of it; null if there is none.
+std::unique_ptr<Panel> MakeAnnotatePanel(std::string_view id);
 
 /// What the user must know, over the top of the 3-D view: edits that cannot be written, notices.
 void DrawAnnotateBanners(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink);

@@ -15,13 +15,6 @@ namespace {
 
 class AnnotateRefinementPanel : public Panel {
  public:
-  const char* Id() const override { return "annotate_refinement"; }
-  const char* Title() const override { return "Refine"; }
-  const char* Help() const override {
-    return "The model is aligned from where it is, upright all the while: to the scan (colours "
-           "show how far its surface is from it), or to the edges in the images.";
-  }
-
   void Draw(const FrameContext& context, CommandSink& sink) override {
     const RefinementView& refinement = *context.annotation->refinement;
     ImGui::BeginChild("refinement", {0, 0});

@@ -34,13 +34,6 @@ constexpr LayerToggle kLayers[] = {
 
 class AnnotateScenePanel : public Panel {
  public:
-  const char* Id() const override { return "annotate_scene"; }
-  const char* Title() const override { return "Scan"; }
-  const char* Help() const override {
-    return "The scan with the models in it, z up. Left drag turns, right drag (or middle, or Shift "
-           "and left) moves, the wheel zooms, double click turns about what is under the mouse.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
     AnnotateView& view = *context.annotate;
     const auto tool = [&](AnnotateTool which, const char* name, const char* label,

@@ -15,13 +15,6 @@ using How = AlignSequenceCommand::How;
 
 class AnnotateSequencePanel : public Panel {
  public:
-  const char* Id() const override { return "annotate_sequence"; }
-  const char* Title() const override { return "Sequence in the scan"; }
-  const char* Help() const override {
-    return "Where the frame of the sequence's poses is in the scan: a turn about gravity and a "
-           "shift. Without it, both share one frame.";
-  }
-
   void Draw(const FrameContext& context, CommandSink& sink) override {
     ImGui::BeginChild("sequence", {0, 0});
     if (context.annotation->sequence_alignment) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/base/overloaded.h"
 #include "engine/geometry/angles.h"
 #include "ui/framework/widgets.h"
 #include "ui/panels/annotate_actions.h"
@@ -50,23 +51,24 @@ AnnotateWorkspace::AnnotateWorkspace(AnnotationChoice defaults, bool software_gl
     : defaults_(std::move(defaults)),
       software_gl_(software_gl),
       wake_(std::move(wake)),
-      scene_panel_(MakeAnnotateScenePanel()),
-      models_(MakeAnnotateModelsPanel()),
-      instances_(MakeAnnotateInstancesPanel()),
-      floor_(MakeAnnotateFloorPanel()),
-      candidates_(MakeAnnotateCandidatesPanel()),
-      refinement_(MakeAnnotateRefinementPanel()),
-      images_(MakeAnnotateImagesPanel()),
-      instance_(MakeAnnotateInstancePanel()),
-      sequence_(MakeAnnotateSequencePanel()),
-      frame_(MakeAnnotateFramePanel()),
-      crop_(MakeAnnotateCropPanel()) {}
+      actions_(AnnotateActions()),
+      scene_panel_(MakeAnnotatePanel("annotate_scene")),
+      models_(MakeAnnotatePanel("annotate_models")),
+      instances_(MakeAnnotatePanel("annotate_instances")),
+      floor_(MakeAnnotatePanel("annotate_floor")),
+      candidates_(MakeAnnotatePanel("annotate_candidates")),
+      refinement_(MakeAnnotatePanel("annotate_refinement")),
+      images_(MakeAnnotatePanel("annotate_images")),
+      instance_(MakeAnnotatePanel("annotate_instance")),
+      sequence_(MakeAnnotatePanel("annotate_sequence")),
+      frame_(MakeAnnotatePanel("annotate_frame")),
+      crop_(MakeAnnotatePanel("annotate_crop")) {}
 
 AnnotateWorkspace::~AnnotateWorkspace() = default;
 
 bool AnnotateWorkspace::Takes(const std::string& path) const { return IsForAnnotation(path); }
 
-void AnnotateWorkspace::Open(const std::string& path, FrameContext& context) {
+void AnnotateWorkspace::Open(const std::string& path, std::optional<int>, FrameContext& context) {
   process_.reset();
   view_ = {};
   // Made anew: a scene remembers its camera and its actors.
@@ -130,8 +132,7 @@ Panel& AnnotateWorkspace::TaskPanel(const FrameContext& context) {
   return *instance_;
 }
 
-void AnnotateWorkspace::Draw(const FrameContext& context, const LayoutRect& rect,
-                             CommandSink& sink) {
+void AnnotateWorkspace::Draw(FrameContext& context, const LayoutRect& rect, CommandSink& sink) {
   const float gap = context.Scaled(6), margin = context.Scaled(8);
   const LayoutRect room{{rect.low.x + margin, rect.low.y}, {rect.high.x - margin, rect.high.y}};
   const float left_x = room.low.x + static_cast<float>(std::round(left_ * room.width()));
@@ -163,30 +164,45 @@ void AnnotateWorkspace::Preview() {
   if (previewed_) process_->Post(PreviewPoseCommand{previewed_->id, previewed_->scan_from_object});
 }
 
-void AnnotateWorkspace::PostShortcuts(const FrameContext& context, CommandSink& sink) {
+WorkspaceTab AnnotateWorkspace::tab() const {
+  return {WorkspaceId::kAnnotate, "top.annotate", "Annotate",
+          "Workspace: place models in a scan, to make the truth that maps are judged by."};
+}
+
+bool AnnotateWorkspace::IsOpen(const FrameContext& context) const {
+  return context.annotation != nullptr && !context.annotation->project_file.empty();
+}
+
+void AnnotateWorkspace::DrawBar(const FrameContext& context, const LayoutRect& rect,
+                                CommandSink& sink) {
+  DrawProjectBar(context, rect, sink);
+}
+
+StatusLine AnnotateWorkspace::status_line(const FrameContext& context) const {
+  StatusLine line;
+  line.text = AnnotationStatus(context, line.failed);
+  return line;
+}
+
+void AnnotateWorkspace::WatchKeys(const FrameContext& context, CommandSink& sink) {
   PostAnnotateShortcuts(context, sink);
 }
 
-bool AnnotateWorkspace::Handle(const Command& command) {
-  if (const auto* annotation = std::get_if<AnnotationCommand>(&command)) {
-    if (const auto* set = std::get_if<SetAnnotatorCommand>(annotation)) {
-      defaults_.annotator = set->name;  // for the next scan, too
-    }
-    if (process_ != nullptr) process_->Post(*annotation);
-    return true;
+void AnnotateWorkspace::Handle(const AnnotationCommand& command) {
+  if (const auto* set = std::get_if<SetAnnotatorCommand>(&command)) {
+    defaults_.annotator = set->name;  // for the next scan, too
   }
-  const auto* window = std::get_if<WindowCommand>(&command);
-  if (window == nullptr || scene_ == nullptr) return false;
-  if (std::holds_alternative<FocusSelectionCommand>(*window)) {
-    view_.focus = true;
-  } else if (std::holds_alternative<ResetViewCommand>(*window)) {
-    view_.reset = true;
-  } else if (const auto* direction = std::get_if<ViewDirectionCommand>(window)) {
-    scene_->SetDirection(direction->azimuth_rad, direction->elevation_rad);
-  } else {
-    return false;
-  }
-  return true;
+  if (process_ != nullptr) process_->Post(command);
+}
+
+void AnnotateWorkspace::Handle(const ViewCommand& command, FrameContext&) {
+  if (scene_ == nullptr) return;
+  std::visit(Overloaded{[&](const FocusSelectionCommand&) { view_.focus = true; },
+                        [&](const ResetViewCommand&) { view_.reset = true; },
+                        [&](const ViewDirectionCommand& c) {
+                          scene_->SetDirection(c.azimuth_rad, c.elevation_rad);
+                        }},
+             command);
 }
 
 void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const {
@@ -319,18 +335,19 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
   state["annotate"] = std::move(annotate);
 }
 
-json AnnotateWorkspace::SaveSettings() const {
-  return {{"left", left_},
-          {"right", right_},
-          {"models", models_share_},
-          {"annotator", defaults_.annotator}};
+void AnnotateWorkspace::SaveSettings(const FrameContext&, json& settings) const {
+  settings["annotate"] = {{"left", left_},
+                          {"right", right_},
+                          {"models", models_share_},
+                          {"annotator", defaults_.annotator}};
 }
 
-void AnnotateWorkspace::LoadSettings(const json& json) {
-  left_ = std::clamp(json.value("left", left_), 0.1, 0.4);
-  right_ = std::clamp(json.value("right", right_), 0.55, 0.9);
-  models_share_ = std::clamp(json.value("models", models_share_), 0.15, 0.85);
-  defaults_.annotator = json.value("annotator", defaults_.annotator);
+void AnnotateWorkspace::LoadSettings(const json& settings, FrameContext&) {
+  const json own = settings.value("annotate", json::object());
+  left_ = std::clamp(own.value("left", left_), 0.1, 0.4);
+  right_ = std::clamp(own.value("right", right_), 0.55, 0.9);
+  models_share_ = std::clamp(own.value("models", models_share_), 0.15, 0.85);
+  defaults_.annotator = own.value("annotator", defaults_.annotator);
 }
 
 }  // namespace plumbline

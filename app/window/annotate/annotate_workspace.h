@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/window/workspace.h"
 #include "engine/runtime/annotation_process.h"
@@ -20,20 +21,23 @@ class AnnotateWorkspace : public Workspace {
   AnnotateWorkspace(AnnotationChoice defaults, bool software_gl, std::function<void()> wake);
   ~AnnotateWorkspace() override;
 
-  WorkspaceId id() const override { return WorkspaceId::kAnnotate; }
-  /// For what is opened from now on.
-  void UseModels(const std::string& folder) { defaults_.models = folder; }
-  /// What was opened last, as it was named; "": nothing.
-  const std::string& source() const { return source_; }
+  WorkspaceTab tab() const override;
+  const std::string& source() const override { return source_; }
   bool Takes(const std::string& path) const override;
-  void Open(const std::string& path, FrameContext& context) override;
+  void UseModels(const std::string& folder) override { defaults_.models = folder; }
+  void Open(const std::string& path, std::optional<int> frame, FrameContext& context) override;
   void ReadSlots(FrameContext& context) override;
-  void Draw(const FrameContext& context, const LayoutRect& rect, CommandSink& sink) override;
-  void PostShortcuts(const FrameContext& context, CommandSink& sink) override;
-  bool Handle(const Command& command) override;
+  bool IsOpen(const FrameContext& context) const override;
+  void Draw(FrameContext& context, const LayoutRect& rect, CommandSink& sink) override;
+  void DrawBar(const FrameContext& context, const LayoutRect& rect, CommandSink& sink) override;
+  StatusLine status_line(const FrameContext& context) const override;
+  const std::vector<ActionGroup>& actions() const override { return actions_; }
+  void WatchKeys(const FrameContext& context, CommandSink& sink) override;
+  void Handle(const ViewCommand& command, FrameContext& context) override;
+  void Handle(const AnnotationCommand& command);
   void AddState(const FrameContext& context, nlohmann::json& state) const override;
-  nlohmann::json SaveSettings() const override;
-  void LoadSettings(const nlohmann::json& json) override;
+  void SaveSettings(const FrameContext& context, nlohmann::json& settings) const override;
+  void LoadSettings(const nlohmann::json& settings, FrameContext& context) override;
 
  private:
   /// Has the images follow a pose that is on its way.
@@ -50,6 +54,7 @@ class AnnotateWorkspace : public Workspace {
   AnnotateView view_;
   std::optional<PendingPose> previewed_;
   std::unique_ptr<AnnotateSurface> scene_;
+  std::vector<ActionGroup> actions_;
   std::unique_ptr<Panel> scene_panel_, models_, instances_, floor_, candidates_, refinement_,
       images_, instance_, sequence_, frame_, crop_;
   double left_ = 0.19, right_ = 0.77, models_share_ = 0.55, images_share_ = 0.76;  ///< Of the room.

@@ -32,19 +32,15 @@ std::vector<LayoutRect> ImageViewRects(const InspectLayout& layout, int count) {
   }
 }
 
-bool ImageViews::Handle(const WindowCommand& command, FrameContext& context) {
-  if (const auto* count = std::get_if<ImageViewsCommand>(&command)) {
-    context.image_views = std::clamp(count->count, 1, kMost);
-    return true;
-  }
-  if (const auto* place = std::get_if<PlaceViewCommand>(&command)) {
-    const auto found = std::find_if(views_.begin(), views_.end(),
-                                    [&](Panel* panel) { return place->panel == panel->Id(); });
-    if (found != views_.end() && place->view >= 0 && place->view < kMost)
-      std::swap(views_[static_cast<std::size_t>(place->view)], *found);
-    return true;
-  }
-  return false;
+void ImageViews::SetCount(int count, FrameContext& context) const {
+  context.image_views = std::clamp(count, 1, kMost);
+}
+
+void ImageViews::Place(int view, const std::string& panel) {
+  const auto found =
+      std::find_if(views_.begin(), views_.end(), [&](Panel* p) { return panel == p->id(); });
+  if (found != views_.end() && view >= 0 && view < kMost)
+    std::swap(views_[static_cast<std::size_t>(view)], *found);
 }
 
 void ImageViews::Draw(const FrameContext& context, const InspectLayout& layout, Panel* in_second,
@@ -64,10 +60,10 @@ void ImageViews::DrawMenu(const FrameContext& context, int view, CommandSink& si
   DimText("Show here");
   for (Panel* panel : views_) {
     const bool here = panel == views_[static_cast<std::size_t>(view)];
-    if (ImGui::MenuItem(panel->Title(), nullptr, here))
-      sink.Post(PlaceViewCommand{view, panel->Id()});
-    LogItem(context, fmt::format("views.place.{}", panel->Id()));
-    Tooltip(context, panel->Help());
+    if (ImGui::MenuItem(panel->info().title, nullptr, here))
+      sink.Post(PlaceViewCommand{view, panel->id()});
+    LogItem(context, fmt::format("views.place.{}", panel->id()));
+    Tooltip(context, panel->info().help);
   }
   ImGui::Separator();
   DimText("Image views");
@@ -80,15 +76,15 @@ void ImageViews::DrawMenu(const FrameContext& context, int view, CommandSink& si
 
 nlohmann::json ImageViews::Save(const FrameContext& context) const {
   nlohmann::json order = nlohmann::json::array();
-  for (const Panel* panel : views_) order.push_back(panel->Id());
+  for (const Panel* panel : views_) order.push_back(panel->id());
   return {{"count", context.image_views}, {"order", order}};
 }
 
 void ImageViews::Load(const nlohmann::json& json, FrameContext& context) {
-  context.image_views = std::clamp(json.value("count", context.image_views), 1, kMost);
+  SetCount(json.value("count", context.image_views), context);
   const auto order = json.value("order", std::vector<std::string>());
   for (std::size_t i = 0; i < std::min(order.size(), views_.size()); ++i)
-    Handle(PlaceViewCommand{static_cast<int>(i), order[i]}, context);
+    Place(static_cast<int>(i), order[i]);
 }
 
 }  // namespace plumbline

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -15,11 +16,12 @@ namespace plumbline {
 class ImageViews {
  public:
   static constexpr int kMost = 5;
-  using Panels = std::array<Panel*, kMost>;
 
-  explicit ImageViews(const Panels& panels) : views_(panels) {}
-  /// True if it took the command.
-  bool Handle(const WindowCommand& command, FrameContext& context);
+  /// @param panels  kMost of them: what the views show at first.
+  explicit ImageViews(std::vector<Panel*> panels) : views_(std::move(panels)) {}
+  void SetCount(int count, FrameContext& context) const;
+  /// Shows a panel in a view; what was there goes where it was. Nothing if either does not exist.
+  void Place(int view, const std::string& panel);
   /// @param in_second  Shown in place of all views but the first; null: nothing is.
   void Draw(const FrameContext& context, const InspectLayout& layout, Panel* in_second,
             CommandSink& sink) const;
@@ -30,7 +32,7 @@ class ImageViews {
  private:
   void DrawMenu(const FrameContext& context, int view, CommandSink& sink) const;
 
-  Panels views_;
+  std::vector<Panel*> views_;
 };
 
 /// Where `count` views go.

@@ -102,7 +102,7 @@ void Presenter::Start(FrameContext& context, std::span<Panel* const> panels, Com
   if (active_) return;
   active_ = true;
   armed_ = false;
-  for (Panel* panel : panels) panel_states_[panel->Id()] = panel->SaveState();
+  for (Panel* panel : panels) panel_states_[panel->id()] = panel->SaveState();
   look_through_ = context.look_through;
   follow_ = context.follow;
   loop_ = context.playback->loop;
@@ -120,7 +120,7 @@ void Presenter::Stop(FrameContext& context, std::span<Panel* const> panels, Comm
   context.presenting = false;
   context.look_through = look_through_;
   context.follow = follow_;
-  for (Panel* panel : panels) panel->LoadState(panel_states_[panel->Id()]);
+  for (Panel* panel : panels) panel->LoadState(panel_states_[panel->id()]);
   if (context.scene != nullptr)
     context.scene->SetDirection(camera_.azimuth_rad, camera_.elevation_rad);
   sink.Post(SetLoopCommand{loop_});
@@ -136,7 +136,7 @@ void Presenter::Enter(std::size_t shot, FrameContext& context, std::span<Panel* 
   context.look_through = now.through;
   context.follow = now.follow;
   for (Panel* panel : panels) {
-    if (now.states.contains(panel->Id())) panel->LoadState(now.states.at(panel->Id()));
+    if (now.states.contains(panel->id())) panel->LoadState(now.states.at(panel->id()));
   }
 }
 
@@ -167,7 +167,7 @@ bool Presenter::Draw(FrameContext& context, ImVec2 size, std::span<Panel* const>
     const LayoutRect rect{{place.x0 * size.x + gap, place.y0 * height + gap},
                           {place.x1 * size.x - gap, place.y1 * height - gap}};
     for (Panel* panel : panels) {
-      if (std::string(panel->Id()) == place.panel) DrawPanel(bare, rect, *panel, sink);
+      if (std::string(panel->id()) == place.panel) DrawPanel(bare, rect, *panel, sink);
     }
   }
   DrawCaption(context, {0, height}, size);

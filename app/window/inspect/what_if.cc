@@ -7,17 +7,12 @@
 #include <filesystem>
 #include <utility>
 
-#include "engine/analysis/run_difference.h"
-#include "engine/recording/option_history.h"
-#include "engine/recording/run_file.h"
 #include "engine/runtime/mapping_source.h"
 
 namespace plumbline {
 namespace {
 
 constexpr auto kBlinkPeriod = std::chrono::milliseconds(700);
-
-bool IsRun(const std::string& path) { return std::filesystem::path(path).extension() == ".plb"; }
 
 /// RUN-fork-1.plb beside the run, or the next number that is free. Of a run that is kept only for
 /// the time being: in the working folder, named after the sequence.
@@ -70,15 +65,13 @@ void WhatIf::OfferFork(FrameContext& context) const {
                          : "Nothing is mapped yet: a run is forked at a frame that it has mapped.";
     return;
   }
-  auto reader = RunReader::Open(run);
-  auto options =
-      reader.ok() ? OptionHistory::Read(**reader) : Result<OptionHistory>(reader.error());
-  if (!options.ok()) {
-    offer->why_not = options.error().message;
+  const PlaybackView& playback = *context.playback;
+  if (playback.shown_options == nullptr) {
+    offer->why_not = "The frame is not shown yet.";
     return;
   }
-  offer->options = options->At(context.playback->frame);
-  offer->seed = (*reader)->header().recipe.seed;
+  offer->options = *playback.shown_options;
+  offer->seed = playback.seed;
   offer->out = FreeName(context);
 }
 
@@ -86,8 +79,8 @@ void WhatIf::Compare(const std::string& run, FrameContext& context) {
   other_.reset();
   last_ = nullptr;
   sought_ = -1;
-  settings_.clear();
-  settings_of_ = 0;
+  compared_first_ = compared_other_ = {};
+  comparison_.reset();
   context.other = nullptr;
   context.run_shown = RunShown::kFirst;
   context.shows_other = false;
@@ -98,50 +91,38 @@ void WhatIf::Compare(const std::string& run, FrameContext& context) {
   other->playback = other_->Playback();
   context.other = other;
   context.run_shown = RunShown::kBeside;
-  ReadSettings(context);
+  comparison_ = std::make_unique<ComparisonProcess>(on_publish_);
 }
 
-void WhatIf::ReadSettings(const FrameContext& context) {
-  const std::string &first = context.playback->recording, &second = context.other->source;
-  if (!IsRun(first) || !IsRun(second)) return;
-  const auto a = RunReader::Open(first), b = RunReader::Open(second);
-  if (!a.ok() || !b.ok()) return;
-  settings_ = DifferentSettings((*a)->header(), (*b)->header());
-  const auto add_changes = [&](const char* which, const RunHeader& header,
-                               const std::vector<FrameEvent>& events) {
-    std::vector<RunEvent> of_run;
-    for (const FrameEvent& event : events) of_run.push_back({0, event.frame, event.event});
-    for (std::string& change : ChangesOnTheWay(which, header, of_run))
-      settings_.push_back(std::move(change));
+void WhatIf::Fork(const ForkCommand& fork, FrameContext& context) {
+  ForkChoice choice{inputs_, fork.frame, fork.options, fork.seed, fork.out, program_version_};
+  choice.run.run = context.playback->recording;
+  fork_ = std::make_unique<ForkProcess>(std::move(choice), on_publish_);
+  context.fork = fork_->View();
+}
+
+void WhatIf::CancelFork() {
+  if (fork_ != nullptr) fork_->Cancel();
+}
+
+void WhatIf::PostComparison(const FrameContext& context,
+                            const std::shared_ptr<const RunHeader>& header) {
+  const ComparedRun first{context.first_snapshot, context.playback, header};
+  const ComparedRun other{other_->Snapshot(), other_->Playback(), other_->Header()};
+  if (first.snapshot == nullptr || other.snapshot == nullptr || context.sequence == nullptr) return;
+  // A new frame, more history, more events; not every step of the playback.
+  const auto same = [](const ComparedRun& a, const ComparedRun& b) {
+    return a.snapshot == b.snapshot && a.header == b.header && a.playback != nullptr &&
+           a.playback->history == b.playback->history && a.playback->events == b.playback->events;
   };
-  add_changes("first", (*a)->header(), *context.playback->events);
-  add_changes("other", (*b)->header(), *context.other->playback->events);
+  if (same(compared_first_, first) && same(compared_other_, other)) return;
+  compared_first_ = first;
+  compared_other_ = other;
+  comparison_->Post({first, other, context.sequence->up_in_world});
 }
 
-bool WhatIf::Handle(const WindowCommand& command, FrameContext& context) {
-  if (const auto* fork = std::get_if<ForkCommand>(&command)) {
-    ForkChoice choice{inputs_, fork->frame, fork->options, fork->seed, fork->out, program_version_};
-    choice.run.run = context.playback->recording;
-    fork_ = std::make_unique<ForkProcess>(std::move(choice), on_publish_);
-    context.fork = fork_->View();
-    return true;
-  }
-  if (std::holds_alternative<CancelForkCommand>(command)) {
-    if (fork_ != nullptr) fork_->Cancel();
-    return true;
-  }
-  if (const auto* compare = std::get_if<CompareRunCommand>(&command)) {
-    Compare(compare->run, context);
-    return true;
-  }
-  if (const auto* show = std::get_if<ShowRunCommand>(&command)) {
-    if (context.other != nullptr) context.run_shown = show->shown;
-    return true;
-  }
-  return false;
-}
-
-void WhatIf::ReadSlots(FrameContext& context, std::shared_ptr<const MapSnapshot>& shown) {
+void WhatIf::ReadSlots(FrameContext& context, std::shared_ptr<const RunHeader> header,
+                       std::shared_ptr<const MapSnapshot>& shown) {
   if (fork_ != nullptr) {
     const bool ran = context.fork != nullptr && context.fork->state == ForkState::kRunning;
     context.fork = fork_->View();
@@ -159,16 +140,14 @@ void WhatIf::ReadSlots(FrameContext& context, std::shared_ptr<const MapSnapshot>
   auto snapshot = other_->Snapshot();
   if (snapshot != last_) ++version_;
   last_ = snapshot;
-  const std::size_t events =
-      context.playback->events->size() + context.other->playback->events->size();
-  if (events != std::exchange(settings_of_, events)) ReadSettings(context);
+  PostComparison(context, header);
   auto other = std::make_shared<OtherRun>();
   other->source = context.other->source;
   other->sequence = other_->Sequence();
   other->snapshot = snapshot;
   other->playback = other_->Playback();
   other->version = version_;
-  other->settings = settings_;
+  other->comparison = comparison_->View();
   context.other = other;
   blink_phase_ = Phase();
   const bool wanted = context.run_shown == RunShown::kOther ||
@@ -176,6 +155,7 @@ void WhatIf::ReadSlots(FrameContext& context, std::shared_ptr<const MapSnapshot>
   if (!wanted || snapshot == nullptr) return;
   context.shows_other = true;
   context.probe = other_->Probe();
+  context.history = other_->History();
   shown = snapshot;
 }
 
@@ -202,7 +182,10 @@ void AddWhatIfState(const FrameContext& context, const ForkSheet& sheet, nlohman
   state["other_run"] = other != nullptr ? other->source : "";
   state["other_frame"] =
       other != nullptr && other->snapshot != nullptr ? other->snapshot->report.frame : -1;
-  state["other_settings"] = other != nullptr ? other->settings : std::vector<std::string>();
+  const ComparisonView* comparison = other != nullptr ? other->comparison.get() : nullptr;
+  state["compared_frame"] = comparison != nullptr ? comparison->b->report.frame : -1;
+  state["other_settings"] =
+      comparison != nullptr ? comparison->settings : std::vector<std::string>();
 }
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/runtime/comparison_process.h"
 #include "engine/runtime/fork_process.h"
 #include "engine/runtime/mapping_process.h"
 #include "ui/framework/frame_context.h"
@@ -30,11 +31,13 @@ class WhatIf {
   void OfferFork(FrameContext& context) const;
   /// Opens a second run; "" closes it.
   void Compare(const std::string& run, FrameContext& context);
-  /// True if it took the command.
-  bool Handle(const WindowCommand& command, FrameContext& context);
+  void Fork(const ForkCommand& fork, FrameContext& context);
+  void CancelFork();
   /// Brings the second run to the frame of the first; puts its snapshot in the place of `shown`
   /// where it is to be seen.
-  void ReadSlots(FrameContext& context, std::shared_ptr<const MapSnapshot>& shown);
+  /// @param header  Of the first run; null: it is not open, or has none.
+  void ReadSlots(FrameContext& context, std::shared_ptr<const RunHeader> header,
+                 std::shared_ptr<const MapSnapshot>& shown);
   /// True when a blinking window has to be drawn again.
   bool TakeBlink(const FrameContext& context);
   /// Null unless the second run shows.
@@ -43,8 +46,8 @@ class WhatIf {
   }
 
  private:
-  /// What the two runs were made with, where it differs, changes on the way included.
-  void ReadSettings(const FrameContext& context);
+  /// Has the two runs compared, where something has changed since.
+  void PostComparison(const FrameContext& context, const std::shared_ptr<const RunHeader>& header);
 
   Opener opener_;
   RunChoice inputs_;
@@ -54,10 +57,10 @@ class WhatIf {
   std::uint64_t version_ = 0;
   int sought_ = -1;  ///< The frame that the second run was sent to.
   bool blink_phase_ = false;
-  std::vector<std::string> settings_;
-  std::size_t settings_of_ = 0;  ///< Events of both runs that settings_ knows.
+  ComparedRun compared_first_, compared_other_;  ///< What was posted last.
   std::unique_ptr<ForkProcess> fork_;
   std::unique_ptr<MappingProcess> other_;
+  std::unique_ptr<ComparisonProcess> comparison_;
 };
 
 /// For scripts and tests.

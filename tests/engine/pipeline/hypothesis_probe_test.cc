@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/pipeline/hypothesis_probe.h"
-#include "engine/snapshot/particle_rank.h"
+#include "engine/mapping/particle_rank.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -89,7 +89,8 @@ class HypothesisProbeTest : public testing::Test {
 
 TEST_F(HypothesisProbeTest, SaysThatAnObjectIsWhereItShouldBe) {
   const ProbeView view = Probe(Snapshot(At(0, 0), At(0.01, 0), 0.02));
-  EXPECT_THAT(view.verdict, testing::StartsWith("It is where"));
+  EXPECT_EQ(view.verdict, Verdict::kRight) << view.verdict_text;
+  EXPECT_THAT(view.verdict_text, testing::StartsWith("It is where"));
   ASSERT_FALSE(view.hypotheses.empty());
   EXPECT_EQ(view.hypotheses.front().name, "mean");
   EXPECT_TRUE(view.hypotheses.back().is_truth);
@@ -99,19 +100,22 @@ TEST_F(HypothesisProbeTest, SaysThatAnObjectIsWhereItShouldBe) {
 
 TEST_F(HypothesisProbeTest, BlamesTheSearchWhereNoParticleIsNearABetterTruth) {
   const ProbeView view = Probe(Snapshot(At(0, 0), At(0.1, 0.3), 0.02));
-  EXPECT_THAT(view.verdict, testing::StartsWith("Search:")) << view.verdict;
+  EXPECT_EQ(view.verdict, Verdict::kSearch) << view.verdict_text;
+  EXPECT_THAT(view.verdict_text, testing::StartsWith("Search:"));
   EXPECT_GT(view.hypotheses.back().score, view.hypotheses.front().score);
   EXPECT_GT(view.nearest_particle_m, 0.2);
 }
 
 TEST_F(HypothesisProbeTest, TellsASpuriousObject) {
   const ProbeView view = Probe(Snapshot(At(0, 0), At(0.2, 0.6), 0.02));
-  EXPECT_THAT(view.verdict, testing::StartsWith("Spurious:")) << view.verdict;
+  EXPECT_EQ(view.verdict, Verdict::kSpurious) << view.verdict_text;
+  EXPECT_THAT(view.verdict_text, testing::StartsWith("Spurious:"));
 }
 
 TEST_F(HypothesisProbeTest, BlamesTheLikelihoodWhereTheWrongPlaceScoresBetter) {
   const ProbeView view = Probe(Snapshot(At(0.1, 0.3), At(0.1, 0.3), 0.02));
-  EXPECT_THAT(view.verdict, testing::StartsWith("Likelihood:")) << view.verdict;
+  EXPECT_EQ(view.verdict, Verdict::kLikelihood) << view.verdict_text;
+  EXPECT_THAT(view.verdict_text, testing::StartsWith("Likelihood:"));
 }
 
 TEST_F(HypothesisProbeTest, NamesTheBestTheMedianAndTheParticleNearestToTheTruth) {

@@ -234,5 +234,30 @@ TEST(MappingProcess, PublishesEveryEventWhateverFramesAreShown) {
   EXPECT_EQ(spawned, 5);
 }
 
+TEST(MappingProcess, WorksOutWhatIsWatchedAndNothingElse) {
+  FakeSourceOptions options = Small();
+  options.recorded = true;
+  MappingProcess process(Opener(options), 29, {});
+  ASSERT_TRUE(Shows(process, 29));
+  ASSERT_NE(process.Analysis(), nullptr);
+  EXPECT_EQ(process.Analysis()->frame, process.Snapshot());
+  EXPECT_FALSE(process.Analysis()->relations.has_value());
+  EXPECT_EQ(process.History(), nullptr);
+  process.Post(WatchCommand{{1}, true, true});
+  ASSERT_TRUE(WaitFor([&] { return process.Analysis()->relations.has_value(); }));
+  ASSERT_TRUE(WaitFor([&] { return process.History() != nullptr; }));
+  EXPECT_FALSE(process.Analysis()->relations->empty());
+  EXPECT_EQ(process.Analysis()->object, ObjectId{1});
+  EXPECT_EQ(process.Analysis()->by_rank.size(), 5u);
+  EXPECT_EQ(process.History()->object, ObjectId{1});
+  EXPECT_EQ(process.History()->labels.frames.size(), 30u);
+  process.Post(StepCommand{-1});
+  ASSERT_TRUE(Shows(process, 28));
+  EXPECT_EQ(process.Analysis()->frame, process.Snapshot()) << "it is there with its frame";
+  EXPECT_TRUE(process.Analysis()->relations.has_value());
+  process.Post(WatchCommand{});
+  EXPECT_TRUE(WaitFor([&] { return process.History() == nullptr; }));
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -8,8 +8,8 @@
 #include <cstring>
 #include <string>
 
+#include "ui/framework/actions.h"
 #include "ui/framework/options_form.h"
-#include "ui/framework/shortcuts.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/compare/what_if_panel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,10 +8,9 @@
 #include <optional>
 
 #include "engine/geometry/angles.h"
-#include "engine/snapshot/frame_difference.h"
+#include "engine/snapshot/comparison_view.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
@@ -30,13 +31,6 @@ constexpr ShownToggle kShown[] = {
 
 class WhatIfPanel : public Panel {
  public:
-  const char* Id() const override { return "what_if"; }
-  const char* Title() const override { return "What if?"; }
-  const char* Help() const override {
-    return "Two runs of one sequence on one clock, and what differs. Fork makes the second run: "
-           "the past up to this frame, then other options or another seed.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
     const float gap = context.Scaled(3);
     const bool live = context.sequence != nullptr && !context.playback->recorded;
@@ -86,10 +80,10 @@ class WhatIfPanel : public Panel {
                               "it has mapped.");
     if (other->playback->state == PlaybackState::kFailed)
       return EmptyState(context, "The other run cannot be shown", other->playback->message.c_str());
-    if (other->snapshot == nullptr || context.first_snapshot == nullptr)
+    if (other->comparison == nullptr)
       return EmptyState(context, "Opening the other run", other->source.c_str());
     ImGui::PushFont(context.fonts.small);
-    DrawSettings(context, *other);
+    DrawSettings(context, *other->comparison);
     const float room = ImGui::GetContentRegionAvail().x;
     ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(3)});
     ImGui::BeginChild("what_if.left", {0.66f * room, 0});
@@ -97,7 +91,7 @@ class WhatIfPanel : public Panel {
     ImGui::EndChild();
     ImGui::SameLine(0, context.Scaled(10));
     ImGui::BeginChild("what_if.right", {0, 0});
-    DrawStages(context, *other);
+    DrawStages(context, *other->comparison);
     ImGui::EndChild();
     ImGui::PopStyleVar();
     ImGui::PopFont();
@@ -123,15 +117,10 @@ class WhatIfPanel : public Panel {
       sink.Post(CancelForkCommand{});
   }
 
-  void DrawSettings(const FrameContext& context, const OtherRun& other) {
-    if (history_a_ != context.playback->history || history_b_ != other.playback->history) {
-      history_a_ = context.playback->history;
-      history_b_ = other.playback->history;
-      first_ = FirstDifference(*history_a_, *history_b_);
-      stages_ = CompareStages(*history_a_, *history_b_);
-    }
+  static void DrawSettings(const FrameContext& context, const ComparisonView& comparison) {
     std::string text;
-    for (const std::string& setting : other.settings) text += (text.empty() ? "" : ",  ") + setting;
+    for (const std::string& setting : comparison.settings)
+      text += (text.empty() ? "" : ",  ") + setting;
     if (text.empty()) text = "same settings";
     ImGui::PushStyleColor(ImGuiCol_Text, colors::kText);
     ImGui::TextUnformatted(text.c_str());
@@ -139,8 +128,8 @@ class WhatIfPanel : public Panel {
     LogItem(context, "what_if.settings");
     Tooltip(context, "What the runs were made with, where it differs: first / other.\n" + text);
     ImGui::SameLine(0, context.Scaled(14));
-    if (first_)
-      DimText("first difference in frame %d", *first_);
+    if (comparison.first_difference)
+      DimText("first difference in frame %d", *comparison.first_difference);
     else
       DimText("no difference so far");
     LogItem(context, "what_if.difference");
@@ -209,9 +198,10 @@ class WhatIfPanel : public Panel {
                        {"Apart", "Distance and turn between the two."},
                        {"Error, first", "Position and azimuth against ground truth, if any."},
                        {"Error, other", "Position and azimuth against ground truth, if any."}});
-    const FrameReport &a = context.first_snapshot->report, &b = other.snapshot->report;
+    const ComparisonView& comparison = *other.comparison;
+    const FrameReport &a = comparison.a->report, &b = comparison.b->report;
     int row = 0;
-    for (const ObjectPair& pair : PairObjects(a, b, context.sequence->up_in_world)) {
+    for (const ObjectPair& pair : comparison.pairs) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       const std::string name = fmt::format("what_if.row.{}", row++);
@@ -238,14 +228,14 @@ class WhatIfPanel : public Panel {
     ImGui::EndTable();
   }
 
-  void DrawStages(const FrameContext& context, const OtherRun&) const {
+  static void DrawStages(const FrameContext& context, const ComparisonView& comparison) {
     constexpr auto kFlags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
                             ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_NoBordersInBody;
     if (!ImGui::BeginTable("what_if.stages", 3, kFlags, ImGui::GetContentRegionAvail())) return;
     Headings(context, {{"Mean time", "Of each stage, over all frames of the run."},
                        {"First", "Milliseconds a frame."},
                        {"Other", "Milliseconds a frame."}});
-    for (const StageDifference& stage : stages_) {
+    for (const StageDifference& stage : comparison.stages) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       DimText("%s", stage.stage.c_str());
@@ -256,13 +246,40 @@ class WhatIfPanel : public Panel {
     }
     ImGui::EndTable();
   }
-
-  std::shared_ptr<const RunHistory> history_a_, history_b_;  ///< What the rest is made of.
-  std::optional<int> first_;
-  std::vector<StageDifference> stages_;
 };
 
 }  // namespace
+
+ActionGroup TwoRunActions() {
+  const auto two = [](const FrameContext& context) { return context.other != nullptr; };
+  return {
+      "What if?",
+      {{.text = "Fork the run from here: what if?", .run = Posts(AskForkCommand{})},
+       {.text = "Change options of this run: what if?",
+        .run = Posts(AskOptionsCommand{}),
+        .is_offered = [](const FrameContext& context) { return !context.playback->recorded; }},
+       {.text = "Two runs: show the other",
+        .keys = {{keys::kV}},
+        .run =
+            [](const FrameContext& context, CommandSink& sink) {
+              const bool other = context.run_shown == RunShown::kOther;
+              sink.Post(ShowRunCommand{other ? RunShown::kFirst : RunShown::kOther});
+            },
+        .help_keys = "V",
+        .help = "This run or the other, where two are open",
+        .text_when_on = "Two runs: show the first",
+        .is_on = [](const FrameContext& context) { return context.run_shown == RunShown::kOther; },
+        .is_offered = two},
+       {.text = "Two runs: blink",
+        .run = Posts(ShowRunCommand{RunShown::kBlink}),
+        .is_offered = two},
+       {.text = "Two runs: side by side",
+        .run = Posts(ShowRunCommand{RunShown::kBeside}),
+        .is_offered = two},
+       {.text = "Two runs: close the other",
+        .run = Posts(CompareRunCommand{}),
+        .is_offered = two}}};
+}
 
 std::unique_ptr<Panel> MakeWhatIfPanel() { return std::make_unique<WhatIfPanel>(); }
 

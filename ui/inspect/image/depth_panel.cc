@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/image/depth_panel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/pictures.h"
 #include "ui/framework/widgets.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
@@ -42,14 +43,6 @@ void DrawScale(const FrameContext& context, const ImageCanvas& canvas, const Dep
 
 class DepthPanel : public Panel {
  public:
-  const char* Id() const override { return "depth"; }
-  const char* Title() const override { return "Z-buffer"; }
-  const char* Help() const override {
-    return "Depth of the mean states of all objects in this camera. Bright is near; the scale is "
-           "in metres. "
-           "It decides which parts hide which.";
-  }
-
   void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
     const MapSnapshot& snapshot = *context.snapshot;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/image/edges_panel.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,7 +11,6 @@
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/edge_difference.h"
 #include "ui/inspect/image/overlays.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
@@ -37,14 +38,6 @@ void DrawOrientationLegend(const FrameContext& context, const ImageCanvas& canva
 
 class EdgesPanel : public Panel {
  public:
-  const char* Id() const override { return "edges"; }
-  const char* Title() const override { return "Edges"; }
-  const char* Help() const override {
-    return "What the edge detector sees, thinned to lines: colour is the direction of the edge "
-           "(the fan shows which), "
-           "brightness its probability.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink&) override {
     AlignRight(ToggleWidth(context, "Outlines") + ToggleWidth(context, "Contour") +
                ToggleWidth(context, "Expected") + context.Scaled(8));

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/image/image_panel.h"
+
 #include <fmt/format.h>
 
 #include <set>
@@ -7,7 +9,6 @@
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
@@ -35,14 +36,6 @@ bool IsWeak(const ProposalReport& proposal) {
 
 class ImagePanel : public Panel {
  public:
-  const char* Id() const override { return "image"; }
-  const char* Title() const override { return "Image"; }
-  const char* Help() const override {
-    return "The camera's image with the detector's proposals and the outlines of the objects' mean "
-           "states.\n"
-           "Wheel zooms, dragging moves, double click shows all; a click selects an object.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink&) override {
     float width = context.Scaled(18);
     for (const char* label : {"Proposals", "Weak", "Outlines", "Names", "Particles", "Contour"}) {
@@ -181,6 +174,14 @@ class ImagePanel : public Panel {
 };
 
 }  // namespace
+
+ActionGroup ImageViewActions() {
+  ActionGroup group{"Image views", {}};
+  for (int count = 1; count <= 5; ++count)
+    group.actions.push_back(
+        {.text = fmt::format("Image views: {}", count), .run = Posts(ImageViewsCommand{count})});
+  return group;
+}
 
 std::unique_ptr<Panel> MakeImagePanel() { return std::make_unique<ImagePanel>(); }
 

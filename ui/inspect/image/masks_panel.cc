@@ -1,23 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/image/masks_panel.h"
+
 #include "ui/common/waiting.h"
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/pictures.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
 
 class MasksPanel : public Panel {
  public:
-  const char* Id() const override { return "masks"; }
-  const char* Title() const override { return "Masks"; }
-  const char* Help() const override {
-    return "Visible part of every object's mean state over the image, in the object's colour, "
-           "darker the closer.";
-  }
-
   void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
     const MapSnapshot& snapshot = *context.snapshot;

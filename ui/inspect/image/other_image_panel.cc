@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/image/other_image_panel.h"
+
 #include <filesystem>
 
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
-#include "ui/inspect/panels.h"
+#include "ui/inspect/image/image_panel.h"
 
 namespace plumbline {
 namespace {
@@ -23,12 +25,6 @@ class OtherTextures : public TextureStore {
 
 class OtherImagePanel : public Panel {
  public:
-  const char* Id() const override { return "other_image"; }
-  const char* Title() const override { return "Other run"; }
-  const char* Help() const override {
-    return "The same frame as the other run left it, with the switches, the zoom and the selection "
-           "of the first.";
-  }
   void DrawHeader(const FrameContext& context, CommandSink&) override {
     if (context.other == nullptr) return;
     DimText("%s", std::filesystem::path(context.other->source).filename().c_str());

@@ -1,31 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/image/particles_panel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "engine/geometry/angles.h"
-#include "engine/snapshot/particle_rank.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
 
 class ParticlesPanel : public Panel {
  public:
-  const char* Id() const override { return "particles"; }
-  const char* Title() const override { return "Particles"; }
-  const char* Help() const override {
-    return "The hypotheses of the selected object over the image: a dot where each puts the centre "
-           "of the model, a "
-           "line along the model's front. Brighter weighs more. Point at one for its numbers and "
-           "its outline, click to mark it in the images and in 3-D.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink&) override {
     AlignRight(ToggleWidth(context, "Close-up") + ToggleWidth(context, "Fronts") +
                context.Scaled(4));
@@ -92,19 +83,22 @@ class ParticlesPanel : public Panel {
     return {x, y, x + width, y + height};
   }
 
+  /// ", rank 3 of 500"; "" until it is known.
+  static std::string RankOf(const FrameContext& context, int index) {
+    const std::vector<int>* order = context.ParticlesByRank();
+    if (order == nullptr) return "";
+    const auto rank = std::find(order->begin(), order->end(), index) - order->begin();
+    return fmt::format(", rank {} of {}", rank + 1, order->size());
+  }
+
   static void DrawNumbers(const FrameContext& context, const std::vector<Particle>& particles,
                           int index) {
     const Particle& particle = particles[static_cast<std::size_t>(index)];
-    const MapperOptions options =
-        context.playback->options != nullptr ? *context.playback->options : MapperOptions();
-    const std::vector<int> order = ByRank(particles, options.alpha, options.beta);
-    const auto rank = std::find(order.begin(), order.end(), index) - order.begin();
     const ModelView* model = context.Model({particle.label});
     ImGui::BeginTooltip();
     ImGui::Text("Particle %d", index);
     DimText("model %s", model != nullptr ? model->name.c_str() : "?");
-    DimText("weight %.4f, rank %d of %d", std::exp(particle.log_weight), static_cast<int>(rank) + 1,
-            static_cast<int>(particles.size()));
+    DimText("weight %.4f%s", std::exp(particle.log_weight), RankOf(context, index).c_str());
     DimText("comes from particle %d of the frame before", int{particle.ancestor});
     DimText("distance %.2f m", std::exp(particle.rho));
     DimText("azimuth %.0f\u00b0", particle.azimuth * kDegPerRad);

@@ -8,7 +8,7 @@
 
 #include <imgui.h>
 
-#include "engine/snapshot/relations.h"
+#include "engine/snapshot/object_relation.h"
 #include "ui/framework/frame_context.h"
 #include "ui/framework/scene_surface.h"
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/map/scene_panel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include "ui/framework/scene_surface.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/map/scene_overlay.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
@@ -51,15 +52,6 @@ constexpr OverlayToggle kOverlays[] = {
 
 class ScenePanel : public Panel {
  public:
-  const char* Id() const override { return "scene"; }
-  const char* Title() const override { return "Map"; }
-  const char* Help() const override {
-    return "The map in 3-D. Left drag turns, right drag (or middle, or Shift and left) moves, the "
-           "wheel zooms, double "
-           "click turns about what is under the mouse, a click selects. F frames the selected "
-           "object, R resets.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
     const float gap = context.Scaled(3), room = ImGui::GetContentRegionAvail().x;
     const float views =
@@ -120,7 +112,7 @@ class ScenePanel : public Panel {
     const ImVec2 high(low.x + static_cast<float>(width), low.y + static_cast<float>(height));
     ImGui::GetWindowDrawList()->AddImageRounded(texture, low, high, {0, 1}, {1, 0}, IM_COL32_WHITE,
                                                 context.Scaled(4));
-    DrawOverlay(context, low, high);
+    DrawOverlay(context, low, high, sink);
     DrawTriad(context, context.scene->camera().view_from_world, low, high);
     if (layers_.grid && !context.look_through) DrawGridLabel(context, low, high);
   }
@@ -181,13 +173,11 @@ class ScenePanel : public Panel {
 
   std::string ColorLabel() const { return fmt::format("Colour: {}", ColoringName(coloring_)); }
 
-  void DrawOverlay(const FrameContext& context, ImVec2 low, ImVec2 high) {
+  void DrawOverlay(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink) {
     if (context.snapshot == nullptr) return;
-    if (overlay_.links && version_ != context.snapshot_version) {
-      const MapSnapshot& s = *context.snapshot;
-      relations_ = finder_.Find(s.report, *context.sequence, s.depth, s.id);
-      version_ = context.snapshot_version;
-    }
+    if (overlay_.links) sink.Post(NeedCommand{NeedCommand::What::kRelations});
+    if (context.analysis != nullptr && context.analysis->relations)
+      relations_ = *context.analysis->relations;
     const SceneProjection project(context, context.scene->camera(), low, high);
     DrawSceneOverlay(context, project, low, high, overlay_, relations_);
   }
@@ -214,12 +204,27 @@ class ScenePanel : public Panel {
   SceneLayers layers_;
   SceneOverlay overlay_;
   SceneColoring coloring_ = SceneColoring::kIdentity;
-  std::uint64_t version_ = 0;  ///< Of the snapshot whose relations these are.
-  RelationFinder finder_;
-  std::vector<ObjectRelation> relations_;
+  std::vector<ObjectRelation> relations_;  ///< The newest that are known.
 };
 
 }  // namespace
+
+ActionGroup MapActions() {
+  return {"Map",
+          {{.text = "Map: look through the camera",
+            .keys = {{'0'}},
+            .run = [](const FrameContext& context,
+                      CommandSink& sink) { sink.Post(LookThroughCommand{!context.look_through}); },
+            .help_keys = "0",
+            .help = "Map through the camera",
+            .text_when_on = "Map: leave the camera",
+            .is_on = [](const FrameContext& context) { return context.look_through; }},
+           {.text = "Map: follow the camera",
+            .run = [](const FrameContext& context,
+                      CommandSink& sink) { sink.Post(FollowCommand{!context.follow}); },
+            .text_when_on = "Map: do not follow the camera",
+            .is_on = [](const FrameContext& context) { return context.follow; }}}};
+}
 
 std::unique_ptr<Panel> MakeScenePanel() { return std::make_unique<ScenePanel>(); }
 

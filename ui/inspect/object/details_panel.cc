@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/object/details_panel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include "engine/geometry/gravity.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
@@ -24,13 +25,6 @@ void Fact(const FrameContext& context, const char* name, const std::string& valu
 
 class DetailsPanel : public Panel {
  public:
-  const char* Id() const override { return "details"; }
-  const char* Title() const override { return "Selected object"; }
-  const char* Help() const override {
-    return "What the filter believes about the selected object: which shape it is, where, and how "
-           "surely.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
     const ObjectReport* object = context.SelectedObject();
     if (object == nullptr) return;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/snapshot/commands.h"
-#include "engine/snapshot/label_history.h"
+#include "engine/snapshot/object_history.h"
 #include "ui/framework/frame_context.h"
 
 namespace plumbline {

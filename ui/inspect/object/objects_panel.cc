@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/object/objects_panel.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -7,7 +9,6 @@
 #include "engine/geometry/gravity.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
@@ -44,13 +45,6 @@ void TextRight(ImU32 color, const std::string& text) {
 
 class ObjectsPanel : public Panel {
  public:
-  const char* Id() const override { return "objects"; }
-  const char* Title() const override { return "Objects"; }
-  const char* Help() const override {
-    return "All objects of the map in this frame. Click one to select it, double click to frame it "
-           "in 3-D.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink&) override {
     if (context.snapshot == nullptr) return;
     int confirmed = 0, tentative = 0;
@@ -155,7 +149,7 @@ class ObjectsPanel : public Panel {
     }
     ImGui::TableNextColumn();
     ImGui::PushStyleColor(ImGuiCol_Text, StateColor(object.state));
-    ImGui::TextUnformatted(StateName(object.state));
+    ImGui::TextUnformatted(NameOf(object.state).data());
     ImGui::PopStyleColor();
     ImGui::TableNextColumn();
     TextRight(colors::kText, fmt::format("{:.0f} %", 100 * there));
@@ -179,6 +173,16 @@ class ObjectsPanel : public Panel {
 };
 
 }  // namespace
+
+ActionGroup SelectionActions() {
+  return {"Selection",
+          {{.text = "Clear the selection",
+            .keys = {{keys::kEscape}},
+            .run = Posts(SelectObjectCommand{}),
+            .help_keys = "Esc",
+            .help = "Clear the selection",
+            .is_offered = [](const FrameContext& context) { return !context.help_shown; }}}};
+}
 
 std::unique_ptr<Panel> MakeObjectsPanel() { return std::make_unique<ObjectsPanel>(); }
 

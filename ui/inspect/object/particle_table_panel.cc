@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/object/particle_table_panel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,10 +8,8 @@
 #include <numeric>
 
 #include "engine/geometry/angles.h"
-#include "engine/snapshot/particle_rank.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
@@ -40,13 +40,6 @@ constexpr int kRank = 1, kWeight = 2;
 
 class ParticleTablePanel : public Panel {
  public:
-  const char* Id() const override { return "particle_table"; }
-  const char* Title() const override { return "Particle list"; }
-  const char* Help() const override {
-    return "All hypotheses of the selected object in numbers. Click a heading to sort, a row to "
-           "mark the hypothesis in the images and in the map.";
-  }
-
   void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
     const ObjectReport* object = context.SelectedObject();
@@ -83,10 +76,11 @@ class ParticleTablePanel : public Panel {
     ImGuiTableSortSpecs* specs = ImGui::TableGetSortSpecs();
     const auto& particles = *object.particles;
     const bool same = version_ == context.snapshot_version && object_ == object.id &&
-                      order_.size() == particles.size();
+                      analysis_ == context.analysis && order_.size() == particles.size();
     if (same && (specs == nullptr || !specs->SpecsDirty)) return;
     version_ = context.snapshot_version;
     object_ = object.id;
+    analysis_ = context.analysis;
     order_.resize(particles.size());
     std::iota(order_.begin(), order_.end(), 0);
     RankParticles(context, particles);
@@ -100,12 +94,11 @@ class ParticleTablePanel : public Panel {
   }
 
   void RankParticles(const FrameContext& context, const std::vector<Particle>& particles) {
-    const MapperOptions options =
-        context.playback->options != nullptr ? *context.playback->options : MapperOptions();
-    rank_.resize(particles.size());
+    rank_.assign(particles.size(), 0);
+    const std::vector<int>* order = context.ParticlesByRank();
+    if (order == nullptr || order->size() != particles.size()) return;  // it is on its way
     int rank = 0;
-    for (const int index : ByRank(particles, options.alpha, options.beta))
-      rank_[static_cast<std::size_t>(index)] = ++rank;
+    for (const int index : *order) rank_[static_cast<std::size_t>(index)] = ++rank;
   }
 
   double Value(const Column& column, const std::vector<Particle>& particles, int index) const {
@@ -147,6 +140,7 @@ class ParticleTablePanel : public Panel {
 
   std::uint64_t version_ = 0;
   ObjectId object_;
+  std::shared_ptr<const FrameAnalysis> analysis_;  ///< That the ranks are of.
   std::vector<int> order_, rank_;
 };
 

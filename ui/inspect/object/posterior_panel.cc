@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/object/posterior_panel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "engine/snapshot/calibration.h"
+#include "engine/snapshot/object_history.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/object/label_plot.h"
 #include "ui/inspect/object/posterior_marginals.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
@@ -28,16 +29,6 @@ std::string Percent(int part, int whole) {
 
 class PosteriorPanel : public Panel {
  public:
-  const char* Id() const override { return "posterior"; }
-  const char* Title() const override { return "Belief"; }
-  const char* Help() const override {
-    return "How the hypotheses of the selected object spread along each parameter, in the camera "
-           "of its reference time; what it was believed to be over time; and, where there is "
-           "ground truth, whether beliefs of this run "
-           "are honest: the truth should lie in half of the 50 % regions and in 95 of 100 of the "
-           "95 % regions.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink&) override {
     AlignRight(ToggleWidth(context, "Shapes over time"));
     Toggle(context, "posterior.shapes", "Shapes over time", shapes_,
@@ -58,15 +49,16 @@ class PosteriorPanel : public Panel {
     const ImVec2 room = ImGui::GetContentRegionAvail();
     const bool beside = room.x > context.Scaled(520) && room.y > context.Scaled(60);
     const float side = beside ? context.Scaled(250) : 0;
+    sink.Post(NeedCommand{NeedCommand::What::kObjectHistory});
     Remember(context, *object);
     if (shapes_)
-      DrawLabelPlot(context, labels_, corner, {room.x - side, room.y}, sink);
+      DrawLabelPlot(context, history_->labels, corner, {room.x - side, room.y}, sink);
     else
       DrawMarginals(context, corner, {room.x - side, room.y});
     if (beside) {
       ImGui::SetCursorScreenPos({corner.x + room.x - side + context.Scaled(14), corner.y});
-      ImGui::BeginChild("posterior.honest", {side - context.Scaled(14), room.y});
-      DrawHonesty(context);
+      ImGui::BeginChild("posterior.reliability", {side - context.Scaled(14), room.y});
+      DrawReliability(context);
       ImGui::EndChild();
     }
     ImGui::PopFont();
@@ -74,16 +66,14 @@ class PosteriorPanel : public Panel {
 
  private:
   void Remember(const FrameContext& context, const ObjectReport& object) {
-    const RunHistory* history = context.shown_playback().history.get();
-    const bool same = version_ == context.snapshot_version && object_ == object.id;
-    if (same && history_ == history) return;
+    if (context.history != nullptr && context.history->object == object.id)
+      history_ = context.history;
+    else if (history_->object != object.id)
+      history_ = std::make_shared<const ObjectHistory>();  // the one asked for is on its way
+    if (version_ == context.snapshot_version && object_ == object.id) return;
     version_ = context.snapshot_version;
     object_ = object.id;
-    history_ = history;
     marginals_ = MarginalsOf(context, object);
-    all_ = CalibrationOf(*history);
-    this_ = CalibrationOf(*history, object.id);
-    labels_ = LabelsOf(*history, object.id);
   }
 
   void DrawMarginals(const FrameContext& context, ImVec2 corner, ImVec2 room) const {
@@ -149,14 +139,14 @@ class PosteriorPanel : public Panel {
                          " Bars: the particles by weight. White: their mean. Green: the truth.");
   }
 
-  void DrawHonesty(const FrameContext& context) const {
+  void DrawReliability(const FrameContext& context) const {
     DimText("Is the belief honest?");
     Tooltip(context,
             "Over the frames of this run so far in which a confirmed object was weighed and a true "
             "one of its category is within 50 cm. The regions are those of a Gaussian with the "
             "belief's covariance. Frames of one object resemble one another: these are few "
             "independent trials.");
-    if (all_.poses == 0) {
+    if (history_->of_all.poses == 0) {
       ImGui::PushStyleColor(ImGuiCol_Text, colors::kFaint);
       ImGui::TextWrapped("%s", context.sequence->truth.empty()
                                    ? "Needs ground truth beside the sequence."
@@ -167,21 +157,24 @@ class PosteriorPanel : public Panel {
     DrawJudgement();
     if (!ImGui::BeginTable("posterior.table", 3, ImGuiTableFlags_SizingStretchProp)) return;
     Row("truth in the", fmt::format("#{}", object_.value), "all", colors::kDimText);
-    Row("50 % region", Percent(this_.within_50, this_.poses), Percent(all_.within_50, all_.poses),
-        colors::kText);
-    Row("95 % region", Percent(this_.within_95, this_.poses), Percent(all_.within_95, all_.poses),
-        colors::kText);
-    Row("shape right", Percent(this_.right(), this_.labels()), Percent(all_.right(), all_.labels()),
-        colors::kText);
-    Row("believed", this_.labels() > 0 ? fmt::format("{:.0f} %", 100 * this_.claimed()) : "\u2013",
-        fmt::format("{:.0f} %", 100 * all_.claimed()), colors::kText);
-    Row("frames", fmt::format("{}", this_.poses), fmt::format("{}", all_.poses), colors::kFaint);
+    Row("50 % region", Percent(history_->of_object.within_50, history_->of_object.poses),
+        Percent(history_->of_all.within_50, history_->of_all.poses), colors::kText);
+    Row("95 % region", Percent(history_->of_object.within_95, history_->of_object.poses),
+        Percent(history_->of_all.within_95, history_->of_all.poses), colors::kText);
+    Row("shape right", Percent(history_->of_object.right, history_->of_object.labels),
+        Percent(history_->of_all.right, history_->of_all.labels), colors::kText);
+    Row("believed",
+        history_->of_object.labels > 0 ? fmt::format("{:.0f} %", 100 * history_->of_object.claimed)
+                                       : "\u2013",
+        fmt::format("{:.0f} %", 100 * history_->of_all.claimed), colors::kText);
+    Row("frames", fmt::format("{}", history_->of_object.poses),
+        fmt::format("{}", history_->of_all.poses), colors::kFaint);
     ImGui::EndTable();
   }
 
   void DrawJudgement() const {
-    const double most = static_cast<double>(all_.within_95) / all_.poses;
-    const double half = static_cast<double>(all_.within_50) / all_.poses;
+    const double most = static_cast<double>(history_->of_all.within_95) / history_->of_all.poses;
+    const double half = static_cast<double>(history_->of_all.within_50) / history_->of_all.poses;
     const bool too_sure = most<0.8, unsure = half> 0.8;
     ImGui::PushStyleColor(ImGuiCol_Text, too_sure ? colors::kWarning
                                          : unsure ? colors::kAccent
@@ -207,11 +200,10 @@ class PosteriorPanel : public Panel {
 
   std::uint64_t version_ = 0;
   ObjectId object_;
-  const RunHistory* history_ = nullptr;  ///< Compared only.
+  /// Of that object; never null.
+  std::shared_ptr<const ObjectHistory> history_ = std::make_shared<const ObjectHistory>();
   Marginals marginals_{};
-  LabelHistory labels_;
   bool shapes_ = false;
-  Calibration all_, this_;
 };
 
 }  // namespace

@@ -1,33 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/object/relations_panel.h"
+
 #include <fmt/format.h>
 
-#include "engine/snapshot/relations.h"
+#include "engine/snapshot/object_relation.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
 
 class RelationsPanel : public Panel {
  public:
-  const char* Id() const override { return "relations"; }
-  const char* Title() const override { return "Relations"; }
-  const char* Help() const override {
-    return "How the confirmed objects of this frame stand to one another: what stands on what, "
-           "what hides what from the camera, and the nearest neighbour of each. Click a row to "
-           "select "
-           "its first object. The switch Links draws them in the map.";
-  }
-
   void Draw(const FrameContext& context, CommandSink& sink) override {
-    if (DrawWaiting(context)) return;
-    if (version_ != context.snapshot_version) {
-      version_ = context.snapshot_version;
-      const MapSnapshot& s = *context.snapshot;
-      relations_ = finder_.Find(s.report, *context.sequence, s.depth, s.id);
+    if (DrawWaiting(context)) {
+      analysis_ = nullptr;
+      return;
     }
-    if (relations_.empty())
+    sink.Post(NeedCommand{NeedCommand::What::kRelations});
+    if (context.analysis != nullptr && context.analysis->relations)
+      analysis_ = context.analysis;  // until it is there, what was shown before stays
+    if (analysis_ == nullptr || analysis_->relations->empty())
       return EmptyState(context, "No relations yet",
                         "They are told of confirmed objects: play on until there are two.");
     ImGui::PushFont(context.fonts.small);
@@ -35,7 +28,7 @@ class RelationsPanel : public Panel {
                             ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_NoBordersInBody;
     ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(3.5)});
     if (ImGui::BeginTable("relations.table", 4, kFlags, ImGui::GetContentRegionAvail())) {
-      for (std::size_t i = 0; i < relations_.size(); ++i) DrawRow(context, i, sink);
+      for (std::size_t i = 0; i < analysis_->relations->size(); ++i) DrawRow(context, i, sink);
       ImGui::EndTable();
     }
     ImGui::PopStyleVar();
@@ -53,7 +46,7 @@ class RelationsPanel : public Panel {
   }
 
   void DrawRow(const FrameContext& context, std::size_t index, CommandSink& sink) const {
-    const ObjectRelation& relation = relations_[index];
+    const ObjectRelation& relation = (*analysis_->relations)[index];
     const std::string name = fmt::format("relations.row.{}", index);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
@@ -81,9 +74,7 @@ class RelationsPanel : public Panel {
                          : "Smallest distance between the surfaces of the two models.");
   }
 
-  std::uint64_t version_ = 0;
-  RelationFinder finder_;
-  std::vector<ObjectRelation> relations_;
+  std::shared_ptr<const FrameAnalysis> analysis_;  ///< With relations; null: none yet.
 };
 
 }  // namespace

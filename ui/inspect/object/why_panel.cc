@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/object/why_panel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
 #include "ui/inspect/object/likelihood_maps.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
@@ -20,16 +21,6 @@ ImU32 ColorOf(const ProbedHypothesis& hypothesis, ObjectId object) {
 
 class WhyPanel : public Panel {
  public:
-  const char* Id() const override { return "why"; }
-  const char* Title() const override { return "Why here?"; }
-  const char* Help() const override {
-    return "Scores the selected object again in this frame, by the mapper's own rule, together "
-           "with what it did not try: the true place, and places around the mean. It tells whether "
-           "the "
-           "search or the likelihood is to blame. Detector scores come from the frame's proposals: "
-           "exact for recorded proposals, close for networks.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink&) override {
     AlignRight(ToggleWidth(context, "Two at once") + ToggleWidth(context, "Reference") +
                context.Scaled(4));
@@ -96,13 +87,11 @@ class WhyPanel : public Panel {
   }
 
   static void DrawVerdict(const ProbeView& probe) {
-    if (probe.verdict.empty()) return;
-    const bool good = probe.verdict.starts_with("It is where");
-    const bool neutral = probe.verdict.starts_with("There is no");
-    ImGui::PushStyleColor(ImGuiCol_Text, good      ? colors::kGood
-                                         : neutral ? colors::kDimText
-                                                   : colors::kWarning);
-    ImGui::TextWrapped("%s", probe.verdict.c_str());
+    if (!probe.verdict) return;
+    ImGui::PushStyleColor(ImGuiCol_Text, *probe.verdict == Verdict::kRight     ? colors::kGood
+                                         : *probe.verdict == Verdict::kNoTruth ? colors::kDimText
+                                                                               : colors::kWarning);
+    ImGui::TextWrapped("%s", probe.verdict_text.c_str());
     ImGui::PopStyleColor();
   }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/timeline/flow_panel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
-#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {
@@ -37,13 +38,6 @@ constexpr int kLinks[][2] = {{0, 1}, {1, 2}, {0, 3}, {3, 4}, {2, 6}, {3, 6},
 
 class FlowPanel : public Panel {
  public:
-  const char* Id() const override { return "flow"; }
-  const char* Title() const override { return "Pathways"; }
-  const char* Help() const override {
-    return "How a frame becomes map: the edge pathway above, the detector pathway below, the "
-           "filter where they meet, with the milliseconds of this frame.";
-  }
-
   void Draw(const FrameContext& context, CommandSink&) override {
     if (DrawWaiting(context)) return;
     const ImVec2 low = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();

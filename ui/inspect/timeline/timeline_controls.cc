@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "ui/framework/shortcuts.h"
 #include "ui/framework/widgets.h"
+#include "ui/inspect/timeline/timeline_actions.h"
 #include "ui/inspect/timeline/timeline_track.h"
 
 namespace plumbline {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/timeline/timeline_panel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "ui/framework/widgets.h"
-#include "ui/inspect/panels.h"
 #include "ui/inspect/timeline/timeline_controls.h"
 #include "ui/inspect/timeline/timeline_lanes.h"
 #include "ui/inspect/timeline/timeline_plot.h"
@@ -18,10 +19,6 @@ constexpr double kLabelWidth = 150;  ///< Left of the track.
 
 class TimelinePanel : public Panel {
  public:
-  const char* Id() const override { return "timeline"; }
-  const char* Title() const override { return ""; }
-  const char* Help() const override { return "Where in the sequence the window is."; }
-
   void Draw(const FrameContext& context, CommandSink& sink) override {
     const int last =
         context.sequence != nullptr ? std::max(0, context.sequence->num_frames - 1) : 0;
@@ -131,7 +128,7 @@ class TimelinePanel : public Panel {
     for (const FrameEvent& event : *playback.events) {
       if (std::abs(event.frame - frame) > reach || ++shown > 6) continue;
       ImGui::PushStyleColor(ImGuiCol_Text, EventColor(event.event.kind));
-      ImGui::Text("%d: %s", event.frame, EventName(event.event.kind));
+      ImGui::Text("%d: %s", event.frame, EventWords(event.event.kind).c_str());
       ImGui::PopStyleColor();
       ImGui::SameLine();
       if (event.event.object.value > 0)

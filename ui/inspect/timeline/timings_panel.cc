@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/timeline/timings_panel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
-#include "ui/inspect/panels.h"
 #include "ui/inspect/timeline/timings_plot.h"
 
 namespace plumbline {
@@ -15,13 +16,6 @@ namespace {
 
 class TimingsPanel : public Panel {
  public:
-  const char* Id() const override { return "timings"; }
-  const char* Title() const override { return "Timings"; }
-  const char* Help() const override {
-    return "Time that each stage took in this frame (bar and number), and its running mean. Below: "
-           "what the window itself takes.";
-  }
-
   void DrawHeader(const FrameContext& context, CommandSink&) override {
     AlignRight(ToggleWidth(context, "Over time"));
     Toggle(context, "timings.over_time", "Over time", over_time_,

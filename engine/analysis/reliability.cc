@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/snapshot/calibration.h"
+#include "engine/analysis/reliability.h"
 
 #include <cmath>
 #include <numbers>
@@ -13,39 +13,21 @@ constexpr double kTruthStd_m = 0.003, kTruthStd_rad = 0.5 * std::numbers::pi / 1
 
 }  // namespace
 
-int Calibration::labels() const {
-  int sum = 0;
-  for (const Bin& bin : bins) sum += bin.labels;
-  return sum;
-}
-
-int Calibration::right() const {
-  int sum = 0;
-  for (const Bin& bin : bins) sum += bin.right;
-  return sum;
-}
-
-double Calibration::claimed() const {
-  double sum = 0;
-  for (const Bin& bin : bins) sum += bin.claimed;
-  return labels() > 0 ? sum / labels() : 0;
-}
-
-Calibration CalibrationOf(const RunHistory& history, ObjectId only) {
-  Calibration result;
+Reliability ReliabilityOf(const RunHistory& history, ObjectId only) {
+  Reliability result;
   for (const auto& frame : history.frames) {
     if (frame == nullptr) continue;
     for (const ObjectSample& object : frame->objects) {
       if (only.value > 0 && object.id != only) continue;
       if (object.state != ObjectState::kConfirmed || !object.weighed || !object.error) continue;
-      if (object.error->translation_m > kCalibrationReach_m) continue;
+      if (object.error->translation_m > kReliabilityReach_m) continue;
       ++result.poses;
       result.within_50 += object.error->credible_level <= 0.5f;
       result.within_95 += object.error->credible_level <= 0.95f;
       if (object.label_probability.empty()) continue;
       const double claimed = object.label_probability.front().probability;
-      Calibration::Bin* bin = &result.bins.front();
-      for (Calibration::Bin& candidate : result.bins) {
+      Reliability::Bin* bin = &result.bins.front();
+      for (Reliability::Bin& candidate : result.bins) {
         if (claimed >= candidate.above) bin = &candidate;
       }
       ++bin->labels;
@@ -53,6 +35,13 @@ Calibration CalibrationOf(const RunHistory& history, ObjectId only) {
       bin->claimed += claimed;
     }
   }
+  double sum = 0;
+  for (const Reliability::Bin& bin : result.bins) {
+    result.labels += bin.labels;
+    result.right += bin.right;
+    sum += bin.claimed;
+  }
+  if (result.labels > 0) result.claimed = sum / result.labels;
   return result;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/snapshot/label_history.h"
+#include "engine/analysis/label_history.h"
 
 #include <algorithm>
 #include <map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/snapshot/particle_rank.h"
+#include "engine/mapping/particle_rank.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/snapshot/calibration.h"
+#include "engine/analysis/reliability.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
@@ -61,7 +61,7 @@ ObjectSample Sample(int id, float level, double claimed, bool right, float dista
   return sample;
 }
 
-TEST(Calibration, CountsWhatWasClaimedAgainstWhatWasSo) {
+TEST(Reliability, CountsWhatWasClaimedAgainstWhatWasSo) {
   ObjectSample tentative = Sample(3, 0.1f, 0.9, true), hidden = tentative, unknown = tentative;
   tentative.state = ObjectState::kTentative;
   hidden.weighed = false;
@@ -70,18 +70,18 @@ TEST(Calibration, CountsWhatWasClaimedAgainstWhatWasSo) {
   history.frames = {nullptr, FrameOf({Sample(1, 0.3f, 0.95, true), Sample(2, 0.7f, 0.6, false)}),
                     FrameOf({Sample(1, 0.99f, 1.0, true), Sample(9, 0.1f, 1, true, 0.8f)}),
                     FrameOf({tentative, hidden, unknown})};
-  const Calibration all = CalibrationOf(history);
+  const Reliability all = ReliabilityOf(history);
   EXPECT_EQ(all.poses, 3) << "neither what is far from any truth nor what is tentative or hidden";
   EXPECT_EQ(all.within_50, 1);
   EXPECT_EQ(all.within_95, 2);
-  EXPECT_EQ(all.labels(), 3);
-  EXPECT_EQ(all.right(), 2);
-  EXPECT_NEAR(all.claimed(), (0.95 + 0.6 + 1.0) / 3, 1e-12);
+  EXPECT_EQ(all.labels, 3);
+  EXPECT_EQ(all.right, 2);
+  EXPECT_NEAR(all.claimed, (0.95 + 0.6 + 1.0) / 3, 1e-12);
   EXPECT_EQ(all.bins[1].labels, 1);
   EXPECT_EQ(all.bins[3].labels, 1);
   EXPECT_EQ(all.bins[4].right, 1);
-  EXPECT_EQ(CalibrationOf(history, {2}).poses, 1);
-  EXPECT_EQ(CalibrationOf({}).claimed(), 0);
+  EXPECT_EQ(ReliabilityOf(history, {2}).poses, 1);
+  EXPECT_EQ(ReliabilityOf({}).claimed, 0);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/snapshot/frame_difference.h"
+#include "engine/analysis/frame_difference.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/snapshot/relations.h"
+#include "engine/analysis/relations.h"
 
 #include <algorithm>
 #include <cmath>
@@ -163,18 +163,6 @@ std::vector<ObjectRelation> RelationFinder::Find(const FrameReport& report,
   all.insert(all.end(), hides.begin(), hides.end());
   all.insert(all.end(), near.begin(), near.end());
   return all;
-}
-
-const char* RelationName(RelationKind kind) {
-  switch (kind) {
-    case RelationKind::kNear:
-      return "is nearest to";
-    case RelationKind::kStandsOn:
-      return "stands on";
-    case RelationKind::kHides:
-      return "hides";
-  }
-  return "";
 }
 
 }  // namespace plumbline

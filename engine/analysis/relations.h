@@ -12,20 +12,9 @@
 #include "engine/geometry/surface_gap.h"
 #include "engine/mapping/map_report.h"
 #include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/object_relation.h"
 
 namespace plumbline {
-
-enum class RelationKind {
-  kNear,      ///< `b` is the nearest neighbour of `a`; value: gap between them [m].
-  kStandsOn,  ///< `a` stands on `b`; value: gap between them [m].
-  kHides      ///< `a` hides a share `value` of `b` from the camera of this frame.
-};
-
-struct ObjectRelation {
-  RelationKind kind = RelationKind::kNear;
-  ObjectId a, b;
-  double value = 0;
-};
 
 /// Tells how the confirmed objects of a frame stand to one another. Gaps are between the surfaces
 /// of the models, which are made ready when they are first met and kept. Use it in one thread.
@@ -52,8 +41,5 @@ class RelationFinder {
   std::map<std::shared_ptr<const TriangleMesh>, std::shared_ptr<const MeasuredSurface>> surfaces_;
   std::map<std::pair<ObjectId, ObjectId>, Gap> gaps_;  ///< Of the frame before.
 };
-
-/// "hides", "stands on", "near": between the names of two objects.
-const char* RelationName(RelationKind kind);
 
 }  // namespace plumbline

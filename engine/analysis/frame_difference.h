@@ -7,16 +7,10 @@
 #include <Eigen/Core>
 
 #include "engine/mapping/map_report.h"
+#include "engine/snapshot/comparison_view.h"
 #include "engine/snapshot/run_history.h"
 
 namespace plumbline {
-
-/// An object of one run and what is the same in another; one of them may be missing.
-struct ObjectPair {
-  const ObjectReport* a = nullptr;
-  const ObjectReport* b = nullptr;
-  double distance_m = 0, azimuth_rad = 0;  ///< Between their poses; 0 where one is missing.
-};
 
 /// The confirmed objects of two frames, paired by category, nearest first, within 0.5 m; then those
 /// that one frame lacks. It points into both reports.
@@ -26,11 +20,6 @@ std::vector<ObjectPair> PairObjects(const FrameReport& a, const FrameReport& b,
 /// The first frame, of those that both know, in which beliefs differ, bit by bit.
 std::optional<int> FirstDifference(const RunHistory& a, const RunHistory& b);
 
-struct StageDifference {
-  std::string stage;
-  double mean_a_ms = 0,
-         mean_b_ms = 0;  ///< Over the frames of each run; 0 where it lacks the stage.
-};
 /// Over all frames that each history knows.
 std::vector<StageDifference> CompareStages(const RunHistory& a, const RunHistory& b);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/snapshot/relations.h"
+#include "engine/analysis/relations.h"
 
 #include <gtest/gtest.h>
 

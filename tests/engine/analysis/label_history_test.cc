@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/snapshot/label_history.h"
+#include "engine/analysis/label_history.h"
 
 #include <gtest/gtest.h>
 
-#include "engine/snapshot/particle_rank.h"
+#include "engine/mapping/particle_rank.h"
 
 namespace plumbline {
 namespace {

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the workspace draws, and what it keeps from one day to the next.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "app/window/inspect/inspect_workspace.h"
+#include "engine/geometry/angles.h"
+#include "ui/framework/widgets.h"
+#include "ui/inspect/inspect_bar.h"
+
+namespace plumbline {
+namespace {
+
+const char* StateName(PlaybackState state) {
+  switch (state) {
+    case PlaybackState::kPaused:
+      return "paused";
+    case PlaybackState::kPlaying:
+      return "playing";
+    case PlaybackState::kFinished:
+      return "finished";
+    case PlaybackState::kFailed:
+      return "failed";
+  }
+  return "";
+}
+
+}  // namespace
+
+void InspectWorkspace::Draw(FrameContext& context, const LayoutRect& rect, CommandSink& sink) {
+  if (is_figure()) return DrawFigure(context, rect.high, sink);
+  if (!presenter_.active()) return DrawPanels(context, sink);
+  if (!presenter_.Draw(context, rect.high, panels_, sink)) return;
+  Present(false, context);
+  if (quit_after_presenting_) window_.Post(QuitCommand{});
+}
+
+void InspectWorkspace::DrawFigure(const FrameContext& context, ImVec2 size, CommandSink& sink) {
+  const float gap = context.Scaled(4);
+  for (const PlacedPanel& placed : options_.layout->panels) {
+    const LayoutRect rect{{placed.x0 * size.x + 0.5f * gap, placed.y0 * size.y + 0.5f * gap},
+                          {placed.x1 * size.x - 0.5f * gap, placed.y1 * size.y - 0.5f * gap}};
+    for (Panel* panel : panels_) {
+      if (std::string_view(panel->id()) == placed.panel) DrawPanel(context, rect, *panel, sink);
+    }
+  }
+}
+
+void InspectWorkspace::DrawPanels(FrameContext& context, CommandSink& sink) {
+  const InspectLayout layout =
+      ComputeInspectLayout(ImGui::GetIO().DisplaySize, context.ui_scale, ratios_);
+  const bool beside = context.run_shown == RunShown::kBeside && context.other != nullptr;
+  Panel& other_image = PanelAt(PanelPlace::kOtherRun);
+  if (beside) other_image.LoadState(PanelAt(PanelPlace::kImageView).SaveState());
+  views_->Draw(context, layout, beside ? &other_image : nullptr, sink);
+  DrawPanel(context, layout.scene, PanelAt(PanelPlace::kMap), sink);
+  DrawTabbedPanels(context, layout.objects, PanelsAt(PanelPlace::kAboutMap), map_tab_, sink);
+  LayoutRect details = layout.details;
+  const bool wide = object_tab_ > 0;
+  if (wide) details.high = layout.timings.high;  // it needs the room
+  DrawTabbedPanels(context, details, PanelsAt(PanelPlace::kAboutObject), object_tab_, sink);
+  if (!wide) DrawPanel(context, layout.timings, PanelAt(PanelPlace::kTimings), sink);
+  DrawPanel(context, layout.timeline, PanelAt(PanelPlace::kTimeline), sink);
+  DragSplitters(context, layout, ratios_);
+}
+
+void InspectWorkspace::DrawBar(const FrameContext& context, const LayoutRect&, CommandSink&) {
+  DrawSequenceName(context);
+}
+
+bool InspectWorkspace::DrawSheets(const FrameContext& context, CommandSink& sink) {
+  const bool was_open = fork_sheet_.is_open();  // the key that closes it does nothing else
+  fork_sheet_.Draw(context, sink);
+  return was_open || fork_sheet_.is_open();
+}
+
+StatusLine InspectWorkspace::status_line(const FrameContext& context) const {
+  return InspectStatus(context);
+}
+
+void InspectWorkspace::AddPaletteEntries(const FrameContext& context,
+                                         std::vector<PaletteEntry>& entries) const {
+  if (context.snapshot != nullptr) {
+    for (const ObjectReport& object : context.snapshot->report.objects) {
+      const ModelView* model = context.Model(object.label);
+      entries.push_back(EntryFor(
+          fmt::format("Select object #{} {} ({})", object.id.value,
+                      model != nullptr ? model->name : object.category, NameOf(object.state)),
+          SelectObjectCommand{object.id}));
+    }
+  }
+  for (const Bookmark& bookmark : context.bookmarks)
+    entries.push_back(EntryFor(fmt::format("Bookmark {} {}", bookmark.frame, bookmark.note),
+                               SeekCommand{bookmark.frame}));
+  for (const std::string& path : context.recent) {
+    if (path.ends_with(".plb") && !context.playback->recording.empty())
+      entries.push_back(EntryFor("Compare with " + path, CompareRunCommand{path}));
+  }
+}
+
+/// A number goes to that frame.
+std::vector<PaletteEntry> InspectWorkspace::AnswerPalette(const FrameContext& context,
+                                                          const std::string& query) const {
+  const bool number =
+      !query.empty() && query.size() < 8 &&
+      std::all_of(query.begin(), query.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+  if (!number || context.sequence == nullptr) return {};
+  const int frame = std::min(std::stoi(query), context.sequence->num_frames - 1);
+  return {EntryFor(fmt::format("Go to frame {}", frame), SeekCommand{frame})};
+}
+
+void InspectWorkspace::AddState(const FrameContext& context, nlohmann::json& state) const {
+  const PlaybackView& playback = *context.playback;
+  const SceneCamera camera = scene_->camera();
+  const auto& samples = playback.history->frames;
+  state.update(
+      {{"frame", context.snapshot != nullptr ? context.snapshot->report.frame : -1},
+       {"playback_frame", playback.frame},
+       {"newest_frame", playback.newest_mapped_frame},
+       {"open", context.sequence != nullptr},
+       {"num_frames", context.sequence != nullptr ? context.sequence->num_frames : 0},
+       {"state", StateName(playback.state)},
+       {"seeking", playback.seek_target.has_value()},
+       {"recorded", playback.recorded},
+       {"speed", playback.speed},
+       {"mapping", playback.mapping},
+       {"follow_newest", playback.follow},
+       {"loop", playback.loop},
+       {"range", {playback.range_begin.value_or(-1), playback.range_end.value_or(-1)}},
+       {"history", std::count_if(samples.begin(), samples.end(),
+                                 [](const auto& sample) { return sample != nullptr; })},
+       {"message", playback.message},
+       {"objects", context.snapshot != nullptr ? context.snapshot->report.objects.size() : 0},
+       {"selected_object", context.selection.object.value},
+       {"selected_particle", context.selection.particle},
+       {"hovered_particle", context.selection.hovered},
+       {"outlined_particle", context.probe != nullptr ? context.probe->hovered : -1},
+       {"selected_hypothesis", context.selection.hypothesis},
+       {"probe_frame", context.probe != nullptr ? context.probe->frame : -1},
+       {"verdict", context.probe != nullptr ? context.probe->verdict_text : ""},
+       {"relations", context.analysis != nullptr && context.analysis->relations
+                         ? static_cast<int>(context.analysis->relations->size())
+                         : -1},
+       {"history_of", context.history != nullptr ? context.history->object.value : -1},
+       {"map_tab", map_tab_},
+       {"details_tab", object_tab_},
+       {"follow", context.follow},
+       {"look_through", context.look_through},
+       {"presenting", presenter_.active()},
+       {"shot", presenter_.shot()},
+       {"image_zoom", viewport_.zoom},
+       {"scene_renders", scene_->renders()},
+       {"camera",
+        {{"azimuth_deg", camera.azimuth_rad * kDegPerRad},
+         {"elevation_deg", camera.elevation_rad * kDegPerRad},
+         {"distance_m", camera.distance_m},
+         {"focus",
+          {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}}}},
+       {"layout", RatiosToJson(ratios_)},
+       {"source", context.source},
+       {"models", models_}});
+  state["image_views"] = views_->Save(context);
+  AddWhatIfState(context, fork_sheet_, state);
+  for (const Bookmark& bookmark : context.bookmarks)
+    state["bookmarks"].push_back({{"frame", bookmark.frame}, {"note", bookmark.note}});
+  for (const Panel* panel : panels_) state["panels"][panel->id()] = panel->SaveState();
+}
+
+void InspectWorkspace::SaveSettings(const FrameContext& context, nlohmann::json& settings) const {
+  settings["layout"] = RatiosToJson(ratios_);
+  settings["details_tab"] = object_tab_;
+  settings["image_views"] = views_->Save(context);
+  for (const Panel* panel : panels_) settings["panels"][panel->id()] = panel->SaveState();
+}
+
+void InspectWorkspace::LoadSettings(const nlohmann::json& settings, FrameContext& context) {
+  RatiosFromJson(settings.value("layout", nlohmann::json::object()), ratios_);
+  const auto panels = settings.value("panels", nlohmann::json::object());
+  for (Panel* panel : panels_) {
+    if (panels.contains(panel->id())) panel->LoadState(panels.at(panel->id()));
+  }
+  views_->Load(settings.value("image_views", nlohmann::json::object()), context);
+  object_tab_ = settings.value("details_tab", object_tab_);
+  if (options_.layout == nullptr) return;
+  for (Panel* panel : panels_) {
+    if (options_.layout->states.contains(panel->id()))
+      panel->LoadState(options_.layout->states.at(panel->id()));
+  }
+}
+
+}  // namespace plumbline

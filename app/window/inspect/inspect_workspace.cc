@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/window/inspect/inspect_workspace.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "app/window/inspect/bookmarks.h"
+#include "engine/base/overloaded.h"
+#include "engine/runtime/mapping_source.h"
+#include "ui/scene/map_scene.h"
+
+namespace plumbline {
+namespace {
+
+constexpr Pace kPresentPace{0.01, 0.01}, kBlinkPace{0, 0.05};
+constexpr int kParticleHypothesis = 3;  ///< Where a ProbeView has the particle that was asked for.
+
+}  // namespace
+
+InspectWorkspace::InspectWorkspace(InspectOptions options, bool software_gl, FrameContext& context,
+                                   CommandSink& window, std::function<void()> wake)
+    : options_(std::move(options)),
+      window_(window),
+      wake_(std::move(wake)),
+      scene_(CreateMapScene(software_gl)),
+      actions_(InspectActions()) {
+  for (const PanelEntry& entry : InspectPanels()) {
+    owned_.push_back(MakePanel(entry));
+    panels_.push_back(owned_.back().get());
+  }
+  views_ = std::make_unique<ImageViews>(PanelsAt(PanelPlace::kImageView));
+  what_if_ = std::make_unique<WhatIf>(
+      [this](const std::string& path) { return options_.opener(path, models_); }, options_.inputs,
+      options_.program_version, wake_);
+  context.playback = std::make_shared<const PlaybackView>();
+  context.viewport = &viewport_;
+  context.scene = scene_.get();
+}
+
+InspectWorkspace::~InspectWorkspace() {
+  process_.reset();
+  what_if_.reset();
+}
+
+WorkspaceTab InspectWorkspace::tab() const {
+  return {WorkspaceId::kInspect, "top.inspect", "Inspect",
+          "Workspace: play a sequence through the mapper, or a recorded run, and see what it sees "
+          "and believes."};
+}
+
+std::vector<Panel*> InspectWorkspace::PanelsAt(PanelPlace place) const {
+  std::vector<Panel*> there;
+  for (std::size_t i = 0; i < panels_.size(); ++i) {
+    if (InspectPanels()[i].place == place) there.push_back(panels_[i]);
+  }
+  return there;
+}
+
+void InspectWorkspace::UseModels(const std::string& folder) {
+  models_ = folder;
+  what_if_->UseModels(folder);
+}
+
+void InspectWorkspace::Open(const std::string& path, std::optional<int> frame,
+                            FrameContext& context) {
+  process_.reset();
+  watched_by_ = nullptr;
+  context.sequence = nullptr;
+  context.snapshot = nullptr;
+  context.analysis = nullptr;
+  context.history = nullptr;
+  context.selection = {options_.select, -1, 0};
+  auto_select_ = options_.select.value <= 0;
+  context.bare = is_figure();
+  context.look_through =
+      options_.layout != nullptr && std::string_view(options_.layout->name) == "through";
+  context.source = source_ = path;
+  ++context.source_version;
+  context.bookmarks = ReadBookmarks(BookmarkFile(path, options_.settings));
+  what_if_->Opened(context);
+  process_ = std::make_unique<MappingProcess>(options_.opener(path, models_), frame, wake_);
+  context.playback = process_->Playback();
+}
+
+void InspectWorkspace::Compare(const std::string& run, FrameContext& context) {
+  what_if_->Compare(run, context);
+}
+
+void InspectWorkspace::ReadSlots(FrameContext& context) {
+  context.selection.hovered = std::exchange(hovered_now_, -1);
+  context.ask_frame = std::exchange(ask_frame_, false);
+  if (process_ == nullptr) return;
+  AskForWhatIsNeeded(context);
+  context.playback = process_->Playback();
+  context.sequence = process_->Sequence();
+  context.probe = process_->Probe();
+  context.history = process_->History();
+  auto snapshot = context.first_snapshot = process_->Snapshot();
+  what_if_->ReadSlots(context, process_->Header(), snapshot);
+  if (snapshot != context.snapshot) {
+    context.snapshot = std::move(snapshot);
+    ++context.snapshot_version;
+    if (context.selection.particle >= 0) context.selection.particle = -1;
+  }
+  // Read after the snapshot, before which it is published.
+  MappingProcess* other = what_if_->shown_process(context);
+  context.analysis = (other != nullptr ? other : process_.get())->Analysis();
+  if (context.analysis != nullptr && context.analysis->frame != context.snapshot)
+    context.analysis = nullptr;
+  if (auto_select_ && context.snapshot != nullptr) SelectByItself(context);
+  if (options_.present && context.snapshot != nullptr) {
+    options_.present = false;
+    Present(true, context);
+    quit_after_presenting_ = presenter_.active();
+  }
+}
+
+void InspectWorkspace::AskForWhatIsNeeded(const FrameContext& context) {
+  needed_.object = context.selection.object;
+  MappingProcess* other = what_if_->shown_process(context);
+  MappingProcess* shown = other != nullptr ? other : process_.get();
+  if (shown != watched_by_ || needed_ != watched_) {
+    watched_by_ = shown;
+    watched_ = needed_;
+    shown->Post(watched_);
+  }
+  needed_ = {};
+}
+
+/// Keeps what is selected for as long as it shows; then the object that shows largest.
+void InspectWorkspace::SelectByItself(FrameContext& context) const {
+  const ObjectReport* selected = context.SelectedObject();
+  if (selected != nullptr && selected->weighed) return;
+  float largest = 0;
+  for (const ObjectReport& object : context.snapshot->report.objects) {
+    if (!object.weighed || object.visible_box.empty()) continue;
+    const float area = object.visible_box.width() * object.visible_box.height() *
+                       (object.state == ObjectState::kConfirmed ? 4.0f : 1.0f);
+    if (area <= largest) continue;
+    largest = area;
+    context.selection.object = object.id;
+  }
+}
+
+void InspectWorkspace::Handle(const PlaybackCommand& command, FrameContext& context) {
+  const auto* probe = std::get_if<ProbeCommand>(&command);
+  if (probe != nullptr) asked_ = *probe;
+  MappingProcess* other = probe != nullptr ? what_if_->shown_process(context) : nullptr;
+  if (other != nullptr)
+    other->Post(command);
+  else if (process_ != nullptr)
+    process_->Post(command);
+}
+
+void InspectWorkspace::Handle(const ViewCommand& command, FrameContext& context) {
+  std::visit(Overloaded{[&](const FocusSelectionCommand&) {
+                          if (context.selection.object.value > 0)
+                            scene_->FocusObject(context.selection.object);
+                        },
+                        [&](const ResetViewCommand&) {
+                          context.follow = context.look_through = false;
+                          viewport_ = {};
+                          scene_->Reset();
+                        },
+                        [&](const ViewDirectionCommand& c) {
+                          context.follow = context.look_through = false;
+                          scene_->SetDirection(c.azimuth_rad, c.elevation_rad);
+                        }},
+             command);
+}
+
+void InspectWorkspace::Handle(const InspectCommand& command, FrameContext& context) {
+  const auto forget_bookmark = [&](int frame) {
+    std::erase_if(context.bookmarks, [&](const Bookmark& b) { return b.frame == frame; });
+  };
+  std::visit(
+      Overloaded{
+          [&](const SelectObjectCommand& c) {
+            context.selection = {c.object, -1, 0};
+            auto_select_ = false;
+          },
+          [&](const SelectParticleCommand& c) { SelectParticle(c.particle, context); },
+          [&](const HoverParticleCommand& c) { HoverParticle(c.particle, context); },
+          [&](const SelectHypothesisCommand& c) { context.selection.hypothesis = c.hypothesis; },
+          [&](const FollowCommand& c) { context.follow = c.follow; },
+          [&](const LookThroughCommand& c) { context.look_through = c.on; },
+          [&](const BookmarkCommand& c) {
+            forget_bookmark(c.frame);
+            context.bookmarks.push_back({c.frame, c.note});
+            KeepBookmarks(context);
+          },
+          [&](const RemoveBookmarkCommand& c) {
+            forget_bookmark(c.frame);
+            KeepBookmarks(context);
+          },
+          [&](const AskFrameCommand&) { ask_frame_ = true; },
+          [&](const ImageViewsCommand& c) { views_->SetCount(c.count, context); },
+          [&](const PlaceViewCommand& c) { views_->Place(c.view, c.panel); },
+          [&](const ShowPanelCommand& c) { ShowPanel(c.panel); },
+          [&](const NeedCommand& c) {
+            (c.what == NeedCommand::What::kRelations ? needed_.relations : needed_.history) = true;
+          },
+          [&](const PresentCommand& c) { Present(c.on, context); },
+          [&](const AskForkCommand& c) {
+            what_if_->OfferFork(context);
+            fork_sheet_.Open(context, c.show);
+          },
+          [&](const AskOptionsCommand& c) { fork_sheet_.OpenOptions(context, c.show); },
+          [&](const ForkCommand& c) { what_if_->Fork(c, context); },
+          [&](const CancelForkCommand&) { what_if_->CancelFork(); },
+          [&](const CompareRunCommand& c) { what_if_->Compare(c.run, context); },
+          [&](const ShowRunCommand& c) {
+            if (context.other != nullptr) context.run_shown = c.shown;
+          }},
+      command);
+}
+
+void InspectWorkspace::SelectParticle(int particle, FrameContext& context) {
+  context.selection.particle = particle;
+  context.selection.hypothesis = particle >= 0 ? kParticleHypothesis : 0;
+  if (particle >= 0)
+    Handle(ProbeCommand{context.selection.object, particle, asked_.reference, asked_.maps},
+           context);
+}
+
+/// Asks for its outline, one question at a time.
+void InspectWorkspace::HoverParticle(int particle, FrameContext& context) {
+  hovered_now_ = particle;
+  const ProbeView* known = context.probe.get();
+  const bool answered = known == nullptr || known->hovered == asked_.hovered ||
+                        known->object != asked_.object || !known->message.empty();
+  const bool shown = known != nullptr && known->hovered == particle &&
+                     known->object == context.selection.object && context.snapshot != nullptr &&
+                     known->frame == context.snapshot->report.frame;
+  if (particle < 0 || shown || !answered || asked_.reference || process_ == nullptr ||
+      context.playback->state == PlaybackState::kPlaying)
+    return;
+  ProbeCommand ask = asked_;
+  ask.object = context.selection.object;
+  ask.particle = context.selection.particle;
+  ask.hovered = particle;
+  Handle(ask, context);
+}
+
+void InspectWorkspace::ShowPanel(const std::string& id) {
+  const auto bring_up = [&](PanelPlace place, std::size_t& tab) {
+    const std::vector<Panel*> tabs = PanelsAt(place);
+    for (std::size_t i = 0; i < tabs.size(); ++i) {
+      if (id == tabs[i]->id()) tab = i;
+    }
+  };
+  bring_up(PanelPlace::kAboutMap, map_tab_);
+  bring_up(PanelPlace::kAboutObject, object_tab_);
+}
+
+void InspectWorkspace::Present(bool on, FrameContext& context) {
+  if (on && (context.sequence == nullptr || context.workspace != WorkspaceId::kInspect)) return;
+  window_.Post(FullScreenCommand{on});
+  if (on)
+    presenter_.Start(context, panels_, window_);
+  else
+    presenter_.Stop(context, panels_, window_);
+}
+
+void InspectWorkspace::KeepBookmarks(FrameContext& context) {
+  std::sort(context.bookmarks.begin(), context.bookmarks.end(),
+            [](const Bookmark& a, const Bookmark& b) { return a.frame < b.frame; });
+  const auto file = BookmarkFile(context.source, options_.settings);
+  Status status = file.empty() ? Status() : WriteBookmarks(file, context.bookmarks);
+  // They belong to the run that the window is mapping, too, if that is kept.
+  const std::string& run = context.playback->recording;
+  if (status.ok() && !run.empty() && run != context.source && !IsTemporaryRun(run))
+    status = WriteBookmarks(BookmarkFile(run, {}), context.bookmarks);
+  if (!status.ok())
+    window_.Post(NoteCommand{"The bookmarks are not kept: " + status.error().message});
+}
+
+bool InspectWorkspace::Moves(const FrameContext& context) {
+  return presenter_.active() || what_if_->TakeBlink(context);
+}
+
+Pace InspectWorkspace::pace(const FrameContext& context) const {
+  if (presenter_.active()) return kPresentPace;
+  return context.run_shown == RunShown::kBlink ? kBlinkPace : Pace();
+}
+
+}  // namespace plumbline

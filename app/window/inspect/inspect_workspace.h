@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/film/render_layout.h"
+#include "app/window/inspect/image_views.h"
+#include "app/window/inspect/presenter.h"
+#include "app/window/inspect/what_if.h"
+#include "app/window/workspace.h"
+#include "engine/runtime/mapping_process.h"
+#include "ui/framework/scene_surface.h"
+#include "ui/inspect/compare/fork_sheet.h"
+#include "ui/inspect/panel_table.h"
+
+namespace plumbline {
+
+struct InspectOptions {
+  /// How to open a sequence or a run. `models`: a folder of models instead of those chosen at the
+  /// start; "": none.
+  std::function<MappingProcess::OpenSource(const std::string& path, const std::string& models)>
+      opener;
+  RunChoice inputs;                      ///< Where the sequence and the models of runs are now.
+  std::string program_version;           ///< What forks say that they were made by.
+  bool present = false;                  ///< Begins with the demo mode; its end is that of all.
+  const RenderLayout* layout = nullptr;  ///< Shows these panels alone; null: the whole window.
+  ObjectId select;                       ///< Selected at the start; not valid: one in view.
+  std::filesystem::path settings;        ///< Of the window; bookmarks of sequences lie beside it.
+};
+
+/// Plays a sequence through the mapper, or a recorded run.
+class InspectWorkspace : public Workspace {
+ public:
+  /// @param window  Where it puts what it asks of the window and of itself. Outlives it.
+  /// @param wake    Called from other threads when there is something new to draw.
+  InspectWorkspace(InspectOptions options, bool software_gl, FrameContext& context,
+                   CommandSink& window, std::function<void()> wake);
+  ~InspectWorkspace() override;
+
+  WorkspaceTab tab() const override;
+  const std::string& source() const override { return source_; }
+  bool Takes(const std::string&) const override { return true; }  // and says what is wrong with it
+  void UseModels(const std::string& folder) override;
+  void Open(const std::string& path, std::optional<int> frame, FrameContext& context) override;
+  /// Opens a second run beside the first.
+  void Compare(const std::string& run, FrameContext& context);
+  void ReadSlots(FrameContext& context) override;
+  bool IsOpen(const FrameContext& context) const override { return context.sequence != nullptr; }
+  bool FillsWindow() const override { return presenter_.active() || is_figure(); }
+  void Draw(FrameContext& context, const LayoutRect& rect, CommandSink& sink) override;
+  void DrawBar(const FrameContext& context, const LayoutRect& rect, CommandSink& sink) override;
+  bool DrawSheets(const FrameContext& context, CommandSink& sink) override;
+  StatusLine status_line(const FrameContext& context) const override;
+  const std::vector<ActionGroup>& actions() const override { return actions_; }
+  void AddPaletteEntries(const FrameContext& context,
+                         std::vector<PaletteEntry>& entries) const override;
+  std::vector<PaletteEntry> AnswerPalette(const FrameContext& context,
+                                          const std::string& query) const override;
+  void Handle(const ViewCommand& command, FrameContext& context) override;
+  void Handle(const InspectCommand& command, FrameContext& context);
+  void Handle(const PlaybackCommand& command, FrameContext& context);
+  bool Moves(const FrameContext& context) override;
+  Pace pace(const FrameContext& context) const override;
+  void AddState(const FrameContext& context, nlohmann::json& state) const override;
+  void SaveSettings(const FrameContext& context, nlohmann::json& settings) const override;
+  void LoadSettings(const nlohmann::json& settings, FrameContext& context) override;
+
+ private:
+  bool is_figure() const { return options_.layout != nullptr && !options_.layout->panels.empty(); }
+  /// Those that stand in one place, in the table's order.
+  std::vector<Panel*> PanelsAt(PanelPlace place) const;
+  Panel& PanelAt(PanelPlace place) const { return *PanelsAt(place).front(); }
+  void SelectByItself(FrameContext& context) const;
+  /// Asks the process for what the panels of the last frame of the window showed.
+  void AskForWhatIsNeeded(const FrameContext& context);
+  void DrawPanels(FrameContext& context, CommandSink& sink);
+  /// The panels of options_.layout.
+  void DrawFigure(const FrameContext& context, ImVec2 size, CommandSink& sink);
+  void SelectParticle(int particle, FrameContext& context);
+  void HoverParticle(int particle, FrameContext& context);
+  void ShowPanel(const std::string& id);
+  void Present(bool on, FrameContext& context);
+  void KeepBookmarks(FrameContext& context);
+
+  InspectOptions options_;
+  CommandSink& window_;
+  std::function<void()> wake_;
+  std::string source_, models_;  ///< Models: dropped onto the window; "": none.
+  std::unique_ptr<SceneSurface> scene_;
+  ImageViewport viewport_;
+  LayoutRatios ratios_;
+  std::vector<std::unique_ptr<Panel>> owned_;  ///< As in the table.
+  std::vector<Panel*> panels_;                 ///< The same.
+  std::vector<ActionGroup> actions_;
+  std::unique_ptr<ImageViews> views_;
+  std::size_t map_tab_ = 0, object_tab_ = 0;
+  ForkSheet fork_sheet_;
+  Presenter presenter_;
+  bool quit_after_presenting_ = false;  ///< It was opened for that alone.
+  ProbeCommand asked_;                  ///< The last question about an object.
+  WatchCommand needed_, watched_;       ///< What panels showed in this frame; what was asked for.
+  MappingProcess* watched_by_ = nullptr;
+  int hovered_now_ = -1;     ///< The particle that a panel of this frame saw under the mouse.
+  bool auto_select_ = true;  ///< Until the user selects: an object that is in view.
+  bool ask_frame_ = false;
+
+  // Last: their threads wake the window.
+  std::unique_ptr<WhatIf> what_if_;
+  std::unique_ptr<MappingProcess> process_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/runtime/frame_analyst.h"
+
+#include <utility>
+
+#include "engine/analysis/reliability.h"
+#include "engine/analysis/label_history.h"
+#include "engine/mapping/particle_rank.h"
+
+namespace plumbline {
+
+std::shared_ptr<const FrameAnalysis> FrameAnalyst::OfFrame(std::shared_ptr<const MapSnapshot> frame,
+                                                           const SequenceView& sequence,
+                                                           const MapperOptions& options) {
+  auto analysis = std::make_shared<FrameAnalysis>();
+  const MapSnapshot& snapshot = *frame;
+  analysis->object = watched_.object;
+  for (const ObjectReport& object : snapshot.report.objects) {
+    if (object.id == watched_.object && object.particles != nullptr)
+      analysis->by_rank = ByRank(*object.particles, options.alpha, options.beta);
+  }
+  if (watched_.relations)
+    analysis->relations = relations_.Find(snapshot.report, sequence, snapshot.depth, snapshot.id);
+  analysis->frame = std::move(frame);
+  return analysis;
+}
+
+std::shared_ptr<const ObjectHistory> FrameAnalyst::OfHistory(const RunHistory& history) const {
+  if (!watched_.history || watched_.object.value <= 0) return nullptr;
+  return std::make_shared<const ObjectHistory>(
+      ObjectHistory{watched_.object, LabelsOf(history, watched_.object),
+                    ReliabilityOf(history, watched_.object), ReliabilityOf(history)});
+}
+
+}  // namespace plumbline

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "engine/analysis/relations.h"
+#include "engine/snapshot/commands.h"
+#include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/object_history.h"
+
+namespace plumbline {
+
+/// Works out what is watched of a run, so that the window does not have to. Use it in one thread.
+class FrameAnalyst {
+ public:
+  void Watch(const WatchCommand& what) { watched_ = what; }
+  /// @param options  That the frame was mapped with.
+  std::shared_ptr<const FrameAnalysis> OfFrame(std::shared_ptr<const MapSnapshot> frame,
+                                               const SequenceView& sequence,
+                                               const MapperOptions& options);
+  /// Null unless the history of an object is watched. A few milliseconds for 10 000 frames.
+  std::shared_ptr<const ObjectHistory> OfHistory(const RunHistory& history) const;
+
+ private:
+  WatchCommand watched_;
+  RelationFinder relations_;
+};
+
+}  // namespace plumbline

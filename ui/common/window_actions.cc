@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/common/window_actions.h"
+
+#include <string>
+
+#include "engine/geometry/angles.h"
+
+namespace plumbline {
+namespace {
+
+/// A direction from which the 3-D view is looked at.
+struct AxisView {
+  char key;
+  const char* name;
+  double azimuth_deg, elevation_deg;
+};
+constexpr AxisView kAxisViews[] = {{'1', "the front (-y)", -90, 0}, {'2', "the back (+y)", 90, 0},
+                                   {'3', "the left (-x)", 180, 0},  {'4', "the right (+x)", 0, 0},
+                                   {'5', "above", -90, 89.9},       {'6', "an angle", -55, 35}};
+
+}  // namespace
+
+ActionGroup ViewActions() {
+  ActionGroup group{"View", {}};
+  group.actions = {{.text = "Frame the selected object in the map",
+                    .keys = {{keys::kF}},
+                    .run = Posts(FocusSelectionCommand{}),
+                    .help_keys = "F",
+                    .help = "Frame the selected object in 3-D"},
+                   {.text = "Reset the views",
+                    .keys = {{keys::kR}},
+                    .run = Posts(ResetViewCommand{}),
+                    .help_keys = "R",
+                    .help = "Reset the views"}};
+  for (const AxisView& view : kAxisViews) {
+    const bool first = view.key == kAxisViews[0].key;
+    group.actions.push_back(
+        {.text = std::string("Map: from ") + view.name,
+         .keys = {{view.key}},
+         .run = Posts(
+             ViewDirectionCommand{kRadPerDeg * view.azimuth_deg, kRadPerDeg * view.elevation_deg}),
+         .help_keys = first ? "1 .. 6" : "",
+         .help = first ? "Map from front, back, left, right, above, aslant" : ""});
+  }
+  return group;
+}
+
+ActionGroup WindowActions() {
+  const auto scale = [](double factor) {
+    return [factor](const FrameContext& context, CommandSink& sink) {
+      sink.Post(SetUiScaleCommand{context.ui_scale * factor});
+    };
+  };
+  return {"Window",
+          {{.text = "Light theme",
+            .keys = {{keys::kL, false, true}},
+            .run = [](const FrameContext& context,
+                      CommandSink& sink) { sink.Post(SetThemeCommand{!context.light}); },
+            .help_keys = "Ctrl + L",
+            .help = "Light or dark theme",
+            .text_when_on = "Dark theme",
+            .is_on = [](const FrameContext& context) { return context.light; }},
+           {.text = "Larger text",
+            .keys = {{keys::kEqual, false, true}},
+            .run = scale(1.1),
+            .help_keys = "Ctrl + \u2212  =",
+            .help = "Smaller, larger text"},
+           {.text = "Smaller text", .keys = {{keys::kMinus, false, true}}, .run = scale(1 / 1.1)},
+           {.keys = {{keys::kP, false, true}},
+            .run = Posts(ShowPaletteCommand{true}),
+            .help_keys = "Ctrl + P",
+            .help = "Find anything: actions, objects, frames, files"},
+           {.text = "Save a picture of the window",
+            .keys = {{keys::kF12}},
+            .run = Posts(ScreenshotCommand{}),
+            .help_keys = "F12",
+            .help = "Save a picture of the window"},
+           {.text = "Keys and mouse",
+            .keys = {{keys::kF1}, {keys::kSlash, true}},
+            .run = [](const FrameContext& context,
+                      CommandSink& sink) { sink.Post(ShowHelpCommand{!context.help_shown}); },
+            .help_keys = "F1  ?",
+            .help = "This sheet"},
+           {.text = "Quit",
+            .keys = {{keys::kQ, false, true}},
+            .run = Posts(QuitCommand{}),
+            .help_keys = "Ctrl + Q",
+            .help = "Quit"}}};
+}
+
+}  // namespace plumbline
