@@ -25,6 +25,10 @@ class AnnotateCandidatesPanel : public Panel {
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
+    if (!context.annotation->placement) {
+      return EmptyState(context, "Nothing is being placed",
+                        "Choose a model, then click in the scan where it stands.");
+    }
     const PlacementView& placement = *context.annotation->placement;
     if (placement.running) {
       return EmptyState(context, "Trying 24 azimuths", "Each is aligned to the scan. Esc stops.");

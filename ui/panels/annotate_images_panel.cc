@@ -115,7 +115,7 @@ class AnnotateImagesPanel : public Panel {
 
   void DrawImage(const FrameContext& context, const ImageCheckView& check, std::size_t index,
                  ImVec2 size) {
-    if (size.x < 8 || size.y < 8) return;
+    if (size.x < 8 || size.y < 8 || check.image.empty()) return;
     const std::string name = fmt::format("images.{}", index);
     const ImVec2 low = ImGui::GetCursorScreenPos(), high(low.x + size.x, low.y + size.y);
     if (ImGui::InvisibleButton(name.c_str(), size)) {

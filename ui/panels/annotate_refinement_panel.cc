@@ -23,6 +23,10 @@ class AnnotateRefinementPanel : public Panel {
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
+    if (!context.annotation->refinement) {
+      return EmptyState(context, "Nothing is being refined",
+                        "Select an object, then Refine or By images.");
+    }
     const RefinementView& refinement = *context.annotation->refinement;
     ImGui::BeginChild("refinement", {0, 0});
     ImGui::TextUnformatted(refinement.instance.c_str());

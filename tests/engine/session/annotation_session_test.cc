@@ -59,7 +59,7 @@ TEST_F(AnnotationSessionTest, PlacesAModelUprightOnTheFloorTheRightWayRound) {
   const auto session = WithArmchair();
   const AnnotationSnapshot snapshot = session->Snapshot();
   ASSERT_EQ(snapshot.instances.size(), 1u);
-  const InstanceView& chair = snapshot.instances[0];
+  const AnnotatedInstance& chair = snapshot.instances[0];
   EXPECT_EQ(chair.id, "armchair_0");
   EXPECT_EQ(snapshot.selected, "armchair_0");
   EXPECT_EQ(chair.annotator, "Ada");
@@ -187,9 +187,9 @@ TEST_F(AnnotationSessionTest, EveryEditCanBeUndoneAndRedone) {
   beside.translation().x() += 0.7;
   ChangeInstanceCommand change;
   change.id = "armchair_0";
-  change.new_id = "the chair";
-  change.note = "wobbles";
-  change.fine = false;
+  change.set.id = "the chair";
+  change.set.note = "wobbles";
+  change.set.fine = false;
   Do(*session, change);
   EXPECT_EQ(session->Snapshot().selected, "the chair");
   Do(*session, DuplicateInstanceCommand{"the chair", beside});
@@ -207,7 +207,7 @@ TEST_F(AnnotationSessionTest, RefusesToMoveWhatIsLockedAndSaysWhy) {
   const auto session = WithArmchair();
   ChangeInstanceCommand lock;
   lock.id = "armchair_0";
-  lock.locked = true;
+  lock.set.locked = true;
   Do(*session, lock);
   const Eigen::Isometry3d before = session->Snapshot().instances[0].scan_from_object;
   Do(*session, SetInstancePoseCommand{"armchair_0", Eigen::Isometry3d::Identity()});
