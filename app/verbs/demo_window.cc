@@ -5,10 +5,10 @@
 
 #include <cstdio>
 
-#include "app/application.h"
-#include "app/film.h"
+#include "app/film/film.h"
 #include "app/platform/virtual_display.h"
 #include "app/verbs/open_source.h"
+#include "app/window/application.h"
 
 namespace plumbline {
 namespace {

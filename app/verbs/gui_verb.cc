@@ -3,11 +3,11 @@
 #include <memory>
 #include <optional>
 
-#include "app/application.h"
 #include "app/verbs/open_source.h"
 #include "app/verbs/pipeline_arguments.h"
 #include "app/verbs/verb.h"
 #include "app/verbs/window_arguments.h"
+#include "app/window/application.h"
 
 namespace plumbline {
 namespace {

@@ -5,15 +5,15 @@
 #include <memory>
 #include <string>
 
-#include "app/application.h"
-#include "app/film.h"
+#include "app/film/film.h"
+#include "app/film/render_layout.h"
 #include "app/platform/virtual_display.h"
-#include "app/render_layout.h"
 #include "app/verbs/console_work.h"
 #include "app/verbs/open_source.h"
 #include "app/verbs/pipeline_arguments.h"
 #include "app/verbs/verb.h"
 #include "app/verbs/window_arguments.h"
+#include "app/window/application.h"
 
 namespace plumbline {
 namespace {

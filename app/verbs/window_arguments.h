@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "app/application.h"
+#include "app/window/application.h"
 
 namespace plumbline {
 

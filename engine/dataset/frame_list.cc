@@ -8,6 +8,7 @@
 
 #include "engine/base/files.h"
 #include "engine/dataset/text_table.h"
+#include "engine/dataset/tracks_file.h"
 #include "engine/sensor/image_file.h"
 
 namespace plumbline {
@@ -79,6 +80,8 @@ Status FramesFromTable(const std::filesystem::path& table, FrameList& list) {
     return Error{ErrorCode::kCorrupt,
                  "'" + table.string() + "' lists no frame; it needs rows 'stamp_s,file'"};
   }
+  SortByStamp(table.string(), list);
+  if (!list.has_images) return {};
   const Result<std::vector<std::string>> names = ImageNames(table.parent_path() / "color");
   if (!names.ok()) return names.error();
   const auto unlisted = [&](const std::string& name) { return !seen.contains(name); };
@@ -88,7 +91,6 @@ Status FramesFromTable(const std::filesystem::path& table, FrameList& list) {
                             std::to_string(std::count_if(first, names->end(), unlisted)) +
                             " images of color/ (such as '" + *first + "'); left out");
   }
-  SortByStamp(table.string(), list);
   return {};
 }
 
@@ -121,6 +123,15 @@ Status FramesFromNames(const std::filesystem::path& folder, double rate_hz, Fram
   return {};
 }
 
+Status FramesFromTracks(const std::filesystem::path& file, FrameList& list) {
+  const Result<FeatureTracks> tracks = ReadTracksFile(file);
+  if (!tracks.ok()) return tracks.error();
+  list.warnings = tracks.value().warnings;
+  for (const TrackedImage& image : tracks.value().images)
+    list.frames.push_back({image.stamp_ns, ""});
+  return {};
+}
+
 /// Frames per second of the median step.
 std::optional<double> MedianRate(const std::vector<FrameEntry>& frames) {
   if (frames.size() < 2) return std::nullopt;
@@ -135,22 +146,31 @@ std::optional<double> MedianRate(const std::vector<FrameEntry>& frames) {
 
 Result<FrameList> ListFrames(const std::filesystem::path& folder, std::optional<double> rate_hz) {
   FrameList list;
-  const std::filesystem::path table = folder / "color.csv";
+  const std::filesystem::path table = folder / "color.csv", tracks = folder / "tracks.csv";
   std::error_code ignored;
   const bool has_table = std::filesystem::exists(table, ignored);
-  if (!has_table && !rate_hz) {
+  list.has_images = std::filesystem::exists(folder / "color", ignored);
+  const bool from_tracks =
+      !has_table && !list.has_images && std::filesystem::exists(tracks, ignored);
+  if (!has_table && !list.has_images && !from_tracks) {
+    return Error{ErrorCode::kNotFound, "'" + folder.string() +
+                                           "' has neither images (color/) nor feature tracks "
+                                           "(tracks.csv)"};
+  }
+  if (!has_table && !from_tracks && !rate_hz) {
     return Error{ErrorCode::kInvalidInput,
                  "'" + (folder / "camera.json").string() +
                      "' has no 'rate_hz' and there is no color.csv: the frames have no time"};
   }
-  const Status status =
-      has_table ? FramesFromTable(table, list) : FramesFromNames(folder / "color", *rate_hz, list);
+  const Status status = from_tracks ? FramesFromTracks(tracks, list)
+                        : has_table ? FramesFromTable(table, list)
+                                    : FramesFromNames(folder / "color", *rate_hz, list);
   if (!status.ok()) return status.error();
   if (!rate_hz) rate_hz = MedianRate(list.frames);
   if (!rate_hz) {
     return Error{ErrorCode::kInvalidInput,
                  "'" + (folder / "camera.json").string() +
-                     "' has no 'rate_hz' and color.csv has too few frames to tell it"};
+                     "' has no 'rate_hz' and there are too few frames to tell it"};
   }
   list.rate_hz = *rate_hz;
   return list;

@@ -13,6 +13,7 @@
 #include "engine/dataset/trajectory.h"
 #include "engine/dataset/undistort.h"
 #include "engine/sensor/image_file.h"
+#include "engine/sensor/undistorter.h"
 
 namespace plumbline {
 namespace {
@@ -61,21 +62,24 @@ Result<Surroundings> ReadGravityFile(const fs::path& file, std::vector<std::stri
 
 class PlumblineSequence : public Sequence {
  public:
-  PlumblineSequence(fs::path folder, const Camera& camera, FrameList list)
+  PlumblineSequence(fs::path folder, Calibration calibration, FrameList list)
       : folder_(std::move(folder)),
-        camera_(camera),
-        undistorter_(camera),
+        calibration_(std::move(calibration)),
+        undistorter_(camera_),
         list_(std::move(list)),
         poses_(list_.frames.size()),
+        has_depth_(Exists(folder_ / "depth")),
         has_edges_(Exists(folder_ / "edges")),
         has_proposals_(Exists(folder_ / "proposals")) {}
 
-  /// Reads gravity.json and trajectory.txt where there are any.
-  Status ReadCompanions();
+  /// Reads gravity.json and the poses where there are any.
+  /// @param poses  Instead of trajectory.txt; empty: that.
+  Status ReadCompanions(const fs::path& poses);
 
   const fs::path& path() const override { return folder_; }
   int num_frames() const override { return static_cast<int>(list_.frames.size()); }
   const PinholeCamera& camera() const override { return camera_.pinhole; }
+  const Calibration& calibration() const override { return calibration_; }
   double rate_hz() const override { return list_.rate_hz; }
   std::int64_t stamp_ns(int index) const override { return entry(index).stamp_ns; }
   std::optional<Eigen::Isometry3d> world_from_cam(int index) const override {
@@ -90,8 +94,16 @@ class PlumblineSequence : public Sequence {
   }
 
   Result<Frame> ReadFrame(int index) const override;
+  Result<cv::Mat> ReadRawImage(int index) const override;
+  Result<std::optional<cv::Mat>> ReadDepth(int index) const override;
   Result<std::optional<EdgeMap>> ReadEdges(int index) const override;
   Result<std::optional<std::vector<Detection>>> ReadProposals(int index) const override;
+  Result<ImuRecording> ReadImu() const override {
+    return has_imu() ? ReadImuFile(folder_ / "imu.csv") : ImuRecording();
+  }
+  bool has_images() const override { return list_.has_images; }
+  bool has_imu() const override { return Exists(folder_ / "imu.csv"); }
+  bool has_depth() const override { return has_depth_; }
   bool has_edges() const override { return has_edges_; }
   bool has_proposals() const override { return has_proposals_; }
 
@@ -100,6 +112,8 @@ class PlumblineSequence : public Sequence {
     return Companion("ground_truth.json");
   }
   std::optional<fs::path> models_folder() const override { return Companion("models"); }
+  std::optional<fs::path> tracks_file() const override { return Companion("tracks.csv"); }
+  std::optional<fs::path> reference_file() const override { return Companion("groundtruth.csv"); }
   const std::vector<std::string>& warnings() const override { return list_.warnings; }
 
  private:
@@ -115,60 +129,84 @@ class PlumblineSequence : public Sequence {
   std::optional<fs::path> Companion(const char* name) const {
     return Exists(folder_ / name) ? std::optional(folder_ / name) : std::nullopt;
   }
-  void JoinPoses(const Trajectory& trajectory);
+  /// @param file  Only for messages.
+  void JoinPoses(const Trajectory& trajectory, const fs::path& file);
+  /// For messages: the image's name or, without images, its time.
+  std::string NameOf(int index) const {
+    return list_.has_images ? entry(index).file
+                            : std::to_string(static_cast<double>(stamp_ns(index)) * 1e-9) + " s";
+  }
 
   fs::path folder_;
-  Camera camera_;
+  Calibration calibration_;
+  const Camera& camera_ = calibration_.cameras.front().camera;
   Undistorter undistorter_;
   FrameList list_;
   std::vector<std::optional<Eigen::Isometry3d>> poses_;
+  bool has_depth_;
   bool has_edges_;
   bool has_proposals_;
   Surroundings surroundings_;
 };
 
-Status PlumblineSequence::ReadCompanions() {
+Status PlumblineSequence::ReadCompanions(const fs::path& poses) {
   if (const fs::path file = folder_ / "gravity.json"; Exists(file)) {
     Result<Surroundings> read = ReadGravityFile(file, list_.warnings);
     if (!read.ok()) return read.error();
     surroundings_ = *read;
   }
-  if (const fs::path file = folder_ / "trajectory.txt"; Exists(file)) {
+  const fs::path file = poses.empty() ? folder_ / "trajectory.txt" : poses;
+  if (!poses.empty() || Exists(file)) {
     const Result<Trajectory> trajectory = ReadTrajectory(file, camera_.body_from_cam);
     if (!trajectory.ok()) return trajectory.error();
     const std::vector<std::string>& odd = trajectory.value().warnings;
     list_.warnings.insert(list_.warnings.end(), odd.begin(), odd.end());
-    JoinPoses(trajectory.value());
+    JoinPoses(trajectory.value(), file);
   }
   return {};
 }
 
-void PlumblineSequence::JoinPoses(const Trajectory& trajectory) {
+void PlumblineSequence::JoinPoses(const Trajectory& trajectory, const fs::path& file) {
   const auto half_period_ns = static_cast<std::int64_t>(0.5e9 / list_.rate_hz);
   int missing = 0;
   std::string first;
   for (int i = 0; i < num_frames(); ++i) {
     poses_[i] = trajectory.Nearest(stamp_ns(i), half_period_ns);
     if (poses_[i]) continue;
-    if (missing++ == 0) first = entry(i).file;
+    if (missing++ == 0) first = NameOf(i);
   }
   if (missing > 0) {
-    list_.warnings.push_back("'" + (folder_ / "trajectory.txt").string() +
-                             "' has no pose within half a period of " + std::to_string(missing) +
-                             " of " + std::to_string(num_frames()) + " frames (such as '" + first +
-                             "')");
+    list_.warnings.push_back("'" + file.string() + "' has no pose within half a period of " +
+                             std::to_string(missing) + " of " + std::to_string(num_frames()) +
+                             " frames (such as '" + first + "')");
   }
 }
 
+Result<cv::Mat> PlumblineSequence::ReadRawImage(int index) const {
+  if (!list_.has_images) {
+    return Error{ErrorCode::kNotFound,
+                 "'" + folder_.string() + "' has no images (there is no folder color/)"};
+  }
+  return ReadImage(folder_ / "color" / entry(index).file, ImageKind::kColor, size());
+}
+
 Result<Frame> PlumblineSequence::ReadFrame(int index) const {
-  Result<cv::Mat> image =
-      ReadImage(folder_ / "color" / entry(index).file, ImageKind::kColor, size());
+  Result<cv::Mat> image = ReadRawImage(index);
   if (!image.ok()) return image.error();
   return Frame{index, stamp_ns(index), undistorter_.Undistort(*image), poses_[index]};
 }
 
+Result<std::optional<cv::Mat>> PlumblineSequence::ReadDepth(int index) const {
+  if (!has_depth_ || !list_.has_images) return std::optional<cv::Mat>();
+  const fs::path file = Beside(index, "depth", ".png");
+  if (!Exists(file)) return std::optional<cv::Mat>();
+  Result<cv::Mat> depth = ReadImage(file, ImageKind::kDepth, size());
+  if (!depth.ok()) return Error{ErrorCode::kCorrupt, depth.error().message};
+  return std::optional(undistorter_.UndistortNearest(*depth));
+}
+
 Result<std::optional<EdgeMap>> PlumblineSequence::ReadEdges(int index) const {
-  if (!has_edges_) return std::optional<EdgeMap>();
+  if (!has_edges_ || !list_.has_images) return std::optional<EdgeMap>();
   const fs::path file = Beside(index, "edges", ".png");
   if (!Exists(file)) return std::optional<EdgeMap>();
   const Result<cv::Mat> probability = ReadImage(file, ImageKind::kGray, size());
@@ -182,30 +220,47 @@ Result<std::optional<EdgeMap>> PlumblineSequence::ReadEdges(int index) const {
 
 Result<std::optional<std::vector<Detection>>> PlumblineSequence::ReadProposals(int index) const {
   using Proposals = std::vector<Detection>;
-  if (!has_proposals_) return std::optional<Proposals>();
+  if (!has_proposals_ || !list_.has_images) return std::optional<Proposals>();
   const fs::path file = Beside(index, "proposals", ".json");
   if (!Exists(file)) return std::optional<Proposals>();
   Result<Proposals> proposals = ReadProposalsFile(file);
   if (!proposals.ok()) return Error{ErrorCode::kCorrupt, proposals.error().message};
   for (Detection& proposal : *proposals) proposal.box = UndistortBox(camera_, proposal.box);
+  if (!camera_.distortion.empty())
+    std::erase_if(*proposals, [](const Detection& proposal) { return proposal.box.empty(); });
   return std::optional(std::move(proposals).value());
 }
 
 }  // namespace
 
-Result<std::shared_ptr<const Sequence>> OpenPlumblineSequence(const fs::path& folder) {
+Likeness ProbePlumblineSequence(const fs::path& path) {
+  if (Exists(path / "camera.json")) return Likeness::kCertain;
+  return Exists(path / "color") || Exists(path / "tracks.csv") ? Likeness::kPossible
+                                                               : Likeness::kNone;
+}
+
+Result<std::shared_ptr<const Sequence>> OpenPlumblineSequence(const fs::path& folder,
+                                                              const SequenceOptions& options) {
   const fs::path camera_file = folder / "camera.json";
   const Result<nlohmann::json> json = ReadJson(camera_file);
   if (!json.ok()) return json.error();
   const Result<Camera> camera = CameraFromJson(json.value(), camera_file);
   if (!camera.ok()) return camera.error();
+  Calibration calibration{{{"cam", camera.value()}}, std::nullopt};
+  if (const fs::path file = folder / "imu.json"; Exists(file)) {
+    const Result<nlohmann::json> imu_json = ReadJson(file);
+    if (!imu_json.ok()) return imu_json.error();
+    const Result<ImuCalibration> imu = ImuCalibrationFromJson(imu_json.value(), file);
+    if (!imu.ok()) return imu.error();
+    calibration.imu = imu.value();
+  }
   const bool has_rate = json.value().contains("rate_hz");
   Result<FrameList> list =
-      ListFrames(folder, has_rate ? std::optional(camera->rate_hz) : std::nullopt);
+      ListFrames(folder, has_rate ? std::optional(camera.value().rate_hz) : std::nullopt);
   if (!list.ok()) return list.error();
   auto sequence =
-      std::make_shared<PlumblineSequence>(folder, camera.value(), std::move(list).value());
-  const Status status = sequence->ReadCompanions();
+      std::make_shared<PlumblineSequence>(folder, std::move(calibration), std::move(list).value());
+  const Status status = sequence->ReadCompanions(options.poses);
   if (!status.ok()) return status.error();
   return std::shared_ptr<const Sequence>(std::move(sequence));
 }

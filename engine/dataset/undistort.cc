@@ -5,22 +5,12 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <utility>
 #include <vector>
 
-#include <opencv2/calib3d.hpp>
+#include "engine/sensor/undistorter.h"
 
 namespace plumbline {
-namespace {
-
-void UndistortPoints(const Camera& camera, std::vector<cv::Point2d>& points) {
-  const PinholeCamera& c = camera.pinhole;
-  const cv::Matx33d intrinsics(c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1);
-  std::vector<cv::Point2d> result;
-  cv::undistortPoints(points, result, intrinsics, camera.distortion, cv::noArray(), intrinsics);
-  points.swap(result);
-}
-
-}  // namespace
 
 EdgeMap UndistortEdges(const Camera& camera, const EdgeMap& recorded) {
   if (camera.distortion.empty() || recorded.empty()) return recorded;
@@ -39,7 +29,7 @@ EdgeMap UndistortEdges(const Camera& camera, const EdgeMap& recorded) {
   EdgeMap result{cv::Mat::zeros(recorded.probability.size(), CV_8UC1),
                  cv::Mat::zeros(recorded.angle.size(), CV_8UC1)};
   if (pixels.empty()) return result;
-  UndistortPoints(camera, points);
+  points = UndistortPixels(camera, std::move(points));
   const cv::Rect image({}, result.probability.size());
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const cv::Point2d along = points[2 * i + 1] - points[2 * i];
@@ -67,15 +57,16 @@ Box2 UndistortBox(const Camera& camera, const Box2& recorded) {
     outline.insert(outline.end(),
                    {{x, recorded.y0}, {x, recorded.y1}, {recorded.x0, y}, {recorded.x1, y}});
   }
-  UndistortPoints(camera, outline);
+  outline = UndistortPixels(camera, std::move(outline));
   Box2 box{1e9f, 1e9f, -1e9f, -1e9f};
   for (const cv::Point2d& point : outline) {
+    if (!std::isfinite(point.x)) continue;  // beside what the pinhole camera can see
     box.x0 = std::min(box.x0, static_cast<float>(point.x));
     box.y0 = std::min(box.y0, static_cast<float>(point.y));
     box.x1 = std::max(box.x1, static_cast<float>(point.x));
     box.y1 = std::max(box.y1, static_cast<float>(point.y));
   }
-  return box;
+  return box.x0 <= box.x1 ? box : Box2{};
 }
 
 }  // namespace plumbline

@@ -12,8 +12,8 @@ namespace plumbline {
 /// thicker. The same map without distortion.
 EdgeMap UndistortEdges(const Camera& camera, const EdgeMap& recorded);
 
-/// The box around the undistorted outline of a box of the recorded image. The same box without
-/// distortion.
+/// The box around the undistorted outline of a box of the recorded image; empty where the pinhole
+/// camera sees none of it. The same box without distortion.
 Box2 UndistortBox(const Camera& camera, const Box2& recorded);
 
 }  // namespace plumbline

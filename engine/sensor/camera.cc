@@ -1,15 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/sensor/camera.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <opencv2/calib3d.hpp>
-#include <opencv2/imgproc.hpp>
+#include <numbers>
 
 namespace plumbline {
 namespace {
 
-cv::Matx33d Intrinsics(const PinholeCamera& c) { return {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}; }
+/// One line for each camera model: its name in camera.json and its distortion coefficients.
+struct ModelEntry {
+  CameraModel model;
+  std::string_view name;
+  std::size_t min_coefficients, max_coefficients;
+  std::string_view coefficients;
+};
+constexpr ModelEntry kModels[] = {
+    {CameraModel::kPinhole, "pinhole", 0, 0, "no distortion"},
+    {CameraModel::kRadialTangential, "radial_tangential", 4, 5, "k1 k2 p1 p2 [k3]"},
+    {CameraModel::kEquidistant, "equidistant", 4, 4, "k1 k2 k3 k4"},
+    {CameraModel::kFov, "fov", 1, 1, "w in radians, between 0 and pi"},
+};
+
+std::string ModelNames() {
+  std::string names;
+  for (const ModelEntry& entry : kModels) {
+    if (!names.empty()) names += ", ";
+    names += entry.name;
+  }
+  return names;
+}
 
 Result<double> Number(const nlohmann::json& json, const char* key,
                       const std::filesystem::path& file) {
@@ -21,7 +42,39 @@ Result<double> Number(const nlohmann::json& json, const char* key,
   return found->get<double>();
 }
 
+Status ReadDistortion(const nlohmann::json& json, const ModelEntry& model, const auto& bad,
+                      std::vector<double>& coefficients) {
+  if (const auto distortion = json.find("distortion");
+      distortion != json.end() && !distortion->is_null()) {
+    if (!distortion->is_array()) return bad("has a 'distortion' that is not a list of numbers");
+    for (const auto& value : *distortion) {
+      if (!value.is_number() || !std::isfinite(value.template get<double>()))
+        return bad("has a 'distortion' with something that is not a finite number");
+      coefficients.push_back(value.template get<double>());
+    }
+  }
+  const std::size_t n = coefficients.size();
+  if (model.model == CameraModel::kPinhole && n != 0) {
+    return bad(
+        "is a pinhole camera but has distortion coefficients; name the model radial_tangential or "
+        "remove them");
+  }
+  const bool fov_ok = model.model != CameraModel::kFov || n != 1 ||
+                      (coefficients[0] > 0 && coefficients[0] < std::numbers::pi);
+  if (n < model.min_coefficients || n > model.max_coefficients || !fov_ok) {
+    return bad("needs the distortion coefficients " + std::string(model.coefficients) + " for " +
+               std::string(model.name));
+  }
+  return {};
+}
+
 }  // namespace
+
+std::string_view CameraModelName(CameraModel model) {
+  return std::find_if(std::begin(kModels), std::end(kModels),
+                      [&](const ModelEntry& entry) { return entry.model == model; })
+      ->name;
+}
 
 PinholeCamera PinholeCamera::Scaled(double factor) const {
   return {static_cast<int>(std::lround(width * factor)),
@@ -58,37 +111,18 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
                     numbers[4],
                     numbers[5]};
   const auto model = json.find("model");
-  if (model == json.end() || !model->is_string()) {
-    return bad("does not name its camera 'model' (pinhole or radial_tangential)");
+  if (model == json.end() || !model->is_string())
+    return bad("does not name its camera 'model' (" + ModelNames() + ")");
+  const auto entry = std::find_if(std::begin(kModels), std::end(kModels),
+                                  [&](const ModelEntry& e) { return *model == e.name; });
+  if (entry == std::end(kModels)) {
+    return Error{ErrorCode::kUnsupported, "'" + file.string() + "' has the camera model '" +
+                                              model->get<std::string>() + "'; this version reads " +
+                                              ModelNames()};
   }
-  if (*model == "pinhole") {
-    camera.model = CameraModel::kPinhole;
-  } else if (*model == "radial_tangential") {
-    camera.model = CameraModel::kRadialTangential;
-  } else {
-    return Error{ErrorCode::kUnsupported,
-                 "'" + file.string() + "' has the camera model '" + model->get<std::string>() +
-                     "'; this version reads pinhole and radial_tangential"};
-  }
-  if (const auto distortion = json.find("distortion");
-      distortion != json.end() && !distortion->is_null()) {
-    if (!distortion->is_array()) return bad("has a 'distortion' that is not a list of numbers");
-    for (const auto& value : *distortion) {
-      if (!value.is_number() || !std::isfinite(value.get<double>())) {
-        return bad("has a 'distortion' with something that is not a finite number");
-      }
-      camera.distortion.push_back(value.get<double>());
-    }
-  }
-  const std::size_t n = camera.distortion.size();
-  if (camera.model == CameraModel::kPinhole && n != 0) {
-    return bad(
-        "is a pinhole camera but has distortion coefficients; name the model radial_tangential or "
-        "remove them");
-  }
-  if (camera.model == CameraModel::kRadialTangential && n != 4 && n != 5) {
-    return bad("needs 4 or 5 distortion coefficients (k1 k2 p1 p2 [k3]) for radial_tangential");
-  }
+  camera.model = entry->model;
+  if (const Status status = ReadDistortion(json, *entry, bad, camera.distortion); !status.ok())
+    return status.error();
   if (json.contains("rate_hz")) {
     Result<double> rate = Number(json, "rate_hz", file);
     if (!rate.ok()) return rate.error();
@@ -124,7 +158,7 @@ nlohmann::json CameraToJson(const Camera& camera) {
   nlohmann::json json = IntrinsicsToJson(camera.pinhole);
   json["distortion"] = camera.distortion;
   json["rate_hz"] = camera.rate_hz;
-  json["model"] = camera.model == CameraModel::kPinhole ? "pinhole" : "radial_tangential";
+  json["model"] = CameraModelName(camera.model);
   if (camera.body_from_cam) {
     for (int r = 0; r < 4; ++r) {
       for (int c = 0; c < 4; ++c)
@@ -132,29 +166,6 @@ nlohmann::json CameraToJson(const Camera& camera) {
     }
   }
   return json;
-}
-
-Undistorter::Undistorter(const Camera& camera) : camera_(camera) {
-  if (camera_.distortion.empty()) return;
-  const cv::Matx33d intrinsics = Intrinsics(camera_.pinhole);
-  cv::initUndistortRectifyMap(intrinsics, camera_.distortion, cv::noArray(), intrinsics,
-                              {camera_.pinhole.width, camera_.pinhole.height}, CV_16SC2, map1_,
-                              map2_);
-}
-
-cv::Mat Undistorter::Undistort(const cv::Mat& image) const {
-  if (map1_.empty()) return image;
-  cv::Mat result;
-  cv::remap(image, result, map1_, map2_, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
-  return result;
-}
-
-Eigen::Vector2d Undistorter::UndistortPixel(const Eigen::Vector2d& pixel) const {
-  if (map1_.empty()) return pixel;
-  const cv::Matx33d intrinsics = Intrinsics(camera_.pinhole);
-  std::vector<cv::Point2d> points = {{pixel.x(), pixel.y()}}, result;
-  cv::undistortPoints(points, result, intrinsics, camera_.distortion, cv::noArray(), intrinsics);
-  return {result[0].x, result[0].y};
 }
 
 }  // namespace plumbline

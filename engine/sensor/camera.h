@@ -36,15 +36,23 @@ struct PinholeCamera {
   bool operator==(const PinholeCamera&) const = default;
 };
 
-enum class CameraModel { kPinhole, kRadialTangential };
+/// How a lens bends the rays of a pinhole camera; `DistortedCamera` has the formulas.
+enum class CameraModel {
+  kPinhole,           ///< Not at all.
+  kRadialTangential,  ///< Brown and Conrady, as in OpenCV: k1 k2 p1 p2 [k3].
+  kEquidistant,       ///< Kannala and Brandt, as in cv::fisheye: k1 k2 k3 k4.
+  kFov,               ///< Devernay and Faugeras: w [rad].
+};
+
+/// As camera.json names it.
+std::string_view CameraModelName(CameraModel model);
 
 /// A calibrated camera as camera.json describes it.
 struct Camera {
   CameraModel model = CameraModel::kPinhole;
-  PinholeCamera
-      pinhole;  ///< Intrinsics of the image as recorded and, by choice, of the undistorted one.
-  std::vector<double>
-      distortion;  ///< k1 k2 p1 p2 [k3] for kRadialTangential (OpenCV order); empty for kPinhole.
+  /// Intrinsics of the image as recorded and, by choice, of the undistorted one.
+  PinholeCamera pinhole;
+  std::vector<double> distortion;  ///< As `model` orders it; empty for kPinhole.
   double rate_hz = 30.0;
   std::optional<Eigen::Isometry3d> body_from_cam;
 };
@@ -55,20 +63,5 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
 nlohmann::json CameraToJson(const Camera& camera);
 /// {width, height, fx, fy, cx, cy} [px].
 nlohmann::json IntrinsicsToJson(const PinholeCamera& camera);
-
-/// Resamples images of a distorted camera into its pinhole camera. Cheap to copy; safe to use from
-/// several threads.
-class Undistorter {
- public:
-  explicit Undistorter(const Camera& camera);
-  /// The image itself where there is no distortion. Image size must be the camera's.
-  cv::Mat Undistort(const cv::Mat& image) const;
-  /// Pinhole pixel of a recorded (distorted) pixel.
-  Eigen::Vector2d UndistortPixel(const Eigen::Vector2d& pixel) const;
-
- private:
-  Camera camera_;
-  cv::Mat map1_, map2_;
-};
 
 }  // namespace plumbline

@@ -20,6 +20,23 @@
 namespace plumbline {
 namespace {
 
+/// What each kind of image is decoded to.
+struct Decoding {
+  int type;  ///< Of the cv::Mat.
+  int png_flags;
+};
+Decoding DecodingOf(ImageKind kind) {
+  switch (kind) {
+    case ImageKind::kColor:
+      return {CV_8UC3, cv::IMREAD_COLOR};
+    case ImageKind::kGray:
+      return {CV_8UC1, cv::IMREAD_GRAYSCALE};
+    case ImageKind::kDepth:
+      return {CV_16UC1, cv::IMREAD_ANYDEPTH};
+  }
+  return {};
+}
+
 /// Images larger than this are taken for damaged headers.
 constexpr int kMaxSide = 32768;
 
@@ -125,9 +142,11 @@ Result<cv::Mat> ReadImage(const std::filesystem::path& file, ImageKind kind,
   const auto error = [&](ErrorCode code, const std::string& what) {
     return Error{code, "the image '" + file.string() + "' " + what};
   };
-  const int type = kind == ImageKind::kColor ? CV_8UC3 : CV_8UC1;
+  const auto [type, png_flags] = DecodingOf(kind);
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   if (bytes.starts_with("\xff\xd8\xff")) {
+    if (kind == ImageKind::kDepth)
+      return error(ErrorCode::kUnsupported, "is a JPEG; depth needs a PNG of 16 bits");
     JpegErrors errors;
     cv::Size size;
     if (!DecodeJpeg(data, bytes.size(), &size, nullptr, &errors)) {
@@ -155,12 +174,12 @@ Result<cv::Mat> ReadImage(const std::filesystem::path& file, ImageKind kind,
     try {
       const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1,
                            const_cast<unsigned char*>(data));
-      image = cv::imdecode(buffer,
-                           (kind == ImageKind::kColor ? cv::IMREAD_COLOR : cv::IMREAD_GRAYSCALE) |
-                               cv::IMREAD_IGNORE_ORIENTATION);
+      image = cv::imdecode(buffer, png_flags | cv::IMREAD_IGNORE_ORIENTATION);
     } catch (const cv::Exception&) {
       image.release();
     }
+    if (kind == ImageKind::kDepth && image.size() == *size && image.type() == CV_8UC1)
+      return error(ErrorCode::kInvalidInput, "has 8 bits; depth needs a PNG of 16 bits");
     if (image.size() != *size || image.type() != type)
       return error(ErrorCode::kCorrupt, "is damaged");
     return image;

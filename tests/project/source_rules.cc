@@ -61,6 +61,11 @@ bool IsGlHeader(std::string_view file) {
   return StartsWith(file, "engine/render/gl_") && EndsWith(file, ".h");
 }
 
+bool HoldsPanels(std::string_view path) {
+  return StartsWith(path, "ui/panels/") || StartsWith(path, "ui/common/") ||
+         StartsWith(path, "ui/inspect/") || StartsWith(path, "ui/annotate/");
+}
+
 /// Why `path` may not include our own `file`; "" if it may.
 std::string WrongLayer(std::string_view path, std::string_view file) {
   const std::string_view used = EngineModule(file);
@@ -90,7 +95,7 @@ std::string WrongLayer(std::string_view path, std::string_view file) {
   if (StartsWith(path, "ui/")) {
     if (!StartsWith(file, "ui/") && !StartsWith(file, "engine/"))
       return "the window never includes the program";
-    if (!StartsWith(path, "ui/panels/") || !StartsWith(file, "engine/")) return "";
+    if (!HoldsPanels(path) || !StartsWith(file, "engine/")) return "";
     const bool value =
         used == "snapshot" || used == "base" || used == "geometry" || IsOptionsHeader(file);
     return value ? ""

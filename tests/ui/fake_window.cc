@@ -9,8 +9,8 @@
 #include <iostream>
 #include <string>
 
-#include "app/application.h"
-#include "app/film.h"
+#include "app/film/film.h"
+#include "app/window/application.h"
 #include "tests/support/fake_source.h"
 
 int main(int argc, char** argv) {

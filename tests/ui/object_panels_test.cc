@@ -5,7 +5,7 @@
 
 #include "engine/snapshot/particle_rank.h"
 #include "tests/ui/panel_harness.h"
-#include "ui/panels/panels.h"
+#include "ui/inspect/panels.h"
 
 namespace plumbline {
 namespace {

@@ -2,7 +2,7 @@
 // Panels without a display: what they post, what they keep, and that no state of the world upsets
 // them.
 
-#include "ui/panels/panels.h"
+#include "ui/inspect/panels.h"
 
 #include <gtest/gtest.h>
 

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/common/scene_mouse.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
 #include "ui/panels/annotate_actions.h"
 #include "ui/panels/annotate_crop_box.h"
 #include "ui/panels/annotate_gizmo.h"
 #include "ui/panels/annotate_panels.h"
-#include "ui/panels/scene_mouse.h"
 
 namespace plumbline {
 namespace {

@@ -15,6 +15,8 @@ namespace {
 class Arc : public Sequence {
  public:
   Arc(int frames, double arc_deg, double distance_m) : camera_(TestCamera()) {
+    calibration_.cameras = {{"cam", {}}};
+    calibration_.cameras[0].camera.pinhole = camera_;
     for (int i = 0; i < frames; ++i) {
       const double angle = arc_deg * std::numbers::pi / 180 * i / std::max(1, frames - 1);
       poses_.push_back(
@@ -25,6 +27,7 @@ class Arc : public Sequence {
   const std::filesystem::path& path() const override { return path_; }
   int num_frames() const override { return static_cast<int>(poses_.size()); }
   const PinholeCamera& camera() const override { return camera_; }
+  const Calibration& calibration() const override { return calibration_; }
   double rate_hz() const override { return 30; }
   std::int64_t stamp_ns(int index) const override { return index * 33'000'000LL; }
   std::optional<Eigen::Isometry3d> world_from_cam(int index) const override {
@@ -40,19 +43,32 @@ class Arc : public Sequence {
     cv::rectangle(image, {200, 150, 240, 180}, cv::Scalar::all(200), cv::FILLED);
     return Frame{index, stamp_ns(index), image, world_from_cam(index)};
   }
+  Result<cv::Mat> ReadRawImage(int index) const override {
+    Result<Frame> frame = ReadFrame(index);
+    if (!frame.ok()) return frame.error();
+    return frame->image;
+  }
+  Result<std::optional<cv::Mat>> ReadDepth(int) const override { return std::optional<cv::Mat>{}; }
+  Result<ImuRecording> ReadImu() const override { return ImuRecording(); }
   Result<std::optional<EdgeMap>> ReadEdges(int) const override { return std::optional<EdgeMap>{}; }
   Result<std::optional<std::vector<Detection>>> ReadProposals(int) const override {
     return std::optional<std::vector<Detection>>{};
   }
+  bool has_images() const override { return true; }
+  bool has_imu() const override { return false; }
+  bool has_depth() const override { return false; }
   bool has_edges() const override { return false; }
   bool has_proposals() const override { return false; }
   std::optional<std::filesystem::path> scene_file() const override { return std::nullopt; }
   std::optional<std::filesystem::path> ground_truth_file() const override { return std::nullopt; }
   std::optional<std::filesystem::path> models_folder() const override { return std::nullopt; }
+  std::optional<std::filesystem::path> tracks_file() const override { return std::nullopt; }
+  std::optional<std::filesystem::path> reference_file() const override { return std::nullopt; }
   const std::vector<std::string>& warnings() const override { return warnings_; }
 
  private:
   PinholeCamera camera_;
+  Calibration calibration_;
   std::filesystem::path path_ = "arc";
   std::vector<std::string> warnings_;
   std::vector<Eigen::Isometry3d> poses_;

@@ -8,6 +8,7 @@
 
 #include "engine/base/check.h"
 #include "engine/base/files.h"
+#include "engine/dataset/sequence_formats.h"
 #include "tests/support/test_data.h"
 #include "tests/support/tiny_sequence.h"
 
@@ -186,8 +187,8 @@ TEST_F(OwnLayout, RefusesWithASentenceThatNamesTheFile) {
   EXPECT_THAT(Refusal(), HasSubstr("not valid JSON"));
   WriteText(
       root_ / "camera.json",
-      R"({"width": 64, "height": 48, "model": "fov", "fx": 60, "fy": 60, "cx": 31, "cy": 23, "rate_hz": 10})");
-  EXPECT_THAT(Refusal(), HasSubstr("camera model 'fov'"));
+      R"({"width": 64, "height": 48, "model": "mei", "fx": 60, "fy": 60, "cx": 31, "cy": 23, "rate_hz": 10})");
+  EXPECT_THAT(Refusal(), HasSubstr("camera model 'mei'"));
   WriteText(
       root_ / "camera.json",
       R"({"width": 64, "height": 48, "model": "pinhole", "fx": 60, "fy": 60, "cx": 31, "cy": 23})");
@@ -240,6 +241,93 @@ TEST_F(OwnLayout, UndistortsItsImages) {
   EXPECT_GT(cv::norm(frame->image, recorded, cv::NORM_INF), 10);
 }
 
+TEST_F(OwnLayout, KeepsTheRecordedImageAndItsCameraForTracking) {
+  WriteTinySequence(root_);
+  WriteText(root_ / "camera.json",
+            R"({"width": 64, "height": 48, "model": "fov", "fx": 30, "fy": 30, "cx": 31.5,
+      "cy": 23.5, "distortion": [0.93], "rate_hz": 10})");
+  const auto sequence = Open();
+  const cv::Mat recorded = cv::imread((root_ / "color/000000.jpg").string());
+  EXPECT_EQ(cv::norm(sequence->ReadRawImage(0).value(), recorded, cv::NORM_INF), 0);
+  EXPECT_GT(cv::norm(sequence->ReadFrame(0).value().image, recorded, cv::NORM_INF), 10);
+  ASSERT_EQ(sequence->calibration().cameras.size(), 1u);
+  EXPECT_EQ(sequence->calibration().cameras[0].camera.model, CameraModel::kFov);
+  EXPECT_EQ(sequence->calibration().cameras[0].camera.pinhole, sequence->camera());
+  EXPECT_FALSE(sequence->calibration().imu);
+}
+
+TEST_F(OwnLayout, OpensWithoutImagesByTheTimesOfItsTracks) {
+  WriteTinySequence(root_, {.edges = true, .proposals = true});
+  std::filesystem::remove_all(root_ / "color");
+  WriteText(root_ / "tracks.csv", "#t,id,u,v\n0.1,7,3,4\n0.3,7,4,4\n0.1,8,5,6\n0.2,7,3.5,4\n");
+  const auto sequence = Open();
+  EXPECT_FALSE(sequence->has_images());
+  EXPECT_THAT(Stamps(*sequence), testing::ElementsAre(100000000, 200000000, 300000000));
+  EXPECT_EQ(sequence->world_from_cam(2)->translation().x(), 3);
+  for (const auto& message :
+       {sequence->ReadFrame(1).error().message, sequence->ReadRawImage(1).error().message})
+    EXPECT_THAT(message, HasSubstr("has no images"));
+  EXPECT_FALSE(sequence->ReadEdges(1).value().has_value());
+  EXPECT_FALSE(sequence->ReadProposals(1).value().has_value());
+  EXPECT_FALSE(sequence->ReadDepth(1).value().has_value());
+  WriteText(root_ / "color.csv", "0.25,a.png\n0.75,b.png\n");
+  EXPECT_THAT(Stamps(*Open()), testing::ElementsAre(250000000, 750000000));
+}
+
+TEST_F(OwnLayout, ReadsTheImuToTheNanosecond) {
+  WriteTinySequence(root_);
+  EXPECT_FALSE(Open()->has_imu());
+  EXPECT_TRUE(Open()->ReadImu().value().samples.empty());
+  WriteText(root_ / "imu.csv", "#t,wx,wy,wz,ax,ay,az\n1403715285.002142976,1,2,3,4,5,6\n");
+  WriteText(root_ / "imu.json", R"({"rate_hz": 200, "time_offset_s": 0.01})");
+  const auto sequence = Open();
+  const ImuRecording imu = sequence->ReadImu().value();
+  ASSERT_EQ(imu.samples.size(), 1u);
+  EXPECT_EQ(imu.samples[0].stamp_ns, 1403715285002142976);
+  EXPECT_EQ(sequence->calibration().imu->time_offset_s, 0.01);
+  WriteText(root_ / "imu.json", R"({"rate_hz": "fast"})");
+  EXPECT_THAT(Refusal(), HasSubstr("imu.json"));
+}
+
+TEST_F(OwnLayout, ReadsDepthWhereThereIsAny) {
+  WriteTinySequence(root_);
+  std::filesystem::create_directories(root_ / "depth");
+  cv::imwrite((root_ / "depth/000001.png").string(), cv::Mat(48, 64, CV_16UC1, cv::Scalar(1500)));
+  cv::imwrite((root_ / "depth/000002.png").string(), cv::Mat(48, 64, CV_8UC1, cv::Scalar(150)));
+  const auto sequence = Open();
+  EXPECT_TRUE(sequence->has_depth());
+  EXPECT_FALSE(sequence->ReadDepth(0).value().has_value());
+  EXPECT_EQ(sequence->ReadDepth(1).value()->at<std::uint16_t>(5, 5), 1500);
+  EXPECT_EQ(sequence->ReadDepth(2).error().code, ErrorCode::kCorrupt);
+  EXPECT_THAT(sequence->ReadDepth(2).error().message, HasSubstr("16 bits"));
+}
+
+TEST_F(OwnLayout, TakesOtherPosesByStampWhereAskedTo) {
+  WriteTinySequence(root_);
+  const std::filesystem::path poses = folder_.path() / "poses.txt";
+  WriteText(poses, "0.11 10 0 0 0 0 0 1\n0.29 30 0 0 0 0 0 1\n");
+  const auto sequence = OpenSequence(root_, {.poses = poses}).value();
+  EXPECT_FALSE(sequence->world_from_cam(0));
+  EXPECT_EQ(sequence->world_from_cam(1)->translation().x(), 10);
+  EXPECT_EQ(sequence->world_from_cam(3)->translation().x(), 30);
+  EXPECT_EQ(NumPosedFrames(*sequence), 2);
+  EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("poses.txt' has no pose")));
+  EXPECT_THAT(OpenSequence(root_, {.poses = "nowhere.txt"}).error().message,
+              HasSubstr("nowhere.txt"));
+}
+
+TEST(SequenceFormats, SayWhatWouldBeASequence) {
+  const TemporaryFolder folder;
+  const auto opened = OpenSequence(folder.path());
+  EXPECT_EQ(opened.error().code, ErrorCode::kUnsupported);
+  EXPECT_THAT(opened.error().message, HasSubstr("is not a supported sequence"));
+  for (const SequenceFormat& format : SequenceFormats())
+    EXPECT_THAT(opened.error().message, HasSubstr(std::string(format.expects)));
+  EXPECT_EQ(FindSequenceFormat(folder.path()), nullptr);
+  WriteText(folder.path() / "camera.json", "{}");
+  EXPECT_EQ(FindSequenceFormat(folder.path())->name, "plumbline");
+}
+
 TEST_F(OwnLayout, ReadsEdgesAndProposals) {
   WriteTinySequence(root_, {.edges = true, .proposals = true});
   const auto sequence = Open();
@@ -288,6 +376,17 @@ TEST_F(OwnLayout, ListsAFolderOfManyImagesQuickly) {
   const std::clock_t start = std::clock();
   EXPECT_EQ(Open()->num_frames(), 1000);
   EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 0.1);  // about 3 ms
+}
+
+TEST(Tango, OpensWithoutImages) {
+  const auto shared = SharedData();
+  if (!shared) GTEST_SKIP() << kNoSharedData;
+  const auto sequence = OpenSequence(*shared / "data/vio/tango_lc").value();
+  EXPECT_EQ(sequence->num_frames(), 969);
+  EXPECT_EQ(sequence->stamp_ns(0), 524683655592184);
+  EXPECT_EQ(sequence->ReadImu().value().samples.size(), 23741u);
+  EXPECT_EQ(sequence->calibration().imu->saturation_accel_m_s2, 150);
+  EXPECT_THAT(sequence->warnings(), IsEmpty());
 }
 
 TEST(Kitchen, OpensAsPublished) {

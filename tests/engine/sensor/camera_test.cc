@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 namespace plumbline {
@@ -63,11 +63,14 @@ TEST(Camera, RefusesWhatItCannotUseAndNamesTheFile) {
 
 TEST(Camera, SaysWhichModelItDoesNotKnow) {
   nlohmann::json json = Kitchen();
-  json["model"] = "equidistant";
+  json["model"] = "omnidirectional";
   const Result<Camera> camera = CameraFromJson(json, "camera.json");
   ASSERT_FALSE(camera.ok());
   EXPECT_EQ(camera.error().code, ErrorCode::kUnsupported);
-  EXPECT_NE(camera.error().message.find("equidistant"), std::string::npos);
+  EXPECT_NE(
+      camera.error().message.find(
+          "'omnidirectional'; this version reads pinhole, radial_tangential, equidistant, fov"),
+      std::string::npos);
 }
 
 TEST(PinholeCamera, ScalesAboutTheImageCornerNotThePixelCentre) {
@@ -80,33 +83,25 @@ TEST(PinholeCamera, ScalesAboutTheImageCornerNotThePixelCentre) {
   EXPECT_NEAR(half_pixel.x(), (pixel.x() + 0.5) / 2 - 0.5, 1e-12);
 }
 
-TEST(Undistorter, LeavesPinholeImagesAlone) {
-  Camera camera;
-  camera.pinhole = {4, 3, 2, 2, 1.5, 1};
-  const cv::Mat image(3, 4, CV_8UC3, cv::Scalar(1, 2, 3));
-  EXPECT_EQ(Undistorter(camera).Undistort(image).data, image.data);
-  EXPECT_EQ(Undistorter(camera).UndistortPixel({2, 1}), Eigen::Vector2d(2, 1));
-}
-
-TEST(Undistorter, InvertsTheClosedFormOfTheLens) {
-  nlohmann::json json = Kitchen();
-  json["distortion"] = {-0.28, 0.07, 0.0002, 1.8e-5, -0.01};
-  const Camera camera = CameraFromJson(json, "camera.json").value();
-  const Undistorter undistorter(camera);
-  const auto [k1, k2, p1, p2, k3] = std::array{-0.28, 0.07, 0.0002, 1.8e-5, -0.01};
-  for (double v = 40; v < 480; v += 80) {
-    for (double u = 40; u < 640; u += 80) {
-      const Eigen::Vector2d ideal = camera.pinhole.Bearing({u, v});
-      const double x = ideal.x(), y = ideal.y(), r2 = ideal.squaredNorm();
-      const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-      const Eigen::Vector3d bent(x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
-                                 y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y, 1);
-      EXPECT_LT(
-          (undistorter.UndistortPixel(camera.pinhole.Project(bent)) - Eigen::Vector2d(u, v)).norm(),
-          0.05)
-          << u << " " << v;
-    }
-  }
+TEST(Camera, ReadsTheCoefficientsOfEachModel) {
+  const auto read = [](const char* model, const nlohmann::json& distortion) {
+    nlohmann::json json = Kitchen();
+    json["model"] = model;
+    json["distortion"] = distortion;
+    const Result<Camera> camera = CameraFromJson(json, "camera.json");
+    return camera.ok() ? std::string(CameraModelName(camera->model)) : camera.error().message;
+  };
+  using testing::HasSubstr;
+  const auto none = nlohmann::json::array();
+  EXPECT_EQ(read("pinhole", none), "pinhole");
+  EXPECT_EQ(read("equidistant", {0.1, 0.01, 0, 0}), "equidistant");
+  EXPECT_EQ(read("fov", {0.93}), "fov");
+  EXPECT_THAT(read("fov", none), HasSubstr("w in radians"));
+  EXPECT_THAT(read("fov", {-0.93}), HasSubstr("w in radians"));
+  EXPECT_THAT(read("fov", {3.2}), HasSubstr("w in radians"));
+  EXPECT_THAT(read("equidistant", {0.1, 0.01}), HasSubstr("k1 k2 k3 k4"));
+  EXPECT_THAT(read("equidistant", {0.1, 0.01, 0, 0, 0}), HasSubstr("k1 k2 k3 k4"));
+  EXPECT_THAT(read("radial_tangential", {0.1, 0.01, 0}), HasSubstr("k1 k2 p1 p2"));
 }
 
 TEST(PinholeCamera, ScalesACameraWhoseAxisIsOffCentre) {
@@ -120,32 +115,6 @@ TEST(PinholeCamera, ScalesACameraWhoseAxisIsOffCentre) {
               1e-12);
     EXPECT_LT((scaled.Bearing(scaled.Project(point)) - point.hnormalized()).norm(), 1e-12);
   }
-}
-
-TEST(Undistorter, MovesImageAndPixelAlike) {
-  const Camera camera = CameraFromJson(Kitchen(), "camera.json").value();
-  const Undistorter undistorter(camera);
-  // A soft blob so that its centre is known below a pixel.
-  cv::Mat image(480, 640, CV_8UC1);
-  const Eigen::Vector2d blob(100, 80);
-  for (int y = 0; y < 480; ++y) {
-    for (int x = 0; x < 640; ++x) {
-      image.at<unsigned char>(y, x) = cv::saturate_cast<unsigned char>(
-          250 * std::exp(-(Eigen::Vector2d(x, y) - blob).squaredNorm() / (2 * 5.0 * 5.0)));
-    }
-  }
-  const cv::Mat result = undistorter.Undistort(image);
-  double sum = 0;
-  Eigen::Vector2d centre(0, 0);
-  for (int y = 0; y < 480; ++y) {
-    for (int x = 0; x < 640; ++x) {
-      sum += result.at<unsigned char>(y, x);
-      centre += result.at<unsigned char>(y, x) * Eigen::Vector2d(x, y);
-    }
-  }
-  // The blob is a little stretched, which moves its centre of mass by a fraction of a pixel.
-  EXPECT_LT((centre / sum - undistorter.UndistortPixel(blob)).norm(), 0.5);
-  EXPECT_GT((undistorter.UndistortPixel(blob) - blob).norm(), 3);
 }
 
 }  // namespace

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/window/annotate/annotate_workspace.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "ui/framework/widgets.h"
+#include "ui/panels/annotate_actions.h"
+#include "ui/panels/annotate_panels.h"
+#include "ui/scene/annotate_scene.h"
+
+namespace plumbline {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+json MatrixOf(const Eigen::Isometry3d& pose) {
+  json rows = json::array();
+  for (int row = 0; row < 4; ++row) {
+    rows.push_back({pose.matrix()(row, 0), pose.matrix()(row, 1), pose.matrix()(row, 2),
+                    pose.matrix()(row, 3)});
+  }
+  return rows;
+}
+
+json VectorOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+const char* NameOf(AnnotateTool tool) {
+  switch (tool) {
+    case AnnotateTool::kFloor:
+      return "floor";
+    case AnnotateTool::kPlace:
+      return "place";
+    case AnnotateTool::kSequence:
+      return "sequence";
+    case AnnotateTool::kCut:
+      return "cut";
+    case AnnotateTool::kSelect:
+      break;
+  }
+  return "select";
+}
+
+}  // namespace
+
+AnnotateWorkspace::AnnotateWorkspace(AnnotationChoice defaults, bool software_gl,
+                                     std::function<void()> wake)
+    : defaults_(std::move(defaults)),
+      software_gl_(software_gl),
+      wake_(std::move(wake)),
+      scene_panel_(MakeAnnotateScenePanel()),
+      models_(MakeAnnotateModelsPanel()),
+      instances_(MakeAnnotateInstancesPanel()),
+      floor_(MakeAnnotateFloorPanel()),
+      candidates_(MakeAnnotateCandidatesPanel()),
+      refinement_(MakeAnnotateRefinementPanel()),
+      images_(MakeAnnotateImagesPanel()),
+      instance_(MakeAnnotateInstancePanel()),
+      sequence_(MakeAnnotateSequencePanel()),
+      frame_(MakeAnnotateFramePanel()),
+      crop_(MakeAnnotateCropPanel()) {}
+
+AnnotateWorkspace::~AnnotateWorkspace() = default;
+
+bool AnnotateWorkspace::Takes(const std::string& path) const { return IsForAnnotation(path); }
+
+void AnnotateWorkspace::Open(const std::string& path, FrameContext& context) {
+  process_.reset();
+  view_ = {};
+  // Made anew: a scene remembers its camera and its actors.
+  scene_ = CreateAnnotateScene(software_gl_);
+  context.annotate = &view_;
+  context.annotate_scene = scene_.get();
+  AnnotationChoice choice = defaults_;
+  choice.path = source_ = path;
+  process_ = std::make_unique<AnnotationProcess>(std::move(choice), wake_);
+  ReadSlots(context);
+}
+
+void AnnotateWorkspace::ReadSlots(FrameContext& context) {
+  if (process_ == nullptr) return;
+  auto snapshot = process_->Snapshot();
+  if (snapshot == context.annotation) return;
+  if (context.annotation != nullptr) FollowSnapshot(*context.annotation, *snapshot, view_);
+  context.annotation = std::move(snapshot);
+  ++context.annotation_version;
+}
+
+Panel& AnnotateWorkspace::TaskPanel(const FrameContext& context) {
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  if (snapshot.placement) return *candidates_;
+  if (snapshot.refinement) return *refinement_;
+  if (snapshot.sequence_alignment) return *sequence_;
+  if (snapshot.crop || view_.tool == AnnotateTool::kCut) return *crop_;
+  if (view_.tool == AnnotateTool::kSequence && !snapshot.floor) return *sequence_;
+  const bool first =
+      !snapshot.gravity_known && snapshot.instances.empty() && view_.tool != AnnotateTool::kPlace;
+  if (snapshot.floor || first || view_.tool == AnnotateTool::kFloor) return *floor_;
+  return *instance_;
+}
+
+void AnnotateWorkspace::Draw(const FrameContext& context, const LayoutRect& rect,
+                             CommandSink& sink) {
+  const float gap = context.Scaled(6), margin = context.Scaled(8);
+  const LayoutRect room{{rect.low.x + margin, rect.low.y}, {rect.high.x - margin, rect.high.y}};
+  const float left_x = room.low.x + static_cast<float>(std::round(left_ * room.width()));
+  const float middle_y = room.low.y + static_cast<float>(std::round(models_share_ * room.height()));
+  DrawPanel(context, {room.low, {left_x, middle_y}}, *models_, sink);
+  DrawPanel(context, {{room.low.x, middle_y + gap}, {left_x, room.high.y}}, *instances_, sink);
+  const float right_x = room.low.x + static_cast<float>(std::round(right_ * room.width()));
+  const bool images = context.annotation->has_sequence;
+  const bool picks = images && view_.tool == AnnotateTool::kSequence;
+  constexpr double kFrameShare = 0.46;  // where the frame begins that is picked in
+  const double share = picks ? kFrameShare : images_share_;
+  const float images_y =
+      images ? room.low.y + static_cast<float>(std::round(share * room.height())) : room.high.y;
+  DrawPanel(context, {{left_x + gap, room.low.y}, {right_x, images_y}}, *scene_panel_, sink);
+  if (images) {
+    DrawPanel(context, {{left_x + gap, images_y + gap}, {right_x, room.high.y}},
+              picks ? *frame_ : *images_, sink);
+  }
+  Preview();
+  DrawPanel(context, {{right_x + gap, room.low.y}, room.high}, TaskPanel(context), sink);
+}
+
+void AnnotateWorkspace::Preview() {
+  const bool same = view_.pending.has_value() == previewed_.has_value() &&
+                    (!previewed_ || view_.pending->scan_from_object.matrix() ==
+                                        previewed_->scan_from_object.matrix());
+  if (same) return;
+  previewed_ = view_.pending;
+  if (previewed_) process_->Post(PreviewPoseCommand{previewed_->id, previewed_->scan_from_object});
+}
+
+void AnnotateWorkspace::PostShortcuts(const FrameContext& context, CommandSink& sink) {
+  PostAnnotateShortcuts(context, sink);
+}
+
+bool AnnotateWorkspace::Handle(const Command& command) {
+  if (const auto* annotation = std::get_if<AnnotationCommand>(&command)) {
+    if (const auto* set = std::get_if<SetAnnotatorCommand>(annotation)) {
+      defaults_.annotator = set->name;  // for the next scan, too
+    }
+    if (process_ != nullptr) NotePosted(*annotation, process_->Post(*annotation), view_);
+    return true;
+  }
+  const auto* window = std::get_if<WindowCommand>(&command);
+  if (window == nullptr || scene_ == nullptr) return false;
+  if (std::holds_alternative<FocusSelectionCommand>(*window)) {
+    view_.focus = true;
+  } else if (std::holds_alternative<ResetViewCommand>(*window)) {
+    view_.reset = true;
+  } else if (const auto* direction = std::get_if<ViewDirectionCommand>(window)) {
+    scene_->SetDirection(direction->azimuth_rad, direction->elevation_rad);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const {
+  if (context.annotation == nullptr) return;
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  using State = AnnotationSnapshot::State;
+  json annotate = {{"state", snapshot.state == State::kReady    ? "ready"
+                             : snapshot.state == State::kFailed ? "failed"
+                                                                : "opening"},
+                   {"busy", snapshot.busy},
+                   {"failure", snapshot.failure},
+                   {"project", snapshot.project_name},
+                   {"modified", snapshot.modified},
+                   {"read_only", snapshot.read_only},
+                   {"notices", snapshot.notices},
+                   {"recovered", snapshot.num_recovered},
+                   {"journal_problem", snapshot.journal_problem},
+                   {"answer", snapshot.answer},
+                   {"undo", snapshot.undo_label.value_or("")},
+                   {"redo", snapshot.redo_label.value_or("")},
+                   {"scan_points", snapshot.scan_points},
+                   {"aligns", snapshot.ready_to_align},
+                   {"models", snapshot.models->size()},
+                   {"floor_known", snapshot.floor_known},
+                   {"level_from_scan", MatrixOf(snapshot.level_from_scan)},
+                   {"selected", snapshot.selected},
+                   {"tool", NameOf(view_.tool)},
+                   {"candidate", view_.candidate},
+                   {"proposal", snapshot.floor                ? "floor"
+                                : snapshot.placement          ? "placement"
+                                : snapshot.refinement         ? "refinement"
+                                : snapshot.sequence_alignment ? "sequence"
+                                : snapshot.crop               ? "crop"
+                                                              : ""},
+                   {"instances", json::array()}};
+  if (scene_ != nullptr) annotate["eye_in_level"] = VectorOf(scene_->Sight(0, 0).eye);
+  for (const AnnotatedInstance& instance : snapshot.instances) {
+    annotate["instances"].push_back({{"id", instance.id},
+                                     {"model", instance.model},
+                                     {"quality", instance.fine ? "fine" : "coarse"},
+                                     {"hidden", instance.hidden},
+                                     {"locked", instance.locked},
+                                     {"note", instance.note},
+                                     {"scan_from_object", MatrixOf(instance.scan_from_object)}});
+  }
+  annotate["exported"] = !snapshot.exported                   ? ""
+                         : snapshot.exported->running         ? "running"
+                         : snapshot.exported->problem.empty() ? "done"
+                                                              : snapshot.exported->problem;
+  if (snapshot.box) annotate["box_points"] = snapshot.box->points->size();
+  if (view_.crop_box) {
+    annotate["crop_box"] = {{"center", VectorOf(view_.crop_box->center)},
+                            {"size_m", VectorOf(view_.crop_box->size_m)},
+                            {"azimuth_rad", view_.crop_box->azimuth_rad}};
+  }
+  if (snapshot.checks) {
+    state["annotate.images"] = snapshot.checks->images.size();
+    state["annotate.agreement_percent"] = std::lround(100 * snapshot.checks->agreement);
+    annotate["agreement"] = snapshot.checks->agreement;
+    for (const ImageCheckView& image : snapshot.checks->images) {
+      annotate["images"].push_back({{"frame", image.frame},
+                                    {"agreement", image.agreement},
+                                    {"eye_in_level", VectorOf(snapshot.level_from_scan *
+                                                              image.scan_from_cam.translation())}});
+    }
+  }
+  if (const auto& placement = snapshot.placement) {
+    annotate["placement_running"] = placement->running;
+    annotate["placement_images"] = placement->images;
+    annotate["placement_seconds"] = placement->seconds;
+    for (const PlacementCandidate& candidate : placement->candidates) {
+      annotate["candidates"].push_back({{"azimuth_deg", candidate.azimuth_rad * kDegrees},
+                                        {"fitness", candidate.fitness},
+                                        {"rmse_m", candidate.rmse_m},
+                                        {"agreement", candidate.agreement.value_or(-1)},
+                                        {"from_images", candidate.from_images}});
+    }
+  }
+  if (const auto& refinement = snapshot.refinement) {
+    annotate["refining"] = refinement->running;
+    annotate["iteration"] = refinement->iteration;
+    annotate["refinement"] = {{"azimuth_rad", refinement->azimuth_rad},
+                              {"horizontal_m", refinement->horizontal_m},
+                              {"height_m", refinement->height_m},
+                              {"azimuth_std_rad", refinement->azimuth_std_rad},
+                              {"horizontal_std_m", refinement->horizontal_std_m},
+                              {"height_std_m", refinement->height_std_m},
+                              {"fitness", refinement->fitness},
+                              {"agreement", refinement->agreement},
+                              {"problem", refinement->problem}};
+  }
+  for (const PairView& pair : snapshot.pairs) {
+    annotate["pairs"].push_back({{"frame", pair.frame},
+                                 {"in_scan", VectorOf(pair.in_scan)},
+                                 {"residual_px", pair.residual_px}});
+  }
+  if (const auto& crop = snapshot.crop) {
+    annotate["crop"] = {{"id", crop->id},
+                        {"problem", crop->problem},
+                        {"points", crop->points == nullptr ? 0 : crop->points->size()},
+                        {"faces", crop->num_faces},
+                        {"size_m", VectorOf(crop->size_m)}};
+  }
+  if (const auto& found = snapshot.sequence_alignment) {
+    annotate["sequence"] = {{"scan_from_world", MatrixOf(found->scan_from_world)},
+                            {"problem", found->problem},
+                            {"azimuth_std_rad", found->azimuth_std_rad},
+                            {"rmse_m", found->rmse_m}};
+  }
+  state["annotate.crop"] = snapshot.crop ? snapshot.crop->id : "";
+  state["annotate.pairs"] = snapshot.pairs.size();
+  state["annotate.frame"] =
+      snapshot.frame && !snapshot.frame->image.empty() ? snapshot.frame->frame : -1;
+  state["annotate.registered"] = snapshot.sequence_registered;
+  // Flat names, so that scripts can wait for them.
+  for (const char* key :
+       {"state", "busy", "modified", "read_only", "undo", "redo", "aligns", "floor_known",
+        "selected", "tool", "proposal", "candidate", "exported", "recovered"}) {
+    state[std::string("annotate.") + key] = annotate[key];
+  }
+  state["annotate.unsafe"] = !snapshot.journal_problem.empty();
+  state["annotate.box"] = view_.crop_box.has_value();
+  state["annotate.instances"] = snapshot.instances.size();
+  state["annotate.models"] = snapshot.models->size();
+  state["annotate.running"] = (snapshot.placement && snapshot.placement->running) ||
+                              (snapshot.refinement && snapshot.refinement->running) ||
+                              (snapshot.crop && snapshot.crop->running) ||
+                              (snapshot.sequence_alignment && snapshot.sequence_alignment->running);
+  state["annotate.candidates"] = snapshot.placement ? snapshot.placement->candidates.size() : 0;
+  state["annotate"] = std::move(annotate);
+}
+
+json AnnotateWorkspace::SaveSettings() const {
+  return {{"left", left_},
+          {"right", right_},
+          {"models", models_share_},
+          {"annotator", defaults_.annotator}};
+}
+
+void AnnotateWorkspace::LoadSettings(const json& json) {
+  left_ = std::clamp(json.value("left", left_), 0.1, 0.4);
+  right_ = std::clamp(json.value("right", right_), 0.55, 0.9);
+  models_share_ = std::clamp(json.value("models", models_share_), 0.15, 0.85);
+  defaults_.annotator = json.value("annotator", defaults_.annotator);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/dataset/sequence_formats.h"
+
+#include "engine/dataset/plumbline_sequence.h"
+
+namespace plumbline {
+namespace {
+
+constexpr SequenceFormat kFormats[] = {
+    {"plumbline", "Plumbline's own layout", "a folder with camera.json and color/ or tracks.csv",
+     true, ProbePlumblineSequence, OpenPlumblineSequence},
+};
+
+}  // namespace
+
+std::span<const SequenceFormat> SequenceFormats() { return kFormats; }
+
+const SequenceFormat* FindSequenceFormat(const std::filesystem::path& path) {
+  const SequenceFormat* best = nullptr;
+  Likeness surest = Likeness::kNone;
+  for (const SequenceFormat& format : kFormats) {
+    const Likeness likeness = format.probe(path);
+    if (likeness <= surest) continue;
+    surest = likeness;
+    best = &format;
+  }
+  return best;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <set>
+
+#include "ui/common/waiting.h"
+#include "ui/framework/image_canvas.h"
+#include "ui/framework/widgets.h"
+#include "ui/inspect/image/overlays.h"
+#include "ui/inspect/panels.h"
+
+namespace plumbline {
+namespace {
+
+ImU32 FateColor(const ProposalReport& proposal) {
+  switch (proposal.fate) {
+    case ProposalFate::kExplained:
+      return ObjectColor(proposal.object);
+    case ProposalFate::kSpawned:
+      return IM_COL32_WHITE;
+    case ProposalFate::kUnknownCategory:
+      return IM_COL32(150, 158, 170, 255);
+    case ProposalFate::kLowScore:
+      return IM_COL32(108, 116, 128, 255);
+    case ProposalFate::kImplausible:
+      return colors::kBad;
+  }
+  return colors::kDimText;
+}
+
+bool IsWeak(const ProposalReport& proposal) {
+  return proposal.fate == ProposalFate::kLowScore ||
+         proposal.fate == ProposalFate::kUnknownCategory;
+}
+
+class ImagePanel : public Panel {
+ public:
+  const char* Id() const override { return "image"; }
+  const char* Title() const override { return "Image"; }
+  const char* Help() const override {
+    return "The camera's image with the detector's proposals and the outlines of the objects' mean "
+           "states.\n"
+           "Wheel zooms, dragging moves, double click shows all; a click selects an object.";
+  }
+
+  void DrawHeader(const FrameContext& context, CommandSink&) override {
+    float width = context.Scaled(18);
+    for (const char* label : {"Proposals", "Weak", "Outlines", "Names", "Particles", "Contour"}) {
+      width += ToggleWidth(context, label);
+    }
+    AlignRight(width);
+    Toggle(context, "image.proposals", "Proposals", proposals_,
+           "Boxes that the detector proposes, with category and score. In an object's colour: "
+           "explained by it (of several, the best is labelled). White: gave birth to an object. "
+           "Red: no plausible place for a model in the box.");
+    ImGui::SameLine();
+    Toggle(context, "image.weak", "Weak", weak_,
+           "Also the proposals that were not used: of categories without a model (light grey) and "
+           "of low score (dark grey).");
+    ImGui::SameLine();
+    Toggle(context, "image.outlines", "Outlines", outlines_,
+           "Outline of each object's mean state, in its colour.");
+    ImGui::SameLine();
+    Toggle(context, "image.names", "Names", names_,
+           "Number and most likely model of each object; of tentative ones the number alone.");
+    ImGui::SameLine();
+    Toggle(context, "image.particles", "Particles", particles_,
+           "Centres of the selected object's hypotheses.");
+    ImGui::SameLine();
+    Toggle(context, "image.contour", "Contour", contour_,
+           "Contour samples of the hypothesis that is chosen under 'Why here?', with their search "
+           "lines and the edges that they hit: green hits well, red misses, grey is hidden.");
+  }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    if (DrawWaiting(context)) return;
+    const MapSnapshot& snapshot = *context.snapshot;
+    if (snapshot.image.empty()) {
+      return EmptyState(context, "No image",
+                        snapshot.report.skipped.empty() ? "This frame came without an image."
+                                                        : snapshot.report.skipped.c_str());
+    }
+    const ImTextureID texture =
+        context.textures->Get("image", context.snapshot_version, [&] { return snapshot.image; });
+    const ImageCanvas canvas(context, "image.view", texture, context.sequence->image_width,
+                             context.sequence->image_height);
+    if (proposals_) DrawProposals(context, canvas);
+    if (outlines_) DrawOutlineOverlay(context, canvas, {});
+    if (const ObjectReport* object = context.SelectedObject(); particles_ && object != nullptr) {
+      DrawParticleOverlay(context, canvas, *object, {});
+    }
+    if (contour_) DrawContourOverlay(context, canvas);
+    DrawParticleOutline(context, canvas);
+    PictureLabels labels(context, canvas.low(), canvas.high());
+    if (!snapshot.report.skipped.empty()) {
+      labels.Add({canvas.low()}, colors::kWarning, "not used: " + snapshot.report.skipped);
+    }
+    if (names_) LabelObjects(context, canvas, labels);
+    if (proposals_) LabelProposals(context, canvas, labels);
+    DrawPixelValue(context, canvas);
+    if (const auto pixel = canvas.clicked())
+      sink.Post(SelectObjectCommand{ObjectAt(context, *pixel)});
+  }
+
+  nlohmann::json SaveState() const override {
+    return {{"proposals", proposals_}, {"weak", weak_},           {"outlines", outlines_},
+            {"names", names_},         {"particles", particles_}, {"contour", contour_}};
+  }
+  void LoadState(const nlohmann::json& json) override {
+    proposals_ = json.value("proposals", proposals_);
+    weak_ = json.value("weak", weak_);
+    outlines_ = json.value("outlines", outlines_);
+    names_ = json.value("names", names_);
+    particles_ = json.value("particles", particles_);
+    contour_ = json.value("contour", contour_);
+  }
+
+ private:
+  void DrawProposals(const FrameContext& context, const ImageCanvas& canvas) const {
+    for (const ProposalReport& proposal : context.snapshot->report.proposals) {
+      const ImVec2 low = canvas.ToScreen(proposal.box.x0 - 0.5f, proposal.box.y0 - 0.5f);
+      const ImVec2 high = canvas.ToScreen(proposal.box.x1 + 0.5f, proposal.box.y1 + 0.5f);
+      const bool weak = IsWeak(proposal);
+      if (weak && !weak_) continue;
+      const ImU32 color = FateColor(proposal);
+      canvas.draw().AddRect(low, high, IM_COL32(0, 0, 0, 130), 0, 0,
+                            context.Scaled(weak ? 2.0 : 3.0));
+      canvas.draw().AddRect(low, high, color, 0, 0, context.Scaled(weak ? 1.0 : 1.5));
+      const float edge = context.Scaled(6);
+      if (canvas.hovered() && (ImGui::IsMouseHoveringRect(low, {high.x, low.y + edge}) ||
+                               ImGui::IsMouseHoveringRect(low, {low.x + edge, high.y}))) {
+        std::string why = FateName(proposal.fate);
+        if (proposal.object.value > 0) why += fmt::format(" (object #{})", proposal.object.value);
+        ImGui::SetTooltip("%s, score %.2f\n%s", proposal.category.c_str(), proposal.score,
+                          why.c_str());
+      }
+    }
+  }
+
+  void LabelProposals(const FrameContext& context, const ImageCanvas& canvas,
+                      PictureLabels& labels) const {
+    std::set<ObjectId> labelled;  // proposals come by falling score: the first is the best
+    for (const ProposalReport& proposal : context.snapshot->report.proposals) {
+      if (IsWeak(proposal) && !weak_) continue;
+      if (proposal.object.value > 0 && !labelled.insert(proposal.object).second) continue;
+      const std::string text = fmt::format("{} {:.2f}", proposal.category, proposal.score);
+      const ImVec2 size = labels.SizeOf(text);
+      const ImVec2 low = canvas.ToScreen(proposal.box.x0 - 0.5f, proposal.box.y0 - 0.5f);
+      const ImVec2 high = canvas.ToScreen(proposal.box.x1 + 0.5f, proposal.box.y1 + 0.5f);
+      labels.Add({low,
+                  {high.x - size.x, low.y},
+                  {low.x, high.y + size.y},
+                  {high.x - size.x, high.y + size.y},
+                  {low.x, low.y + size.y}},
+                 FateColor(proposal), text);
+    }
+  }
+
+  static void LabelObjects(const FrameContext& context, const ImageCanvas& canvas,
+                           PictureLabels& labels) {
+    for (const ObjectReport& object : context.snapshot->report.objects) {
+      if (object.visible_box.empty() || object.state == ObjectState::kRetired) continue;
+      const ModelView* model = context.Model(object.label);
+      const bool brief = object.state == ObjectState::kTentative &&
+                         object.id != context.selection.object;  // there may be many
+      const std::string text = brief
+                                   ? fmt::format("#{}", object.id.value)
+                                   : fmt::format("#{} {}", object.id.value,
+                                                 model != nullptr ? model->name : object.category);
+      const ImVec2 size = labels.SizeOf(text);
+      const ImVec2 center =
+          canvas.ToScreen(object.visible_box.center_x(), object.visible_box.center_y());
+      const float x = center.x - 0.5f * size.x, y = center.y + 0.5f * size.y;
+      labels.Add({{x, y}, {x, y + 1.2f * size.y}, {x, y - 1.2f * size.y}, {x, y + 2.4f * size.y}},
+                 ObjectColor(object.id), text);
+    }
+  }
+
+  bool proposals_ = true, weak_ = false, outlines_ = true, names_ = true, particles_ = false,
+       contour_ = true;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeImagePanel() { return std::make_unique<ImagePanel>(); }
+
+}  // namespace plumbline

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/image/overlays.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "ui/framework/particle_place.h"
+#include "ui/framework/widgets.h"
+
+namespace plumbline {
+namespace {
+
+std::optional<ImVec2> Project(const SequenceView& sequence, const Eigen::Isometry3d& cam_from_world,
+                              const Eigen::Vector3d& point_in_world, const ImageCanvas& canvas) {
+  const Eigen::Vector3d p = cam_from_world * point_in_world;
+  if (p.z() < 0.05) return std::nullopt;
+  return canvas.ToScreen(static_cast<float>(sequence.fx * p.x() / p.z() + sequence.cx),
+                         static_cast<float>(sequence.fy * p.y() / p.z() + sequence.cy));
+}
+
+bool IsTentative(const FrameContext& context, ObjectId id) {
+  for (const ObjectReport& object : context.snapshot->report.objects) {
+    if (object.id == id) return object.state == ObjectState::kTentative;
+  }
+  return false;
+}
+
+}  // namespace
+
+int DrawParticleOverlay(const FrameContext& context, const ImageCanvas& canvas,
+                        const ObjectReport& object, const ParticleOverlay& overlay) {
+  if (object.particles == nullptr || !context.snapshot->report.world_from_cam) return -1;
+  const SequenceView& sequence = *context.sequence;
+  const Eigen::Isometry3d cam_from_world = context.snapshot->report.world_from_cam->inverse();
+  const UprightFrame upright(-sequence.up_in_world);
+  double heaviest = -1e9;
+  for (const Particle& p : *object.particles) heaviest = std::max<double>(heaviest, p.log_weight);
+  const double needle_m = NeedleLength(context.Model(object.label));
+  const ImU32 color = ObjectColor(object.id);
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const float radius = context.Scaled(overlay.radius_px);
+  int nearest = -1;
+  float nearest_px = context.Scaled(6);
+  for (std::size_t i = 0; i < object.particles->size(); ++i) {
+    const Particle& particle = (*object.particles)[i];
+    const ParticlePlace place = PlaceOf(particle, object, upright);
+    const auto center = Project(sequence, cam_from_world, place.center_in_world, canvas);
+    if (!center) continue;
+    const double light = std::exp(std::max(-4.0, particle.log_weight - heaviest));
+    const bool chosen = static_cast<int>(i) == context.selection.particle;
+    const ImU32 ink =
+        chosen ? IM_COL32_WHITE
+               : WithAlpha(Mixed(color, IM_COL32_WHITE, 0.35 * light), 0.35 + 0.55 * light);
+    if (overlay.fronts) {
+      const auto tip = Project(sequence, cam_from_world,
+                               place.center_in_world + needle_m * place.heading_in_world, canvas);
+      if (tip)
+        canvas.draw().AddLine(*center, *tip, WithAlpha(ink, chosen ? 1.0 : 0.45),
+                              context.Scaled(chosen ? 2 : 1));
+    }
+    canvas.draw().AddCircleFilled(*center, chosen ? 2 * radius : radius, ink, 8);
+    const float distance = std::hypot(center->x - mouse.x, center->y - mouse.y);
+    if (canvas.hovered() && distance < nearest_px) {
+      nearest = static_cast<int>(i);
+      nearest_px = distance;
+    }
+  }
+  return nearest;
+}
+
+void DrawOutlineOverlay(const FrameContext& context, const ImageCanvas& canvas,
+                        const OutlineOverlay& overlay) {
+  std::vector<ImVec2> points;
+  for (const OutlineView& outline : context.snapshot->outlines) {
+    if (overlay.only.value > 0 && outline.object != overlay.only) continue;
+    const bool selected = outline.object == context.selection.object;
+    const bool tentative = IsTentative(context, outline.object) && !selected;
+    const float width = context.Scaled(overlay.width_px * (selected ? 1.6 : tentative ? 0.6 : 1.0));
+    const double alpha = overlay.alpha * (tentative ? 0.7 : 1.0);
+    for (const auto& contour : outline.contours) {
+      points.clear();
+      for (const Eigen::Vector2f& p : contour) points.push_back(canvas.ToScreen(p));
+      const int count = static_cast<int>(points.size());
+      if (overlay.shadow && !tentative) {
+        canvas.draw().AddPolyline(points.data(), count, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed,
+                                  width + context.Scaled(2));
+      }
+      canvas.draw().AddPolyline(points.data(), count, WithAlpha(ObjectColor(outline.object), alpha),
+                                ImDrawFlags_Closed, width);
+    }
+  }
+}
+
+const ProbeView* ProbeOfSelection(const FrameContext& context) {
+  const ProbeView* probe = context.probe.get();
+  const bool fits = probe != nullptr && context.snapshot != nullptr &&
+                    probe->frame == context.snapshot->report.frame &&
+                    probe->object == context.selection.object;
+  return fits ? probe : nullptr;
+}
+
+void DrawContourOverlay(const FrameContext& context, const ImageCanvas& canvas) {
+  const ProbeView* probe = ProbeOfSelection(context);
+  if (probe == nullptr || probe->hypotheses.empty()) return;
+  const auto index = static_cast<std::size_t>(
+      std::clamp(context.selection.hypothesis, 0, static_cast<int>(probe->hypotheses.size()) - 1));
+  const float dot = context.Scaled(2);
+  for (const ContourSample& sample : probe->hypotheses[index].samples) {
+    const Eigen::Vector2f reach = probe->search_radius_px * sample.normal;
+    const ImU32 color = sample.visible
+                            ? Mixed(colors::kBad, colors::kGood, std::min(1.0, 1.6 * sample.hit))
+                            : colors::kFaint;
+    canvas.draw().AddLine(canvas.ToScreen(Eigen::Vector2f(sample.pixel - reach)),
+                          canvas.ToScreen(Eigen::Vector2f(sample.pixel + reach)),
+                          WithAlpha(color, sample.visible ? 0.45 : 0.2), 1);
+    canvas.draw().AddRectFilled(
+        {canvas.ToScreen(sample.pixel).x - 1, canvas.ToScreen(sample.pixel).y - 1},
+        {canvas.ToScreen(sample.pixel).x + 1, canvas.ToScreen(sample.pixel).y + 1}, color);
+    if (!sample.visible || !sample.edge_at_px) continue;
+    canvas.draw().AddCircleFilled(
+        canvas.ToScreen(Eigen::Vector2f(sample.pixel + *sample.edge_at_px * sample.normal)), dot,
+        color, 6);
+  }
+}
+
+void DrawParticleOutline(const FrameContext& context, const ImageCanvas& canvas) {
+  const ProbeView* probe = ProbeOfSelection(context);
+  if (probe == nullptr) return;
+  const std::vector<std::vector<Eigen::Vector2f>>* outline = nullptr;
+  for (const ProbedHypothesis& h : probe->hypotheses) {
+    if (context.selection.particle >= 0 && h.particle == context.selection.particle)
+      outline = &h.outline;
+  }
+  if (context.selection.hovered >= 0 && probe->hovered == context.selection.hovered)
+    outline = &probe->hovered_outline;
+  if (outline == nullptr) return;
+  std::vector<ImVec2> points;
+  for (const auto& contour : *outline) {
+    points.clear();
+    for (const Eigen::Vector2f& p : contour) points.push_back(canvas.ToScreen(p));
+    const int count = static_cast<int>(points.size());
+    canvas.draw().AddPolyline(points.data(), count, IM_COL32(0, 0, 0, 160), ImDrawFlags_Closed,
+                              context.Scaled(3.5));
+    canvas.draw().AddPolyline(points.data(), count, IM_COL32_WHITE, ImDrawFlags_Closed,
+                              context.Scaled(1.5));
+  }
+}
+
+void DrawPixelValue(const FrameContext& context, const ImageCanvas& canvas) {
+  const cv::Mat& image = context.snapshot->image;
+  const auto pixel = canvas.hovered();
+  if (!pixel || image.empty()) return;
+  const int width = context.sequence->image_width, height = context.sequence->image_height;
+  const int x = static_cast<int>(std::lround(pixel->x())),
+            y = static_cast<int>(std::lround(pixel->y()));
+  if (x < 0 || y < 0 || x >= width || y >= height) return;
+  // A run without its sequence has small pictures only.
+  const auto& bgr = image.at<cv::Vec3b>(y * image.rows / height, x * image.cols / width);
+  std::string text = fmt::format("x {}  y {}   rgb {} {} {}", x, y, bgr[2], bgr[1], bgr[0]);
+  const cv::Mat& depth = context.snapshot->depth;
+  if (!depth.empty()) {
+    const float z = depth.at<float>(y * depth.rows / height, x * depth.cols / width);
+    if (z > 0) text += fmt::format("   {:.2f} m", z);
+  }
+  PictureLabels labels(context, canvas.low(), canvas.high());
+  labels.Add({canvas.low()}, colors::kOnPicture, text);
+}
+
+ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel) {
+  const MapSnapshot& snapshot = *context.snapshot;
+  if (snapshot.id.empty()) return {};
+  const auto map = [](float value, int from, int to) {
+    return static_cast<int>(
+        std::floor((value + 0.5f) * static_cast<float>(to) / static_cast<float>(from)));
+  };
+  const int x = map(pixel.x(), context.sequence->image_width, snapshot.id.cols);
+  const int y = map(pixel.y(), context.sequence->image_height, snapshot.id.rows);
+  if (x < 0 || y < 0 || x >= snapshot.id.cols || y >= snapshot.id.rows) return {};
+  const int id = snapshot.id.at<std::uint16_t>(y, x);
+  return id > 0 ? ObjectId{id} : ObjectId{};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/map/scene_overlay.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <Eigen/Eigenvalues>
+
+#include "ui/framework/widgets.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kNear_m = 0.05;
+constexpr double kChi95 = 2.795;       ///< Radius of the 95 % region of a Gaussian in 3-D.
+constexpr double kWorstError_m = 0.1;  ///< Red from here on.
+
+Eigen::Vector3d CenterOf(const FrameContext& context, const ObjectReport& object) {
+  const ModelView* model = context.Model(object.label);
+  return object.world_from_object * (model != nullptr ? model->center : Eigen::Vector3d(0, 0, 0));
+}
+
+/// The outline of the ellipsoid, from the projections of its axes.
+void DrawSpread(const FrameContext& context, const SceneProjection& project,
+                const ObjectReport& object) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+      Eigen::Matrix3d(object.covariance.topLeftCorner<3, 3>()));
+  const Eigen::Vector3d center = CenterOf(context, object);
+  const auto middle = project(center);
+  if (!middle) return;
+  Eigen::Matrix2d square = Eigen::Matrix2d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double reach = kChi95 * std::sqrt(std::max(0.0, solver.eigenvalues()[axis]));
+    const auto tip = project(center + reach * solver.eigenvectors().col(axis));
+    if (!tip) return;
+    const Eigen::Vector2d d(tip->x - middle->x, tip->y - middle->y);
+    square += d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> flat(square);
+  const Eigen::Matrix2d shape =
+      flat.eigenvectors() * flat.eigenvalues().cwiseMax(2.0).cwiseSqrt().asDiagonal();
+  std::array<ImVec2, 40> points;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double angle = 2 * 3.14159265358979 * static_cast<double>(i) / points.size();
+    const Eigen::Vector2d p = shape * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    points[i] = {middle->x + static_cast<float>(p.x()), middle->y + static_cast<float>(p.y())};
+  }
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const ImU32 color = ObjectColor(object.id);
+  draw.AddConvexPolyFilled(points.data(), static_cast<int>(points.size()), WithAlpha(color, 0.25));
+  draw.AddPolyline(points.data(), static_cast<int>(points.size()), color, ImDrawFlags_Closed,
+                   context.Scaled(1.5));
+}
+
+ImU32 LinkColor(RelationKind kind) {
+  return kind == RelationKind::kStandsOn ? colors::kGood
+         : kind == RelationKind::kHides  ? colors::kWarning
+                                         : colors::kAccent;
+}
+
+}  // namespace
+
+const char* ColoringName(SceneColoring coloring) {
+  static constexpr const char* kNames[] = {"identity", "state", "error", "on truth"};
+  return kNames[static_cast<std::size_t>(coloring)];
+}
+
+std::vector<std::pair<ObjectId, ImU32>> ColorsOf(const FrameContext& context,
+                                                 SceneColoring coloring) {
+  std::vector<std::pair<ObjectId, ImU32>> colored;
+  if (coloring == SceneColoring::kIdentity || context.snapshot == nullptr) return colored;
+  const FrameReport& report = context.snapshot->report;
+  std::map<ObjectId, float> errors;
+  for (const auto& frame : context.playback->history->frames) {
+    if (frame == nullptr || frame->frame != report.frame) continue;
+    for (const ObjectSample& sample : frame->objects) {
+      if (sample.error) errors[sample.id] = sample.error->translation_m;
+    }
+  }
+  for (const ObjectReport& object : report.objects) {
+    ImU32 color = StateColor(object.state);
+    if (coloring == SceneColoring::kError) {
+      const auto error = errors.find(object.id);
+      color = error == errors.end() ? colors::kFaint
+                                    : Mixed(colors::kGood, colors::kBad,
+                                            std::min(1.0, error->second / kWorstError_m));
+    }
+    if (coloring == SceneColoring::kOnTruth) color = colors::kTruth;
+    colored.emplace_back(object.id, color);
+  }
+  return colored;
+}
+
+SceneProjection::SceneProjection(const FrameContext& context, const SceneCamera& camera, ImVec2 low,
+                                 ImVec2 high)
+    : context_(context) {
+  const double width = high.x - low.x, height = std::max(1.0f, high.y - low.y);
+  const SequenceView& sequence = *context.sequence;
+  if (context.look_through && context.snapshot->report.world_from_cam && sequence.fx > 0) {
+    view_from_world_ = context.snapshot->report.world_from_cam->inverse();
+    const double image_aspect = double(sequence.image_width) / sequence.image_height;
+    const double half_height =
+        0.5 * sequence.image_height / sequence.fy * std::max(1.0, image_aspect * height / width);
+    const double per_pixel = 0.5 * height / half_height / sequence.fy;
+    focal_ = Eigen::Vector2d(sequence.fx, sequence.fy) * per_pixel;
+    middle_ = Eigen::Vector2d(
+        0.5 * (low.x + high.x) + (sequence.cx - 0.5 * (sequence.image_width - 1)) * per_pixel,
+        0.5 * (low.y + high.y) + (sequence.cy - 0.5 * (sequence.image_height - 1)) * per_pixel);
+    return;
+  }
+  // From x right, y up, z to the viewer.
+  Eigen::Matrix3d down = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  view_from_world_.linear() = down * camera.view_from_world;
+  const Eigen::Vector3d eye =
+      camera.focus_in_world + camera.distance_m * camera.view_from_world.row(2).transpose();
+  view_from_world_.translation() = -(view_from_world_.linear() * eye);
+  focal_.setConstant(0.5 * height / std::tan(0.5 * camera.view_angle_rad));
+  middle_ = Eigen::Vector2d(0.5 * (low.x + high.x), 0.5 * (low.y + high.y));
+}
+
+std::optional<ImVec2> SceneProjection::operator()(const Eigen::Vector3d& point_in_world) const {
+  const Eigen::Vector3d p = view_from_world_ * point_in_world;
+  if (p.z() < kNear_m) return std::nullopt;
+  return ImVec2(static_cast<float>(middle_.x() + focal_.x() * p.x() / p.z()),
+                static_cast<float>(middle_.y() + focal_.y() * p.y() / p.z()));
+}
+
+void DrawSceneOverlay(const FrameContext& context, const SceneProjection& project, ImVec2 low,
+                      ImVec2 high, const SceneOverlay& overlay,
+                      const std::vector<ObjectRelation>& relations) {
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.PushClipRect(low, high, true);
+  std::map<ObjectId, ImVec2> centers;
+  for (const ObjectReport& object : context.snapshot->report.objects) {
+    const bool shown =
+        object.state == ObjectState::kConfirmed || object.id == context.selection.object;
+    if (!shown) continue;
+    if (overlay.spread) DrawSpread(context, project, object);
+    if (const auto at = project(CenterOf(context, object))) centers[object.id] = *at;
+  }
+  PictureLabels labels(context, low, high);
+  if (overlay.links) {
+    for (const ObjectRelation& relation : relations) {
+      if (!centers.contains(relation.a) || !centers.contains(relation.b)) continue;
+      const ImVec2 a = centers[relation.a], b = centers[relation.b];
+      draw.AddLine(a, b, IM_COL32(0, 0, 0, 120), context.Scaled(4));
+      draw.AddLine(a, b, LinkColor(relation.kind), context.Scaled(2));
+      draw.AddCircleFilled(b, context.Scaled(4), LinkColor(relation.kind));
+    }
+  }
+  if (overlay.names) {
+    for (const ObjectReport& object : context.snapshot->report.objects) {
+      const auto at = centers.find(object.id);
+      if (at == centers.end()) continue;
+      const ModelView* model = context.Model(object.label);
+      const std::string text =
+          fmt::format("#{} {}", object.id.value, model != nullptr ? model->name : object.category);
+      const ImVec2 size = labels.SizeOf(text);
+      const ImVec2 c = at->second;
+      if (c.x < low.x || c.x > high.x || c.y < low.y || c.y > high.y) continue;
+      const float x = c.x - 0.5f * size.x, y = c.y + 0.5f * size.y, step = 1.15f * size.y;
+      labels.Add({{x, y},
+                  {x, y - step},
+                  {x, y + step},
+                  {x, y - 2 * step},
+                  {x, y + 2 * step},
+                  {c.x, y - 3 * step}},
+                 ObjectColor(object.id), text);
+    }
+  }
+  draw.PopClipRect();
+}
+
+}  // namespace plumbline

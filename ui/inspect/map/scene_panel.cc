@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/common/scene_mouse.h"
+#include "ui/common/waiting.h"
+#include "ui/framework/scene_surface.h"
+#include "ui/framework/widgets.h"
+#include "ui/inspect/map/scene_overlay.h"
+#include "ui/inspect/panels.h"
+
+namespace plumbline {
+namespace {
+
+struct LayerToggle {
+  const char* name;
+  const char* label;
+  bool SceneLayers::*layer;
+  const char* tooltip;
+};
+constexpr LayerToggle kLayers[] = {
+    {"models", "Models", &SceneLayers::models,
+     "Mean states of the objects in their colours; tentative ones are translucent."},
+    {"particles", "Particles", &SceneLayers::particles,
+     "Hypotheses of the selected object: centre and front."},
+    {"scan", "Scan", &SceneLayers::scan,
+     "Points of the scanned scene, where the sequence has one."},
+    {"truth", "Truth", &SceneLayers::truth,
+     "True places of the objects in green, where they are known."},
+    {"trajectory", "Path", &SceneLayers::trajectory,
+     "The camera's path; the part already walked is bright."},
+    {"frustum", "Camera", &SceneLayers::frustum, "Where the camera is and what it sees."},
+    {"grid", "Grid", &SceneLayers::grid, "Grid on the floor."},
+};
+
+struct OverlayToggle {
+  const char* name;
+  const char* label;
+  bool SceneOverlay::*part;
+  const char* tooltip;
+};
+constexpr OverlayToggle kOverlays[] = {
+    {"names", "Names", &SceneOverlay::names, "Numbers and models of confirmed objects."},
+    {"spread", "Spread", &SceneOverlay::spread,
+     "Ellipsoids that hold 95 % of the belief about each object's centre."},
+    {"links", "Links", &SceneOverlay::links,
+     "Relations: green stands on, yellow hides from the camera, blue is nearest to."},
+};
+
+class ScenePanel : public Panel {
+ public:
+  const char* Id() const override { return "scene"; }
+  const char* Title() const override { return "Map"; }
+  const char* Help() const override {
+    return "The map in 3-D. Left drag turns, right drag (or middle, or Shift and left) moves, the "
+           "wheel zooms, double "
+           "click turns about what is under the mouse, a click selects. F frames the selected "
+           "object, R resets.";
+  }
+
+  void DrawHeader(const FrameContext& context, CommandSink& sink) override {
+    const float gap = context.Scaled(3), room = ImGui::GetContentRegionAvail().x;
+    const float views =
+        ToggleWidth(context, "Follow") + ToggleWidth(context, "Through") + context.Scaled(17);
+    float layers = 0, overlays = ToggleWidth(context, ColorLabel().c_str()) + gap;
+    for (const LayerToggle& layer : kLayers) layers += ToggleWidth(context, layer.label) + gap;
+    for (const OverlayToggle& part : kOverlays) overlays += ToggleWidth(context, part.label) + gap;
+    const float more = ToggleWidth(context, "More") + gap;
+    if (views + layers + overlays <= room) {
+      AlignRight(views + layers + overlays);
+      DrawLayerToggles(context, false);
+      ImGui::SameLine();
+      DrawOverlayToggles(context, false);
+    } else if (views + layers + more <= room) {
+      AlignRight(views + layers + more);
+      DrawLayerToggles(context, false);
+      ImGui::SameLine();
+      DrawMenu(context, "More", false);
+    } else {
+      AlignRight(views + ToggleWidth(context, "Layers") + gap);
+      DrawMenu(context, "Layers", true);
+    }
+    ImGui::SameLine(0, context.Scaled(12));
+    bool follow = context.follow;
+    if (Toggle(context, "scene.follow", "Follow", follow,
+               "The view stays behind the moving camera.")) {
+      sink.Post(FollowCommand{follow});
+    }
+    ImGui::SameLine(0, context.Scaled(3));
+    bool through = context.look_through;
+    if (Toggle(context, "scene.through", "Through", through,
+               "Looks through the camera, with its image behind the models (0)."))
+      sink.Post(LookThroughCommand{through});
+  }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    if (DrawWaiting(context)) return;
+    if (context.scene == nullptr) {
+      return EmptyState(context, "No 3-D view", "This display has no OpenGL that VTK can use.");
+    }
+    SceneLayers layers = layers_;
+    layers.truth_solid = coloring_ == SceneColoring::kOnTruth;
+    context.scene->SetContent({context.sequence, context.snapshot, context.snapshot_version,
+                               context.selection.object, context.selection.particle, layers,
+                               context.follow, context.look_through, context.light,
+                               ColorsOf(context, coloring_)});
+    const ImVec2 low = ImGui::GetCursorScreenPos();
+    const ImVec2 size = ImGui::GetContentRegionAvail();
+    const int width = std::max(8, static_cast<int>(size.x)),
+              height = std::max(8, static_cast<int>(size.y));
+    ImGui::InvisibleButton("scene.view", {static_cast<float>(width), static_cast<float>(height)},
+                           ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
+                               ImGuiButtonFlags_MouseButtonMiddle);
+    LogItem(context, "scene.view");
+    const bool moving = HandleMouse(*context.scene, low, sink);
+    const bool playing = context.playback->state == PlaybackState::kPlaying;
+    const ImTextureID texture = context.scene->Texture(width, height, moving || playing);
+    const ImVec2 high(low.x + static_cast<float>(width), low.y + static_cast<float>(height));
+    ImGui::GetWindowDrawList()->AddImageRounded(texture, low, high, {0, 1}, {1, 0}, IM_COL32_WHITE,
+                                                context.Scaled(4));
+    DrawOverlay(context, low, high);
+    DrawTriad(context, context.scene->camera().view_from_world, low, high);
+    if (layers_.grid && !context.look_through) DrawGridLabel(context, low, high);
+  }
+
+  nlohmann::json SaveState() const override {
+    nlohmann::json json;
+    for (const OverlayToggle& toggle : kOverlays) json[toggle.name] = overlay_.*toggle.part;
+    json["color"] = ColoringName(coloring_);
+    for (const LayerToggle& layer : kLayers) json[layer.name] = layers_.*layer.layer;
+    return json;
+  }
+  void LoadState(const nlohmann::json& json) override {
+    for (const OverlayToggle& toggle : kOverlays)
+      overlay_.*toggle.part = json.value(toggle.name, overlay_.*toggle.part);
+    for (const auto coloring : {SceneColoring::kIdentity, SceneColoring::kState,
+                                SceneColoring::kError, SceneColoring::kOnTruth}) {
+      if (json.value("color", std::string(ColoringName(coloring_))) == ColoringName(coloring))
+        coloring_ = coloring;
+    }
+    for (const LayerToggle& layer : kLayers)
+      layers_.*layer.layer = json.value(layer.name, layers_.*layer.layer);
+  }
+
+ private:
+  void DrawMenu(const FrameContext& context, const char* label, bool layers_too) {
+    bool open = false;
+    if (Toggle(context, "scene.layers", label, open, "What the map shows."))
+      ImGui::OpenPopup("layers");
+    if (!ImGui::BeginPopup("layers")) return;
+    if (layers_too) DrawLayerToggles(context, true);
+    DrawOverlayToggles(context, true);
+    ImGui::EndPopup();
+  }
+
+  void DrawLayerToggles(const FrameContext& context, bool below_one_another) {
+    for (const LayerToggle& layer : kLayers) {
+      if (&layer != kLayers && !below_one_another) ImGui::SameLine();
+      Toggle(context, fmt::format("scene.{}", layer.name), layer.label, layers_.*layer.layer,
+             layer.tooltip);
+    }
+  }
+
+  void DrawOverlayToggles(const FrameContext& context, bool below_one_another) {
+    for (const OverlayToggle& toggle : kOverlays) {
+      if (&toggle != kOverlays && !below_one_another) ImGui::SameLine();
+      Toggle(context, fmt::format("scene.{}", toggle.name), toggle.label, overlay_.*toggle.part,
+             toggle.tooltip);
+    }
+    if (!below_one_another) ImGui::SameLine();
+    bool other = coloring_ != SceneColoring::kIdentity;
+    if (Toggle(context, "scene.color", ColorLabel().c_str(), other,
+               "What the colours of the models mean: which object it is, its state, or its error "
+               "against ground truth (green 0, red 10 cm or more, grey unknown); or green "
+               "estimates on "
+               "the truth in grey. A click goes to the next."))
+      coloring_ = static_cast<SceneColoring>((static_cast<int>(coloring_) + 1) % 4);
+  }
+
+  std::string ColorLabel() const { return fmt::format("Colour: {}", ColoringName(coloring_)); }
+
+  void DrawOverlay(const FrameContext& context, ImVec2 low, ImVec2 high) {
+    if (context.snapshot == nullptr) return;
+    if (overlay_.links && version_ != context.snapshot_version) {
+      const MapSnapshot& s = *context.snapshot;
+      relations_ = finder_.Find(s.report, *context.sequence, s.depth, s.id);
+      version_ = context.snapshot_version;
+    }
+    const SceneProjection project(context, context.scene->camera(), low, high);
+    DrawSceneOverlay(context, project, low, high, overlay_, relations_);
+  }
+
+  /// True while the view moves.
+  bool HandleMouse(SceneSurface& scene, ImVec2 low, CommandSink& sink) {
+    const bool moving = MoveView(scene, low, false);
+    const ImVec2 mouse = ImGui::GetIO().MousePos;
+    if (WasClicked() && !ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
+      if (const auto object = scene.Pick(mouse.x - low.x, mouse.y - low.y))
+        sink.Post(SelectObjectCommand{*object});
+    }
+    return moving;
+  }
+
+  static void DrawGridLabel(const FrameContext& context, ImVec2 low, ImVec2 high) {
+    PictureLabels labels(context, low, high);
+    const std::string text = fmt::format("grid {:g} m", context.scene->grid_step_m());
+    const float margin = context.Scaled(6);
+    labels.Add({{high.x - labels.SizeOf(text).x - margin, high.y - margin}}, colors::kOnPictureDim,
+               text);
+  }
+
+  SceneLayers layers_;
+  SceneOverlay overlay_;
+  SceneColoring coloring_ = SceneColoring::kIdentity;
+  std::uint64_t version_ = 0;  ///< Of the snapshot whose relations these are.
+  RelationFinder finder_;
+  std::vector<ObjectRelation> relations_;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeScenePanel() { return std::make_unique<ScenePanel>(); }
+
+}  // namespace plumbline

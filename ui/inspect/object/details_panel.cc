@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/geometry/gravity.h"
+#include "ui/common/waiting.h"
+#include "ui/framework/widgets.h"
+#include "ui/inspect/panels.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+
+void Fact(const FrameContext& context, const char* name, const std::string& value,
+          const char* help) {
+  ImGui::TableNextColumn();
+  DimText("%s", name);
+  Tooltip(context, help);
+  ImGui::TableNextColumn();
+  ImGui::TextUnformatted(value.c_str());
+}
+
+class DetailsPanel : public Panel {
+ public:
+  const char* Id() const override { return "details"; }
+  const char* Title() const override { return "Selected object"; }
+  const char* Help() const override {
+    return "What the filter believes about the selected object: which shape it is, where, and how "
+           "surely.";
+  }
+
+  void DrawHeader(const FrameContext& context, CommandSink& sink) override {
+    const ObjectReport* object = context.SelectedObject();
+    if (object == nullptr) return;
+    AlignRight(ToggleWidth(context, "Frame in 3-D"));
+    bool ignored = false;
+    if (Toggle(context, "details.focus", "Frame in 3-D", ignored,
+               "Turns the 3-D view to this object (F).")) {
+      sink.Post(FocusSelectionCommand{});
+    }
+  }
+
+  void Draw(const FrameContext& context, CommandSink&) override {
+    if (DrawWaiting(context)) return;
+    const ObjectReport* object = context.SelectedObject();
+    if (object == nullptr) {
+      return context.selection.object.value > 0
+                 ? EmptyState(context,
+                              fmt::format("Object #{} is not in this frame",
+                                          context.selection.object.value)
+                                  .c_str(),
+                              "It was born later, or has been withdrawn. Esc clears the selection.")
+                 : EmptyState(context, "No object selected",
+                              "Click one in the list, in an image or in the 3-D view.");
+    }
+    ImGui::PushFont(context.fonts.small);
+    ImGui::BeginChild("details.scroll", ImGui::GetContentRegionAvail());
+    const bool wide = ImGui::GetContentRegionAvail().x > context.Scaled(390);
+    if (ImGui::BeginTable("details.columns", wide ? 2 : 1, ImGuiTableFlags_None)) {
+      ImGui::TableNextColumn();
+      DrawFacts(context, *object);
+      ImGui::TableNextColumn();
+      DrawLabels(context, *object);
+      DrawModes(context, *object);
+      ImGui::EndTable();
+    }
+    ImGui::EndChild();
+    ImGui::PopFont();
+  }
+
+ private:
+  static void DrawFacts(const FrameContext& context, const ObjectReport& object) {
+    if (!ImGui::BeginTable("details.facts", 2, ImGuiTableFlags_SizingFixedFit)) return;
+    const UprightFrame upright(-context.sequence->up_in_world);
+    const Eigen::Vector3d p = object.world_from_object.translation();
+    ImGui::TableNextColumn();
+    ImGui::PushStyleColor(ImGuiCol_Text, ObjectColor(object.id));
+    ImGui::Text("#%d", object.id.value);
+    ImGui::PopStyleColor();
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(object.category.c_str());
+    Fact(context, "position", fmt::format("{:.2f}  {:.2f}  {:.2f} m", p.x(), p.y(), p.z()),
+         "Origin of the model in the world: x, y, z.");
+    Fact(context, "spread",
+         fmt::format("\u00b1 {:.1f}  {:.1f}  {:.1f} cm", 100 * std::sqrt(object.covariance(0, 0)),
+                     100 * std::sqrt(object.covariance(1, 1)),
+                     100 * std::sqrt(object.covariance(2, 2))),
+         "Standard deviation along the world's x, y, z.");
+    const ModelView* model = context.Model(object.label);
+    if (model != nullptr && model->any_azimuth) {
+      Fact(context, "azimuth", "round", "The model looks the same from all sides.");
+    } else {
+      Fact(context, "azimuth",
+           fmt::format("{:.0f}\u00b0 \u00b1 {:.1f}\u00b0",
+                       kDegrees * upright.Azimuth(object.world_from_object.linear()),
+                       kDegrees * std::sqrt(std::max(0.0, object.covariance(3, 3)))),
+           "Angle about up from the world's +x to the object's front.");
+    }
+    Fact(context, "evidence", fmt::format("{:+.1f}", object.log_evidence),
+         "Log odds that the object is there.");
+    Fact(context, "sample size",
+         fmt::format("{:.0f} of {}", object.effective_sample_size,
+                     object.particles == nullptr ? 0 : object.particles->size()),
+         "Effective number of particles: few mean that the weight sits on few hypotheses.");
+    Fact(context, "born", fmt::format("frame {}", object.first_frame),
+         "Frame whose proposal gave birth to it.");
+    Fact(context, "confirmed",
+         object.confirmed_frame ? fmt::format("frame {}", *object.confirmed_frame) : "not yet",
+         "Frame in which the evidence sufficed.");
+    Fact(context, "last weighed", fmt::format("frame {}", object.last_frame),
+         "Last frame in which enough of it showed.");
+    ImGui::EndTable();
+  }
+
+  static void DrawLabels(const FrameContext& context, const ObjectReport& object) {
+    DimText("Which model");
+    Tooltip(context, "Probability of each shape of the category.");
+    const ImVec2 bar(std::max(context.Scaled(40), 0.34f * ImGui::GetContentRegionAvail().x),
+                     ImGui::GetTextLineHeight() * 0.55f);
+    int shown = 0;
+    for (const LabelProbability& label : object.label_probability) {
+      if (++shown > 6) break;
+      const ModelView* model = context.Model(label.label);
+      const float top = ImGui::GetCursorPosY();
+      ImGui::SetCursorPosY(top + 0.25f * ImGui::GetTextLineHeight());
+      Bar(bar, label.probability, ObjectColor(object.id));
+      ImGui::SameLine();
+      ImGui::SetCursorPosY(top);
+      ImGui::Text("%3.0f %%  %s", 100 * label.probability,
+                  model != nullptr ? model->name.c_str() : "?");
+    }
+  }
+
+  static void DrawModes(const FrameContext& context, const ObjectReport& object) {
+    ImGui::Dummy({0, context.Scaled(2)});
+    DimText(object.modes.size() > 1 ? "%zu separate places" : "One place", object.modes.size());
+    Tooltip(context,
+            "Clearly separate groups of hypotheses, for example a chair and the same chair turned "
+            "by 180 degrees. "
+            "They are never averaged.");
+    const UprightFrame upright(-context.sequence->up_in_world);
+    for (const PoseMode& mode : object.modes) {
+      ImGui::Text("%3.0f %%", 100 * mode.weight);
+      ImGui::SameLine();
+      DimText("azimuth %.0f\u00b0 \u00b1 %.1f\u00b0,  \u00b1 %.1f cm",
+              kDegrees * upright.Azimuth(mode.world_from_object.linear()),
+              kDegrees * mode.azimuth_std_rad, 100 * mode.position_std_m);
+    }
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeDetailsPanel() { return std::make_unique<DetailsPanel>(); }
+
+}  // namespace plumbline

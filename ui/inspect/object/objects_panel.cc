@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "engine/geometry/gravity.h"
+#include "ui/common/waiting.h"
+#include "ui/framework/widgets.h"
+#include "ui/inspect/panels.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+constexpr double kNarrowest = 790;  ///< Narrower than this the table scrolls sideways.
+
+struct Column {
+  const char* name;
+  float width;  ///< In units of the text size; 0: takes what is left.
+  const char* help;
+};
+constexpr Column kColumns[] = {
+    {"Object", 4.4f, "Number in order of birth, and the colour that the object has everywhere."},
+    {"Category", 6.0f, "What the detector called it (COCO name)."},
+    {"Model", 0.0f, "Most likely shape, and its probability."},
+    {"State", 5.6f,
+     "Tentative until the evidence suffices, then confirmed; retired objects are withdrawn."},
+    {"P(there)", 4.6f, "Probability that the object is there, from its accumulated evidence."},
+    {"Position", 5.2f, "Standard deviation of the position: root of the sum over three axes."},
+    {"Azimuth", 4.6f, "Standard deviation of the azimuth about up."},
+    {"Visible", 4.2f,
+     "Share of the mean contour that shows in this image. Dim: not weighed in this frame."},
+    {"\u03a6 det", 3.6f, "Detector term of the score at the mean state, 0 to 1."},
+    {"\u03a6 edge", 3.9f, "Edge term of the score at the mean state."},
+};
+
+void TextRight(ImU32 color, const std::string& text) {
+  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text.c_str()).x;
+  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
+  ImGui::PushStyleColor(ImGuiCol_Text, color);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopStyleColor();
+}
+
+class ObjectsPanel : public Panel {
+ public:
+  const char* Id() const override { return "objects"; }
+  const char* Title() const override { return "Objects"; }
+  const char* Help() const override {
+    return "All objects of the map in this frame. Click one to select it, double click to frame it "
+           "in 3-D.";
+  }
+
+  void DrawHeader(const FrameContext& context, CommandSink&) override {
+    if (context.snapshot == nullptr) return;
+    int confirmed = 0, tentative = 0;
+    for (const ObjectReport& object : context.snapshot->report.objects) {
+      confirmed += object.state == ObjectState::kConfirmed;
+      tentative += object.state == ObjectState::kTentative;
+    }
+    const std::string text = fmt::format("{} confirmed, {} tentative", confirmed, tentative);
+    AlignRight(
+        context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, text.c_str()).x);
+    ImGui::SetCursorPosY(ImGui::GetCursorPosY() + context.Scaled(3));
+    SmallText(context, colors::kDimText, "%s", text.c_str());
+  }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    if (DrawWaiting(context)) return;
+    if (context.snapshot->report.objects.empty()) {
+      return EmptyState(
+          context, "No objects yet",
+          "The first are born from the detector's proposals: press Space to play on.");
+    }
+    ImGui::PushFont(context.fonts.small);
+    const bool scrolls = ImGui::GetContentRegionAvail().x < context.Scaled(kNarrowest);
+    const ImGuiTableFlags flags =
+        (scrolls ? ImGuiTableFlags_ScrollX : 0) | ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
+        ImGuiTableFlags_Resizable | ImGuiTableFlags_Hideable | ImGuiTableFlags_NoBordersInBody;
+    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(3.5)});
+    if (ImGui::BeginTable("objects.table", static_cast<int>(std::size(kColumns)), flags,
+                          ImGui::GetContentRegionAvail(),
+                          scrolls ? context.Scaled(kNarrowest) : 0.0f)) {
+      DrawHeaders(context);
+      for (const ObjectReport& object : context.snapshot->report.objects)
+        DrawRow(context, object, sink);
+      ImGui::EndTable();
+    }
+    ImGui::PopStyleVar();
+    ImGui::PopFont();
+  }
+
+ private:
+  static void DrawHeaders(const FrameContext& context) {
+    ImGui::TableSetupScrollFreeze(1, 1);
+    const float unit = context.fonts.small->FontSize;
+    for (const Column& column : kColumns) {
+      ImGui::TableSetupColumn(
+          column.name,
+          column.width > 0 ? ImGuiTableColumnFlags_WidthFixed : ImGuiTableColumnFlags_WidthStretch,
+          column.width * unit);
+    }
+    ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
+    for (int i = 0; i < static_cast<int>(std::size(kColumns)); ++i) {
+      ImGui::TableSetColumnIndex(i);
+      ImGui::PushStyleColor(ImGuiCol_Text, colors::kDimText);
+      ImGui::TableHeader(kColumns[i].name);
+      ImGui::PopStyleColor();
+      Tooltip(context, kColumns[i].help);
+    }
+  }
+
+  static void DrawRow(const FrameContext& context, const ObjectReport& object, CommandSink& sink) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    const ImVec2 cursor = ImGui::GetCursorScreenPos();
+    const std::string name = fmt::format("objects.row.{}", object.id.value);
+    const bool selected = object.id == context.selection.object;
+    if (ImGui::Selectable(
+            ("##" + name).c_str(), selected,
+            ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick)) {
+      sink.Post(SelectObjectCommand{object.id});
+      if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) sink.Post(FocusSelectionCommand{});
+    }
+    LogItem(context, name);
+    const float size = ImGui::GetTextLineHeight();
+    ImGui::GetWindowDrawList()->AddRectFilled({cursor.x, cursor.y + 0.12f * size},
+                                              {cursor.x + 0.76f * size, cursor.y + 0.88f * size},
+                                              ObjectColor(object.id), 0.2f * size);
+    ImGui::SameLine(1.3f * size);
+    ImGui::Text("#%d", object.id.value);
+    DrawCells(context, object);
+  }
+
+  static void DrawCells(const FrameContext& context, const ObjectReport& object) {
+    const ModelView* model = context.Model(object.label);
+    const double label =
+        object.label_probability.empty() ? 0 : object.label_probability.front().probability;
+    const double there = 1 / (1 + std::exp(-object.log_evidence));
+    const double position_std_m = std::sqrt(object.covariance.topLeftCorner<3, 3>().trace());
+    const double azimuth_std_rad = std::sqrt(std::max(0.0, object.covariance(3, 3)));
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(object.category.c_str());
+    ImGui::TableNextColumn();
+    ImGui::Text("%s", model != nullptr ? model->name.c_str() : "?");
+    ImGui::SameLine();
+    DimText("%.0f %%", 100 * label);
+    if (object.modes.size() > 1) {
+      ImGui::SameLine();
+      ImGui::PushStyleColor(ImGuiCol_Text, colors::kWarning);
+      ImGui::Text("%zu modes", object.modes.size());
+      ImGui::PopStyleColor();
+      Tooltip(context,
+              "The hypotheses sit in clearly separate places; select the object to see them.");
+    }
+    ImGui::TableNextColumn();
+    ImGui::PushStyleColor(ImGuiCol_Text, StateColor(object.state));
+    ImGui::TextUnformatted(StateName(object.state));
+    ImGui::PopStyleColor();
+    ImGui::TableNextColumn();
+    TextRight(colors::kText, fmt::format("{:.0f} %", 100 * there));
+    ImGui::TableNextColumn();
+    TextRight(colors::kText, fmt::format("\u00b1 {:.1f} cm", 100 * position_std_m));
+    ImGui::TableNextColumn();
+    if (model != nullptr && model->any_azimuth) {
+      TextRight(colors::kFaint, "round");
+      Tooltip(context, "The model looks the same from all sides.");
+    } else {
+      TextRight(colors::kText, fmt::format("\u00b1 {:.1f}\u00b0", kDegrees * azimuth_std_rad));
+    }
+    const ImU32 seen = object.weighed ? colors::kText : colors::kFaint;
+    ImGui::TableNextColumn();
+    TextRight(seen, fmt::format("{:.0f} %", 100 * object.visible_fraction));
+    ImGui::TableNextColumn();
+    TextRight(seen, fmt::format("{:.2f}", object.phi_cnn));
+    ImGui::TableNextColumn();
+    TextRight(seen, fmt::format("{:.2f}", object.phi_edge));
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeObjectsPanel() { return std::make_unique<ObjectsPanel>(); }
+
+}  // namespace plumbline

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "engine/snapshot/particle_rank.h"
+#include "ui/common/waiting.h"
+#include "ui/framework/widgets.h"
+#include "ui/inspect/panels.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+
+struct Column {
+  const char* name;
+  const char* help;
+  double (*value)(const Particle& particle);  ///< Null: index or rank.
+};
+constexpr Column kColumns[] = {
+    {"#", "Index among the object's particles.", nullptr},
+    {"Rank", "1 is the best: by weight times what this frame says of it.", nullptr},
+    {"Weight", "Share of the belief, in thousandths.",
+     [](const Particle& p) { return 1000 * std::exp(double{p.log_weight}); }},
+    {"\u03a6 det", "Detector term.", [](const Particle& p) { return double{p.phi_cnn}; }},
+    {"\u03a6 edge", "Edge term.", [](const Particle& p) { return double{p.phi_edge}; }},
+    {"Distance", "Depth in the reference camera [m].",
+     [](const Particle& p) { return std::exp(double{p.rho}); }},
+    {"x", "Bearing to the right, X/Z.", [](const Particle& p) { return double{p.x_c}; }},
+    {"y", "Bearing down, Y/Z.", [](const Particle& p) { return double{p.y_c}; }},
+    {"Azimuth", "About up [\u00b0].", [](const Particle& p) { return kDegrees * p.azimuth; }},
+    {"Model", "Its shape.", [](const Particle& p) { return double(p.label); }},
+    {"From", "The particle of the last weighed frame that it comes from.",
+     [](const Particle& p) { return double(p.ancestor); }},
+};
+
+constexpr int kRank = 1, kWeight = 2;
+
+class ParticleTablePanel : public Panel {
+ public:
+  const char* Id() const override { return "particle_table"; }
+  const char* Title() const override { return "Particle list"; }
+  const char* Help() const override {
+    return "All hypotheses of the selected object in numbers. Click a heading to sort, a row to "
+           "mark the hypothesis in the images and in the map.";
+  }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    if (DrawWaiting(context)) return;
+    const ObjectReport* object = context.SelectedObject();
+    if (object == nullptr || object->particles == nullptr)
+      return EmptyState(context, "No particles",
+                        "Select an object in the list, in an image or in the map.");
+    ImGui::PushFont(context.fonts.small);
+    constexpr auto kFlags = ImGuiTableFlags_Sortable | ImGuiTableFlags_ScrollY |
+                            ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp;
+    if (ImGui::BeginTable("particle_table", static_cast<int>(std::size(kColumns)), kFlags,
+                          ImGui::GetContentRegionAvail())) {
+      ImGui::TableSetupScrollFreeze(0, 1);
+      for (const Column& column : kColumns)
+        ImGui::TableSetupColumn(
+            column.name,
+            ImGuiTableColumnFlags_PreferSortDescending |
+                (&column == &kColumns[kWeight] ? ImGuiTableColumnFlags_DefaultSort : 0));
+      ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
+      for (int i = 0; i < static_cast<int>(std::size(kColumns)); ++i) {
+        ImGui::TableSetColumnIndex(i);
+        ImGui::TableHeader(kColumns[i].name);
+        LogItem(context, fmt::format("particle_table.column.{}", i));
+        Tooltip(context, kColumns[i].help);
+      }
+      Sort(context, *object);
+      DrawRows(context, *object, sink);
+      ImGui::EndTable();
+    }
+    ImGui::PopFont();
+  }
+
+ private:
+  void Sort(const FrameContext& context, const ObjectReport& object) {
+    ImGuiTableSortSpecs* specs = ImGui::TableGetSortSpecs();
+    const auto& particles = *object.particles;
+    const bool same = version_ == context.snapshot_version && object_ == object.id &&
+                      order_.size() == particles.size();
+    if (same && (specs == nullptr || !specs->SpecsDirty)) return;
+    version_ = context.snapshot_version;
+    object_ = object.id;
+    order_.resize(particles.size());
+    std::iota(order_.begin(), order_.end(), 0);
+    RankParticles(context, particles);
+    if (specs == nullptr || specs->SpecsCount == 0) return;
+    specs->SpecsDirty = false;
+    const Column& column = kColumns[specs->Specs[0].ColumnIndex];
+    const bool rises = specs->Specs[0].SortDirection == ImGuiSortDirection_Ascending;
+    const auto key = [&](int i) { return Value(column, particles, i); };
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](int a, int b) { return rises ? key(a) < key(b) : key(a) > key(b); });
+  }
+
+  void RankParticles(const FrameContext& context, const std::vector<Particle>& particles) {
+    const MapperOptions options =
+        context.playback->options != nullptr ? *context.playback->options : MapperOptions();
+    rank_.resize(particles.size());
+    int rank = 0;
+    for (const int index : ByRank(particles, options.alpha, options.beta))
+      rank_[static_cast<std::size_t>(index)] = ++rank;
+  }
+
+  double Value(const Column& column, const std::vector<Particle>& particles, int index) const {
+    const auto i = static_cast<std::size_t>(index);
+    if (column.value != nullptr) return column.value(particles[i]);
+    return &column == &kColumns[kRank] ? rank_[i] : index;
+  }
+
+  void DrawRows(const FrameContext& context, const ObjectReport& object, CommandSink& sink) const {
+    ImGuiListClipper clipper;
+    clipper.Begin(static_cast<int>(order_.size()));
+    while (clipper.Step()) {
+      for (int row = clipper.DisplayStart; row < clipper.DisplayEnd; ++row) {
+        const int index = order_[static_cast<std::size_t>(row)];
+        const Particle& particle = (*object.particles)[static_cast<std::size_t>(index)];
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        if (ImGui::Selectable(fmt::format("{}##row", index).c_str(),
+                              context.selection.particle == index,
+                              ImGuiSelectableFlags_SpanAllColumns))
+          sink.Post(SelectParticleCommand{context.selection.particle == index ? -1 : index});
+        if (ImGui::IsItemHovered()) sink.Post(HoverParticleCommand{index});
+        LogItem(context, fmt::format("particle_table.row.{}", row));
+        for (std::size_t c = 1; c < std::size(kColumns); ++c) {
+          ImGui::TableNextColumn();
+          const double value = Value(kColumns[c], *object.particles, index);
+          const ModelView* model = context.Model({particle.label});
+          if (std::string_view(kColumns[c].name) == "Model") {
+            ImGui::TextUnformatted(model != nullptr ? model->name.c_str() : "?");
+          } else if (c == kRank || std::string_view(kColumns[c].name) == "From") {
+            ImGui::Text("%.0f", value);
+          } else {
+            ImGui::Text("%.2f", value);
+          }
+        }
+      }
+    }
+  }
+
+  std::uint64_t version_ = 0;
+  ObjectId object_;
+  std::vector<int> order_, rank_;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeParticleTablePanel() { return std::make_unique<ParticleTablePanel>(); }
+
+}  // namespace plumbline

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "engine/snapshot/relations.h"
+#include "ui/common/waiting.h"
+#include "ui/framework/widgets.h"
+#include "ui/inspect/panels.h"
+
+namespace plumbline {
+namespace {
+
+class RelationsPanel : public Panel {
+ public:
+  const char* Id() const override { return "relations"; }
+  const char* Title() const override { return "Relations"; }
+  const char* Help() const override {
+    return "How the confirmed objects of this frame stand to one another: what stands on what, "
+           "what hides what from the camera, and the nearest neighbour of each. Click a row to "
+           "select "
+           "its first object. The switch Links draws them in the map.";
+  }
+
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    if (DrawWaiting(context)) return;
+    if (version_ != context.snapshot_version) {
+      version_ = context.snapshot_version;
+      const MapSnapshot& s = *context.snapshot;
+      relations_ = finder_.Find(s.report, *context.sequence, s.depth, s.id);
+    }
+    if (relations_.empty())
+      return EmptyState(context, "No relations yet",
+                        "They are told of confirmed objects: play on until there are two.");
+    ImGui::PushFont(context.fonts.small);
+    constexpr auto kFlags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
+                            ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_NoBordersInBody;
+    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(3.5)});
+    if (ImGui::BeginTable("relations.table", 4, kFlags, ImGui::GetContentRegionAvail())) {
+      for (std::size_t i = 0; i < relations_.size(); ++i) DrawRow(context, i, sink);
+      ImGui::EndTable();
+    }
+    ImGui::PopStyleVar();
+    ImGui::PopFont();
+  }
+
+ private:
+  static std::string NameOf(const FrameContext& context, ObjectId id) {
+    for (const ObjectReport& object : context.snapshot->report.objects) {
+      if (object.id != id) continue;
+      const ModelView* model = context.Model(object.label);
+      return fmt::format("#{} {}", id.value, model != nullptr ? model->name : object.category);
+    }
+    return fmt::format("#{}", id.value);
+  }
+
+  void DrawRow(const FrameContext& context, std::size_t index, CommandSink& sink) const {
+    const ObjectRelation& relation = relations_[index];
+    const std::string name = fmt::format("relations.row.{}", index);
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::PushStyleColor(ImGuiCol_Text, ObjectColor(relation.a));
+    if (ImGui::Selectable((NameOf(context, relation.a) + "##" + name).c_str(),
+                          relation.a == context.selection.object,
+                          ImGuiSelectableFlags_SpanAllColumns))
+      sink.Post(SelectObjectCommand{relation.a});
+    ImGui::PopStyleColor();
+    LogItem(context, name);
+    ImGui::TableNextColumn();
+    DimText("%s", RelationName(relation.kind));
+    ImGui::TableNextColumn();
+    ImGui::PushStyleColor(ImGuiCol_Text, ObjectColor(relation.b));
+    ImGui::TextUnformatted(NameOf(context, relation.b).c_str());
+    ImGui::PopStyleColor();
+    ImGui::TableNextColumn();
+    const std::string value = relation.kind == RelationKind::kHides
+                                  ? fmt::format("{:.0f} %", 100 * relation.value)
+                                  : fmt::format("{:.1f} cm", 100 * relation.value);
+    ImGui::TextUnformatted(value.c_str());
+    Tooltip(context, relation.kind == RelationKind::kHides
+                         ? "Share of the second object's surface points in the picture that the "
+                           "first one covers."
+                         : "Smallest distance between the surfaces of the two models.");
+  }
+
+  std::uint64_t version_ = 0;
+  RelationFinder finder_;
+  std::vector<ObjectRelation> relations_;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeRelationsPanel() { return std::make_unique<RelationsPanel>(); }
+
+}  // namespace plumbline

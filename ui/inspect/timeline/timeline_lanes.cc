@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/timeline/timeline_lanes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "ui/framework/widgets.h"
+
+namespace plumbline {
+
+std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId also) {
+  std::map<ObjectId, ObjectLane> by_id;
+  ObjectLane others;
+  for (const FrameEvent& event : events) {
+    const LifeEvent& life = event.event;
+    if (life.kind == EventKind::kOptionsChanged) continue;  // marked over all lanes
+    if (life.object.value <= 0) {
+      others.events.push_back(&event);
+      continue;
+    }
+    ObjectLane& lane = by_id[life.object];
+    lane.id = life.object;
+    if (life.kind == EventKind::kSpawned) lane.born = event.frame;
+    if (life.kind == EventKind::kConfirmed && lane.confirmed < 0) lane.confirmed = event.frame;
+    if (life.kind == EventKind::kRetired || life.kind == EventKind::kMerged)
+      lane.ended = event.frame;
+    lane.events.push_back(&event);
+  }
+  std::vector<ObjectLane> lanes;
+  for (auto& [id, lane] : by_id) {
+    if (lane.confirmed >= 0 || id == also) {
+      lanes.push_back(std::move(lane));
+    } else {
+      others.events.insert(others.events.end(), lane.events.begin(), lane.events.end());
+    }
+  }
+  if (!others.events.empty()) lanes.push_back(std::move(others));
+  return lanes;
+}
+
+void TimelineLanes::Update(const FrameContext& context) {
+  const PlaybackView& playback = context.shown_playback();
+  const bool changed = events_ != playback.events || lane_for_ != context.selection.object;
+  if (changed) {
+    events_ = playback.events;
+    lane_for_ = context.selection.object;
+    lanes_ = LanesOf(*events_, lane_for_);
+  }
+  if (!changed && history_ == playback.history) return;
+  history_ = playback.history;
+  NameLanes(context);
+}
+
+/// By the last shape that the history knows of each.
+void TimelineLanes::NameLanes(const FrameContext& context) {
+  std::size_t missing = 0;
+  for (ObjectLane& lane : lanes_) {
+    lane.name = lane.id.value <= 0 ? "never confirmed" : fmt::format("#{}", lane.id.value);
+    missing += lane.id.value > 0;
+  }
+  std::map<ObjectId, ModelId> labels;
+  for (auto frame = history_->frames.rbegin();
+       frame != history_->frames.rend() && labels.size() < missing; ++frame) {
+    if (*frame == nullptr) continue;
+    for (const ObjectSample& object : (*frame)->objects) {
+      const bool wanted = std::any_of(lanes_.begin(), lanes_.end(),
+                                      [&](const ObjectLane& lane) { return lane.id == object.id; });
+      if (wanted) labels.emplace(object.id, object.label);
+    }
+  }
+  for (ObjectLane& lane : lanes_) {
+    const auto label = labels.find(lane.id);
+    const ModelView* model = label != labels.end() ? context.Model(label->second) : nullptr;
+    if (model != nullptr) lane.name += " " + model->name;
+  }
+}
+
+void TimelineLanes::Scroll(const FrameContext& context, float view_height) {
+  const float height = context.Scaled(kLaneHeight);
+  const ImGuiIO& io = ImGui::GetIO();
+  if (ImGui::IsItemHovered()) scroll_ -= 2 * height * io.MouseWheel;
+  if (ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Left))
+    scroll_ -= io.MouseDelta.y;
+  if (seen_ != context.selection.object) {
+    seen_ = context.selection.object;
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      if (lanes_[i].id != seen_) continue;
+      const float top = height * static_cast<float>(i);
+      scroll_ = std::clamp(scroll_, top + height - view_height, top);
+    }
+  }
+  const float all = height * static_cast<float>(lanes_.size());
+  scroll_ = std::clamp(scroll_, 0.0f, std::max(0.0f, all - view_height));
+}
+
+void TimelineLanes::Draw(const FrameContext& context, const TimeAxis& axis, float label_x, float y0,
+                         float y1, CommandSink& sink) {
+  const float height = context.Scaled(kLaneHeight);
+  if (lanes_.empty() || y1 - y0 < 1) return;
+  const ImVec2 cursor = ImGui::GetCursorScreenPos();
+  ImGui::SetCursorScreenPos({label_x, y0});
+  ImGui::InvisibleButton("timeline.lanes", {axis.x0 - context.Scaled(6) - label_x, y1 - y0});
+  LogItem(context, "timeline.lanes");
+  Scroll(context, y1 - y0);
+  const bool hovered = ImGui::IsItemHovered(),
+             clicked = ImGui::IsItemDeactivated() && hovered &&
+                       ImGui::GetIO().MouseDragMaxDistanceSqr[0] < 16;
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.PushClipRect({label_x, y0}, {axis.x1, y1}, true);
+  for (std::size_t i = 0; i < lanes_.size(); ++i) {
+    const ObjectLane& lane = lanes_[i];
+    const float top = y0 + height * static_cast<float>(i) - scroll_;
+    if (top + height < y0 || top > y1) continue;
+    DrawLane(context, axis, lane, label_x, top + 0.5f * height);
+    if (lane.id.value <= 0) continue;
+    if (top >= y0 - 0.5f && top + height <= y1 + 0.5f)
+      context.widgets->Add(fmt::format("timeline.lane.{}", lane.id.value), {label_x, top},
+                           {axis.x0, top + height});
+    const float mouse = ImGui::GetIO().MousePos.y;
+    if (mouse < top || mouse >= top + height) continue;
+    if (clicked) sink.Post(SelectObjectCommand{lane.id});
+    if (hovered) Tooltip(context, lane.name + "\nA click selects it; the wheel scrolls.");
+  }
+  draw.PopClipRect();
+  DrawScrollBar(context, axis.x0 - context.Scaled(10), y0, y1);
+  ImGui::SetCursorScreenPos(cursor);
+}
+
+void TimelineLanes::DrawLane(const FrameContext& context, const TimeAxis& axis,
+                             const ObjectLane& lane, float label_x, float y) const {
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const float height = context.Scaled(kLaneHeight), mark = 0.3f * height;
+  const bool all = lane.id.value <= 0;
+  const ImU32 color = all ? colors::kFaint : ObjectColor(lane.id);
+  if (!all && lane.id == context.selection.object)
+    draw.AddRectFilled({label_x, y - 0.5f * height}, {axis.x1, y + 0.5f * height},
+                       colors::kControl);
+  const int end = lane.ended >= 0 ? lane.ended : context.shown_playback().newest_mapped_frame;
+  const auto line = [&](int from, int to, float width, double alpha) {
+    const float a = std::max(axis.XOf(from), axis.x0), b = std::min(axis.XOf(to), axis.x1);
+    if (b > a) draw.AddLine({a, y}, {b, y}, WithAlpha(color, alpha), context.Scaled(width));
+  };
+  if (!all) {
+    line(lane.born, lane.confirmed >= 0 ? std::min(lane.confirmed, end) : end, 2, 0.8);
+    if (lane.confirmed >= 0) line(lane.confirmed, end, 7, 0.75);
+  }
+  for (const FrameEvent* event : lane.events) {
+    const float x = axis.XOf(event->frame);
+    if (x < axis.x0 || x > axis.x1) continue;
+    draw.AddTriangleFilled({x - mark, y - mark}, {x + mark, y - mark}, {x, y + mark},
+                           EventColor(event->event.kind));
+  }
+  const ImFont* font = context.fonts.small;
+  const ImVec4 clip(label_x, y - height, axis.x0 - context.Scaled(14), y + height);
+  draw.AddText(font, font->FontSize, {label_x, y - 0.5f * font->FontSize}, color, lane.name.c_str(),
+               nullptr, 0, &clip);
+}
+
+void TimelineLanes::DrawScrollBar(const FrameContext& context, float x, float y0, float y1) const {
+  const float all = context.Scaled(kLaneHeight) * static_cast<float>(lanes_.size());
+  if (all <= y1 - y0 + 1) return;
+  const float low = y0 + (y1 - y0) * scroll_ / all, high = low + (y1 - y0) * (y1 - y0) / all;
+  ImGui::GetWindowDrawList()->AddRectFilled({x, low}, {x + context.Scaled(4), high},
+                                            colors::kControlHovered, context.Scaled(2));
+}
+
+}  // namespace plumbline

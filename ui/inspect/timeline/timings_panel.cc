@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "ui/common/waiting.h"
+#include "ui/framework/widgets.h"
+#include "ui/inspect/panels.h"
+#include "ui/inspect/timeline/timings_plot.h"
+
+namespace plumbline {
+namespace {
+
+class TimingsPanel : public Panel {
+ public:
+  const char* Id() const override { return "timings"; }
+  const char* Title() const override { return "Timings"; }
+  const char* Help() const override {
+    return "Time that each stage took in this frame (bar and number), and its running mean. Below: "
+           "what the window itself takes.";
+  }
+
+  void DrawHeader(const FrameContext& context, CommandSink&) override {
+    AlignRight(ToggleWidth(context, "Over time"));
+    Toggle(context, "timings.over_time", "Over time", over_time_,
+           "The stages of all frames so far, one upon the other.");
+  }
+
+  void Draw(const FrameContext& context, CommandSink&) override {
+    if (DrawWaiting(context)) return;
+    Remember(context);
+    ImGui::PushFont(context.fonts.small);
+    DrawRates(context);
+    if (over_time_) {
+      DrawTimingsPlot(context);
+      return ImGui::PopFont();
+    }
+    ImGui::BeginChild("timings.scroll", ImGui::GetContentRegionAvail());
+    const auto& timings = context.snapshot->report.timings;
+    double total = 0, longest = 1;
+    for (const StageTiming& timing : timings) {
+      total += timing.milliseconds;
+      longest = std::max({longest, timing.milliseconds, means_[timing.stage]});
+    }
+    const bool wide = ImGui::GetContentRegionAvail().x > context.Scaled(240);
+    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(4), context.Scaled(2)});
+    if (ImGui::BeginTable("timings.table", wide ? 4 : 3, ImGuiTableFlags_SizingFixedFit)) {
+      ImGui::TableSetupColumn("stage");
+      ImGui::TableSetupColumn("bar", ImGuiTableColumnFlags_WidthStretch);
+      ImGui::TableSetupColumn("now");
+      if (wide) ImGui::TableSetupColumn("mean");
+      for (const StageTiming& timing : timings) {
+        Row(context, timing.stage, timing.milliseconds, wide ? means_[timing.stage] : -1, longest,
+            StageColor(static_cast<std::size_t>(&timing - timings.data())));
+      }
+      Row(context, "frame", total, wide ? mean_total_ : -1, 0, colors::kText);
+      Row(context, "window", context.window_ms, -1, 0, colors::kDimText);
+      Tooltip(context, "CPU time of drawing the window.");
+      Row(context, "3-D view", context.scene_ms, -1, 0, colors::kDimText);
+      ImGui::EndTable();
+    }
+    ImGui::PopStyleVar();
+    ImGui::EndChild();
+    ImGui::PopFont();
+  }
+
+  nlohmann::json SaveState() const override { return {{"over_time", over_time_}}; }
+  void LoadState(const nlohmann::json& json) override {
+    over_time_ = json.value("over_time", over_time_);
+  }
+
+ private:
+  /// Hypotheses a second, and frames that were not used.
+  static void DrawRates(const FrameContext& context) {
+    double weigh_ms = 0;
+    std::size_t hypotheses = 0;
+    for (const StageTiming& timing : context.snapshot->report.timings) {
+      if (timing.stage == "weigh") weigh_ms = timing.milliseconds;
+    }
+    for (const ObjectReport& object : context.snapshot->report.objects) {
+      // Birth has a stage of its own.
+      const bool born_now = object.first_frame == context.snapshot->report.frame;
+      if (object.weighed && !born_now && object.particles != nullptr)
+        hypotheses += object.particles->size();
+    }
+    int dropped = 0;
+    for (const auto& frame : context.playback->history->frames)
+      dropped += frame != nullptr && frame->skipped;
+    if (hypotheses > 0 && weigh_ms > 0)
+      DimText("%.0f 000 hypotheses/s", std::ceil(static_cast<double>(hypotheses) / weigh_ms));
+    else
+      DimText("no hypotheses weighed");
+    Tooltip(context, "Particles weighed in this frame, over the time of the stage 'weigh'.");
+    ImGui::SameLine(0, context.Scaled(12));
+    if (dropped > 0)
+      SmallText(context, colors::kWarning, "%d frames dropped", dropped);
+    else
+      DimText("none dropped");
+    Tooltip(context, "Frames of this run that could not be used.");
+  }
+
+  void Remember(const FrameContext& context) {
+    if (version_ == context.snapshot_version) return;
+    version_ = context.snapshot_version;
+    double total = 0;
+    for (const StageTiming& timing : context.snapshot->report.timings) {
+      total += timing.milliseconds;
+      const auto [entry, is_new] = means_.emplace(timing.stage, timing.milliseconds);
+      if (!is_new) entry->second += kShare * (timing.milliseconds - entry->second);
+    }
+    mean_total_ = mean_total_ == 0 ? total : mean_total_ + kShare * (total - mean_total_);
+  }
+
+  /// Without a bar where `longest` is 0, without a mean where it is negative.
+  static void Row(const FrameContext& context, const std::string& name, double now, double mean,
+                  double longest, ImU32 color) {
+    const auto number = [&](double value, ImU32 ink) {
+      const std::string text = fmt::format("{:.1f} ms", value);
+      const float width = ImGui::CalcTextSize("0000.0 ms").x;
+      ImGui::SetCursorPosX(ImGui::GetCursorPosX() + width - ImGui::CalcTextSize(text.c_str()).x);
+      ImGui::PushStyleColor(ImGuiCol_Text, ink);
+      ImGui::TextUnformatted(text.c_str());
+      ImGui::PopStyleColor();
+    };
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::PushStyleColor(ImGuiCol_Text, longest > 0 ? colors::kDimText : color);
+    ImGui::TextUnformatted(name.c_str());
+    ImGui::PopStyleColor();
+    ImGui::TableNextColumn();
+    if (longest > 0) {
+      ImGui::SetCursorPosY(ImGui::GetCursorPosY() + 0.25f * ImGui::GetTextLineHeight());
+      Bar({std::max(4.0f, ImGui::GetContentRegionAvail().x), 0.5f * ImGui::GetTextLineHeight()},
+          now / longest, color);
+    }
+    ImGui::TableNextColumn();
+    number(now, longest > 0 ? colors::kText : color);
+    if (mean < 0) return;
+    ImGui::TableNextColumn();
+    number(mean, colors::kFaint);
+    Tooltip(context, "Running mean over about 30 frames.");
+  }
+
+  static constexpr double kShare = 1.0 / 30;
+  bool over_time_ = false;
+  std::map<std::string, double> means_;
+  double mean_total_ = 0;
+  std::uint64_t version_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeTimingsPanel() { return std::make_unique<TimingsPanel>(); }
+
+}  // namespace plumbline
