@@ -62,8 +62,8 @@ bool IsGlHeader(std::string_view file) {
 }
 
 bool HoldsPanels(std::string_view path) {
-  return StartsWith(path, "ui/panels/") || StartsWith(path, "ui/common/") ||
-         StartsWith(path, "ui/inspect/") || StartsWith(path, "ui/annotate/");
+  return StartsWith(path, "ui/common/") || StartsWith(path, "ui/inspect/") ||
+         StartsWith(path, "ui/annotate/");
 }
 
 /// Why `path` may not include our own `file`; "" if it may.

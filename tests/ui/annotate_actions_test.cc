@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ui/panels/annotate_actions.h"
+#include "ui/annotate/annotate_actions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 
 #include "ui/framework/layout.h"
 #include "ui/framework/shortcuts.h"
-#include "ui/panels/annotate_actions.h"
+#include "ui/annotate/annotate_actions.h"
 
 namespace plumbline {
 namespace {

@@ -2,7 +2,7 @@
 // Panels of the Annotate workspace without a display: what they say, what they post, and that no
 // state of a project upsets them.
 
-#include "ui/panels/annotate_panels.h"
+#include "ui/annotate/annotate_panels.h"
 
 #include <functional>
 #include <numbers>

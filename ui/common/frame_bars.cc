@@ -6,10 +6,10 @@
 #include <cstring>
 #include <vector>
 
+#include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_panels.h"
 #include "ui/framework/shortcuts.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_actions.h"
-#include "ui/panels/annotate_panels.h"
 
 namespace plumbline {
 namespace {

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <utility>
 
+#include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_panels.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_actions.h"
-#include "ui/panels/annotate_panels.h"
 #include "ui/scene/annotate_scene.h"
 
 namespace plumbline {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ui/panels/annotate_gizmo.h"
+#include "ui/annotate/annotate_gizmo.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "ui/annotate/annotate_pose.h"
+#include "ui/annotate/scene_geometry.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_pose.h"
-#include "ui/panels/scene_geometry.h"
 
 namespace plumbline {
 namespace {

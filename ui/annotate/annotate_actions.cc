@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ui/panels/annotate_actions.h"
+#include "ui/annotate/annotate_actions.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <functional>
 #include <numbers>
 
+#include "ui/annotate/annotate_crop_box.h"
+#include "ui/annotate/annotate_pose.h"
 #include "ui/framework/annotate_view.h"
-#include "ui/panels/annotate_crop_box.h"
-#include "ui/panels/annotate_pose.h"
 
 namespace plumbline {
 namespace {
