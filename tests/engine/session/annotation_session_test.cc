@@ -130,6 +130,23 @@ TEST_F(AnnotationSessionTest, OffersCandidatesWithPicturesBestFirst) {
   EXPECT_TRUE(session->Snapshot().instances.empty());
 }
 
+TEST_F(AnnotationSessionTest, ACandidateIsTakenByItsId) {
+  const auto session = Open();
+  Do(*session, TypeGravityCommand{scene_.up_in_scan, std::nullopt});
+  Do(*session, AcceptProposalCommand{});
+  session->Apply(PlaceModelCommand{"armchair", scene_.scan_from_armchair.translation()}, 7);
+  RunJobs(*session);
+  const PlacementView placement = session->Snapshot().placement.value();
+  EXPECT_EQ(placement.asked_by, 7u);
+  ASSERT_GT(placement.candidates.size(), 1u);
+  Do(*session, AcceptProposalCommand{99});
+  EXPECT_TRUE(session->Snapshot().refused);
+  EXPECT_TRUE(session->Snapshot().instances.empty());
+  Do(*session, AcceptProposalCommand{placement.candidates[1].id});
+  EXPECT_EQ(session->Snapshot().instances.at(0).scan_from_object.matrix(),
+            placement.candidates[1].scan_from_object.matrix());
+}
+
 TEST_F(AnnotationSessionTest, PlacesWhereThereIsNoScanAndSaysSo) {
   const auto session = Open();
   Do(*session, PlaceModelCommand{"table", ScanFromLevel() * Eigen::Vector3d(30, 0, 0)});
