@@ -4,9 +4,9 @@
 #include <numbers>
 #include <utility>
 
+#include "ui/annotate/annotate_actions.h"
 #include "ui/framework/layout.h"
 #include "ui/framework/shortcuts.h"
-#include "ui/annotate/annotate_actions.h"
 
 namespace plumbline {
 namespace {
@@ -93,7 +93,8 @@ AnnotateHarness::AnnotateHarness() {
 }
 
 std::string AnnotateHarness::Text(Panel& panel) {
-  Draw(panel);  // sizes that are those of the last frame
+  ImGui::GetIO().MousePos = {-1, -1};  // a tooltip would end the text
+  Draw(panel, 2);                      // sizes that are those of the last frame
   ImGui::NewFrame();
   widgets.Clear();
   ImGui::SetNextWindowPos({0, 0});
