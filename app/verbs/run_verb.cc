@@ -35,13 +35,23 @@ std::string Now() {
   return text;
 }
 
-/// The run file to write to, new or resumed; `pipeline` then stands where the run goes on.
+/// The run file to write to, new, forked or resumed; `pipeline` then stands where the run goes on.
+/// @param summary  Gets every report that a fork takes over.
 Result<std::unique_ptr<RunWriter>> OpenWriter(const RunArguments& arguments,
-                                              MappingPipeline& pipeline) {
+                                              MappingPipeline& pipeline, RunSummary& summary) {
   RunHeader header = HeaderOf(pipeline);
   header.forked_after = arguments.at;
   header.program_version = PLUMBLINE_VERSION;
   header.started = Now();
+  if (!arguments.fork.empty()) {
+    return RunWriter::Create(arguments.out, header, [&](RunWriter& past) -> Status {
+      const auto at = TakeOverPast(arguments.fork, *arguments.at, pipeline, past,
+                                   [&](const FrameReport& report) { summary.Add(report); });
+      if (!at.ok()) return at.error();
+      std::fprintf(stderr, "forking after frame %d\n", *at);
+      return {};
+    });
+  }
   std::error_code ignored;
   if (!arguments.resume || !std::filesystem::exists(arguments.out, ignored)) {
     return RunWriter::Create(arguments.out, header);
@@ -90,17 +100,11 @@ Status Run(RunArguments& arguments) {
     if (!last.ok()) return last.error();
     arguments.at = *last;
   }
-  Result<std::unique_ptr<RunWriter>> writer = OpenWriter(arguments, pipeline);
+  RunSummary summary;
+  Result<std::unique_ptr<RunWriter>> writer = OpenWriter(arguments, pipeline, summary);
   if (!writer.ok()) return writer.error();
 
   std::shared_ptr<const MapSnapshot> last;
-  RunSummary summary;
-  if (!arguments.fork.empty()) {
-    const auto at = TakeOverPast(arguments.fork, *arguments.at, pipeline, **writer,
-                                 [&](const FrameReport& report) { summary.Add(report); });
-    if (!at.ok()) return at.error();
-    std::fprintf(stderr, "forking after frame %d\n", *at);
-  }
   Stopwatch watch;
   while (!work.stop.stop_requested()) {
     const auto snapshot = pipeline.Next();
@@ -129,7 +133,7 @@ Status Run(RunArguments& arguments) {
     return Error{ErrorCode::kCancelled,
                  "stopped; '" + arguments.out + "' keeps what was done, --resume goes on with it"};
   }
-  return {};
+  return summary.CheckAnyFrameUsed(arguments.pipeline.choice.sequence.string());
 }
 
 }  // namespace

@@ -37,8 +37,9 @@ const char* StateName(ObjectState state) {
 }
 
 const char* EventName(EventKind kind) {
-  static constexpr const char* kNames[] = {"spawned", "confirmed",     "merged",
-                                           "retired", "label_changed", "frame_skipped"};
+  static constexpr const char* kNames[] = {"spawned",        "confirmed",     "merged",
+                                           "retired",        "label_changed", "frame_skipped",
+                                           "options_changed"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

@@ -4,9 +4,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
@@ -22,25 +24,58 @@ double SecondsNow() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-std::string LineOf(const JournalRecord& record) {
-  const nlohmann::json json = {{"kind", kKinds[static_cast<int>(record.kind)]},
-                               {"label", record.label},
-                               {"time_s", SecondsNow()},
-                               {"edit", EditToJson(record.edit)}};
-  return json.dump() + "\n";
+/// The line of an edit, with a hash of all the rest of it.
+std::string LineOf(const JournalRecord& record, std::size_t number) {
+  nlohmann::json json = {{"number", number},
+                         {"kind", kKinds[static_cast<int>(record.kind)]},
+                         {"label", record.label},
+                         {"time_s", SecondsNow()},
+                         {"edit", EditToJson(record.edit)}};
+  json["check"] = HashHex(JsonText(json));
+  return JsonText(json) + "\n";
 }
 
-/// Nothing for a line that is no record.
-std::optional<JournalRecord> RecordOf(const std::string& line) {
-  const nlohmann::json json = nlohmann::json::parse(line, nullptr, false);
-  if (json.is_discarded() || !json.contains("edit")) return std::nullopt;
-  Result<Edit> edit = EditFromJson(json["edit"]);
-  if (!edit) return std::nullopt;
-  const std::string kind = TextFromJson(json, "kind").value_or("do");
-  JournalRecord record{EditKind::kDo, TextFromJson(json, "label").value_or(""), std::move(*edit)};
-  if (kind == kKinds[1]) record.kind = EditKind::kUndo;
-  if (kind == kKinds[2]) record.kind = EditKind::kRedo;
-  return record;
+/// Also of a line that is damaged elsewhere.
+std::optional<EditKind> KindIn(const std::string& line) {
+  std::optional<EditKind> kind;
+  for (std::size_t i = 0; i < std::size(kKinds); ++i) {
+    if (line.find("\"kind\":\"" + std::string(kKinds[i]) + "\"") != std::string::npos)
+      kind = static_cast<EditKind>(i);
+  }
+  return kind;
+}
+
+/// @param number  Of a line that does not say it (of an older version, or damaged).
+JournalLine ReadLine(std::string text, std::size_t number) {
+  JournalLine line{.number = number, .text = std::move(text)};
+  nlohmann::json json = nlohmann::json::parse(line.text, nullptr, false);
+  line.kind = KindIn(line.text);
+  if (!json.is_object()) {
+    line.problem = "it is damaged";
+    return line;
+  }
+  if (const auto check = TextFromJson(json, "check")) {
+    json.erase("check");
+    if (*check != HashHex(JsonText(json))) {
+      line.problem = "it is damaged";
+      return line;
+    }
+  }
+  if (json.contains("number") && json["number"].is_number_unsigned()) line.number = json["number"];
+  const std::string kind = TextFromJson(json, "kind").value_or(kKinds[0]);
+  const auto known = std::find(std::begin(kKinds), std::end(kKinds), kind);
+  if (known == std::end(kKinds)) {
+    line.problem = "its kind '" + kind + "' is not known to this version";
+    return line;
+  }
+  line.kind = static_cast<EditKind>(known - std::begin(kKinds));
+  Result<Edit> edit = EditFromJson(json.value("edit", nlohmann::json()));
+  if (!edit) {
+    line.problem = edit.error().message;
+    return line;
+  }
+  line.record = {*line.kind, TextFromJson(json, "label").value_or(""), std::move(*edit)};
+  return line;
 }
 
 Error IoError(const std::filesystem::path& file, int error) {
@@ -55,26 +90,26 @@ Result<JournalContent> ReadJournal(const std::filesystem::path& file) {
   const Result<std::string> text = ReadFile(file);
   if (!text) return text.error();
   JournalContent content;
-  std::size_t at = 0;
-  bool has_header = false;
+  std::size_t at = text->find('\n');
+  const nlohmann::json header = nlohmann::json::parse(text->substr(0, at), nullptr, false);
+  const auto id = TextFromJson(header, "journal"), base = TextFromJson(header, "base");
+  if (at == std::string::npos || !id || !base) {
+    return Error{ErrorCode::kCorrupt, "'" + file.string() + "' is not a journal of edits"};
+  }
+  content.id = *id;
+  content.base = *base;
+  content.good_bytes = ++at;
+  const auto next = [&] { return content.lines.empty() ? 1 : content.lines.back().number + 1; };
   for (std::size_t end; (end = text->find('\n', at)) != std::string::npos; at = end + 1) {
-    const std::string line = text->substr(at, end - at);
-    if (!has_header) {
-      const nlohmann::json header = nlohmann::json::parse(line, nullptr, false);
-      const auto id = TextFromJson(header, "journal"), base = TextFromJson(header, "base");
-      if (!id || !base) break;
-      content.id = *id;
-      content.base = *base;
-      has_header = true;
-    } else {
-      std::optional<JournalRecord> record = RecordOf(line);
-      if (!record) break;
-      content.records.push_back(std::move(*record));
-    }
+    content.lines.push_back(ReadLine(text->substr(at, end - at), next()));
     content.good_bytes = end + 1;
   }
-  if (!has_header) {
-    return Error{ErrorCode::kCorrupt, "'" + file.string() + "' is not a journal of edits"};
+  // The rest is torn, unless only its end of line is damaged.
+  const std::size_t last = text->find_last_of('}');
+  if (last != std::string::npos && last >= at) {
+    JournalLine line = ReadLine(text->substr(at, last + 1 - at), next());
+    content.appendable = !line.record;
+    if (line.record) content.lines.push_back(std::move(line));
   }
   return content;
 }
@@ -91,23 +126,27 @@ Status AnnotationJournal::Open(const std::filesystem::path& file) {
   return {};
 }
 
-Status AnnotationJournal::Begin(const std::filesystem::path& file, const std::string& base) {
+Status AnnotationJournal::Begin(const std::filesystem::path& file, const std::string& base,
+                                const std::vector<JournalRecord>& records) {
   id_ = HashHex(base + std::to_string(::getpid()) + std::to_string(SecondsNow()) +
                 std::to_string(reinterpret_cast<std::uintptr_t>(this)));
-  waiting_.clear();
   num_written_ = 0;
   bytes_ = 0;
   file_ = file;
   const nlohmann::json json = {{"journal", id_}, {"base", base}};
-  const std::string header = json.dump() + "\n";
-  if (const Status written = WriteFileAtomically(file, header); !written.ok()) {
+  waiting_ = {JsonText(json) + "\n"};
+  for (const JournalRecord& record : records) waiting_.push_back(LineOf(record, waiting_.size()));
+  std::string text;
+  for (const std::string& line : waiting_) text += line;
+  if (const Status written = WriteFileAtomically(file, text); !written.ok()) {
     // Everything waits, the header first.
-    waiting_.push_back(header);
     if (descriptor_ >= 0) ::close(descriptor_);
     descriptor_ = -1;
     return written;
   }
-  bytes_ = header.size();
+  bytes_ = text.size();
+  num_written_ = records.size();
+  waiting_.clear();
   return Open(file);
 }
 
@@ -115,7 +154,7 @@ Status AnnotationJournal::Continue(const std::filesystem::path& file,
                                    const JournalContent& content) {
   id_ = content.id;
   bytes_ = content.good_bytes;
-  num_written_ = content.records.size();
+  num_written_ = content.lines.empty() ? 0 : content.lines.back().number;
   waiting_.clear();
   if (const Status opened = Open(file); !opened.ok()) return opened;
   // Cuts off a torn last line, which would spoil what is appended.
@@ -124,7 +163,8 @@ Status AnnotationJournal::Continue(const std::filesystem::path& file,
 }
 
 Status AnnotationJournal::Append(const JournalRecord& record) {
-  waiting_.push_back(LineOf(record));
+  const std::size_t waiting_edits = waiting_.size() - num_waiting_headers();
+  waiting_.push_back(LineOf(record, num_written_ + waiting_edits + 1));
   if (descriptor_ < 0) {
     descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) return IoError(file_, errno);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,12 +20,22 @@ struct JournalRecord {
   Edit edit;
 };
 
+/// One line of a journal: an edit, or what is left of one.
+struct JournalLine {
+  std::size_t number = 0;  ///< Counts the edits of the journal from 1.
+  std::string text;
+  std::optional<EditKind> kind;         ///< Where at least that can be told.
+  std::optional<JournalRecord> record;  ///< Nothing for a line that cannot be read: see `problem`.
+  std::string problem;
+};
+
 /// What a journal file holds.
 struct JournalContent {
   std::string id;    ///< Names this journal; the saved project refers to it.
   std::string base;  ///< Hash of the project file that it begins with.
-  std::vector<JournalRecord> records;
+  std::vector<JournalLine> lines;
   std::uint64_t good_bytes = 0;  ///< What follows was torn by the end of a process.
+  bool appendable = true;        ///< Whether a line can follow; not so if the last end is damaged.
 };
 
 /// Errors: kNotFound, kIo, kCorrupt (no header).
@@ -40,16 +50,16 @@ class AnnotationJournal {
   AnnotationJournal(const AnnotationJournal&) = delete;
   AnnotationJournal& operator=(const AnnotationJournal&) = delete;
 
-  /// Begins a new file. Errors: kIo; then appended records wait.
-  Status Begin(const std::filesystem::path& file, const std::string& base);
+  /// Begins a new file that holds `records`; an older one is replaced in one step. Errors: kIo;
+  /// then they and appended records wait.
+  Status Begin(const std::filesystem::path& file, const std::string& base,
+               const std::vector<JournalRecord>& records = {});
   /// Goes on with a file that was read.
   Status Continue(const std::filesystem::path& file, const JournalContent& content);
 
   Status Append(const JournalRecord& record);
   /// Forgets the edits that wait: the project was saved with them.
-  void DropWaiting() {
-    waiting_.resize(bytes_ == 0 ? std::min<std::size_t>(waiting_.size(), 1) : 0);
-  }
+  void DropWaiting() { waiting_.resize(num_waiting_headers()); }
 
   const std::string& id() const { return id_; }
   /// Records in the file.
@@ -57,6 +67,7 @@ class AnnotationJournal {
 
  private:
   Status Open(const std::filesystem::path& file);
+  std::size_t num_waiting_headers() const { return bytes_ == 0 && !waiting_.empty() ? 1 : 0; }
 
   std::filesystem::path file_;
   std::string id_;

@@ -45,6 +45,16 @@ void AddCropModels(const Edit& edit, std::set<std::string>& names) {
 
 path FolderOf(const path& file) { return file.has_parent_path() ? file.parent_path() : path("."); }
 
+Result<std::unique_ptr<FileLock>> Lock(const path& project) {
+  auto lock = FileLock::Acquire(project);
+  if (lock.ok()) return lock;
+  const bool in_use = lock.error().code == ErrorCode::kInvalidInput;
+  return Error{
+      lock.error().code,
+      lock.error().message + (in_use ? "; close it there, or open it for reading"
+                                     : "; open the project for reading, or save it elsewhere")};
+}
+
 Error About(const path& file, const Error& error) {
   return {error.code, "'" + file.string() + "' " + error.message};
 }
@@ -58,7 +68,7 @@ Result<std::unique_ptr<AnnotationProject>> AnnotationProject::Create(const path&
     return Error{ErrorCode::kInvalidInput, "there is a file '" + file.string() +
                                                "' already; open it, or choose another name"};
   }
-  auto lock = ProjectLock::Acquire(file);
+  auto lock = Lock(file);
   if (!lock) return lock.error();
   std::unique_ptr<AnnotationProject> project(new AnnotationProject(file));
   project->lock_ = std::move(*lock);
@@ -79,7 +89,7 @@ Result<std::unique_ptr<AnnotationProject>> AnnotationProject::Open(const path& f
   }
   std::unique_ptr<AnnotationProject> project(new AnnotationProject(file));
   if (access == Access::kWrite) {
-    auto lock = ProjectLock::Acquire(file);
+    auto lock = Lock(file);
     if (!lock) return lock.error();
     project->lock_ = std::move(*lock);
   }
@@ -96,52 +106,111 @@ Status AnnotationProject::Load(Access access) {
   if (!document) return About(file_, document.error());
   document_ = std::move(*document);
 
-  std::error_code ignored;
-  if (std::filesystem::exists(JournalFile(), ignored)) {
-    const Result<JournalContent> journal = ReadJournal(JournalFile());
-    const nlohmann::json saved = json->value("saved", nlohmann::json::object());
-    if (journal.ok() && TextFromJson(saved, "journal") == journal->id) {
-      Replay(journal->records, saved.value("records", std::size_t{0}));
-    } else if (journal.ok() && journal->base == HashHex(*content)) {
-      Replay(journal->records, 0);
-    } else if (journal.ok() && journal->records.empty()) {
-      // It never held anything.
-    } else if (access == Access::kWrite) {
-      const path kept = JournalFile().string() + ".kept-" + HashHex(*content).substr(0, 8);
-      std::filesystem::rename(JournalFile(), kept, ignored);
-      warnings_.push_back("the journal of '" + file_.string() +
-                          "' belongs to another version of it; it is kept as '" + kept.string() +
-                          "'");
-    }
-    if (num_recovered_ > 0 && access == Access::kWrite) {
-      if (const Status opened = journal_.Continue(JournalFile(), *journal); !opened.ok()) {
-        journal_problem_ = opened.error();
-      }
-      return {};
-    }
+  return LoadJournal(*content, json->value("saved", nlohmann::json::object()), access);
+}
+
+Status AnnotationProject::LoadJournal(const std::string& content, const nlohmann::json& saved,
+                                      Access access) {
+  const auto journal = ReadJournal(JournalFile());
+  const bool exists = journal.ok() || journal.error().code != ErrorCode::kNotFound;
+  const bool continued = journal.ok() && TextFromJson(saved, "journal") == journal->id;
+  Replayed replayed;
+  bool appendable = false;
+  if (continued || (journal.ok() && journal->base == HashHex(content))) {
+    const std::size_t num_saved = continued ? saved.value("records", std::size_t{0}) : 0;
+    auto repeated = Replay(*journal, num_saved, access);
+    if (!repeated) return repeated.error();
+    replayed = std::move(*repeated);
+    appendable = replayed.lost.empty() && journal->appendable && !replayed.done.empty();
+  } else if (exists && !(journal.ok() && journal->lines.empty()) && access == Access::kWrite) {
+    const path kept = JournalFile().string() + ".kept-" + HashHex(content).substr(0, 8);
+    std::error_code ignored;
+    std::filesystem::rename(JournalFile(), kept, ignored);
+    warnings_.push_back(
+        "the journal of '" + file_.string() +
+        (journal.ok() ? "' belongs to another version of it" : "' has a damaged first line") +
+        "; it is kept as '" + kept.string() + "'");
   }
-  if (access == Access::kWrite) {
-    if (const Status started = StartJournal(*content); !started.ok()) {
-      journal_problem_ = started.error();
-    }
-  }
+  if (access == Access::kRead) return {};
+  const Status ready = appendable ? journal_.Continue(JournalFile(), *journal)
+                                  : StartJournal(content, replayed.done);
+  if (!ready.ok()) journal_problem_ = ready.error();
   return {};
 }
 
-Status AnnotationProject::StartJournal(const std::string& content) {
-  return journal_.Begin(JournalFile(), HashHex(content));
+Status AnnotationProject::StartJournal(const std::string& content,
+                                       const std::vector<JournalRecord>& records) {
+  return journal_.Begin(JournalFile(), HashHex(content), records);
 }
 
-void AnnotationProject::Replay(const std::vector<JournalRecord>& records, std::size_t first) {
-  for (std::size_t i = first; i < records.size(); ++i) {
-    const JournalRecord& record = records[i];
-    if (const Status done = Do(record.kind, record.edit, record.label); !done.ok()) {
-      warnings_.push_back("edit " + std::to_string(i + 1) + " of the journal ('" + record.label +
-                          "') could not be repeated: " + done.error().message);
-      return;
+/// Repeats the edits that were not saved, each where it stands on its own. What is lost is in a
+/// file of its own before this returns, or the project does not open for writing.
+Result<AnnotationProject::Replayed> AnnotationProject::Replay(const JournalContent& journal,
+                                                              std::size_t num_saved,
+                                                              Access access) {
+  Replayed replayed;
+  std::size_t num_lost = 0;
+  std::string first_problem;
+  for (const JournalLine& line : journal.lines) {
+    if (line.number <= num_saved) continue;
+    Result<JournalRecord> repeated = Repeat(line);
+    if (repeated) {
+      replayed.done.push_back(std::move(*repeated));
+      continue;
     }
-    ++num_recovered_;
+    if (num_lost++ == 0) {
+      first_problem = "edit " + std::to_string(line.number) + ": " + repeated.error().message;
+    }
+    replayed.lost += line.text + "\n";
   }
+  for (std::vector<Step>* steps : {&undo_, &redo_}) {
+    std::erase_if(*steps, [](const Step& step) { return step.lost; });
+  }
+  num_recovered_ = replayed.done.size();
+  if (num_lost == 0) return replayed;
+  path kept = JournalFile();
+  if (access == Access::kWrite) {
+    kept += ".unreadable-" + HashHex(replayed.lost).substr(0, 8);
+    if (const Status written = WriteFileAtomically(kept, replayed.lost); !written.ok()) {
+      return Error{written.error().code,
+                   "'" + file_.string() + "' has edits in its journal that cannot be repeated, " +
+                       "and they cannot be kept beside it: " + written.error().message};
+    }
+  }
+  warnings_.push_back(std::to_string(num_lost) + " of " +
+                      std::to_string(num_lost + num_recovered_) + " unsaved edits of '" +
+                      file_.string() + "' could not be repeated and are kept in '" + kept.string() +
+                      "' (" + first_problem + ")");
+  return replayed;
+}
+
+/// Repeats one line of the journal, and says what was done. If that fails, a gap takes the place
+/// of the step: what was undone and redone afterwards then still meets its own step.
+Result<JournalRecord> AnnotationProject::Repeat(const JournalLine& line) {
+  const EditKind kind = line.kind.value_or(EditKind::kDo);
+  std::vector<Step>& from = kind == EditKind::kUndo ? undo_ : redo_;
+  std::optional<Step> own;  // what is undone or redone, if it was done since the last save
+  if (kind != EditKind::kDo && !from.empty() &&
+      (!line.record || from.back().lost || from.back().label == line.record->label)) {
+    own = std::move(from.back());
+    from.pop_back();
+  }
+  Error problem{ErrorCode::kCorrupt, line.problem};
+  std::vector<JournalRecord> ways;
+  if (own && own->lost && kind == EditKind::kUndo) {
+    problem.message = "it takes back an edit that could not be repeated";
+  } else {
+    if (line.record) ways.push_back(*line.record);
+    if (own && !own->lost) ways.push_back({kind, own->label, own->edit});
+  }
+  for (JournalRecord& way : ways) {
+    const Status done = Do(kind, way.edit, way.label);
+    if (done.ok()) return std::move(way);
+    problem = done.error();
+  }
+  if (kind == EditKind::kDo) redo_.clear();
+  (kind == EditKind::kUndo ? redo_ : undo_).push_back({.edit = {}, .label = {}, .lost = true});
+  return problem;
 }
 
 AnnotationProject::~AnnotationProject() {
@@ -155,25 +224,14 @@ std::filesystem::path AnnotationProject::Resolve(const std::string& relative) co
   return path(relative).is_absolute() ? path(relative) : FolderOf(file_) / relative;
 }
 
-/// Changes the document and the stacks, not the journal.
+/// Changes the document and remembers the way back. What was undone or redone stays on its stack,
+/// and the journal is not told.
 Status AnnotationProject::Do(EditKind kind, const Edit& edit, const std::string& label) {
   Result<Edit> back = ApplyEdit(edit, document_);
   if (!back) return back.error();
   modified_ = true;
-  switch (kind) {
-    case EditKind::kDo:
-      undo_.push_back({std::move(*back), label});
-      redo_.clear();
-      break;
-    case EditKind::kUndo:
-      if (!undo_.empty()) undo_.pop_back();  // after a recovery the stack may begin later
-      redo_.push_back({std::move(*back), label});
-      break;
-    case EditKind::kRedo:
-      if (!redo_.empty()) redo_.pop_back();
-      undo_.push_back({std::move(*back), label});
-      break;
-  }
+  if (kind == EditKind::kDo) redo_.clear();
+  (kind == EditKind::kUndo ? redo_ : undo_).push_back({std::move(*back), label});
   return {};
 }
 
@@ -196,6 +254,7 @@ Status AnnotationProject::Undo() {
   if (undo_.empty()) return Error{ErrorCode::kInvalidInput, "there is nothing to undo"};
   const Step step = undo_.back();
   if (const Status done = Do(EditKind::kUndo, step.edit, step.label); !done.ok()) return done;
+  undo_.pop_back();
   Write(EditKind::kUndo, step.edit, step.label);
   return {};
 }
@@ -204,6 +263,7 @@ Status AnnotationProject::Redo() {
   if (redo_.empty()) return Error{ErrorCode::kInvalidInput, "there is nothing to redo"};
   const Step step = redo_.back();
   if (const Status done = Do(EditKind::kRedo, step.edit, step.label); !done.ok()) return done;
+  redo_.pop_back();
   Write(EditKind::kRedo, step.edit, step.label);
   return {};
 }
@@ -228,7 +288,7 @@ std::vector<std::string> AnnotationProject::ForgottenModels() const {
 std::string AnnotationProject::FileContent() const {
   nlohmann::json json = DocumentToJson(document_);
   json["saved"] = {{"journal", journal_.id()}, {"records", journal_.num_written()}};
-  return json.dump(1) + "\n";
+  return JsonText(json, 1) + "\n";
 }
 
 Status AnnotationProject::Save() {
@@ -248,7 +308,7 @@ Status AnnotationProject::Save() {
 Status AnnotationProject::SaveAs(const path& file) {
   std::error_code ignored;
   if (lock_ && std::filesystem::equivalent(file, file_, ignored)) return Save();
-  auto lock = ProjectLock::Acquire(file);
+  auto lock = Lock(file);
   if (!lock) return lock.error();
   const path from = std::filesystem::absolute(FolderOf(file_), ignored);
   const path to = std::filesystem::absolute(FolderOf(file), ignored);

@@ -9,14 +9,15 @@
 
 #include "engine/annotation/annotation_edit.h"
 #include "engine/annotation/annotation_journal.h"
-#include "engine/annotation/project_lock.h"
+#include "engine/base/file_lock.h"
 
 namespace plumbline {
 
 /// An annotation document in a file, with everything that keeps work from being lost: each edit is
 /// in the journal beside the file (FILE.journal) before `Apply` returns, saving is atomic, a
-/// project whose process was killed opens with all its edits, and only one process at a time may
-/// change it (FILE.lock). Not thread-safe.
+/// project whose process was killed opens with all its edits, edits that cannot be read or repeated
+/// are kept beside it (FILE.journal.unreadable-*), and only one process at a time may change it
+/// (FILE.lock). Not thread-safe.
 class AnnotationProject {
  public:
   enum class Access { kWrite, kRead };
@@ -64,19 +65,26 @@ class AnnotationProject {
   struct Step {
     Edit edit;
     std::string label;
+    bool lost = false;  ///< A gap in place of an edit of the journal that could not be repeated.
+  };
+  struct Replayed {
+    std::vector<JournalRecord> done;
+    std::string lost;  ///< Lines of the journal.
   };
 
   explicit AnnotationProject(std::filesystem::path file) : file_(std::move(file)) {}
   Status Load(Access access);
-  Status StartJournal(const std::string& content);
-  void Replay(const std::vector<JournalRecord>& records, std::size_t first);
+  Status LoadJournal(const std::string& content, const nlohmann::json& saved, Access access);
+  Status StartJournal(const std::string& content, const std::vector<JournalRecord>& records = {});
+  Result<Replayed> Replay(const JournalContent& journal, std::size_t num_saved, Access access);
+  Result<JournalRecord> Repeat(const JournalLine& line);
   Status Do(EditKind kind, const Edit& edit, const std::string& label);
   void Write(EditKind kind, const Edit& edit, const std::string& label);
   std::filesystem::path JournalFile() const { return file_.string() + ".journal"; }
   std::string FileContent() const;
 
   std::filesystem::path file_;
-  std::unique_ptr<ProjectLock> lock_;
+  std::unique_ptr<FileLock> lock_;
   AnnotationDocument document_;
   AnnotationJournal journal_;
   std::optional<Error> journal_problem_;

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 
+#include <nlohmann/json.hpp>
+
+#include "engine/base/files.h"
 #include "engine/models/model_move.h"
 
 namespace plumbline {
@@ -10,6 +13,22 @@ namespace plumbline {
 std::filesystem::path UndoneModels(const std::filesystem::path& models_folder) {
   return models_folder / ".undone";
 }
+
+namespace {
+
+/// Leaves no empty folder of undone models.
+void RemoveIfEmpty(const std::filesystem::path& undone) {
+  const auto list = ReadJson(undone / "models.json");
+  if (!list || !list->is_object() ||
+      list->value("models", nlohmann::json()) != nlohmann::json::array()) {
+    return;
+  }
+  std::error_code ignored;
+  std::filesystem::remove(undone / "models.json", ignored);
+  std::filesystem::remove(undone, ignored);  // unless something else is in it
+}
+
+}  // namespace
 
 Status StageCropModel(const BuiltModel& built, const std::filesystem::path& models_folder) {
   return StoreModel(built, UndoneModels(models_folder));
@@ -27,6 +46,7 @@ Result<bool> SyncCropModels(const AnnotationProject& project) {
     if (const Status moved = MoveModel(crop.id, undone, folder); !moved.ok()) return moved.error();
     changed = true;
   }
+  if (changed) RemoveIfEmpty(undone);
   for (const std::string& id : project.ForgottenModels()) {
     const bool used =
         std::any_of(document.instances.begin(), document.instances.end(),

@@ -7,6 +7,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -32,6 +33,34 @@ bool WriteAll(int file, std::string_view content) {
   return ::fsync(file) == 0;
 }
 
+std::filesystem::path FolderOf(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
+/// Writes a file that gets its name only when it is complete, so that nothing stays behind if the
+/// process is killed meanwhile. False where the file system cannot do that.
+bool WriteNameless(const std::filesystem::path& path, std::string_view content) {
+  const int file = ::open(FolderOf(path).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0644);
+  if (file < 0) return false;
+  const std::string open_file = "/proc/self/fd/" + std::to_string(file);
+  const bool written = WriteAll(file, content) && ::linkat(AT_FDCWD, open_file.c_str(), AT_FDCWD,
+                                                           path.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  const int error = errno;
+  ::close(file);
+  errno = error;
+  return written;
+}
+
+bool WriteNamed(const std::filesystem::path& path, std::string_view content) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (file < 0) return false;
+  const bool written = WriteAll(file, content);
+  const int error = errno;
+  ::close(file);
+  errno = error;
+  return written;
+}
+
 }  // namespace
 
 Result<std::string> ReadFile(const std::filesystem::path& path) {
@@ -49,25 +78,24 @@ Result<std::string> ReadFile(const std::filesystem::path& path) {
 }
 
 Status WriteFileAtomically(const std::filesystem::path& path, std::string_view content) {
-  const std::filesystem::path temporary = path.string() + ".tmp" + std::to_string(::getpid());
-  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (file < 0) return IoError("write", path);
-  const bool written = WriteAll(file, content);
-  const int write_error = errno;
-  ::close(file);
+  static std::atomic<int> count = 0;
+  const std::filesystem::path temporary =
+      path.string() + ".tmp" + std::to_string(::getpid()) + "-" + std::to_string(count++);
+  const bool written = WriteNameless(temporary, content) || WriteNamed(temporary, content);
   if (!written || ::rename(temporary.c_str(), path.c_str()) != 0) {
-    if (!written) errno = write_error;
     const Error error = IoError("write", path);
     ::unlink(temporary.c_str());
     return error;
   }
-  const std::string folder = path.has_parent_path() ? path.parent_path().string() : ".";
-  const int directory = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (directory >= 0) {
-    ::fsync(directory);
-    ::close(directory);
-  }
+  SyncFolderOf(path);
   return {};
+}
+
+void SyncFolderOf(const std::filesystem::path& path) {
+  const int directory = ::open(FolderOf(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (directory < 0) return;
+  ::fsync(directory);
+  ::close(directory);
 }
 
 Result<nlohmann::json> ReadJson(const std::filesystem::path& path) {
@@ -81,7 +109,11 @@ Result<nlohmann::json> ReadJson(const std::filesystem::path& path) {
 }
 
 Status WriteJson(const std::filesystem::path& path, const nlohmann::json& json) {
-  return WriteFileAtomically(path, json.dump(1) + "\n");
+  return WriteFileAtomically(path, JsonText(json, 1) + "\n");
+}
+
+std::string JsonText(const nlohmann::json& json, int indent) {
+  return json.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 std::string HashHex(std::string_view content) {

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,19 +23,25 @@
 namespace plumbline {
 
 /// Writes a run file on a thread of its own, one transaction a frame: whatever ends the program,
-/// every frame counted by num_written() can be read afterwards. Functions may be called from one
-/// thread at a time.
+/// every frame counted by num_written() can be read afterwards. Nobody else can write that file
+/// meanwhile (FileLock). Functions may be called from one thread at a time.
 class RunWriter {
  public:
-  /// Starts a new file; an older run of that name is replaced, any other file is not touched.
-  /// Errors: kIo (folder missing or read-only), kInvalidInput (the file there is not a run).
+  /// Writes the frames that a new run begins with, those of the run that it is a fork of.
+  using WritePast = std::function<Status(RunWriter&)>;
+
+  /// Starts a new file; an older run of that name is replaced in one step as soon as header and
+  /// past are complete, any other file is not touched. An error leaves everything as it was.
+  /// Errors: kIo (folder missing or read-only), kInvalidInput (the file there is not a run, or is
+  /// being written), those of `past`.
   static Result<std::unique_ptr<RunWriter>> Create(const std::filesystem::path& file,
-                                                   const RunHeader& header);
+                                                   const RunHeader& header,
+                                                   const WritePast& past = {});
 
   struct Resumed;
   /// Goes on with a run that was cut off (or ended). Anything behind the last complete frame is
   /// dropped. Errors: kNotFound, kCorrupt, kUnsupported; kInvalidInput if `header` differs from the
-  /// stored one in what decides the result (CheckContinues).
+  /// stored one in what decides the result (CheckContinues), or if somebody is writing the file.
   static Result<Resumed> OpenToResume(const std::filesystem::path& file, const RunHeader& header);
 
   /// As if closed; an error is then lost (call Close to see it).

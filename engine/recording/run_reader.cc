@@ -44,13 +44,14 @@ Status CheckFormat(sqlite::Database& database) {
 /// SQLite itself notices missing pages, but not a last page cut short.
 Status CheckWhole(sqlite::Database& database) {
   std::error_code error;
-  const std::string log = database.file().string() + "-wal";
+  const std::string log = database.location().string() + "-wal";
   if (std::filesystem::exists(log, error) && std::filesystem::file_size(log, error) > 0) return {};
   const Result<std::int64_t> pages = database.QueryInteger("PRAGMA page_count");
   const Result<std::int64_t> page_size = database.QueryInteger("PRAGMA page_size");
   if (!pages) return pages.error();
   if (!page_size) return page_size.error();
-  const auto size = static_cast<std::int64_t>(std::filesystem::file_size(database.file(), error));
+  const auto size =
+      static_cast<std::int64_t>(std::filesystem::file_size(database.location(), error));
   if (error || size >= *pages * *page_size) return {};
   return Error{ErrorCode::kCorrupt, database.file().string() + " is truncated or damaged (" +
                                         std::to_string(size) + " of " +
@@ -334,8 +335,7 @@ Result<std::unique_ptr<RunReader>> RunReader::Open(const std::filesystem::path& 
     return Error{ErrorCode::kInvalidInput,
                  file.string() + " is not a run file of Plumbline; choose a .plb"};
   }
-  Result<std::unique_ptr<sqlite::Database>> database =
-      sqlite::Database::Open(file, sqlite::Access::kReadOnly);
+  Result<std::unique_ptr<sqlite::Database>> database = sqlite::Database::OpenToRead(file);
   if (!database) return database.error();
   if (const Status format = CheckFormat(**database); !format.ok()) return format.error();
   if (const Status whole = CheckWhole(**database); !whole.ok()) return whole.error();

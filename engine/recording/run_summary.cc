@@ -122,9 +122,32 @@ void RunSummary::AddTiming(bool skipped, const std::vector<StageTiming>& stages)
   }
 }
 
+Status RunSummary::CheckAnyFrameUsed(const std::string& sequence) const {
+  if (skip_causes_.empty() || skipped_ < frames_) return {};
+  const auto commonest =
+      std::max_element(skip_causes_.begin(), skip_causes_.end(),
+                       [](const SkipCause& a, const SkipCause& b) { return a.count < b.count; });
+  return Error{ErrorCode::kInvalidInput,
+               "none of the " + std::to_string(frames_) + " frames of '" + sequence +
+                   "' could be used, " + std::to_string(commonest->count) +
+                   " of them because of this: " + commonest->first_text +
+                   "; correct the sequence or choose other frames with --frames ('plumbline info' "
+                   "says what the sequence holds)"};
+}
+
 void RunSummary::Add(const FrameReport& report) {
   AddTiming(!report.skipped.empty(), report.timings);
-  if (!report.skipped.empty()) return;
+  if (!report.skipped.empty()) {
+    // The same of another frame or file.
+    std::string kind = report.skipped;
+    std::erase_if(kind, [](char c) { return c >= '0' && c <= '9'; });
+    auto cause = std::find_if(skip_causes_.begin(), skip_causes_.end(),
+                              [&](const SkipCause& c) { return c.without_digits == kind; });
+    if (cause == skip_causes_.end())
+      cause = skip_causes_.insert(cause, {std::move(kind), report.skipped});
+    ++cause->count;
+    return;
+  }
   objects_ = report.objects;
   for (ObjectReport& object : objects_) object.particles.reset();
 }

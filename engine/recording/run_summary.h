@@ -31,7 +31,16 @@ class RunSummary {
   int frames() const { return frames_; }
   int skipped() const { return skipped_; }
 
+  /// A run that could use none of its frames has failed. Errors: kInvalidInput, with the commonest
+  /// cause and what to do.
+  Status CheckAnyFrameUsed(const std::string& sequence) const;
+
  private:
+  struct SkipCause {
+    std::string without_digits, first_text;
+    int count = 0;
+  };
+
   friend Result<nlohmann::json> RunResultJson(RunReader& reader);
   void AddTiming(bool skipped, const std::vector<StageTiming>& stages);
 
@@ -39,6 +48,7 @@ class RunSummary {
   int skipped_ = 0;
   std::vector<std::pair<std::string, std::vector<double>>>
       stages_;  ///< In order of first appearance [ms].
+  std::vector<SkipCause> skip_causes_;
   std::vector<ObjectReport>
       objects_;  ///< Of the last frame that was not skipped; without particles.
 };

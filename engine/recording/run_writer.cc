@@ -9,10 +9,13 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "engine/base/file_lock.h"
+#include "engine/base/files.h"
 #include "engine/base/queue.h"
 #include "engine/base/timer.h"
 #include "engine/recording/frame_codec.h"
 #include "engine/recording/run_file.h"
+#include "engine/recording/run_place.h"
 #include "engine/recording/run_schema.h"
 #include "engine/recording/sqlite.h"
 
@@ -35,43 +38,27 @@ std::string EncodeThumbnail(const cv::Mat& image) {
   return {bytes.begin(), bytes.end()};
 }
 
+/// A header as it is read again: text that is not UTF-8 changes on the way.
+RunHeader AsStored(const RunHeader& header) {
+  Result<RunHeader> stored = HeaderFromJson(nlohmann::json::parse(JsonText(HeaderToJson(header))));
+  return stored.ok() ? std::move(*stored) : header;
+}
+
 Status StoreHeader(sqlite::Database& database, const RunHeader& header) {
   Result<sqlite::Statement> statement = database.Prepare(
       "INSERT OR REPLACE INTO run (key, value) VALUES ('header', ?1), ('finished', '0')");
   if (!statement) return statement.error();
-  statement->BindText(1, HeaderToJson(header).dump());
+  statement->BindText(1, JsonText(HeaderToJson(header)));
   return statement->Run();
 }
 
-/// Frames survive a killed program without waiting for the disk; a power cut costs at most the last
-/// seconds.
-Status UseWriteAheadLog(sqlite::Database& database) {
-  return database.Execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;");
-}
-
-/// Makes way for a new run, but never for anything that is not one.
-Status RemoveOldRun(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) return {};
-  if (std::filesystem::file_size(file, error) > 0 || error) {
-    const Result<std::unique_ptr<sqlite::Database>> old =
-        sqlite::Database::Open(file, sqlite::Access::kReadOnly);
-    const Result<std::int64_t> id =
-        old ? (*old)->QueryInteger("PRAGMA application_id") : Result<std::int64_t>(old.error());
-    if (!id || *id != kRunApplicationId) {
-      return Error{ErrorCode::kInvalidInput,
-                   file.string() + " exists and is not a run file; choose another name " +
-                       "or remove it first"};
-    }
-  }
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
-    std::filesystem::remove(file.string() + suffix, error);
-    if (error) {
-      return Error{ErrorCode::kIo,
-                   "cannot replace " + file.string() + suffix + ": " + error.message()};
-    }
-  }
-  return {};
+Result<std::unique_ptr<FileLock>> Lock(const std::filesystem::path& file) {
+  auto lock = FileLock::Acquire(file);
+  if (lock.ok()) return lock;
+  const bool in_use = lock.error().code == ErrorCode::kInvalidInput;
+  return Error{lock.error().code,
+               lock.error().message + (in_use ? "; wait until it ends, or choose another file"
+                                              : "; choose another folder")};
 }
 
 }  // namespace
@@ -79,13 +66,21 @@ Status RemoveOldRun(const std::filesystem::path& file) {
 /// The thread behind a RunWriter. Only the thread touches the database between Start and Close.
 class RunWriter::Worker {
  public:
-  Worker(std::unique_ptr<sqlite::Database> database, int position, int last_frame, double elapsed_s)
-      : database_(std::move(database)),
+  /// @param file  Where the run will be; until PutInPlace it may be elsewhere.
+  Worker(std::filesystem::path file, std::unique_ptr<FileLock> lock,
+         std::unique_ptr<sqlite::Database> database, int position, int last_frame, double elapsed_s)
+      : file_(std::move(file)),
+        location_(database->location()),
+        lock_(std::move(lock)),
+        database_(std::move(database)),
         elapsed_before_s_(elapsed_s),
         last_frame_(last_frame),
         position_(position),
         num_written_(position) {}
-  ~Worker() { (void)Close(); }
+  ~Worker() {
+    (void)Close();
+    if (beside()) (void)RemoveRun(location_);
+  }
 
   Status Start() {
     const std::pair<sqlite::Statement&, const char*> statements[] = {
@@ -99,8 +94,34 @@ class RunWriter::Worker {
       if (!prepared) return prepared.error();
       statement = std::move(*prepared);
     }
+    queue_ = std::make_unique<BoundedQueue<Item>>(kQueuedFrames);
     thread_ = std::thread([this] { Loop(); });
     return {};
+  }
+
+  /// Begins a new run.
+  Status Begin(const RunHeader& header) {
+    Status status = UseWriteAheadLog(*database_);
+    if (status.ok()) status = database_->Execute("BEGIN");
+    if (status.ok()) status = database_->Execute(kRunSchema);
+    if (status.ok()) status = StoreHeader(*database_, header);
+    if (status.ok()) status = database_->Execute("COMMIT");
+    return status.ok() ? Start() : status;
+  }
+
+  /// What was written so far becomes the run of that name, and is continued there.
+  Status PutInPlace() {
+    Drain();
+    if (const Status status = CurrentStatus(); !status.ok()) return status;
+    if (const Status folded = FoldLog(*database_); !folded.ok()) return folded;
+    database_.reset();
+    if (const Status put = plumbline::PutInPlace(location_, file_); !put.ok()) return put;
+    location_ = file_;
+    auto database = sqlite::Database::Open(file_, sqlite::Access::kReadWrite);
+    if (!database) return database.error();
+    database_ = std::move(*database);
+    if (const Status logged = UseWriteAheadLog(*database_); !logged.ok()) return logged;
+    return Start();
   }
 
   Status Write(FrameReport report, const cv::Mat& image) {
@@ -108,8 +129,8 @@ class RunWriter::Worker {
     last_frame_ = report.frame;
     const Status status = CurrentStatus();
     if (!status.ok()) return status;
-    PLB_CHECK(queue_.Push(
-        Item{std::move(report), image, elapsed_before_s_ + watch_.Milliseconds() / 1000}))
+    PLB_CHECK(queue_ && queue_->Push(Item{std::move(report), image,
+                                          elapsed_before_s_ + watch_.Milliseconds() / 1000}))
         << "the run file is closed";
     return {};
   }
@@ -117,21 +138,15 @@ class RunWriter::Worker {
   int num_written() const { return num_written_; }
 
   Status Close() {
-    queue_.Close();
-    if (thread_.joinable()) thread_.join();
+    Drain();
     if (database_) {
       const Status status = CurrentStatus();
       if (status.ok())
         SetStatus(database_->Execute("UPDATE run SET value = '1' WHERE key = 'finished'"));
-      for (sqlite::Statement* statement :
-           {&begin_, &commit_, &insert_frame_, &insert_object_, &insert_event_}) {
-        *statement = {};
-      }
-      // One plain file, readable from a read-only folder. Fails while somebody else reads; then
-      // -wal stays.
-      (void)database_->Execute("PRAGMA busy_timeout = 0; PRAGMA journal_mode = DELETE;");
+      (void)FoldLog(*database_);
       database_.reset();
     }
+    lock_.reset();
     return CurrentStatus();
   }
 
@@ -146,8 +161,20 @@ class RunWriter::Worker {
     int position;
   };
 
+  bool beside() const { return location_ != file_; }
+
+  /// Waits until everything handed over is written; then the database is the caller's.
+  void Drain() {
+    if (queue_) queue_->Close();
+    if (thread_.joinable()) thread_.join();
+    for (sqlite::Statement* statement :
+         {&begin_, &commit_, &insert_frame_, &insert_object_, &insert_event_}) {
+      *statement = {};
+    }
+  }
+
   void Loop() {
-    while (const std::optional<Item> item = queue_.Pop()) {
+    while (const std::optional<Item> item = queue_->Pop()) {
       if (!CurrentStatus().ok()) continue;  // so that nobody waits for room
       Status status;
       try {
@@ -250,9 +277,12 @@ class RunWriter::Worker {
     status_ = std::move(status);
   }
 
+  const std::filesystem::path file_;
+  std::filesystem::path location_;  ///< `file_`, or beside it until the run is put in place.
+  std::unique_ptr<FileLock> lock_;
   std::unique_ptr<sqlite::Database> database_;
   sqlite::Statement begin_, commit_, insert_frame_, insert_object_, insert_event_;
-  BoundedQueue<Item> queue_{kQueuedFrames};
+  std::unique_ptr<BoundedQueue<Item>> queue_;
   const double elapsed_before_s_;  // of a resumed run
   const Stopwatch watch_;
   int last_frame_;
@@ -265,67 +295,90 @@ class RunWriter::Worker {
 };
 
 Result<std::unique_ptr<RunWriter>> RunWriter::Create(const std::filesystem::path& file,
-                                                     const RunHeader& header) {
-  if (const Status removed = RemoveOldRun(file); !removed.ok()) return removed.error();
-  Result<std::unique_ptr<sqlite::Database>> database =
-      sqlite::Database::Open(file, sqlite::Access::kCreate);
+                                                     const RunHeader& header,
+                                                     const WritePast& past) {
+  auto lock = Lock(file);
+  if (!lock) return lock.error();
+  if (const Status free = CheckReplaceable(file); !free.ok()) return free.error();
+  const std::filesystem::path beside = PlaceBeside(file);
+  if (const Status removed = RemoveRun(beside); !removed.ok()) return removed.error();
+  auto database = sqlite::Database::Open(beside, sqlite::Access::kCreate, file);
   if (!database) return Error{ErrorCode::kIo, database.error().message};
-  Status status = (*database)->Execute("BEGIN");
-  if (status.ok()) status = (*database)->Execute(kRunSchema);
-  if (status.ok()) status = StoreHeader(**database, header);
-  if (status.ok()) status = (*database)->Execute("COMMIT");
-  if (status.ok()) status = UseWriteAheadLog(**database);
+  auto worker = std::make_unique<Worker>(file, std::move(*lock), std::move(*database), 0,
+                                         std::numeric_limits<int>::min(), 0.0);
+  Status status = worker->Begin(header);
   if (!status.ok()) return Error{ErrorCode::kIo, status.error().message};
-  auto worker =
-      std::make_unique<Worker>(std::move(*database), 0, std::numeric_limits<int>::min(), 0.0);
-  if (const Status started = worker->Start(); !started.ok()) return started.error();
-  return std::unique_ptr<RunWriter>(new RunWriter(std::move(worker)));
+  std::unique_ptr<RunWriter> writer(new RunWriter(std::move(worker)));
+  if (past) status = past(*writer);
+  if (status.ok()) status = writer->worker_->PutInPlace();
+  if (!status.ok()) return status.error();
+  return writer;
 }
+
+namespace {
+
+/// A run as it is found, up to its last complete frame.
+struct Found {
+  RunHeader header;
+  std::optional<FrameReport> last;
+  int num_frames = 0;
+  double elapsed_s = 0;
+};
+
+Result<Found> FindEnd(const std::filesystem::path& file, const RunHeader& header) {
+  Result<std::unique_ptr<RunReader>> reader = RunReader::Open(file);
+  if (!reader) return reader.error();
+  if (const Status same = CheckContinues((*reader)->header(), AsStored(header)); !same.ok()) {
+    return Error{same.error().code, "cannot resume " + file.string() + ": " + same.error().message};
+  }
+  Found found{.header = header};
+  found.header.forked_after = (*reader)->header().forked_after;
+  const Result<int> stored = (*reader)->NumFrames();
+  if (!stored) return stored.error();
+  for (found.num_frames = *stored; found.num_frames > 0; --found.num_frames) {
+    Result<FrameReport> last = (*reader)->ReadFrame(found.num_frames - 1);
+    if (!last) continue;
+    found.last = std::move(*last);
+    break;
+  }
+  const Result<std::vector<RunTiming>> timings = (*reader)->Timings(found.num_frames - 1);
+  if (timings && !timings->empty()) found.elapsed_s = timings->front().elapsed_s;
+  return found;
+}
+
+}  // namespace
 
 Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& file,
                                                    const RunHeader& header) {
-  Resumed resumed;
-  RunHeader stored_header = header;
-  int num_frames = 0;
-  double elapsed_s = 0;
-  {
-    Result<std::unique_ptr<RunReader>> reader = RunReader::Open(file);
-    if (!reader) return reader.error();
-    if (const Status same = CheckContinues((*reader)->header(), header); !same.ok()) {
-      return Error{same.error().code,
-                   "cannot resume " + file.string() + ": " + same.error().message};
-    }
-    stored_header.forked_after = (*reader)->header().forked_after;
-    const Result<int> stored = (*reader)->NumFrames();
-    if (!stored) return stored.error();
-    for (num_frames = *stored; num_frames > 0; --num_frames) {
-      Result<FrameReport> last = (*reader)->ReadFrame(num_frames - 1);
-      if (last) {
-        resumed.last = std::move(*last);
-        break;
-      }
-    }
-    const Result<std::vector<RunTiming>> timings = (*reader)->Timings(num_frames - 1);
-    if (timings && !timings->empty()) elapsed_s = timings->front().elapsed_s;
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) {
+    return Error{ErrorCode::kNotFound, file.string() + " does not exist; check the path"};
   }
+  auto lock = Lock(file);
+  if (!lock) return lock.error();
+  if (const Status left_over = RemoveRun(PlaceBeside(file)); !left_over.ok())
+    return left_over.error();
+  Result<Found> found = FindEnd(file, header);
+  if (!found) return found.error();
   Result<std::unique_ptr<sqlite::Database>> database =
       sqlite::Database::Open(file, sqlite::Access::kReadWrite);
   if (!database) return database.error();
   Status status = UseWriteAheadLog(**database);
   if (status.ok()) status = (*database)->Execute("BEGIN IMMEDIATE");
   for (const char* table : {"frames", "objects", "events"}) {
-    const std::string sql =
-        std::string("DELETE FROM ") + table + " WHERE position >= " + std::to_string(num_frames);
+    const std::string sql = std::string("DELETE FROM ") + table +
+                            " WHERE position >= " + std::to_string(found->num_frames);
     if (status.ok()) status = (*database)->Execute(sql.c_str());
   }
-  if (status.ok()) status = StoreHeader(**database, stored_header);
+  if (status.ok()) status = StoreHeader(**database, found->header);
   if (status.ok()) status = (*database)->Execute("COMMIT");
   if (!status.ok()) return status.error();
-  const int last_frame = resumed.last ? resumed.last->frame : std::numeric_limits<int>::min();
-  auto worker = std::make_unique<Worker>(std::move(*database), num_frames, last_frame, elapsed_s);
+  const int last_frame = found->last ? found->last->frame : std::numeric_limits<int>::min();
+  auto worker = std::make_unique<Worker>(file, std::move(*lock), std::move(*database),
+                                         found->num_frames, last_frame, found->elapsed_s);
   if (const Status started = worker->Start(); !started.ok()) return started.error();
-  resumed.writer.reset(new RunWriter(std::move(worker)));
-  return resumed;
+  return Resumed{std::unique_ptr<RunWriter>(new RunWriter(std::move(worker))),
+                 std::move(found->last)};
 }
 
 RunWriter::RunWriter(std::unique_ptr<Worker> worker) : worker_(std::move(worker)) {}

@@ -2,23 +2,108 @@
 #include "engine/recording/sqlite.h"
 
 #include <sqlite3.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "engine/base/file_lock.h"
 
 namespace plumbline::sqlite {
+
+namespace {
+
+/// A fresh folder that is removed with all it holds.
+class PrivateFolder {
+ public:
+  static Result<std::shared_ptr<const PrivateFolder>> Create() {
+    std::error_code error;
+    std::string name =
+        (std::filesystem::temp_directory_path(error) / "plumbline_copy_XXXXXX").string();
+    if (error || ::mkdtemp(name.data()) == nullptr) {
+      return Error{ErrorCode::kIo, "cannot make a temporary folder '" + name + "'"};
+    }
+    return std::shared_ptr<const PrivateFolder>(new PrivateFolder(name));
+  }
+  ~PrivateFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  explicit PrivateFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  std::filesystem::path path_;
+};
+
+/// A log that no writer attends to, with an index that may not be written: SQLite would try for ten
+/// seconds and give up.
+bool HasUnattendedLog(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::string index = file.string() + "-shm";
+  return std::filesystem::exists(index, error) && ::access(index.c_str(), W_OK) != 0 &&
+         !FileLock::IsHeld(file);
+}
+
+}  // namespace
 
 void Database::Closer::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
 void Statement::Finalizer::operator()(sqlite3_stmt* handle) const { sqlite3_finalize(handle); }
 
-Result<std::unique_ptr<Database>> Database::Open(const std::filesystem::path& file, Access access) {
+Result<std::unique_ptr<Database>> Database::Open(const std::filesystem::path& file, Access access,
+                                                 const std::filesystem::path& stands_for) {
   int flags = SQLITE_OPEN_NOMUTEX;
   if (access == Access::kReadOnly) flags |= SQLITE_OPEN_READONLY;
   if (access == Access::kReadWrite) flags |= SQLITE_OPEN_READWRITE;
   if (access == Access::kCreate) flags |= SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
   sqlite3* handle = nullptr;
   const int code = sqlite3_open_v2(file.c_str(), &handle, flags, nullptr);
-  std::unique_ptr<Database> database(new Database(file));
+  std::unique_ptr<Database> database(new Database(stands_for.empty() ? file : stands_for, file));
   database->handle_.reset(handle);
   if (code != SQLITE_OK) return database->LastError("cannot open");
   sqlite3_busy_timeout(handle, 5000);
+  return database;
+}
+
+/// Whether reading fails only because something unfinished would have to be written first.
+bool Database::NeedsRecovery() {
+  const int code =
+      sqlite3_exec(handle_.get(), "PRAGMA schema_version", nullptr, nullptr, nullptr) & 0xff;
+  return code == SQLITE_READONLY || code == SQLITE_CANTOPEN || code == SQLITE_PROTOCOL;
+}
+
+/// Lets SQLite bring to an end in place what a killed writer began.
+bool Database::Recover(const std::filesystem::path& file) {
+  const auto database = Open(file, Access::kReadWrite);
+  return database.ok() && !(*database)->NeedsRecovery();
+}
+
+Result<std::unique_ptr<Database>> Database::OpenToRead(const std::filesystem::path& file) {
+  auto database = Open(file, Access::kReadOnly);
+  if (!database) return database;
+  const bool stuck = HasUnattendedLog(file);
+  if (!stuck && !(*database)->NeedsRecovery()) return database;
+  if (!stuck && Recover(file)) {
+    database = Open(file, Access::kReadOnly);
+    if (!database || !(*database)->NeedsRecovery()) return database;
+  }
+  auto folder = PrivateFolder::Create();
+  if (!folder) return folder.error();
+  const std::filesystem::path copy = (*folder)->path() / "copy.plb";
+  for (const char* suffix : {"", "-wal", "-journal"}) {
+    std::error_code error;
+    const std::filesystem::path part = file.string() + suffix;
+    if (!std::filesystem::exists(part, error)) continue;
+    if (!std::filesystem::copy_file(part, copy.string() + suffix, error)) {
+      return Error{ErrorCode::kIo, "cannot copy " + part.string() + " to '" +
+                                       (*folder)->path().string() +
+                                       "' to read it: " + error.message()};
+    }
+    std::filesystem::permissions(copy.string() + suffix, std::filesystem::perms::owner_write,
+                                 std::filesystem::perm_options::add, error);
+  }
+  database = Open(copy, Access::kReadWrite, file);
+  if (database) (*database)->private_folder_ = std::move(*folder);
   return database;
 }
 
@@ -78,6 +163,15 @@ Result<std::int64_t> Database::QueryInteger(const char* sql) {
     return Error{ErrorCode::kCorrupt,
                  file_.string() + " lacks a table of its format; repeat the run"};
   return statement->Integer(0);
+}
+
+Result<std::string> Database::QueryText(const char* sql) {
+  Result<Statement> statement = Prepare(sql);
+  if (!statement) return statement.error();
+  const Result<bool> row = statement->Step();
+  if (!row) return row.error();
+  if (!*row) return std::string();
+  return std::string(statement->Text(0));
 }
 
 void Statement::Bind(int parameter, std::int64_t value) {

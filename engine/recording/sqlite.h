@@ -28,25 +28,38 @@ class Database {
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
+  /// @param stands_for  The file that messages name, if `file` only stands in for it.
   /// Errors: kNotFound where the file cannot be opened, kIo otherwise.
-  static Result<std::unique_ptr<Database>> Open(const std::filesystem::path& file, Access access);
+  static Result<std::unique_ptr<Database>> Open(const std::filesystem::path& file, Access access,
+                                                const std::filesystem::path& stands_for = {});
+  /// For reading only, but also what a killed writer left unfinished: that is brought to an end in
+  /// place or, where nothing may be written, in a private copy that goes with the connection.
+  static Result<std::unique_ptr<Database>> OpenToRead(const std::filesystem::path& file);
 
   /// Runs statements that give no rows.
   Status Execute(const char* sql);
   Result<Statement> Prepare(const char* sql);
   /// The first column of the first row. Errors: kCorrupt if there is no row.
   Result<std::int64_t> QueryInteger(const char* sql);
+  Result<std::string> QueryText(const char* sql);
   /// What went wrong last, as one sentence that starts with `what` and ends with what to do.
   Error LastError(std::string_view what) const;
+  /// As messages name it.
   const std::filesystem::path& file() const { return file_; }
+  /// Where it is.
+  const std::filesystem::path& location() const { return location_; }
 
  private:
-  explicit Database(std::filesystem::path file) : file_(std::move(file)) {}
+  Database(std::filesystem::path file, std::filesystem::path location)
+      : file_(std::move(file)), location_(std::move(location)) {}
+  bool NeedsRecovery();
+  static bool Recover(const std::filesystem::path& file);
 
   struct Closer {
     void operator()(sqlite3* handle) const;
   };
-  std::filesystem::path file_;
+  std::filesystem::path file_, location_;
+  std::shared_ptr<const void> private_folder_;  ///< Before the connection: removed after it.
   std::unique_ptr<sqlite3, Closer> handle_;
 };
 

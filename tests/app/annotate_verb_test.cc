@@ -48,6 +48,25 @@ TEST_F(AnnotateVerb, AScriptWithAMistakeChangesNothing) {
   EXPECT_EQ(Run("apply room.json"), 2);
 }
 
+TEST_F(AnnotateVerb, SaysWhatOfAJournalCannotBeReadAndKeepsIt) {
+  const std::string project = ReadFile(folder_.path() / "room.json").value();
+  const nlohmann::json header = {{"journal", "killed"}, {"base", HashHex(project)}};
+  Write("room.json.journal", header.dump() + R"(
+{"kind": "do", "label": "Remove chair_0", "edit": {"edit": "remove", "id": "chair_0"}}
+{"kind": "do", "label": "Paint chair_1", "edit": {"edit": "paint", "id": "chair_1"}}
+{"kind": "do", "label": "Change chair_1", "edit": {"edit": "change", "id": "chair_1", "note": "all"}}
+)");
+  Write("edits.json", R"([{"edit": "change", "id": "chair_1", "annotator": "Grace"}])");
+  EXPECT_EQ(Run("apply room.json edits.json"), 0);
+  EXPECT_THAT(Output(), testing::HasSubstr("1 of 3 unsaved edits of 'room.json' could not be "
+                                           "repeated and are kept in "
+                                           "'room.json.journal.unreadable-"));
+  const nlohmann::json saved = Json("room.json")["instances"];
+  ASSERT_EQ(saved.size(), 1u);
+  EXPECT_EQ(saved[0]["note"], "all");
+  EXPECT_EQ(saved[0]["annotator"], "Grace");
+}
+
 TEST_F(AnnotateVerb, WhatIsExportedIsReadAgain) {
   for (const std::string format : {"ground_truth", "visma", "bop", "labelfusion", "poses"}) {
     ASSERT_EQ(Run("export room.json --format " + format + " --out " + format + " --frames 0:4:2"),

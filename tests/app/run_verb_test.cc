@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 
 #include <chrono>
+#include <fstream>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -185,6 +186,88 @@ TEST_F(RunVerb, ExportsHowObjectsStandToOneAnother) {
     nearest += relation.at("is") == "is nearest to" && relation.at("gap_m") >= 0;
   }
   EXPECT_EQ(nearest, 3) << "one for each confirmed object";
+}
+
+TEST_F(RunVerb, GoesOnOnlyWithTheSamePoses) {
+  const auto poses = folder_.path() / "poses.txt";
+  std::filesystem::rename(folder_.path() / "sequence/trajectory.txt", poses);
+  EXPECT_EQ(Wait(StartRun("none.plb", false)), 1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("--poses FILE"));
+  EXPECT_FALSE(std::filesystem::exists(Path("none.plb")));
+
+  std::vector<std::string> run = {"run",     Path("sequence"), "--out",    Path("run.plb"),
+                                  "--poses", poses.string(),   "--frames", "0:8"};
+  ASSERT_EQ(Wait(Start(run)), 0) << *ReadFile(Path("output.txt"));
+  const RunHeader header = RunReader::Open(Path("run.plb")).value()->header();
+  EXPECT_EQ(header.poses_path, poses.string());
+  const std::vector<std::string> fork = {"run",      Path("sequence"), "--out", Path("fork.plb"),
+                                         "--frames", "0:12",           "--at",  "4",
+                                         "--fork",   Path("run.plb")};
+  EXPECT_EQ(Wait(Start(fork)), 1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("poses"));
+  run.back() = "0:12";
+  run.push_back("--resume");
+  std::filesystem::rename(poses, Path("moved.txt"));
+  run[5] = Path("moved.txt");
+  EXPECT_EQ(Wait(Start(run)), 0) << "the content counts, not the path";
+  ASSERT_TRUE(WriteFileAtomically(Path("moved.txt"), *ReadFile(Path("moved.txt")) + "\n").ok());
+  EXPECT_EQ(Wait(Start(run)), 1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("the source of poses"));
+}
+
+TEST_F(RunVerb, ARefusedForkLeavesTheRunThatIsThere) {
+  ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--frames", "4:9"})), 0);
+  ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("b.plb"), "--frames", "0:6"})), 0);
+  const std::string before = *ReadFile(Path("b.plb"));
+  const auto fork = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"run",         Path("sequence"), "--out",
+                                          Path("b.plb"), "--fork",         Path("a.plb")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Wait(Start(arguments));
+  };
+  EXPECT_EQ(fork({"--frames", "4:9", "--at", "-5"}), 1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("has no frame that early"));
+  EXPECT_EQ(fork({}), 1) << "of other frames";
+  EXPECT_EQ(*ReadFile(Path("b.plb")), before);
+}
+
+TEST_F(RunVerb, TwoRunsDoNotWriteOneFile) {
+  const pid_t first = StartRun("a.plb", false);
+  while (Running(first) && FramesIn("a.plb") < 1)
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  kill(first, SIGSTOP);
+  for (const bool resume : {false, true}) {
+    EXPECT_EQ(Wait(StartRun("a.plb", resume)), 1);
+    EXPECT_THAT(*ReadFile(Path("output.txt")),
+                testing::HasSubstr("a.plb' is open in another window or command (process " +
+                                   std::to_string(first)));
+  }
+  kill(first, SIGCONT);
+  EXPECT_EQ(Wait(first), 0);
+  EXPECT_EQ(FramesIn("a.plb"), kFrames);
+  EXPECT_FALSE(std::filesystem::exists(Path("a.plb.lock")));
+}
+
+TEST_F(RunVerb, WithoutAUsableFrameItFailsAndSaysWhy) {
+  for (const auto& image :
+       std::filesystem::directory_iterator(folder_.path() / "sequence" / "color")) {
+    std::ofstream(image.path()) << "no image";
+  }
+  EXPECT_EQ(Wait(StartRun("a.plb", false)), 1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("none of the 50 frames of"));
+}
+
+TEST_F(RunVerb, TakesFoldersThatAreNotUtf8) {
+  const std::string folder = Path("caf\xe9");
+  std::filesystem::rename(Path("sequence"), folder);
+  const auto run = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"run", folder, "--out", Path("a.plb"), "--frames", "0:3"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Wait(Start(arguments));
+  };
+  EXPECT_EQ(run({}), 0) << *ReadFile(Path("output.txt"));
+  EXPECT_EQ(run({"--resume"}), 0) << *ReadFile(Path("output.txt"));
+  EXPECT_EQ(run({"--seed", "-1"}), 2);
 }
 
 }  // namespace

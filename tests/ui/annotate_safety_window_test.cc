@@ -146,7 +146,7 @@ TEST_F(AnnotateWindow, ASecondWindowIsToldWhoHasTheProjectAndReadsOnly) {
   const json second = State("second.json");
   EXPECT_EQ(second["read_only"], true);
   EXPECT_THAT(second["notices"][0].get<std::string>(),
-              HasSubstr("open in another window (process"));
+              HasSubstr("open in another window or command (process"));
   EXPECT_TRUE(std::filesystem::exists(File("mine.json")));
 }
 

@@ -5,6 +5,8 @@
 #include <sys/resource.h>
 
 #include <fstream>
+#include <functional>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -231,6 +233,210 @@ TEST_F(AnnotationProjectTest, FilesThatAreNoProjectsAreNamed) {
   EXPECT_THAT(message("{\"plumbline"), testing::HasSubstr("not valid JSON"));
   EXPECT_FALSE(AnnotationProject::Create(file_, {}).ok());
   EXPECT_FALSE(AnnotationProject::Open(folder_.path() / "none.json").ok());
+}
+
+/// Edits of which each stands on its own, unsaved, and their journal.
+class DamagedJournal : public AnnotationProjectTest {
+ protected:
+  DamagedJournal() {
+    auto project = Create();
+    for (const char* id : {"a", "b", "c", "d"}) {
+      EXPECT_TRUE(project->Apply(AddInstance{RandomInstance(id, random_), {}}).ok());
+    }
+    KillHere(std::move(project));
+    journal_ = ReadFile(JournalFile()).value();
+  }
+  std::string JournalFile() const { return file_.string() + ".journal"; }
+  std::vector<std::string> Lines() const {
+    std::vector<std::string> lines;
+    std::istringstream stream(ReadFile(JournalFile()).value());
+    for (std::string line; std::getline(stream, line);) lines.push_back(line);
+    return lines;
+  }
+  void WriteLines(const std::vector<std::string>& lines) const {
+    std::string text;
+    for (const std::string& line : lines) text += line + "\n";
+    ASSERT_TRUE(WriteFileAtomically(JournalFile(), text).ok());
+  }
+  /// Changes the JSON of line `number` as another version might have written it.
+  void ChangeLine(std::size_t number, const std::function<void(nlohmann::json&)>& change) const {
+    std::vector<std::string> lines = Lines();
+    nlohmann::json json = nlohmann::json::parse(lines[number]);
+    json.erase("check");
+    change(json);
+    lines[number] = json.dump();
+    WriteLines(lines);
+  }
+  /// A digit of the edit, so that the line is still JSON.
+  void DamageLine(std::size_t number) const {
+    std::vector<std::string> lines = Lines();
+    char& digit = lines[number][lines[number].find("time_s") + 9];
+    digit = digit == '1' ? '2' : '1';
+    WriteLines(lines);
+  }
+  static std::string Ids(const AnnotationProject& project) {
+    std::string ids;
+    for (const AnnotatedInstance& instance : project.document().instances) ids += instance.id;
+    return ids;
+  }
+  std::string Kept() const {
+    std::string kept;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+      if (entry.path().string().find(".journal.unreadable-") != std::string::npos)
+        kept += ReadFile(entry.path()).value();
+    }
+    return kept;
+  }
+
+  std::string journal_;
+};
+
+TEST_F(DamagedJournal, OneBadLineCostsThatEditOnlyAndIsKept) {
+  const std::string line = Lines()[2];
+  DamageLine(2);
+  const std::string damaged = Lines()[2];
+  auto project = Open();
+  EXPECT_EQ(Ids(*project), "acd");
+  EXPECT_EQ(project->num_recovered(), 3u);
+  ASSERT_EQ(project->warnings().size(), 1u);
+  EXPECT_THAT(project->warnings()[0],
+              testing::AllOf(testing::HasSubstr("1 of 4 unsaved edits of '" + file_.string()),
+                             testing::HasSubstr("room.json.journal.unreadable-"),
+                             testing::HasSubstr("edit 2: it is damaged")));
+  EXPECT_EQ(Kept(), damaged + "\n");
+  // Killed again, it comes back without the bad line; saved and closed, the line is still there.
+  KillHere(std::move(project));
+  project = Open();
+  EXPECT_EQ(Ids(*project), "acd");
+  EXPECT_TRUE(project->warnings().empty());
+  ASSERT_TRUE(project->Save().ok());
+  project.reset();
+  EXPECT_FALSE(std::filesystem::exists(JournalFile()));
+  EXPECT_EQ(Kept(), damaged + "\n");
+  EXPECT_EQ(Ids(*Open()), "acd");
+}
+
+TEST_F(DamagedJournal, WhatANewerVersionWroteOrLacksAnIdIsKept) {
+  ChangeLine(1, [](nlohmann::json& line) { line["edit"] = {{"edit", "paint"}, {"id", "a"}}; });
+  ChangeLine(2, [](nlohmann::json& line) { line["edit"]["instance"].erase("id"); });
+  ChangeLine(3, [](nlohmann::json& line) { line["kind"] = "branch"; });
+  auto project = Open();
+  EXPECT_EQ(Ids(*project), "d");
+  EXPECT_THAT(project->warnings()[0], testing::HasSubstr("3 of 4 unsaved edits"));
+  EXPECT_THAT(Kept(), testing::AllOf(testing::HasSubstr("paint"), testing::HasSubstr("branch")));
+}
+
+TEST_F(DamagedJournal, AnEditOfSomethingThatIsMissingIsKeptToo) {
+  auto project = Open();
+  ChangeInstance change{.id = "b"};
+  change.set.note = "by the window";
+  ASSERT_TRUE(project->Apply(change).ok());
+  ASSERT_TRUE(project->Apply(RemoveInstance{"a"}).ok());
+  KillHere(std::move(project));
+  DamageLine(2);
+  project = Open();
+  EXPECT_EQ(Ids(*project), "cd");
+  EXPECT_THAT(project->warnings()[0], testing::HasSubstr("2 of 6 unsaved edits"));
+  EXPECT_THAT(Kept(), testing::HasSubstr("by the window"));
+  ASSERT_TRUE(project->Undo().ok());
+  EXPECT_EQ(Ids(*project), "acd") << "undo meets the last edit that was repeated";
+}
+
+TEST_F(DamagedJournal, UndoAndRedoMeetTheirOwnEditAfterALostOne) {
+  auto project = Open();
+  ASSERT_TRUE(project->Undo().ok());  // of d
+  ASSERT_TRUE(project->Undo().ok());  // of c
+  ASSERT_TRUE(project->Redo().ok());  // of c
+  KillHere(std::move(project));
+  const std::vector<std::string> lines = Lines();
+  ASSERT_EQ(lines.size(), 8u);
+  const auto ids_without = [&](std::size_t damaged) {
+    WriteLines(lines);
+    DamageLine(damaged);
+    return Ids(*AnnotationProject::Open(file_, AnnotationProject::Access::kRead).value());
+  };
+  EXPECT_EQ(ids_without(1), "bc");
+  EXPECT_EQ(ids_without(3), "abc") << "redo says all of the lost edit";
+  EXPECT_EQ(ids_without(4), "abc") << "undo of the lost d takes back nothing else";
+  EXPECT_EQ(ids_without(5), "abc") << "a lost undo takes back the edit that was next";
+  EXPECT_EQ(ids_without(7), "abc");
+  WriteLines(lines);
+  DamageLine(4);
+  project = Open();
+  EXPECT_EQ(project->UndoLabel(), "Add c");
+  EXPECT_FALSE(project->RedoLabel().has_value());
+}
+
+TEST_F(DamagedJournal, AnyFlippedBitCostsOneEditAtMostOrIsToldWholly) {
+  for (std::size_t at = 0; at < journal_.size(); ++at) {
+    SCOPED_TRACE("byte " + std::to_string(at));
+    std::string damaged = journal_;
+    damaged[at] = static_cast<char>(damaged[at] ^ 1);
+    std::ofstream(JournalFile(), std::ios::binary) << damaged;
+    const bool header = at <= journal_.find('\n'), end_of_line = journal_[at] == '\n';
+    const bool write = at % 40 == 0;
+    const auto access =
+        write ? AnnotationProject::Access::kWrite : AnnotationProject::Access::kRead;
+    const auto project = AnnotationProject::Open(file_, access);
+    ASSERT_TRUE(project.ok()) << project.error().message;
+    const std::size_t found = (*project)->document().instances.size();
+    if (header) {
+      EXPECT_EQ(found, 0u);
+      EXPECT_EQ((*project)->warnings().size(), write ? 1u : 0u);
+    } else {
+      const bool last = at + 1 == journal_.size();
+      EXPECT_EQ(found, last ? 4u : end_of_line ? 2u : 3u);
+      EXPECT_EQ((*project)->warnings().size(), last ? 0u : 1u);
+    }
+    if (HasFailure()) return;
+  }
+}
+
+TEST_F(DamagedJournal, OfManyEditsAndUndosTheRestIsTheSameAfterTheNextKill) {
+  for (std::uint32_t trial = 0; trial < 20; ++trial) {
+    Random random({.seed = trial});
+    auto project = Open();
+    for (int i = 0; i < 40; ++i) {
+      const auto choice = random.Index(4);
+      if (choice == 0 && project->UndoLabel()) {
+        ASSERT_TRUE(project->Undo().ok());
+      } else if (choice == 1 && project->RedoLabel()) {
+        ASSERT_TRUE(project->Redo().ok());
+      } else {
+        ASSERT_TRUE(project->Apply(RandomEdit(project->document(), random)).ok());
+      }
+    }
+    KillHere(std::move(project));
+    DamageLine(1 + random.Index(static_cast<std::uint32_t>(Lines().size() - 1)));
+    project = Open();
+    const std::string text = Text(*project);
+    KillHere(std::move(project));
+    project = Open();
+    EXPECT_EQ(Text(*project), text);
+    EXPECT_TRUE(project->warnings().empty());
+    while (project->UndoLabel() && project->Undo().ok()) continue;
+    ASSERT_TRUE(project->Save().ok());
+  }
+}
+
+TEST_F(DamagedJournal, LinesThatAreSavedNeedNotBeReadAgain) {
+  auto project = Open();
+  ASSERT_TRUE(project->Save().ok());
+  ASSERT_TRUE(project->Apply(RemoveInstance{"d"}).ok());
+  KillHere(std::move(project));
+  DamageLine(2);
+  project = Open();
+  EXPECT_EQ(Ids(*project), "abc");
+  EXPECT_TRUE(project->warnings().empty());
+}
+
+TEST_F(AnnotationProjectTest, LeavesNoLockBehind) {
+  Create().reset();
+  EXPECT_FALSE(std::filesystem::exists(file_.string() + ".lock"));
+  // One that a kill left is nobody's.
+  std::ofstream(file_.string() + ".lock") << "process 1 on elsewhere";
+  EXPECT_TRUE(AnnotationProject::Open(file_).ok());
+  EXPECT_FALSE(std::filesystem::exists(file_.string() + ".lock"));
 }
 
 }  // namespace

@@ -81,6 +81,7 @@ TEST_F(CropModels, ComeAndGoWithUndoAndRedo) {
   Cut();
   EXPECT_TRUE(InDatabase("stool"));
   EXPECT_FALSE(SyncCropModels(*project_).value()) << "nothing to do";
+  EXPECT_FALSE(exists(UndoneModels(models_))) << "nothing waits there";
   ASSERT_TRUE(project_->Undo().ok());
   EXPECT_TRUE(SyncCropModels(*project_).value());
   EXPECT_FALSE(InDatabase("stool"));

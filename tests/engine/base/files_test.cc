@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/base/files.h"
 
+#include <signal.h>
 #include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -52,6 +55,26 @@ TEST(WriteFileAtomically, NamesTheFileWhoseFolderIsMissing) {
   EXPECT_THAT(status.error().message, AllOf(HasSubstr("missing/a.txt"), HasSubstr("No such file")));
 }
 
+TEST(WriteFileAtomically, KilledInTheMiddleItLeavesTheOldFileAndNothingBeside) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "a.txt";
+  ASSERT_TRUE(WriteFileAtomically(file, "old").ok());
+  const pid_t child = fork();
+  if (child == 0) {  // the system ends it at the first byte beyond the limit
+    rlimit limit{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    limit = {0, 0};
+    setrlimit(RLIMIT_CORE, &limit);
+    signal(SIGXFSZ, SIG_DFL);
+    _exit(WriteFileAtomically(file, std::string(1'000'000, 'x')).ok() ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(ReadFile(file).value(), "old");
+  EXPECT_EQ(NumFiles(folder.path()), 1);
+}
+
 TEST(ReadFile, NamesWhatIsMissingOrAFolder) {
   const TemporaryFolder folder;
   EXPECT_EQ(ReadFile(folder.path() / "no.txt").error().code, ErrorCode::kNotFound);
@@ -100,6 +123,12 @@ TEST(WriteJson, IsReadBackTheSame) {
   const nlohmann::json json = {{"pi", 3.141592653589793}, {"name", "\u00fcber"}, {"none", nullptr}};
   ASSERT_TRUE(WriteJson(folder.path() / "a.json", json).ok());
   EXPECT_EQ(ReadJson(folder.path() / "a.json").value(), json);
+}
+
+TEST(WriteJson, ReplacesWhatIsNotUtf8) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(WriteJson(folder.path() / "a.json", {{"path", "caf\xe9/chair"}}).ok());
+  EXPECT_EQ(ReadJson(folder.path() / "a.json").value().at("path"), "caf\xef\xbf\xbd/chair");
 }
 
 TEST(Hash, IsXxh3AndTheSameForAFile) {

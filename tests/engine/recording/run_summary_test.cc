@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "engine/base/check.h"
@@ -158,6 +159,25 @@ TEST(MapMesh, PosesTheModelsAndColoursThemByObject) {
   EXPECT_NE(mesh.colors[0], mesh.colors[3]);
   objects[0].model = "sofa";
   EXPECT_EQ(MapMesh(objects, *database).error().code, ErrorCode::kNotFound);
+}
+
+TEST(RunSummary, OfARunWithoutAUsableFrameNamesTheCommonestCause) {
+  RunSummary summary;
+  EXPECT_TRUE(summary.CheckAnyFrameUsed("walk").ok()) << "nothing was left to do";
+  FrameReport report;
+  for (int frame = 0; frame < 9; ++frame) {
+    report.skipped = frame % 3 == 1 ? "'color/" + std::to_string(frame) + ".jpg' is damaged"
+                                    : "frame " + std::to_string(frame) + " has no camera pose";
+    summary.Add(report);
+  }
+  const Status none = summary.CheckAnyFrameUsed("walk");
+  ASSERT_FALSE(none.ok());
+  EXPECT_THAT(none.error().message,
+              testing::HasSubstr("none of the 9 frames of 'walk' could be used, 6 of them because "
+                                 "of this: frame 0 has no camera pose; "));
+  report.skipped.clear();
+  summary.Add(report);
+  EXPECT_TRUE(summary.CheckAnyFrameUsed("walk").ok());
 }
 
 }  // namespace
