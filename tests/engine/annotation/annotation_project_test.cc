@@ -329,7 +329,7 @@ TEST_F(DamagedJournal, WhatANewerVersionWroteOrLacksAnIdIsKept) {
 TEST_F(DamagedJournal, AnEditOfSomethingThatIsMissingIsKeptToo) {
   auto project = Open();
   ChangeInstance change{.id = "b"};
-  change.note = "by the window";
+  change.set.note = "by the window";
   ASSERT_TRUE(project->Apply(change).ok());
   ASSERT_TRUE(project->Apply(RemoveInstance{"a"}).ok());
   KillHere(std::move(project));
