@@ -14,7 +14,7 @@ namespace {
 
 struct DetectArguments {
   std::vector<std::string> images;
-  std::string detector = "builtin";
+  std::string detector;
   std::string json_file;
   std::string out_folder;
   DetectorOptions options;
@@ -62,9 +62,11 @@ void AddDetectVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("images", arguments->images, "Images, or folders of images")
       ->required()
       ->type_name("IMAGES");
-  verb->add_option("--detector", arguments->detector,
-                   "A network, with its sidecar FILE.json beside it")
-      ->type_name("FILE.onnx");
+  auto* detector =
+      verb->add_option(
+              "--detector", arguments->detector,
+              "A network, with its sidecar FILE.json beside it; this version comes with none")
+          ->type_name("FILE.onnx");
   auto* json =
       verb->add_option(
               "--json", arguments->json_file,
@@ -81,7 +83,9 @@ void AddDetectVerb(CLI::App& app, VerbFunction& chosen) {
                    "Of boxes of one category that overlap more, keep the best")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  verb->callback([arguments, json, out, &chosen] {
+  verb->callback([arguments, detector, json, out, &chosen] {
+    if (detector->count() == 0)
+      throw CLI::RequiredError("--detector FILE.onnx (this version comes with no network)");
     if (json->count() + out->count() == 0) throw CLI::RequiredError("--json FILE or --out DIR");
     chosen = [arguments] { return Detect(*arguments); };
   });

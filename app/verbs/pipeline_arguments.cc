@@ -19,6 +19,14 @@ void PipelineArguments::AddTo(CLI::App& verb) {
   verb.add_option("--edges", choice.edges,
                   "dataset, gradient, or an ONNX network with its sidecar (default: dataset where "
                   "there are any, else gradient)");
+  verb.add_option(
+          "--poses", choice.poses,
+          "dataset (the sequence's own), or a trajectory: FILE with rows t tx ty tz qx qy qz "
+          "qw (TUM), of the camera, or of the body if its first line says # world_from_body. "
+          "It must be in the sequence's gravity-aligned world: gravity and floor are those "
+          "of gravity.json")
+      ->type_name("dataset|FILE")
+      ->capture_default_str();
   verb.add_option("--options", options_file, "JSON file of filter options");
   verb.add_option("--set", settings, "One filter option, key=value; may be repeated");
 }

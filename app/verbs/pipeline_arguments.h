@@ -17,7 +17,7 @@ struct PipelineArguments {
   std::string frames, options_file;
   std::vector<std::string> settings;
 
-  /// Declares --models, --frames, --seed, --detector, --edges, --options and --set.
+  /// Declares --models, --frames, --seed, --detector, --edges, --poses, --options and --set.
   void AddTo(CLI::App& verb);
   /// Reads the range and the options into `choice`. Errors: kInvalidInput, kNotFound.
   Status Finish();

@@ -13,9 +13,7 @@ namespace {
 
 Result<SequenceView> ViewOfRun(const RunChoice& choice, const std::filesystem::path& ground_truth,
                                const RunHeader& header, const ModelDatabase& database) {
-  const std::filesystem::path path =
-      choice.sequence.empty() ? std::filesystem::path(header.sequence_path) : choice.sequence;
-  auto sequence = OpenSequence(path);
+  auto sequence = OpenSequenceOfRun(choice, header);
   if (!sequence.ok() && !choice.sequence.empty()) return sequence.error();
   SequenceView view = sequence.ok() ? MakeViewWithoutScan(**sequence, database)
                                     : ViewWithoutSequence(header, database);

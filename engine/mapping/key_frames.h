@@ -8,6 +8,7 @@
 
 #include "engine/mapping/likelihood.h"
 #include "engine/mapping/occlusion.h"
+#include "engine/sensor/pose_estimate.h"
 
 namespace plumbline {
 
@@ -16,6 +17,11 @@ struct MapperInput {
   int frame = 0;
   std::int64_t stamp_ns = 0;
   Eigen::Isometry3d world_from_cam = Eigen::Isometry3d::Identity();
+  PoseId pose_id;      ///< Of `world_from_cam`.
+  int pose_epoch = 0;  ///< Of the corrections that `world_from_cam` contains.
+  /// How uncertain the pose is, together with the reference views. Kept with the frame; the filter
+  /// takes every pose as exact.
+  JointPoseCovariance pose_covariance;
   EdgeMap edges;
   std::shared_ptr<const OrientedTable> table;  ///< SearchTable() of the edges.
   std::shared_ptr<const FrameDetections> detections;

@@ -13,6 +13,7 @@
 #include "engine/mapping/option_changes.h"
 #include "engine/mapping/viewpoint_scorer.h"
 #include "engine/pipeline/frame_pictures.h"
+#include "engine/sources/folder_source.h"
 #include "engine/vision/edge_detector.h"
 
 namespace plumbline {
@@ -44,12 +45,9 @@ Result<int> ParseInt(std::string_view text, std::string_view whole) {
 /// Finds edges and detections of frames. Used by one thread at a time.
 class FramePreparer {
  public:
-  FramePreparer(std::shared_ptr<const Sequence> sequence, std::unique_ptr<Detector> detector,
-                std::unique_ptr<EdgeDetector> edges, const MapperOptions& options)
-      : sequence_(std::move(sequence)),
-        detector_(std::move(detector)),
-        edges_(std::move(edges)),
-        options_(options) {}
+  FramePreparer(std::unique_ptr<Detector> detector, std::unique_ptr<EdgeDetector> edges,
+                const MapperOptions& options)
+      : detector_(std::move(detector)), edges_(std::move(edges)), options_(options) {}
 
   void SetOptions(const MapperOptions& options) {
     options_ = options;
@@ -57,12 +55,13 @@ class FramePreparer {
   }
   int options_version() const { return options_version_; }
 
-  Prepared Prepare(int index) {
+  /// @param pose  Of the frame; nothing where it has none.
+  Prepared Prepare(const FramePacket& packet, const std::optional<PoseEstimate>& pose) {
     Prepared prepared;
     prepared.options_version = options_version_;
-    prepared.frame.index = index;
-    prepared.frame.stamp_ns = sequence_->stamp_ns(index);
-    const Status status = TryPrepare(index, prepared);
+    prepared.frame.index = packet.frame;
+    prepared.frame.stamp_ns = packet.stamp_ns;
+    const Status status = TryPrepare(packet, pose, prepared);
     if (!status.ok()) {
       prepared.skipped = status.error().message;
       prepared.input.reset();
@@ -74,14 +73,17 @@ class FramePreparer {
   std::string edges_description() const { return edges_->Description(); }
 
  private:
-  Status TryPrepare(int index, Prepared& prepared) {
+  Status TryPrepare(const FramePacket& packet, const std::optional<PoseEstimate>& pose,
+                    Prepared& prepared) {
     Stopwatch watch;
-    Result<Frame> frame = sequence_->ReadFrame(index);
-    if (!frame.ok()) return frame.error();
-    prepared.frame = std::move(frame).value();
+    Result<cv::Mat> image = packet.content->Image();
+    if (!image.ok()) return image.error();
+    prepared.frame.image = std::move(image).value();
+    if (pose) prepared.frame.world_from_cam = pose->world_from_cam;
     prepared.timings.push_back({"decode", watch.Lap()});
-    if (!prepared.frame.world_from_cam) {
-      return Error{ErrorCode::kNotFound, "frame " + std::to_string(index) + " has no camera pose"};
+    if (!pose) {
+      return Error{ErrorCode::kNotFound,
+                   "frame " + std::to_string(packet.frame) + " has no camera pose"};
     }
     Result<EdgeMap> edges = edges_->Detect(prepared.frame);
     if (!edges.ok()) return edges.error();
@@ -91,9 +93,11 @@ class FramePreparer {
     if (!detections.ok()) return detections.error();
     prepared.timings.push_back({"detect", watch.Lap()});
     MapperInput input;
-    input.frame = index;
-    input.stamp_ns = prepared.frame.stamp_ns;
-    input.world_from_cam = *prepared.frame.world_from_cam;
+    input.frame = packet.frame;
+    input.stamp_ns = packet.stamp_ns;
+    input.world_from_cam = pose->world_from_cam;
+    input.pose_id = pose->id;
+    input.pose_epoch = pose->epoch;
     input.edges = prepared.edges;
     input.table = SearchTable(prepared.edges, options_);
     input.detections = std::move(detections).value();
@@ -102,7 +106,6 @@ class FramePreparer {
     return {};
   }
 
-  std::shared_ptr<const Sequence> sequence_;
   std::unique_ptr<Detector> detector_;
   std::unique_ptr<EdgeDetector> edges_;
   MapperOptions options_;
@@ -143,6 +146,8 @@ Result<FrameRange> ParseFrameRange(std::string_view text) {
 struct MappingPipeline::Impl {
   PipelineChoice choice;
   std::shared_ptr<const Sequence> sequence;
+  std::unique_ptr<RecordedSource> source;  ///< Next is called by the thread below alone.
+  std::string poses = kDatasetPoses;       ///< What they are, for the run file.
   std::shared_ptr<const ModelDatabase> database;
   std::unique_ptr<FramePreparer> preparer;
   std::mutex preparer_mutex;
@@ -158,17 +163,30 @@ struct MappingPipeline::Impl {
 
   void StartAhead() {
     ahead = std::make_unique<BoundedQueue<Prepared>>(kFramesAhead);
+    source->Seek(selected[next]);
     thread = std::jthread([this, from = next](const std::stop_token& stop) {
-      for (std::size_t i = from; i < selected.size() && !stop.stop_requested(); ++i) {
-        Prepared prepared;
-        {
-          const std::lock_guard lock(preparer_mutex);
-          prepared = preparer->Prepare(selected[i]);
-        }
-        if (!ahead->Push(std::move(prepared))) return;
+      std::optional<PoseEstimate> pose;  // of the frame that follows it
+      for (std::size_t i = from; i < selected.size();) {
+        const Result<std::optional<Packet>> packet = source->Next(stop);
+        if (!packet.ok() || !packet.value()) break;
+        if (const auto* estimate = std::get_if<PoseEstimate>(&**packet)) pose = *estimate;
+        const auto* frame = std::get_if<FramePacket>(&**packet);
+        if (frame == nullptr || frame->frame != selected[i]) continue;
+        if (pose && pose->stamp_ns != frame->stamp_ns) pose.reset();
+        if (!ahead->Push(PrepareFrame(*frame, pose))) return;
+        ++i;
       }
       ahead->Close();
     });
+  }
+
+  Prepared PrepareFrame(const FramePacket& frame, const std::optional<PoseEstimate>& pose) {
+    const std::lock_guard lock(preparer_mutex);
+    return preparer->Prepare(frame, pose);
+  }
+  /// Any frame of the source, again.
+  Prepared PrepareAgain(int frame) {
+    return PrepareFrame(source->Frame(frame), source->Pose(frame));
   }
 
   ~Impl() {
@@ -220,10 +238,24 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineCho
                                                                const WorkContext& work) {
   auto impl = std::make_unique<Impl>();
   impl->choice = choice;
-  Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(choice.sequence);
+  SequenceOptions poses;
+  if (choice.poses != kDatasetPoses) poses.poses = choice.poses;
+  Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(choice.sequence, poses);
   if (!sequence.ok()) return sequence.error();
   impl->sequence = *sequence;
+  if (!poses.poses.empty()) {
+    const Result<std::string> hash = HashFile(poses.poses);
+    if (!hash.ok()) return hash.error();
+    impl->poses = "trajectory " + hash.value();
+  }
+  impl->source = std::make_unique<FolderSource>(*sequence, false);
   const Sequence& frames = *impl->sequence;
+  if (!frames.has_images()) {
+    return Error{ErrorCode::kInvalidInput, "'" + choice.sequence.string() +
+                                               "' has no images (there is no folder color/); "
+                                               "objects are mapped from images"};
+  }
+  if (Status status = CheckHasPoses(frames, poses.poses); !status.ok()) return status.error();
   if (!frames.gravity_in_world()) {
     return Error{ErrorCode::kInvalidInput,
                  "'" + choice.sequence.string() +
@@ -261,7 +293,7 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const PipelineCho
     if (!views.ok()) return views.error();
     viewpoints.push_back(*views);
   }
-  impl->preparer = std::make_unique<FramePreparer>(impl->sequence, std::move(detector).value(),
+  impl->preparer = std::make_unique<FramePreparer>(std::move(detector).value(),
                                                    std::move(edges).value(), choice.options);
   MapperSetup setup;
   setup.camera = frames.camera();
@@ -286,6 +318,7 @@ const PipelineChoice& MappingPipeline::choice() const { return impl_->choice; }
 std::string MappingPipeline::detector_description() const {
   return impl_->preparer->detector_description();
 }
+const std::string& MappingPipeline::poses_description() const { return impl_->poses; }
 std::string MappingPipeline::edges_description() const {
   return impl_->preparer->edges_description();
 }
@@ -331,7 +364,7 @@ Status MappingPipeline::Resume(const FrameReport& report,
   while (m.next < m.selected.size() && m.selected[m.next] <= report.frame) ++m.next;
   m.last_report = report;
   return m.mapper->Restore(report, [&](int frame) -> Result<MapperInput> {
-    Prepared prepared = m.preparer->Prepare(frame);
+    Prepared prepared = m.PrepareAgain(frame);
     if (!prepared.input) return Error{ErrorCode::kCorrupt, prepared.skipped};
     return *prepared.input;
   });
@@ -339,11 +372,7 @@ Status MappingPipeline::Resume(const FrameReport& report,
 
 Result<std::shared_ptr<const MapSnapshot>> MappingPipeline::Recompute(const FrameReport& report) {
   Impl& m = *impl_;
-  Prepared prepared;
-  {
-    const std::lock_guard lock(m.preparer_mutex);
-    prepared = m.preparer->Prepare(report.frame);
-  }
+  const Prepared prepared = m.PrepareAgain(report.frame);
   const RenderedMaps maps = m.mapper->RenderMeans(report);
   return m.Snapshot(report, prepared.frame, prepared.edges, maps);
 }

@@ -24,12 +24,16 @@ struct FrameRange {
 /// Parses "A:B" or "A:B:S" (parts may be left out). Errors: kInvalidInput.
 Result<FrameRange> ParseFrameRange(std::string_view text);
 
+/// The poses that the sequence itself has.
+inline constexpr const char* kDatasetPoses = "dataset";
+
 struct PipelineChoice {
   std::filesystem::path sequence;
   std::filesystem::path models;      ///< Empty: the sequence's own.
   std::string detector = "dataset";  ///< As CreateDetector takes it.
   std::string edges;  ///< As CreateEdgeDetector takes it; empty: dataset where there are any, else
                       ///< gradient.
+  std::string poses = kDatasetPoses;  ///< Those, or a TUM trajectory (SequenceOptions::poses).
   FrameRange frames;
   std::uint64_t seed = 0;
   MapperOptions options;
@@ -52,6 +56,8 @@ class MappingPipeline {
   /// What the detectors say of themselves: kind, file, content hash.
   std::string detector_description() const;
   std::string edges_description() const;
+  /// Likewise of the poses: "dataset" or "trajectory HASH".
+  const std::string& poses_description() const;
   /// One past the last frame that the range selects.
   int end_frame() const;
   /// Frames that the range selects.

@@ -35,6 +35,7 @@ PipelineChoice InputsOf(const RunChoice& choice, const RunHeader& header) {
       choice.models.empty() ? std::filesystem::path(header.models_path) : choice.models;
   pipeline.detector = DetectorChoice(header.detector);
   pipeline.edges = EdgeChoice(header.edges);
+  if (!header.poses_path.empty()) pipeline.poses = header.poses_path;
   pipeline.frames = {header.first_frame, header.end_frame, header.frame_step};
   return pipeline;
 }
@@ -72,6 +73,12 @@ Result<int> TakeOverPast(const std::filesystem::path& file, int at, MappingPipel
   auto reader = RunReader::Open(file);
   if (!reader.ok()) return reader.error();
   const RunHeader past = (*reader)->header(), now = HeaderOf(pipeline);
+  if (past.poses != now.poses) {
+    const std::string as = past.poses_path.empty() ? "the sequence" : "'" + past.poses_path + "'";
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + file.string() + "' was made with the poses of " + as +
+                     ", and these are others or have changed; give the same with --poses"};
+  }
   if (past.sequence_hash != now.sequence_hash || past.models_hash != now.models_hash)
     return Error{ErrorCode::kInvalidInput, "'" + file.string() +
                                                "' is of another sequence or other models; a run "

@@ -45,6 +45,9 @@ RunHeader HeaderOf(const MappingPipeline& pipeline) {
   header.models_hash = database.content_hash();
   header.detector = pipeline.detector_description();
   header.edges = pipeline.edges_description();
+  header.poses = pipeline.poses_description();
+  if (choice.poses != kDatasetPoses)
+    header.poses_path = std::filesystem::absolute(choice.poses).string();
   for (const CadModel& model : database.models())
     header.models.push_back({model.name, model.category});
   header.gravity_in_world = *sequence.gravity_in_world();
@@ -79,6 +82,7 @@ nlohmann::json HeaderToJson(const RunHeader& header) {
       {"frames",
        {{"first", header.first_frame}, {"end", header.end_frame}, {"step", header.frame_step}}},
       {"started", header.started}};
+  if (!header.poses_path.empty()) json["poses_path"] = header.poses_path;
   if (header.floor_in_world) json["floor"] = ToArray(*header.floor_in_world);
   if (header.forked_after) json["forked_after"] = *header.forked_after;
   return json;
@@ -101,6 +105,7 @@ Result<RunHeader> HeaderFromJson(const nlohmann::json& json) {
     header.detector = json.at("detector").get<std::string>();
     header.edges = json.at("edges").get<std::string>();
     header.poses = json.at("poses").get<std::string>();
+    header.poses_path = json.value("poses_path", "");
     header.gravity_in_world = FromArray<Eigen::Vector3d>(json.at("gravity"));
     if (json.contains("floor"))
       header.floor_in_world = FromArray<Eigen::Vector4d>(json.at("floor"));
@@ -142,11 +147,11 @@ Status CheckContinues(const RunHeader& stored, const RunHeader& now) {
   }
   const std::pair<std::string_view, std::string RunHeader::*> texts[] = {
       {"the program version", &RunHeader::program_version},
+      {"the source of poses", &RunHeader::poses},  // before the sequence, whose hash covers them
       {"the sequence", &RunHeader::sequence_hash},
       {"the model database", &RunHeader::models_hash},
       {"the detector", &RunHeader::detector},
-      {"the edge detector", &RunHeader::edges},
-      {"the source of poses", &RunHeader::poses}};
+      {"the edge detector", &RunHeader::edges}};
   for (const auto& [what, member] : texts) {
     if (stored.*member != now.*member) return differs(what, stored.*member, now.*member);
   }

@@ -32,8 +32,9 @@ struct RunHeader {
   std::string sequence_path, sequence_hash;  ///< Hash: SequenceFingerprint.
   std::string models_path, models_hash;      ///< Hash: ModelDatabase::content_hash.
   std::string detector, edges;               ///< Their Description(): kind, file, content hash.
-  std::string poses = "dataset";
-  std::vector<RunModel> models;  ///< Index = ModelId.
+  std::string poses = "dataset";  ///< Or "trajectory HASH", the content hash of `poses_path`.
+  std::string poses_path;         ///< The trajectory that took the place of the data set's poses.
+  std::vector<RunModel> models;   ///< Index = ModelId.
   Eigen::Vector3d gravity_in_world{0, 0, -1};
   std::optional<Eigen::Vector4d> floor_in_world;
   PinholeCamera camera;

@@ -3,6 +3,8 @@
 
 #include <string_view>
 
+#include "engine/base/log.h"
+
 namespace plumbline {
 namespace {
 
@@ -27,6 +29,20 @@ std::string EdgeChoice(const std::string& description) {
   const std::string file = description.substr(kNetwork.size());
   const std::size_t end = file.find(".onnx");
   return end == std::string::npos ? "gradient" : file.substr(0, end + 5);
+}
+
+Result<std::shared_ptr<const Sequence>> OpenSequenceOfRun(const RunChoice& choice,
+                                                          const RunHeader& header) {
+  const std::filesystem::path path =
+      choice.sequence.empty() ? std::filesystem::path(header.sequence_path) : choice.sequence;
+  SequenceOptions options{header.poses_path};
+  std::error_code ignored;
+  if (!options.poses.empty() && !std::filesystem::exists(options.poses, ignored)) {
+    log::warn("the trajectory '{}' of the run is not there any more; its sequence's own is shown",
+              header.poses_path);
+    options.poses.clear();
+  }
+  return OpenSequence(path, options);
 }
 
 Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& choice,

@@ -21,6 +21,12 @@ struct RunChoice {
 Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& choice,
                                                              const RunHeader& header);
 
+/// The sequence that the run was made from, with the poses that it was made with. A trajectory that
+/// is gone is replaced by the poses of the data set, with a warning: that is for looking only.
+/// Errors: as of OpenSequence.
+Result<std::shared_ptr<const Sequence>> OpenSequenceOfRun(const RunChoice& choice,
+                                                          const RunHeader& header);
+
 /// What CreateEdgeDetector takes, from what an edge detector said of itself ("kind file hash").
 std::string EdgeChoice(const std::string& description);
 

@@ -107,9 +107,7 @@ Result<Inputs> OpenInputs(const RunChoice& choice, const RunHeader& header,
                           const WorkContext& work) {
   auto database = LoadModelsOfRun(choice, header);
   if (!database.ok()) return database.error();
-  const std::filesystem::path path =
-      choice.sequence.empty() ? std::filesystem::path(header.sequence_path) : choice.sequence;
-  auto sequence = OpenSequence(path);
+  auto sequence = OpenSequenceOfRun(choice, header);
   if (!sequence.ok() && !choice.sequence.empty()) return sequence.error();
   if (!sequence.ok()) {
     log::warn(

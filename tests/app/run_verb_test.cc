@@ -188,6 +188,33 @@ TEST_F(RunVerb, ExportsHowObjectsStandToOneAnother) {
   EXPECT_EQ(nearest, 3) << "one for each confirmed object";
 }
 
+TEST_F(RunVerb, GoesOnOnlyWithTheSamePoses) {
+  const auto poses = folder_.path() / "poses.txt";
+  std::filesystem::rename(folder_.path() / "sequence/trajectory.txt", poses);
+  EXPECT_EQ(Wait(StartRun("none.plb", false)), 1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("--poses FILE"));
+  EXPECT_FALSE(std::filesystem::exists(Path("none.plb")));
+
+  std::vector<std::string> run = {"run",     Path("sequence"), "--out",    Path("run.plb"),
+                                  "--poses", poses.string(),   "--frames", "0:8"};
+  ASSERT_EQ(Wait(Start(run)), 0) << *ReadFile(Path("output.txt"));
+  const RunHeader header = RunReader::Open(Path("run.plb")).value()->header();
+  EXPECT_EQ(header.poses_path, poses.string());
+  const std::vector<std::string> fork = {"run",      Path("sequence"), "--out", Path("fork.plb"),
+                                         "--frames", "0:12",           "--at",  "4",
+                                         "--fork",   Path("run.plb")};
+  EXPECT_EQ(Wait(Start(fork)), 1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("poses"));
+  run.back() = "0:12";
+  run.push_back("--resume");
+  std::filesystem::rename(poses, Path("moved.txt"));
+  run[5] = Path("moved.txt");
+  EXPECT_EQ(Wait(Start(run)), 0) << "the content counts, not the path";
+  ASSERT_TRUE(WriteFileAtomically(Path("moved.txt"), *ReadFile(Path("moved.txt")) + "\n").ok());
+  EXPECT_EQ(Wait(Start(run)), 1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("the source of poses"));
+}
+
 TEST_F(RunVerb, ARefusedForkLeavesTheRunThatIsThere) {
   ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--frames", "4:9"})), 0);
   ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("b.plb"), "--frames", "0:6"})), 0);

@@ -294,5 +294,42 @@ TEST(FrameRange, ParsesItsParts) {
     EXPECT_FALSE(ParseFrameRange(bad).ok()) << bad;
 }
 
+TEST_F(PipelineTest, WithoutPosesOrImagesItSaysWhatToDo) {
+  const auto refusal = [](const std::filesystem::path& sequence, const std::string& poses) {
+    PipelineChoice choice;
+    choice.sequence = sequence;
+    choice.poses = poses;
+    const auto opened = MappingPipeline::Open(choice, {});
+    return opened.ok() ? std::string("opened") : opened.error().message;
+  };
+  const std::filesystem::path bare = Copy("bare");
+  std::filesystem::remove(bare / "trajectory.txt");
+  EXPECT_THAT(refusal(bare, "dataset"), HasSubstr("has no camera poses; give a trajectory"));
+  EXPECT_THAT(refusal(bare, "nowhere.txt"), HasSubstr("nowhere.txt"));
+  const std::filesystem::path other = folder_->path() / "other_clock.txt";
+  WriteText(other, "5000 0 0 0 0 0 0 1\n");
+  EXPECT_THAT(refusal(bare, other.string()), HasSubstr("the same clock"));
+  std::filesystem::remove_all(bare / "color");
+  WriteText(bare / "tracks.csv", "0,1,5,5\n0.1,1,5,5\n");
+  EXPECT_THAT(refusal(bare, "dataset"), HasSubstr("has no images"));
+}
+
+TEST_F(PipelineTest, TheSamePosesFromAFileMakeTheSameRun) {
+  const std::filesystem::path bare = Copy("posed_by_file");
+  const std::filesystem::path poses = folder_->path() / "poses.txt";
+  std::filesystem::rename(bare / "trajectory.txt", poses);
+  PipelineChoice choice;
+  choice.sequence = bare;
+  choice.poses = poses.string();
+  choice.frames = {0, 12, 1};
+  choice.seed = 1;
+  auto opened = MappingPipeline::Open(choice, {});
+  ASSERT_TRUE(opened.ok()) << opened.error().message;
+  EXPECT_THAT((*opened)->poses_description(), testing::StartsWith("trajectory "));
+  const std::vector<FrameReport> run = Rest(**opened);
+  ASSERT_EQ(run.size(), 12u);
+  for (std::size_t i = 0; i < run.size(); ++i) ExpectSame(run[i], WholeRun()[i]);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fstream>
+
+#include "app/info/info_text.h"
+#include "app/info/path_info.h"
+#include "engine/recording/run_file.h"
+
+namespace plumbline {
+namespace {
+
+void AddInputs(const RunHeader& header, PathInfo& info) {
+  const std::pair<const char*, const std::string&> kInputs[] = {{"Sequence", header.sequence_path},
+                                                                {"Models", header.models_path}};
+  for (const auto& [label, path] : kInputs) {
+    info.lines.push_back({label, path});
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored))
+      info.odd.push_back("'" + path +
+                         "' is not there any more; name it again when opening the run.");
+  }
+  info.lines.push_back({"Detector", header.detector});
+  info.lines.push_back({"Edges", header.edges});
+}
+
+/// Objects by their last state.
+Status AddObjects(RunReader& reader, PathInfo& info) {
+  const auto tracks = reader.ObjectTracks();
+  if (!tracks.ok()) return tracks.error();
+  int confirmed = 0, tentative = 0, retired = 0;
+  for (const ObjectTrack& track : tracks.value()) {
+    confirmed += track.state == ObjectState::kConfirmed;
+    tentative += track.state == ObjectState::kTentative;
+    retired += track.state == ObjectState::kRetired;
+  }
+  info.lines.push_back(
+      {"Objects", Format("%d confirmed, %d tentative, %d retired", confirmed, tentative, retired)});
+  info.json["objects"] = {{"confirmed", confirmed}, {"tentative", tentative}, {"retired", retired}};
+  return {};
+}
+
+Status AddFrames(RunReader& reader, PathInfo& info) {
+  const RunHeader& header = reader.header();
+  const auto frames = reader.Frames();
+  if (!frames.ok()) return frames.error();
+  const auto timings = reader.Timings();
+  if (!timings.ok()) return timings.error();
+  std::size_t skipped = 0;
+  for (const RunFrame& frame : frames.value()) skipped += frame.skipped;
+  const double seconds = timings.value().empty() ? 0 : timings.value().back().elapsed_s;
+  const std::size_t count = frames.value().size();
+  info.lines.push_back({"Frames", Format("%zu of %d:%d:%d, in %.1f s (%.1f frames/s)", count,
+                                         header.first_frame, header.end_frame, header.frame_step,
+                                         seconds, seconds > 0 ? count / seconds : 0.0)});
+  info.json["frames"] = {
+      {"count", count},          {"skipped", skipped},        {"first", header.first_frame},
+      {"end", header.end_frame}, {"step", header.frame_step}, {"seconds", seconds}};
+  if (count == 0) info.odd.push_back("The run holds no frames.");
+  if (skipped > 0) info.odd.push_back(Counted(skipped, "frame was", "frames were") + " skipped.");
+  const auto finished = reader.Finished();
+  if (!finished.ok()) return finished.error();
+  info.json["finished"] = finished.value();
+  if (!finished.value())
+    info.odd.push_back("The run did not end: it is still written, or goes on with run --resume.");
+  return {};
+}
+
+}  // namespace
+
+Likeness ProbeRun(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return Likeness::kNone;
+  char start[16] = {};
+  std::ifstream(path, std::ios::binary).read(start, sizeof(start));
+  const bool sqlite = std::string_view(start, 15) == "SQLite format 3";
+  if (sqlite && HasEnding(path, ".plb")) return Likeness::kCertain;
+  return sqlite || HasEnding(path, ".plb") ? Likeness::kPossible : Likeness::kNone;
+}
+
+Result<PathInfo> DescribeRun(const std::filesystem::path& path) {
+  auto opened = RunReader::Open(path);
+  if (!opened.ok()) return opened.error();
+  RunReader& reader = **opened;
+  const RunHeader& header = reader.header();
+  PathInfo info;
+  info.title = "run of the mapper, written by version " + header.program_version;
+  if (const Status status = AddFrames(reader, info); !status.ok()) return status.error();
+  if (const Status status = AddObjects(reader, info); !status.ok()) return status.error();
+  AddInputs(header, info);
+  info.lines.push_back({"Seed", std::to_string(header.seed)});
+  info.lines.push_back({"Started", header.started});
+  if (header.forked_after)
+    info.lines.push_back({"Forked", "after frame " + std::to_string(*header.forked_after)});
+  info.json["header"] = HeaderToJson(header);
+  return info;
+}
+
+}  // namespace plumbline
