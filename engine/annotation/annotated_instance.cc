@@ -15,7 +15,6 @@ using Written = InstanceField::Written;
 
 constexpr std::string_view kQuality = "quality";
 
-
 json ValueToJson(std::string_view, const std::string& text) { return text; }
 json ValueToJson(std::string_view, double number) { return number; }
 json ValueToJson(std::string_view, const Eigen::Isometry3d& pose) { return IsometryToJson(pose); }
@@ -138,8 +137,8 @@ Result<InstanceChange> ChangeFromJson(const json& source) {
     VisitInstance(read, change);
     if (!known) return InvalidInput("an edit 'change' knows no '" + key + "'");
     if (!good) {
-      return InvalidInput("'" + key + "' of the change of '" + TextFromJson(source, "id").value_or("") +
-                     "' has a wrong value");
+      return InvalidInput("'" + key + "' of the change of '" +
+                          TextFromJson(source, "id").value_or("") + "' has a wrong value");
     }
   }
   return change;

@@ -66,7 +66,7 @@ Result<Edit> Apply(const ChangeInstance& edit, AnnotationDocument& document) {
   }
   if (set.id && (set.id->empty() || (*set.id != edit.id && document.Find(*set.id)))) {
     return InvalidInput("'" + edit.id + "' cannot be called '" + *set.id +
-                   "': names must be unique and not empty");
+                        "': names must be unique and not empty");
   }
   if (set.seconds_spent && !(*set.seconds_spent >= 0 && std::isfinite(*set.seconds_spent))) {
     return InvalidInput("the time spent on '" + edit.id + "' must not be negative");
