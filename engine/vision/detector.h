@@ -43,6 +43,7 @@ struct DetectorOptions {
   float min_score = 0.1f;  ///< Proposals below are dropped, in [0, 1].
   float nms_iou =
       0.45f;  ///< Of two boxes of one category that overlap more, the better stays; in [0, 1].
+  bool cache = true;  ///< Off: the network runs, whatever NetworkCache knows.
 };
 
 /// `dataset` (the sequence's proposals; a box scores the maximum over proposals of its category of

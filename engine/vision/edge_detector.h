@@ -23,6 +23,8 @@ class EdgeDetector {
 struct EdgeOptions {
   /// Off: a network's raw scores in place of probabilities, to measure a calibration with.
   bool calibrate = true;
+  /// Off: a network runs, whatever NetworkCache knows; to measure its time with.
+  bool cache = true;
 };
 
 /// `gradient` (multi-scale, oriented), `dataset` (the sequence's edges), or the path of an ONNX

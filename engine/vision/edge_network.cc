@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/check.h"
+#include "engine/vision/network_cache.h"
 #include "engine/vision/network_sidecar.h"
 #include "engine/vision/thinning.h"
 
@@ -19,10 +20,26 @@ constexpr float kLeastRaw = 0.1f;
 class EdgeNetwork : public EdgeDetector {
  public:
   EdgeNetwork(Network network, const EdgeOptions& options)
-      : network_(std::move(network)), calibrate_(Curve(network_.sidecar, options)) {}
+      : network_(std::move(network)),
+        calibrate_(Curve(network_.sidecar, options)),
+        cache_(options.cache),
+        computation_("edges 1 " + network_.content_hash + (options.calibrate ? "" : " raw")) {}
 
   Result<EdgeMap> Detect(const Frame& frame) override {
     PLB_CHECK(frame.image.type() == CV_8UC3 && !frame.image.empty());
+    if (!cache_) return Compute(frame);
+    const std::string key = NetworkCacheKey(computation_, frame.image);
+    if (const auto known = NetworkCache::Shared().Get(key)) {
+      if (auto edges = DecodeEdges(*known)) return *std::move(edges);
+    }
+    Result<EdgeMap> edges = Compute(frame);
+    if (edges.ok()) NetworkCache::Shared().Put(key, EncodeEdges(*edges));
+    return edges;
+  }
+  std::string Description() const override { return "edge network " + network_.description; }
+
+ private:
+  Result<EdgeMap> Compute(const Frame& frame) {
     const cv::Size input(network_.sidecar.width, network_.sidecar.height);
     const double scale = std::min({1.0, static_cast<double>(input.width) / frame.image.cols,
                                    static_cast<double>(input.height) / frame.image.rows});
@@ -41,9 +58,6 @@ class EdgeNetwork : public EdgeDetector {
     if (scale < 1) cv::resize(soft, soft, frame.image.size(), 0, 0, cv::INTER_LINEAR);
     return ThinRidges(soft, kLeastRaw, calibrate_);
   }
-  std::string Description() const override { return "edge network " + network_.description; }
-
- private:
   static CalibrationCurve Curve(const NetworkSidecar& sidecar, const EdgeOptions& options) {
     if (!options.calibrate) return CalibrationCurve({});
     // Precision of thinned pixels by raw score on BSDS500 val of a network trained with balanced
@@ -57,6 +71,8 @@ class EdgeNetwork : public EdgeDetector {
 
   Network network_;
   CalibrationCurve calibrate_;
+  bool cache_;
+  std::string computation_;  ///< What decides the result besides the image; counts its versions.
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "engine/base/check.h"
+#include "engine/vision/network_cache.h"
 #include "engine/vision/network_sidecar.h"
 #include "engine/vision/proposals.h"
 
@@ -61,13 +62,27 @@ class FastestDet : public Detector {
       : network_(std::move(network)), options_(options) {}
   Result<std::unique_ptr<const FrameDetections>> Detect(const Frame& frame) override {
     PLB_CHECK(frame.image.type() == CV_8UC3 && !frame.image.empty());
-    const Result<cv::Mat> output = RunNetwork(network_, frame.image);
+    const Result<cv::Mat> output = Output(frame.image);
     if (!output.ok()) return output.error();
     return DecodeFastestDet(*output, frame.image.size(), network_.sidecar.categories, options_);
   }
   std::string Description() const override { return "fastestdet " + network_.description; }
 
  private:
+  Result<cv::Mat> Output(const cv::Mat& image) {
+    if (!options_.cache) return RunNetwork(network_, image);
+    const std::string key = NetworkCacheKey("output 1 " + network_.content_hash, image);
+    if (const auto known = NetworkCache::Shared().Get(key)) {
+      auto tensor = DecodeTensor(*known);
+      if (tensor && tensor->dims == 4 &&
+          tensor->size[1] == 5 + static_cast<int>(network_.sidecar.categories.size()))
+        return *std::move(tensor);
+    }
+    Result<cv::Mat> output = RunNetwork(network_, image);
+    if (output.ok()) NetworkCache::Shared().Put(key, EncodeTensor(*output));
+    return output;
+  }
+
   Network network_;
   DetectorOptions options_;
 };

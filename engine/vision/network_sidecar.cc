@@ -127,8 +127,13 @@ Result<Network> LoadNetwork(const std::filesystem::path& onnx_file, NetworkKind 
                                                ? "finds no edges (its sidecar's kind is not edge)"
                                                : "finds no objects (see its sidecar's kind)");
   }
-  Network network{
-      {}, std::move(sidecar).value(), onnx_file.string() + " " + HashHex(bytes.value())};
+  const Result<std::string> sidecar_hash =
+      HashFile(std::filesystem::path(onnx_file).replace_extension(".json"));
+  if (!sidecar_hash.ok()) return sidecar_hash.error();
+  Network network{{},
+                  std::move(sidecar).value(),
+                  onnx_file.string() + " " + HashHex(bytes.value()),
+                  HashHex(bytes.value()) + *sidecar_hash};
   try {
     network.net = cv::dnn::readNetFromONNX(bytes.value().data(), bytes.value().size());
     network.net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);

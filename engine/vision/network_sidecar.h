@@ -35,7 +35,8 @@ Result<NetworkSidecar> ReadNetworkSidecar(const std::filesystem::path& onnx_file
 struct Network {
   cv::dnn::Net net;
   NetworkSidecar sidecar;
-  std::string description;  ///< File and content hash, for the run file.
+  std::string description;   ///< File and content hash, for people.
+  std::string content_hash;  ///< Of network and sidecar.
 };
 
 /// Loads FILE.onnx with its sidecar, checks that it is of `kind`, runs it once on a grey image and

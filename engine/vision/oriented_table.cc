@@ -123,13 +123,15 @@ std::vector<std::uint8_t> OrientedTable::Interleaved() const {
 
 EdgeMap HalfSize(const EdgeMap& edges) {
   EdgeMap half;
-  half.probability = cv::Mat(edges.probability.rows / 2, edges.probability.cols / 2, CV_8U);
+  const cv::Size size = edges.probability.size();
+  half.probability = cv::Mat((size.height + 1) / 2, (size.width + 1) / 2, CV_8U);
   half.angle = cv::Mat(half.probability.size(), CV_8U);
   for (int y = 0; y < half.probability.rows; ++y) {
     for (int x = 0; x < half.probability.cols; ++x) {
       int best = -1;
       for (int k = 0; k < 4; ++k) {
         const int sy = 2 * y + k / 2, sx = 2 * x + k % 2;
+        if (sy >= size.height || sx >= size.width) continue;
         const int p = edges.probability.at<std::uint8_t>(sy, sx);
         if (p <= best) continue;
         best = p;

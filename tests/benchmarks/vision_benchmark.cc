@@ -75,11 +75,11 @@ int Run(int argc, char** argv) {
   const auto gradient = CreateEdgeDetector("gradient", nullptr).value();
   Measure("gradient edges", yardstick, [&] { static_cast<void>(gradient->Detect(frame).value()); });
   if (argc > 2) {
-    const auto network = CreateEdgeDetector(argv[2], nullptr).value();
+    const auto network = CreateEdgeDetector(argv[2], nullptr, {.cache = false}).value();
     Measure("edge network", yardstick, [&] { static_cast<void>(network->Detect(frame).value()); });
   }
   if (argc > 3) {
-    const auto detector = CreateDetector(argv[3], nullptr).value();
+    const auto detector = CreateDetector(argv[3], nullptr, {.cache = false}).value();
     Measure("detector", yardstick, [&] { static_cast<void>(detector->Detect(frame).value()); });
     const auto found = detector->Detect(frame).value();
     Random random({.seed = 2});

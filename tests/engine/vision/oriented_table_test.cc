@@ -141,5 +141,21 @@ TEST(OrientedTable, EdgesAtTheBordersOfTheImageCountInside) {
   EXPECT_EQ(table.Hit(60, 60, 0), 0);
 }
 
+TEST(HalfSize, IsThatOfTheScaledCameraForOddImagesToo) {
+  for (const cv::Size size : {cv::Size(621, 465), cv::Size(1242, 375), cv::Size(5, 4)}) {
+    EdgeMap edges;
+    edges.probability = cv::Mat::zeros(size, CV_8U);
+    edges.angle = cv::Mat::zeros(size, CV_8U);
+    edges.probability.at<std::uint8_t>(size.height - 1, size.width - 1) = 200;
+    edges.angle.at<std::uint8_t>(size.height - 1, size.width - 1) = 77;
+    const PinholeCamera half =
+        PinholeCamera{size.width, size.height, 500, 500, 300, 200}.Scaled(0.5);
+    const EdgeMap small = HalfSize(edges);
+    EXPECT_EQ(small.probability.size(), cv::Size(half.width, half.height));
+    EXPECT_EQ(small.probability.at<std::uint8_t>(half.height - 1, half.width - 1), 200);
+    EXPECT_EQ(small.angle.at<std::uint8_t>(half.height - 1, half.width - 1), 77);
+  }
+}
+
 }  // namespace
 }  // namespace plumbline
