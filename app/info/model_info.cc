@@ -45,7 +45,7 @@ Result<PathInfo> DescribeModels(const std::filesystem::path& path) {
   if (names.size() > kNames) names = names.substr(0, kNames) + " ..";
   info.lines = {{"Models", std::to_string(checks.value().size()) + ": " + names},
                 {"Categories", list},
-                {"Faces", Counted(faces, "face", "faces") + " in all"}};
+                {"Faces", std::to_string(faces) + " in all"}};
   if (warnings > 0) {
     info.odd.push_back(Counted(warnings, "remark", "remarks") +
                        " of models check, such as how a mesh stands; run it to read them.");

@@ -3,6 +3,7 @@
 
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 
@@ -54,7 +55,8 @@ TEST_F(InfoVerb, DescribesASequenceOnOneScreen) {
                            HasSubstr("20 at 10 Hz, 1.9 s"), HasSubstr("64x48, pinhole"),
                            HasSubstr("20 of 20 frames, path 19.0 m"), HasSubstr("floor known"),
                            HasSubstr("edges, proposals"), Not(HasSubstr("  ! "))));
-  EXPECT_LE(std::count(out().begin(), out().end(), '\n'), 24);
+  const std::string screen = out();
+  EXPECT_LE(std::count(screen.begin(), screen.end(), '\n'), 24);
   const nlohmann::json json = Json("walk");
   EXPECT_EQ(json["kind"], "sequence");
   EXPECT_EQ(json["frames"]["count"], 20);
