@@ -276,7 +276,7 @@ Status RefineByImages(const std::string& project_file, const ImageArguments& ima
     if (refined->stop == RefinementStop::kNoBetter) continue;
     ChangeInstance change;
     change.id = instance->id;
-    change.scan_from_object = refined->scan_from_object;
+    change.set.scan_from_object = refined->scan_from_object;
     group.edits.push_back(change);
   }
   const std::size_t moved = group.edits.size();

@@ -216,6 +216,7 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
       ->capture_default_str();
   verb->add_option("--seed", arguments->options.seed,
                    "Of these points: the same seed gives the same figures")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   verb->add_option("--json", arguments->json,
                    "Write the results for machines ('-': to standard output)")

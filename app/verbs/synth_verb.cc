@@ -49,6 +49,7 @@ void AddSynthVerb(CLI::App& app, VerbFunction& chosen) {
       ->capture_default_str();
   verb->add_option("--seed", arguments->options.seed,
                    "Chooses room, furniture, colours, light and walk; 1 is the demo")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Synth(*arguments); }; });
 }

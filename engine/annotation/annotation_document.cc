@@ -12,19 +12,6 @@
 namespace plumbline {
 namespace {
 
-template <typename T>
-T ValueOr(const nlohmann::json& json, const char* key, T otherwise) {
-  const auto found = json.find(key);
-  if (found == json.end()) return otherwise;
-  if constexpr (std::is_same_v<T, bool>) {
-    return found->is_boolean() ? found->get<bool>() : otherwise;
-  } else if constexpr (std::is_same_v<T, double>) {
-    return found->is_number() ? found->get<double>() : otherwise;
-  } else {
-    return found->is_string() ? found->get<T>() : otherwise;
-  }
-}
-
 std::vector<double> ListOf(const Eigen::VectorXd& vector) {
   return {vector.data(), vector.data() + vector.size()};
 }
@@ -48,49 +35,6 @@ Eigen::Isometry3d AnnotationDocument::LevelFromScan() const {
   level_from_scan.linear() = UprightFrame(gravity_in_scan).upright_rotation().transpose();
   if (floor_in_scan) level_from_scan.translation().z() = (*floor_in_scan)[3];
   return level_from_scan;
-}
-
-nlohmann::json InstanceToJson(const AnnotatedInstance& instance) {
-  nlohmann::json json = {{"id", instance.id},
-                         {"model", instance.model},
-                         {"category", instance.category},
-                         {"quality", instance.fine ? "fine" : "coarse"},
-                         {"scan_from_object", IsometryToJson(instance.scan_from_object)},
-                         {"annotator", instance.annotator},
-                         {"seconds_spent", instance.seconds_spent}};
-  if (!instance.note.empty()) json["note"] = instance.note;
-  if (instance.hidden) json["hidden"] = true;
-  if (instance.locked) json["locked"] = true;
-  return json;
-}
-
-Result<AnnotatedInstance> InstanceFromJson(const nlohmann::json& json) {
-  if (!json.is_object()) return InvalidInput("an instance must be a JSON object");
-  AnnotatedInstance instance;
-  const auto id = TextFromJson(json, "id"), model = TextFromJson(json, "model");
-  if (!id || id->empty()) return InvalidInput("an instance needs a text 'id'");
-  if (!model || model->empty()) return InvalidInput("instance '" + *id + "' needs a text 'model'");
-  instance.id = *id;
-  instance.model = *model;
-  const auto pose =
-      json.contains("scan_from_object") ? IsometryFromJson(json["scan_from_object"]) : std::nullopt;
-  if (!pose) {
-    return InvalidInput("instance '" + *id +
-                        "' needs a 'scan_from_object' that is a 4x4 rigid transform, row by row");
-  }
-  instance.scan_from_object = *pose;
-  const std::string quality = ValueOr<std::string>(json, "quality", "fine");
-  if (quality != "fine" && quality != "coarse") {
-    return InvalidInput("instance '" + *id + "' has a 'quality' that is neither fine nor coarse");
-  }
-  instance.fine = quality == "fine";
-  instance.category = ValueOr<std::string>(json, "category", "");
-  instance.note = ValueOr<std::string>(json, "note", "");
-  instance.annotator = ValueOr<std::string>(json, "annotator", "");
-  instance.seconds_spent = ValueOr<double>(json, "seconds_spent", 0);
-  instance.hidden = ValueOr<bool>(json, "hidden", false);
-  instance.locked = ValueOr<bool>(json, "locked", false);
-  return instance;
 }
 
 nlohmann::json PairToJson(const FramePick& pair) {
@@ -144,9 +88,9 @@ Result<AnnotationDocument> DocumentFromJson(const nlohmann::json& json) {
                                               "); update this one"};
   }
   AnnotationDocument document;
-  document.scan = ValueOr<std::string>(json, "scan", "");
-  document.models = ValueOr<std::string>(json, "models", "");
-  document.sequence = ValueOr<std::string>(json, "sequence", "");
+  document.scan = TextFromJson(json, "scan").value_or("");
+  document.models = TextFromJson(json, "models").value_or("");
+  document.sequence = TextFromJson(json, "sequence").value_or("");
   if (json.contains("gravity")) {
     const auto gravity = VectorFromJson(json["gravity"], 3);
     if (!gravity || !(gravity->norm() > 1e-6))

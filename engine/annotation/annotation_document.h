@@ -9,24 +9,11 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json_fwd.hpp>
 
+#include "engine/annotation/annotated_instance.h"
 #include "engine/annotation/crop.h"
 #include "engine/base/result.h"
 
 namespace plumbline {
-
-/// One object that somebody placed.
-struct AnnotatedInstance {
-  std::string id;  ///< Unique in the document.
-  std::string model;
-  std::string category;  ///< COCO name.
-  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
-  bool fine = true;  ///< quality "fine" (else "coarse")
-  std::string note;
-  std::string annotator;
-  double seconds_spent = 0;
-  bool hidden = false;  ///< In the window only.
-  bool locked = false;  ///< Refuses changes of pose and model, and removal.
-};
 
 /// A point of the scan that was clicked in a frame of the sequence, too.
 struct FramePick {
@@ -54,10 +41,6 @@ struct AnnotationDocument {
   /// The scan turned z-up with the floor (if known) at z = 0.
   Eigen::Isometry3d LevelFromScan() const;
 };
-
-nlohmann::json InstanceToJson(const AnnotatedInstance& instance);
-/// Errors: kInvalidInput, what is wrong with it.
-Result<AnnotatedInstance> InstanceFromJson(const nlohmann::json& json);
 
 /// {"in_scan": [x, y, z], "frame", "pixel": [u, v]}
 nlohmann::json PairToJson(const FramePick& pair);

@@ -53,45 +53,28 @@ Result<Edit> Apply(const RemoveInstance& edit, AnnotationDocument& document) {
   return Edit(std::move(back));
 }
 
-/// Sets a field and keeps its old value for the way back.
-template <typename T>
-void Exchange(const std::optional<T>& wanted, T& field, std::optional<T>& old) {
-  if (!wanted) return;
-  old = field;
-  field = *wanted;
-}
-
 Result<Edit> Apply(const ChangeInstance& edit, AnnotationDocument& document) {
   const Result<std::size_t> index = IndexOf(document, edit.id);
   if (!index) return index.error();
   AnnotatedInstance& instance = document.instances[*index];
-  if (instance.locked && !edit.locked && (edit.scan_from_object || edit.model || edit.new_id)) {
+  const InstanceChange& set = edit.set;
+  if (instance.locked && !set.locked && (set.scan_from_object || set.model || set.id)) {
     return Locked(edit.id);
   }
-  if (edit.scan_from_object && !IsRigid(*edit.scan_from_object)) {
+  if (set.scan_from_object && !IsRigid(*set.scan_from_object)) {
     return InvalidInput("the new pose of '" + edit.id + "' is not a rigid transform");
   }
-  if (edit.new_id &&
-      (edit.new_id->empty() || (*edit.new_id != edit.id && document.Find(*edit.new_id)))) {
-    return InvalidInput("'" + edit.id + "' cannot be called '" + *edit.new_id +
+  if (set.id && (set.id->empty() || (*set.id != edit.id && document.Find(*set.id)))) {
+    return InvalidInput("'" + edit.id + "' cannot be called '" + *set.id +
                         "': names must be unique and not empty");
   }
-  if (edit.seconds_spent && !(*edit.seconds_spent >= 0 && std::isfinite(*edit.seconds_spent))) {
+  if (set.seconds_spent && !(*set.seconds_spent >= 0 && std::isfinite(*set.seconds_spent))) {
     return InvalidInput("the time spent on '" + edit.id + "' must not be negative");
   }
-  if (edit.model && edit.model->empty()) return InvalidInput("'" + edit.id + "' needs a model");
+  if (set.model && set.model->empty()) return InvalidInput("'" + edit.id + "' needs a model");
   ChangeInstance back;
-  back.id = edit.new_id.value_or(edit.id);
-  Exchange(edit.new_id, instance.id, back.new_id);
-  Exchange(edit.model, instance.model, back.model);
-  Exchange(edit.category, instance.category, back.category);
-  Exchange(edit.note, instance.note, back.note);
-  Exchange(edit.annotator, instance.annotator, back.annotator);
-  Exchange(edit.scan_from_object, instance.scan_from_object, back.scan_from_object);
-  Exchange(edit.fine, instance.fine, back.fine);
-  Exchange(edit.hidden, instance.hidden, back.hidden);
-  Exchange(edit.locked, instance.locked, back.locked);
-  Exchange(edit.seconds_spent, instance.seconds_spent, back.seconds_spent);
+  back.id = set.id.value_or(edit.id);
+  back.set = ChangeFields(set, instance);
   return Edit(std::move(back));
 }
 
@@ -185,9 +168,9 @@ Result<Edit> Apply(const EditGroup& group, AnnotationDocument& document) {
 std::string Describe(const AddInstance& edit) { return "Add " + edit.instance.id; }
 std::string Describe(const RemoveInstance& edit) { return "Remove " + edit.id; }
 std::string Describe(const ChangeInstance& edit) {
-  if (edit.new_id) return "Rename " + edit.id + " to " + *edit.new_id;
-  if (edit.scan_from_object) return "Move " + edit.id;
-  if (edit.model) return "Change the model of " + edit.id;
+  if (edit.set.id) return "Rename " + edit.id + " to " + *edit.set.id;
+  if (edit.set.scan_from_object) return "Move " + edit.id;
+  if (edit.set.model) return "Change the model of " + edit.id;
   return "Change " + edit.id;
 }
 std::string Describe(const SetGravity&) { return "Set gravity"; }

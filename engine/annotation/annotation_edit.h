@@ -22,10 +22,7 @@ struct RemoveInstance {
 /// Changes what is set; the rest stays.
 struct ChangeInstance {
   std::string id;
-  std::optional<std::string> new_id, model, category, note, annotator;
-  std::optional<Eigen::Isometry3d> scan_from_object;
-  std::optional<bool> fine, hidden, locked;
-  std::optional<double> seconds_spent;
+  InstanceChange set;
 };
 
 /// A whole new belief about down and the floor: plane picks, typed numbers, a trajectory's gravity.

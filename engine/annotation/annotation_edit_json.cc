@@ -22,20 +22,9 @@ json ToJson(const AddInstance& edit) {
 json ToJson(const RemoveInstance& edit) { return {{"edit", "remove"}, {"id", edit.id}}; }
 
 json ToJson(const ChangeInstance& edit) {
-  json result = {{"edit", "change"}, {"id", edit.id}};
-  const auto put = [&](const char* key, const auto& value) {
-    if (value) result[key] = *value;
-  };
-  put("new_id", edit.new_id);
-  put("model", edit.model);
-  put("category", edit.category);
-  put("note", edit.note);
-  put("annotator", edit.annotator);
-  put("hidden", edit.hidden);
-  put("locked", edit.locked);
-  put("seconds_spent", edit.seconds_spent);
-  if (edit.fine) result["quality"] = *edit.fine ? "fine" : "coarse";
-  if (edit.scan_from_object) result["scan_from_object"] = IsometryToJson(*edit.scan_from_object);
+  json result = ChangeToJson(edit.set);
+  result["edit"] = "change";
+  result["id"] = edit.id;
   return result;
 }
 
@@ -117,51 +106,6 @@ Result<Edit> AddFrom(const json& source) {
   return Edit(AddInstance{std::move(*instance), *index});
 }
 
-Result<Edit> ChangeFrom(const json& source, const std::string& id) {
-  ChangeInstance edit;
-  edit.id = id;
-  for (const auto& [key, value] : source.items()) {
-    const auto text = [&](std::optional<std::string>& field) {
-      if (value.is_string()) field = value.get<std::string>();
-      return value.is_string();
-    };
-    const auto flag = [&](std::optional<bool>& field) {
-      if (value.is_boolean()) field = value.get<bool>();
-      return value.is_boolean();
-    };
-    bool good = true;
-    if (key == "edit" || key == "id") continue;
-    if (key == "new_id") {
-      good = text(edit.new_id);
-    } else if (key == "model") {
-      good = text(edit.model);
-    } else if (key == "category") {
-      good = text(edit.category);
-    } else if (key == "note") {
-      good = text(edit.note);
-    } else if (key == "annotator") {
-      good = text(edit.annotator);
-    } else if (key == "hidden") {
-      good = flag(edit.hidden);
-    } else if (key == "locked") {
-      good = flag(edit.locked);
-    } else if (key == "seconds_spent") {
-      good = value.is_number();
-      if (good) edit.seconds_spent = value.get<double>();
-    } else if (key == "quality") {
-      good = value == "fine" || value == "coarse";
-      edit.fine = value == "fine";
-    } else if (key == "scan_from_object") {
-      edit.scan_from_object = IsometryFromJson(value);
-      good = edit.scan_from_object.has_value();
-    } else {
-      return InvalidInput("an edit 'change' knows no '" + key + "'");
-    }
-    if (!good) return InvalidInput("'" + key + "' of the change of '" + id + "' has a wrong value");
-  }
-  return Edit(std::move(edit));
-}
-
 Result<Edit> GravityFrom(const json& source) {
   const auto gravity =
       source.contains("gravity") ? VectorFromJson(source["gravity"], 3) : std::nullopt;
@@ -220,7 +164,9 @@ Result<Edit> EditFromJson(const json& source) {
     if (!id) return InvalidInput("an edit '" + kind + "' needs an 'id'");
     if (kind == "remove_crop") return Edit(RemoveCrop{*id});
     if (kind == "remove") return Edit(RemoveInstance{*id});
-    return ChangeFrom(source, *id);
+    Result<InstanceChange> change = ChangeFromJson(source);
+    if (!change) return change.error();
+    return Edit(ChangeInstance{*id, std::move(*change)});
   }
   return InvalidInput(
       "an edit needs 'edit': add, remove, change, gravity, scene_alignment, inputs, crop, "

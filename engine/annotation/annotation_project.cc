@@ -122,10 +122,13 @@ Status AnnotationProject::LoadJournal(const std::string& content, const nlohmann
     if (!repeated) return repeated.error();
     replayed = std::move(*repeated);
     appendable = replayed.lost.empty() && journal->appendable && !replayed.done.empty();
-  } else if (exists && !(journal.ok() && journal->lines.empty()) && access == Access::kWrite) {
-    const path kept = JournalFile().string() + ".kept-" + HashHex(content).substr(0, 8);
-    std::error_code ignored;
-    std::filesystem::rename(JournalFile(), kept, ignored);
+  } else if (exists && !(journal.ok() && journal->lines.empty())) {
+    path kept = JournalFile();
+    if (access == Access::kWrite) {
+      kept += ".kept-" + HashHex(content).substr(0, 8);
+      std::error_code ignored;
+      std::filesystem::rename(JournalFile(), kept, ignored);
+    }
     warnings_.push_back(
         "the journal of '" + file_.string() +
         (journal.ok() ? "' belongs to another version of it" : "' has a damaged first line") +

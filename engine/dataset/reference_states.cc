@@ -9,14 +9,14 @@
 namespace plumbline {
 
 Result<ReferenceStates> ReadReferenceStates(const std::filesystem::path& file) {
-  constexpr double kQuaternionTolerance = 0.01;
+  constexpr double kUnitTolerance = 0.01;
   ReferenceStates result;
   int odd_quaternions = 0;
   auto warnings =
       ReadStampedRows(file, {"t,px,py,pz,qx,qy,qz,qw,vx,vy,vz,bgx,bgy,bgz,bax,bay,baz", 16},
                       [&](std::int64_t stamp_ns, std::span<const double> v) {
                         const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
-                        if (!(std::abs(rotation.norm() - 1) < kQuaternionTolerance)) {
+                        if (!(std::abs(rotation.norm() - 1) < kUnitTolerance)) {
                           ++odd_quaternions;
                           return;
                         }

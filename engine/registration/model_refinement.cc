@@ -5,21 +5,17 @@
 #include <cmath>
 
 namespace plumbline {
-namespace {
-
-constexpr double kReach_m = 0.1, kShrink = 0.7, kWithin_m = 0.02, kConverged = 2e-5;
-constexpr int kMaxIterations = 40, kLastIterations = 20;
-constexpr std::size_t kFewestModelPoints = 30;
-
-}  // namespace
 
 Result<ModelRefinement> RefineModel(const ScanTarget& scan, const ModelSurface& model,
                                     const Eigen::Isometry3d& scan_from_model,
                                     const Eigen::Vector3d& up_in_scan, FreeMotion motion,
                                     const std::function<void(const ModelRefinement&)>& step,
                                     const WorkContext& context) {
+  constexpr double kReach_m = 0.1, kShrink = 0.7, kWithin_m = 0.02, kConverged = 2e-5;
+  constexpr int kMaxIterations = 40, kLastIterations = 20;
+  constexpr std::size_t kFewestPoints = 30;
   const AlignmentCrop crop = CropScan(scan, model, scan_from_model, up_in_scan, kReach_m);
-  if (crop.fine.points.size() < kFewestModelPoints) {
+  if (crop.fine.points.size() < kFewestPoints) {
     return Error{ErrorCode::kDegenerate, "there is no scan around this object to align it to"};
   }
   ConstrainedPose pose(scan_from_model, up_in_scan, motion);

@@ -25,10 +25,17 @@ AnnotationProcess::~AnnotationProcess() {
   if (worker_.joinable()) worker_.join();
 }
 
-void AnnotationProcess::Post(AnnotationCommand command) {
-  const bool taken = inbox_.TryPush(
-      [command = std::move(command)](AnnotationSession& session) { session.Apply(command); });
-  if (!taken) log::warn("the annotation does not keep up with its commands; one was dropped");
+std::optional<std::uint64_t> AnnotationProcess::Post(AnnotationCommand command) {
+  const std::uint64_t number = posted_ + 1;
+  const bool taken =
+      inbox_.TryPush([command = std::move(command), number](AnnotationSession& session) {
+        session.Apply(command, number);
+      });
+  if (!taken) {
+    log::warn("the annotation does not keep up with its commands; one was dropped");
+    return std::nullopt;
+  }
+  return posted_ = number;
 }
 
 void AnnotationProcess::Run() {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -23,7 +25,9 @@ class AnnotationProcess {
   AnnotationProcess(const AnnotationProcess&) = delete;
   AnnotationProcess& operator=(const AnnotationProcess&) = delete;
 
-  void Post(AnnotationCommand command);
+  /// From one thread. The command's number, counted from 1: the snapshot's `last_command` tells
+  /// when it was carried out. Nothing if it was dropped, because the session does not keep up.
+  std::optional<std::uint64_t> Post(AnnotationCommand command);
   /// Never null.
   std::shared_ptr<const AnnotationSnapshot> Snapshot() const { return snapshot_.Latest(); }
 
@@ -39,6 +43,7 @@ class AnnotationProcess {
 
   AnnotationChoice choice_;
   std::function<void()> on_publish_;
+  std::uint64_t posted_ = 0;
   BoundedQueue<Update> inbox_{4096};
   SnapshotSlot<AnnotationSnapshot> snapshot_;
 

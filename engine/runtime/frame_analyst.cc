@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "engine/analysis/reliability.h"
 #include "engine/analysis/label_history.h"
+#include "engine/analysis/reliability.h"
 #include "engine/mapping/particle_rank.h"
 
 namespace plumbline {

@@ -15,13 +15,13 @@ using PoseId = StrongId<struct PoseIdTag>;  ///< Names the pose of one image, ac
 
 /// Error of a pose, in the order of all pose covariances: (x, y, z, rx, ry, rz), translation [m]
 /// and rotation vector [rad], both along the axes of `world`.
-using PoseError = Eigen::Matrix<double, 6, 1>;
+using PosePerturbation = Eigen::Matrix<double, 6, 1>;
 using PoseCovariance = Eigen::Matrix<double, 6, 6>;
 
 /// The pose with an error: translation + (x, y, z); Exp(rx, ry, rz) * rotation. The rotation's
 /// error is applied on the side of the world and does not move the origin of `cam`.
 inline Eigen::Isometry3d Perturbed(const Eigen::Isometry3d& world_from_cam,
-                                   const PoseError& error) {
+                                   const PosePerturbation& error) {
   Eigen::Isometry3d result = world_from_cam;
   const double angle = error.tail<3>().norm();
   if (angle > 0) {
@@ -33,9 +33,10 @@ inline Eigen::Isometry3d Perturbed(const Eigen::Isometry3d& world_from_cam,
 }
 
 /// The error with Perturbed(from, error) = to.
-inline PoseError ErrorBetween(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
+inline PosePerturbation PerturbationBetween(const Eigen::Isometry3d& from,
+                                            const Eigen::Isometry3d& to) {
   const Eigen::AngleAxisd turn(Eigen::Quaterniond(to.linear() * from.linear().transpose()));
-  PoseError error;
+  PosePerturbation error;
   error << to.translation() - from.translation(), turn.angle() * turn.axis();
   return error;
 }
@@ -56,7 +57,7 @@ struct PoseEstimate {
 struct JointPoseCovariance {
   std::vector<PoseId> references;
   /// Square, 6 rows for the view and 6 for each reference, in that order, each in the order of
-  /// PoseError. Empty: all these poses are exact.
+  /// PosePerturbation. Empty: all these poses are exact.
   Eigen::MatrixXd covariance;
 };
 

@@ -112,6 +112,7 @@ void FindPlacements(const PlacementTask& task, const WorkContext& work, Placemen
     placement.symmetry_order = found->symmetry_order;
     for (const AlignCandidate& candidate : found->candidates) {
       placement.candidates.push_back(CandidateOf(candidate, task.up_in_scan));
+      placement.candidates.back().id = static_cast<int>(placement.candidates.size()) - 1;
     }
   } else {
     placement.problem = found.error().message;
@@ -167,6 +168,7 @@ void ComparePlacements(const PlacementQuestion& question, const Eigen::Isometry3
       UprightFrame(-question.up_in_scan).Azimuth(found->scan_from_object.linear());
   candidate.agreement = found->agreement;
   candidate.from_images = true;
+  candidate.id = static_cast<int>(placement.candidates.size());
   placement.candidates.push_back(std::move(candidate));
   PutBestFirst(placement);
 }

@@ -13,24 +13,6 @@ namespace {
 
 constexpr double kLongestPause_s = 90;  ///< Longer pauses are not time spent.
 
-InstanceView ViewOf(const AnnotatedInstance& instance, const ModelDatabase* models) {
-  InstanceView view;
-  view.id = instance.id;
-  view.model = instance.model;
-  view.category = instance.category;
-  view.note = instance.note;
-  view.annotator = instance.annotator;
-  view.scan_from_object = instance.scan_from_object;
-  view.fine = instance.fine;
-  view.hidden = instance.hidden;
-  view.locked = instance.locked;
-  view.seconds_spent = instance.seconds_spent;
-  if (models != nullptr) {
-    if (const auto found = models->Find(instance.model)) view.model_index = found->value;
-  }
-  return view;
-}
-
 }  // namespace
 
 double AnnotationSession::SteadySeconds() {
@@ -73,8 +55,13 @@ std::optional<AnnotationSession::Job> AnnotationSession::TakeJob() {
   return job;
 }
 
-void AnnotationSession::Apply(const AnnotationCommand& command) {
+void AnnotationSession::Apply(const AnnotationCommand& command, std::uint64_t number) {
+  const std::uint64_t answers = view_.answer_number;
+  command_ = number;
+  // Every kind has an On of its own: one that is forgotten does not compile.
   std::visit([this](const auto& c) { On(c); }, command);
+  const bool refused = view_.refused && view_.answer_number != answers;
+  if (number > 0) view_.last_command = {number, refused ? view_.answer : ""};
   if (!std::holds_alternative<PreviewPoseCommand>(command)) {
     preview_.reset();
     checked_.reset();  // what hides it may have changed
@@ -127,9 +114,7 @@ AnnotationSnapshot AnnotationSession::Snapshot() const {
   snapshot.level_from_scan = document.LevelFromScan();
   snapshot.floor_known = document.floor_in_scan.has_value();
   snapshot.gravity_known = view_.gravity_known || snapshot.floor_known;
-  for (const AnnotatedInstance& instance : document.instances) {
-    snapshot.instances.push_back(ViewOf(instance, models_.get()));
-  }
+  snapshot.instances = document.instances;
   if (snapshot.Selected() == nullptr) snapshot.selected.clear();
   return snapshot;
 }

@@ -43,7 +43,8 @@ class AnnotationSession {
                                                          int refine_pace_ms = 30);
   static double SteadySeconds();
 
-  void Apply(const AnnotationCommand& command);
+  /// @param number  By which the snapshot tells that it was carried out; 0: nobody asks.
+  void Apply(const AnnotationCommand& command, std::uint64_t number = 0);
   /// The next long work, if any; one at a time is meant to run.
   std::optional<Job> TakeJob();
   /// Whether the job that runs is no longer wanted; asked once.
@@ -121,6 +122,7 @@ class AnnotationSession {
   AnnotationSnapshot view_;  ///< All but what the project says.
   std::deque<Job> jobs_;
   bool cancel_ = false;
+  std::uint64_t command_ = 0;    ///< Number of the one that is carried out.
   std::uint64_t proposals_ = 0;  ///< An update of an older proposal is dropped.
   AnnotationScan scan_;
   std::shared_ptr<const ModelDatabase> models_;

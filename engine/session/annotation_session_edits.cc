@@ -21,27 +21,20 @@ void AnnotationSession::On(const SetInstancePoseCommand& command) {
   if (view_.refinement) DropProposals();
   ChangeInstance edit;
   edit.id = command.id;
-  edit.scan_from_object = command.scan_from_object;
-  edit.seconds_spent = instance->seconds_spent + SpentSinceLastEdit();
+  edit.set.scan_from_object = command.scan_from_object;
+  edit.set.seconds_spent = instance->seconds_spent + SpentSinceLastEdit();
   Edit(edit);
 }
 
 void AnnotationSession::On(const ChangeInstanceCommand& command) {
-  ChangeInstance edit;
-  edit.id = command.id;
-  edit.new_id = command.new_id;
-  edit.note = command.note;
-  edit.fine = command.fine;
-  edit.hidden = command.hidden;
-  edit.locked = command.locked;
-  if (command.model) {
-    const auto id = models_ != nullptr ? models_->Find(*command.model) : std::nullopt;
-    if (!id) return Refuse("The database has no model '" + *command.model + "'.");
-    edit.model = *command.model;
-    edit.category = models_->model(*id).category;
+  ChangeInstance edit{command.id, command.set};
+  if (const auto& model = command.set.model) {
+    const auto id = models_ != nullptr ? models_->Find(*model) : std::nullopt;
+    if (!id) return Refuse("The database has no model '" + *model + "'.");
+    edit.set.category = models_->model(*id).category;
   }
   if (!Edit(edit)) return;
-  if (command.new_id && view_.selected == command.id) view_.selected = *command.new_id;
+  if (command.set.id && view_.selected == command.id) view_.selected = *command.set.id;
 }
 
 void AnnotationSession::On(const RemoveInstanceCommand& command) {

@@ -111,6 +111,7 @@ std::optional<PlacementTask> AnnotationSession::TaskFor(int model, const Eigen::
 void AnnotationSession::QueuePlacement(PlacementTask task, int model, std::string instance) {
   DropProposals();
   PlacementView placement;
+  placement.asked_by = command_;
   placement.model = model;
   placement.instance = std::move(instance);
   view_.placement = placement;
@@ -208,10 +209,11 @@ void AnnotationSession::On(const AcceptProposalCommand& command) {
     view_.gravity_known = true;
   } else if (const auto& placement = view_.placement) {
     if (placement->running || placement->candidates.empty()) return;
-    const auto chosen = static_cast<std::size_t>(
-        std::clamp(command.candidate, 0, static_cast<int>(placement->candidates.size()) - 1));
-    const Eigen::Isometry3d pose =
-        command.scan_from_object.value_or(placement->candidates[chosen].scan_from_object);
+    const auto chosen = std::find_if(
+        placement->candidates.begin(), placement->candidates.end(),
+        [&](const auto& found) { return !command.candidate || found.id == *command.candidate; });
+    if (chosen == placement->candidates.end()) return Refuse("There is no such candidate.");
+    const Eigen::Isometry3d pose = chosen->scan_from_object;
     if (placement->instance.empty()) {
       const AnnotationModel& model = *view_.Model(placement->model);
       AnnotatedInstance instance;

@@ -12,6 +12,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "engine/annotation/annotated_instance.h"
+
 namespace plumbline {
 
 /// "": nothing.
@@ -57,9 +59,7 @@ struct PreviewPoseCommand {
 };
 /// Takes the floor, the placement's candidate or the refinement that is proposed.
 struct AcceptProposalCommand {
-  int candidate = 0;
-  /// Of the candidate: their order may have changed since it was chosen.
-  std::optional<Eigen::Isometry3d> scan_from_object;
+  std::optional<int> candidate;  ///< PlacementCandidate::id; nothing: the first.
 };
 /// Drops what is proposed and stops what runs for it.
 struct CancelProposalCommand {};
@@ -68,11 +68,10 @@ struct SetInstancePoseCommand {
   std::string id;
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
 };
-/// Changes what is set.
+/// Changes what is set; the category follows the model.
 struct ChangeInstanceCommand {
   std::string id;
-  std::optional<std::string> new_id, note, model;
-  std::optional<bool> fine, hidden, locked;
+  InstanceChange set;
 };
 struct RemoveInstanceCommand {
   std::string id;

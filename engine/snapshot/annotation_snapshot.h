@@ -16,6 +16,7 @@
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
+#include "engine/annotation/annotated_instance.h"
 #include "engine/geometry/mesh.h"
 
 namespace plumbline {
@@ -28,15 +29,6 @@ struct AnnotationModel {
   bool on_floor = false;   ///< Stands on the floor, not on other things.
   int symmetry_order = 1;  ///< 0: round
   cv::Mat thumbnail;       ///< CV_8UC3 BGR; empty until it is made.
-};
-
-/// An object that somebody placed, or a draft of one.
-struct InstanceView {
-  std::string id, model, category, note, annotator;
-  int model_index = -1;  ///< In `models`; -1: the database has none of that name.
-  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
-  bool fine = true, hidden = false, locked = false;
-  double seconds_spent = 0;
 };
 
 /// A floor to accept or not.
@@ -53,6 +45,7 @@ struct FloorProposal {
 
 /// One way in which a model fits the scan.
 struct PlacementCandidate {
+  int id = 0;  ///< Stays, whatever the order becomes; unique in the placement.
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
   double fitness = 0;  ///< Share of the model's surface that has scan within 2 cm.
   double rmse_m = 0;   ///< Of the distances of the scan points explained.
@@ -66,6 +59,7 @@ struct PlacementCandidate {
 
 /// A model on its way into the scan.
 struct PlacementView {
+  std::uint64_t asked_by = 0;  ///< Number of the command.
   int model = -1;
   std::string instance;  ///< The one that is placed again; "": a new one.
   bool running = true;
@@ -181,6 +175,12 @@ struct ExportView {
   std::string done;     ///< What was written, and where.
 };
 
+/// What became of a command.
+struct CommandOutcome {
+  std::uint64_t number = 0;  ///< That AnnotationProcess::Post gave it; 0: there was none.
+  std::string refusal;       ///< Why nothing was done; "": it was carried out.
+};
+
 /// What crosses to the window.
 struct AnnotationSnapshot {
   enum class State { kOpening, kReady, kFailed };
@@ -194,6 +194,7 @@ struct AnnotationSnapshot {
   std::vector<std::string> notices;  ///< What the user should know, until dismissed.
   std::size_t num_recovered = 0;     ///< Edits of a killed process, not yet saved or taken back.
   std::string journal_problem;       ///< Edits are not safe on the disk; "": they are.
+  CommandOutcome last_command;       ///< All that were posted before it are done with, too.
   std::string answer;                ///< To the last command: what was refused or done.
   bool refused = false;              ///< The answer is bad news.
   std::uint64_t answer_number = 0;   ///< Counts the answers.
@@ -213,7 +214,7 @@ struct AnnotationSnapshot {
       std::make_shared<const std::vector<AnnotationModel>>();
   std::uint64_t models_version = 0;
   std::string models_problem;  ///< Why there are none.
-  std::vector<InstanceView> instances;
+  std::vector<AnnotatedInstance> instances;
   std::string selected;  ///< Id; "": none.
 
   std::optional<FloorProposal> floor;
@@ -235,8 +236,8 @@ struct AnnotationSnapshot {
   std::uint64_t images_number = 0;        ///< Changes with the images (not the lines) of `checks`.
 
   /// Null if there is none of that id.
-  const InstanceView* Find(const std::string& id) const {
-    for (const InstanceView& instance : instances) {
+  const AnnotatedInstance* Find(const std::string& id) const {
+    for (const AnnotatedInstance& instance : instances) {
       if (instance.id == id) return &instance;
     }
     return nullptr;
@@ -244,11 +245,22 @@ struct AnnotationSnapshot {
   bool HasProposal() const {
     return floor || placement || refinement || sequence_alignment || crop;
   }
-  const InstanceView* Selected() const { return selected.empty() ? nullptr : Find(selected); }
+  const AnnotatedInstance* Selected() const { return selected.empty() ? nullptr : Find(selected); }
   const AnnotationModel* Model(int index) const {
     return index < 0 || index >= static_cast<int>(models->size())
                ? nullptr
                : &(*models)[static_cast<std::size_t>(index)];
+  }
+  /// In `models`; -1: the database has none of that name.
+  int ModelIndex(const AnnotatedInstance& instance) const {
+    for (std::size_t i = 0; i < models->size(); ++i) {
+      if ((*models)[i].name == instance.model) return static_cast<int>(i);
+    }
+    return -1;
+  }
+  /// Null if the database has none.
+  const AnnotationModel* ModelOf(const AnnotatedInstance& instance) const {
+    return Model(ModelIndex(instance));
   }
 };
 

@@ -102,7 +102,7 @@ int Run(const AnnotationChoice& choice, const std::filesystem::path& truth_file,
     }
     std::printf("\n");
     // Taken, and on to the next: its images are still being looked for.
-    process.Post(AcceptProposalCommand{0});
+    process.Post(AcceptProposalCommand{});
     WaitFor(process, [](const AnnotationSnapshot& s) { return !s.placement; });
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
   }

@@ -40,6 +40,7 @@ TEST(SourceRules, AllowWhatTheLayersAllow) {
       {"engine/snapshot/commands.h", Quoted("engine/mapping/mapper_options.h")},
       {"engine/runtime/mapping_process.cc", Quoted("engine/snapshot/map_snapshot.h")},
       {"engine/session/session.cc", Quoted("engine/snapshot/annotation_snapshot.h")},
+      {"engine/snapshot/annotation_snapshot.h", Quoted("engine/annotation/annotated_instance.h")},
       {"engine/runtime/worker.cc", Quoted("engine/session/session.h")},
       {"engine/geometry/decimate.cc", Angled("vtkQuadricDecimation.h")},
       {"engine/render/gl_context.cc", Angled("epoxy/egl.h")},

@@ -10,9 +10,9 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/analysis/history.h"
 #include "engine/base/random.h"
 #include "engine/geometry/gravity.h"
-#include "engine/analysis/history.h"
 
 namespace plumbline {
 namespace {

@@ -11,10 +11,10 @@
 
 #include "app/film/render_layout.h"
 #include "tests/ui/panel_harness.h"
+#include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_panels.h"
 #include "ui/common/palette.h"
 #include "ui/common/window_actions.h"
-#include "ui/panels/annotate_actions.h"
-#include "ui/panels/annotate_panels.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +23,7 @@ enum class AnnotateTool { kSelect, kFloor, kPlace, kSequence, kCut };
 struct PendingPose {
   std::string id;
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+  std::optional<std::uint64_t> command;  ///< Number of the one that makes it an edit, once posted.
 };
 
 /// A box that stands upright in the level frame, for cutting out what is in it.

@@ -221,16 +221,16 @@ void AnnotateActors::ShowInstances(const AnnotateContent& content) {
   const AnnotationSnapshot& snapshot = *content.snapshot;
   if (!content.models) return;
   int number = 0;
-  for (const InstanceView& instance : snapshot.instances) {
+  for (const AnnotatedInstance& instance : snapshot.instances) {
     ++number;
-    if (instance.hidden || snapshot.Model(instance.model_index) == nullptr) continue;
+    if (instance.hidden || snapshot.ModelOf(instance) == nullptr) continue;
     const bool refined = snapshot.refinement && snapshot.refinement->instance == instance.id;
     const bool again = snapshot.placement && snapshot.placement->instance == instance.id &&
                        !snapshot.placement->candidates.empty();
     if (refined || again) continue;
     const bool pending = content.pending && content.pending->id == instance.id;
     const bool selected = snapshot.selected == instance.id;
-    Show(content, instance.model_index,
+    Show(content, snapshot.ModelIndex(instance),
          pending ? content.pending->scan_from_object : instance.scan_from_object,
          ObjectColor(ObjectId{number}), 1.0, selected, instance.id);
   }
@@ -263,9 +263,8 @@ void AnnotateActors::ShowProposals(const AnnotateContent& content) {
 
 void AnnotateActors::ShowResiduals(const AnnotationSnapshot& snapshot,
                                    const RefinementView& refinement) {
-  const InstanceView* instance = snapshot.Find(refinement.instance);
-  const AnnotationModel* model =
-      instance != nullptr ? snapshot.Model(instance->model_index) : nullptr;
+  const AnnotatedInstance* instance = snapshot.Find(refinement.instance);
+  const AnnotationModel* model = instance != nullptr ? snapshot.ModelOf(*instance) : nullptr;
   if (model == nullptr) return;
   vtkNew<vtkPoints> points;
   points->SetDataTypeToFloat();

@@ -103,8 +103,8 @@ class AnnotateScene : public AnnotateSurface {
   }
   void FocusOn(const std::string& instance) override {
     const AnnotationSnapshot* snapshot = content_.snapshot.get();
-    const InstanceView* found = snapshot != nullptr ? snapshot->Find(instance) : nullptr;
-    const AnnotationModel* model = found != nullptr ? snapshot->Model(found->model_index) : nullptr;
+    const AnnotatedInstance* found = snapshot != nullptr ? snapshot->Find(instance) : nullptr;
+    const AnnotationModel* model = found != nullptr ? snapshot->ModelOf(*found) : nullptr;
     if (model == nullptr) return;
     const Vector3d center =
         snapshot->level_from_scan * found->scan_from_object * model->bounds.center().cast<double>();

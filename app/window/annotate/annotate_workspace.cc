@@ -7,9 +7,9 @@
 
 #include "engine/base/overloaded.h"
 #include "engine/geometry/angles.h"
+#include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_panels.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_actions.h"
-#include "ui/panels/annotate_panels.h"
 #include "ui/scene/annotate_scene.h"
 
 namespace plumbline {
@@ -85,38 +85,9 @@ void AnnotateWorkspace::ReadSlots(FrameContext& context) {
   if (process_ == nullptr) return;
   auto snapshot = process_->Snapshot();
   if (snapshot == context.annotation) return;
-  if (context.annotation != nullptr) Follow(*context.annotation, *snapshot);
+  if (context.annotation != nullptr) FollowSnapshot(*context.annotation, *snapshot, view_);
   context.annotation = std::move(snapshot);
   ++context.annotation_version;
-}
-
-/// The images may change the order of candidates; what was chosen stays chosen.
-void AnnotateWorkspace::KeepCandidate(const AnnotationSnapshot& before,
-                                      const AnnotationSnapshot& now) {
-  const auto& old = before.placement->candidates;
-  const auto& candidates = now.placement->candidates;
-  if (view_.candidate >= static_cast<int>(old.size())) return;
-  const auto& chosen = old[static_cast<std::size_t>(view_.candidate)];
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (candidates[i].scan_from_object.matrix() == chosen.scan_from_object.matrix()) {
-      view_.candidate = static_cast<int>(i);
-    }
-  }
-}
-
-/// A pose that is on its way is shown until the project has it, or has refused it.
-void AnnotateWorkspace::Follow(const AnnotationSnapshot& before, const AnnotationSnapshot& now) {
-  if (before.placement.has_value() != now.placement.has_value()) view_.candidate = 0;
-  if (before.placement && now.placement && view_.candidate > 0) KeepCandidate(before, now);
-  if (!view_.pending) return;
-  const InstanceView* was = before.Find(view_.pending->id);
-  const InstanceView* is = now.Find(view_.pending->id);
-  const bool arrived = was == nullptr || is == nullptr ||
-                       was->scan_from_object.matrix() != is->scan_from_object.matrix();
-  const bool refused = now.refused && now.answer_number != before.answer_number;
-  if (!arrived && !refused) return;
-  view_.pending.reset();
-  view_.nudged = false;
 }
 
 Panel& AnnotateWorkspace::TaskPanel(const FrameContext& context) {
@@ -192,7 +163,7 @@ void AnnotateWorkspace::Handle(const AnnotationCommand& command) {
   if (const auto* set = std::get_if<SetAnnotatorCommand>(&command)) {
     defaults_.annotator = set->name;  // for the next scan, too
   }
-  if (process_ != nullptr) process_->Post(command);
+  if (process_ != nullptr) NotePosted(command, process_->Post(command), view_);
 }
 
 void AnnotateWorkspace::Handle(const ViewCommand& command, FrameContext&) {
@@ -239,7 +210,7 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
                                                               : ""},
                    {"instances", json::array()}};
   if (scene_ != nullptr) annotate["eye_in_level"] = VectorOf(scene_->Sight(0, 0).eye);
-  for (const InstanceView& instance : snapshot.instances) {
+  for (const AnnotatedInstance& instance : snapshot.instances) {
     annotate["instances"].push_back({{"id", instance.id},
                                      {"model", instance.model},
                                      {"quality", instance.fine ? "fine" : "coarse"},

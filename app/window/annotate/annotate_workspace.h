@@ -42,8 +42,6 @@ class AnnotateWorkspace : public Workspace {
  private:
   /// Has the images follow a pose that is on its way.
   void Preview();
-  void Follow(const AnnotationSnapshot& before, const AnnotationSnapshot& now);
-  void KeepCandidate(const AnnotationSnapshot& before, const AnnotationSnapshot& now);
   /// What is to be decided now, else the selected object.
   Panel& TaskPanel(const FrameContext& context);
 

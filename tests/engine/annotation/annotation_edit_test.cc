@@ -57,10 +57,10 @@ TEST(AnnotationEdit, RefusesWhatMakesNoSenseAndLeavesTheDocument) {
   ChangeInstance taken, skewed, negative, nobody;
   taken.id = skewed.id = negative.id = "a";
   nobody.id = "c";
-  taken.new_id = "b";
-  skewed.scan_from_object = Eigen::Isometry3d::Identity();
-  skewed.scan_from_object->linear() *= 1.1;
-  negative.seconds_spent = -1;
+  taken.set.id = "b";
+  skewed.set.scan_from_object = Eigen::Isometry3d::Identity();
+  skewed.set.scan_from_object->linear() *= 1.1;
+  negative.set.seconds_spent = -1;
   const std::vector<Edit> wrong = {AddInstance{RandomInstance("a", random), {}},
                                    AddInstance{RandomInstance("", random), {}}, RemoveInstance{"c"},
                                    taken, skewed, negative, nobody, SetGravity{{0, 0, -2}, {}},
@@ -79,10 +79,10 @@ TEST(AnnotationEdit, ALockedInstanceStaysWhereItIs) {
   ASSERT_TRUE(ApplyEdit(AddInstance{RandomInstance("a", random), {}}, document).ok());
   ChangeInstance lock, move, note, unlock;
   lock.id = move.id = note.id = unlock.id = "a";
-  lock.locked = true;
-  move.scan_from_object = RandomPose(random);
-  note.note = "good";
-  unlock.locked = false;
+  lock.set.locked = true;
+  move.set.scan_from_object = RandomPose(random);
+  note.set.note = "good";
+  unlock.set.locked = false;
   ASSERT_TRUE(ApplyEdit(lock, document).ok());
   EXPECT_FALSE(ApplyEdit(move, document).ok());
   EXPECT_FALSE(ApplyEdit(RemoveInstance{"a"}, document).ok());
@@ -103,6 +103,38 @@ TEST(AnnotationEdit, JsonMistakesAreSentences) {
               testing::HasSubstr("wrong value"));
   EXPECT_THAT(message(R"({"edit": "add", "instance": {"id": "a"}})"),
               testing::HasSubstr("needs a text 'model'"));
+}
+
+/// Every field by its key, in a file and in a change, so that a new one cannot be forgotten.
+TEST(AnnotatedInstance, EveryFieldIsWrittenReadChangedAndTakenBack) {
+  Random random({.seed = 5});
+  AnnotatedInstance before = RandomInstance("a", random), after = RandomInstance("b", random);
+  after.model = "table";
+  after.category = "dining table";
+  after.fine = !before.fine;
+  after.note = "wobbles";
+  after.annotator = "Grace";
+  after.hidden = after.locked = true;
+  EXPECT_EQ(InstanceToJson(InstanceFromJson(InstanceToJson(after)).value()), InstanceToJson(after));
+  InstanceChange change;
+  VisitInstance([](const InstanceField&, auto& set, const auto& value) { set = value; }, change,
+                after);
+  const InstanceChange read =
+      ChangeFromJson(nlohmann::json::parse(ChangeToJson(change).dump())).value();
+  AnnotatedInstance instance = before;
+  const InstanceChange back = ChangeFields(read, instance);
+  EXPECT_EQ(InstanceToJson(instance), InstanceToJson(after));
+  ChangeFields(back, instance);
+  EXPECT_EQ(InstanceToJson(instance), InstanceToJson(before));
+}
+
+TEST(AnnotatedInstance, AValueOfTheWrongKindIsAnErrorAndNotTheDefault) {
+  Random random({.seed = 6});
+  nlohmann::json json = InstanceToJson(RandomInstance("a", random));
+  json["locked"] = "yes";
+  const auto read = InstanceFromJson(json);
+  ASSERT_FALSE(read.ok());
+  EXPECT_EQ(read.error().message, "instance 'a' has a 'locked' that is neither true nor false");
 }
 
 TEST(AnnotationDocument, LevelsTheScanFromGravityAndFloor) {

@@ -329,7 +329,7 @@ TEST_F(DamagedJournal, WhatANewerVersionWroteOrLacksAnIdIsKept) {
 TEST_F(DamagedJournal, AnEditOfSomethingThatIsMissingIsKeptToo) {
   auto project = Open();
   ChangeInstance change{.id = "b"};
-  change.note = "by the window";
+  change.set.note = "by the window";
   ASSERT_TRUE(project->Apply(change).ok());
   ASSERT_TRUE(project->Apply(RemoveInstance{"a"}).ok());
   KillHere(std::move(project));
@@ -379,14 +379,15 @@ TEST_F(DamagedJournal, AnyFlippedBitCostsOneEditAtMostOrIsToldWholly) {
         write ? AnnotationProject::Access::kWrite : AnnotationProject::Access::kRead;
     const auto project = AnnotationProject::Open(file_, access);
     ASSERT_TRUE(project.ok()) << project.error().message;
+    // One edit less and a warning, or nothing: not all of a line matters.
     const std::size_t found = (*project)->document().instances.size();
-    if (header) {
-      EXPECT_EQ(found, 0u);
-      EXPECT_EQ((*project)->warnings().size(), write ? 1u : 0u);
+    const std::size_t warnings = (*project)->warnings().size();
+    const std::size_t cost = header ? 4 : end_of_line ? 2 : 1;
+    if (warnings == 0) {
+      EXPECT_EQ(found, 4u);
     } else {
-      const bool last = at + 1 == journal_.size();
-      EXPECT_EQ(found, last ? 4u : end_of_line ? 2u : 3u);
-      EXPECT_EQ((*project)->warnings().size(), last ? 0u : 1u);
+      EXPECT_EQ(warnings, 1u);
+      EXPECT_EQ(found, 4 - cost);
     }
     if (HasFailure()) return;
   }

@@ -19,24 +19,24 @@ Edit Change(const AnnotationDocument& document, Random& random) {
   const auto& chosen = instances[random.Index(static_cast<std::uint32_t>(instances.size()))];
   ChangeInstance edit;
   edit.id = chosen.id;
-  if (chosen.locked) edit.locked = false;
+  if (chosen.locked) edit.set.locked = false;
   switch (random.Index(6)) {
     case 0:
-      edit.new_id = FreeName(document, random);
+      edit.set.id = FreeName(document, random);
       break;
     case 1:
-      edit.note = "seen from \"behind\"\n\xc3\xa4 " + std::to_string(random.Uniform());
-      edit.fine = random.Index(2) == 0;
+      edit.set.note = "seen from \"behind\"\n\xc3\xa4 " + std::to_string(random.Uniform());
+      edit.set.fine = random.Index(2) == 0;
       break;
     case 2:
-      edit.seconds_spent = chosen.seconds_spent + random.Uniform(0, 60);
-      edit.annotator = "Ada";
+      edit.set.seconds_spent = chosen.seconds_spent + random.Uniform(0, 60);
+      edit.set.annotator = "Ada";
       break;
     case 3:
-      edit.locked = true;
+      edit.set.locked = true;
       break;
     default:
-      edit.scan_from_object = RandomPose(random);
+      edit.set.scan_from_object = RandomPose(random);
       break;
   }
   return edit;

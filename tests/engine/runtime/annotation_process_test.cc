@@ -59,6 +59,20 @@ TEST_F(AnnotationProcessTest, AnswersWhileItAlignsAndStopsWhenAsked) {
   ASSERT_TRUE(WaitFor(process, [](const auto& s) { return !s.placement && s.busy.empty(); }));
 }
 
+TEST_F(AnnotationProcessTest, TellsByTheirNumbersWhichCommandsWereCarriedOutOrRefused) {
+  AnnotationProcess process(Choice(), {});
+  EXPECT_EQ(process.Snapshot()->last_command.number, 0u);
+  const std::uint64_t renamed = process.Post(SetAnnotatorCommand{"Bo"}).value();
+  const std::uint64_t refused = process.Post(RemoveInstanceCommand{"nobody"}).value();
+  EXPECT_EQ(renamed, 1u);
+  EXPECT_EQ(refused, 2u);
+  ASSERT_TRUE(WaitFor(process, [&](const auto& s) { return s.last_command.number == refused; }));
+  EXPECT_NE(process.Snapshot()->last_command.refusal.find("nobody"), std::string::npos);
+  const std::uint64_t selected = process.Post(SelectInstanceCommand{}).value();
+  ASSERT_TRUE(WaitFor(process, [&](const auto& s) { return s.last_command.number == selected; }));
+  EXPECT_EQ(process.Snapshot()->last_command.refusal, "") << "of that command alone";
+}
+
 TEST_F(AnnotationProcessTest, FailsWithASentenceAndEndsCleanlyInTheMiddleOfWork) {
   AnnotationChoice nothing;
   nothing.path = folder_.path() / "nothing.ply";

@@ -14,8 +14,8 @@ Eigen::Isometry3d SomePose() {
   return pose;
 }
 
-TEST(PoseError, IsTranslationThenRotationAlongTheAxesOfTheWorld) {
-  PoseError error;
+TEST(PosePerturbation, IsTranslationThenRotationAlongTheAxesOfTheWorld) {
+  PosePerturbation error;
   error << 0.1, 0.2, 0.3, 0, 0, 0.5;
   const Eigen::Isometry3d moved = Perturbed(SomePose(), error);
   EXPECT_LT((moved.translation() - Eigen::Vector3d(3.1, -0.8, 2.3)).norm(), 1e-12);
@@ -23,12 +23,12 @@ TEST(PoseError, IsTranslationThenRotationAlongTheAxesOfTheWorld) {
   EXPECT_LT((moved.linear() - yaw * SomePose().linear()).norm(), 1e-12);
 }
 
-TEST(PoseError, BetweenTwoPosesLeadsFromOneToTheOther) {
-  PoseError error;
+TEST(PosePerturbation, BetweenTwoPosesLeadsFromOneToTheOther) {
+  PosePerturbation error;
   error << -0.3, 0.02, 1, 0.4, -0.7, 0.2;
-  EXPECT_LT((ErrorBetween(SomePose(), Perturbed(SomePose(), error)) - error).norm(), 1e-12);
-  EXPECT_EQ(ErrorBetween(SomePose(), SomePose()).head<3>(), Eigen::Vector3d::Zero());
-  EXPECT_THAT(Perturbed(SomePose(), PoseError::Zero()), IsometryNear(SomePose(), 0.0, 0.0));
+  EXPECT_LT((PerturbationBetween(SomePose(), Perturbed(SomePose(), error)) - error).norm(), 1e-12);
+  EXPECT_EQ(PerturbationBetween(SomePose(), SomePose()).head<3>(), Eigen::Vector3d::Zero());
+  EXPECT_THAT(Perturbed(SomePose(), PosePerturbation::Zero()), IsometryNear(SomePose(), 0.0, 0.0));
 }
 
 }  // namespace

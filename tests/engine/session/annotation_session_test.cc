@@ -59,7 +59,7 @@ TEST_F(AnnotationSessionTest, PlacesAModelUprightOnTheFloorTheRightWayRound) {
   const auto session = WithArmchair();
   const AnnotationSnapshot snapshot = session->Snapshot();
   ASSERT_EQ(snapshot.instances.size(), 1u);
-  const InstanceView& chair = snapshot.instances[0];
+  const AnnotatedInstance& chair = snapshot.instances[0];
   EXPECT_EQ(chair.id, "armchair_0");
   EXPECT_EQ(snapshot.selected, "armchair_0");
   EXPECT_EQ(chair.annotator, "Ada");
@@ -130,6 +130,23 @@ TEST_F(AnnotationSessionTest, OffersCandidatesWithPicturesBestFirst) {
   EXPECT_TRUE(session->Snapshot().instances.empty());
 }
 
+TEST_F(AnnotationSessionTest, ACandidateIsTakenByItsId) {
+  const auto session = Open();
+  Do(*session, TypeGravityCommand{scene_.up_in_scan, std::nullopt});
+  Do(*session, AcceptProposalCommand{});
+  session->Apply(PlaceModelCommand{"armchair", scene_.scan_from_armchair.translation()}, 7);
+  RunJobs(*session);
+  const PlacementView placement = session->Snapshot().placement.value();
+  EXPECT_EQ(placement.asked_by, 7u);
+  ASSERT_GT(placement.candidates.size(), 1u);
+  Do(*session, AcceptProposalCommand{99});
+  EXPECT_TRUE(session->Snapshot().refused);
+  EXPECT_TRUE(session->Snapshot().instances.empty());
+  Do(*session, AcceptProposalCommand{placement.candidates[1].id});
+  EXPECT_EQ(session->Snapshot().instances.at(0).scan_from_object.matrix(),
+            placement.candidates[1].scan_from_object.matrix());
+}
+
 TEST_F(AnnotationSessionTest, PlacesWhereThereIsNoScanAndSaysSo) {
   const auto session = Open();
   Do(*session, PlaceModelCommand{"table", ScanFromLevel() * Eigen::Vector3d(30, 0, 0)});
@@ -187,9 +204,9 @@ TEST_F(AnnotationSessionTest, EveryEditCanBeUndoneAndRedone) {
   beside.translation().x() += 0.7;
   ChangeInstanceCommand change;
   change.id = "armchair_0";
-  change.new_id = "the chair";
-  change.note = "wobbles";
-  change.fine = false;
+  change.set.id = "the chair";
+  change.set.note = "wobbles";
+  change.set.fine = false;
   Do(*session, change);
   EXPECT_EQ(session->Snapshot().selected, "the chair");
   Do(*session, DuplicateInstanceCommand{"the chair", beside});
@@ -207,7 +224,7 @@ TEST_F(AnnotationSessionTest, RefusesToMoveWhatIsLockedAndSaysWhy) {
   const auto session = WithArmchair();
   ChangeInstanceCommand lock;
   lock.id = "armchair_0";
-  lock.locked = true;
+  lock.set.locked = true;
   Do(*session, lock);
   const Eigen::Isometry3d before = session->Snapshot().instances[0].scan_from_object;
   Do(*session, SetInstancePoseCommand{"armchair_0", Eigen::Isometry3d::Identity()});

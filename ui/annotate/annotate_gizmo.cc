@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ui/panels/annotate_gizmo.h"
+#include "ui/annotate/annotate_gizmo.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "ui/annotate/annotate_pose.h"
+#include "ui/annotate/scene_geometry.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_pose.h"
-#include "ui/panels/scene_geometry.h"
 
 namespace plumbline {
 namespace {
@@ -28,19 +28,19 @@ constexpr ImU32 kRingColor = IM_COL32(92, 146, 246, 255),
 
 /// The selected object and the size of its handles, in the level frame.
 struct Subject {
-  const InstanceView* instance = nullptr;
+  const AnnotatedInstance* instance = nullptr;
   Isometry3d pose = Isometry3d::Identity();  ///< level_from_object
   double radius_m = 0.5, height_m = 1;
 };
 
 std::optional<Subject> SubjectOf(const FrameContext& context) {
   const AnnotationSnapshot& snapshot = *context.annotation;
-  const InstanceView* instance = snapshot.Selected();
+  const AnnotatedInstance* instance = snapshot.Selected();
   if (instance == nullptr || instance->hidden || instance->locked || snapshot.read_only) {
     return std::nullopt;
   }
   if (snapshot.placement || snapshot.floor || snapshot.refinement) return std::nullopt;
-  const AnnotationModel* model = snapshot.Model(instance->model_index);
+  const AnnotationModel* model = snapshot.ModelOf(*instance);
   if (model == nullptr) return std::nullopt;
   Subject subject;
   subject.instance = instance;
@@ -138,7 +138,7 @@ Isometry3d AnnotateGizmo::PoseAt(const FrameContext& context, ImVec2 low) const 
 
 bool AnnotateGizmo::Handle(const FrameContext& context, ImVec2 low, CommandSink& sink) {
   AnnotateView& view = *context.annotate;
-  const InstanceView* selected = context.annotation->Selected();
+  const AnnotatedInstance* selected = context.annotation->Selected();
   if (dragged_ == Grip::kNone) {
     const bool over = ImGui::IsItemHovered() && !ImGui::IsMouseDown(ImGuiMouseButton_Right);
     const bool pressed = ImGui::IsItemActivated() && ImGui::IsMouseDown(ImGuiMouseButton_Left);
@@ -150,7 +150,10 @@ bool AnnotateGizmo::Handle(const FrameContext& context, ImVec2 low, CommandSink&
     if (!pressed || hovered_ == Grip::kNone || ImGui::GetIO().KeyShift) return false;
     const auto subject = SubjectOf(context);
     dragged_ = hovered_;
-    start_ = subject->instance->scan_from_object;
+    // From where it is shown: a pose may be on its way.
+    const bool on_its_way = view.pending && view.pending->id == subject->instance->id;
+    start_ = on_its_way ? view.pending->scan_from_object : subject->instance->scan_from_object;
+    moved_ = false;
     grabbed_at_ = ImGui::GetIO().MousePos;
     const SightLine sight = SightAtMouse(context, low);
     const Vector3d origin = subject->pose.translation();
@@ -173,10 +176,11 @@ bool AnnotateGizmo::Handle(const FrameContext& context, ImVec2 low, CommandSink&
     view.pending.reset();
     dragged_ = Grip::kNone;
   } else if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
-    if (moved || view.pending) view.pending = PendingPose{selected->id, PoseAt(context, low)};
+    moved_ = moved_ || moved;
+    if (moved_) view.pending = PendingPose{selected->id, PoseAt(context, low), std::nullopt};
   } else {
     // Shown until the snapshot has it.
-    if (view.pending) {
+    if (moved_ && view.pending) {
       sink.Post(SetInstancePoseCommand{view.pending->id, view.pending->scan_from_object});
     }
     dragged_ = Grip::kNone;

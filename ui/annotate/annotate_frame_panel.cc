@@ -2,11 +2,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
 
+#include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_panels.h"
 
 namespace plumbline {
 namespace {
@@ -41,9 +42,11 @@ class AnnotateFramePanel : public Panel {
   void Draw(const FrameContext& context, CommandSink& sink) override {
     const AnnotationSnapshot& snapshot = *context.annotation;
     if (!snapshot.frame) {
-      sink.Post(ShowFrameCommand{snapshot.num_frames / 2});
+      if (asked_of_ != snapshot.project_file) sink.Post(ShowFrameCommand{snapshot.num_frames / 2});
+      asked_of_ = snapshot.project_file;
       return EmptyState(context, "Reading a frame", "");
     }
+    asked_of_.clear();
     const FrameView& frame = *snapshot.frame;
     if (frame.image.empty()) {
       return EmptyState(context, frame.problem.empty() ? "Reading a frame" : "No image",
@@ -103,7 +106,8 @@ class AnnotateFramePanel : public Panel {
                colors::kOnPicture, hint);
   }
 
-  bool typing_ = false;  ///< The number of a frame.
+  bool typing_ = false;   ///< The number of a frame.
+  std::string asked_of_;  ///< The project of which the first frame was asked for.
 };
 
 }  // namespace

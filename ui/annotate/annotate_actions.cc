@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ui/panels/annotate_actions.h"
+#include "ui/annotate/annotate_actions.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
 
+#include "ui/annotate/annotate_crop_box.h"
+#include "ui/annotate/annotate_pose.h"
 #include "ui/framework/annotate_view.h"
-#include "ui/panels/annotate_crop_box.h"
-#include "ui/panels/annotate_pose.h"
 
 namespace plumbline {
 namespace {
@@ -29,7 +29,7 @@ constexpr Nudge kNudges[] = {{keys::kW, 0, 1, 0, 0},  {keys::kS, 0, -1, 0, 0},
                              {keys::kE, 0, 0, 1, 0},  {keys::kQ, 0, 0, -1, 0},
                              {keys::kZ, 0, 0, 0, 1},  {keys::kX, 0, 0, 0, -1}};
 
-bool Editable(const FrameContext& context, const InstanceView* instance) {
+bool Editable(const FrameContext& context, const AnnotatedInstance* instance) {
   return instance != nullptr && !instance->locked && !context.annotation->read_only;
 }
 
@@ -61,15 +61,15 @@ void NudgeBox(const FrameContext& context, LevelBox& box) {
   });
 }
 
-void PostNudges(const FrameContext& context, const InstanceView& instance, CommandSink& sink) {
+void PostNudges(const FrameContext& context, const AnnotatedInstance& instance, CommandSink& sink) {
   const AnnotationSnapshot& snapshot = *context.annotation;
   AnnotateView& view = *context.annotate;
   const bool any_down = ReadNudges(context, [&](const Vector3d& by, double turn_rad) {
-    Eigen::Isometry3d pose =
-        view.pending ? view.pending->scan_from_object : instance.scan_from_object;
+    const bool moving = view.pending && view.pending->id == instance.id;
+    Eigen::Isometry3d pose = moving ? view.pending->scan_from_object : instance.scan_from_object;
     pose = Moved(snapshot, pose, by);
     if (turn_rad != 0) pose = Turned(snapshot, pose, Vector3d::UnitZ(), turn_rad);
-    view.pending = PendingPose{instance.id, pose};
+    view.pending = PendingPose{instance.id, pose, std::nullopt};
     view.nudged = true;
   });
   if (any_down || !view.nudged) return;
@@ -107,7 +107,10 @@ bool PostAnswer(const FrameContext& context, CommandSink& sink) {
       view.tool = AnnotateTool::kSelect;
       view.reset = true;
     }
-    if (snapshot.sequence_alignment || (snapshot.crop && snapshot.crop->problem.empty()))
+    const auto ready = [](const auto& proposal) {
+      return proposal && !proposal->running && proposal->problem.empty();
+    };
+    if (ready(snapshot.sequence_alignment) || ready(snapshot.crop))
       view.tool = AnnotateTool::kSelect;
     AcceptProposal(context, view.candidate, sink);
   }
@@ -119,7 +122,8 @@ bool PostAnswer(const FrameContext& context, CommandSink& sink) {
   return true;
 }
 
-void PostControlKeys(const FrameContext& context, const InstanceView* instance, CommandSink& sink) {
+void PostControlKeys(const FrameContext& context, const AnnotatedInstance* instance,
+                     CommandSink& sink) {
   const ImGuiIO& io = ImGui::GetIO();
   AnnotateView& view = *context.annotate;
   const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
@@ -178,18 +182,45 @@ std::vector<ActionGroup> AnnotateActions() {
         watched({{keys::kS, false, true}}, "Ctrl + S", "Save")}}};
 }
 
+void NotePosted(const AnnotationCommand& command, std::optional<std::uint64_t> number,
+                AnnotateView& view) {
+  const auto* pose = std::get_if<SetInstancePoseCommand>(&command);
+  if (pose == nullptr || !view.pending || view.pending->id != pose->id) return;
+  view.pending->command = number;
+  if (!number) view.pending.reset();
+}
+
+void FollowSnapshot(const AnnotationSnapshot& before, const AnnotationSnapshot& now,
+                    AnnotateView& view) {
+  const bool same_placement =
+      before.placement && now.placement && before.placement->asked_by == now.placement->asked_by;
+  if (!same_placement) {
+    view.candidate = 0;
+  } else if (view.candidate > 0) {
+    const auto& old = before.placement->candidates;
+    const auto& candidates = now.placement->candidates;
+    const auto chosen = static_cast<std::size_t>(view.candidate);
+    for (std::size_t i = 0; chosen < old.size() && i < candidates.size(); ++i) {
+      if (candidates[i].id == old[chosen].id) view.candidate = static_cast<int>(i);
+    }
+  }
+  if (!view.pending) return;
+  const auto& command = view.pending->command;
+  const bool done = command && now.last_command.number >= *command;
+  if (done || now.Find(view.pending->id) == nullptr) view.pending.reset();
+}
+
 void AcceptProposal(const FrameContext& context, int candidate, CommandSink& sink) {
-  AcceptProposalCommand command{candidate, std::nullopt};
+  AcceptProposalCommand command;
   const auto& placement = context.annotation->placement;
   if (placement && candidate >= 0 && candidate < static_cast<int>(placement->candidates.size())) {
-    command.scan_from_object =
-        placement->candidates[static_cast<std::size_t>(candidate)].scan_from_object;
+    command.candidate = placement->candidates[static_cast<std::size_t>(candidate)].id;
   }
   sink.Post(command);
 }
 
 void PlaceAgain(const FrameContext& context, CommandSink& sink) {
-  const InstanceView* instance = context.annotation->Selected();
+  const AnnotatedInstance* instance = context.annotation->Selected();
   if (instance == nullptr) return;
   context.annotate->candidate = 0;
   sink.Post(PlaceAgainCommand{instance->id, context.annotate_scene->camera().azimuth_rad,
@@ -229,9 +260,9 @@ void DropCut(const FrameContext& context, CommandSink& sink) {
 
 void Duplicate(const FrameContext& context, CommandSink& sink) {
   const AnnotationSnapshot& snapshot = *context.annotation;
-  const InstanceView* instance = snapshot.Selected();
+  const AnnotatedInstance* instance = snapshot.Selected();
   if (instance == nullptr) return;
-  const AnnotationModel* model = snapshot.Model(instance->model_index);
+  const AnnotationModel* model = snapshot.ModelOf(*instance);
   const double beside = model != nullptr ? 1.1 * model->bounds.sizes().head<2>().maxCoeff() : 0.5;
   sink.Post(DuplicateInstanceCommand{instance->id,
                                      Moved(snapshot, instance->scan_from_object, {beside, 0, 0})});
@@ -241,7 +272,7 @@ void PostAnnotateShortcuts(const FrameContext& context, CommandSink& sink) {
   if (context.annotation == nullptr || context.annotate_scene == nullptr) return;
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantTextInput || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId)) return;
-  const InstanceView* instance = context.annotation->Selected();
+  const AnnotatedInstance* instance = context.annotation->Selected();
   if (io.KeyCtrl) return PostControlKeys(context, instance, sink);
   if (PostAnswer(context, sink)) return;
   if (instance == nullptr || context.annotate->tool == AnnotateTool::kCut) return;
@@ -264,10 +295,10 @@ void PostAnnotateShortcuts(const FrameContext& context, CommandSink& sink) {
   ChangeInstanceCommand change;
   change.id = instance->id;
   if (ImGui::IsKeyPressed(keys::kH, false)) {
-    change.hidden = !instance->hidden;
+    change.set.hidden = !instance->hidden;
     sink.Post(change);
   } else if (ImGui::IsKeyPressed(keys::kL, false)) {
-    change.locked = !instance->locked;
+    change.set.locked = !instance->locked;
     sink.Post(change);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ui/panels/annotate_crop_box.h"
+#include "ui/annotate/annotate_crop_box.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "engine/geometry/gravity.h"
+#include "ui/annotate/annotate_pose.h"
+#include "ui/annotate/scene_geometry.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_pose.h"
-#include "ui/panels/scene_geometry.h"
 
 namespace plumbline {
 namespace {

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_crop_box.h"
+#include "ui/annotate/annotate_gizmo.h"
+#include "ui/annotate/annotate_panels.h"
 #include "ui/common/scene_mouse.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_actions.h"
-#include "ui/panels/annotate_crop_box.h"
-#include "ui/panels/annotate_gizmo.h"
-#include "ui/panels/annotate_panels.h"
 
 namespace plumbline {
 namespace {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_panels.h"
+#include "ui/annotate/annotate_pose.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_actions.h"
-#include "ui/panels/annotate_panels.h"
-#include "ui/panels/annotate_pose.h"
 
 namespace plumbline {
 namespace {
@@ -29,7 +29,7 @@ void NextInRow(const FrameContext& context, const char* label) {
 class AnnotateInstancePanel : public Panel {
  public:
   void Draw(const FrameContext& context, CommandSink& sink) override {
-    const InstanceView* instance = context.annotation->Selected();
+    const AnnotatedInstance* instance = context.annotation->Selected();
     if (instance == nullptr) {
       return EmptyState(context, "Nothing is selected",
                         "Click an object in the scan or in the list.");
@@ -47,9 +47,11 @@ class AnnotateInstancePanel : public Panel {
   }
 
  private:
-  void DrawName(const FrameContext& context, const InstanceView& instance, CommandSink& sink) {
-    if (shown_ != instance.id) {
-      shown_ = instance.id;
+  void DrawName(const FrameContext& context, const AnnotatedInstance& instance, CommandSink& sink) {
+    // Undo, a refusal and other commands change them, too.
+    if (shown_id_ != instance.id || shown_note_ != instance.note) {
+      shown_id_ = instance.id;
+      shown_note_ = instance.note;
       std::snprintf(name_, sizeof(name_), "%s", instance.id.c_str());
       std::snprintf(note_, sizeof(note_), "%s", instance.note.c_str());
     }
@@ -60,18 +62,18 @@ class AnnotateInstancePanel : public Panel {
     if (ImGui::IsItemDeactivatedAfterEdit() && instance.id != name_) {
       ChangeInstanceCommand change;
       change.id = instance.id;
-      change.new_id = name_;
+      change.set.id = name_;
       sink.Post(change);
-      shown_.clear();
+      shown_id_.clear();
     }
     const char* category = instance.category.empty() ? "" : instance.category.c_str();
     SmallText(context, colors::kDimText, "%s \u00b7 %s", instance.model.c_str(), category);
-    if (instance.model_index < 0) {
+    if (context.annotation->ModelOf(instance) == nullptr) {
       SmallText(context, colors::kBad, "The database has no model of this name.");
     }
   }
 
-  static void DrawPose(const FrameContext& context, const InstanceView& instance,
+  static void DrawPose(const FrameContext& context, const AnnotatedInstance& instance,
                        CommandSink& sink) {
     const AnnotationSnapshot& snapshot = *context.annotation;
     const auto& pending = context.annotate->pending;
@@ -118,8 +120,8 @@ class AnnotateInstancePanel : public Panel {
     DrawTilt(context, instance, level.tilt_rad, sink);
   }
 
-  static void DrawTilt(const FrameContext& context, const InstanceView& instance, double tilt_rad,
-                       CommandSink& sink) {
+  static void DrawTilt(const FrameContext& context, const AnnotatedInstance& instance,
+                       double tilt_rad, CommandSink& sink) {
     ImGui::AlignTextToFramePadding();
     DimText("Tilt");
     ImGui::SameLine(context.Scaled(76));
@@ -137,7 +139,7 @@ class AnnotateInstancePanel : public Panel {
     }
   }
 
-  static void DrawActions(const FrameContext& context, const InstanceView& instance,
+  static void DrawActions(const FrameContext& context, const AnnotatedInstance& instance,
                           CommandSink& sink) {
     AnnotateView& view = *context.annotate;
     ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
@@ -181,7 +183,7 @@ class AnnotateInstancePanel : public Panel {
       sink.Post(RemoveInstanceCommand{instance.id});
   }
 
-  static void DrawQuality(const FrameContext& context, const InstanceView& instance,
+  static void DrawQuality(const FrameContext& context, const AnnotatedInstance& instance,
                           CommandSink& sink) {
     ImGui::Dummy({0, context.Scaled(2)});
     ImGui::AlignTextToFramePadding();
@@ -195,7 +197,7 @@ class AnnotateInstancePanel : public Panel {
           on) {
         ChangeInstanceCommand change;
         change.id = instance.id;
-        change.fine = fine;
+        change.set.fine = fine;
         sink.Post(change);
       }
       ImGui::SameLine(0, context.Scaled(3));
@@ -207,7 +209,7 @@ class AnnotateInstancePanel : public Panel {
               instance.annotator.empty() ? "" : ", ", seconds / 60, seconds % 60);
   }
 
-  void DrawNote(const FrameContext& context, const InstanceView& instance, CommandSink& sink) {
+  void DrawNote(const FrameContext& context, const AnnotatedInstance& instance, CommandSink& sink) {
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
     ImGui::InputTextWithHint("##instance.note", "Note", note_, sizeof(note_));
     LogItem(context, "instance.note");
@@ -215,12 +217,12 @@ class AnnotateInstancePanel : public Panel {
     if (!ImGui::IsItemDeactivatedAfterEdit() || instance.note == note_) return;
     ChangeInstanceCommand change;
     change.id = instance.id;
-    change.note = note_;
+    change.set.note = note_;
     sink.Post(change);
   }
 
-  std::string shown_;  ///< Whose name and note are in the fields.
-  char name_[96] = "", note_[256] = "";
+  std::string shown_id_, shown_note_;  ///< That were put into the fields.
+  char name_[256] = "", note_[4096] = "";
 };
 
 }  // namespace

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "engine/snapshot/commands.h"
@@ -11,7 +14,17 @@ namespace plumbline {
 
 // What buttons and keys of the Annotate workspace both do.
 
-/// Takes what is proposed; of a placement, the candidate.
+/// A pose on its way waits for the command that was posted to make it an edit. `number`: as of
+/// AnnotationProcess::Post; nothing: the command was dropped, and so is the pose.
+void NotePosted(const AnnotationCommand& command, std::optional<std::uint64_t> number,
+                AnnotateView& view);
+/// Brings the view in step with a new snapshot: a pose on its way is shown until its command was
+/// carried out or refused; a candidate that was chosen stays chosen where the images change the
+/// order, and is forgotten with its placement.
+void FollowSnapshot(const AnnotationSnapshot& before, const AnnotationSnapshot& now,
+                    AnnotateView& view);
+
+/// Takes what is proposed; of a placement, the candidate at that place in the list.
 void AcceptProposal(const FrameContext& context, int candidate, CommandSink& sink);
 /// All azimuths again for the selected object.
 void PlaceAgain(const FrameContext& context, CommandSink& sink);

@@ -3,9 +3,9 @@
 
 #include <cstdio>
 
+#include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_panels.h"
 
 namespace plumbline {
 namespace {

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/annotate/annotate_panels.h"
+#include "ui/annotate/annotate_pose.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_panels.h"
-#include "ui/panels/annotate_pose.h"
 
 namespace plumbline {
 namespace {
@@ -108,7 +108,7 @@ class AnnotateImagesPanel : public Panel {
 
   void DrawImage(const FrameContext& context, const ImageCheckView& check, std::size_t index,
                  ImVec2 size) {
-    if (size.x < 8 || size.y < 8) return;
+    if (size.x < 8 || size.y < 8 || check.image.empty()) return;
     const std::string name = fmt::format("images.{}", index);
     const ImVec2 low = ImGui::GetCursorScreenPos(), high(low.x + size.x, low.y + size.y);
     if (ImGui::InvisibleButton(name.c_str(), size)) {

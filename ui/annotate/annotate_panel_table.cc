@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <string_view>
 
-#include "ui/panels/annotate_panels.h"
+#include "ui/annotate/annotate_panels.h"
 
 namespace plumbline {
 namespace {

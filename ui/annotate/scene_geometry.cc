@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ui/panels/scene_geometry.h"
+#include "ui/annotate/scene_geometry.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "engine/snapshot/export_formats.h"
+#include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_panels.h"
 
 namespace plumbline {
 namespace {

@@ -29,6 +29,7 @@ class AnnotateGizmo {
   Eigen::Isometry3d PoseAt(const FrameContext& context, ImVec2 low) const;
 
   Grip hovered_ = Grip::kNone, dragged_ = Grip::kNone;
+  bool moved_ = false;                                       ///< Since it was grabbed.
   Eigen::Isometry3d start_ = Eigen::Isometry3d::Identity();  ///< In the scan.
   Eigen::Vector3d grabbed_{0, 0, 0};                         ///< In the level frame.
   ImVec2 grabbed_at_{0, 0};

@@ -5,9 +5,9 @@
 #include <cctype>
 #include <cstring>
 
+#include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_panels.h"
 
 namespace plumbline {
 namespace {

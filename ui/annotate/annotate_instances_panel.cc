@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_panels.h"
 
 namespace plumbline {
 namespace {
@@ -28,14 +28,14 @@ class AnnotateInstancesPanel : public Panel {
     }
     ImGui::BeginChild("instances", {0, 0});
     int number = 0;
-    for (const InstanceView& instance : snapshot.instances) {
+    for (const AnnotatedInstance& instance : snapshot.instances) {
       DrawRow(context, instance, ++number, sink);
     }
     ImGui::EndChild();
   }
 
  private:
-  static void DrawRow(const FrameContext& context, const InstanceView& instance, int number,
+  static void DrawRow(const FrameContext& context, const AnnotatedInstance& instance, int number,
                       CommandSink& sink) {
     const std::string name = "annotate_instances.row." + instance.id;
     const bool selected = context.annotation->selected == instance.id;
@@ -59,9 +59,9 @@ class AnnotateInstancesPanel : public Panel {
     draw.AddRectFilled({low.x + context.Scaled(4), middle - 0.5f * size},
                        {low.x + context.Scaled(4) + size, middle + 0.5f * size},
                        ObjectColor(ObjectId{number}), 0.2f * size);
-    const ImU32 color = instance.hidden            ? colors::kFaint
-                        : instance.model_index < 0 ? colors::kBad
-                                                   : colors::kText;
+    const ImU32 color = instance.hidden                                    ? colors::kFaint
+                        : context.annotation->ModelOf(instance) == nullptr ? colors::kBad
+                                                                           : colors::kText;
     draw.PushClipRect(low, {low.x + width - switches, low.y + line}, true);
     draw.AddText({low.x + context.Scaled(12) + size, middle - 0.5f * ImGui::GetFontSize()}, color,
                  instance.id.c_str());
@@ -71,8 +71,8 @@ class AnnotateInstancesPanel : public Panel {
     ImGui::Dummy({0, 0});
   }
 
-  static void DrawSwitches(const FrameContext& context, const InstanceView& instance, ImVec2 at,
-                           float line, CommandSink& sink) {
+  static void DrawSwitches(const FrameContext& context, const AnnotatedInstance& instance,
+                           ImVec2 at, float line, CommandSink& sink) {
     const auto word = [&](float x, float width, const char* id, const char* text, bool on,
                           const char* help) {
       ImGui::SetCursorScreenPos({at.x + context.Scaled(x), at.y});
@@ -94,16 +94,16 @@ class AnnotateInstancesPanel : public Panel {
     change.id = instance.id;
     if (word(0, 24, "quality", instance.fine ? "fine" : "crs", instance.fine,
              "Quality: fine, or coarse. A click changes it.")) {
-      change.fine = !instance.fine;
+      change.set.fine = !instance.fine;
       sink.Post(change);
     }
     if (word(30, 28, "hide", "hide", instance.hidden, "Hidden or not (H).")) {
-      change.hidden = !instance.hidden;
+      change.set.hidden = !instance.hidden;
       sink.Post(change);
     }
     if (word(62, 28, "lock", "lock", instance.locked,
              "A locked object cannot be moved, renamed or removed (L).")) {
-      change.locked = !instance.locked;
+      change.set.locked = !instance.locked;
       sink.Post(change);
     }
   }

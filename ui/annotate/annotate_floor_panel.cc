@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "ui/annotate/annotate_panels.h"
+#include "ui/annotate/annotate_pose.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_panels.h"
-#include "ui/panels/annotate_pose.h"
 
 namespace plumbline {
 namespace {

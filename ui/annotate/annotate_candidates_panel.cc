@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_panels.h"
+#include "ui/annotate/annotate_pose.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_actions.h"
-#include "ui/panels/annotate_panels.h"
-#include "ui/panels/annotate_pose.h"
 
 namespace plumbline {
 namespace {
@@ -18,6 +18,10 @@ constexpr double kFloats_m = 0.03;
 class AnnotateCandidatesPanel : public Panel {
  public:
   void Draw(const FrameContext& context, CommandSink& sink) override {
+    if (!context.annotation->placement) {
+      return EmptyState(context, "Nothing is being placed",
+                        "Choose a model, then click in the scan where it stands.");
+    }
     const PlacementView& placement = *context.annotation->placement;
     if (placement.running) {
       return EmptyState(context, "Trying 24 azimuths", "Each is aligned to the scan. Esc stops.");

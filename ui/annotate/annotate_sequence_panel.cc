@@ -3,10 +3,10 @@
 
 #include <cstdio>
 
+#include "ui/annotate/annotate_panels.h"
+#include "ui/annotate/annotate_pose.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_panels.h"
-#include "ui/panels/annotate_pose.h"
 
 namespace plumbline {
 namespace {

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/annotate/annotate_panels.h"
+#include "ui/annotate/annotate_pose.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/residual_color.h"
 #include "ui/framework/widgets.h"
-#include "ui/panels/annotate_panels.h"
-#include "ui/panels/annotate_pose.h"
 
 namespace plumbline {
 namespace {
@@ -16,6 +16,10 @@ namespace {
 class AnnotateRefinementPanel : public Panel {
  public:
   void Draw(const FrameContext& context, CommandSink& sink) override {
+    if (!context.annotation->refinement) {
+      return EmptyState(context, "Nothing is being refined",
+                        "Select an object, then Refine or By images.");
+    }
     const RefinementView& refinement = *context.annotation->refinement;
     ImGui::BeginChild("refinement", {0, 0});
     ImGui::TextUnformatted(refinement.instance.c_str());

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/ui/annotate_harness.h"
+
+#include <numbers>
+#include <utility>
+
+#include "ui/annotate/annotate_actions.h"
+#include "ui/framework/layout.h"
+#include "ui/framework/shortcuts.h"
+
+namespace plumbline {
+namespace {
+
+cv::Mat Grey(int width, int height) { return {height, width, CV_8UC3, cv::Scalar(90, 90, 90)}; }
+
+AnnotationModel ModelNamed(const std::string& name, float half_m) {
+  AnnotationModel model;
+  model.name = name;
+  model.category = name == "armchair" ? "chair" : "dining table";
+  auto mesh = std::make_shared<TriangleMesh>();
+  mesh->vertices = {{-half_m, -half_m, 0}, {half_m, -half_m, 0}, {0, half_m, 1}};
+  mesh->triangles = {{0, 1, 2}};
+  model.mesh = mesh;
+  model.bounds = {Eigen::Vector3f(-half_m, -half_m, 0), Eigen::Vector3f(half_m, half_m, 1)};
+  model.on_floor = true;
+  model.thumbnail = Grey(144, 108);
+  return model;
+}
+
+AnnotatedInstance InstanceAt(const std::string& id, const std::string& model, double x, double y) {
+  AnnotatedInstance instance;
+  instance.id = id;
+  instance.model = model;
+  instance.category = "chair";
+  instance.annotator = "Ada";
+  instance.seconds_spent = 75;
+  instance.scan_from_object.translation() = Eigen::Vector3d(x, y, 0);
+  return instance;
+}
+
+}  // namespace
+
+PlacementView MadeUpPlacement() {
+  PlacementView placement;
+  placement.model = 0;
+  placement.running = false;
+  placement.seconds = 0.25;
+  for (int i = 0; i < 2; ++i) {
+    PlacementCandidate candidate;
+    candidate.id = i;
+    candidate.scan_from_object.translation() = Eigen::Vector3d(i, 0, 0);
+    candidate.fitness = 0.9 - 0.2 * i;
+    candidate.rmse_m = 0.004;
+    candidate.azimuth_rad = i * std::numbers::pi / 2;
+    candidate.picture = Grey(208, 156);
+    placement.candidates.push_back(std::move(candidate));
+  }
+  return placement;
+}
+
+AnnotateHarness::AnnotateHarness() {
+  size = {420, 700};
+  ImGui::GetIO().DisplaySize = {1200, 900};
+  ImGuiIO& io = ImGui::GetIO();
+  io.KeyMap[ImGuiKey_Escape] = keys::kEscape;
+  io.KeyMap[ImGuiKey_Enter] = keys::kEnter;
+  io.KeyMap[ImGuiKey_A] = keys::kA;
+  io.KeyMap[ImGuiKey_Delete] = keys::kDelete;
+  AnnotationSnapshot& s = *snapshot_;
+  s.state = AnnotationSnapshot::State::kReady;
+  s.project_file = "/data/room.annotation.json";
+  s.project_name = "room.annotation.json";
+  s.scan_name = "room.ply";
+  auto scan = std::make_shared<TriangleMesh>();
+  scan->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  s.scan = s.scan_coarse = scan;
+  s.scan_points = 3;
+  s.ready_to_align = s.floor_known = s.gravity_known = true;
+  s.models = std::make_shared<const std::vector<AnnotationModel>>(
+      std::vector{ModelNamed("armchair", 0.4f), ModelNamed("table", 0.7f)});
+  s.models_version = 1;
+  s.instances = {InstanceAt("armchair_0", "armchair", 1, -1),
+                 InstanceAt("table_0", "table", 3, -2)};
+  s.selected = "armchair_0";
+  s.has_sequence = true;
+  s.num_frames = 40;
+  s.frame_size = {160, 90};
+  context.annotation = snapshot_;
+  context.annotation_version = 1;
+  context.workspace = WorkspaceId::kAnnotate;
+  context.annotate = &view;
+  context.annotate_scene = &surface;
+}
+
+std::string AnnotateHarness::Text(Panel& panel) {
+  ImGui::GetIO().MousePos = {-1, -1};  // a tooltip would end the text
+  Draw(panel, 2);                      // sizes that are those of the last frame
+  ImGui::NewFrame();
+  widgets.Clear();
+  ImGui::SetNextWindowPos({0, 0});
+  ImGui::SetNextWindowSize(ImGui::GetIO().DisplaySize);
+  ImGui::Begin("test", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
+  ImGui::LogToClipboard();
+  DrawPanel(context, {{20, 20}, {20 + size.x, 20 + size.y}}, panel, sink);
+  ImGui::LogFinish();
+  ImGui::End();
+  ImGui::Render();
+  const char* text = ImGui::GetClipboardText();
+  return text == nullptr ? "" : text;
+}
+
+void AnnotateHarness::Type(Panel& panel, const std::string& widget, const std::string& text) {
+  Click(panel, widget);
+  ImGuiIO& io = ImGui::GetIO();
+  io.KeyCtrl = io.KeysDown[keys::kA] = true;  // all of it
+  Draw(panel);
+  io.KeyCtrl = io.KeysDown[keys::kA] = false;
+  Draw(panel);
+  io.AddInputCharactersUTF8(text.c_str());
+  Draw(panel, 2);
+  io.KeysDown[keys::kEnter] = true;
+  Draw(panel);
+  io.KeysDown[keys::kEnter] = false;
+  Draw(panel, 2);
+}
+
+void AnnotateHarness::Press(int key, bool control, bool shift) {
+  ImGuiIO& io = ImGui::GetIO();
+  for (const bool down : {true, false}) {
+    io.KeysDown[key] = down;
+    io.KeyCtrl = down && control;
+    io.KeyShift = down && shift;
+    ImGui::NewFrame();
+    PostAnnotateShortcuts(context, sink);
+    ImGui::Render();
+  }
+}
+
+}  // namespace plumbline
