@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/ui/annotate_harness.h"
-#include "ui/framework/shortcuts.h"
+#include "ui/framework/actions.h"
 
 namespace plumbline {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "ui/annotate/annotate_actions.h"
+#include "ui/framework/actions.h"
 #include "ui/framework/layout.h"
-#include "ui/framework/shortcuts.h"
 
 namespace plumbline {
 namespace {

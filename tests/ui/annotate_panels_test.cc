@@ -20,17 +20,8 @@ using testing::Not;
 
 std::vector<std::unique_ptr<Panel>> AllPanels() {
   std::vector<std::unique_ptr<Panel>> panels;
-  panels.push_back(MakeAnnotateScenePanel());
-  panels.push_back(MakeAnnotateModelsPanel());
-  panels.push_back(MakeAnnotateInstancesPanel());
-  panels.push_back(MakeAnnotateImagesPanel());
-  panels.push_back(MakeAnnotateFloorPanel());
-  panels.push_back(MakeAnnotateCandidatesPanel());
-  panels.push_back(MakeAnnotateRefinementPanel());
-  panels.push_back(MakeAnnotateInstancePanel());
-  panels.push_back(MakeAnnotateCropPanel());
-  panels.push_back(MakeAnnotateSequencePanel());
-  panels.push_back(MakeAnnotateFramePanel());
+  for (const AnnotatePanelEntry& entry : AnnotatePanels())
+    panels.push_back(MakeAnnotatePanel(entry.info.id));
   return panels;
 }
 
@@ -131,12 +122,12 @@ TEST(AnnotatePanels, DrawInEveryStateOfAProject) {
       FillEverything};
   for (std::size_t i = 0; i < states.size(); ++i) {
     for (const auto& panel : AllPanels()) {
-      SCOPED_TRACE(std::string(panel->Id()) + " in state " + std::to_string(i));
+      SCOPED_TRACE(std::string(panel->id()) + " in state " + std::to_string(i));
       AnnotateHarness harness;
       states[i](harness.snapshot());
       harness.Draw(*panel, 3);
       EXPECT_GT(harness.vertices, 0);
-      const bool asks = std::string(panel->Id()) == "annotate_frame";  // for its first frame
+      const bool asks = std::string(panel->id()) == "annotate_frame";  // for its first frame
       EXPECT_TRUE(asks || harness.sink.commands.empty()) << "nobody asked for anything";
       for (const ImVec2 size : {ImVec2(12, 12), ImVec2(90, 700), ImVec2(900, 60)}) {
         harness.size = size;
@@ -148,7 +139,7 @@ TEST(AnnotatePanels, DrawInEveryStateOfAProject) {
 
 TEST(AnnotateScenePanel, AClickDoesWhatTheToolSays) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateScenePanel();
+  const auto panel = MakeAnnotatePanel("annotate_scene");
   harness.size = {900, 500};
   harness.surface.under_mouse = "table_0";
   harness.Click(*panel, "annotate.view");
@@ -172,7 +163,7 @@ TEST(AnnotateScenePanel, AClickDoesWhatTheToolSays) {
 
 TEST(AnnotateScenePanel, AModelGoesOntoTheFloorWhereTheScanHasAHole) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateScenePanel();
+  const auto panel = MakeAnnotatePanel("annotate_scene");
   harness.size = {900, 500};
   harness.surface.empty = true;
   harness.view.tool = AnnotateTool::kPlace;
@@ -197,7 +188,7 @@ class GizmoTest : public testing::Test {
     harness_.Drag(*panel_, "annotate.view", {from, 0.9f}, {to, 0.9f}, 0);
   }
   AnnotateHarness harness_;
-  std::unique_ptr<Panel> panel_ = MakeAnnotateScenePanel();
+  std::unique_ptr<Panel> panel_ = MakeAnnotatePanel("annotate_scene");
 };
 
 TEST_F(GizmoTest, DraggingMovesAlongTheFloorAndIsOneEditAtTheEnd) {
@@ -235,7 +226,7 @@ TEST_F(GizmoTest, WhatIsLockedStays) {
 
 TEST(AnnotateScenePanel, ABoxComesToStandWhereItIsClickedAndIsCounted) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateScenePanel();
+  const auto panel = MakeAnnotatePanel("annotate_scene");
   harness.size = {900, 500};
   harness.view.tool = AnnotateTool::kCut;
   harness.Click(*panel, "annotate.view");
@@ -250,7 +241,7 @@ TEST(AnnotateScenePanel, ABoxComesToStandWhereItIsClickedAndIsCounted) {
 
 TEST(AnnotateModelsPanel, AClickChoosesWhatIsPlacedNextAndASecondOneDoesNot) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateModelsPanel();
+  const auto panel = MakeAnnotatePanel("annotate_models");
   harness.Click(*panel, "annotate_models.table");
   EXPECT_EQ(harness.view.tool, AnnotateTool::kPlace);
   EXPECT_EQ(harness.view.model, "table");
@@ -262,7 +253,7 @@ TEST(AnnotateModelsPanel, AClickChoosesWhatIsPlacedNextAndASecondOneDoesNot) {
 
 TEST(AnnotateModelsPanel, TheFilterKeepsWhatFits) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateModelsPanel();
+  const auto panel = MakeAnnotatePanel("annotate_models");
   harness.Type(*panel, "annotate_models.filter", "DINING");
   EXPECT_EQ(harness.widgets.Find("annotate_models.armchair"), nullptr);
   EXPECT_NE(harness.widgets.Find("annotate_models.table"), nullptr) << "by its category";
@@ -275,7 +266,7 @@ TEST(AnnotateModelsPanel, TheFilterKeepsWhatFits) {
 
 TEST(AnnotateInstancesPanel, SelectsHidesLocksAndGradesARow) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateInstancesPanel();
+  const auto panel = MakeAnnotatePanel("annotate_instances");
   EXPECT_THAT(harness.Text(*panel), HasSubstr("2 objects"));
   harness.Click(*panel, "annotate_instances.row.table_0", 0.2f);
   EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, "table_0");
@@ -294,7 +285,7 @@ TEST(AnnotateInstancesPanel, SelectsHidesLocksAndGradesARow) {
 
 TEST(AnnotateImagesPanel, SaysHowMuchLiesOnEdgesAndLooksFromThere) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateImagesPanel();
+  const auto panel = MakeAnnotatePanel("annotate_images");
   harness.size = {700, 200};
   harness.snapshot().checks = MadeUpChecks();
   harness.snapshot().images_number = 1;
@@ -308,7 +299,7 @@ TEST(AnnotateImagesPanel, SaysHowMuchLiesOnEdgesAndLooksFromThere) {
 
 TEST(AnnotateFloorPanel, FindsPicksAndTypes) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateFloorPanel();
+  const auto panel = MakeAnnotatePanel("annotate_floor");
   harness.snapshot().floor_known = false;
   EXPECT_THAT(harness.Text(*panel), HasSubstr("where is the floor?"));
   harness.Click(*panel, "floor.find");
@@ -331,7 +322,7 @@ TEST(AnnotateFloorPanel, FindsPicksAndTypes) {
 
 TEST(AnnotateFloorPanel, ShowsAProposalWithItsNumbersAndTakesIt) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateFloorPanel();
+  const auto panel = MakeAnnotatePanel("annotate_floor");
   harness.snapshot().floor = MadeUpFloor();
   const std::string text = harness.Text(*panel);
   EXPECT_THAT(text, HasSubstr("picked"));
@@ -348,7 +339,7 @@ TEST(AnnotateFloorPanel, ShowsAProposalWithItsNumbersAndTakesIt) {
 
 TEST(AnnotateCandidatesPanel, TakesTheCandidateThatIsChosenByItsId) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateCandidatesPanel();
+  const auto panel = MakeAnnotatePanel("annotate_candidates");
   harness.snapshot().placement = MadeUpPlacement();
   auto& candidates = harness.snapshot().placement->candidates;
   std::swap(candidates[0], candidates[1]);  // the images preferred the second
@@ -365,7 +356,7 @@ TEST(AnnotateCandidatesPanel, TakesTheCandidateThatIsChosenByItsId) {
 
 TEST(AnnotateRefinementPanel, SaysWhatMovedAndBetweenWhat) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateRefinementPanel();
+  const auto panel = MakeAnnotatePanel("annotate_refinement");
   harness.snapshot().refinement = MadeUpRefinement();
   std::string text = harness.Text(*panel);
   for (const char* part : {"armchair_0", "converged after 12 iterations", "+5.73", "20.0 mm",
@@ -384,7 +375,7 @@ TEST(AnnotateRefinementPanel, SaysWhatMovedAndBetweenWhat) {
 
 TEST(AnnotateInstancePanel, TypedNumbersMoveTheObjectOnceTheyAreLeft) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateInstancePanel();
+  const auto panel = MakeAnnotatePanel("annotate_instance");
   EXPECT_THAT(harness.Text(*panel), HasSubstr("Ada, 1 min 15 s spent"));
   harness.Type(*panel, "instance.x", "2.5");
   const auto* moved = harness.sink.Last<SetInstancePoseCommand>();
@@ -398,7 +389,7 @@ TEST(AnnotateInstancePanel, TypedNumbersMoveTheObjectOnceTheyAreLeft) {
 
 TEST(AnnotateInstancePanel, ItsButtonsAskForTheirCommands) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateInstancePanel();
+  const auto panel = MakeAnnotatePanel("annotate_instance");
   harness.Click(*panel, "instance.refine");
   EXPECT_EQ(harness.sink.Last<RefineInstanceCommand>()->id, "armchair_0");
   harness.Click(*panel, "instance.on_floor", 0.1f);
@@ -427,7 +418,7 @@ TEST(AnnotateInstancePanel, ItsButtonsAskForTheirCommands) {
 
 TEST(AnnotateInstancePanel, NameAndNoteBecomeEditsAndFollowUndo) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateInstancePanel();
+  const auto panel = MakeAnnotatePanel("annotate_instance");
   AnnotatedInstance& chair = harness.snapshot().instances[0];
   harness.Type(*panel, "instance.name", "throne");
   ASSERT_NE(harness.sink.Last<ChangeInstanceCommand>(), nullptr);
@@ -451,7 +442,7 @@ TEST(AnnotateInstancePanel, NameAndNoteBecomeEditsAndFollowUndo) {
 
 TEST(AnnotateCropPanel, ProposesTheBoxAndTakesWhatIsReady) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateCropPanel();
+  const auto panel = MakeAnnotatePanel("annotate_crop");
   harness.view.tool = AnnotateTool::kCut;
   EXPECT_THAT(harness.Text(*panel), HasSubstr("Click the object in the scan"));
   EXPECT_EQ(harness.widgets.Find("crop.cut"), nullptr) << "there is nothing to cut yet";
@@ -479,7 +470,7 @@ TEST(AnnotateCropPanel, ProposesTheBoxAndTakesWhatIsReady) {
 TEST(AnnotateSequencePanel, RegistersByWhatThereIs) {
   using How = AlignSequenceCommand::How;
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateSequencePanel();
+  const auto panel = MakeAnnotatePanel("annotate_sequence");
   harness.Click(*panel, "sequence.by_pairs");
   EXPECT_TRUE(harness.sink.commands.empty()) << "without pairs";
   harness.snapshot().pairs.resize(3);
@@ -499,7 +490,7 @@ TEST(AnnotateSequencePanel, RegistersByWhatThereIs) {
 
 TEST(AnnotateSequencePanel, ShowsAProposalWithItsResiduals) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateSequencePanel();
+  const auto panel = MakeAnnotatePanel("annotate_sequence");
   harness.snapshot().sequence_alignment = MadeUpAlignment();
   std::string text = harness.Text(*panel);
   for (const char* part : {"By objects", "12.3 cm", "table 2", "1.5 cm", "none near"}) {
@@ -514,7 +505,7 @@ TEST(AnnotateSequencePanel, ShowsAProposalWithItsResiduals) {
 
 TEST(AnnotateFramePanel, AsksForItsFirstFrameOnce) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateFramePanel();
+  const auto panel = MakeAnnotatePanel("annotate_frame");
   harness.Draw(*panel, 5);
   ASSERT_EQ(harness.sink.commands.size(), 1u);
   EXPECT_EQ(harness.sink.Last<ShowFrameCommand>()->frame, 20);
@@ -522,7 +513,7 @@ TEST(AnnotateFramePanel, AsksForItsFirstFrameOnce) {
 
 TEST(AnnotateFramePanel, AClickCompletesAPairThatBeganInTheScan) {
   AnnotateHarness harness;
-  const auto panel = MakeAnnotateFramePanel();
+  const auto panel = MakeAnnotatePanel("annotate_frame");
   harness.size = {700, 400};
   harness.snapshot().frame = FrameView{7, cv::Mat(90, 160, CV_8UC3, cv::Scalar(60, 60, 60)), ""};
   harness.Click(*panel, "frame.view");

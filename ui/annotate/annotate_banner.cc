@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kWidth = 600, kPadding = 14;
+constexpr double kBannerWidth = 600, kPadding = 14;
 
 /// A sheet over the top of the view that is as high as what is in it.
 void BeginSheet(const FrameContext& context, const char* name, float x, float& y, float width,
@@ -102,7 +102,7 @@ void DrawNotices(const FrameContext& context, float x, float& y, float width, Co
 }  // namespace
 
 void DrawAnnotateBanners(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink) {
-  const float width = std::min(context.Scaled(kWidth), high.x - low.x - context.Scaled(24));
+  const float width = std::min(context.Scaled(kBannerWidth), high.x - low.x - context.Scaled(24));
   const float x = 0.5f * (low.x + high.x - width);
   float y = low.y + context.Scaled(10);
   DrawDiskProblem(context, x, y, width, sink);

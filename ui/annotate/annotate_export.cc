@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kWidth = 470, kLabelWidth = 84;
+constexpr double kSheetWidth = 470, kLabelWidth = 84;
 
 void Label(const FrameContext& context, const char* text) {
   ImGui::AlignTextToFramePadding();
@@ -75,7 +75,7 @@ void DrawResult(const AnnotationSnapshot& snapshot) {
 void DrawExport(const FrameContext& context, CommandSink& sink) {
   AnnotateView& view = *context.annotate;
   const AnnotationSnapshot& snapshot = *context.annotation;
-  ImGui::BeginChild("export", {context.Scaled(kWidth), context.Scaled(318)});
+  ImGui::BeginChild("export", {context.Scaled(kSheetWidth), context.Scaled(318)});
   for (std::size_t i = 0; i < kExportFormats.size(); ++i) {
     bool on = view.export_format == i;
     if (Toggle(context, std::string("export.") + kExportFormats[i].name, kExportFormats[i].title,

@@ -18,10 +18,10 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double kReach_px = 8, kShortestArrow_px = 14;
-constexpr int kSegments = 72;
+constexpr double kGripReach_px = 8, kShortestArrow_px = 14;
+constexpr int kRingSegments = 72;
 constexpr double kTurnPerPixel = 0.008;
-constexpr ImU32 kRingColor = IM_COL32(92, 146, 246, 255),
+constexpr ImU32 kGizmoRingColor = IM_COL32(92, 146, 246, 255),
                 kArrowColor = IM_COL32(120, 220, 250, 255),
                 kTiltXColor = IM_COL32(236, 92, 88, 255),
                 kTiltYColor = IM_COL32(112, 200, 100, 255);
@@ -60,8 +60,8 @@ std::vector<ImVec2> Ring(const FrameContext& context, ImVec2 low, const Subject&
   std::vector<ImVec2> points;
   const Vector3d center = subject.pose.translation();
   const Vector3d a = Vector3d::Unit((axis + 1) % 3), b = Vector3d::Unit((axis + 2) % 3);
-  for (int i = 0; i <= kSegments; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kSegments;
+  for (int i = 0; i <= kRingSegments; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kRingSegments;
     const auto at =
         ScreenOf(*context.annotate_scene, low,
                  center + subject.radius_m * (std::cos(angle) * a + std::sin(angle) * b));
@@ -96,7 +96,7 @@ AnnotateGizmo::Grip AnnotateGizmo::GripAt(const FrameContext& context, ImVec2 lo
   const auto subject = SubjectOf(context);
   if (!subject || context.annotate->tool != AnnotateTool::kSelect) return Grip::kNone;
   const ImVec2 mouse = ImGui::GetIO().MousePos;
-  const double reach = context.Scaled(kReach_px);
+  const double reach = context.Scaled(kGripReach_px);
   const auto arrow = Arrow(context, low, *subject);
   if (arrow && DistanceToLine(mouse, arrow->first, arrow->second) < reach) return Grip::kArrow;
   if (DistanceTo(Ring(context, low, *subject, 2), mouse) < reach) return Grip::kRing;
@@ -200,7 +200,7 @@ void AnnotateGizmo::Draw(const FrameContext& context, ImVec2 low, ImVec2 high) c
                                active == grip ? 1.0 : 0.75),
                      0, context.Scaled(active == grip ? 4 : 2.5));
   };
-  line(Ring(context, low, *subject, 2), kRingColor, Grip::kRing);
+  line(Ring(context, low, *subject, 2), kGizmoRingColor, Grip::kRing);
   if (context.annotate->tilt) {
     line(Ring(context, low, *subject, 0), kTiltXColor, Grip::kTiltX);
     line(Ring(context, low, *subject, 1), kTiltYColor, Grip::kTiltY);
@@ -209,7 +209,7 @@ void AnnotateGizmo::Draw(const FrameContext& context, ImVec2 low, ImVec2 high) c
   // The front: where the ring is grabbed is as good as any place, but this one tells the azimuth.
   const auto front = ScreenOf(*context.annotate_scene, low,
                               foot + subject->radius_m * subject->pose.linear().col(0));
-  if (front) draw.AddCircleFilled(*front, context.Scaled(5), kRingColor);
+  if (front) draw.AddCircleFilled(*front, context.Scaled(5), kGizmoRingColor);
   if (const auto arrow = Arrow(context, low, *subject)) {
     const ImVec2& tip = arrow->second;
     line({arrow->first, tip}, kArrowColor, Grip::kArrow);

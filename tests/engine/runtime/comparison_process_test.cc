@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-bool WaitFor(const std::function<bool()>& condition) {
+bool Eventually(const std::function<bool()>& condition) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (!condition()) {
     if (std::chrono::steady_clock::now() > deadline) return false;
@@ -43,7 +43,7 @@ TEST_F(ComparisonProcessTest, PairsTheObjectsAndTellsTheSettingsApart) {
   EXPECT_EQ(process.View(), nullptr);
   const ComparedRun first = Run(29, 2.5), other = Run(28, 4);
   process.Post({first, other});
-  ASSERT_TRUE(WaitFor([&] { return process.View() != nullptr; }));
+  ASSERT_TRUE(Eventually([&] { return process.View() != nullptr; }));
   const auto view = process.View();
   EXPECT_EQ(view->a, first.snapshot);
   EXPECT_EQ(view->b, other.snapshot);
@@ -64,7 +64,7 @@ TEST_F(ComparisonProcessTest, TakesTheNewestAndStopsAtOnce) {
     ComparisonProcess process({});
     for (int i = 0; i < 50; ++i) process.Post({first, first});
     process.Post({first, last});
-    EXPECT_TRUE(WaitFor([&] {
+    EXPECT_TRUE(Eventually([&] {
       const auto view = process.View();
       return view != nullptr && view->b == last.snapshot;
     }));

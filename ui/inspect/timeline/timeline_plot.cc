@@ -98,11 +98,6 @@ float NiceAbove(float value) {
   return 10 * power;
 }
 
-void Text(const FrameContext& context, ImVec2 at, ImU32 color, const std::string& text) {
-  ImGui::GetWindowDrawList()->AddText(context.fonts.small, context.fonts.small->FontSize, at, color,
-                                      text.c_str());
-}
-
 }  // namespace
 
 std::span<const PlottedQuantity> PlottedQuantities() { return kQuantities; }
@@ -138,14 +133,14 @@ void DrawPlot(const FrameContext& context, const TimeAxis& axis, float label_x, 
   if (low < 0) low = -NiceAbove(-low);
   const float font = context.fonts.small->FontSize;
   const std::string space = *quantity.unit == '\0' ? "" : " ";
-  Text(context, {label_x, y0 - 1}, colors::kFaint,
-       fmt::format("{:g}{}{}", high, space, quantity.unit));
+  TrackText(context, {label_x, y0 - 1}, colors::kFaint,
+            fmt::format("{:g}{}{}", high, space, quantity.unit));
   if (y1 - y0 > 2.2f * font)
-    Text(context, {label_x, y1 - font}, colors::kFaint, fmt::format("{:g}", low));
+    TrackText(context, {label_x, y1 - font}, colors::kFaint, fmt::format("{:g}", low));
   if (curves.empty()) {
     if (!context.shown_playback().history->frames.empty())
-      Text(context, {axis.x0 + context.Scaled(8), 0.5f * (y0 + y1 - font)}, colors::kFaint,
-           quantity.nothing);
+      TrackText(context, {axis.x0 + context.Scaled(8), 0.5f * (y0 + y1 - font)}, colors::kFaint,
+                quantity.nothing);
     return;
   }
   const auto y_of = [&](float value) { return y1 - (value - low) / (high - low) * (y1 - y0); };

@@ -14,10 +14,6 @@ constexpr float kLeastPlotHeight = 34, kPlotHeight = 60;
 
 ImDrawList& Draw() { return *ImGui::GetWindowDrawList(); }
 
-void Text(const FrameContext& context, ImVec2 at, ImU32 color, const std::string& text) {
-  Draw().AddText(context.fonts.small, context.fonts.small->FontSize, at, color, text.c_str());
-}
-
 float WidthOf(const FrameContext& context, const std::string& text) {
   return context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, text.c_str()).x;
 }
@@ -32,6 +28,10 @@ int RulerStep(double frames_per_label) {
 }
 
 }  // namespace
+
+void TrackText(const FrameContext& context, ImVec2 at, ImU32 color, const std::string& text) {
+  Draw().AddText(context.fonts.small, context.fonts.small->FontSize, at, color, text.c_str());
+}
 
 std::string TimeName(double seconds) {
   const int minutes = static_cast<int>(seconds / 60);
@@ -71,11 +71,11 @@ void DrawRuler(const FrameContext& context, const TimeAxis& axis, float y0, floa
     const float x = axis.XOf(frame);
     Draw().AddLine({x, y0 + context.Scaled(3)}, {x, y1}, colors::kBorder);
     const std::string number = std::to_string(frame);
-    Text(context, {x + context.Scaled(4), y0}, colors::kDimText, number);
+    TrackText(context, {x + context.Scaled(4), y0}, colors::kDimText, number);
     const std::string time = TimeName(frame / rate);
     const float time_x = x + context.Scaled(10) + WidthOf(context, number);
     if (time_x + WidthOf(context, time) < std::min(axis.XOf(frame + step), axis.x1))
-      Text(context, {time_x, y0}, colors::kFaint, time);
+      TrackText(context, {time_x, y0}, colors::kFaint, time);
   }
   for (const Bookmark& bookmark : context.bookmarks) {
     const float x = axis.XOf(bookmark.frame);

@@ -35,6 +35,8 @@ void DrawPlayed(const FrameContext& context, const TimeAxis& axis, float y0, flo
 /// Where options were changed while the run went on.
 void DrawOptionMarks(const FrameContext& context, const TimeAxis& axis, const TrackRows& rows);
 
+/// Small text over the track.
+void TrackText(const FrameContext& context, ImVec2 at, ImU32 color, const std::string& text);
 /// "1:02.33" of seconds.
 std::string TimeName(double seconds);
 
