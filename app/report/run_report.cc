@@ -66,31 +66,6 @@ std::string Dot(int number) {
   return fmt::format("<span class='dot' style='background:{}'></span>", SvgColor(number));
 }
 
-const char* StateWord(ObjectState state) {
-  return state == ObjectState::kConfirmed   ? "confirmed"
-         : state == ObjectState::kTentative ? "tentative"
-                                            : "withdrawn";
-}
-
-const char* EventWord(EventKind kind) {
-  switch (kind) {
-    case EventKind::kSpawned:
-      return "born";
-    case EventKind::kConfirmed:
-      return "confirmed";
-    case EventKind::kMerged:
-      return "merged";
-    case EventKind::kRetired:
-      return "withdrawn";
-    case EventKind::kLabelChanged:
-      return "shape changed";
-    case EventKind::kFrameSkipped:
-      return "frame skipped";
-    case EventKind::kOptionsChanged:
-      return "options changed";
-  }
-  return "";
-}
 
 std::string ModelName(const RunReview& review, ModelId label) {
   const auto index = static_cast<std::size_t>(label.value);
@@ -253,7 +228,7 @@ std::string ObjectTable(const RunReview& review) {
         "<tr><td>{}#{}</td><td class='l'>{}</td><td class='l'>{}</td><td>{:.2f} {:.2f} {:.2f}</td>"
         "<td>{:.0f}\u00b0</td><td>{:.1f} cm</td><td>{:.1f}\u00b0</td><td>{:.0f} %</td><td>{}</td>"
         "<td class='l'>{}</td><td>{}</td></tr>",
-        Dot(o.id.value), o.id.value, Escaped(ModelName(review, o.label)), StateWord(o.state), p.x(),
+        Dot(o.id.value), o.id.value, Escaped(ModelName(review, o.label)), NameOf(o.state), p.x(),
         p.y(), p.z(), kDegPerRad * upright.Azimuth(o.world_from_object.linear()),
         100 * std::sqrt(o.covariance.topLeftCorner<3, 3>().trace()),
         kDegPerRad * std::sqrt(std::max(0.0, o.covariance(3, 3))),
@@ -421,8 +396,8 @@ std::string Appendix(const RunReview& review) {
     events += fmt::format(
         "<tr><td>{}</td><td class='l'>{}</td><td class='l'>{}</td></tr>", event.frame,
         event.event.object.value > 0
-            ? fmt::format("#{} {}", event.event.object.value, EventWord(event.event.kind))
-            : EventWord(event.event.kind),
+            ? fmt::format("#{} {}", event.event.object.value, InWords(NameOf(event.event.kind)))
+            : InWords(NameOf(event.event.kind)),
         Escaped(event.event.text));
   const RunHeader& h = review.header;
   const RunRecipe& recipe = h.recipe;

@@ -221,9 +221,9 @@ Status CheckNameIsFree(const std::string& name, const std::filesystem::path& mod
   const std::filesystem::path list = models_folder / "models.json";
   std::error_code ignored;
   if (!std::filesystem::exists(list, ignored)) return {};
-  const Result<nlohmann::json> json = ReadJson(list);
-  if (!json) return json.error();
-  for (const nlohmann::json& entry : json->value("models", nlohmann::json::array())) {
+  const Result<nlohmann::json> content = ReadJson(list);
+  if (!content) return content.error();
+  for (const nlohmann::json& entry : content->value("models", nlohmann::json::array())) {
     if (entry.is_object() && entry.value("name", nlohmann::json()) == name) {
       return Error{ErrorCode::kInvalidInput, "'" + models_folder.string() + "' has a model '" +
                                                  name + "' already; give the crop another name"};

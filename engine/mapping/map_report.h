@@ -5,6 +5,7 @@
 // draws and what a run resumes from; it includes nothing but base and geometry, so that the
 // snapshot may hold it.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -128,6 +129,13 @@ constexpr std::string_view NameOf(EventKind kind) {
       "spawned",       "confirmed",     "merged",         "retired",
       "label_changed", "frame_skipped", "options_changed"};
   return kNames.at(static_cast<std::size_t>(kind));
+}
+
+/// A name of these tables as people read it: "label changed".
+inline std::string InWords(std::string_view name) {
+  std::string words(name);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
 }
 
 struct LifeEvent {

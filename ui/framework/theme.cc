@@ -180,28 +180,6 @@ ImU32 StateColor(ObjectState state) {
   return colors::kFaint;
 }
 
-const char* FateName(ProposalFate fate) {
-  switch (fate) {
-    case ProposalFate::kExplained:
-      return "explained";
-    case ProposalFate::kSpawned:
-      return "spawned";
-    case ProposalFate::kUnknownCategory:
-      return "no model of it";
-    case ProposalFate::kLowScore:
-      return "low score";
-    case ProposalFate::kImplausible:
-      return "implausible";
-  }
-  return "";
-}
-
-std::string EventWords(EventKind kind) {
-  std::string words(NameOf(kind));
-  std::replace(words.begin(), words.end(), '_', ' ');
-  return words;
-}
-
 ImU32 EventColor(EventKind kind) {
   switch (kind) {
     case EventKind::kSpawned:

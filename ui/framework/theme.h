@@ -46,9 +46,6 @@ ImU32 Mixed(ImU32 color, ImU32 other, double share);
 cv::Vec3b BgrOf(ImU32 color);
 
 ImU32 StateColor(ObjectState state);
-const char* FateName(ProposalFate fate);
-/// The name of the one table (map_report.h), to be read: "label changed".
-std::string EventWords(EventKind kind);
 ImU32 EventColor(EventKind kind);
 
 /// Fonts in the order they were loaded.

@@ -122,7 +122,7 @@ class ImagePanel : public Panel {
       const float edge = context.Scaled(6);
       if (canvas.hovered() && (ImGui::IsMouseHoveringRect(low, {high.x, low.y + edge}) ||
                                ImGui::IsMouseHoveringRect(low, {low.x + edge, high.y}))) {
-        std::string why = FateName(proposal.fate);
+        std::string why = InWords(NameOf(proposal.fate));
         if (proposal.object.value > 0) why += fmt::format(" (object #{})", proposal.object.value);
         ImGui::SetTooltip("%s, score %.2f\n%s", proposal.category.c_str(), proposal.score,
                           why.c_str());

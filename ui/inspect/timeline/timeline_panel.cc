@@ -128,7 +128,7 @@ class TimelinePanel : public Panel {
     for (const FrameEvent& event : *playback.events) {
       if (std::abs(event.frame - frame) > reach || ++shown > 6) continue;
       ImGui::PushStyleColor(ImGuiCol_Text, EventColor(event.event.kind));
-      ImGui::Text("%d: %s", event.frame, EventWords(event.event.kind).c_str());
+      ImGui::Text("%d: %s", event.frame, InWords(NameOf(event.event.kind)).c_str());
       ImGui::PopStyleColor();
       ImGui::SameLine();
       if (event.event.object.value > 0)
