@@ -86,8 +86,8 @@ void ListObjects(const MapSnapshot& snapshot, const ModelDatabase& database, cv:
     cv::circle(picture, {x + 6, y - 5}, 6, ColorOf(object.id.value), cv::FILLED, cv::LINE_AA);
     Text(picture, database.model(object.label).name, {x + 22, y}, 0.5, kInk);
     std::snprintf(line, sizeof(line), "+-%.1f cm  %s", 100 * object.modes.front().position_std_m,
-                  object.weighed ? "in view" : "remembered");
-    Text(picture, line, {x + 235, y}, 0.5, object.weighed ? kInk : kFaint);
+                  object.updated ? "in view" : "remembered");
+    Text(picture, line, {x + 235, y}, 0.5, object.updated ? kInk : kFaint);
   }
   std::snprintf(line, sizeof(line), "Frame %d    %d objects in the map, %d more under test",
                 snapshot.report.frame, row, tentative);

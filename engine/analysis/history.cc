@@ -75,7 +75,7 @@ FrameSample SampleOf(const FrameReport& report, const SequenceView& view) {
     ObjectSample& kept = sample.objects.emplace_back();
     kept.id = object.id;
     kept.state = object.state;
-    kept.weighed = object.weighed;
+    kept.updated = object.updated;
     kept.label = object.label;
     for (const LabelProbability& label : object.label_probability) {
       if (label.probability >= kLeastLabel) kept.label_probability.push_back(label);

@@ -19,7 +19,7 @@ Reliability ReliabilityOf(const RunHistory& history, ObjectId only) {
     if (frame == nullptr) continue;
     for (const ObjectSample& object : frame->objects) {
       if (only.value > 0 && object.id != only) continue;
-      if (object.state != ObjectState::kConfirmed || !object.weighed || !object.error) continue;
+      if (object.state != ObjectState::kConfirmed || !object.updated || !object.error) continue;
       if (object.error->translation_m > kReliabilityReach_m) continue;
       ++result.poses;
       result.within_50 += object.error->credible_level <= 0.5f;

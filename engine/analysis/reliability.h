@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-/// Counts confirmed objects in the frames in which they were weighed and lie within
+/// Counts confirmed objects in the frames in which they were updated and lie within
 /// kReliabilityReach_m of a true object of their category.
 /// @param only  This object alone; not valid: all.
 Reliability ReliabilityOf(const RunHistory& history, ObjectId only = {});

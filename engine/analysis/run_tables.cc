@@ -55,14 +55,14 @@ std::string ObjectsCsv(const RunReview& review) {
 
 std::string FramesCsv(const RunReview& review) {
   std::string csv =
-      "frame,id,model,state,weighed,position_std_m,azimuth_std_deg,phi_cnn,phi_edge,log_evidence,"
+      "frame,id,model,state,updated,position_std_m,azimuth_std_deg,phi_cnn,phi_edge,log_evidence,"
       "effective_sample_size,visible_fraction,label_probability,truth,translation_error_m,"
       "azimuth_error_deg,credible_level\n";
   for (const auto& frame : review.history.frames) {
     for (const ObjectSample& o : frame->objects) {
       csv += fmt::format("{},{},{},{},{},{:.6f},{:.4f},{:.5f},{:.5f},{:.4f},{:.1f},{:.4f},{:.6f}",
                          frame->frame, o.id.value, ModelName(review, o.label), NameOf(o.state),
-                         o.weighed ? 1 : 0, o.position_std_m, kDegPerRad * o.azimuth_std_rad,
+                         o.updated ? 1 : 0, o.position_std_m, kDegPerRad * o.azimuth_std_rad,
                          o.phi_cnn, o.phi_edge, o.log_evidence, o.effective_sample_size,
                          o.visible_fraction, LabelProbabilityOf(o.label_probability));
       csv += o.error ? fmt::format(",{},{:.6f},{:.4f},{:.5f}\n", Quoted(o.error->truth),

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <concepts>
 #include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -77,6 +79,13 @@ Status FieldFromJson(T& field, const FieldInfo& info, const nlohmann::json& json
 }
 }  // namespace internal
 
+/// Names that fields had in earlier versions: {old, new}. They stay good in files and on the
+/// command line. Specialised beside the options.
+template <typename Options>
+struct FormerNames {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 0> names = {};
+};
+
 /// Every field with its present value.
 template <typename Options>
 nlohmann::json OptionsToJson(const Options& options) {
@@ -92,12 +101,20 @@ nlohmann::json OptionsToJson(const Options& options) {
   return json;
 }
 
-/// Overwrites the fields that `json` names; the others keep their values. Errors (kInvalidInput):
+/// Overwrites the fields that `given` names; the others keep their values. Errors (kInvalidInput):
 /// an unknown key (with the nearest known name), a wrong type, a value out of range. On error
 /// `options` is unchanged.
 template <typename Options>
-Status OptionsFromJson(const nlohmann::json& json, Options& options) {
-  if (!json.is_object()) return Error{ErrorCode::kInvalidInput, "options must be a JSON object"};
+Status OptionsFromJson(const nlohmann::json& given, Options& options) {
+  if (!given.is_object()) return Error{ErrorCode::kInvalidInput, "options must be a JSON object"};
+  nlohmann::json json = given;
+  for (const auto& [former, name] : FormerNames<Options>::names) {
+    const auto found = json.find(std::string(former));
+    if (found == json.end()) continue;
+    const nlohmann::json value = *found;
+    json.erase(found);
+    json.emplace(std::string(name), value);  // where both are given, the present name counts
+  }
   Options result = options;
   std::vector<std::string> known;
   VisitFields(result, [&](auto&, const FieldInfo& info) { known.emplace_back(info.name); });

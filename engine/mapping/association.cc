@@ -115,7 +115,7 @@ std::vector<ProposalReport> ExplainProposals(std::span<const Detection> proposal
     if (report.fate != ProposalFate::kExplained) {
       if (database.OfCategory(proposal.category).empty()) {
         report.fate = ProposalFate::kUnknownCategory;
-      } else if (proposal.score < options.min_birth_score) {
+      } else if (proposal.score < options.min_spawn_score) {
         report.fate = ProposalFate::kLowScore;
       }
     }
@@ -135,7 +135,7 @@ bool Compete(const MapObject& a, const MapObject& b, const MapFrame& map) {
       return true;
   }
   const double reach = std::max(fa.size, fb.size);
-  return a.weighed && b.weighed && Iou(a.visible_box, b.visible_box) > kSameViewIou &&
+  return a.updated && b.updated && Iou(a.visible_box, b.visible_box) > kSameViewIou &&
          (fa.center - fb.center).norm() < reach;
 }
 

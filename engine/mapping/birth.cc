@@ -97,7 +97,7 @@ std::vector<PoseHypothesis> SampleBirth(const Detection& proposal, const Pinhole
   std::vector<PoseHypothesis> result;
   if (labels.empty() || proposal.box.empty()) return result;
   const Eigen::Isometry3d cam_from_world = world_from_cam.inverse();
-  const bool informed = options.prior == BirthPrior::kInformed;
+  const bool informed = options.prior == SpawnPrior::kInformed;
   const int candidates = informed ? count * kCandidatesPerParticle : count;
   std::vector<PoseHypothesis> drawn;
   std::vector<double> sums;

@@ -36,7 +36,7 @@ ObjectReport ToReport(const MapObject& object) {
 Result<MapObject> FromReport(const ObjectReport& report) {
   MapObject object;
   static_cast<ObjectBelief&>(object) = report;
-  object.weighed = false;
+  object.updated = false;
   ByteReader in(report.filter_state);
   object.seen_s = in.Get<double>();
   object.last_move_frame = in.Get<std::int32_t>();

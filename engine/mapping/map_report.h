@@ -30,7 +30,7 @@ struct Particle {
   float rho = 0;               ///< log(Z / 1 m).
   float azimuth = 0;           ///< (-pi, pi]
   float log_weight = 0;        ///< Normalised: the exponentials of an object's particles sum to 1.
-  float phi_cnn = 0;           ///< Detector term of the last frame in which the object was weighed.
+  float phi_cnn = 0;           ///< Detector term of the last frame in which the object was updated.
   float phi_edge = 0;          ///< Edge term, likewise.
   std::uint16_t label = 0;     ///< ModelId
   std::uint16_t ancestor = 0;  ///< Index, in the last frame's set, of the particle it comes from.
@@ -68,7 +68,7 @@ struct ObjectBelief {
   Eigen::Isometry3d world_from_reference_cam = Eigen::Isometry3d::Identity();
   int first_frame = 0;
   std::optional<int> confirmed_frame;
-  int last_frame = 0;  ///< Last frame in which it was weighed.
+  int last_frame = 0;  ///< Last frame in which it was updated.
 
   ModelId label;                                    ///< Most likely shape.
   std::vector<LabelProbability> label_probability;  ///< Falling; sums to 1.
@@ -80,7 +80,7 @@ struct ObjectBelief {
   double effective_sample_size = 0;
   double log_evidence = 0;  ///< Log odds that the object is there.
 
-  bool weighed = false;  ///< False: hidden, behind the camera or outside; it kept its belief.
+  bool updated = false;  ///< False: hidden, behind the camera or outside; it kept its belief.
   double visible_fraction = 0;      ///< Share of the mean contour that shows.
   float phi_cnn = 0, phi_edge = 0;  ///< Both terms at the mean.
   Box2 whole_box,

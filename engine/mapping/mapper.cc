@@ -19,7 +19,7 @@ constexpr double kMinKeyFrameVisibility = 0.15;
 constexpr double kMaxEvidence = 15.0;
 constexpr double kMoveFramesPerSecondSeen = 4.0;
 constexpr double kMostEdgeSurplus = 0.22, kMostDetectorSurplus = 0.1;
-constexpr double kBirthReach = 2.0;  // at half size: four times as far as later
+constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
 
 /// What a random draw is for: each has numbers of its own.
 enum class Draw : std::uint32_t { kDiffuse, kResample, kMove, kBirth, kNewcomers, kSpread };
@@ -97,8 +97,8 @@ struct Mapper::Impl {
   }
 
   // Steps of a frame, in order.
-  void Weigh(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
-             double dt_s, FrameReport& report);
+  void UpdateWeights(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
+                     double dt_s, FrameReport& report);
   void Resample(MapObject& object, int frame);
   std::vector<JudgingView> JudgingViews(const MapObject& object, const KeyFrameMemory& judges,
                                         const MapperInput& input,
@@ -107,25 +107,25 @@ struct Mapper::Impl {
   void Associate(const std::vector<ProposalReport>& proposals, const MapperInput& input);
   void Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input,
              const RenderedMaps& occluders, FrameReport& report);
-  std::optional<MapObject> Born(const ProposalReport& proposal, const MapperInput& input,
-                                const OrientedTable& wide_table, const RenderedMaps& occluders);
-  void Live(const MapperInput& input, FrameReport& report);
-  void Contend(const MapperInput& input, FrameReport& report);
+  std::optional<MapObject> Spawn(const ProposalReport& proposal, const MapperInput& input,
+                                 const OrientedTable& wide_table, const RenderedMaps& occluders);
+  void UpdateLifecycle(const MapperInput& input, FrameReport& report);
+  void MergeDuplicates(const MapperInput& input, FrameReport& report);
   /// Whether b explains the images better than a.
   bool Stronger(const MapObject& a, const MapObject& b, const MapperInput& input);
   void Retire(MapObject& object, EventKind kind, ObjectId other, std::string why,
               FrameReport& report);
 };
 
-void Mapper::Impl::Weigh(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
-                         double dt_s, FrameReport& report) {
+void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
+                                 const RenderedMaps& occluders, double dt_s, FrameReport& report) {
   const ScoringView view = View(input, occluders, object.id);
   const Likelihood before = AtMean(object, view, nullptr);
   object.visible_fraction = before.visible_fraction;
   object.whole_box = before.whole_box;
   object.visible_box = before.visible_box;
-  object.weighed = before.visible_fraction >= options().min_visible;
-  if (!object.weighed) return;
+  object.updated = before.visible_fraction >= options().min_visible;
+  if (!object.updated) return;
 
   const ModelId label_before = object.mean().label;
   Diffuse(object.particles, object.world_from_reference_cam, map, dt_s, options(),
@@ -177,7 +177,7 @@ void Mapper::Impl::Weigh(MapObject& object, const MapperInput& input, const Rend
 
 void Mapper::Impl::Resample(MapObject& object, int frame) {
   const int wanted =
-      object.state == ObjectState::kConfirmed ? options().particles : options().infant_particles;
+      object.state == ObjectState::kConfirmed ? options().particles : options().tentative_particles;
   const bool low = object.effective_sample_size <
                    options().resample_below * static_cast<double>(object.particles.size());
   if (options().resample == ResampleRule::kEveryFrame || low ||
@@ -237,7 +237,7 @@ void Mapper::Impl::Move(MapObject& object, const MapperInput& input,
       tentative ? options().tentative_move_period
                 : std::clamp(static_cast<int>(kMoveFramesPerSecondSeen * object.seen_s),
                              options().tentative_move_period, options().confirmed_move_period);
-  if (options().key_frames == 0 || !object.weighed || input.frame - object.last_move_frame < period)
+  if (options().key_frames == 0 || !object.updated || input.frame - object.last_move_frame < period)
     return;
   const std::vector<JudgingView> views = JudgingViews(object, memory, input, occluders);
   if (views.empty()) return;
@@ -284,10 +284,10 @@ void Mapper::Impl::Associate(const std::vector<ProposalReport>& proposals,
   }
 }
 
-std::optional<MapObject> Mapper::Impl::Born(const ProposalReport& proposal,
-                                            const MapperInput& input,
-                                            const OrientedTable& wide_table,
-                                            const RenderedMaps& occluders) {
+std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
+                                             const MapperInput& input,
+                                             const OrientedTable& wide_table,
+                                             const RenderedMaps& occluders) {
   MapObject object;
   object.id = ObjectId{next_object_id};
   object.category = proposal.category;
@@ -298,7 +298,7 @@ std::optional<MapObject> Mapper::Impl::Born(const ProposalReport& proposal,
   object.world_from_proposal_cam = input.world_from_cam;
   std::vector<PoseHypothesis> drawn =
       SampleBirth(*object.last_proposal, setup.camera, input.world_from_cam, map, options(),
-                  options().birth_particles, Key(setup.seed, input.frame, object.id, Draw::kBirth));
+                  options().spawn_particles, Key(setup.seed, input.frame, object.id, Draw::kBirth));
   if (drawn.empty()) return std::nullopt;
   // A wide search picks the neighbourhoods worth a closer look; its weights are those of half an
   // independent frame.
@@ -315,10 +315,10 @@ std::optional<MapObject> Mapper::Impl::Born(const ProposalReport& proposal,
   }
   NormalizeLogWeights(object.particles);
   object.effective_sample_size = EffectiveSampleSize(object.particles);
-  object.particles = SystematicResample(object.particles, options().infant_particles,
+  object.particles = SystematicResample(object.particles, options().tentative_particles,
                                         Key(setup.seed, input.frame, object.id, Draw::kResample));
   object.Summarize(map);
-  object.weighed = true;
+  object.updated = true;
   return object;
 }
 
@@ -342,12 +342,12 @@ void Mapper::Impl::Spawn(std::vector<ProposalReport>& proposals, const MapperInp
       proposal.object = same->second;
       continue;
     }
-    if (tentative >= options().max_tentative || births >= options().max_births_per_frame) {
+    if (tentative >= options().max_tentative || births >= options().max_spawns_per_frame) {
       proposal.fate = ProposalFate::kLowScore;
       continue;
     }
-    if (!wide_table) wide_table = SearchTable(HalfSize(input.edges), options(), kBirthReach);
-    std::optional<MapObject> object = Born(proposal, input, *wide_table, occluders);
+    if (!wide_table) wide_table = SearchTable(HalfSize(input.edges), options(), kSpawnReach);
+    std::optional<MapObject> object = Spawn(proposal, input, *wide_table, occluders);
     if (!object) {
       proposal.fate = ProposalFate::kImplausible;
       continue;
@@ -369,9 +369,9 @@ void Mapper::Impl::Retire(MapObject& object, EventKind kind, ObjectId other, std
   report.events.push_back({kind, object.id, other, std::move(why)});
 }
 
-void Mapper::Impl::Live(const MapperInput& input, FrameReport& report) {
+void Mapper::Impl::UpdateLifecycle(const MapperInput& input, FrameReport& report) {
   for (MapObject& object : objects) {
-    if (object.state == ObjectState::kRetired || !object.weighed) continue;
+    if (object.state == ObjectState::kRetired || !object.updated) continue;
     if (object.log_evidence < options().retire_evidence) {
       Retire(object, EventKind::kRetired, {}, "seen where it should show, without support", report);
     } else if (object.state == ObjectState::kTentative &&
@@ -386,10 +386,10 @@ void Mapper::Impl::Live(const MapperInput& input, FrameReport& report) {
       Retire(object, EventKind::kRetired, {}, "tentative for too long", report);
     }
   }
-  Contend(input, report);
+  MergeDuplicates(input, report);
 }
 
-void Mapper::Impl::Contend(const MapperInput& input, FrameReport& report) {
+void Mapper::Impl::MergeDuplicates(const MapperInput& input, FrameReport& report) {
   const auto settled = [&](const MapObject& object) {
     return object.state == ObjectState::kConfirmed ||
            (object.state == ObjectState::kTentative &&
@@ -471,8 +471,8 @@ FrameReport Mapper::Step(const MapperInput& input) {
       m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), occluders);
   m.memory.UpdateOcclusion(*m.renderer, occluders);
   report.timings.push_back({"visibility", watch.Lap()});
-  for (MapObject& object : m.objects) m.Weigh(object, input, occlusion, dt_s, report);
-  report.timings.push_back({"weigh", watch.Lap()});
+  for (MapObject& object : m.objects) m.UpdateWeights(object, input, occlusion, dt_s, report);
+  report.timings.push_back({"update", watch.Lap()});
   for (MapObject& object : m.objects) m.Move(object, input, occlusion);
   report.timings.push_back({"move", watch.Lap()});
   m.mean_maps =
@@ -485,7 +485,7 @@ FrameReport Mapper::Step(const MapperInput& input) {
   report.timings.push_back({"explain", watch.Lap()});
   m.Spawn(report.proposals, input, occlusion, report);
   report.timings.push_back({"spawn", watch.Lap()});
-  m.Live(input, report);
+  m.UpdateLifecycle(input, report);
   if (m.options().key_frames > 0) m.memory.Offer(input);
 
   for (const MapObject& object : m.objects) report.objects.push_back(ToReport(object));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string_view>
+#include <utility>
 
 #include "engine/base/options.h"
 
@@ -9,7 +11,7 @@ namespace plumbline {
 
 enum class ScoredBox { kWhole, kBest };
 enum class JumpScope { kCategory, kAll };
-enum class BirthPrior { kPaper, kInformed };
+enum class SpawnPrior { kPaper, kInformed };
 enum class ResampleRule { kEveryFrame, kEffectiveSize };
 
 template <>
@@ -21,7 +23,7 @@ struct EnumNames<JumpScope> {
   static constexpr std::string_view names[] = {"category", "all"};
 };
 template <>
-struct EnumNames<BirthPrior> {
+struct EnumNames<SpawnPrior> {
   static constexpr std::string_view names[] = {"paper", "informed"};
 };
 template <>
@@ -29,13 +31,23 @@ struct EnumNames<ResampleRule> {
   static constexpr std::string_view names[] = {"every_frame", "effective_size"};
 };
 
+struct MapperOptions;
+template <>
+struct FormerNames<MapperOptions> {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 4> names = {
+      {{"infant_particles", "tentative_particles"},
+       {"birth_particles", "spawn_particles"},
+       {"min_birth_score", "min_spawn_score"},
+       {"max_births_per_frame", "max_spawns_per_frame"}}};
+};
+
 /// Everything that can be chosen about the semantic filter. docs/algorithms/semantic_filter.md
 /// explains each.
 struct MapperOptions {
   // Particles
   int particles = 500;
-  int birth_particles = 4000;
-  int infant_particles = 1000;
+  int spawn_particles = 4000;
+  int tentative_particles = 1000;
   ResampleRule resample = ResampleRule::kEffectiveSize;
   double resample_below = 0.5;
 
@@ -60,14 +72,14 @@ struct MapperOptions {
   double floor_std_m = 0.015;
 
   // Birth
-  BirthPrior prior = BirthPrior::kInformed;
-  double min_birth_score = 0.35;
+  SpawnPrior prior = SpawnPrior::kInformed;
+  double min_spawn_score = 0.35;
   double nominal_depth_m = 2.0;
   double nominal_depth_std = 0.35;
   double bearing_std_boxes = 0.1;
   double explained_overlap = 0.5;
   int max_tentative = 8;
-  int max_births_per_frame = 2;
+  int max_spawns_per_frame = 2;
 
   // Memory of key frames, for resample-move
   int key_frames = 16;
@@ -92,10 +104,10 @@ struct MapperOptions {
 template <typename Visitor>
 void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.particles, {"particles", "", "hypotheses of an object once it has settled", 50, 20000});
-  visit(o.birth_particles,
-        {"birth_particles", "", "hypotheses tried when an object is born", 100, 100000});
-  visit(o.infant_particles,
-        {"infant_particles", "", "hypotheses of an object until it is confirmed", 50, 20000});
+  visit(o.spawn_particles,
+        {"spawn_particles", "", "hypotheses tried when an object is spawned", 100, 100000});
+  visit(o.tentative_particles,
+        {"tentative_particles", "", "hypotheses of an object until it is confirmed", 50, 20000});
   visit(o.resample,
         {"resample", "", "every_frame as in the paper, or when the effective sample size is low"});
   visit(o.resample_below,
@@ -116,7 +128,7 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.occlusion_margin_m,
         {"occlusion_margin_m", "m", "a contour hides only behind surfaces this much nearer", 0, 1});
   visit(o.min_visible, {"min_visible", "",
-                        "share of the contour that must show for an object to be weighed", 0, 1});
+                        "share of the contour that must show for an object to be updated", 0, 1});
   visit(o.bearing_noise, {"bearing_noise", "per sqrt(s)", "diffusion of the bearing", 0, 1});
   visit(o.log_depth_noise, {"log_depth_noise", "per sqrt(s)", "diffusion of the log-depth", 0, 1});
   visit(o.azimuth_noise_deg,
@@ -130,17 +142,18 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"floor_std_m", "m", "standard deviation of the base's height above the floor", 0.0001, 1});
   visit(o.prior,
         {"prior", "", "paper: nominal depth; informed: from box size, model size and floor"});
-  visit(o.min_birth_score,
-        {"min_birth_score", "", "lowest score of a proposal that gives birth", 0, 1});
+  visit(o.min_spawn_score,
+        {"min_spawn_score", "", "lowest score of a proposal that spawns an object", 0, 1});
   visit(o.nominal_depth_m, {"nominal_depth_m", "m", "depth of the paper's prior", 0.1, 100});
   visit(o.nominal_depth_std,
         {"nominal_depth_std", "", "standard deviation of log-depth of the paper's prior", 0, 3});
-  visit(o.bearing_std_boxes,
-        {"bearing_std_boxes", "box sizes", "standard deviation of the bearing at birth", 0, 2});
+  visit(o.bearing_std_boxes, {"bearing_std_boxes", "box sizes",
+                              "standard deviation of the bearing when an object is spawned", 0, 2});
   visit(o.explained_overlap,
         {"explained_overlap", "", "share of a box or mask that explains a proposal", 0, 1});
   visit(o.max_tentative, {"max_tentative", "", "tentative objects at one time", 1, 1000});
-  visit(o.max_births_per_frame, {"max_births_per_frame", "", "objects born in one frame", 1, 1000});
+  visit(o.max_spawns_per_frame,
+        {"max_spawns_per_frame", "", "objects spawned in one frame", 1, 1000});
   visit(o.key_frames,
         {"key_frames", "", "past frames kept for re-scoring; 0 turns resample-move off", 0, 200});
   visit(o.key_frame_distance_m,
@@ -162,13 +175,13 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.evidence_per_cnn, {"evidence_per_cnn", "",
                              "log odds per independent frame and unit of detector term", 0, 1000});
   visit(o.confirm_evidence, {"confirm_evidence", "", "log odds that confirm an object", -100, 100});
-  visit(o.retire_evidence, {"retire_evidence", "", "log odds that withdraw an object", -100, 100});
+  visit(o.retire_evidence, {"retire_evidence", "", "log odds that retire an object", -100, 100});
   visit(o.confirm_position_std_m,
         {"confirm_position_std_m", "m", "largest uncertainty of a confirmed object", 0, 100});
   visit(o.confirm_age_s,
         {"confirm_age_s", "s", "shortest time in view before confirmation", 0, 100});
   visit(o.tentative_limit_s, {"tentative_limit_s", "s",
-                              "time in view after which a tentative object is withdrawn", 0, 1000});
+                              "time in view after which a tentative object is retired", 0, 1000});
 }
 
 }  // namespace plumbline

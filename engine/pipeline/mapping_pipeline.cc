@@ -214,7 +214,7 @@ struct MappingPipeline::Impl {
     report.events = {{EventKind::kFrameSkipped, {}, {}, prepared.skipped, {}}};
     std::erase_if(report.objects,
                   [](const ObjectReport& object) { return object.state == ObjectState::kRetired; });
-    for (ObjectReport& object : report.objects) object.weighed = false;
+    for (ObjectReport& object : report.objects) object.updated = false;
     return report;
   }
 

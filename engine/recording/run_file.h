@@ -106,7 +106,7 @@ struct ObjectTrack {
   int first_position = 0, last_position = 0;    ///< Where it is reported.
   int first_frame = 0, last_frame = 0;          ///< The same in frames of the sequence.
   std::optional<int> confirmed_frame;
-  int frames_weighed = 0;
+  int frames_updated = 0;
 };
 
 /// Reads a run file, also while it is written: later calls see later frames. Use one reader per

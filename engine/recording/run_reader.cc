@@ -228,7 +228,7 @@ class RunReader::Implementation {
       track.first_frame = integer(6);
       track.last_frame = integer(7);
       if (!tracks_.IsNull(8)) track.confirmed_frame = integer(8);
-      track.frames_weighed = integer(9);
+      track.frames_updated = integer(9);
     }
   }
 
@@ -263,7 +263,7 @@ class RunReader::Implementation {
       object.category = rows.Text(2);
       object.label = {static_cast<std::int32_t>(rows.Integer(3))};
       if (!rows.IsNull(4)) object.confirmed_frame = static_cast<int>(rows.Integer(4));
-      object.weighed = rows.Integer(5) != 0;
+      object.updated = rows.Integer(5) != 0;
       if (const Status decoded = DecodeObject(rows.Blob(6), object); !decoded.ok()) {
         return Damaged(position);
       }

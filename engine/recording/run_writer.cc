@@ -232,7 +232,7 @@ class RunWriter::Worker {
     insert_object_.Bind(5, std::int64_t{object.label.value});
     insert_object_.BindNull(6);
     if (object.confirmed_frame) insert_object_.Bind(6, std::int64_t{*object.confirmed_frame});
-    insert_object_.Bind(7, std::int64_t{object.weighed});
+    insert_object_.Bind(7, std::int64_t{object.updated});
     insert_object_.BindBlob(8, EncodeObject(object));
     insert_object_.BindNull(9);
     insert_object_.BindNull(10);

@@ -77,7 +77,7 @@ void AnnotationSession::On(const DropRecoveredCommand&) {
     if (const Status done = project_->Undo(); !done.ok()) return Refuse(done.error().message);
   }
   view_.notices.clear();
-  Answer("Taken back; Redo brings it again");
+  Answer("Undone; Redo restores it");
   FollowCrops();
 }
 

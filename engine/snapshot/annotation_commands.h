@@ -94,7 +94,7 @@ struct ExportCommand {
   std::string format;          ///< Of kExportFormats.
   std::string out;             ///< A file or a folder.
   std::string frame = "scan";  ///< or "level", "world"
-  int every = 1;               ///< Every how manieth frame of the sequence is written, > 0.
+  int every = 1;               ///< Every Nth frame of the sequence is written, N > 0.
 };
 struct SetAnnotatorCommand {
   std::string name;

@@ -30,7 +30,7 @@ struct TruthError {
 struct ObjectSample {
   ObjectId id;
   ObjectState state = ObjectState::kTentative;
-  bool weighed = false;
+  bool updated = false;
   ModelId label;
   std::vector<LabelProbability> label_probability;  ///< Those of 2 % at least.
   float position_std_m = 0, azimuth_std_rad = 0;

@@ -253,8 +253,8 @@ class FakeSource : public SnapshotSource {
     report.particles = particles;
     report.effective_sample_size = 0.6 * options_.particles;
     report.log_evidence = std::min(6.0, -1 + 0.3 * age);
-    report.weighed = index != 3 || frame % 40 < 30;
-    report.visible_fraction = report.weighed ? 0.55 + 0.3 * std::sin(frame * 0.05 + index) : 0.02;
+    report.updated = index != 3 || frame % 40 < 30;
+    report.visible_fraction = report.updated ? 0.55 + 0.3 * std::sin(frame * 0.05 + index) : 0.02;
     report.phi_cnn = 0.62f;
     report.phi_edge = 0.48f;
     return report;

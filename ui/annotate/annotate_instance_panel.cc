@@ -149,7 +149,8 @@ class AnnotateInstancePanel : public Panel {
     }
     ImGui::PopStyleColor();
     NextInRow(context, "Try azimuths");
-    if (Button(context, "instance.again", "Try azimuths", "All ways round again, to choose (T).")) {
+    if (Button(context, "instance.again", "Try azimuths",
+               "Try all orientations again and choose (T).")) {
       PlaceAgain(context, sink);
     }
     if (context.annotation->has_sequence) {

@@ -53,7 +53,7 @@ constexpr PanelEntry kPanels[] = {
      MakeMasksPanel},
     {{"particles", "Particles",
       "The hypotheses of the selected object over the image: a dot where each puts the centre of "
-      "the model, a line along the model's front. Brighter weighs more. Point at one for its "
+      "the model, a line along the model's front. Brighter means more weight. Point at one for its "
       "numbers and its outline, click to mark it in the images and in 3-D."},
      PanelPlace::kImageView,
      MakeParticlesPanel},

@@ -131,10 +131,10 @@ void InspectWorkspace::AskForWhatIsNeeded(const FrameContext& context) {
 /// Keeps what is selected for as long as it shows; then the object that shows largest.
 void InspectWorkspace::SelectByItself(FrameContext& context) const {
   const ObjectReport* selected = context.SelectedObject();
-  if (selected != nullptr && selected->weighed) return;
+  if (selected != nullptr && selected->updated) return;
   float largest = 0;
   for (const ObjectReport& object : context.snapshot->report.objects) {
-    if (!object.weighed || object.visible_box.empty()) continue;
+    if (!object.updated || object.visible_box.empty()) continue;
     const float area = object.visible_box.width() * object.visible_box.height() *
                        (object.state == ObjectState::kConfirmed ? 4.0f : 1.0f);
     if (area <= largest) continue;

@@ -55,7 +55,7 @@ ObjectSample Sample(int id, float level, double claimed, bool right, float dista
   ObjectSample sample;
   sample.id = {id};
   sample.state = ObjectState::kConfirmed;
-  sample.weighed = true;
+  sample.updated = true;
   sample.label_probability = {{{0}, claimed}};
   sample.error = TruthError{"t", right, distance_m, 0, level};
   return sample;
@@ -64,7 +64,7 @@ ObjectSample Sample(int id, float level, double claimed, bool right, float dista
 TEST(Reliability, CountsWhatWasClaimedAgainstWhatWasSo) {
   ObjectSample tentative = Sample(3, 0.1f, 0.9, true), hidden = tentative, unknown = tentative;
   tentative.state = ObjectState::kTentative;
-  hidden.weighed = false;
+  hidden.updated = false;
   unknown.error.reset();
   RunHistory history;
   history.frames = {nullptr, FrameOf({Sample(1, 0.3f, 0.95, true), Sample(2, 0.7f, 0.6, false)}),

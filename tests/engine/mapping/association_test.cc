@@ -31,7 +31,7 @@ class AssociationTest : public testing::Test {
     mode.world_from_object.linear() = map_.upright.WorldFromObjectRotation(azimuth_rad);
     mode.world_from_object.translation() = Eigen::Vector3d(x, y, 0);
     object.modes = {mode};
-    object.weighed = true;
+    object.updated = true;
     return object;
   }
   ProposalReport Explain(const Box2& box, const char* category, float score = 0.9f) const {
@@ -132,7 +132,7 @@ TEST_F(AssociationTest, TwinsThatExplainTheSamePartOfTheImageCompete) {
   b.visible_box = {140, 52, 190, 91};
   EXPECT_FALSE(Compete(a, b, map_));
   b.visible_box = a.visible_box;
-  b.weighed = false;
+  b.updated = false;
   EXPECT_FALSE(Compete(a, b, map_)) << "its box is of another frame";
 }
 

@@ -106,7 +106,7 @@ TEST_F(BirthTest, AnImplausibleBoxGivesNoHypotheses) {
 }
 
 TEST_F(BirthTest, ThePapersPriorIsCentredOnTheBoxAtItsNominalDepth) {
-  options_.prior = BirthPrior::kPaper;
+  options_.prior = SpawnPrior::kPaper;
   const Detection box{{150, 100, 250, 260}, "chair", 0.9f};
   const int count = 4000;
   const std::vector<PoseHypothesis> drawn = Sample(box, front_, count);

@@ -35,6 +35,16 @@ TEST(OptionChanges, RefuseWhatTheyDoNotKnow) {
   }
 }
 
+TEST(MapperOptions, AreKnownByTheirFormerNames) {
+  MapperOptions options;
+  ASSERT_TRUE(SetOption("infant_particles=700", options).ok());
+  ASSERT_TRUE(OptionsFromJson({{"min_birth_score", 0.25}, {"alpha", 3}}, options).ok());
+  EXPECT_EQ(options.tentative_particles, 700);
+  EXPECT_EQ(options.min_spawn_score, 0.25);
+  ASSERT_TRUE(OptionsFromJson({{"birth_particles", 500}, {"spawn_particles", 600}}, options).ok());
+  EXPECT_EQ(options.spawn_particles, 600);
+}
+
 TEST(OptionChanges, OfFormat1AreReadFromTheirLine) {
   MapperOptions options;
   const auto changes = OptionChangesFromFormat1("alpha 2.5 -> 4.0; floor_prior true -> false");

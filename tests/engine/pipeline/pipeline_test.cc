@@ -88,7 +88,7 @@ TEST_F(PipelineTest, RatesTheParticlesOfEveryObjectThatIsWeighedAlsoAfterAMove) 
   int rated = 0;
   for (const FrameReport& report : WholeRun()) {
     for (const ObjectReport& object : report.objects) {
-      if (!object.weighed || object.first_frame == report.frame) continue;
+      if (!object.updated || object.first_frame == report.frame) continue;
       EXPECT_TRUE(std::any_of(object.particles->begin(), object.particles->end(),
                               [](const Particle& p) { return p.phi_edge != 0; }))
           << "frame " << report.frame << " object " << object.id.value;
@@ -137,7 +137,7 @@ TEST_F(PipelineTest, ChangesOfOptionsTakeEffectWithTheNextFrame) {
   std::vector<FrameReport> reports;
   for (int i = 0; i < 3; ++i) reports.push_back((*pipeline->Next())->report);
   MapperOptions options;
-  options.infant_particles = 300;
+  options.tentative_particles = 300;
   pipeline->SetOptions(options);
   for (const FrameReport& report : Rest(*pipeline)) reports.push_back(report);
   ASSERT_EQ(reports.size(), 6u);
@@ -152,7 +152,7 @@ TEST_F(PipelineTest, ARunWhoseOptionsChangedTellsOfItAndResumesBitForBit) {
   for (int i = 0; i < 12; ++i) run.push_back((*pipeline->Next())->report);
   MapperOptions options;
   options.search_radius_px = 9;  // frames that are made ready ahead are searched anew
-  options.infant_particles = 400;
+  options.tentative_particles = 400;
   pipeline->SetOptions(options);
   for (const FrameReport& report : Rest(*pipeline)) run.push_back(report);
   ASSERT_EQ(run.size(), 40u);
@@ -198,7 +198,7 @@ TEST_F(PipelineTest, SkipsWhatItCannotUseAndSaysSoOnce) {
   // The map stays while a frame is skipped, and what comes after counts as usual.
   ASSERT_EQ(run[20].objects.size(), run[19].objects.size());
   for (std::size_t i = 0; i < run[20].objects.size(); ++i) {
-    EXPECT_FALSE(run[20].objects[i].weighed);
+    EXPECT_FALSE(run[20].objects[i].updated);
     EXPECT_EQ(run[20].objects[i].particles, run[19].objects[i].particles);
   }
   int confirmed = 0;

@@ -61,7 +61,7 @@ ObjectReport RandomObject(Random& random, int id, int frame, int num_particles) 
       {{7}, 0.25, RandomPose(random), std::numeric_limits<double>::quiet_NaN(), -0.0}};
   object.effective_sample_size = random.Uniform(1, 500);
   object.log_evidence = random.Index(4) == 0 ? -0.0 : random.Gaussian();
-  object.weighed = random.Index(4) != 0;
+  object.updated = random.Index(4) != 0;
   object.visible_fraction = random.Uniform();
   object.phi_cnn = OddFloat(random.Index(5));
   object.phi_edge = static_cast<float>(random.Uniform());
@@ -101,7 +101,7 @@ void Print(const ObjectReport& o, BitPrinter& out) {
   out << o.id.value << static_cast<int>(o.state) << o.category << o.reference_frame
       << o.world_from_reference_cam << o.first_frame << o.confirmed_frame.has_value()
       << o.confirmed_frame.value_or(0) << o.last_frame << o.label.value << o.world_from_object
-      << o.effective_sample_size << o.log_evidence << o.weighed << o.visible_fraction << o.phi_cnn
+      << o.effective_sample_size << o.log_evidence << o.updated << o.visible_fraction << o.phi_cnn
       << o.phi_edge << o.whole_box << o.visible_box << o.filter_state << o.label_probability.size()
       << o.modes.size() << (o.particles != nullptr);
   for (const LabelProbability& entry : o.label_probability)

@@ -220,12 +220,12 @@ TEST(RunFile, TellsTheLivesOfItsObjects) {
   chair.id = {1};
   chair.category = "chair";
   chair.label = {4};
-  chair.weighed = true;
+  chair.updated = true;
   ASSERT_TRUE(writer->Write(FrameWith(5, {}, {}), {}).ok());
   ASSERT_TRUE(
       writer->Write(FrameWith(6, {chair}, {{EventKind::kSpawned, {1}, {}, "proposal 0.8"}}), {})
           .ok());
-  chair.weighed = false;
+  chair.updated = false;
   chair.confirmed_frame = 8;
   chair.state = ObjectState::kConfirmed;
   ObjectReport other;
@@ -252,7 +252,7 @@ TEST(RunFile, TellsTheLivesOfItsObjects) {
   EXPECT_EQ(tracks[0].first_frame, 6);
   EXPECT_EQ(tracks[0].last_frame, 10);
   EXPECT_EQ(tracks[0].confirmed_frame, 8);
-  EXPECT_EQ(tracks[0].frames_weighed, 1);
+  EXPECT_EQ(tracks[0].frames_updated, 1);
   EXPECT_EQ(tracks[1].state, ObjectState::kRetired);
   EXPECT_EQ(tracks[1].last_frame, 9);
   EXPECT_FALSE(tracks[1].confirmed_frame.has_value());

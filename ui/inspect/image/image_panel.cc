@@ -44,7 +44,7 @@ class ImagePanel : public Panel {
     AlignRight(width);
     Toggle(context, "image.proposals", "Proposals", proposals_,
            "Boxes that the detector proposes, with category and score. In an object's colour: "
-           "explained by it (of several, the best is labelled). White: gave birth to an object. "
+           "explained by it (of several, the best is labelled). White: spawned an object. "
            "Red: no plausible place for a model in the box.");
     ImGui::SameLine();
     Toggle(context, "image.weak", "Weak", weak_,

@@ -41,11 +41,12 @@ class DetailsPanel : public Panel {
     const ObjectReport* object = context.SelectedObject();
     if (object == nullptr) {
       return context.selection.object.value > 0
-                 ? EmptyState(context,
-                              fmt::format("Object #{} is not in this frame",
-                                          context.selection.object.value)
-                                  .c_str(),
-                              "It was born later, or has been withdrawn. Esc clears the selection.")
+                 ? EmptyState(
+                       context,
+                       fmt::format("Object #{} is not in this frame",
+                                   context.selection.object.value)
+                           .c_str(),
+                       "It was spawned later, or has been retired. Esc clears the selection.")
                  : EmptyState(context, "No object selected",
                               "Click one in the list, in an image or in the 3-D view.");
     }
@@ -98,12 +99,12 @@ class DetailsPanel : public Panel {
          fmt::format("{:.0f} of {}", object.effective_sample_size,
                      object.particles == nullptr ? 0 : object.particles->size()),
          "Effective number of particles: few mean that the weight sits on few hypotheses.");
-    Fact(context, "born", fmt::format("frame {}", object.first_frame),
-         "Frame whose proposal gave birth to it.");
+    Fact(context, "spawned", fmt::format("frame {}", object.first_frame),
+         "Frame whose proposal it was spawned from.");
     Fact(context, "confirmed",
          object.confirmed_frame ? fmt::format("frame {}", *object.confirmed_frame) : "not yet",
          "Frame in which the evidence sufficed.");
-    Fact(context, "last weighed", fmt::format("frame {}", object.last_frame),
+    Fact(context, "last updated", fmt::format("frame {}", object.last_frame),
          "Last frame in which enough of it showed.");
     ImGui::EndTable();
   }

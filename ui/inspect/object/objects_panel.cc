@@ -21,16 +21,19 @@ struct Column {
   const char* help;
 };
 constexpr Column kColumns[] = {
-    {"Object", 4.4f, "Number in order of birth, and the colour that the object has everywhere."},
+    {"Object", 4.4f,
+     "Number in the order in which objects were spawned, and the colour that the object has "
+     "everywhere."},
     {"Category", 6.0f, "What the detector called it (COCO name)."},
     {"Model", 0.0f, "Most likely shape, and its probability."},
     {"State", 5.6f,
-     "Tentative until the evidence suffices, then confirmed; retired objects are withdrawn."},
+     "Tentative until the evidence suffices, then confirmed; retired when it speaks against the "
+     "object."},
     {"P(there)", 4.6f, "Probability that the object is there, from its accumulated evidence."},
     {"Position", 5.2f, "Standard deviation of the position: root of the sum over three axes."},
     {"Azimuth", 4.6f, "Standard deviation of the azimuth about up."},
     {"Visible", 4.2f,
-     "Share of the mean contour that shows in this image. Dim: not weighed in this frame."},
+     "Share of the mean contour that shows in this image. Dim: not updated in this frame."},
     {"\u03a6 det", 3.6f, "Detector term of the score at the mean state, 0 to 1."},
     {"\u03a6 edge", 3.9f, "Edge term of the score at the mean state."},
 };
@@ -64,7 +67,7 @@ class ObjectsPanel : public Panel {
     if (context.snapshot->report.objects.empty()) {
       return EmptyState(
           context, "No objects yet",
-          "The first are born from the detector's proposals: press Space to play on.");
+          "The first are spawned from the detector's proposals: press Space to play on.");
     }
     ImGui::PushFont(context.fonts.small);
     const bool scrolls = ImGui::GetContentRegionAvail().x < context.Scaled(kNarrowest);
@@ -162,7 +165,7 @@ class ObjectsPanel : public Panel {
     } else {
       TextRight(colors::kText, fmt::format("\u00b1 {:.1f}\u00b0", kDegPerRad * azimuth_std_rad));
     }
-    const ImU32 seen = object.weighed ? colors::kText : colors::kFaint;
+    const ImU32 seen = object.updated ? colors::kText : colors::kFaint;
     ImGui::TableNextColumn();
     TextRight(seen, fmt::format("{:.0f} %", 100 * object.visible_fraction));
     ImGui::TableNextColumn();

@@ -32,7 +32,7 @@ constexpr Column kColumns[] = {
     {"y", "Bearing down, Y/Z.", [](const Particle& p) { return double{p.y_c}; }},
     {"Azimuth", "About up [\u00b0].", [](const Particle& p) { return kDegPerRad * p.azimuth; }},
     {"Model", "Its shape.", [](const Particle& p) { return double(p.label); }},
-    {"From", "The particle of the last weighed frame that it comes from.",
+    {"From", "The particle of the last updated frame that it comes from.",
      [](const Particle& p) { return double(p.ancestor); }},
 };
 

@@ -142,7 +142,7 @@ class PosteriorPanel : public Panel {
   void DrawReliability(const FrameContext& context) const {
     DimText("Is the belief honest?");
     Tooltip(context,
-            "Over the frames of this run so far in which a confirmed object was weighed and a true "
+            "Over the frames of this run so far in which a confirmed object was updated and a true "
             "one of its category is within 50 cm. The regions are those of a Gaussian with the "
             "belief's covariance. Frames of one object resemble one another: these are few "
             "independent trials.");

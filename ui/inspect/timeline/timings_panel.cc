@@ -68,25 +68,26 @@ class TimingsPanel : public Panel {
  private:
   /// Hypotheses a second, and frames that were not used.
   static void DrawRates(const FrameContext& context) {
-    double weigh_ms = 0;
+    double update_ms = 0;
     std::size_t hypotheses = 0;
     for (const StageTiming& timing : context.snapshot->report.timings) {
-      if (timing.stage == "weigh") weigh_ms = timing.milliseconds;
+      // "weigh" in runs of version 0.1.0.
+      if (timing.stage == "update" || timing.stage == "weigh") update_ms = timing.milliseconds;
     }
     for (const ObjectReport& object : context.snapshot->report.objects) {
       // Birth has a stage of its own.
       const bool born_now = object.first_frame == context.snapshot->report.frame;
-      if (object.weighed && !born_now && object.particles != nullptr)
+      if (object.updated && !born_now && object.particles != nullptr)
         hypotheses += object.particles->size();
     }
     int dropped = 0;
     for (const auto& frame : context.playback->history->frames)
       dropped += frame != nullptr && frame->skipped;
-    if (hypotheses > 0 && weigh_ms > 0)
-      DimText("%.0f 000 hypotheses/s", std::ceil(static_cast<double>(hypotheses) / weigh_ms));
+    if (hypotheses > 0 && update_ms > 0)
+      DimText("%.0f 000 hypotheses/s", std::ceil(static_cast<double>(hypotheses) / update_ms));
     else
-      DimText("no hypotheses weighed");
-    Tooltip(context, "Particles weighed in this frame, over the time of the stage 'weigh'.");
+      DimText("no hypotheses updated");
+    Tooltip(context, "Particles updated in this frame, over the time of the stage 'update'.");
     ImGui::SameLine(0, context.Scaled(12));
     if (dropped > 0)
       SmallText(context, colors::kWarning, "%d frames dropped", dropped);
