@@ -66,7 +66,9 @@ Status AddFrames(RunReader& reader, PathInfo& info) {
   if (!finished.ok()) return finished.error();
   info.json["finished"] = finished.value();
   if (!finished.value())
-    info.odd.push_back("The run did not end: it is still written, or goes on with run --resume.");
+    info.odd.push_back(
+        "The run is not finished: it is still being written, or can be continued with run "
+        "--resume.");
   return {};
 }
 

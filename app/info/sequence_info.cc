@@ -143,7 +143,8 @@ void AddGravity(const Sequence& sequence, PathInfo& info) {
   if (!gravity) {
     info.lines.push_back({"Gravity", "not known"});
     info.odd.push_back(
-        "There is no gravity.json; run needs to know where down is (gravity finds it in a scan).");
+        "There is no gravity.json; run needs the direction of gravity (plumbline gravity finds it "
+        "in a scan).");
     return;
   }
   info.json["gravity"] = std::vector<double>(gravity->data(), gravity->data() + 3);

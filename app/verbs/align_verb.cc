@@ -188,7 +188,7 @@ void AddAlignVerb(CLI::App& app, VerbFunction& chosen) {
   auto arguments = std::make_shared<AlignArguments>();
   CLI::App* verb = app.add_subcommand(
       "align",
-      "Put a CAD model onto a scan, upright: azimuth and translation by ICP from many "
+      "Align a CAD model to a scan, upright: azimuth and translation by ICP from many "
       "azimuths");
   verb->add_option("--scan", arguments->scan, "The scan, metres: a mesh or a point cloud")
       ->required()
@@ -203,7 +203,7 @@ void AddAlignVerb(CLI::App& app, VerbFunction& chosen) {
       ->required()
       ->type_name("x,y,z[,yaw_deg]");
   verb->add_option("--gravity", arguments->gravity,
-                   "Where down is in the scan; 'plumbline gravity' finds it")
+                   "Direction of gravity in the scan; 'plumbline gravity' finds it")
       ->required()
       ->type_name("x,y,z");
   verb->add_option("--dof", arguments->dof,
@@ -231,8 +231,7 @@ void AddAlignVerb(CLI::App& app, VerbFunction& chosen) {
                    "Camera poses in the scan's frame (TUM): they tell the seen side of a point "
                    "cloud's surface")
       ->type_name("FILE");
-  verb->add_option("--json", arguments->json,
-                   "Write the results for machines ('-': to standard output)")
+  verb->add_option("--json", arguments->json, "Write the results as JSON (- for standard output)")
       ->type_name("FILE");
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Align(*arguments); }; });
 }

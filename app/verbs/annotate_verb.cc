@@ -285,15 +285,14 @@ void AddPath(CLI::App& command, const ArgumentsPointer& arguments, const char* o
 }
 
 void AddCreation(CLI::App& command, const ArgumentsPointer& arguments) {
-  command.add_flag("--create", arguments->create, "Begin a new project if there is none");
-  command.add_option("--annotator", arguments->annotator, "Whose name new instances carry")
+  command.add_flag("--create", arguments->create, "Create the project if it does not exist");
+  command.add_option("--annotator", arguments->annotator, "Annotator named in new instances")
       ->type_name("NAME");
 }
 
 void AddJson(CLI::App& command, const ArgumentsPointer& arguments) {
   command
-      .add_option("--json", arguments->json,
-                  "Write the results for machines ('-': to standard output)")
+      .add_option("--json", arguments->json, "Write the results as JSON (- for standard output)")
       ->type_name("FILE");
 }
 
@@ -312,8 +311,9 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
       ->type_name("EDITS.json");
   AddCreation(*apply, arguments);
 
-  CLI::App* import = AddCommand(*verb, "import", "Take instances from another format, as one edit",
-                                arguments, chosen, Import);
+  CLI::App* import =
+      AddCommand(*verb, "import", "Import instances from another format, as one edit", arguments,
+                 chosen, Import);
   AddFormat(*import, arguments,
             std::string(kFormats) +
                 ", run (RUN.plb or the JSON of a run: its confirmed objects as coarse drafts)",
@@ -361,7 +361,7 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
   AddJson(*refine, arguments);
 
   CLI::App* registration = AddCommand(*verb, "register",
-                                      "Find where a sequence of another frame is in the scan: a "
+                                      "Register a sequence to a scan: a "
                                       "turn about gravity and a shift; one step to undo",
                                       arguments, chosen, Register);
   AddRegisterOptions(*registration, arguments->registration);

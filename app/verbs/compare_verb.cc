@@ -80,18 +80,18 @@ Status Compare(const CompareArguments& arguments) {
 void AddCompareVerb(CLI::App& app, VerbFunction& chosen) {
   auto arguments = std::make_shared<CompareArguments>();
   CLI::App* verb = app.add_subcommand(
-      "compare", "Tell two runs of a sequence apart: settings, objects, errors, costs");
+      "compare", "Compare two runs of a sequence: settings, objects, errors, costs");
   verb->add_option("a", arguments->a, "A run file")->required()->type_name("A.plb");
   verb->add_option("b", arguments->b, "Another")->required()->type_name("B.plb");
   verb->add_option("--ground-truth", arguments->ground_truth,
-                   "What is really there (default: that of the sequence, if it has any)")
+                   "Ground truth (default: that of the sequence, if it has any)")
       ->type_name("FILE");
   verb->add_option("--models", arguments->models, "The models of the runs, if they have moved")
       ->type_name("DIR");
   verb->add_option("--sequence", arguments->sequence, "The sequence, if it has moved")
       ->type_name("DIR");
   verb->add_option("--json", arguments->json,
-                   "Write the differences for machines ('-': to standard output)")
+                   "Write the differences as JSON (- for standard output)")
       ->type_name("FILE");
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Compare(*arguments); }; });
 }

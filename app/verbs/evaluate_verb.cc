@@ -181,11 +181,12 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
   auto arguments = std::make_shared<EvaluateArguments>();
   CLI::App* verb = app.add_subcommand(
       "evaluate",
-      "Judge the map of a run: surface error, pose errors, what was missed and what is not there");
+      "Evaluate the map of a run: surface error, pose errors, missed and spurious objects");
   verb->add_option("run", arguments->run, "A run file, or the JSON that 'run --json' wrote")
       ->required()
       ->type_name("RUN.plb|RUN.json");
-  verb->add_option("--ground-truth", arguments->ground_truth, "What is really there, and where")
+  verb->add_option("--ground-truth", arguments->ground_truth,
+                   "Ground truth: objects and their poses")
       ->required()
       ->type_name("FILE");
   verb->add_option("--models", arguments->models,
@@ -215,11 +216,10 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
       ->check(CLI::Range(1, 100'000'000))
       ->capture_default_str();
   verb->add_option("--seed", arguments->options.seed,
-                   "Of these points: the same seed gives the same figures")
+                   "Seed of the sampled points: the same seed gives the same figures")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  verb->add_option("--json", arguments->json,
-                   "Write the results for machines ('-': to standard output)")
+  verb->add_option("--json", arguments->json, "Write the results as JSON (- for standard output)")
       ->type_name("FILE");
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Evaluate(*arguments); }; });
 }

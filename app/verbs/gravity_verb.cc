@@ -90,7 +90,7 @@ Status FindGravity(const GravityArguments& arguments) {
 void AddGravityVerb(CLI::App& app, VerbFunction& chosen) {
   auto arguments = std::make_shared<GravityArguments>();
   CLI::App* verb =
-      app.add_subcommand("gravity", "Find the floor of a scan, and with it where down is");
+      app.add_subcommand("gravity", "Find the floor of a scan and the direction of gravity");
   verb->add_option("scan", arguments->scan, "The scan, metres: a mesh or a point cloud")
       ->required()
       ->type_name("SCAN.ply");
@@ -102,14 +102,13 @@ void AddGravityVerb(CLI::App& app, VerbFunction& chosen) {
                    "Camera poses in the scan's frame (TUM): cameras are above the floor and held "
                    "roughly upright")
       ->type_name("FILE");
-  verb->add_option("--up", arguments->up, "Roughly where up is, within 45 degrees")
+  verb->add_option("--up", arguments->up, "Approximate direction of up, within 45 degrees")
       ->type_name("x,y,z");
   verb->add_option("--thickness", arguments->options.thickness_m,
                    "Points within this of the plane belong to it [m]")
       ->check(CLI::Range(0.002, 0.2))
       ->capture_default_str();
-  verb->add_option("--json", arguments->json,
-                   "Write the results for machines ('-': to standard output)")
+  verb->add_option("--json", arguments->json, "Write the results as JSON (- for standard output)")
       ->type_name("FILE");
   verb->callback(
       [arguments, &chosen] { chosen = [arguments] { return FindGravity(*arguments); }; });

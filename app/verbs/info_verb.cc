@@ -29,14 +29,14 @@ Status Info(const InfoArguments& arguments) {
 
 void AddInfoVerb(CLI::App& app, VerbFunction& chosen) {
   auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* verb =
-      app.add_subcommand("info", "Say what a path is, what it holds, and what is odd about it");
+  CLI::App* verb = app.add_subcommand(
+      "info", "Describe a file or folder: what it is, what it holds, and what is odd about it");
   verb->add_option("path", arguments->path,
                    "A sequence, run, scan or mesh, folder of models, annotation project, network, "
                    "or trajectory")
       ->required()
       ->type_name("PATH");
-  verb->add_option("--json", arguments->json, "Write the same for machines; - for standard output")
+  verb->add_option("--json", arguments->json, "Write the same as JSON (- for standard output)")
       ->type_name("FILE");
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Info(*arguments); }; });
 }

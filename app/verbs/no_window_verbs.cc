@@ -15,14 +15,14 @@ Status NoWindow() {
 }  // namespace
 
 void AddGuiVerb(CLI::App& app, VerbFunction& chosen) {
-  CLI::App* verb = app.add_subcommand("gui", "Open the window (left out of this build)");
+  CLI::App* verb = app.add_subcommand("gui", "Open the window (not in this build)");
   verb->add_option_function<std::string>(
       "path", [](const std::string&) {}, "Sequence or run file");
   verb->callback([&chosen] { chosen = NoWindow; });
 }
 
 void AddRenderVerb(CLI::App& app, VerbFunction& chosen) {
-  CLI::App* verb = app.add_subcommand("render", "Film a run (left out of this build)");
+  CLI::App* verb = app.add_subcommand("render", "Film a run (not in this build)");
   verb->allow_extras();
   verb->callback([&chosen] { chosen = NoWindow; });
 }

@@ -90,7 +90,7 @@ void AddReportVerb(CLI::App& app, VerbFunction& chosen) {
       ->required()
       ->type_name("FILE.html");
   verb->add_option("--ground-truth", arguments->ground_truth,
-                   "What is really there (default: that of the sequence, if it has any)")
+                   "Ground truth (default: that of the sequence, if it has any)")
       ->type_name("FILE");
   verb->add_option("--models", arguments->run.models, "The models of the run, if they have moved")
       ->type_name("DIR");

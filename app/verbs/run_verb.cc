@@ -135,13 +135,12 @@ void AddRunVerb(CLI::App& app, VerbFunction& chosen) {
       ->required();
   verb->add_option("--out", arguments->out, "Run file to write (.plb)")->required();
   arguments->pipeline.AddTo(*verb);
-  verb->add_flag("--resume", arguments->resume,
-                 "Go on with the run that --out holds, if there is one");
+  verb->add_flag("--resume", arguments->resume, "Resume the run in --out, if it exists");
   verb->add_option("--fork", arguments->fork,
-                   "Take over the past of this run, and go on with other options or another seed")
+                   "Copy the past of this run and continue with other options or another seed")
       ->type_name("RUN.plb")
       ->excludes("--resume");
-  verb->add_option("--at", arguments->at, "The last frame that is taken over (default: all)")
+  verb->add_option("--at", arguments->at, "The last frame that is copied (default: all)")
       ->type_name("FRAME")
       ->needs("--fork");
   verb->add_option("--json", arguments->json, "Write the result here; - for standard output");

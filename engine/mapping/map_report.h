@@ -78,7 +78,7 @@ struct ObjectBelief {
       Eigen::Matrix4d::Zero();  ///< Of (x, y, z of the centre in world [m], azimuth [rad]).
   std::vector<PoseMode> modes;  ///< By falling weight; the first one is the mean above.
   double effective_sample_size = 0;
-  double log_evidence = 0;  ///< Log odds that the object is there.
+  double log_evidence = 0;  ///< Log odds that the object exists.
 
   bool updated = false;  ///< False: hidden, behind the camera or outside; it kept its belief.
   double visible_fraction = 0;      ///< Share of the mean contour that shows.

@@ -46,7 +46,7 @@ void DrawDiskProblem(const FrameContext& context, float x, float& y, float width
   if (problem.empty()) return;
   BeginSheet(context, "annotate.disk", x, y, width, colors::kBad);
   ImGui::PushStyleColor(ImGuiCol_Text, colors::kBad);
-  ImGui::TextUnformatted("Your edits are not on the disk.");
+  ImGui::TextUnformatted("Your edits have not been written to disk.");
   ImGui::PopStyleColor();
   std::string why = problem;
   why[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(why[0])));
@@ -63,7 +63,7 @@ void DrawDiskProblem(const FrameContext& context, float x, float& y, float width
   ImGui::SameLine(0, context.Scaled(6));
   const bool clicked =
       Button(context, "annotate.save_elsewhere", "Save elsewhere",
-             "Goes on in that file. Paths to scan, models and sequence are made to fit.");
+             "Continues in that file; paths to scan, models and sequence are adapted.");
   if ((entered || clicked) && path[0] != '\0') sink.Post(SaveProjectCommand{path});
   if (context.annotation->refused) {
     ImGui::PushStyleColor(ImGuiCol_Text, colors::kWarning);
@@ -88,7 +88,7 @@ void DrawNotices(const FrameContext& context, float x, float& y, float width, Co
     ImGui::PopStyleColor();
     ImGui::SameLine(0, context.Scaled(6));
     if (Button(context, "annotate.recover_drop", "Take them back",
-               "The project as it was saved; Redo brings them again.")) {
+               "Restores the project as it was saved; Redo restores the edits.")) {
       sink.Post(DropRecoveredCommand{});
     }
     ImGui::SameLine(0, context.Scaled(6));

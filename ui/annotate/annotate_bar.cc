@@ -52,9 +52,10 @@ void DrawMore(const FrameContext& context, CommandSink& sink) {
   fill(fields.run, kLongest, view.run);
   fill(fields.annotator, sizeof(fields.annotator), snapshot.annotator);
   SmallText(context, colors::kAccent, "Save as");
-  if (PathField(context, "more.save_as", "PROJECT.json", fields.save_as, kLongest, "Save",
-                "Goes on in this file, which is overwritten; paths to scan and models are made to "
-                "fit.")) {
+  if (PathField(
+          context, "more.save_as", "PROJECT.json", fields.save_as, kLongest, "Save",
+          "Continues in this file, which is overwritten; paths to scan and models are made to "
+          "fit.")) {
     sink.Post(SaveProjectCommand{fields.save_as});
     ImGui::CloseCurrentPopup();
   }
@@ -103,7 +104,7 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
                                              : "saved");
   ImGui::PopStyleColor();
   LogItem(context, "project.state");
-  Tooltip(context, unsafe ? "Edits cannot be written to the disk: " + snapshot.journal_problem +
+  Tooltip(context, unsafe ? "Edits cannot be written to disk: " + snapshot.journal_problem +
                                 ". They are kept in memory; Save as puts them elsewhere."
                           : "Every edit is in the journal beside the project at once; what is not "
                             "saved comes back after a crash.");
@@ -115,13 +116,13 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
   ImGui::SameLine(0, context.Scaled(6));
   const std::string undo = Capitalised("Undo", snapshot.undo_label);
   if (BarButton(context, "project.undo", undo.c_str(), snapshot.undo_label.has_value(),
-                "Takes the last edit back (Ctrl + Z)")) {
+                "Undoes the last edit (Ctrl + Z)")) {
     sink.Post(UndoCommand{});
   }
   ImGui::SameLine(0, context.Scaled(6));
   const std::string redo = Capitalised("Redo", snapshot.redo_label);
   if (BarButton(context, "project.redo", redo.c_str(), snapshot.redo_label.has_value(),
-                "Does it again (Ctrl + Shift + Z, Ctrl + Y)")) {
+                "Redoes the edit that was undone (Ctrl + Shift + Z, Ctrl + Y)")) {
     sink.Post(RedoCommand{});
   }
   ImGui::SameLine(0, context.Scaled(6));

@@ -38,7 +38,8 @@ class AnnotateCandidatesPanel : public Panel {
                                          : "";
       SmallText(context, colors::kDimText, "%zu found in %.2f s.%s", placement.candidates.size(),
                 placement.seconds, symmetric);
-      const char* images = placement.searching   ? "None agrees with the images; looking there ..."
+      const char* images = placement.searching
+                               ? "No candidate agrees with the images; searching the images ..."
                            : placement.by_images ? "The images decided which is first."
                                                  : nullptr;
       if (images != nullptr) SmallText(context, colors::kWarning, "%s", images);
@@ -51,7 +52,7 @@ class AnnotateCandidatesPanel : public Panel {
     ImGui::EndChild();
     ImGui::Dummy({0, context.Scaled(2)});
     ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-    if (Button(context, "proposal.accept", "Place it", "Enter takes the chosen one, too.")) {
+    if (Button(context, "proposal.accept", "Place it", "Enter accepts the chosen one too.")) {
       AcceptProposal(context, context.annotate->candidate, sink);
     }
     ImGui::PopStyleColor();
@@ -122,7 +123,7 @@ class AnnotateCandidatesPanel : public Panel {
     }
     if (candidate.same_by_symmetry) line(colors::kWarning, "same shape");
     Tooltip(context,
-            "Fits: share of the model's surface that has scan within 2 cm; the back is "
+            "Fit: share of the model's surface with scan points within 2 cm; the back is "
             "often not scanned. Then the distance of the scan points from the model, and "
             "how well place and azimuth are known.");
   }

@@ -23,21 +23,22 @@ class AnnotateCropPanel : public Panel {
   void Draw(const FrameContext& context, CommandSink& sink) override {
     AnnotateView& view = *context.annotate;
     ImGui::BeginChild("crop", {0, 0});
-    Choice(context, "By", view.crop_by_line,
-           {"crop.box", "box", "An upright box with handles: for what stands among other things."},
-           {"crop.line", "line", "A line drawn in the view, through the whole depth of the scan."},
-           [&] { DropCut(context, sink); });
+    Choice(
+        context, "By", view.crop_by_line,
+        {"crop.box", "box", "An upright box with handles, for an object that stands among others."},
+        {"crop.line", "line", "A line drawn in the view, through the whole depth of the scan."},
+        [&] { DropCut(context, sink); });
     WrappedText(colors::kDimText, Advice(view));
     if (view.crop_box) DrawBox(context, *view.crop_box);
     ImGui::Dummy({0, context.Scaled(4)});
     Field(context, "crop.name", "Name", view.crop_id,
           "Of the model, or of the fragment: <model>_<N>. Letters, digits, - _ and dots.");
     Field(context, "crop.category", "Category", view.crop_category,
-          "What it is, by its COCO name: chair, couch, cup.");
+          "Its category by COCO name: chair, couch, cup.");
     Choice(
         context, "Into", view.crop_fragment,
         {"crop.model", "model",
-         "A new shape of the database, and an object of it where it stands."},
+         "A new model in the database, and an instance of it where it stands."},
         {"crop.fragment", "VISMA fragment", "Its points, written by the export of a VISMA folder."},
         [] {});
     ImGui::Dummy({0, context.Scaled(6)});
@@ -69,7 +70,7 @@ class AnnotateCropPanel : public Panel {
       return "Turn the scan so that nothing stands before or behind the object, then drag a box "
              "around it, or click the corners of a line around it and press Enter.";
     }
-    if (!view.crop_box) return "Click the object in the scan: a box comes to stand around it.";
+    if (!view.crop_box) return "Click the object in the scan: a box is placed around it.";
     return "Drag the discs to move the sides, the square to move the box, the ring to turn it; the "
            "keys W A S D, Q E, Z X, too.";
   }
@@ -194,7 +195,7 @@ class AnnotateCropPanel : public Panel {
     ImGui::Dummy({0, context.Scaled(6)});
     ImGui::BeginDisabled(!good);
     ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-    if (Button(context, "proposal.accept", "Take it", "Enter takes it, too, as one edit.")) {
+    if (Button(context, "proposal.accept", "Take it", "Enter accepts it too, as one edit.")) {
       sink.Post(AcceptProposalCommand{});
       context.annotate->tool = AnnotateTool::kSelect;
     }

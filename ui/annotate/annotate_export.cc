@@ -112,7 +112,7 @@ void DrawExport(const FrameContext& context, CommandSink& sink) {
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
   ImGui::InputText("##export.out", path, sizeof(path));
   LogItem(context, "export.out");
-  Tooltip(context, "A file, or a folder for VISMA and BOP. What is there is overwritten.");
+  Tooltip(context, "A file, or a folder for VISMA and BOP. Existing files are overwritten.");
   view.export_out = path;
   ImGui::Dummy({0, context.Scaled(4)});
   const bool writing = snapshot.exported && snapshot.exported->running;
@@ -125,7 +125,7 @@ void DrawExport(const FrameContext& context, CommandSink& sink) {
   ImGui::PopStyleColor();
   ImGui::EndDisabled();
   ImGui::SameLine();
-  if (Button(context, "export.close", "Close", "Esc closes it, too.")) ImGui::CloseCurrentPopup();
+  if (Button(context, "export.close", "Close", "Esc closes it too.")) ImGui::CloseCurrentPopup();
   DrawResult(snapshot);
   ImGui::EndChild();
 }

@@ -24,15 +24,16 @@ class AnnotateFloorPanel : public Panel {
  private:
   void DrawWays(const FrameContext& context, CommandSink& sink) {
     const AnnotationSnapshot& snapshot = *context.annotation;
-    WrappedText(colors::kDimText, snapshot.floor_known
-                                      ? "The floor is known. Find it again:"
-                                      : "Objects stand upright, so first: where is the floor?");
+    WrappedText(colors::kDimText,
+                snapshot.floor_known
+                    ? "The floor is known. Find it again:"
+                    : "Objects stand upright, so the floor comes first: where is it?");
     ImGui::Dummy({0, context.Scaled(4)});
     const ImVec2 wide(ImGui::GetContentRegionAvail().x, 0);
     const bool picks = context.annotate->tool == AnnotateTool::kFloor;
     ImGui::BeginDisabled(!snapshot.ready_to_align);
     ImGui::PushStyleColor(ImGuiCol_Button, picks ? colors::kAccent : colors::kAccentDim);
-    if (ImGui::Button(picks ? "Now click on the floor" : "Click on the floor", wide)) {
+    if (ImGui::Button(picks ? "Now click the floor" : "Click on the floor", wide)) {
       context.annotate->tool = picks ? AnnotateTool::kSelect : AnnotateTool::kFloor;
     }
     ImGui::PopStyleColor();
@@ -79,7 +80,7 @@ class AnnotateFloorPanel : public Panel {
       ImGui::TextUnformatted(value.c_str());
     };
     WrappedText(colors::kDimText,
-                "Green points are taken for the floor, red ones are close to it but not on it. Is "
+                "Green points belong to the floor, red ones are close to it but not on it. Is "
                 "this the floor?");
     ImGui::Dummy({0, context.Scaled(2)});
     if (ImGui::BeginTable("floor.table", 2, ImGuiTableFlags_SizingFixedFit)) {
@@ -100,7 +101,7 @@ class AnnotateFloorPanel : public Panel {
     }
     ImGui::Dummy({0, context.Scaled(6)});
     ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-    if (Button(context, "proposal.accept", "Take it", "Enter takes it, too.")) {
+    if (Button(context, "proposal.accept", "Take it", "Enter accepts it too.")) {
       sink.Post(AcceptProposalCommand{});
       context.annotate->tool = AnnotateTool::kSelect;
       context.annotate->reset = true;

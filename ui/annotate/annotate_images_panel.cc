@@ -63,7 +63,7 @@ class AnnotateImagesPanel : public Panel {
     ImGui::SetCursorPosY(ImGui::GetCursorPosY() + context.Scaled(3));
     SmallText(context, ScoreColor(checks->agreement), "%.0f %% of the outline on edges",
               100 * checks->agreement);
-    Tooltip(context, "Beyond what would lie on edges by chance; mean over the images.");
+    Tooltip(context, "Above chance level; mean over the images.");
   }
 
   void Draw(const FrameContext& context, CommandSink&) override {

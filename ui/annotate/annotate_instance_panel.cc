@@ -111,7 +111,7 @@ class AnnotateInstancePanel : public Panel {
                               "Of the object's foot above the floor."))
       post(Moved(snapshot, pose, {0, 0, *z - level.z}));
     ImGui::SameLine();
-    if (Button(context, "instance.floor", "Floor", "Puts it onto the floor (G)."))
+    if (Button(context, "instance.floor", "Floor", "Puts it on the floor (G)."))
       post(Moved(snapshot, pose, {0, 0, -level.z}));
     const double degrees = level.azimuth_rad * kDegreesPerRadian;
     if (const auto azimuth = number("instance.azimuth", "Azimuth", "\u00b0", degrees, "%.2f",
@@ -133,7 +133,7 @@ class AnnotateInstancePanel : public Panel {
            "Upright is what keeps poses true. Unlocked, two more rings tilt the object.");
     if (tilt_rad < 1e-5) return;
     ImGui::SameLine();
-    if (Button(context, "instance.upright", "Upright", "Takes the tilt away.")) {
+    if (Button(context, "instance.upright", "Upright", "Removes the tilt.")) {
       sink.Post(SetInstancePoseCommand{instance.id,
                                        Upright(*context.annotation, instance.scan_from_object)});
     }
@@ -180,7 +180,7 @@ class AnnotateInstancePanel : public Panel {
       sink.Post(SetInstancePoseCommand{instance.id, *view.copied});
     ImGui::EndDisabled();
     NextInRow(context, "Delete");
-    if (Button(context, "instance.delete", "Delete", "Del; Undo brings it back."))
+    if (Button(context, "instance.delete", "Delete", "Del; Undo restores it."))
       sink.Post(RemoveInstanceCommand{instance.id});
   }
 
@@ -214,7 +214,7 @@ class AnnotateInstancePanel : public Panel {
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
     ImGui::InputTextWithHint("##instance.note", "Note", note_, sizeof(note_));
     LogItem(context, "instance.note");
-    Tooltip(context, "Whatever others should know about this object.");
+    Tooltip(context, "A note about this object for others.");
     if (!ImGui::IsItemDeactivatedAfterEdit() || instance.note == note_) return;
     ChangeInstanceCommand change;
     change.id = instance.id;

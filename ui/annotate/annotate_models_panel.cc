@@ -44,7 +44,7 @@ class AnnotateModelsPanel : public Panel {
     ImGui::InputTextWithHint("##annotate_models.filter", "Filter", filter_, sizeof(filter_));
     LogItem(context, "annotate_models.filter");
     ImGui::PopStyleVar();
-    Tooltip(context, "Shows only models whose name or category holds this.");
+    Tooltip(context, "Shows only models whose name or category contains this text.");
     ImGui::PopFont();
   }
 
@@ -52,7 +52,7 @@ class AnnotateModelsPanel : public Panel {
     const AnnotationSnapshot& snapshot = *context.annotation;
     if (snapshot.models->empty()) {
       return EmptyState(context, snapshot.models_problem.empty() ? "Reading" : "No models",
-                        snapshot.models_problem.empty() ? "The models are on their way."
+                        snapshot.models_problem.empty() ? "The models are loading."
                                                         : snapshot.models_problem.c_str());
     }
     ImGui::BeginChild("models", {0, 0});
@@ -69,7 +69,7 @@ class AnnotateModelsPanel : public Panel {
       if (shown++ % columns != 0) ImGui::SameLine(0, gap);
       DrawModel(context, model, width, sink);
     }
-    if (shown == 0) EmptyState(context, "Nothing fits", "No model has this in its name.");
+    if (shown == 0) EmptyState(context, "Nothing fits", "No model name contains this text.");
     ImGui::EndChild();
   }
 

@@ -27,7 +27,7 @@ constexpr AnnotatePanelEntry kPanels[] = {
       "are seen by the registration."},
      MakeAnnotateFramePanel},
     {{"annotate_floor", "Floor and gravity",
-      "Where down is. Everything that is placed stands upright to it."},
+      "The direction of gravity. Everything that is placed stands upright with respect to it."},
      MakeAnnotateFloorPanel},
     {{"annotate_candidates", "Which way round?",
       "24 azimuths were tried, each aligned to the scan; these are the different results, the best "

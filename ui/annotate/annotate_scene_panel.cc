@@ -48,7 +48,7 @@ class AnnotateScenePanel : public Panel {
     tool(AnnotateTool::kSelect, "annotate.tool.select", "Select",
          "A click selects an object (Esc comes back here).");
     tool(AnnotateTool::kFloor, "annotate.tool.floor", "Floor",
-         "A click on the floor finds the whole floor, and with it where down is.");
+         "A click on the floor finds the whole floor, and with it the direction of gravity.");
     if (!view.model.empty()) {
       tool(AnnotateTool::kPlace, "annotate.tool.place", "Place",
            "A click puts the chosen model there.");
@@ -316,19 +316,19 @@ class AnnotateScenePanel : public Panel {
     const AnnotationSnapshot& snapshot = *context.annotation;
     if (snapshot.scan == nullptr) return snapshot.busy.empty() ? "" : snapshot.busy + " ...";
     if (snapshot.placement && snapshot.placement->running) return "Trying 24 azimuths ...";
-    if (snapshot.placement) return "Choose a candidate: Enter takes it, Esc drops it.";
-    if (snapshot.floor) return "Is this the floor? Enter takes it, Esc drops it.";
+    if (snapshot.placement) return "Choose a candidate: Enter accepts it, Esc discards it.";
+    if (snapshot.floor) return "Is this the floor? Enter accepts it, Esc discards it.";
     if (view.tool == AnnotateTool::kFloor) return "Click on the floor.";
-    if (snapshot.crop) return "Is this the object? Enter takes it, Esc drops it.";
+    if (snapshot.crop) return "Is this the object? Enter accepts it, Esc discards it.";
     if (view.tool == AnnotateTool::kCut && !view.crop_by_line) {
       return view.crop_box ? "Fit the box around the object; Enter cuts it out."
-                           : "Click the object that is to be cut out.";
+                           : "Click the object to cut out.";
     }
     if (view.tool == AnnotateTool::kCut) {
       return view.lasso.empty() ? "Drag a box around the object, or click corners around it."
                                 : "Click the next corner; Enter closes the line.";
     }
-    if (snapshot.sequence_alignment) return "Is the path right? Enter takes it, Esc drops it.";
+    if (snapshot.sequence_alignment) return "Is the path right? Enter accepts it, Esc discards it.";
     if (view.tool == AnnotateTool::kSequence) {
       return view.pick_in_scan ? "Now click the same point in the frame below."
              : view.pick_pixel ? "Now click the same point here."

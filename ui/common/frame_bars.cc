@@ -149,7 +149,7 @@ void DrawHelpSheet(const FrameContext& context, std::span<const ActionGroup> gro
     ImGui::EndTable();
   }
   ImGui::Dummy({0, context.Scaled(4)});
-  if (Button(context, "help.close", "Close", "Esc closes it, too."))
+  if (Button(context, "help.close", "Close", "Esc closes it too."))
     sink.Post(ShowHelpCommand{false});
   ImGui::End();
   ImGui::PopStyleColor();

@@ -11,7 +11,7 @@ inline bool DrawWaiting(const FrameContext& context) {
   if (context.playback->state == PlaybackState::kFailed) {
     EmptyState(context, "Nothing to show", "The status line at the bottom says what went wrong.");
   } else {
-    EmptyState(context, "Opening", "The first frame is on its way.");
+    EmptyState(context, "Opening", "The first frame is being read.");
   }
   return true;
 }

@@ -40,7 +40,7 @@ ActionGroup ViewActions() {
          .run = Posts(
              ViewDirectionCommand{kRadPerDeg * view.azimuth_deg, kRadPerDeg * view.elevation_deg}),
          .help_keys = first ? "1 .. 6" : "",
-         .help = first ? "Map from front, back, left, right, above, aslant" : ""});
+         .help = first ? "View the map from front, back, left, right, above or obliquely" : ""});
   }
   return group;
 }
@@ -64,7 +64,7 @@ ActionGroup WindowActions() {
             .keys = {{keys::kEqual, false, true}},
             .run = scale(1.1),
             .help_keys = "Ctrl + \u2212  =",
-            .help = "Smaller, larger text"},
+            .help = "Smaller or larger text"},
            {.text = "Smaller text", .keys = {{keys::kMinus, false, true}}, .run = scale(1 / 1.1)},
            {.keys = {{keys::kP, false, true}},
             .run = Posts(ShowPaletteCommand{true}),

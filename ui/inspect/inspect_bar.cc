@@ -44,7 +44,7 @@ std::string StatusText(const FrameContext& context) {
                        rate);
   }
   if (playback.mapping)
-    return fmt::format("Mapping goes on: frame {} of {}. N shows the newest.",
+    return fmt::format("Mapping continues: frame {} of {}. N shows the newest.",
                        playback.newest_mapped_frame, last);
   if (playback.recorded) return "Paused. Space plays the recording.";
   return fmt::format("Paused. Mapped up to frame {}; Space goes on.", playback.newest_mapped_frame);

@@ -88,7 +88,7 @@ constexpr PanelEntry kPanels[] = {
      PanelPlace::kAboutObject,
      MakeDetailsPanel},
     {{"why", "Why here?",
-      "Scores the selected object again in this frame, by the mapper's own rule, together with "
+      "Scores the selected object in this frame again by the mapper's own rule, together with "
       "what it did not try: the true place, and places around the mean. It tells whether the "
       "search or the likelihood is to blame. Detector scores come from the frame's proposals: "
       "exact for recorded proposals, close for networks."},

@@ -67,7 +67,7 @@ void WhatIf::OfferFork(FrameContext& context) const {
   }
   const PlaybackView& playback = *context.playback;
   if (playback.shown_options == nullptr) {
-    offer->why_not = "The frame is not shown yet.";
+    offer->why_not = "The frame has not been shown yet.";
     return;
   }
   offer->options = *playback.shown_options;

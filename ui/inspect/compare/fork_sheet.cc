@@ -44,7 +44,7 @@ void ForkSheet::OpenOptions(const FrameContext& context, bool show) {
   filter_[0] = '\0';
   why_not_ = context.playback->options == nullptr ? "Nothing is open: open a sequence first."
              : context.playback->recorded
-                 ? "What is recorded keeps its options. Fork the run to try others."
+                 ? "A recorded run keeps its options. Fork it to try others."
                  : "";
   if (context.playback->options != nullptr) options_ = before_ = *context.playback->options;
 }
@@ -88,7 +88,7 @@ void ForkSheet::DrawBody(const FrameContext& context, CommandSink& sink) {
     ImGui::Dummy({0, context.Scaled(10)});
     ImGui::TextWrapped("%s", why_not_.c_str());
     ImGui::Dummy({0, context.Scaled(10)});
-    if (Button(context, "fork.close", "Close", "Esc closes it, too.")) open_ = false;
+    if (Button(context, "fork.close", "Close", "Esc closes it too.")) open_ = false;
     return;
   }
   DrawExplanation(context);
@@ -124,7 +124,7 @@ void ForkSheet::DrawExplanation(const FrameContext& context) const {
               forks_
                   ? "The past up to this frame is taken over as it is; from the next frame on the "
                     "mapper goes on with these options and this seed, into a file of its own."
-                  : "The mapper goes on with them from the next frame that it maps. The change is "
+                  : "The mapper uses them from the next frame that it maps. The change is "
                     "marked in the timeline and kept in the run, so that it can be resumed and "
                     "forked as it was.");
   if (forks_ && context.fork != nullptr && context.fork->state == ForkState::kFailed)
@@ -143,7 +143,8 @@ void ForkSheet::DrawPlace(const FrameContext& context) {
   ImGui::InputInt("##fork.seed", &seed_);
   seed_ = std::max(seed_, 0);
   LogItem(context, "fork.seed");
-  Tooltip(context, "Of all randomness. With the same seed and options the fork is the same run.");
+  Tooltip(context,
+          "Seed of all randomness. With the same seed and options the fork is the same run.");
   ImGui::SameLine(0, context.Scaled(24));
 }
 
@@ -151,7 +152,7 @@ void ForkSheet::DrawFilter(const FrameContext& context) {
   ImGui::SetNextItemWidth(-1);
   ImGui::InputTextWithHint("##fork.filter", "find an option", filter_, sizeof(filter_));
   LogItem(context, "fork.filter");
-  Tooltip(context, "Shows the options whose name or explanation has these letters.");
+  Tooltip(context, "Shows the options whose name or description contains this text.");
   ImGui::Dummy({0, context.Scaled(4)});
 }
 
@@ -171,10 +172,10 @@ void ForkSheet::DrawButtons(const FrameContext& context, CommandSink& sink) {
   const bool other_seed = forks_ && seed_ != before_seed_;
   ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
   const bool start =
-      forks_ ? Button(context, "fork.start", "Fork",
-                      "Starts it; the fork is opened beside the run once it is done.")
-             : Button(context, "options.apply", "Change",
-                      "The next frame that is mapped, and those after it, have these options.");
+      forks_
+          ? Button(context, "fork.start", "Fork",
+                   "Starts it; the fork is opened beside the run once it is done.")
+          : Button(context, "options.apply", "Change", "Used from the next frame that is mapped.");
   ImGui::PopStyleColor();
   if (start && forks_ && out_[0] != '\0') {
     sink.Post(ForkCommand{frame_, options_, static_cast<std::uint64_t>(seed_), out_});
@@ -184,7 +185,7 @@ void ForkSheet::DrawButtons(const FrameContext& context, CommandSink& sink) {
     open_ = false;
   }
   ImGui::SameLine();
-  if (Button(context, "fork.close", "Cancel", "Esc closes it, too.")) open_ = false;
+  if (Button(context, "fork.close", "Cancel", "Esc closes it too.")) open_ = false;
   ImGui::SameLine(0, context.Scaled(16));
   ImGui::AlignTextToFramePadding();
   if (changed == 0 && !other_seed)

@@ -25,7 +25,8 @@ constexpr ShownToggle kShown[] = {
     {"what_if.first", "First", RunShown::kFirst, "The window shows the run that was opened (V)."},
     {"what_if.other", "Other", RunShown::kOther,
      "The window shows the other run: images, map, objects and answers are its own (V)."},
-    {"what_if.blink", "Blink", RunShown::kBlink, "Both runs in turn: what moves differs."},
+    {"what_if.blink", "Blink", RunShown::kBlink,
+     "Blink between the two runs: whatever moves differs."},
     {"what_if.beside", "Beside", RunShown::kBeside, "The images of both, one above the other."},
 };
 
@@ -50,7 +51,7 @@ class WhatIfPanel : public Panel {
     }
     bool fork = context.fork != nullptr && context.fork->state == ForkState::kRunning;
     if (Toggle(context, "what_if.fork", "Fork from here", fork,
-               "Maps on from this frame with other options or another seed, into a second run."))
+               "Continues from this frame with other options or another seed, in a second run."))
       sink.Post(AskForkCommand{});
     if (context.other == nullptr) return;
     ImGui::SameLine(0, context.Scaled(12));

@@ -47,11 +47,11 @@ class DepthPanel : public Panel {
     if (DrawWaiting(context)) return;
     const MapSnapshot& snapshot = *context.snapshot;
     if (snapshot.depth.empty()) {
-      return EmptyState(context, "No Z-buffer", "It appears once the map holds an object.");
+      return EmptyState(context, "No Z-buffer", "Shown once the map holds an object.");
     }
     const DepthRange range = RangeOf(snapshot.depth);
     if (range.empty())
-      return EmptyState(context, "No object in view", "Play on until one is found.");
+      return EmptyState(context, "No object in view", "Keep playing until one is found.");
     const ImTextureID texture = context.textures->Get(
         "depth", context.snapshot_version, [&] { return DepthPicture(snapshot.depth, range); });
     const ImageCanvas canvas(context, "depth.view", texture, snapshot.depth.cols,

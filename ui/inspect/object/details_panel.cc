@@ -91,10 +91,10 @@ class DetailsPanel : public Panel {
            fmt::format("{:.0f}\u00b0 \u00b1 {:.1f}\u00b0",
                        kDegPerRad * upright.Azimuth(object.world_from_object.linear()),
                        kDegPerRad * std::sqrt(std::max(0.0, object.covariance(3, 3)))),
-           "Angle about up from the world's +x to the object's front.");
+           "Angle about the vertical from the world's +x to the object's front.");
     }
     Fact(context, "evidence", fmt::format("{:+.1f}", object.log_evidence),
-         "Log odds that the object is there.");
+         "Log odds that the object exists.");
     Fact(context, "sample size",
          fmt::format("{:.0f} of {}", object.effective_sample_size,
                      object.particles == nullptr ? 0 : object.particles->size()),

@@ -115,7 +115,7 @@ void DrawLabelPlot(const FrameContext& context, const LabelHistory& history, ImV
   const float legend = std::min(context.Scaled(190), 0.4f * size.x);
   const float axis = context.Scaled(40);
   if (history.frames.empty() || size.y < 4 * font) {
-    Words(context, corner, colors::kFaint, "The history of this object is not read yet.");
+    Words(context, corner, colors::kFaint, "The history of this object has not been read yet.");
     return;
   }
   Area area{{corner.x + axis, corner.y + context.Scaled(4)},

@@ -24,12 +24,12 @@ constexpr Column kColumns[] = {
     {"Object", 4.4f,
      "Number in the order in which objects were spawned, and the colour that the object has "
      "everywhere."},
-    {"Category", 6.0f, "What the detector called it (COCO name)."},
+    {"Category", 6.0f, "The detector's category (COCO name)."},
     {"Model", 0.0f, "Most likely shape, and its probability."},
     {"State", 5.6f,
      "Tentative until the evidence suffices, then confirmed; retired when it speaks against the "
      "object."},
-    {"P(there)", 4.6f, "Probability that the object is there, from its accumulated evidence."},
+    {"P(there)", 4.6f, "Probability that the object exists, from its accumulated evidence."},
     {"Position", 5.2f, "Standard deviation of the position: root of the sum over three axes."},
     {"Azimuth", 4.6f, "Standard deviation of the azimuth about up."},
     {"Visible", 4.2f,
@@ -148,7 +148,7 @@ class ObjectsPanel : public Panel {
       ImGui::Text("%zu modes", object.modes.size());
       ImGui::PopStyleColor();
       Tooltip(context,
-              "The hypotheses sit in clearly separate places; select the object to see them.");
+              "The hypotheses form clearly separate clusters; select the object to see them.");
     }
     ImGui::TableNextColumn();
     ImGui::PushStyleColor(ImGuiCol_Text, StateColor(object.state));

@@ -22,7 +22,7 @@ struct Column {
 constexpr Column kColumns[] = {
     {"#", "Index among the object's particles.", nullptr},
     {"Rank", "1 is the best: by weight times what this frame says of it.", nullptr},
-    {"Weight", "Share of the belief, in thousandths.",
+    {"Weight", "Share of the posterior, in thousandths.",
      [](const Particle& p) { return 1000 * std::exp(double{p.log_weight}); }},
     {"\u03a6 det", "Detector term.", [](const Particle& p) { return double{p.phi_cnn}; }},
     {"\u03a6 edge", "Edge term.", [](const Particle& p) { return double{p.phi_edge}; }},

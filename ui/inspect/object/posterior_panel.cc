@@ -140,7 +140,7 @@ class PosteriorPanel : public Panel {
   }
 
   void DrawReliability(const FrameContext& context) const {
-    DimText("Is the belief honest?");
+    DimText("Is the uncertainty reliable?");
     Tooltip(context,
             "Over the frames of this run so far in which a confirmed object was updated and a true "
             "one of its category is within 50 cm. The regions are those of a Gaussian with the "
@@ -179,9 +179,9 @@ class PosteriorPanel : public Panel {
     ImGui::PushStyleColor(ImGuiCol_Text, too_sure ? colors::kWarning
                                          : unsure ? colors::kAccent
                                                   : colors::kGood);
-    ImGui::TextUnformatted(too_sure ? "Too sure: errors exceed it."
-                           : unsure ? "Cautious: errors are smaller."
-                                    : "About as sure as it may be.");
+    ImGui::TextUnformatted(too_sure ? "Overconfident: errors exceed the stated uncertainty."
+                           : unsure ? "Underconfident: errors are smaller than stated."
+                                    : "Well calibrated: errors are as large as stated.");
     ImGui::PopStyleColor();
   }
 

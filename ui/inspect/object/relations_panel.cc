@@ -21,8 +21,9 @@ class RelationsPanel : public Panel {
     if (context.analysis != nullptr && context.analysis->relations)
       analysis_ = context.analysis;  // until it is there, what was shown before stays
     if (analysis_ == nullptr || analysis_->relations->empty())
-      return EmptyState(context, "No relations yet",
-                        "They are told of confirmed objects: play on until there are two.");
+      return EmptyState(
+          context, "No relations yet",
+          "Relations are shown between confirmed objects: keep playing until there are two.");
     ImGui::PushFont(context.fonts.small);
     constexpr auto kFlags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
                             ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_NoBordersInBody;

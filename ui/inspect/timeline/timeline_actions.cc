@@ -39,7 +39,7 @@ void AddSteps(std::vector<Action>& actions) {
                      .keys = {{keys::kRight, true}},
                      .run = Posts(StepCommand{10}),
                      .help_keys = "Shift + \u2190  \u2192",
-                     .help = "Ten frames back, on",
+                     .help = "Ten frames back or forward",
                      .repeats = true});
   actions.push_back({.text = "Ten frames back",
                      .keys = {{keys::kLeft, true}},
@@ -55,11 +55,11 @@ void AddSteps(std::vector<Action>& actions) {
                      .run = [](const FrameContext& context, CommandSink& sink) {
                        sink.Post(SeekCommand{context.playback->newest_mapped_frame});
                      }});
-  actions.push_back({.text = "Go to a frame by number",
+  actions.push_back({.text = "Go to frame",
                      .keys = {{keys::kG}},
                      .run = Posts(AskFrameCommand{}),
                      .help_keys = "G",
-                     .help = "Go to a frame by number"});
+                     .help = "Go to frame"});
 }
 
 void AddSpeeds(std::vector<Action>& actions) {
@@ -83,12 +83,12 @@ void AddSpeeds(std::vector<Action>& actions) {
 void AddMapping(std::vector<Action>& actions) {
   const auto maps = [](const FrameContext& context) { return !context.playback->recorded; };
   actions.push_back(
-      {.text = "Map on and follow the newest frame",
+      {.text = "Resume mapping and follow the newest frame",
        .keys = {{keys::kN}},
        .run = [](const FrameContext& context,
                  CommandSink& sink) { sink.Post(FollowNewestCommand{!context.playback->follow}); },
        .help_keys = "N",
-       .help = "Map on and follow the newest frame, or stop",
+       .help = "Resume mapping and follow the newest frame, or stop",
        .text_when_on = "Stop mapping",
        .is_on = [](const FrameContext& context) { return context.playback->follow; },
        .is_offered = maps});

@@ -51,7 +51,7 @@ void TimelineControls::DrawButtons(const FrameContext& context, CommandSink& sin
   }
   ImGui::SameLine();
   if (IconButton(context, "timeline.forward", Icon::kStepForward, false,
-                 "One frame on (Right; with Shift ten)")) {
+                 "One frame forward (Right; with Shift ten)")) {
     sink.Post(StepCommand{ImGui::GetIO().KeyShift ? 10 : 1});
   }
   ImGui::SameLine();
@@ -91,8 +91,8 @@ void TimelineControls::DrawRange(const FrameContext& context, CommandSink& sink)
     bool follow = playback.follow;
     const bool behind = playback.mapping && !follow;
     if (Toggle(context, "timeline.live", behind ? "Back to live" : "Live", follow,
-               behind ? "The mapper goes on meanwhile: back to its newest frame (N)."
-                      : "Maps on as fast as it goes and shows the newest frame. Look back whenever "
+               behind ? "The mapper keeps running: back to its newest frame (N)."
+                      : "Maps as fast as it can and shows the newest frame. Look back whenever "
                         "you like: the mapper goes on (N)."))
       sink.Post(FollowNewestCommand{follow});
     ImGui::SameLine(0, context.Scaled(3));

@@ -40,7 +40,7 @@ constexpr PlottedQuantity kQuantities[] = {
     {"edge", "\u03a6 edges", "", "Edge term of the score at the mean.",
      [](const Sample& s) { return s.updated ? std::optional(s.phi_edge) : std::nullopt; },
      "no object was updated"},
-    {"evidence", "Evidence", "log odds", "Log odds that the object is there.",
+    {"evidence", "Evidence", "log odds", "Log odds that the object exists.",
      [](const Sample& s) -> std::optional<float> { return s.log_evidence; }, ""},
     {"ess", "Sample size", "particles", "Effective number of particles.",
      [](const Sample& s) -> std::optional<float> { return s.effective_sample_size; }, ""},

@@ -83,7 +83,7 @@ void DrawTimingsPlot(const FrameContext& context) {
   const std::vector<Column> columns =
       ColumnsOf(*context.playback->history, static_cast<std::size_t>(room.x / 2), stages);
   if (stages.empty())
-    return EmptyState(context, "No frames yet", "Play on: each frame adds its times.");
+    return EmptyState(context, "No frames yet", "Keep playing: each frame adds its times.");
   const ImVec2 low = corner, high(corner.x + room.x, corner.y + room.y - font);
   const double ceiling = Ceiling(columns);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
