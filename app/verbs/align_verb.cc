@@ -29,19 +29,6 @@ struct AlignArguments {
   AlignOptions options;
 };
 
-FreeMotion MotionOf(int dof) {
-  switch (dof) {
-    case 1:
-      return FreeMotion::kAzimuth;
-    case 3:
-      return FreeMotion::kAzimuthAndHorizontal;
-    case 6:
-      return FreeMotion::kRigid;
-    default:
-      return FreeMotion::kAzimuthAndTranslation;
-  }
-}
-
 /// Rows and columns: x, y, z [m], azimuth [rad]; with 6 degrees of freedom the rotation vector.
 nlohmann::json CovarianceToJson(const AlignCandidate& candidate, const Eigen::Vector3d& up,
                                 FreeMotion motion) {
@@ -158,7 +145,7 @@ Status Align(AlignArguments arguments) {
   if (!init) return init.error();
   const Result<Eigen::Vector3d> gravity = ParseDirection(arguments.gravity, "--gravity");
   if (!gravity) return gravity.error();
-  arguments.options.motion = MotionOf(arguments.dof);
+  arguments.options.motion = MotionWith(arguments.dof);
   if (arguments.on_support) arguments.options.standing = Standing::kOnSupport;
   if (!arguments.floor.empty()) {
     const Result<Eigen::VectorXd> floor = ParseNumbers(arguments.floor, "--floor", 4, 4);

@@ -70,11 +70,6 @@ class ProjectImages {
 
 // Refining.
 
-FreeMotion MotionOf(int dof) {
-  if (dof == 1) return FreeMotion::kAzimuth;
-  return dof == 3 ? FreeMotion::kAzimuthAndHorizontal : FreeMotion::kAzimuthAndTranslation;
-}
-
 const char* StopName(RefinementStop stop) {
   switch (stop) {
     case RefinementStop::kConverged:
@@ -244,7 +239,7 @@ Status RefineByImages(const std::string& project_file, const ImageArguments& ima
   const auto chosen = Chosen((*project)->document(), arguments.instances);
   if (!chosen) return chosen.error();
   ImageRefinementOptions options = arguments.options;
-  options.motion = MotionOf(arguments.dof);
+  options.motion = MotionWith(arguments.dof);
   const Eigen::Vector3d up = -(*project)->document().gravity_in_scan.normalized();
   const bool quiet = json_file == "-";
   ConsoleWork work;

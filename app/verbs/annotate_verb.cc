@@ -270,7 +270,7 @@ CLI::App* AddCommand(CLI::App& parent, const char* name, const char* what,
   return command;
 }
 
-constexpr const char* kFormats =
+constexpr const char* kInstanceFormats =
     "ground_truth (our ground_truth.json), visma (a fragments folder), bop (a dataset folder), "
     "labelfusion (registration_result.yaml), poses (per-frame poses, JSON)";
 
@@ -315,7 +315,7 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
       AddCommand(*verb, "import", "Import instances from another format, as one edit", arguments,
                  chosen, Import);
   AddFormat(*import, arguments,
-            std::string(kFormats) +
+            std::string(kInstanceFormats) +
                 ", run (RUN.plb or the JSON of a run: its confirmed objects as coarse drafts)",
             {"ground_truth", "visma", "bop", "labelfusion", "poses", "run"});
   AddPath(*import, arguments, "--from", "The file or folder to read");
@@ -323,7 +323,7 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
 
   CLI::App* write = AddCommand(*verb, "export", "Write the instances in another format", arguments,
                                chosen, Export);
-  AddFormat(*write, arguments, kFormats, {"ground_truth", "visma", "bop", "labelfusion", "poses"});
+  AddFormat(*write, arguments, kInstanceFormats, {"ground_truth", "visma", "bop", "labelfusion", "poses"});
   AddPath(*write, arguments, "--out", "The file or folder to write");
   write
       ->add_option("--frame", arguments->frame,

@@ -62,6 +62,19 @@ Eigen::Matrix<double, 6, 1> Row(const PointPair& pair, const Eigen::Isometry3d& 
 
 }  // namespace
 
+FreeMotion MotionWith(int degrees_of_freedom) {
+  switch (degrees_of_freedom) {
+    case 1:
+      return FreeMotion::kAzimuth;
+    case 3:
+      return FreeMotion::kAzimuthAndHorizontal;
+    case 6:
+      return FreeMotion::kRigid;
+    default:
+      return FreeMotion::kAzimuthAndTranslation;
+  }
+}
+
 int DegreesOfFreedom(FreeMotion motion) {
   switch (motion) {
     case FreeMotion::kAzimuth:

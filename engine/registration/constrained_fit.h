@@ -20,6 +20,8 @@ enum class FreeMotion {
 
 /// 1, 3, 4 or 6.
 int DegreesOfFreedom(FreeMotion motion);
+/// The reverse; 4 for any other number.
+FreeMotion MotionWith(int degrees_of_freedom);
 
 /// A point of the model and the point of the scan that it should meet.
 struct PointPair {

@@ -11,12 +11,12 @@
 namespace plumbline {
 namespace {
 
-constexpr double kSheetWidth = 470, kLabelWidth = 84;
+constexpr double kSheetWidth = 470, kExportLabelWidth = 84;
 
 void Label(const FrameContext& context, const char* text) {
   ImGui::AlignTextToFramePadding();
   DimText("%s", text);
-  ImGui::SameLine(context.Scaled(kLabelWidth));
+  ImGui::SameLine(context.Scaled(kExportLabelWidth));
 }
 
 /// Beside the project.

@@ -27,9 +27,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double kSlowRenderMs = 30;
-constexpr double kOrbitPerPixel = 0.006;
-constexpr double kResetAzimuth = -0.9, kResetElevation = 0.75;
+constexpr double kScanResetAzimuth = -0.9, kScanResetElevation = 0.75;
 constexpr double kCloudCone_px = 5;
 
 /// Of two poses that may be missing.
@@ -124,7 +122,7 @@ class AnnotateScene : public AnnotateSurface {
     const double radius = box.isEmpty() ? 2.0 : std::max(0.3, 0.5 * box.diagonal().norm());
     camera_.LookAt(box.isEmpty() ? Vector3d(0, 0, 0) : Vector3d(box.center()),
                    0.8 * radius / std::tan(0.5 * TurntableCamera::kViewAngle));
-    camera_.SetDirection(kResetAzimuth, kResetElevation);
+    camera_.SetDirection(kScanResetAzimuth, kScanResetElevation);
     dirty_ = true;
   }
   void SetDirection(double azimuth_rad, double elevation_rad) override {

@@ -22,8 +22,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSlowRenderMs = 30;  ///< Slower than this, moving pictures go coarser.
-constexpr double kOrbitPerPixel = 0.006;
 /// The first view is from behind the cameras, a little to their side and from above.
 constexpr double kResetAside = 0.35, kResetElevation = 0.65;
 

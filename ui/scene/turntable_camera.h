@@ -5,6 +5,10 @@
 
 namespace plumbline {
 
+inline constexpr double kOrbitPerPixel = 0.006;  ///< Radians that a drag turns the view.
+/// A view that takes longer to draw goes coarser while it moves.
+inline constexpr double kSlowRenderMs = 30;
+
 /// A camera that turns about a point with up fixed: azimuth about up, elevation above the horizon.
 /// Azimuth 0 looks from h (world +x made horizontal) towards the focus.
 class TurntableCamera {

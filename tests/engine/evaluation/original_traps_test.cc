@@ -12,8 +12,8 @@
 namespace plumbline {
 namespace {
 
-MapEvaluation Evaluate(const std::vector<EstimatedObject>& map, const GroundTruth& truth,
-                       std::uint64_t seed = 0) {
+MapEvaluation EvaluateSeeded(const std::vector<EstimatedObject>& map, const GroundTruth& truth,
+                             std::uint64_t seed = 0) {
   EvaluationOptions options;
   options.samples = 5000;
   options.seed = seed;
@@ -35,7 +35,7 @@ TEST(OriginalTraps, EachMatchCountsOnce) {
   const GroundTruth truth = TwoChairs(0.3);
   std::vector<EstimatedObject> map = PerfectMap(truth);
   for (EstimatedObject& object : map) object.world_from_object.translation().y() = 0.1;
-  const MapEvaluation evaluation = Evaluate(map, truth);
+  const MapEvaluation evaluation = EvaluateSeeded(map, truth);
   EXPECT_EQ(evaluation.matched.size(), 2u);
   EXPECT_NEAR(*evaluation.mean.translation_m, 0.1, 1e-9);
 }
@@ -44,7 +44,7 @@ TEST(OriginalTraps, TwoEstimatesDoNotShareAnInstance) {
   const GroundTruth truth = TwoChairs(3);
   std::vector<EstimatedObject> map = PerfectMap(truth);
   map[1].world_from_object = UprightPose(0.05, 0, 0, 0);
-  const MapEvaluation evaluation = Evaluate(map, truth);
+  const MapEvaluation evaluation = EvaluateSeeded(map, truth);
   ASSERT_EQ(evaluation.matched.size(), 1u);
   EXPECT_EQ(evaluation.matched[0].estimate.id, "1");
   ASSERT_EQ(evaluation.spurious.size(), 1u);
@@ -59,7 +59,7 @@ TEST(OriginalTraps, TheBestPairsWinNotTheFirst) {
   std::vector<EstimatedObject> map = PerfectMap(truth);
   map[0].world_from_object = UprightPose(0.2, 0, 0, 0);
   map[1].world_from_object = UprightPose(-0.3, 0, 0, 0);
-  const MapEvaluation evaluation = Evaluate(map, truth);
+  const MapEvaluation evaluation = EvaluateSeeded(map, truth);
   ASSERT_EQ(evaluation.matched.size(), 2u);
   EXPECT_EQ(evaluation.matched[0].truth.id, "right");
   EXPECT_EQ(evaluation.matched[1].truth.id, "left");
@@ -70,7 +70,7 @@ TEST(OriginalTraps, AnObjectOfAnotherCategoryIsNoMatch) {
   std::vector<EstimatedObject> map = PerfectMap(truth);
   map[0].model = "mug";
   map[0].category = "cup";
-  const MapEvaluation evaluation = Evaluate(map, truth);
+  const MapEvaluation evaluation = EvaluateSeeded(map, truth);
   EXPECT_EQ(evaluation.matched.size(), 1u);
   EXPECT_EQ(evaluation.spurious.size(), 1u);
   EXPECT_EQ(evaluation.missed.size(), 1u);
@@ -80,7 +80,7 @@ TEST(OriginalTraps, AnotherModelOfTheCategoryIsAMatchWithTheWrongModel) {
   const GroundTruth truth = TwoChairs(3);
   std::vector<EstimatedObject> map = PerfectMap(truth);
   map[0].model = "stool";
-  const MapEvaluation evaluation = Evaluate(map, truth);
+  const MapEvaluation evaluation = EvaluateSeeded(map, truth);
   ASSERT_EQ(evaluation.matched.size(), 2u);
   EXPECT_FALSE(evaluation.matched[0].model_correct);
   EXPECT_TRUE(evaluation.matched[1].model_correct);
@@ -92,7 +92,7 @@ TEST(OriginalTraps, HalfAMetreIsTheLimit) {
   std::vector<EstimatedObject> map = PerfectMap(truth);
   map[0].world_from_object = UprightPose(-0.499, 0, 0, 0);
   map[1].world_from_object = UprightPose(3.501, 0, 0, 0);
-  const MapEvaluation evaluation = Evaluate(map, truth);
+  const MapEvaluation evaluation = EvaluateSeeded(map, truth);
   ASSERT_EQ(evaluation.matched.size(), 1u);
   EXPECT_EQ(evaluation.matched[0].truth.id, "left");
   EXPECT_EQ(evaluation.missed.size(), 1u);
@@ -103,7 +103,7 @@ TEST(OriginalTraps, DegreesAreExact) {
   const GroundTruth truth = TwoChairs(3);
   std::vector<EstimatedObject> map = PerfectMap(truth);
   map[0].world_from_object = UprightPose(0, 0, 0, 90);  // 180/3.14 makes 90.0456 of it
-  const nlohmann::json json = EvaluationToJson(Evaluate(map, truth), {});
+  const nlohmann::json json = EvaluationToJson(EvaluateSeeded(map, truth), {});
   EXPECT_NEAR(json["objects"][0]["rotation_deg"].get<double>(), 90, 1e-9);
   EXPECT_NEAR(json["objects"][0]["azimuth_deg"].get<double>(), 90, 1e-9);
 }
@@ -112,9 +112,9 @@ TEST(OriginalTraps, TheSameSeedGivesTheSameFigures) {
   const GroundTruth truth = TestTruth();
   std::vector<EstimatedObject> map = PerfectMap(truth);
   map[0].world_from_object = UprightPose(1.05, 0.02, 0.01, 39);
-  const std::string first = EvaluationToJson(Evaluate(map, truth), {}).dump();
-  EXPECT_EQ(EvaluationToJson(Evaluate(map, truth), {}).dump(), first);
-  EXPECT_NE(EvaluationToJson(Evaluate(map, truth, 1), {}).dump(), first);
+  const std::string first = EvaluationToJson(EvaluateSeeded(map, truth), {}).dump();
+  EXPECT_EQ(EvaluationToJson(EvaluateSeeded(map, truth), {}).dump(), first);
+  EXPECT_NE(EvaluationToJson(EvaluateSeeded(map, truth, 1), {}).dump(), first);
 }
 
 }  // namespace

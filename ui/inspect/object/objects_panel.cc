@@ -15,12 +15,12 @@ namespace {
 
 constexpr double kNarrowest = 790;  ///< Narrower than this the table scrolls sideways.
 
-struct Column {
+struct ObjectColumn {
   const char* name;
   float width;  ///< In units of the text size; 0: takes what is left.
   const char* help;
 };
-constexpr Column kColumns[] = {
+constexpr ObjectColumn kObjectColumns[] = {
     {"Object", 4.4f,
      "Number in the order in which objects were spawned, and the colour that the object has "
      "everywhere."},
@@ -75,7 +75,7 @@ class ObjectsPanel : public Panel {
         (scrolls ? ImGuiTableFlags_ScrollX : 0) | ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
         ImGuiTableFlags_Resizable | ImGuiTableFlags_Hideable | ImGuiTableFlags_NoBordersInBody;
     ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(3.5)});
-    if (ImGui::BeginTable("objects.table", static_cast<int>(std::size(kColumns)), flags,
+    if (ImGui::BeginTable("objects.table", static_cast<int>(std::size(kObjectColumns)), flags,
                           ImGui::GetContentRegionAvail(),
                           scrolls ? context.Scaled(kNarrowest) : 0.0f)) {
       DrawHeaders(context);
@@ -91,19 +91,19 @@ class ObjectsPanel : public Panel {
   static void DrawHeaders(const FrameContext& context) {
     ImGui::TableSetupScrollFreeze(1, 1);
     const float unit = context.fonts.small->FontSize;
-    for (const Column& column : kColumns) {
+    for (const ObjectColumn& column : kObjectColumns) {
       ImGui::TableSetupColumn(
           column.name,
           column.width > 0 ? ImGuiTableColumnFlags_WidthFixed : ImGuiTableColumnFlags_WidthStretch,
           column.width * unit);
     }
     ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
-    for (int i = 0; i < static_cast<int>(std::size(kColumns)); ++i) {
+    for (int i = 0; i < static_cast<int>(std::size(kObjectColumns)); ++i) {
       ImGui::TableSetColumnIndex(i);
       ImGui::PushStyleColor(ImGuiCol_Text, colors::kDimText);
-      ImGui::TableHeader(kColumns[i].name);
+      ImGui::TableHeader(kObjectColumns[i].name);
       ImGui::PopStyleColor();
-      Tooltip(context, kColumns[i].help);
+      Tooltip(context, kObjectColumns[i].help);
     }
   }
 
