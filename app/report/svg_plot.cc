@@ -44,7 +44,7 @@ std::string Text(double x, double y, const char* anchor, const std::string& kind
                      anchor, kind, Escaped(words));
 }
 
-std::string Frame(const Axes& axes) {
+std::string PlotFrame(const Axes& axes) {
   const SvgPlot& plot = axes.plot;
   std::string svg = fmt::format(
       "<svg viewBox='0 0 {0} {1}' width='{0}' height='{1}' role='img' aria-label='{2}'>",
@@ -117,7 +117,7 @@ std::string SvgLines(const SvgPlot& plot, const std::vector<SvgSeries>& series) 
     }
   }
   const Axes axes = AxesOf(plot, series, most);
-  std::string svg = Frame(axes);
+  std::string svg = PlotFrame(axes);
   for (const SvgSeries& s : series) {
     std::string points;
     const auto flush = [&] {
@@ -147,7 +147,7 @@ std::string SvgStack(const SvgPlot& plot, const std::vector<SvgSeries>& series) 
   }
   const double most = total.empty() ? 1 : *std::max_element(total.begin(), total.end());
   const Axes axes = AxesOf(plot, series, most);
-  std::string svg = Frame(axes);
+  std::string svg = PlotFrame(axes);
   for (const SvgSeries& s : series) {
     std::string above, below;
     for (std::size_t i = 0; i < s.x.size(); ++i) {

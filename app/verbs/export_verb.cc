@@ -56,8 +56,9 @@ Status ExportJson(RunReader& reader, const ExportArguments& arguments) {
 }
 
 Status ExportPly(RunReader& reader, const ExportArguments& arguments) {
-  const std::string folder =
-      arguments.models.empty() ? reader.header().recipe.models : arguments.models;
+  const std::filesystem::path folder =
+      arguments.models.empty() ? reader.header().recipe.models
+                               : std::filesystem::path(arguments.models);
   const Result<std::shared_ptr<const ModelDatabase>> database = ModelDatabase::Load(folder);
   if (!database) {
     return Error{database.error().code,
@@ -66,7 +67,7 @@ Status ExportPly(RunReader& reader, const ExportArguments& arguments) {
   if ((*database)->content_hash() != reader.header().models_hash) {
     log::warn(
         "the models in {} are not those of the run; the meshes may differ from what was mapped",
-        folder);
+        folder.string());
   }
   const Result<std::vector<EstimatedObject>> objects = ReadEstimates(arguments.run);
   if (!objects) return objects.error();

@@ -10,6 +10,7 @@
 #include "engine/base/files.h"
 #include "engine/base/log.h"
 #include "engine/recording/run_summary.h"
+#include "engine/runtime/run_source.h"
 
 namespace plumbline {
 namespace {

@@ -22,7 +22,7 @@ std::string HeaderOf(const std::string& data, int points, const std::string& mor
 }
 
 template <typename T>
-void Put(std::string& out, T value) {
+void PutBytes(std::string& out, T value) {
   out.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
@@ -32,9 +32,9 @@ constexpr std::uint32_t kColor = 0x00FF8010;  // red 255, green 128, blue 16
 std::string Rows() {
   std::string rows;
   for (int i = 0; i < 2; ++i) {
-    for (const float value : {1.0f + i, 2.0f + i, 3.0f + i}) Put(rows, value);
-    Put(rows, kColor);
-    for (int k = 0; k < 3; ++k) Put(rows, static_cast<std::uint16_t>(7));
+    for (const float value : {1.0f + i, 2.0f + i, 3.0f + i}) PutBytes(rows, value);
+    PutBytes(rows, kColor);
+    for (int k = 0; k < 3; ++k) PutBytes(rows, static_cast<std::uint16_t>(7));
   }
   return rows;
 }
@@ -63,8 +63,8 @@ TEST(PcdFile, ReadsNormalsAndDoubles) {
   std::string bytes =
       "VERSION 0.7\nFIELDS x y z normal_x normal_y normal_z\nSIZE 8 8 8 4 4 4\nTYPE F F F F F F\n"
       "WIDTH 1\nHEIGHT 1\nDATA binary\n";
-  for (const double value : {0.1, 0.2, 0.3}) Put(bytes, value);
-  for (const float value : {0.0f, 0.6f, 0.8f}) Put(bytes, value);
+  for (const double value : {0.1, 0.2, 0.3}) PutBytes(bytes, value);
+  for (const float value : {0.0f, 0.6f, 0.8f}) PutBytes(bytes, value);
   const auto cloud = ParsePcd(bytes, "a.pcd");
   ASSERT_TRUE(cloud.ok()) << cloud.error().message;
   EXPECT_EQ(cloud->vertices[0], Eigen::Vector3f(0.1f, 0.2f, 0.3f));
@@ -84,14 +84,14 @@ std::string Compressed() {
   std::string packed;
   for (const std::uint32_t bits : {0x3F800000u, 0x40000000u, 0x40400000u, kColor}) {
     packed.push_back(3);  // 4 literals
-    Put(packed, bits);
+    PutBytes(packed, bits);
     packed.push_back(static_cast<char>(7 << 5));  // A long copy: 7 + 3 + 2 = 12 bytes ...
     packed.push_back(3);
     packed.push_back(3);  // ... from 4 back.
   }
   std::string body;
-  Put(body, static_cast<std::uint32_t>(packed.size()));
-  Put(body, std::uint32_t{64});
+  PutBytes(body, static_cast<std::uint32_t>(packed.size()));
+  PutBytes(body, std::uint32_t{64});
   return body + packed;
 }
 

@@ -95,17 +95,17 @@ TEST_F(TurnedSquare, LosesATenthOfItsPixelsAndGainsAFewFalseOnes) {
   const int wanted = cv::countNonZero(clean.probability);
   cv::Mat far;
   cv::distanceTransform(clean.probability == 0, far, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  constexpr int kFrames = 30;
-  for (int frame = 0; frame < kFrames; ++frame) {
+  constexpr int kFewFrames = 30;
+  for (int frame = 0; frame < kFewFrames; ++frame) {
     const EdgeMap edges = DetectSyntheticEdges(
         camera_, maps_, picture_, {.dropped = 0.1, .jitter_px = 0, .spurious = 0}, 1, frame);
-    kept += cv::countNonZero(edges.probability) / static_cast<double>(wanted) / kFrames;
+    kept += cv::countNonZero(edges.probability) / static_cast<double>(wanted) / kFewFrames;
     const EdgeMap flawed = DetectSyntheticEdges(camera_, maps_, picture_, {}, 1, frame);
     for (int y = 0; y < far.rows; ++y) {
       for (int x = 0; x < far.cols; ++x) {
         if (flawed.probability.at<std::uint8_t>(y, x) == 0) continue;
         if (far.at<float>(y, x) > 2.5f)
-          off_line += 1.0 / wanted / kFrames;
+          off_line += 1.0 / wanted / kFewFrames;
         else
           displaced += far.at<float>(y, x) > 0.9f;
       }

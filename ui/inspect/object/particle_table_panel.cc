@@ -14,12 +14,12 @@
 namespace plumbline {
 namespace {
 
-struct Column {
+struct ParticleColumn {
   const char* name;
   const char* help;
   double (*value)(const Particle& particle);  ///< Null: index or rank.
 };
-constexpr Column kColumns[] = {
+constexpr ParticleColumn kParticleColumns[] = {
     {"#", "Index among the object's particles.", nullptr},
     {"Rank", "1 is the best: by weight times what this frame says of it.", nullptr},
     {"Weight", "Share of the posterior, in thousandths.",
@@ -49,20 +49,20 @@ class ParticleTablePanel : public Panel {
     ImGui::PushFont(context.fonts.small);
     constexpr auto kFlags = ImGuiTableFlags_Sortable | ImGuiTableFlags_ScrollY |
                             ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp;
-    if (ImGui::BeginTable("particle_table", static_cast<int>(std::size(kColumns)), kFlags,
+    if (ImGui::BeginTable("particle_table", static_cast<int>(std::size(kParticleColumns)), kFlags,
                           ImGui::GetContentRegionAvail())) {
       ImGui::TableSetupScrollFreeze(0, 1);
-      for (const Column& column : kColumns)
+      for (const ParticleColumn& column : kParticleColumns)
         ImGui::TableSetupColumn(
             column.name,
             ImGuiTableColumnFlags_PreferSortDescending |
-                (&column == &kColumns[kWeight] ? ImGuiTableColumnFlags_DefaultSort : 0));
+                (&column == &kParticleColumns[kWeight] ? ImGuiTableColumnFlags_DefaultSort : 0));
       ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
-      for (int i = 0; i < static_cast<int>(std::size(kColumns)); ++i) {
+      for (int i = 0; i < static_cast<int>(std::size(kParticleColumns)); ++i) {
         ImGui::TableSetColumnIndex(i);
-        ImGui::TableHeader(kColumns[i].name);
+        ImGui::TableHeader(kParticleColumns[i].name);
         LogItem(context, fmt::format("particle_table.column.{}", i));
-        Tooltip(context, kColumns[i].help);
+        Tooltip(context, kParticleColumns[i].help);
       }
       Sort(context, *object);
       DrawRows(context, *object, sink);
@@ -86,7 +86,7 @@ class ParticleTablePanel : public Panel {
     RankParticles(context, particles);
     if (specs == nullptr || specs->SpecsCount == 0) return;
     specs->SpecsDirty = false;
-    const Column& column = kColumns[specs->Specs[0].ColumnIndex];
+    const ParticleColumn& column = kParticleColumns[specs->Specs[0].ColumnIndex];
     const bool rises = specs->Specs[0].SortDirection == ImGuiSortDirection_Ascending;
     const auto key = [&](int i) { return Value(column, particles, i); };
     std::stable_sort(order_.begin(), order_.end(),
@@ -101,10 +101,10 @@ class ParticleTablePanel : public Panel {
     for (const int index : *order) rank_[static_cast<std::size_t>(index)] = ++rank;
   }
 
-  double Value(const Column& column, const std::vector<Particle>& particles, int index) const {
+  double Value(const ParticleColumn& column, const std::vector<Particle>& particles, int index) const {
     const auto i = static_cast<std::size_t>(index);
     if (column.value != nullptr) return column.value(particles[i]);
-    return &column == &kColumns[kRank] ? rank_[i] : index;
+    return &column == &kParticleColumns[kRank] ? rank_[i] : index;
   }
 
   void DrawRows(const FrameContext& context, const ObjectReport& object, CommandSink& sink) const {
@@ -122,13 +122,13 @@ class ParticleTablePanel : public Panel {
           sink.Post(SelectParticleCommand{context.selection.particle == index ? -1 : index});
         if (ImGui::IsItemHovered()) sink.Post(HoverParticleCommand{index});
         LogItem(context, fmt::format("particle_table.row.{}", row));
-        for (std::size_t c = 1; c < std::size(kColumns); ++c) {
+        for (std::size_t c = 1; c < std::size(kParticleColumns); ++c) {
           ImGui::TableNextColumn();
-          const double value = Value(kColumns[c], *object.particles, index);
+          const double value = Value(kParticleColumns[c], *object.particles, index);
           const ModelView* model = context.Model({particle.label});
-          if (std::string_view(kColumns[c].name) == "Model") {
+          if (std::string_view(kParticleColumns[c].name) == "Model") {
             ImGui::TextUnformatted(model != nullptr ? model->name.c_str() : "?");
-          } else if (c == kRank || std::string_view(kColumns[c].name) == "From") {
+          } else if (c == kRank || std::string_view(kParticleColumns[c].name) == "From") {
             ImGui::Text("%.0f", value);
           } else {
             ImGui::Text("%.2f", value);
