@@ -66,7 +66,6 @@ std::string Dot(int number) {
   return fmt::format("<span class='dot' style='background:{}'></span>", SvgColor(number));
 }
 
-
 std::string ModelName(const RunReview& review, ModelId label) {
   const auto index = static_cast<std::size_t>(label.value);
   return index < review.header.models.size() ? review.header.models[index].name : "?";

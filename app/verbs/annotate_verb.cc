@@ -323,7 +323,8 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
 
   CLI::App* write = AddCommand(*verb, "export", "Write the instances in another format", arguments,
                                chosen, Export);
-  AddFormat(*write, arguments, kInstanceFormats, {"ground_truth", "visma", "bop", "labelfusion", "poses"});
+  AddFormat(*write, arguments, kInstanceFormats,
+            {"ground_truth", "visma", "bop", "labelfusion", "poses"});
   AddPath(*write, arguments, "--out", "The file or folder to write");
   write
       ->add_option("--frame", arguments->frame,

@@ -56,9 +56,9 @@ Status ExportJson(RunReader& reader, const ExportArguments& arguments) {
 }
 
 Status ExportPly(RunReader& reader, const ExportArguments& arguments) {
-  const std::filesystem::path folder =
-      arguments.models.empty() ? reader.header().recipe.models
-                               : std::filesystem::path(arguments.models);
+  const std::filesystem::path folder = arguments.models.empty()
+                                           ? reader.header().recipe.models
+                                           : std::filesystem::path(arguments.models);
   const Result<std::shared_ptr<const ModelDatabase>> database = ModelDatabase::Load(folder);
   if (!database) {
     return Error{database.error().code,

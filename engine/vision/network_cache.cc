@@ -73,12 +73,11 @@ void NetworkCache::Put(const std::string& key, std::string_view content) {
   const std::filesystem::path file = FileOf(key);
   std::filesystem::create_directories(file.parent_path(), error);
   if (error) return;
-  const Status written =
-      WriteFileAtomically(file, HashHex(content) + std::string(content));
+  const Status written = WriteFileAtomically(file, HashHex(content) + std::string(content));
   if (!written.ok()) return;
   written_bytes_ += content.size() + kHashDigits;
-  if (!checked_ || written_bytes_ > static_cast<std::uintmax_t>(
-                                        kCheckEvery * static_cast<double>(limit_bytes_)))
+  if (!checked_ ||
+      written_bytes_ > static_cast<std::uintmax_t>(kCheckEvery * static_cast<double>(limit_bytes_)))
     MakeRoom();
 }
 

@@ -20,7 +20,8 @@ class NetworkCache {
  public:
   /// @param limit_bytes  When more is kept, what was not used for longest goes first.
   explicit NetworkCache(std::filesystem::path folder, std::uintmax_t limit_bytes);
-  /// Beside the viewpoint models; PLUMBLINE_NETWORK_CACHE_MB sets the limit (4096), 0 keeps nothing.
+  /// Beside the viewpoint models; PLUMBLINE_NETWORK_CACHE_MB sets the limit (4096), 0 keeps
+  /// nothing.
   static NetworkCache& Shared();
 
   std::optional<std::string> Get(const std::string& key);

@@ -45,7 +45,8 @@ class OrientedTable {
   double chance_ = 0;
 };
 
-/// Edges at half size, rounded up as PinholeCamera::Scaled does: the strongest of four pixels. A table of them searches twice as far.
+/// Edges at half size, rounded up as PinholeCamera::Scaled does: the strongest of four pixels. A
+/// table of them searches twice as far.
 EdgeMap HalfSize(const EdgeMap& edges);
 
 }  // namespace plumbline

@@ -28,7 +28,7 @@ class ComparisonProcessTest : public testing::Test {
     PlaybackView playback;
     playback.history = std::make_shared<const RunHistory>(source_->history());
     RunHeader header;
-    header.options = {{"alpha", alpha}};
+    header.recipe.options.alpha = alpha;
     return {source_->Past(frame, {}).value(), std::make_shared<const PlaybackView>(playback),
             std::make_shared<const RunHeader>(header)};
   }

@@ -101,7 +101,8 @@ class ParticleTablePanel : public Panel {
     for (const int index : *order) rank_[static_cast<std::size_t>(index)] = ++rank;
   }
 
-  double Value(const ParticleColumn& column, const std::vector<Particle>& particles, int index) const {
+  double Value(const ParticleColumn& column, const std::vector<Particle>& particles,
+               int index) const {
     const auto i = static_cast<std::size_t>(index);
     if (column.value != nullptr) return column.value(particles[i]);
     return &column == &kParticleColumns[kRank] ? rank_[i] : index;
