@@ -164,7 +164,7 @@ TEST(RunFileErrors, NewerVersion) {
   WriteSmallRun(file);
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
-  ASSERT_EQ(sqlite3_exec(database, "PRAGMA user_version = 2", nullptr, nullptr, nullptr),
+  ASSERT_EQ(sqlite3_exec(database, "PRAGMA user_version = 3", nullptr, nullptr, nullptr),
             SQLITE_OK);
   sqlite3_close(database);
   EXPECT_THAT(OpenError(file, ErrorCode::kUnsupported), HasSubstr("newer Plumbline"));
