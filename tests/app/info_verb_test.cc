@@ -154,6 +154,7 @@ TEST_F(InfoVerb, DescribesAnAnnotationProject) {
   document.instances.resize(2);
   document.instances[0].id = "a";
   document.instances[1].id = "b";
+  document.instances[0].model = document.instances[1].model = "chair";
   document.instances[1].fine = false;
   WriteText(Path("p.json"), DocumentToJson(document).dump());
   const nlohmann::json json = Json("p.json");
