@@ -160,7 +160,7 @@ std::optional<Include> ParseInclude(const std::string& line, int number) {
 
 std::string WrongInclude(std::string_view path, const Include& include) {
   if (!include.quoted) return WrongLibrary(path, include.file);
-  if (!Matches(include.file, "^(app|engine|ui|tests)/"))
+  if (!Matches(include.file, "^(app|engine|ui|tests|cmake)/"))
     return "quoted includes start at the top of the source tree";
   return WrongLayer(path, include.file);
 }

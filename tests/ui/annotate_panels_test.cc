@@ -301,7 +301,7 @@ TEST(AnnotateFloorPanel, FindsPicksAndTypes) {
   AnnotateHarness harness;
   const auto panel = MakeAnnotatePanel("annotate_floor");
   harness.snapshot().floor_known = false;
-  EXPECT_THAT(harness.Text(*panel), HasSubstr("where is the floor?"));
+  EXPECT_THAT(harness.Text(*panel), HasSubstr("where is it?"));
   harness.Click(*panel, "floor.find");
   ASSERT_NE(harness.sink.Last<FindFloorCommand>(), nullptr);
   EXPECT_FALSE(harness.sink.Last<FindFloorCommand>()->seed_in_scan.has_value());

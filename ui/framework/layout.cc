@@ -204,8 +204,12 @@ void DrawFrame(const FrameContext& context, const LayoutRect& rect, Panel& panel
                         ImGuiWindowFlags_AlwaysUseWindowPadding);
   ImGui::PopStyleVar();
   ImGui::PopStyleColor();
-  if (panel.info().has_title_row) DrawTitle(context, panel, tabs, active, sink, menu);
-  panel.Draw(context, sink);
+  // Smaller, and what ImGui draws would reach out of the panel.
+  constexpr float kLeastSide = 48;
+  if (size.x >= kLeastSide && size.y >= kLeastSide) {
+    if (panel.info().has_title_row) DrawTitle(context, panel, tabs, active, sink, menu);
+    panel.Draw(context, sink);
+  }
   ImGui::EndChild();
   LogItem(context, std::string("panel.") + panel.id());
 }
