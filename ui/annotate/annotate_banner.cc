@@ -87,7 +87,7 @@ void DrawNotices(const FrameContext& context, float x, float& y, float width, Co
     }
     ImGui::PopStyleColor();
     ImGui::SameLine(0, context.Scaled(6));
-    if (Button(context, "annotate.recover_drop", "Take them back",
+    if (Button(context, "annotate.recover_drop", "Undo them all",
                "Restores the project as it was saved; Redo restores the edits.")) {
       sink.Post(DropRecoveredCommand{});
     }

@@ -57,7 +57,7 @@ class AnnotateCandidatesPanel : public Panel {
     }
     ImGui::PopStyleColor();
     ImGui::SameLine();
-    if (Button(context, "proposal.cancel", "Drop it", "Esc drops it, too.")) {
+    if (Button(context, "proposal.cancel", "Discard", "Esc discards it too.")) {
       sink.Post(CancelProposalCommand{});
     }
   }

@@ -51,7 +51,7 @@ class AnnotateCropPanel : public Panel {
       }
       ImGui::PopStyleColor();
       ImGui::SameLine();
-      if (Button(context, "crop.drop", "Drop it", "Forgets the box or the line (Esc).")) {
+      if (Button(context, "crop.drop", "Discard", "Forgets the box or the line (Esc).")) {
         DropCut(context, sink);
       }
     }
@@ -195,7 +195,7 @@ class AnnotateCropPanel : public Panel {
     ImGui::Dummy({0, context.Scaled(6)});
     ImGui::BeginDisabled(!good);
     ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-    if (Button(context, "proposal.accept", "Take it", "Enter accepts it too, as one edit.")) {
+    if (Button(context, "proposal.accept", "Accept", "Enter accepts it too, as one edit.")) {
       sink.Post(AcceptProposalCommand{});
       context.annotate->tool = AnnotateTool::kSelect;
     }

@@ -101,7 +101,7 @@ class AnnotateFloorPanel : public Panel {
     }
     ImGui::Dummy({0, context.Scaled(6)});
     ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-    if (Button(context, "proposal.accept", "Take it", "Enter accepts it too.")) {
+    if (Button(context, "proposal.accept", "Accept", "Enter accepts it too.")) {
       sink.Post(AcceptProposalCommand{});
       context.annotate->tool = AnnotateTool::kSelect;
       context.annotate->reset = true;

@@ -60,7 +60,7 @@ class AnnotateRefinementPanel : public Panel {
     if (!refinement.by_images) DrawLegend(context);
     ImGui::Dummy({0, context.Scaled(6)});
     ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-    if (Button(context, "proposal.accept", "Take it", "Enter accepts it too, as one edit.")) {
+    if (Button(context, "proposal.accept", "Accept", "Enter accepts it too, as one edit.")) {
       sink.Post(AcceptProposalCommand{});
     }
     ImGui::PopStyleColor();

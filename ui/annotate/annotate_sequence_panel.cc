@@ -111,7 +111,7 @@ class AnnotateSequencePanel : public Panel {
     ImGui::Dummy({0, context.Scaled(6)});
     ImGui::BeginDisabled(!good);
     ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-    if (Button(context, "proposal.accept", "Take it", "Enter accepts it too, as one edit.")) {
+    if (Button(context, "proposal.accept", "Accept", "Enter accepts it too, as one edit.")) {
       sink.Post(AcceptProposalCommand{});
       context.annotate->tool = AnnotateTool::kSelect;
     }
