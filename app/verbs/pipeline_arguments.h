@@ -20,7 +20,7 @@ struct PipelineArguments {
 
   /// Declares --models, --frames, --seed, --detector, --edges, --poses, --options and --set.
   void AddTo(CLI::App& verb);
-  /// Reads the range and the options into `choice`. Errors: kInvalidInput, kNotFound.
+  /// Reads the range and the options into `recipe`. Errors: kInvalidInput, kNotFound.
   Status Finish();
 };
 
