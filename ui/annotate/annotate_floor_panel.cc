@@ -108,7 +108,7 @@ class AnnotateFloorPanel : public Panel {
     }
     ImGui::PopStyleColor();
     ImGui::SameLine();
-    if (Button(context, "proposal.cancel", "No", "Esc drops it, too.")) {
+    if (Button(context, "proposal.cancel", "Discard", "Esc discards it too.")) {
       sink.Post(CancelProposalCommand{});
     }
   }
