@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "engine/base/check.h"
-#include "engine/evaluation/assignment.h"
+#include "engine/geometry/assignment.h"
 #include "engine/evaluation/scene_alignment.h"
 
 namespace plumbline {

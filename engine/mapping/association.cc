@@ -2,15 +2,21 @@
 #include "engine/mapping/association.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include <opencv2/imgproc.hpp>
+
+#include "engine/geometry/assignment.h"
 
 namespace plumbline {
 namespace {
 
 constexpr float kSameBoxIou = 0.8f;
-constexpr float kSameObjectIou = 0.4f;
+constexpr float kSameObjectIou = 0.4f;  ///< Of a second box of an object that has one.
+constexpr float kMatchIou = 0.3f;
+constexpr double kGroupCover = 0.25;  ///< Of a box that is too large, by the masks in it.
+constexpr double kTentativePenalty = 0.15;  ///< In IoU: what is settled comes first.
 constexpr double kSharedFootprint = 0.3;
 constexpr float kSameViewIou = 0.5f;
 constexpr float kTentativeIou =
@@ -49,6 +55,16 @@ int PixelsInBox(const cv::Mat& id, int object, const Box2& box) {
   return count;
 }
 
+/// Image pixels to the half-size maps' (pixel centres at integers).
+Box2 InMaps(const Box2& box) {
+  return {(box.x0 + 0.5f) * 0.5f - 0.5f, (box.y0 + 0.5f) * 0.5f - 0.5f,
+          (box.x1 + 0.5f) * 0.5f - 0.5f, (box.y1 + 0.5f) * 0.5f - 0.5f};
+}
+
+Box2 InImage(const Box2& box, const RenderedMaps& maps) {
+  return Intersection(box, {0, 0, static_cast<float>(maps.id.cols), static_cast<float>(maps.id.rows)});
+}
+
 /// The bounding box of an object at its mean state, seen from above.
 struct Footprint {
   std::vector<cv::Point2f> corners;  ///< Convex, in the axes of the upright frame [m].
@@ -78,21 +94,63 @@ Footprint FootprintOf(const MapObject& object, const MapFrame& map) {
 
 }  // namespace
 
-std::vector<ProposalReport> ExplainProposals(std::span<const Detection> proposals,
-                                             std::span<const MapObject> objects,
-                                             const RenderedMaps& maps,
-                                             const ModelDatabase& database,
-                                             const MapperOptions& options) {
+std::vector<std::optional<std::size_t>> MatchProposals(std::span<const Detection> proposals,
+                                                       std::span<const MapObject> objects,
+                                                       const RenderedMaps& maps) {
+  const std::map<int, Mask> masks = maps.id.empty() ? std::map<int, Mask>{} : FindMasks(maps.id);
+  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(
+      static_cast<Eigen::Index>(objects.size()), static_cast<Eigen::Index>(proposals.size()),
+      std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const auto mask = masks.find(objects[i].id.value);
+    if (mask == masks.end()) continue;
+    const bool tentative = objects[i].state == ObjectState::kTentative;
+    for (std::size_t k = 0; k < proposals.size(); ++k) {
+      if (objects[i].category != proposals[k].category) continue;
+      const float iou = Iou(InMaps(proposals[k].box), mask->second.box);
+      if (iou < (tentative ? kTentativeIou : kMatchIou)) continue;
+      cost(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+          1.0 + kTentativePenalty - iou * (0.5 + 0.5 * proposals[k].score) +
+          (tentative ? kTentativePenalty : 0.0);
+    }
+  }
+  std::vector<std::optional<std::size_t>> matched(objects.size());
+  if (proposals.empty() || objects.empty()) return matched;
+  // As many pairs as possible is not the aim, the best pairs are: each object may stay alone at the
+  // price of a pair that hardly overlaps.
+  const Eigen::Index n = cost.rows(), m = cost.cols();
+  Eigen::MatrixXd square = Eigen::MatrixXd::Constant(n, m + n, std::numeric_limits<double>::infinity());
+  square.leftCols(m) = cost;
+  for (Eigen::Index i = 0; i < n; ++i) square(i, m + i) = 1.0 + 2 * kTentativePenalty;
+  const std::vector<std::optional<int>> columns = AssignOneToOne(square);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (columns[i] && *columns[i] < m) matched[i] = static_cast<std::size_t>(*columns[i]);
+  }
+  return matched;
+}
+
+std::vector<ProposalReport> ExplainProposals(
+    std::span<const Detection> proposals, std::span<const MapObject> objects,
+    std::span<const std::optional<std::size_t>> matched, const RenderedMaps& maps,
+    const ModelDatabase& database, const MapperOptions& options) {
   const std::map<int, Mask> masks = maps.id.empty() ? std::map<int, Mask>{} : FindMasks(maps.id);
   std::vector<ProposalReport> reports;
-  for (const Detection& proposal : proposals) {
+  for (std::size_t k = 0; k < proposals.size(); ++k) {
+    const Detection& proposal = proposals[k];
     ProposalReport report{
         proposal.box, proposal.category, proposal.score, ProposalFate::kSpawned, {}};
-    // Image pixels to the half-size maps' (pixel centres at integers).
-    const Box2 box{(proposal.box.x0 + 0.5f) * 0.5f - 0.5f, (proposal.box.y0 + 0.5f) * 0.5f - 0.5f,
-                   (proposal.box.x1 + 0.5f) * 0.5f - 0.5f, (proposal.box.y1 + 0.5f) * 0.5f - 0.5f};
+    const Box2 box = InMaps(proposal.box);
     double best = 0;
-    for (const MapObject& object : objects) {
+    double masks_inside = 0;
+    std::optional<ObjectId> in_group;
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const MapObject& object = objects[i];
+      if (matched[i] == k) {
+        report.fate = ProposalFate::kExplained;
+        report.object = object.id;
+        best = std::numeric_limits<double>::infinity();
+        break;
+      }
       const auto mask = masks.find(object.id.value);
       if (mask == masks.end()) continue;
       const double inside = PixelsInBox(maps.id, object.id.value, box);
@@ -100,10 +158,13 @@ std::vector<ProposalReport> ExplainProposals(std::span<const Detection> proposal
                    of_mask = inside / mask->second.pixels;
       const float iou = Iou(box, mask->second.box);
       const bool same = object.category == proposal.category;
-      const bool tentative = object.state == ObjectState::kTentative;
+      if (same && of_mask > options.explained_overlap) {
+        masks_inside += inside;
+        if (!in_group) in_group = object.id;
+      }
+      // A part of an object, a second box of it, or the same thing under another name.
       const bool explained =
-          (same && (of_box > options.explained_overlap || of_mask > options.explained_overlap ||
-                    iou > kSameObjectIou || (tentative && iou > kTentativeIou))) ||
+          (same && (of_box > options.explained_overlap || iou > kSameObjectIou)) ||
           iou > kSameBoxIou;
       const double strength = (same ? 1.0 : 0.0) + iou;
       if (explained && strength > best) {
@@ -111,6 +172,13 @@ std::vector<ProposalReport> ExplainProposals(std::span<const Detection> proposal
         report.fate = ProposalFate::kExplained;
         report.object = object.id;
       }
+    }
+    // A box about one or several objects that it holds, as long as they fill it: another object in
+    // front of one of them leaves most of its box to itself.
+    if (report.fate != ProposalFate::kExplained && in_group &&
+        masks_inside > kGroupCover * InImage(box, maps).area()) {
+      report.fate = ProposalFate::kExplained;
+      report.object = *in_group;
     }
     if (report.fate != ProposalFate::kExplained) {
       if (database.OfCategory(proposal.category).empty()) {

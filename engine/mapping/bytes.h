@@ -49,6 +49,7 @@ class ByteReader {
     for (int i = 0; i < 12; ++i) pose.matrix()(i / 4, i % 4) = Get<double>();
     return pose;
   }
+  std::string_view rest() const { return bytes_; }
   bool ok() const { return ok_; }
 
  private:

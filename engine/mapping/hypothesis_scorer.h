@@ -33,6 +33,7 @@ struct ScoringView {
   double occlusion_margin_m =
       0.05;              ///< A point hides only behind a surface at least this much nearer.
   double near_m = 0.15;  ///< Nearer points are not seen.
+  bool inner_lines = true;  ///< Creases and marks count too.
 };
 
 /// How a hypothesis' contour agrees with the edges, before normalisation

@@ -3,15 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "engine/geometry/angles.h"
 #include "engine/mapping/bytes.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kMovedDistance_m = 0.02;
-constexpr double kMovedAngle_rad = 2.0 * std::numbers::pi / 180.0;
+constexpr double kMovedAngle_rad = 2.0 * kRadPerDeg;
 
 double Angle(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
@@ -46,30 +46,41 @@ void KeyFrameMemory::SetOptions(const MapperOptions& options) {
   for (KeyFrame& key : frames_) key.input.table = SearchTable(key.input.edges, options);
 }
 
-void KeyFrameMemory::Offer(const MapperInput& input) {
-  // 1 where the camera has just moved or turned far enough.
-  const auto distance = [&](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-    return std::max((a.translation() - b.translation()).norm() / options_.key_frame_distance_m,
-                    Angle(a, b) / (options_.key_frame_angle_deg * std::numbers::pi / 180.0));
-  };
+double KeyFrameMemory::Distance(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {
+  return std::max((a.translation() - b.translation()).norm() / options_.key_frame_distance_m,
+                  Angle(a, b) / (options_.key_frame_angle_deg * kRadPerDeg));
+}
+
+const KeyFrame* KeyFrameMemory::Find(int frame) const {
   for (const KeyFrame& key : frames_) {
-    if (distance(key.input.world_from_cam, input.world_from_cam) < 1.0) return;
+    if (key.input.frame == frame) return &key;
   }
+  return nullptr;
+}
+
+KeyFrameMemory::Offered KeyFrameMemory::Offer(const MapperInput& input) {
+  Offered offered;
+  for (const KeyFrame& key : frames_) {
+    if (Distance(key.input.world_from_cam, input.world_from_cam) < 1.0) return offered;
+  }
+  offered.kept = true;
   frames_.push_back({input, {}, {}});
   while (static_cast<int>(frames_.size()) > options_.key_frames) {
     std::size_t drop = 0;
     double closest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       for (std::size_t j = i + 1; j < frames_.size(); ++j) {
-        const double d = distance(frames_[i].input.world_from_cam, frames_[j].input.world_from_cam);
+        const double d = Distance(frames_[i].input.world_from_cam, frames_[j].input.world_from_cam);
         if (d < closest) {
           closest = d;
           drop = i;
         }
       }
     }
+    offered.forgotten.push_back(frames_[drop].input.frame);
     frames_.erase(frames_.begin() + static_cast<std::ptrdiff_t>(drop));
   }
+  return offered;
 }
 
 void KeyFrameMemory::UpdateOcclusion(OcclusionRenderer& renderer,

@@ -50,7 +50,17 @@ class KeyFrameMemory {
   void SetOptions(const MapperOptions& options);
   /// Keeps the frame if it shows something new: the camera is further from all kept ones than the
   /// options say. When full, forgets one of the two that are closest to each other, the older.
-  void Offer(const MapperInput& input);
+  struct Offered {
+    bool kept = false;
+    std::vector<int> forgotten;  ///< Frame numbers.
+  };
+  Offered Offer(const MapperInput& input);
+  /// How much there is new to see between two views: 1 where the camera has just moved or turned
+  /// far enough for a key frame.
+  double Distance(const Eigen::Isometry3d& world_from_cam_a,
+                  const Eigen::Isometry3d& world_from_cam_b) const;
+  /// Null if it is not kept.
+  const KeyFrame* Find(int frame) const;
   /// Draws `objects` again into the key frames where they stand elsewhere than when last drawn.
   void UpdateOcclusion(OcclusionRenderer& renderer, const std::vector<PlacedModel>& objects);
   const std::vector<KeyFrame>& frames() const { return frames_; }

@@ -13,13 +13,27 @@ void MapObject::Summarize(const MapFrame& map) {
   world_from_object = mean().world_from_object;
 }
 
+double MapObject::remembered() const {
+  double sum = 0;
+  for (const ObjectView& view : views) sum += view.weight;
+  return sum;
+}
+
 ObjectReport ToReport(const MapObject& object) {
   ObjectReport report;
   static_cast<ObjectBelief&>(report) = object;
   report.particles = std::make_shared<const std::vector<Particle>>(object.particles);
   ByteWriter out;
   out.Put(object.seen_s);
-  out.Put(static_cast<std::int32_t>(object.last_move_frame));
+  out.Put(object.last_search_s);
+  out.Put(object.present_weight);
+  out.Put(static_cast<std::uint32_t>(object.views.size()));
+  for (const ObjectView& view : object.views) {
+    out.Put(static_cast<std::int32_t>(view.frame));
+    out.Put(view.weight);
+  }
+  out.Put(static_cast<std::uint32_t>(object.memory.size()));
+  for (const float sum : object.memory) out.Put(sum);
   out.Put(object.last_proposal.has_value());
   if (object.last_proposal) {
     for (const float value :
@@ -39,7 +53,17 @@ Result<MapObject> FromReport(const ObjectReport& report) {
   object.updated = false;
   ByteReader in(report.filter_state);
   object.seen_s = in.Get<double>();
-  object.last_move_frame = in.Get<std::int32_t>();
+  object.last_search_s = in.Get<double>();
+  object.present_weight = in.Get<double>();
+  const std::uint32_t views = in.Get<std::uint32_t>();
+  for (std::uint32_t i = 0; i < views && in.ok(); ++i) {
+    ObjectView view;
+    view.frame = in.Get<std::int32_t>();
+    view.weight = in.Get<double>();
+    object.views.push_back(view);
+  }
+  const std::uint32_t sums = in.Get<std::uint32_t>();
+  for (std::uint32_t i = 0; i < sums && in.ok(); ++i) object.memory.push_back(in.Get<float>());
   if (in.Get<bool>()) {
     Detection detection;
     detection.category = report.category;
@@ -51,7 +75,7 @@ Result<MapObject> FromReport(const ObjectReport& report) {
     object.world_from_proposal_cam = in.GetPose();
   }
   if (!in.ok() || report.modes.empty() || report.particles == nullptr ||
-      report.particles->empty()) {
+      report.particles->empty() || object.memory.size() != report.particles->size()) {
     return Error{ErrorCode::kCorrupt,
                  "object " + std::to_string(report.id.value) +
                      " in the run file lacks what is needed to resume; start the run again"};

@@ -10,16 +10,26 @@
 
 namespace plumbline {
 
+/// A key frame that an object remembers as a view of it.
+struct ObjectView {
+  int frame = 0;
+  double weight = 1;  ///< How many views it stands for.
+};
+
 /// The mapper's belief about one object.
 struct MapObject : ObjectBelief {
   std::vector<Particle> particles;
-  double seen_s = 0;  ///< Time in which it was updated.
-  int last_move_frame = 0;
+  std::vector<ObjectView> views;
+  std::vector<float> memory;  ///< Of each particle: the sum over `views`, see judging.h.
+  double present_weight = 0;  ///< How much of a view the last frame was, beside `views`.
+  double seen_s = 0;          ///< Time in which it was updated.
+  double last_search_s = 0;   ///< Of `seen_s`, at the last search for other poses.
   std::optional<Detection> last_proposal;  ///< The last proposal it explained while tentative, and
                                            ///< where that was seen from.
   Eigen::Isometry3d world_from_proposal_cam = Eigen::Isometry3d::Identity();
 
   const PoseMode& mean() const { return modes.front(); }
+  double remembered() const;  ///< Sum of the weights of `views`.
   /// Works out modes, covariance, label and pose from the particles.
   void Summarize(const MapFrame& map);
 };

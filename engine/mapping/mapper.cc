@@ -3,26 +3,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include "engine/base/timer.h"
+#include "engine/geometry/angles.h"
 #include "engine/mapping/association.h"
 #include "engine/mapping/birth.h"
 #include "engine/mapping/bytes.h"
 #include "engine/mapping/map_object.h"
-#include "engine/mapping/move.h"
+#include "engine/mapping/judging.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kFirstFrame_s = 1.0 / 30.0;
-constexpr double kMinKeyFrameVisibility = 0.15;
+constexpr double kMinViewVisibility = 0.15;  ///< Of a contour, in a view worth remembering.
 constexpr double kMaxEvidence = 15.0;
-constexpr double kMoveFramesPerSecondSeen = 4.0;
+constexpr double kSearchRelaxation = 8.0;  ///< An object is searched for about so often as it ages by e.
+constexpr std::size_t kTurnedChallengers = 160;
+constexpr int kNewcomerCount = 100;
+constexpr double kManyJumped = 0.3;
 constexpr double kMostEdgeSurplus = 0.22, kMostDetectorSurplus = 0.1;
 constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
 
 /// What a random draw is for: each has numbers of its own.
-enum class Draw : std::uint32_t { kDiffuse, kResample, kMove, kBirth, kNewcomers, kSpread };
+enum class Draw : std::uint32_t { kDiffuse, kResample, kSample, kBirth, kNewcomers, kSearch };
 
 RandomKey Key(std::uint64_t seed, int frame, ObjectId object, Draw draw) {
   return {seed, static_cast<std::uint32_t>(frame),
@@ -50,6 +56,56 @@ std::vector<Particle> ToParticles(const std::vector<PoseHypothesis>& hypotheses,
   return particles;
 }
 
+/// How much of an independent look at the scene each frame adds, for what does not average over
+/// time: whether an object is there. It grows with the motion of the camera since the last look that
+/// counted, and, at rest, with time to at most one.
+class NoveltyClock {
+ public:
+  /// In [0, 1]; sums to one while the camera moves by about the options' distances.
+  double Advance(std::int64_t stamp_ns, const Eigen::Isometry3d& world_from_cam,
+                 const MapperOptions& options) {
+    if (!started_) {
+      started_ = true;
+      from_ = world_from_cam;
+      from_ns_ = stamp_ns;
+      credited_ = 1;
+      return 1;
+    }
+    const double moved = std::hypot(
+        (world_from_cam.translation() - from_.translation()).norm() / options.correlation_m,
+        Eigen::AngleAxisd(world_from_cam.linear().transpose() * from_.linear()).angle() /
+            (options.correlation_deg * kRadPerDeg));
+    const double rested = static_cast<double>(stamp_ns - from_ns_) * 1e-9 / options.correlation_s;
+    const double credit = 1 - std::exp(-moved - rested);
+    const double gained = std::max(0.0, credit - credited_);
+    credited_ = std::max(credited_, credit);
+    if (moved > 1) {
+      from_ = world_from_cam;
+      from_ns_ = stamp_ns;
+      credited_ = 0;
+    }
+    return gained;
+  }
+  void Save(ByteWriter& out) const {
+    out.Put(started_);
+    out.Put(from_);
+    out.Put(from_ns_);
+    out.Put(credited_);
+  }
+  void Restore(ByteReader& in) {
+    started_ = in.Get<bool>();
+    from_ = in.GetPose();
+    from_ns_ = in.Get<std::int64_t>();
+    credited_ = in.Get<double>();
+  }
+
+ private:
+  bool started_ = false;
+  Eigen::Isometry3d from_ = Eigen::Isometry3d::Identity();
+  std::int64_t from_ns_ = 0;
+  double credited_ = 0;
+};
+
 }  // namespace
 
 struct Mapper::Impl {
@@ -60,6 +116,7 @@ struct Mapper::Impl {
   std::vector<MapObject> objects;
   std::int32_t next_object_id = 1;
   std::optional<std::int64_t> last_stamp_ns;
+  NoveltyClock clock;
   RenderedMaps mean_maps;
 
   Impl(const MapperSetup& s, std::unique_ptr<OcclusionRenderer> r)
@@ -86,6 +143,7 @@ struct Mapper::Impl {
     view.table = input.table.get();
     view.occluder_depth = OccluderDepth(occluders, object);
     view.occlusion_margin_m = options().occlusion_margin_m;
+    view.inner_lines = options().inner_lines;
     return view;
   }
 
@@ -96,20 +154,46 @@ struct Mapper::Impl {
         .front();
   }
 
+  /// How an image judges hypotheses of the object; `visible_fraction` of its mean.
+  struct Judging {
+    JudgingView view;
+    double visible_fraction = 0;
+  };
+  Judging Judge(const MapObject& object, const MapperInput& from, const RenderedMaps& maps) const {
+    Judging result{{View(from, maps, object.id), from.detections.get(), 0, 1}, 0};
+    const PoseHypothesis mean = ToHypothesis(object.mean(), map);
+    HypothesisScore score;
+    setup.scorer->Score(result.view.view, map.upright, {&mean, 1}, {&score, 1});
+    result.view.normalizer = EdgeNormalizer({&score, 1});
+    result.visible_fraction = score.total_m > 0 ? score.visible_m / score.total_m : 0;
+    return result;
+  }
+
   // Steps of a frame, in order.
   void UpdateWeights(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
-                     double dt_s, FrameReport& report);
-  void Resample(MapObject& object, int frame);
-  std::vector<JudgingView> JudgingViews(const MapObject& object, const KeyFrameMemory& judges,
-                                        const MapperInput& input,
-                                        const RenderedMaps& occluders) const;
-  void Move(MapObject& object, const MapperInput& input, const RenderedMaps& occluders);
-  void Associate(const std::vector<ProposalReport>& proposals, const MapperInput& input);
+                     double dt_s, double novelty, FrameReport& report);
+  void UpdateExistence(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
+                       const Detection* matched, double novelty);
+  /// Its posterior with the views it remembers, and the present frame.
+  Target PosteriorOf(const MapObject& object, const MapperInput& input,
+                     const RenderedMaps& occluders) const;
+  /// Equally weighted particles, judged anew: what hides the object in past views may be known
+  /// better by now.
+  Population Rejudge(MapObject& object, const std::vector<double>& last, int count,
+                     const PoseSampler& sampler, int frame);
+  /// Of the object's particles, as its weights have it.
+  std::vector<double> LogLikelihoods(const MapObject& object) const;
+  void Take(MapObject& object, const Population& population);
+  /// The key frames that show the object from the most different sides, for as many as it remembers.
+  std::vector<const KeyFrame*> ChooseViews(const MapObject& object, const KeyFrameMemory& from) const;
+  void Remember(MapObject& object, int frame, double weight);
+  void Search(MapObject& object, const MapperInput& input, const RenderedMaps& occluders);
   void Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input,
              const RenderedMaps& occluders, FrameReport& report);
   std::optional<MapObject> Spawn(const ProposalReport& proposal, const MapperInput& input,
                                  const OrientedTable& wide_table, const RenderedMaps& occluders);
   void UpdateLifecycle(const MapperInput& input, FrameReport& report);
+  void KeepFrame(const MapperInput& input);
   void MergeDuplicates(const MapperInput& input, FrameReport& report);
   /// Whether b explains the images better than a.
   bool Stronger(const MapObject& a, const MapObject& b, const MapperInput& input);
@@ -118,7 +202,8 @@ struct Mapper::Impl {
 };
 
 void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
-                                 const RenderedMaps& occluders, double dt_s, FrameReport& report) {
+                                 const RenderedMaps& occluders, double dt_s, double novelty,
+                                 FrameReport& report) {
   const ScoringView view = View(input, occluders, object.id);
   const Likelihood before = AtMean(object, view, nullptr);
   object.visible_fraction = before.visible_fraction;
@@ -128,25 +213,59 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
   if (!object.updated) return;
 
   const ModelId label_before = object.mean().label;
-  Diffuse(object.particles, object.world_from_reference_cam, map, dt_s, options(),
-          Key(setup.seed, input.frame, object.id, Draw::kDiffuse));
+  const bool remembers = options().key_frames > 0;
+  if (!remembers) {
+    Diffuse(object.particles, object.world_from_reference_cam, map, dt_s, options(),
+            Key(setup.seed, input.frame, object.id, Draw::kDiffuse));
+  }
   const std::vector<PoseHypothesis> hypotheses =
       ToHypotheses(object.particles, object.world_from_reference_cam);
-  const std::vector<Likelihood> likelihoods = Evaluate(
-      *setup.scorer, view, map, input.detections.get(), hypotheses, std::nullopt, options());
-  // Consecutive frames are one measurement in so far as they are correlated.
-  const double gain = std::min(1.0, dt_s / options().correlation_s);
+  const Judging now = Judge(object, input, occluders);
+  const std::vector<Likelihood> likelihoods =
+      Evaluate(*setup.scorer, view, map, input.detections.get(), hypotheses, now.view.normalizer,
+               options());
+  // The present frame takes the place of the last one: together with the remembered views it is
+  // worth what its viewpoint adds to them. Without memory, frames count for what each adds.
+  double weight = remembers ? 1.0 : novelty;
+  for (const ObjectView& seen : object.views) {
+    if (const KeyFrame* key = memory.Find(seen.frame)) {
+      weight = std::min(weight, memory.Distance(key->input.world_from_cam, input.world_from_cam));
+    }
+  }
+  const std::vector<double> last = LogLikelihoods(object);
+  object.present_weight = weight;
   for (std::size_t i = 0; i < object.particles.size(); ++i) {
-    Particle& particle = object.particles[i];
-    particle.phi_cnn = likelihoods[i].phi_cnn;
-    particle.phi_edge = likelihoods[i].phi_edge;
-    particle.ancestor = static_cast<std::uint16_t>(i);
-    particle.log_weight += static_cast<float>(
-        gain * (options().alpha * particle.phi_cnn + options().beta * particle.phi_edge));
+    object.particles[i].phi_cnn = likelihoods[i].phi_cnn;
+    object.particles[i].phi_edge = likelihoods[i].phi_edge;
+    object.particles[i].ancestor = static_cast<std::uint16_t>(i);
+  }
+  const std::vector<double> present = LogLikelihoods(object);
+  for (std::size_t i = 0; i < object.particles.size(); ++i) {
+    object.particles[i].log_weight +=
+        static_cast<float>(remembers ? present[i] - last[i] : present[i]);
   }
   NormalizeLogWeights(object.particles);
   object.effective_sample_size = EffectiveSampleSize(object.particles);
-  Resample(object, input.frame);
+  const int wanted =
+      object.state == ObjectState::kConfirmed ? options().particles : options().tentative_particles;
+  const bool low = object.effective_sample_size <
+                   options().resample_below * static_cast<double>(object.particles.size());
+  if (options().resample == ResampleRule::kEveryFrame || low ||
+      static_cast<int>(object.particles.size()) != wanted) {
+    if (remembers) {
+      PoseSampler sampler(map, options(), PosteriorOf(object, input, occluders),
+                          Key(setup.seed, input.frame, object.id, Draw::kSample));
+      Population population =
+          Rejudge(object, LogLikelihoods(object), wanted, sampler, input.frame);
+      sampler.Walk(population);
+      Take(object, population);
+    } else {
+      object.particles =
+          SystematicResample(object.particles, wanted,
+                             Key(setup.seed, input.frame, object.id, Draw::kResample));
+      object.memory.assign(object.particles.size(), 0.0f);
+    }
+  }
   object.Summarize(map);
 
   const Likelihood after = AtMean(object, view, input.detections.get());
@@ -157,16 +276,6 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
   object.visible_box = after.visible_box;
   object.last_frame = input.frame;
   object.seen_s += dt_s;
-  // A missing detection weighs more than all that can speak for the object: edges alone may be any
-  // rectangle's, and a box says that something is there, not that it stands so.
-  const double edge = options().evidence_per_edge *
-                      std::min(after.phi_edge - options().expected_edge, kMostEdgeSurplus);
-  const double cnn = options().evidence_per_cnn *
-                     std::min(after.phi_cnn - options().expected_cnn, kMostDetectorSurplus);
-  // Few visible edges say little either way.
-  const double informative = std::min(1.0, after.visible_fraction / 0.3);
-  object.log_evidence = std::clamp(object.log_evidence + gain * informative * (edge + cnn),
-                                   -kMaxEvidence, kMaxEvidence);
   if (object.mean().label != label_before) {
     report.events.push_back({EventKind::kLabelChanged,
                              object.id,
@@ -175,113 +284,209 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
   }
 }
 
-void Mapper::Impl::Resample(MapObject& object, int frame) {
-  const int wanted =
-      object.state == ObjectState::kConfirmed ? options().particles : options().tentative_particles;
-  const bool low = object.effective_sample_size <
-                   options().resample_below * static_cast<double>(object.particles.size());
-  if (options().resample == ResampleRule::kEveryFrame || low ||
-      static_cast<int>(object.particles.size()) != wanted) {
-    object.particles = SystematicResample(object.particles, wanted,
-                                          Key(setup.seed, frame, object.id, Draw::kResample));
+std::array<double, 3> DecoyScores(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
+                   const PoseHypothesis& mean, const MapperOptions&) {
+  constexpr int kDecoys = 24;
+  const Eigen::Vector3d size = map.database->model(mean.label).bounds.sizes().cast<double>();
+  const double reach = std::max(0.3, std::max(size.x(), size.y()));
+  std::vector<PoseHypothesis> decoys{mean};
+  for (int k = 0; k < kDecoys; ++k) {
+    PoseHypothesis decoy = mean;
+    const double direction = 2.399963 * k, far = reach * (0.6 + 0.9 * k / kDecoys);
+    decoy.center_in_world += map.upright.upright_rotation() * Eigen::Vector3d(far * std::cos(direction), far * std::sin(direction), 0);
+    decoy.azimuth_rad = WrapAngle(mean.azimuth_rad + 3.883222 * k);
+    decoys.push_back(decoy);
+  }
+  std::vector<HypothesisScore> scores(decoys.size());
+  scorer.Score(view, map.upright, decoys, scores);
+  const float length = EdgeNormalizer({scores.data(), 1});
+  double sum = 0, squares = 0; int n = 0;
+  for (int k = 1; k <= kDecoys; ++k) {
+    if (scores[k].visible_m < 0.5 * scores[0].visible_m) continue;
+    const double phi = scores[k].agreement_m / std::max(length, scores[k].visible_m);
+    sum += phi; squares += phi * phi; ++n;
+  }
+  if (n == 0) return {0, 0, 0};
+  return {sum / n, std::sqrt(std::max(0.0, squares / n - sum / n * sum / n)), double(n)};
+}
+
+void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
+                                   const RenderedMaps& occluders, const Detection* matched,
+                                   double novelty) {
+  // A missing detection weighs more than all that can speak for the object: edges alone may be any
+  // rectangle's, and a box says that something is there, not that it stands so.
+  const double edge = options().evidence_per_edge *
+                      std::min(object.phi_edge - options().expected_edge, kMostEdgeSurplus);
+  const double cnn = options().evidence_per_cnn *
+                     std::min(object.phi_cnn - options().expected_cnn, kMostDetectorSurplus);
+  // Few visible edges say little either way.
+  const double informative = std::min(1.0, object.visible_fraction / 0.3);
+  object.log_evidence = std::clamp(object.log_evidence + novelty * informative * (edge + cnn),
+                                   -kMaxEvidence, kMaxEvidence);
+  static std::FILE* log = std::getenv("PLB_LOG") ? std::fopen(std::getenv("PLB_LOG"), "w") : nullptr;
+  if (log) {
+    const auto decoys = DecoyScores(*setup.scorer, View(input, occluders, object.id), map, ToHypothesis(object.mean(), map), options());
+    const auto& p = object.mean().world_from_object;
+    std::fprintf(log, "%d %d %s %d %.4f %.4f %.4f %.4f %d %.3f %.4f %.4f %.4f %.4f %.1f %.1f %.4f %.4f %.0f %d %.3f %.3f %.4f %.4f\n", input.frame, object.id.value,
+      setup.database->model(object.mean().label).name.c_str(), object.mean().label.value, p.translation().x(), p.translation().y(), p.translation().z(), map.upright.Azimuth(p.linear()), int(object.state),
+      object.log_evidence, novelty, object.phi_edge, object.phi_cnn, object.visible_fraction, object.visible_box.area(), object.whole_box.area(), decoys[0], decoys[1], decoys[2],
+      matched != nullptr, matched ? matched->score : 0.f, matched ? Iou(matched->box, object.visible_box) : 0.f, object.mean().weight, object.mean().position_std_m);
   }
 }
 
-std::vector<JudgingView> Mapper::Impl::JudgingViews(const MapObject& object,
-                                                    const KeyFrameMemory& judges,
-                                                    const MapperInput& input,
-                                                    const RenderedMaps& occluders) const {
-  const PoseHypothesis mean = ToHypothesis(object.mean(), map);
-  std::vector<JudgingView> views;
-  std::vector<Eigen::Vector3d> cameras;
-  const auto add = [&](const MapperInput& from, const RenderedMaps& maps) {
-    JudgingView judging{View(from, maps, object.id), from.detections.get(), 0};
-    HypothesisScore score;
-    setup.scorer->Score(judging.view, map.upright, {&mean, 1}, {&score, 1});
-    if (score.visible_m < kMinKeyFrameVisibility * score.total_m) return;
-    judging.normalizer = EdgeNormalizer({&score, 1});
-    views.push_back(std::move(judging));
-    cameras.push_back(from.world_from_cam.translation());
-  };
-  add(input, occluders);
-  // From the newest back; when there are more than needed, the ones that are furthest from those
-  // taken.
-  std::vector<const KeyFrame*> rest;
-  for (const KeyFrame& key : judges.frames()) {
-    if (key.input.frame != input.frame) rest.insert(rest.begin(), &key);
+Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& input,
+                                 const RenderedMaps& occluders) const {
+  std::vector<JudgingView> remembered;
+  for (const ObjectView& seen : object.views) {
+    const KeyFrame* key = memory.Find(seen.frame);
+    if (key == nullptr) continue;
+    remembered.push_back(Judge(object, key->input, key->maps).view);
+    remembered.back().weight = seen.weight;
   }
-  while (!rest.empty() && static_cast<int>(views.size()) < options().key_frames_per_move) {
+  JudgingView present = Judge(object, input, occluders).view;
+  present.weight = object.present_weight;
+  return Posterior(*setup.scorer, map, std::move(remembered), present, options());
+}
+
+std::vector<double> Mapper::Impl::LogLikelihoods(const MapObject& object) const {
+  const double sum = object.remembered() + object.present_weight;
+  const double scale = sum > 0 ? IndependentViews(sum, options().view_correlation) / sum : 0.0;
+  std::vector<double> result;
+  for (std::size_t i = 0; i < object.particles.size(); ++i) {
+    const Particle& particle = object.particles[i];
+    result.push_back(scale * (object.memory[i] + object.present_weight *
+                                                     (options().alpha * particle.phi_cnn +
+                                                      options().beta * particle.phi_edge)));
+  }
+  return result;
+}
+
+Population Mapper::Impl::Rejudge(MapObject& object, const std::vector<double>& last, int count,
+                                 const PoseSampler& sampler, int frame) {
+  const std::vector<PoseHypothesis> hypotheses =
+      ToHypotheses(object.particles, object.world_from_reference_cam);
+  const std::vector<Judgement> judged = sampler.Judge(hypotheses);
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    object.memory[i] = judged[i].memory;
+    object.particles[i].phi_cnn = judged[i].phi_cnn;
+    object.particles[i].phi_edge = judged[i].phi_edge;
+  }
+  const std::vector<double> now = LogLikelihoods(object);
+  for (std::size_t i = 0; i < judged.size(); ++i)
+    object.particles[i].log_weight += static_cast<float>(now[i] - last[i]);
+  NormalizeLogWeights(object.particles);
+  Population population;
+  for (const Particle& particle :
+       SystematicResample(object.particles, count,
+                          Key(setup.seed, frame, object.id, Draw::kResample))) {
+    population.hypotheses.push_back(hypotheses[particle.ancestor]);
+    population.judged.push_back(judged[particle.ancestor]);
+  }
+  return population;
+}
+
+void Mapper::Impl::Take(MapObject& object, const Population& population) {
+  object.particles = ToParticles(population.hypotheses, object.world_from_reference_cam);
+  object.memory.clear();
+  for (std::size_t i = 0; i < population.size(); ++i) {
+    object.particles[i].phi_cnn = population.judged[i].phi_cnn;
+    object.particles[i].phi_edge = population.judged[i].phi_edge;
+    object.memory.push_back(population.judged[i].memory);
+  }
+}
+
+std::vector<const KeyFrame*> Mapper::Impl::ChooseViews(const MapObject& object,
+                                                       const KeyFrameMemory& from) const {
+  std::vector<const KeyFrame*> rest, chosen;
+  for (const KeyFrame& key : from.frames()) {
+    if (Judge(object, key.input, key.maps).visible_fraction >= kMinViewVisibility)
+      rest.insert(rest.begin(), &key);  // from the newest back
+  }
+  while (!rest.empty() && static_cast<int>(chosen.size()) < options().views_per_object) {
     std::size_t pick = 0;
     double furthest = -1;
     for (std::size_t i = 0; i < rest.size(); ++i) {
       double nearest = std::numeric_limits<double>::infinity();
-      for (const Eigen::Vector3d& camera : cameras) {
-        nearest = std::min(nearest, (rest[i]->input.world_from_cam.translation() - camera).norm());
+      for (const KeyFrame* other : chosen) {
+        nearest = std::min(nearest, (rest[i]->input.world_from_cam.translation() -
+                                     other->input.world_from_cam.translation())
+                                        .norm());
       }
       if (nearest > furthest) {
         furthest = nearest;
         pick = i;
       }
     }
-    add(rest[pick]->input, rest[pick]->maps);
+    chosen.push_back(rest[pick]);
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(pick));
   }
-  return views;
+  return chosen;
 }
 
-void Mapper::Impl::Move(MapObject& object, const MapperInput& input,
-                        const RenderedMaps& occluders) {
-  const bool tentative = object.state == ObjectState::kTentative;
-  // What has been seen for long has been moved often: the search relaxes with age.
-  const int period =
-      tentative ? options().tentative_move_period
-                : std::clamp(static_cast<int>(kMoveFramesPerSecondSeen * object.seen_s),
-                             options().tentative_move_period, options().confirmed_move_period);
-  if (options().key_frames == 0 || !object.updated || input.frame - object.last_move_frame < period)
-    return;
-  const std::vector<JudgingView> views = JudgingViews(object, memory, input, occluders);
-  if (views.empty()) return;
-  object.last_move_frame = input.frame;
-  MoveInput move;
-  move.wide = true;
-  // ResampleMove takes equally weighted particles.
-  const int count = static_cast<int>(object.particles.size());
-  move.particles =
-      ToHypotheses(SystematicResample(object.particles, count,
-                                      Key(setup.seed, input.frame, object.id, Draw::kSpread)),
-                   object.world_from_reference_cam);
-  if (object.last_proposal) {
-    move.newcomers =
-        SampleBirth(*object.last_proposal, setup.camera, object.world_from_proposal_cam, map,
-                    options(), 150, Key(setup.seed, input.frame, object.id, Draw::kNewcomers));
-  }
-  object.particles = ToParticles(ResampleMove(*setup.scorer, map, views, move, count, options(),
-                                              Key(setup.seed, input.frame, object.id, Draw::kMove)),
-                                 object.world_from_reference_cam);
-  // What this frame says of the new ones: for those who look at the run, not for the filter.
-  const std::vector<Likelihood> likelihoods = Evaluate(
-      *setup.scorer, View(input, occluders, object.id), map, input.detections.get(),
-      ToHypotheses(object.particles, object.world_from_reference_cam), std::nullopt, options());
-  for (std::size_t i = 0; i < object.particles.size(); ++i) {
-    object.particles[i].phi_cnn = likelihoods[i].phi_cnn;
-    object.particles[i].phi_edge = likelihoods[i].phi_edge;
-  }
-  object.Summarize(map);
-}
-
-void Mapper::Impl::Associate(const std::vector<ProposalReport>& proposals,
-                             const MapperInput& input) {
-  for (MapObject& object : objects) {
-    float best = 0;
-    for (const ProposalReport& proposal : proposals) {
-      if (proposal.object != object.id || proposal.category != object.category) continue;
-      const float iou = Iou(proposal.box, object.visible_box);
-      if (iou <= best) continue;
-      best = iou;
-      object.last_proposal = Detection{proposal.box, proposal.category, proposal.score};
-      object.world_from_proposal_cam = input.world_from_cam;
+void Mapper::Impl::Remember(MapObject& object, int frame, double weight) {
+  object.views.push_back({frame, weight});
+  if (static_cast<int>(object.views.size()) <= options().views_per_object) return;
+  // Of the two views that are closest to each other the older goes; the other stands for it.
+  std::size_t drop = 0, heir = 1;
+  double closest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < object.views.size(); ++i) {
+    for (std::size_t j = i + 1; j < object.views.size(); ++j) {
+      const KeyFrame *a = memory.Find(object.views[i].frame), *b = memory.Find(object.views[j].frame);
+      const double d = a == nullptr || b == nullptr
+                           ? 0.0
+                           : memory.Distance(a->input.world_from_cam, b->input.world_from_cam);
+      if (d < closest) {
+        closest = d;
+        drop = i;
+        heir = j;
+      }
     }
   }
+  object.views[heir].weight += object.views[drop].weight;
+  object.views.erase(object.views.begin() + static_cast<std::ptrdiff_t>(drop));
+}
+
+void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
+                          const RenderedMaps& occluders) {
+  if (options().key_frames == 0 || !object.updated) return;
+  const bool tentative = object.state == ObjectState::kTentative;
+  // What has been seen for long has been searched for often: the search relaxes with age.
+  const double period = tentative ? options().tentative_search_s
+                                  : std::clamp(object.seen_s / kSearchRelaxation,
+                                               options().tentative_search_s,
+                                               options().confirmed_search_s);
+  if (object.seen_s - object.last_search_s < period - 1e-6) return;
+  object.last_search_s = object.seen_s;
+  const std::vector<double> last = LogLikelihoods(object);
+  if (tentative) {
+    // It may be elsewhere than it was thought to be: other frames may show it.
+    object.views.clear();
+    for (const KeyFrame* key : ChooseViews(object, memory)) object.views.push_back({key->input.frame, 1});
+    object.present_weight = 1;
+    for (const ObjectView& seen : object.views) {
+      object.present_weight =
+          std::min(object.present_weight, memory.Distance(memory.Find(seen.frame)->input.world_from_cam,
+                                                          input.world_from_cam));
+    }
+  }
+  PoseSampler sampler(map, options(), PosteriorOf(object, input, occluders),
+                      Key(setup.seed, input.frame, object.id, Draw::kSearch));
+  Population population =
+      Rejudge(object, last, static_cast<int>(object.particles.size()), sampler, input.frame);
+  std::vector<PoseHypothesis> challengers =
+      sampler.Challengers(population.hypotheses, kTurnedChallengers);
+  if (object.last_proposal) {
+    const std::vector<PoseHypothesis> newcomers = SampleBirth(
+        *object.last_proposal, setup.camera, object.world_from_proposal_cam, map, options(),
+        kNewcomerCount, Key(setup.seed, input.frame, object.id, Draw::kNewcomers));
+    challengers.insert(challengers.end(), newcomers.begin(), newcomers.end());
+  }
+  const std::vector<ProposalMode> modes = sampler.FindModes(population, challengers);
+  // Many accept where there is somewhere better to be: those that drew badly draw again.
+  if (sampler.Jump(population, modes) > kManyJumped) sampler.Jump(population, modes);
+  sampler.Walk(population);
+  Take(object, population);
+  object.Summarize(map);
 }
 
 std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
@@ -291,8 +496,7 @@ std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
   MapObject object;
   object.id = ObjectId{next_object_id};
   object.category = proposal.category;
-  object.reference_frame = object.first_frame = object.last_frame = object.last_move_frame =
-      input.frame;
+  object.reference_frame = object.first_frame = object.last_frame = input.frame;
   object.world_from_reference_cam = input.world_from_cam;
   object.last_proposal = Detection{proposal.box, proposal.category, proposal.score};
   object.world_from_proposal_cam = input.world_from_cam;
@@ -301,22 +505,22 @@ std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
                   options().spawn_particles, Key(setup.seed, input.frame, object.id, Draw::kBirth));
   if (drawn.empty()) return std::nullopt;
   // A wide search picks the neighbourhoods worth a closer look; its weights are those of half an
-  // independent frame.
-  ScoringView view = View(input, occluders, object.id);
-  view.camera = setup.camera.Scaled(0.5);
-  view.table = &wide_table;
-  const std::vector<Likelihood> likelihoods =
-      Evaluate(*setup.scorer, view, map, nullptr, drawn, std::nullopt, options());
-  object.particles = ToParticles(drawn, object.world_from_reference_cam);
-  for (std::size_t i = 0; i < drawn.size(); ++i) {
-    object.particles[i].phi_edge = likelihoods[i].phi_edge;
-    object.particles[i].log_weight +=
-        static_cast<float>(0.5 * options().beta * likelihoods[i].phi_edge);
-  }
-  NormalizeLogWeights(object.particles);
+  // independent view.
+  JudgingView wide{View(input, occluders, object.id), nullptr, 0, 0.5};
+  wide.view.camera = setup.camera.Scaled(0.5);
+  wide.view.table = &wide_table;
+  std::vector<HypothesisScore> scores(drawn.size());
+  setup.scorer->Score(wide.view, map.upright, drawn, scores);
+  wide.normalizer = EdgeNormalizer(scores);
+  MapperOptions exact = options();
+  exact.view_correlation = 0;
+  PoseSampler sampler(map, options(), Posterior(*setup.scorer, map, {}, wide, exact),
+                      Key(setup.seed, input.frame, object.id, Draw::kSample));
+  Population population =
+      sampler.Temper(drawn, static_cast<std::size_t>(options().tentative_particles));
+  for (Judgement& judged : population.judged) judged.memory = 0;
+  Take(object, population);
   object.effective_sample_size = EffectiveSampleSize(object.particles);
-  object.particles = SystematicResample(object.particles, options().tentative_particles,
-                                        Key(setup.seed, input.frame, object.id, Draw::kResample));
   object.Summarize(map);
   object.updated = true;
   return object;
@@ -393,7 +597,7 @@ void Mapper::Impl::MergeDuplicates(const MapperInput& input, FrameReport& report
   const auto settled = [&](const MapObject& object) {
     return object.state == ObjectState::kConfirmed ||
            (object.state == ObjectState::kTentative &&
-            input.frame - object.first_frame > options().tentative_move_period);
+            object.seen_s > options().tentative_search_s);
   };
   for (std::size_t i = 0; i < objects.size(); ++i) {
     for (std::size_t j = i + 1; j < objects.size(); ++j) {
@@ -429,11 +633,41 @@ bool Mapper::Impl::Stronger(const MapObject& a, const MapObject& b, const Mapper
   KeyFrameMemory judges = memory;
   judges.UpdateOcclusion(*renderer, others);
   const RenderedMaps now = renderer->Render(setup.camera, input.world_from_cam.inverse(), others);
-  std::vector<JudgingView> views = JudgingViews(a, judges, input, now);
-  for (JudgingView& view : JudgingViews(b, judges, input, now)) views.push_back(std::move(view));
+  std::vector<JudgingView> views;
+  for (const MapObject* object : {&a, &b}) {
+    for (const KeyFrame* key : ChooseViews(*object, judges))
+      views.push_back(Judge(*object, key->input, key->maps).view);
+    views.push_back(Judge(*object, input, now).view);
+  }
   const PoseHypothesis means[] = {ToHypothesis(a.mean(), map), ToHypothesis(b.mean(), map)};
-  const std::vector<double> judged = JudgeHypotheses(*setup.scorer, map, views, means, options());
+  const std::vector<double> judged = SumOverViews(*setup.scorer, map, views, means, options());
   return judged[1] > judged[0];
+}
+
+void Mapper::Impl::KeepFrame(const MapperInput& input) {
+  if (options().key_frames == 0) return;
+  const KeyFrameMemory::Offered offered = memory.Offer(input);
+  if (offered.kept) {
+    for (MapObject& object : objects) {
+      if (object.state == ObjectState::kRetired || !object.updated ||
+          object.last_frame != input.frame || object.visible_fraction < kMinViewVisibility) {
+        continue;
+      }
+      for (std::size_t i = 0; i < object.particles.size(); ++i) {
+        const Particle& particle = object.particles[i];
+        object.memory[i] += static_cast<float>(
+            object.present_weight *
+            (options().alpha * particle.phi_cnn + options().beta * particle.phi_edge));
+      }
+      Remember(object, input.frame, object.present_weight);
+      object.present_weight = 0;
+    }
+  }
+  for (const int frame : offered.forgotten) {
+    for (MapObject& object : objects) {
+      std::erase_if(object.views, [&](const ObjectView& view) { return view.frame == frame; });
+    }
+  }
 }
 
 Mapper::Mapper(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -462,6 +696,7 @@ FrameReport Mapper::Step(const MapperInput& input) {
                           : kFirstFrame_s;
   PLB_CHECK(dt_s > 0) << "frames come in time order";
   m.last_stamp_ns = input.stamp_ns;
+  const double novelty = m.clock.Advance(input.stamp_ns, input.world_from_cam, m.options());
   std::erase_if(m.objects,
                 [](const MapObject& object) { return object.state == ObjectState::kRetired; });
 
@@ -471,26 +706,38 @@ FrameReport Mapper::Step(const MapperInput& input) {
       m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), occluders);
   m.memory.UpdateOcclusion(*m.renderer, occluders);
   report.timings.push_back({"visibility", watch.Lap()});
-  for (MapObject& object : m.objects) m.UpdateWeights(object, input, occlusion, dt_s, report);
+  for (MapObject& object : m.objects) m.UpdateWeights(object, input, occlusion, dt_s, novelty, report);
   report.timings.push_back({"update", watch.Lap()});
-  for (MapObject& object : m.objects) m.Move(object, input, occlusion);
-  report.timings.push_back({"move", watch.Lap()});
+  for (MapObject& object : m.objects) m.Search(object, input, occlusion);
+  report.timings.push_back({"search", watch.Lap()});
   m.mean_maps =
       m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), m.MeanStates(false));
   const std::span<const Detection> detections =
       input.detections ? input.detections->proposals() : std::span<const Detection>{};
-  report.proposals =
-      ExplainProposals(detections, m.objects, m.mean_maps, *m.setup.database, m.options());
-  m.Associate(report.proposals, input);
+  const std::vector<std::optional<std::size_t>> matched =
+      MatchProposals(detections, m.objects, m.mean_maps);
+  report.proposals = ExplainProposals(detections, m.objects, matched, m.mean_maps,
+                                      *m.setup.database, m.options());
+  for (std::size_t i = 0; i < m.objects.size(); ++i) {
+    MapObject& object = m.objects[i];
+    const Detection* detection = matched[i] ? &detections[*matched[i]] : nullptr;
+    if (detection != nullptr) {
+      object.last_proposal = *detection;
+      object.world_from_proposal_cam = input.world_from_cam;
+    }
+    if (object.updated) m.UpdateExistence(object, input, occlusion, detection, novelty);
+  }
   report.timings.push_back({"explain", watch.Lap()});
   m.Spawn(report.proposals, input, occlusion, report);
   report.timings.push_back({"spawn", watch.Lap()});
   m.UpdateLifecycle(input, report);
-  if (m.options().key_frames > 0) m.memory.Offer(input);
+  m.KeepFrame(input);
 
   for (const MapObject& object : m.objects) report.objects.push_back(ToReport(object));
   report.next_object_id = m.next_object_id;
-  report.mapper_state = m.memory.Save();
+  ByteWriter state;
+  m.clock.Save(state);
+  report.mapper_state = state.Take() + m.memory.Save();
   return report;
 }
 
@@ -506,7 +753,9 @@ Status Mapper::Restore(const FrameReport& report,
   }
   m.next_object_id = report.next_object_id;
   m.last_stamp_ns = report.stamp_ns;
-  return m.memory.Restore(report.mapper_state, load, *m.renderer);
+  ByteReader state(report.mapper_state);
+  m.clock.Restore(state);
+  return m.memory.Restore(state.rest(), load, *m.renderer);
 }
 
 void Mapper::SetOptions(const MapperOptions& options) {

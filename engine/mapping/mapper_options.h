@@ -47,14 +47,15 @@ struct MapperOptions {
   // Particles
   int particles = 500;
   int spawn_particles = 4000;
-  int tentative_particles = 1000;
+  int tentative_particles = 600;
   ResampleRule resample = ResampleRule::kEffectiveSize;
   double resample_below = 0.5;
 
-  // Likelihood: log w += gain * (alpha * Phi_cnn + beta * Phi_edge)
+  // Likelihood of a view: alpha * Phi_cnn + beta * Phi_edge
   double alpha = 2.5;
   double beta = 10.0;
-  double correlation_s = 0.7;
+  double view_correlation = 0.15;
+  bool inner_lines = true;
   ScoredBox scored_box = ScoredBox::kBest;
   double search_radius_px = 7;
   double search_sigma_px = 2.5;
@@ -81,15 +82,18 @@ struct MapperOptions {
   int max_tentative = 8;
   int max_spawns_per_frame = 2;
 
-  // Memory of key frames, for resample-move
-  int key_frames = 16;
+  // Memory of views
+  int key_frames = 40;
   double key_frame_distance_m = 0.2;
   double key_frame_angle_deg = 12;
-  int key_frames_per_move = 8;
-  int tentative_move_period = 6;
-  int confirmed_move_period = 30;
+  int views_per_object = 8;
+  double tentative_search_s = 0.2;
+  double confirmed_search_s = 1;
 
   // Life
+  double correlation_s = 3;
+  double correlation_m = 0.1;
+  double correlation_deg = 5;
   double expected_edge = 0.30;
   double expected_cnn = 0.16;
   double evidence_per_edge = 9.0;
@@ -113,10 +117,12 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.resample_below,
         {"resample_below", "", "effective sample size, as a share of the particles, that resamples",
          0, 1});
-  visit(o.alpha, {"alpha", "", "weight of the detector term, per independent frame", 0, 1000});
-  visit(o.beta, {"beta", "", "weight of the edge term, per independent frame", 0, 1000});
-  visit(o.correlation_s,
-        {"correlation_s", "s", "time after which frames count as independent", 0.001, 100});
+  visit(o.alpha, {"alpha", "", "weight of the detector term, per independent view", 0, 1000});
+  visit(o.beta, {"beta", "", "weight of the edge term, per independent view", 0, 1000});
+  visit(o.view_correlation,
+        {"view_correlation", "",
+         "correlation of the errors of any two views: what never averages out", 0, 1});
+  visit(o.inner_lines, {"inner_lines", "", "creases and marks inside the contour count too"});
   visit(o.scored_box,
         {"box", "",
          "whole: the detector scores the whole projection; best: or its visible part, the better"});
@@ -160,12 +166,18 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"key_frame_distance_m", "m", "camera motion that makes a key frame", 0, 100});
   visit(o.key_frame_angle_deg,
         {"key_frame_angle_deg", "deg", "camera rotation that makes a key frame", 0, 180});
-  visit(o.key_frames_per_move,
-        {"key_frames_per_move", "", "key frames that re-score an object", 1, 200});
-  visit(o.tentative_move_period,
-        {"tentative_move_period", "frames", "between moves of a tentative object", 1, 100000});
-  visit(o.confirmed_move_period,
-        {"confirmed_move_period", "frames", "between moves of a confirmed object", 1, 100000});
+  visit(o.views_per_object,
+        {"views_per_object", "", "key frames that an object remembers as views of it", 1, 200});
+  visit(o.tentative_search_s,
+        {"tentative_search_s", "s", "between searches for other poses of a tentative object", 0, 1000});
+  visit(o.confirmed_search_s,
+        {"confirmed_search_s", "s", "between searches for other poses of a confirmed object", 0, 1000});
+  visit(o.correlation_s,
+        {"correlation_s", "s", "time after which a resting camera is credited with a second view", 0.001, 1000});
+  visit(o.correlation_m,
+        {"correlation_m", "m", "camera motion after which a view of an object is new evidence", 0.001, 100});
+  visit(o.correlation_deg,
+        {"correlation_deg", "deg", "camera rotation after which a view is new evidence", 0.001, 360});
   visit(o.expected_edge,
         {"expected_edge", "", "edge term that speaks neither for nor against an object", -1, 1});
   visit(o.expected_cnn,

@@ -160,7 +160,8 @@ HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& conto
   const std::uint8_t* cells = table.cells();
   std::int64_t hits = 0;
   int seen = 0, looked_up = 0;
-  for (int i = 0; i < contour.size; ++i) {
+  const int scored = view.inner_lines ? contour.size : contour.outline_size;
+  for (int i = 0; i < scored; ++i) {
     if (points.cell[i] < 0) continue;
     hits += cells[points.cell[i]];
     ++looked_up;

@@ -35,8 +35,18 @@ class AssociationTest : public testing::Test {
     return object;
   }
   ProposalReport Explain(const Box2& box, const char* category, float score = 0.9f) const {
-    const Detection proposal{box, category, score};
-    return ExplainProposals({&proposal, 1}, objects_, maps_, *map_.database, options_).front();
+    return Explain({{box, category, score}}).front();
+  }
+  std::vector<ProposalReport> Explain(const std::vector<Detection>& proposals) const {
+    return ExplainProposals(proposals, objects_, MatchProposals(proposals, objects_, maps_), maps_,
+                            *map_.database, options_);
+  }
+  /// For each object the number of its proposal, -1 for none.
+  std::vector<int> Matched(const std::vector<Detection>& proposals) const {
+    std::vector<int> numbers;
+    for (const auto& match : MatchProposals(proposals, objects_, maps_))
+      numbers.push_back(match ? static_cast<int>(*match) : -1);
+    return numbers;
   }
 
   MapFrame map_{UprightFrame({0, 0, -1}), Eigen::Vector4d(0, 0, 1, 0), MakeFurnitureDatabase()};
@@ -91,6 +101,53 @@ TEST_F(AssociationTest, ATentativeObjectExplainsABoxThatItMeetsInPart) {
   EXPECT_EQ(Explain(box, "chair").object, ObjectId{1});
 }
 
+TEST_F(AssociationTest, EachObjectHasOneProposalAtMost) {
+  const Box2 whole{40, 20, 79, 99}, upper{40, 20, 79, 60};
+  EXPECT_THAT(Matched({{upper, "chair", 0.9f}, {whole, "chair", 0.8f}}), testing::ElementsAre(1, -1));
+  // The other one is a part of it.
+  EXPECT_EQ(Explain({{upper, "chair", 0.9f}, {whole, "chair", 0.8f}})[0].object, ObjectId{1});
+  EXPECT_THAT(Matched({{whole, "table", 0.9f}}), testing::ElementsAre(-1, -1)) << "not its category";
+  EXPECT_THAT(Matched({}), testing::ElementsAre(-1, -1));
+}
+
+TEST_F(AssociationTest, ObjectsInARowDoNotShareAProposal) {
+  // Three chairs that overlap in the image; the middle one has two boxes within reach.
+  maps_.id.setTo(0);
+  for (int i = 0; i < 3; ++i) maps_.id(cv::Rect(10 + 20 * i, 10, 22, 40)).setTo(11 + i);
+  objects_ = {Object(11, "chair", 0, 0, 0), Object(12, "chair", 0.55, 0, 0),
+              Object(13, "chair", 1.1, 0, 0)};
+  const std::vector<Detection> boxes = {{{22, 20, 64, 99}, "chair", 0.5f},
+                                        {{58, 20, 100, 99}, "chair", 0.5f},
+                                        {{100, 20, 142, 99}, "chair", 0.9f}};
+  EXPECT_THAT(Matched(boxes), testing::ElementsAre(0, 1, 2));
+  // Without a box of its own the middle one takes none of its neighbours'.
+  EXPECT_THAT(Matched({boxes[0], boxes[2]}), testing::ElementsAre(0, -1, 1));
+}
+
+TEST_F(AssociationTest, AnObjectInFrontIsNotExplainedByTheOneThatItHides) {
+  // Half of the mapped chair shows in the box of a large chair in front of it.
+  maps_.id.setTo(0);
+  maps_.id(cv::Rect(20, 10, 10, 20)).setTo(1);
+  const std::vector<Detection> boxes = {{{40, 20, 59, 59}, "chair", 0.6f},
+                                        {{44, 22, 150, 140}, "chair", 0.8f}};
+  const std::vector<ProposalReport> reports = Explain(boxes);
+  EXPECT_EQ(reports[0].object, ObjectId{1});
+  EXPECT_EQ(reports[1].fate, ProposalFate::kSpawned);
+}
+
+TEST_F(AssociationTest, WhatIsSettledComesFirst) {
+  // A tentative double explains the box a little better.
+  maps_.id(cv::Rect(20, 10, 20, 38)).setTo(1);
+  maps_.id(cv::Rect(20, 48, 20, 2)).setTo(0);
+  maps_.id(cv::Rect(19, 9, 22, 1)).setTo(5);
+  maps_.id(cv::Rect(19, 49, 22, 1)).setTo(5);
+  objects_.push_back(Object(5, "chair", 0.02, 0, 0));
+  objects_.back().state = ObjectState::kTentative;
+  const auto matched = Matched({{{38, 18, 81, 99}, "chair", 0.8f}});
+  EXPECT_EQ(matched[0], 0);
+  EXPECT_EQ(matched[2], -1);
+}
+
 TEST_F(AssociationTest, AHiddenObjectExplainsNothing) {
   maps_.id.setTo(0, maps_.id == 1);
   EXPECT_EQ(Explain({40, 20, 79, 99}, "chair").fate, ProposalFate::kSpawned);
@@ -105,7 +162,7 @@ TEST_F(AssociationTest, NamesWhyAProposalGivesNoBirth) {
 
 TEST_F(AssociationTest, BoxesBeyondTheImageDoNoHarm) {
   EXPECT_EQ(Explain({-50, -50, -10, -10}, "chair").fate, ProposalFate::kSpawned);
-  EXPECT_EQ(Explain({-500, -500, 1000, 1000}, "chair").object, ObjectId{1});
+  EXPECT_EQ(Explain({-500, -500, 90, 130}, "chair").object, ObjectId{1});
 }
 
 TEST_F(AssociationTest, ObjectsOfOneCategoryWithSharedFootprintsCompete) {

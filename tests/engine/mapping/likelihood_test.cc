@@ -124,7 +124,10 @@ MapObject RandomObject() {
   }
   object.log_evidence = 4.5;
   object.seen_s = 2.25;
-  object.last_move_frame = 88;
+  object.last_search_s = 2.0;
+  object.present_weight = 0.25;
+  object.views = {{12, 1}, {40, 2.5}};
+  object.memory.assign(100, 0.5f);
   object.last_proposal = Detection{{1, 2, 30, 40}, "chair", 0.7f};
   object.world_from_proposal_cam = LookAt({1, 2, 1.3}, {0, 0, 0.5});
   object.Summarize(MappingScene::Get().map());
@@ -141,7 +144,12 @@ TEST(MapObject, ComesBackFromItsReport) {
   EXPECT_EQ(back->confirmed_frame, object.confirmed_frame);
   EXPECT_EQ(back->log_evidence, object.log_evidence);
   EXPECT_EQ(back->seen_s, object.seen_s);
-  EXPECT_EQ(back->last_move_frame, object.last_move_frame);
+  EXPECT_EQ(back->last_search_s, object.last_search_s);
+  EXPECT_EQ(back->present_weight, object.present_weight);
+  ASSERT_EQ(back->views.size(), 2u);
+  EXPECT_EQ(back->views[1].frame, 40);
+  EXPECT_EQ(back->views[1].weight, 2.5);
+  EXPECT_EQ(back->memory, object.memory);
   ASSERT_TRUE(back->last_proposal.has_value());
   EXPECT_EQ(back->last_proposal->box, object.last_proposal->box);
   EXPECT_EQ(back->last_proposal->category, "chair");

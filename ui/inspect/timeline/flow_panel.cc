@@ -30,7 +30,7 @@ constexpr Node kNodes[] = {
     {"Visibility", "visibility", 0.38f, 0.00f, kFilter},
     {"Weigh", "weigh", 0.56f, 0.42f, kFilter},
     {"Spawn", "spawn", 0.56f, 1.00f, kFilter},
-    {"Move", "move", 0.74f, 0.42f, kFilter},
+    {"Search", "search", 0.74f, 0.42f, kFilter},
     {"Map", "", 0.92f, 0.5f, colors::kOnPictureDim},
 };
 constexpr int kLinks[][2] = {{0, 1}, {1, 2}, {0, 3}, {3, 4}, {2, 6}, {3, 6},

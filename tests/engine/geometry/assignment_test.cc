@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/evaluation/assignment.h"
+#include "engine/geometry/assignment.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "engine/mapping/judging.h"
+
+namespace plumbline {
+
+/// What one frame in view shows of an object at its believed pose.
+struct Sighting {
+  double novelty = 0;           ///< How much of an independent look this frame is, in [0, 1].
+  double visible_px = 0;        ///< Area of the box of its visible contour [px], of a 500 px camera.
+  double visible_fraction = 0;  ///< Of its contour, in [0, 1].
+  double inside_fraction = 1;   ///< Of its whole box, inside the image.
+  float box_score = 0, box_iou = 0;  ///< Of the proposal matched with it; 0 without one.
+  float edge_surplus = 0;  ///< Edge term beyond that of other places for the same contour nearby.
+};
+
+/// log p(sighting | there and not hidden) - log p(sighting | not there).
+double SightingLogRatio(const Sighting& sighting, const MapperOptions& options);
+
+/// Two beliefs that go together: whether an object is there, and whether something that is not
+/// mapped hides it. Being hidden begins seldom and ends seldom, so a wall costs little however long
+/// it is looked at, while an empty place that shows costs much at once.
+struct Existence {
+  double log_odds = 0;  ///< Of being there.
+  double hidden = 0;    ///< Probability of being hidden, if it is there.
+
+  void Update(const Sighting& sighting, double dt_s, const MapperOptions& options);
+};
+
+/// Edge term of the pose less the mean of the same contour at places around it: what the edges of
+/// this neighbourhood give to anything of that shape. 0 where too few of the places are in view.
+float EdgeSurplus(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
+                  const PoseHypothesis& pose);
+
+}  // namespace plumbline

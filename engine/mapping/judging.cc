@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/judging.h"
+
+#include <algorithm>
+
+namespace plumbline {
+
+double IndependentViews(double weight, double correlation) {
+  return weight / (1 + correlation * std::max(0.0, weight - 1));
+}
+
+std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame& map,
+                                 std::span<const JudgingView> views,
+                                 std::span<const PoseHypothesis> hypotheses,
+                                 const MapperOptions& options) {
+  std::vector<double> sums(hypotheses.size(), 0.0);
+  for (const JudgingView& judging : views) {
+    const std::vector<Likelihood> likelihoods = Evaluate(
+        scorer, judging.view, map, judging.detections, hypotheses, judging.normalizer, options);
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      sums[i] += judging.weight * (options.alpha * likelihoods[i].phi_cnn +
+                                   options.beta * likelihoods[i].phi_edge);
+    }
+  }
+  return sums;
+}
+
+double LogFloorPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
+                     const MapperOptions& options) {
+  if (!options.floor_prior || !map.StandsOnFloor(hypothesis.label)) return 0;
+  const double height = map.BaseHeight(hypothesis) / options.floor_std_m;
+  return -0.5 * height * height;
+}
+
+Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
+                 std::vector<JudgingView> remembered, const JudgingView& present,
+                 const MapperOptions& options) {
+  double weight = present.weight;
+  for (const JudgingView& view : remembered) weight += view.weight;
+  const double scale =
+      weight > 0 ? IndependentViews(weight, options.view_correlation) / weight : 0.0;
+  return [&scorer, &map, &options, remembered = std::move(remembered), present,
+          scale](std::span<const PoseHypothesis> hypotheses) {
+    const std::vector<double> memory = SumOverViews(scorer, map, remembered, hypotheses, options);
+    const std::vector<Likelihood> now = Evaluate(scorer, present.view, map, present.detections,
+                                                 hypotheses, present.normalizer, options);
+    std::vector<Judgement> judged(hypotheses.size());
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+      judged[i].memory = static_cast<float>(memory[i]);
+      judged[i].phi_cnn = now[i].phi_cnn;
+      judged[i].phi_edge = now[i].phi_edge;
+      judged[i].log_target =
+          scale * (memory[i] + present.weight * (options.alpha * now[i].phi_cnn +
+                                                 options.beta * now[i].phi_edge)) +
+          LogFloorPrior(map, hypotheses[i], options);
+    }
+    return judged;
+  };
+}
+
+}  // namespace plumbline

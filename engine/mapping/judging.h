@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/mapping/likelihood.h"
+#include "engine/mapping/pose_sampler.h"
+
+namespace plumbline {
+
+/// An image to judge hypotheses of one object by.
+struct JudgingView {
+  ScoringView view;
+  const FrameDetections* detections = nullptr;
+  /// EdgeNormalizer, fixed so that log-likelihoods of different calls compare.
+  float normalizer = 0;
+  double weight = 1;  ///< How much of an independent view it is.
+};
+
+/// How many independent views `weight` views amount to, if errors of any two of them correlate by
+/// `correlation`: their information does not grow beyond 1 / correlation.
+double IndependentViews(double weight, double correlation);
+
+/// Sum over views of weight * (alpha * Phi_cnn + beta * Phi_edge), for each hypothesis.
+std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame& map,
+                                 std::span<const JudgingView> views,
+                                 std::span<const PoseHypothesis> hypotheses,
+                                 const MapperOptions& options);
+/// Log density of the height above the floor, unnormalised; 0 without a floor and for shapes that
+/// do not stand on it.
+double LogFloorPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
+                     const MapperOptions& options);
+
+/// The posterior of one object: what its remembered views and the present one say, scaled to as
+/// many independent views as they amount to, and the floor prior. References must outlive it.
+Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
+                 std::vector<JudgingView> remembered, const JudgingView& present,
+                 const MapperOptions& options);
+
+}  // namespace plumbline

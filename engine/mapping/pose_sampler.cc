@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/pose_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+
+#include "engine/geometry/angles.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kModeReach_m = 0.20, kModeReach_rad = 40 * kRadPerDeg;
+constexpr std::size_t kMostModes = 8;
+constexpr double kFaintMode = 12;        ///< Modes below the best by so much are not proposed [nats].
+constexpr double kLeastModeWeight = 0.03;  ///< Of a proposal; the mode's mass is only estimated.
+constexpr double kTailFreedom = 5;       ///< Degrees of freedom of Student's t.
+constexpr double kLeastSpread_m = 0.003, kLeastSpread_rad = 0.3 * kRadPerDeg;
+constexpr double kUsualSpread_m = 0.02, kUsualSpread_rad = 2 * kRadPerDeg, kUsualCount = 5;
+constexpr double kLeastWalk_m = 0.0015, kLeastWalk_rad = 0.15 * kRadPerDeg;
+
+/// One round of a search: how many go on, how sharply they are chosen, how far they step.
+struct Round {
+  std::size_t count;
+  double temperature;
+  double position_m, azimuth_rad;
+};
+constexpr Round kSearch[] = {{100, 3.0, 0.05, 6 * kRadPerDeg},
+                             {60, 2.0, 0.025, 3 * kRadPerDeg},
+                             {60, 1.5, 0.012, 1.5 * kRadPerDeg},
+                             {60, 1.0, 0.008, 1.0 * kRadPerDeg}};
+
+/// Weighted mean and covariance of differences from a pose.
+struct Moments {
+  double weight = 0;
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d squares = Eigen::Matrix4d::Zero();
+
+  void Add(double w, const Eigen::Vector4d& difference) {
+    weight += w;
+    sum += w * difference;
+    squares += w * difference * difference.transpose();
+  }
+  Eigen::Vector4d mean() const { return sum / weight; }
+  Eigen::Matrix4d covariance() const {
+    return squares / weight - mean() * mean().transpose();
+  }
+};
+
+Eigen::Matrix4d Diagonal(double position_m, double azimuth_rad) {
+  return Eigen::Vector4d(position_m * position_m, position_m * position_m, position_m * position_m,
+                         azimuth_rad * azimuth_rad)
+      .asDiagonal();
+}
+
+}  // namespace
+
+void Population::Add(const Population& other) {
+  hypotheses.insert(hypotheses.end(), other.hypotheses.begin(), other.hypotheses.end());
+  judged.insert(judged.end(), other.judged.begin(), other.judged.end());
+}
+
+Eigen::Vector4d PoseSampler::Difference(const PoseHypothesis& a, const PoseHypothesis& from) const {
+  Eigen::Vector4d difference;
+  difference.head<3>() =
+      map_.upright.upright_rotation().transpose() * (a.center_in_world - from.center_in_world);
+  difference[3] =
+      AzimuthDifference(map_.database->model(from.label), a.azimuth_rad, from.azimuth_rad);
+  return difference;
+}
+
+PoseHypothesis PoseSampler::Step(PoseHypothesis hypothesis, double position_m,
+                                 double azimuth_rad) {
+  Random random = Next();
+  const double reach = random.Uniform() < 0.125 ? 3.0 : 1.0;
+  const bool on_floor = options_.floor_prior && map_.StandsOnFloor(hypothesis.label);
+  const Eigen::Vector3d step(
+      reach * position_m * random.Gaussian(), reach * position_m * random.Gaussian(),
+      (on_floor ? std::min(position_m, options_.floor_std_m) : reach * position_m) *
+          random.Gaussian());
+  hypothesis.center_in_world += map_.upright.upright_rotation() * step;
+  hypothesis.azimuth_rad =
+      WrapAngle(hypothesis.azimuth_rad + reach * azimuth_rad * random.Gaussian());
+  return hypothesis;
+}
+
+PoseHypothesis PoseSampler::Turned(PoseHypothesis hypothesis) {
+  Random random = Next();
+  const Eigen::Vector3d size = map_.database->model(hypothesis.label).bounds.sizes().cast<double>();
+  const Eigen::Vector3d pivot(random.Uniform(-0.5, 0.5) * size.x(),
+                              random.Uniform(-0.5, 0.5) * size.y(), 0);
+  const double pick = random.Uniform();
+  const double turn = pick < 0.4   ? std::numbers::pi
+                      : pick < 0.7 ? (pick < 0.55 ? 0.5 : -0.5) * std::numbers::pi
+                                   : Next().Uniform(-std::numbers::pi, std::numbers::pi);
+  const Eigen::Matrix3d before = map_.upright.WorldFromObjectRotation(hypothesis.azimuth_rad);
+  const Eigen::Matrix3d after = map_.upright.WorldFromObjectRotation(hypothesis.azimuth_rad + turn);
+  hypothesis.center_in_world += before * pivot - after * pivot;
+  hypothesis.azimuth_rad = WrapAngle(hypothesis.azimuth_rad + turn);
+  return hypothesis;
+}
+
+PoseHypothesis PoseSampler::Relabelled(PoseHypothesis hypothesis) {
+  Random random = Next();
+  const auto same = map_.database->OfCategory(map_.database->model(hypothesis.label).category);
+  const ModelId label = same[random.Index(static_cast<std::uint32_t>(same.size()))];
+  if (map_.StandsOnFloor(label) && map_.StandsOnFloor(hypothesis.label)) {
+    const double rise = map_.database->model(label).center().z() -
+                        map_.database->model(hypothesis.label).center().z();
+    hypothesis.center_in_world += rise * map_.upright.up_in_world();
+  }
+  hypothesis.label = label;
+  return hypothesis;
+}
+
+std::vector<PoseHypothesis> PoseSampler::Challengers(const std::vector<PoseHypothesis>& population,
+                                                     std::size_t count) {
+  std::vector<PoseHypothesis> challengers;
+  const Random any = Next();
+  Random random = any;
+  for (std::size_t i = 0; i < count; ++i) {
+    const PoseHypothesis& particle =
+        population[random.Index(static_cast<std::uint32_t>(population.size()))];
+    if (i % 4 == 1) {
+      challengers.push_back(Relabelled(Step(particle, 0.08, 8 * kRadPerDeg)));
+    } else if (i % 4 == 3) {
+      challengers.push_back(Step(particle, 0.08, 8 * kRadPerDeg));
+    } else {
+      challengers.push_back(Turned(particle));
+    }
+  }
+  return challengers;
+}
+
+std::vector<std::size_t> PoseSampler::Choose(const Population& population, double temperature,
+                                             std::size_t count) {
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const Judgement& judged : population.judged) highest = std::max(highest, judged.log_target);
+  std::vector<double> sums;
+  double sum = 0;
+  for (const Judgement& judged : population.judged)
+    sums.push_back(sum += std::exp((judged.log_target - highest) / temperature));
+  const double start = Next().Uniform();
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto found = std::upper_bound(sums.begin(), sums.end(),
+                                        (static_cast<double>(i) + start) * sum / static_cast<double>(count));
+    chosen.push_back(std::min(static_cast<std::size_t>(found - sums.begin()), sums.size() - 1));
+  }
+  return chosen;
+}
+
+double PoseSampler::Walk(Population& population) { return WalkAt(population, 1.0); }
+
+double PoseSampler::WalkAt(Population& population, double temperature) {
+  // The steps have the spread within the modes, one for all: so they are symmetric.
+  Moments within;
+  std::vector<bool> taken(population.size(), false);
+  for (std::size_t seed = 0; seed < population.size(); ++seed) {
+    if (taken[seed]) continue;
+    Moments moments;
+    const PoseHypothesis& from = population.hypotheses[seed];
+    for (std::size_t i = seed; i < population.size(); ++i) {
+      const PoseHypothesis& hypothesis = population.hypotheses[i];
+      if (taken[i] || hypothesis.label != from.label) continue;
+      const Eigen::Vector4d difference = Difference(hypothesis, from);
+      if (difference.head<3>().norm() > kModeReach_m || std::abs(difference[3]) > kModeReach_rad)
+        continue;
+      taken[i] = true;
+      moments.Add(1, difference);
+    }
+    within.weight += moments.weight;
+    within.squares += moments.weight * moments.covariance();
+  }
+  const Eigen::Matrix4d spread =
+      within.squares / within.weight + Diagonal(kLeastWalk_m, kLeastWalk_rad);
+  const Eigen::Matrix4d root = Eigen::LLT<Eigen::Matrix4d>(spread).matrixL();
+  std::vector<PoseHypothesis> proposed;
+  proposed.reserve(population.size());
+  for (const PoseHypothesis& hypothesis : population.hypotheses) {
+    Random random = Next();
+    // Small steps are accepted, large ones go far: both, in turn.
+    const double scale = random.Uniform() < 0.5 ? 0.5 : 1.3;
+    const Eigen::Vector4d step = scale * root * Eigen::Vector4d(random.Gaussian(), random.Gaussian(),
+                                                               random.Gaussian(), random.Gaussian());
+    PoseHypothesis moved = hypothesis;
+    moved.center_in_world += map_.upright.upright_rotation() * step.head<3>();
+    moved.azimuth_rad = WrapAngle(moved.azimuth_rad + step[3]);
+    proposed.push_back(moved);
+  }
+  const std::vector<Judgement> judged = target_(proposed);
+  std::size_t accepted = 0;
+  for (std::size_t i = 0; i < proposed.size(); ++i) {
+    const double gain = (judged[i].log_target - population.judged[i].log_target) / temperature;
+    if (std::log(1.0 - Next().Uniform()) >= gain) continue;
+    population.hypotheses[i] = proposed[i];
+    population.judged[i] = judged[i];
+    ++accepted;
+  }
+  return static_cast<double>(accepted) / static_cast<double>(std::max<std::size_t>(1, proposed.size()));
+}
+
+void PoseSampler::AddModes(const Population& population, bool equally,
+                           std::vector<ProposalMode>& modes) const {
+  std::vector<bool> taken(population.size(), false);
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const Judgement& judged : population.judged) highest = std::max(highest, judged.log_target);
+  for (std::size_t count = 0; count < kMostModes; ++count) {
+    std::size_t seed = population.size();
+    for (std::size_t i = 0; i < population.size(); ++i) {
+      if (taken[i]) continue;
+      if (seed == population.size() ||
+          population.judged[i].log_target > population.judged[seed].log_target)
+        seed = i;
+    }
+    if (seed == population.size()) return;
+    const double best = population.judged[seed].log_target;
+    if (!equally && best < highest - kFaintMode) return;
+    const PoseHypothesis& from = population.hypotheses[seed];
+    Moments moments;
+    for (std::size_t i = 0; i < population.size(); ++i) {
+      if (taken[i] || population.hypotheses[i].label != from.label) continue;
+      const Eigen::Vector4d difference = Difference(population.hypotheses[i], from);
+      if (difference.head<3>().norm() > kModeReach_m || std::abs(difference[3]) > kModeReach_rad)
+        continue;
+      taken[i] = true;
+      // Those of a search are drawn from the target already, or nearly.
+      moments.Add(equally ? 1.0 : std::exp((population.judged[i].log_target - best) / 3), difference);
+    }
+    ProposalMode mode;
+    mode.mean = from;
+    mode.mean.center_in_world += map_.upright.upright_rotation() * moments.mean().head<3>();
+    mode.mean.azimuth_rad = WrapAngle(mode.mean.azimuth_rad + moments.mean()[3]);
+    // A handful of hypotheses says little about the spread.
+    const Eigen::Matrix4d scale = (moments.weight * moments.covariance() +
+                                   kUsualCount * Diagonal(kUsualSpread_m, kUsualSpread_rad)) /
+                                      (moments.weight + kUsualCount) +
+                                  Diagonal(kLeastSpread_m, kLeastSpread_rad);
+    const Eigen::LLT<Eigen::Matrix4d> cholesky(scale);
+    mode.root = cholesky.matrixL();
+    mode.log_determinant = 2 * mode.root.diagonal().array().log().sum();
+    mode.weight = best + 0.5 * mode.log_determinant;  // log of its mass but for a constant
+    const bool known = std::any_of(modes.begin(), modes.end(), [&](const ProposalMode& other) {
+      if (other.mean.label != mode.mean.label) return false;
+      const Eigen::Vector4d difference = Difference(mode.mean, other.mean);
+      return difference.head<3>().norm() < kModeReach_m / 4 &&
+             std::abs(difference[3]) < kModeReach_rad / 4;
+    });
+    if (!known) modes.push_back(mode);
+  }
+}
+
+std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
+                                                 const std::vector<PoseHypothesis>& challengers) {
+  std::vector<ProposalMode> modes;
+  AddModes(population, true, modes);
+  const std::size_t own = modes.size();
+  if (!challengers.empty()) {
+    Population search{challengers, target_(challengers)};
+    for (const Round& round : kSearch) {
+      Population next, steps;
+      for (const std::size_t index : Choose(search, round.temperature, round.count)) {
+        next.hypotheses.push_back(search.hypotheses[index]);
+        next.judged.push_back(search.judged[index]);
+        steps.hypotheses.push_back(
+            Step(search.hypotheses[index], round.position_m, round.azimuth_rad));
+      }
+      steps.judged = target_(steps.hypotheses);
+      next.Add(steps);
+      search = std::move(next);
+    }
+    AddModes(search, false, modes);
+  }
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const ProposalMode& mode : modes) highest = std::max(highest, mode.weight);
+  // The population's own stay, however faint: what cannot be proposed again cannot be left.
+  modes.erase(std::remove_if(modes.begin() + static_cast<std::ptrdiff_t>(own), modes.end(),
+                             [&](const ProposalMode& m) { return m.weight < highest - kFaintMode; }),
+              modes.end());
+  double sum = 0;
+  for (ProposalMode& mode : modes)
+    sum += mode.weight = std::max(std::exp(mode.weight - highest), kLeastModeWeight);
+  for (ProposalMode& mode : modes) mode.weight /= sum;
+  return modes;
+}
+
+PoseHypothesis PoseSampler::Draw(const std::vector<ProposalMode>& modes) {
+  Random random = Next();
+  double pick = random.Uniform();
+  std::size_t index = 0;
+  while (index + 1 < modes.size() && pick >= modes[index].weight) pick -= modes[index++].weight;
+  const ProposalMode& mode = modes[index];
+  double chi_square = 0;
+  for (int k = 0; k < static_cast<int>(kTailFreedom); ++k) {
+    const double g = random.Gaussian();
+    chi_square += g * g;
+  }
+  const Eigen::Vector4d step =
+      std::sqrt(kTailFreedom / chi_square) *
+      (mode.root * Eigen::Vector4d(random.Gaussian(), random.Gaussian(), random.Gaussian(),
+                                   random.Gaussian()));
+  PoseHypothesis drawn = mode.mean;
+  drawn.center_in_world += map_.upright.upright_rotation() * step.head<3>();
+  const int order = map_.database->model(drawn.label).symmetry.order;
+  const double copy = order == 0 ? random.Uniform(-std::numbers::pi, std::numbers::pi)
+                      : order > 1
+                          ? 2 * std::numbers::pi * random.Index(static_cast<std::uint32_t>(order)) / order
+                          : 0.0;
+  drawn.azimuth_rad = WrapAngle(drawn.azimuth_rad + step[3] + copy);
+  return drawn;
+}
+
+double PoseSampler::LogDensity(const std::vector<ProposalMode>& modes,
+                               const PoseHypothesis& hypothesis) const {
+  double density = 0;
+  for (const ProposalMode& mode : modes) {
+    if (mode.mean.label != hypothesis.label) continue;
+    Eigen::Vector4d difference = Difference(hypothesis, mode.mean);
+    const Eigen::Vector4d whitened =
+        mode.root.triangularView<Eigen::Lower>().solve(difference);
+    density += mode.weight *
+               std::exp(-0.5 * mode.log_determinant -
+                        0.5 * (kTailFreedom + 4) * std::log1p(whitened.squaredNorm() / kTailFreedom));
+  }
+  return std::log(std::max(density, 1e-300));
+}
+
+double PoseSampler::Jump(Population& population, const std::vector<ProposalMode>& modes) {
+  if (modes.empty()) return 0;
+  std::vector<PoseHypothesis> proposed;
+  proposed.reserve(population.size());
+  for (std::size_t i = 0; i < population.size(); ++i) proposed.push_back(Draw(modes));
+  const std::vector<Judgement> judged = target_(proposed);
+  std::size_t accepted = 0;
+  for (std::size_t i = 0; i < proposed.size(); ++i) {
+    const double gain = judged[i].log_target - population.judged[i].log_target +
+                        LogDensity(modes, population.hypotheses[i]) - LogDensity(modes, proposed[i]);
+    if (std::log(1.0 - Next().Uniform()) >= gain) continue;
+    population.hypotheses[i] = proposed[i];
+    population.judged[i] = judged[i];
+    ++accepted;
+  }
+  return static_cast<double>(accepted) / static_cast<double>(std::max<std::size_t>(1, population.size()));
+}
+
+Population PoseSampler::Temper(const std::vector<PoseHypothesis>& draws, std::size_t count) {
+  Population population{draws, target_(draws)};
+  double reached = 0;  // inverse temperature
+  while (reached < 1) {
+    double highest = -std::numeric_limits<double>::infinity();
+    for (const Judgement& judged : population.judged)
+      highest = std::max(highest, judged.log_target);
+    const auto effective_share = [&](double step) {
+      double sum = 0, squares = 0;
+      for (const Judgement& judged : population.judged) {
+        const double weight = std::exp(step * (judged.log_target - highest));
+        sum += weight;
+        squares += weight * weight;
+      }
+      return sum * sum / squares / static_cast<double>(population.size());
+    };
+    double low = 0, high = 1 - reached;
+    if (effective_share(high) < 0.5) {
+      for (int i = 0; i < 30; ++i) {
+        const double middle = 0.5 * (low + high);
+        (effective_share(middle) < 0.5 ? high : low) = middle;
+      }
+    } else {
+      low = high;
+    }
+    const double step = std::max(low, 1e-4);
+    Population next;
+    for (const std::size_t index : Choose(population, 1 / step, count)) {
+      next.hypotheses.push_back(population.hypotheses[index]);
+      next.judged.push_back(population.judged[index]);
+    }
+    population = std::move(next);
+    reached += step;
+    WalkAt(population, 1 / std::min(1.0, reached));
+  }
+  return population;
+}
+
+}  // namespace plumbline

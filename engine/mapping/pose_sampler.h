@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "engine/mapping/hypothesis_scorer.h"
+#include "engine/mapping/mapper_options.h"
+#include "engine/mapping/particle_set.h"
+
+namespace plumbline {
+
+/// What a target density says of one hypothesis.
+struct Judgement {
+  double log_target = 0;  ///< Unnormalised; of (label, centre in world [m], azimuth [rad]).
+  float memory = 0;       ///< Of it, what the object's remembered views say, before scaling.
+  float phi_cnn = 0, phi_edge = 0;  ///< Of it, both terms in the present frame.
+};
+using Target = std::function<std::vector<Judgement>(std::span<const PoseHypothesis>)>;
+
+/// Equally weighted draws and what the target says of each.
+struct Population {
+  std::vector<PoseHypothesis> hypotheses;
+  std::vector<Judgement> judged;
+
+  std::size_t size() const { return hypotheses.size(); }
+  void Add(const Population& other);
+};
+
+/// One component of a proposal: a shape about a pose, with the heavy tails of Student's t.
+struct ProposalMode {
+  double weight = 0;  ///< Of all components together 1.
+  PoseHypothesis mean;
+  Eigen::Matrix4d root;        ///< Lower Cholesky factor of the scale: (x, y, z in upright axes [m],
+                               ///< azimuth [rad]).
+  double log_determinant = 0;  ///< Of the scale matrix.
+};
+
+/// Markov moves over shape and pose that leave a target density unchanged, whatever it is, and the
+/// search that tells them where to jump. docs/algorithms/semantic_filter.md has the derivation.
+class PoseSampler {
+ public:
+  /// `key` names all random numbers of this sampler.
+  PoseSampler(const MapFrame& map, const MapperOptions& options, Target target, RandomKey key)
+      : map_(map), options_(options), target_(std::move(target)), key_(key) {}
+
+  std::vector<Judgement> Judge(std::span<const PoseHypothesis> hypotheses) const {
+    return target_(hypotheses);
+  }
+
+  /// One Gaussian step for each hypothesis, with the spread of the population's modes, accepted by
+  /// Metropolis' rule. Returns the share accepted.
+  double Walk(Population& population);
+
+  /// Where the density is high: the population's own modes, and those that a search from
+  /// `challengers` finds, which are refined with falling temperature among themselves before they
+  /// are compared.
+  std::vector<ProposalMode> FindModes(const Population& population,
+                                      const std::vector<PoseHypothesis>& challengers);
+
+  /// One independent proposal for each hypothesis from the mixture of the modes, accepted by
+  /// Metropolis' and Hastings' rule: jumps between modes and shapes in the proportions of the
+  /// target. Returns the share accepted.
+  double Jump(Population& population, const std::vector<ProposalMode>& modes);
+
+  /// From equally weighted draws of anywhere to `count` of the target: temperatures such that each
+  /// step keeps half of the effective sample size, with walks between (Del Moral, Doucet and Jasra,
+  /// Sequential Monte Carlo samplers, 2006). The draws' own density is taken as flat.
+  Population Temper(const std::vector<PoseHypothesis>& draws, std::size_t count);
+
+  /// What the search starts from: `population` turned by half, quarter and any turns about axes
+  /// inside the object, with other shapes, and a hand's breadth away; about `count` of them.
+  std::vector<PoseHypothesis> Challengers(const std::vector<PoseHypothesis>& population,
+                                          std::size_t count);
+
+ private:
+  PoseHypothesis Step(PoseHypothesis hypothesis, double position_m, double azimuth_rad);
+  PoseHypothesis Turned(PoseHypothesis hypothesis);
+  PoseHypothesis Relabelled(PoseHypothesis hypothesis);
+  /// Indices drawn in proportion to exp(log target / temperature), systematically.
+  std::vector<std::size_t> Choose(const Population& population, double temperature,
+                                  std::size_t count);
+  double WalkAt(Population& population, double temperature);
+  PoseHypothesis Draw(const std::vector<ProposalMode>& modes);
+  double LogDensity(const std::vector<ProposalMode>& modes, const PoseHypothesis& hypothesis) const;
+  /// Modes of a population whose members count exp(log target), or equally.
+  void AddModes(const Population& population, bool equally, std::vector<ProposalMode>& modes) const;
+  Eigen::Vector4d Difference(const PoseHypothesis& a, const PoseHypothesis& from) const;
+  Random Next() {
+    ++key_.particle;
+    return Random(key_);
+  }
+
+  const MapFrame& map_;
+  const MapperOptions& options_;
+  Target target_;
+  RandomKey key_;
+};
+
+}  // namespace plumbline

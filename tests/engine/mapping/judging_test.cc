@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/judging.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "engine/geometry/angles.h"
+#include "tests/support/mapping_scene.h"
+
+namespace plumbline {
+namespace {
+
+/// A chair seen from four sides.
+class SearchTest : public testing::Test {
+ protected:
+  SearchTest() {
+    const std::vector<Eigen::Vector3d> cameras = {
+        {2.2, 0.6, 1.4}, {0.4, 2.3, 1.3}, {-1.9, 1.0, 1.5}, {0.3, -2.2, 1.2}};
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      inputs_.push_back(
+          scene_.Input(static_cast<int>(i), LookAt(cameras[i], {0, 0, 0.4}), {&chair_, 1}));
+    }
+    for (const MapperInput& input : inputs_) {
+      JudgingView judging;
+      judging.view.camera = scene_.camera();
+      judging.view.cam_from_world = input.world_from_cam.inverse();
+      judging.view.table = input.table.get();
+      judging.detections = input.detections.get();
+      HypothesisScore score;
+      const PoseHypothesis truth = scene_.Hypothesis(chair_);
+      scene_.scorer()->Score(judging.view, scene_.map().upright, {&truth, 1}, {&score, 1});
+      judging.normalizer = EdgeNormalizer({&score, 1});
+      views_.push_back(judging);
+    }
+  }
+  /// Particles around a wrong belief (2 cm, 3 degrees).
+  std::vector<PoseHypothesis> Believing(const Eigen::Vector3d& shift, double turn_deg,
+                                        const char* label = "chair") {
+    std::vector<PoseHypothesis> particles;
+    for (std::uint32_t i = 0; i < 500; ++i) {
+      Random random({.seed = 5, .particle = i});
+      PoseHypothesis hypothesis = scene_.Hypothesis(chair_);
+      hypothesis.label = scene_.Label(label);
+      hypothesis.center_in_world +=
+          shift + Eigen::Vector3d(0.02 * random.Gaussian(), 0.02 * random.Gaussian(),
+                                  0.01 * random.Gaussian());
+      hypothesis.azimuth_rad =
+          WrapAngle(hypothesis.azimuth_rad + (turn_deg + 3 * random.Gaussian()) * kRadPerDeg);
+      particles.push_back(hypothesis);
+    }
+    return particles;
+  }
+  /// After a search as the mapper makes it.
+  std::vector<PoseHypothesis> Searched(const std::vector<PoseHypothesis>& particles,
+                                       std::uint32_t frame = 1,
+                                       std::vector<PoseHypothesis> newcomers = {}) {
+    PoseSampler sampler(scene_.map(), options_,
+                        Posterior(*scene_.scorer(), scene_.map(),
+                                  {views_.begin() + 1, views_.end()}, views_.front(), options_),
+                        {.seed = 9, .frame = frame});
+    Population population{particles, sampler.Judge(particles)};
+    std::vector<PoseHypothesis> challengers = sampler.Challengers(particles, 200);
+    challengers.insert(challengers.end(), newcomers.begin(), newcomers.end());
+    const std::vector<ProposalMode> modes = sampler.FindModes(population, challengers);
+    if (sampler.Jump(population, modes) > 0.3) sampler.Jump(population, modes);
+    sampler.Walk(population);
+    return population.hypotheses;
+  }
+  /// Share within 4 cm, 6 degrees and of the right shape.
+  double ShareAtTruth(const std::vector<PoseHypothesis>& hypotheses) {
+    const PoseHypothesis truth = scene_.Hypothesis(chair_);
+    double share = 0;
+    for (const PoseHypothesis& hypothesis : hypotheses) {
+      const bool near =
+          hypothesis.label == truth.label &&
+          (hypothesis.center_in_world - truth.center_in_world).norm() < 0.04 &&
+          std::abs(WrapAngle(hypothesis.azimuth_rad - truth.azimuth_rad)) < 6 * kRadPerDeg;
+      share += near / static_cast<double>(hypotheses.size());
+    }
+    return share;
+  }
+
+  MappingScene& scene_ = MappingScene::Get();
+  const PlacedModel chair_ = scene_.Place("chair", 0.03, -0.04, 40);
+  std::vector<MapperInput> inputs_;
+  std::vector<JudgingView> views_;
+  MapperOptions options_ = [] {
+    MapperOptions options;
+    options.view_correlation = 0;  // four views count four times
+    return options;
+  }();
+};
+
+TEST_F(SearchTest, RecoversFromEightCentimetresAndTwentyDegrees) {
+  for (const Eigen::Vector3d& shift : {Eigen::Vector3d(0.08, 0, 0), Eigen::Vector3d(0, -0.08, 0),
+                                       Eigen::Vector3d(-0.06, 0.06, 0)}) {
+    for (const double turn : {20.0, -20.0}) {
+      // One search may be unlucky, two are not.
+      EXPECT_GT(ShareAtTruth(Searched(Searched(Believing(shift, turn), 1), 2)), 0.9)
+          << shift.transpose() << ", " << turn;
+    }
+  }
+}
+
+TEST_F(SearchTest, RecoversFromAHalfTurn) {
+  EXPECT_GT(ShareAtTruth(Searched(Searched(Believing({0, 0, 0}, 180), 1), 2)), 0.9);
+  // About the back rest: the body is 40 cm off.
+  const Eigen::Vector3d to_back = chair_.world_from_object.linear() * Eigen::Vector3d(-0.4, 0, 0);
+  EXPECT_GT(ShareAtTruth(Searched(Searched(Believing(to_back, 180), 1), 2)), 0.9);
+}
+
+TEST_F(SearchTest, FindsTheRightShape) {
+  EXPECT_GT(ShareAtTruth(Searched(Searched(Believing({0, 0, 0}, 0, "armchair"), 1), 2)), 0.9);
+}
+
+TEST_F(SearchTest, TakesNewcomersThatExplainMore) {
+  std::vector<PoseHypothesis> newcomers = Believing({0.05, 0.05, 0}, 8);
+  newcomers.resize(100);
+  EXPECT_GT(ShareAtTruth(Searched(Searched(Believing({1.0, 0.5, 0}, 90), 1, newcomers), 2)), 0.9);
+}
+
+TEST_F(SearchTest, StaysWhereTheTruthIsAlreadyKnown) {
+  const std::vector<PoseHypothesis> searched = Searched(Searched(Believing({0, 0, 0}, 0)), 2);
+  ASSERT_EQ(searched.size(), 500u);
+  EXPECT_GT(ShareAtTruth(searched), 0.95);
+  double squares = 0;
+  for (const PoseHypothesis& hypothesis : searched)
+    squares += std::pow(scene_.map().BaseHeight(hypothesis), 2);
+  EXPECT_LT(std::sqrt(squares / 500), 1.5 * options_.floor_std_m);
+}
+
+TEST_F(SearchTest, ViewsDoNotAverageOutForEver) {
+  EXPECT_DOUBLE_EQ(IndependentViews(1, 0.2), 1);
+  EXPECT_DOUBLE_EQ(IndependentViews(6, 0.2), 3);
+  EXPECT_LT(IndependentViews(1e6, 0.2), 5);
+  EXPECT_DOUBLE_EQ(IndependentViews(7, 0), 7);
+  EXPECT_DOUBLE_EQ(IndependentViews(0.3, 0.2), 0.3);
+}
+
+TEST_F(SearchTest, JudgesBySumOverViewsAndByTheFloor) {
+  const PoseHypothesis truth = scene_.Hypothesis(chair_);
+  PoseHypothesis floating = truth;
+  floating.center_in_world.z() += 3 * options_.floor_std_m;
+  const std::vector<PoseHypothesis> both = {truth, floating};
+  std::vector<JudgingView> heavier = views_;
+  heavier[1].weight = 2;
+  double sum = 0;
+  for (const JudgingView& view : heavier) {
+    JudgingView once = view;
+    once.weight = 1;
+    sum += view.weight *
+           SumOverViews(*scene_.scorer(), scene_.map(), {&once, 1}, both, options_)[0];
+  }
+  const auto judged = Posterior(*scene_.scorer(), scene_.map(), {heavier.begin() + 1, heavier.end()},
+                                heavier.front(), options_)(both);
+  EXPECT_NEAR(judged[0].log_target, sum, 1e-4);
+  MapperOptions correlated = options_;
+  correlated.view_correlation = 0.25;
+  EXPECT_NEAR(Posterior(*scene_.scorer(), scene_.map(), {heavier.begin() + 1, heavier.end()},
+                        heavier.front(), correlated)(both)[0]
+                  .log_target,
+              sum / 2, 1e-4)
+      << "five views that correlate by a quarter are worth two and a half";
+  EXPECT_NEAR(LogFloorPrior(scene_.map(), floating, options_), -4.5, 1e-6)
+      << "three standard deviations";
+  MapperOptions no_floor = options_;
+  no_floor.floor_prior = false;
+  EXPECT_EQ(LogFloorPrior(scene_.map(), floating, no_floor), 0);
+}
+
+}  // namespace
+}  // namespace plumbline

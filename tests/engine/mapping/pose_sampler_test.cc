@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/pose_sampler.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/geometry/angles.h"
+#include "tests/support/furniture_models.h"
+
+namespace plumbline {
+namespace {
+
+/// Targets in closed form: what comes out must be what was asked for, whatever the number of
+/// particles and wherever they start.
+class PoseSamplerTest : public testing::TestWithParam<int> {
+ protected:
+  std::size_t count() const { return static_cast<std::size_t>(GetParam()); }
+
+  PoseHypothesis At(const char* name, double x, double y, double azimuth_rad) const {
+    return {map_.database->Find(name).value(), azimuth_rad, {x, y, 0.5}};
+  }
+  /// Gaussian about a pose, in (x, y, z) [m] and azimuth [rad]; -infinity for other shapes.
+  static double LogGaussian(const PoseHypothesis& h, const PoseHypothesis& mean, double std_m,
+                            double std_rad) {
+    if (h.label != mean.label) return -1e30;
+    const double turn = WrapAngle(h.azimuth_rad - mean.azimuth_rad) / std_rad;
+    return -0.5 * ((h.center_in_world - mean.center_in_world).squaredNorm() / (std_m * std_m) +
+                   turn * turn) -
+           3 * std::log(std_m) - std::log(std_rad);
+  }
+  PoseSampler Sampler(std::function<double(const PoseHypothesis&)> log_density,
+                      std::uint32_t frame = 1) const {
+    return {map_, options_,
+            [log_density](std::span<const PoseHypothesis> hypotheses) {
+              std::vector<Judgement> judged(hypotheses.size());
+              for (std::size_t i = 0; i < judged.size(); ++i)
+                judged[i].log_target = log_density(hypotheses[i]);
+              return judged;
+            },
+            {.seed = 3, .frame = frame}};
+  }
+  Population Around(const PoseHypothesis& mean, double std_m, double std_rad,
+                    const PoseSampler& sampler) const {
+    Population population;
+    for (std::size_t i = 0; i < count(); ++i) {
+      Random random({.seed = 8, .particle = static_cast<std::uint32_t>(i)});
+      PoseHypothesis h = mean;
+      h.center_in_world += std_m * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+      h.azimuth_rad = WrapAngle(h.azimuth_rad + std_rad * random.Gaussian());
+      population.hypotheses.push_back(h);
+    }
+    population.judged = sampler.Judge(population.hypotheses);
+    return population;
+  }
+  /// As the mapper does it: search, jump, walk.
+  void Sweep(PoseSampler& sampler, Population& population, int sweeps, bool search) const {
+    for (int i = 0; i < sweeps; ++i) {
+      const std::vector<PoseHypothesis> challengers =
+          search ? sampler.Challengers(population.hypotheses, 200) : std::vector<PoseHypothesis>{};
+      sampler.Jump(population, sampler.FindModes(population, challengers));
+      sampler.Walk(population);
+    }
+  }
+  template <typename Condition>
+  double Share(const Population& population, Condition condition) const {
+    double sum = 0;
+    for (const PoseHypothesis& h : population.hypotheses) sum += condition(h) ? 1 : 0;
+    return sum / static_cast<double>(population.size());
+  }
+  /// Four standard errors of a share.
+  double Error(double share) const {
+    return 4 * std::sqrt(share * (1 - share) / static_cast<double>(count()));
+  }
+
+  const MapFrame map_{UprightFrame({0, 0, -1}), std::nullopt, MakeFurnitureDatabase()};
+  const MapperOptions options_;
+};
+
+TEST_P(PoseSamplerTest, GaussiansKeepTheirWidthFromAnyStart) {
+  for (const double std_m : {0.01, 0.02, 0.04, 0.08}) {
+    for (const double start : {0.3, 1.0, 2.0}) {
+      const double std_rad = 3 * kRadPerDeg;
+      const PoseHypothesis mean = At("chair", 1, 2, 0.4);
+      PoseSampler sampler = Sampler(
+          [&](const PoseHypothesis& h) { return LogGaussian(h, mean, std_m, std_rad); });
+      Population population = Around(mean, start * std_m, start * std_rad, sampler);
+      Sweep(sampler, population, 20, false);
+      Eigen::Vector4d squares = Eigen::Vector4d::Zero();
+      for (const PoseHypothesis& h : population.hypotheses) {
+        const Eigen::Vector3d d = (h.center_in_world - mean.center_in_world) / std_m;
+        const double turn = WrapAngle(h.azimuth_rad - mean.azimuth_rad) / std_rad;
+        squares += Eigen::Vector4d(d.x() * d.x(), d.y() * d.y(), d.z() * d.z(), turn * turn);
+      }
+      squares /= static_cast<double>(count());
+      // The variance of a mean of squares of standard normals is 2 / n.
+      for (int k = 0; k < 4; ++k) {
+        EXPECT_NEAR(squares[k], 1, 4 * std::sqrt(2.0 / static_cast<double>(count())))
+            << "std " << std_m << " m, started at " << start << ", coordinate " << k;
+      }
+    }
+  }
+}
+
+TEST_P(PoseSamplerTest, TwinsAreFoundAndSharedEqually) {
+  const PoseHypothesis a = At("chair", 1, 2, 0.4), b = At("chair", 1.3, 2.2, 0.4 - std::numbers::pi);
+  PoseSampler sampler = Sampler([&](const PoseHypothesis& h) {
+    const double la = LogGaussian(h, a, 0.02, 0.05), lb = LogGaussian(h, b, 0.02, 0.05);
+    return std::max(la, lb) + std::log1p(std::exp(-std::abs(la - lb)));
+  });
+  Population population = Around(a, 0.02, 0.05, sampler);
+  // The search has to find the twin: challengers about it, roughly.
+  std::vector<PoseHypothesis> rough = Around(b, 0.08, 0.2, sampler).hypotheses;
+  rough.resize(100);
+  for (int i = 0; i < 20; ++i) {
+    sampler.Jump(population, sampler.FindModes(population, rough));
+    sampler.Walk(population);
+  }
+  const double share = Share(population, [&](const PoseHypothesis& h) {
+    return (h.center_in_world - a.center_in_world).norm() < 0.15;
+  });
+  EXPECT_NEAR(share, 0.5, Error(0.5));
+}
+
+TEST_P(PoseSamplerTest, ShapesComeOutInTheirProportions) {
+  const PoseHypothesis a = At("chair", 1, 2, 0.4), b = At("armchair", 1, 2, 0.4);
+  PoseSampler sampler = Sampler([&](const PoseHypothesis& h) {
+    return h.label == a.label   ? std::log(0.7) + LogGaussian(h, a, 0.02, 0.05)
+           : h.label == b.label ? std::log(0.3) + LogGaussian(h, b, 0.03, 0.04)
+                                : -1e30;
+  });
+  Population population = Around(a, 0.02, 0.05, sampler);
+  std::vector<PoseHypothesis> rough = Around(b, 0.05, 0.1, sampler).hypotheses;
+  rough.resize(100);
+  for (int i = 0; i < 20; ++i) {
+    sampler.Jump(population, sampler.FindModes(population, rough));
+    sampler.Walk(population);
+  }
+  EXPECT_NEAR(Share(population, [&](const PoseHypothesis& h) { return h.label == a.label; }), 0.7,
+              Error(0.7));
+}
+
+TEST_P(PoseSamplerTest, TemperingFillsARing) {
+  // Everywhere at once at the distance of 30 cm: no Gaussian fits it.
+  PoseSampler sampler = Sampler([&](const PoseHypothesis& h) {
+    const double off = (h.center_in_world.head<2>().norm() - 0.3) / 0.02;
+    const double height = (h.center_in_world.z() - 0.5) / 0.02;
+    return -0.5 * (off * off + height * height);
+  });
+  std::vector<PoseHypothesis> draws;
+  for (std::uint32_t i = 0; i < 4 * count(); ++i) {
+    Random random({.seed = 4, .particle = i});
+    PoseHypothesis h = At("chair", random.Uniform(-1, 1), random.Uniform(-1, 1),
+                          random.Uniform(-std::numbers::pi, std::numbers::pi));
+    h.center_in_world.z() += random.Uniform(-0.5, 0.5);
+    draws.push_back(h);
+  }
+  Population population = sampler.Temper(draws, count());
+  ASSERT_EQ(population.size(), count());
+  for (int i = 0; i < 20; ++i) sampler.Walk(population);
+  // Quadrants hold a quarter each; resampling makes the draws fewer than they are.
+  for (const double sx : {-1.0, 1.0}) {
+    for (const double sy : {-1.0, 1.0}) {
+      EXPECT_NEAR(Share(population, [&](const PoseHypothesis& h) {
+                    return sx * h.center_in_world.x() > 0 && sy * h.center_in_world.y() > 0;
+                  }),
+                  0.25, 2 * Error(0.25));
+    }
+  }
+  double squares = 0;
+  for (const PoseHypothesis& h : population.hypotheses)
+    squares += std::pow(h.center_in_world.head<2>().norm() - 0.3, 2) / static_cast<double>(count());
+  EXPECT_NEAR(std::sqrt(squares), 0.02, 4 * 0.02 / std::sqrt(2.0 * static_cast<double>(count())));
+}
+
+TEST_P(PoseSamplerTest, RepeatsForTheSameKey) {
+  const PoseHypothesis mean = At("chair", 1, 2, 0.4);
+  const auto run = [&] {
+    PoseSampler sampler =
+        Sampler([&](const PoseHypothesis& h) { return LogGaussian(h, mean, 0.02, 0.05); });
+    Population population = Around(mean, 0.02, 0.05, sampler);
+    Sweep(sampler, population, 2, true);
+    return population;
+  };
+  const Population a = run(), b = run();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a.hypotheses[i].center_in_world, b.hypotheses[i].center_in_world);
+    EXPECT_EQ(a.hypotheses[i].azimuth_rad, b.hypotheses[i].azimuth_rad);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(FewAndMany, PoseSamplerTest, testing::Values(100, 500, 5000),
+                         testing::PrintToStringParamName());
+
+}  // namespace
+}  // namespace plumbline
