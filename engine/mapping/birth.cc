@@ -14,25 +14,6 @@ constexpr double kNearest_m = 0.4, kFarthest_m = 8.0;
 /// size.
 constexpr double kLeastExplained = 0.01;
 
-/// Box of the model's bounding box in the image; nothing if a corner is behind the camera's near
-/// plane.
-std::optional<Box2> ProjectedBounds(const CadModel& model, const PoseHypothesis& hypothesis,
-                                    const MapFrame& map, const PinholeCamera& camera,
-                                    const Eigen::Isometry3d& cam_from_world) {
-  const Eigen::Isometry3d cam_from_object = cam_from_world * map.WorldFromObject(hypothesis);
-  Box2 box{1e9f, 1e9f, -1e9f, -1e9f};
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d point =
-        cam_from_object *
-        model.bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>();
-    if (point.z() < 0.1) return std::nullopt;
-    const Eigen::Vector2f pixel = camera.Project(point).cast<float>();
-    box = {std::min(box.x0, pixel.x()), std::min(box.y0, pixel.y()), std::max(box.x1, pixel.x()),
-           std::max(box.y1, pixel.y())};
-  }
-  return box;
-}
-
 /// How well a box of the whole object explains a proposal that may show only a part of it.
 /// Detectors box what they see, so the whole may reach beyond the proposal, at the bottom above
 /// all; it must not fall short of it.
@@ -88,6 +69,23 @@ PoseHypothesis InformedCandidate(const Detection& proposal, const PinholeCamera&
 }
 
 }  // namespace
+
+std::optional<Box2> ProjectedBounds(const CadModel& model, const PoseHypothesis& hypothesis,
+                                    const MapFrame& map, const PinholeCamera& camera,
+                                    const Eigen::Isometry3d& cam_from_world) {
+  const Eigen::Isometry3d cam_from_object = cam_from_world * map.WorldFromObject(hypothesis);
+  Box2 box{1e9f, 1e9f, -1e9f, -1e9f};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d point =
+        cam_from_object *
+        model.bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>();
+    if (point.z() < 0.1) return std::nullopt;
+    const Eigen::Vector2f pixel = camera.Project(point).cast<float>();
+    box = {std::min(box.x0, pixel.x()), std::min(box.y0, pixel.y()), std::max(box.x1, pixel.x()),
+           std::max(box.y1, pixel.y())};
+  }
+  return box;
+}
 
 std::vector<PoseHypothesis> SampleBirth(const Detection& proposal, const PinholeCamera& camera,
                                         const Eigen::Isometry3d& world_from_cam,

@@ -9,6 +9,12 @@
 
 namespace plumbline {
 
+/// Box of the model's bounding box in the image, which it may exceed; nothing if a corner is behind
+/// the camera's near plane.
+std::optional<Box2> ProjectedBounds(const CadModel& model, const PoseHypothesis& hypothesis,
+                                    const MapFrame& map, const PinholeCamera& camera,
+                                    const Eigen::Isometry3d& cam_from_world);
+
 /// Hypotheses of a new object from an unexplained proposal, attached to the current camera, equally
 /// weighted. `prior = paper`: bearing of the box centre with noise in proportion to the box,
 /// log-depth nominal with noise, azimuth and label uniform. `prior = informed`: among many

@@ -26,6 +26,8 @@ struct Existence {
   double hidden = 0;    ///< Probability of being hidden, if it is there.
 
   void Update(const Sighting& sighting, double dt_s, const MapperOptions& options);
+  /// The same for what nothing unmapped is supposed to hide.
+  void UpdateInView(const Sighting& sighting, const MapperOptions& options);
 };
 
 /// Edge term of the pose less the mean of the same contour at places around it: what the edges of

@@ -25,6 +25,15 @@ ObjectReport ToReport(const MapObject& object) {
   report.particles = std::make_shared<const std::vector<Particle>>(object.particles);
   ByteWriter out;
   out.Put(object.seen_s);
+  out.Put(object.hidden);
+  out.Put(object.rival.value);
+  out.Put(object.rivalry);
+  out.Put(static_cast<std::uint32_t>(object.joined.size()));
+  for (const PoseHypothesis& hypothesis : object.joined) {
+    out.Put(hypothesis.label.value);
+    out.Put(hypothesis.azimuth_rad);
+    for (int k = 0; k < 3; ++k) out.Put(hypothesis.center_in_world[k]);
+  }
   out.Put(object.last_search_s);
   out.Put(object.present_weight);
   out.Put(static_cast<std::uint32_t>(object.views.size()));
@@ -53,6 +62,17 @@ Result<MapObject> FromReport(const ObjectReport& report) {
   object.updated = false;
   ByteReader in(report.filter_state);
   object.seen_s = in.Get<double>();
+  object.hidden = in.Get<double>();
+  object.rival.value = in.Get<std::int32_t>();
+  object.rivalry = in.Get<double>();
+  const std::uint32_t joined = in.Get<std::uint32_t>();
+  for (std::uint32_t i = 0; i < joined && in.ok(); ++i) {
+    PoseHypothesis hypothesis;
+    hypothesis.label.value = in.Get<std::int32_t>();
+    hypothesis.azimuth_rad = in.Get<double>();
+    for (int k = 0; k < 3; ++k) hypothesis.center_in_world[k] = in.Get<double>();
+    object.joined.push_back(hypothesis);
+  }
   object.last_search_s = in.Get<double>();
   object.present_weight = in.Get<double>();
   const std::uint32_t views = in.Get<std::uint32_t>();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <tuple>
 
 #include "engine/base/timer.h"
 #include "engine/geometry/angles.h"
@@ -12,6 +13,7 @@
 #include "engine/mapping/birth.h"
 #include "engine/mapping/bytes.h"
 #include "engine/mapping/map_object.h"
+#include "engine/mapping/existence.h"
 #include "engine/mapping/judging.h"
 
 namespace plumbline {
@@ -19,12 +21,15 @@ namespace {
 
 constexpr double kFirstFrame_s = 1.0 / 30.0;
 constexpr double kMinViewVisibility = 0.15;  ///< Of a contour, in a view worth remembering.
-constexpr double kMaxEvidence = 15.0;
+constexpr double kMarginalSharpness = 5;
+constexpr double kSamePose_m = 0.15, kSamePose_rad = 30 * kRadPerDeg;
+constexpr double kReferenceFocal_px = 500;  ///< Areas in pixels are of such a camera.
 constexpr double kSearchRelaxation = 8.0;  ///< An object is searched for about so often as it ages by e.
 constexpr std::size_t kTurnedChallengers = 160;
 constexpr int kNewcomerCount = 100;
 constexpr double kManyJumped = 0.3;
-constexpr double kMostEdgeSurplus = 0.22, kMostDetectorSurplus = 0.1;
+constexpr double kLooksBeforeMerging = 1;
+constexpr std::size_t kJoined = 60;  ///< Poses that a merged object leaves, about.
 constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
 
 /// What a random draw is for: each has numbers of its own.
@@ -173,7 +178,9 @@ struct Mapper::Impl {
   void UpdateWeights(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
                      double dt_s, double novelty, FrameReport& report);
   void UpdateExistence(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
-                       const Detection* matched, double novelty);
+                       const Detection* matched, double dt_s, double novelty);
+  /// Share of the box of the object's bounds that lies inside the image.
+  double InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const;
   /// Its posterior with the views it remembers, and the present frame.
   Target PosteriorOf(const MapObject& object, const MapperInput& input,
                      const RenderedMaps& occluders) const;
@@ -185,18 +192,18 @@ struct Mapper::Impl {
   std::vector<double> LogLikelihoods(const MapObject& object) const;
   void Take(MapObject& object, const Population& population);
   /// The key frames that show the object from the most different sides, for as many as it remembers.
-  std::vector<const KeyFrame*> ChooseViews(const MapObject& object, const KeyFrameMemory& from) const;
+  std::vector<const KeyFrame*> ChooseViews(const MapObject& object) const;
   void Remember(MapObject& object, int frame, double weight);
   void Search(MapObject& object, const MapperInput& input, const RenderedMaps& occluders);
   void Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input,
              const RenderedMaps& occluders, FrameReport& report);
   std::optional<MapObject> Spawn(const ProposalReport& proposal, const MapperInput& input,
                                  const OrientedTable& wide_table, const RenderedMaps& occluders);
-  void UpdateLifecycle(const MapperInput& input, FrameReport& report);
+  void UpdateLifecycle(const MapperInput& input, double novelty, FrameReport& report);
   void KeepFrame(const MapperInput& input);
-  void MergeDuplicates(const MapperInput& input, FrameReport& report);
-  /// Whether b explains the images better than a.
-  bool Stronger(const MapObject& a, const MapObject& b, const MapperInput& input);
+  /// Share of the particles near the mean pose, whatever their shape.
+  double BeliefInMean(const MapObject& object) const;
+  void MergeDuplicates(double novelty, FrameReport& report);
   void Retire(MapObject& object, EventKind kind, ObjectId other, std::string why,
               FrameReport& report);
 };
@@ -284,54 +291,54 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
   }
 }
 
-std::array<double, 3> DecoyScores(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
-                   const PoseHypothesis& mean, const MapperOptions&) {
-  constexpr int kDecoys = 24;
-  const Eigen::Vector3d size = map.database->model(mean.label).bounds.sizes().cast<double>();
-  const double reach = std::max(0.3, std::max(size.x(), size.y()));
-  std::vector<PoseHypothesis> decoys{mean};
-  for (int k = 0; k < kDecoys; ++k) {
-    PoseHypothesis decoy = mean;
-    const double direction = 2.399963 * k, far = reach * (0.6 + 0.9 * k / kDecoys);
-    decoy.center_in_world += map.upright.upright_rotation() * Eigen::Vector3d(far * std::cos(direction), far * std::sin(direction), 0);
-    decoy.azimuth_rad = WrapAngle(mean.azimuth_rad + 3.883222 * k);
-    decoys.push_back(decoy);
-  }
-  std::vector<HypothesisScore> scores(decoys.size());
-  scorer.Score(view, map.upright, decoys, scores);
-  const float length = EdgeNormalizer({scores.data(), 1});
-  double sum = 0, squares = 0; int n = 0;
-  for (int k = 1; k <= kDecoys; ++k) {
-    if (scores[k].visible_m < 0.5 * scores[0].visible_m) continue;
-    const double phi = scores[k].agreement_m / std::max(length, scores[k].visible_m);
-    sum += phi; squares += phi * phi; ++n;
-  }
-  if (n == 0) return {0, 0, 0};
-  return {sum / n, std::sqrt(std::max(0.0, squares / n - sum / n * sum / n)), double(n)};
-}
-
 void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
                                    const RenderedMaps& occluders, const Detection* matched,
-                                   double novelty) {
-  // A missing detection weighs more than all that can speak for the object: edges alone may be any
-  // rectangle's, and a box says that something is there, not that it stands so.
-  const double edge = options().evidence_per_edge *
-                      std::min(object.phi_edge - options().expected_edge, kMostEdgeSurplus);
-  const double cnn = options().evidence_per_cnn *
-                     std::min(object.phi_cnn - options().expected_cnn, kMostDetectorSurplus);
-  // Few visible edges say little either way.
-  const double informative = std::min(1.0, object.visible_fraction / 0.3);
-  object.log_evidence = std::clamp(object.log_evidence + novelty * informative * (edge + cnn),
-                                   -kMaxEvidence, kMaxEvidence);
+                                   double dt_s, double novelty) {
+  const ScoringView view = View(input, occluders, object.id);
+  const PoseHypothesis mean = ToHypothesis(object.mean(), map);
+  // What all particles together expect of this image, not the mean alone: it may be between modes.
+  double expected = 0;
+  for (const Particle& particle : object.particles)
+    expected += std::exp(particle.log_weight + kMarginalSharpness * particle.phi_edge);
+  const double marginal = std::log(expected) / kMarginalSharpness;
+  const double focal = kReferenceFocal_px / setup.camera.fx;
+  Sighting sighting;
+  sighting.novelty = novelty;
+  sighting.visible_px = object.visible_box.area() * focal * focal;
+  sighting.visible_fraction = object.visible_fraction;
+  sighting.inside_fraction = InsideFraction(mean, input);
+  if (matched != nullptr) {
+    sighting.box_score = matched->score;
+    sighting.box_iou = Iou(matched->box, object.visible_box);
+  }
+  sighting.edge_surplus = EdgeSurplus(*setup.scorer, view, map, mean) +
+                          static_cast<float>(std::max(0.0, marginal - object.phi_edge));
+  Existence existence{object.log_evidence, object.hidden};
+  // Only what has been seen to be there can be said to be hidden.
+  if (object.state == ObjectState::kConfirmed) {
+    existence.Update(sighting, dt_s, options());
+  } else {
+    existence.UpdateInView(sighting, options());
+  }
+  object.log_evidence = existence.log_odds;
+  object.hidden = existence.hidden;
   static std::FILE* log = std::getenv("PLB_LOG") ? std::fopen(std::getenv("PLB_LOG"), "w") : nullptr;
   if (log) {
-    const auto decoys = DecoyScores(*setup.scorer, View(input, occluders, object.id), map, ToHypothesis(object.mean(), map), options());
     const auto& p = object.mean().world_from_object;
-    std::fprintf(log, "%d %d %s %d %.4f %.4f %.4f %.4f %d %.3f %.4f %.4f %.4f %.4f %.1f %.1f %.4f %.4f %.0f %d %.3f %.3f %.4f %.4f\n", input.frame, object.id.value,
+    std::fprintf(log, "%d %d %s %d %.4f %.4f %.4f %.4f %d %.3f %.4f %.4f %.4f %.4f %.1f %.3f %.4f %.4f %.0f %d %.3f %.3f %.4f %.4f\n", input.frame, object.id.value,
       setup.database->model(object.mean().label).name.c_str(), object.mean().label.value, p.translation().x(), p.translation().y(), p.translation().z(), map.upright.Azimuth(p.linear()), int(object.state),
-      object.log_evidence, novelty, object.phi_edge, object.phi_cnn, object.visible_fraction, object.visible_box.area(), object.whole_box.area(), decoys[0], decoys[1], decoys[2],
+      object.log_evidence, novelty, object.phi_edge, object.phi_cnn, object.visible_fraction, sighting.visible_px, sighting.inside_fraction, object.phi_edge - sighting.edge_surplus, object.hidden, 24.0,
       matched != nullptr, matched ? matched->score : 0.f, matched ? Iou(matched->box, object.visible_box) : 0.f, object.mean().weight, object.mean().position_std_m);
   }
+}
+
+double Mapper::Impl::InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const {
+  const std::optional<Box2> whole = ProjectedBounds(setup.database->model(mean.label), mean, map,
+                                                    setup.camera, input.world_from_cam.inverse());
+  if (!whole) return 0;
+  const Box2 image{0, 0, static_cast<float>(setup.camera.width - 1),
+                   static_cast<float>(setup.camera.height - 1)};
+  return Intersection(*whole, image).area() / std::max(1.0f, whole->area());
 }
 
 Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& input,
@@ -395,10 +402,9 @@ void Mapper::Impl::Take(MapObject& object, const Population& population) {
   }
 }
 
-std::vector<const KeyFrame*> Mapper::Impl::ChooseViews(const MapObject& object,
-                                                       const KeyFrameMemory& from) const {
+std::vector<const KeyFrame*> Mapper::Impl::ChooseViews(const MapObject& object) const {
   std::vector<const KeyFrame*> rest, chosen;
-  for (const KeyFrame& key : from.frames()) {
+  for (const KeyFrame& key : memory.frames()) {
     if (Judge(object, key.input, key.maps).visible_fraction >= kMinViewVisibility)
       rest.insert(rest.begin(), &key);  // from the newest back
   }
@@ -455,13 +461,13 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
                                   : std::clamp(object.seen_s / kSearchRelaxation,
                                                options().tentative_search_s,
                                                options().confirmed_search_s);
-  if (object.seen_s - object.last_search_s < period - 1e-6) return;
+  if (object.joined.empty() && object.seen_s - object.last_search_s < period - 1e-6) return;
   object.last_search_s = object.seen_s;
   const std::vector<double> last = LogLikelihoods(object);
   if (tentative) {
     // It may be elsewhere than it was thought to be: other frames may show it.
     object.views.clear();
-    for (const KeyFrame* key : ChooseViews(object, memory)) object.views.push_back({key->input.frame, 1});
+    for (const KeyFrame* key : ChooseViews(object)) object.views.push_back({key->input.frame, 1});
     object.present_weight = 1;
     for (const ObjectView& seen : object.views) {
       object.present_weight =
@@ -475,6 +481,8 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
       Rejudge(object, last, static_cast<int>(object.particles.size()), sampler, input.frame);
   std::vector<PoseHypothesis> challengers =
       sampler.Challengers(population.hypotheses, kTurnedChallengers);
+  challengers.insert(challengers.end(), object.joined.begin(), object.joined.end());
+  object.joined.clear();
   if (object.last_proposal) {
     const std::vector<PoseHypothesis> newcomers = SampleBirth(
         *object.last_proposal, setup.camera, object.world_from_proposal_cam, map, options(),
@@ -573,7 +581,7 @@ void Mapper::Impl::Retire(MapObject& object, EventKind kind, ObjectId other, std
   report.events.push_back({kind, object.id, other, std::move(why)});
 }
 
-void Mapper::Impl::UpdateLifecycle(const MapperInput& input, FrameReport& report) {
+void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, FrameReport& report) {
   for (MapObject& object : objects) {
     if (object.state == ObjectState::kRetired || !object.updated) continue;
     if (object.log_evidence < options().retire_evidence) {
@@ -581,7 +589,8 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, FrameReport& report
     } else if (object.state == ObjectState::kTentative &&
                object.log_evidence > options().confirm_evidence &&
                object.seen_s > options().confirm_age_s &&
-               object.mean().position_std_m < options().confirm_position_std_m) {
+               object.mean().position_std_m < options().confirm_position_std_m &&
+               BeliefInMean(object) >= options().confirm_mode_weight) {
       object.state = ObjectState::kConfirmed;
       object.confirmed_frame = input.frame;
       report.events.push_back({EventKind::kConfirmed, object.id, {}, "evidence has accumulated"});
@@ -590,58 +599,57 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, FrameReport& report
       Retire(object, EventKind::kRetired, {}, "tentative for too long", report);
     }
   }
-  MergeDuplicates(input, report);
+  MergeDuplicates(novelty, report);
 }
 
-void Mapper::Impl::MergeDuplicates(const MapperInput& input, FrameReport& report) {
-  const auto settled = [&](const MapObject& object) {
-    return object.state == ObjectState::kConfirmed ||
-           (object.state == ObjectState::kTentative &&
-            object.seen_s > options().tentative_search_s);
-  };
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    for (std::size_t j = i + 1; j < objects.size(); ++j) {
-      MapObject& a = objects[i];
-      MapObject& b = objects[j];
-      if (!settled(a) || !settled(b) || !Compete(a, b, map)) continue;
-      const bool keep_b = Stronger(a, b, input);
-      MapObject& loser = keep_b ? a : b;
-      MapObject& winner = keep_b ? b : a;
-      // What was known of the one is known of the other: the winner does not start again.
-      if (loser.state == ObjectState::kConfirmed && winner.state == ObjectState::kTentative) {
-        winner.state = ObjectState::kConfirmed;
-        winner.confirmed_frame = input.frame;
-        winner.log_evidence = std::max(winner.log_evidence, loser.log_evidence);
-        report.events.push_back(
-            {EventKind::kConfirmed, winner.id, loser.id,
-             "explains the images better than object " + std::to_string(loser.id.value)});
-      }
-      Retire(loser, EventKind::kMerged, winner.id,
-             "object " + std::to_string(winner.id.value) +
-                 " stands there and explains the images better",
-             report);
+double Mapper::Impl::BeliefInMean(const MapObject& object) const {
+  const PoseHypothesis mean = ToHypothesis(object.mean(), map);
+  double sum = 0;
+  for (const PoseMode& mode : object.modes) {
+    const PoseHypothesis other = ToHypothesis(mode, map);
+    const Eigen::Vector3d offset = other.center_in_world - mean.center_in_world;
+    if (offset.norm() < kSamePose_m &&
+        std::abs(AzimuthDifference(setup.database->model(mean.label), other.azimuth_rad,
+                                   mean.azimuth_rad)) < kSamePose_rad) {
+      sum += mode.weight;
     }
   }
+  return sum;
 }
 
-bool Mapper::Impl::Stronger(const MapObject& a, const MapObject& b, const MapperInput& input) {
-  // Both are judged with neither of them hiding the other.
-  std::vector<PlacedModel> others = MeanStates(true);
-  std::erase_if(others, [&](const PlacedModel& placed) {
-    return placed.object == a.id || placed.object == b.id;
-  });
-  KeyFrameMemory judges = memory;
-  judges.UpdateOcclusion(*renderer, others);
-  const RenderedMaps now = renderer->Render(setup.camera, input.world_from_cam.inverse(), others);
-  std::vector<JudgingView> views;
-  for (const MapObject* object : {&a, &b}) {
-    for (const KeyFrame* key : ChooseViews(*object, judges))
-      views.push_back(Judge(*object, key->input, key->maps).view);
-    views.push_back(Judge(*object, input, now).view);
+void Mapper::Impl::MergeDuplicates(double novelty, FrameReport& report) {
+  const auto settled = [&](const MapObject& object) {
+    return object.state == ObjectState::kConfirmed ||
+           (object.state == ObjectState::kTentative && object.seen_s > options().tentative_search_s);
+  };
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    MapObject* rival = nullptr;
+    MapObject& a = objects[i];
+    if (!settled(a)) continue;  // also what was merged just now
+    for (std::size_t j = 0; j < objects.size() && rival == nullptr; ++j) {
+      if (j != i && settled(objects[j]) && Compete(a, objects[j], map)) rival = &objects[j];
+    }
+    if (rival == nullptr) {
+      a.rival = {};
+      a.rivalry = 0;
+      continue;
+    }
+    // One look may mislead, several do not.
+    a.rivalry = (a.rival == rival->id ? a.rivalry : 0) + novelty;
+    a.rival = rival->id;
+    if (a.rivalry < kLooksBeforeMerging) continue;
+    const auto rank = [](const MapObject& object) {
+      return std::make_tuple(object.state == ObjectState::kConfirmed, object.log_evidence,
+                             -object.id.value);
+    };
+    MapObject& winner = rank(a) > rank(*rival) ? a : *rival;
+    MapObject& loser = rank(a) > rank(*rival) ? *rival : a;
+    // The loser's poses go on as the winner's: its next search weighs them by all that it has seen.
+    for (std::size_t k = 0; k < loser.particles.size(); k += loser.particles.size() / kJoined + 1)
+      winner.joined.push_back(ToHypothesis(loser.particles[k], loser.world_from_reference_cam));
+    Retire(loser, EventKind::kMerged, winner.id,
+           "object " + std::to_string(winner.id.value) + " stands there and is better founded", report);
   }
-  const PoseHypothesis means[] = {ToHypothesis(a.mean(), map), ToHypothesis(b.mean(), map)};
-  const std::vector<double> judged = SumOverViews(*setup.scorer, map, views, means, options());
-  return judged[1] > judged[0];
 }
 
 void Mapper::Impl::KeepFrame(const MapperInput& input) {
@@ -725,12 +733,12 @@ FrameReport Mapper::Step(const MapperInput& input) {
       object.last_proposal = *detection;
       object.world_from_proposal_cam = input.world_from_cam;
     }
-    if (object.updated) m.UpdateExistence(object, input, occlusion, detection, novelty);
+    if (object.updated) m.UpdateExistence(object, input, occlusion, detection, dt_s, novelty);
   }
   report.timings.push_back({"explain", watch.Lap()});
   m.Spawn(report.proposals, input, occlusion, report);
   report.timings.push_back({"spawn", watch.Lap()});
-  m.UpdateLifecycle(input, report);
+  m.UpdateLifecycle(input, novelty, report);
   m.KeepFrame(input);
 
   for (const MapObject& object : m.objects) report.objects.push_back(ToReport(object));

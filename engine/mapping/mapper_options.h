@@ -94,13 +94,19 @@ struct MapperOptions {
   double correlation_s = 3;
   double correlation_m = 0.1;
   double correlation_deg = 5;
-  double expected_edge = 0.30;
-  double expected_cnn = 0.16;
-  double evidence_per_edge = 9.0;
-  double evidence_per_cnn = 14.0;
+  double expected_edge = 0.17;
+  double most_edge_surplus = 0.4;
+  double evidence_per_edge = 6.0;
+  double detection_rate = 0.5;
+  double detectable_px = 2500;
+  double false_box_quality = 0.15;
+  double most_box_evidence = 1.5;
+  double hidden_rate = 0.02;
+  double hidden_s = 30;
   double confirm_evidence = 3.0;
   double retire_evidence = -3.0;
   double confirm_position_std_m = 0.10;
+  double confirm_mode_weight = 0.7;
   double confirm_age_s = 1.0;
   double tentative_limit_s = 6.0;
 };
@@ -179,17 +185,33 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.correlation_deg,
         {"correlation_deg", "deg", "camera rotation after which a view is new evidence", 0.001, 360});
   visit(o.expected_edge,
-        {"expected_edge", "", "edge term that speaks neither for nor against an object", -1, 1});
-  visit(o.expected_cnn,
-        {"expected_cnn", "", "detector term that speaks neither for nor against an object", 0, 1});
+        {"expected_edge", "",
+         "edge term beyond that of places around that speaks neither for nor against an object", -1,
+         1});
+  visit(o.most_edge_surplus,
+        {"most_edge_surplus", "", "edge term beyond that of places around that counts at most", 0, 1});
   visit(o.evidence_per_edge,
-        {"evidence_per_edge", "", "log odds per independent frame and unit of edge term", 0, 1000});
-  visit(o.evidence_per_cnn, {"evidence_per_cnn", "",
-                             "log odds per independent frame and unit of detector term", 0, 1000});
+        {"evidence_per_edge", "", "log odds per independent look and unit of edge term", 0, 1000});
+  visit(o.detection_rate,
+        {"detection_rate", "", "share of objects in full view that the detector boxes", 0, 0.99});
+  visit(o.detectable_px, {"detectable_px", "px",
+                          "area from which the detector boxes objects, at a focal length of 500", 1,
+                          1e7});
+  visit(o.false_box_quality,
+        {"false_box_quality", "", "score times overlap of a typical false box", 0.001, 1});
+  visit(o.most_box_evidence,
+        {"most_box_evidence", "", "log odds that a box adds at most in an independent look", 0, 100});
+  visit(o.hidden_rate,
+        {"hidden_rate", "", "chance per independent look that something unmapped hides an object", 0,
+         1});
+  visit(o.hidden_s, {"hidden_s", "s", "how long an object stays hidden by something unmapped", 0.01,
+                     10000});
   visit(o.confirm_evidence, {"confirm_evidence", "", "log odds that confirm an object", -100, 100});
   visit(o.retire_evidence, {"retire_evidence", "", "log odds that retire an object", -100, 100});
   visit(o.confirm_position_std_m,
         {"confirm_position_std_m", "m", "largest uncertainty of a confirmed object", 0, 100});
+  visit(o.confirm_mode_weight,
+        {"confirm_mode_weight", "", "least belief in the mean pose of a confirmed object", 0, 1});
   visit(o.confirm_age_s,
         {"confirm_age_s", "s", "shortest time in view before confirmation", 0, 100});
   visit(o.tentative_limit_s, {"tentative_limit_s", "s",

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/existence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "engine/geometry/angles.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kPlacesAround = 24;
+constexpr double kGoldenAngle_rad = 2.39996322972865332;
+constexpr double kNearestPlace = 0.6, kFarthestPlace = 1.5;  ///< In sizes of the object.
+constexpr double kLeastSize_m = 0.3;
+constexpr int kLeastPlaces = 6;
+constexpr double kMostLogOdds = 15;
+
+}  // namespace
+
+double SightingLogRatio(const Sighting& sighting, const MapperOptions& options) {
+  const double surplus = std::clamp(static_cast<double>(sighting.edge_surplus),
+                                    -options.most_edge_surplus, options.most_edge_surplus);
+  const double edges = options.evidence_per_edge * (surplus - options.expected_edge);
+  // The detector finds what is large enough, shows enough of itself and lies inside the image.
+  const double found = options.detection_rate *
+                       std::min(1.0, sighting.visible_px / options.detectable_px) *
+                       std::min(1.0, sighting.visible_fraction / 0.5) * sighting.inside_fraction;
+  const double quality = sighting.box_score * sighting.box_iou;
+  const double boxes =
+      sighting.box_score > 0
+          ? std::min(options.most_box_evidence,
+                     std::log(1 - found + found * quality / options.false_box_quality))
+          : std::log(1 - found);
+  // Few visible edges say little either way.
+  return std::min(1.0, sighting.visible_fraction / 0.3) * edges + boxes;
+}
+
+void Existence::Update(const Sighting& sighting, double dt_s, const MapperOptions& options) {
+  const double ratio = std::exp(sighting.novelty * SightingLogRatio(sighting, options));
+  const double ends = 1 - std::exp(-dt_s / options.hidden_s);
+  const double begins = options.hidden_rate * sighting.novelty;
+  const double before = hidden * (1 - ends) + (1 - hidden) * begins;
+  const double likelihood = before + (1 - before) * ratio;
+  hidden = before / likelihood;
+  log_odds = std::clamp(log_odds + std::log(likelihood), -kMostLogOdds, kMostLogOdds);
+}
+
+void Existence::UpdateInView(const Sighting& sighting, const MapperOptions& options) {
+  hidden = 0;
+  log_odds = std::clamp(log_odds + sighting.novelty * SightingLogRatio(sighting, options),
+                        -kMostLogOdds, kMostLogOdds);
+}
+
+float EdgeSurplus(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
+                  const PoseHypothesis& pose) {
+  const Eigen::Vector3d size = map.database->model(pose.label).bounds.sizes().cast<double>();
+  const double reach = std::max(kLeastSize_m, std::max(size.x(), size.y()));
+  std::vector<PoseHypothesis> places = {pose};
+  for (int k = 0; k < kPlacesAround; ++k) {
+    PoseHypothesis place = pose;
+    const double far =
+        reach * (kNearestPlace + (kFarthestPlace - kNearestPlace) * k / (kPlacesAround - 1));
+    place.center_in_world +=
+        map.upright.upright_rotation() * Eigen::Vector3d(far * std::cos(kGoldenAngle_rad * k),
+                                                         far * std::sin(kGoldenAngle_rad * k), 0);
+    // Turned too: otherwise parallel edges of the same object, one slat further, would count.
+    place.azimuth_rad = WrapAngle(pose.azimuth_rad + kGoldenAngle_rad * std::numbers::phi * k);
+    places.push_back(place);
+  }
+  std::vector<HypothesisScore> scores(places.size());
+  scorer.Score(view, map.upright, places, scores);
+  const float length = EdgeNormalizer({scores.data(), 1});
+  if (length <= 0) return 0;
+  double sum = 0;
+  int count = 0;
+  for (std::size_t k = 1; k < scores.size(); ++k) {
+    if (scores[k].visible_m < 0.5f * scores[0].visible_m) continue;
+    sum += scores[k].agreement_m / std::max(length, scores[k].visible_m);
+    ++count;
+  }
+  const double own = scores[0].agreement_m / std::max(length, scores[0].visible_m);
+  return count < kLeastPlaces ? static_cast<float>(own) : static_cast<float>(own - sum / count);
+}
+
+}  // namespace plumbline
