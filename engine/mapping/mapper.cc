@@ -15,6 +15,7 @@
 #include "engine/mapping/map_object.h"
 #include "engine/mapping/existence.h"
 #include "engine/mapping/judging.h"
+#include "engine/mapping/novelty_clock.h"
 
 namespace plumbline {
 namespace {
@@ -60,56 +61,6 @@ std::vector<Particle> ToParticles(const std::vector<PoseHypothesis>& hypotheses,
   }
   return particles;
 }
-
-/// How much of an independent look at the scene each frame adds, for what does not average over
-/// time: whether an object is there. It grows with the motion of the camera since the last look that
-/// counted, and, at rest, with time to at most one.
-class NoveltyClock {
- public:
-  /// In [0, 1]; sums to one while the camera moves by about the options' distances.
-  double Advance(std::int64_t stamp_ns, const Eigen::Isometry3d& world_from_cam,
-                 const MapperOptions& options) {
-    if (!started_) {
-      started_ = true;
-      from_ = world_from_cam;
-      from_ns_ = stamp_ns;
-      credited_ = 1;
-      return 1;
-    }
-    const double moved = std::hypot(
-        (world_from_cam.translation() - from_.translation()).norm() / options.correlation_m,
-        Eigen::AngleAxisd(world_from_cam.linear().transpose() * from_.linear()).angle() /
-            (options.correlation_deg * kRadPerDeg));
-    const double rested = static_cast<double>(stamp_ns - from_ns_) * 1e-9 / options.correlation_s;
-    const double credit = 1 - std::exp(-moved - rested);
-    const double gained = std::max(0.0, credit - credited_);
-    credited_ = std::max(credited_, credit);
-    if (moved > 1) {
-      from_ = world_from_cam;
-      from_ns_ = stamp_ns;
-      credited_ = 0;
-    }
-    return gained;
-  }
-  void Save(ByteWriter& out) const {
-    out.Put(started_);
-    out.Put(from_);
-    out.Put(from_ns_);
-    out.Put(credited_);
-  }
-  void Restore(ByteReader& in) {
-    started_ = in.Get<bool>();
-    from_ = in.GetPose();
-    from_ns_ = in.Get<std::int64_t>();
-    credited_ = in.Get<double>();
-  }
-
- private:
-  bool started_ = false;
-  Eigen::Isometry3d from_ = Eigen::Isometry3d::Identity();
-  std::int64_t from_ns_ = 0;
-  double credited_ = 0;
-};
 
 }  // namespace
 
@@ -159,18 +110,24 @@ struct Mapper::Impl {
         .front();
   }
 
-  /// How an image judges hypotheses of the object; `visible_fraction` of its mean.
+  /// How an image judges hypotheses of the object, and what it shows of the object's mean.
   struct Judging {
     JudgingView view;
     double visible_fraction = 0;
+    double telling = 0;  ///< In [0, 1]: a small or hidden contour says less than a long one.
   };
   Judging Judge(const MapObject& object, const MapperInput& from, const RenderedMaps& maps) const {
-    Judging result{{View(from, maps, object.id), from.detections.get(), 0, 1}, 0};
+    Judging result{{View(from, maps, object.id), from.detections.get(), 0, 1}, 0, 0};
     const PoseHypothesis mean = ToHypothesis(object.mean(), map);
     HypothesisScore score;
     setup.scorer->Score(result.view.view, map.upright, {&mean, 1}, {&score, 1});
     result.view.normalizer = EdgeNormalizer({&score, 1});
     result.visible_fraction = score.total_m > 0 ? score.visible_m / score.total_m : 0;
+    const double depth = (result.view.view.cam_from_world * mean.center_in_world).z();
+    if (depth > 0) {
+      result.telling = std::min(
+          1.0, score.visible_m * kReferenceFocal_px / depth / options().telling_contour_px);
+    }
     return result;
   }
 
@@ -240,7 +197,7 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
     }
   }
   const std::vector<double> last = LogLikelihoods(object);
-  object.present_weight = weight;
+  object.present_weight = weight * now.telling;
   for (std::size_t i = 0; i < object.particles.size(); ++i) {
     object.particles[i].phi_cnn = likelihoods[i].phi_cnn;
     object.particles[i].phi_edge = likelihoods[i].phi_edge;
@@ -306,6 +263,7 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
   sighting.novelty = novelty;
   sighting.visible_px = object.visible_box.area() * focal * focal;
   sighting.visible_fraction = object.visible_fraction;
+  sighting.telling = Judge(object, input, occluders).telling;
   sighting.inside_fraction = InsideFraction(mean, input);
   if (matched != nullptr) {
     sighting.box_score = matched->score;
@@ -467,13 +425,15 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
   if (tentative) {
     // It may be elsewhere than it was thought to be: other frames may show it.
     object.views.clear();
-    for (const KeyFrame* key : ChooseViews(object)) object.views.push_back({key->input.frame, 1});
+    for (const KeyFrame* key : ChooseViews(object))
+      object.views.push_back({key->input.frame, Judge(object, key->input, key->maps).telling});
     object.present_weight = 1;
     for (const ObjectView& seen : object.views) {
       object.present_weight =
           std::min(object.present_weight, memory.Distance(memory.Find(seen.frame)->input.world_from_cam,
                                                           input.world_from_cam));
     }
+    object.present_weight *= Judge(object, input, occluders).telling;
   }
   PoseSampler sampler(map, options(), PosteriorOf(object, input, occluders),
                       Key(setup.seed, input.frame, object.id, Draw::kSearch));

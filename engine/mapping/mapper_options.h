@@ -54,7 +54,8 @@ struct MapperOptions {
   // Likelihood of a view: alpha * Phi_cnn + beta * Phi_edge
   double alpha = 2.5;
   double beta = 10.0;
-  double view_correlation = 0.15;
+  double view_correlation = 0.07;
+  double telling_contour_px = 250;
   bool inner_lines = true;
   ScoredBox scored_box = ScoredBox::kBest;
   double search_radius_px = 7;
@@ -79,7 +80,7 @@ struct MapperOptions {
   double nominal_depth_std = 0.35;
   double bearing_std_boxes = 0.1;
   double explained_overlap = 0.5;
-  int max_tentative = 8;
+  int max_tentative = 12;
   int max_spawns_per_frame = 2;
 
   // Memory of views
@@ -94,10 +95,10 @@ struct MapperOptions {
   double correlation_s = 3;
   double correlation_m = 0.1;
   double correlation_deg = 5;
-  double expected_edge = 0.17;
+  double expected_edge = 0.16;
   double most_edge_surplus = 0.4;
-  double evidence_per_edge = 6.0;
-  double detection_rate = 0.5;
+  double evidence_per_edge = 5.0;
+  double detection_rate = 0.4;
   double detectable_px = 2500;
   double false_box_quality = 0.15;
   double most_box_evidence = 1.5;
@@ -106,7 +107,7 @@ struct MapperOptions {
   double confirm_evidence = 3.0;
   double retire_evidence = -3.0;
   double confirm_position_std_m = 0.10;
-  double confirm_mode_weight = 0.7;
+  double confirm_mode_weight = 0.9;
   double confirm_age_s = 1.0;
   double tentative_limit_s = 6.0;
 };
@@ -128,6 +129,9 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.view_correlation,
         {"view_correlation", "",
          "correlation of the errors of any two views: what never averages out", 0, 1});
+  visit(o.telling_contour_px,
+        {"telling_contour_px", "px",
+         "visible contour from which a view counts fully, at a focal length of 500", 1, 100000});
   visit(o.inner_lines, {"inner_lines", "", "creases and marks inside the contour count too"});
   visit(o.scored_box,
         {"box", "",
