@@ -355,13 +355,13 @@ FurnitureModel TallPlant() {
          out * 0.13f + Vector3f(0, 0, height)},
         6);
     AddTube(body.mesh, bark, path, {0.009f}, 8);
-    constexpr int kLeaves = 10;
+    constexpr int kLeaves = 6;
     for (int i = 0; i < kLeaves; ++i) {
       const auto at =
           static_cast<std::size_t>(3 + i * static_cast<int>(path.size() - 4) / (kLeaves - 1));
       const float turn = azimuth + 2.4f * static_cast<float>(i) + Within(random, -0.3f, 0.3f);
       AddLeaf(body.mesh, leaf, path[at], turn, Within(random, 0.5f, 0.95f),
-              Within(random, 0.22f, 0.30f), Within(random, 0.10f, 0.13f), {5, 2});
+              Within(random, 0.22f, 0.30f), Within(random, 0.10f, 0.13f), {4, 2});
     }
   }
   StandOnOrigin(body.mesh);
@@ -377,14 +377,14 @@ FurnitureModel SmallPlant() {
   PaintedBody& body = model.body;
   const int leaf = AddPot(body, 0.07f, 0.13f, 0xd8d2c6, 0x4f8046);
   Random random({.seed = 6, .object = 0x504c54});
-  constexpr int kLeaves = 24;
+  constexpr int kLeaves = 20;
   for (int i = 0; i < kLeaves; ++i) {
     const float inner = static_cast<float>(i) / kLeaves;  // the last stand upright in the middle
     const float turn = 2.4f * static_cast<float>(i) + Within(random, -0.2f, 0.2f);
     const Vector3f root =
         0.03f * (1 - inner) * Vector3f(std::cos(turn), std::sin(turn), 0) + Vector3f(0, 0, 0.12f);
     AddLeaf(body.mesh, leaf, root, turn, 0.55f + 0.85f * inner, Within(random, 0.19f, 0.25f),
-            Within(random, 0.035f, 0.05f), {5, 2});
+            Within(random, 0.035f, 0.05f), {4, 2});
   }
   StandOnOrigin(body.mesh);
   return model;

@@ -95,8 +95,8 @@ void FurnishDividedRoom(Furnisher& furnisher) {
   // Round the chair and back, nearer; out through the opening; four and a half rounds behind the
   // wall; in again.
   AddArc(chair, {2.0, 2.0}, 70, 110, chair, walk);
-  AddArc(chair, {1.7, 1.8}, 130, 185, chair, walk);
-  AddArc(chair, {1.35, 1.4}, 165, 60, chair, walk);
+  AddArc(chair, {2.05, 2.0}, 125, 185, chair, walk);
+  AddArc(chair, {1.25, 1.3}, 175, 60, chair, walk);
   for (const Vector2d& stand : {Vector2d(-0.5, 0.7), Vector2d(-0.1, 1.3), Vector2d(0.5, 1.55),
                                 Vector2d(1.05, 1.2), Vector2d(1.35, 0.4)})
     walk.route.push_back({stand, chair});
@@ -144,7 +144,7 @@ void FurnishRoundCorridor(Furnisher& furnisher) {
   room.size = {32.0, 9.2, 2.6};
   style.window_wall = 0;
   style.accent_wall_index = 2;
-  style.lamps = {{-12.9f, 0.0f}, {12.9f, 0.0f}};
+  style.lamps = {{-12.9f, -1.9f}, {-12.9f, 1.9f}, {12.9f, 0.0f}};
   for (const float x : {-7.2f, -2.4f, 2.4f, 7.2f}) {
     for (const float side : {-1.0f, 1.0f})
       style.lamps.emplace_back(x, side * static_cast<float>(kCorridorY));
@@ -168,7 +168,7 @@ void FurnishRoundCorridor(Furnisher& furnisher) {
   furnisher.ArrangeDining(away);
   furnisher.WindowWall(0);
   const Isometry3d block_east = Upright(kBlockX, 0, 0, 0);
-  furnisher.Place("cabinet_doors", block_east * Upright(0.25, furnisher.Draw(-0.5, 0.5), 0, 0));
+  furnisher.Place("cabinet_doors", block_east * Upright(0.29, furnisher.Draw(-0.5, 0.5), 0, 0));
 
   // Doors and pictures along both corridors, on both sides.
   const std::array<Isometry3d, 4> faces = {Upright(0, kBlockY, 0, kPi / 2),
@@ -188,7 +188,7 @@ void FurnishRoundCorridor(Furnisher& furnisher) {
     if (furnisher.Reserve(pot)) furnisher.Decorate(plant, corner, 0.06f);
   }
   furnisher.Place("bookshelf", faces[2] * Upright(0.17, furnisher.Draw(-4.6, -4.2), 0, 0));
-  furnisher.Place("cabinet_doors", faces[1] * Upright(0.25, furnisher.Draw(1.3, 1.8), 0, 0));
+  furnisher.Place("cabinet_doors", faces[1] * Upright(0.29, furnisher.Draw(1.3, 1.8), 0, 0));
   furnisher.Place("stool_round", faces[3] * Upright(0.35, furnisher.Draw(0.9, 1.3), 0, 0));
 
   WalkPlan& walk = room.walk;

@@ -14,8 +14,8 @@ void FurnishDividedRoom(Furnisher& furnisher);
 /// `rows`: three rows of four equal chairs.
 void FurnishSeminarRoom(Furnisher& furnisher);
 
-/// `revisit`: two rooms with equal furniture at the ends of two corridors; the walk goes from one
-/// through both corridors and the other back to the first.
+/// `revisit`: two rooms at the ends of two corridors; the walk goes from one through both corridors
+/// and the other back to the first.
 void FurnishRoundCorridor(Furnisher& furnisher);
 
 /// `office`: two desks face to face and what goes with them.

@@ -50,7 +50,7 @@ inline constexpr SyntheticSceneInfo kSyntheticScenes[] = {
     {"variant", "an object differs from its model"},
     {"wall", "a wall without a model hides a chair for a minute", 10, 1060},
     {"rows", "12 equal chairs, 0.55 m apart", 10, 300},
-    {"revisit", "back to the same furniture after 3 minutes and 60 m", 5, 1200},
+    {"revisit", "back to the same furniture after 3 minutes and 60 m", 5, 1240},
     {"twins", "chairs that differ in their arm rests only"},
     {"office", "desks, office chairs, shelves, plants", 30, 450},
     {"rates", "the same walk for any --rate", 30, 450},

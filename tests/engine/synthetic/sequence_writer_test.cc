@@ -198,8 +198,8 @@ TEST(SequenceWriter, FilmsWithAnySensor) {
     int width, height;
     double fov_deg;
   };
-  for (const Sensor& sensor : {Sensor{320, 240, 60}, Sensor{641, 479, 120}, Sensor{1920, 1080, 90},
-                               Sensor{333, 501, 75}}) {
+  for (const Sensor& sensor :
+       {Sensor{320, 240, 60}, Sensor{333, 501, 120}, Sensor{1920, 1080, 90}}) {
     SCOPED_TRACE(std::to_string(sensor.width) + "x" + std::to_string(sensor.height));
     SyntheticOptions options = SmallOptions();
     options.frames = 1;
