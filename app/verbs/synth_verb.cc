@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
+#include "engine/geometry/angles.h"
 #include "engine/synthetic/sequence_writer.h"
 
 namespace plumbline {
@@ -12,19 +18,54 @@ namespace {
 struct SynthArguments {
   std::string out_folder;
   std::string scene = "room";
-  SyntheticOptions options;
+  std::string size = "960x500";
+  std::uint64_t seed = 1;
+  std::optional<int> frames;
+  std::optional<double> rate_hz, fov_deg;
 };
 
-Status Synth(SynthArguments arguments) {
-  arguments.options.scene = *SyntheticSceneFromName(arguments.scene);
+Result<SyntheticOptions> OptionsOf(const SynthArguments& arguments) {
+  SyntheticOptions options = OptionsFor(*SyntheticSceneFromName(arguments.scene));
+  options.seed = arguments.seed;
+  if (arguments.rate_hz) {
+    const double seconds = options.frames / options.rate_hz;
+    options.rate_hz = *arguments.rate_hz;
+    options.frames = static_cast<int>(std::lround(seconds * options.rate_hz));
+  }
+  if (arguments.frames) options.frames = *arguments.frames;
+  if (arguments.fov_deg) options.horizontal_fov_rad = *arguments.fov_deg * kRadPerDeg;
+  char rest = 0;
+  if (std::sscanf(arguments.size.c_str(), "%dx%d%c", &options.width, &options.height, &rest) != 2) {
+    return Error{ErrorCode::kInvalidInput,
+                 "--size is '" + arguments.size + "'; write width x height, for instance 640x480"};
+  }
+  return options;
+}
+
+Status Synth(const SynthArguments& arguments) {
+  const Result<SyntheticOptions> options = OptionsOf(arguments);
+  if (!options.ok()) return options.error();
   ConsoleWork work;
   const Result<SyntheticSummary> summary =
-      WriteSyntheticSequence(arguments.options, arguments.out_folder, work.context());
+      WriteSyntheticSequence(*options, arguments.out_folder, work.context());
   if (!summary.ok()) return summary.error();
   std::printf("%s: %d frames, %d objects (light %.1f s, %.2f s a frame)\n",
               arguments.out_folder.c_str(), summary->frames, summary->instances,
               summary->light_seconds, summary->frame_seconds / summary->frames);
   return {};
+}
+
+/// One line for each scene.
+std::string SceneList() {
+  std::string list;
+  for (const SyntheticSceneInfo& scene : kSyntheticScenes) {
+    std::array<char, 200> line;
+    std::snprintf(line.data(), line.size(), "\n  %-12s %.*s (%d frames at %g Hz)",
+                  std::string(scene.name).c_str(), static_cast<int>(scene.summary.size()),
+                  scene.summary.data(), scene.frames, scene.rate_hz);
+    list += line.data();
+  }
+  return list;
 }
 
 }  // namespace
@@ -37,20 +78,31 @@ void AddSynthVerb(CLI::App& app, VerbFunction& chosen) {
                    "Folder of the sequence: new, empty, or an earlier synthetic one (replaced)")
       ->required()
       ->type_name("DIR");
-  verb->add_option("--scene", arguments->scene,
-                   "room, or a situation: occlusion, clutter, blur, lowcontrast (furniture in the "
-                   "colours of the room), truncation, duplicate (split and double boxes), variant "
-                   "(an object differs from its model)")
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kSyntheticSceneNames),
-                                                     std::end(kSyntheticSceneNames))))
+  std::vector<std::string> names;
+  for (const SyntheticSceneInfo& scene : kSyntheticScenes) names.emplace_back(scene.name);
+  verb->add_option("--scene", arguments->scene, "What is filmed; the scenes are listed below")
+      ->check(CLI::IsMember(names))
+      ->type_name("NAME")
       ->capture_default_str();
-  verb->add_option("--frames", arguments->options.frames, "Number of frames, 30 a second")
-      ->check(CLI::Range(1, 100000))
+  verb->add_option("--frames", arguments->frames,
+                   "Number of frames; if not given, as long as the scene's story takes")
+      ->check(CLI::Range(1, 100000));
+  verb->add_option("--rate", arguments->rate_hz,
+                   "Frames per second; if not given, those of the scene")
+      ->check(CLI::Range(1.0, 240.0))
+      ->type_name("HZ");
+  verb->add_option("--size", arguments->size, "Width x height of the images [px]")
+      ->type_name("WxH")
       ->capture_default_str();
-  verb->add_option("--seed", arguments->options.seed,
+  verb->add_option("--fov", arguments->fov_deg,
+                   "Field of view from left to right; if not given, 81 degrees")
+      ->check(CLI::Range(20.0, 150.0))
+      ->type_name("DEG");
+  verb->add_option("--seed", arguments->seed,
                    "Chooses room, furniture, colours, light and walk; 1 is the demo")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  verb->footer("Scenes (docs/algorithms/synthetic.md):" + SceneList());
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Synth(*arguments); }; });
 }
 

@@ -39,30 +39,6 @@ Matrix3f TurnZ(float angle) {
   return Eigen::AngleAxisf(angle, Vector3f::UnitZ()).toRotationMatrix();
 }
 
-/// A leaf blade along +x, bent downwards, turned to `azimuth` and raised by `rise`.
-void AddLeaf(PaintedMesh& mesh, int paint, const Vector3f& root, float azimuth, float rise,
-             float length, float width) {
-  const std::size_t first = mesh.vertices.size();
-  AddBox(mesh, paint,
-         {.center = {length / 2, 0, 0},
-          .size = {length, width, 0.003f},
-          .radius = 0.001f,
-          .divisions = {7, 2, 1},
-          .grain = 0});
-  const Matrix3f turn =
-      TurnZ(azimuth) * Eigen::AngleAxisf(-rise, Vector3f::UnitY()).toRotationMatrix();
-  Deform(mesh, first, [&](const Vector3f& p) {
-    const float t = p.x() / length;
-    const float outline =
-        0.08f +
-        0.92f * std::pow(std::max(0.0f, std::sin(kPiF * std::clamp(0.12f + 0.85f * t, 0.0f, 1.0f))),
-                         0.8f);
-    const float fold = 0.35f * std::abs(p.y());
-    return Vector3f(root +
-                    turn * Vector3f(p.x(), p.y() * outline, p.z() + fold - 0.55f * length * t * t));
-  });
-}
-
 }  // namespace
 
 PaintedBody BookRow(float length_m, Random& random) {

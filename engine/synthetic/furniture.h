@@ -28,7 +28,7 @@ struct PaintedBody {
 /// footprint, +x front.
 struct FurnitureModel {
   std::string name;
-  std::string category;  ///< COCO name; `cabinet` and `lamp` are our own.
+  std::string category;  ///< COCO name; `cabinet`, `lamp`, `desk` and `shelf` are our own.
   int symmetry_order = 1;
   Support support = Support::kFloor;
   std::string note;
@@ -62,8 +62,22 @@ FurnitureModel Bookshelf(const FurniturePalette& palette);
 FurnitureModel FloorLamp(const FurniturePalette& palette);
 FurnitureModel TableLamp(const FurniturePalette& palette);
 
-/// All of them, in a fixed order.
+// Of an office.
+FurnitureModel StraightDesk(const FurniturePalette& palette);
+FurnitureModel SideDesk(const FurniturePalette& palette);
+FurnitureModel VisitorChair(const FurniturePalette& palette);
+FurnitureModel BinderShelf(const FurniturePalette& palette);
+FurnitureModel CubeShelf(const FurniturePalette& palette);
+FurnitureModel DrawerPedestal(const FurniturePalette& palette);
+FurnitureModel TallPlant();
+FurnitureModel SmallPlant();
+
+// Each in a fixed order.
+/// Of a living room.
 std::vector<FurnitureModel> FurnitureCatalogue(const FurniturePalette& palette);
+/// The living room's and `chair_office_plain`: two kinds of chairs with and without arm rests.
+std::vector<FurnitureModel> TwinCatalogue(const FurniturePalette& palette);
+std::vector<FurnitureModel> OfficeCatalogue(const FurniturePalette& palette);
 
 /// The mesh as the model database stores it: vertex colours are the mean colours of the materials.
 TriangleMesh DatabaseMesh(const PaintedBody& body);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/synthetic/furniture_parts.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "engine/geometry/angles.h"
 
 namespace plumbline {
 
@@ -55,6 +58,29 @@ void AddCushion(PaintedMesh& mesh, int paint, const Vector3f& center, const Vect
 void AddBlock(PaintedMesh& mesh, int paint, const Vector3f& center, const Vector3f& size,
               float radius, int grain) {
   AddBox(mesh, paint, {.center = center, .size = size, .radius = radius, .grain = grain});
+}
+
+void AddLeaf(PaintedMesh& mesh, int paint, const Vector3f& root, float azimuth, float rise,
+             float length, float width, const Eigen::Vector2i& divisions) {
+  const std::size_t first = mesh.vertices.size();
+  AddBox(mesh, paint,
+         {.center = {length / 2, 0, 0},
+          .size = {length, width, 0.003f},
+          .radius = 0.001f,
+          .divisions = {divisions.x(), divisions.y(), 1},
+          .grain = 0});
+  const Eigen::Matrix3f turn = Eigen::AngleAxisf(azimuth, Vector3f::UnitZ()).toRotationMatrix() *
+                               Eigen::AngleAxisf(-rise, Vector3f::UnitY()).toRotationMatrix();
+  Deform(mesh, first, [&](const Vector3f& p) {
+    const float t = p.x() / length;
+    const float outline =
+        0.08f +
+        0.92f * std::pow(std::max(0.0f, std::sin(kPiF * std::clamp(0.12f + 0.85f * t, 0.0f, 1.0f))),
+                         0.8f);
+    const float fold = 0.35f * std::abs(p.y());
+    return Vector3f(root +
+                    turn * Vector3f(p.x(), p.y() * outline, p.z() + fold - 0.55f * length * t * t));
+  });
 }
 
 void StandOnOrigin(PaintedMesh& mesh) {

@@ -24,6 +24,11 @@ void AddCushion(PaintedMesh& mesh, int paint, const Eigen::Vector3f& center,
 void AddBlock(PaintedMesh& mesh, int paint, const Eigen::Vector3f& center,
               const Eigen::Vector3f& size, float radius = 0.004f, int grain = -1);
 
+/// A leaf blade along +x, bent downwards, turned to `azimuth_rad` and raised by `rise_rad`.
+/// `divisions`: pieces along it and across.
+void AddLeaf(PaintedMesh& mesh, int paint, const Eigen::Vector3f& root, float azimuth_rad,
+             float rise_rad, float length, float width, const Eigen::Vector2i& divisions = {7, 2});
+
 /// Moves the mesh so that the centre of its footprint is the origin and it stands on z = 0.
 void StandOnOrigin(PaintedMesh& mesh);
 

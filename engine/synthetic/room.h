@@ -53,8 +53,16 @@ struct Footprint {
   double azimuth_rad = 0;
 };
 
+/// A place on the way of a walk and what is looked at from there [m].
+struct RoutePoint {
+  Eigen::Vector2d stand{0, 0}, look_at{0, 0};
+};
+
 /// What the walk through the room shall do.
 struct WalkPlan {
+  /// Where given, the walk goes round and round along these points, which a smooth curve follows
+  /// without quite reaching them; otherwise it goes round the focus.
+  std::vector<RoutePoint> route;
   Eigen::Vector2d focus{0, 0};  ///< The walker goes round this point [m] ...
   double radius_m = 1.85;       ///< ... at about this distance,
   double start_angle_rad = 0;   ///< from this direction (of the walker seen from the focus)

@@ -23,6 +23,39 @@ void AddWallPiece(PaintedMesh& mesh, int paint, float y0, float z0, float y1, fl
   }
 }
 
+/// Light is computed at a limited number of points on a face, so large ones are cut.
+int PiecesOf(float length) {
+  constexpr float kLongestPiece = 8;
+  return static_cast<int>(std::ceil(length / kLongestPiece));
+}
+
+/// A rectangle in pieces whose texture continues.
+void AddSurface(PaintedMesh& mesh, int paint, const Vector3f& corner, const Vector3f& u,
+                const Vector3f& v) {
+  const int across = PiecesOf(u.norm()), up = PiecesOf(v.norm());
+  const Vector3f step_u = u / static_cast<float>(across), step_v = v / static_cast<float>(up);
+  for (int i = 0; i < across; ++i) {
+    for (int j = 0; j < up; ++j) {
+      const auto a = static_cast<float>(i), b = static_cast<float>(j);
+      const std::size_t first = mesh.vertices.size();
+      AddQuad(mesh, paint, corner + a * step_u + b * step_v, step_u, step_v);
+      for (std::size_t k = first; k < mesh.vertices.size(); ++k)
+        mesh.texture[k] += Vector3f(a * step_u.norm(), b * step_v.norm(), 0);
+    }
+  }
+}
+
+/// A whole wall x = 0, centred on y = 0.
+void AddWall(PaintedMesh& mesh, int paint, float length, float bottom, float top) {
+  const int pieces = PiecesOf(length);
+  for (int i = 0; i < pieces; ++i) {
+    const auto at = [&](int k) {
+      return length * (static_cast<float>(k) / static_cast<float>(pieces) - 0.5f);
+    };
+    AddWallPiece(mesh, paint, at(i), bottom, at(i + 1), top);
+  }
+}
+
 void AddBaseboard(PaintedMesh& mesh, int paint, float length, float gap_from, float gap_to) {
   const auto piece = [&](float from, float to) {
     if (to - from < 0.01f) return;
@@ -89,7 +122,7 @@ void AddWindow(const RoomStyle& style, Room& room) {
   AddDecor(rod, room_from_wall, 0.05f, room);
 }
 
-void AddCeilingLamp(const RoomStyle& style, Room& room) {
+void AddCeilingLamp(const RoomStyle& style, const Eigen::Vector2f& center, Room& room) {
   const auto height = static_cast<float>(room.size.z());
   PaintedBody lamp;
   const int rim = lamp.Paint(style.trim);
@@ -97,9 +130,10 @@ void AddCeilingLamp(const RoomStyle& style, Room& room) {
       lamp.Paint({.color = {1.0f, 0.93f, 0.82f}, .emission = 1.2f * style.lamp_strength});
   AddBlock(lamp.mesh, rim, {0, 0, height - 0.02f}, {0.96f, 0.96f, 0.04f}, 0.015f);
   AddBlock(lamp.mesh, glow, {0, 0, height - 0.042f}, {0.88f, 0.88f, 0.01f}, 0.003f);
-  AddDecor(lamp, Eigen::Isometry3d::Identity(), 0.05f, room);
+  const Eigen::Isometry3d at(Eigen::Translation3d(center.x(), center.y(), 0));
+  AddDecor(lamp, at, 0.05f, room);
   room.parts.back().in_scan = false;
-  room.lights.push_back({{-0.44f, -0.44f, height - 0.05f},
+  room.lights.push_back({{center.x() - 0.44f, center.y() - 0.44f, height - 0.05f},
                          {0, 0.88f, 0},
                          {0.88f, 0, 0},
                          4.5f * style.lamp_strength * Vector3f(1.0f, 0.90f, 0.74f)});
@@ -175,13 +209,13 @@ void BuildShell(const RoomStyle& style, Room& room) {
   const auto width = static_cast<float>(room.size.x()), depth = static_cast<float>(room.size.y());
   const auto height = static_cast<float>(room.size.z());
   RoomPart floor;
-  AddQuad(floor.body.mesh, floor.body.Paint(style.floor), {-width / 2, -depth / 2, 0},
-          {width, 0, 0}, {0, depth, 0});
+  AddSurface(floor.body.mesh, floor.body.Paint(style.floor), {-width / 2, -depth / 2, 0},
+             {width, 0, 0}, {0, depth, 0});
   floor.light_spacing_m = 0.024f;
   room.parts.push_back(std::move(floor));
   RoomPart ceiling;
-  AddQuad(ceiling.body.mesh, ceiling.body.Paint(style.ceiling), {-width / 2, -depth / 2, height},
-          {0, depth, 0}, {width, 0, 0});
+  AddSurface(ceiling.body.mesh, ceiling.body.Paint(style.ceiling), {-width / 2, -depth / 2, height},
+             {0, depth, 0}, {width, 0, 0});
   ceiling.light_spacing_m = 0.08f;
   ceiling.in_scan = false;
   room.parts.push_back(std::move(ceiling));
@@ -197,13 +231,45 @@ void BuildShell(const RoomStyle& style, Room& room) {
       AddWallPiece(body.mesh, paint, -opening, 0, opening, kSill);
       AddWallPiece(body.mesh, paint, -opening, kLintel, opening, height);
     } else {
-      AddWallPiece(body.mesh, paint, -half, 0, half, height);
+      AddWall(body.mesh, paint, 2 * half, 0, height);
     }
     AddBaseboard(body.mesh, trim, 2 * half, half, half);
     AddDecor(body, RoomFromWall(room, wall), 0.045f, room);
   }
   AddWindow(style, room);
-  AddCeilingLamp(style, room);
+  for (const Eigen::Vector2f& lamp : style.lamps) AddCeilingLamp(style, lamp, room);
+}
+
+void BuildPartition(const RoomStyle& style, const Partition& partition, Room& room) {
+  const Eigen::Vector2d along = partition.to - partition.from;
+  const double length = along.norm(), thickness = partition.thickness_m;
+  const Eigen::Vector2d center = (partition.from + partition.to) / 2;
+  const double azimuth = std::atan2(-along.x(), along.y());  // of the face to the right
+  const auto bottom = static_cast<float>(partition.bottom_m);
+  const auto top = static_cast<float>(room.size.z());
+  PaintedBody body;
+  const int paint = body.Paint(style.walls), trim = body.Paint(style.trim);
+  for (int side = 0; side < 4; ++side) {
+    const bool face = side % 2 == 0;
+    const auto width = static_cast<float>(face ? length : thickness);
+    PaintedMesh wall;
+    AddWall(wall, paint, width, bottom, top);
+    if (bottom == 0) AddBaseboard(wall, trim, width, width / 2, width / 2);
+    const Eigen::Isometry3d pose =
+        Eigen::AngleAxisd(side * std::numbers::pi / 2, Eigen::Vector3d::UnitZ()) *
+        Eigen::Translation3d((face ? thickness : length) / 2, 0, 0);
+    AppendPainted(wall, pose.cast<float>(), 0, body.mesh);
+  }
+  if (bottom > 0) {
+    const auto x = static_cast<float>(thickness / 2), y = static_cast<float>(length / 2);
+    AddQuad(body.mesh, paint, {-x, -y, bottom}, {0, 2 * y, 0}, {2 * x, 0, 0});
+  } else {
+    room.obstacles.push_back({center, {thickness / 2, length / 2}, azimuth});
+  }
+  AddDecor(body,
+           Eigen::Translation3d(center.x(), center.y(), 0) *
+               Eigen::AngleAxisd(azimuth, Eigen::Vector3d::UnitZ()),
+           0.045f, room);
 }
 
 void AddDecor(const PaintedBody& body, const Eigen::Isometry3d& room_from_body,

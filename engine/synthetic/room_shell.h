@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "engine/base/random.h"
 #include "engine/synthetic/room.h"
 
@@ -14,6 +16,7 @@ struct RoomStyle {
   int accent_wall_index = 0;
   float sun_height_deg = 32, sun_side_deg = 25;
   float sun_strength = 9, sky_strength = 7, lamp_strength = 1.6f;
+  std::vector<Eigen::Vector2f> lamps{{0, 0}};  ///< Places on the ceiling [m].
 };
 RoomStyle RandomStyle(const FurniturePalette& palette, Random& random);
 
@@ -25,6 +28,15 @@ double WallLength(const Room& room, int wall);
 /// Floor, walls, ceiling, window with the view behind it, curtains, lights and sun. Needs
 /// `room.size`.
 void BuildShell(const RoomStyle& style, Room& room);
+
+/// An inner wall from floor to ceiling: it hides what is behind it and has no model. A thick one is
+/// a block that nobody enters.
+struct Partition {
+  Eigen::Vector2d from{0, 0}, to{0, 0};  ///< Ends of its middle line [m].
+  double thickness_m = 0.12;
+  double bottom_m = 0;  ///< Over 0: the wall above a doorway, under which one walks.
+};
+void BuildPartition(const RoomStyle& style, const Partition& partition, Room& room);
 
 /// Adds something that has no model.
 void AddDecor(const PaintedBody& body, const Eigen::Isometry3d& room_from_body,

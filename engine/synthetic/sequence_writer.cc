@@ -76,15 +76,6 @@ Status WriteImage(const fs::path& file, const cv::Mat& image, int jpeg_quality) 
   return Error{ErrorCode::kIo, "cannot write '" + file.string() + "'; is the disk full?"};
 }
 
-DetectorFlaws FlawsOf(SyntheticScene scene) {
-  DetectorFlaws flaws;
-  if (scene == SyntheticScene::kDuplicate) {
-    flaws.split = 0.30;
-    flaws.doubled = 0.35;
-  }
-  return flaws;
-}
-
 /// Runs of frames, both ends included: [[first, last], ...].
 class FrameRuns {
  public:
@@ -129,7 +120,7 @@ class SequenceJob {
         tracer_(std::move(tracer)),
         camera_(SyntheticCamera(options)),
         meter_(room_),
-        detector_(room_, FlawsOf(options.scene), options.seed),
+        detector_(room_, FlawsOf(options), options.seed),
         history_(room_.instances.size()) {}
 
   Status WriteStill();
@@ -318,8 +309,10 @@ Camera SyntheticCamera(const SyntheticOptions& options) {
   Camera camera;
   camera.pinhole.width = options.width;
   camera.pinhole.height = options.height;
-  camera.pinhole.fx = 560.0 * scale;
-  camera.pinhole.fy = 561.5 * scale;
+  const double focal =  // in an image of 960 px of width
+      options.horizontal_fov_rad ? 480.0 / std::tan(0.5 * *options.horizontal_fov_rad) : 560.0;
+  camera.pinhole.fx = focal * scale;
+  camera.pinhole.fy = (focal + 1.5) * scale;
   camera.pinhole.cx = (960.0 / 2 - 0.5 + 7.3 + 0.5) * scale - 0.5;
   camera.pinhole.cy = 0.5 * options.height - 0.5 - 4.6 * scale;
   camera.rate_hz = options.rate_hz;

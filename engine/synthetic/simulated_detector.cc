@@ -9,10 +9,6 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMeanPhantomFrames = 4;
-/// How much a miss depends on the frame before; the share of misses stays the same.
-constexpr double kMissMemory = 0.5;
-
 std::uint32_t KeyOf(int value) { return static_cast<std::uint32_t>(value); }
 
 Box2 Clipped(Box2 box, const PinholeCamera& camera) {
@@ -38,6 +34,17 @@ void Report(const Box2& box, const std::string& category, double score, const Pi
 }
 
 }  // namespace
+
+DetectorFlaws FlawsOf(const SyntheticOptions& options) {
+  DetectorFlaws flaws;
+  flaws.miss_memory = std::pow(flaws.miss_memory, 30 / options.rate_hz);
+  flaws.false_frames = std::max(1.0, flaws.false_frames * options.rate_hz / 30);
+  if (options.scene == SyntheticScene::kDuplicate) {
+    flaws.split = 0.30;
+    flaws.doubled = 0.35;
+  }
+  return flaws;
+}
 
 struct VisibilityMeter::Body {
   explicit Body(const RoomPart& part) : scene(std::span(&part, 1)) {}
@@ -134,8 +141,8 @@ void SimulatedDetector::BoxObject(int frame, int instance, const PinholeCamera& 
   const auto i = static_cast<std::size_t>(instance);
   Random random(
       {.seed = seed_, .frame = KeyOf(frame), .object = KeyOf(instance), .particle = 0x646574});
-  const double stay = kMissMemory + (1 - kMissMemory) * flaws_.missed;
-  missing_[i] = random.Uniform() < (missing_[i] ? stay : (1 - kMissMemory) * flaws_.missed);
+  const double afresh = (1 - flaws_.miss_memory) * flaws_.missed;
+  missing_[i] = random.Uniform() < (missing_[i] ? flaws_.miss_memory + afresh : afresh);
   const double area = static_cast<double>(camera.width) * camera.height / (960.0 * 500.0);
   if (missing_[i] || visibility.pixels[i] < flaws_.min_pixels * area ||
       visibility.share[i] < flaws_.min_visible)
@@ -172,7 +179,7 @@ void SimulatedDetector::BoxPhantoms(int frame, const PinholeCamera& camera,
   Random random({.seed = seed_, .frame = KeyOf(frame), .object = 0xffff, .particle = 0x706861});
   std::erase_if(phantoms_, [&](const Phantom& phantom) { return phantom.last_frame < frame; });
   // One may be born in a frame; in the long run births * duration = false_per_frame.
-  if (random.Uniform() < flaws_.false_per_frame / kMeanPhantomFrames) {
+  if (random.Uniform() < flaws_.false_per_frame / flaws_.false_frames) {
     for (int attempt = 0; attempt < 30; ++attempt) {
       const int x = static_cast<int>(random.Index(KeyOf(camera.width))),
                 y = static_cast<int>(random.Index(KeyOf(camera.height)));
@@ -186,9 +193,9 @@ void SimulatedDetector::BoxPhantoms(int frame, const PinholeCamera& camera,
       phantom.width_m = random.Uniform(40, 190) * scale * depth / camera.fx;
       phantom.height_m = random.Uniform(40, 190) * scale * depth / camera.fy;
       phantom.category = known_[random.Index(KeyOf(static_cast<int>(known_.size())))];
-      // Geometric: mean kMeanPhantomFrames frames.
+      // Geometric.
       int frames = 1;
-      while (random.Uniform() > 1 / kMeanPhantomFrames) ++frames;
+      while (random.Uniform() > 1 / flaws_.false_frames) ++frames;
       phantom.last_frame = frame + frames - 1;
       phantoms_.push_back(phantom);
       break;

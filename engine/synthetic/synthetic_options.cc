@@ -7,14 +7,23 @@
 namespace plumbline {
 
 std::optional<SyntheticScene> SyntheticSceneFromName(std::string_view name) {
-  for (std::size_t i = 0; i < std::size(kSyntheticSceneNames); ++i) {
-    if (kSyntheticSceneNames[i] == name) return static_cast<SyntheticScene>(i);
+  for (std::size_t i = 0; i < std::size(kSyntheticScenes); ++i) {
+    if (kSyntheticScenes[i].name == name) return static_cast<SyntheticScene>(i);
   }
   return std::nullopt;
 }
 
 std::string_view NameOf(SyntheticScene scene) {
-  return kSyntheticSceneNames[static_cast<std::size_t>(scene)];
+  return kSyntheticScenes[static_cast<std::size_t>(scene)].name;
+}
+
+SyntheticOptions OptionsFor(SyntheticScene scene) {
+  const SyntheticSceneInfo& info = kSyntheticScenes[static_cast<std::size_t>(scene)];
+  SyntheticOptions options;
+  options.scene = scene;
+  options.rate_hz = info.rate_hz;
+  options.frames = info.frames;
+  return options;
 }
 
 std::vector<std::string> SyntheticOptions::Validate() const {
@@ -29,6 +38,7 @@ std::vector<std::string> SyntheticOptions::Validate() const {
   within("width", width, 64, 4096);
   within("height", height, 48, 4096);
   within("rate_hz", rate_hz, 1e-3, 1e4);
+  if (horizontal_fov_rad) within("horizontal_fov_rad", *horizontal_fov_rad, 0.349, 2.618);
   within("samples_per_pixel", samples_per_pixel, 1, 64);
   within("light_rays", light_rays, 4, 1024);
   within("light_spacing", light_spacing, 0.5, 20);

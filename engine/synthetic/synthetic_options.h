@@ -21,11 +21,40 @@ enum class SyntheticScene {
   kLowContrast,
   kTruncation,
   kDuplicate,
-  kVariant
+  kVariant,
+  kWall,
+  kRows,
+  kRevisit,
+  kTwins,
+  kOffice,
+  kRates
 };
 
-inline constexpr std::string_view kSyntheticSceneNames[] = {
-    "room", "occlusion", "clutter", "blur", "lowcontrast", "truncation", "duplicate", "variant"};
+/// What is told of a scene, and how long and how often it is filmed unless asked otherwise.
+struct SyntheticSceneInfo {
+  std::string_view name;
+  std::string_view summary;
+  double rate_hz = 30;
+  int frames = 300;
+};
+
+/// In the order of the enumeration.
+inline constexpr SyntheticSceneInfo kSyntheticScenes[] = {
+    {"room", "a furnished living room; seed 1 is the demo"},
+    {"occlusion", "a cabinet hides a chair for a while"},
+    {"clutter", "many things that are no furniture"},
+    {"blur", "one second of shaking every 2.5 seconds"},
+    {"lowcontrast", "furniture in the colours of the room"},
+    {"truncation", "the main group is cut by the image border"},
+    {"duplicate", "split and double boxes"},
+    {"variant", "an object differs from its model"},
+    {"wall", "a wall without a model hides a chair for a minute", 10, 1060},
+    {"rows", "12 equal chairs, 0.55 m apart", 10, 300},
+    {"revisit", "back to the same furniture after 3 minutes and 60 m", 5, 1240},
+    {"twins", "chairs that differ in their arm rests only"},
+    {"office", "desks, office chairs, shelves, plants", 30, 450},
+    {"rates", "the same walk for any --rate", 30, 450},
+};
 
 std::optional<SyntheticScene> SyntheticSceneFromName(std::string_view name);
 std::string_view NameOf(SyntheticScene scene);
@@ -35,10 +64,13 @@ std::string_view NameOf(SyntheticScene scene);
 struct SyntheticOptions {
   SyntheticScene scene = SyntheticScene::kRoom;
   std::uint64_t seed = 1;
-  int frames = 300;       ///< 1 .. 100000; longer walks turn round and come back
+  int frames = 300;       ///< 1 .. 100000; longer walks go round again
   int width = 960;        ///< [px], 64 .. 4096; intrinsics scale with it
   int height = 500;       ///< [px], 48 .. 4096
   double rate_hz = 30.0;  ///< frames per second, > 0
+  /// Field of view from left to right [rad], 20 .. 150 degrees; if not given, a focal length of
+  /// 560 px for 960 px of width (81 degrees).
+  std::optional<double> horizontal_fov_rad;
   int samples_per_pixel =
       4;  ///< 1 .. 64; each has its own place in the pixel and time in the exposure
   int light_rays =
@@ -53,5 +85,8 @@ struct SyntheticOptions {
   /// Every problem, one sentence each; empty when all is well.
   std::vector<std::string> Validate() const;
 };
+
+/// Those of a scene, filmed as long and as often as its story takes.
+SyntheticOptions OptionsFor(SyntheticScene scene);
 
 }  // namespace plumbline

@@ -88,6 +88,17 @@ void SmoothCircularly(std::vector<double>& values, int passes) {
   }
 }
 
+Vector2d SplineAt(const std::vector<Vector2d>& control, double parameter) {
+  const int n = static_cast<int>(control.size());
+  const double whole = std::floor(parameter);
+  const double t = parameter - whole;
+  const int i = static_cast<int>(whole);
+  const auto at = [&](int k) { return control[static_cast<std::size_t>(((i + k) % n + n) % n)]; };
+  const double a = (1 - t) * (1 - t) * (1 - t) / 6, d = t * t * t / 6;
+  const double b = (3 * t * t * t - 6 * t * t + 4) / 6, c = 1 - a - b - d;
+  return a * at(-1) + b * at(0) + c * at(1) + d * at(2);
+}
+
 }  // namespace
 
 double Clearance(const Room& room, const Vector2d& point) {
@@ -106,18 +117,23 @@ Result<Walk> Walk::Plan(const Room& room, std::uint64_t seed, double rate_hz) {
   Walk walk;
   walk.plan_ = room.walk;
   walk.rate_hz_ = rate_hz;
-  std::optional<std::vector<double>> radii = PlanRadii(room);
   const Error blocked{ErrorCode::kDegenerate,
                       "no walk round the middle of the room keeps clear of the furniture"};
-  if (!radii) return blocked;
-  SmoothCircularly(*radii, 12);
-  for (int d = 0; d < kDirections; ++d)
-    walk.control_.push_back(OnLoop(room.walk, d, (*radii)[static_cast<std::size_t>(d)]));
+  if (room.walk.route.empty()) {
+    std::optional<std::vector<double>> radii = PlanRadii(room);
+    if (!radii) return blocked;
+    SmoothCircularly(*radii, 12);
+    for (int d = 0; d < kDirections; ++d)
+      walk.control_.push_back(OnLoop(room.walk, d, (*radii)[static_cast<std::size_t>(d)]));
+  }
+  for (const RoutePoint& point : room.walk.route) {
+    walk.control_.push_back(point.stand);
+    walk.targets_.push_back(point.look_at);
+  }
   walk.MeasureLength();
+  const double step = static_cast<double>(walk.control_.size()) / kLengthSteps;
   for (int i = 0; i < kLengthSteps; i += 4) {
-    if (Clearance(room, walk.SplineAt(static_cast<double>(i) * kDirections / kLengthSteps)) <
-        kClearanceM)
-      return blocked;
+    if (Clearance(room, SplineAt(walk.control_, i * step)) < kClearanceM) return blocked;
   }
   Random random({.seed = seed, .object = 0x57414c});
   const auto waves = [&](double amplitude, double low_hz, double high_hz, int count) {
@@ -165,26 +181,16 @@ double Walk::ExposureSeconds(int frame) const {
   return plan_.exposure_s + shake * (0.9 / rate_hz_ - plan_.exposure_s);
 }
 
-Vector2d Walk::SplineAt(double parameter) const {
-  const int n = static_cast<int>(control_.size());
-  const double whole = std::floor(parameter);
-  const double t = parameter - whole;
-  const int i = static_cast<int>(whole);
-  const auto at = [&](int k) { return control_[static_cast<std::size_t>(((i + k) % n + n) % n)]; };
-  const double a = (1 - t) * (1 - t) * (1 - t) / 6, d = t * t * t / 6;
-  const double b = (3 * t * t * t - 6 * t * t + 4) / 6, c = 1 - a - b - d;
-  return a * at(-1) + b * at(0) + c * at(1) + d * at(2);
-}
-
 void Walk::MeasureLength() {
   length_.assign(1, 0.0);
   for (int i = 1; i <= kLengthSteps; ++i) {
-    const double scale = static_cast<double>(kDirections) / kLengthSteps;
-    length_.push_back(length_.back() + (SplineAt(i * scale) - SplineAt((i - 1) * scale)).norm());
+    const double scale = static_cast<double>(control_.size()) / kLengthSteps;
+    length_.push_back(length_.back() +
+                      (SplineAt(control_, i * scale) - SplineAt(control_, (i - 1) * scale)).norm());
   }
 }
 
-Vector2d Walk::Position(double t_s) const {
+double Walk::ParameterAt(double t_s) const {
   // The integral of the pace: its waves only shift the distance walked.
   double distance = plan_.speed_m_s * t_s + plan_.speed_m_s * (Sum(pace_, t_s) - Sum(pace_, 0)) * 2;
   distance = std::fmod(distance, length_.back());
@@ -194,17 +200,21 @@ Vector2d Walk::Position(double t_s) const {
   const auto index = static_cast<std::size_t>(i);
   const double share =
       (distance - length_[index]) / std::max(1e-12, length_[index + 1] - length_[index]);
-  return SplineAt((static_cast<double>(i) + share) * kDirections / kLengthSteps);
+  return (static_cast<double>(i) + share) * static_cast<double>(control_.size()) / kLengthSteps;
 }
 
+Vector2d Walk::Position(double t_s) const { return SplineAt(control_, ParameterAt(t_s)); }
+
 Eigen::Isometry3d Walk::RoomFromCam(double t_s) const {
-  const Vector2d stand = Position(t_s);
-  const Vector2d to_focus = (plan_.focus - stand).normalized();
+  const double parameter = ParameterAt(t_s);
+  const Vector2d stand = SplineAt(control_, parameter);
+  const Vector2d focus = targets_.empty() ? plan_.focus : SplineAt(targets_, parameter);
+  const Vector2d to_focus = (focus - stand).normalized();
   const Vector2d side(-to_focus.y(), to_focus.x());
   const double sway = Sum(across_, t_s);
   const Vector3d eye(stand.x() + sway * side.x(), stand.y() + sway * side.y(),
                      plan_.eye_height_m + Sum(up_, t_s));
-  const Vector3d target(plan_.focus.x() + Sum(gaze_x_, t_s), plan_.focus.y() + Sum(gaze_y_, t_s),
+  const Vector3d target(focus.x() + Sum(gaze_x_, t_s), focus.y() + Sum(gaze_y_, t_s),
                         plan_.focus_height_m + Sum(gaze_z_, t_s));
   const Vector3d gaze = target - eye;
   const double shake = Shake(t_s);

@@ -29,6 +29,8 @@ T Must(Result<T> result) {
 std::filesystem::path Film(const SyntheticOptions& options) {
   std::ostringstream name;
   name << "room-" << NameOf(options.scene) << '-' << options.seed << '-' << options.frames;
+  name << '-' << options.rate_hz << "hz-" << options.width << 'x' << options.height;
+  if (options.horizontal_fov_rad) name << '-' << *options.horizontal_fov_rad << "rad";
   const std::filesystem::path folder = CacheDirectory() / name.str();
   const std::filesystem::path done = CacheDirectory() / (name.str() + ".complete");
   if (std::filesystem::exists(done)) return folder;
@@ -82,8 +84,7 @@ const ObjectReport* RoomRun::Find(const FrameReport& report, const RoomInstance&
 }
 
 SyntheticOptions QuicklyLit(SyntheticScene scene, std::uint64_t seed) {
-  SyntheticOptions options;
-  options.scene = scene;
+  SyntheticOptions options = OptionsFor(scene);
   options.seed = seed;
   options.samples_per_pixel = 2;
   options.light_rays = 48;

@@ -17,9 +17,20 @@ namespace {
 
 using Eigen::Vector3f;
 
+/// Every model once.
+std::vector<FurnitureModel> AllFurniture() {
+  std::vector<FurnitureModel> all = TwinCatalogue(PaletteOfSeed(3));
+  for (FurnitureModel& model : OfficeCatalogue(PaletteOfSeed(3))) {
+    if (std::none_of(all.begin(), all.end(),
+                     [&](const FurnitureModel& other) { return other.name == model.name; }))
+      all.push_back(std::move(model));
+  }
+  return all;
+}
+
 class Furniture : public testing::Test {
  protected:
-  std::vector<FurnitureModel> catalogue_ = FurnitureCatalogue(PaletteOfSeed(3));
+  std::vector<FurnitureModel> catalogue_ = AllFurniture();
 };
 
 Eigen::AlignedBox3f Bounds(const PaintedMesh& mesh) {
@@ -108,6 +119,42 @@ TEST_F(Furniture, OffersSimilarShapesOfOneCategory) {
   EXPECT_GE(counts["tv"], 1);
   EXPECT_GE(counts["cabinet"], 1);
   EXPECT_GE(counts["lamp"], 1);
+}
+
+TEST_F(Furniture, OfAnOfficeComesInOtherCategoriesAndScales) {
+  std::set<std::string> categories;
+  float lowest = 10, highest = 0;
+  for (const FurnitureModel& model : OfficeCatalogue(PaletteOfSeed(3))) {
+    categories.insert(model.category);
+    const float height = Bounds(model.body.mesh).max().z();
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+  }
+  EXPECT_TRUE(categories.contains("desk") && categories.contains("shelf") &&
+              categories.contains("potted plant"));
+  EXPECT_LT(lowest, 0.4f);
+  EXPECT_GT(highest, 1.9f);
+}
+
+TEST_F(Furniture, TwinsDifferInTheirArmRestsOnly) {
+  const auto find = [&](const std::string& name) -> const PaintedMesh& {
+    return std::find_if(catalogue_.begin(), catalogue_.end(),
+                        [&](const FurnitureModel& model) { return model.name == name; })
+        ->body.mesh;
+  };
+  for (const auto& [plain_name, armed_name] : {std::pair("chair_slat", "chair_slat_arms"),
+                                               std::pair("chair_office_plain", "chair_office")}) {
+    const PaintedMesh &plain = find(plain_name), &armed = find(armed_name);
+    ASSERT_LT(plain.vertices.size(), armed.vertices.size());
+    // What they share comes first; the centre of the footprint may differ.
+    const Vector3f shift = armed.vertices.front() - plain.vertices.front();
+    EXPECT_LT(shift.norm(), 0.03f);
+    for (std::size_t i = 0; i < plain.vertices.size(); ++i)
+      ASSERT_LT((armed.vertices[i] - plain.vertices[i] - shift).norm(), 1e-5f) << armed_name;
+    const float seat = 0.42f;
+    for (std::size_t i = plain.vertices.size(); i < armed.vertices.size(); ++i)
+      ASSERT_GT(armed.vertices[i].z(), seat - 0.04f) << armed_name;
+  }
 }
 
 TEST_F(Furniture, BecomesAModelDatabase) {

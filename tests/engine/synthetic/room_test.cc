@@ -14,8 +14,7 @@ namespace {
 using Eigen::Vector3f;
 
 SyntheticOptions OptionsOf(SyntheticScene scene, std::uint64_t seed) {
-  SyntheticOptions options;
-  options.scene = scene;
+  SyntheticOptions options = OptionsFor(scene);
   options.seed = seed;
   return options;
 }
@@ -23,6 +22,10 @@ SyntheticOptions OptionsOf(SyntheticScene scene, std::uint64_t seed) {
 class EveryScene : public testing::TestWithParam<int> {
  protected:
   SyntheticScene scene() const { return static_cast<SyntheticScene>(GetParam()); }
+  /// The others are furnished in their own way.
+  bool is_living_room() const {
+    return scene() < SyntheticScene::kWall || scene() == SyntheticScene::kRates;
+  }
 };
 
 /// Number of vertices of a that lie inside the solid b. Where solids overlap one enters twice
@@ -48,12 +51,12 @@ int VerticesInside(const TracedScene& a, const TracedScene& b) {
   return count;
 }
 
-TEST_P(EveryScene, HasFiveToEightObjectsThatDoNotInterpenetrate) {
+TEST_P(EveryScene, HasObjectsThatDoNotInterpenetrate) {
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     const Result<Room> room = FurnishRoom(OptionsOf(scene(), seed));
     ASSERT_TRUE(room.ok()) << room.error().message;
     EXPECT_GE(room->instances.size(), 5u);
-    EXPECT_LE(room->instances.size(), 8u);
+    EXPECT_LE(room->instances.size(), is_living_room() ? 8u : 20u);
     std::vector<std::unique_ptr<TracedScene>> bodies;
     for (const RoomPart& part : room->parts) {
       if (part.instance > 0) bodies.push_back(std::make_unique<TracedScene>(std::span(&part, 1)));
@@ -71,14 +74,15 @@ TEST_P(EveryScene, HasFiveToEightObjectsThatDoNotInterpenetrate) {
 
 TEST_P(EveryScene, IsWalkedThroughSmoothlyAndClearOfEverything) {
   for (const std::uint64_t seed : {1, 5, 6}) {
-    const Result<Room> room = FurnishRoom(OptionsOf(scene(), seed));
+    const SyntheticOptions options = OptionsOf(scene(), seed);
+    const Result<Room> room = FurnishRoom(options);
     ASSERT_TRUE(room.ok()) << room.error().message;
-    const Result<Walk> walk = Walk::Plan(*room, seed, 30);
+    const Result<Walk> walk = Walk::Plan(*room, seed, options.rate_hz);
     ASSERT_TRUE(walk.ok());
     constexpr double kStep = 1.0 / 30;
     double turned = 0;
     double last_direction = 0;
-    for (int i = 0; i <= 300; ++i) {
+    for (int i = 0; i * kStep <= options.frames / options.rate_hz; ++i) {
       const Eigen::Isometry3d now = walk->RoomFromCam(i * kStep),
                               next = walk->RoomFromCam((i + 1) * kStep),
                               third = walk->RoomFromCam((i + 2) * kStep);
@@ -102,13 +106,17 @@ TEST_P(EveryScene, IsWalkedThroughSmoothlyAndClearOfEverything) {
       if (i > 0) turned += std::remainder(direction - last_direction, 2 * std::numbers::pi);
       last_direction = direction;
     }
-    EXPECT_GT(std::abs(turned), 2.75) << "about 180 degrees round the main group, seed " << seed;
+    if (room->walk.route.empty()) {
+      EXPECT_GT(std::abs(turned), 2.75) << "about 180 degrees round the main group, seed " << seed;
+    }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::Range(0, 8), [](const auto& tested) {
-  return std::string(kSyntheticSceneNames[static_cast<std::size_t>(tested.param)]);
-});
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene,
+                         testing::Range(0, static_cast<int>(std::size(kSyntheticScenes))),
+                         [](const auto& tested) {
+                           return std::string(NameOf(static_cast<SyntheticScene>(tested.param)));
+                         });
 
 TEST(Room, DiffersBySeedAndRepeatsForOne) {
   const Result<Room> first = FurnishRoom(OptionsOf(SyntheticScene::kRoom, 7)),

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -13,6 +14,7 @@
 #include "engine/base/files.h"
 #include "engine/dataset/ground_truth.h"
 #include "engine/dataset/sequence.h"
+#include "engine/geometry/angles.h"
 #include "engine/models/mesh_file.h"
 #include "engine/models/model_database.h"
 #include "tests/support/test_data.h"
@@ -44,6 +46,48 @@ std::map<std::string, std::string> HashesOf(const fs::path& folder) {
       hashes[fs::relative(entry.path(), folder).string()] = *HashFile(entry.path());
   }
   return hashes;
+}
+
+/// Checks that every pixel of a mask, at its depth, lies within the instance it names; returns the
+/// number of instances seen.
+std::size_t InstancesWhereTheTruthHasThem(const fs::path& path, int frames) {
+  const auto sequence = OpenSequence(path);
+  const auto truth = ReadGroundTruth(path / "ground_truth.json");
+  const auto models = ModelDatabase::Load(path / "models");
+  EXPECT_TRUE(sequence.ok() && truth.ok() && models.ok());
+  if (!sequence.ok() || !truth.ok() || !models.ok()) return 0;
+  const PinholeCamera& camera = (*sequence)->camera();
+  std::set<int> seen;
+  for (int frame = 0; frame < frames; ++frame) {
+    const std::string name = "00000" + std::to_string(frame) + ".png";
+    const cv::Mat mask = cv::imread((path / "masks" / name).string(), cv::IMREAD_UNCHANGED);
+    const cv::Mat depth = cv::imread((path / "depth" / name).string(), cv::IMREAD_UNCHANGED);
+    EXPECT_TRUE(mask.type() == CV_16U && depth.type() == CV_16U);
+    EXPECT_TRUE(mask.size() == depth.size() &&
+                mask.size() == cv::Size(camera.width, camera.height));
+    const Eigen::Isometry3d world_from_cam = *(*sequence)->world_from_cam(frame);
+    for (int y = 0; y < mask.rows; ++y) {
+      for (int x = 0; x < mask.cols; ++x) {
+        const int number = mask.at<std::uint16_t>(y, x);
+        if (number == 0) continue;
+        seen.insert(number);
+        const GroundTruthInstance& instance =
+            truth->instances.at(static_cast<std::size_t>(number - 1));
+        const double z = depth.at<std::uint16_t>(y, x) / 1000.0;
+        const Eigen::Vector2d bearing = camera.Bearing({x, y});
+        const Eigen::Vector3d in_object = instance.world_from_object.inverse() * world_from_cam *
+                                          Eigen::Vector3d(bearing.x() * z, bearing.y() * z, z);
+        Eigen::AlignedBox3d bounds =
+            (*models)->model(*(*models)->Find(instance.model)).bounds.cast<double>();
+        bounds.min().array() -= 0.003;  // depth is rounded to millimetres
+        bounds.max().array() += 0.003;
+        if (bounds.contains(in_object)) continue;
+        ADD_FAILURE() << instance.id << " at " << x << ", " << y << " of frame " << frame;
+        return 0;
+      }
+    }
+  }
+  return seen.size();
 }
 
 /// One small sequence for all tests that only read it.
@@ -117,41 +161,7 @@ TEST_F(SyntheticSequence, StandsOnItsFloorInARotatedWorld) {
 }
 
 TEST_F(SyntheticSequence, MasksAndDepthAreThoseOfTheTruth) {
-  const auto sequence = OpenSequence(path());
-  const auto truth = ReadGroundTruth(path() / "ground_truth.json");
-  const auto models = ModelDatabase::Load(path() / "models");
-  ASSERT_TRUE(sequence.ok() && truth.ok() && models.ok());
-  const PinholeCamera& camera = (*sequence)->camera();
-  std::set<int> seen;
-  for (int frame = 0; frame < 4; ++frame) {
-    const std::string name = "00000" + std::to_string(frame) + ".png";
-    const cv::Mat mask = cv::imread((path() / "masks" / name).string(), cv::IMREAD_UNCHANGED);
-    const cv::Mat depth = cv::imread((path() / "depth" / name).string(), cv::IMREAD_UNCHANGED);
-    ASSERT_EQ(mask.type(), CV_16U);
-    ASSERT_EQ(depth.type(), CV_16U);
-    const Eigen::Isometry3d world_from_cam = *(*sequence)->world_from_cam(frame);
-    for (int y = 0; y < mask.rows; ++y) {
-      for (int x = 0; x < mask.cols; ++x) {
-        const int number = mask.at<std::uint16_t>(y, x);
-        if (number == 0) continue;
-        ASSERT_LE(number, static_cast<int>(truth->instances.size()));
-        seen.insert(number);
-        const GroundTruthInstance& instance =
-            truth->instances[static_cast<std::size_t>(number - 1)];
-        const double z = depth.at<std::uint16_t>(y, x) / 1000.0;
-        const Eigen::Vector2d bearing = camera.Bearing({x, y});
-        const Eigen::Vector3d in_object = instance.world_from_object.inverse() * world_from_cam *
-                                          Eigen::Vector3d(bearing.x() * z, bearing.y() * z, z);
-        Eigen::AlignedBox3d bounds =
-            (*models)->model(*(*models)->Find(instance.model)).bounds.cast<double>();
-        bounds.min().array() -= 0.003;  // depth is rounded to millimetres
-        bounds.max().array() += 0.003;
-        ASSERT_TRUE(bounds.contains(in_object))
-            << instance.id << " at " << x << ", " << y << " of frame " << frame;
-      }
-    }
-  }
-  EXPECT_GE(seen.size(), 3u);
+  EXPECT_GE(InstancesWhereTheTruthHasThem(path(), 4), 3u);
 }
 
 TEST_F(SyntheticSequence, ScanLiesWhereTheRoomIs) {
@@ -181,6 +191,39 @@ TEST_F(SyntheticSequence, TellsSituationsApart) {
   EXPECT_EQ(scene->at("frames"), 4);
   EXPECT_EQ(scene->at("situations").size(),
             ReadGroundTruth(path() / "ground_truth.json")->instances.size());
+}
+
+TEST(SequenceWriter, FilmsWithAnySensor) {
+  struct Sensor {
+    int width, height;
+    double fov_deg;
+  };
+  for (const Sensor& sensor :
+       {Sensor{320, 240, 60}, Sensor{333, 501, 120}, Sensor{1920, 1080, 90}}) {
+    SCOPED_TRACE(std::to_string(sensor.width) + "x" + std::to_string(sensor.height));
+    SyntheticOptions options = SmallOptions();
+    options.frames = 1;
+    options.width = sensor.width;
+    options.height = sensor.height;
+    options.horizontal_fov_rad = sensor.fov_deg * kRadPerDeg;
+    const TemporaryFolder folder;
+    const auto summary = WriteSyntheticSequence(options, folder.path() / "sequence", {});
+    ASSERT_TRUE(summary.ok()) << summary.error().message;
+    const auto sequence = OpenSequence(folder.path() / "sequence");
+    ASSERT_TRUE(sequence.ok()) << sequence.error().message;
+    const PinholeCamera& camera = (*sequence)->camera();
+    EXPECT_EQ(camera.width, sensor.width);
+    EXPECT_EQ(camera.height, sensor.height);
+    EXPECT_NEAR(2 * std::atan(0.5 * camera.width / camera.fx) / kRadPerDeg, sensor.fov_deg, 1e-6);
+    const auto frame = (*sequence)->ReadFrame(0);
+    ASSERT_TRUE(frame.ok()) << frame.error().message;
+    EXPECT_EQ(frame->image.size(), cv::Size(sensor.width, sensor.height));
+    const auto edges = (*sequence)->ReadEdges(0);
+    ASSERT_TRUE(edges.ok() && edges->has_value());
+    // Lines: about as many as the image is wide and high, not as it has pixels.
+    EXPECT_GT(cv::countNonZero((*edges)->probability), 2 * (sensor.width + sensor.height));
+    EXPECT_GE(InstancesWhereTheTruthHasThem(folder.path() / "sequence", 1), 2u);
+  }
 }
 
 TEST(SequenceWriter, RefusesAFolderWithOtherFiles) {

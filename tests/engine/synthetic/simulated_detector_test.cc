@@ -67,6 +67,28 @@ TEST_F(Detector, MissesAFifthInBurstsAndAddsHalfAFalseBoxAFrame) {
   EXPECT_NEAR(false_per_frame, 0.5, 0.08);
 }
 
+TEST_F(Detector, MissesLastAsLongAtAnyRate) {
+  SyntheticOptions options;
+  for (const double rate_hz : {30.0, 60.0}) {
+    options.rate_hz = rate_hz;
+    DetectorFlaws flaws = FlawsOf(options);
+    flaws.false_per_frame = 0;
+    SimulatedDetector detector(room_, flaws, 4);
+    int missed = 0, bursts = 0;
+    bool before = false;
+    for (int frame = 0; frame < 4 * kFrames; ++frame) {
+      const bool miss = BestIou(2, detector.Detect(frame, camera_, Eigen::Isometry3d::Identity(),
+                                                   maps_, visibility_)) < 0.5;
+      missed += miss;
+      bursts += miss && !before;
+      before = miss;
+    }
+    EXPECT_NEAR(missed / (4.0 * kFrames), 0.20, 0.02);
+    // 2.5 frames of 30 Hz, 4.3 of 60 Hz; about 1500 bursts give 3 %.
+    EXPECT_NEAR(missed / (bursts * rate_hz), 0.078, 0.01);
+  }
+}
+
 TEST_F(Detector, MovesBoxesByATwentiethOfTheirSize) {
   SimulatedDetector detector(room_, {.missed = 0, .false_per_frame = 0}, 4);
   double sum = 0;
