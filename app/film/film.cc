@@ -12,6 +12,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "engine/snapshot/map_snapshot.h"
+
 namespace plumbline {
 namespace {
 

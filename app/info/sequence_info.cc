@@ -19,7 +19,7 @@ constexpr double kImuGap = 2.5;    ///< Samples jitter more than frames do.
 constexpr int kImagesLookedAt = 8;
 constexpr double kFastestCamera = 20;  ///< [m/s]
 
-void Warn(PathInfo& info, const std::vector<std::string>& sentences) {
+void AddWarnings(PathInfo& info, const std::vector<std::string>& sentences) {
   info.odd.insert(info.odd.end(), sentences.begin(), sentences.end());
 }
 
@@ -188,7 +188,7 @@ void AddImu(const Sequence& sequence, const StampStatistics& frames, PathInfo& i
     info.odd.push_back(recording.error().message);
     return;
   }
-  Warn(info, recording.value().warnings);
+  AddWarnings(info, recording.value().warnings);
   const std::vector<ImuSample>& samples = recording.value().samples;
   std::vector<std::int64_t> stamps;
   for (const ImuSample& sample : samples) stamps.push_back(sample.stamp_ns);
@@ -228,7 +228,7 @@ void AddTracksAndReference(const Sequence& sequence, PathInfo& info) {
       info.lines.push_back(
           {"Tracks", Format("%zu images, %zu points each on average", images, points / images)});
       info.json["tracks"] = {{"images", images}, {"points", points}};
-      if (sequence.has_images()) Warn(info, tracks.value().warnings);
+      if (sequence.has_images()) AddWarnings(info, tracks.value().warnings);
     }
   }
   if (const auto file = sequence.reference_file()) {
@@ -237,7 +237,7 @@ void AddTracksAndReference(const Sequence& sequence, PathInfo& info) {
       info.odd.push_back(reference.error().message);
       return;
     }
-    Warn(info, reference.value().warnings);
+    AddWarnings(info, reference.value().warnings);
     const auto& states = reference.value().states;
     info.lines.push_back(
         {"Reference",
@@ -288,7 +288,7 @@ Result<PathInfo> DescribeSequence(const std::filesystem::path& path) {
   AddImu(sequence, frames, info);
   AddTracksAndReference(sequence, info);
   AddCompanions(sequence, info);
-  Warn(info, sequence.warnings());
+  AddWarnings(info, sequence.warnings());
   return info;
 }
 

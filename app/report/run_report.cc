@@ -15,6 +15,7 @@
 #include "engine/analysis/reliability.h"
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {
@@ -73,7 +74,7 @@ std::string ModelName(const RunReview& review, ModelId label) {
 
 std::string Cards(const RunReview& review, const std::optional<MapEvaluation>& evaluation) {
   int confirmed = 0, skipped = 0;
-  for (const ObjectReport& object : review.last.objects)
+  for (const ObjectReport& object : review.last->objects)
     confirmed += object.state == ObjectState::kConfirmed;
   for (const RunTiming& timing : review.timings) skipped += timing.skipped;
   const double seconds = review.timings.empty() ? 0 : review.timings.back().elapsed_s;
@@ -151,7 +152,7 @@ std::string Plan(const RunReview& review) {
         footprint(model, truth.world_from_object, "fill:none;stroke:#2f9e5b;stroke-width:2.5", "");
     }
   }
-  for (const ObjectReport& object : review.last.objects) {
+  for (const ObjectReport& object : review.last->objects) {
     const auto label = static_cast<std::size_t>(object.label.value);
     if (object.state != ObjectState::kConfirmed || label >= review.view.models.size()) continue;
     const std::string color = SvgColor(object.id.value);
@@ -219,7 +220,7 @@ std::string ObjectTable(const RunReview& review) {
       "<th class='l'>model</th><th class='l'>state</th><th>x, y, z [m]</th><th>azimuth</th>"
       "<th>\u00b1 position</th><th>\u00b1 azimuth</th><th>shape</th><th>confirmed</th>"
       "<th class='l'>true object</th><th>off</th></tr>";
-  for (const ObjectReport& o : review.last.objects) {
+  for (const ObjectReport& o : review.last->objects) {
     const Eigen::Vector3d p = o.world_from_object.translation();
     const auto error = errors.find(o.id.value);
     const bool has_error = error != errors.end();

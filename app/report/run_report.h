@@ -12,6 +12,8 @@
 
 namespace plumbline {
 
+struct MapSnapshot;
+
 /// A frame with what the mapper believed drawn into it.
 struct ReportPicture {
   int frame = 0;

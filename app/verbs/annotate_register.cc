@@ -16,8 +16,6 @@
 namespace plumbline {
 namespace {
 
-using nlohmann::json;
-
 struct Picks {
   std::vector<FramePick> in_frames;
   std::vector<PickedPair> in_world;
@@ -30,24 +28,24 @@ Result<Picks> ReadPicks(const std::string& file) {
   int number = 0;
   try {
     Picks picks;
-    const auto point = [](const json& list) {
+    const auto point = [](const nlohmann::json& list) {
       return Eigen::Vector3d(list.at(0).get<double>(), list.at(1).get<double>(),
                              list.at(2).get<double>());
     };
-    for (const json& pair : *read) {
+    for (const nlohmann::json& pair : *read) {
       ++number;
       const Eigen::Vector3d in_scan = point(pair.at("in_scan"));
       if (pair.contains("in_world")) {
         picks.in_world.push_back({in_scan, point(pair.at("in_world"))});
       } else {
-        const json& pixel = pair.at("pixel");
+        const nlohmann::json& pixel = pair.at("pixel");
         picks.in_frames.push_back(
             {in_scan, pair.at("frame").get<int>(),
              Eigen::Vector2d(pixel.at(0).get<double>(), pixel.at(1).get<double>())});
       }
     }
     return picks;
-  } catch (const json::exception&) {
+  } catch (const nlohmann::json::exception&) {
     return Error{ErrorCode::kInvalidInput,
                  "'" + file + "', pair " + std::to_string(number) +
                      ": a pair is {in_scan: [x, y, z], frame, pixel: [u, v]} or {in_scan, "
@@ -75,19 +73,19 @@ Result<SequenceAlignment> Align(const AnnotationProject& project, const Sequence
   return RegisterByPoints(document, sequence, **target, arguments.points, work.context());
 }
 
-json ToJson(const SequenceAlignment& found, const std::vector<std::string>& names) {
-  json rows = json::array();
+nlohmann::json ToJson(const SequenceAlignment& found, const std::vector<std::string>& names) {
+  nlohmann::json rows = nlohmann::json::array();
   const Eigen::Matrix4d matrix = found.scan_from_world.matrix();
   for (int row = 0; row < 4; ++row) {
     rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
   }
   const Eigen::Vector3d& std_m = found.position_std_m;
-  json result = {{"scan_from_world", rows},
-                 {"position_std_m", {std_m.x(), std_m.y(), std_m.z()}},
-                 {"azimuth_std_rad", found.azimuth_std_rad},
-                 {"rmse_m", found.rmse_m},
-                 {"share", found.share},
-                 {"residuals", found.residuals}};
+  nlohmann::json result = {{"scan_from_world", rows},
+                           {"position_std_m", {std_m.x(), std_m.y(), std_m.z()}},
+                           {"azimuth_std_rad", found.azimuth_std_rad},
+                           {"rmse_m", found.rmse_m},
+                           {"share", found.share},
+                           {"residuals", found.residuals}};
   if (!names.empty()) result["objects"] = names;
   return result;
 }

@@ -19,7 +19,7 @@
 #include "engine/base/files.h"
 #include "engine/base/log.h"
 #include "engine/models/mesh_file.h"
-#include "engine/pipeline/mapping_pipeline.h"
+#include "engine/pipeline/run_recipe.h"
 #include "engine/session/run_drafts.h"
 
 namespace plumbline {

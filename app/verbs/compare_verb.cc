@@ -6,6 +6,7 @@
 #include "app/verbs/verb.h"
 #include "engine/analysis/run_difference.h"
 #include "engine/geometry/angles.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {

@@ -6,6 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/snapshot/map_snapshot.h"
+
 namespace plumbline {
 namespace {
 

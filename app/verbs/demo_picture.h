@@ -4,9 +4,10 @@
 #include <opencv2/core.hpp>
 
 #include "engine/models/model_database.h"
-#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
+
+struct MapSnapshot;
 
 inline const cv::Size kDemoPictureSize{1440, 750};
 

@@ -13,6 +13,7 @@
 #include "app/verbs/demo_window.h"
 #include "app/verbs/verb.h"
 #include "engine/pipeline/mapping_pipeline.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {

@@ -10,6 +10,7 @@
 #include "engine/recording/map_mesh.h"
 #include "engine/recording/run_summary.h"
 #include "engine/runtime/run_source.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {

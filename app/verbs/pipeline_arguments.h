@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "engine/base/result.h"
-#include "engine/pipeline/mapping_pipeline.h"
+#include "engine/pipeline/run_recipe.h"
 
 namespace plumbline {
 

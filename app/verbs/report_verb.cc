@@ -11,6 +11,7 @@
 #include "engine/base/log.h"
 #include "engine/recording/run_summary.h"
 #include "engine/runtime/run_source.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {

@@ -14,6 +14,7 @@
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_fork.h"
 #include "engine/recording/run_summary.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {

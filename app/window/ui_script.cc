@@ -10,13 +10,11 @@
 namespace plumbline {
 namespace {
 
-using nlohmann::json;
-
-Error Wrong(const json& step, const std::string& why) {
+Error Wrong(const nlohmann::json& step, const std::string& why) {
   return {ErrorCode::kInvalidInput, "script step " + step.dump() + ": " + why};
 }
 
-int ButtonOf(const json& step) {
+int ButtonOf(const nlohmann::json& step) {
   const std::string name = step.value("button", "left");
   return name == "right"    ? ImGuiMouseButton_Right
          : name == "middle" ? ImGuiMouseButton_Middle
@@ -25,11 +23,11 @@ int ButtonOf(const json& step) {
 
 /// Whether every key of `wanted` has that value in `state` ({"min": x}: at least x, {"max": x}: at
 /// most).
-bool Matches(const json& wanted, const json& state) {
+bool Matches(const nlohmann::json& wanted, const nlohmann::json& state) {
   return std::all_of(wanted.items().begin(), wanted.items().end(), [&](const auto& item) {
     const auto found = state.find(item.key());
     if (found == state.end()) return false;
-    const json& value = item.value();
+    const nlohmann::json& value = item.value();
     if (value.is_object() && value.contains("min"))
       return found->is_number() && *found >= value["min"];
     if (value.is_object() && value.contains("max"))
@@ -64,12 +62,13 @@ Result<ImVec2> UiScript::At(const std::string& name, double share_x, double shar
                 rect->low.y + static_cast<float>(share_y) * (rect->high.y - rect->low.y));
 }
 
-Status UiScript::ExpandMouse(const json& step, const WidgetLog& widgets) {
+Status UiScript::ExpandMouse(const nlohmann::json& step, const WidgetLog& widgets) {
   for (const char* kind : {"click", "double_click", "drag", "wheel", "hover"}) {
     if (!step.contains(kind)) continue;
     const std::string name = step[kind];
     const std::string what = kind;
-    const json from = step.value("from", step.value("at", json::array({0.5, 0.5})));
+    const nlohmann::json from =
+        step.value("from", step.value("at", nlohmann::json::array({0.5, 0.5})));
     const auto start = At(name, from[0], from[1], widgets);
     if (!start.ok()) return start.error();
     const int button = ButtonOf(step);
@@ -109,7 +108,7 @@ Status UiScript::ExpandMouse(const json& step, const WidgetLog& widgets) {
   return Wrong(step, "is not known; see docs/panels.md");
 }
 
-Status UiScript::Expand(const json& step, const WidgetLog& widgets, const Host& host) {
+Status UiScript::Expand(const nlohmann::json& step, const WidgetLog& widgets, const Host& host) {
   if (!step.is_object() || step.empty()) return Wrong(step, "is not an object");
   if (step.contains("key")) {
     const int key = KeyByName(step["key"].get<std::string>());
@@ -141,11 +140,11 @@ Status UiScript::Expand(const json& step, const WidgetLog& widgets, const Host& 
   return {};
 }
 
-bool UiScript::Waits(const json& step, const Host& host, Status& status) {
+bool UiScript::Waits(const nlohmann::json& step, const Host& host, Status& status) {
   if (!step.contains("wait_for")) return false;
   const auto now = std::chrono::steady_clock::now();
   if (!waiting_since_) waiting_since_ = now;
-  json state = host.state();
+  nlohmann::json state = host.state();
   if (Matches(step["wait_for"], state)) {
     waiting_since_.reset();
     steps_.pop_front();
@@ -194,7 +193,7 @@ Status UiScript::SetInput(const WidgetLog& widgets, ImGuiIO& io, const Host& hos
 }
 
 Status UiScript::AfterDraw(const Host& host) {
-  const json& step = current_.after;
+  const nlohmann::json& step = current_.after;
   if (step.contains("screenshot"))
     return host.screenshot(step["screenshot"], step.value("of", std::string()));
   if (step.contains("dump_state"))

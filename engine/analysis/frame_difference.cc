@@ -6,6 +6,7 @@
 #include <map>
 
 #include "engine/geometry/gravity.h"
+#include "engine/mapping/map_report.h"
 
 namespace plumbline {
 namespace {

@@ -6,11 +6,12 @@
 
 #include <Eigen/Core>
 
-#include "engine/mapping/map_report.h"
 #include "engine/snapshot/comparison_view.h"
 #include "engine/snapshot/run_history.h"
 
 namespace plumbline {
+
+struct FrameReport;
 
 /// The confirmed objects of two frames, paired by category, nearest first, within 0.5 m; then those
 /// that one frame lacks. It points into both reports.

@@ -9,6 +9,7 @@
 
 #include "engine/analysis/reliability.h"
 #include "engine/geometry/gravity.h"
+#include "engine/mapping/map_report.h"
 
 namespace plumbline {
 namespace {

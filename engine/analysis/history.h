@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/run_history.h"
+#include "engine/snapshot/sequence_view.h"
 
 namespace plumbline {
+
+struct FrameReport;
+struct ObjectReport;
 
 /// Thumbnails that a time line keeps, however long the run.
 inline constexpr int kMaxThumbnails = 64;

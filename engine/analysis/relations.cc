@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/mapping/map_report.h"
+
 namespace plumbline {
 namespace {
 

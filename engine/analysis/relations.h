@@ -10,11 +10,12 @@
 
 #include "engine/base/ids.h"
 #include "engine/geometry/surface_gap.h"
-#include "engine/mapping/map_report.h"
-#include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/object_relation.h"
+#include "engine/snapshot/sequence_view.h"
 
 namespace plumbline {
+
+struct FrameReport;
 
 /// Tells how the confirmed objects of a frame stand to one another. Gaps are between the surfaces
 /// of the models, which are made ready when they are first met and kept. Use it in one thread.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Cholesky>
+#include "engine/geometry/symmetric_matrix.h"
 
 namespace plumbline {
 namespace {
@@ -52,12 +52,12 @@ double CredibleLevel(const Eigen::Vector4d& offset, const Eigen::Matrix4d& covar
   if (round) {
     const Eigen::Vector3d place = offset.head<3>();
     const Eigen::Matrix3d spread = widened.topLeftCorner<3, 3>();
-    const double d2 = place.dot(spread.ldlt().solve(place));
+    const double d2 = place.dot(SolveSymmetric(spread, place));
     // The distribution of chi squared with three degrees of freedom.
     return std::erf(std::sqrt(0.5 * d2)) -
            std::sqrt(2 * d2 / std::numbers::pi) * std::exp(-0.5 * d2);
   }
-  const double d2 = offset.dot(widened.ldlt().solve(offset));
+  const double d2 = offset.dot(SolveSymmetric(widened, offset));
   return 1 - std::exp(-0.5 * d2) * (1 + 0.5 * d2);  // with four
 }
 

@@ -7,13 +7,14 @@
 
 #include "engine/analysis/history.h"
 #include "engine/geometry/angles.h"
+#include "engine/mapping/map_report.h"
 
 namespace plumbline {
 namespace {
 
 std::vector<ObjectDifference> Objects(const RunReview& a, const RunReview& b) {
   std::vector<ObjectDifference> out;
-  for (const ObjectPair& pair : PairObjects(a.last, b.last, a.view.up_in_world)) {
+  for (const ObjectPair& pair : PairObjects(*a.last, *b.last, a.view.up_in_world)) {
     ObjectDifference difference{pair, {}, {}};
     if (pair.a != nullptr) difference.error_a = ErrorOf(*pair.a, a.view);
     if (pair.b != nullptr) difference.error_b = ErrorOf(*pair.b, b.view);

@@ -7,6 +7,7 @@
 #include "engine/analysis/sequence_view.h"
 #include "engine/base/log.h"
 #include "engine/dataset/ground_truth.h"
+#include "engine/mapping/map_report.h"
 
 namespace plumbline {
 namespace {
@@ -34,6 +35,7 @@ Result<RunReview> ReviewRun(const RunChoice& choice, const std::filesystem::path
   auto reader = RunReader::Open(choice.run);
   if (!reader.ok()) return reader.error();
   RunReview review;
+  review.last = std::make_shared<const FrameReport>();
   review.header = (*reader)->header();
   auto database = LoadModelsOfRun(choice, review.header);
   if (!database.ok()) return database.error();
@@ -59,7 +61,9 @@ Result<RunReview> ReviewRun(const RunChoice& choice, const std::filesystem::path
     if (!frame.ok()) return frame.error();
     review.history.frames.push_back(
         std::make_shared<const FrameSample>(SampleOf(*frame, review.view)));
-    if (frame->skipped.empty()) review.last = std::move(frame).value();
+    if (frame->skipped.empty()) {
+      review.last = std::make_shared<const FrameReport>(std::move(frame).value());
+    }
   }
   return review;
 }

@@ -10,10 +10,12 @@
 #include "engine/models/model_database.h"
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_inputs.h"
-#include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/run_history.h"
+#include "engine/snapshot/sequence_view.h"
 
 namespace plumbline {
+
+struct FrameReport;
 
 /// A recorded run as a whole: what reports, tables and comparisons are made of. Particles are left
 /// out.
@@ -25,7 +27,8 @@ struct RunReview {
   std::vector<RunEvent> events;
   std::vector<RunTiming> timings;
   std::vector<ObjectTrack> tracks;
-  FrameReport last;  ///< The last frame that was used; empty in a run without one. No particles.
+  /// The last frame that was used, without particles; never null, empty in a run without one.
+  std::shared_ptr<const FrameReport> last;
 };
 
 /// Reads the run. Without the folder of its sequence there are no camera poses; models are needed.

@@ -9,6 +9,7 @@
 #include "engine/base/files.h"
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
+#include "engine/mapping/map_report.h"
 
 namespace plumbline {
 namespace {
@@ -39,7 +40,7 @@ std::string ObjectsCsv(const RunReview& review) {
   std::string csv =
       "id,model,category,state,x_m,y_m,z_m,azimuth_deg,position_std_m,azimuth_std_deg,"
       "label_probability,log_evidence,first_frame,confirmed_frame,last_frame\n";
-  for (const ObjectReport& o : review.last.objects) {
+  for (const ObjectReport& o : review.last->objects) {
     const Eigen::Vector3d p = o.world_from_object.translation();
     csv += fmt::format(
         "{},{},{},{},{:.6f},{:.6f},{:.6f},{:.4f},{:.6f},{:.4f},{:.6f},{:.4f},{},{},{}\n",

@@ -5,7 +5,7 @@
 #include "engine/dataset/sequence.h"
 #include "engine/models/model_database.h"
 #include "engine/recording/run_header.h"
-#include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/sequence_view.h"
 
 namespace plumbline {
 

@@ -10,34 +10,35 @@
 namespace plumbline {
 namespace {
 
-using nlohmann::json;
 using Written = InstanceField::Written;
 
 constexpr std::string_view kQuality = "quality";
 
-json ValueToJson(std::string_view, const std::string& text) { return text; }
-json ValueToJson(std::string_view, double number) { return number; }
-json ValueToJson(std::string_view, const Eigen::Isometry3d& pose) { return IsometryToJson(pose); }
-json ValueToJson(std::string_view key, bool on) {
+nlohmann::json ValueToJson(std::string_view, const std::string& text) { return text; }
+nlohmann::json ValueToJson(std::string_view, double number) { return number; }
+nlohmann::json ValueToJson(std::string_view, const Eigen::Isometry3d& pose) {
+  return IsometryToJson(pose);
+}
+nlohmann::json ValueToJson(std::string_view key, bool on) {
   if (key == kQuality) return on ? "fine" : "coarse";
   return on;
 }
 
 // True if the JSON is a value of this field.
-bool ValueFromJson(std::string_view, const json& source, std::string& text) {
+bool ValueFromJson(std::string_view, const nlohmann::json& source, std::string& text) {
   if (source.is_string()) text = source.get<std::string>();
   return source.is_string();
 }
-bool ValueFromJson(std::string_view, const json& source, double& number) {
+bool ValueFromJson(std::string_view, const nlohmann::json& source, double& number) {
   if (source.is_number()) number = source.get<double>();
   return source.is_number();
 }
-bool ValueFromJson(std::string_view, const json& source, Eigen::Isometry3d& pose) {
+bool ValueFromJson(std::string_view, const nlohmann::json& source, Eigen::Isometry3d& pose) {
   const auto read = IsometryFromJson(source);
   if (read) pose = *read;
   return read.has_value();
 }
-bool ValueFromJson(std::string_view key, const json& source, bool& on) {
+bool ValueFromJson(std::string_view key, const nlohmann::json& source, bool& on) {
   if (key == kQuality) {
     on = source == "fine";
     return source == "fine" || source == "coarse";
@@ -87,8 +88,8 @@ InstanceChange ChangeFields(const InstanceChange& change, AnnotatedInstance& ins
   return back;
 }
 
-json InstanceToJson(const AnnotatedInstance& instance) {
-  json result = json::object();
+nlohmann::json InstanceToJson(const AnnotatedInstance& instance) {
+  nlohmann::json result = nlohmann::json::object();
   const auto write = [&](const InstanceField& field, const auto& value, const auto& usual) {
     if (field.written == Written::kUnlessDefault && IsSame(value, usual)) return;
     result[std::string(field.key)] = ValueToJson(field.key, value);
@@ -97,7 +98,7 @@ json InstanceToJson(const AnnotatedInstance& instance) {
   return result;
 }
 
-Result<AnnotatedInstance> InstanceFromJson(const json& source) {
+Result<AnnotatedInstance> InstanceFromJson(const nlohmann::json& source) {
   if (!source.is_object()) return InvalidInput("an instance must be a JSON object");
   AnnotatedInstance instance;
   std::string problem;
@@ -115,8 +116,8 @@ Result<AnnotatedInstance> InstanceFromJson(const json& source) {
   return instance;
 }
 
-json ChangeToJson(const InstanceChange& change) {
-  json result = json::object();
+nlohmann::json ChangeToJson(const InstanceChange& change) {
+  nlohmann::json result = nlohmann::json::object();
   const auto write = [&](const InstanceField& field, const auto& value) {
     if (value) result[KeyInChange(field.key)] = ValueToJson(field.key, *value);
   };
@@ -124,7 +125,7 @@ json ChangeToJson(const InstanceChange& change) {
   return result;
 }
 
-Result<InstanceChange> ChangeFromJson(const json& source) {
+Result<InstanceChange> ChangeFromJson(const nlohmann::json& source) {
   InstanceChange change;
   for (const auto& [key, value] : source.items()) {
     if (key == "edit" || key == "id") continue;

@@ -30,6 +30,12 @@ const Crop* AnnotationDocument::FindCrop(const std::string& id) const {
   return found == crops.end() ? nullptr : &*found;
 }
 
+int AnnotationDocument::NumFragments() const {
+  return static_cast<int>(std::count_if(crops.begin(), crops.end(), [](const Crop& crop) {
+    return crop.into == Crop::Into::kFragment;
+  }));
+}
+
 Eigen::Isometry3d AnnotationDocument::LevelFromScan() const {
   Eigen::Isometry3d level_from_scan = Eigen::Isometry3d::Identity();
   level_from_scan.linear() = UprightFrame(gravity_in_scan).upright_rotation().transpose();

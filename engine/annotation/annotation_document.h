@@ -38,6 +38,8 @@ struct AnnotationDocument {
 
   const AnnotatedInstance* Find(const std::string& id) const;
   const Crop* FindCrop(const std::string& id) const;
+  /// Crops that are no model but a part of the scan, as VISMA keeps them.
+  int NumFragments() const;
   /// The scan turned z-up with the floor (if known) at z = 0.
   Eigen::Isometry3d LevelFromScan() const;
 };

@@ -7,75 +7,76 @@
 namespace plumbline {
 namespace {
 
-using nlohmann::json;
-
-json VectorToJson(const Eigen::VectorXd& vector) {
+nlohmann::json VectorToJson(const Eigen::VectorXd& vector) {
   return std::vector<double>(vector.data(), vector.data() + vector.size());
 }
 
-json ToJson(const AddInstance& edit) {
-  json result = {{"edit", "add"}, {"instance", InstanceToJson(edit.instance)}};
+nlohmann::json ToJson(const AddInstance& edit) {
+  nlohmann::json result = {{"edit", "add"}, {"instance", InstanceToJson(edit.instance)}};
   if (edit.index) result["index"] = *edit.index;
   return result;
 }
 
-json ToJson(const RemoveInstance& edit) { return {{"edit", "remove"}, {"id", edit.id}}; }
+nlohmann::json ToJson(const RemoveInstance& edit) { return {{"edit", "remove"}, {"id", edit.id}}; }
 
-json ToJson(const ChangeInstance& edit) {
-  json result = ChangeToJson(edit.set);
+nlohmann::json ToJson(const ChangeInstance& edit) {
+  nlohmann::json result = ChangeToJson(edit.set);
   result["edit"] = "change";
   result["id"] = edit.id;
   return result;
 }
 
-json ToJson(const SetGravity& edit) {
-  json result = {{"edit", "gravity"}, {"gravity", VectorToJson(edit.gravity_in_scan)}};
+nlohmann::json ToJson(const SetGravity& edit) {
+  nlohmann::json result = {{"edit", "gravity"}, {"gravity", VectorToJson(edit.gravity_in_scan)}};
   if (edit.floor_in_scan) result["floor"] = VectorToJson(*edit.floor_in_scan);
   return result;
 }
 
-json ToJson(const SetSceneAlignment& edit) {
-  json result = {{"edit", "scene_alignment"}};
+nlohmann::json ToJson(const SetSceneAlignment& edit) {
+  nlohmann::json result = {{"edit", "scene_alignment"}};
   if (edit.scan_from_world) result["scan_from_world"] = IsometryToJson(*edit.scan_from_world);
   return result;
 }
 
-json ToJson(const SetInputs& edit) {
+nlohmann::json ToJson(const SetInputs& edit) {
   return {{"edit", "inputs"},
           {"scan", edit.scan},
           {"models", edit.models},
           {"sequence", edit.sequence}};
 }
 
-json ToJson(const AddCrop& edit) {
-  json result = {{"edit", "crop"}, {"crop", CropToJson(edit.crop)}};
+nlohmann::json ToJson(const AddCrop& edit) {
+  nlohmann::json result = {{"edit", "crop"}, {"crop", CropToJson(edit.crop)}};
   if (edit.index) result["index"] = *edit.index;
   return result;
 }
 
-json ToJson(const RemoveCrop& edit) { return {{"edit", "remove_crop"}, {"id", edit.id}}; }
+nlohmann::json ToJson(const RemoveCrop& edit) { return {{"edit", "remove_crop"}, {"id", edit.id}}; }
 
-json ToJson(const AddPair& edit) {
-  json result = {{"edit", "pair"}, {"pair", PairToJson(edit.pair)}};
+nlohmann::json ToJson(const AddPair& edit) {
+  nlohmann::json result = {{"edit", "pair"}, {"pair", PairToJson(edit.pair)}};
   if (edit.index) result["index"] = *edit.index;
   return result;
 }
 
-json ToJson(const RemovePair& edit) { return {{"edit", "remove_pair"}, {"index", edit.index}}; }
+nlohmann::json ToJson(const RemovePair& edit) {
+  return {{"edit", "remove_pair"}, {"index", edit.index}};
+}
 
-json ToJson(const EditGroup& group) {
-  json result = {{"edit", "group"}, {"label", group.label}, {"edits", json::array()}};
+nlohmann::json ToJson(const EditGroup& group) {
+  nlohmann::json result = {
+      {"edit", "group"}, {"label", group.label}, {"edits", nlohmann::json::array()}};
   for (const Edit& edit : group.edits) result["edits"].push_back(EditToJson(edit));
   return result;
 }
 
-Result<std::optional<std::size_t>> IndexFrom(const json& source) {
+Result<std::optional<std::size_t>> IndexFrom(const nlohmann::json& source) {
   if (!source.contains("index")) return std::optional<std::size_t>();
   if (!source["index"].is_number_unsigned()) return InvalidInput("'index' must be a whole number");
   return std::optional(source["index"].get<std::size_t>());
 }
 
-Result<Edit> CropEditFrom(const json& source) {
+Result<Edit> CropEditFrom(const nlohmann::json& source) {
   if (!source.contains("crop")) return InvalidInput("an edit 'crop' needs a 'crop'");
   Result<Crop> crop = CropFromJson(source["crop"]);
   if (!crop) return crop.error();
@@ -84,7 +85,7 @@ Result<Edit> CropEditFrom(const json& source) {
   return Edit(AddCrop{std::move(*crop), *index});
 }
 
-Result<Edit> PairEditFrom(const json& source) {
+Result<Edit> PairEditFrom(const nlohmann::json& source) {
   const auto index = IndexFrom(source);
   if (!index) return index.error();
   if (source["edit"] == "remove_pair") {
@@ -97,7 +98,7 @@ Result<Edit> PairEditFrom(const json& source) {
   return Edit(AddPair{*pair, *index});
 }
 
-Result<Edit> AddFrom(const json& source) {
+Result<Edit> AddFrom(const nlohmann::json& source) {
   if (!source.contains("instance")) return InvalidInput("an edit 'add' needs an 'instance'");
   Result<AnnotatedInstance> instance = InstanceFromJson(source["instance"]);
   if (!instance) return instance.error();
@@ -106,7 +107,7 @@ Result<Edit> AddFrom(const json& source) {
   return Edit(AddInstance{std::move(*instance), *index});
 }
 
-Result<Edit> GravityFrom(const json& source) {
+Result<Edit> GravityFrom(const nlohmann::json& source) {
   const auto gravity =
       source.contains("gravity") ? VectorFromJson(source["gravity"], 3) : std::nullopt;
   if (!gravity || !(gravity->norm() > 1e-6)) {
@@ -122,12 +123,12 @@ Result<Edit> GravityFrom(const json& source) {
   return Edit(std::move(edit));
 }
 
-Result<Edit> GroupFrom(const json& source) {
+Result<Edit> GroupFrom(const nlohmann::json& source) {
   if (!source.contains("edits") || !source["edits"].is_array()) {
     return InvalidInput("an edit 'group' needs a list 'edits'");
   }
   EditGroup group{TextFromJson(source, "label").value_or("Several edits"), {}};
-  for (const json& entry : source["edits"]) {
+  for (const nlohmann::json& entry : source["edits"]) {
     Result<Edit> edit = EditFromJson(entry);
     if (!edit) return edit.error();
     group.edits.push_back(std::move(*edit));
@@ -137,11 +138,11 @@ Result<Edit> GroupFrom(const json& source) {
 
 }  // namespace
 
-json EditToJson(const Edit& edit) {
+nlohmann::json EditToJson(const Edit& edit) {
   return std::visit([](const auto& chosen) { return ToJson(chosen); }, edit);
 }
 
-Result<Edit> EditFromJson(const json& source) {
+Result<Edit> EditFromJson(const nlohmann::json& source) {
   const std::string kind = TextFromJson(source, "edit").value_or("");
   if (kind == "add") return AddFrom(source);
   if (kind == "crop") return CropEditFrom(source);

@@ -18,20 +18,17 @@
 namespace plumbline {
 namespace {
 
-using nlohmann::json;
-using std::filesystem::path;
-
 constexpr double kMillimetres = 1000;
 
-json Rows(const Eigen::Matrix3d& m) {
-  json list = json::array();
+nlohmann::json Rows(const Eigen::Matrix3d& m) {
+  nlohmann::json list = nlohmann::json::array();
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) list.push_back(m(r, c));
   }
   return list;
 }
 
-json InMillimetres(const Eigen::Vector3d& v) {
+nlohmann::json InMillimetres(const Eigen::Vector3d& v) {
   return {kMillimetres * v.x(), kMillimetres * v.y(), kMillimetres * v.z()};
 }
 
@@ -41,7 +38,7 @@ std::string Numbered(const char* format, int a, int b = 0) {
   return text;
 }
 
-Status MakeFolder(const path& folder) {
+Status MakeFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!error) return {};
@@ -58,9 +55,9 @@ double Diameter(const TriangleMesh& mesh) {
   return std::sqrt(largest);
 }
 
-json ModelInfo(const CadModel& model) {
+nlohmann::json ModelInfo(const CadModel& model) {
   const Eigen::Vector3d center = model.center(), size = model.bounds.sizes().cast<double>();
-  json info = {{"diameter", kMillimetres * Diameter(model.mesh)}};
+  nlohmann::json info = {{"diameter", kMillimetres * Diameter(model.mesh)}};
   const char* axes[] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i) {
     info[std::string("min_") + axes[i]] = -0.5 * kMillimetres * size[i];
@@ -78,7 +75,7 @@ json ModelInfo(const CadModel& model) {
         Eigen::AngleAxisd(2 * std::numbers::pi * i / symmetry.order, symmetry.axis.normalized())
             .toRotationMatrix();
     turn.topRightCorner<3, 1>() = kMillimetres * (turn.topLeftCorner<3, 3>() * center - center);
-    json rows = json::array();
+    nlohmann::json rows = nlohmann::json::array();
     for (int r = 0; r < 4; ++r) {
       for (int c = 0; c < 4; ++c) rows.push_back(turn(r, c));
     }
@@ -112,9 +109,10 @@ std::string PlyText(const CadModel& model) {
   return text;
 }
 
-Status WriteModels(const ModelDatabase& models, const std::set<int>& used, const path& folder) {
+Status WriteModels(const ModelDatabase& models, const std::set<int>& used,
+                   const std::filesystem::path& folder) {
   if (const Status made = MakeFolder(folder); !made.ok()) return made;
-  json infos = json::object(), names = json::object();
+  nlohmann::json infos = nlohmann::json::object(), names = nlohmann::json::object();
   for (const int i : used) {
     const CadModel& model = models.model(ModelId{i});
     const std::string id = std::to_string(i + 1);
@@ -131,7 +129,7 @@ Status WriteModels(const ModelDatabase& models, const std::set<int>& used, const
   return written.ok() ? WriteJson(folder / "plumbline_models.json", names) : written;
 }
 
-json BoxOf(const cv::Mat& mask) {
+nlohmann::json BoxOf(const cv::Mat& mask) {
   const cv::Rect box =
       cv::countNonZero(mask) > 0 ? cv::boundingRect(mask) : cv::Rect(-1, -1, -1, -1);
   return {box.x, box.y, box.width, box.height};
@@ -156,12 +154,12 @@ class BopImage {
     }
   }
 
-  const json& truth() const { return truth_; }
+  const nlohmann::json& truth() const { return truth_; }
 
   /// Writes the masks and returns what scene_gt_info says.
-  Result<json> WriteMasks(const path& scene, int frame) const {
+  Result<nlohmann::json> WriteMasks(const std::filesystem::path& scene, int frame) const {
     const RenderedMaps all = RayCast(camera_, meshes_, instances_, {});
-    json infos = json::array();
+    nlohmann::json infos = nlohmann::json::array();
     for (std::size_t i = 0; i < instances_.size(); ++i) {
       const RenderedMaps alone = RayCast(camera_, meshes_, std::span(&instances_[i], 1), {});
       const cv::Mat whole = alone.id > 0, visible = all.id == instances_[i].id;
@@ -186,10 +184,12 @@ class BopImage {
   PinholeCamera camera_;
   std::vector<const TriangleMesh*> meshes_;
   std::vector<RenderInstance> instances_;
-  json truth_ = json::array();
+  nlohmann::json truth_ = nlohmann::json::array();
 };
 
-json CameraMatrix(const PinholeCamera& c) { return {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}; }
+nlohmann::json CameraMatrix(const PinholeCamera& c) {
+  return {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1};
+}
 
 Result<std::set<int>> UsedModels(const AnnotationDocument& document, const ExchangeInputs& inputs) {
   if (!inputs.sequence || !inputs.models) {
@@ -212,10 +212,10 @@ Result<std::set<int>> UsedModels(const AnnotationDocument& document, const Excha
 }  // namespace
 
 Status WriteBop(const AnnotationDocument& document, const ExchangeInputs& inputs,
-                const path& folder, const WorkContext& context) {
+                const std::filesystem::path& folder, const WorkContext& context) {
   const Result<std::set<int>> used = UsedModels(document, inputs);
   if (!used) return used.error();
-  const path scene = folder / "test" / "000000";
+  const std::filesystem::path scene = folder / "test" / "000000";
   for (const char* part : {"rgb", "mask", "mask_visib"}) {
     if (const Status made = MakeFolder(scene / part); !made.ok()) return made;
   }
@@ -223,7 +223,8 @@ Status WriteBop(const AnnotationDocument& document, const ExchangeInputs& inputs
     return written;
   }
   const PinholeCamera& camera = inputs.sequence->camera();
-  json truth = json::object(), cameras = json::object(), infos = json::object();
+  nlohmann::json truth = nlohmann::json::object(), cameras = nlohmann::json::object(),
+                 infos = nlohmann::json::object();
   int done = 0;
   for (const int frame : inputs.frames) {
     context.report({"frames", done++, static_cast<int>(inputs.frames.size())});
@@ -240,15 +241,15 @@ Status WriteBop(const AnnotationDocument& document, const ExchangeInputs& inputs
                    {"depth_scale", 1.0},
                    {"cam_R_w2c", Rows(cam_from_scan.linear())},
                    {"cam_t_w2c", InMillimetres(cam_from_scan.translation())}};
-    Result<json> info = shown.WriteMasks(scene, frame);
+    Result<nlohmann::json> info = shown.WriteMasks(scene, frame);
     if (!info) return info.error();
     infos[id] = std::move(*info);
-    const path file = scene / "rgb" / Numbered("%06d.png", frame);
+    const std::filesystem::path file = scene / "rgb" / Numbered("%06d.png", frame);
     if (!cv::imwrite(file.string(), image->image)) {
       return Error{ErrorCode::kIo, "cannot write '" + file.string() + "'"};
     }
   }
-  json intrinsics = IntrinsicsToJson(camera);
+  nlohmann::json intrinsics = IntrinsicsToJson(camera);
   intrinsics["depth_scale"] = 1.0;
   Status status = WriteJson(folder / "camera.json", intrinsics);
   if (status.ok()) status = WriteJson(scene / "scene_gt.json", truth);

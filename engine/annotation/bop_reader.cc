@@ -12,13 +12,10 @@
 namespace plumbline {
 namespace {
 
-using nlohmann::json;
-using std::filesystem::path;
-
 constexpr double kMillimetresPerMetre = 1000;
 
 /// The folder of the first scene: the dataset's own, or SPLIT/NNNNNN below it.
-std::optional<path> FirstScene(const path& folder) {
+std::optional<std::filesystem::path> FirstScene(const std::filesystem::path& folder) {
   std::error_code ignored;
   std::vector<path> scenes;
   if (std::filesystem::exists(folder / "scene_gt.json", ignored)) return folder;
@@ -35,12 +32,12 @@ std::optional<path> FirstScene(const path& folder) {
 }
 
 /// Rotation and translation [m] under two keys.
-std::optional<Eigen::Isometry3d> PoseOf(const json& entry, const char* rotation,
+std::optional<Eigen::Isometry3d> PoseOf(const nlohmann::json& entry, const char* rotation,
                                         const char* translation) {
   if (!entry.contains(rotation) || !entry.contains(translation)) return std::nullopt;
   const auto r = VectorFromJson(entry[rotation], 9), t = VectorFromJson(entry[translation], 3);
   if (!r || !t) return std::nullopt;
-  json rows = json::array();
+  nlohmann::json rows = nlohmann::json::array();
   for (int i = 0; i < 3; ++i) {
     rows.push_back({(*r)[3 * i], (*r)[3 * i + 1], (*r)[3 * i + 2], (*t)[i] / kMillimetresPerMetre});
   }
@@ -53,7 +50,7 @@ struct ModelName {
   Eigen::Vector3d center{0, 0, 0};
 };
 
-ModelName NameOf(const json& names, int obj_id) {
+ModelName NameOf(const nlohmann::json& names, int obj_id) {
   char fallback[16];
   std::snprintf(fallback, sizeof(fallback), "obj_%06d", obj_id);
   ModelName result{fallback, "", {0, 0, 0}};
@@ -69,19 +66,19 @@ ModelName NameOf(const json& names, int obj_id) {
 
 }  // namespace
 
-Result<ImportedPoses> ReadBop(const path& folder) {
-  const std::optional<path> scene = FirstScene(folder);
+Result<ImportedPoses> ReadBop(const std::filesystem::path& folder) {
+  const std::optional<std::filesystem::path> scene = FirstScene(folder);
   if (!scene) {
     return Error{
         ErrorCode::kNotFound,
         "'" + folder.string() + "' is no BOP dataset: it has no SPLIT/000000/scene_gt.json"};
   }
-  const Result<json> truth = ReadJson(*scene / "scene_gt.json");
+  const Result<nlohmann::json> truth = ReadJson(*scene / "scene_gt.json");
   if (!truth) return truth.error();
-  const Result<json> cameras = ReadJson(*scene / "scene_camera.json");
+  const Result<nlohmann::json> cameras = ReadJson(*scene / "scene_camera.json");
   if (!cameras) return cameras.error();
-  json names = json::object();
-  for (const path& root : {folder, scene->parent_path().parent_path()}) {
+  nlohmann::json names = nlohmann::json::object();
+  for (const std::filesystem::path& root : {folder, scene->parent_path().parent_path()}) {
     if (const auto read = ReadJson(root / "models" / "plumbline_models.json"); read.ok()) {
       names = *read;
       break;
@@ -105,7 +102,7 @@ Result<ImportedPoses> ReadBop(const path& folder) {
                  " has no cam_R_w2c and cam_t_w2c: without them its poses have no "
                  "common frame");
     }
-    for (const json& entry : (*truth)[key]) {
+    for (const nlohmann::json& entry : (*truth)[key]) {
       const auto cam_from_model = PoseOf(entry, "cam_R_m2c", "cam_t_m2c");
       const int obj_id = entry.value("obj_id", -1);
       if (!cam_from_model || obj_id < 0) {

@@ -13,23 +13,21 @@
 namespace plumbline {
 namespace {
 
-using nlohmann::json;
-
-json JsonListOf(const Eigen::VectorXd& vector) {
+nlohmann::json JsonListOf(const Eigen::VectorXd& vector) {
   return std::vector<double>(vector.data(), vector.data() + vector.size());
 }
 
-json RegionToJson(const CropBox& box) {
+nlohmann::json RegionToJson(const CropBox& box) {
   return {{"center", JsonListOf(box.center_in_scan)},
           {"size", JsonListOf(box.size_m)},
           {"azimuth", box.azimuth_rad}};
 }
 
-json RegionToJson(const CropLasso& lasso) {
-  json result = {{"scan_from_cam", IsometryToJson(lasso.scan_from_cam)},
-                 {"camera", IntrinsicsToJson(lasso.camera)},
-                 {"polygon", json::array()},
-                 {"near", lasso.near_m}};
+nlohmann::json RegionToJson(const CropLasso& lasso) {
+  nlohmann::json result = {{"scan_from_cam", IsometryToJson(lasso.scan_from_cam)},
+                           {"camera", IntrinsicsToJson(lasso.camera)},
+                           {"polygon", nlohmann::json::array()},
+                           {"near", lasso.near_m}};
   for (const Eigen::Vector2d& corner : lasso.polygon_px)
     result["polygon"].push_back(JsonListOf(corner));
   if (std::isfinite(lasso.far_m)) result["far"] = lasso.far_m;
@@ -37,13 +35,13 @@ json RegionToJson(const CropLasso& lasso) {
   return result;
 }
 
-std::optional<double> NumberFrom(const json& source, const char* key) {
+std::optional<double> NumberFrom(const nlohmann::json& source, const char* key) {
   const auto found = source.find(key);
   if (found == source.end() || !found->is_number()) return std::nullopt;
   return found->get<double>();
 }
 
-Result<CropBox> BoxFrom(const json& source) {
+Result<CropBox> BoxFrom(const nlohmann::json& source) {
   const auto vector = [&](const char* key) {
     return source.contains(key) ? VectorFromJson(source[key], 3) : std::nullopt;
   };
@@ -52,10 +50,10 @@ Result<CropBox> BoxFrom(const json& source) {
   return CropBox{*center, *size, NumberFrom(source, "azimuth").value_or(0)};
 }
 
-Result<CropLasso> LassoFrom(const json& source) {
+Result<CropLasso> LassoFrom(const nlohmann::json& source) {
   const auto pose =
       source.contains("scan_from_cam") ? IsometryFromJson(source["scan_from_cam"]) : std::nullopt;
-  const json camera = source.value("camera", json::object());
+  const nlohmann::json camera = source.value("camera", nlohmann::json::object());
   const auto fx = NumberFrom(camera, "fx"), fy = NumberFrom(camera, "fy"),
              cx = NumberFrom(camera, "cx"), cy = NumberFrom(camera, "cy");
   if (!pose || !fx || !fy || !cx || !cy) {
@@ -71,7 +69,7 @@ Result<CropLasso> LassoFrom(const json& source) {
                   *fy,
                   *cx,
                   *cy};
-  for (const json& corner : source.value("polygon", json::array())) {
+  for (const nlohmann::json& corner : source.value("polygon", nlohmann::json::array())) {
     const auto pixel = VectorFromJson(corner, 2);
     if (!pixel) return InvalidInput("the 'polygon' of a crop must be a list of [u, v]");
     lasso.polygon_px.emplace_back(*pixel);
@@ -133,11 +131,11 @@ Status CheckCrop(const Crop& crop) {
   return std::visit([](const auto& region) { return CheckRegion(region); }, crop.region);
 }
 
-json CropToJson(const Crop& crop) {
-  json result = {{"id", crop.id},
-                 {"into", crop.into == Crop::Into::kModel ? "model" : "fragment"},
-                 {"category", crop.category},
-                 {"annotator", crop.annotator}};
+nlohmann::json CropToJson(const Crop& crop) {
+  nlohmann::json result = {{"id", crop.id},
+                           {"into", crop.into == Crop::Into::kModel ? "model" : "fragment"},
+                           {"category", crop.category},
+                           {"annotator", crop.annotator}};
   const char* kind = std::holds_alternative<CropBox>(crop.region) ? "box" : "lasso";
   result[kind] = std::visit([](const auto& region) { return RegionToJson(region); }, crop.region);
   if (crop.up_in_scan) result["up"] = JsonListOf(*crop.up_in_scan);
@@ -152,7 +150,7 @@ json CropToJson(const Crop& crop) {
   return result;
 }
 
-Result<Crop> CropFromJson(const json& source) {
+Result<Crop> CropFromJson(const nlohmann::json& source) {
   if (!source.is_object()) return InvalidInput("a crop must be a JSON object");
   Crop crop;
   crop.id = TextFromJson(source, "id").value_or("");
@@ -182,7 +180,7 @@ Result<Crop> CropFromJson(const json& source) {
     if (!up) return InvalidInput("the 'up' of crop '" + crop.id + "' must be three numbers");
     crop.up_in_scan = *up;
   }
-  const json support = source.value("support", json("auto"));
+  const nlohmann::json support = source.value("support", nlohmann::json("auto"));
   crop.without_support = support != "keep";
   if (crop.without_support && support != "auto") {
     const auto plane = VectorFromJson(support, 4);

@@ -13,7 +13,8 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "engine/annotation/outline_equations.h"
 #include "engine/vision/oriented_table.h"
@@ -152,14 +153,17 @@ class Refiner {
     return 1 / (variance * kIndependent_px * width);
   }
 
+  /// Of the free moves, the prior included.
+  Eigen::MatrixXd FreeInformation(const OutlineEquations& sum) const {
+    return free_.RestrictForm(Scale(sum) * sum.information + MoveInformation(prior_));
+  }
+
   /// The start counts as a measurement with half the search as its standard deviation: what the
   /// images do not show stays put.
   PoseMove Step(const OutlineEquations& sum, const PoseMove& move) const {
     const double scale = Scale(sum);
-    const Eigen::MatrixXd information =
-        free_.transpose() * (scale * sum.information + MoveInformation(prior_)) * free_;
-    const Eigen::VectorXd pull = free_.transpose() * (scale * sum.gradient - prior_ * move);
-    return free_ * information.ldlt().solve(pull);
+    const Eigen::VectorXd pull = free_.RestrictGradient(scale * sum.gradient - prior_ * move);
+    return free_.ExpandStep(SolveSymmetric(FreeInformation(sum), pull));
   }
 
   bool Inside(const PoseMove& move, double factor) const {
@@ -223,7 +227,7 @@ class Refiner {
   const Occluders& occluders_;
   const ImageRefinementOptions& options_;
   const WorkContext& work_;
-  Eigen::Matrix<double, 4, Eigen::Dynamic> free_;
+  Subspace free_;
   double max_turn_rad_;
   Eigen::DiagonalMatrix<double, 4> prior_;
 };
@@ -252,12 +256,12 @@ std::vector<PoseMove> Refiner::Starts() const {
   std::vector<PoseMove> moves;
   for (int i = 1; i <= options_.coarse_samples; ++i) {
     constexpr int kBases[4] = {2, 3, 5, 7};
-    Eigen::VectorXd by(free_.cols());
+    Eigen::VectorXd by(free_.size());
     for (Eigen::Index k = 0; k < by.size(); ++k) {
       const bool turn = k + 1 == by.size();
       by[k] = (turn ? max_turn_rad_ : options_.max_shift_m) * Halton(i, kBases[k]);
     }
-    const PoseMove move = free_ * by;
+    const PoseMove move = free_.ExpandStep(by);
     if (Inside(move, 1.0)) moves.push_back(move);
   }
   std::vector<std::pair<double, int>> ranked(moves.size());
@@ -305,14 +309,15 @@ PoseCovariance Refiner::Covariance(const std::vector<EquationsByPart>& equations
   }
   const OutlineEquations sum = Sum(equations);
   const double scale = Scale(sum);
-  const Eigen::MatrixXd information =
-      free_.transpose() * (scale * sum.information + MoveInformation(prior_)) * free_;
-  const Eigen::VectorXd outward = information.ldlt().solve(
-      kOutwardSigma_px * images_.camera().width / 640.0 * scale * free_.transpose() * sum.outward);
-  const Eigen::MatrixXd of_free = information.inverse() + outward * outward.transpose() +
-                                  Jackknife(by_image, scale, information, free_) +
-                                  Jackknife(by_part, scale, information, free_);
-  const Eigen::Matrix4d of_move = free_ * of_free * free_.transpose();
+  const Eigen::MatrixXd information = FreeInformation(sum);
+  const double outward_scale = kOutwardSigma_px * images_.camera().width / 640.0 * scale;
+  const Eigen::VectorXd outward =
+      SolveSymmetric(information, free_.RestrictGradient(outward_scale * sum.outward));
+  Eigen::MatrixXd of_free = InverseOfSymmetric(information);
+  of_free += outward * outward.transpose();
+  of_free += Jackknife(by_image, scale, information, free_);
+  of_free += Jackknife(by_part, scale, information, free_);
+  const Eigen::Matrix4d of_move = free_.ExpandCovariance(of_free);
   Eigen::Matrix<double, 6, 4> pose_from_move = Eigen::Matrix<double, 6, 4>::Zero();
   pose_from_move.topLeftCorner<3, 3>().setIdentity();
   pose_from_move.topRightCorner<3, 1>() =

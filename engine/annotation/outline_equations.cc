@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/annotation/outline_equations.h"
 
+#include <utility>
+
 #include <tbb/parallel_for.h>
 
 namespace plumbline {
@@ -32,9 +34,8 @@ Eigen::Isometry3d UprightMotion::At(const PoseMove& move) const {
   return pose;
 }
 
-Eigen::Matrix<double, 4, Eigen::Dynamic> UprightMotion::Free(FreeMotion motion) const {
-  Eigen::Matrix<double, 4, Eigen::Dynamic> free =
-      Eigen::Matrix<double, 4, Eigen::Dynamic>::Zero(4, DegreesOfFreedom(motion));
+Subspace UprightMotion::Free(FreeMotion motion) const {
+  Eigen::MatrixXd free = Eigen::MatrixXd::Zero(4, DegreesOfFreedom(motion));
   if (motion == FreeMotion::kAzimuth) {  // About the origin: the middle swings.
     free.col(0) << up_.cross(start_.linear() * middle_), 1.0;
   } else if (motion == FreeMotion::kAzimuthAndTranslation) {
@@ -45,7 +46,7 @@ Eigen::Matrix<double, 4, Eigen::Dynamic> UprightMotion::Free(FreeMotion motion) 
     free.col(1).head<3>() = up_.cross(side);
     free(3, 2) = 1;
   }
-  return free;
+  return Subspace(std::move(free));
 }
 
 std::optional<Eigen::Vector2d> ProjectInto(const AnnotationImage& image,
@@ -95,15 +96,15 @@ OutlineEquations Sum(const std::vector<EquationsByPart>& equations) {
 }
 
 Eigen::MatrixXd Jackknife(const std::vector<OutlineEquations>& groups, double scale,
-                          const Eigen::MatrixXd& information, const Eigen::MatrixXd& free) {
+                          const Eigen::MatrixXd& information, const Subspace& free) {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(information.rows(), information.cols());
   int used = 0;
   for (const OutlineEquations& group : groups) {
     if (group.samples == 0) continue;
     ++used;
-    const Eigen::MatrixXd without =
-        information - scale * free.transpose() * group.information * free;
-    const Eigen::VectorXd moved = without.ldlt().solve(scale * free.transpose() * group.gradient);
+    const Eigen::MatrixXd without = information - scale * free.RestrictForm(group.information);
+    const Eigen::VectorXd moved =
+        SolveSymmetric(without, free.RestrictGradient(scale * group.gradient));
     covariance += moved * moved.transpose();
   }
   if (used > 1) covariance *= (used - 1.0) / used;

@@ -5,10 +5,12 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "engine/annotation/annotation_images.h"
 #include "engine/annotation/edge_search.h"
+#include "engine/geometry/symmetric_matrix.h"
 #include "engine/registration/constrained_fit.h"
 
 // What the images say of how a posed model should move: the measurements of RefineByImages
@@ -45,8 +47,7 @@ class UprightMotion {
   const Eigen::Vector3d& up() const { return up_; }
   const Eigen::Vector3d& middle() const { return middle_; }
 
-  /// Columns: the free moves.
-  Eigen::Matrix<double, 4, Eigen::Dynamic> Free(FreeMotion motion) const;
+  Subspace Free(FreeMotion motion) const;
 
  private:
   Eigen::Isometry3d start_;
@@ -92,8 +93,7 @@ OutlineEquations Sum(const std::vector<EquationsByPart>& equations);
 /// Covariance of the free parameters by leaving out one group of measurements at a time.
 /// @param scale        Turns sums over pixels of line into information.
 /// @param information  Of all, the prior included.
-/// @param free         Columns: the free moves.
 Eigen::MatrixXd Jackknife(const std::vector<OutlineEquations>& groups, double scale,
-                          const Eigen::MatrixXd& information, const Eigen::MatrixXd& free);
+                          const Eigen::MatrixXd& information, const Subspace& free);
 
 }  // namespace plumbline

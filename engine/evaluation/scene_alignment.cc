@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "engine/base/check.h"
+#include "engine/geometry/symmetric_matrix.h"
 
 namespace plumbline {
 namespace {
@@ -82,7 +81,7 @@ Eigen::Isometry3d AlignToSurface(const std::vector<Eigen::Vector3d>& points,
     }
     // What the surface does not show (sliding along a lone table top) stays put.
     information.diagonal().array() += 1e-9 * information.trace() + 1e-12;
-    const Vector6 step = -information.ldlt().solve(gradient);
+    const Vector6 step = -SolveSymmetric(information, gradient);
     // Of `step`, the turn is along `up` already: its other components have no gradient.
     const Eigen::Vector3d turn = step.head<3>();
     Eigen::Isometry3d update = Eigen::Isometry3d::Identity();

@@ -34,6 +34,7 @@ ObjectReport ToReport(const MapObject& object) {
     out.Put(hypothesis.azimuth_rad);
     for (int k = 0; k < 3; ++k) out.Put(hypothesis.center_in_world[k]);
   }
+  out.Put(object.shown);
   out.Put(object.last_search_s);
   out.Put(object.present_weight);
   out.Put(static_cast<std::uint32_t>(object.views.size()));
@@ -73,6 +74,7 @@ Result<MapObject> FromReport(const ObjectReport& report) {
     for (int k = 0; k < 3; ++k) hypothesis.center_in_world[k] = in.Get<double>();
     object.joined.push_back(hypothesis);
   }
+  object.shown = in.Get<double>();
   object.last_search_s = in.Get<double>();
   object.present_weight = in.Get<double>();
   const std::uint32_t views = in.Get<std::uint32_t>();

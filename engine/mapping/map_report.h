@@ -5,7 +5,6 @@
 // draws and what a run resumes from; it includes nothing but base and geometry, so that the
 // snapshot may hold it.
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -19,6 +18,7 @@
 
 #include "engine/base/ids.h"
 #include "engine/geometry/box.h"
+#include "engine/mapping/event_report.h"
 
 namespace plumbline {
 
@@ -36,14 +36,6 @@ struct Particle {
   std::uint16_t ancestor = 0;  ///< Index, in the last frame's set, of the particle it comes from.
 };
 
-enum class ObjectState : std::uint8_t { kTentative, kConfirmed, kRetired };
-
-/// The one table of names, as files have them.
-constexpr std::string_view NameOf(ObjectState state) {
-  constexpr std::array<std::string_view, 3> kNames = {"tentative", "confirmed", "retired"};
-  return kNames.at(static_cast<std::size_t>(state));
-}
-
 /// One of several clearly separate places where an object may be.
 struct PoseMode {
   ModelId label;
@@ -51,11 +43,6 @@ struct PoseMode {
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
   double position_std_m = 0;
   double azimuth_std_rad = 0;
-};
-
-struct LabelProbability {
-  ModelId label;
-  double probability = 0;
 };
 
 /// What the mapper believes of one object, and how it fared in the last frame. The mapper works on
@@ -114,48 +101,12 @@ struct ProposalReport {
   ObjectId object;
 };
 
-enum class EventKind : std::uint8_t {
-  kSpawned,
-  kConfirmed,
-  kMerged,
-  kRetired,
-  kLabelChanged,
-  kFrameSkipped,
-  kOptionsChanged  ///< of the mapper, from this frame on: `option_changes`
-};
-
-constexpr std::string_view NameOf(EventKind kind) {
-  constexpr std::array<std::string_view, 7> kNames = {
-      "spawned",       "confirmed",     "merged",         "retired",
-      "label_changed", "frame_skipped", "options_changed"};
-  return kNames.at(static_cast<std::size_t>(kind));
-}
-
-/// A name of these tables as people read it: "label changed".
-inline std::string InWords(std::string_view name) {
-  std::string words(name);
-  std::replace(words.begin(), words.end(), '_', ' ');
-  return words;
-}
-
-struct LifeEvent {
-  EventKind kind = EventKind::kSpawned;
-  ObjectId object;
-  ObjectId other;              ///< kMerged: the object that goes on.
-  std::string text;            ///< Why, in words; nothing is decided by it.
-  std::string option_changes;  ///< kOptionsChanged: as of option_changes.h.
-};
-
-struct StageTiming {
-  std::string stage;
-  double milliseconds = 0;
-};
-
 struct FrameReport {
   int frame = 0;
   std::int64_t stamp_ns = 0;
   std::optional<Eigen::Isometry3d> world_from_cam;
   std::string skipped;  ///< "" or why this frame was not used.
+  SkipCause skip_cause = SkipCause::kUnknown;
   std::vector<ProposalReport> proposals;
   std::vector<ObjectReport>
       objects;  ///< By id; a retired object is reported once, in the frame of its retirement.

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <tuple>
 
 #include "engine/base/timer.h"
@@ -271,6 +269,8 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
   }
   sighting.edge_surplus = EdgeSurplus(*setup.scorer, view, map, mean) +
                           static_cast<float>(std::max(0.0, marginal - object.phi_edge));
+  if (sighting.edge_surplus > options().expected_edge)
+    object.shown = std::max(object.shown, object.visible_fraction);
   Existence existence{object.log_evidence, object.hidden};
   // Only what has been seen to be there can be said to be hidden.
   if (object.state == ObjectState::kConfirmed) {
@@ -280,14 +280,6 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
   }
   object.log_evidence = existence.log_odds;
   object.hidden = existence.hidden;
-  static std::FILE* log = std::getenv("PLB_LOG") ? std::fopen(std::getenv("PLB_LOG"), "w") : nullptr;
-  if (log) {
-    const auto& p = object.mean().world_from_object;
-    std::fprintf(log, "%d %d %s %d %.4f %.4f %.4f %.4f %d %.3f %.4f %.4f %.4f %.4f %.1f %.3f %.4f %.4f %.0f %d %.3f %.3f %.4f %.4f\n", input.frame, object.id.value,
-      setup.database->model(object.mean().label).name.c_str(), object.mean().label.value, p.translation().x(), p.translation().y(), p.translation().z(), map.upright.Azimuth(p.linear()), int(object.state),
-      object.log_evidence, novelty, object.phi_edge, object.phi_cnn, object.visible_fraction, sighting.visible_px, sighting.inside_fraction, object.phi_edge - sighting.edge_surplus, object.hidden, 24.0,
-      matched != nullptr, matched ? matched->score : 0.f, matched ? Iou(matched->box, object.visible_box) : 0.f, object.mean().weight, object.mean().position_std_m);
-  }
 }
 
 double Mapper::Impl::InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const {
@@ -550,7 +542,8 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, Fra
                object.log_evidence > options().confirm_evidence &&
                object.seen_s > options().confirm_age_s &&
                object.mean().position_std_m < options().confirm_position_std_m &&
-               BeliefInMean(object) >= options().confirm_mode_weight) {
+               BeliefInMean(object) >= options().confirm_mode_weight &&
+               object.shown >= options().confirm_shown) {
       object.state = ObjectState::kConfirmed;
       object.confirmed_frame = input.frame;
       report.events.push_back({EventKind::kConfirmed, object.id, {}, "evidence has accumulated"});

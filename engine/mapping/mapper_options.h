@@ -54,8 +54,8 @@ struct MapperOptions {
   // Likelihood of a view: alpha * Phi_cnn + beta * Phi_edge
   double alpha = 2.5;
   double beta = 10.0;
-  double view_correlation = 0.07;
-  double telling_contour_px = 250;
+  double view_correlation = 0.06;
+  double telling_contour_px = 150;
   bool inner_lines = true;
   ScoredBox scored_box = ScoredBox::kBest;
   double search_radius_px = 7;
@@ -104,10 +104,11 @@ struct MapperOptions {
   double most_box_evidence = 1.5;
   double hidden_rate = 0.02;
   double hidden_s = 30;
-  double confirm_evidence = 3.0;
+  double confirm_evidence = 2.0;
   double retire_evidence = -3.0;
   double confirm_position_std_m = 0.10;
-  double confirm_mode_weight = 0.9;
+  double confirm_mode_weight = 0.95;
+  double confirm_shown = 0.27;
   double confirm_age_s = 1.0;
   double tentative_limit_s = 6.0;
 };
@@ -216,6 +217,9 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"confirm_position_std_m", "m", "largest uncertainty of a confirmed object", 0, 100});
   visit(o.confirm_mode_weight,
         {"confirm_mode_weight", "", "least belief in the mean pose of a confirmed object", 0, 1});
+  visit(o.confirm_shown,
+        {"confirm_shown", "", "share of the contour that has shown, at least once, with support of edges",
+         0, 1});
   visit(o.confirm_age_s,
         {"confirm_age_s", "s", "shortest time in view before confirmation", 0, 100});
   visit(o.tentative_limit_s, {"tentative_limit_s", "s",

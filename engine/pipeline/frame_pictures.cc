@@ -5,6 +5,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/snapshot/map_snapshot.h"
+
 namespace plumbline {
 namespace {
 

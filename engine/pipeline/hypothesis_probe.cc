@@ -13,6 +13,7 @@
 #include "engine/mapping/particle_rank.h"
 #include "engine/pipeline/frame_pictures.h"
 #include "engine/pipeline/hypothesis_frame.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {

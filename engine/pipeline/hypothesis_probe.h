@@ -12,6 +12,7 @@
 #include "engine/snapshot/commands.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/probe_view.h"
+#include "engine/snapshot/sequence_view.h"
 
 namespace plumbline {
 

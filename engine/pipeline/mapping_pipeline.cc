@@ -9,9 +9,11 @@
 #include "engine/base/files.h"
 #include "engine/base/queue.h"
 #include "engine/base/timer.h"
+#include "engine/mapping/mapper.h"
 #include "engine/mapping/option_changes.h"
 #include "engine/mapping/rendered_scorer.h"
 #include "engine/mapping/viewpoint_scorer.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "engine/sources/folder_source.h"
 #include "engine/vision/edge_detector.h"
 
@@ -27,6 +29,7 @@ struct Prepared {
   std::optional<MapperInput> input;
   int options_version = 0;  ///< Of the options that the table was made with.
   std::string skipped;
+  SkipCause skip_cause = SkipCause::kUnknown;  ///< What was prepared last.
   std::vector<StageTiming> timings;
 };
 
@@ -108,19 +111,23 @@ class FramePreparer {
   Status TryPrepare(const FramePacket& packet, const std::optional<PoseEstimate>& pose,
                     Prepared& prepared) {
     Stopwatch watch;
+    prepared.skip_cause = SkipCause::kImage;
     Result<cv::Mat> image = packet.content->Image();
     if (!image.ok()) return image.error();
     prepared.frame.image = std::move(image).value();
     if (pose) prepared.frame.world_from_cam = pose->world_from_cam;
     prepared.timings.push_back({"decode", watch.Lap()});
+    prepared.skip_cause = SkipCause::kPose;
     if (!pose) {
       return Error{ErrorCode::kNotFound,
                    "frame " + std::to_string(packet.frame) + " has no camera pose"};
     }
+    prepared.skip_cause = SkipCause::kEdges;
     Result<EdgeMap> edges = edges_->Detect(prepared.frame);
     if (!edges.ok()) return edges.error();
     prepared.edges = std::move(edges).value();
     prepared.timings.push_back({"edges", watch.Lap()});
+    prepared.skip_cause = SkipCause::kDetections;
     Result<std::unique_ptr<const FrameDetections>> detections = detector_->Detect(prepared.frame);
     if (!detections.ok()) return detections.error();
     prepared.timings.push_back({"detect", watch.Lap()});
@@ -209,6 +216,7 @@ struct MappingPipeline::Impl {
     report.frame = prepared.frame.index;
     report.world_from_cam = prepared.frame.world_from_cam;
     report.skipped = prepared.skipped;
+    report.skip_cause = prepared.skip_cause;
     report.proposals.clear();
     report.timings.clear();
     report.events = {{EventKind::kFrameSkipped, {}, {}, prepared.skipped, {}}};

@@ -9,11 +9,13 @@
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
 #include "engine/dataset/sequence.h"
-#include "engine/mapping/mapper.h"
 #include "engine/pipeline/run_recipe.h"
-#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
+
+class ModelDatabase;
+struct FrameReport;
+struct MapSnapshot;
 
 /// Everything a run needs, from files to reports: decodes, finds edges and detects ahead on a
 /// thread of its own, maps in the caller's. Use it in one thread.

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/mapping/map_report.h"
+#include "engine/mapping/event_report.h"
 #include "engine/mapping/mapper_options.h"
 #include "engine/recording/run_file.h"
 

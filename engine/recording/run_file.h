@@ -17,10 +17,12 @@
 
 #include "engine/base/ids.h"
 #include "engine/base/result.h"
-#include "engine/mapping/map_report.h"
+#include "engine/mapping/event_report.h"
 #include "engine/recording/run_header.h"
 
 namespace plumbline {
+
+struct FrameReport;
 
 /// Writes a run file on a thread of its own, one transaction a frame: whatever ends the program,
 /// every frame counted by num_written() can be read afterwards. Nobody else can write that file
@@ -68,8 +70,8 @@ class RunWriter {
 
 struct RunWriter::Resumed {
   std::unique_ptr<RunWriter> writer;
-  std::optional<FrameReport>
-      last;  ///< The last complete frame: where the mapper goes on. None in an empty run.
+  /// The last complete frame: where the mapper goes on. Null in an empty run.
+  std::shared_ptr<const FrameReport> last;
 };
 
 /// A life event and when it happened.

@@ -6,6 +6,8 @@
 #include <thread>
 #include <utility>
 
+#include "engine/snapshot/map_snapshot.h"
+
 namespace plumbline {
 namespace {
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "engine/base/files.h"
+#include "engine/models/model_database.h"
 #include "engine/pipeline/mapping_pipeline.h"
 #include "engine/sensor/camera.h"
 

@@ -5,9 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include <nlohmann/json.hpp>
+
 #include "engine/base/files.h"
 #include "engine/dataset/json_fields.h"
 #include "engine/geometry/gravity.h"
+#include "engine/mapping/map_report.h"
 
 namespace plumbline {
 namespace {
@@ -123,10 +126,10 @@ void RunSummary::AddTiming(bool skipped, const std::vector<StageTiming>& stages)
 }
 
 Status RunSummary::CheckAnyFrameUsed(const std::string& sequence) const {
-  if (skip_causes_.empty() || skipped_ < frames_) return {};
+  if (skips_.empty() || skipped_ < frames_) return {};
   const auto commonest =
-      std::max_element(skip_causes_.begin(), skip_causes_.end(),
-                       [](const SkipCause& a, const SkipCause& b) { return a.count < b.count; });
+      std::max_element(skips_.begin(), skips_.end(),
+                       [](const Skips& a, const Skips& b) { return a.count < b.count; });
   return Error{ErrorCode::kInvalidInput,
                "none of the " + std::to_string(frames_) + " frames of '" + sequence +
                    "' could be used, " + std::to_string(commonest->count) +
@@ -138,26 +141,25 @@ Status RunSummary::CheckAnyFrameUsed(const std::string& sequence) const {
 void RunSummary::Add(const FrameReport& report) {
   AddTiming(!report.skipped.empty(), report.timings);
   if (!report.skipped.empty()) {
-    // The same of another frame or file.
-    std::string kind = report.skipped;
-    std::erase_if(kind, [](char c) { return c >= '0' && c <= '9'; });
-    auto cause = std::find_if(skip_causes_.begin(), skip_causes_.end(),
-                              [&](const SkipCause& c) { return c.without_digits == kind; });
-    if (cause == skip_causes_.end())
-      cause = skip_causes_.insert(cause, {std::move(kind), report.skipped});
-    ++cause->count;
+    auto same = std::find_if(skips_.begin(), skips_.end(),
+                             [&](const Skips& skips) { return skips.cause == report.skip_cause; });
+    if (same == skips_.end()) same = skips_.insert(same, {report.skip_cause, report.skipped});
+    ++same->count;
     return;
   }
-  objects_ = report.objects;
-  for (ObjectReport& object : objects_) object.particles.reset();
+  std::vector<ObjectReport> objects = report.objects;
+  for (ObjectReport& object : objects) object.particles.reset();
+  objects_ = std::make_shared<const std::vector<ObjectReport>>(std::move(objects));
 }
 
 nlohmann::json RunSummary::ToJson(const RunHeader& header, double seconds) const {
   const UprightFrame upright(header.gravity_in_world);
   nlohmann::json objects = nlohmann::json::array();
-  for (const ObjectReport& object : objects_) {
-    if (object.state != ObjectState::kRetired)
-      objects.push_back(ObjectToJson(object, header, upright));
+  if (objects_ != nullptr) {
+    for (const ObjectReport& object : *objects_) {
+      if (object.state != ObjectState::kRetired)
+        objects.push_back(ObjectToJson(object, header, upright));
+    }
   }
   nlohmann::json timings = nlohmann::json::object();
   for (const auto& [stage, milliseconds] : stages_) timings[stage] = StageToJson(milliseconds);
@@ -178,7 +180,10 @@ Result<nlohmann::json> RunResultJson(RunReader& reader) {
   for (const RunTiming& frame : *timings) summary.AddTiming(frame.skipped, frame.stages);
   Result<std::optional<FrameReport>> last = LastUsedFrame(reader);
   if (!last) return last.error();
-  if (*last) summary.objects_ = std::move((*last)->objects);
+  if (*last) {
+    summary.objects_ =
+        std::make_shared<const std::vector<ObjectReport>>(std::move((*last)->objects));
+  }
   return summary.ToJson(reader.header(), timings->empty() ? 0.0 : timings->back().elapsed_s);
 }
 

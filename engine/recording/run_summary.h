@@ -2,19 +2,23 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "engine/base/result.h"
 #include "engine/evaluation/map_evaluation.h"
-#include "engine/mapping/map_report.h"
+#include "engine/mapping/event_report.h"
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_header.h"
 
 namespace plumbline {
+
+struct FrameReport;
+struct ObjectReport;
 
 /// The outcome of a run: what `plumbline run --json` and `export --format json` write. Fill it
 /// frame by frame while the run goes on, or from its file.
@@ -36,8 +40,9 @@ class RunSummary {
   Status CheckAnyFrameUsed(const std::string& sequence) const;
 
  private:
-  struct SkipCause {
-    std::string without_digits, first_text;
+  struct Skips {
+    SkipCause cause = SkipCause::kUnknown;
+    std::string first_text;
     int count = 0;
   };
 
@@ -47,10 +52,10 @@ class RunSummary {
   int frames_ = 0;
   int skipped_ = 0;
   std::vector<std::pair<std::string, std::vector<double>>>
-      stages_;  ///< In order of first appearance [ms].
-  std::vector<SkipCause> skip_causes_;
-  std::vector<ObjectReport>
-      objects_;  ///< Of the last frame that was not skipped; without particles.
+      stages_;                ///< In order of first appearance [ms].
+  std::vector<Skips> skips_;  ///< By cause, in order of first appearance.
+  /// Of the last frame that was not skipped, without particles; null before it.
+  std::shared_ptr<const std::vector<ObjectReport>> objects_;
 };
 
 /// The same from a run file. Errors: kCorrupt.

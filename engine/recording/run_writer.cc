@@ -321,7 +321,7 @@ namespace {
 /// A run as it is found, up to its last complete frame.
 struct Found {
   RunHeader header;
-  std::optional<FrameReport> last;
+  std::shared_ptr<const FrameReport> last;
   int num_frames = 0;
   double elapsed_s = 0;
 };
@@ -339,7 +339,7 @@ Result<Found> FindEnd(const std::filesystem::path& file, const RunHeader& header
   for (found.num_frames = *stored; found.num_frames > 0; --found.num_frames) {
     Result<FrameReport> last = (*reader)->ReadFrame(found.num_frames - 1);
     if (!last) continue;
-    found.last = std::move(*last);
+    found.last = std::make_shared<const FrameReport>(std::move(*last));
     break;
   }
   const Result<std::vector<RunTiming>> timings = (*reader)->Timings(found.num_frames - 1);

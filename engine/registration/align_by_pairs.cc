@@ -3,9 +3,10 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include "engine/geometry/gravity.h"
+#include "engine/geometry/symmetric_matrix.h"
 #include "engine/registration/sequence_frames.h"
 
 namespace plumbline {
@@ -40,7 +41,7 @@ class PairProblem {
         normal += weight * across;
         right += weight * across * (pairs_[i].in_scan - origin);
       }
-      fit.scan_from_world.translation() = normal.ldlt().solve(right);
+      fit.scan_from_world.translation() = SolveSymmetric(normal, right);
       for (std::size_t i = 0; i < pairs_.size(); ++i) {
         depths[i] = std::max(std::abs(Depth(fit.scan_from_world, i)), kLeastDepth_m);
       }
@@ -132,7 +133,7 @@ PairProblem::Fit BestAzimuth(const PairProblem& problem) {
 /// By central differences about the middle of the points in the scan.
 Eigen::Matrix4d InformationOf(const PairProblem& problem, const Isometry3d& pose,
                               const Vector3d& middle, const Vector3d& up) {
-  Eigen::MatrixXd jacobian(problem.Residuals(pose).size(), 4);
+  Eigen::Matrix<double, Eigen::Dynamic, 4> jacobian(problem.Residuals(pose).size(), 4);
   constexpr double kStep = 1e-6;
   for (int k = 0; k < 4; ++k) {
     const auto moved = [&](double by) {
@@ -168,9 +169,8 @@ Result<SequenceAlignment> AlignByPairs(const std::vector<PickedPair>& pairs,
   for (const PickedPair& pair : pairs) middle += pair.in_scan / static_cast<double>(pairs.size());
   const Eigen::Matrix4d information =
       InformationOf(problem, best.scan_from_world, middle, -gravity.in_scan);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(information);
   // A metre or a third of a turn that costs nothing.
-  if (!(solver.eigenvalues()[0] > 1)) return unseen;
+  if (!(EigenOf(information).values[0] > 1)) return unseen;
   const int redundant = problem.num_equations() - 4;
   const double scale = redundant > 0 ? std::max(1.0, best.cost / redundant) : 1;
   const Eigen::Matrix4d covariance = scale * information.inverse();

@@ -7,7 +7,7 @@
 #include <map>
 #include <optional>
 
-#include <Eigen/Dense>
+#include <Eigen/SVD>
 
 #include "engine/base/check.h"
 #include "engine/geometry/gravity.h"
@@ -139,10 +139,9 @@ Status ConstrainedPose::FitPoints(std::span<const PointPair> pairs) {
   return {};
 }
 
-Eigen::Matrix<double, 6, Eigen::Dynamic> ConstrainedPose::FreeDirections() const {
+Subspace ConstrainedPose::FreeDirections() const {
   const int count = DegreesOfFreedom(motion_);
-  Eigen::Matrix<double, 6, Eigen::Dynamic> free(6, count);
-  free.setZero();
+  Eigen::MatrixXd free = Eigen::MatrixXd::Zero(6, count);
   switch (motion_) {
     case FreeMotion::kRigid:
       free.setIdentity();
@@ -158,7 +157,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> ConstrainedPose::FreeDirections() const
       break;
   }
   if (motion_ != FreeMotion::kRigid) free.col(count - 1).tail<3>() = up_;
-  return free;
+  return Subspace(std::move(free));
 }
 
 double ConstrainedPose::StepPlanes(std::span<const PointPair> pairs) {
@@ -171,12 +170,12 @@ double ConstrainedPose::StepPlanes(std::span<const PointPair> pairs) {
     information.noalias() += pair.weight * row * row.transpose();
     gradient += pair.weight * residual * row;
   }
-  const auto free = FreeDirections();
-  Eigen::MatrixXd reduced = free.transpose() * information * free;
+  const Subspace free = FreeDirections();
+  Eigen::MatrixXd reduced = free.RestrictForm(information);
   // What the surface does not show (sliding along a lone table top) stays put.
   reduced.diagonal().array() += 1e-9 * reduced.trace() + 1e-12;
-  const Eigen::VectorXd step = -reduced.ldlt().solve(free.transpose() * gradient);
-  const Eigen::Matrix<double, 6, 1> full = free * step;
+  const Eigen::VectorXd step = -SolveSymmetric(reduced, free.RestrictGradient(gradient));
+  const Eigen::VectorXd full = free.ExpandStep(step);
   scan_from_model_.translation() += full.head<3>();
   const Eigen::Vector3d turn = full.tail<3>();
   if (motion_ == FreeMotion::kRigid) {
@@ -199,14 +198,12 @@ PoseCovariance ConstrainedPose::PlaneCovariance(std::span<const PointPair> pairs
     const Eigen::Matrix<double, 6, 1> row = Row(pair, scan_from_model_);
     information.noalias() += pair.weight * row * row.transpose();
   }
-  const auto free = FreeDirections();
+  const Subspace free = FreeDirections();
   // Exact data still has the resolution of its numbers.
   const double variance = std::max(sigma_m * sigma_m, 1e-14);
-  const Eigen::MatrixXd reduced = free.transpose() * information * free / variance;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(reduced);
-  const Eigen::VectorXd variances = eigen.eigenvalues().cwiseMax(kUnseenInformation).cwiseInverse();
-  return free * eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose() *
-         free.transpose();
+  const auto [values, vectors] = EigenOf(free.RestrictForm(information) / variance);
+  const Eigen::VectorXd variances = values.cwiseMax(kUnseenInformation).cwiseInverse();
+  return free.ExpandCovariance(Subspace(vectors).ExpandCovariance(variances.asDiagonal()));
 }
 
 double ConstrainedPose::DesignEffect(std::span<const PointPair> pairs, double patch_m) const {
@@ -224,14 +221,13 @@ double ConstrainedPose::DesignEffect(std::span<const PointPair> pairs, double pa
     apart.noalias() += pull * pull.transpose();
   }
   for (const auto& [cell, pull] : patches) together.noalias() += pull * pull.transpose();
-  const auto free = FreeDirections();
-  const Eigen::MatrixXd reduced = free.transpose() * information * free;
-  const Eigen::LDLT<Eigen::MatrixXd> solver(reduced);
-  const auto variance = [&](const Normal& scatter) {
-    return solver.solve(Eigen::MatrixXd(free.transpose() * scatter * free)).trace();
+  const Subspace free = FreeDirections();
+  const Eigen::MatrixXd inverse = InverseOfSymmetric(free.RestrictForm(information));
+  const auto variance = [&](const Normal& scatter) {  // The trace of their product.
+    return inverse.cwiseProduct(free.RestrictForm(scatter)).sum();
   };
   const double single = variance(apart);
-  if (solver.info() != Eigen::Success || !(single > 0)) return 1;
+  if (!(single > 0)) return 1;
   const double effect = variance(together) / single;
   return std::isfinite(effect) ? std::max(1.0, effect) : 1;
 }

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/base/result.h"
+#include "engine/geometry/symmetric_matrix.h"
 
 namespace plumbline {
 
@@ -84,8 +85,9 @@ class ConstrainedPose {
  private:
   using Normal = Eigen::Matrix<double, 6, 6>;
 
-  /// Columns: what a change of each free parameter does to (translation, rotation vector).
-  Eigen::Matrix<double, 6, Eigen::Dynamic> FreeDirections() const;
+  /// What a change of each free parameter does to (translation, rotation vector); the angle is
+  /// last.
+  Subspace FreeDirections() const;
   void SetAngle(double angle_rad);
 
   Eigen::Isometry3d scan_from_model_;

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <deque>
 
-#include <Eigen/Eigenvalues>
-
 #include "engine/base/random.h"
 #include "engine/geometry/gravity.h"
+#include "engine/geometry/symmetric_matrix.h"
 
 namespace plumbline {
 namespace {
@@ -53,12 +52,11 @@ std::optional<PlaneFit> Refit(const OrientedPoints& points, const std::vector<in
   }
   if (!(weights > 3)) return std::nullopt;
   mean /= weights;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
-      Eigen::Matrix3d(moments / weights - mean * mean.transpose()));
-  const double middle = eigen.eigenvalues()[1];
+  const auto [values, vectors] = EigenOf(moments / weights - mean * mean.transpose());
+  const double middle = values[1];
   if (!(middle > 1e-10)) return std::nullopt;  // all on one line
   PlaneFit fit;
-  fit.plane.normal = eigen.eigenvectors().col(0);
+  fit.plane.normal = vectors.col(0);
   if (fit.plane.normal.dot(plane.normal) < 0) fit.plane.normal = -fit.plane.normal;
   fit.plane.offset = -fit.plane.normal.dot(mean + origin);
   fit.rmse_m = std::sqrt(squares / weights);

@@ -5,6 +5,7 @@
 
 #include "engine/analysis/frame_difference.h"
 #include "engine/analysis/run_difference.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {

@@ -8,9 +8,11 @@
 #include "engine/base/queue.h"
 #include "engine/recording/run_header.h"
 #include "engine/snapshot/comparison_view.h"
-#include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/playback_view.h"
 
 namespace plumbline {
+
+struct MapSnapshot;
 
 /// What is compared: what two processes have published.
 struct ComparedRun {

@@ -6,6 +6,7 @@
 #include "engine/analysis/label_history.h"
 #include "engine/analysis/reliability.h"
 #include "engine/mapping/particle_rank.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 

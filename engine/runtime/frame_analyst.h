@@ -6,10 +6,13 @@
 
 #include "engine/analysis/relations.h"
 #include "engine/snapshot/commands.h"
-#include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/frame_analysis.h"
 #include "engine/snapshot/object_history.h"
+#include "engine/snapshot/run_history.h"
 
 namespace plumbline {
+
+struct MapSnapshot;
 
 /// Works out what is watched of a run, so that the window does not have to. Use it in one thread.
 class FrameAnalyst {

@@ -8,6 +8,7 @@
 
 #include "engine/base/log.h"
 #include "engine/base/overloaded.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 

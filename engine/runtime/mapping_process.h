@@ -13,7 +13,7 @@
 #include "engine/runtime/frame_analyst.h"
 #include "engine/runtime/snapshot_source.h"
 #include "engine/snapshot/commands.h"
-#include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/playback_view.h"
 
 namespace plumbline {
 

@@ -12,9 +12,11 @@
 #include "engine/analysis/sequence_view.h"
 #include "engine/pipeline/frame_pictures.h"
 #include "engine/pipeline/hypothesis_probe.h"
+#include "engine/pipeline/mapping_pipeline.h"
 #include "engine/recording/option_history.h"
 #include "engine/recording/run_file.h"
-#include "engine/runtime/snapshot_memory.h"
+#include "engine/runtime/past_frame.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {
@@ -132,11 +134,7 @@ class MappingSource : public SnapshotSource {
       if (!reader.ok()) return reader.error();
       reader_ = std::move(reader).value();
     }
-    Result<FrameReport> report = reader_->ReadFrame(position);
-    if (!report.ok()) return report.error();
-    std::shared_ptr<const MapSnapshot> snapshot = pictures_->Make(std::move(report).value());
-    memory_.Put(position, snapshot);
-    return snapshot;
+    return PastFrame(position, *reader_, *pictures_, memory_);
   }
 
  private:

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "engine/base/progress.h"
-#include "engine/pipeline/mapping_pipeline.h"
+#include "engine/pipeline/run_recipe.h"
 #include "engine/runtime/snapshot_source.h"
 
 namespace plumbline {

@@ -12,7 +12,8 @@
 #include "engine/pipeline/hypothesis_probe.h"
 #include "engine/recording/option_history.h"
 #include "engine/recording/run_file.h"
-#include "engine/runtime/snapshot_memory.h"
+#include "engine/runtime/past_frame.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {
@@ -76,16 +77,7 @@ class RunSource : public SnapshotSource {
   }
 
   Result<std::shared_ptr<const MapSnapshot>> Past(int position, std::stop_token) override {
-    if (auto known = memory_.Get(position)) return known;
-    Result<FrameReport> report = reader_->ReadFrame(position);
-    if (!report.ok()) return report.error();
-    const std::shared_ptr<MapSnapshot> snapshot = pictures_->Make(std::move(report).value());
-    if (snapshot->image.empty()) {
-      if (auto thumbnail = reader_->ReadThumbnail(position); thumbnail.ok())
-        snapshot->image = *thumbnail;
-    }
-    memory_.Put(position, snapshot);
-    return std::shared_ptr<const MapSnapshot>(snapshot);
+    return PastFrame(position, *reader_, *pictures_, memory_);
   }
 
  private:

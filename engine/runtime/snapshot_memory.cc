@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "engine/snapshot/map_snapshot.h"
+
 namespace plumbline {
 
 std::size_t BytesOf(const MapSnapshot& snapshot) {

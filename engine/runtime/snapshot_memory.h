@@ -6,9 +6,9 @@
 #include <memory>
 #include <unordered_map>
 
-#include "engine/snapshot/map_snapshot.h"
-
 namespace plumbline {
+
+struct MapSnapshot;
 
 /// The snapshots that were used last, within a budget of bytes, by position.
 class SnapshotMemory {

@@ -10,10 +10,13 @@
 #include "engine/mapping/mapper_options.h"
 #include "engine/recording/run_header.h"
 #include "engine/snapshot/commands.h"
-#include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/playback_view.h"
 #include "engine/snapshot/probe_view.h"
+#include "engine/snapshot/sequence_view.h"
 
 namespace plumbline {
+
+struct MapSnapshot;
 
 /// Where the frames of the window come from: a mapper at work on a sequence, or a run file.
 /// Positions count the frames that are mapped, from 0; a run may leave out frames of its sequence.
@@ -42,13 +45,7 @@ class SnapshotSource {
   /// Of the frames that are mapped, as far as it is known yet.
   virtual const RunHistory& history() const = 0;
   /// Answers about a frame that this source gave.
-  virtual ProbeView Probe(const MapSnapshot& snapshot, const ProbeCommand& request) {
-    ProbeView nothing;
-    nothing.frame = snapshot.report.frame;
-    nothing.object = request.object;
-    nothing.message = "This source cannot score hypotheses again.";
-    return nothing;
-  }
+  virtual ProbeView Probe(const MapSnapshot& snapshot, const ProbeCommand& request);
   /// The options of the frame that is mapped next; of a recorded run, of its last one.
   virtual MapperOptions options() const { return {}; }
   /// The options that a frame was mapped with.

@@ -115,6 +115,7 @@ AnnotationSnapshot AnnotationSession::Snapshot() const {
   snapshot.floor_known = document.floor_in_scan.has_value();
   snapshot.gravity_known = view_.gravity_known || snapshot.floor_known;
   snapshot.instances = document.instances;
+  snapshot.num_fragments = document.NumFragments();
   if (snapshot.Selected() == nullptr) snapshot.selected.clear();
   return snapshot;
 }

@@ -9,6 +9,18 @@
 #include "engine/session/run_drafts.h"
 
 namespace plumbline {
+namespace {
+
+/// VISMA alone has fragments.
+std::string WhatWasExported(const AnnotationDocument& document, const ExportRequest& request) {
+  std::string what = std::to_string(document.instances.size()) + " objects";
+  const int fragments = document.NumFragments();
+  if (request.format == "visma" && fragments > 0)
+    what += " and " + std::to_string(fragments) + " fragments";
+  return what + " written to " + request.out.string();
+}
+
+}  // namespace
 
 void AnnotationSession::On(const SelectInstanceCommand& command) {
   if (view_.refinement && view_.refinement->instance != command.id) DropProposals();
@@ -104,7 +116,7 @@ void AnnotationSession::On(const ExportCommand& command) {
     Refuse(why);
   };
   if (document.instances.empty() && document.crops.empty()) {
-    return refuse("There is nothing to export yet: place an object first.");
+    return refuse("There is nothing to export yet: place an object or cut one out.");
   }
   ExportRequest request{command.format, command.out,
                         command.frame == "level"   ? PoseFrame::kLevel
@@ -123,8 +135,7 @@ void AnnotationSession::On(const ExportCommand& command) {
          const Status written = ExportAnnotation(document, inputs, scan, request, work);
          ExportView view{false, "", ""};
          if (written.ok()) {
-           view.done = std::to_string(document.instances.size()) + " objects written to " +
-                       request.out.string();
+           view.done = WhatWasExported(document, request);
          } else {
            view.problem = written.error().message;
          }

@@ -215,7 +215,8 @@ struct AnnotationSnapshot {
   std::uint64_t models_version = 0;
   std::string models_problem;  ///< Why there are none.
   std::vector<AnnotatedInstance> instances;
-  std::string selected;  ///< Id; "": none.
+  int num_fragments = 0;  ///< Parts of the scan that were cut out for VISMA.
+  std::string selected;   ///< Id; "": none.
 
   std::optional<FloorProposal> floor;
   std::optional<PlacementView> placement;

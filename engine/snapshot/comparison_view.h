@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/snapshot/map_snapshot.h"
-
 namespace plumbline {
+
+struct MapSnapshot;
+struct ObjectReport;
 
 /// An object of one run and what is the same in another; one of them may be missing.
 struct ObjectPair {

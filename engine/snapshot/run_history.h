@@ -12,7 +12,7 @@
 #include <opencv2/core.hpp>
 
 #include "engine/base/ids.h"
-#include "engine/mapping/map_report.h"
+#include "engine/mapping/event_report.h"
 
 namespace plumbline {
 

@@ -31,7 +31,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Isometry3d;
-using nlohmann::json;
 
 /// Instances count as visible in a frame from so many pixels of a 960x500 image on.
 constexpr double kVisiblePixels = 800;
@@ -86,8 +85,8 @@ class FrameRuns {
       runs_.emplace_back(frame, frame);
     }
   }
-  json ToJson(int shortest) const {
-    json list = json::array();
+  nlohmann::json ToJson(int shortest) const {
+    nlohmann::json list = nlohmann::json::array();
     for (const auto& [first, last] : runs_) {
       if (last - first + 1 >= shortest) list.push_back({first, last});
     }
@@ -232,7 +231,7 @@ Status SequenceJob::WriteFrame(int frame, const FramePictures& pictures) {
     if (!written.ok()) return written;
   }
   return WriteJson(folder_ / "proposals" / (name + ".json"),
-                   json::array({ProposalsToJson(image_name, found)}));
+                   nlohmann::json::array({ProposalsToJson(image_name, found)}));
 }
 
 /// Renders one frame while the one before is measured, encoded and written.
@@ -264,7 +263,7 @@ Status SequenceJob::WriteFrames(const WorkContext& context) {
 }
 
 Status SequenceJob::WriteTruth(int frames) {
-  json instances = json::array(), situations = json::array();
+  nlohmann::json instances = nlohmann::json::array(), situations = nlohmann::json::array();
   for (std::size_t i = 0; i < room_.instances.size(); ++i) {
     const RoomInstance& instance = room_.instances[i];
     instances.push_back({{"id", instance.id},
@@ -280,17 +279,17 @@ Status SequenceJob::WriteTruth(int frames) {
                           {"truncated_frames", history_[i].truncated.ToJson(10)}});
   }
   const Eigen::Vector3d up = options_.world_from_room.linear().col(2);
-  json shaken = json::array();
+  nlohmann::json shaken = nlohmann::json::array();
   for (const auto& [first, last] : room_.walk.shaken_frames) {
     if (first < frames) shaken.push_back({first, std::min(last, frames) - 1});
   }
-  json scene = {{"scene", NameOf(options_.scene)},
-                {"seed", options_.seed},
-                {"frames", frames},
-                {"room_size_m", {room_.size.x(), room_.size.y(), room_.size.z()}},
-                {"world_from_room", IsometryToJson(options_.world_from_room)},
-                {"situations", situations},
-                {"shaken_frames", shaken}};
+  nlohmann::json scene = {{"scene", NameOf(options_.scene)},
+                          {"seed", options_.seed},
+                          {"frames", frames},
+                          {"room_size_m", {room_.size.x(), room_.size.y(), room_.size.z()}},
+                          {"world_from_room", IsometryToJson(options_.world_from_room)},
+                          {"situations", situations},
+                          {"shaken_frames", shaken}};
   if (room_.main_instance > 0)
     scene["main_instance"] = room_.instances[static_cast<std::size_t>(room_.main_instance - 1)].id;
   Status status = WriteJson(folder_ / "ground_truth.json",

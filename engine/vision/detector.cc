@@ -20,9 +20,6 @@ class DatasetDetector : public Detector {
     }
     return DetectionsFromProposals(*std::move(proposals).value());
   }
-  std::string Description() const override {
-    return "dataset " + (sequence_->path() / "proposals").string();
-  }
 
  private:
   std::shared_ptr<const Sequence> sequence_;

@@ -34,8 +34,6 @@ class Detector {
   virtual ~Detector() = default;
   /// Errors: kCorrupt, kNotFound for what the frame lacks.
   virtual Result<std::unique_ptr<const FrameDetections>> Detect(const Frame& frame) = 0;
-  /// For the run file: kind, file, content hash.
-  virtual std::string Description() const = 0;
 };
 
 /// How the proposals of a network are chosen. Top-down scores do not depend on it.

@@ -21,9 +21,6 @@ class DatasetEdges : public EdgeDetector {
     }
     return *std::move(edges).value();
   }
-  std::string Description() const override {
-    return "dataset " + (sequence_->path() / "edges").string();
-  }
 
  private:
   std::shared_ptr<const Sequence> sequence_;

@@ -16,8 +16,6 @@ class EdgeDetector {
  public:
   virtual ~EdgeDetector() = default;
   virtual Result<EdgeMap> Detect(const Frame& frame) = 0;
-  /// For the run file: kind, file, content hash.
-  virtual std::string Description() const = 0;
 };
 
 struct EdgeOptions {

@@ -204,7 +204,6 @@ class GradientEdges : public EdgeDetector {
     edges.angle.setTo(0, edges.probability == 0);
     return edges;
   }
-  std::string Description() const override { return "gradient"; }
 
  private:
   /// 4 %: fainter ones would double the number of pixels and tell nothing.

@@ -36,7 +36,6 @@ class EdgeNetwork : public EdgeDetector {
     if (edges.ok()) NetworkCache::Shared().Put(key, EncodeEdges(*edges));
     return edges;
   }
-  std::string Description() const override { return "edge network " + network_.description; }
 
  private:
   Result<EdgeMap> Compute(const Frame& frame) {

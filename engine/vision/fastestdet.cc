@@ -66,7 +66,6 @@ class FastestDet : public Detector {
     if (!output.ok()) return output.error();
     return DecodeFastestDet(*output, frame.image.size(), network_.sidecar.categories, options_);
   }
-  std::string Description() const override { return "fastestdet " + network_.description; }
 
  private:
   Result<cv::Mat> Output(const cv::Mat& image) {

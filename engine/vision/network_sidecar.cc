@@ -10,9 +10,7 @@
 namespace plumbline {
 namespace {
 
-using nlohmann::json;
-
-std::optional<std::string> ReadKind(const json& sidecar, NetworkKind& kind) {
+std::optional<std::string> ReadKind(const nlohmann::json& sidecar, NetworkKind& kind) {
   const std::string name = TextFromJson(sidecar, "kind").value_or("");
   if (name == "edge") {
     kind = NetworkKind::kEdge;
@@ -26,7 +24,7 @@ std::optional<std::string> ReadKind(const json& sidecar, NetworkKind& kind) {
   return std::nullopt;
 }
 
-std::optional<std::string> ReadInput(const json& sidecar, NetworkSidecar& result) {
+std::optional<std::string> ReadInput(const nlohmann::json& sidecar, NetworkSidecar& result) {
   for (const auto& [key, value] :
        {std::pair{"width", &result.width}, std::pair{"height", &result.height}}) {
     if (!sidecar.contains(key) || !sidecar[key].is_number_integer() || sidecar[key] < 1 ||
@@ -52,25 +50,25 @@ std::optional<std::string> ReadInput(const json& sidecar, NetworkSidecar& result
   return std::nullopt;
 }
 
-std::optional<std::string> ReadCategories(const json& sidecar, NetworkSidecar& result) {
+std::optional<std::string> ReadCategories(const nlohmann::json& sidecar, NetworkSidecar& result) {
   const auto found = sidecar.find("categories");
   if (found == sidecar.end() || !found->is_array() || found->empty()) {
     return "needs the names of its 'categories' (COCO names, in the order of the network)";
   }
-  for (const json& name : *found) {
+  for (const nlohmann::json& name : *found) {
     if (!name.is_string()) return "has a category that is not a text";
     result.categories.push_back(name.get<std::string>());
   }
   return std::nullopt;
 }
 
-std::optional<std::string> ReadCalibration(const json& sidecar, NetworkSidecar& result) {
+std::optional<std::string> ReadCalibration(const nlohmann::json& sidecar, NetworkSidecar& result) {
   const auto found = sidecar.find("calibration");
   if (found == sidecar.end() || found->is_null()) return std::nullopt;
   const std::string wanted =
       "has a 'calibration' that is not a list of [raw, probability], both rising in 0..1";
   if (!found->is_array() || found->size() < 2) return wanted;
-  for (const json& entry : *found) {
+  for (const nlohmann::json& entry : *found) {
     const std::optional<Eigen::VectorXd> pair = VectorFromJson(entry, 2);
     if (!pair || pair->minCoeff() < 0 || pair->maxCoeff() > 1) return wanted;
     const std::pair<float, float> point((*pair)[0], (*pair)[1]);
@@ -87,9 +85,14 @@ std::optional<std::string> ReadCalibration(const json& sidecar, NetworkSidecar& 
 Result<NetworkSidecar> ReadNetworkSidecar(const std::filesystem::path& onnx_file) {
   std::filesystem::path file = onnx_file;
   file.replace_extension(".json");
-  const Result<json> read = ReadJson(file);
+  const Result<nlohmann::json> read = ReadJson(file);
   if (!read.ok()) {
     if (read.error().code != ErrorCode::kNotFound) return read.error();
+    std::error_code ignored;
+    if (!std::filesystem::exists(onnx_file, ignored)) {
+      return Error{ErrorCode::kNotFound,
+                   "there is no network '" + onnx_file.string() + "'; give the path of its file"};
+    }
     return Error{ErrorCode::kNotFound, "the network '" + onnx_file.string() + "' has no sidecar '" +
                                            file.string() +
                                            "' that says how to feed it (docs/formats.md)"};
@@ -97,7 +100,7 @@ Result<NetworkSidecar> ReadNetworkSidecar(const std::filesystem::path& onnx_file
   const auto error = [&](ErrorCode code, const std::string& what) {
     return Error{code, "the network's sidecar '" + file.string() + "' " + what};
   };
-  const json& sidecar = read.value();
+  const nlohmann::json& sidecar = read.value();
   if (!sidecar.is_object()) return error(ErrorCode::kInvalidInput, "must hold a JSON object");
   NetworkSidecar result;
   if (const auto problem = ReadKind(sidecar, result.kind))
@@ -130,10 +133,8 @@ Result<Network> LoadNetwork(const std::filesystem::path& onnx_file, NetworkKind 
   const Result<std::string> sidecar_hash =
       HashFile(std::filesystem::path(onnx_file).replace_extension(".json"));
   if (!sidecar_hash.ok()) return sidecar_hash.error();
-  Network network{{},
-                  std::move(sidecar).value(),
-                  onnx_file.string() + " " + HashHex(bytes.value()),
-                  HashHex(bytes.value()) + *sidecar_hash};
+  Network network{
+      {}, std::move(sidecar).value(), onnx_file, HashHex(bytes.value()) + *sidecar_hash};
   try {
     network.net = cv::dnn::readNetFromONNX(bytes.value().data(), bytes.value().size());
     network.net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
@@ -162,8 +163,8 @@ Result<cv::Mat> RunNetwork(Network& network, const cv::Mat& image) {
         cv::dnn::blobFromImage(image, s.scale, {s.width, s.height}, s.mean, s.swap_rb, false));
     return network.net.forward();
   } catch (const std::exception& exception) {
-    return Error{ErrorCode::kCorrupt,
-                 "the network '" + network.description + "' fails to run: " + exception.what()};
+    return Error{ErrorCode::kCorrupt, "the network '" + network.onnx_file.string() +
+                                          "' fails to run: " + exception.what()};
   }
 }
 

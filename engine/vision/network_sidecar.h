@@ -27,15 +27,15 @@ struct NetworkSidecar {
   std::vector<std::pair<float, float>> calibration;
 };
 
-/// Errors: kNotFound (no sidecar), kCorrupt, kInvalidInput (a key missing or senseless),
-/// kUnsupported (unknown kind).
+/// Errors: kNotFound (no network, no sidecar), kCorrupt, kInvalidInput (a key missing or
+/// senseless), kUnsupported (unknown kind).
 Result<NetworkSidecar> ReadNetworkSidecar(const std::filesystem::path& onnx_file);
 
 /// A network ready to run on the CPU, and what its sidecar says.
 struct Network {
   cv::dnn::Net net;
   NetworkSidecar sidecar;
-  std::string description;   ///< File and content hash, for people.
+  std::filesystem::path onnx_file;
   std::string content_hash;  ///< Of network and sidecar.
 };
 

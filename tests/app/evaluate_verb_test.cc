@@ -11,6 +11,7 @@
 
 #include "engine/base/check.h"
 #include "engine/base/files.h"
+#include "engine/mapping/map_report.h"
 #include "engine/models/mesh_file.h"
 #include "engine/recording/run_file.h"
 #include "tests/support/test_data.h"

@@ -12,6 +12,7 @@
 
 #include "engine/annotation/annotation_project.h"
 #include "engine/base/files.h"
+#include "engine/mapping/map_report.h"
 #include "engine/models/mesh_file.h"
 #include "engine/recording/run_file.h"
 #include "tests/support/furniture_models.h"

@@ -13,6 +13,7 @@
 #include "engine/analysis/history.h"
 #include "engine/base/random.h"
 #include "engine/geometry/gravity.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {

@@ -12,6 +12,7 @@
 #include "engine/base/files.h"
 #include "engine/evaluation/pose_error.h"
 #include "engine/pipeline/mapping_pipeline.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "engine/synthetic/sequence_writer.h"
 
 namespace plumbline {

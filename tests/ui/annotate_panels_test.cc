@@ -320,6 +320,29 @@ TEST(AnnotateFloorPanel, FindsPicksAndTypes) {
   EXPECT_TRUE(harness.sink.commands.empty()) << "not before the scan is prepared";
 }
 
+/// The bar over the workspace, as if it were a panel.
+class ProjectBar : public Panel {
+ public:
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    const ImVec2 low = ImGui::GetCursorScreenPos();
+    DrawProjectBar(context, {low, {low.x + 1060, low.y + 40}}, sink);
+  }
+};
+
+TEST(AnnotateProjectBar, ExportsFragmentsWithoutObjectsButNotNothing) {
+  AnnotateHarness harness;
+  harness.size = {1100, 420};
+  ProjectBar bar;
+  harness.snapshot().project_file = "made_up.json";
+  harness.snapshot().instances.clear();
+  harness.Click(bar, "project.export");
+  EXPECT_EQ(harness.widgets.Find("export.write"), nullptr);
+  harness.Point(bar, "project.export");
+  harness.snapshot().num_fragments = 1;
+  harness.Click(bar, "project.export");
+  EXPECT_NE(harness.widgets.Find("export.write"), nullptr);
+}
+
 TEST(AnnotateFloorPanel, ShowsAProposalWithItsNumbersAndTakesIt) {
   AnnotateHarness harness;
   const auto panel = MakeAnnotatePanel("annotate_floor");

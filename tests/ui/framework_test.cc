@@ -9,6 +9,7 @@
 #include "ui/framework/layout.h"
 #include "ui/framework/pictures.h"
 #include "ui/framework/theme.h"
+#include "ui/framework/widgets.h"
 
 namespace plumbline {
 namespace {
@@ -69,6 +70,26 @@ TEST(Theme, GivesNeighbouringObjectsDifferentColours) {
   for (int id = 1; id <= 8; ++id) colors.insert(ObjectColor({id}));
   EXPECT_EQ(colors.size(), 8u);
   EXPECT_EQ(ObjectColor({3}), ObjectColor({3}));
+}
+
+/// A button whose label says how often it was drawn.
+class CountingButton : public Panel {
+ public:
+  void Draw(const FrameContext& context, CommandSink&) override {
+    const std::string label = "Frame " + std::to_string(++drawn_);
+    clicks += Button(context, "counting", label.c_str(), "");
+  }
+  int clicks = 0;
+
+ private:
+  int drawn_ = 0;
+};
+
+TEST(Button, IsPressedThoughItsLabelChangesUnderTheMouse) {
+  PanelHarness harness;
+  CountingButton panel;
+  harness.Click(panel, "counting");
+  EXPECT_EQ(panel.clicks, 1);
 }
 
 TEST(Layout, FillsTheWindowWithoutOverlap) {

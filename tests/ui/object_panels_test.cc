@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/mapping/particle_rank.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "tests/ui/panel_harness.h"
 #include "ui/inspect/panel_table.h"
 

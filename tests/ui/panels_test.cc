@@ -2,6 +2,7 @@
 // Panels without a display: what they post, what they keep, and that no state of the world upsets
 // them.
 
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/inspect/panel_table.h"
 
 #include <cmath>

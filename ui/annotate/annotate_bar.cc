@@ -126,8 +126,10 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
     sink.Post(RedoCommand{});
   }
   ImGui::SameLine(0, context.Scaled(6));
-  if (BarButton(context, "project.export", "Export", !snapshot.instances.empty(),
-                "Writes the annotations in other formats")) {
+  const bool has_content = !snapshot.instances.empty() || snapshot.num_fragments > 0;
+  if (BarButton(context, "project.export", "Export", has_content,
+                has_content ? "Writes the annotations in other formats"
+                            : "There is nothing to export yet: place an object or cut one out")) {
     ImGui::OpenPopup("project.export");
   }
   ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});

@@ -7,6 +7,7 @@
 #include "ui/annotate/annotate_actions.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_pose.h"
+#include "ui/annotate/proposal_buttons.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
 
@@ -51,15 +52,11 @@ class AnnotateCandidatesPanel : public Panel {
     }
     ImGui::EndChild();
     ImGui::Dummy({0, context.Scaled(2)});
-    ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-    if (Button(context, "proposal.accept", "Place it", "Enter accepts the chosen one too.")) {
+    const ProposalAnswer answer = DrawProposalButtons(
+        context, "Place it", "Enter accepts the chosen one too.", true, "Esc discards it too.");
+    if (answer == ProposalAnswer::kAccept)
       AcceptProposal(context, context.annotate->candidate, sink);
-    }
-    ImGui::PopStyleColor();
-    ImGui::SameLine();
-    if (Button(context, "proposal.cancel", "Discard", "Esc discards it too.")) {
-      sink.Post(CancelProposalCommand{});
-    }
+    if (answer == ProposalAnswer::kDiscard) sink.Post(CancelProposalCommand{});
   }
 
  private:

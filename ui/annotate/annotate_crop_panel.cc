@@ -9,6 +9,7 @@
 #include "ui/annotate/annotate_actions.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_pose.h"
+#include "ui/annotate/proposal_buttons.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
 
@@ -193,21 +194,17 @@ class AnnotateCropPanel : public Panel {
       }
     }
     ImGui::Dummy({0, context.Scaled(6)});
-    ImGui::BeginDisabled(!good);
-    ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-    if (Button(context, "proposal.accept", "Accept", "Enter accepts it too, as one edit.")) {
+    const ProposalAnswer answer =
+        DrawProposalButtons(context, "Accept", "Enter accepts it too, as one edit.", good,
+                            "Forgets the box or the line (Esc).");
+    if (answer == ProposalAnswer::kAccept) {
       sink.Post(AcceptProposalCommand{});
       context.annotate->tool = AnnotateTool::kSelect;
     }
-    ImGui::PopStyleColor();
-    ImGui::EndDisabled();
+    if (answer == ProposalAnswer::kDiscard) DropCut(context, sink);
     ImGui::SameLine();
     if (Button(context, "crop.again", "Again", "The same cut, with the name as it is now.")) {
       ProposeCrop(context, sink);
-    }
-    ImGui::SameLine();
-    if (Button(context, "proposal.cancel", "Back", "Forgets the box or the line (Esc).")) {
-      DropCut(context, sink);
     }
   }
 };

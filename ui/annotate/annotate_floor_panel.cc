@@ -3,6 +3,7 @@
 
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_pose.h"
+#include "ui/annotate/proposal_buttons.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
 
@@ -100,17 +101,14 @@ class AnnotateFloorPanel : public Panel {
       ImGui::EndTable();
     }
     ImGui::Dummy({0, context.Scaled(6)});
-    ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-    if (Button(context, "proposal.accept", "Accept", "Enter accepts it too.")) {
+    const ProposalAnswer answer = DrawProposalButtons(context, "Accept", "Enter accepts it too.",
+                                                      true, "Esc discards it too.");
+    if (answer == ProposalAnswer::kAccept) {
       sink.Post(AcceptProposalCommand{});
       context.annotate->tool = AnnotateTool::kSelect;
       context.annotate->reset = true;
     }
-    ImGui::PopStyleColor();
-    ImGui::SameLine();
-    if (Button(context, "proposal.cancel", "Discard", "Esc discards it too.")) {
-      sink.Post(CancelProposalCommand{});
-    }
+    if (answer == ProposalAnswer::kDiscard) sink.Post(CancelProposalCommand{});
   }
 
   Eigen::Vector3d typed_{0, 0, 1};

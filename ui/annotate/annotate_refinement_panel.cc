@@ -6,6 +6,7 @@
 
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_pose.h"
+#include "ui/annotate/proposal_buttons.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/residual_color.h"
 #include "ui/framework/widgets.h"
@@ -59,15 +60,11 @@ class AnnotateRefinementPanel : public Panel {
     ImGui::Dummy({0, context.Scaled(4)});
     if (!refinement.by_images) DrawLegend(context);
     ImGui::Dummy({0, context.Scaled(6)});
-    ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-    if (Button(context, "proposal.accept", "Accept", "Enter accepts it too, as one edit.")) {
-      sink.Post(AcceptProposalCommand{});
-    }
-    ImGui::PopStyleColor();
-    ImGui::SameLine();
-    if (Button(context, "proposal.cancel", "Back", "Leaves it where it was (Esc).")) {
-      sink.Post(CancelProposalCommand{});
-    }
+    const ProposalAnswer answer =
+        DrawProposalButtons(context, "Accept", "Enter accepts it too, as one edit.", true,
+                            "Leaves it where it was (Esc).");
+    if (answer == ProposalAnswer::kAccept) sink.Post(AcceptProposalCommand{});
+    if (answer == ProposalAnswer::kDiscard) sink.Post(CancelProposalCommand{});
     ImGui::EndChild();
   }
 

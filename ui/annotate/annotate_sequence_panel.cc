@@ -5,6 +5,7 @@
 
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_pose.h"
+#include "ui/annotate/proposal_buttons.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
 
@@ -109,18 +110,14 @@ class AnnotateSequencePanel : public Panel {
     if (good) DrawNumbers(context, proposal);
     if (good) DrawResiduals(context, proposal);
     ImGui::Dummy({0, context.Scaled(6)});
-    ImGui::BeginDisabled(!good);
-    ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-    if (Button(context, "proposal.accept", "Accept", "Enter accepts it too, as one edit.")) {
+    const ProposalAnswer answer =
+        DrawProposalButtons(context, "Accept", "Enter accepts it too, as one edit.", good,
+                            "Leaves it where it was (Esc).");
+    if (answer == ProposalAnswer::kAccept) {
       sink.Post(AcceptProposalCommand{});
       context.annotate->tool = AnnotateTool::kSelect;
     }
-    ImGui::PopStyleColor();
-    ImGui::EndDisabled();
-    ImGui::SameLine();
-    if (Button(context, "proposal.cancel", "Back", "Leaves it where it was (Esc).")) {
-      sink.Post(CancelProposalCommand{});
-    }
+    if (answer == ProposalAnswer::kDiscard) sink.Post(CancelProposalCommand{});
   }
 
   static void DrawNumbers(const FrameContext& context, const SequenceAlignmentView& proposal) {

@@ -16,17 +16,21 @@
 #include "engine/snapshot/commands.h"
 #include "engine/snapshot/comparison_view.h"
 #include "engine/snapshot/fork_view.h"
-#include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/frame_analysis.h"
 #include "engine/snapshot/object_history.h"
+#include "engine/snapshot/playback_view.h"
 #include "engine/snapshot/probe_view.h"
+#include "engine/snapshot/sequence_view.h"
 #include "ui/framework/theme.h"
 
 namespace plumbline {
 
-class SceneSurface;
 class AnnotateSurface;
+class SceneSurface;
 struct AnnotateView;
 struct AnnotationSnapshot;
+struct MapSnapshot;
+struct ObjectReport;
 
 /// Pictures on their way to the screen. The GL implementation is in gl_texture_store.h; tests use a
 /// null one.
@@ -146,18 +150,9 @@ struct FrameContext {
     return shows_other && other != nullptr ? *other->playback : *playback;
   }
   /// Null if nothing is selected or it does not live in this frame.
-  const ObjectReport* SelectedObject() const {
-    if (snapshot == nullptr) return nullptr;
-    for (const ObjectReport& object : snapshot->report.objects) {
-      if (object.id == selection.object) return &object;
-    }
-    return nullptr;
-  }
+  const ObjectReport* SelectedObject() const;
   /// Of the selected object's particles in this frame, the best first; null until it is known.
-  const std::vector<int>* ParticlesByRank() const {
-    return analysis != nullptr && analysis->object == selection.object ? &analysis->by_rank
-                                                                       : nullptr;
-  }
+  const std::vector<int>* ParticlesByRank() const;
   /// Null for a label that the sequence has no model for.
   const ModelView* Model(ModelId id) const {
     if (sequence == nullptr || id.value < 0) return nullptr;

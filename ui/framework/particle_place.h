@@ -7,7 +7,7 @@
 
 #include "engine/geometry/gravity.h"
 #include "engine/mapping/map_report.h"
-#include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/sequence_view.h"
 
 namespace plumbline {
 

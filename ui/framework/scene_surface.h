@@ -11,9 +11,11 @@
 #include <Eigen/Core>
 
 #include "engine/base/ids.h"
-#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
+
+struct MapSnapshot;
+struct SequenceView;
 
 /// What the 3-D view shows.
 struct SceneLayers {

@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "engine/base/ids.h"
-#include "engine/snapshot/map_snapshot.h"
+#include "engine/mapping/event_report.h"
 
 namespace plumbline {
 

@@ -80,7 +80,7 @@ void Tooltip(const FrameContext& context, const std::string& text) {
 
 bool Button(const FrameContext& context, const std::string& name, const char* label,
             const std::string& tooltip) {
-  const bool clicked = ImGui::Button((std::string(label) + "##" + name).c_str());
+  const bool clicked = ImGui::Button((std::string(label) + "###" + name).c_str());
   LogItem(context, name);
   Tooltip(context, tooltip);
   return clicked;

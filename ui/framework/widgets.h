@@ -21,6 +21,7 @@ void LogItem(const FrameContext& context, const std::string& name);
 /// Tooltip of the last item, after a short rest of the mouse.
 void Tooltip(const FrameContext& context, const std::string& text);
 
+/// Known to ImGui by its name: the label may change while the mouse is down on it.
 bool Button(const FrameContext& context, const std::string& name, const char* label,
             const std::string& tooltip);
 bool IconButton(const FrameContext& context, const std::string& name, Icon icon, bool on,

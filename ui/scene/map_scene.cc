@@ -13,6 +13,8 @@
 #include <vtkRenderer.h>
 
 #include "engine/geometry/gravity.h"
+#include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/sequence_view.h"
 #include "ui/scene/scene_actors.h"
 #include "ui/scene/turntable_camera.h"
 #include "ui/scene/vtk_view.h"

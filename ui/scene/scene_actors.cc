@@ -12,6 +12,8 @@
 
 #include "engine/geometry/gravity.h"
 #include "engine/geometry/vertex_clustering.h"
+#include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/sequence_view.h"
 #include "ui/framework/particle_place.h"
 #include "ui/framework/theme.h"
 #include "ui/scene/scan_actor.h"

@@ -15,6 +15,8 @@
 
 namespace plumbline {
 
+struct ObjectReport;
+
 /// The actors of the map: built with the sequence, moved with every snapshot.
 class SceneActors {
  public:

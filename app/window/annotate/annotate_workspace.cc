@@ -15,10 +15,8 @@
 namespace plumbline {
 namespace {
 
-using nlohmann::json;
-
-json MatrixOf(const Eigen::Isometry3d& pose) {
-  json rows = json::array();
+nlohmann::json MatrixOf(const Eigen::Isometry3d& pose) {
+  nlohmann::json rows = nlohmann::json::array();
   for (int row = 0; row < 4; ++row) {
     rows.push_back({pose.matrix()(row, 0), pose.matrix()(row, 1), pose.matrix()(row, 2),
                     pose.matrix()(row, 3)});
@@ -26,7 +24,7 @@ json MatrixOf(const Eigen::Isometry3d& pose) {
   return rows;
 }
 
-json VectorOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+nlohmann::json VectorOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 const char* NameOf(AnnotateTool tool) {
   switch (tool) {
@@ -176,39 +174,39 @@ void AnnotateWorkspace::Handle(const ViewCommand& command, FrameContext&) {
              command);
 }
 
-void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const {
+void AnnotateWorkspace::AddState(const FrameContext& context, nlohmann::json& state) const {
   if (context.annotation == nullptr) return;
   const AnnotationSnapshot& snapshot = *context.annotation;
   using State = AnnotationSnapshot::State;
-  json annotate = {{"state", snapshot.state == State::kReady    ? "ready"
-                             : snapshot.state == State::kFailed ? "failed"
-                                                                : "opening"},
-                   {"busy", snapshot.busy},
-                   {"failure", snapshot.failure},
-                   {"project", snapshot.project_name},
-                   {"modified", snapshot.modified},
-                   {"read_only", snapshot.read_only},
-                   {"notices", snapshot.notices},
-                   {"recovered", snapshot.num_recovered},
-                   {"journal_problem", snapshot.journal_problem},
-                   {"answer", snapshot.answer},
-                   {"undo", snapshot.undo_label.value_or("")},
-                   {"redo", snapshot.redo_label.value_or("")},
-                   {"scan_points", snapshot.scan_points},
-                   {"aligns", snapshot.ready_to_align},
-                   {"models", snapshot.models->size()},
-                   {"floor_known", snapshot.floor_known},
-                   {"level_from_scan", MatrixOf(snapshot.level_from_scan)},
-                   {"selected", snapshot.selected},
-                   {"tool", NameOf(view_.tool)},
-                   {"candidate", view_.candidate},
-                   {"proposal", snapshot.floor                ? "floor"
-                                : snapshot.placement          ? "placement"
-                                : snapshot.refinement         ? "refinement"
-                                : snapshot.sequence_alignment ? "sequence"
-                                : snapshot.crop               ? "crop"
-                                                              : ""},
-                   {"instances", json::array()}};
+  nlohmann::json annotate = {{"state", snapshot.state == State::kReady    ? "ready"
+                                       : snapshot.state == State::kFailed ? "failed"
+                                                                          : "opening"},
+                             {"busy", snapshot.busy},
+                             {"failure", snapshot.failure},
+                             {"project", snapshot.project_name},
+                             {"modified", snapshot.modified},
+                             {"read_only", snapshot.read_only},
+                             {"notices", snapshot.notices},
+                             {"recovered", snapshot.num_recovered},
+                             {"journal_problem", snapshot.journal_problem},
+                             {"answer", snapshot.answer},
+                             {"undo", snapshot.undo_label.value_or("")},
+                             {"redo", snapshot.redo_label.value_or("")},
+                             {"scan_points", snapshot.scan_points},
+                             {"aligns", snapshot.ready_to_align},
+                             {"models", snapshot.models->size()},
+                             {"floor_known", snapshot.floor_known},
+                             {"level_from_scan", MatrixOf(snapshot.level_from_scan)},
+                             {"selected", snapshot.selected},
+                             {"tool", NameOf(view_.tool)},
+                             {"candidate", view_.candidate},
+                             {"proposal", snapshot.floor                ? "floor"
+                                          : snapshot.placement          ? "placement"
+                                          : snapshot.refinement         ? "refinement"
+                                          : snapshot.sequence_alignment ? "sequence"
+                                          : snapshot.crop               ? "crop"
+                                                                        : ""},
+                             {"instances", nlohmann::json::array()}};
   if (scene_ != nullptr) annotate["eye_in_level"] = VectorOf(scene_->Sight(0, 0).eye);
   for (const AnnotatedInstance& instance : snapshot.instances) {
     annotate["instances"].push_back({{"id", instance.id},
@@ -306,15 +304,15 @@ void AnnotateWorkspace::AddState(const FrameContext& context, json& state) const
   state["annotate"] = std::move(annotate);
 }
 
-void AnnotateWorkspace::SaveSettings(const FrameContext&, json& settings) const {
+void AnnotateWorkspace::SaveSettings(const FrameContext&, nlohmann::json& settings) const {
   settings["annotate"] = {{"left", left_},
                           {"right", right_},
                           {"models", models_share_},
                           {"annotator", defaults_.annotator}};
 }
 
-void AnnotateWorkspace::LoadSettings(const json& settings, FrameContext&) {
-  const json own = settings.value("annotate", json::object());
+void AnnotateWorkspace::LoadSettings(const nlohmann::json& settings, FrameContext&) {
+  const nlohmann::json own = settings.value("annotate", nlohmann::json::object());
   left_ = std::clamp(own.value("left", left_), 0.1, 0.4);
   right_ = std::clamp(own.value("right", right_), 0.55, 0.9);
   models_share_ = std::clamp(own.value("models", models_share_), 0.15, 0.85);

@@ -8,6 +8,7 @@
 
 #include "app/window/inspect/inspect_workspace.h"
 #include "engine/geometry/angles.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/inspect_bar.h"
 

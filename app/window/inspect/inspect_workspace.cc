@@ -5,9 +5,9 @@
 #include <string_view>
 #include <utility>
 
-#include "app/window/inspect/bookmarks.h"
 #include "engine/base/overloaded.h"
 #include "engine/runtime/mapping_source.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/scene/map_scene.h"
 
 namespace plumbline {
@@ -24,7 +24,8 @@ InspectWorkspace::InspectWorkspace(InspectOptions options, bool software_gl, Fra
       window_(window),
       wake_(std::move(wake)),
       scene_(CreateMapScene(software_gl)),
-      actions_(InspectActions()) {
+      actions_(InspectActions()),
+      bookmarks_(wake_) {
   for (const PanelEntry& entry : InspectPanels()) {
     owned_.push_back(MakePanel(entry));
     panels_.push_back(owned_.back().get());
@@ -77,7 +78,9 @@ void InspectWorkspace::Open(const std::string& path, std::optional<int> frame,
       options_.layout != nullptr && std::string_view(options_.layout->name) == "through";
   context.source = source_ = path;
   ++context.source_version;
-  context.bookmarks = ReadBookmarks(BookmarkFile(path, options_.settings));
+  context.bookmarks.clear();
+  bookmarks_known_ = bookmarks_changed_ = false;
+  bookmarks_.Read(BookmarkFile(path, options_.settings));
   what_if_->Opened(context);
   process_ = std::make_unique<MappingProcess>(options_.opener(path, models_), frame, wake_);
   context.playback = process_->Playback();
@@ -90,6 +93,7 @@ void InspectWorkspace::Compare(const std::string& run, FrameContext& context) {
 void InspectWorkspace::ReadSlots(FrameContext& context) {
   context.selection.hovered = std::exchange(hovered_now_, -1);
   context.ask_frame = std::exchange(ask_frame_, false);
+  AddBookmarksRead(context);
   if (process_ == nullptr) return;
   AskForWhatIsNeeded(context);
   context.playback = process_->Playback();
@@ -263,17 +267,36 @@ void InspectWorkspace::Present(bool on, FrameContext& context) {
     presenter_.Stop(context, panels_, window_);
 }
 
+void InspectWorkspace::AddBookmarksRead(FrameContext& context) {
+  if (auto read = bookmarks_.TakeRead()) {
+    // Those that were set meanwhile stand.
+    std::erase_if(*read, [&](const Bookmark& old) {
+      return std::any_of(context.bookmarks.begin(), context.bookmarks.end(),
+                         [&](const Bookmark& b) { return b.frame == old.frame; });
+    });
+    context.bookmarks.insert(context.bookmarks.end(), read->begin(), read->end());
+    bookmarks_known_ = true;
+    if (std::exchange(bookmarks_changed_, false)) KeepBookmarks(context);
+  }
+  if (const auto problem = bookmarks_.TakeProblem())
+    window_.Post(NoteCommand{"The bookmarks are not kept: " + problem->message});
+}
+
 void InspectWorkspace::KeepBookmarks(FrameContext& context) {
   std::sort(context.bookmarks.begin(), context.bookmarks.end(),
             [](const Bookmark& a, const Bookmark& b) { return a.frame < b.frame; });
-  const auto file = BookmarkFile(context.source, options_.settings);
-  Status status = file.empty() ? Status() : WriteBookmarks(file, context.bookmarks);
+  if (!bookmarks_known_) {
+    bookmarks_changed_ = true;
+    return;
+  }
+  std::vector<std::filesystem::path> files;
+  if (auto file = BookmarkFile(context.source, options_.settings); !file.empty())
+    files.push_back(std::move(file));
   // They belong to the run that the window is mapping, too, if that is kept.
   const std::string& run = context.playback->recording;
-  if (status.ok() && !run.empty() && run != context.source && !IsTemporaryRun(run))
-    status = WriteBookmarks(BookmarkFile(run, {}), context.bookmarks);
-  if (!status.ok())
-    window_.Post(NoteCommand{"The bookmarks are not kept: " + status.error().message});
+  if (!run.empty() && run != context.source && !IsTemporaryRun(run))
+    files.push_back(BookmarkFile(run, {}));
+  if (!files.empty()) bookmarks_.Write(std::move(files), context.bookmarks);
 }
 
 bool InspectWorkspace::Moves(const FrameContext& context) {

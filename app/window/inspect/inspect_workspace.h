@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/film/render_layout.h"
+#include "app/window/inspect/bookmarks.h"
 #include "app/window/inspect/image_views.h"
 #include "app/window/inspect/presenter.h"
 #include "app/window/inspect/what_if.h"
@@ -84,6 +85,7 @@ class InspectWorkspace : public Workspace {
   void HoverParticle(int particle, FrameContext& context);
   void ShowPanel(const std::string& id);
   void Present(bool on, FrameContext& context);
+  void AddBookmarksRead(FrameContext& context);
   void KeepBookmarks(FrameContext& context);
 
   InspectOptions options_;
@@ -108,7 +110,11 @@ class InspectWorkspace : public Workspace {
   bool auto_select_ = true;  ///< Until the user selects: an object that is in view.
   bool ask_frame_ = false;
 
+  bool bookmarks_known_ = false;    ///< Those of what is open were read.
+  bool bookmarks_changed_ = false;  ///< Before they were: they are written then.
+
   // Last: their threads wake the window.
+  BookmarkKeeper bookmarks_;
   std::unique_ptr<WhatIf> what_if_;
   std::unique_ptr<MappingProcess> process_;
 };

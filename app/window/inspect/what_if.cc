@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/runtime/mapping_source.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {

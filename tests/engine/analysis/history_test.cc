@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/geometry/angles.h"
+#include "engine/mapping/map_report.h"
 
 namespace plumbline {
 namespace {

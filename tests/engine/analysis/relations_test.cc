@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/analysis/relations.h"
+#include "engine/mapping/map_report.h"
 
 #include <gtest/gtest.h>
 

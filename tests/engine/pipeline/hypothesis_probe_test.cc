@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/random.h"
+#include "engine/snapshot/sequence_view.h"
 #include "engine/vision/edge_detector.h"
 #include "tests/support/furniture_models.h"
 

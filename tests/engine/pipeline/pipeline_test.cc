@@ -6,6 +6,7 @@
 
 #include "engine/mapping/option_changes.h"
 #include "engine/pipeline/mapping_pipeline.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "tests/support/drawn_sequence.h"
 #include "tests/support/report_bytes.h"
 #include "tests/support/test_data.h"

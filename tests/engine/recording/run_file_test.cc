@@ -275,7 +275,7 @@ TEST(RunFile, ResumesBehindTheLastCompleteFrame) {
   header.recipe.sequence = "/elsewhere";
   Result<RunWriter::Resumed> resumed = RunWriter::OpenToResume(file, header);
   ASSERT_TRUE(resumed.ok()) << resumed.error().message;
-  ASSERT_TRUE(resumed->last.has_value());
+  ASSERT_NE(resumed->last, nullptr);
   EXPECT_EQ(Fingerprint(*resumed->last), Fingerprint(RandomFrame(1, 8, 2, 10)));
   EXPECT_EQ(resumed->writer->num_written(), 5);
   EXPECT_FALSE(*OpenRun(file)->Finished());

@@ -8,6 +8,7 @@
 #include "engine/recording/option_history.h"
 #include "engine/runtime/mapping_source.h"
 #include "engine/runtime/run_source.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "tests/support/drawn_sequence.h"
 #include "tests/support/report_bytes.h"
 #include "tests/support/test_data.h"

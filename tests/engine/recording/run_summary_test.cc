@@ -166,6 +166,7 @@ TEST(RunSummary, OfARunWithoutAUsableFrameNamesTheCommonestCause) {
   EXPECT_TRUE(summary.CheckAnyFrameUsed("walk").ok()) << "nothing was left to do";
   FrameReport report;
   for (int frame = 0; frame < 9; ++frame) {
+    report.skip_cause = frame % 3 == 1 ? SkipCause::kImage : SkipCause::kPose;
     report.skipped = frame % 3 == 1 ? "'color/" + std::to_string(frame) + ".jpg' is damaged"
                                     : "frame " + std::to_string(frame) + " has no camera pose";
     summary.Add(report);

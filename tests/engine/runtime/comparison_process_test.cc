@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "engine/snapshot/map_snapshot.h"
 #include "tests/support/fake_source.h"
 
 namespace plumbline {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/snapshot/map_snapshot.h"
 #include "tests/support/fake_source.h"
 
 namespace plumbline {

@@ -15,6 +15,7 @@
 #include "engine/models/model_database.h"
 #include "engine/recording/run_file.h"
 #include "engine/runtime/run_source.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "tests/engine/recording/random_run.h"
 #include "tests/support/test_data.h"
 

@@ -72,7 +72,16 @@ TEST_F(Sidecar, IsRefusedWithTheFileAndTheKey) {
   EXPECT_FALSE(Read("{").ok());
 }
 
+TEST_F(Sidecar, OfANetworkThatIsNotThereIsNotWhatIsMissing) {
+  const Result<NetworkSidecar> sidecar = ReadNetworkSidecar(folder_.path() / "net.onnx");
+  ASSERT_FALSE(sidecar.ok());
+  EXPECT_EQ(sidecar.error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(sidecar.error().message, HasSubstr("there is no network"));
+  EXPECT_THAT(sidecar.error().message, HasSubstr("net.onnx"));
+}
+
 TEST_F(Sidecar, MissingIsSaidSo) {
+  WriteText(folder_.path() / "net.onnx", "any");
   const Result<NetworkSidecar> sidecar = ReadNetworkSidecar(folder_.path() / "net.onnx");
   ASSERT_FALSE(sidecar.ok());
   EXPECT_EQ(sidecar.error().code, ErrorCode::kNotFound);

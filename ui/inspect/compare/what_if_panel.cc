@@ -9,6 +9,7 @@
 
 #include "engine/geometry/angles.h"
 #include "engine/snapshot/comparison_view.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
 

@@ -3,9 +3,9 @@
 
 #include <opencv2/core.hpp>
 
-#include "engine/snapshot/map_snapshot.h"
-
 namespace plumbline {
+
+struct MapSnapshot;
 
 /// Edges against the contours that the mean states make expect, as a picture (CV_8UC3): green edges
 /// that an expected contour explains, grey ones that none does, red contour without an edge nearby.

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/framework/particle_place.h"
 #include "ui/framework/widgets.h"
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "engine/geometry/angles.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <map>
 
-#include <Eigen/Eigenvalues>
-
+#include "engine/geometry/symmetric_matrix.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -27,22 +27,20 @@ Eigen::Vector3d CenterOf(const FrameContext& context, const ObjectReport& object
 /// The outline of the ellipsoid, from the projections of its axes.
 void DrawSpread(const FrameContext& context, const SceneProjection& project,
                 const ObjectReport& object) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
-      Eigen::Matrix3d(object.covariance.topLeftCorner<3, 3>()));
+  const auto [variances, axes] = EigenOf(object.covariance.topLeftCorner<3, 3>());
   const Eigen::Vector3d center = CenterOf(context, object);
   const auto middle = project(center);
   if (!middle) return;
   Eigen::Matrix2d square = Eigen::Matrix2d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
-    const double reach = kChi95 * std::sqrt(std::max(0.0, solver.eigenvalues()[axis]));
-    const auto tip = project(center + reach * solver.eigenvectors().col(axis));
+    const double reach = kChi95 * std::sqrt(std::max(0.0, variances[axis]));
+    const auto tip = project(center + reach * axes.col(axis));
     if (!tip) return;
     const Eigen::Vector2d d(tip->x - middle->x, tip->y - middle->y);
     square += d * d.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> flat(square);
-  const Eigen::Matrix2d shape =
-      flat.eigenvectors() * flat.eigenvalues().cwiseMax(2.0).cwiseSqrt().asDiagonal();
+  const auto [squares, directions] = EigenOf(square);
+  const Eigen::Matrix2d shape = directions * squares.cwiseMax(2.0).cwiseSqrt().asDiagonal();
   std::array<ImVec2, 40> points;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double angle = 2 * 3.14159265358979 * static_cast<double>(i) / points.size();

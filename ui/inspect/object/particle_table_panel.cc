@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "engine/geometry/angles.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
 

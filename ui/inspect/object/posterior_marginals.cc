@@ -7,6 +7,7 @@
 
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
+#include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {

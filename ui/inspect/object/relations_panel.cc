@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/object_relation.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"

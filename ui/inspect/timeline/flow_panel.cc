@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
 

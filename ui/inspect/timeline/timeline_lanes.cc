@@ -22,7 +22,7 @@ std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId 
     }
     ObjectLane& lane = by_id[life.object];
     lane.id = life.object;
-    if (life.kind == EventKind::kSpawned) lane.born = event.frame;
+    if (life.kind == EventKind::kSpawned) lane.spawned = event.frame;
     if (life.kind == EventKind::kConfirmed && lane.confirmed < 0) lane.confirmed = event.frame;
     if (life.kind == EventKind::kRetired || life.kind == EventKind::kMerged)
       lane.ended = event.frame;
@@ -143,7 +143,7 @@ void TimelineLanes::DrawLane(const FrameContext& context, const TimeAxis& axis,
     if (b > a) draw.AddLine({a, y}, {b, y}, WithAlpha(color, alpha), context.Scaled(width));
   };
   if (!all) {
-    line(lane.born, lane.confirmed >= 0 ? std::min(lane.confirmed, end) : end, 2, 0.8);
+    line(lane.spawned, lane.confirmed >= 0 ? std::min(lane.confirmed, end) : end, 2, 0.8);
     if (lane.confirmed >= 0) line(lane.confirmed, end, 7, 0.75);
   }
   for (const FrameEvent* event : lane.events) {

@@ -14,7 +14,7 @@ namespace plumbline {
 /// The life of one object.
 struct ObjectLane {
   ObjectId id;  ///< Not valid: all objects that were never confirmed, together.
-  int born = 0;
+  int spawned = 0;
   int confirmed = -1;  ///< -1: never
   int ended = -1;      ///< -1: lives
   std::string name;    ///< "#3 chair_slat"

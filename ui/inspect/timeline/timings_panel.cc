@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/timeline/timings_plot.h"

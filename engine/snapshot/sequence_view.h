@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What is shown of a sequence and does not change from frame to frame.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "engine/geometry/mesh.h"
+
+namespace plumbline {
+
+/// One shape, as the window needs it.
+struct ModelView {
+  std::string name, category;
+  std::shared_ptr<const TriangleMesh> mesh;
+  Eigen::Vector3d center{0, 0, 0};
+  bool any_azimuth = false;  ///< Looks the same from all sides.
+  int symmetry_order = 1;    ///< Looks the same when turned by 360 degrees / this.
+};
+
+/// What does not change while a sequence plays.
+struct SequenceView {
+  std::string name, path;
+  int num_frames = 0;
+  double rate_hz = 30;
+  int image_width = 0, image_height = 0;
+  double fx = 0, fy = 0, cx = 0, cy = 0;
+  Eigen::Vector3d up_in_world{0, 0, 1};
+  std::optional<double> floor_height_m;           ///< Along up, where a floor is known.
+  std::vector<ModelView> models;                  ///< Index = ModelId.
+  std::vector<Eigen::Isometry3d> world_from_cam;  ///< Of every frame that has a pose, in order.
+  /// The scanned scene made coarse enough to draw, and coarser for machines without a GPU; null
+  /// without one.
+  std::shared_ptr<const TriangleMesh> scan, scan_coarse;
+  struct Truth {
+    std::string id, model;
+    Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
+  };
+  std::vector<Truth> truth;
+};
+
+}  // namespace plumbline
