@@ -1,0 +1,496 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measures the mapper: every figure of README.md and docs/algorithms/semantic_filter.md.
+
+Runs `plumbline run` and `plumbline evaluate` on real and synthetic rooms, over seeds, and writes into one folder
+  tables.md     for each set of rooms: a row for each run, a row for each instance, found or missed
+  results.json  everything that the tables are made of, and more
+  runs/         one JSON for each finished run; a second call skips what is there
+
+Nothing is chosen: all seeds, all instances and all failures are in the tables.
+"""
+import argparse
+import concurrent.futures
+import dataclasses
+import datetime
+import hashlib
+import json
+import math
+import os
+import pathlib
+import shutil
+import statistics
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+# Synthetic rooms. Constants are tuned on the first seeds only and judged on the second.
+TUNING_SEEDS = list(range(1, 11))
+HELD_OUT_SEEDS = list(range(101, 121))
+ROOM_FRAMES = 300
+CLAIMS = ["occlusion", "clutter", "blur", "lowcontrast", "truncation", "duplicate", "variant"]
+CLAIM_SEEDS = list(range(201, 206))
+
+FASTESTDET = "models/fastestdet/FastestDet.onnx"
+TRIAL_EDGES = "models/edge_trial/t0_480x640.onnx"
+
+# One cue off at a time; "as it is" comes first and is what the others are compared with.
+ABLATIONS = {
+    "as it is": [],
+    "no edges": ["beta=0", "evidence_per_edge=0"],
+    "no detector": ["alpha=0", "evidence_per_cnn=0"],
+    "no inner lines": ["inner_lines=0"],
+    "no floor prior": ["floor_prior=false"],
+    "no key frames": ["key_frames=0"],
+    "paper's births": ["prior=paper"],
+}
+
+
+@dataclasses.dataclass
+class RoomSet:
+    """Sequences that are measured alike and share a table."""
+    name: str
+    what: str
+    seeds: list  # of the mapper
+    shown_frames: int  # an instance that shows in fewer frames is listed, but not among those to be found
+    folder: str = ""  # of a real room, in the data folder
+    scene: str = ""  # or of synthetic rooms, filmed when they are needed
+    room_seeds: list = dataclasses.field(default_factory=list)
+    detector: str = "dataset"  # or a network in the data folder
+    edges: str = "gradient"  # dataset, gradient, or a network in the data folder
+    scan: bool = False  # measure surfaces against scene.ply
+    ignored: tuple = ()
+    tuning: bool = False  # measured only when asked for by name
+
+
+def all_sets():
+    sets = [
+        RoomSet("demo", "the built-in demo room: synthetic, seed 1, 120 frames", list(range(10)), 60, scene="room",
+                room_seeds=[1]),
+        RoomSet("office", "a real office that nothing was tuned on, boxes of PicoDet", list(range(10)), 22,
+                folder="data/office", edges=TRIAL_EDGES, scan=True),
+        RoomSet("office-fastestdet", "the same office, boxes of FastestDet", list(range(10)), 22,
+                folder="data/office", detector=FASTESTDET, edges=TRIAL_EDGES, scan=True),
+        RoomSet("kitchen", "a real kitchen, boxes of FastestDet", list(range(10)), 60, folder="data/kitchen",
+                detector=FASTESTDET, edges=TRIAL_EDGES, scan=True, ignored=("container", "game controller")),
+        RoomSet("rooms", "synthetic rooms that nothing was tuned on, edges of the images", list(range(3)), 60,
+                scene="room", room_seeds=HELD_OUT_SEEDS),
+        RoomSet("rooms-given", "the same rooms, edges given", list(range(3)), 60, scene="room",
+                room_seeds=HELD_OUT_SEEDS, edges="dataset"),
+        RoomSet("tuning", "synthetic rooms for tuning, edges of the images", [0], 60, scene="room",
+                room_seeds=TUNING_SEEDS, tuning=True),
+    ]
+    for scene in CLAIMS:
+        sets.append(RoomSet("claim-" + scene, f"synthetic scenes '{scene}', edges of the images", [0], 60, scene=scene,
+                            room_seeds=CLAIM_SEEDS))
+    return sets
+
+
+@dataclasses.dataclass
+class Job:
+    """One run: a sequence, a seed, settings."""
+    set: RoomSet
+    sequence: pathlib.Path
+    room: str
+    seed: int
+    variant: str
+    settings: list
+
+
+class Failure(Exception):
+    pass
+
+
+def integers(text):
+    """'3', '0:5' (5 not included), '1,4,7'."""
+    values = []
+    for part in text.split(","):
+        first, colon, last = part.partition(":")
+        values += range(int(first), int(last)) if colon else [int(first)]
+    return values
+
+
+def last_line(process):
+    lines = [line for line in (process.stderr + "\n" + process.stdout).splitlines() if line.strip()]
+    return lines[-1] if lines else f"ended with {process.returncode} without a word"
+
+
+class Measurement:
+    def __init__(self, arguments):
+        self.arguments = arguments
+        self.data = pathlib.Path(os.environ.get("PLUMBLINE_DATA", ROOT.parent / "shared")).resolve()
+        self.out = pathlib.Path(arguments.out).resolve()
+        cache = pathlib.Path(os.environ.get("XDG_CACHE_HOME", pathlib.Path.home() / ".cache"))
+        self.rooms = cache / "plumbline" / "measure"
+        (self.out / "runs").mkdir(parents=True, exist_ok=True)
+        program = pathlib.Path(os.environ.get("PLUMBLINE", ROOT / "build/bin/plumbline"))
+        if not program.exists():
+            sys.exit(f"measure: there is no {program}; run ./dev build first, or set PLUMBLINE")
+        # A copy, so that the program may be built again meanwhile.
+        self.program_hash = hashlib.sha256(program.read_bytes()).hexdigest()[:12]
+        self.program = self.out / f"plumbline-{self.program_hash}"
+        if not self.program.exists():
+            shutil.copy2(program, self.program)
+
+    def call(self, *words):
+        return subprocess.run([str(self.program), *map(str, words)], capture_output=True, text=True, check=False)
+
+    def film(self, room_set, room_seed, frames):
+        """The folder of a synthetic room; filmed once, whatever the program (delete the cache to film it anew)."""
+        folder = self.rooms / f"{room_set.scene}-{room_seed}-{frames}"
+        done = folder.with_suffix(".complete")
+        if not done.exists():
+            print(f"filming {folder.name}", flush=True)
+            self.rooms.mkdir(parents=True, exist_ok=True)
+            process = self.call("synth", "--out", folder, "--scene", room_set.scene, "--seed", room_seed, "--frames",
+                                frames)
+            if process.returncode != 0:
+                raise Failure(last_line(process))
+            done.write_text("complete\n")
+        return folder
+
+    def jobs_of(self, room_set):
+        """All runs of a set. Raises Failure where its data is absent."""
+        arguments = self.arguments
+        sequences = []
+        if room_set.folder:
+            folder = self.data / room_set.folder
+            if not folder.exists():
+                raise Failure(f"{room_set.folder} is not in the data folder (PLUMBLINE_DATA)")
+            sequences.append((folder, folder.name))
+        for seed in arguments.rooms or room_set.room_seeds if room_set.scene else []:
+            frames = 120 if room_set.name == "demo" else ROOM_FRAMES
+            sequences.append((self.film(room_set, seed, frames), f"{room_set.scene} {seed}"))
+        variants = {"as it is": []}
+        if arguments.ablate is not None:
+            names = [name.strip() for name in arguments.ablate.split(",") if name.strip()] or list(ABLATIONS)
+            variants.update({name: ABLATIONS[name] for name in names})
+        return [Job(room_set, folder, room, seed, variant, arguments.set + settings)
+                for variant, settings in variants.items() for folder, room in sequences
+                for seed in arguments.seeds or room_set.seeds]
+
+    def input_of(self, choice):
+        """A network in the data folder, or the choice itself."""
+        if not choice.endswith(".onnx"):
+            return choice
+        path = pathlib.Path(choice) if pathlib.Path(choice).exists() else self.data / choice
+        if not path.exists():
+            raise Failure(f"{choice} is not in the data folder (PLUMBLINE_DATA)")
+        return path
+
+    def options_of(self, job):
+        words = ["--seed", job.seed, "--detector", self.input_of(self.arguments.detector or job.set.detector),
+                 "--edges", self.input_of(self.arguments.edges or job.set.edges)]
+        if self.arguments.frames:
+            words += ["--frames", self.arguments.frames]
+        for setting in job.settings:
+            words += ["--set", setting]
+        return words
+
+    def run(self, job):
+        """The record of a run, from its file if it is done. A failure is a record too."""
+        words = self.options_of(job)
+        key = json.dumps([job.set.name, job.room, self.program_hash, *map(str, words)])
+        stem = f"{job.set.name}-{job.room.replace(' ', '')}-s{job.seed}-{hashlib.sha256(key.encode()).hexdigest()[:8]}"
+        file = self.out / "runs" / (stem + ".json")
+        if file.exists():
+            record = json.loads(file.read_text())
+            if "failed" not in record:
+                return record
+        record = {"set": job.set.name, "room": job.room, "seed": job.seed, "variant": job.variant,
+                  "settings": job.settings, "program": self.program_hash, "commit": commit(),
+                  "at_once": self.arguments.jobs}
+        run_file = self.out / "runs" / (stem + ".plb")
+        summary_file = self.out / "runs" / (stem + ".run.json")
+        judged_file = self.out / "runs" / (stem + ".evaluation.json")
+        process = self.call("run", job.sequence, "--out", run_file, "--json", summary_file, *words)
+        if process.returncode == 0:
+            judge = ["evaluate", run_file, "--ground-truth", job.sequence / "ground_truth.json", "--models",
+                     job.sequence / "models", "--json", judged_file, "--samples", 100_000]
+            if job.set.scan and (job.sequence / "scene.ply").exists():
+                judge += ["--scene", job.sequence / "scene.ply"]
+            for category in job.set.ignored:
+                judge += ["--ignore-category", category]
+            process = self.call(*judge)
+        if process.returncode != 0:
+            record["failed"] = last_line(process)
+        else:
+            fill(record, job, self.arguments.frames, json.loads(summary_file.read_text()),
+                 json.loads(judged_file.read_text()))
+        for leftover in (summary_file, judged_file) if self.arguments.keep else (summary_file, judged_file, run_file):
+            leftover.unlink(missing_ok=True)
+        file.write_text(json.dumps(record, indent=1))
+        return record
+
+
+def fill(record, job, frames, summary, judged):
+    """Puts into the record what a run found, instance by instance."""
+    shown = shown_frames(job.sequence, frames)
+    confirmed = {str(entry["id"]): entry["confirmed_frame"] for entry in summary["objects"]}
+    instances = []
+    for found in judged["objects"]:
+        instances.append({
+            "id": found["ground_truth"], "found": True, "quality": found["quality"], "object": found["id"],
+            "model": found["model"], "model_right": found["model_correct"],
+            "position_m": found["translation_m"], "rotation_deg": found["rotation_deg"],
+            "turned_round": abs(found["azimuth_deg"] or 0) > 90, "confirmed_frame": confirmed.get(found["id"])})
+    for missed in judged["missed_instances"]:
+        instances.append({"id": missed["ground_truth"], "found": False, "quality": missed["quality"]})
+    for instance in instances:
+        instance["shown_frames"] = shown.get(instance["id"], 0)
+        instance["shows_well"] = instance["shown_frames"] >= job.set.shown_frames
+    record.update(fps=summary["fps"], frames=summary["frames"], skipped=summary["skipped"],
+                  stages_ms={stage: cost["mean"] for stage, cost in summary["timings_ms"].items()},
+                  instances=sorted(instances, key=lambda instance: -instance["shown_frames"]),
+                  spurious=judged["spurious_objects"], surface_mean_m=judged["surface"]["mean_m"],
+                  belief=judged.get("belief") or judged.get("posterior"))
+
+
+def shown_frames(sequence, frames):
+    """In how many of the frames A:B[:S] each instance shows: 2000 pixels of a synthetic one, else as the truth says."""
+    files = sorted(int(image.stem) for image in (sequence / "color").iterdir() if image.stem.isdigit())
+    chosen = set(files[slice(*(int(bound) for bound in frames.split(":")))] if frames else files)
+    shown = {}
+    visibility = sequence / "visibility.csv"
+    if visibility.exists():
+        for line in visibility.read_text().splitlines()[1:]:
+            frame, instance, pixels = line.split(",")
+            shown[instance] = shown.get(instance, 0) + (int(frame) in chosen and int(pixels) >= 2000)
+        return shown
+    for instance in json.loads((sequence / "ground_truth.json").read_text())["instances"]:
+        shown[instance["id"]] = sum(frame in chosen for first, last in instance.get("visible_frames", [])
+                                    for frame in range(first, last + 1))
+    return shown
+
+
+def commit():
+    def git(*words):
+        process = subprocess.run(["git", "-C", ROOT, *words], capture_output=True, text=True, check=False)
+        return process.stdout.strip()
+    return git("rev-parse", "--short", "HEAD") + (" with changes" if git("status", "--porcelain", "-uno") else "")
+
+
+# Student's t at 97.5 %, by degrees of freedom.
+T975 = [math.inf, 12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145,
+        2.131, 2.120, 2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045]
+
+
+def mean_and_half(values):
+    """Mean and half of its 95 % confidence interval (None with fewer than two values)."""
+    if not values:
+        return None, None
+    if len(values) == 1:
+        return values[0], None
+    t = T975[len(values) - 1] if len(values) <= len(T975) else 1.96 + 2.5 / (len(values) - 1)
+    return statistics.fmean(values), t * statistics.stdev(values) / math.sqrt(len(values))
+
+
+def interval(values, format_="{:.2f}"):
+    mean, half = mean_and_half([value for value in values if value is not None])
+    if mean is None:
+        return "-"
+    return format_.format(mean) + ("" if half is None else " ± " + format_.format(half))
+
+
+def figures(record):
+    """One run as numbers; None where there is nothing to average."""
+    instances = record["instances"]
+    well = [i for i in instances if i["shows_well"]]
+    found = [i for i in instances if i["found"]]
+
+    def mean(key, chosen):
+        return statistics.fmean(i[key] for i in chosen) if chosen else None
+    belief = record.get("belief") or {}
+    return {
+        "well": len(well), "found_well": sum(i["found"] for i in well),
+        "right_well": sum(i["found"] and i["model_right"] for i in well),
+        "all": len(instances), "found": len(found), "right": sum(i["model_right"] for i in found),
+        "spurious": len(record["spurious"]), "turned": sum(i["turned_round"] for i in found),
+        "position_cm": 100 * mean("position_m", found) if found else None,
+        "rotation_deg": mean("rotation_deg", found),
+        "in_50": percent(belief.get("truth_in_50_percent")), "in_95": percent(belief.get("truth_in_95_percent")),
+        "fps": record["fps"],
+    }
+
+
+def percent(share):
+    return None if share is None else 100 * share
+
+
+def by_unit(records, key):
+    """Values of independent trials: rooms where there are several (means over their seeds), else seeds."""
+    groups = {}
+    several = len({record["room"] for record in records}) > 1
+    for record in records:
+        groups.setdefault(record["room"] if several else record["seed"], []).append(figures(record)[key])
+    means = {}
+    for unit, values in groups.items():
+        values = [value for value in values if value is not None]
+        means[unit] = statistics.fmean(values) if values else None
+    return means
+
+
+def number(value, format_="{:.2f}"):
+    return "-" if value is None else format_.format(value)
+
+
+def row(*cells):
+    return "| " + " | ".join(str(cell) for cell in cells) + " |"
+
+
+def header(*cells):
+    return [row(*cells), "|" + "---|" * len(cells)]
+
+
+def run_table(records):
+    lines = header("room", "seed", "found of those that show well", "right model", "found of all", "spurious",
+                   "turned round", "position [cm]", "rotation [deg]", "in 50 % [%]", "in 95 % [%]", "frames/s")
+    for record in records:
+        f = figures(record)
+        lines.append(row(record["room"], record["seed"], f"{f['found_well']} of {f['well']}", f["right_well"],
+                         f"{f['found']} of {f['all']}", f["spurious"], f["turned"], number(f["position_cm"]),
+                         number(f["rotation_deg"]), number(f["in_50"], "{:.0f}"), number(f["in_95"], "{:.0f}"),
+                         number(f["fps"], "{:.1f}")))
+
+    def over(key, format_="{:.2f}"):
+        return interval(by_unit(records, key).values(), format_)
+    lines.append(row("**mean**", "", f"{over('found_well')} of {over('well')}", over("right_well"),
+                     f"{over('found')} of {over('all')}", over("spurious"), over("turned"), over("position_cm"),
+                     over("rotation_deg"), over("in_50", "{:.0f}"), over("in_95", "{:.0f}"), over("fps", "{:.1f}")))
+    return lines
+
+
+def instance_table(records):
+    lines = header("room", "instance", "shows in frames", "found", "missed", "right model", "turned round",
+                   "position [cm]", "rotation [deg]", "confirmed at frame")
+    of_instance = {}
+    for record in records:
+        for instance in record["instances"]:
+            of_instance.setdefault((record["room"], instance["id"]), []).append(instance)
+    for (room, name), trials in of_instance.items():
+        found = [trial for trial in trials if trial["found"]]
+        confirmed = sorted(trial["confirmed_frame"] for trial in found if trial["confirmed_frame"] is not None)
+        lines.append(row(
+            room, name + ("" if trials[0]["quality"] == "fine" else " (coarse)"), trials[0]["shown_frames"],
+            f"{len(found)} of {len(trials)}", len(trials) - len(found) or "", sum(t["model_right"] for t in found),
+            sum(t["turned_round"] for t in found) or "", interval([100 * t["position_m"] for t in found], "{:.1f}"),
+            interval([t["rotation_deg"] for t in found], "{:.1f}"),
+            f"{confirmed[0]} to {confirmed[-1]}" if confirmed else "-"))
+    return lines
+
+
+def ablation_table(variants):
+    """Every variant against the first, paired: the same rooms and seeds."""
+    lines = header("", "found of those that show well", "difference", "spurious", "difference", "position [cm]",
+                   "difference", "rotation [deg]", "difference")
+    first = next(iter(variants.values()))
+    for name, records in variants.items():
+        cells = [name]
+        for key in ("found_well", "spurious", "position_cm", "rotation_deg"):
+            values, reference = by_unit(records, key), by_unit(first, key)
+            pairs = [values[unit] - reference[unit] for unit in values
+                     if values[unit] is not None and reference.get(unit) is not None]
+            cells += [interval(values.values()), "" if records is first else interval(pairs, "{:+.2f}")]
+        lines.append(row(*cells))
+    return lines
+
+
+def tables(measurement, results):
+    arguments = measurement.arguments
+    lines = ["# Measured", "",
+             f"Commit {commit()}, program {measurement.program_hash}, {datetime.date.today().isoformat()}; "
+             f"{arguments.jobs} run(s) at once on {os.cpu_count()} cores.",
+             "Command: `scripts/measure.sh " + " ".join(sys.argv[1:]) + "`.",
+             f"Synthetic rooms for tuning: seeds {TUNING_SEEDS[0]} to {TUNING_SEEDS[-1]}; held out: "
+             f"{HELD_OUT_SEEDS[0]} to {HELD_OUT_SEEDS[-1]}.",
+             "± is half of the 95 % confidence interval (Student's t), over rooms where there are several and over "
+             "seeds otherwise. Means are over all found instances, turned round or not.", ""]
+    for room_set, outcome in results:
+        lines += [f"## {room_set.name}", "", f"{room_set.what}; detector `{arguments.detector or room_set.detector}`, "
+                  f"edges `{arguments.edges or room_set.edges}`" +
+                  (f", frames {arguments.frames}" if arguments.frames else "") +
+                  "".join(f", `--set {setting}`" for setting in arguments.set) +
+                  (f"; ignored: {', '.join(room_set.ignored)}" if room_set.ignored else "") +
+                  f". *Shows well*: in at least {room_set.shown_frames} frames.", ""]
+        if isinstance(outcome, str):
+            lines += [f"**Skipped**: {outcome}.", ""]
+            continue
+        variants = {}
+        for record in outcome:
+            if "failed" in record:
+                lines += [f"**Failed**: {record['variant']}, {record['room']}, seed {record['seed']}: "
+                          f"{record['failed']}", ""]
+            else:
+                variants.setdefault(record["variant"], []).append(record)
+        if len(variants) > 1:
+            lines += ablation_table(variants) + [""]
+        for variant, records in variants.items():
+            if len(variants) > 1:
+                lines += [f"### {variant}", ""]
+            lines += run_table(records) + [""] + instance_table(records) + [""]
+            spurious = [f"{s['model']} ({r['room']}, seed {r['seed']})" for r in records for s in r["spurious"]]
+            lines += ["Spurious: " + (", ".join(spurious) or "none") + ".", ""]
+    return "\n".join(lines)
+
+
+def parse():
+    names = [room_set.name for room_set in all_sets()]
+    parser = argparse.ArgumentParser(prog="measure.sh", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", default="", metavar="SET,..",
+                        help="sets to measure (default: all but tuning; 'claims' and 'claim-*' mean all claims): "
+                        + ", ".join(names))
+    parser.add_argument("--seeds", type=integers, metavar="A:B", help="seeds of the mapper, B not included")
+    parser.add_argument("--rooms", type=integers, metavar="A:B", help="seeds of the synthetic rooms")
+    parser.add_argument("--frames", metavar="A:B", help="of every sequence (default: all)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="an option of the filter")
+    parser.add_argument("--detector", metavar="NETWORK|dataset", help="instead of the set's own")
+    parser.add_argument("--edges", metavar="NETWORK|gradient|dataset", help="instead of the set's own")
+    parser.add_argument("--ablate", nargs="?", const="", metavar="CUE,..",
+                        help="repeat with one cue off at a time: " + ", ".join(list(ABLATIONS)[1:]))
+    parser.add_argument("--out", default=str(ROOT / "build/measure"), metavar="DIR")
+    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="runs at once (default 2)")
+    parser.add_argument("--keep", action="store_true", help="keep the run files (.plb), to look at in the window")
+    arguments = parser.parse_args()
+    chosen = []
+    for name in filter(None, arguments.only.split(",")):
+        wanted = [n for n in names if n == name or (name in ("claims", "claim-*") and n.startswith("claim-"))]
+        if not wanted:
+            parser.error(f"there is no set '{name}'; there are {', '.join(names)}")
+        chosen += wanted
+    for name in filter(None, (arguments.ablate or "").split(",")):
+        if name.strip() not in ABLATIONS:
+            parser.error(f"there is no cue '{name}'; there are {', '.join(list(ABLATIONS)[1:])}")
+    sets = [s for s in all_sets() if (s.name in chosen if chosen else not s.tuning)]
+    return arguments, sets
+
+
+def main():
+    arguments, sets = parse()
+    measurement = Measurement(arguments)
+    results = []
+    for room_set in sets:
+        try:
+            jobs = measurement.jobs_of(room_set)
+            records = []
+            with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+                for record in pool.map(measurement.run, jobs):
+                    records.append(record)
+                    said = record.get("failed") or "{found_well} of {well} found, {spurious} spurious, {turned} turned".format(
+                        **figures(record))
+                    print(f"{room_set.name}: {record['room']}, seed {record['seed']}, {record['variant']}: {said}",
+                          flush=True)
+            results.append((room_set, records))
+        except Failure as failure:
+            print(f"{room_set.name}: skipped: {failure}", flush=True)
+            results.append((room_set, str(failure)))
+        (measurement.out / "tables.md").write_text(tables(measurement, results))
+        (measurement.out / "results.json").write_text(json.dumps(
+            {"commit": commit(), "program": measurement.program_hash, "arguments": vars(arguments),
+             "sets": {s.name: outcome for s, outcome in results}}, indent=1))
+    print(f"wrote {measurement.out / 'tables.md'}")
+    return any(isinstance(outcome, list) and any("failed" in record for record in outcome) for _, outcome in results)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
