@@ -301,6 +301,8 @@ def figures(record):
     def mean(key, chosen):
         return statistics.fmean(i[key] for i in chosen) if chosen else None
     belief = record.get("belief") or {}
+    if not belief.get("poses"):
+        belief = {}
     return {
         "well": len(well), "found_well": sum(i["found"] for i in well),
         "right_well": sum(i["found"] and i["model_right"] for i in well),
@@ -354,8 +356,11 @@ def run_table(records):
 
     def over(key, format_="{:.2f}"):
         return interval(by_unit(records, key).values(), format_)
-    lines.append(row("**mean**", "", f"{over('found_well')} of {over('well')}", over("right_well"),
-                     f"{over('found')} of {over('all')}", over("spurious"), over("turned"), over("position_cm"),
+
+    def mean_of(key):
+        return number(statistics.fmean(by_unit(records, key).values()), "{:.1f}")
+    lines.append(row("**mean**", "", f"{over('found_well')} of {mean_of('well')}", over("right_well"),
+                     f"{over('found')} of {mean_of('all')}", over("spurious"), over("turned"), over("position_cm"),
                      over("rotation_deg"), over("in_50", "{:.0f}"), over("in_95", "{:.0f}"), over("fps", "{:.1f}")))
     return lines
 
