@@ -10,6 +10,7 @@ Nothing is chosen: all seeds, all instances and all failures are in the tables.
 """
 import argparse
 import concurrent.futures
+import csv
 import dataclasses
 import datetime
 import hashlib
@@ -65,7 +66,7 @@ class RoomSet:
 
 def all_sets():
     sets = [
-        RoomSet("demo", "the built-in demo room: synthetic, seed 1, 120 frames", list(range(10)), 60, scene="room",
+        RoomSet("demo", "the built-in demo room: synthetic, seed 1, 150 frames", list(range(10)), 60, scene="room",
                 room_seeds=[1]),
         RoomSet("office", "a real office that nothing was tuned on, boxes of PicoDet", list(range(10)), 22,
                 folder="data/office", edges=TRIAL_EDGES, scan=True),
@@ -159,7 +160,7 @@ class Measurement:
                 raise Failure(f"{room_set.folder} is not in the data folder (PLUMBLINE_DATA)")
             sequences.append((folder, folder.name))
         for seed in arguments.rooms or room_set.room_seeds if room_set.scene else []:
-            frames = 120 if room_set.name == "demo" else ROOM_FRAMES
+            frames = 150 if room_set.name == "demo" else ROOM_FRAMES
             sequences.append((self.film(room_set, seed, frames), f"{room_set.scene} {seed}"))
         variants = {"as it is": []}
         if arguments.ablate is not None:
@@ -201,8 +202,9 @@ class Measurement:
                   "settings": job.settings, "program": self.program_hash, "commit": commit(),
                   "at_once": self.arguments.jobs}
         run_file = self.out / "runs" / (stem + ".plb")
-        summary_file = self.out / "runs" / (stem + ".run.json")
-        judged_file = self.out / "runs" / (stem + ".evaluation.json")
+        work = self.out / "runs" / (stem + ".work")
+        work.mkdir(exist_ok=True)
+        summary_file, judged_file = work / "run.json", work / "evaluation.json"
         process = self.call("run", job.sequence, "--out", run_file, "--json", summary_file, *words)
         if process.returncode == 0:
             judge = ["evaluate", run_file, "--ground-truth", job.sequence / "ground_truth.json", "--models",
@@ -212,38 +214,73 @@ class Measurement:
             for category in job.set.ignored:
                 judge += ["--ignore-category", category]
             process = self.call(*judge)
+        if process.returncode == 0:
+            process = self.call("export", run_file, "--format", "csv", "--models", job.sequence / "models", "--out",
+                                work)
         if process.returncode != 0:
             record["failed"] = last_line(process)
         else:
             fill(record, job, self.arguments.frames, json.loads(summary_file.read_text()),
-                 json.loads(judged_file.read_text()))
-        for leftover in (summary_file, judged_file) if self.arguments.keep else (summary_file, judged_file, run_file):
-            leftover.unlink(missing_ok=True)
+                 json.loads(judged_file.read_text()), Life(work))
+        shutil.rmtree(work)
+        if not self.arguments.keep:
+            run_file.unlink(missing_ok=True)
         file.write_text(json.dumps(record, indent=1))
         return record
 
 
-def fill(record, job, frames, summary, judged):
+class Life:
+    """What became of the objects of a run, from its tables."""
+
+    def __init__(self, folder):
+        self.near = {}  # rows of objects within half a metre of a true one, by its id
+        with open(folder / "frames.csv", newline="") as file:
+            for line in csv.DictReader(file):
+                if line["truth"] and float(line["translation_error_m"]) < 0.5:
+                    self.near.setdefault(line["truth"], []).append(line)
+        with open(folder / "events.csv", newline="") as file:
+            self.events = list(csv.DictReader(file))
+
+    def withdrawn(self):
+        """Objects that had been confirmed and were given up; merged ones live on in another."""
+        confirmed = {event["id"] for event in self.events if event["event"] == "confirmed"}
+        return sorted(event["id"] for event in self.events if event["event"] == "retired" and event["id"] in confirmed)
+
+    def why_missed(self, truth):
+        rows = self.near.get(truth, [])
+        if not rows:
+            return "no hypothesis came near"
+        best = max(rows, key=lambda line: float(line["log_evidence"]))
+        ends = [event for event in self.events if event["id"] == best["id"] and event["event"] in ("retired", "merged")]
+        end = f"{ends[-1]['event']} at frame {ends[-1]['frame']}: {ends[-1]['text']}" if ends else "still tentative"
+        return (f"hypotheses near: {len({line['id'] for line in rows})}; the best had log odds "
+                f"{float(best['log_evidence']):.1f} at frame {best['frame']}, {end}")
+
+
+def fill(record, job, frames, summary, judged, life):
     """Puts into the record what a run found, instance by instance."""
     shown = shown_frames(job.sequence, frames)
     confirmed = {str(entry["id"]): entry["confirmed_frame"] for entry in summary["objects"]}
+    believed = {str(entry["id"]): entry for entry in judged["belief"]["objects"]}
     instances = []
     for found in judged["objects"]:
         instances.append({
             "id": found["ground_truth"], "found": True, "quality": found["quality"], "object": found["id"],
             "model": found["model"], "model_right": found["model_correct"],
             "position_m": found["translation_m"], "rotation_deg": found["rotation_deg"],
-            "turned_round": abs(found["azimuth_deg"] or 0) > 90, "confirmed_frame": confirmed.get(found["id"])})
+            "turned_round": abs(found["azimuth_deg"] or 0) > 90, "confirmed_frame": confirmed.get(found["id"]),
+            "credible_level": believed[found["id"]].get("credible_level")})
     for missed in judged["missed_instances"]:
-        instances.append({"id": missed["ground_truth"], "found": False, "quality": missed["quality"]})
+        instances.append({"id": missed["ground_truth"], "found": False, "quality": missed["quality"],
+                          "why": life.why_missed(missed["ground_truth"])})
     for instance in instances:
         instance["shown_frames"] = shown.get(instance["id"], 0)
         instance["shows_well"] = instance["shown_frames"] >= job.set.shown_frames
     record.update(fps=summary["fps"], frames=summary["frames"], skipped=summary["skipped"],
                   stages_ms={stage: cost["mean"] for stage, cost in summary["timings_ms"].items()},
                   instances=sorted(instances, key=lambda instance: -instance["shown_frames"]),
-                  spurious=judged["spurious_objects"], surface_mean_m=judged["surface"]["mean_m"],
-                  belief=judged.get("belief") or judged.get("posterior"))
+                  spurious=judged["spurious_objects"], withdrawn=life.withdrawn(),
+                  surface_mean_m=judged["surface"]["mean_m"], belief=judged["belief"])
 
 
 def shown_frames(sequence, frames):
@@ -275,14 +312,17 @@ T975 = [math.inf, 12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262
         2.131, 2.120, 2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045]
 
 
+def student(degrees):
+    return T975[degrees] if degrees < len(T975) else 1.96 + 2.5 / degrees
+
+
 def mean_and_half(values):
     """Mean and half of its 95 % confidence interval (None with fewer than two values)."""
     if not values:
         return None, None
     if len(values) == 1:
         return values[0], None
-    t = T975[len(values) - 1] if len(values) <= len(T975) else 1.96 + 2.5 / (len(values) - 1)
-    return statistics.fmean(values), t * statistics.stdev(values) / math.sqrt(len(values))
+    return statistics.fmean(values), student(len(values) - 1) * statistics.stdev(values) / math.sqrt(len(values))
 
 
 def interval(values, format_="{:.2f}"):
@@ -297,39 +337,54 @@ def figures(record):
     instances = record["instances"]
     well = [i for i in instances if i["shows_well"]]
     found = [i for i in instances if i["found"]]
-
-    def mean(key, chosen):
-        return statistics.fmean(i[key] for i in chosen) if chosen else None
-    belief = record.get("belief") or {}
-    if not belief.get("poses"):
-        belief = {}
+    levels = [i["credible_level"] for i in found if i["credible_level"] is not None]
     return {
         "well": len(well), "found_well": sum(i["found"] for i in well),
         "right_well": sum(i["found"] and i["model_right"] for i in well),
         "all": len(instances), "found": len(found), "right": sum(i["model_right"] for i in found),
         "spurious": len(record["spurious"]), "turned": sum(i["turned_round"] for i in found),
-        "position_cm": 100 * mean("position_m", found) if found else None,
-        "rotation_deg": mean("rotation_deg", found),
-        "in_50": percent(belief.get("truth_in_50_percent")), "in_95": percent(belief.get("truth_in_95_percent")),
-        "fps": record["fps"],
+        "withdrawn": len(record["withdrawn"]),
+        "position_cm": statistics.fmean(100 * i["position_m"] for i in found) if found else None,
+        "rotation_deg": statistics.fmean(i["rotation_deg"] for i in found) if found else None,
+        "judged": len(levels), "in_50": sum(level <= 0.5 for level in levels),
+        "in_95": sum(level <= 0.95 for level in levels), "fps": record["fps"],
     }
 
 
-def percent(share):
-    return None if share is None else 100 * share
+def pooled(units):
+    """Share of trials that succeed [%] and half of its 95 % interval, from (successes, trials) of independent units."""
+    units = [unit for unit in units if unit[1]]
+    trials = sum(n for _, n in units)
+    if not trials:
+        return "-"
+    share = sum(x for x, _ in units) / trials
+    if len(units) == 1:
+        return f"{100 * share:.0f}"
+    spread = sum((x - share * n) ** 2 for x, n in units) * len(units) / (len(units) - 1)
+    return f"{100 * share:.0f} ± {100 * student(len(units) - 1) * math.sqrt(spread) / trials:.0f}"
+
+
+def units_of(records):
+    """Independent trials: the records of a room where there are several rooms, else those of a seed."""
+    several = len({record["room"] for record in records}) > 1
+    units = {}
+    for record in records:
+        units.setdefault(record["room"] if several else record["seed"], []).append(record)
+    return units
 
 
 def by_unit(records, key):
-    """Values of independent trials: rooms where there are several (means over their seeds), else seeds."""
-    groups = {}
-    several = len({record["room"] for record in records}) > 1
-    for record in records:
-        groups.setdefault(record["room"] if several else record["seed"], []).append(figures(record)[key])
+    """Means over the records of each unit; None where there is nothing to average."""
     means = {}
-    for unit, values in groups.items():
-        values = [value for value in values if value is not None]
+    for unit, members in units_of(records).items():
+        values = [value for value in (figures(record)[key] for record in members) if value is not None]
         means[unit] = statistics.fmean(values) if values else None
     return means
+
+
+def counts_by_unit(records, part, of):
+    return [(sum(figures(r)[part] for r in members), sum(figures(r)[of] for r in members))
+            for members in units_of(records).values()]
 
 
 def number(value, format_="{:.2f}"):
@@ -346,13 +401,14 @@ def header(*cells):
 
 def run_table(records):
     lines = header("room", "seed", "found of those that show well", "right model", "found of all", "spurious",
-                   "turned round", "position [cm]", "rotation [deg]", "in 50 % [%]", "in 95 % [%]", "frames/s")
+                   "turned round", "withdrawn", "position [cm]", "rotation [deg]", "truth in 50 %", "in 95 %",
+                   "frames/s")
     for record in records:
         f = figures(record)
         lines.append(row(record["room"], record["seed"], f"{f['found_well']} of {f['well']}", f["right_well"],
-                         f"{f['found']} of {f['all']}", f["spurious"], f["turned"], number(f["position_cm"]),
-                         number(f["rotation_deg"]), number(f["in_50"], "{:.0f}"), number(f["in_95"], "{:.0f}"),
-                         number(f["fps"], "{:.1f}")))
+                         f"{f['found']} of {f['all']}", f["spurious"], f["turned"], f["withdrawn"],
+                         number(f["position_cm"]), number(f["rotation_deg"]), f"{f['in_50']} of {f['judged']}",
+                         f"{f['in_95']} of {f['judged']}", number(f["fps"], "{:.1f}")))
 
     def over(key, format_="{:.2f}"):
         return interval(by_unit(records, key).values(), format_)
@@ -360,14 +416,16 @@ def run_table(records):
     def mean_of(key):
         return number(statistics.fmean(by_unit(records, key).values()), "{:.1f}")
     lines.append(row("**mean**", "", f"{over('found_well')} of {mean_of('well')}", over("right_well"),
-                     f"{over('found')} of {mean_of('all')}", over("spurious"), over("turned"), over("position_cm"),
-                     over("rotation_deg"), over("in_50", "{:.0f}"), over("in_95", "{:.0f}"), over("fps", "{:.1f}")))
+                     f"{over('found')} of {mean_of('all')}", over("spurious"), over("turned"), over("withdrawn"),
+                     over("position_cm"), over("rotation_deg"),
+                     pooled(counts_by_unit(records, "in_50", "judged")) + " %",
+                     pooled(counts_by_unit(records, "in_95", "judged")) + " %", over("fps", "{:.1f}")))
     return lines
 
 
 def instance_table(records):
     lines = header("room", "instance", "shows in frames", "found", "missed", "right model", "turned round",
-                   "position [cm]", "rotation [deg]", "confirmed at frame")
+                   "position [cm]", "rotation [deg]", "truth in 50 %", "in 95 %", "confirmed at frame")
     of_instance = {}
     for record in records:
         for instance in record["instances"]:
@@ -375,13 +433,85 @@ def instance_table(records):
     for (room, name), trials in of_instance.items():
         found = [trial for trial in trials if trial["found"]]
         confirmed = sorted(trial["confirmed_frame"] for trial in found if trial["confirmed_frame"] is not None)
+        levels = [trial["credible_level"] for trial in found if trial["credible_level"] is not None]
         lines.append(row(
             room, name + ("" if trials[0]["quality"] == "fine" else " (coarse)"), trials[0]["shown_frames"],
             f"{len(found)} of {len(trials)}", len(trials) - len(found) or "", sum(t["model_right"] for t in found),
             sum(t["turned_round"] for t in found) or "", interval([100 * t["position_m"] for t in found], "{:.1f}"),
             interval([t["rotation_deg"] for t in found], "{:.1f}"),
+            f"{sum(level <= 0.5 for level in levels)} of {len(levels)}",
+            f"{sum(level <= 0.95 for level in levels)} of {len(levels)}",
             f"{confirmed[0]} to {confirmed[-1]}" if confirmed else "-"))
     return lines
+
+
+def label_bins(records):
+    """Of every confirmed object whose category has several models: ten bins of equal width, and the expected
+    calibration error (docs/algorithms/evaluation.md)."""
+    bins = {}
+    for record in records:
+        for entry in record["belief"]["objects"]:
+            if entry["confirmed"] and "label" in entry and entry["label"]["several_models"]:
+                claimed, right = entry["label"]["probability"], entry["label"]["right"]
+                bins.setdefault(min(9, int(10 * claimed)), []).append((claimed, right))
+    table = [{"from": i / 10, "to": (i + 1) / 10, "count": len(members),
+              "claimed": statistics.fmean(p for p, _ in members), "right": statistics.fmean(r for _, r in members)}
+             for i, members in sorted(bins.items())]
+    count = sum(b["count"] for b in table)
+    return table, sum(b["count"] * abs(b["claimed"] - b["right"]) for b in table) / count if count else None
+
+
+def precision_recall(records):
+    """(threshold, precision, recall) over the objects of all runs, tentative or confirmed, and the area."""
+    candidates = sorted(((entry["probability"], (i, entry["ground_truth"])) for i, record in enumerate(records)
+                         for entry in record["belief"]["objects"]), key=lambda candidate: -candidate[0])
+    truths = sum(record["belief"]["confirmation"]["truths"] for record in records)
+    points, found, area = [], set(), 0.0
+    for i, (probability, truth) in enumerate(candidates):
+        if truth[1] is not None:
+            found.add(truth)
+        if i + 1 < len(candidates) and candidates[i + 1][0] == probability:
+            continue
+        point = (probability, len(found) / (i + 1), len(found) / truths if truths else 0.0)
+        area += point[1] * (point[2] - (points[-1][2] if points else 0.0))
+        points.append(point)
+    return points, area
+
+
+def belief(records):
+    """The beliefs of all runs together."""
+    nees = [entry["nees"] * 4 / entry["degrees_of_freedom"] for record in records
+            for entry in record["belief"]["objects"] if entry["confirmed"] and "nees" in entry]
+    bins, error = label_bins(records)
+    points, area = precision_recall(records)
+    return {"nees": nees, "label_bins": bins, "expected_calibration_error": error, "precision_recall": points,
+            "average_precision": area}
+
+
+def belief_lines(records):
+    of = belief(records)
+    along = {}
+    for region in ("50", "95"):
+        units = []
+        for members in units_of(records).values():
+            parts = [record["belief"]["along_the_run"] for record in members]
+            units.append((sum(p["poses"] * (p[f"truth_in_{region}_percent"] or 0) for p in parts),
+                          sum(p["poses"] for p in parts)))
+        along[region] = pooled(units)
+    end = {region: pooled(counts_by_unit(records, "in_" + region, "judged")) for region in ("50", "95")}
+    words = [f"Truth in the 50 % region: {end['50']} % at the end, {along['50']} % along the runs; "
+             f"in the 95 % region: {end['95']} % and {along['95']} %."]
+    if of["nees"]:
+        words.append(f"NEES of {len(of['nees'])} objects: mean {statistics.fmean(of['nees']):.1f} (4 is honest), "
+                     f"median {statistics.median(of['nees']):.1f} (3.4 is).")
+    words.append(f"Being there: average precision {of['average_precision']:.2f}.")
+    if of["label_bins"]:
+        words.append(f"Labels: expected calibration error {of['expected_calibration_error']:.3f}: " + "; ".join(
+            f"believed at {100 * b['claimed']:.0f} %, right in {100 * b['right']:.0f} % of {b['count']}"
+            for b in of["label_bins"]) + ".")
+    else:
+        words.append("Labels: no category has several models.")
+    return ["**Beliefs.** " + " ".join(words), ""]
 
 
 def ablation_table(variants):
@@ -400,6 +530,15 @@ def ablation_table(variants):
     return lines
 
 
+def by_variant(records):
+    """The runs that did not fail."""
+    variants = {}
+    for record in records:
+        if "failed" not in record:
+            variants.setdefault(record["variant"], []).append(record)
+    return variants
+
+
 def tables(measurement, results):
     arguments = measurement.arguments
     lines = ["# Measured", "",
@@ -409,7 +548,9 @@ def tables(measurement, results):
              f"Synthetic rooms for tuning: seeds {TUNING_SEEDS[0]} to {TUNING_SEEDS[-1]}; held out: "
              f"{HELD_OUT_SEEDS[0]} to {HELD_OUT_SEEDS[-1]}.",
              "± is half of the 95 % confidence interval (Student's t), over rooms where there are several and over "
-             "seeds otherwise. Means are over all found instances, turned round or not.", ""]
+             "seeds otherwise. Means are over all found instances, turned round or not. *Withdrawn*: confirmed "
+             "once and given up. *Truth in 50 %*: at the end, in the highest-density region of the belief; definitions in "
+             "docs/algorithms/evaluation.md.", ""]
     for room_set, outcome in results:
         lines += [f"## {room_set.name}", "", f"{room_set.what}; detector `{arguments.detector or room_set.detector}`, "
                   f"edges `{arguments.edges or room_set.edges}`" +
@@ -420,13 +561,9 @@ def tables(measurement, results):
         if isinstance(outcome, str):
             lines += [f"**Skipped**: {outcome}.", ""]
             continue
-        variants = {}
-        for record in outcome:
-            if "failed" in record:
-                lines += [f"**Failed**: {record['variant']}, {record['room']}, seed {record['seed']}: "
-                          f"{record['failed']}", ""]
-            else:
-                variants.setdefault(record["variant"], []).append(record)
+        lines += [f"**Failed**: {record['variant']}, {record['room']}, seed {record['seed']}: {record['failed']}\n"
+                  for record in outcome if "failed" in record]
+        variants = by_variant(outcome)
         if len(variants) > 1:
             lines += ablation_table(variants) + [""]
         for variant, records in variants.items():
@@ -434,7 +571,10 @@ def tables(measurement, results):
                 lines += [f"### {variant}", ""]
             lines += run_table(records) + [""] + instance_table(records) + [""]
             spurious = [f"{s['model']} ({r['room']}, seed {r['seed']})" for r in records for s in r["spurious"]]
-            lines += ["Spurious: " + (", ".join(spurious) or "none") + ".", ""]
+            lines += ["**Spurious**: " + (", ".join(spurious) or "none") + ".", ""] + belief_lines(records)
+            missed = [f"- {r['room']}, seed {r['seed']}, {i['id']}: {i['why']}" for r in records
+                      for i in r["instances"] if not i["found"] and i["shows_well"]]
+            lines += (["**Missed** of those that show well:", ""] + missed + [""]) if missed else []
     return "\n".join(lines)
 
 
@@ -481,8 +621,8 @@ def main():
             with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
                 for record in pool.map(measurement.run, jobs):
                     records.append(record)
-                    said = record.get("failed") or "{found_well} of {well} found, {spurious} spurious, {turned} turned".format(
-                        **figures(record))
+                    said = record.get("failed") or (
+                        "{found_well} of {well} found, {spurious} spurious, {turned} turned".format(**figures(record)))
                     print(f"{room_set.name}: {record['room']}, seed {record['seed']}, {record['variant']}: {said}",
                           flush=True)
             results.append((room_set, records))
@@ -492,7 +632,9 @@ def main():
         (measurement.out / "tables.md").write_text(tables(measurement, results))
         (measurement.out / "results.json").write_text(json.dumps(
             {"commit": commit(), "program": measurement.program_hash, "arguments": vars(arguments),
-             "sets": {s.name: outcome for s, outcome in results}}, indent=1))
+             "sets": {s.name: {"skipped": outcome} if isinstance(outcome, str) else {
+                 "beliefs": {variant: belief(records) for variant, records in by_variant(outcome).items()},
+                 "runs": outcome} for s, outcome in results}}, indent=1))
     print(f"wrote {measurement.out / 'tables.md'}")
     return any(isinstance(outcome, list) and any("failed" in record for record in outcome) for _, outcome in results)
 

@@ -101,44 +101,57 @@ void PrintTable(const MapEvaluation& evaluation, const EvaluateArguments& argume
               Number("%.2f", degrees(evaluation.mean_all.rotation_rad)).c_str(), "4.7 - 9.1 VISMA");
 }
 
-nlohmann::json ReliabilityToJson(const Reliability& c) {
-  nlohmann::json bins = nlohmann::json::array();
-  for (const Reliability::Bin& bin : c.bins) {
-    if (bin.labels > 0)
-      bins.push_back({{"above", bin.above},
-                      {"count", bin.labels},
-                      {"believed", bin.claimed / bin.labels},
-                      {"right", static_cast<double>(bin.right) / bin.labels}});
-  }
-  const double poses = std::max(1, c.poses);
-  return {{"poses", c.poses},
-          {"truth_in_50_percent", c.within_50 / poses},
-          {"truth_in_95_percent", c.within_95 / poses},
-          {"label_bins", bins}};
-}
-
-/// Whether the beliefs along the run were honest; nothing where the input is no run file, its
-/// frame is not that of the truth, or the models are not those of the run.
-std::optional<Reliability> ReliabilityOfRun(const EvaluateArguments& arguments) {
+/// The run's beliefs frame by frame; nothing where the input is no run file, its frame is not that of
+/// the truth, or the models are not those of the run.
+std::optional<RunReview> BeliefsOf(const EvaluateArguments& arguments) {
   if (std::filesystem::path(arguments.run).extension() != ".plb" || arguments.align != "none")
     return std::nullopt;
-  const Result<RunReview> review =
+  Result<RunReview> review =
       ReviewRun({arguments.run, {}, arguments.models}, arguments.ground_truth, WorkContext());
   if (!review) {
-    log::warn("the beliefs along the run are not judged: {}", review.error().message);
+    log::warn("the beliefs of the run are not judged: {}", review.error().message);
     return std::nullopt;
   }
-  return ReliabilityOf(review->history);
+  LeaveOut(arguments.options.ignored_categories, *review);
+  return std::move(review).value();
 }
 
-void PrintReliability(const Reliability& c) {
-  if (c.poses == 0) return;
-  std::printf("\nbeliefs along the run (%d poses of confirmed objects)\n", c.poses);
-  std::printf("%-34s %5.1f %%\n", "truth in the 50 % region", 100.0 * c.within_50 / c.poses);
-  std::printf("%-34s %5.1f %%\n", "truth in the 95 % region", 100.0 * c.within_95 / c.poses);
-  if (c.labels == 0) return;
-  std::printf("%-34s %5.1f %%, believed at %.1f %%\n", "most likely shape is the true one",
-              100.0 * c.right / c.labels, 100 * c.claimed);
+std::string Percent(double share, int of) {
+  return of > 0 ? Number("%.1f", 100 * share / of) : "-";
+}
+
+void PrintReliability(const RunHistory& history, int truths) {
+  const Reliability end = ReliabilityAtEnd(history).all, along = ReliabilityOf(history).all;
+  const auto print = [](const char* name, const std::string& at_end, const std::string& all) {
+    std::printf("%-38s %12s %14s\n", name, at_end.c_str(), all.c_str());
+  };
+  std::printf("\n");
+  print("beliefs about confirmed objects", "at the end", "along the run");
+  print("poses", std::to_string(end.poses), std::to_string(along.poses));
+  print("truth in the 50 % region [%]", Percent(end.within_50, end.poses),
+        Percent(along.within_50, along.poses));
+  print("truth in the 95 % region [%]", Percent(end.within_95, end.poses),
+        Percent(along.within_95, along.poses));
+  const auto nees = [](const Reliability& of) {
+    return of.objects > 0 ? Number("%.1f", of.nees) : "-";
+  };
+  print("NEES, 4 expected", nees(end), nees(along));
+  const auto between = [](const Reliability& of) {
+    return of.objects > 0 ? Number("%.1f", of.nees_low) + " - " + Number("%.1f", of.nees_high)
+                          : "-";
+  };
+  print("  if honest, in 95 % of runs", between(end), between(along));
+  print("shape right [%], of several models", Percent(end.labels.right, end.labels.count),
+        Percent(along.labels.right, along.labels.count));
+  print("  believed at [%]", Percent(end.labels.claimed, end.labels.count),
+        Percent(along.labels.claimed, along.labels.count));
+  const auto calibration = [](const Reliability& of) {
+    const std::optional<double> error = of.labels.ExpectedError();
+    return error ? Number("%.3f", *error) : "-";
+  };
+  print("  expected calibration error", calibration(end), calibration(along));
+  print("average precision of being there",
+        Number("%.2f", ConfirmationOf(history, truths).average_precision), "");
 }
 
 Status Evaluate(EvaluateArguments arguments) {
@@ -164,14 +177,15 @@ Status Evaluate(EvaluateArguments arguments) {
   const Result<MapEvaluation> evaluation =
       EvaluateMap(*estimates, *truth, **database, scan ? &*scan : nullptr, arguments.options);
   if (!evaluation) return evaluation.error();
-  const std::optional<Reliability> reliability = ReliabilityOfRun(arguments);
+  const std::optional<RunReview> beliefs = BeliefsOf(arguments);
+  const int truths = beliefs ? static_cast<int>(beliefs->view.truth.size()) : 0;
   if (arguments.json != "-") {
     PrintTable(*evaluation, arguments);
-    if (reliability) PrintReliability(*reliability);
+    if (beliefs) PrintReliability(beliefs->history, truths);
   }
   if (arguments.json.empty()) return {};
   nlohmann::json json = EvaluationToJson(*evaluation, arguments.options);
-  if (reliability) json["posterior"] = ReliabilityToJson(*reliability);
+  if (beliefs) json["belief"] = BeliefToJson(beliefs->history, truths);
   return WriteJsonResult(arguments.json, json);
 }
 
