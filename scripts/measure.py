@@ -243,8 +243,10 @@ class Life:
 
     def __init__(self, folder):
         self.near = {}  # rows of objects within half a metre of a true one, by its id
+        self.last = {}  # row of every object
         with open(folder / "frames.csv", newline="") as file:
             for line in csv.DictReader(file):
+                self.last[line["id"]] = line
                 if line["truth"] and float(line["translation_error_m"]) < 0.5:
                     self.near.setdefault(line["truth"], []).append(line)
         with open(folder / "events.csv", newline="") as file:
@@ -261,7 +263,13 @@ class Life:
             return "no hypothesis came near"
         best = max(rows, key=lambda line: float(line["log_evidence"]))
         ends = [event for event in self.events if event["id"] == best["id"] and event["event"] in ("retired", "merged")]
-        end = f"{ends[-1]['event']} at frame {ends[-1]['frame']}: {ends[-1]['text']}" if ends else "still tentative"
+        last = self.last[best["id"]]
+        if ends:
+            end = f"{ends[-1]['event']} at frame {ends[-1]['frame']}: {ends[-1]['text']}"
+        elif last["state"] == "confirmed":
+            end = "went on as " + (last["truth"] or "something else")
+        else:
+            end = "still tentative"
         return (f"hypotheses near: {len({line['id'] for line in rows})}; the best had log odds "
                 f"{float(best['log_evidence']):.1f} at frame {best['frame']}, {end}")
 

@@ -101,8 +101,8 @@ void PrintTable(const MapEvaluation& evaluation, const EvaluateArguments& argume
               Number("%.2f", degrees(evaluation.mean_all.rotation_rad)).c_str(), "4.7 - 9.1 VISMA");
 }
 
-/// The run's beliefs frame by frame; nothing where the input is no run file, its frame is not that of
-/// the truth, or the models are not those of the run.
+/// The run's beliefs frame by frame; nothing where the input is no run file, its frame is not that
+/// of the truth, or the models are not those of the run.
 std::optional<RunReview> BeliefsOf(const EvaluateArguments& arguments) {
   if (std::filesystem::path(arguments.run).extension() != ".plb" || arguments.align != "none")
     return std::nullopt;
@@ -121,37 +121,40 @@ std::string Percent(double share, int of) {
 }
 
 void PrintReliability(const RunHistory& history, int truths) {
-  const Reliability end = ReliabilityAtEnd(history).all, along = ReliabilityOf(history).all;
-  const auto print = [](const char* name, const std::string& at_end, const std::string& all) {
-    std::printf("%-38s %12s %14s\n", name, at_end.c_str(), all.c_str());
+  const Reliability end = ReliabilityAtEnd(history).all;
+  const RunReliability along = ReliabilityOf(history);
+  std::printf("\n%-34s %10s %13s\n", "beliefs about confirmed objects", "at the end",
+              "along the run");
+  const auto print = [&](const char* name, const auto& of) {
+    std::printf("%-34s %10s %13s\n", name, of(end).c_str(), of(along.all).c_str());
   };
-  std::printf("\n");
-  print("beliefs about confirmed objects", "at the end", "along the run");
-  print("poses", std::to_string(end.poses), std::to_string(along.poses));
-  print("truth in the 50 % region [%]", Percent(end.within_50, end.poses),
-        Percent(along.within_50, along.poses));
-  print("truth in the 95 % region [%]", Percent(end.within_95, end.poses),
-        Percent(along.within_95, along.poses));
-  const auto nees = [](const Reliability& of) {
-    return of.objects > 0 ? Number("%.1f", of.nees) : "-";
-  };
-  print("NEES, 4 expected", nees(end), nees(along));
-  const auto between = [](const Reliability& of) {
+  print("poses", [](const Reliability& of) { return std::to_string(of.poses); });
+  print("truth in the 50 % region [%]",
+        [](const Reliability& of) { return Percent(of.within_50, of.poses); });
+  print("truth in the 95 % region [%]",
+        [](const Reliability& of) { return Percent(of.within_95, of.poses); });
+  print("NEES, 4 if honest",
+        [](const Reliability& of) { return of.objects > 0 ? Number("%.1f", of.nees) : "-"; });
+  print("  95 % of honest runs", [](const Reliability& of) {
     return of.objects > 0 ? Number("%.1f", of.nees_low) + " - " + Number("%.1f", of.nees_high)
                           : "-";
-  };
-  print("  if honest, in 95 % of runs", between(end), between(along));
-  print("shape right [%], of several models", Percent(end.labels.right, end.labels.count),
-        Percent(along.labels.right, along.labels.count));
-  print("  believed at [%]", Percent(end.labels.claimed, end.labels.count),
-        Percent(along.labels.claimed, along.labels.count));
-  const auto calibration = [](const Reliability& of) {
-    const std::optional<double> error = of.labels.ExpectedError();
-    return error ? Number("%.3f", *error) : "-";
-  };
-  print("  expected calibration error", calibration(end), calibration(along));
-  print("average precision of being there",
-        Number("%.2f", ConfirmationOf(history, truths).average_precision), "");
+  });
+  print("label right [%], of several models",
+        [](const Reliability& of) { return Percent(of.labels.right, of.labels.count); });
+  print("  believed at [%]",
+        [](const Reliability& of) { return Percent(of.labels.claimed, of.labels.count); });
+  print("  expected calibration error",
+        [](const Reliability& of) { return Number("%.3f", of.labels.ExpectedError()); });
+  std::printf("%-34s %10s\n", "average precision of being there",
+              Number("%.2f", ConfirmationOf(history, truths).average_precision).c_str());
+  if (along.objects.empty()) return;
+  std::printf("\n%-24s %8s %8s %8s %8s\n", "along the run, by object", "poses", "50 %", "95 %",
+              "NEES");
+  for (const auto& [object, of] : along.objects) {
+    std::printf("%-24d %8d %8s %8s %8.1f\n", object.value, of.poses,
+                Percent(of.within_50, of.poses).c_str(), Percent(of.within_95, of.poses).c_str(),
+                of.nees);
+  }
 }
 
 Status Evaluate(EvaluateArguments arguments) {

@@ -44,7 +44,7 @@ class PosteriorPanel : public Panel {
   }
   void LoadState(const nlohmann::json& json) override {
     shapes_ = json.value("shapes", shapes_);
-    reliability_ = !shapes_ && json.value("reliability", reliability_);
+    reliability_ = json.value("reliability", reliability_);
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
@@ -156,7 +156,7 @@ class PosteriorPanel : public Panel {
   /// Of that object; never null.
   std::shared_ptr<const ObjectHistory> history_ = std::make_shared<const ObjectHistory>();
   Marginals marginals_{};
-  bool shapes_ = false, reliability_ = false;  ///< At most one.
+  bool shapes_ = false, reliability_ = false;  ///< If both, the latter shows.
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "ui/framework/widgets.h"
 
@@ -52,7 +53,8 @@ constexpr const char* kCoverageHelp =
 
 constexpr const char* kNeesHelp =
     "Normalised estimation error squared: 4 on average if the stated covariance is honest, more if "
-    "it is too small.";
+    "it is too small. The worst objects come first; yellow: beyond what 97.5 % of honest ones "
+    "have.";
 
 void Cell(ImU32 color, const std::string& text) {
   ImGui::TableNextColumn();
@@ -79,6 +81,7 @@ void Row(const std::string& name, ImU32 color, const Reliability& of) {
   Cell(colors::kFaint, fmt::format("{}", of.poses));
 }
 
+/// All objects together, then each, the worst first.
 void DrawTable(const FrameContext& context, const ObjectHistory& history) {
   const RunReliability& run = history.reliability;
   const Judgement judgement = Judged(run.all);
@@ -93,7 +96,12 @@ void DrawTable(const FrameContext& context, const ObjectHistory& history) {
     Tooltip(context, title == std::string_view("NEES") ? kNeesHelp : kCoverageHelp);
   }
   Row("all", colors::kText, run.all);
-  for (const RunReliability::OfObject& of : run.objects) {
+  std::vector<RunReliability::OfObject> objects = run.objects;
+  std::stable_sort(objects.begin(), objects.end(),
+                   [](const RunReliability::OfObject& a, const RunReliability::OfObject& b) {
+                     return a.reliability.nees > b.reliability.nees;
+                   });
+  for (const RunReliability::OfObject& of : objects) {
     Row(fmt::format("#{}", of.object.value), ObjectColor(of.object), of.reliability);
     if (of.object == history.object)
       ImGui::TableSetBgColor(ImGuiTableBgTarget_RowBg0, colors::kControl);
