@@ -343,11 +343,11 @@ def mean_and_half(values):
     return statistics.fmean(values), student(len(values) - 1) * statistics.stdev(values) / math.sqrt(len(values))
 
 
-def interval(values, format_="{:.2f}"):
+def interval(values, format_="{:.2f}", sign=""):
     mean, half = mean_and_half([value for value in values if value is not None])
     if mean is None:
         return "-"
-    return format_.format(mean) + ("" if half is None else " ± " + format_.format(half))
+    return format_.replace(":", ":" + sign).format(mean) + ("" if half is None else " ± " + format_.format(half))
 
 
 def figures(record):
@@ -532,19 +532,36 @@ def belief_lines(records):
     return ["**Beliefs.** " + " ".join(words), ""]
 
 
+def differences(records, reference, key):
+    """By unit: how much more than in the reference, over instances that both found in the same room and seed."""
+    before = {(r["room"], r["seed"]): {i["id"]: i for i in r["instances"] if i["found"]} for r in reference}
+    means = []
+    for members in units_of(records).values():
+        values = [i[key] - before[r["room"], r["seed"]][i["id"]][key] for r in members for i in r["instances"]
+                  if i["found"] and i["id"] in before.get((r["room"], r["seed"]), {})]
+        if values:
+            means.append(statistics.fmean(values))
+    return means
+
+
 def ablation_table(variants):
-    """Every variant against the first, paired: the same rooms and seeds."""
+    """Every variant against the first, paired: the same rooms and seeds, and for errors the same instances."""
     lines = header("", "found of those that show well", "difference", "spurious", "difference", "position [cm]",
-                   "difference", "rotation [deg]", "difference")
+                   "difference", "rotation [deg]", "difference", "truth in 50 % [%]", "in 95 % [%]")
     first = next(iter(variants.values()))
     for name, records in variants.items():
-        cells = [name]
-        for key in ("found_well", "spurious", "position_cm", "rotation_deg"):
-            values, reference = by_unit(records, key), by_unit(first, key)
-            pairs = [values[unit] - reference[unit] for unit in values
-                     if values[unit] is not None and reference.get(unit) is not None]
-            cells += [interval(values.values()), "" if records is first else interval(pairs, "{:+.2f}")]
-        lines.append(row(*cells))
+        def cells(key, pairs):
+            return [interval(by_unit(records, key).values()), "" if records is first else interval(pairs, sign="+")]
+
+        def counted(key):
+            reference = by_unit(first, key)
+            return cells(key, [value - reference[unit] for unit, value in by_unit(records, key).items()
+                               if unit in reference])
+        lines.append(row(name, *counted("found_well"), *counted("spurious"),
+                         *cells("position_cm", [100 * d for d in differences(records, first, "position_m")]),
+                         *cells("rotation_deg", differences(records, first, "rotation_deg")),
+                         pooled(counts_by_unit(records, "in_50", "judged")),
+                         pooled(counts_by_unit(records, "in_95", "judged"))))
     return lines
 
 

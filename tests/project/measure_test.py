@@ -69,10 +69,13 @@ class Statistics(unittest.TestCase):
         self.assertIn("| a | x | 90 | 1 of 2 | 1 | 1 |", lines[2])
 
     def test_an_ablation_is_paired(self):
-        first = [record("a", seed, [instance("x", position_m=0.01 * seed)]) for seed in range(1, 4)]
-        other = [record("a", seed, [instance("x", position_m=0.01 * seed + 0.005)]) for seed in range(1, 4)]
+        # The far one is found by the reference alone: the means say -1.5 cm, the pairs +.5 cm.
+        first = [record("a", seed, [instance("x", position_m=0.01), instance("far", position_m=0.05)])
+                 for seed in range(3)]
+        other = [record("a", seed, [instance("x", position_m=0.015), instance("far", False)]) for seed in range(3)]
         line = measure.ablation_table({"as it is": first, "no edges": other})[3]
-        self.assertIn("| +0.50 ± +0.00 |", line)
+        self.assertIn("| 1.00 ± 0.00 | -1.00 ± 0.00 |", line)
+        self.assertIn("| 1.50 ± 0.00 | +0.50 ± 0.00 |", line)
 
     def test_only_frames_that_are_mapped_count_as_shown(self):
         with tempfile.TemporaryDirectory() as folder:
