@@ -586,8 +586,8 @@ def tables(measurement, results):
              "± is half of the 95 % confidence interval (Student's t), over rooms where there are several and over "
              "seeds otherwise. Means are over all found instances, turned round or not. *Withdrawn*: confirmed "
              "once and given up. *Shows well*: "
-             f"for {SHOWS_WELL_S:g} s or more (in synthetic rooms with 2000 pixels). *Truth in 50 %*: at the end, in the "
-             "highest-density region of the belief; definitions in docs/algorithms/evaluation.md.", ""]
+             f"for {SHOWS_WELL_S:g} s or more (in synthetic rooms with 2000 pixels). *Truth in 50 %*: at the end, in "
+             "the highest-density region of the belief; definitions in docs/algorithms/evaluation.md.", ""]
     for room_set, outcome in results:
         lines += [f"## {room_set.name}", "", f"{room_set.what}; detector `{arguments.detector or room_set.detector}`, "
                   f"edges `{arguments.edges or room_set.edges}`" +
