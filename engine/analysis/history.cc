@@ -30,8 +30,8 @@ double AzimuthError(const ModelView& model, double azimuth_rad) {
   return std::remainder(azimuth_rad, period);
 }
 
-/// The object's belief, about the centres of the models; its heaviest mode, which is the mean that it
-/// reports, comes first and has the full covariance.
+/// The object's belief, about the centres of the models; its heaviest mode, which is the mean that
+/// it reports, comes first and has the full covariance.
 std::vector<BeliefMode> ModesOf(const ObjectReport& object, const SequenceView& view,
                                 const UprightFrame& upright) {
   const auto mode_of = [&](ModelId label, const Eigen::Isometry3d& world_from_object) {

@@ -26,7 +26,8 @@ void Add(const ObjectSample& object, Reliability& sum) {
   ++sum.poses;
   sum.within_50 += error.credible_level <= 0.5f;
   sum.within_95 += error.credible_level <= 0.95f;
-  sum.nees += (error.nees * 4 / static_cast<float>(error.degrees_of_freedom) - sum.nees) / sum.poses;
+  sum.nees +=
+      (error.nees * 4 / static_cast<float>(error.degrees_of_freedom) - sum.nees) / sum.poses;
   if (error.several_models && !object.label_probability.empty())
     sum.labels.Add(object.label_probability.front().probability, error.model_correct);
 }
@@ -116,9 +117,8 @@ nlohmann::json ToJson(const Reliability& of) {
 nlohmann::json ToJson(const PrecisionRecall& curve) {
   nlohmann::json points = nlohmann::json::array();
   for (const PrecisionRecallPoint& point : curve.points)
-    points.push_back({{"threshold", point.threshold},
-                      {"precision", point.precision},
-                      {"recall", point.recall}});
+    points.push_back(
+        {{"threshold", point.threshold}, {"precision", point.precision}, {"recall", point.recall}});
   return {{"truths", curve.truths},
           {"average_precision", curve.average_precision},
           {"points", std::move(points)}};

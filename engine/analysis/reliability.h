@@ -18,8 +18,8 @@ RunReliability ReliabilityOf(const RunHistory& history);
 /// The same in the last frame alone, updated or not: what the run ends with.
 RunReliability ReliabilityAtEnd(const RunHistory& history);
 
-/// Which objects of the last frame, confirmed or not, are there, against how surely they are believed
-/// to be: 1 / (1 + exp(-log_evidence)).
+/// Which objects of the last frame, confirmed or not, are there, against how surely they are
+/// believed to be: 1 / (1 + exp(-log_evidence)).
 PrecisionRecall ConfirmationOf(const RunHistory& history, int truths);
 
 /// All of the above, over all objects and for each confirmed one: `belief` of `plumbline evaluate

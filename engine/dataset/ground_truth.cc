@@ -62,8 +62,8 @@ nlohmann::json InstanceToJson(const GroundTruthInstance& instance) {
 }  // namespace
 
 TruthDeviation DeviationOf(const GroundTruthInstance& instance) {
-  const TruthDeviation usual = instance.fine ? TruthDeviation{0.015, 1 * kRadPerDeg}
-                                             : TruthDeviation{0.03, 3 * kRadPerDeg};
+  const TruthDeviation usual =
+      instance.fine ? TruthDeviation{0.015, 1 * kRadPerDeg} : TruthDeviation{0.03, 3 * kRadPerDeg};
   return {instance.position_std_m.value_or(usual.position_m),
           instance.azimuth_std_rad.value_or(usual.azimuth_rad)};
 }

@@ -19,8 +19,8 @@ struct GroundTruthInstance {
   std::string category;  ///< COCO name.
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
   bool fine = true;  ///< quality "fine" (else "coarse")
-  /// How well the pose is known, where the file says so: one standard deviation, of the position the
-  /// root of the mean squared distance.
+  /// How well the pose is known, where the file says so: one standard deviation, of the position
+  /// the root of the mean squared distance.
   std::optional<double> position_std_m, azimuth_std_rad;
 };
 

@@ -79,7 +79,8 @@ TEST(TruthError, LooksForTheTruthInEveryMode) {
   EXPECT_GT(ErrorOf(object, room)->credible_level, 0.999) << "it is believed to look the other way";
   object.modes = {{{0}, 0.7, object.world_from_object, 0.173, 0.1},
                   {{0}, 0.3, At(0, 10), 0.173, 0.1}};
-  // Likelier are, of the first mode, squared distances below d = 2 ln(7 / 3): .7 (1 - 3/7 (1 + d / 2)).
+  // Likelier are, of the first mode, squared distances below d = 2 ln(7 / 3): .7 (1 - 3/7 (1 + d /
+  // 2)).
   const TruthError error = *ErrorOf(object, room);
   EXPECT_NEAR(error.credible_level, 0.7 * (1 - 3 / 7.0 * (1 + std::log(7 / 3.0))), 0.005);
   EXPECT_GT(error.nees, 900) << "of the pose that is reported: pi / .1, squared";

@@ -37,7 +37,8 @@ RunHistory SomeRun() {
 
 TEST(Reliability, CountsWhatWasClaimedAgainstWhatWasSo) {
   const RunReliability run = ReliabilityOf(SomeRun());
-  EXPECT_EQ(run.all.poses, 3) << "neither what is far from any truth nor what is tentative or hidden";
+  EXPECT_EQ(run.all.poses, 3)
+      << "neither what is far from any truth nor what is tentative or hidden";
   EXPECT_EQ(run.all.within_50, 1);
   EXPECT_EQ(run.all.within_95, 2);
   EXPECT_EQ(run.all.labels.count, 3);
