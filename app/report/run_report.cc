@@ -272,14 +272,20 @@ std::string EvaluationTable(const MapEvaluation& e) {
 }
 
 std::string ReliabilityOfRun(const RunReview& review) {
-  const Reliability c = ReliabilityOf(review.history);
+  const Reliability c = ReliabilityOf(review.history).all;
   if (c.poses == 0) return "";
   return fmt::format(
       "<p>Over the run, the truth lay in the 50 % region of the belief in <b>{:.0f} %</b> and in "
-      "the 95 % region in <b>{:.0f} %</b> of {} poses of confirmed objects. The most likely shape "
-      "was the true one in <b>{:.0f} %</b>, and believed at {:.0f} % on average.</p>",
-      100.0 * c.within_50 / c.poses, 100.0 * c.within_95 / c.poses, c.poses,
-      c.labels > 0 ? 100.0 * c.right / c.labels : 0.0, 100 * c.claimed);
+      "the 95 % region in <b>{:.0f} %</b> of {} poses of confirmed objects; NEES {:.1f}, where 4 "
+      "is "
+      "honest.{}</p>",
+      100.0 * c.within_50 / c.poses, 100.0 * c.within_95 / c.poses, c.poses, c.nees,
+      c.labels.count == 0
+          ? ""
+          : fmt::format(
+                " Where a category has several models, the most likely one was the true one "
+                "in <b>{:.0f} %</b>, and believed at {:.0f} % on average.",
+                100.0 * c.labels.right / c.labels.count, 100 * c.labels.claimed / c.labels.count));
 }
 
 /// One line for each object that was ever confirmed.

@@ -101,44 +101,60 @@ void PrintTable(const MapEvaluation& evaluation, const EvaluateArguments& argume
               Number("%.2f", degrees(evaluation.mean_all.rotation_rad)).c_str(), "4.7 - 9.1 VISMA");
 }
 
-nlohmann::json ReliabilityToJson(const Reliability& c) {
-  nlohmann::json bins = nlohmann::json::array();
-  for (const Reliability::Bin& bin : c.bins) {
-    if (bin.labels > 0)
-      bins.push_back({{"above", bin.above},
-                      {"count", bin.labels},
-                      {"believed", bin.claimed / bin.labels},
-                      {"right", static_cast<double>(bin.right) / bin.labels}});
-  }
-  const double poses = std::max(1, c.poses);
-  return {{"poses", c.poses},
-          {"truth_in_50_percent", c.within_50 / poses},
-          {"truth_in_95_percent", c.within_95 / poses},
-          {"label_bins", bins}};
-}
-
-/// Whether the beliefs along the run were honest; nothing where the input is no run file, its
-/// frame is not that of the truth, or the models are not those of the run.
-std::optional<Reliability> ReliabilityOfRun(const EvaluateArguments& arguments) {
+/// The run's beliefs frame by frame; nothing where the input is no run file, its frame is not that
+/// of the truth, or the models are not those of the run.
+std::optional<RunReview> BeliefsOf(const EvaluateArguments& arguments) {
   if (std::filesystem::path(arguments.run).extension() != ".plb" || arguments.align != "none")
     return std::nullopt;
-  const Result<RunReview> review =
+  Result<RunReview> review =
       ReviewRun({arguments.run, {}, arguments.models}, arguments.ground_truth, WorkContext());
   if (!review) {
-    log::warn("the beliefs along the run are not judged: {}", review.error().message);
+    log::warn("the beliefs of the run are not judged: {}", review.error().message);
     return std::nullopt;
   }
-  return ReliabilityOf(review->history);
+  LeaveOut(arguments.options.ignored_categories, *review);
+  return std::move(review).value();
 }
 
-void PrintReliability(const Reliability& c) {
-  if (c.poses == 0) return;
-  std::printf("\nbeliefs along the run (%d poses of confirmed objects)\n", c.poses);
-  std::printf("%-34s %5.1f %%\n", "truth in the 50 % region", 100.0 * c.within_50 / c.poses);
-  std::printf("%-34s %5.1f %%\n", "truth in the 95 % region", 100.0 * c.within_95 / c.poses);
-  if (c.labels == 0) return;
-  std::printf("%-34s %5.1f %%, believed at %.1f %%\n", "most likely shape is the true one",
-              100.0 * c.right / c.labels, 100 * c.claimed);
+std::string Percent(double share, int of) {
+  return of > 0 ? Number("%.1f", 100 * share / of) : "-";
+}
+
+void PrintReliability(const RunHistory& history, int truths) {
+  const Reliability end = ReliabilityAtEnd(history).all;
+  const RunReliability along = ReliabilityOf(history);
+  std::printf("\n%-34s %10s %13s\n", "beliefs about confirmed objects", "at the end",
+              "along the run");
+  const auto print = [&](const char* name, const auto& of) {
+    std::printf("%-34s %10s %13s\n", name, of(end).c_str(), of(along.all).c_str());
+  };
+  print("poses", [](const Reliability& of) { return std::to_string(of.poses); });
+  print("truth in the 50 % region [%]",
+        [](const Reliability& of) { return Percent(of.within_50, of.poses); });
+  print("truth in the 95 % region [%]",
+        [](const Reliability& of) { return Percent(of.within_95, of.poses); });
+  print("NEES, 4 if honest",
+        [](const Reliability& of) { return of.objects > 0 ? Number("%.1f", of.nees) : "-"; });
+  print("  95 % of honest runs", [](const Reliability& of) {
+    return of.objects > 0 ? Number("%.1f", of.nees_low) + " - " + Number("%.1f", of.nees_high)
+                          : "-";
+  });
+  print("label right [%], of several models",
+        [](const Reliability& of) { return Percent(of.labels.right, of.labels.count); });
+  print("  believed at [%]",
+        [](const Reliability& of) { return Percent(of.labels.claimed, of.labels.count); });
+  print("  expected calibration error",
+        [](const Reliability& of) { return Number("%.3f", of.labels.ExpectedError()); });
+  std::printf("%-34s %10s\n", "average precision of being there",
+              Number("%.2f", ConfirmationOf(history, truths).average_precision).c_str());
+  if (along.objects.empty()) return;
+  std::printf("\n%-24s %8s %8s %8s %8s\n", "along the run, by object", "poses", "50 %", "95 %",
+              "NEES");
+  for (const auto& [object, of] : along.objects) {
+    std::printf("%-24d %8d %8s %8s %8.1f\n", object.value, of.poses,
+                Percent(of.within_50, of.poses).c_str(), Percent(of.within_95, of.poses).c_str(),
+                of.nees);
+  }
 }
 
 Status Evaluate(EvaluateArguments arguments) {
@@ -164,14 +180,15 @@ Status Evaluate(EvaluateArguments arguments) {
   const Result<MapEvaluation> evaluation =
       EvaluateMap(*estimates, *truth, **database, scan ? &*scan : nullptr, arguments.options);
   if (!evaluation) return evaluation.error();
-  const std::optional<Reliability> reliability = ReliabilityOfRun(arguments);
+  const std::optional<RunReview> beliefs = BeliefsOf(arguments);
+  const int truths = beliefs ? static_cast<int>(beliefs->view.truth.size()) : 0;
   if (arguments.json != "-") {
     PrintTable(*evaluation, arguments);
-    if (reliability) PrintReliability(*reliability);
+    if (beliefs) PrintReliability(beliefs->history, truths);
   }
   if (arguments.json.empty()) return {};
   nlohmann::json json = EvaluationToJson(*evaluation, arguments.options);
-  if (reliability) json["posterior"] = ReliabilityToJson(*reliability);
+  if (beliefs) json["belief"] = BeliefToJson(beliefs->history, truths);
   return WriteJsonResult(arguments.json, json);
 }
 

@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "engine/analysis/reliability.h"
+#include "engine/evaluation/credible_region.h"
 #include "engine/geometry/gravity.h"
 #include "engine/mapping/map_report.h"
 
@@ -31,23 +31,66 @@ double AzimuthError(const ModelView& model, double azimuth_rad) {
   return std::remainder(azimuth_rad, period);
 }
 
-/// Where the truth lies in the object's belief; the belief is about the centres of the models.
-float LevelOf(const ObjectReport& object, const SequenceView& view,
-              const SequenceView::Truth& truth, const ModelView& true_model, double turned) {
-  const auto label = static_cast<std::size_t>(object.label.value);
-  const Eigen::Vector3d center =
-      label < view.models.size() ? view.models[label].center : true_model.center;
-  Eigen::Vector4d offset;
-  offset << truth.world_from_object * true_model.center - object.world_from_object * center,
-      -turned;
-  return static_cast<float>(CredibleLevel(offset, object.covariance, true_model.any_azimuth));
+/// The object's belief, about the centres of the models; its heaviest mode, which is the mean that
+/// it reports, comes first and has the full covariance.
+std::vector<BeliefMode> ModesOf(const ObjectReport& object, const SequenceView& view,
+                                const UprightFrame& upright) {
+  const auto mode_of = [&](ModelId label, const Eigen::Isometry3d& world_from_object) {
+    BeliefMode mode;
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    if (const auto index = static_cast<std::size_t>(label.value); index < view.models.size()) {
+      const ModelView& model = view.models[index];
+      center = model.center;
+      mode.symmetry_order = model.any_azimuth ? 0 : std::max(1, model.symmetry_order);
+    }
+    mode.mean << world_from_object * center, upright.Azimuth(world_from_object.linear());
+    return mode;
+  };
+  std::vector<BeliefMode> modes = {mode_of(object.label, object.world_from_object)};
+  modes.front().covariance = object.covariance;
+  for (std::size_t i = 0; i < object.modes.size(); ++i) {
+    const PoseMode& reported = object.modes[i];
+    if (i > 0) {
+      modes.push_back(mode_of(reported.label, reported.world_from_object));
+      const double variance_m2 = reported.position_std_m * reported.position_std_m / 3;
+      modes.back().covariance.diagonal() << variance_m2, variance_m2, variance_m2,
+          reported.azimuth_std_rad * reported.azimuth_std_rad;
+    }
+    modes.back().weight = reported.weight;
+  }
+  if (!(modes.front().weight > 0)) {  // nothing but a mean
+    modes.resize(1);
+    modes.front().weight = 1;
+  }
+  return modes;
+}
+
+void JudgeBelief(const ObjectReport& object, const SequenceView& view,
+                 const SequenceView::Truth& truth, const ModelView& true_model,
+                 const UprightFrame& upright, TruthError& error) {
+  TrueState state;
+  state.state << truth.world_from_object * true_model.center,
+      upright.Azimuth(truth.world_from_object.linear());
+  state.position_std_m = truth.position_std_m;
+  state.azimuth_std_rad = truth.azimuth_std_rad;
+  state.symmetry_order = true_model.any_azimuth ? 0 : std::max(1, true_model.symmetry_order);
+  const std::vector<BeliefMode> modes = ModesOf(object, view, upright);
+  error.credible_level = static_cast<float>(CredibleLevel(modes, state));
+  const Nees nees = NeesOf(modes.front(), state);
+  error.nees = static_cast<float>(nees.value);
+  error.degrees_of_freedom = nees.degrees_of_freedom;
+  error.several_models =
+      std::count_if(view.models.begin(), view.models.end(), [&](const ModelView& model) {
+        return model.category == true_model.category;
+      }) > 1;
 }
 
 }  // namespace
 
 std::optional<TruthError> ErrorOf(const ObjectReport& object, const SequenceView& view) {
   const UprightFrame upright(-view.up_in_world);
-  std::optional<TruthError> nearest;
+  const SequenceView::Truth* nearest = nullptr;
+  const ModelView* true_model = nullptr;
   double nearest_m = kFarthestTruth_m;
   for (const SequenceView::Truth& truth : view.truth) {
     const ModelView* model = ModelByName(view, truth.model);
@@ -56,15 +99,20 @@ std::optional<TruthError> ErrorOf(const ObjectReport& object, const SequenceView
         (truth.world_from_object.translation() - object.world_from_object.translation()).norm();
     if (distance_m >= nearest_m) continue;
     nearest_m = distance_m;
-    const double turned = upright.Azimuth(object.world_from_object.linear()) -
-                          upright.Azimuth(truth.world_from_object.linear());
-    const auto label = static_cast<std::size_t>(object.label.value);
-    const double azimuth = AzimuthError(*model, turned);
-    nearest = TruthError{truth.id, label < view.models.size() && &view.models[label] == model,
-                         static_cast<float>(distance_m), static_cast<float>(std::abs(azimuth)),
-                         LevelOf(object, view, truth, *model, azimuth)};
+    nearest = &truth;
+    true_model = model;
   }
-  return nearest;
+  if (nearest == nullptr) return std::nullopt;
+  const double turned = upright.Azimuth(object.world_from_object.linear()) -
+                        upright.Azimuth(nearest->world_from_object.linear());
+  const auto label = static_cast<std::size_t>(object.label.value);
+  TruthError error;
+  error.truth = nearest->id;
+  error.model_correct = label < view.models.size() && &view.models[label] == true_model;
+  error.translation_m = static_cast<float>(nearest_m);
+  error.azimuth_rad = static_cast<float>(std::abs(AzimuthError(*true_model, turned)));
+  JudgeBelief(object, view, *nearest, *true_model, upright, error);
+  return error;
 }
 
 FrameSample SampleOf(const FrameReport& report, const SequenceView& view) {

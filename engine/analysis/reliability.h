@@ -1,24 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include <nlohmann/json_fwd.hpp>
 
+#include "engine/evaluation/belief_report.h"
 #include "engine/snapshot/object_history.h"
 #include "engine/snapshot/run_history.h"
 
 namespace plumbline {
 
-/// Counts confirmed objects in the frames in which they were updated and lie within
-/// kReliabilityReach_m of a true object of their category.
-/// @param only  This object alone; not valid: all.
-Reliability ReliabilityOf(const RunHistory& history, ObjectId only = {});
+/// Objects count that lie within this distance of a true object of their category.
 inline constexpr float kReliabilityReach_m = 0.5f;
 
-/// Share of a Gaussian belief that is likelier than the truth, in [0, 1]: the truth lies in the 95
-/// % region if it is at most 0.95. Ground truth is taken to be exact to 3 mm and half a degree.
-/// @param offset      Truth minus mean: x, y, z [m], azimuth [rad].
-/// @param covariance  Of the belief, in the same order.
-/// @param round       The azimuth says nothing.
-double CredibleLevel(const Eigen::Vector4d& offset, const Eigen::Matrix4d& covariance, bool round);
+/// The beliefs about confirmed objects in all frames in which they were updated.
+RunReliability ReliabilityOf(const RunHistory& history);
+
+/// The same in the last frame alone, updated or not: what the run ends with.
+RunReliability ReliabilityAtEnd(const RunHistory& history);
+
+/// Which objects of the last frame, confirmed or not, are there, against how surely they are
+/// believed to be: 1 / (1 + exp(-log_evidence)).
+PrecisionRecall ConfirmationOf(const RunHistory& history, int truths);
+
+/// All of the above, over all objects and for each confirmed one: `belief` of `plumbline evaluate
+/// --json`.
+nlohmann::json BeliefToJson(const RunHistory& history, int truths);
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/analysis/run_review.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "engine/analysis/history.h"
@@ -24,7 +25,7 @@ Result<SequenceView> ViewOfRun(const RunChoice& choice, const std::filesystem::p
   if (!truth.ok()) return truth.error();
   view.truth.clear();
   for (const GroundTruthInstance& instance : truth->instances)
-    view.truth.push_back({instance.id, instance.model, instance.world_from_object});
+    view.truth.push_back(ViewOfTruth(instance));
   return view;
 }
 
@@ -66,6 +67,26 @@ Result<RunReview> ReviewRun(const RunChoice& choice, const std::filesystem::path
     }
   }
   return review;
+}
+
+void LeaveOut(std::span<const std::string> categories, RunReview& review) {
+  const auto left_out = [&](const ModelView& model) {
+    return std::find(categories.begin(), categories.end(), model.category) != categories.end();
+  };
+  const std::vector<ModelView>& models = review.view.models;
+  std::erase_if(review.view.truth, [&](const SequenceView::Truth& truth) {
+    return std::any_of(models.begin(), models.end(), [&](const ModelView& model) {
+      return model.name == truth.model && left_out(model);
+    });
+  });
+  for (auto& frame : review.history.frames) {
+    FrameSample kept = *frame;
+    std::erase_if(kept.objects, [&](const ObjectSample& object) {
+      const auto label = static_cast<std::size_t>(object.label.value);
+      return label < models.size() && left_out(models[label]);
+    });
+    frame = std::make_shared<const FrameSample>(std::move(kept));
+  }
 }
 
 }  // namespace plumbline

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "engine/base/progress.h"
@@ -36,5 +38,8 @@ struct RunReview {
 /// Errors: kNotFound, kInvalidInput, kCorrupt, kCancelled, naming the file.
 Result<RunReview> ReviewRun(const RunChoice& choice, const std::filesystem::path& ground_truth,
                             const WorkContext& work);
+
+/// Takes objects and truth of these categories out of the view and the history.
+void LeaveOut(std::span<const std::string> categories, RunReview& review);
 
 }  // namespace plumbline

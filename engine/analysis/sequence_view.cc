@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "engine/base/log.h"
-#include "engine/dataset/ground_truth.h"
 #include "engine/geometry/vertex_clustering.h"
 #include "engine/models/mesh_file.h"
 
@@ -22,9 +21,8 @@ std::string NameOf(const std::filesystem::path& path) {
 void AddTruth(const std::filesystem::path& file, SequenceView& view) {
   const Result<GroundTruth> truth = ReadGroundTruth(file);
   if (!truth.ok()) return log::warn("the truth is not shown: {}", truth.error().message);
-  for (const GroundTruthInstance& instance : truth->instances) {
-    view.truth.push_back({instance.id, instance.model, instance.world_from_object});
-  }
+  for (const GroundTruthInstance& instance : truth->instances)
+    view.truth.push_back(ViewOfTruth(instance));
 }
 
 void AddScan(const std::filesystem::path& file, SequenceView& view) {
@@ -54,6 +52,12 @@ SequenceView ViewOf(const PinholeCamera& camera, double rate_hz, const ModelData
 }
 
 }  // namespace
+
+SequenceView::Truth ViewOfTruth(const GroundTruthInstance& instance) {
+  const TruthDeviation deviation = DeviationOf(instance);
+  return {instance.id, instance.model, instance.world_from_object, deviation.position_m,
+          deviation.azimuth_rad};
+}
 
 SequenceView MakeViewWithoutScan(const Sequence& sequence, const ModelDatabase& database) {
   SequenceView view = ViewOf(sequence.camera(), sequence.rate_hz(), database);

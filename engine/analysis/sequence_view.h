@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/base/progress.h"
+#include "engine/dataset/ground_truth.h"
 #include "engine/dataset/sequence.h"
 #include "engine/models/model_database.h"
 #include "engine/recording/run_header.h"
@@ -19,5 +20,8 @@ SequenceView MakeViewWithoutScan(const Sequence& sequence, const ModelDatabase& 
 
 /// The same of a run whose sequence is gone: no path, no scan, no truth.
 SequenceView ViewWithoutSequence(const RunHeader& header, const ModelDatabase& database);
+
+/// An instance of the ground truth as a view has it.
+SequenceView::Truth ViewOfTruth(const GroundTruthInstance& instance);
 
 }  // namespace plumbline

@@ -3,9 +3,11 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string_view>
 
 #include "engine/base/files.h"
 #include "engine/dataset/json_fields.h"
+#include "engine/geometry/angles.h"
 
 namespace plumbline {
 namespace {
@@ -33,10 +35,38 @@ Result<GroundTruthInstance> ReadInstance(const nlohmann::json& json, const std::
   if (quality != "fine" && quality != "coarse")
     return bad("(" + *id + ") has a 'quality' that is neither fine nor coarse");
   instance.fine = quality == "fine";
+  for (const char* key : {"position_std_m", "azimuth_std_deg"}) {
+    if (!json.contains(key)) continue;
+    if (!json[key].is_number() || !(json[key].get<double>() >= 0))
+      return bad("(" + *id + ") has a '" + key + "' that is not a number from 0 on");
+    const double value = json[key];
+    if (key == std::string_view("position_std_m"))
+      instance.position_std_m = value;
+    else
+      instance.azimuth_std_rad = value * kRadPerDeg;
+  }
   return instance;
 }
 
+nlohmann::json InstanceToJson(const GroundTruthInstance& instance) {
+  nlohmann::json json = {{"id", instance.id},
+                         {"model", instance.model},
+                         {"category", instance.category},
+                         {"quality", instance.fine ? "fine" : "coarse"},
+                         {"world_from_object", IsometryToJson(instance.world_from_object)}};
+  if (instance.position_std_m) json["position_std_m"] = *instance.position_std_m;
+  if (instance.azimuth_std_rad) json["azimuth_std_deg"] = *instance.azimuth_std_rad * kDegPerRad;
+  return json;
+}
+
 }  // namespace
+
+TruthDeviation DeviationOf(const GroundTruthInstance& instance) {
+  const TruthDeviation usual =
+      instance.fine ? TruthDeviation{0.015, 1 * kRadPerDeg} : TruthDeviation{0.03, 3 * kRadPerDeg};
+  return {instance.position_std_m.value_or(usual.position_m),
+          instance.azimuth_std_rad.value_or(usual.azimuth_rad)};
+}
 
 Result<GroundTruth> ReadGroundTruth(const std::filesystem::path& file) {
   const Result<nlohmann::json> read = ReadJson(file);
@@ -72,12 +102,7 @@ Status WriteGroundTruth(const std::filesystem::path& file, const GroundTruth& tr
   nlohmann::json json = {{"gravity", {g.x(), g.y(), g.z()}},
                          {"instances", nlohmann::json::array()}};
   for (const GroundTruthInstance& instance : truth.instances) {
-    json["instances"].push_back(
-        {{"id", instance.id},
-         {"model", instance.model},
-         {"category", instance.category},
-         {"quality", instance.fine ? "fine" : "coarse"},
-         {"world_from_object", IsometryToJson(instance.world_from_object)}});
+    json["instances"].push_back(InstanceToJson(instance));
   }
   return WriteJson(file, json);
 }

@@ -26,11 +26,12 @@ std::shared_ptr<const FrameAnalysis> FrameAnalyst::OfFrame(std::shared_ptr<const
   return analysis;
 }
 
-std::shared_ptr<const ObjectHistory> FrameAnalyst::OfHistory(const RunHistory& history) const {
+std::shared_ptr<const ObjectHistory> FrameAnalyst::OfHistory(const RunHistory& history,
+                                                             const SequenceView& sequence) const {
   if (!watched_.history || watched_.object.value <= 0) return nullptr;
   return std::make_shared<const ObjectHistory>(
-      ObjectHistory{watched_.object, LabelsOf(history, watched_.object),
-                    ReliabilityOf(history, watched_.object), ReliabilityOf(history)});
+      ObjectHistory{watched_.object, LabelsOf(history, watched_.object), ReliabilityOf(history),
+                    ConfirmationOf(history, static_cast<int>(sequence.truth.size()))});
 }
 
 }  // namespace plumbline

@@ -23,7 +23,8 @@ class FrameAnalyst {
                                                const SequenceView& sequence,
                                                const MapperOptions& options);
   /// Null unless the history of an object is watched. A few milliseconds for 10 000 frames.
-  std::shared_ptr<const ObjectHistory> OfHistory(const RunHistory& history) const;
+  std::shared_ptr<const ObjectHistory> OfHistory(const RunHistory& history,
+                                                 const SequenceView& sequence) const;
 
  private:
   WatchCommand watched_;

@@ -200,7 +200,7 @@ void MappingProcess::Watch(const WatchCommand& what) {
   analyst_.Watch(what);
   if (const auto shown = snapshot_.Latest())
     analysis_.Publish(analyst_.OfFrame(shown, source_->view(), *state_.shown_options));
-  object_history_.Publish(analyst_.OfHistory(source_->history()));
+  object_history_.Publish(analyst_.OfHistory(source_->history(), source_->view()));
 }
 
 void MappingProcess::Follow(bool on) {
@@ -295,7 +295,7 @@ void MappingProcess::PublishPlayback() {
       history_changed_ = false;
       history_published_ = Clock::now();
       state_.history = std::make_shared<const RunHistory>(source_->history());
-      object_history_.Publish(analyst_.OfHistory(source_->history()));
+      object_history_.Publish(analyst_.OfHistory(source_->history(), source_->view()));
     }
     const bool at_end =
         !playing_ && !target_ && !state_.mapping && position_ + 1 >= source_->size();

@@ -3,29 +3,12 @@
 
 // What the history of a run says of one object. engine/analysis works it out.
 
-#include <array>
 #include <vector>
 
 #include "engine/base/ids.h"
+#include "engine/evaluation/belief_report.h"
 
 namespace plumbline {
-
-/// Whether the filter knows what it does not know: what it claimed in the frames of a run, against
-/// ground truth. Frames of one object resemble one another, so a few hundred of them are far fewer
-/// independent trials.
-struct Reliability {
-  int poses = 0;                     ///< Objects in frames, with a true object to compare with.
-  int within_50 = 0, within_95 = 0;  ///< Of these: the truth lies in that region of the belief.
-  /// By how surely the most likely shape was believed: how often that was the true one.
-  struct Bin {
-    double above = 0;  ///< Probability of the bin's lower edge; up to that of the next bin.
-    int labels = 0, right = 0;
-    double claimed = 0;  ///< Sum of the probabilities.
-  };
-  std::array<Bin, 5> bins = {{{0}, {0.5}, {0.7}, {0.9}, {0.99}}};
-  int labels = 0, right = 0;  ///< Over all bins.
-  double claimed = 0;         ///< Mean probability of the most likely shape; 0 without any.
-};
 
 /// What an object was believed to be, frame by frame.
 struct LabelHistory {
@@ -37,10 +20,21 @@ struct LabelHistory {
   std::vector<Frame> frames;  ///< In which the object lives.
 };
 
+/// Whether the beliefs of a run are reliable: pooled, and about each object that was judged, by id.
+struct RunReliability {
+  struct OfObject {
+    ObjectId object;
+    Reliability reliability;
+  };
+  Reliability all;
+  std::vector<OfObject> objects;
+};
+
 struct ObjectHistory {
   ObjectId object;
   LabelHistory labels;
-  Reliability of_object, of_all;
+  RunReliability reliability;
+  PrecisionRecall confirmation;  ///< Of the objects of the newest frame.
 };
 
 }  // namespace plumbline

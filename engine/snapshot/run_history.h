@@ -22,8 +22,11 @@ struct TruthError {
   bool model_correct = false;  ///< The most likely shape is the true one.
   float translation_m = 0;     ///< Between origins.
   float azimuth_rad = 0;       ///< Modulo the shape's symmetry, >= 0; 0 for a round one.
-  float credible_level =
-      0;  ///< Share of the belief that is likelier than the truth (reliability.h).
+  /// Share of the belief that is likelier than the truth (evaluation/credible_region.h).
+  float credible_level = 0;
+  float nees = 0;  ///< Normalised estimation error squared of the mean.
+  int degrees_of_freedom = 4;
+  bool several_models = true;  ///< The category has more than one: its shape is a question.
 };
 
 /// An object in one frame.

@@ -41,6 +41,7 @@ struct SequenceView {
   struct Truth {
     std::string id, model;
     Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
+    double position_std_m = 0, azimuth_std_rad = 0;  ///< How well it is known.
   };
   std::vector<Truth> truth;
 };

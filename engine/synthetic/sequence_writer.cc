@@ -272,6 +272,8 @@ Status SequenceJob::WriteTruth(int frames) {
                          {"world_from_object",
                           IsometryToJson(options_.world_from_room * instance.room_from_object)},
                          {"quality", "fine"},
+                         {"position_std_m", 0},
+                         {"azimuth_std_deg", 0},
                          {"mask_id", i + 1},
                          {"visible_frames", history_[i].visible.ToJson(1)}});
     situations.push_back({{"instance", instance.id},

@@ -103,6 +103,28 @@ TEST_F(EvaluateVerb, JudgesARunFile) {
   EXPECT_EQ(json["surface"]["samples"], 500000);
 }
 
+TEST_F(EvaluateVerb, JudgesTheBeliefsOfARunFile) {
+  const std::string rest = " --ground-truth truth.json --models models --json result.json";
+  const Outcome outcome = Run("evaluate run.plb" + rest);
+  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("truth in the 95 % region [%]"));
+  const nlohmann::json belief = ReadJson(folder_.path() / "result.json").value()["belief"];
+  EXPECT_EQ(belief["at_the_end"]["poses"], 1);
+  EXPECT_EQ(belief["at_the_end"]["truth_in_95_percent"], 0);
+  ASSERT_EQ(belief["objects"].size(), 2u) << "the tentative one too";
+  EXPECT_EQ(belief["objects"][0]["ground_truth"], "a");
+  // No spread is claimed, so that of the truth remains: 1.5 cm, 1 / sqrt(3) of it an axis.
+  EXPECT_NEAR(belief["objects"][0]["nees"].get<double>(), 0.04 * 0.04 / (0.015 * 0.015 / 3), 0.01);
+  // Both claim the same true object, equally surely, and there are two.
+  EXPECT_EQ(belief["confirmation"]["points"].size(), 1u);
+  EXPECT_EQ(belief["confirmation"]["points"][0]["precision"], 0.5);
+  EXPECT_EQ(belief["confirmation"]["points"][0]["recall"], 0.5);
+  EXPECT_EQ(Run("evaluate run.plb --ignore-category chair" + rest).code, 0);
+  const nlohmann::json ignored = ReadJson(folder_.path() / "result.json").value()["belief"];
+  EXPECT_TRUE(ignored["objects"].empty());
+  EXPECT_EQ(ignored["confirmation"]["truths"], 0);
+}
+
 TEST_F(EvaluateVerb, JudgesAnExportedJsonAlikeAndWritesToStandardOutput) {
   EXPECT_EQ(Run("export run.plb --format json --out run.json").code, 0);
   const std::string rest = " --ground-truth truth.json --models models --align objects --json -";

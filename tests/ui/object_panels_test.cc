@@ -123,6 +123,38 @@ TEST(PosteriorPanel, ShowsShapesOverTimeAndGoesToTheFrameThatIsClicked) {
   EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 25);
 }
 
+TEST(PosteriorPanel, ShowsHowReliableTheRunIs) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("posterior");
+  harness.size = {900, 240};
+  harness.ShowFrame(30);
+  harness.context.selection.object = {2};
+  auto history = std::make_shared<ObjectHistory>();
+  history->object = {2};
+  Reliability& all = history->reliability.all;
+  all.poses = 60;
+  all.within_50 = 20;
+  all.within_95 = 40;
+  all.objects = 1;
+  all.nees = 9;
+  all.labels.Add(0.9, false);
+  history->reliability.objects = {{{2}, all}};
+  history->confirmation = {{{0.9, 1, 0.5}, {0.4, 0.5, 0.5}}, 0.5, 2};
+  harness.context.history = history;
+  harness.Click(*panel, "posterior.reliability");
+  EXPECT_EQ(panel->SaveState()["reliability"], true);
+  for (const char* name :
+       {"posterior.reliability_table", "posterior.labels_diagram", "posterior.precision_recall"})
+    EXPECT_NE(harness.widgets.Find(name), nullptr) << name;
+  harness.Click(*panel, "posterior.shapes");
+  EXPECT_EQ(panel->SaveState()["reliability"], false) << "one view at a time";
+  harness.context.history = std::make_shared<ObjectHistory>();
+  harness.Click(*panel, "posterior.reliability");
+  harness.size = {400, 100};
+  harness.Draw(*panel, 2);
+  EXPECT_EQ(harness.widgets.Find("posterior.labels_diagram"), nullptr) << "no room";
+}
+
 TEST(WhyPanel, SweepsTwoParametersAtOnce) {
   PanelHarness harness;
   const auto panel = MakeInspectPanel("why");

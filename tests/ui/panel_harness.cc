@@ -61,7 +61,7 @@ void PanelHarness::Analyse(const MapperOptions& options) {
   FrameAnalyst analyst;
   analyst.Watch({context.selection.object, true, true});
   context.analysis = analyst.OfFrame(context.snapshot, *context.sequence, options);
-  context.history = analyst.OfHistory(*context.playback->history);
+  context.history = analyst.OfHistory(*context.playback->history, *context.sequence);
 }
 
 void PanelHarness::Draw(Panel& panel, int frames) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/analysis/history.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "engine/geometry/angles.h"
@@ -69,6 +71,36 @@ TEST(TruthError, TellsWhereTheTruthLiesInTheBelief) {
   room.models[0].center = Eigen::Vector3d(1, 0, 0);
   object.world_from_object = At(0, 40);
   EXPECT_GT(ErrorOf(object, room)->credible_level, 0.999);
+}
+
+TEST(TruthError, LooksForTheTruthInEveryMode) {
+  const SequenceView room = Room();
+  ObjectReport object = Object("chair", 0, At(0, 190));
+  object.covariance.diagonal() = Eigen::Vector4d(0.01, 0.01, 0.01, 0.01);
+  EXPECT_GT(ErrorOf(object, room)->credible_level, 0.999) << "it is believed to look the other way";
+  object.modes = {{{0}, 0.7, object.world_from_object, 0.173, 0.1},
+                  {{0}, 0.3, At(0, 10), 0.173, 0.1}};
+  // Likelier are, of the first mode, squared distances below d = 2 ln(7 / 3): .7 (1 - 3/7 (1 + d /
+  // 2)).
+  const TruthError error = *ErrorOf(object, room);
+  EXPECT_NEAR(error.credible_level, 0.7 * (1 - 3 / 7.0 * (1 + std::log(7 / 3.0))), 0.005);
+  EXPECT_GT(error.nees, 900) << "of the pose that is reported: pi / .1, squared";
+}
+
+TEST(TruthError, KnowsHowWellTheTruthIsKnown) {
+  SequenceView room = Room();
+  ObjectReport object = Object("chair", 0, At(0.03, 10));
+  EXPECT_GT(ErrorOf(object, room)->credible_level, 0.999) << "exact, and no spread claimed";
+  room.truth[0].position_std_m = 0.03;
+  room.truth[0].azimuth_std_rad = 0.02;
+  // .03 m with .03 / sqrt(3) an axis: d2 = 3, with four degrees of freedom.
+  EXPECT_NEAR(ErrorOf(object, room)->nees, 3, 1e-3);
+  EXPECT_NEAR(ErrorOf(object, room)->credible_level, 1 - std::exp(-1.5) * 2.5, 1e-3);
+}
+
+TEST(TruthError, KnowsWhetherTheShapeIsAQuestion) {
+  EXPECT_FALSE(ErrorOf(Object("chair", 0, At(0, 0)), Room())->several_models);
+  EXPECT_TRUE(ErrorOf(Object("dining table", 1, At(2, 0)), Room())->several_models);
 }
 
 TEST(TruthError, IsNothingFarFromAnyTruthOrForAnotherCategory) {

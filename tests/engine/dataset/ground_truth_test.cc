@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "engine/geometry/angles.h"
 #include "tests/support/test_data.h"
 #include "tests/support/tiny_sequence.h"
 
@@ -44,6 +45,26 @@ TEST_F(GroundTruthFile, SurvivesARoundTrip) {
   EXPECT_THAT(read->instances[1].world_from_object, IsometryNear(pose.inverse(), 1e-9, 1e-12));
   EXPECT_EQ(read->instances[1].category, "dining table");
   EXPECT_FALSE(read->instances[1].fine);
+}
+
+TEST_F(GroundTruthFile, SaysHowWellAPoseIsKnown) {
+  GroundTruth truth;
+  GroundTruthInstance fine{"a", "chair", "chair"}, coarse{"b", "chair", "chair"}, exact = fine;
+  coarse.fine = false;
+  exact.id = "c";
+  exact.position_std_m = exact.azimuth_std_rad = 0;
+  truth.instances = {fine, coarse, exact};
+  ASSERT_TRUE(WriteGroundTruth(file_, truth).ok());
+  const GroundTruth read = ReadGroundTruth(file_).value();
+  EXPECT_NEAR(DeviationOf(read.instances[0]).position_m, 0.015, 1e-12);
+  EXPECT_NEAR(DeviationOf(read.instances[1]).azimuth_rad, 3 * kRadPerDeg, 1e-12);
+  EXPECT_EQ(DeviationOf(read.instances[2]).position_m, 0);
+  EXPECT_EQ(DeviationOf(read.instances[2]).azimuth_rad, 0);
+  EXPECT_THAT(
+      Refusal(R"({"gravity": [0,0,-1], "instances": [{"id": "a", "model": "m", "category": "c",
+      "position_std_m": -1, "world_from_object": )" +
+              std::string(kPose) + "}]}"),
+      HasSubstr("'position_std_m'"));
 }
 
 TEST_F(GroundTruthFile, RefusesWhatIsWrongAndNamesTheInstance) {

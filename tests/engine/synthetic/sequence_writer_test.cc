@@ -149,6 +149,7 @@ TEST_F(SyntheticSequence, StandsOnItsFloorInARotatedWorld) {
   ASSERT_TRUE(truth.ok()) << truth.error().message;
   EXPECT_GE(truth->instances.size(), 5u);
   for (const GroundTruthInstance& instance : truth->instances) {
+    EXPECT_EQ(DeviationOf(instance).position_m, 0) << "the truth is exact";
     EXPECT_NEAR(instance.world_from_object.linear().col(2).dot(up), 1, 1e-9);
     const double height = floor.head<3>().dot(instance.world_from_object.translation()) + floor[3];
     EXPECT_GE(height, -1e-9);

@@ -12,6 +12,7 @@
 #include "ui/framework/widgets.h"
 #include "ui/inspect/object/label_plot.h"
 #include "ui/inspect/object/posterior_marginals.h"
+#include "ui/inspect/object/reliability_view.h"
 
 namespace plumbline {
 namespace {
@@ -24,20 +25,28 @@ void Words(const FrameContext& context, ImVec2 at, float align, ImU32 color,
                                       words.c_str());
 }
 
-std::string Percent(int part, int whole) {
-  return whole > 0 ? fmt::format("{:.0f} %", 100.0 * part / whole) : "\u2013";
-}
-
 class PosteriorPanel : public Panel {
  public:
   void DrawHeader(const FrameContext& context, CommandSink&) override {
-    AlignRight(ToggleWidth(context, "Shapes over time"));
-    Toggle(context, "posterior.shapes", "Shapes over time", shapes_,
-           "What the object was believed to be, frame by frame, instead of its parameters now.");
+    AlignRight(ToggleWidth(context, "Shapes over time") + ToggleWidth(context, "Reliability") +
+               context.Scaled(4));
+    if (Toggle(
+            context, "posterior.shapes", "Shapes over time", shapes_,
+            "What the object was believed to be, frame by frame, instead of its parameters now."))
+      reliability_ = false;
+    ImGui::SameLine();
+    if (Toggle(context, "posterior.reliability", "Reliability", reliability_,
+               "How often the truth lies where the beliefs of this run say, for every object."))
+      shapes_ = false;
   }
 
-  nlohmann::json SaveState() const override { return {{"shapes", shapes_}}; }
-  void LoadState(const nlohmann::json& json) override { shapes_ = json.value("shapes", shapes_); }
+  nlohmann::json SaveState() const override {
+    return {{"shapes", shapes_}, {"reliability", reliability_}};
+  }
+  void LoadState(const nlohmann::json& json) override {
+    shapes_ = json.value("shapes", shapes_);
+    reliability_ = json.value("reliability", reliability_);
+  }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
@@ -48,18 +57,21 @@ class PosteriorPanel : public Panel {
     ImGui::PushFont(context.fonts.small);
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const ImVec2 room = ImGui::GetContentRegionAvail();
-    const bool beside = room.x > context.Scaled(520) && room.y > context.Scaled(60);
+    const bool beside =
+        !reliability_ && room.x > context.Scaled(520) && room.y > context.Scaled(60);
     const float side = beside ? context.Scaled(250) : 0;
     sink.Post(NeedCommand{NeedCommand::What::kObjectHistory});
     Remember(context, *object);
-    if (shapes_)
+    if (reliability_)
+      DrawReliability(context, *history_, corner, room);
+    else if (shapes_)
       DrawLabelPlot(context, history_->labels, corner, {room.x - side, room.y}, sink);
     else
       DrawMarginals(context, corner, {room.x - side, room.y});
     if (beside) {
       ImGui::SetCursorScreenPos({corner.x + room.x - side + context.Scaled(14), corner.y});
-      ImGui::BeginChild("posterior.reliability", {side - context.Scaled(14), room.y});
-      DrawReliability(context);
+      ImGui::BeginChild("posterior.summary", {side - context.Scaled(14), room.y});
+      DrawReliabilitySummary(context, *history_);
       ImGui::EndChild();
     }
     ImGui::PopFont();
@@ -140,71 +152,12 @@ class PosteriorPanel : public Panel {
                          " Bars: the particles by weight. White: their mean. Green: the truth.");
   }
 
-  void DrawReliability(const FrameContext& context) const {
-    DimText("Is the uncertainty reliable?");
-    Tooltip(context,
-            "Over the frames of this run so far in which a confirmed object was updated and a true "
-            "one of its category is within 50 cm. The regions are those of a Gaussian with the "
-            "belief's covariance. Frames of one object resemble one another: these are few "
-            "independent trials.");
-    if (history_->of_all.poses == 0) {
-      ImGui::PushStyleColor(ImGuiCol_Text, colors::kFaint);
-      ImGui::TextWrapped("%s", context.sequence->truth.empty()
-                                   ? "Needs ground truth beside the sequence."
-                                   : "No confirmed object is near a true one yet.");
-      ImGui::PopStyleColor();
-      return;
-    }
-    DrawJudgement();
-    if (!ImGui::BeginTable("posterior.table", 3, ImGuiTableFlags_SizingStretchProp)) return;
-    Row("truth in the", fmt::format("#{}", object_.value), "all", colors::kDimText);
-    Row("50 % region", Percent(history_->of_object.within_50, history_->of_object.poses),
-        Percent(history_->of_all.within_50, history_->of_all.poses), colors::kText);
-    Row("95 % region", Percent(history_->of_object.within_95, history_->of_object.poses),
-        Percent(history_->of_all.within_95, history_->of_all.poses), colors::kText);
-    Row("shape right", Percent(history_->of_object.right, history_->of_object.labels),
-        Percent(history_->of_all.right, history_->of_all.labels), colors::kText);
-    Row("believed",
-        history_->of_object.labels > 0 ? fmt::format("{:.0f} %", 100 * history_->of_object.claimed)
-                                       : "\u2013",
-        fmt::format("{:.0f} %", 100 * history_->of_all.claimed), colors::kText);
-    Row("frames", fmt::format("{}", history_->of_object.poses),
-        fmt::format("{}", history_->of_all.poses), colors::kFaint);
-    ImGui::EndTable();
-  }
-
-  void DrawJudgement() const {
-    const double most = static_cast<double>(history_->of_all.within_95) / history_->of_all.poses;
-    const double half = static_cast<double>(history_->of_all.within_50) / history_->of_all.poses;
-    const bool too_sure = most<0.8, unsure = half> 0.8;
-    ImGui::PushStyleColor(ImGuiCol_Text, too_sure ? colors::kWarning
-                                         : unsure ? colors::kAccent
-                                                  : colors::kGood);
-    ImGui::TextUnformatted(too_sure ? "Overconfident: errors exceed the stated uncertainty."
-                           : unsure ? "Underconfident: errors are smaller than stated."
-                                    : "Well calibrated: errors are as large as stated.");
-    ImGui::PopStyleColor();
-  }
-
-  static void Row(const char* name, const std::string& object, const std::string& all,
-                  ImU32 color) {
-    ImGui::TableNextRow();
-    ImGui::TableNextColumn();
-    DimText("%s", name);
-    ImGui::PushStyleColor(ImGuiCol_Text, color);
-    ImGui::TableNextColumn();
-    ImGui::TextUnformatted(object.c_str());
-    ImGui::TableNextColumn();
-    ImGui::TextUnformatted(all.c_str());
-    ImGui::PopStyleColor();
-  }
-
   std::uint64_t version_ = 0;
   ObjectId object_;
   /// Of that object; never null.
   std::shared_ptr<const ObjectHistory> history_ = std::make_shared<const ObjectHistory>();
   Marginals marginals_{};
-  bool shapes_ = false;
+  bool shapes_ = false, reliability_ = false;  ///< If both, the latter shows.
 };
 
 }  // namespace
