@@ -43,8 +43,8 @@ TRIAL_EDGES = "models/edge_trial/t0_480x640.onnx"
 ABLATIONS = {
     "as it is": [],
     "no edges": ["beta=0", "evidence_per_edge=0"],
-    "no detector": ["alpha=0", "evidence_per_cnn=0"],
-    "no inner lines": ["inner_lines=0"],
+    "no detector": ["alpha=0", "detection_rate=0"],
+    "no inner lines": ["inner_lines=false"],
     "no floor prior": ["floor_prior=false"],
     "no key frames": ["key_frames=0"],
     "paper's births": ["prior=paper"],

@@ -10,6 +10,8 @@
 namespace plumbline {
 namespace {
 
+constexpr double kReferenceFocal_px = 500;  ///< Of a camera that the options in pixels are for.
+constexpr double kLeastScale = 0.6, kMostScale = 3;
 constexpr double kMovedDistance_m = 0.02;
 constexpr double kMovedAngle_rad = 2.0 * kRadPerDeg;
 
@@ -32,18 +34,24 @@ bool SamePlaces(const std::vector<PlacedModel>& a, const std::vector<PlacedModel
 
 }  // namespace
 
-std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges, const MapperOptions& options,
-                                                 double reach) {
+OrientedTableOptions SearchOptions(const MapperOptions& options, double focal_px, double reach) {
+  // Edges are not localised better than this, however small the image.
+  const double scale = reach * std::clamp(focal_px / kReferenceFocal_px, kLeastScale, kMostScale);
   OrientedTableOptions table;
-  table.radius_px = reach * options.search_radius_px;
-  table.sigma_px = reach * options.search_sigma_px;
+  table.radius_px = scale * options.search_radius_px;
+  table.sigma_px = scale * options.search_sigma_px;
   table.power = options.edge_power;
-  return std::make_shared<const OrientedTable>(edges, table);
+  return table;
+}
+
+std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges, const MapperOptions& options,
+                                                 double focal_px, double reach) {
+  return std::make_shared<const OrientedTable>(edges, SearchOptions(options, focal_px, reach));
 }
 
 void KeyFrameMemory::SetOptions(const MapperOptions& options) {
   options_ = options;
-  for (KeyFrame& key : frames_) key.input.table = SearchTable(key.input.edges, options);
+  for (KeyFrame& key : frames_) key.input.table = SearchTable(key.input.edges, options, camera_.fx);
 }
 
 double KeyFrameMemory::Distance(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {

@@ -27,9 +27,12 @@ struct MapperInput {
   std::shared_ptr<const FrameDetections> detections;
 };
 
-/// The table of `edges` that hypotheses are scored with; `reach` times as far as the options say.
+/// How edges are searched for in images of that focal length, so that the search reaches equally far
+/// in angle; `reach` times as far as the options say.
+OrientedTableOptions SearchOptions(const MapperOptions& options, double focal_px, double reach = 1);
+/// The table of `edges` that hypotheses are scored with.
 std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges, const MapperOptions& options,
-                                                 double reach = 1);
+                                                 double focal_px, double reach = 1);
 
 /// A past frame in which hypotheses can be scored again.
 struct KeyFrame {

@@ -22,7 +22,7 @@ constexpr double kFirstFrame_s = 1.0 / 30.0;
 constexpr double kMinViewVisibility = 0.15;  ///< Of a contour, in a view worth remembering.
 constexpr double kMarginalSharpness = 5;
 constexpr double kSamePose_m = 0.15, kSamePose_rad = 30 * kRadPerDeg;
-constexpr double kReferenceFocal_px = 500;  ///< Areas in pixels are of such a camera.
+constexpr double kFocalOfOptions_px = 500;  ///< Areas in pixels are of such a camera.
 constexpr double kSearchRelaxation = 8.0;  ///< An object is searched for about so often as it ages by e.
 constexpr std::size_t kTurnedChallengers = 160;
 constexpr int kNewcomerCount = 100;
@@ -124,7 +124,7 @@ struct Mapper::Impl {
     const double depth = (result.view.view.cam_from_world * mean.center_in_world).z();
     if (depth > 0) {
       result.telling = std::min(
-          1.0, score.visible_m * kReferenceFocal_px / depth / options().telling_contour_px);
+          1.0, score.visible_m * kFocalOfOptions_px / depth / options().telling_contour_px);
     }
     return result;
   }
@@ -256,7 +256,7 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
   for (const Particle& particle : object.particles)
     expected += std::exp(particle.log_weight + kMarginalSharpness * particle.phi_edge);
   const double marginal = std::log(expected) / kMarginalSharpness;
-  const double focal = kReferenceFocal_px / setup.camera.fx;
+  const double focal = kFocalOfOptions_px / setup.camera.fx;
   Sighting sighting;
   sighting.novelty = novelty;
   sighting.visible_px = object.visible_box.area() * focal * focal;
@@ -510,7 +510,7 @@ void Mapper::Impl::Spawn(std::vector<ProposalReport>& proposals, const MapperInp
       proposal.fate = ProposalFate::kLowScore;
       continue;
     }
-    if (!wide_table) wide_table = SearchTable(HalfSize(input.edges), options(), kSpawnReach);
+    if (!wide_table) wide_table = SearchTable(HalfSize(input.edges), options(), setup.camera.fx, kSpawnReach);
     std::optional<MapObject> object = Spawn(proposal, input, *wide_table, occluders);
     if (!object) {
       proposal.fate = ProposalFate::kImplausible;

@@ -138,9 +138,9 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"box", "",
          "whole: the detector scores the whole projection; best: or its visible part, the better"});
   visit(o.search_radius_px,
-        {"search_radius_px", "px", "length of the search along contour normals", 1, 60});
+        {"search_radius_px", "px", "length of the search along contour normals, at a focal length of 500", 1, 60});
   visit(o.search_sigma_px,
-        {"search_sigma_px", "px", "how fast a hit counts less with distance", 0.5, 60});
+        {"search_sigma_px", "px", "how fast a hit counts less with distance, at a focal length of 500", 0.5, 60});
   visit(o.edge_power, {"edge_power", "", "a hit counts probability^power", 0.1, 10});
   visit(o.occlusion_margin_m,
         {"occlusion_margin_m", "m", "a contour hides only behind surfaces this much nearer", 0, 1});

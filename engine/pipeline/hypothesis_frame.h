@@ -7,17 +7,10 @@
 #include <optional>
 #include <vector>
 
+#include "engine/mapping/key_frames.h"
 #include "engine/pipeline/hypothesis_probe.h"
 
 namespace plumbline {
-
-inline OrientedTableOptions TableOptions(const MapperOptions& options) {
-  OrientedTableOptions table;
-  table.radius_px = options.search_radius_px;
-  table.sigma_px = options.search_sigma_px;
-  table.power = options.edge_power;
-  return table;
-}
 
 /// What is known of the frame and the object that are asked about.
 struct HypothesisProbe::Frame {

@@ -113,7 +113,8 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
   view.object = request.object;
   view.alpha = options_.alpha;
   view.beta = options_.beta;
-  view.search_radius_px = static_cast<float>(options_.search_radius_px);
+  view.search_radius_px =
+      static_cast<float>(SearchOptions(options_, camera_.fx).radius_px);
   Frame frame{{UprightFrame(-sequence.up_in_world), floor_in_world_, database_}};
   for (const ObjectReport& object : snapshot.report.objects) {
     if (object.id == request.object) frame.object = &object;
@@ -130,7 +131,7 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
 
   const EdgeMap edges{snapshot.edge_probability, snapshot.edge_angle};
   if (table_frame_ != view.frame || table_ == nullptr) {
-    table_ = std::make_shared<const OrientedTable>(edges, TableOptions(options_));
+    table_ = std::make_shared<const OrientedTable>(edges, SearchOptions(options_, camera_.fx));
     table_frame_ = view.frame;
   }
   view.chance = static_cast<float>(table_->chance());

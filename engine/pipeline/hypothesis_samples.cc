@@ -52,7 +52,7 @@ std::vector<ContourSample> HypothesisProbe::Samples(const Frame& frame,
   const Eigen::Matrix3d rotation = cam_from_world.linear() * world_from_object;
   const Eigen::Vector3d translation =
       cam_from_world * hypothesis.center_in_world - rotation * center;
-  const OrientedTableOptions table_options = TableOptions(options_);
+  const OrientedTableOptions table_options = SearchOptions(options_, camera_.fx);
   const cv::Mat& occluder = frame.view.occluder_depth;
   std::vector<ContourSample> samples;
   for (int i = 0; i < contour.size; ++i) {

@@ -84,8 +84,11 @@ Result<std::shared_ptr<HypothesisScorer>> CreateScorer(
 class FramePreparer {
  public:
   FramePreparer(std::unique_ptr<Detector> detector, std::unique_ptr<EdgeDetector> edges,
-                const MapperOptions& options)
-      : detector_(std::move(detector)), edges_(std::move(edges)), options_(options) {}
+                const MapperOptions& options, double focal_px)
+      : detector_(std::move(detector)),
+        edges_(std::move(edges)),
+        options_(options),
+        focal_px_(focal_px) {}
 
   void SetOptions(const MapperOptions& options) {
     options_ = options;
@@ -138,7 +141,7 @@ class FramePreparer {
     input.pose_id = pose->id;
     input.pose_epoch = pose->epoch;
     input.edges = prepared.edges;
-    input.table = SearchTable(prepared.edges, options_);
+    input.table = SearchTable(prepared.edges, options_, focal_px_);
     input.detections = std::move(detections).value();
     prepared.input = std::move(input);
     prepared.timings.push_back({"search table", watch.Lap()});
@@ -148,6 +151,7 @@ class FramePreparer {
   std::unique_ptr<Detector> detector_;
   std::unique_ptr<EdgeDetector> edges_;
   MapperOptions options_;
+  double focal_px_;
   int options_version_ = 0;
 };
 
@@ -295,7 +299,8 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const RunRecipe& 
       CreateScorer(recipe.scorer, impl->database, work);
   if (!scorer.ok()) return scorer.error();
   impl->preparer = std::make_unique<FramePreparer>(std::move(detector).value(),
-                                                   std::move(edges).value(), recipe.options);
+                                                   std::move(edges).value(), recipe.options,
+                                                   frames.camera().fx);
   MapperSetup setup;
   setup.camera = frames.camera();
   setup.gravity_in_world = *frames.gravity_in_world();
@@ -343,7 +348,7 @@ std::optional<std::shared_ptr<MapSnapshot>> MappingPipeline::Next() {
     return m.Snapshot(std::move(report), prepared->frame, prepared->edges, {});
   }
   if (prepared->options_version != m.options_version)  // made ready before they changed
-    prepared->input->table = SearchTable(prepared->edges, m.options);
+    prepared->input->table = SearchTable(prepared->edges, m.options, m.sequence->camera().fx);
   FrameReport report = m.mapper->Step(*prepared->input);
   add_events(report);
   report.timings.insert(report.timings.begin(), prepared->timings.begin(), prepared->timings.end());
