@@ -269,8 +269,10 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
   }
   sighting.edge_surplus = EdgeSurplus(*setup.scorer, view, map, mean) +
                           static_cast<float>(std::max(0.0, marginal - object.phi_edge));
-  if (sighting.edge_surplus > options().expected_edge)
-    object.shown = std::max(object.shown, object.visible_fraction);
+  if (sighting.edge_surplus > options().expected_edge &&
+      object.visible_fraction >= options().confirm_shown) {
+    object.shown += novelty;
+  }
   Existence existence{object.log_evidence, object.hidden};
   // Only what has been seen to be there can be said to be hidden.
   if (object.state == ObjectState::kConfirmed) {
@@ -543,7 +545,7 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, Fra
                object.seen_s > options().confirm_age_s &&
                object.mean().position_std_m < options().confirm_position_std_m &&
                BeliefInMean(object) >= options().confirm_mode_weight &&
-               object.shown >= options().confirm_shown) {
+               object.shown >= 1) {
       object.state = ObjectState::kConfirmed;
       object.confirmed_frame = input.frame;
       report.events.push_back({EventKind::kConfirmed, object.id, {}, "evidence has accumulated"});

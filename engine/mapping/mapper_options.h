@@ -107,8 +107,8 @@ struct MapperOptions {
   double confirm_evidence = 2.0;
   double retire_evidence = -3.0;
   double confirm_position_std_m = 0.10;
-  double confirm_mode_weight = 0.95;
-  double confirm_shown = 0.27;
+  double confirm_mode_weight = 0.97;
+  double confirm_shown = 0.25;
   double confirm_age_s = 1.0;
   double tentative_limit_s = 6.0;
 };
@@ -218,7 +218,7 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.confirm_mode_weight,
         {"confirm_mode_weight", "", "least belief in the mean pose of a confirmed object", 0, 1});
   visit(o.confirm_shown,
-        {"confirm_shown", "", "share of the contour that has shown, at least once, with support of edges",
+        {"confirm_shown", "", "share of the contour that must have shown, with support of edges, for a whole look",
          0, 1});
   visit(o.confirm_age_s,
         {"confirm_age_s", "s", "shortest time in view before confirmation", 0, 100});
