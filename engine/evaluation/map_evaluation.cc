@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "engine/base/check.h"
-#include "engine/geometry/assignment.h"
 #include "engine/evaluation/scene_alignment.h"
+#include "engine/geometry/assignment.h"
 
 namespace plumbline {
 namespace {

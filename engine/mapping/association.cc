@@ -15,7 +15,7 @@ namespace {
 constexpr float kSameBoxIou = 0.8f;
 constexpr float kSameObjectIou = 0.4f;  ///< Of a second box of an object that has one.
 constexpr float kMatchIou = 0.3f;
-constexpr double kGroupCover = 0.25;  ///< Of a box that is too large, by the masks in it.
+constexpr double kGroupCover = 0.25;        ///< Of a box that is too large, by the masks in it.
 constexpr double kTentativePenalty = 0.15;  ///< In IoU: what is settled comes first.
 constexpr double kSharedFootprint = 0.3;
 constexpr float kSameViewIou = 0.5f;
@@ -62,7 +62,8 @@ Box2 InMaps(const Box2& box) {
 }
 
 Box2 InImage(const Box2& box, const RenderedMaps& maps) {
-  return Intersection(box, {0, 0, static_cast<float>(maps.id.cols), static_cast<float>(maps.id.rows)});
+  return Intersection(box,
+                      {0, 0, static_cast<float>(maps.id.cols), static_cast<float>(maps.id.rows)});
 }
 
 /// The bounding box of an object at its mean state, seen from above.
@@ -98,9 +99,9 @@ std::vector<std::optional<std::size_t>> MatchProposals(std::span<const Detection
                                                        std::span<const MapObject> objects,
                                                        const RenderedMaps& maps) {
   const std::map<int, Mask> masks = maps.id.empty() ? std::map<int, Mask>{} : FindMasks(maps.id);
-  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(
-      static_cast<Eigen::Index>(objects.size()), static_cast<Eigen::Index>(proposals.size()),
-      std::numeric_limits<double>::infinity());
+  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(objects.size()),
+                                                   static_cast<Eigen::Index>(proposals.size()),
+                                                   std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const auto mask = masks.find(objects[i].id.value);
     if (mask == masks.end()) continue;
@@ -119,7 +120,8 @@ std::vector<std::optional<std::size_t>> MatchProposals(std::span<const Detection
   // As many pairs as possible is not the aim, the best pairs are: each object may stay alone at the
   // price of a pair that hardly overlaps.
   const Eigen::Index n = cost.rows(), m = cost.cols();
-  Eigen::MatrixXd square = Eigen::MatrixXd::Constant(n, m + n, std::numeric_limits<double>::infinity());
+  Eigen::MatrixXd square =
+      Eigen::MatrixXd::Constant(n, m + n, std::numeric_limits<double>::infinity());
   square.leftCols(m) = cost;
   for (Eigen::Index i = 0; i < n; ++i) square(i, m + i) = 1.0 + 2 * kTentativePenalty;
   const std::vector<std::optional<int>> columns = AssignOneToOne(square);
@@ -129,10 +131,12 @@ std::vector<std::optional<std::size_t>> MatchProposals(std::span<const Detection
   return matched;
 }
 
-std::vector<ProposalReport> ExplainProposals(
-    std::span<const Detection> proposals, std::span<const MapObject> objects,
-    std::span<const std::optional<std::size_t>> matched, const RenderedMaps& maps,
-    const ModelDatabase& database, const MapperOptions& options) {
+std::vector<ProposalReport> ExplainProposals(std::span<const Detection> proposals,
+                                             std::span<const MapObject> objects,
+                                             std::span<const std::optional<std::size_t>> matched,
+                                             const RenderedMaps& maps,
+                                             const ModelDatabase& database,
+                                             const MapperOptions& options) {
   const std::map<int, Mask> masks = maps.id.empty() ? std::map<int, Mask>{} : FindMasks(maps.id);
   std::vector<ProposalReport> reports;
   for (std::size_t k = 0; k < proposals.size(); ++k) {

@@ -18,14 +18,17 @@ std::vector<std::optional<std::size_t>> MatchProposals(std::span<const Detection
                                                        std::span<const MapObject> objects,
                                                        const RenderedMaps& maps);
 
-/// What becomes of each proposal. Explained are, besides the matched ones: parts of an object of its
-/// category (the visible mask fills more than `explained_overlap` of the box), second boxes of it,
-/// boxes about several objects that they are filled with, and boxes of whatever category that nearly
-/// coincide with an object's. The fate of the others is kSpawned provisionally where they may spawn.
-std::vector<ProposalReport> ExplainProposals(
-    std::span<const Detection> proposals, std::span<const MapObject> objects,
-    std::span<const std::optional<std::size_t>> matched, const RenderedMaps& maps,
-    const ModelDatabase& database, const MapperOptions& options);
+/// What becomes of each proposal. Explained are, besides the matched ones: parts of an object of
+/// its category (the visible mask fills more than `explained_overlap` of the box), second boxes of
+/// it, boxes about several objects that they are filled with, and boxes of whatever category that
+/// nearly coincide with an object's. The fate of the others is kSpawned provisionally where they
+/// may spawn.
+std::vector<ProposalReport> ExplainProposals(std::span<const Detection> proposals,
+                                             std::span<const MapObject> objects,
+                                             std::span<const std::optional<std::size_t>> matched,
+                                             const RenderedMaps& maps,
+                                             const ModelDatabase& database,
+                                             const MapperOptions& options);
 
 /// Whether two objects of one category cannot both be there: their footprints overlap by more than
 /// 30 % of the smaller one, or they lie within one object's size of each other and explain nearly

@@ -31,8 +31,8 @@ struct ScoringView {
   /// hides it. May be smaller than the image.
   cv::Mat occluder_depth;
   double occlusion_margin_m =
-      0.05;              ///< A point hides only behind a surface at least this much nearer.
-  double near_m = 0.15;  ///< Nearer points are not seen.
+      0.05;                 ///< A point hides only behind a surface at least this much nearer.
+  double near_m = 0.15;     ///< Nearer points are not seen.
   bool inner_lines = true;  ///< Creases and marks count too.
 };
 

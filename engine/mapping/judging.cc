@@ -18,8 +18,8 @@ std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame&
     const std::vector<Likelihood> likelihoods = Evaluate(
         scorer, judging.view, map, judging.detections, hypotheses, judging.normalizer, options);
     for (std::size_t i = 0; i < sums.size(); ++i) {
-      sums[i] += judging.weight * (options.alpha * likelihoods[i].phi_cnn +
-                                   options.beta * likelihoods[i].phi_edge);
+      sums[i] += judging.weight *
+                 (options.alpha * likelihoods[i].phi_cnn + options.beta * likelihoods[i].phi_edge);
     }
   }
   return sums;

@@ -27,8 +27,8 @@ struct MapperInput {
   std::shared_ptr<const FrameDetections> detections;
 };
 
-/// How edges are searched for in images of that focal length, so that the search reaches equally far
-/// in angle; `reach` times as far as the options say.
+/// How edges are searched for in images of that focal length, so that the search reaches equally
+/// far in angle; `reach` times as far as the options say.
 OrientedTableOptions SearchOptions(const MapperOptions& options, double focal_px, double reach = 1);
 /// The table of `edges` that hypotheses are scored with.
 std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges, const MapperOptions& options,

@@ -23,12 +23,12 @@ struct MapObject : ObjectBelief {
   std::vector<float> memory;  ///< Of each particle: the sum over `views`, see judging.h.
   double present_weight = 0;  ///< How much of a view the last frame was, beside `views`.
   double hidden = 0;          ///< Probability that something unmapped hides it, if it is there.
-  double shown = 0;           ///< Independent looks in which enough of it showed, see confirm_shown.
-  double seen_s = 0;          ///< Time in which it was updated.
-  ObjectId rival;             ///< The object that it competes with for one place, if any,
-  double rivalry = 0;         ///< and for how many independent looks it has.
+  double shown = 0;    ///< Independent looks in which enough of it showed, see confirm_shown.
+  double seen_s = 0;   ///< Time in which it was updated.
+  ObjectId rival;      ///< The object that it competes with for one place, if any,
+  double rivalry = 0;  ///< and for how many independent looks it has.
   std::vector<PoseHypothesis> joined;  ///< Of an object merged into this one, for the next search.
-  double last_search_s = 0;   ///< Of `seen_s`, at the last search for other poses.
+  double last_search_s = 0;            ///< Of `seen_s`, at the last search for other poses.
   std::optional<Detection> last_proposal;  ///< The last proposal it explained while tentative, and
                                            ///< where that was seen from.
   Eigen::Isometry3d world_from_proposal_cam = Eigen::Isometry3d::Identity();

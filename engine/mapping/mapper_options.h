@@ -138,9 +138,11 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"box", "",
          "whole: the detector scores the whole projection; best: or its visible part, the better"});
   visit(o.search_radius_px,
-        {"search_radius_px", "px", "length of the search along contour normals, at a focal length of 500", 1, 60});
+        {"search_radius_px", "px",
+         "length of the search along contour normals, at a focal length of 500", 1, 60});
   visit(o.search_sigma_px,
-        {"search_sigma_px", "px", "how fast a hit counts less with distance, at a focal length of 500", 0.5, 60});
+        {"search_sigma_px", "px",
+         "how fast a hit counts less with distance, at a focal length of 500", 0.5, 60});
   visit(o.edge_power, {"edge_power", "", "a hit counts probability^power", 0.1, 10});
   visit(o.occlusion_margin_m,
         {"occlusion_margin_m", "m", "a contour hides only behind surfaces this much nearer", 0, 1});
@@ -179,47 +181,50 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"key_frame_angle_deg", "deg", "camera rotation that makes a key frame", 0, 180});
   visit(o.views_per_object,
         {"views_per_object", "", "key frames that an object remembers as views of it", 1, 200});
-  visit(o.tentative_search_s,
-        {"tentative_search_s", "s", "between searches for other poses of a tentative object", 0, 1000});
-  visit(o.confirmed_search_s,
-        {"confirmed_search_s", "s", "between searches for other poses of a confirmed object", 0, 1000});
+  visit(o.tentative_search_s, {"tentative_search_s", "s",
+                               "between searches for other poses of a tentative object", 0, 1000});
+  visit(o.confirmed_search_s, {"confirmed_search_s", "s",
+                               "between searches for other poses of a confirmed object", 0, 1000});
   visit(o.correlation_s,
-        {"correlation_s", "s", "time after which a resting camera is credited with a second view", 0.001, 1000});
+        {"correlation_s", "s", "time after which a resting camera is credited with a second view",
+         0.001, 1000});
   visit(o.correlation_m,
-        {"correlation_m", "m", "camera motion after which a view of an object is new evidence", 0.001, 100});
-  visit(o.correlation_deg,
-        {"correlation_deg", "deg", "camera rotation after which a view is new evidence", 0.001, 360});
+        {"correlation_m", "m", "camera motion after which a view of an object is new evidence",
+         0.001, 100});
+  visit(o.correlation_deg, {"correlation_deg", "deg",
+                            "camera rotation after which a view is new evidence", 0.001, 360});
   visit(o.expected_edge,
         {"expected_edge", "",
          "edge term beyond that of places around that speaks neither for nor against an object", -1,
          1});
-  visit(o.most_edge_surplus,
-        {"most_edge_surplus", "", "edge term beyond that of places around that counts at most", 0, 1});
+  visit(o.most_edge_surplus, {"most_edge_surplus", "",
+                              "edge term beyond that of places around that counts at most", 0, 1});
   visit(o.evidence_per_edge,
         {"evidence_per_edge", "", "log odds per independent look and unit of edge term", 0, 1000});
   visit(o.detection_rate,
         {"detection_rate", "", "share of objects in full view that the detector boxes", 0, 0.99});
-  visit(o.detectable_px, {"detectable_px", "px",
-                          "area from which the detector boxes objects, at a focal length of 500", 1,
-                          1e7});
+  visit(o.detectable_px,
+        {"detectable_px", "px",
+         "area from which the detector boxes objects, at a focal length of 500", 1, 1e7});
   visit(o.false_box_quality,
         {"false_box_quality", "", "score times overlap of a typical false box", 0.001, 1});
-  visit(o.most_box_evidence,
-        {"most_box_evidence", "", "log odds that a box adds at most in an independent look", 0, 100});
+  visit(o.most_box_evidence, {"most_box_evidence", "",
+                              "log odds that a box adds at most in an independent look", 0, 100});
   visit(o.hidden_rate,
-        {"hidden_rate", "", "chance per independent look that something unmapped hides an object", 0,
-         1});
-  visit(o.hidden_s, {"hidden_s", "s", "how long an object stays hidden by something unmapped", 0.01,
-                     10000});
+        {"hidden_rate", "", "chance per independent look that something unmapped hides an object",
+         0, 1});
+  visit(o.hidden_s,
+        {"hidden_s", "s", "how long an object stays hidden by something unmapped", 0.01, 10000});
   visit(o.confirm_evidence, {"confirm_evidence", "", "log odds that confirm an object", -100, 100});
   visit(o.retire_evidence, {"retire_evidence", "", "log odds that retire an object", -100, 100});
   visit(o.confirm_position_std_m,
         {"confirm_position_std_m", "m", "largest uncertainty of a confirmed object", 0, 100});
   visit(o.confirm_mode_weight,
         {"confirm_mode_weight", "", "least belief in the mean pose of a confirmed object", 0, 1});
-  visit(o.confirm_shown,
-        {"confirm_shown", "", "share of the contour that must have shown, with support of edges, for a whole look",
-         0, 1});
+  visit(
+      o.confirm_shown,
+      {"confirm_shown", "",
+       "share of the contour that must have shown, with support of edges, for a whole look", 0, 1});
   visit(o.confirm_age_s,
         {"confirm_age_s", "s", "shortest time in view before confirmation", 0, 100});
   visit(o.tentative_limit_s, {"tentative_limit_s", "s",

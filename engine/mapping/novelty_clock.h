@@ -14,8 +14,8 @@
 namespace plumbline {
 
 /// How much of an independent look at the scene each frame adds, for what does not average over
-/// time: whether an object is there. It grows with the motion of the camera since the last look that
-/// counted, and, at rest, with time to at most one.
+/// time: whether an object is there. It grows with the motion of the camera since the last look
+/// that counted, and, at rest, with time to at most one.
 class NoveltyClock {
  public:
   /// In [0, 1]; sums to one while the camera moves by about the options' distances.

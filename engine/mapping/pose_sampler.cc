@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kModeReach_m = 0.20, kModeReach_rad = 40 * kRadPerDeg;
 constexpr std::size_t kMostModes = 8;
-constexpr double kFaintMode = 12;        ///< Modes below the best by so much are not proposed [nats].
+constexpr double kFaintMode = 12;  ///< Modes below the best by so much are not proposed [nats].
 constexpr double kLeastModeWeight = 0.03;  ///< Of a proposal; the mode's mass is only estimated.
-constexpr double kTailFreedom = 5;       ///< Degrees of freedom of Student's t.
+constexpr double kTailFreedom = 5;         ///< Degrees of freedom of Student's t.
 constexpr double kLeastSpread_m = 0.003, kLeastSpread_rad = 0.3 * kRadPerDeg;
 constexpr double kUsualSpread_m = 0.02, kUsualSpread_rad = 2 * kRadPerDeg, kUsualCount = 5;
 constexpr double kLeastWalk_m = 0.0015, kLeastWalk_rad = 0.15 * kRadPerDeg;
@@ -44,9 +44,7 @@ struct Moments {
     squares += w * difference * difference.transpose();
   }
   Eigen::Vector4d mean() const { return sum / weight; }
-  Eigen::Matrix4d covariance() const {
-    return squares / weight - mean() * mean().transpose();
-  }
+  Eigen::Matrix4d covariance() const { return squares / weight - mean() * mean().transpose(); }
 };
 
 Eigen::Matrix4d Diagonal(double position_m, double azimuth_rad) {
@@ -71,8 +69,7 @@ Eigen::Vector4d PoseSampler::Difference(const PoseHypothesis& a, const PoseHypot
   return difference;
 }
 
-PoseHypothesis PoseSampler::Step(PoseHypothesis hypothesis, double position_m,
-                                 double azimuth_rad) {
+PoseHypothesis PoseSampler::Step(PoseHypothesis hypothesis, double position_m, double azimuth_rad) {
   Random random = Next();
   const double reach = random.Uniform() < 0.125 ? 3.0 : 1.0;
   const bool on_floor = options_.floor_prior && map_.StandsOnFloor(hypothesis.label);
@@ -145,8 +142,9 @@ std::vector<std::size_t> PoseSampler::Choose(const Population& population, doubl
   const double start = Next().Uniform();
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto found = std::upper_bound(sums.begin(), sums.end(),
-                                        (static_cast<double>(i) + start) * sum / static_cast<double>(count));
+    const auto found =
+        std::upper_bound(sums.begin(), sums.end(),
+                         (static_cast<double>(i) + start) * sum / static_cast<double>(count));
     chosen.push_back(std::min(static_cast<std::size_t>(found - sums.begin()), sums.size() - 1));
   }
   return chosen;
@@ -183,8 +181,9 @@ double PoseSampler::WalkAt(Population& population, double temperature) {
     Random random = Next();
     // Small steps are accepted, large ones go far: both, in turn.
     const double scale = random.Uniform() < 0.5 ? 0.5 : 1.3;
-    const Eigen::Vector4d step = scale * root * Eigen::Vector4d(random.Gaussian(), random.Gaussian(),
-                                                               random.Gaussian(), random.Gaussian());
+    const Eigen::Vector4d step =
+        scale * root *
+        Eigen::Vector4d(random.Gaussian(), random.Gaussian(), random.Gaussian(), random.Gaussian());
     PoseHypothesis moved = hypothesis;
     moved.center_in_world += map_.upright.upright_rotation() * step.head<3>();
     moved.azimuth_rad = WrapAngle(moved.azimuth_rad + step[3]);
@@ -199,7 +198,8 @@ double PoseSampler::WalkAt(Population& population, double temperature) {
     population.judged[i] = judged[i];
     ++accepted;
   }
-  return static_cast<double>(accepted) / static_cast<double>(std::max<std::size_t>(1, proposed.size()));
+  return static_cast<double>(accepted) /
+         static_cast<double>(std::max<std::size_t>(1, proposed.size()));
 }
 
 void PoseSampler::AddModes(const Population& population, bool equally,
@@ -227,7 +227,8 @@ void PoseSampler::AddModes(const Population& population, bool equally,
         continue;
       taken[i] = true;
       // Those of a search are drawn from the target already, or nearly.
-      moments.Add(equally ? 1.0 : std::exp((population.judged[i].log_target - best) / 3), difference);
+      moments.Add(equally ? 1.0 : std::exp((population.judged[i].log_target - best) / 3),
+                  difference);
     }
     ProposalMode mode;
     mode.mean = from;
@@ -276,9 +277,10 @@ std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
   double highest = -std::numeric_limits<double>::infinity();
   for (const ProposalMode& mode : modes) highest = std::max(highest, mode.weight);
   // The population's own stay, however faint: what cannot be proposed again cannot be left.
-  modes.erase(std::remove_if(modes.begin() + static_cast<std::ptrdiff_t>(own), modes.end(),
-                             [&](const ProposalMode& m) { return m.weight < highest - kFaintMode; }),
-              modes.end());
+  modes.erase(
+      std::remove_if(modes.begin() + static_cast<std::ptrdiff_t>(own), modes.end(),
+                     [&](const ProposalMode& m) { return m.weight < highest - kFaintMode; }),
+      modes.end());
   double sum = 0;
   for (ProposalMode& mode : modes)
     sum += mode.weight = std::max(std::exp(mode.weight - highest), kLeastModeWeight);
@@ -297,17 +299,16 @@ PoseHypothesis PoseSampler::Draw(const std::vector<ProposalMode>& modes) {
     const double g = random.Gaussian();
     chi_square += g * g;
   }
-  const Eigen::Vector4d step =
-      std::sqrt(kTailFreedom / chi_square) *
-      (mode.root * Eigen::Vector4d(random.Gaussian(), random.Gaussian(), random.Gaussian(),
-                                   random.Gaussian()));
+  const Eigen::Vector4d step = std::sqrt(kTailFreedom / chi_square) *
+                               (mode.root * Eigen::Vector4d(random.Gaussian(), random.Gaussian(),
+                                                            random.Gaussian(), random.Gaussian()));
   PoseHypothesis drawn = mode.mean;
   drawn.center_in_world += map_.upright.upright_rotation() * step.head<3>();
   const int order = map_.database->model(drawn.label).symmetry.order;
-  const double copy = order == 0 ? random.Uniform(-std::numbers::pi, std::numbers::pi)
-                      : order > 1
-                          ? 2 * std::numbers::pi * random.Index(static_cast<std::uint32_t>(order)) / order
-                          : 0.0;
+  const double copy =
+      order == 0  ? random.Uniform(-std::numbers::pi, std::numbers::pi)
+      : order > 1 ? 2 * std::numbers::pi * random.Index(static_cast<std::uint32_t>(order)) / order
+                  : 0.0;
   drawn.azimuth_rad = WrapAngle(drawn.azimuth_rad + step[3] + copy);
   return drawn;
 }
@@ -318,11 +319,10 @@ double PoseSampler::LogDensity(const std::vector<ProposalMode>& modes,
   for (const ProposalMode& mode : modes) {
     if (mode.mean.label != hypothesis.label) continue;
     Eigen::Vector4d difference = Difference(hypothesis, mode.mean);
-    const Eigen::Vector4d whitened =
-        mode.root.triangularView<Eigen::Lower>().solve(difference);
-    density += mode.weight *
-               std::exp(-0.5 * mode.log_determinant -
-                        0.5 * (kTailFreedom + 4) * std::log1p(whitened.squaredNorm() / kTailFreedom));
+    const Eigen::Vector4d whitened = mode.root.triangularView<Eigen::Lower>().solve(difference);
+    density += mode.weight * std::exp(-0.5 * mode.log_determinant -
+                                      0.5 * (kTailFreedom + 4) *
+                                          std::log1p(whitened.squaredNorm() / kTailFreedom));
   }
   return std::log(std::max(density, 1e-300));
 }
@@ -336,13 +336,15 @@ double PoseSampler::Jump(Population& population, const std::vector<ProposalMode>
   std::size_t accepted = 0;
   for (std::size_t i = 0; i < proposed.size(); ++i) {
     const double gain = judged[i].log_target - population.judged[i].log_target +
-                        LogDensity(modes, population.hypotheses[i]) - LogDensity(modes, proposed[i]);
+                        LogDensity(modes, population.hypotheses[i]) -
+                        LogDensity(modes, proposed[i]);
     if (std::log(1.0 - Next().Uniform()) >= gain) continue;
     population.hypotheses[i] = proposed[i];
     population.judged[i] = judged[i];
     ++accepted;
   }
-  return static_cast<double>(accepted) / static_cast<double>(std::max<std::size_t>(1, population.size()));
+  return static_cast<double>(accepted) /
+         static_cast<double>(std::max<std::size_t>(1, population.size()));
 }
 
 Population PoseSampler::Temper(const std::vector<PoseHypothesis>& draws, std::size_t count) {

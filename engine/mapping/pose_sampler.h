@@ -23,6 +23,8 @@ using Target = std::function<std::vector<Judgement>(std::span<const PoseHypothes
 struct Population {
   std::vector<PoseHypothesis> hypotheses;
   std::vector<Judgement> judged;
+  std::vector<std::uint16_t>
+      ancestors;  ///< In the set that they were resampled from; may be empty.
 
   std::size_t size() const { return hypotheses.size(); }
   void Add(const Population& other);
@@ -32,8 +34,8 @@ struct Population {
 struct ProposalMode {
   double weight = 0;  ///< Of all components together 1.
   PoseHypothesis mean;
-  Eigen::Matrix4d root;        ///< Lower Cholesky factor of the scale: (x, y, z in upright axes [m],
-                               ///< azimuth [rad]).
+  Eigen::Matrix4d root;  ///< Lower Cholesky factor of the scale: (x, y, z in upright axes [m],
+                         ///< azimuth [rad]).
   double log_determinant = 0;  ///< Of the scale matrix.
 };
 

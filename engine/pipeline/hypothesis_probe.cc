@@ -113,8 +113,7 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
   view.object = request.object;
   view.alpha = options_.alpha;
   view.beta = options_.beta;
-  view.search_radius_px =
-      static_cast<float>(SearchOptions(options_, camera_.fx).radius_px);
+  view.search_radius_px = static_cast<float>(SearchOptions(options_, camera_.fx).radius_px);
   Frame frame{{UprightFrame(-sequence.up_in_world), floor_in_world_, database_}};
   for (const ObjectReport& object : snapshot.report.objects) {
     if (object.id == request.object) frame.object = &object;

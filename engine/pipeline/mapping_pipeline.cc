@@ -298,9 +298,8 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const RunRecipe& 
   Result<std::shared_ptr<HypothesisScorer>> scorer =
       CreateScorer(recipe.scorer, impl->database, work);
   if (!scorer.ok()) return scorer.error();
-  impl->preparer = std::make_unique<FramePreparer>(std::move(detector).value(),
-                                                   std::move(edges).value(), recipe.options,
-                                                   frames.camera().fx);
+  impl->preparer = std::make_unique<FramePreparer>(
+      std::move(detector).value(), std::move(edges).value(), recipe.options, frames.camera().fx);
   MapperSetup setup;
   setup.camera = frames.camera();
   setup.gravity_in_world = *frames.gravity_in_world();

@@ -97,7 +97,8 @@ constexpr PanelEntry kPanels[] = {
     {{"posterior", "Belief",
       "How the hypotheses of the selected object spread along each parameter, in the camera of its "
       "reference time; what it was believed to be over time; and, where there is ground truth, "
-      "whether the beliefs of this run are reliable: the truth should lie in half of the 50 % regions "
+      "whether the beliefs of this run are reliable: the truth should lie in half of the 50 % "
+      "regions "
       "and in 95 of 100 of the 95 % regions."},
      PanelPlace::kAboutObject,
      MakePosteriorPanel},

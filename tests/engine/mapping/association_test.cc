@@ -103,10 +103,12 @@ TEST_F(AssociationTest, ATentativeObjectExplainsABoxThatItMeetsInPart) {
 
 TEST_F(AssociationTest, EachObjectHasOneProposalAtMost) {
   const Box2 whole{40, 20, 79, 99}, upper{40, 20, 79, 60};
-  EXPECT_THAT(Matched({{upper, "chair", 0.9f}, {whole, "chair", 0.8f}}), testing::ElementsAre(1, -1));
+  EXPECT_THAT(Matched({{upper, "chair", 0.9f}, {whole, "chair", 0.8f}}),
+              testing::ElementsAre(1, -1));
   // The other one is a part of it.
   EXPECT_EQ(Explain({{upper, "chair", 0.9f}, {whole, "chair", 0.8f}})[0].object, ObjectId{1});
-  EXPECT_THAT(Matched({{whole, "table", 0.9f}}), testing::ElementsAre(-1, -1)) << "not its category";
+  EXPECT_THAT(Matched({{whole, "table", 0.9f}}), testing::ElementsAre(-1, -1))
+      << "not its category";
   EXPECT_THAT(Matched({}), testing::ElementsAre(-1, -1));
 }
 

@@ -127,7 +127,8 @@ TEST(NoveltyClock, ComesBackFromBytes) {
 
 TEST(EdgeSurplus, IsLargeWhereTheObjectStandsAndSmallElsewhere) {
   MappingScene& scene = MappingScene::Get();
-  const PlacedModel chair = scene.Place("chair", 0, 0, 30), table = scene.Place("table", 1.2, 0.3, 70);
+  const PlacedModel chair = scene.Place("chair", 0, 0, 30),
+                    table = scene.Place("table", 1.2, 0.3, 70);
   const std::vector<PlacedModel> both = {chair, table};
   const MapperInput input = scene.Input(0, LookAt({2.4, -1.0, 1.4}, {0.4, 0, 0.4}), both);
   ScoringView view;

@@ -149,11 +149,12 @@ TEST_F(SearchTest, JudgesBySumOverViewsAndByTheFloor) {
   for (const JudgingView& view : heavier) {
     JudgingView once = view;
     once.weight = 1;
-    sum += view.weight *
-           SumOverViews(*scene_.scorer(), scene_.map(), {&once, 1}, both, options_)[0];
+    sum +=
+        view.weight * SumOverViews(*scene_.scorer(), scene_.map(), {&once, 1}, both, options_)[0];
   }
-  const auto judged = Posterior(*scene_.scorer(), scene_.map(), {heavier.begin() + 1, heavier.end()},
-                                heavier.front(), options_)(both);
+  const auto judged =
+      Posterior(*scene_.scorer(), scene_.map(), {heavier.begin() + 1, heavier.end()},
+                heavier.front(), options_)(both);
   EXPECT_NEAR(judged[0].log_target, sum, 1e-4);
   MapperOptions correlated = options_;
   correlated.view_correlation = 0.25;

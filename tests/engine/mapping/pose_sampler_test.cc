@@ -32,7 +32,8 @@ class PoseSamplerTest : public testing::TestWithParam<int> {
   }
   PoseSampler Sampler(std::function<double(const PoseHypothesis&)> log_density,
                       std::uint32_t frame = 1) const {
-    return {map_, options_,
+    return {map_,
+            options_,
             [log_density](std::span<const PoseHypothesis> hypotheses) {
               std::vector<Judgement> judged(hypotheses.size());
               for (std::size_t i = 0; i < judged.size(); ++i)
@@ -47,7 +48,8 @@ class PoseSamplerTest : public testing::TestWithParam<int> {
     for (std::size_t i = 0; i < count(); ++i) {
       Random random({.seed = 8, .particle = static_cast<std::uint32_t>(i)});
       PoseHypothesis h = mean;
-      h.center_in_world += std_m * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+      h.center_in_world +=
+          std_m * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
       h.azimuth_rad = WrapAngle(h.azimuth_rad + std_rad * random.Gaussian());
       population.hypotheses.push_back(h);
     }
@@ -83,8 +85,8 @@ TEST_P(PoseSamplerTest, GaussiansKeepTheirWidthFromAnyStart) {
     for (const double start : {0.3, 1.0, 2.0}) {
       const double std_rad = 3 * kRadPerDeg;
       const PoseHypothesis mean = At("chair", 1, 2, 0.4);
-      PoseSampler sampler = Sampler(
-          [&](const PoseHypothesis& h) { return LogGaussian(h, mean, std_m, std_rad); });
+      PoseSampler sampler =
+          Sampler([&](const PoseHypothesis& h) { return LogGaussian(h, mean, std_m, std_rad); });
       Population population = Around(mean, start * std_m, start * std_rad, sampler);
       Sweep(sampler, population, 20, false);
       Eigen::Vector4d squares = Eigen::Vector4d::Zero();
@@ -104,7 +106,8 @@ TEST_P(PoseSamplerTest, GaussiansKeepTheirWidthFromAnyStart) {
 }
 
 TEST_P(PoseSamplerTest, TwinsAreFoundAndSharedEqually) {
-  const PoseHypothesis a = At("chair", 1, 2, 0.4), b = At("chair", 1.3, 2.2, 0.4 - std::numbers::pi);
+  const PoseHypothesis a = At("chair", 1, 2, 0.4),
+                       b = At("chair", 1.3, 2.2, 0.4 - std::numbers::pi);
   PoseSampler sampler = Sampler([&](const PoseHypothesis& h) {
     const double la = LogGaussian(h, a, 0.02, 0.05), lb = LogGaussian(h, b, 0.02, 0.05);
     return std::max(la, lb) + std::log1p(std::exp(-std::abs(la - lb)));
@@ -162,9 +165,10 @@ TEST_P(PoseSamplerTest, TemperingFillsARing) {
   // Quadrants hold a quarter each; resampling makes the draws fewer than they are.
   for (const double sx : {-1.0, 1.0}) {
     for (const double sy : {-1.0, 1.0}) {
-      EXPECT_NEAR(Share(population, [&](const PoseHypothesis& h) {
-                    return sx * h.center_in_world.x() > 0 && sy * h.center_in_world.y() > 0;
-                  }),
+      EXPECT_NEAR(Share(population,
+                        [&](const PoseHypothesis& h) {
+                          return sx * h.center_in_world.x() > 0 && sy * h.center_in_world.y() > 0;
+                        }),
                   0.25, 2 * Error(0.25));
     }
   }

@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a frame does to the belief about one object.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/mapping/existence.h"
+#include "engine/mapping/mapper_impl.h"
+
+namespace plumbline {
+namespace {
+
+/// Particles that fit better than the mean count for what they expect by exp(this * Phi_edge).
+constexpr double kMarginalSharpness = 5;
+/// The time between searches is the time in view over this, between the options' limits.
+constexpr double kSearchRelaxation = 8.0;
+constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
+constexpr int kNewcomerCount = 100;
+constexpr double kManyJumped =
+    0.3;  ///< Share of accepted jumps that makes a second round worth it.
+
+}  // namespace
+
+void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
+                                 const RenderedMaps& occluders, double dt_s, double novelty,
+                                 FrameReport& report) {
+  const ScoringView view = View(input, occluders, object.id);
+  const Likelihood before = AtMean(object, view, nullptr);
+  object.visible_fraction = before.visible_fraction;
+  object.whole_box = before.whole_box;
+  object.visible_box = before.visible_box;
+  object.updated = before.visible_fraction >= options().min_visible;
+  if (!object.updated) return;
+
+  const ModelId label_before = object.mean().label;
+  const bool remembers = options().key_frames > 0;
+  if (!remembers) {
+    Diffuse(object.particles, object.world_from_reference_cam, map, dt_s, options(),
+            Key(setup.seed, input.frame, object.id, Draw::kDiffuse));
+  }
+  const std::vector<PoseHypothesis> hypotheses =
+      ToHypotheses(object.particles, object.world_from_reference_cam);
+  const Judging now = Judge(object, input, occluders);
+  const std::vector<Likelihood> likelihoods = Evaluate(
+      *setup.scorer, view, map, input.detections.get(), hypotheses, now.view.normalizer, options());
+  // The present frame takes the place of the last one: together with the remembered views it is
+  // worth what its viewpoint adds to them. Without memory, frames count for what each adds.
+  double weight = remembers ? 1.0 : novelty;
+  for (const ObjectView& seen : object.views) {
+    if (const KeyFrame* key = memory.Find(seen.frame)) {
+      weight = std::min(weight, memory.Distance(key->input.world_from_cam, input.world_from_cam));
+    }
+  }
+  const std::vector<double> last = LogLikelihoods(object);
+  object.present_weight = weight * now.telling;
+  for (std::size_t i = 0; i < object.particles.size(); ++i) {
+    object.particles[i].phi_cnn = likelihoods[i].phi_cnn;
+    object.particles[i].phi_edge = likelihoods[i].phi_edge;
+    object.particles[i].ancestor = static_cast<std::uint16_t>(i);
+  }
+  const std::vector<double> present = LogLikelihoods(object);
+  for (std::size_t i = 0; i < object.particles.size(); ++i) {
+    object.particles[i].log_weight +=
+        static_cast<float>(remembers ? present[i] - last[i] : present[i]);
+  }
+  NormalizeLogWeights(object.particles);
+  object.effective_sample_size = EffectiveSampleSize(object.particles);
+  const int wanted =
+      object.state == ObjectState::kConfirmed ? options().particles : options().tentative_particles;
+  const bool low = object.effective_sample_size <
+                   options().resample_below * static_cast<double>(object.particles.size());
+  if (options().resample == ResampleRule::kEveryFrame || low ||
+      static_cast<int>(object.particles.size()) != wanted) {
+    if (remembers) {
+      PoseSampler sampler(map, options(), PosteriorOf(object, input, occluders),
+                          Key(setup.seed, input.frame, object.id, Draw::kSample));
+      Population population = Rejudge(object, LogLikelihoods(object), wanted, sampler, input.frame);
+      sampler.Walk(population);
+      Take(object, population);
+    } else {
+      object.particles = SystematicResample(
+          object.particles, wanted, Key(setup.seed, input.frame, object.id, Draw::kResample));
+      object.memory.assign(object.particles.size(), 0.0f);
+    }
+  }
+  object.Summarize(map);
+
+  const Likelihood after = AtMean(object, view, input.detections.get());
+  object.phi_cnn = after.phi_cnn;
+  object.phi_edge = after.phi_edge;
+  object.visible_fraction = after.visible_fraction;
+  object.whole_box = after.whole_box;
+  object.visible_box = after.visible_box;
+  object.last_frame = input.frame;
+  object.seen_s += dt_s;
+  if (object.mean().label != label_before) {
+    report.events.push_back({EventKind::kLabelChanged,
+                             object.id,
+                             {},
+                             "now most likely " + setup.database->model(object.mean().label).name});
+  }
+}
+
+void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
+                                   const RenderedMaps& occluders, const Detection* matched,
+                                   double dt_s, double novelty) {
+  const ScoringView view = View(input, occluders, object.id);
+  const PoseHypothesis mean = ToHypothesis(object.mean(), map);
+  // What all particles together expect of this image, not the mean alone: it may be between modes.
+  double expected = 0;
+  for (const Particle& particle : object.particles)
+    expected += std::exp(particle.log_weight + kMarginalSharpness * particle.phi_edge);
+  const double marginal = std::log(expected) / kMarginalSharpness;
+  const double focal = kFocalOfOptions_px / setup.camera.fx;
+  Sighting sighting;
+  sighting.novelty = novelty;
+  sighting.visible_px = object.visible_box.area() * focal * focal;
+  sighting.visible_fraction = object.visible_fraction;
+  sighting.telling = Judge(object, input, occluders).telling;
+  sighting.inside_fraction = InsideFraction(mean, input);
+  if (matched != nullptr) {
+    sighting.box_score = matched->score;
+    sighting.box_iou = Iou(matched->box, object.visible_box);
+  }
+  sighting.edge_surplus = EdgeSurplus(*setup.scorer, view, map, mean) +
+                          static_cast<float>(std::max(0.0, marginal - object.phi_edge));
+  if (sighting.edge_surplus > options().expected_edge &&
+      object.visible_fraction >= options().confirm_shown) {
+    object.shown += novelty;
+  }
+  Existence existence{object.log_evidence, object.hidden};
+  // Only what has been seen to be there can be said to be hidden.
+  if (object.state == ObjectState::kConfirmed) {
+    existence.Update(sighting, dt_s, options());
+  } else {
+    existence.UpdateInView(sighting, options());
+  }
+  object.log_evidence = existence.log_odds;
+  object.hidden = existence.hidden;
+}
+
+double Mapper::Impl::InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const {
+  const std::optional<Box2> whole = ProjectedBounds(setup.database->model(mean.label), mean, map,
+                                                    setup.camera, input.world_from_cam.inverse());
+  if (!whole) return 0;
+  const Box2 image{0, 0, static_cast<float>(setup.camera.width - 1),
+                   static_cast<float>(setup.camera.height - 1)};
+  return Intersection(*whole, image).area() / std::max(1.0f, whole->area());
+}
+
+Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& input,
+                                 const RenderedMaps& occluders) const {
+  std::vector<JudgingView> remembered;
+  for (const ObjectView& seen : object.views) {
+    const KeyFrame* key = memory.Find(seen.frame);
+    if (key == nullptr) continue;
+    remembered.push_back(Judge(object, key->input, key->maps).view);
+    remembered.back().weight = seen.weight;
+  }
+  JudgingView present = Judge(object, input, occluders).view;
+  present.weight = object.present_weight;
+  return Posterior(*setup.scorer, map, std::move(remembered), present, options());
+}
+
+std::vector<double> Mapper::Impl::LogLikelihoods(const MapObject& object) const {
+  const double sum = object.remembered() + object.present_weight;
+  const double scale = sum > 0 ? IndependentViews(sum, options().view_correlation) / sum : 0.0;
+  std::vector<double> result;
+  for (std::size_t i = 0; i < object.particles.size(); ++i) {
+    const Particle& particle = object.particles[i];
+    result.push_back(
+        scale * (object.memory[i] + object.present_weight * (options().alpha * particle.phi_cnn +
+                                                             options().beta * particle.phi_edge)));
+  }
+  return result;
+}
+
+Population Mapper::Impl::Rejudge(MapObject& object, const std::vector<double>& last, int count,
+                                 const PoseSampler& sampler, int frame) {
+  const std::vector<PoseHypothesis> hypotheses =
+      ToHypotheses(object.particles, object.world_from_reference_cam);
+  const std::vector<Judgement> judged = sampler.Judge(hypotheses);
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    object.memory[i] = judged[i].memory;
+    object.particles[i].phi_cnn = judged[i].phi_cnn;
+    object.particles[i].phi_edge = judged[i].phi_edge;
+  }
+  const std::vector<double> now = LogLikelihoods(object);
+  for (std::size_t i = 0; i < judged.size(); ++i)
+    object.particles[i].log_weight += static_cast<float>(now[i] - last[i]);
+  NormalizeLogWeights(object.particles);
+  Population population;
+  for (const Particle& particle : SystematicResample(
+           object.particles, count, Key(setup.seed, frame, object.id, Draw::kResample))) {
+    population.hypotheses.push_back(hypotheses[particle.ancestor]);
+    population.judged.push_back(judged[particle.ancestor]);
+    population.ancestors.push_back(particle.ancestor);
+  }
+  return population;
+}
+
+void Mapper::Impl::Take(MapObject& object, const Population& population) {
+  object.particles = ToParticles(population.hypotheses, object.world_from_reference_cam);
+  object.memory.clear();
+  for (std::size_t i = 0; i < population.size(); ++i) {
+    object.particles[i].phi_cnn = population.judged[i].phi_cnn;
+    object.particles[i].phi_edge = population.judged[i].phi_edge;
+    if (!population.ancestors.empty()) object.particles[i].ancestor = population.ancestors[i];
+    object.memory.push_back(population.judged[i].memory);
+  }
+}
+
+std::vector<const KeyFrame*> Mapper::Impl::ChooseViews(const MapObject& object) const {
+  std::vector<const KeyFrame*> rest, chosen;
+  for (const KeyFrame& key : memory.frames()) {
+    if (Judge(object, key.input, key.maps).visible_fraction >= kMinViewVisibility)
+      rest.insert(rest.begin(), &key);  // from the newest back
+  }
+  while (!rest.empty() && static_cast<int>(chosen.size()) < options().views_per_object) {
+    std::size_t pick = 0;
+    double furthest = -1;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const KeyFrame* other : chosen) {
+        nearest = std::min(nearest, (rest[i]->input.world_from_cam.translation() -
+                                     other->input.world_from_cam.translation())
+                                        .norm());
+      }
+      if (nearest > furthest) {
+        furthest = nearest;
+        pick = i;
+      }
+    }
+    chosen.push_back(rest[pick]);
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(pick));
+  }
+  return chosen;
+}
+
+void Mapper::Impl::Remember(MapObject& object, int frame, double weight) {
+  object.views.push_back({frame, weight});
+  if (static_cast<int>(object.views.size()) <= options().views_per_object) return;
+  // Of the two views that are closest to each other the older goes; the other stands for it.
+  std::size_t drop = 0, heir = 1;
+  double closest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < object.views.size(); ++i) {
+    for (std::size_t j = i + 1; j < object.views.size(); ++j) {
+      const KeyFrame *a = memory.Find(object.views[i].frame),
+                     *b = memory.Find(object.views[j].frame);
+      const double d = a == nullptr || b == nullptr
+                           ? 0.0
+                           : memory.Distance(a->input.world_from_cam, b->input.world_from_cam);
+      if (d < closest) {
+        closest = d;
+        drop = i;
+        heir = j;
+      }
+    }
+  }
+  object.views[heir].weight += object.views[drop].weight;
+  object.views.erase(object.views.begin() + static_cast<std::ptrdiff_t>(drop));
+}
+
+void Mapper::Impl::Forget(MapObject& object, int frame) {
+  const auto forgotten = std::find_if(object.views.begin(), object.views.end(),
+                                      [&](const ObjectView& view) { return view.frame == frame; });
+  if (forgotten == object.views.end()) return;
+  const double weight = forgotten->weight;
+  object.views.erase(forgotten);
+  const auto heir = std::min_element(object.views.begin(), object.views.end(),
+                                     [&](const ObjectView& a, const ObjectView& b) {
+                                       return std::abs(a.frame - frame) < std::abs(b.frame - frame);
+                                     });
+  if (heir != object.views.end()) heir->weight += weight;
+}
+
+void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
+                          const RenderedMaps& occluders) {
+  if (options().key_frames == 0 || !object.updated) return;
+  const bool tentative = object.state == ObjectState::kTentative;
+  // What has been seen for long has been searched for often: the search relaxes with age.
+  const double period =
+      tentative ? options().tentative_search_s
+                : std::clamp(object.seen_s / kSearchRelaxation, options().tentative_search_s,
+                             options().confirmed_search_s);
+  if (object.joined.empty() && object.seen_s - object.last_search_s < period - 1e-6) return;
+  object.last_search_s = object.seen_s;
+  const std::vector<double> last = LogLikelihoods(object);
+  if (tentative) {
+    // It may be elsewhere than it was thought to be: other frames may show it.
+    object.views.clear();
+    for (const KeyFrame* key : ChooseViews(object))
+      object.views.push_back({key->input.frame, Judge(object, key->input, key->maps).telling});
+    object.present_weight = 1;
+    for (const ObjectView& seen : object.views) {
+      object.present_weight = std::min(
+          object.present_weight,
+          memory.Distance(memory.Find(seen.frame)->input.world_from_cam, input.world_from_cam));
+    }
+    object.present_weight *= Judge(object, input, occluders).telling;
+  }
+  PoseSampler sampler(map, options(), PosteriorOf(object, input, occluders),
+                      Key(setup.seed, input.frame, object.id, Draw::kSearch));
+  Population population =
+      Rejudge(object, last, static_cast<int>(object.particles.size()), sampler, input.frame);
+  std::vector<PoseHypothesis> challengers =
+      sampler.Challengers(population.hypotheses, kChallengerCount);
+  challengers.insert(challengers.end(), object.joined.begin(), object.joined.end());
+  object.joined.clear();
+  if (object.last_proposal) {
+    const std::vector<PoseHypothesis> newcomers = SampleBirth(
+        *object.last_proposal, setup.camera, object.world_from_proposal_cam, map, options(),
+        kNewcomerCount, Key(setup.seed, input.frame, object.id, Draw::kNewcomers));
+    challengers.insert(challengers.end(), newcomers.begin(), newcomers.end());
+  }
+  const std::vector<ProposalMode> modes = sampler.FindModes(population, challengers);
+  // Many accept where there is somewhere better to be: those that drew badly draw again.
+  if (sampler.Jump(population, modes) > kManyJumped) sampler.Jump(population, modes);
+  sampler.Walk(population);
+  Take(object, population);
+  object.Summarize(map);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What mapper.cc and mapper_belief.cc share; nobody else includes it.
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/mapping/birth.h"
+#include "engine/mapping/judging.h"
+#include "engine/mapping/map_object.h"
+#include "engine/mapping/mapper.h"
+#include "engine/mapping/novelty_clock.h"
+
+namespace plumbline {
+
+inline constexpr double kMinViewVisibility = 0.15;  ///< Of a contour, in a view worth remembering.
+inline constexpr double kFocalOfOptions_px = 500;   ///< Areas in pixels are of such a camera.
+
+/// What a random draw is for: each has numbers of its own.
+enum class Draw : std::uint32_t { kDiffuse, kResample, kSample, kBirth, kNewcomers, kSearch };
+
+inline RandomKey Key(std::uint64_t seed, int frame, ObjectId object, Draw draw) {
+  return {seed, static_cast<std::uint32_t>(frame),
+          static_cast<std::uint32_t>(object.value) * 8 + static_cast<std::uint32_t>(draw), 0};
+}
+
+inline std::vector<PoseHypothesis> ToHypotheses(const std::vector<Particle>& particles,
+                                                const Eigen::Isometry3d& world_from_reference_cam) {
+  std::vector<PoseHypothesis> hypotheses;
+  hypotheses.reserve(particles.size());
+  for (const Particle& particle : particles)
+    hypotheses.push_back(ToHypothesis(particle, world_from_reference_cam));
+  return hypotheses;
+}
+
+inline std::vector<Particle> ToParticles(const std::vector<PoseHypothesis>& hypotheses,
+                                         const Eigen::Isometry3d& world_from_reference_cam) {
+  std::vector<Particle> particles;
+  particles.reserve(hypotheses.size());
+  for (const PoseHypothesis& hypothesis : hypotheses) {
+    particles.push_back(ToParticle(hypothesis, world_from_reference_cam));
+    particles.back().log_weight = -std::log(static_cast<float>(hypotheses.size()));
+    particles.back().ancestor = static_cast<std::uint16_t>(particles.size() - 1);
+  }
+  return particles;
+}
+
+struct Mapper::Impl {
+  MapperSetup setup;
+  MapFrame map;
+  std::unique_ptr<OcclusionRenderer> renderer;
+  KeyFrameMemory memory;
+  std::vector<MapObject> objects;
+  std::int32_t next_object_id = 1;
+  std::optional<std::int64_t> last_stamp_ns;
+  NoveltyClock clock;
+  RenderedMaps mean_maps;
+
+  Impl(const MapperSetup& s, std::unique_ptr<OcclusionRenderer> r)
+      : setup(s),
+        map{UprightFrame(s.gravity_in_world), s.floor_in_world, s.database},
+        renderer(std::move(r)),
+        memory(s.camera, s.options) {}
+
+  const MapperOptions& options() const { return setup.options; }
+
+  std::vector<PlacedModel> MeanStates(bool confirmed_only) const {
+    std::vector<PlacedModel> placed;
+    for (const MapObject& object : objects) {
+      if (confirmed_only && object.state != ObjectState::kConfirmed) continue;
+      placed.push_back({object.id, object.mean().label, object.mean().world_from_object});
+    }
+    return placed;
+  }
+
+  ScoringView View(const MapperInput& input, const RenderedMaps& occluders, ObjectId object) const {
+    ScoringView view;
+    view.camera = setup.camera;
+    view.cam_from_world = input.world_from_cam.inverse();
+    view.table = input.table.get();
+    view.occluder_depth = OccluderDepth(occluders, object);
+    view.occlusion_margin_m = options().occlusion_margin_m;
+    view.inner_lines = options().inner_lines;
+    return view;
+  }
+
+  Likelihood AtMean(const MapObject& object, const ScoringView& view,
+                    const FrameDetections* detections) const {
+    const PoseHypothesis mean = ToHypothesis(object.mean(), map);
+    return Evaluate(*setup.scorer, view, map, detections, {&mean, 1}, std::nullopt, options())
+        .front();
+  }
+
+  /// How an image judges hypotheses of the object, and what it shows of the object's mean.
+  struct Judging {
+    JudgingView view;
+    double visible_fraction = 0;
+    double telling = 0;  ///< In [0, 1]: a small or hidden contour says less than a long one.
+  };
+  Judging Judge(const MapObject& object, const MapperInput& from, const RenderedMaps& maps) const {
+    Judging result{{View(from, maps, object.id), from.detections.get(), 0, 1}, 0, 0};
+    const PoseHypothesis mean = ToHypothesis(object.mean(), map);
+    HypothesisScore score;
+    setup.scorer->Score(result.view.view, map.upright, {&mean, 1}, {&score, 1});
+    result.view.normalizer = EdgeNormalizer({&score, 1});
+    result.visible_fraction = score.total_m > 0 ? score.visible_m / score.total_m : 0;
+    const double depth = (result.view.view.cam_from_world * mean.center_in_world).z();
+    if (depth > 0) {
+      result.telling = std::min(
+          1.0, score.visible_m * kFocalOfOptions_px / depth / options().telling_contour_px);
+    }
+    return result;
+  }
+
+  // Steps of a frame, in order.
+  void UpdateWeights(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
+                     double dt_s, double novelty, FrameReport& report);
+  void UpdateExistence(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
+                       const Detection* matched, double dt_s, double novelty);
+  /// Share of the box of the object's bounds that lies inside the image.
+  double InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const;
+  /// Its posterior with the views it remembers, and the present frame.
+  Target PosteriorOf(const MapObject& object, const MapperInput& input,
+                     const RenderedMaps& occluders) const;
+  /// Equally weighted particles, judged anew: what hides the object in past views may be known
+  /// better by now.
+  Population Rejudge(MapObject& object, const std::vector<double>& last, int count,
+                     const PoseSampler& sampler, int frame);
+  /// Of the object's particles, as its weights have it.
+  std::vector<double> LogLikelihoods(const MapObject& object) const;
+  void Take(MapObject& object, const Population& population);
+  /// The key frames that show the object from the most different sides, for as many as it
+  /// remembers.
+  std::vector<const KeyFrame*> ChooseViews(const MapObject& object) const;
+  void Remember(MapObject& object, int frame, double weight);
+  /// The view nearest in time stands for it from now on.
+  void Forget(MapObject& object, int frame);
+  void Search(MapObject& object, const MapperInput& input, const RenderedMaps& occluders);
+  void Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input,
+             const RenderedMaps& occluders, FrameReport& report);
+  std::optional<MapObject> Spawn(const ProposalReport& proposal, const MapperInput& input,
+                                 const OrientedTable& wide_table, const RenderedMaps& occluders);
+  void UpdateLifecycle(const MapperInput& input, double novelty, FrameReport& report);
+  void KeepFrame(const MapperInput& input);
+  /// Share of the particles near the mean pose, whatever their shape.
+  double BeliefInMean(const MapObject& object) const;
+  void MergeDuplicates(double novelty, FrameReport& report);
+  void Retire(MapObject& object, EventKind kind, ObjectId other, std::string why,
+              FrameReport& report);
+};
+
+}  // namespace plumbline
