@@ -14,8 +14,6 @@ namespace plumbline {
 namespace {
 
 constexpr double kFirstFrame_s = 1.0 / 30.0;
-/// Modes within this are one pose, whatever their shapes.
-constexpr double kSamePose_m = 0.15, kSamePose_rad = 30 * kRadPerDeg;
 constexpr double kLooksBeforeMerging = 1;
 constexpr std::size_t kJoined = 60;  ///< Poses that a merged object leaves, about.
 constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
@@ -116,7 +114,7 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, Fra
                object.log_evidence > options().confirm_evidence &&
                object.seen_s > options().confirm_age_s &&
                object.mean().position_std_m < options().confirm_position_std_m &&
-               BeliefInMean(object) >= options().confirm_mode_weight && object.shown >= 1) {
+               object.agreed >= options().confirm_mode_weight && object.shown >= 1) {
       object.state = ObjectState::kConfirmed;
       object.confirmed_frame = input.frame;
       report.events.push_back({EventKind::kConfirmed, object.id, {}, "evidence has accumulated"});
@@ -126,21 +124,6 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, Fra
     }
   }
   MergeDuplicates(novelty, report);
-}
-
-double Mapper::Impl::BeliefInMean(const MapObject& object) const {
-  const PoseHypothesis mean = ToHypothesis(object.mean(), map);
-  double sum = 0;
-  for (const PoseMode& mode : object.modes) {
-    const PoseHypothesis other = ToHypothesis(mode, map);
-    const Eigen::Vector3d offset = other.center_in_world - mean.center_in_world;
-    if (offset.norm() < kSamePose_m &&
-        std::abs(AzimuthDifference(setup.database->model(mean.label), other.azimuth_rad,
-                                   mean.azimuth_rad)) < kSamePose_rad) {
-      sum += mode.weight;
-    }
-  }
-  return sum;
 }
 
 void Mapper::Impl::MergeDuplicates(double novelty, FrameReport& report) {

@@ -10,6 +10,8 @@
 namespace plumbline {
 namespace {
 
+/// Modes within this are one pose, whatever their shapes.
+constexpr double kSamePose_m = 0.15, kSamePose_rad = 30 * kRadPerDeg;
 /// Particles that fit better than the mean count for what they expect by exp(this * Phi_edge).
 constexpr double kMarginalSharpness = 5;
 /// The time between searches is the time in view over this, between the options' limits.
@@ -128,6 +130,7 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
       object.visible_fraction >= options().confirm_shown) {
     object.shown += novelty;
   }
+  object.agreed += novelty * (BeliefInMean(object) - object.agreed);
   Existence existence{object.log_evidence, object.hidden};
   // Only what has been seen to be there can be said to be hidden.
   if (object.state == ObjectState::kConfirmed) {
@@ -137,6 +140,21 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
   }
   object.log_evidence = existence.log_odds;
   object.hidden = existence.hidden;
+}
+
+double Mapper::Impl::BeliefInMean(const MapObject& object) const {
+  const PoseHypothesis mean = ToHypothesis(object.mean(), map);
+  double sum = 0;
+  for (const PoseMode& mode : object.modes) {
+    const PoseHypothesis other = ToHypothesis(mode, map);
+    const Eigen::Vector3d offset = other.center_in_world - mean.center_in_world;
+    if (offset.norm() < kSamePose_m &&
+        std::abs(AzimuthDifference(setup.database->model(mean.label), other.azimuth_rad,
+                                   mean.azimuth_rad)) < kSamePose_rad) {
+      sum += mode.weight;
+    }
+  }
+  return sum;
 }
 
 double Mapper::Impl::InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const {
