@@ -114,7 +114,7 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, Fra
                object.log_evidence > options().confirm_evidence &&
                object.seen_s > options().confirm_age_s &&
                object.mean().position_std_m < options().confirm_position_std_m &&
-               object.agreed >= options().confirm_mode_weight && object.shown >= 1) {
+               std::min(object.agreed, BeliefInMean(object)) >= options().confirm_mode_weight && object.shown >= 1) {
       object.state = ObjectState::kConfirmed;
       object.confirmed_frame = input.frame;
       report.events.push_back({EventKind::kConfirmed, object.id, {}, "evidence has accumulated"});
