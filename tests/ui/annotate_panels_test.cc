@@ -323,6 +323,11 @@ TEST(AnnotateFloorPanel, FindsPicksAndTypes) {
 /// The bar over the workspace, as if it were a panel.
 class ProjectBar : public Panel {
  public:
+  ProjectBar() {
+    PanelInfo info;
+    info.id = "project_bar";
+    set_info(info);
+  }
   void Draw(const FrameContext& context, CommandSink& sink) override {
     const ImVec2 low = ImGui::GetCursorScreenPos();
     DrawProjectBar(context, {low, {low.x + 1060, low.y + 40}}, sink);

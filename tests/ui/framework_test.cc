@@ -75,6 +75,11 @@ TEST(Theme, GivesNeighbouringObjectsDifferentColours) {
 /// A button whose label says how often it was drawn.
 class CountingButton : public Panel {
  public:
+  CountingButton() {
+    PanelInfo info;
+    info.id = "counting_button";
+    set_info(info);
+  }
   void Draw(const FrameContext& context, CommandSink&) override {
     const std::string label = "Frame " + std::to_string(++drawn_);
     clicks += Button(context, "counting", label.c_str(), "");

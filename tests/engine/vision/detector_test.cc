@@ -92,7 +92,7 @@ TEST(CreateDetector, SaysWhatIsWrongWithTheChoice) {
   EXPECT_THAT(message("yolo"), HasSubstr("'yolo'"));
   EXPECT_THAT(message("dataset"), HasSubstr("sequence"));
   EXPECT_THAT(message("builtin"), HasSubstr("built-in"));
-  EXPECT_THAT(message("nowhere.onnx"), HasSubstr("nowhere.json"));
+  EXPECT_THAT(message("nowhere.onnx"), HasSubstr("there is no network 'nowhere.onnx'"));
 }
 
 TEST(DatasetDetector, GivesTheProposalsOfTheSequence) {

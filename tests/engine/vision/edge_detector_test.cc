@@ -61,7 +61,7 @@ TEST(CreateEdgeDetector, SaysWhatIsWrongWithTheChoice) {
   };
   EXPECT_THAT(message("canny"), HasSubstr("'canny'"));
   EXPECT_THAT(message("dataset"), HasSubstr("sequence"));
-  EXPECT_THAT(message("nowhere.onnx"), HasSubstr("nowhere.json"));
+  EXPECT_THAT(message("nowhere.onnx"), HasSubstr("there is no network 'nowhere.onnx'"));
 }
 
 TEST(DatasetEdges, AreThoseOfTheSequence) {

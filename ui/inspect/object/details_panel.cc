@@ -8,7 +8,7 @@
 
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
-#include "engine/mapping/map_report.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
 

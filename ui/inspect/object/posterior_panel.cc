@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/mapping/map_report.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/object_history.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
