@@ -35,7 +35,6 @@ ObjectReport ToReport(const MapObject& object) {
     for (int k = 0; k < 3; ++k) out.Put(hypothesis.center_in_world[k]);
   }
   out.Put(object.shown);
-  out.Put(object.agreed);
   out.Put(object.last_search_s);
   out.Put(object.present_weight);
   out.Put(static_cast<std::uint32_t>(object.views.size()));
@@ -76,7 +75,6 @@ Result<MapObject> FromReport(const ObjectReport& report) {
     object.joined.push_back(hypothesis);
   }
   object.shown = in.Get<double>();
-  object.agreed = in.Get<double>();
   object.last_search_s = in.Get<double>();
   object.present_weight = in.Get<double>();
   const std::uint32_t views = in.Get<std::uint32_t>();

@@ -24,7 +24,6 @@ struct MapObject : ObjectBelief {
   double present_weight = 0;  ///< How much of a view the last frame was, beside `views`.
   double hidden = 0;          ///< Probability that something unmapped hides it, if it is there.
   double shown = 0;    ///< Independent looks in which enough of it showed, see confirm_shown.
-  double agreed = 0;   ///< Share of the particles near the mean pose, over the last look or so.
   double seen_s = 0;   ///< Time in which it was updated.
   ObjectId rival;      ///< The object that it competes with for one place, if any,
   double rivalry = 0;  ///< and for how many independent looks it has.

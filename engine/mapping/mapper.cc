@@ -114,7 +114,7 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, Fra
                object.log_evidence > options().confirm_evidence &&
                object.seen_s > options().confirm_age_s &&
                object.mean().position_std_m < options().confirm_position_std_m &&
-               std::min(object.agreed, BeliefInMean(object)) >= options().confirm_mode_weight && object.shown >= 1) {
+               BeliefInMean(object) >= options().confirm_mode_weight && object.shown >= 1) {
       object.state = ObjectState::kConfirmed;
       object.confirmed_frame = input.frame;
       report.events.push_back({EventKind::kConfirmed, object.id, {}, "evidence has accumulated"});
@@ -255,6 +255,7 @@ FrameReport Mapper::Step(const MapperInput& input) {
   report.next_object_id = m.next_object_id;
   ByteWriter state;
   m.clock.Save(state);
+  state.Put(m.edge_level);
   report.mapper_state = state.Take() + m.memory.Save();
   return report;
 }
@@ -273,6 +274,7 @@ Status Mapper::Restore(const FrameReport& report,
   m.last_stamp_ns = report.stamp_ns;
   ByteReader state(report.mapper_state);
   m.clock.Restore(state);
+  m.edge_level = state.Get<double>();
   return m.memory.Restore(state.rest(), load, *m.renderer);
 }
 

@@ -14,6 +14,8 @@ namespace {
 constexpr double kSamePose_m = 0.15, kSamePose_rad = 30 * kRadPerDeg;
 /// Particles that fit better than the mean count for what they expect by exp(this * Phi_edge).
 constexpr double kMarginalSharpness = 5;
+/// How fast the level of the edges follows, per independent look at an object that is settled.
+constexpr double kLevelRate = 0.1, kSettledLogOdds = 4;
 /// The time between searches is the time in view over this, between the options' limits.
 constexpr double kSearchRelaxation = 8.0;
 constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
@@ -124,13 +126,19 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
     sighting.box_score = matched->score;
     sighting.box_iou = Iou(matched->box, object.visible_box);
   }
-  sighting.edge_surplus = EdgeSurplus(*setup.scorer, view, map, mean) +
-                          static_cast<float>(std::max(0.0, marginal - object.phi_edge));
+  const double surplus =
+      EdgeSurplus(*setup.scorer, view, map, mean) + std::max(0.0, marginal - object.phi_edge);
+  // Strong edges give more to everything, right or wrong: what settled objects get is the measure.
+  sighting.edge_surplus = static_cast<float>(surplus * kUsualSurplus / edge_level);
+  if (object.state == ObjectState::kConfirmed && object.log_evidence > kSettledLogOdds &&
+      object.visible_fraction >= options().confirm_shown) {
+    edge_level =
+        std::max(kUsualSurplus, edge_level + kLevelRate * novelty * (surplus - edge_level));
+  }
   if (sighting.edge_surplus > options().expected_edge &&
       object.visible_fraction >= options().confirm_shown) {
     object.shown += novelty;
   }
-  object.agreed += novelty * (BeliefInMean(object) - object.agreed);
   Existence existence{object.log_evidence, object.hidden};
   // Only what has been seen to be there can be said to be hidden.
   if (object.state == ObjectState::kConfirmed) {

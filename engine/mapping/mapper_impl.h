@@ -18,7 +18,9 @@
 namespace plumbline {
 
 inline constexpr double kMinViewVisibility = 0.15;  ///< Of a contour, in a view worth remembering.
-inline constexpr double kFocalOfOptions_px = 500;   ///< Areas in pixels are of such a camera.
+/// Edge surplus of right objects in the sequences that the constants of existence were fitted on.
+inline constexpr double kUsualSurplus = 0.25;
+inline constexpr double kFocalOfOptions_px = 500;  ///< Areas in pixels are of such a camera.
 
 /// What a random draw is for: each has numbers of its own.
 enum class Draw : std::uint32_t { kDiffuse, kResample, kSample, kBirth, kNewcomers, kSearch };
@@ -58,6 +60,7 @@ struct Mapper::Impl {
   std::int32_t next_object_id = 1;
   std::optional<std::int64_t> last_stamp_ns;
   NoveltyClock clock;
+  double edge_level = kUsualSurplus;  ///< Mean edge surplus of settled objects in this sequence.
   RenderedMaps mean_maps;
 
   Impl(const MapperSetup& s, std::unique_ptr<OcclusionRenderer> r)
