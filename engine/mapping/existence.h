@@ -7,11 +7,11 @@ namespace plumbline {
 
 /// What one frame in view shows of an object at its believed pose.
 struct Sighting {
-  double novelty = 0;     ///< How much of an independent look this frame is, in [0, 1].
-  double visible_px = 0;  ///< Area of the box of its visible contour [px], of a 500 px camera.
-  double visible_fraction = 0;       ///< Of its contour, in [0, 1].
-  double telling = 0;                ///< How much its contour can say, in [0, 1].
-  double inside_fraction = 1;        ///< Of its whole box, inside the image.
+  double novelty = 0;           ///< How much of an independent look this frame is, in [0, 1].
+  double visible_px = 0;        ///< Area of the box of its visible contour [px], where f = 500.
+  double visible_fraction = 0;  ///< Of its contour, in [0, 1].
+  double telling = 0;           ///< How much its contour can say, in [0, 1].
+  double inside_fraction = 1;   ///< Of its whole box, inside the image.
   float box_score = 0, box_iou = 0;  ///< Of the proposal matched with it; 0 without one.
   float edge_surplus = 0;  ///< Edge term beyond that of other places for the same contour nearby.
 };
@@ -32,7 +32,8 @@ struct Existence {
 };
 
 /// Edge term of the pose less the mean of the same contour at places around it: what the edges of
-/// this neighbourhood give to anything of that shape. 0 where too few of the places are in view.
+/// this neighbourhood give to anything of that shape. The edge term itself where too few of the
+/// places are in view.
 float EdgeSurplus(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
                   const PoseHypothesis& pose);
 

@@ -158,7 +158,7 @@ void Mapper::Impl::MergeDuplicates(double novelty, FrameReport& report) {
     for (std::size_t k = 0; k < loser.particles.size(); k += loser.particles.size() / kJoined + 1)
       winner.joined.push_back(ToHypothesis(loser.particles[k], loser.world_from_reference_cam));
     Retire(loser, EventKind::kMerged, winner.id,
-           "object " + std::to_string(winner.id.value) + " stands there and is better founded",
+           "object " + std::to_string(winner.id.value) + " stands there and has more evidence",
            report);
   }
 }
