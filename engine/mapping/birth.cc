@@ -9,6 +9,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kCandidatesPerParticle = 8;
+constexpr double kOnSomething = 0.5;  ///< Of what need not stand on the floor.
 constexpr double kNearest_m = 0.4, kFarthest_m = 8.0;
 /// What the best candidate must reach: one side of the proposal may be missed by a third of its
 /// size.
@@ -64,6 +65,14 @@ PoseHypothesis InformedCandidate(const Detection& proposal, const PinholeCamera&
     hypothesis.center_in_world +=
         (options.floor_std_m * random.Gaussian() - map.BaseHeight(hypothesis)) *
         map.upright.up_in_world();
+  } else if (options.floor_prior && !map.supports.empty() &&
+             map.database->model(label).support != Support::kFloor &&
+             random.Uniform() < kOnSomething) {
+    const auto& surface =
+        map.supports[random.Index(static_cast<std::uint32_t>(map.supports.size()))];
+    hypothesis.center_in_world =
+        map.upright.upright_rotation() *
+        (surface.Draw(random) + Eigen::Vector3d(0, 0, map.database->model(label).center().z()));
   }
   return hypothesis;
 }

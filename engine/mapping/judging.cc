@@ -2,8 +2,15 @@
 #include "engine/mapping/judging.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace plumbline {
+namespace {
+
+constexpr double kTakenPenalty = 12;  ///< [nats]
+
+}  // namespace
 
 double IndependentViews(double weight, double correlation) {
   return weight / (1 + correlation * std::max(0.0, weight - 1));
@@ -25,11 +32,31 @@ std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame&
   return sums;
 }
 
-double LogFloorPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
-                     const MapperOptions& options) {
-  if (!options.floor_prior || !map.StandsOnFloor(hypothesis.label)) return 0;
+double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
+                      const MapperOptions& options) {
+  if (!options.floor_prior) return 0;
+  if (map.database->model(hypothesis.label).support != Support::kFloor)
+    return LogSupportPrior(map.supports, map.BaseInUpright(hypothesis));
+  if (!map.floor_in_world) return 0;
   const double height = map.BaseHeight(hypothesis) / options.floor_std_m;
   return -0.5 * height * height;
+}
+
+Target Outside(std::vector<TakenPlace> taken, const UprightFrame& upright, Target target) {
+  if (taken.empty()) return target;
+  return [taken = std::move(taken), up = upright.up_in_world(),
+          target = std::move(target)](std::span<const PoseHypothesis> hypotheses) {
+    std::vector<Judgement> judged = target(hypotheses);
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+      const bool inside = std::any_of(taken.begin(), taken.end(), [&](const TakenPlace& place) {
+        const Eigen::Vector3d offset = hypotheses[i].center_in_world - place.center_in_world;
+        const double rise = offset.dot(up);
+        return std::abs(rise) < place.half_height_m && (offset - rise * up).norm() < place.radius_m;
+      });
+      if (inside) judged[i].log_target -= kTakenPenalty;
+    }
+    return judged;
+  };
 }
 
 Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
@@ -52,7 +79,7 @@ Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
       judged[i].log_target =
           scale * (memory[i] + present.weight * (options.alpha * now[i].phi_cnn +
                                                  options.beta * now[i].phi_edge)) +
-          LogFloorPrior(map, hypotheses[i], options);
+          LogHeightPrior(map, hypotheses[i], options);
     }
     return judged;
   };

@@ -27,10 +27,20 @@ std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame&
                                  std::span<const JudgingView> views,
                                  std::span<const PoseHypothesis> hypotheses,
                                  const MapperOptions& options);
-/// Log density of the height above the floor, unnormalised; 0 without a floor and for shapes that
-/// do not stand on it.
-double LogFloorPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
-                     const MapperOptions& options);
+/// Log density, unnormalised, of the height above the floor, for shapes that stand on it; of
+/// others, of the height above what is mapped below them. 0 without a floor and without anything
+/// below.
+double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
+                      const MapperOptions& options);
+
+/// Where an object stands that is settled: no other of its category can have its centre there.
+struct TakenPlace {
+  Eigen::Vector3d center_in_world{0, 0, 0};
+  double radius_m = 0;  ///< Horizontally: half of the smaller side of its footprint.
+  double half_height_m = 0;
+};
+/// The target, with hypotheses in places that are taken made as good as impossible.
+Target Outside(std::vector<TakenPlace> taken, const UprightFrame& upright, Target target);
 
 /// The posterior of one object: what its remembered views and the present one say, scaled to as
 /// many independent views as they amount to, and the floor prior. References must outlive it.

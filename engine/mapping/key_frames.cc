@@ -96,7 +96,7 @@ void KeyFrameMemory::UpdateOcclusion(OcclusionRenderer& renderer,
   for (KeyFrame& key : frames_) {
     if (SamePlaces(key.occluders, objects)) continue;
     key.occluders = objects;
-    key.maps = renderer.Render(camera_, key.input.world_from_cam.inverse(), objects);
+    key.maps = OcclusionMaps(renderer.Render(camera_, key.input.world_from_cam.inverse(), objects));
   }
 }
 
@@ -135,7 +135,8 @@ Status KeyFrameMemory::Restore(std::string_view bytes,
       key.occluders.push_back(placed);
     }
     if (!in.ok()) break;
-    key.maps = renderer.Render(camera_, key.input.world_from_cam.inverse(), key.occluders);
+    key.maps =
+        OcclusionMaps(renderer.Render(camera_, key.input.world_from_cam.inverse(), key.occluders));
     frames_.push_back(std::move(key));
   }
   if (!in.ok())

@@ -38,7 +38,7 @@ std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges, const Map
 struct KeyFrame {
   MapperInput input;
   std::vector<PlacedModel> occluders;  ///< The mean states that `maps` shows.
-  RenderedMaps maps;
+  OcclusionMaps maps;
 };
 
 /// A bounded memory of past frames, spread over viewpoints. It makes the filter's search robust:

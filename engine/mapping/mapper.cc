@@ -23,7 +23,7 @@ constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
 std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
                                              const MapperInput& input,
                                              const OrientedTable& wide_table,
-                                             const RenderedMaps& occluders) {
+                                             const OcclusionMaps& occluders) {
   MapObject object;
   object.id = ObjectId{next_object_id};
   object.category = proposal.category;
@@ -45,7 +45,9 @@ std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
   wide.normalizer = EdgeNormalizer(scores);
   MapperOptions exact = options();
   exact.view_correlation = 0;
-  PoseSampler sampler(map, options(), Posterior(*setup.scorer, map, {}, wide, exact),
+  PoseSampler sampler(map, options(),
+                      Outside(TakenPlaces(object.category), map.upright,
+                              Posterior(*setup.scorer, map, {}, wide, exact)),
                       Key(setup.seed, input.frame, object.id, Draw::kSample));
   Population population =
       sampler.Temper(drawn, static_cast<std::size_t>(options().tentative_particles));
@@ -58,7 +60,7 @@ std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
 }
 
 void Mapper::Impl::Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input,
-                         const RenderedMaps& occluders, FrameReport& report) {
+                         const OcclusionMaps& occluders, FrameReport& report) {
   int tentative = 0;
   for (const MapObject& object : objects)
     tentative += object.state == ObjectState::kTentative ? 1 : 0;
@@ -169,7 +171,8 @@ void Mapper::Impl::KeepFrame(const MapperInput& input) {
   if (offered.kept) {
     for (MapObject& object : objects) {
       if (object.state == ObjectState::kRetired || !object.updated ||
-          object.last_frame != input.frame || object.visible_fraction < kMinViewVisibility) {
+          object.last_frame != input.frame || object.visible_fraction < kMinViewVisibility ||
+          object.present_weight <= 0) {  // what was spawned just now has not been judged by it
         continue;
       }
       for (std::size_t i = 0; i < object.particles.size(); ++i) {
@@ -219,9 +222,10 @@ FrameReport Mapper::Step(const MapperInput& input) {
 
   Stopwatch watch;
   const std::vector<PlacedModel> occluders = m.MeanStates(true);
-  const RenderedMaps occlusion =
-      m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), occluders);
+  const OcclusionMaps occlusion(
+      m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), occluders));
   m.memory.UpdateOcclusion(*m.renderer, occluders);
+  m.map.supports = m.FindSupports();
   report.timings.push_back({"visibility", watch.Lap()});
   for (MapObject& object : m.objects)
     m.UpdateWeights(object, input, occlusion, dt_s, novelty, report);

@@ -18,6 +18,8 @@ constexpr double kMarginalSharpness = 5;
 constexpr double kLevelRate = 0.1, kSettledLogOdds = 4;
 /// The time between searches is the time in view over this, between the options' limits.
 constexpr double kSearchRelaxation = 8.0;
+/// Belief in the mean pose below which a look at the object has decided nothing.
+constexpr double kInDoubt = 0.8;
 constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
 constexpr int kNewcomerCount = 100;
 constexpr double kManyJumped =
@@ -26,7 +28,7 @@ constexpr double kManyJumped =
 }  // namespace
 
 void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
-                                 const RenderedMaps& occluders, double dt_s, double novelty,
+                                 const OcclusionMaps& occluders, double dt_s, double novelty,
                                  FrameReport& report) {
   const ScoringView view = View(input, occluders, object.id);
   const Likelihood before = AtMean(object, view, nullptr);
@@ -106,7 +108,7 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
 }
 
 void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
-                                   const RenderedMaps& occluders, const Detection* matched,
+                                   const OcclusionMaps& occluders, const Detection* matched,
                                    double dt_s, double novelty) {
   const ScoringView view = View(input, occluders, object.id);
   const PoseHypothesis mean = ToHypothesis(object.mean(), map);
@@ -135,8 +137,11 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
     edge_level =
         std::max(kUsualSurplus, edge_level + kLevelRate * novelty * (surplus - edge_level));
   }
-  if (sighting.edge_surplus > options().expected_edge &&
-      object.visible_fraction >= options().confirm_shown) {
+  // One frame may tip the belief in one of two poses; a whole look at enough of it decides.
+  if (BeliefInMean(object) < kInDoubt) {
+    object.shown = 0;
+  } else if (sighting.edge_surplus > options().expected_edge &&
+             object.visible_fraction >= options().confirm_shown) {
     object.shown += novelty;
   }
   Existence existence{object.log_evidence, object.hidden};
@@ -148,6 +153,22 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
   }
   object.log_evidence = existence.log_odds;
   object.hidden = existence.hidden;
+}
+
+std::vector<SupportSurface> Mapper::Impl::FindSupports() const {
+  std::vector<SupportSurface> supports;
+  for (const MapObject& object : objects) {
+    if (object.state != ObjectState::kConfirmed) continue;
+    const ModelId label = object.mean().label;
+    const std::optional<double> height = support_heights[static_cast<std::size_t>(label.value)];
+    if (!height || setup.database->model(label).support != Support::kFloor) continue;
+    const Eigen::Vector3d& up = map.upright.up_in_world();
+    const double variance = up.dot(object.covariance.topLeftCorner<3, 3>() * up);
+    supports.push_back(MakeSupportSurface(setup.database->model(label), *height,
+                                          object.mean().world_from_object, map.upright,
+                                          std::hypot(std::sqrt(variance), options().floor_std_m)));
+  }
+  return supports;
 }
 
 double Mapper::Impl::BeliefInMean(const MapObject& object) const {
@@ -175,7 +196,7 @@ double Mapper::Impl::InsideFraction(const PoseHypothesis& mean, const MapperInpu
 }
 
 Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& input,
-                                 const RenderedMaps& occluders) const {
+                                 const OcclusionMaps& occluders) const {
   std::vector<JudgingView> remembered;
   for (const ObjectView& seen : object.views) {
     const KeyFrame* key = memory.Find(seen.frame);
@@ -185,7 +206,22 @@ Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& inp
   }
   JudgingView present = Judge(object, input, occluders).view;
   present.weight = object.present_weight;
-  return Posterior(*setup.scorer, map, std::move(remembered), present, options());
+  Target posterior = Posterior(*setup.scorer, map, std::move(remembered), present, options());
+  // Of equal things in a row the one that shows best draws all; what is settled keeps its own.
+  if (object.state == ObjectState::kConfirmed) return posterior;
+  return Outside(TakenPlaces(object.category), map.upright, std::move(posterior));
+}
+
+std::vector<TakenPlace> Mapper::Impl::TakenPlaces(const std::string& category) const {
+  std::vector<TakenPlace> taken;
+  for (const MapObject& object : objects) {
+    if (object.state != ObjectState::kConfirmed || object.category != category) continue;
+    const Eigen::Vector3d size =
+        setup.database->model(object.mean().label).bounds.sizes().cast<double>();
+    taken.push_back({ToHypothesis(object.mean(), map).center_in_world,
+                     0.5 * std::min(size.x(), size.y()), 0.5 * size.z()});
+  }
+  return taken;
 }
 
 std::vector<double> Mapper::Impl::LogLikelihoods(const MapObject& object) const {
@@ -301,7 +337,7 @@ void Mapper::Impl::Forget(MapObject& object, int frame) {
 }
 
 void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
-                          const RenderedMaps& occluders) {
+                          const OcclusionMaps& occluders) {
   if (options().key_frames == 0 || !object.updated) return;
   const bool tentative = object.state == ObjectState::kTentative;
   // What has been seen for long has been searched for often: the search relaxes with age.

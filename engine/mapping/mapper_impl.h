@@ -62,12 +62,16 @@ struct Mapper::Impl {
   NoveltyClock clock;
   double edge_level = kUsualSurplus;  ///< Mean edge surplus of settled objects in this sequence.
   RenderedMaps mean_maps;
+  std::vector<std::optional<double>> support_heights;  ///< Of each model, see SupportHeight.
 
   Impl(const MapperSetup& s, std::unique_ptr<OcclusionRenderer> r)
       : setup(s),
         map{UprightFrame(s.gravity_in_world), s.floor_in_world, s.database},
         renderer(std::move(r)),
-        memory(s.camera, s.options) {}
+        memory(s.camera, s.options) {
+    for (const CadModel& model : s.database->models())
+      support_heights.push_back(SupportHeight(model));
+  }
 
   const MapperOptions& options() const { return setup.options; }
 
@@ -80,12 +84,13 @@ struct Mapper::Impl {
     return placed;
   }
 
-  ScoringView View(const MapperInput& input, const RenderedMaps& occluders, ObjectId object) const {
+  ScoringView View(const MapperInput& input, const OcclusionMaps& occluders,
+                   ObjectId object) const {
     ScoringView view;
     view.camera = setup.camera;
     view.cam_from_world = input.world_from_cam.inverse();
     view.table = input.table.get();
-    view.occluder_depth = OccluderDepth(occluders, object);
+    view.occluder_depth = occluders.DepthBefore(object);
     view.occlusion_margin_m = options().occlusion_margin_m;
     view.inner_lines = options().inner_lines;
     return view;
@@ -104,7 +109,7 @@ struct Mapper::Impl {
     double visible_fraction = 0;
     double telling = 0;  ///< In [0, 1]: a small or hidden contour says less than a long one.
   };
-  Judging Judge(const MapObject& object, const MapperInput& from, const RenderedMaps& maps) const {
+  Judging Judge(const MapObject& object, const MapperInput& from, const OcclusionMaps& maps) const {
     Judging result{{View(from, maps, object.id), from.detections.get(), 0, 1}, 0, 0};
     const PoseHypothesis mean = ToHypothesis(object.mean(), map);
     HypothesisScore score;
@@ -119,16 +124,21 @@ struct Mapper::Impl {
     return result;
   }
 
+  /// What confirmed objects on the floor offer to others to stand on.
+  std::vector<SupportSurface> FindSupports() const;
+
   // Steps of a frame, in order.
-  void UpdateWeights(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
+  void UpdateWeights(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders,
                      double dt_s, double novelty, FrameReport& report);
-  void UpdateExistence(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
+  void UpdateExistence(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders,
                        const Detection* matched, double dt_s, double novelty);
   /// Share of the box of the object's bounds that lies inside the image.
   double InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const;
+  /// Places of confirmed objects that a tentative one of the category cannot have.
+  std::vector<TakenPlace> TakenPlaces(const std::string& category) const;
   /// Its posterior with the views it remembers, and the present frame.
   Target PosteriorOf(const MapObject& object, const MapperInput& input,
-                     const RenderedMaps& occluders) const;
+                     const OcclusionMaps& occluders) const;
   /// Equally weighted particles, judged anew: what hides the object in past views may be known
   /// better by now.
   Population Rejudge(MapObject& object, const std::vector<double>& last, int count,
@@ -142,11 +152,11 @@ struct Mapper::Impl {
   void Remember(MapObject& object, int frame, double weight);
   /// The view nearest in time stands for it from now on.
   void Forget(MapObject& object, int frame);
-  void Search(MapObject& object, const MapperInput& input, const RenderedMaps& occluders);
+  void Search(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders);
   void Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input,
-             const RenderedMaps& occluders, FrameReport& report);
+             const OcclusionMaps& occluders, FrameReport& report);
   std::optional<MapObject> Spawn(const ProposalReport& proposal, const MapperInput& input,
-                                 const OrientedTable& wide_table, const RenderedMaps& occluders);
+                                 const OrientedTable& wide_table, const OcclusionMaps& occluders);
   void UpdateLifecycle(const MapperInput& input, double novelty, FrameReport& report);
   void KeepFrame(const MapperInput& input);
   /// Share of the particles near the mean pose, whatever their shape.

@@ -32,18 +32,20 @@ RenderedMaps OcclusionRenderer::Render(const PinholeCamera& camera,
   return renderer_->Render(camera.Scaled(0.5), instances, options);
 }
 
-cv::Mat OccluderDepth(const RenderedMaps& maps, ObjectId object) {
-  if (maps.depth.empty()) return {};
-  cv::Mat result = maps.depth.clone();
-  for (int y = 0; y < result.rows; ++y) {
-    const auto* id = maps.id.ptr<std::uint16_t>(y);
-    const float* second = maps.second_depth.empty() ? nullptr : maps.second_depth.ptr<float>(y);
-    float* out = result.ptr<float>(y);
-    for (int x = 0; x < result.cols; ++x) {
+const cv::Mat& OcclusionMaps::DepthBefore(ObjectId object) const {
+  if (maps_.depth.empty()) return maps_.depth;
+  const auto [found, is_new] = depth_before_.try_emplace(object);
+  if (!is_new) return found->second;
+  cv::Mat before = maps_.depth.clone();
+  for (int y = 0; y < before.rows; ++y) {
+    const auto* id = maps_.id.ptr<std::uint16_t>(y);
+    const float* second = maps_.second_depth.empty() ? nullptr : maps_.second_depth.ptr<float>(y);
+    float* out = before.ptr<float>(y);
+    for (int x = 0; x < before.cols; ++x) {
       if (id[x] == object.value) out[x] = second != nullptr ? second[x] : 0.0f;
     }
   }
-  return result;
+  return found->second = before;
 }
 
 }  // namespace plumbline

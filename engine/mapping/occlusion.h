@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/base/ids.h"
@@ -36,7 +38,20 @@ class OcclusionRenderer {
   std::vector<int> mesh_of_model_;
 };
 
-/// Z [m] of the nearest surface that is not the object's own; 0 none. Empty if nothing is drawn.
-cv::Mat OccluderDepth(const RenderedMaps& maps, ObjectId object);
+/// What stands before each object in one image.
+class OcclusionMaps {
+ public:
+  OcclusionMaps() = default;
+  explicit OcclusionMaps(RenderedMaps maps) : maps_(std::move(maps)) {}
+
+  const RenderedMaps& rendered() const { return maps_; }
+  /// Z [m] of the nearest surface that is not the object's own; 0 none. Empty if nothing is drawn.
+  /// Worked out once for each object: not for two threads at a time.
+  const cv::Mat& DepthBefore(ObjectId object) const;
+
+ private:
+  RenderedMaps maps_;
+  mutable std::map<ObjectId, cv::Mat> depth_before_;
+};
 
 }  // namespace plumbline

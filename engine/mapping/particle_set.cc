@@ -54,6 +54,12 @@ bool MapFrame::StandsOnFloor(ModelId label) const {
   return floor_in_world.has_value() && database->model(label).support == Support::kFloor;
 }
 
+Eigen::Vector3d MapFrame::BaseInUpright(const PoseHypothesis& hypothesis) const {
+  Eigen::Vector3d base = upright.upright_rotation().transpose() * hypothesis.center_in_world;
+  base.z() -= database->model(hypothesis.label).center().z();
+  return base;
+}
+
 Eigen::Isometry3d MapFrame::WorldFromObject(const PoseHypothesis& hypothesis) const {
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
   world_from_object.linear() = upright.WorldFromObjectRotation(hypothesis.azimuth_rad);

@@ -12,6 +12,7 @@
 #include "engine/mapping/hypothesis_scorer.h"
 #include "engine/mapping/map_report.h"
 #include "engine/mapping/mapper_options.h"
+#include "engine/mapping/support_surface.h"
 #include "engine/models/model_database.h"
 
 namespace plumbline {
@@ -21,11 +22,14 @@ struct MapFrame {
   UprightFrame upright;
   std::optional<Eigen::Vector4d> floor_in_world;  ///< (a, b, c, d), (a, b, c) = up
   std::shared_ptr<const ModelDatabase> database;
+  std::vector<SupportSurface> supports = {};  ///< Of mapped objects that stand on the floor.
 
   /// Height of the base of a hypothesis above the floor [m]; requires a floor.
   double BaseHeight(const PoseHypothesis& hypothesis) const;
   /// Whether the floor prior speaks of this shape.
   bool StandsOnFloor(ModelId label) const;
+  /// Middle of the bottom of a hypothesis, in the axes of the upright frame.
+  Eigen::Vector3d BaseInUpright(const PoseHypothesis& hypothesis) const;
   Eigen::Isometry3d WorldFromObject(const PoseHypothesis& hypothesis) const;
 };
 

@@ -163,11 +163,11 @@ TEST_F(SearchTest, JudgesBySumOverViewsAndByTheFloor) {
                   .log_target,
               sum / 2, 1e-4)
       << "five views that correlate by a quarter are worth two and a half";
-  EXPECT_NEAR(LogFloorPrior(scene_.map(), floating, options_), -4.5, 1e-6)
+  EXPECT_NEAR(LogHeightPrior(scene_.map(), floating, options_), -4.5, 1e-6)
       << "three standard deviations";
   MapperOptions no_floor = options_;
   no_floor.floor_prior = false;
-  EXPECT_EQ(LogFloorPrior(scene_.map(), floating, no_floor), 0);
+  EXPECT_EQ(LogHeightPrior(scene_.map(), floating, no_floor), 0);
 }
 
 }  // namespace

@@ -73,16 +73,16 @@ TEST_F(KeyFramesTest, DrawsObjectsThatMovedAgain) {
   memory.Offer(At(1, 0.5));
   std::vector<PlacedModel> objects = {scene_.Place("chair", 0.2, 0, 30, 4)};
   memory.UpdateOcclusion(scene_.renderer(), objects);
-  const cv::Mat before = memory.frames()[0].maps.id.clone();
+  const cv::Mat before = memory.frames()[0].maps.rendered().id.clone();
   EXPECT_GT(cv::countNonZero(before == 4), 100);
   objects[0].world_from_object.translation().x() += 0.01;
   memory.UpdateOcclusion(scene_.renderer(), objects);
-  EXPECT_EQ(cv::countNonZero(memory.frames()[0].maps.id != before), 0) << "hardly moved";
+  EXPECT_EQ(cv::countNonZero(memory.frames()[0].maps.rendered().id != before), 0) << "hardly moved";
   objects[0].world_from_object.translation().x() += 0.3;
   memory.UpdateOcclusion(scene_.renderer(), objects);
-  EXPECT_GT(cv::countNonZero(memory.frames()[0].maps.id != before), 100);
+  EXPECT_GT(cv::countNonZero(memory.frames()[0].maps.rendered().id != before), 100);
   memory.UpdateOcclusion(scene_.renderer(), {});
-  EXPECT_TRUE(memory.frames()[1].maps.id.empty());
+  EXPECT_TRUE(memory.frames()[1].maps.rendered().id.empty());
 }
 
 TEST_F(KeyFramesTest, ComesBackFromBytes) {
@@ -101,11 +101,11 @@ TEST_F(KeyFramesTest, ComesBackFromBytes) {
   ASSERT_EQ(Frames(restored), Frames(memory));
   for (std::size_t i = 0; i < memory.frames().size(); ++i) {
     const KeyFrame &a = memory.frames()[i], &b = restored.frames()[i];
-    EXPECT_EQ(a.maps.id.empty(), b.maps.id.empty());
-    if (a.maps.id.empty()) continue;
-    EXPECT_EQ(cv::countNonZero(a.maps.id != b.maps.id), 0);
-    EXPECT_EQ(cv::countNonZero(a.maps.depth != b.maps.depth), 0);
-    EXPECT_EQ(cv::countNonZero(a.maps.second_depth != b.maps.second_depth), 0);
+    EXPECT_EQ(a.maps.rendered().id.empty(), b.maps.rendered().id.empty());
+    if (a.maps.rendered().id.empty()) continue;
+    EXPECT_EQ(cv::countNonZero(a.maps.rendered().id != b.maps.rendered().id), 0);
+    EXPECT_EQ(cv::countNonZero(a.maps.rendered().depth != b.maps.rendered().depth), 0);
+    EXPECT_EQ(cv::countNonZero(a.maps.rendered().second_depth != b.maps.rendered().second_depth), 0);
   }
 }
 

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/support_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+constexpr double kLevel_m = 0.02;       ///< Faces within this are of one level.
+constexpr double kLevelCosine = 0.985;  ///< Of their slope: 10 degrees.
+constexpr double kLeastCover = 0.5;     ///< Of the footprint.
+constexpr double kHeights_m = 2;  ///< That things are found at, where they stand on nothing mapped.
+
+}  // namespace
+
+std::optional<double> SupportHeight(const CadModel& model) {
+  std::vector<std::pair<double, double>> level_and_area;
+  for (const auto& triangle : model.mesh.triangles) {
+    const auto corner = [&](int k) -> Eigen::Vector3d {
+      return model.mesh.vertices[triangle[k]].cast<double>();
+    };
+    const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    if (normal.norm() <= 0 || normal.z() < kLevelCosine * normal.norm()) continue;
+    level_and_area.emplace_back((corner(0).z() + corner(1).z() + corner(2).z()) / 3,
+                                0.5 * normal.z());
+  }
+  std::sort(level_and_area.rbegin(), level_and_area.rend());
+  const double wanted = kLeastCover * model.bounds.sizes().x() * model.bounds.sizes().y();
+  for (std::size_t i = 0; i < level_and_area.size(); ++i) {
+    double area = 0, moment = 0;
+    for (std::size_t j = i; j < level_and_area.size(); ++j) {
+      const auto& [level, part] = level_and_area[j];
+      if (level < level_and_area[i].first - kLevel_m) break;
+      area += part;
+      moment += part * level;
+    }
+    if (area >= wanted) return moment / area;
+  }
+  return std::nullopt;
+}
+
+bool SupportSurface::Holds(const Eigen::Vector2d& point) const {
+  const double a = (point - corner).dot(side_a) / side_a.squaredNorm();
+  const double b = (point - corner).dot(side_b) / side_b.squaredNorm();
+  return a >= 0 && a <= 1 && b >= 0 && b <= 1;
+}
+
+Eigen::Vector3d SupportSurface::Draw(Random& random) const {
+  const double a = random.Uniform(), b = random.Uniform();
+  Eigen::Vector3d point;
+  point << corner + a * side_a + b * side_b, height_m + height_std_m * random.Gaussian();
+  return point;
+}
+
+SupportSurface MakeSupportSurface(const CadModel& model, double support_height_m,
+                                  const Eigen::Isometry3d& world_from_object,
+                                  const UprightFrame& upright, double height_std_m) {
+  const Eigen::AlignedBox3d box = model.bounds.cast<double>();
+  const Eigen::Isometry3d upright_from_object =
+      Eigen::Isometry3d(upright.upright_rotation().transpose()) * world_from_object;
+  SupportSurface surface;
+  const Eigen::Vector3d corner =
+      upright_from_object * Eigen::Vector3d(box.min().x(), box.min().y(), support_height_m);
+  surface.corner = corner.head<2>();
+  surface.side_a = (upright_from_object.linear().col(0) * box.sizes().x()).head<2>();
+  surface.side_b = (upright_from_object.linear().col(1) * box.sizes().y()).head<2>();
+  surface.height_m = corner.z();
+  surface.height_std_m = height_std_m;
+  return surface;
+}
+
+double LogSupportPrior(const std::vector<SupportSurface>& surfaces,
+                       const Eigen::Vector3d& base_in_upright) {
+  double on = 0;
+  for (const SupportSurface& surface : surfaces) {
+    if (!surface.Holds(base_in_upright.head<2>())) continue;
+    const double off = (base_in_upright.z() - surface.height_m) / surface.height_std_m;
+    on = std::max(
+        on, std::exp(-0.5 * off * off) / (std::sqrt(2 * std::numbers::pi) * surface.height_std_m));
+  }
+  return std::log1p(kHeights_m * on);
+}
+
+}  // namespace plumbline

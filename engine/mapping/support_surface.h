@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "engine/base/random.h"
+#include "engine/geometry/gravity.h"
+#include "engine/models/model_database.h"
+
+namespace plumbline {
+
+/// The highest level of a model on which things can stand [m, z of `object`]: where faces that look
+/// up make at least half of its footprint. Nothing if there is none.
+std::optional<double> SupportHeight(const CadModel& model);
+
+/// The flat top of a mapped object, in the axes of the upright frame.
+struct SupportSurface {
+  Eigen::Vector2d corner{0, 0};  ///< One of four, and where the two next to it lie from there:
+  Eigen::Vector2d side_a{0, 0}, side_b{0, 0};
+  double height_m = 0;
+  double height_std_m = 0;
+
+  bool Holds(const Eigen::Vector2d& point) const;
+  /// A point of it, all equally likely.
+  Eigen::Vector3d Draw(Random& random) const;
+};
+
+SupportSurface MakeSupportSurface(const CadModel& model, double support_height_m,
+                                  const Eigen::Isometry3d& world_from_object,
+                                  const UprightFrame& upright, double height_std_m);
+
+/// Log density of the height of a base over that point, unnormalised, for something that stands on
+/// one of the surfaces as likely as not; 0 over none of them.
+double LogSupportPrior(const std::vector<SupportSurface>& surfaces,
+                       const Eigen::Vector3d& base_in_upright);
+
+}  // namespace plumbline

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/support_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/mapping/birth.h"
+#include "engine/mapping/judging.h"
+#include "tests/support/furniture_models.h"
+
+namespace plumbline {
+namespace {
+
+class SupportSurfaceTest : public testing::Test {
+ protected:
+  const CadModel& Named(const char* name) const {
+    return database_->model(database_->Find(name).value());
+  }
+  Eigen::Isometry3d TableTurned() const {
+    Eigen::Isometry3d world_from_table = Eigen::Isometry3d::Identity();
+    world_from_table.linear() = upright_.WorldFromObjectRotation(std::numbers::pi / 6);
+    world_from_table.translation() = Eigen::Vector3d(2, -1, 0);
+    return world_from_table;
+  }
+  SupportSurface TableTop() const {
+    return MakeSupportSurface(Named("table"), *SupportHeight(Named("table")), TableTurned(),
+                              upright_, 0.02);
+  }
+  MapFrame MapWithTable() const {
+    return {upright_, Eigen::Vector4d(0, 0, 1, 0), database_, {TableTop()}};
+  }
+
+  const std::shared_ptr<const ModelDatabase> database_ = MakeFurnitureDatabase();
+  const UprightFrame upright_{{0, 0, -1}};
+};
+
+TEST_F(SupportSurfaceTest, IsTheHighestLevelThatCoversHalfTheFootprint) {
+  EXPECT_NEAR(*SupportHeight(Named("table")), 0.74, 1e-3);
+  EXPECT_NEAR(*SupportHeight(Named("crate")), 0.3, 1e-3);
+  const std::optional<double> seat = SupportHeight(Named("chair"));
+  ASSERT_TRUE(seat);
+  EXPECT_LT(*seat, 0.6) << "the seat, not the back rest";
+  EXPECT_GT(*seat, 0.3);
+}
+
+TEST_F(SupportSurfaceTest, HasNoneWhereOnlySlopesLookUp) {
+  CadModel roof = Named("crate");
+  roof.mesh.triangles.clear();
+  roof.mesh.vertices = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 1}};
+  roof.mesh.triangles = {{0, 1, 2}};
+  roof.bounds = BoundingBox(roof.mesh);
+  EXPECT_FALSE(SupportHeight(roof));
+}
+
+TEST_F(SupportSurfaceTest, LiesWhereTheObjectStands) {
+  const SupportSurface top = TableTop();
+  EXPECT_NEAR(top.height_m, 0.74, 1e-3);
+  const auto at = [&](double x, double y) -> Eigen::Vector2d {
+    return (TableTurned() * Eigen::Vector3d(x, y, 0)).head<2>();
+  };
+  EXPECT_TRUE(top.Holds(at(0, 0)));
+  EXPECT_TRUE(top.Holds(at(0.6, -0.3)));
+  EXPECT_FALSE(top.Holds(at(0.7, 0)));
+  EXPECT_FALSE(top.Holds(at(0, 0.4)));
+  Random random({.seed = 1});
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(top.Holds(top.Draw(random).head<2>()));
+}
+
+TEST_F(SupportSurfaceTest, PriorPrefersStandingOnIt) {
+  const std::vector<SupportSurface> tops = {TableTop()};
+  EXPECT_EQ(LogSupportPrior({}, {2, -1, 0.74}), 0);
+  EXPECT_EQ(LogSupportPrior(tops, {4, -1, 0.74}), 0) << "beside it";
+  EXPECT_NEAR(LogSupportPrior(tops, {2, -1, 1.2}), 0, 1e-6) << "above it, on nothing";
+  // Against heights that are equally likely over two metres: the Gaussian at its mean.
+  EXPECT_NEAR(LogSupportPrior(tops, {2, -1, 0.74}),
+              std::log1p(2 / (std::sqrt(2 * std::numbers::pi) * tops[0].height_std_m)), 1e-2);
+}
+
+TEST_F(SupportSurfaceTest, OnlyWhatNeedNotStandOnTheFloorKnowsOfIt) {
+  const MapFrame map = MapWithTable();
+  const MapperOptions options;
+  const auto on_top = [&](const char* name) {
+    const ModelId label = database_->Find(name).value();
+    return PoseHypothesis{label, 0, {2, -1, 0.74 + Named(name).center().z()}};
+  };
+  EXPECT_GT(LogHeightPrior(map, on_top("crate"), options), 2);
+  EXPECT_LT(LogHeightPrior(map, on_top("chair"), options), -100) << "it stands on the floor";
+  MapperOptions off;
+  off.floor_prior = false;
+  EXPECT_EQ(LogHeightPrior(map, on_top("crate"), off), 0);
+  MapFrame bare = map;
+  bare.supports.clear();
+  EXPECT_EQ(LogHeightPrior(bare, on_top("crate"), options), 0);
+}
+
+TEST_F(SupportSurfaceTest, SomeAreSpawnedOnIt) {
+  const MapFrame map = MapWithTable();
+  const PinholeCamera camera{640, 480, 500, 500, 319.5, 239.5};
+  Eigen::Isometry3d world_from_cam = Eigen::Isometry3d::Identity();
+  world_from_cam.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;  // looks along +x
+  world_from_cam.translation() = Eigen::Vector3d(0, -1, 0.9);
+  const ModelId crate = database_->Find("crate").value();
+  const PoseHypothesis truth{crate, 0.3, {2, -1, 0.74 + 0.15}};
+  const std::optional<Box2> box =
+      ProjectedBounds(database_->model(crate), truth, map, camera, world_from_cam.inverse());
+  ASSERT_TRUE(box);
+  const auto standing = [&](const MapFrame& known) {
+    int count = 0;
+    for (const PoseHypothesis& drawn : SampleBirth({*box, "suitcase", 0.9f}, camera, world_from_cam,
+                                                   known, MapperOptions{}, 1000, {.seed = 3})) {
+      const Eigen::Vector3d base = known.BaseInUpright(drawn);
+      count += TableTop().Holds(base.head<2>()) && std::abs(base.z() - 0.74) < 0.04 ? 1 : 0;
+    }
+    return count;
+  };
+  MapFrame bare = map;
+  bare.supports.clear();
+  EXPECT_GT(standing(map), 1.4 * standing(bare)) << "the box alone says much";
+}
+
+TEST_F(SupportSurfaceTest, TakenPlacesAreLeftOut) {
+  const Target flat = [](std::span<const PoseHypothesis> hypotheses) {
+    return std::vector<Judgement>(hypotheses.size());
+  };
+  const Target outside = Outside({{{1, 2, 0.5}, 0.25, 0.5}}, upright_, flat);
+  const std::vector<PoseHypothesis> hypotheses = {{ModelId{0}, 0, {1.1, 2.1, 0.5}},
+                                                  {ModelId{0}, 0, {1.3, 2, 0.5}},
+                                                  {ModelId{0}, 0, {1, 2, 1.2}}};
+  const std::vector<Judgement> judged = outside(hypotheses);
+  EXPECT_LT(judged[0].log_target, -10);
+  EXPECT_EQ(judged[1].log_target, 0) << "beside it";
+  EXPECT_EQ(judged[2].log_target, 0) << "above it";
+}
+
+}  // namespace
+}  // namespace plumbline
