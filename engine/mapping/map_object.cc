@@ -100,7 +100,8 @@ Result<MapObject> FromReport(const ObjectReport& report) {
       report.particles->empty() || object.memory.size() != report.particles->size()) {
     return Error{ErrorCode::kCorrupt,
                  "object " + std::to_string(report.id.value) +
-                     " in the run file lacks what is needed to resume; start the run again"};
+                     " in the run file is not as this version continues it: another version wrote "
+                     "it, or it is damaged; start the run again"};
   }
   object.particles = *report.particles;
   return object;
