@@ -119,6 +119,10 @@ struct Mapper::Impl {
     return result;
   }
 
+  /// A whole frame of filter = paper (mapper_paper.cc).
+  void StepAsPaper(const MapperInput& input, double dt_s, FrameReport& report);
+  class PaperStep;
+
   // Steps of a frame, in order.
   void UpdateWeights(MapObject& object, const MapperInput& input, const RenderedMaps& occluders,
                      double dt_s, double novelty, FrameReport& report);
@@ -154,6 +158,8 @@ struct Mapper::Impl {
   void MergeDuplicates(double novelty, FrameReport& report);
   void Retire(MapObject& object, EventKind kind, ObjectId other, std::string why,
               FrameReport& report);
+  /// The report of a frame, with what a resumed run goes on from.
+  FrameReport Finished(FrameReport report) const;
 };
 
 }  // namespace plumbline
