@@ -91,7 +91,7 @@ TEST(NearestEdges, AreHard) {
   EXPECT_EQ(MatchAt(33, across).ratio, 0);
 }
 
-TEST(NearestEdges, AreSearchedOnSmallerImagesFirstAndTwiceAsFar) {
+TEST(NearestEdges, AtFullSizeAreSearchedAQuarterAsFarAsTold) {
   const EdgeMap whole = Column(30, 0, kSize - 1, 255);
   const std::vector<NearestEdges> levels = SearchLevels(whole, {});
   ASSERT_EQ(levels.size(), 2u);
