@@ -67,11 +67,11 @@ void VisitFields(PaperOptions& o, Visitor&& visit) {
                           "filter = paper: least share of the image of a proposal", 0, 1});
   visit(o.particles_per_shape,
         {"paper_particles_per_shape", "",
-         "filter = paper: hypotheses of each shape until an object has settled", 10, 20000});
-  visit(o.bearing_x_std, {"paper_bearing_x_std", "",
-                          "filter = paper: standard deviation of X/Z at birth", 0, 1});
-  visit(o.bearing_y_std, {"paper_bearing_y_std", "",
-                          "filter = paper: standard deviation of Y/Z at birth", 0, 1});
+         "filter = paper: hypotheses of each shape until an object has settled", 10, 5000});
+  visit(o.bearing_x_std,
+        {"paper_bearing_x_std", "", "filter = paper: standard deviation of X/Z at birth", 0, 1});
+  visit(o.bearing_y_std,
+        {"paper_bearing_y_std", "", "filter = paper: standard deviation of Y/Z at birth", 0, 1});
   visit(o.depth_m, {"paper_depth_m", "m", "filter = paper: depth at birth", 0.1, 100});
   visit(o.log_depth_std, {"paper_log_depth_std", "",
                           "filter = paper: standard deviation of log-depth at birth", 0, 3});
@@ -84,13 +84,13 @@ void VisitFields(PaperOptions& o, Visitor&& visit) {
   visit(o.azimuth_noise_rad,
         {"paper_azimuth_noise_rad", "rad per update",
          "filter = paper: diffusion of azimuths that are not drawn anew", 0, 10});
-  visit(o.azimuth_redrawn,
-        {"paper_azimuth_redrawn", "",
-         "filter = paper: share of azimuths drawn anew at every update until it has settled", 0,
-         1});
-  visit(o.label_kept, {"paper_label_kept", "",
-                       "filter = paper: chance per update that a label stays, until settled", 0,
-                       1});
+  visit(
+      o.azimuth_redrawn,
+      {"paper_azimuth_redrawn", "",
+       "filter = paper: share of azimuths drawn anew at every update until it has settled", 0, 1});
+  visit(o.label_kept,
+        {"paper_label_kept", "",
+         "filter = paper: chance per update that a label stays, until settled", 0, 1});
   visit(o.settled_bearing_noise, {"paper_settled_bearing_noise", "per update",
                                   "filter = paper: diffusion of X/Z and Y/Z once settled", 0, 1});
   visit(o.settled_log_depth_noise, {"paper_settled_log_depth_noise", "per update",
@@ -103,9 +103,8 @@ void VisitFields(PaperOptions& o, Visitor&& visit) {
          "filter = paper: chance per update that a label stays, once settled", 0, 1});
   visit(o.levels, {"paper_levels", "",
                    "filter = paper: image sizes, each half the next; one update on each", 1, 4});
-  visit(o.edge_weight,
-        {"paper_edge_weight", "", "filter = paper: weight of the edge score at full size", 0,
-         10000});
+  visit(o.edge_weight, {"paper_edge_weight", "",
+                        "filter = paper: weight of the edge score at full size", 0, 10000});
   visit(o.detector_weight,
         {"paper_detector_weight", "",
          "filter = paper: weight of the logarithm of the detector's score at full size", 0, 10000});
@@ -113,8 +112,8 @@ void VisitFields(PaperOptions& o, Visitor&& visit) {
                       "filter = paper: length of the search along contour normals, halved for each "
                       "level from the coarsest on",
                       1, 100});
-  visit(o.edge_threshold, {"paper_edge_threshold", "",
-                           "filter = paper: least level of an edge, of 255", 1, 255});
+  visit(o.edge_threshold,
+        {"paper_edge_threshold", "", "filter = paper: least level of an edge, of 255", 1, 255});
   visit(o.edge_agreement,
         {"paper_edge_agreement", "",
          "filter = paper: least |cos| of the angle between contour normal and edge normal", 0, 1});
@@ -122,12 +121,12 @@ void VisitFields(PaperOptions& o, Visitor&& visit) {
                         "filter = paper: share of the contour that must not be hidden for an "
                         "object to be updated",
                         0, 1});
-  visit(o.max_updates, {"paper_max_updates", "",
-                        "filter = paper: updates after which an object that has not settled goes",
-                        1, 100000});
-  visit(o.max_unmatched, {"paper_max_unmatched", "",
-                          "filter = paper: frames without a box after which an object goes", 1,
-                          100000});
+  visit(o.max_updates,
+        {"paper_max_updates", "",
+         "filter = paper: updates after which an object that has not settled goes", 1, 100000});
+  visit(o.max_unmatched,
+        {"paper_max_unmatched", "",
+         "filter = paper: frames without a box after which an object goes", 1, 100000});
 }
 
 }  // namespace plumbline
