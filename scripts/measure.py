@@ -50,6 +50,12 @@ ABLATIONS = {
     "paper's births": ["prior=paper"],
 }
 
+# Filters to compare with (docs/algorithms/paper_filter.md). The authors' thresholds were for another detector and edges.
+PRESETS = {
+    "paper": {"as the authors had it": [],
+              "the same, lower thresholds": ["paper_min_score=0.35", "paper_min_box_share=0", "paper_edge_threshold=32"]},
+}
+
 
 @dataclasses.dataclass
 class RoomSet:
@@ -105,6 +111,7 @@ class Job:
     room: str
     seed: int
     variant: str
+    preset: str
     settings: list
 
 
@@ -171,12 +178,15 @@ class Measurement:
             sequences.append((folder, folder.name))
         for seed in (arguments.rooms or room_set.room_seeds) if room_set.scene else []:
             sequences.append((self.film(room_set, seed), f"{room_set.scene} {seed}"))
-        variants = {"as it is": []}
+        variants = {"as it is": ("default", [])}
         if arguments.ablate is not None:
             names = [name.strip() for name in arguments.ablate.split(",") if name.strip()] or list(ABLATIONS)
-            variants.update({name: ABLATIONS[name] for name in names})
-        return [Job(room_set, folder, room, seed, variant, arguments.set + settings)
-                for variant, settings in variants.items() for folder, room in sequences
+            variants.update({name: ("default", ABLATIONS[name]) for name in names})
+        if arguments.preset:
+            variants.update({name: (arguments.preset, settings)
+                             for name, settings in PRESETS[arguments.preset].items()})
+        return [Job(room_set, folder, room, seed, variant, preset, arguments.set + settings)
+                for variant, (preset, settings) in variants.items() for folder, room in sequences
                 for seed in arguments.seeds or room_set.seeds]
 
     def input_of(self, choice):
@@ -193,6 +203,8 @@ class Measurement:
                  "--edges", self.input_of(self.arguments.edges or job.set.edges)]
         if self.arguments.frames:
             words += ["--frames", self.arguments.frames]
+        if job.preset != "default":
+            words += ["--preset", job.preset]
         for setting in job.settings:
             words += ["--set", setting]
         return words
@@ -208,7 +220,7 @@ class Measurement:
             if "failed" not in record:
                 return record
         record = {"set": job.set.name, "room": job.room, "seed": job.seed, "variant": job.variant,
-                  "settings": job.settings, "program": self.program_hash, "commit": commit(),
+                  "preset": job.preset, "settings": job.settings, "program": self.program_hash, "commit": commit(),
                   "at_once": self.arguments.jobs}
         run_file = self.out / "runs" / (stem + ".plb")
         work = self.out / "runs" / (stem + ".work")
@@ -630,6 +642,8 @@ def parse():
     parser.add_argument("--edges", metavar="NETWORK|gradient|dataset", help="instead of the set's own")
     parser.add_argument("--ablate", nargs="?", const="", metavar="CUE,..",
                         help="repeat with one cue off at a time: " + ", ".join(list(ABLATIONS)[1:]))
+    parser.add_argument("--preset", choices=list(PRESETS),
+                        help="repeat with another filter, to compare with: as the authors of the paper had it")
     parser.add_argument("--out", default=str(ROOT / "build/measure"), metavar="DIR")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="runs at once (default 2)")
     parser.add_argument("--keep", action="store_true", help="keep the run files (.plb), to look at in the window")

@@ -31,6 +31,11 @@ void PipelineArguments::AddTo(CLI::App& verb) {
                   "viewpoint (fast), or rendered: the reference, about a thousand times slower")
       ->check(CLI::IsMember({"viewpoint", "rendered"}))
       ->capture_default_str();
+  verb.add_option("--preset", preset,
+                  "default, or paper: the filter of the paper's authors, for comparison; --options "
+                  "and --set change it further")
+      ->check(CLI::IsMember({"default", "paper"}))
+      ->capture_default_str();
   verb.add_option("--options", options_file, "JSON file of filter options");
   verb.add_option("--set", settings, "One filter option, key=value; may be repeated");
 }
@@ -45,6 +50,7 @@ Status PipelineArguments::Finish() {
     if (!range.ok()) return range.error();
     recipe.frames = *range;
   }
+  if (preset == "paper") recipe.options.filter = FilterKind::kPaper;
   if (!options_file.empty()) {
     Result<nlohmann::json> json = ReadJson(options_file);
     if (!json.ok()) return json.error();

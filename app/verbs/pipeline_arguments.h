@@ -15,10 +15,11 @@ namespace plumbline {
 struct PipelineArguments {
   RunRecipe recipe;  ///< Complete after Finish, but for the sequence.
   std::string frames, options_file, poses = "dataset", detector = "dataset", edges,
-                                    scorer = "viewpoint";
+                                    scorer = "viewpoint", preset = "default";
   std::vector<std::string> settings;
 
-  /// Declares --models, --frames, --seed, --detector, --edges, --poses, --options and --set.
+  /// Declares --models, --frames, --seed, --detector, --edges, --poses, --preset, --options and
+  /// --set.
   void AddTo(CLI::App& verb);
   /// Reads the range and the options into `recipe`. Errors: kInvalidInput, kNotFound.
   Status Finish();

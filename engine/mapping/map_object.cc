@@ -53,6 +53,7 @@ ObjectReport ToReport(const MapObject& object) {
     }
     out.Put(object.world_from_proposal_cam);
   }
+  object.paper.Save(out);
   report.filter_state = out.Take();
   return report;
 }
@@ -96,6 +97,7 @@ Result<MapObject> FromReport(const ObjectReport& report) {
     object.last_proposal = detection;
     object.world_from_proposal_cam = in.GetPose();
   }
+  object.paper.Restore(in);
   if (!in.ok() || report.modes.empty() || report.particles == nullptr ||
       report.particles->empty() || object.memory.size() != report.particles->size()) {
     return Error{ErrorCode::kCorrupt,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/mapping/map_report.h"
+#include "engine/mapping/paper_belief.h"
 #include "engine/mapping/particle_set.h"
 
 namespace plumbline {
@@ -32,6 +33,7 @@ struct MapObject : ObjectBelief {
   std::optional<Detection> last_proposal;  ///< The last proposal it explained while tentative, and
                                            ///< where that was seen from.
   Eigen::Isometry3d world_from_proposal_cam = Eigen::Isometry3d::Identity();
+  PaperTrack paper;  ///< Of filter = paper.
 
   const PoseMode& mean() const { return modes.front(); }
   double remembered() const;  ///< Sum of the weights of `views`.

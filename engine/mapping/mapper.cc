@@ -190,6 +190,16 @@ void Mapper::Impl::KeepFrame(const MapperInput& input) {
   }
 }
 
+FrameReport Mapper::Impl::Finished(FrameReport report) const {
+  for (const MapObject& object : objects) report.objects.push_back(ToReport(object));
+  report.next_object_id = next_object_id;
+  ByteWriter state;
+  clock.Save(state);
+  state.Put(edge_level);
+  report.mapper_state = state.Take() + memory.Save();
+  return report;
+}
+
 Mapper::Mapper(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Mapper::~Mapper() = default;
 
@@ -219,6 +229,10 @@ FrameReport Mapper::Step(const MapperInput& input) {
   const double novelty = m.clock.Advance(input.stamp_ns, input.world_from_cam, m.options());
   std::erase_if(m.objects,
                 [](const MapObject& object) { return object.state == ObjectState::kRetired; });
+  if (m.options().filter == FilterKind::kPaper) {
+    m.StepAsPaper(input, dt_s, report);
+    return m.Finished(std::move(report));
+  }
 
   Stopwatch watch;
   const std::vector<PlacedModel> occluders = m.MeanStates(true);
@@ -254,14 +268,7 @@ FrameReport Mapper::Step(const MapperInput& input) {
   report.timings.push_back({"spawn", watch.Lap()});
   m.UpdateLifecycle(input, novelty, report);
   m.KeepFrame(input);
-
-  for (const MapObject& object : m.objects) report.objects.push_back(ToReport(object));
-  report.next_object_id = m.next_object_id;
-  ByteWriter state;
-  m.clock.Save(state);
-  state.Put(m.edge_level);
-  report.mapper_state = state.Take() + m.memory.Save();
-  return report;
+  return m.Finished(std::move(report));
 }
 
 Status Mapper::Restore(const FrameReport& report,

@@ -126,6 +126,9 @@ struct Mapper::Impl {
 
   /// What confirmed objects on the floor offer to others to stand on.
   std::vector<SupportSurface> FindSupports() const;
+  /// A whole frame of filter = paper (mapper_paper.cc).
+  void StepAsPaper(const MapperInput& input, double dt_s, FrameReport& report);
+  class PaperStep;
 
   // Steps of a frame, in order.
   void UpdateWeights(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders,
@@ -164,6 +167,8 @@ struct Mapper::Impl {
   void MergeDuplicates(double novelty, FrameReport& report);
   void Retire(MapObject& object, EventKind kind, ObjectId other, std::string why,
               FrameReport& report);
+  /// The report of a frame, with what a resumed run goes on from.
+  FrameReport Finished(FrameReport report) const;
 };
 
 }  // namespace plumbline

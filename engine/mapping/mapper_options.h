@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/base/options.h"
+#include "engine/mapping/paper_options.h"
 
 namespace plumbline {
 
@@ -44,6 +45,8 @@ struct FormerNames<MapperOptions> {
 /// Everything that can be chosen about the semantic filter. docs/algorithms/semantic_filter.md
 /// explains each.
 struct MapperOptions {
+  FilterKind filter = FilterKind::kPosterior;
+
   // Particles
   int particles = 500;
   int spawn_particles = 4000;
@@ -111,10 +114,13 @@ struct MapperOptions {
   double confirm_shown = 0.25;
   double confirm_age_s = 1.0;
   double tentative_limit_s = 6.0;
+
+  PaperOptions paper;  ///< Of filter = paper.
 };
 
 template <typename Visitor>
 void VisitFields(MapperOptions& o, Visitor&& visit) {
+  visit(o.filter, {"filter", "", "posterior, or paper: as the authors of the paper had it"});
   visit(o.particles, {"particles", "", "hypotheses of an object once it has settled", 50, 20000});
   visit(o.spawn_particles,
         {"spawn_particles", "", "hypotheses tried when an object is spawned", 100, 100000});
@@ -229,6 +235,7 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"confirm_age_s", "s", "shortest time in view before confirmation", 0, 100});
   visit(o.tentative_limit_s, {"tentative_limit_s", "s",
                               "time in view after which a tentative object is retired", 0, 1000});
+  VisitFields(o.paper, visit);
 }
 
 }  // namespace plumbline

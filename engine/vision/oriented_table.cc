@@ -21,6 +21,19 @@ struct Offset {
   int weight;  ///< 0 .. 256
 };
 
+/// Of a hit at distance k, in [0, 1].
+double Weight(double k, const OrientedTableOptions& options) {
+  switch (options.profile) {
+    case HitProfile::kGaussian:
+      return std::exp(-k * k / (2.0 * options.sigma_px * options.sigma_px));
+    case HitProfile::kFlat:
+      return 1;
+    case HitProfile::kLinear:
+      return 1 - std::abs(k) / (options.radius_px + 1);
+  }
+  return 0;
+}
+
 /// The line through the origin along a normal, two pixels wide across its minor axis so that the
 /// lines of neighbouring edge pixels leave no holes between them.
 std::vector<Offset> LineOffsets(double angle, const OrientedTableOptions& options) {
@@ -32,8 +45,7 @@ std::vector<Offset> LineOffsets(double angle, const OrientedTableOptions& option
   for (int i = -steps; i <= steps; ++i) {
     const double k = i / major;
     const double exact = k * minor;
-    const int weight = static_cast<int>(
-        std::lround(256.0 * std::exp(-k * k / (2.0 * options.sigma_px * options.sigma_px))));
+    const int weight = static_cast<int>(std::lround(256.0 * Weight(k, options)));
     const int low = static_cast<int>(std::floor(exact));
     for (int m = low; m <= low + (exact > low ? 1 : 0); ++m) {
       line.push_back(along_x ? Offset{i, m, weight} : Offset{m, i, weight});

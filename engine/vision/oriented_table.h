@@ -8,11 +8,19 @@
 
 namespace plumbline {
 
+/// How a hit counts less with its distance k from the contour.
+enum class HitProfile {
+  kGaussian,  ///< exp(-k^2 / (2 sigma^2))
+  kFlat,      ///< Not at all: whether there is an edge.
+  kLinear     ///< 1 - k / (radius + 1): how far the nearest of equally strong edges is.
+};
+
 struct OrientedTableOptions {
   double radius_px = 12;       ///< Length of the search along the contour's normal, each way.
   double sigma_px = 5;         ///< A hit at distance k counts exp(-k^2 / (2 sigma^2)).
   double power = 2.0;          ///< A hit counts probability^power: faint edges are mostly clutter.
   double min_agreement = 0.9;  ///< |cos| of the angle between contour normal and edge normal.
+  HitProfile profile = HitProfile::kGaussian;
 };
 
 /// One-dimensional search along contour normals, tabulated once for a frame: for every pixel and

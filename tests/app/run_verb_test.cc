@@ -159,6 +159,27 @@ TEST_F(RunVerb, DoesNotResumeAnotherRun) {
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("a.plb"));
 }
 
+TEST_F(RunVerb, KeepsThePresetInTheRun) {
+  const std::vector<std::string> paper = {
+      "run", Path("sequence"), "--frames", "0:12", "--preset", "paper", "--set", "paper_depth_m=3"};
+  const auto start = [&](std::vector<std::string> arguments, std::vector<std::string> more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Wait(Start(arguments));
+  };
+  ASSERT_EQ(start(paper, {"--out", Path("whole.plb")}), 0) << *ReadFile(Path("output.txt"));
+  const auto whole = RunReader::Open(Path("whole.plb")).value();
+  EXPECT_EQ(whole->header().recipe.options.filter, FilterKind::kPaper);
+  EXPECT_EQ(whole->header().recipe.options.paper.depth_m, 3);
+  ASSERT_EQ(start(paper, {"--out", Path("fork.plb"), "--fork", Path("whole.plb"), "--at", "5"}), 0);
+  const auto fork = RunReader::Open(Path("fork.plb")).value();
+  EXPECT_EQ(BytesOf(fork->LastFrame().value()), BytesOf(whole->LastFrame().value()));
+
+  EXPECT_EQ(Wait(Start({"run", Path("sequence"), "--frames", "0:12", "--out", Path("whole.plb"),
+                        "--resume"})),
+            1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("'filter'"));
+}
+
 TEST_F(RunVerb, WritesItsResultAsJson) {
   ASSERT_EQ(
       Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--json", Path("result.json")})),

@@ -33,8 +33,10 @@ class PipelineTest : public testing::Test {
   }
 
   static std::unique_ptr<MappingPipeline> Open(const std::filesystem::path& sequence,
-                                               const FrameRange& frames, std::uint64_t seed = 1) {
+                                               const FrameRange& frames, std::uint64_t seed = 1,
+                                               const MapperOptions& options = {}) {
     RunRecipe recipe;
+    recipe.options = options;
     recipe.sequence = sequence;
     recipe.frames = frames;
     recipe.seed = seed;
@@ -170,6 +172,38 @@ TEST_F(PipelineTest, ARunWhoseOptionsChangedTellsOfItAndResumesBitForBit) {
     ASSERT_EQ(rest.size(), 39 - after);
     for (std::size_t i = 0; i < rest.size(); ++i) ExpectSame(rest[i], run[after + 1 + i]);
   }
+}
+
+TEST_F(PipelineTest, TheAuthorsFilterRepeatsAndResumesBitForBit) {
+  MapperOptions options;
+  options.filter = FilterKind::kPaper;
+  options.paper.particles_per_shape = 200;  // fewer, for time
+  const FrameRange frames{.end = 40};
+  const std::vector<FrameReport> run = Rest(*Open(Original(), frames, 1, options));
+  ASSERT_EQ(run.size(), 40u);
+  EXPECT_FALSE(run.back().objects.empty());
+  for (const std::size_t after : {0u, 3u, 24u, 38u}) {
+    const auto resumed = Open(Original(), frames, 1, options);
+    ASSERT_TRUE(resumed->Resume(run[after]).ok());
+    const std::vector<FrameReport> rest = Rest(*resumed);
+    ASSERT_EQ(rest.size(), 39 - after);
+    for (std::size_t i = 0; i < rest.size(); ++i) ExpectSame(rest[i], run[after + 1 + i]);
+  }
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  ExpectSame(Rest(*Open(Original(), {.end = 12}, 1, options)).back(), run[11]);
+}
+
+TEST_F(PipelineTest, ARunGoesOnFromOneFilterToTheOther) {
+  const auto pipeline = Open(Original(), {.end = 60});
+  MapperOptions options;
+  for (const FilterKind filter : {FilterKind::kPaper, FilterKind::kPosterior}) {
+    for (int i = 0; i < 20; ++i) ASSERT_TRUE(pipeline->Next().has_value());
+    options.filter = filter;
+    pipeline->SetOptions(options);
+  }
+  const std::vector<FrameReport> rest = Rest(*pipeline);
+  ASSERT_EQ(rest.size(), 20u);
+  EXPECT_FALSE(rest.back().objects.empty());
 }
 
 TEST_F(PipelineTest, TakesEveryNthFrame) {

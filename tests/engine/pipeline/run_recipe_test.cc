@@ -40,6 +40,19 @@ TEST(RunRecipe, IsTheSameAfterJson) {
   EXPECT_TRUE(least_back->models.empty());
 }
 
+TEST(RunRecipe, TellsOfTheAuthorsFilterAndAllItsSettings) {
+  RunRecipe recipe = Recipe();
+  recipe.options.filter = FilterKind::kPaper;
+  recipe.options.paper.depth_m = 3.5;
+  const nlohmann::json json = RecipeToJson(recipe);
+  EXPECT_EQ(json.at("options").at("filter"), "paper");
+  EXPECT_EQ(json.at("options").at("paper_edge_weight"), 200);
+  const auto back = RecipeFromJson(json);
+  ASSERT_TRUE(back.ok()) << back.error().message;
+  EXPECT_EQ(back->options.filter, FilterKind::kPaper);
+  EXPECT_EQ(back->options.paper.depth_m, 3.5);
+}
+
 TEST(RunRecipe, OfANewerVersionIsRefusedWithASentence) {
   nlohmann::json json = RecipeToJson(Recipe());
   json["version"] = 99;
