@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/smoothing/smoother.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+
+#include "engine/annotation/image_refinement.h"
+#include "engine/mapping/association.h"
+#include "engine/smoothing/covariance.h"
+#include "engine/smoothing/edge_claims.h"
+#include "engine/smoothing/joint_solution.h"
+#include "engine/smoothing/object_views.h"
+#include "engine/smoothing/resampling.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kSampledViews = 20, kRefinedViews = 12;
+constexpr int kSweeps = 2;
+constexpr std::size_t kMostWithdrawn = 24;  ///< Withdrawn objects that are given another chance.
+constexpr double kInOnePlace_m = 0.08;  ///< What stands so deep in a settled object is not there.
+
+ImageRefinementOptions RefinementOptions() {
+  ImageRefinementOptions options;
+  options.max_shift_m = 0.06;
+  options.max_turn_deg = 6;
+  options.starts = 4;
+  options.coarse_samples = 300;
+  return options;
+}
+
+/// An object on its way through the second pass.
+struct Work {
+  ObjectReport causal;
+  MapObject object;
+  std::vector<Sight> sights;
+  std::vector<std::size_t> views;  ///< Of `sights`, the best one first.
+  Presence presence;
+  bool kept = false;  ///< It is there.
+  std::optional<ImageRefinement> refined;
+  PoseHypothesis pose;  ///< The best so far.
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();
+};
+
+Error Cancelled() { return {ErrorCode::kCancelled, "smoothing was cancelled"}; }
+
+class Smoother {
+ public:
+  Smoother(const SmoothingTask& task, std::unique_ptr<OcclusionRenderer> renderer,
+           const WorkContext& work)
+      : task_(task),
+        setup_(task.setup),
+        map_{UprightFrame(setup_.gravity_in_world), setup_.floor_in_world, setup_.database},
+        renderer_(std::move(renderer)),
+        work_(work) {}
+
+  Result<SmoothedMap> Run() {
+    looks_ = ChooseLooks(task_.frames, setup_.options);
+    if (Status status = Gather(); !status.ok()) return status.error();
+    if (Status status = FindViews(); !status.ok()) return status.error();
+    if (Status status = ResampleAll(0); !status.ok()) return status.error();
+    auto presences = LookBack(setup_, *renderer_, looks_, Objects(), task_.load, work_);
+    if (!presences.ok()) return presences.error();
+    for (std::size_t i = 0; i < items_.size(); ++i) items_[i].presence = std::move((*presences)[i]);
+    Select();
+    for (int sweep = 1; sweep <= kSweeps; ++sweep) {
+      if (Status status = FindViews(); !status.ok()) return status.error();
+      if (Status status = Sweep(sweep); !status.ok()) return status.error();
+    }
+    return Conclude();
+  }
+
+ private:
+  // Gathering -------------------------------------------------------------------------------
+
+  /// All objects of the end, and of the withdrawn ones those that most speaks for.
+  Status Gather() {
+    std::vector<const ObjectReport*> reports, withdrawn;
+    for (const ObjectReport& report : task_.objects) {
+      const bool gone = report.state == ObjectState::kRetired;
+      if (!gone) reports.push_back(&report);
+      if (gone && report.log_evidence > setup_.options.retire_evidence) withdrawn.push_back(&report);
+    }
+    std::stable_sort(withdrawn.begin(), withdrawn.end(), [](const auto* a, const auto* b) {
+      return a->log_evidence > b->log_evidence;
+    });
+    withdrawn.resize(std::min(withdrawn.size(), kMostWithdrawn));
+    reports.insert(reports.end(), withdrawn.begin(), withdrawn.end());
+    std::sort(reports.begin(), reports.end(),
+              [](const auto* a, const auto* b) { return a->id < b->id; });
+    for (const ObjectReport* report : reports) {
+      Result<MapObject> object = FromReport(*report);
+      if (!object.ok()) return object.error();
+      if (object->state == ObjectState::kRetired) object->state = ObjectState::kTentative;
+      items_.push_back({.causal = *report, .object = std::move(object).value()});
+      Believe(items_.back());
+    }
+    return {};
+  }
+
+  std::vector<MapObject> Objects() const {
+    std::vector<MapObject> objects;
+    for (const Work& item : items_) objects.push_back(item.object);
+    return objects;
+  }
+
+  /// What was sampled is the best that is known.
+  void Believe(Work& item) const {
+    item.pose = ToHypothesis(item.object.mean(), map_);
+    item.covariance = item.object.covariance;
+    item.refined.reset();
+  }
+
+  Status FindViews() {
+    const std::vector<MapObject> objects = Objects();
+    std::vector<std::vector<Sight>> sights = FindSights(setup_, *renderer_, looks_, objects);
+    std::set<int> wanted;
+    for (std::size_t i = 0; i < items_.size(); ++i) {
+      items_[i].sights = std::move(sights[i]);
+      items_[i].views = ChooseViews(items_[i].sights, kSampledViews);
+      for (const std::size_t view : items_[i].views) wanted.insert(FrameOf(items_[i], view));
+    }
+    int done = 0;
+    for (const int frame : wanted) {
+      if (work_.stop.stop_requested()) return Cancelled();
+      work_.report({"reading views", ++done, static_cast<int>(wanted.size())});
+      if (inputs_.contains(frame)) continue;
+      Result<MapperInput> input = task_.load(frame);
+      if (!input.ok()) continue;  // as the run itself leaves such a frame out
+      input->table.reset();       // one for each object follows, of the edges that are left for it
+      inputs_.emplace(frame, std::move(input).value());
+    }
+    return {};
+  }
+
+  int FrameOf(const Work& item, std::size_t view) const {
+    return looks_[item.sights[view].look].at.frame;
+  }
+
+  // Sampling --------------------------------------------------------------------------------
+
+  Status ResampleAll(int round) {
+    for (std::size_t i = 0; i < items_.size(); ++i) {
+      if (work_.stop.stop_requested()) return Cancelled();
+      ResampleObject(items_[i], round);
+      work_.report({"sampling", static_cast<int>(i + 1), static_cast<int>(items_.size())});
+    }
+    return {};
+  }
+
+  void ResampleObject(Work& item, int round) {
+    std::vector<ObjectImage> images;
+    for (const std::size_t view : item.views) {
+      const auto input = inputs_.find(FrameOf(item, view));
+      if (input == inputs_.end()) continue;
+      ObjectImage image;
+      image.table = SearchTable(EdgesFor(item, input->first), setup_.options, setup_.camera.fx);
+      image.detections = input->second.detections;
+      const RenderedMaps maps = renderer_->Render(
+          setup_.camera, input->second.world_from_cam.inverse(), MeanStates(Objects(), true));
+      image.judging.view =
+          ViewOf(setup_, input->second.world_from_cam, maps, item.object.id, *image.table);
+      image.judging.detections = image.detections.get();
+      image.judging.weight = item.sights[view].telling;
+      HypothesisScore score;
+      setup_.scorer->Score(image.judging.view, map_.upright, {&item.pose, 1}, {&score, 1});
+      image.judging.normalizer = EdgeNormalizer({&score, 1});
+      images.push_back(std::move(image));
+    }
+    const RandomKey key{setup_.seed, static_cast<std::uint32_t>(task_.frames.back().frame + 1),
+                        static_cast<std::uint32_t>(item.object.id.value) * 8 +
+                            static_cast<std::uint32_t>(round),
+                        0};
+    Resample(*setup_.scorer, map_, images, setup_.options, key, item.object);
+    Believe(item);
+  }
+
+  // Being there -----------------------------------------------------------------------------
+
+  /// Who is there: what the run has confirmed stays unless all looks together speak against it;
+  /// others are confirmed by the filter's own rule, where nothing of their kind and nothing solid
+  /// stands.
+  void Select() {
+    const MapperOptions& options = setup_.options;
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < items_.size(); ++i) order.push_back(i);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      const auto rank = [&](std::size_t k) {
+        return std::pair(items_[k].object.state == ObjectState::kConfirmed,
+                         items_[k].presence.log_odds);
+      };
+      return rank(a) > rank(b);
+    });
+    std::vector<std::size_t> kept;
+    for (const std::size_t i : order) {
+      Work& item = items_[i];
+      const bool confirmed = item.object.state == ObjectState::kConfirmed;
+      const double odds = item.presence.log_odds;
+      item.kept = confirmed ? odds > options.retire_evidence
+                            : odds > options.confirm_evidence && item.presence.shown >= 1 &&
+                                  item.object.mean().position_std_m <
+                                      options.confirm_position_std_m &&
+                                  BeliefInMean(item.object, map_) >= options.confirm_mode_weight;
+      item.kept = item.kept && std::none_of(kept.begin(), kept.end(), [&](std::size_t other) {
+        return InPlaceOf(item, items_[other], other);
+      });
+      item.object.state = item.kept ? ObjectState::kConfirmed : ObjectState::kTentative;
+      if (item.kept) kept.push_back(i);
+    }
+  }
+
+  /// Whether an object cannot be there because `other` is.
+  bool InPlaceOf(Work& item, const Work& other, std::size_t index) {
+    MapObject a = item.object, b = other.object;
+    a.updated = b.updated = false;  // footprints alone; boxes are compared over all looks
+    if (Compete(a, b, map_)) return true;
+    const auto looks = static_cast<double>(
+        std::min(item.presence.frames.size(), other.presence.frames.size()));
+    if (a.category == b.category && item.presence.same_view[index] > 0.5 * looks) return true;
+    if (other.causal.state != ObjectState::kConfirmed ||
+        item.causal.state == ObjectState::kConfirmed)
+      return false;
+    const auto of_a = Solid(item.pose.label), of_b = Solid(other.pose.label);
+    if (of_a == nullptr || of_b == nullptr) return false;
+    const auto contact = FindContact(*of_a, map_.WorldFromObject(item.pose), *of_b,
+                                     map_.WorldFromObject(other.pose));
+    return contact && contact->depth_m > kInOnePlace_m;
+  }
+
+  /// Null for a model without surface.
+  std::shared_ptr<const SolidModel> Solid(ModelId label) {
+    const auto found = solids_.find(label.value);
+    if (found != solids_.end()) return found->second;
+    Result<SolidModel> solid = SolidModel::Prepare(setup_.database->model(label));
+    auto prepared = solid.ok() ? std::make_shared<const SolidModel>(std::move(solid).value())
+                               : std::shared_ptr<const SolidModel>();
+    return solids_.emplace(label.value, std::move(prepared)).first->second;
+  }
+
+  // Refinement ------------------------------------------------------------------------------
+
+  /// Every object anew, with the others where the last sweep left them.
+  Status Sweep(int sweep) {
+    Claim();
+    int done = 0, all = 0;
+    for (const Work& item : items_) all += item.kept ? 1 : 0;
+    for (Work& item : items_) {
+      if (!item.kept) continue;
+      if (work_.stop.stop_requested()) return Cancelled();
+      const Occluders occluders = OccludersOf(item);
+      ResampleObject(item, sweep);
+      if (Status status = Refine(item, occluders); !status.ok()) return status;
+      work_.report({"refining together", (sweep - 1) * all + ++done, kSweeps * all});
+    }
+    return {};
+  }
+
+  Occluders OccludersOf(const Work& item) {
+    Occluders occluders;
+    for (const Work& other : items_) {
+      if (!other.kept || other.object.id == item.object.id) continue;
+      if (const auto solid = Solid(other.pose.label))
+        occluders.models.push_back({solid->outline, map_.WorldFromObject(other.pose)});
+    }
+    return occluders;
+  }
+
+  /// Finds which edges the objects explain where they stand now.
+  void Claim() {
+    std::vector<std::pair<int, const MapperInput*>> frames;
+    for (const auto& [frame, input] : inputs_) frames.emplace_back(frame, &input);
+    claims_.clear();
+    for (const Work& item : items_) {
+      if (!item.kept) continue;
+      const auto solid = Solid(item.pose.label);
+      if (solid == nullptr) continue;
+      const Occluders occluders = OccludersOf(item);
+      std::vector<std::vector<EdgeClaim>> claims(frames.size());
+      tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
+        const MapperInput& input = *frames[k].second;
+        const AnnotationImage image{frames[k].first, {}, input.edges, input.world_from_cam};
+        claims[k] = ClaimsOf(CheckImage(image, setup_.camera, *solid->outline,
+                                        map_.WorldFromObject(item.pose), occluders),
+                             input.edges.probability.size());
+      });
+      for (std::size_t k = 0; k < frames.size(); ++k) {
+        if (!claims[k].empty())
+          claims_[frames[k].first][item.object.id.value] = std::move(claims[k]);
+      }
+    }
+  }
+
+  EdgeMap EdgesFor(const Work& item, int frame) const {
+    const EdgeMap& edges = inputs_.at(frame).edges;
+    const auto claims = claims_.find(frame);
+    if (claims == claims_.end()) return edges;
+    std::vector<const std::vector<EdgeClaim>*> others;
+    std::span<const EdgeClaim> own;
+    for (const auto& [id, of] : claims->second) {
+      if (id == item.object.id.value) {
+        own = of;
+      } else {
+        others.push_back(&of);
+      }
+    }
+    return ShareOf(edges, own, others);
+  }
+
+  Status Refine(Work& item, const Occluders& occluders) {
+    const auto solid = Solid(item.pose.label);
+    if (solid == nullptr) return {};
+    std::vector<AnnotationImage> images;
+    for (const std::size_t view : item.views) {
+      const int frame = FrameOf(item, view);
+      if (static_cast<int>(images.size()) == kRefinedViews || !inputs_.contains(frame)) continue;
+      images.push_back({frame, {}, EdgesFor(item, frame), inputs_.at(frame).world_from_cam});
+    }
+    if (images.empty()) return {};
+    WorkContext quiet;
+    quiet.stop = work_.stop;
+    Result<ImageRefinement> refined = RefineByImages(
+        *AnnotationImages::FromImages(setup_.camera, std::move(images)), *solid->outline,
+        map_.WorldFromObject(item.pose), map_.upright.up_in_world(), occluders,
+        RefinementOptions(), quiet);
+    if (!refined.ok()) {
+      // Images that do not show enough leave the sampled pose.
+      return refined.error().code == ErrorCode::kCancelled ? Status(Cancelled()) : Status();
+    }
+    const CadModel& model = setup_.database->model(item.pose.label);
+    const Eigen::Isometry3d& pose = refined->scan_from_object;
+    item.pose.center_in_world = pose * model.center();
+    item.pose.azimuth_rad = map_.upright.Azimuth(pose.linear());
+    item.covariance = CentreCovariance(refined->covariance, pose.linear(), model.center(),
+                                       map_.upright.up_in_world());
+    item.refined = std::move(refined).value();
+    return {};
+  }
+
+  // Together --------------------------------------------------------------------------------
+
+  SmoothedMap Conclude() {
+    std::vector<Work*> kept;
+    std::vector<MeasuredObject> measured;
+    for (Work& item : items_) {
+      if (!item.kept) continue;
+      kept.push_back(&item);
+      const bool stands = setup_.options.floor_prior && item.refined &&
+                          setup_.database->model(item.pose.label).support == Support::kFloor;
+      measured.push_back({item.pose, item.covariance, Solid(item.pose.label), stands});
+    }
+    const JointSolution together = SolveJointly(measured, map_, setup_.options);
+    SmoothedMap result;
+    result.last_frame = task_.frames.back().frame;
+    result.looks = static_cast<int>(looks_.size());
+    result.floor_objects = together.floor_objects;
+    result.floor_height_m = together.floor_height_m;
+    result.floor_std_m = together.floor_std_m;
+    std::map<int, double> pushed;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      pushed[kept[i]->object.id.value] =
+          (together.poses[i].center_in_world - kept[i]->pose.center_in_world).norm();
+      kept[i]->pose = together.poses[i];
+      kept[i]->covariance = together.covariances[i];
+    }
+    for (const Work& item : items_) {
+      const bool gone = item.causal.state == ObjectState::kRetired;
+      if (gone && !item.kept) continue;
+      result.objects.push_back(Describe(item));
+      result.objects.back().pushed_m = pushed[item.object.id.value];
+    }
+    return result;
+  }
+
+  SmoothedObject Describe(const Work& item) const {
+    SmoothedObject smoothed;
+    ObjectReport& belief = smoothed.belief;
+    static_cast<ObjectBelief&>(belief) = item.object;
+    belief.log_evidence = item.presence.log_odds;
+    belief.covariance = item.covariance;
+    belief.updated = true;
+    belief.world_from_object = map_.WorldFromObject(item.pose);
+    PoseMode& mean = belief.modes.front();
+    mean.world_from_object = belief.world_from_object;
+    mean.position_std_m = std::sqrt(item.covariance.topLeftCorner<3, 3>().trace());
+    mean.azimuth_std_rad = std::sqrt(item.covariance(3, 3));
+    const std::vector<int>& frames = item.presence.frames;
+    smoothed.spawned_frame = item.causal.first_frame;
+    smoothed.looks = static_cast<int>(frames.size());
+    smoothed.looks_before = static_cast<int>(
+        std::lower_bound(frames.begin(), frames.end(), item.causal.first_frame) - frames.begin());
+    if (!frames.empty()) belief.first_frame = std::min(frames.front(), item.causal.first_frame);
+    smoothed.refined = item.refined.has_value();
+    smoothed.views = item.refined ? item.refined->images : static_cast<int>(item.views.size());
+    smoothed.agreement = item.refined ? item.refined->agreement_after : 0;
+    return smoothed;
+  }
+
+  const SmoothingTask& task_;
+  const MapperSetup& setup_;
+  MapFrame map_;
+  std::unique_ptr<OcclusionRenderer> renderer_;
+  const WorkContext& work_;
+  std::vector<Look> looks_;
+  std::vector<Work> items_;
+  std::map<int, MapperInput> inputs_;  ///< By frame, without search tables.
+  std::map<int, std::shared_ptr<const SolidModel>> solids_;  ///< By label.
+  /// By frame and object.
+  std::map<int, std::map<int, std::vector<EdgeClaim>>> claims_;
+};
+
+}  // namespace
+
+Result<SmoothedMap> Smooth(const SmoothingTask& task, const WorkContext& work) {
+  if (task.frames.empty())
+    return Error{ErrorCode::kInvalidInput, "a run that used no frame cannot be smoothed"};
+  Result<std::unique_ptr<OcclusionRenderer>> renderer =
+      OcclusionRenderer::Create(task.setup.database);
+  if (!renderer.ok()) return renderer.error();
+  return Smoother(task, std::move(renderer).value(), work).Run();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/smoothing/looks.h"
+
+#include <gtest/gtest.h>
+
+#include "engine/smoothing/object_views.h"
+
+namespace plumbline {
+namespace {
+
+TEST(Looks, ARestingCameraLooksOnceAndAWalkingOneAgainAndAgain) {
+  std::vector<PassedFrame> resting, walking;
+  for (int i = 0; i < 60; ++i) {
+    resting.push_back({i, i * 10'000'000LL, Eigen::Isometry3d::Identity()});
+    walking.push_back(resting.back());
+    walking.back().world_from_cam.translation().x() = 0.05 * i;
+  }
+  const auto few = ChooseLooks(resting, {}), many = ChooseLooks(walking, {});
+  EXPECT_EQ(few.size(), 1u);
+  EXPECT_GT(many.size(), 10u);
+  for (const Look& look : many) {
+    EXPECT_GT(look.novelty, 0);
+    EXPECT_LE(look.novelty, 1);
+  }
+}
+
+TEST(Looks, ViewsAreTakenFromAllSides) {
+  std::vector<Sight> sights;
+  for (int i = 0; i < 40; ++i) {  // many from the front, one from the side
+    const double angle = i == 39 ? 1.5 : 0.005 * i;
+    sights.push_back({static_cast<std::size_t>(i), 0.8, 1, {std::cos(angle), std::sin(angle), 0},
+                      2.0});
+  }
+  const std::vector<std::size_t> chosen = ChooseViews(sights, 3);
+  ASSERT_EQ(chosen.size(), 3u);
+  EXPECT_EQ(chosen[1], 39u);
+  sights.resize(2);
+  EXPECT_EQ(ChooseViews(sights, 3).size(), 1u) << "the second one shows nothing new";
+  EXPECT_TRUE(ChooseViews({}, 3).empty());
+}
+
+}  // namespace
+}  // namespace plumbline
