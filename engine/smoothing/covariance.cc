@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/smoothing/covariance.h"
 
-#include "engine/geometry/symmetric_matrix.h"
+#include <algorithm>
 
 namespace plumbline {
 
@@ -18,16 +18,10 @@ Eigen::Matrix4d CentreCovariance(const PoseCovariance& covariance,
   return state_from_pose * covariance * state_from_pose.transpose();
 }
 
-Eigen::Matrix4d LargerOf(const Eigen::Matrix4d& a, const Eigen::Matrix4d& b) {
-  const SymmetricEigen of_a = EigenOf(a);
-  const Eigen::Matrix4d axes = of_a.vectors;
-  const Eigen::Vector4d root = of_a.values.cwiseMax(1e-18).cwiseSqrt();
-  const Eigen::Matrix4d whiten = root.cwiseInverse().asDiagonal() * axes.transpose();
-  const Eigen::Matrix4d colour = axes * root.asDiagonal();
-  const SymmetricEigen of_b = EigenOf(Eigen::MatrixXd(whiten * b * whiten.transpose()));
-  const Eigen::Matrix4d both = colour * Eigen::Matrix4d(of_b.vectors);
-  const Eigen::Vector4d variances = of_b.values.cwiseMax(1.0);
-  return both * variances.asDiagonal() * both.transpose();
+double HotellingFactor(int images) {
+  constexpr double kMost = 3;
+  const double nu = images - 1;
+  return nu > 5 ? std::min(kMost, nu / (nu - 5)) : kMost;
 }
 
 }  // namespace plumbline

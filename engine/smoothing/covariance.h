@@ -14,8 +14,10 @@ Eigen::Matrix4d CentreCovariance(const PoseCovariance& covariance,
                                  const Eigen::Vector3d& centre_in_object,
                                  const Eigen::Vector3d& up_in_world);
 
-/// The least covariance that is nowhere smaller than either: in the directions in which both are
-/// diagonal, the larger variance. Both positive definite.
-Eigen::Matrix4d LargerOf(const Eigen::Matrix4d& a, const Eigen::Matrix4d& b);
+/// By what a covariance of four parameters that was estimated from the scatter of `images` images
+/// has to be enlarged, so that the squared error normalised by it has the mean 4 that an honest one
+/// has: it follows Hotelling's T^2 with nu = images - 1 degrees of freedom, whose mean is
+/// 4 nu / (nu - 5). At most 3, where images are too few for a mean.
+double HotellingFactor(int images);
 
 }  // namespace plumbline

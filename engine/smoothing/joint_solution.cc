@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kBaseStd_m = 0.01;        ///< Of a model's base, and of the floor where it stands.
+constexpr double kBaseStd_m = 0.005;       ///< Of a model's base, and of the floor where it stands.
 constexpr double kUnknownFloor_m = 100;    ///< Standard deviation where no floor is known.
 constexpr double kOffFloor_m = 0.1;        ///< So far from the others' an object has another one.
 constexpr double kContactStd_m = 0.002;

@@ -21,17 +21,17 @@
 namespace plumbline {
 namespace {
 
-constexpr int kSampledViews = 20, kRefinedViews = 12;
+constexpr int kSampledViews = 20, kRefinedViews = 16;
 constexpr int kSweeps = 2;
 constexpr std::size_t kMostWithdrawn = 24;  ///< Withdrawn objects that are given another chance.
 constexpr double kInOnePlace_m = 0.08;  ///< What stands so deep in a settled object is not there.
 
 ImageRefinementOptions RefinementOptions() {
   ImageRefinementOptions options;
-  options.max_shift_m = 0.06;
-  options.max_turn_deg = 6;
-  options.starts = 4;
-  options.coarse_samples = 300;
+  options.max_shift_m = 0.12;
+  options.max_turn_deg = 12;
+  options.starts = 6;
+  options.coarse_samples = 600;
   return options;
 }
 
@@ -336,7 +336,8 @@ class Smoother {
     const Eigen::Isometry3d& pose = refined->scan_from_object;
     item.pose.center_in_world = pose * model.center();
     item.pose.azimuth_rad = map_.upright.Azimuth(pose.linear());
-    item.covariance = CentreCovariance(refined->covariance, pose.linear(), model.center(),
+    item.covariance = HotellingFactor(refined->images) *
+                      CentreCovariance(refined->covariance, pose.linear(), model.center(),
                                        map_.upright.up_in_world());
     item.refined = std::move(refined).value();
     return {};
