@@ -191,8 +191,8 @@ Result<nlohmann::json> Judge(const std::vector<EstimatedObject>& estimates, cons
                              const std::optional<RunReview>& beliefs,
                              const EvaluateArguments& arguments) {
   const Result<MapEvaluation> evaluation =
-      EvaluateMap(estimates, truth.instances, *truth.database,
-                  truth.scan ? &*truth.scan : nullptr, arguments.options);
+      EvaluateMap(estimates, truth.instances, *truth.database, truth.scan ? &*truth.scan : nullptr,
+                  arguments.options);
   if (!evaluation) return evaluation.error();
   const int truths = beliefs ? static_cast<int>(beliefs->view.truth.size()) : 0;
   if (arguments.json != "-") {

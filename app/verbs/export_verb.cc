@@ -20,8 +20,8 @@ struct ExportArguments {
   bool smoothed = false;
 };
 
-/// The objects to draw: of the end of the run, or smoothed. Errors: kNotFound for a run that has not
-/// been smoothed.
+/// The objects to draw: of the end of the run, or smoothed. Errors: kNotFound for a run that has
+/// not been smoothed.
 Result<std::vector<EstimatedObject>> ObjectsToWrite(const ExportArguments& arguments) {
   if (!arguments.smoothed) return ReadEstimates(arguments.run);
   auto smoothed = ReadSmoothedEstimates(arguments.run);
@@ -130,12 +130,13 @@ void AddExportVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("run", arguments->run, "A run file")->required()->type_name("RUN.plb");
   std::vector<std::string> names;
   for (const Format& format : kFormats) names.push_back(format.name);
-  verb->add_option("--format", arguments->format,
-                   "json: the result of 'run --json', smoothed or not, and the relations of the last "
-                   "frame; csv: a "
-                   "folder of tables (objects, frames, events, "
-                   "timings); ply: one mesh of the confirmed objects, each "
-                   "in its colour")
+  verb->add_option(
+          "--format", arguments->format,
+          "json: the result of 'run --json', smoothed or not, and the relations of the last "
+          "frame; csv: a "
+          "folder of tables (objects, frames, events, "
+          "timings); ply: one mesh of the confirmed objects, each "
+          "in its colour")
       ->required()
       ->check(CLI::IsMember(names));
   verb->add_option("--out", arguments->out, "Where to (json: '-' is standard output)")

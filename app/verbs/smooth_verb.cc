@@ -57,7 +57,8 @@ void AddSmoothVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("--sequence", arguments->choice.sequence,
                    "The sequence of the run, if it has moved")
       ->type_name("DIR");
-  verb->add_option("--models", arguments->choice.models, "The models of the run, if they have moved")
+  verb->add_option("--models", arguments->choice.models,
+                   "The models of the run, if they have moved")
       ->type_name("DIR");
   verb->add_option("--json", arguments->json,
                    "Write the result of the run with its smoothed map here; - for standard output");

@@ -20,8 +20,8 @@ void PrintSmoothed(const SmoothedMap& map, const ModelDatabase& database) {
     const Eigen::Vector3d t = belief.world_from_object.translation();
     const char* found = belief.confirmed_frame ? "in the run" : "only now";
     std::printf("%6d  %-16s %-14s %-10s %9d  %7.3f %7.3f %7.3f  %8.1f %8.1f %6d %6.2f\n",
-                belief.id.value, database.model(belief.label).name.c_str(),
-                belief.category.c_str(), found, belief.first_frame, t.x(), t.y(), t.z(),
+                belief.id.value, database.model(belief.label).name.c_str(), belief.category.c_str(),
+                found, belief.first_frame, t.x(), t.y(), t.z(),
                 100 * std::sqrt(belief.covariance.topLeftCorner<3, 3>().trace()),
                 std::sqrt(belief.covariance(3, 3)) / kRadPerDeg, object.views, object.agreement);
   }
@@ -32,8 +32,8 @@ void PrintSmoothed(const SmoothedMap& map, const ModelDatabase& database) {
 }
 
 Error NotSmoothed(const Error& error, const std::string& run) {
-  return {error.code, error.message + "; '" + run +
-                          "' keeps the run, and 'plumbline smooth' smooths it later"};
+  return {error.code,
+          error.message + "; '" + run + "' keeps the run, and 'plumbline smooth' smooths it later"};
 }
 
 }  // namespace plumbline

@@ -23,9 +23,9 @@ std::optional<Eigen::Vector3f> WayOut(const OutlineModel& model, const Eigen::Ve
   if (!above) return std::nullopt;
   float nearest = std::numeric_limits<float>::infinity();
   Eigen::Vector3f way;
-  const std::array<Eigen::Vector3f, 4> sides = {
-      Eigen::Vector3f::UnitX(), -Eigen::Vector3f::UnitX(), Eigen::Vector3f::UnitY(),
-      -Eigen::Vector3f::UnitY()};
+  const std::array<Eigen::Vector3f, 4> sides = {Eigen::Vector3f::UnitX(), -Eigen::Vector3f::UnitX(),
+                                                Eigen::Vector3f::UnitY(),
+                                                -Eigen::Vector3f::UnitY()};
   for (const Eigen::Vector3f& side : sides) {
     const std::optional<float> hit = distance(side);
     if (!hit) return std::nullopt;
@@ -61,8 +61,7 @@ Result<SolidModel> SolidModel::Prepare(const CadModel& model) {
   solid.outline = *outline;
   const Result<SurfaceSamples> samples = SampleSurface(model.mesh, kSurfacePoints, 0);
   if (!samples.ok()) return samples.error();
-  for (const Eigen::Vector3d& point : samples->points)
-    solid.surface.push_back(point.cast<float>());
+  for (const Eigen::Vector3d& point : samples->points) solid.surface.push_back(point.cast<float>());
   return solid;
 }
 

@@ -23,8 +23,10 @@ std::vector<EdgeClaim> ClaimsOf(const ImageCheck& check, cv::Size image) {
     const int half = static_cast<int>(std::ceil(sample.length_px / 2));
     for (int k = -half; k <= half; ++k) {
       const Eigen::Vector2f at = middle + static_cast<float>(k) * along;
-      const int x = static_cast<int>(std::lround(at.x())), y = static_cast<int>(std::lround(at.y()));
-      for (int v = std::max(0, y - kReach_px); v <= std::min(image.height - 1, y + kReach_px); ++v) {
+      const int x = static_cast<int>(std::lround(at.x())),
+                y = static_cast<int>(std::lround(at.y()));
+      for (int v = std::max(0, y - kReach_px); v <= std::min(image.height - 1, y + kReach_px);
+           ++v) {
         for (int u = std::max(0, x - kReach_px); u <= std::min(image.width - 1, x + kReach_px); ++u)
           claims.push_back({v * image.width + u, hit.strength});
       }
@@ -33,9 +35,10 @@ std::vector<EdgeClaim> ClaimsOf(const ImageCheck& check, cv::Size image) {
   std::sort(claims.begin(), claims.end(), [](const EdgeClaim& a, const EdgeClaim& b) {
     return a.pixel != b.pixel ? a.pixel < b.pixel : a.strength > b.strength;
   });
-  claims.erase(std::unique(claims.begin(), claims.end(),
-                           [](const EdgeClaim& a, const EdgeClaim& b) { return a.pixel == b.pixel; }),
-               claims.end());
+  claims.erase(
+      std::unique(claims.begin(), claims.end(),
+                  [](const EdgeClaim& a, const EdgeClaim& b) { return a.pixel == b.pixel; }),
+      claims.end());
   return claims;
 }
 
@@ -43,8 +46,7 @@ EdgeMap ShareOf(const EdgeMap& edges, std::span<const EdgeClaim> own,
                 std::span<const std::vector<EdgeClaim>* const> others) {
   cv::Mat of_others = cv::Mat::zeros(edges.probability.size(), CV_32F);
   for (const std::vector<EdgeClaim>* claims : others) {
-    for (const EdgeClaim& claim : *claims)
-      of_others.ptr<float>()[claim.pixel] += claim.strength;
+    for (const EdgeClaim& claim : *claims) of_others.ptr<float>()[claim.pixel] += claim.strength;
   }
   cv::Mat of_own(edges.probability.size(), CV_32F, cv::Scalar(kUnclaimed));
   for (const EdgeClaim& claim : own) of_own.ptr<float>()[claim.pixel] += claim.strength;

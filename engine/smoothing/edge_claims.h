@@ -10,7 +10,7 @@ namespace plumbline {
 
 /// An edge pixel that an object explains.
 struct EdgeClaim {
-  int pixel = 0;      ///< y * width + x
+  int pixel = 0;       ///< y * width + x
   float strength = 0;  ///< (0, 1]: how well, from EdgeHit.
 };
 

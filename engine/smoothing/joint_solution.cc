@@ -10,11 +10,11 @@
 namespace plumbline {
 namespace {
 
-constexpr double kBaseStd_m = 0.005;       ///< Of a model's base, and of the floor where it stands.
-constexpr double kUnknownFloor_m = 100;    ///< Standard deviation where no floor is known.
-constexpr double kOffFloor_m = 0.1;        ///< So far from the others' an object has another one.
+constexpr double kBaseStd_m = 0.005;     ///< Of a model's base, and of the floor where it stands.
+constexpr double kUnknownFloor_m = 100;  ///< Standard deviation where no floor is known.
+constexpr double kOffFloor_m = 0.1;      ///< So far from the others' an object has another one.
 constexpr double kContactStd_m = 0.002;
-constexpr double kTouching_m = 0.01;       ///< Models are not better than this.
+constexpr double kTouching_m = 0.01;  ///< Models are not better than this.
 constexpr int kMostRounds = 12;
 
 /// A row of the normal equations: `value` is what the combination of moves should be.
@@ -26,8 +26,7 @@ struct Row {
 
 class Solver {
  public:
-  Solver(std::span<const MeasuredObject> objects, const MapFrame& map,
-         const MapperOptions& options)
+  Solver(std::span<const MeasuredObject> objects, const MapFrame& map, const MapperOptions& options)
       : objects_(objects), map_(map), size_(4 * static_cast<Eigen::Index>(objects.size()) + 1) {
     information_ = Eigen::MatrixXd::Zero(size_, size_);
     for (std::size_t i = 0; i < objects.size(); ++i) {
@@ -111,9 +110,9 @@ class Solver {
     for (std::size_t i = 0; i < objects_.size(); ++i) {
       for (std::size_t j = i + 1; j < objects_.size(); ++j) {
         if (objects_[i].solid == nullptr || objects_[j].solid == nullptr) continue;
-        const std::optional<Contact> contact = FindContact(
-            *objects_[i].solid, map_.WorldFromObject(Moved(i, moves)), *objects_[j].solid,
-            map_.WorldFromObject(Moved(j, moves)));
+        const std::optional<Contact> contact =
+            FindContact(*objects_[i].solid, map_.WorldFromObject(Moved(i, moves)),
+                        *objects_[j].solid, map_.WorldFromObject(Moved(j, moves)));
         if (!contact || contact->depth_m < kTouching_m) continue;
         const Eigen::Vector3d& n = contact->direction;
         const double apart = n.dot(moves.segment<3>(First(i)) - moves.segment<3>(First(j)));

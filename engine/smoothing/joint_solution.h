@@ -17,14 +17,14 @@ namespace plumbline {
 struct MeasuredObject {
   PoseHypothesis pose;
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  ///< Of (centre in world, azimuth).
-  std::shared_ptr<const SolidModel> solid;  ///< Null: nothing stands in its way.
-  bool on_floor = false;                    ///< It stands on the floor that such objects share.
+  std::shared_ptr<const SolidModel> solid;                   ///< Null: nothing stands in its way.
+  bool on_floor = false;  ///< It stands on the floor that such objects share.
 };
 
 struct JointSolution {
-  std::vector<PoseHypothesis> poses;        ///< As measured, in order, moved.
-  std::vector<Eigen::Matrix4d> covariances;  ///< Likewise; what contacts add is left out.
-  int floor_objects = 0;                    ///< That share the floor.
+  std::vector<PoseHypothesis> poses;           ///< As measured, in order, moved.
+  std::vector<Eigen::Matrix4d> covariances;    ///< Likewise; what contacts add is left out.
+  int floor_objects = 0;                       ///< That share the floor.
   double floor_height_m = 0, floor_std_m = 0;  ///< Above the floor of `map`; else along up.
 };
 

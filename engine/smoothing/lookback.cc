@@ -93,9 +93,9 @@ class Observer {
                  const MapperInput& input, const Detection* box) {
     MapObject& object = objects_[i];
     const PoseHypothesis mean = ToHypothesis(object.mean(), map_);
-    const Likelihood likelihood = Evaluate(*setup_.scorer, view, map_, nullptr, {&mean, 1},
-                                           std::nullopt, setup_.options)
-                                      .front();
+    const Likelihood likelihood =
+        Evaluate(*setup_.scorer, view, map_, nullptr, {&mean, 1}, std::nullopt, setup_.options)
+            .front();
     const double depth = (view.cam_from_world * mean.center_in_world).z();
     if (depth <= 0 || likelihood.visible_fraction < setup_.options.min_visible) return false;
     object.visible_box = likelihood.visible_box;
@@ -115,8 +115,7 @@ class Observer {
     }
     seen.surplus = EdgeSurplus(*setup_.scorer, view, map_, mean) + Undecided(object, view, mean);
     seen_[i].push_back(seen);
-    if (likelihood.visible_fraction >= kLeastSight)
-      presences_[i].frames.push_back(input.frame);
+    if (likelihood.visible_fraction >= kLeastSight) presences_[i].frames.push_back(input.frame);
     return true;
   }
 
@@ -126,8 +125,8 @@ class Observer {
     std::vector<PoseHypothesis> hypotheses = {mean};
     for (std::size_t k = 0; k < object.particles.size(); k += kParticleStep)
       hypotheses.push_back(ToHypothesis(object.particles[k], object.world_from_reference_cam));
-    const std::vector<Likelihood> likelihoods = Evaluate(
-        *setup_.scorer, view, map_, nullptr, hypotheses, std::nullopt, setup_.options);
+    const std::vector<Likelihood> likelihoods =
+        Evaluate(*setup_.scorer, view, map_, nullptr, hypotheses, std::nullopt, setup_.options);
     double expected = 0;
     for (std::size_t k = 1; k < likelihoods.size(); ++k)
       expected += std::exp(kMarginalSharpness * likelihoods[k].phi_edge) /

@@ -15,9 +15,9 @@ namespace plumbline {
 
 /// What all looks together say of whether an object is there.
 struct Presence {
-  double log_odds = 0;       ///< Of being there.
-  double shown = 0;          ///< Independent looks in which enough of it showed, see confirm_shown.
-  std::vector<int> frames;   ///< Of the looks that show it.
+  double log_odds = 0;      ///< Of being there.
+  double shown = 0;         ///< Independent looks in which enough of it showed, see confirm_shown.
+  std::vector<int> frames;  ///< Of the looks that show it.
   std::vector<int> same_view;  ///< For each object, looks in which both explain one part of the
                                ///< image.
 };

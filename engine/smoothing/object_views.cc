@@ -8,8 +8,8 @@
 namespace plumbline {
 namespace {
 
-constexpr double kFullyVisible = 0.5;       ///< More does not make a better view.
-constexpr double kSameView_rad = 0.02;      ///< Nearer to another one, a view adds nothing.
+constexpr double kFullyVisible = 0.5;   ///< More does not make a better view.
+constexpr double kSameView_rad = 0.02;  ///< Nearer to another one, a view adds nothing.
 
 double Difference(const Sight& a, const Sight& b) {
   const double angle = std::acos(std::clamp(a.from.dot(b.from), -1.0, 1.0));
@@ -17,7 +17,7 @@ double Difference(const Sight& a, const Sight& b) {
 }
 
 double Quality(const Sight& sight) {
-  return sight.telling * std::min(1.0, sight.visible_fraction / kFullyVisible);
+  return sight.steadiness * sight.telling * std::min(1.0, sight.visible_fraction / kFullyVisible);
 }
 
 /// An image without edges: what shows of a contour does not depend on them.
@@ -74,9 +74,8 @@ std::vector<std::vector<Sight>> FindSights(const MapperSetup& setup, OcclusionRe
       setup.scorer->Score(ViewOf(setup, world_from_cam, maps, objects[i].id, blank), map.upright,
                           {&mean, 1}, {&score, 1});
       if (score.total_m <= 0 || score.visible_m < kLeastSight * score.total_m) continue;
-      sights[i].push_back({k, score.visible_m / score.total_m,
-                           Telling(score, depth, setup.options), to_camera.normalized(),
-                           to_camera.norm()});
+      sights[i].push_back({k, score.visible_m / score.total_m, Telling(score, depth, setup.options),
+                           looks[k].steadiness, to_camera.normalized(), to_camera.norm()});
     }
   }
   return sights;

@@ -21,9 +21,10 @@ double Telling(const HypothesisScore& score, double depth_m, const MapperOptions
 
 /// What a look shows of an object at its believed pose.
 struct Sight {
-  std::size_t look = 0;         ///< Index.
-  double visible_fraction = 0;  ///< Of its contour, in (0, 1].
-  double telling = 0;           ///< How much its contour can say, in (0, 1].
+  std::size_t look = 0;           ///< Index.
+  double visible_fraction = 0;    ///< Of its contour, in (0, 1].
+  double telling = 0;             ///< How much its contour can say, in (0, 1].
+  double steadiness = 1;          ///< Of the look.
   Eigen::Vector3d from{0, 0, 0};  ///< Unit, from the object's centre towards the camera.
   double distance_m = 0;
 };

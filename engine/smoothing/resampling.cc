@@ -33,8 +33,8 @@ void Resample(const HypothesisScorer& scorer, const MapFrame& map,
   views.pop_back();
   PoseSampler sampler(map, options, Posterior(scorer, map, std::move(views), last, options), key);
   Population population = Draw(object, sampler, key);
-  const std::vector<ProposalMode> modes = sampler.FindModes(
-      population, sampler.Challengers(population.hypotheses, kChallengers));
+  const std::vector<ProposalMode> modes =
+      sampler.FindModes(population, sampler.Challengers(population.hypotheses, kChallengers));
   for (int i = 0; i < kJumps; ++i) sampler.Jump(population, modes);
   for (int i = 0; i < kWalks; ++i) sampler.Walk(population);
   object.particles.clear();
@@ -51,8 +51,8 @@ double BeliefInMean(const MapObject& object, const MapFrame& map) {
   double sum = 0;
   for (const PoseMode& mode : object.modes) {
     const PoseHypothesis other = ToHypothesis(mode, map);
-    const double turn = AzimuthDifference(map.database->model(mean.label), other.azimuth_rad,
-                                          mean.azimuth_rad);
+    const double turn =
+        AzimuthDifference(map.database->model(mean.label), other.azimuth_rad, mean.azimuth_rad);
     if ((other.center_in_world - mean.center_in_world).norm() < kSamePose_m &&
         std::abs(turn) < kSamePose_rad)
       sum += mode.weight;

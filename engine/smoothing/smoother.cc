@@ -11,6 +11,7 @@
 #include <tbb/parallel_for.h>
 
 #include "engine/annotation/image_refinement.h"
+#include "engine/geometry/angles.h"
 #include "engine/mapping/association.h"
 #include "engine/smoothing/covariance.h"
 #include "engine/smoothing/edge_claims.h"
@@ -24,12 +25,18 @@ namespace {
 constexpr int kSampledViews = 20, kRefinedViews = 16;
 constexpr int kSweeps = 2;
 constexpr std::size_t kMostWithdrawn = 24;  ///< Withdrawn objects that are given another chance.
+constexpr double kReach = 3;  ///< Of the refinement, in standard deviations of what was sampled.
+constexpr double kLeastReach_m = 0.04, kMostReach_m = 0.15;
+constexpr double kLeastReach_deg = 3, kMostReach_deg = 12;
 constexpr double kInOnePlace_m = 0.08;  ///< What stands so deep in a settled object is not there.
 
-ImageRefinementOptions RefinementOptions() {
+/// The refinement looks as far as the sampled belief reaches.
+ImageRefinementOptions RefinementOptions(const Eigen::Matrix4d& sampled) {
+  const double position = std::sqrt(sampled.topLeftCorner<3, 3>().trace());
+  const double azimuth = std::sqrt(sampled(3, 3)) / kRadPerDeg;
   ImageRefinementOptions options;
-  options.max_shift_m = 0.12;
-  options.max_turn_deg = 12;
+  options.max_shift_m = std::clamp(kReach * position, kLeastReach_m, kMostReach_m);
+  options.max_turn_deg = std::clamp(kReach * azimuth, kLeastReach_deg, kMostReach_deg);
   options.starts = 6;
   options.coarse_samples = 600;
   return options;
@@ -61,7 +68,7 @@ class Smoother {
         work_(work) {}
 
   Result<SmoothedMap> Run() {
-    looks_ = ChooseLooks(task_.frames, setup_.options);
+    looks_ = ChooseLooks(task_.frames, setup_.camera, setup_.options);
     if (Status status = Gather(); !status.ok()) return status.error();
     if (Status status = FindViews(); !status.ok()) return status.error();
     if (Status status = ResampleAll(0); !status.ok()) return status.error();
@@ -85,7 +92,8 @@ class Smoother {
     for (const ObjectReport& report : task_.objects) {
       const bool gone = report.state == ObjectState::kRetired;
       if (!gone) reports.push_back(&report);
-      if (gone && report.log_evidence > setup_.options.retire_evidence) withdrawn.push_back(&report);
+      if (gone && report.log_evidence > setup_.options.retire_evidence)
+        withdrawn.push_back(&report);
     }
     std::stable_sort(withdrawn.begin(), withdrawn.end(), [](const auto* a, const auto* b) {
       return a->log_evidence > b->log_evidence;
@@ -173,10 +181,10 @@ class Smoother {
       image.judging.normalizer = EdgeNormalizer({&score, 1});
       images.push_back(std::move(image));
     }
-    const RandomKey key{setup_.seed, static_cast<std::uint32_t>(task_.frames.back().frame + 1),
-                        static_cast<std::uint32_t>(item.object.id.value) * 8 +
-                            static_cast<std::uint32_t>(round),
-                        0};
+    const RandomKey key{
+        setup_.seed, static_cast<std::uint32_t>(task_.frames.back().frame + 1),
+        static_cast<std::uint32_t>(item.object.id.value) * 8 + static_cast<std::uint32_t>(round),
+        0};
     Resample(*setup_.scorer, map_, images, setup_.options, key, item.object);
     Believe(item);
   }
@@ -202,14 +210,14 @@ class Smoother {
       Work& item = items_[i];
       const bool confirmed = item.object.state == ObjectState::kConfirmed;
       const double odds = item.presence.log_odds;
-      item.kept = confirmed ? odds > options.retire_evidence
-                            : odds > options.confirm_evidence && item.presence.shown >= 1 &&
-                                  item.object.mean().position_std_m <
-                                      options.confirm_position_std_m &&
-                                  BeliefInMean(item.object, map_) >= options.confirm_mode_weight;
+      item.kept = confirmed
+                      ? odds > options.retire_evidence
+                      : odds > options.confirm_evidence && item.presence.shown >= 1 &&
+                            item.object.mean().position_std_m < options.confirm_position_std_m &&
+                            BeliefInMean(item.object, map_) >= options.confirm_mode_weight;
       item.kept = item.kept && std::none_of(kept.begin(), kept.end(), [&](std::size_t other) {
-        return InPlaceOf(item, items_[other], other);
-      });
+                    return InPlaceOf(item, items_[other], other);
+                  });
       item.object.state = item.kept ? ObjectState::kConfirmed : ObjectState::kTentative;
       if (item.kept) kept.push_back(i);
     }
@@ -220,8 +228,8 @@ class Smoother {
     MapObject a = item.object, b = other.object;
     a.updated = b.updated = false;  // footprints alone; boxes are compared over all looks
     if (Compete(a, b, map_)) return true;
-    const auto looks = static_cast<double>(
-        std::min(item.presence.frames.size(), other.presence.frames.size()));
+    const auto looks =
+        static_cast<double>(std::min(item.presence.frames.size(), other.presence.frames.size()));
     if (a.category == b.category && item.presence.same_view[index] > 0.5 * looks) return true;
     if (other.causal.state != ObjectState::kConfirmed ||
         item.causal.state == ObjectState::kConfirmed)
@@ -324,10 +332,10 @@ class Smoother {
     if (images.empty()) return {};
     WorkContext quiet;
     quiet.stop = work_.stop;
-    Result<ImageRefinement> refined = RefineByImages(
-        *AnnotationImages::FromImages(setup_.camera, std::move(images)), *solid->outline,
-        map_.WorldFromObject(item.pose), map_.upright.up_in_world(), occluders,
-        RefinementOptions(), quiet);
+    Result<ImageRefinement> refined =
+        RefineByImages(*AnnotationImages::FromImages(setup_.camera, std::move(images)),
+                       *solid->outline, map_.WorldFromObject(item.pose), map_.upright.up_in_world(),
+                       occluders, RefinementOptions(item.covariance), quiet);
     if (!refined.ok()) {
       // Images that do not show enough leave the sampled pose.
       return refined.error().code == ErrorCode::kCancelled ? Status(Cancelled()) : Status();
@@ -409,7 +417,7 @@ class Smoother {
   const WorkContext& work_;
   std::vector<Look> looks_;
   std::vector<Work> items_;
-  std::map<int, MapperInput> inputs_;  ///< By frame, without search tables.
+  std::map<int, MapperInput> inputs_;                        ///< By frame, without search tables.
   std::map<int, std::shared_ptr<const SolidModel>> solids_;  ///< By label.
   /// By frame and object.
   std::map<int, std::map<int, std::vector<EdgeClaim>>> claims_;

@@ -35,8 +35,8 @@ TEST(EdgeClaims, AnEdgeIsSharedByThoseWhoExplainIt) {
   for (std::size_t i = 1; i < own.size(); ++i) EXPECT_LT(own[i - 1].pixel, own[i].pixel);
   const EdgeMap mine = ShareOf(VerticalEdge(), own, std::vector{&other});
   const EdgeMap theirs = ShareOf(VerticalEdge(), other, std::vector{&own});
-  const int shares = mine.probability.at<std::uint8_t>(13, 20) +
-                     theirs.probability.at<std::uint8_t>(13, 20);
+  const int shares =
+      mine.probability.at<std::uint8_t>(13, 20) + theirs.probability.at<std::uint8_t>(13, 20);
   EXPECT_GT(mine.probability.at<std::uint8_t>(13, 20), 120) << "the better explanation";
   EXPECT_NEAR(shares, 200, 0.1 * 200) << "claimed once, up to what nobody may have drawn";
 }
