@@ -74,8 +74,9 @@ std::vector<std::vector<Sight>> FindSights(const MapperSetup& setup, OcclusionRe
       setup.scorer->Score(ViewOf(setup, world_from_cam, maps, objects[i].id, blank), map.upright,
                           {&mean, 1}, {&score, 1});
       if (score.total_m <= 0 || score.visible_m < kLeastSight * score.total_m) continue;
-      sights[i].push_back({k, score.visible_m / score.total_m, Telling(score, depth, setup.options),
-                           looks[k].steadiness, to_camera.normalized(), to_camera.norm()});
+      sights[i].push_back({looks[k].at.frame, score.visible_m / score.total_m,
+                           Telling(score, depth, setup.options), looks[k].steadiness,
+                           to_camera.normalized(), to_camera.norm()});
     }
   }
   return sights;

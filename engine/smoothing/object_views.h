@@ -21,7 +21,7 @@ double Telling(const HypothesisScore& score, double depth_m, const MapperOptions
 
 /// What a look shows of an object at its believed pose.
 struct Sight {
-  std::size_t look = 0;           ///< Index.
+  int frame = 0;                  ///< Of the look.
   double visible_fraction = 0;    ///< Of its contour, in (0, 1].
   double telling = 0;             ///< How much its contour can say, in (0, 1].
   double steadiness = 1;          ///< Of the look.

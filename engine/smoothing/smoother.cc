@@ -8,52 +8,20 @@
 #include <set>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
-#include "engine/annotation/image_refinement.h"
-#include "engine/geometry/angles.h"
 #include "engine/mapping/association.h"
-#include "engine/smoothing/covariance.h"
-#include "engine/smoothing/edge_claims.h"
 #include "engine/smoothing/joint_solution.h"
 #include "engine/smoothing/object_views.h"
+#include "engine/smoothing/object_work.h"
 #include "engine/smoothing/resampling.h"
+#include "engine/smoothing/scene_refiner.h"
 
 namespace plumbline {
 namespace {
 
-constexpr int kSampledViews = 20, kRefinedViews = 16;
+constexpr int kSampledViews = 20;
 constexpr int kSweeps = 2;
 constexpr std::size_t kMostWithdrawn = 24;  ///< Withdrawn objects that are given another chance.
-constexpr double kReach = 3;  ///< Of the refinement, in standard deviations of what was sampled.
-constexpr double kLeastReach_m = 0.04, kMostReach_m = 0.15;
-constexpr double kLeastReach_deg = 3, kMostReach_deg = 12;
 constexpr double kInOnePlace_m = 0.08;  ///< What stands so deep in a settled object is not there.
-
-/// The refinement looks as far as the sampled belief reaches.
-ImageRefinementOptions RefinementOptions(const Eigen::Matrix4d& sampled) {
-  const double position = std::sqrt(sampled.topLeftCorner<3, 3>().trace());
-  const double azimuth = std::sqrt(sampled(3, 3)) / kRadPerDeg;
-  ImageRefinementOptions options;
-  options.max_shift_m = std::clamp(kReach * position, kLeastReach_m, kMostReach_m);
-  options.max_turn_deg = std::clamp(kReach * azimuth, kLeastReach_deg, kMostReach_deg);
-  options.starts = 6;
-  options.coarse_samples = 600;
-  return options;
-}
-
-/// An object on its way through the second pass.
-struct Work {
-  ObjectReport causal;
-  MapObject object;
-  std::vector<Sight> sights;
-  std::vector<std::size_t> views;  ///< Of `sights`, the best one first.
-  Presence presence;
-  bool kept = false;  ///< It is there.
-  std::optional<ImageRefinement> refined;
-  PoseHypothesis pose;  ///< The best so far.
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();
-};
 
 Error Cancelled() { return {ErrorCode::kCancelled, "smoothing was cancelled"}; }
 
@@ -114,12 +82,12 @@ class Smoother {
 
   std::vector<MapObject> Objects() const {
     std::vector<MapObject> objects;
-    for (const Work& item : items_) objects.push_back(item.object);
+    for (const ObjectWork& item : items_) objects.push_back(item.object);
     return objects;
   }
 
   /// What was sampled is the best that is known.
-  void Believe(Work& item) const {
+  void Believe(ObjectWork& item) const {
     item.pose = ToHypothesis(item.object.mean(), map_);
     item.covariance = item.object.covariance;
     item.refined.reset();
@@ -132,7 +100,7 @@ class Smoother {
     for (std::size_t i = 0; i < items_.size(); ++i) {
       items_[i].sights = std::move(sights[i]);
       items_[i].views = ChooseViews(items_[i].sights, kSampledViews);
-      for (const std::size_t view : items_[i].views) wanted.insert(FrameOf(items_[i], view));
+      for (const std::size_t view : items_[i].views) wanted.insert(items_[i].sights[view].frame);
     }
     int done = 0;
     for (const int frame : wanted) {
@@ -147,10 +115,6 @@ class Smoother {
     return {};
   }
 
-  int FrameOf(const Work& item, std::size_t view) const {
-    return looks_[item.sights[view].look].at.frame;
-  }
-
   // Sampling --------------------------------------------------------------------------------
 
   Status ResampleAll(int round) {
@@ -162,13 +126,14 @@ class Smoother {
     return {};
   }
 
-  void ResampleObject(Work& item, int round) {
+  void ResampleObject(ObjectWork& item, int round) {
     std::vector<ObjectImage> images;
     for (const std::size_t view : item.views) {
-      const auto input = inputs_.find(FrameOf(item, view));
+      const auto input = inputs_.find(item.sights[view].frame);
       if (input == inputs_.end()) continue;
       ObjectImage image;
-      image.table = SearchTable(EdgesFor(item, input->first), setup_.options, setup_.camera.fx);
+      image.table =
+          SearchTable(refiner_.EdgesFor(item, input->first), setup_.options, setup_.camera.fx);
       image.detections = input->second.detections;
       const RenderedMaps maps = renderer_->Render(
           setup_.camera, input->second.world_from_cam.inverse(), MeanStates(Objects(), true));
@@ -207,7 +172,7 @@ class Smoother {
     });
     std::vector<std::size_t> kept;
     for (const std::size_t i : order) {
-      Work& item = items_[i];
+      ObjectWork& item = items_[i];
       const bool confirmed = item.object.state == ObjectState::kConfirmed;
       const double odds = item.presence.log_odds;
       item.kept = confirmed
@@ -224,7 +189,7 @@ class Smoother {
   }
 
   /// Whether an object cannot be there because `other` is.
-  bool InPlaceOf(Work& item, const Work& other, std::size_t index) {
+  bool InPlaceOf(ObjectWork& item, const ObjectWork& other, std::size_t index) {
     MapObject a = item.object, b = other.object;
     a.updated = b.updated = false;  // footprints alone; boxes are compared over all looks
     if (Compete(a, b, map_)) return true;
@@ -234,134 +199,42 @@ class Smoother {
     if (other.causal.state != ObjectState::kConfirmed ||
         item.causal.state == ObjectState::kConfirmed)
       return false;
-    const auto of_a = Solid(item.pose.label), of_b = Solid(other.pose.label);
+    const auto of_a = refiner_.Solid(item.pose.label), of_b = refiner_.Solid(other.pose.label);
     if (of_a == nullptr || of_b == nullptr) return false;
     const auto contact = FindContact(*of_a, map_.WorldFromObject(item.pose), *of_b,
                                      map_.WorldFromObject(other.pose));
     return contact && contact->depth_m > kInOnePlace_m;
   }
 
-  /// Null for a model without surface.
-  std::shared_ptr<const SolidModel> Solid(ModelId label) {
-    const auto found = solids_.find(label.value);
-    if (found != solids_.end()) return found->second;
-    Result<SolidModel> solid = SolidModel::Prepare(setup_.database->model(label));
-    auto prepared = solid.ok() ? std::make_shared<const SolidModel>(std::move(solid).value())
-                               : std::shared_ptr<const SolidModel>();
-    return solids_.emplace(label.value, std::move(prepared)).first->second;
-  }
-
   // Refinement ------------------------------------------------------------------------------
 
   /// Every object anew, with the others where the last sweep left them.
   Status Sweep(int sweep) {
-    Claim();
+    refiner_.Claim(items_);
     int done = 0, all = 0;
-    for (const Work& item : items_) all += item.kept ? 1 : 0;
-    for (Work& item : items_) {
+    for (const ObjectWork& item : items_) all += item.kept ? 1 : 0;
+    for (ObjectWork& item : items_) {
       if (!item.kept) continue;
       if (work_.stop.stop_requested()) return Cancelled();
-      const Occluders occluders = OccludersOf(item);
+      const Occluders occluders = refiner_.OccludersOf(items_, item);
       ResampleObject(item, sweep);
-      if (Status status = Refine(item, occluders); !status.ok()) return status;
+      if (!refiner_.Refine(item, occluders, work_.stop).ok()) return Cancelled();
       work_.report({"refining together", (sweep - 1) * all + ++done, kSweeps * all});
     }
-    return {};
-  }
-
-  Occluders OccludersOf(const Work& item) {
-    Occluders occluders;
-    for (const Work& other : items_) {
-      if (!other.kept || other.object.id == item.object.id) continue;
-      if (const auto solid = Solid(other.pose.label))
-        occluders.models.push_back({solid->outline, map_.WorldFromObject(other.pose)});
-    }
-    return occluders;
-  }
-
-  /// Finds which edges the objects explain where they stand now.
-  void Claim() {
-    std::vector<std::pair<int, const MapperInput*>> frames;
-    for (const auto& [frame, input] : inputs_) frames.emplace_back(frame, &input);
-    claims_.clear();
-    for (const Work& item : items_) {
-      if (!item.kept) continue;
-      const auto solid = Solid(item.pose.label);
-      if (solid == nullptr) continue;
-      const Occluders occluders = OccludersOf(item);
-      std::vector<std::vector<EdgeClaim>> claims(frames.size());
-      tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
-        const MapperInput& input = *frames[k].second;
-        const AnnotationImage image{frames[k].first, {}, input.edges, input.world_from_cam};
-        claims[k] = ClaimsOf(CheckImage(image, setup_.camera, *solid->outline,
-                                        map_.WorldFromObject(item.pose), occluders),
-                             input.edges.probability.size());
-      });
-      for (std::size_t k = 0; k < frames.size(); ++k) {
-        if (!claims[k].empty())
-          claims_[frames[k].first][item.object.id.value] = std::move(claims[k]);
-      }
-    }
-  }
-
-  EdgeMap EdgesFor(const Work& item, int frame) const {
-    const EdgeMap& edges = inputs_.at(frame).edges;
-    const auto claims = claims_.find(frame);
-    if (claims == claims_.end()) return edges;
-    std::vector<const std::vector<EdgeClaim>*> others;
-    std::span<const EdgeClaim> own;
-    for (const auto& [id, of] : claims->second) {
-      if (id == item.object.id.value) {
-        own = of;
-      } else {
-        others.push_back(&of);
-      }
-    }
-    return ShareOf(edges, own, others);
-  }
-
-  Status Refine(Work& item, const Occluders& occluders) {
-    const auto solid = Solid(item.pose.label);
-    if (solid == nullptr) return {};
-    std::vector<AnnotationImage> images;
-    for (const std::size_t view : item.views) {
-      const int frame = FrameOf(item, view);
-      if (static_cast<int>(images.size()) == kRefinedViews || !inputs_.contains(frame)) continue;
-      images.push_back({frame, {}, EdgesFor(item, frame), inputs_.at(frame).world_from_cam});
-    }
-    if (images.empty()) return {};
-    WorkContext quiet;
-    quiet.stop = work_.stop;
-    Result<ImageRefinement> refined =
-        RefineByImages(*AnnotationImages::FromImages(setup_.camera, std::move(images)),
-                       *solid->outline, map_.WorldFromObject(item.pose), map_.upright.up_in_world(),
-                       occluders, RefinementOptions(item.covariance), quiet);
-    if (!refined.ok()) {
-      // Images that do not show enough leave the sampled pose.
-      return refined.error().code == ErrorCode::kCancelled ? Status(Cancelled()) : Status();
-    }
-    const CadModel& model = setup_.database->model(item.pose.label);
-    const Eigen::Isometry3d& pose = refined->scan_from_object;
-    item.pose.center_in_world = pose * model.center();
-    item.pose.azimuth_rad = map_.upright.Azimuth(pose.linear());
-    item.covariance = HotellingFactor(refined->images) *
-                      CentreCovariance(refined->covariance, pose.linear(), model.center(),
-                                       map_.upright.up_in_world());
-    item.refined = std::move(refined).value();
     return {};
   }
 
   // Together --------------------------------------------------------------------------------
 
   SmoothedMap Conclude() {
-    std::vector<Work*> kept;
+    std::vector<ObjectWork*> kept;
     std::vector<MeasuredObject> measured;
-    for (Work& item : items_) {
+    for (ObjectWork& item : items_) {
       if (!item.kept) continue;
       kept.push_back(&item);
       const bool stands = setup_.options.floor_prior && item.refined &&
                           setup_.database->model(item.pose.label).support == Support::kFloor;
-      measured.push_back({item.pose, item.covariance, Solid(item.pose.label), stands});
+      measured.push_back({item.pose, item.covariance, refiner_.Solid(item.pose.label), stands});
     }
     const JointSolution together = SolveJointly(measured, map_, setup_.options);
     SmoothedMap result;
@@ -377,7 +250,7 @@ class Smoother {
       kept[i]->pose = together.poses[i];
       kept[i]->covariance = together.covariances[i];
     }
-    for (const Work& item : items_) {
+    for (const ObjectWork& item : items_) {
       const bool gone = item.causal.state == ObjectState::kRetired;
       if (gone && !item.kept) continue;
       result.objects.push_back(Describe(item));
@@ -386,7 +259,7 @@ class Smoother {
     return result;
   }
 
-  SmoothedObject Describe(const Work& item) const {
+  SmoothedObject Describe(const ObjectWork& item) const {
     SmoothedObject smoothed;
     ObjectReport& belief = smoothed.belief;
     static_cast<ObjectBelief&>(belief) = item.object;
@@ -416,11 +289,9 @@ class Smoother {
   std::unique_ptr<OcclusionRenderer> renderer_;
   const WorkContext& work_;
   std::vector<Look> looks_;
-  std::vector<Work> items_;
-  std::map<int, MapperInput> inputs_;                        ///< By frame, without search tables.
-  std::map<int, std::shared_ptr<const SolidModel>> solids_;  ///< By label.
-  /// By frame and object.
-  std::map<int, std::map<int, std::vector<EdgeClaim>>> claims_;
+  std::vector<ObjectWork> items_;
+  FrameInputs inputs_;
+  SceneRefiner refiner_{setup_, map_, inputs_};
 };
 
 }  // namespace

@@ -44,8 +44,7 @@ TEST(Looks, ViewsAreTakenFromAllSides) {
   std::vector<Sight> sights;
   for (int i = 0; i < 40; ++i) {  // many from the front, one from the side
     const double angle = i == 39 ? 1.5 : 0.005 * i;
-    sights.push_back(
-        {static_cast<std::size_t>(i), 0.8, 1, 1, {std::cos(angle), std::sin(angle), 0}, 2.0});
+    sights.push_back({i, 0.8, 1, 1, {std::cos(angle), std::sin(angle), 0}, 2.0});
   }
   const std::vector<std::size_t> chosen = ChooseViews(sights, 3);
   ASSERT_EQ(chosen.size(), 3u);
