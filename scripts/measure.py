@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the mapper: every figure of README.md and docs/algorithms/semantic_filter.md.
+"""Measures the mapper: every figure of README.md, docs/algorithms/semantic_filter.md and smoothing.md.
 
 Runs `plumbline run` and `plumbline evaluate` on real and synthetic rooms, over seeds, and writes into one folder
   tables.md     for each set of rooms: a row for each run, a row for each instance, found or missed
@@ -207,6 +207,8 @@ class Measurement:
             words += ["--preset", job.preset]
         for setting in job.settings:
             words += ["--set", setting]
+        if self.arguments.smooth:
+            words.append("--smooth")
         return words
 
     def run(self, job):
@@ -287,30 +289,39 @@ class Life:
 
 
 def fill(record, job, frames, summary, judged, life):
-    """Puts into the record what a run found, instance by instance."""
+    """Puts into the record what a run found, instance by instance; what its second pass found beside it."""
     shown = shown_frames(job.sequence, frames)
     rate_hz = json.loads((job.sequence / "camera.json").read_text())["rate_hz"]
-    confirmed = {str(entry["id"]): entry["confirmed_frame"] for entry in summary["objects"]}
-    believed = {str(entry["id"]): entry for entry in judged["belief"]["objects"]}
-    instances = []
-    for found in judged["objects"]:
-        instances.append({
-            "id": found["ground_truth"], "found": True, "quality": found["quality"], "object": found["id"],
-            "model": found["model"], "model_right": found["model_correct"],
-            "position_m": found["translation_m"], "rotation_deg": found["rotation_deg"],
-            "turned_round": abs(found["azimuth_deg"] or 0) > 90, "confirmed_frame": confirmed.get(found["id"]),
-            "credible_level": believed[found["id"]].get("credible_level")})
-    for missed in judged["missed_instances"]:
-        instances.append({"id": missed["ground_truth"], "found": False, "quality": missed["quality"],
-                          "why": life.why_missed(missed["ground_truth"])})
-    for instance in instances:
-        instance["shown_frames"] = shown.get(instance["id"], 0)
-        instance["shows_well"] = instance["shown_frames"] >= SHOWS_WELL_S * rate_hz
+
+    def instances_of(result, evaluation):
+        confirmed = {str(entry["id"]): entry["confirmed_frame"] for entry in result["objects"]}
+        believed = {str(entry["id"]): entry for entry in evaluation["belief"]["objects"]}
+        instances = []
+        for found in evaluation["objects"]:
+            instances.append({
+                "id": found["ground_truth"], "found": True, "quality": found["quality"], "object": found["id"],
+                "model": found["model"], "model_right": found["model_correct"],
+                "position_m": found["translation_m"], "rotation_deg": found["rotation_deg"],
+                "turned_round": abs(found["azimuth_deg"] or 0) > 90, "confirmed_frame": confirmed.get(found["id"]),
+                "credible_level": believed[found["id"]].get("credible_level")})
+        for missed in evaluation["missed_instances"]:
+            instances.append({"id": missed["ground_truth"], "found": False, "quality": missed["quality"],
+                              "why": life.why_missed(missed["ground_truth"])})
+        for instance in instances:
+            instance["shown_frames"] = shown.get(instance["id"], 0)
+            instance["shows_well"] = instance["shown_frames"] >= SHOWS_WELL_S * rate_hz
+        return sorted(instances, key=lambda instance: -instance["shown_frames"])
+
     record.update(fps=summary["fps"], frames=summary["frames"], skipped=summary["skipped"],
                   stages_ms={stage: cost["mean"] for stage, cost in summary["timings_ms"].items()},
-                  instances=sorted(instances, key=lambda instance: -instance["shown_frames"]),
-                  spurious=judged["spurious_objects"], withdrawn=life.withdrawn(),
-                  surface_mean_m=judged["surface"]["mean_m"], belief=judged["belief"])
+                  instances=instances_of(summary, judged), spurious=judged["spurious_objects"],
+                  withdrawn=life.withdrawn(), surface_mean_m=judged["surface"]["mean_m"], belief=judged["belief"])
+    if "smoothed" in judged:
+        smoothed = judged["smoothed"]
+        record["smoothed"] = {
+            **{key: record[key] for key in ("set", "room", "seed", "variant", "fps")},
+            "instances": instances_of(summary["smoothed"], smoothed), "spurious": smoothed["spurious_objects"],
+            "withdrawn": [], "surface_mean_m": smoothed["surface"]["mean_m"], "belief": smoothed["belief"]}
 
 
 def shown_frames(sequence, frames):
@@ -577,6 +588,19 @@ def ablation_table(variants):
     return lines
 
 
+def smoothed_tables(records):
+    """What the second pass made of the same runs, beside what they found frame by frame; nothing without one."""
+    records = [record for record in records if "smoothed" in record]
+    smoothed = [record["smoothed"] for record in records]
+    if not smoothed:
+        return []
+    spurious = [f"{s['model']} ({r['room']}, seed {r['seed']})" for r in smoothed for s in r["spurious"]]
+    return (["**Smoothed**, beside the causal results above:", ""] +
+            ablation_table({"causal": records, "smoothed": smoothed}) + [""] + run_table(smoothed) + [""] +
+            instance_table(smoothed) + ["", "**Spurious**: " + (", ".join(spurious) or "none") + ".", ""] +
+            belief_lines(smoothed))
+
+
 def by_variant(records):
     """The runs that did not fail."""
     variants = {}
@@ -624,6 +648,7 @@ def tables(measurement, results):
             missed = [f"- {r['room']}, seed {r['seed']}, {i['id']}: {i['why']}" for r in records
                       for i in r["instances"] if not i["found"] and i["shows_well"]]
             lines += (["**Missed** of those that show well:", ""] + missed + [""]) if missed else []
+            lines += smoothed_tables(records)
     return "\n".join(lines)
 
 
@@ -644,6 +669,8 @@ def parse():
                         help="repeat with one cue off at a time: " + ", ".join(list(ABLATIONS)[1:]))
     parser.add_argument("--preset", choices=list(PRESETS),
                         help="repeat with another filter, to compare with: as the authors of the paper had it")
+    parser.add_argument("--smooth", action="store_true",
+                        help="smooth every run too, and give what that finds beside it")
     parser.add_argument("--out", default=str(ROOT / "build/measure"), metavar="DIR")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="runs at once (default 2)")
     parser.add_argument("--keep", action="store_true", help="keep the run files (.plb), to look at in the window")

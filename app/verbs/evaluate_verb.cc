@@ -6,12 +6,14 @@
 #include <optional>
 
 #include "app/verbs/verb.h"
+#include "engine/analysis/history.h"
 #include "engine/analysis/reliability.h"
 #include "engine/analysis/run_review.h"
 #include "engine/base/log.h"
 #include "engine/evaluation/map_evaluation.h"
 #include "engine/models/mesh_file.h"
 #include "engine/recording/run_summary.h"
+#include "engine/recording/smoothed_record.h"
 
 namespace plumbline {
 namespace {
@@ -157,39 +159,88 @@ void PrintReliability(const RunHistory& history, int truths) {
   }
 }
 
-Status Evaluate(EvaluateArguments arguments) {
-  arguments.options.align = ValueOf<Alignment>(arguments.align);
-  arguments.options.truth = ValueOf<TruthSurface>(arguments.truth);
-  const Result<std::vector<EstimatedObject>> estimates = ReadEstimates(arguments.run);
-  if (!estimates) return estimates.error();
-  const Result<GroundTruth> truth = ReadGroundTruth(arguments.ground_truth);
-  if (!truth) return truth.error();
-  const Result<std::shared_ptr<const ModelDatabase>> database =
-      ModelDatabase::Load(arguments.models);
-  if (!database) return database.error();
+/// What estimates are compared with.
+struct Truth {
+  GroundTruth instances;
+  std::shared_ptr<const ModelDatabase> database;
   std::optional<TriangleMesh> scan;
-  if (!arguments.scene.empty()) {
-    Result<TriangleMesh> mesh = ReadMesh(arguments.scene);
-    if (!mesh) return mesh.error();
-    if (mesh->triangles.empty()) {
-      return Error{ErrorCode::kInvalidInput,
-                   arguments.scene + " is a point cloud; distances need a mesh with triangles"};
-    }
-    scan = std::move(*mesh);
+};
+
+Result<Truth> LoadTruth(const EvaluateArguments& arguments) {
+  Truth truth;
+  Result<GroundTruth> instances = ReadGroundTruth(arguments.ground_truth);
+  if (!instances) return instances.error();
+  truth.instances = std::move(*instances);
+  const auto database = ModelDatabase::Load(arguments.models);
+  if (!database) return database.error();
+  truth.database = *database;
+  if (arguments.scene.empty()) return truth;
+  Result<TriangleMesh> mesh = ReadMesh(arguments.scene);
+  if (!mesh) return mesh.error();
+  if (mesh->triangles.empty()) {
+    return Error{ErrorCode::kInvalidInput,
+                 arguments.scene + " is a point cloud; distances need a mesh with triangles"};
   }
+  truth.scan = std::move(*mesh);
+  return truth;
+}
+
+/// Judges estimates and, where `beliefs` has a history of them, what they were believed to be.
+/// Prints the tables unless standard output is for JSON.
+Result<nlohmann::json> Judge(const std::vector<EstimatedObject>& estimates, const Truth& truth,
+                             const std::optional<RunReview>& beliefs,
+                             const EvaluateArguments& arguments) {
   const Result<MapEvaluation> evaluation =
-      EvaluateMap(*estimates, *truth, **database, scan ? &*scan : nullptr, arguments.options);
+      EvaluateMap(estimates, truth.instances, *truth.database, truth.scan ? &*truth.scan : nullptr,
+                  arguments.options);
   if (!evaluation) return evaluation.error();
-  const std::optional<RunReview> beliefs = BeliefsOf(arguments);
   const int truths = beliefs ? static_cast<int>(beliefs->view.truth.size()) : 0;
   if (arguments.json != "-") {
     PrintTable(*evaluation, arguments);
     if (beliefs) PrintReliability(beliefs->history, truths);
   }
-  if (arguments.json.empty()) return {};
   nlohmann::json json = EvaluationToJson(*evaluation, arguments.options);
   if (beliefs) json["belief"] = BeliefToJson(beliefs->history, truths);
-  return WriteJsonResult(arguments.json, json);
+  return json;
+}
+
+/// The beliefs of the smoothed map as a history of one frame.
+Result<std::optional<RunReview>> SmoothedBeliefs(const std::optional<RunReview>& beliefs,
+                                                 const EvaluateArguments& arguments) {
+  if (!beliefs) return std::optional<RunReview>();
+  const auto map = ReadSmoothed(arguments.run);
+  if (!map) return map.error();
+  FrameReport frame;
+  frame.frame = (*map)->last_frame;
+  for (const SmoothedObject& object : (*map)->objects) frame.objects.push_back(object.belief);
+  RunReview smoothed = *beliefs;
+  smoothed.history.frames = {std::make_shared<const FrameSample>(SampleOf(frame, smoothed.view))};
+  LeaveOut(arguments.options.ignored_categories, smoothed);
+  return std::optional<RunReview>(std::move(smoothed));
+}
+
+Status Evaluate(EvaluateArguments arguments) {
+  arguments.options.align = ValueOf<Alignment>(arguments.align);
+  arguments.options.truth = ValueOf<TruthSurface>(arguments.truth);
+  const Result<std::vector<EstimatedObject>> estimates = ReadEstimates(arguments.run);
+  if (!estimates) return estimates.error();
+  const Result<Truth> truth = LoadTruth(arguments);
+  if (!truth) return truth.error();
+  const std::optional<RunReview> beliefs = BeliefsOf(arguments);
+  Result<nlohmann::json> json = Judge(*estimates, *truth, beliefs, arguments);
+  if (!json) return json.error();
+  const auto smoothed = ReadSmoothedEstimates(arguments.run);
+  if (!smoothed) return smoothed.error();
+  if (*smoothed) {
+    if (arguments.json != "-") std::printf("\n\nSMOOTHED: the second pass over all frames\n\n");
+    const auto smoothed_beliefs = SmoothedBeliefs(beliefs, arguments);
+    if (!smoothed_beliefs) return smoothed_beliefs.error();
+    Result<nlohmann::json> beside = Judge(**smoothed, *truth, *smoothed_beliefs, arguments);
+    if (!beside) return beside.error();
+    (*json)["smoothed"] = std::move(*beside);
+  }
+  if (arguments.json.empty()) return {};
+  return WriteJsonResult(arguments.json, *json);
 }
 
 }  // namespace

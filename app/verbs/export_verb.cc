@@ -17,7 +17,21 @@ namespace {
 
 struct ExportArguments {
   std::string run, format, out, models;
+  bool smoothed = false;
 };
+
+/// The objects to draw: of the end of the run, or smoothed. Errors: kNotFound for a run that has
+/// not been smoothed.
+Result<std::vector<EstimatedObject>> ObjectsToWrite(const ExportArguments& arguments) {
+  if (!arguments.smoothed) return ReadEstimates(arguments.run);
+  auto smoothed = ReadSmoothedEstimates(arguments.run);
+  if (!smoothed) return smoothed.error();
+  if (!*smoothed) {
+    return Error{ErrorCode::kNotFound,
+                 arguments.run + " has not been smoothed; 'plumbline smooth' does that"};
+  }
+  return std::move(**smoothed);
+}
 
 /// How the objects of the last frame that was used stand to one another, and which it shows.
 /// Errors: of opening the run with its models; kNotFound where every frame was skipped.
@@ -70,7 +84,7 @@ Status ExportPly(RunReader& reader, const ExportArguments& arguments) {
         "the models in {} are not those of the run; the meshes may differ from what was mapped",
         folder.string());
   }
-  const Result<std::vector<EstimatedObject>> objects = ReadEstimates(arguments.run);
+  const Result<std::vector<EstimatedObject>> objects = ObjectsToWrite(arguments);
   if (!objects) return objects.error();
   const Result<TriangleMesh> mesh = MapMesh(*objects, **database);
   if (!mesh) return mesh.error();
@@ -98,6 +112,10 @@ const std::array kFormats = {
 Status Export(const ExportArguments& arguments) {
   const Result<std::unique_ptr<RunReader>> reader = RunReader::Open(arguments.run);
   if (!reader) return reader.error();
+  if (arguments.smoothed && arguments.format != "ply") {
+    return Error{ErrorCode::kInvalidInput,
+                 "--smoothed goes with --format ply; json holds both maps anyway"};
+  }
   for (const Format& format : kFormats) {
     if (format.name == arguments.format) return format.write(**reader, arguments);
   }
@@ -112,16 +130,20 @@ void AddExportVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("run", arguments->run, "A run file")->required()->type_name("RUN.plb");
   std::vector<std::string> names;
   for (const Format& format : kFormats) names.push_back(format.name);
-  verb->add_option("--format", arguments->format,
-                   "json: the result of 'run --json' and the relations of the last frame; csv: a "
-                   "folder of tables (objects, frames, events, "
-                   "timings); ply: one mesh of the confirmed objects, each "
-                   "in its colour")
+  verb->add_option(
+          "--format", arguments->format,
+          "json: the result of 'run --json', smoothed or not, and the relations of the last "
+          "frame; csv: a "
+          "folder of tables (objects, frames, events, "
+          "timings); ply: one mesh of the confirmed objects, each "
+          "in its colour")
       ->required()
       ->check(CLI::IsMember(names));
   verb->add_option("--out", arguments->out, "Where to (json: '-' is standard output)")
       ->required()
       ->type_name("PATH");
+  verb->add_flag("--smoothed", arguments->smoothed,
+                 "ply: the objects where the second pass has them (run --smooth, smooth)");
   verb->add_option("--models", arguments->models, "The models of the run, if they have moved")
       ->type_name("DIR");
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Export(*arguments); }; });

@@ -7,6 +7,7 @@
 
 #include "app/verbs/console_work.h"
 #include "app/verbs/pipeline_arguments.h"
+#include "app/verbs/smoothed_table.h"
 #include "app/verbs/verb.h"
 #include "engine/base/timer.h"
 #include "engine/pipeline/mapping_pipeline.h"
@@ -14,6 +15,7 @@
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_fork.h"
 #include "engine/recording/run_summary.h"
+#include "engine/recording/smoothed_record.h"
 #include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
@@ -22,7 +24,7 @@ namespace {
 struct RunArguments {
   PipelineArguments pipeline;
   std::string out, json;
-  bool resume = false;
+  bool resume = false, smooth = false;
   std::string fork;       ///< A run whose past this one takes over.
   std::optional<int> at;  ///< Up to this frame; nothing: all of it.
 };
@@ -113,17 +115,25 @@ Status Run(RunArguments& arguments) {
     std::printf("%d frames in %.1f s, %.1f frames/s; wrote %s\n", summary.frames(), seconds,
                 summary.frames() / seconds, arguments.out.c_str());
   }
-  if (!arguments.json.empty()) {
-    if (Status status = WriteJsonResult(
-            arguments.json, summary.ToJson(HeaderOf(pipeline, PLUMBLINE_VERSION), seconds));
-        !status.ok())
-      return status;
-  }
+  const RunHeader header = HeaderOf(pipeline, PLUMBLINE_VERSION);
+  nlohmann::json json = summary.ToJson(header, seconds);
+  Status status = summary.CheckAnyFrameUsed(arguments.pipeline.recipe.sequence.string());
   if (console.interrupted()) {
-    return Error{ErrorCode::kCancelled,
-                 "stopped; '" + arguments.out + "' keeps what was done, --resume goes on with it"};
+    status = Error{ErrorCode::kCancelled, "stopped; '" + arguments.out +
+                                              "' keeps what was done, --resume goes on with it"};
+  } else if (status.ok() && arguments.smooth) {
+    Result<SmoothedMap> smoothed = SmoothRun(arguments.out, pipeline, work);
+    if (smoothed.ok()) {
+      json["smoothed"] = SmoothedToJson(*smoothed, header);
+      if (arguments.json != "-") PrintSmoothed(*smoothed, *pipeline.database());
+    } else {
+      status = NotSmoothed(smoothed.error(), arguments.out);
+    }
   }
-  return summary.CheckAnyFrameUsed(arguments.pipeline.recipe.sequence.string());
+  if (!arguments.json.empty()) {
+    if (Status written = WriteJsonResult(arguments.json, json); !written.ok()) return written;
+  }
+  return status;
 }
 
 }  // namespace
@@ -144,6 +154,8 @@ void AddRunVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("--at", arguments->at, "The last frame that is copied (default: all)")
       ->type_name("FRAME")
       ->needs("--fork");
+  verb->add_flag("--smooth", arguments->smooth,
+                 "Afterwards, smooth: a second pass over all frames, kept beside the result");
   verb->add_option("--json", arguments->json, "Write the result here; - for standard output");
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Run(*arguments); }; });
 }

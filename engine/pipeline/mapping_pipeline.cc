@@ -165,6 +165,7 @@ struct MappingPipeline::Impl {
   std::unique_ptr<FramePreparer> preparer;
   std::mutex preparer_mutex;
   std::unique_ptr<Mapper> mapper;
+  std::shared_ptr<const HypothesisScorer> scorer;
   MapperOptions options;      ///< Of the next frame.
   MapperOptions mapped_with;  ///< Of the last frame.
   int options_version = 0;    ///< The preparer's, of `options`.
@@ -197,9 +198,22 @@ struct MappingPipeline::Impl {
     const std::lock_guard lock(preparer_mutex);
     return preparer->Prepare(frame, pose);
   }
-  /// Any frame of the source, again.
-  Prepared PrepareAgain(int frame) {
-    return PrepareFrame(source->Frame(frame), source->Pose(frame));
+  /// Any frame of the source, again. Errors: why it cannot be used.
+  Result<MapperInput> InputAgain(int frame) {
+    Prepared prepared = PrepareFrame(source->Frame(frame), source->Pose(frame));
+    if (!prepared.input) return Error{ErrorCode::kCorrupt, prepared.skipped};
+    return std::move(*prepared.input);
+  }
+  MapperSetup Setup() const {
+    MapperSetup setup;
+    setup.camera = sequence->camera();
+    setup.gravity_in_world = *sequence->gravity_in_world();
+    setup.floor_in_world = sequence->floor_in_world();
+    setup.database = database;
+    setup.scorer = scorer;
+    setup.options = options;
+    setup.seed = recipe.seed;
+    return setup;
   }
 
   ~Impl() {
@@ -300,18 +314,11 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const RunRecipe& 
   if (!scorer.ok()) return scorer.error();
   impl->preparer = std::make_unique<FramePreparer>(
       std::move(detector).value(), std::move(edges).value(), recipe.options, frames.camera().fx);
-  MapperSetup setup;
-  setup.camera = frames.camera();
-  setup.gravity_in_world = *frames.gravity_in_world();
-  setup.floor_in_world = frames.floor_in_world();
-  setup.database = impl->database;
-  setup.scorer = *scorer;
-  setup.options = recipe.options;
-  setup.seed = recipe.seed;
-  Result<std::unique_ptr<Mapper>> mapper = Mapper::Create(setup);
+  impl->scorer = *scorer;
+  impl->options = impl->mapped_with = recipe.options;
+  Result<std::unique_ptr<Mapper>> mapper = Mapper::Create(impl->Setup());
   if (!mapper.ok()) return mapper.error();
   impl->mapper = std::move(mapper).value();
-  impl->options = impl->mapped_with = recipe.options;
   return std::unique_ptr<MappingPipeline>(new MappingPipeline(std::move(impl)));
 }
 
@@ -363,11 +370,10 @@ Status MappingPipeline::Resume(const FrameReport& report,
   m.mapped_with = m.options;
   while (m.next < m.selected.size() && m.selected[m.next] <= report.frame) ++m.next;
   m.last_report = report;
-  return m.mapper->Restore(report, [&](int frame) -> Result<MapperInput> {
-    Prepared prepared = m.PrepareAgain(frame);
-    if (!prepared.input) return Error{ErrorCode::kCorrupt, prepared.skipped};
-    return *prepared.input;
-  });
+  return m.mapper->Restore(report, [&](int frame) { return m.InputAgain(frame); });
 }
+
+Result<MapperInput> MappingPipeline::InputAgain(int frame) { return impl_->InputAgain(frame); }
+MapperSetup MappingPipeline::setup() const { return impl_->Setup(); }
 
 }  // namespace plumbline

@@ -15,6 +15,8 @@ namespace plumbline {
 
 class ModelDatabase;
 struct FrameReport;
+struct MapperInput;
+struct MapperSetup;
 struct MapSnapshot;
 
 /// Everything a run needs, from files to reports: decodes, finds edges and detects ahead on a
@@ -45,6 +47,11 @@ class MappingPipeline {
   /// Continues after `report` bit for bit. Call before the first Next.
   /// @param options  Those of that frame; nothing: as the pipeline was opened with.
   Status Resume(const FrameReport& report, const std::optional<MapperOptions>& options = {});
+  /// What the mapper is given of any frame of the sequence, computed again (networks are asked only
+  /// for what the cache has not). Errors: why the frame cannot be used.
+  Result<MapperInput> InputAgain(int frame);
+  /// What the mapper is made from; with the options of the next frame.
+  MapperSetup setup() const;
   /// Takes effect with the next frame, whose report tells of it by a kOptionsChanged event.
   void SetOptions(const MapperOptions& options);
 

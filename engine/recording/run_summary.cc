@@ -11,6 +11,7 @@
 #include "engine/dataset/json_fields.h"
 #include "engine/geometry/gravity.h"
 #include "engine/mapping/map_report.h"
+#include "engine/recording/smoothed_record.h"
 
 namespace plumbline {
 namespace {
@@ -54,6 +55,13 @@ nlohmann::json ObjectToJson(const ObjectReport& object, const RunHeader& header,
           {"confirmed_frame",
            object.confirmed_frame ? nlohmann::json(*object.confirmed_frame) : nullptr},
           {"last_frame", object.last_frame}};
+}
+
+void AddEstimate(const ObjectReport& object, const RunHeader& header,
+                 std::vector<EstimatedObject>& estimates) {
+  if (object.state != ObjectState::kConfirmed) return;
+  estimates.push_back({std::to_string(object.id.value), ModelName(header, object.label),
+                       object.category, object.world_from_object});
 }
 
 /// Mean, and the smallest value that 95 % do not exceed.
@@ -173,6 +181,39 @@ nlohmann::json RunSummary::ToJson(const RunHeader& header, double seconds) const
           {"run", std::move(made_from)}};
 }
 
+nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header) {
+  const UprightFrame upright(header.gravity_in_world);
+  nlohmann::json objects = nlohmann::json::array();
+  for (const SmoothedObject& object : map.objects) {
+    nlohmann::json json = ObjectToJson(object.belief, header, upright);
+    json["probability"] = 1 / (1 + std::exp(-object.belief.log_evidence));
+    json["spawned_frame"] = object.spawned_frame;
+    json["looks"] = object.looks;
+    json["looks_before_spawned"] = object.looks_before;
+    json["views"] = object.views;
+    json["refined_by_outline"] = object.refined;
+    json["agreement"] = object.agreement;
+    json["pushed_m"] = object.pushed_m;
+    nlohmann::json covariance = nlohmann::json::array();
+    for (int row = 0; row < 4; ++row) {
+      const Eigen::Vector4d values = object.belief.covariance.row(row);
+      covariance.push_back({values[0], values[1], values[2], values[3]});
+    }
+    json["covariance"] = std::move(covariance);
+    objects.push_back(std::move(json));
+  }
+  nlohmann::json floor = nullptr;
+  if (map.floor_objects > 0) {
+    floor = {{"objects", map.floor_objects},
+             {"height_m", map.floor_height_m},
+             {"std_m", map.floor_std_m}};
+  }
+  return {{"last_frame", map.last_frame},
+          {"looks", map.looks},
+          {"floor", std::move(floor)},
+          {"objects", std::move(objects)}};
+}
+
 Result<nlohmann::json> RunResultJson(RunReader& reader) {
   const Result<std::vector<RunTiming>> timings = reader.Timings();
   if (!timings) return timings.error();
@@ -184,7 +225,12 @@ Result<nlohmann::json> RunResultJson(RunReader& reader) {
     summary.objects_ =
         std::make_shared<const std::vector<ObjectReport>>(std::move((*last)->objects));
   }
-  return summary.ToJson(reader.header(), timings->empty() ? 0.0 : timings->back().elapsed_s);
+  nlohmann::json json =
+      summary.ToJson(reader.header(), timings->empty() ? 0.0 : timings->back().elapsed_s);
+  const auto smoothed = ReadSmoothed(reader.file());
+  if (!smoothed) return smoothed.error();
+  if (*smoothed) json["smoothed"] = SmoothedToJson(**smoothed, reader.header());
+  return json;
 }
 
 Result<std::vector<EstimatedObject>> ReadEstimates(const std::filesystem::path& run) {
@@ -199,13 +245,32 @@ Result<std::vector<EstimatedObject>> ReadEstimates(const std::filesystem::path& 
   if (!last) return last.error();
   std::vector<EstimatedObject> estimates;
   if (!*last) return estimates;
-  for (const ObjectReport& object : (*last)->objects) {
-    if (object.state != ObjectState::kConfirmed) continue;
-    estimates.push_back({std::to_string(object.id.value),
-                         ModelName((*reader)->header(), object.label), object.category,
-                         object.world_from_object});
-  }
+  for (const ObjectReport& object : (*last)->objects)
+    AddEstimate(object, (*reader)->header(), estimates);
   return estimates;
+}
+
+Result<std::optional<std::vector<EstimatedObject>>> ReadSmoothedEstimates(
+    const std::filesystem::path& run) {
+  using Estimates = std::optional<std::vector<EstimatedObject>>;
+  if (run.extension() == ".json") {
+    const Result<nlohmann::json> json = ReadJson(run);
+    if (!json) return json.error();
+    if (!json->is_object() || !json->contains("smoothed")) return Estimates();
+    Result<std::vector<EstimatedObject>> estimates =
+        EstimatesFromJson((*json)["smoothed"], run.string());
+    if (!estimates) return estimates.error();
+    return Estimates(std::move(*estimates));
+  }
+  const auto smoothed = ReadSmoothed(run);
+  if (!smoothed) return smoothed.error();
+  if (!*smoothed) return Estimates();
+  const Result<std::unique_ptr<RunReader>> reader = RunReader::Open(run);
+  if (!reader) return reader.error();
+  std::vector<EstimatedObject> estimates;
+  for (const SmoothedObject& object : (*smoothed)->objects)
+    AddEstimate(object.belief, (*reader)->header(), estimates);
+  return Estimates(std::move(estimates));
 }
 
 }  // namespace plumbline

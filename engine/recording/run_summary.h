@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,7 @@ namespace plumbline {
 
 struct FrameReport;
 struct ObjectReport;
+struct SmoothedMap;
 
 /// The outcome of a run: what `plumbline run --json` and `export --format json` write. Fill it
 /// frame by frame while the run goes on, or from its file.
@@ -58,11 +60,18 @@ class RunSummary {
   std::shared_ptr<const std::vector<ObjectReport>> objects_;
 };
 
-/// The same from a run file. Errors: kCorrupt.
+/// What the second pass found, as `smoothed` of the JSON above.
+nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header);
+
+/// The same from a run file, with `smoothed` where the run has been smoothed. Errors: kCorrupt.
 Result<nlohmann::json> RunResultJson(RunReader& reader);
 
 /// What the map of a run says is there at its end: from a run file or, by its extension, from the
 /// JSON above. Errors: kNotFound, kInvalidInput, kCorrupt, naming the file.
 Result<std::vector<EstimatedObject>> ReadEstimates(const std::filesystem::path& run);
+
+/// The same of its smoothed map; nothing where it has none.
+Result<std::optional<std::vector<EstimatedObject>>> ReadSmoothedEstimates(
+    const std::filesystem::path& run);
 
 }  // namespace plumbline

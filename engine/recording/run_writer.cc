@@ -371,6 +371,11 @@ Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& 
                             " WHERE position >= " + std::to_string(found->num_frames);
     if (status.ok()) status = (*database)->Execute(sql.c_str());
   }
+  // What was smoothed is not this run any more once it goes on.
+  if (status.ok()) {
+    status = (*database)->Execute(
+        "DELETE FROM run WHERE key = 'smoothed'; DROP TABLE IF EXISTS smoothed");
+  }
   if (status.ok()) status = StoreHeader(**database, found->header);
   if (status.ok()) status = (*database)->Execute("COMMIT");
   if (!status.ok()) return status.error();

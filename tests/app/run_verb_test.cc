@@ -125,6 +125,37 @@ TEST_F(RunVerb, InterruptedItKeepsWhatIsDone) {
   EXPECT_EQ(FramesIn("stopped.plb"), kFrames);
 }
 
+TEST_F(RunVerb, SmoothsBesideItsResultNowOrLater) {
+  ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--seed", "3", "--json",
+                        Path("now.json"), "--smooth"})),
+            0)
+      << *ReadFile(Path("output.txt"));
+  ASSERT_EQ(Wait(StartRun("b.plb", false)), 0);
+  const auto causal = RunReader::Open(Path("b.plb")).value();
+  EXPECT_EQ(BytesOf(RunReader::Open(Path("a.plb")).value()->LastFrame().value()),
+            BytesOf(causal->LastFrame().value()))
+      << "the run is as it would be without";
+
+  const pid_t stopped = Start({"smooth", Path("b.plb")});
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  kill(stopped, SIGINT);
+  if (Wait(stopped) == 1) {  // it may have been faster
+    EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("keeps the run"));
+    EXPECT_EQ(FramesIn("b.plb"), kFrames);
+  }
+  ASSERT_EQ(Wait(Start({"smooth", Path("b.plb"), "--json", Path("later.json")})), 0)
+      << *ReadFile(Path("output.txt"));
+  const nlohmann::json now = ReadJson(Path("now.json")).value();
+  const nlohmann::json later = ReadJson(Path("later.json")).value();
+  EXPECT_EQ(now.at("objects"), later.at("objects"));
+  EXPECT_EQ(now.at("smoothed"), later.at("smoothed")) << "the same, from the same run";
+  EXPECT_EQ(now.at("smoothed").at("objects").size(), 3u);
+  EXPECT_EQ(Wait(Start({"export", Path("b.plb"), "--format", "ply", "--smoothed", "--out",
+                        Path("b.ply")})),
+            0)
+      << *ReadFile(Path("output.txt"));
+}
+
 TEST_F(RunVerb, ForkedWithTheSameOptionsItIsTheSameRun) {
   ASSERT_EQ(Wait(StartRun("whole.plb", false)), 0);
   const auto fork = [&](const char* file, std::vector<std::string> more) {

@@ -77,6 +77,17 @@ class Statistics(unittest.TestCase):
         self.assertIn("| 1.00 ± 0.00 | -1.00 ± 0.00 |", line)
         self.assertIn("| 1.50 ± 0.00 | +0.50 ± 0.00 |", line)
 
+    def test_what_is_smoothed_stands_beside_the_causal_result(self):
+        runs = []
+        for seed in range(2):
+            runs.append(record("a", seed, [instance("x", position_m=0.02), instance("late", False)]))
+            runs[-1]["smoothed"] = record("a", seed, [instance("x", position_m=0.01), instance("late")])
+        lines = measure.smoothed_tables(runs)
+        paired = [line for line in lines if line.startswith("| smoothed |")]
+        self.assertIn("| 2.00 ± 0.00 | +1.00 ± 0.00 |", paired[0])
+        self.assertIn("| -1.00 ± 0.00 |", paired[0])
+        self.assertEqual(measure.smoothed_tables([record("a", 0, [instance("x")])]), [])
+
     def test_only_frames_that_are_mapped_count_as_shown(self):
         with tempfile.TemporaryDirectory() as folder:
             sequence = pathlib.Path(folder)
