@@ -84,7 +84,7 @@ function(plumbline_add_test name)
     set(arg_LABEL unit)
   endif()
   if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 120)
+    set(arg_TIMEOUT 300)  # three times what the slowest take on a machine busy with other work
   endif()
   if(PLUMBLINE_SANITIZE)
     math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 10")
