@@ -42,16 +42,15 @@ double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
   return -0.5 * height * height;
 }
 
-Target Outside(std::vector<TakenPlace> taken, const UprightFrame& upright, Target target) {
+Target Outside(std::vector<TakenPlace> taken, Target target) {
   if (taken.empty()) return target;
-  return [taken = std::move(taken), up = upright.up_in_world(),
+  return [taken = std::move(taken),
           target = std::move(target)](std::span<const PoseHypothesis> hypotheses) {
     std::vector<Judgement> judged = target(hypotheses);
     for (std::size_t i = 0; i < judged.size(); ++i) {
       const bool inside = std::any_of(taken.begin(), taken.end(), [&](const TakenPlace& place) {
-        const Eigen::Vector3d offset = hypotheses[i].center_in_world - place.center_in_world;
-        const double rise = offset.dot(up);
-        return std::abs(rise) < place.half_height_m && (offset - rise * up).norm() < place.radius_m;
+        const Eigen::Vector3d offset = place.center_from_world * hypotheses[i].center_in_world;
+        return (offset.cwiseAbs().array() < place.half_sizes_m.array()).all();
       });
       if (inside) judged[i].log_target -= kTakenPenalty;
     }

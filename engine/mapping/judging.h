@@ -33,14 +33,13 @@ std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame&
 double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
                       const MapperOptions& options);
 
-/// Where an object stands that is settled: no other of its category can have its centre there.
+/// What an object that is settled fills: no other of its category can have its centre there.
 struct TakenPlace {
-  Eigen::Vector3d center_in_world{0, 0, 0};
-  double radius_m = 0;  ///< Horizontally: half of the smaller side of its footprint.
-  double half_height_m = 0;
+  Eigen::Isometry3d center_from_world = Eigen::Isometry3d::Identity();  ///< Axes of the object.
+  Eigen::Vector3d half_sizes_m{0, 0, 0};
 };
 /// The target, with hypotheses in places that are taken made as good as impossible.
-Target Outside(std::vector<TakenPlace> taken, const UprightFrame& upright, Target target);
+Target Outside(std::vector<TakenPlace> taken, Target target);
 
 /// The posterior of one object: what its remembered views and the present one say, scaled to as
 /// many independent views as they amount to, and the floor prior. References must outlive it.

@@ -45,10 +45,10 @@ std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
   wide.normalizer = EdgeNormalizer(scores);
   MapperOptions exact = options();
   exact.view_correlation = 0;
-  PoseSampler sampler(map, options(),
-                      Outside(TakenPlaces(object.category), map.upright,
-                              Posterior(*setup.scorer, map, {}, wide, exact)),
-                      Key(setup.seed, input.frame, object.id, Draw::kSample));
+  PoseSampler sampler(
+      map, options(),
+      Outside(TakenPlaces(object.category), Posterior(*setup.scorer, map, {}, wide, exact)),
+      Key(setup.seed, input.frame, object.id, Draw::kSample));
   Population population =
       sampler.Temper(drawn, static_cast<std::size_t>(options().tentative_particles));
   for (Judgement& judged : population.judged) judged.memory = 0;

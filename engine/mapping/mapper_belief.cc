@@ -18,6 +18,8 @@ constexpr double kMarginalSharpness = 5;
 constexpr double kLevelRate = 0.1, kSettledLogOdds = 4;
 /// The time between searches is the time in view over this, between the options' limits.
 constexpr double kSearchRelaxation = 8.0;
+/// What is thin takes this much to each side: another behind a screen is the same screen.
+constexpr double kLeastTaken_m = 0.25;
 /// Belief in the mean pose below which a look at the object has decided nothing.
 constexpr double kInDoubt = 0.8;
 constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
@@ -209,17 +211,20 @@ Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& inp
   Target posterior = Posterior(*setup.scorer, map, std::move(remembered), present, options());
   // Of equal things in a row the one that shows best draws all; what is settled keeps its own.
   if (object.state == ObjectState::kConfirmed) return posterior;
-  return Outside(TakenPlaces(object.category), map.upright, std::move(posterior));
+  return Outside(TakenPlaces(object.category), std::move(posterior));
 }
 
 std::vector<TakenPlace> Mapper::Impl::TakenPlaces(const std::string& category) const {
   std::vector<TakenPlace> taken;
   for (const MapObject& object : objects) {
     if (object.state != ObjectState::kConfirmed || object.category != category) continue;
-    const Eigen::Vector3d size =
-        setup.database->model(object.mean().label).bounds.sizes().cast<double>();
-    taken.push_back({ToHypothesis(object.mean(), map).center_in_world,
-                     0.5 * std::min(size.x(), size.y()), 0.5 * size.z()});
+    const CadModel& model = setup.database->model(object.mean().label);
+    TakenPlace place;
+    place.center_from_world =
+        Eigen::Translation3d(-model.center()) * object.mean().world_from_object.inverse();
+    place.half_sizes_m = 0.5 * model.bounds.sizes().cast<double>();
+    place.half_sizes_m.head<2>() = place.half_sizes_m.head<2>().cwiseMax(kLeastTaken_m);
+    taken.push_back(place);
   }
   return taken;
 }

@@ -124,14 +124,24 @@ TEST_F(SupportSurfaceTest, TakenPlacesAreLeftOut) {
   const Target flat = [](std::span<const PoseHypothesis> hypotheses) {
     return std::vector<Judgement>(hypotheses.size());
   };
-  const Target outside = Outside({{{1, 2, 0.5}, 0.25, 0.5}}, upright_, flat);
-  const std::vector<PoseHypothesis> hypotheses = {{ModelId{0}, 0, {1.1, 2.1, 0.5}},
-                                                  {ModelId{0}, 0, {1.3, 2, 0.5}},
-                                                  {ModelId{0}, 0, {1, 2, 1.2}}};
+  // A screen at (1, 2, 0.5) that faces 30 degrees from +x, 10 cm deep and 1 m wide.
+  TakenPlace screen;
+  Eigen::Isometry3d world_from_center = Eigen::Isometry3d::Identity();
+  world_from_center.linear() = upright_.WorldFromObjectRotation(std::numbers::pi / 6);
+  world_from_center.translation() = Eigen::Vector3d(1, 2, 0.5);
+  screen.center_from_world = world_from_center.inverse();
+  screen.half_sizes_m = {0.05, 0.5, 0.3};
+  const Target outside = Outside({screen}, flat);
+  std::vector<PoseHypothesis> hypotheses;
+  for (const Eigen::Vector3d& at : {Eigen::Vector3d(0.04, 0.45, -0.2), Eigen::Vector3d(0.1, 0, 0),
+                                    Eigen::Vector3d(0, 0.55, 0), Eigen::Vector3d(0, 0, 0.4)}) {
+    hypotheses.push_back({ModelId{0}, 0, world_from_center * at});
+  }
   const std::vector<Judgement> judged = outside(hypotheses);
   EXPECT_LT(judged[0].log_target, -10);
-  EXPECT_EQ(judged[1].log_target, 0) << "beside it";
-  EXPECT_EQ(judged[2].log_target, 0) << "above it";
+  EXPECT_EQ(judged[1].log_target, 0) << "before it";
+  EXPECT_EQ(judged[2].log_target, 0) << "beside it";
+  EXPECT_EQ(judged[3].log_target, 0) << "above it";
 }
 
 }  // namespace
