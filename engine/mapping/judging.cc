@@ -50,7 +50,8 @@ Target Outside(std::vector<TakenPlace> taken, Target target) {
     for (std::size_t i = 0; i < judged.size(); ++i) {
       const bool inside = std::any_of(taken.begin(), taken.end(), [&](const TakenPlace& place) {
         const Eigen::Vector3d offset = place.center_from_world * hypotheses[i].center_in_world;
-        return (offset.cwiseAbs().array() < place.half_sizes_m.array()).all();
+        const Eigen::Vector3d share = offset.cwiseQuotient(place.half_sizes_m);
+        return share.head<2>().norm() < 1 && std::abs(share.z()) < 1;
       });
       if (inside) judged[i].log_target -= kTakenPenalty;
     }

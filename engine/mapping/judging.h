@@ -33,7 +33,8 @@ std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame&
 double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
                       const MapperOptions& options);
 
-/// What an object that is settled fills: no other of its category can have its centre there.
+/// What an object that is settled fills, an upright elliptic cylinder: no other of its category can
+/// have its centre there.
 struct TakenPlace {
   Eigen::Isometry3d center_from_world = Eigen::Isometry3d::Identity();  ///< Axes of the object.
   Eigen::Vector3d half_sizes_m{0, 0, 0};

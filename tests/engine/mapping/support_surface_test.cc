@@ -133,7 +133,7 @@ TEST_F(SupportSurfaceTest, TakenPlacesAreLeftOut) {
   screen.half_sizes_m = {0.05, 0.5, 0.3};
   const Target outside = Outside({screen}, flat);
   std::vector<PoseHypothesis> hypotheses;
-  for (const Eigen::Vector3d& at : {Eigen::Vector3d(0.04, 0.45, -0.2), Eigen::Vector3d(0.1, 0, 0),
+  for (const Eigen::Vector3d& at : {Eigen::Vector3d(0.02, 0.4, -0.2), Eigen::Vector3d(0.1, 0, 0),
                                     Eigen::Vector3d(0, 0.55, 0), Eigen::Vector3d(0, 0, 0.4)}) {
     hypotheses.push_back({ModelId{0}, 0, world_from_center * at});
   }
