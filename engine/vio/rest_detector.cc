@@ -10,18 +10,19 @@ namespace {
 
 constexpr std::size_t kMinCommon = 8;
 
-std::optional<double> MedianMotion(const TrackedImage& from, const TrackedImage& to) {
-  std::unordered_map<std::int64_t, Eigen::Vector2d> before;
-  for (const TrackedPoint& point : from.points) before.emplace(point.id, point.pixel);
-  std::vector<double> motion;
-  for (const TrackedPoint& point : to.points) {
-    const auto found = before.find(point.id);
-    if (found != before.end()) motion.push_back((point.pixel - found->second).norm());
+/// Where a point was on average.
+struct MeanPlace {
+  Eigen::Vector2d sum{0, 0};
+  int count = 0;
+};
+using MeanPlaces = std::unordered_map<std::int64_t, MeanPlace>;
+
+void AddPlaces(const TrackedImage& image, MeanPlaces& places) {
+  for (const TrackedPoint& point : image.points) {
+    MeanPlace& place = places[point.id];
+    place.sum += point.pixel;
+    ++place.count;
   }
-  if (motion.size() < kMinCommon) return std::nullopt;
-  const auto middle = motion.begin() + static_cast<std::ptrdiff_t>(motion.size() / 2);
-  std::nth_element(motion.begin(), middle, motion.end());
-  return *middle;
 }
 
 }  // namespace
@@ -32,26 +33,27 @@ void RestDetector::Add(const TrackedImage& image) {
     images_.pop_front();
 }
 
-std::optional<double> RestDetector::MotionSince(double seconds) const {
+std::optional<double> RestDetector::WanderWithin(double seconds) const {
   if (images_.empty()) return std::nullopt;
-  const std::int64_t latest = images_.back().stamp_ns - static_cast<std::int64_t>(seconds * 1e9);
-  for (auto image = images_.rbegin(); image != images_.rend(); ++image) {
-    if (image->stamp_ns <= latest) return MedianMotion(*image, images_.back());
+  const auto span = static_cast<std::int64_t>(seconds * 1e9);
+  const std::int64_t begin = images_.back().stamp_ns - span, middle = begin + span / 2;
+  if (images_.front().stamp_ns > begin) return std::nullopt;
+  MeanPlaces first, second;
+  for (const TrackedImage& image : images_) {
+    if (image.stamp_ns < begin) continue;
+    AddPlaces(image, image.stamp_ns < middle ? first : second);
   }
-  return std::nullopt;
-}
-
-std::optional<double> RestDetector::MostMotionWithin(double seconds) const {
-  if (images_.empty()) return std::nullopt;
-  const std::int64_t latest = images_.back().stamp_ns - static_cast<std::int64_t>(seconds * 1e9);
-  double most = 0;
-  for (auto image = images_.rbegin(); image != images_.rend(); ++image) {
-    const auto motion = MedianMotion(*image, images_.back());
-    if (!motion) return std::nullopt;
-    most = std::max(most, *motion);
-    if (image->stamp_ns <= latest) return most;
+  std::vector<double> wander;
+  for (const TrackedPoint& point : images_.back().points) {
+    const auto before = first.find(point.id);
+    if (before == first.end()) continue;
+    const MeanPlace& now = second[point.id];
+    wander.push_back((now.sum / now.count - before->second.sum / before->second.count).norm());
   }
-  return std::nullopt;
+  if (wander.size() < kMinCommon) return std::nullopt;
+  const auto half = wander.begin() + static_cast<std::ptrdiff_t>(wander.size() / 2);
+  std::nth_element(wander.begin(), half, wander.end());
+  return *half;
 }
 
 }  // namespace plumbline

@@ -18,14 +18,11 @@ class RestDetector {
   void Add(const TrackedImage& image);
   void Clear() { images_.clear(); }
 
-  /// Median distance [px] between where points are in the newest image and where they were
-  /// `seconds` before, or in the nearest image before that. Nothing where there is no image that
-  /// old, or too few points in common.
-  std::optional<double> MotionSince(double seconds) const;
-
-  /// The largest of MotionSince over all images of the last `seconds`: the camera rested all that
-  /// time. Nothing where there is not as much.
-  std::optional<double> MostMotionWithin(double seconds) const;
+  /// How far [px] the points of the newest image have wandered during the last `seconds`: the
+  /// median distance between where each was on average in the first and in the second half of that
+  /// time. What only shakes about its place rests. Nothing where images do not reach that far back
+  /// or too few points live as long.
+  std::optional<double> WanderWithin(double seconds) const;
 
  private:
   std::int64_t memory_ns_;

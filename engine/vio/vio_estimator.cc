@@ -51,12 +51,12 @@ bool VioEstimator::TryGivenStart(const TrackedImage& image) {
 }
 
 std::string VioEstimator::TryRestStart(const TrackedImage& image) {
-  const auto motion = rest_.MostMotionWithin(options_.rest_seconds);
+  const auto motion = rest_.WanderWithin(options_.rest_seconds);
   if (!motion) return "waiting for " + std::to_string(options_.rest_seconds) + " s of images";
   if (*motion > options_.still_px) {
     char text[160];
     std::snprintf(text, sizeof(text),
-                  "waiting for rest: points moved by %.1f px in the last %.1f s, at most %.1f",
+                  "waiting for rest: points wandered by %.1f px in the last %.1f s, at most %.1f",
                   *motion, options_.rest_seconds, options_.still_px);
     return text;
   }
@@ -98,7 +98,7 @@ std::optional<VioReport> VioEstimator::AddImage(const TrackedImage& image) {
       if (!tracking_) return report;
     }
   }
-  const auto motion = rest_.MotionSince(kRestLookback);
+  const auto motion = rest_.WanderWithin(kRestLookback);
   const bool resting = motion && *motion < options_.zero_velocity_px;
   const FilterStep step = filter_.Step(image, imu_, resting);
   VioReport report = Report(image, step);
@@ -114,6 +114,23 @@ std::optional<VioReport> VioEstimator::AddImage(const TrackedImage& image) {
   }
   imu_.DropBefore(image.stamp_ns - Nanoseconds(options_.rest_seconds + 2 * kRestLookback));
   return report;
+}
+
+Eigen::Matrix3d VioEstimator::CamRotation(std::int64_t previous_ns,
+                                          std::int64_t present_ns) const {
+  const bool tracking = tracking_;
+  const std::int64_t offset = Nanoseconds(tracking ? filter_.state().time_offset_s()
+                                                   : calibration_.time_offset_s);
+  const Eigen::Vector3d bias =
+      tracking ? filter_.state().inertial().gyro_bias : Eigen::Vector3d::Zero();
+  const Eigen::Matrix3d body_from_cam =
+      (tracking ? filter_.state().body_from_cam() : *camera_.body_from_cam).linear();
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  for (const ImuSegment& segment : imu_.Between(previous_ns + offset, present_ns + offset)) {
+    if (segment.noise_factor > 1) return Eigen::Matrix3d::Identity();
+    turn = turn * RotationExp(segment.seconds() * (segment.angular_velocity_rad_s - bias));
+  }
+  return body_from_cam.transpose() * turn * body_from_cam;
 }
 
 VioReport VioEstimator::Report(const TrackedImage& image, const FilterStep& step) const {

@@ -39,6 +39,9 @@ class VioEstimator {
   /// rise.
   std::optional<VioReport> AddImage(const TrackedImage& image);
 
+  /// previous_from_present: how the gyro says that the camera turned between two images.
+  Eigen::Matrix3d CamRotation(std::int64_t previous_ns, std::int64_t present_ns) const;
+
   /// Points that were finished since the last call.
   std::vector<MapPoint> TakePoints() { return filter_.TakePoints(); }
   const VioFilter& filter() const { return filter_; }

@@ -21,6 +21,8 @@ struct VioOptions {
   // Noise
   double pixel_noise_px = 1.0;
   double imu_noise_factor = 1.5;
+  double max_gyro_walk = 2e-4;
+  double max_accel_walk = 4e-3;
   double gate_probability = 0.95;
 
   // What is estimated besides poses, velocity and biases
@@ -32,7 +34,7 @@ struct VioOptions {
 
   // Start
   double still_px = 1.0;
-  double rest_seconds = 1.0;
+  double rest_seconds = 1.2;
   double start_accel_bias_std_m_s2 = 0.1;
 
   // Zero velocity
@@ -59,6 +61,12 @@ void VisitFields(VioOptions& o, Visitor&& visit) {
         {"pixel_noise_px", "px", "standard deviation of a tracked point", 0.05, 20});
   visit(o.imu_noise_factor,
         {"imu_noise_factor", "", "on the noise densities that imu.json states", 0.1, 100});
+  visit(o.max_gyro_walk,
+        {"max_gyro_walk", "rad/s^2/sqrt(Hz)",
+         "limits what imu.json states: files of other filters hold inflated walks", 1e-8, 1});
+  visit(o.max_accel_walk,
+        {"max_accel_walk", "m/s^3/sqrt(Hz)",
+         "limits what imu.json states: files of other filters hold inflated walks", 1e-8, 10});
   visit(o.gate_probability,
         {"gate_probability", "", "of honest measurements that pass the chi-squared gate", 0.5,
          0.99999});
