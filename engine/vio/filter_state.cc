@@ -69,7 +69,8 @@ void FilterState::Propagate(const Integration& integration) {
 }
 
 const PoseClone& FilterState::AddClone(std::int64_t stamp_ns,
-                                       const Eigen::Vector3d& angular_velocity_in_body) {
+                                       const Eigen::Vector3d& angular_velocity_in_body,
+                                       double jitter_rad, double jitter_m) {
   const int before = size();
   const Eigen::Vector3d turn = inertial_.world_from_body * angular_velocity_in_body;
   Eigen::Matrix<double, kPoseSize, 1> by_offset;
@@ -81,12 +82,17 @@ const PoseClone& FilterState::AddClone(std::int64_t stamp_ns,
   Eigen::Matrix<double, kPoseSize, kPoseSize> own;
   own << added.middleCols<3>(kPhi), added.middleCols<3>(kXiP);
   own += added.col(kTimeOffset) * by_offset.transpose();
+  // A turn about the body itself: xi_p = p x phi.
+  Eigen::Matrix<double, kPoseSize, 3> by_turn;
+  by_turn << Eigen::Matrix3d::Identity(), Hat(inertial_.position_in_world);
+  own += jitter_rad * jitter_rad * by_turn * by_turn.transpose();
+  own.diagonal().tail<3>().array() += jitter_m * jitter_m;
 
   covariance_.conservativeResize(before + kPoseSize, before + kPoseSize);
   covariance_.bottomLeftCorner(kPoseSize, before) = added;
   covariance_.topRightCorner(before, kPoseSize) = added.transpose();
   covariance_.bottomRightCorner<kPoseSize, kPoseSize>() = (own + own.transpose()) / 2;
-  clones_.push_back({next_clone_++, stamp_ns, inertial_.pose(), before});
+  clones_.push_back({next_clone_++, stamp_ns, inertial_.pose(), before, by_offset});
   return clones_.back();
 }
 

@@ -24,6 +24,8 @@ struct PoseClone {
   std::int64_t stamp_ns = 0;  ///< Of the image, on the camera's clock.
   Eigen::Isometry3d world_from_body = Eigen::Isometry3d::Identity();
   int row = 0;  ///< First row in the filter's error.
+  /// How the pose moves with time: its (phi, xi_p) per second.
+  Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
 };
 
 /// A point in the state: in the camera of its anchor, (X/Z, Y/Z, 1/Z); its error adds.
@@ -32,6 +34,7 @@ struct StatePoint {
   std::int64_t anchor = 0;  ///< Id of a clone.
   Eigen::Vector3d bearing_and_inverse_depth{0, 0, 1};
   int row = 0;
+  int age = 0;       ///< Images that it was seen in.
   int rejected = 0;  ///< Measurements in a row that the gate turned away.
 };
 
@@ -65,7 +68,10 @@ class FilterState {
   /// Appends the present pose, taken at an image of the camera's clock. A true offset that is
   /// larger means that the image was taken later: the clone's error has a part by the offset.
   /// @param angular_velocity_in_body  At that time, without bias [rad/s].
-  const PoseClone& AddClone(std::int64_t stamp_ns, const Eigen::Vector3d& angular_velocity_in_body);
+  /// @param jitter_rad, jitter_m  What the image as a whole is off by, each axis: independent from
+  ///        image to image, so that many points do not average it out.
+  const PoseClone& AddClone(std::int64_t stamp_ns, const Eigen::Vector3d& angular_velocity_in_body,
+                            double jitter_rad, double jitter_m);
 
   /// One update with residual = jacobian * error + noise of unit variance. The columns of
   /// `jacobian` are those of `rows`, in their order.

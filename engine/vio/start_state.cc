@@ -59,9 +59,8 @@ Eigen::Matrix3d UprightRotation(const Eigen::Vector3d& specific_force_in_body) {
   return world_from_body;
 }
 
-Result<FilterState> StartFromRest(std::span<const ImuSample> samples, const ImuCalibration& imu,
-                                  const Eigen::Isometry3d& body_from_cam,
-                                  const VioOptions& options) {
+Result<RestStart> StartFromRest(std::span<const ImuSample> samples, const ImuCalibration& imu,
+                                const VioOptions& options) {
   PLB_CHECK(!samples.empty());
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
   for (const ImuSample& sample : samples) {
@@ -87,17 +86,20 @@ Result<FilterState> StartFromRest(std::span<const ImuSample> samples, const ImuC
   spread.gyro_bias_rad_s = kRestGyroBias;
   // What is off in gravity's length is about what is off in every axis.
   spread.accel_bias_m_s2 = std::max(options.start_accel_bias_std_m_s2, 1.5 * off);
-  FilterState state =
-      MakeStart(inertial, body_from_cam, imu.time_offset_s, spread, options);
-  // force = R' up g + bias: tilt and bias become as correlated as they are.
-  const Eigen::Vector3d up(0, 0, imu.gravity_m_s2);
-  const Eigen::Matrix3d R = inertial.world_from_body;
+  return RestStart{inertial, spread, force};
+}
+
+void UpdateWithForce(const Eigen::Vector3d& force_in_body, double gravity_m_s2,
+                     FilterState& state) {
+  // force = R' up g + bias
+  const Eigen::Vector3d up(0, 0, gravity_m_s2);
+  const Eigen::Matrix3d body_from_world = state.inertial().world_from_body.transpose();
   Eigen::MatrixXd jacobian(3, 6);
-  jacobian << R.transpose() * Hat(up), Eigen::Matrix3d::Identity();
+  jacobian << body_from_world * Hat(up), Eigen::Matrix3d::Identity();
   const RowRange rows[] = {{kPhi, 3}, {kAccelBias, 3}};
-  const Eigen::Vector3d residual = force - R.transpose() * up;
+  const Eigen::Vector3d residual =
+      force_in_body - body_from_world * up - state.inertial().accel_bias;
   PLB_CHECK(state.Update(jacobian / kRestAcceleration, rows, residual / kRestAcceleration));
-  return state;
 }
 
 }  // namespace plumbline

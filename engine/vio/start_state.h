@@ -26,16 +26,26 @@ struct StartSpread {
 FilterState MakeStart(const InertialState& inertial, const Eigen::Isometry3d& body_from_cam,
                       double time_offset_s, const StartSpread& spread, const VioOptions& options);
 
-/// The start at the end of a rest: gravity from the mean specific force, the gyro's bias from the
-/// mean angular velocity, no velocity, the accelerometer's bias zero but for the part that shows in
-/// the length of gravity; the part that hides in the tilt is left to the covariance.
+/// What a rest says of the state at its end.
+struct RestStart {
+  InertialState inertial;
+  StartSpread spread;
+  Eigen::Vector3d force;  ///< Mean specific force, in the body's axes [m/s^2].
+};
+
+/// The start at the end of a rest: upright by the mean specific force, the gyro's bias the mean
+/// angular velocity, no velocity. Heading and position are those of the identity. The spread of the
+/// tilt is wide: UpdateWithForce tells tilt and accelerometer bias apart as far as that goes.
 /// @param samples  Of the rest; the last one's stamp is that of the state.
-/// Heading and position are those of the identity. Errors: kDegenerate where the mean specific
-/// force is not about gravity: the body is not at rest, or the unit is wrong.
-Result<FilterState> StartFromRest(std::span<const ImuSample> samples,
-                                  const ImuCalibration& imu,
-                                  const Eigen::Isometry3d& body_from_cam,
-                                  const VioOptions& options);
+/// Errors: kDegenerate where the mean specific force is not about gravity: the body is not at rest,
+/// or the unit is wrong.
+Result<RestStart> StartFromRest(std::span<const ImuSample> samples, const ImuCalibration& imu,
+                                const VioOptions& options);
+
+/// Updates a state with a specific force that was measured without acceleration. Of the bias it
+/// tells the part along gravity; tilt and the rest of it become as correlated as they are.
+void UpdateWithForce(const Eigen::Vector3d& force_in_body, double gravity_m_s2,
+                     FilterState& state);
 
 /// The rotation that makes this specific force point up, with heading zero.
 Eigen::Matrix3d UprightRotation(const Eigen::Vector3d& specific_force_in_body);

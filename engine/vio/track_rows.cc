@@ -37,7 +37,7 @@ std::optional<TrackRows> RowsOfTrack(const DistortedCamera& camera, const Filter
                                      std::span<const Observation> observations,
                                      const std::vector<bool>& used,
                                      const Eigen::Vector3d& point_in_world,
-                                     double pixel_noise_px) {
+                                     const PixelModel& pixels) {
   const auto count = std::count(used.begin(), used.end(), true);
   TrackRows rows;
   rows.by_state = Eigen::MatrixXd::Zero(2 * count, layout.size());
@@ -49,12 +49,13 @@ std::optional<TrackRows> RowsOfTrack(const DistortedCamera& camera, const Filter
     const PoseClone* clone = state.FindClone(observations[i].clone);
     PLB_CHECK(clone != nullptr);
     const auto view =
-        ViewPoint(camera, state.body_from_cam(), clone->world_from_body, point_in_world);
+        ViewPoint(camera, state.body_from_cam(),
+                  pixels.WorldFromBody(*clone, observations[i].pixel.y()), point_in_world);
     if (!view) return std::nullopt;
-    rows.by_state.block<2, 6>(row, layout.camera()) = view->by_camera / pixel_noise_px;
-    rows.by_state.block<2, 6>(row, layout.clone(clone->id)) = view->by_pose / pixel_noise_px;
-    rows.by_point.middleRows<2>(row) = view->by_point / pixel_noise_px;
-    rows.residual.segment<2>(row) = (observations[i].pixel - view->pixel) / pixel_noise_px;
+    rows.by_state.block<2, 6>(row, layout.camera()) = view->by_camera / pixels.noise_px;
+    rows.by_state.block<2, 6>(row, layout.clone(clone->id)) = view->by_pose / pixels.noise_px;
+    rows.by_point.middleRows<2>(row) = view->by_point / pixels.noise_px;
+    rows.residual.segment<2>(row) = (observations[i].pixel - view->pixel) / pixels.noise_px;
     row += 2;
   }
   return rows;

@@ -33,6 +33,20 @@ class ColumnLayout {
   int size_ = 0;
 };
 
+/// How pixels are measured.
+struct PixelModel {
+  double noise_px = 1;
+  double rolling_shutter_s = 0;  ///< From the first row to the last; the stamp is of the middle.
+  double height_px = 1;
+
+  /// Where the body was when this row was read.
+  Eigen::Isometry3d WorldFromBody(const PoseClone& clone, double row_px) const {
+    if (rolling_shutter_s == 0) return clone.world_from_body;
+    return Moved(clone.world_from_body,
+                 clone.motion * (rolling_shutter_s * (row_px / height_px - 0.5)));
+  }
+};
+
 /// residual = by_state * error + by_point * error of the point + noise of unit variance.
 struct TrackRows {
   Eigen::MatrixXd by_state;
@@ -46,7 +60,7 @@ std::optional<TrackRows> RowsOfTrack(const DistortedCamera& camera, const Filter
                                      const ColumnLayout& layout,
                                      std::span<const Observation> observations,
                                      const std::vector<bool>& used,
-                                     const Eigen::Vector3d& point_in_world, double pixel_noise_px);
+                                     const Eigen::Vector3d& point_in_world, const PixelModel& pixels);
 
 /// The rows turned so that the first three alone speak of the point, upper triangular, and the
 /// others are free of it: the left null space of `by_point` (Mourikis and Roumeliotis, ICRA 2007).

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "engine/vio/health_monitor.h"
 #include "engine/vio/imu_buffer.h"
 #include "engine/vio/rest_detector.h"
+#include "engine/vio/start_state.h"
 #include "engine/vio/vio_filter.h"
 #include "engine/vio/vio_options.h"
 #include "engine/vio/vio_report.h"
@@ -36,8 +38,9 @@ class VioEstimator {
   void AddImu(const ImuSample& sample) { imu_.Add(sample); }
 
   /// The next image. Nothing for one that is not used: it follows too fast, or its stamp does not
-  /// rise.
-  std::optional<VioReport> AddImage(const TrackedImage& image);
+  /// rise. Several where a start in motion reaches back: first one of the waiting image, then those
+  /// of the window.
+  std::vector<VioReport> AddImage(const TrackedImage& image);
 
   /// previous_from_present: how the gyro says that the camera turned between two images.
   Eigen::Matrix3d CamRotation(std::int64_t previous_ns, std::int64_t present_ns) const;
@@ -50,7 +53,14 @@ class VioEstimator {
   bool TryGivenStart(const TrackedImage& image);
   /// @return what it waits for; "" when it started.
   std::string TryRestStart(const TrackedImage& image);
-  void Begin(FilterState state);
+  std::string TryMotionStart();
+  std::string TryStart(const TrackedImage& image);
+  void Begin(InertialState inertial, StartSpread spread);
+  void BeginWith(const FilterState& state);
+  /// Moves a start to where the last stretch ended, with the uncertainty that the gap leaves.
+  void JoinLastStretch(InertialState& inertial, StartSpread& spread) const;
+  void ForgetOldReadings(std::int64_t image_ns);
+  VioReport Filter(const TrackedImage& image);
   VioReport Report(const TrackedImage& image, const FilterStep& step) const;
 
   Camera camera_;
@@ -61,7 +71,8 @@ class VioEstimator {
   VioFilter filter_;
   HealthMonitor health_;
   std::optional<ReferenceState> given_;
-  std::optional<std::int64_t> last_image_ns_;
+  std::deque<TrackedImage> window_;  ///< Images of a start in motion.
+  std::optional<std::int64_t> last_image_ns_, last_step_ns_, last_attempt_ns_;
   /// Where an earlier stretch ended, for the next to begin there.
   std::optional<VioReport> last_good_;
   bool tracking_ = false;

@@ -15,6 +15,9 @@ VioFilter::VioFilter(const Camera& camera, const ImuCalibration& imu, const VioO
       noise_{options.imu_noise_factor * imu.gyro_noise_density,
              options.imu_noise_factor * imu.accel_noise_density, std::min(imu.gyro_bias_walk, options.max_gyro_walk),
              std::min(imu.accel_bias_walk, options.max_accel_walk), imu.gravity_m_s2},
+      jitter_rad_(options.image_jitter_px / camera.pinhole.fx),
+      pixels_{options.pixel_noise_px, options.rolling_shutter_s,
+              static_cast<double>(camera.pinhole.height)},
       gate_(options.gate_probability),
       triangulation_{options.pixel_noise_px, options.min_depth_m, options.max_depth_m,
                      options.max_depth_spread},
@@ -38,7 +41,10 @@ FilterStep VioFilter::Step(const TrackedImage& image, const ImuBuffer& imu, bool
   std::vector<std::pair<std::int64_t, Track>> for_state, used_up = TakeEnded();
   if (!resting) TakeFull(for_state, used_up);
   UpdateWithTracks(used_up, step);
-  if (resting && options_.zero_velocity) UpdateAtRest();
+  if (resting && options_.zero_velocity) {
+    UpdateAtRest();
+    UpdateTurnAtRest(step);
+  }
   AddPoints(for_state, step);
   Marginalise(resting);
   step.points = static_cast<int>(state_.points().size());
@@ -54,7 +60,7 @@ void VioFilter::Propagate(const TrackedImage& image, const ImuBuffer& imu) {
   const auto reading = imu.At(state_.inertial().stamp_ns);
   if (reading)
     angular_velocity_ = reading->angular_velocity_rad_s - state_.inertial().gyro_bias;
-  state_.AddClone(image.stamp_ns, angular_velocity_);
+  state_.AddClone(image.stamp_ns, angular_velocity_, jitter_rad_, options_.image_jitter_m);
 }
 
 bool VioFilter::PassesGate(const Eigen::MatrixXd& jacobian, std::span<const RowRange> rows,
@@ -77,7 +83,8 @@ std::optional<TriangulatedPoint> VioFilter::TriangulateTrack(const Track& track)
   for (const Observation& o : track.observations) {
     const PoseClone* clone = state_.FindClone(o.clone);
     PLB_CHECK(clone != nullptr);
-    sights.push_back({clone->world_from_body * state_.body_from_cam(), o.pixel, o.ray});
+    sights.push_back(
+        {pixels_.WorldFromBody(*clone, o.pixel.y()) * state_.body_from_cam(), o.pixel, o.ray});
   }
   return Triangulate(camera_, sights, triangulation_);
 }
@@ -122,21 +129,25 @@ void VioFilter::UpdateWithTracks(const std::vector<std::pair<std::int64_t, Track
                                  FilterStep& step) {
   const ColumnLayout layout(state_);
   std::vector<SplitRows> parts;
-  Eigen::Index total = 0;
   for (const auto& [id, track] : tracks) {
     const auto point = TriangulateTrack(track);
     if (!point) continue;  // a living track keeps its sights and may see more
     const auto rows = RowsOfTrack(camera_, state_, layout, track.observations, point->used,
-                                  point->point_in_world, options_.pixel_noise_px);
+                                  point->point_in_world, pixels_);
     const auto living = tracks_.tracks().find(id);
     if (living != tracks_.tracks().end()) living->second.observations.clear();
     if (!rows || rows->residual.size() < 4) continue;
     SplitRows split = SplitOffPoint(*rows);
     if (!PassesGate(split.by_state, layout.rows(), split.residual, step)) continue;
     finished_.push_back({id, point->point_in_world});
-    total += split.residual.size();
     parts.push_back(std::move(split));
   }
+  UpdateWithParts(parts, layout);
+}
+
+void VioFilter::UpdateWithParts(const std::vector<SplitRows>& parts, const ColumnLayout& layout) {
+  Eigen::Index total = 0;
+  for (const SplitRows& part : parts) total += part.residual.size();
   if (total == 0) return;
   Eigen::MatrixXd jacobian(total, layout.size());
   Eigen::VectorXd residual(total);
@@ -164,7 +175,7 @@ void VioFilter::AddPoints(const std::vector<std::pair<std::int64_t, Track>>& tra
     const AnchoredPoint placed =
         PlacePoint(state_.body_from_cam(), anchor.world_from_body, value);
     auto rows = RowsOfTrack(camera_, state_, layout, track.observations, triangulated->used,
-                            placed.point_in_world, options_.pixel_noise_px);
+                            placed.point_in_world, pixels_);
     if (!rows) continue;
     rows->by_state.middleCols<6>(layout.camera()) += rows->by_point * placed.by_camera;
     rows->by_state.middleCols<6>(layout.clone(anchor.id)) += rows->by_point * placed.by_anchor;
@@ -204,7 +215,8 @@ void VioFilter::UpdateWithPoints(const TrackedImage& image, FilterStep& step) {
                                             point.bearing_and_inverse_depth);
     const auto view = sight == seen.end() || point.bearing_and_inverse_depth.z() <= 0
                           ? std::nullopt
-                          : ViewPoint(camera_, state_.body_from_cam(), present.world_from_body,
+                          : ViewPoint(camera_, state_.body_from_cam(),
+                                      pixels_.WorldFromBody(present, sight->second.y()),
                                       placed.point_in_world);
     if (!view) {
       lost.push_back(point.track);
@@ -213,8 +225,10 @@ void VioFilter::UpdateWithPoints(const TrackedImage& image, FilterStep& step) {
     Eigen::MatrixXd own(2, 21);
     own << view->by_camera + view->by_point * placed.by_camera, view->by_point * placed.by_anchor,
         view->by_pose, view->by_point * placed.by_value;
-    own /= options_.pixel_noise_px;
-    const Eigen::Vector2d r = (sight->second - view->pixel) / options_.pixel_noise_px;
+    // A patch that is followed from image to image creeps away from where it began.
+    const double noise = options_.pixel_noise_px * std::sqrt(1 + options_.age_noise * point.age++);
+    own /= noise;
+    const Eigen::Vector2d r = (sight->second - view->pixel) / noise;
     const RowRange rows[] = {{kCamRotation, kPoseSize},
                              {anchor->row, kPoseSize},
                              {present.row, kPoseSize},
@@ -235,7 +249,9 @@ void VioFilter::UpdateWithPoints(const TrackedImage& image, FilterStep& step) {
     state_.Update(jacobian.topRows(row), layout.rows(), residual.head(row));
   }
   for (const StatePoint& point : state_.points()) {  // the update may have moved one behind
-    if (point.bearing_and_inverse_depth.z() <= 0.5 / options_.max_depth_m) lost.push_back(point.track);
+    if (point.bearing_and_inverse_depth.z() <= 0.5 / options_.max_depth_m ||
+        point.age > options_.max_point_age)
+      lost.push_back(point.track);
   }
   std::sort(lost.begin(), lost.end());
   lost.erase(std::unique(lost.begin(), lost.end()), lost.end());
@@ -261,6 +277,31 @@ void VioFilter::UpdateAtRest() {
   jacobian.rightCols<3>().setIdentity();
   const RowRange rows[] = {{kPhi, 6}};
   state_.Update(jacobian / std, rows, -v / std);
+}
+
+void VioFilter::UpdateTurnAtRest(FilterStep& step) {
+  // Without parallax a track has no depth, but its depth does not matter either: any will do. The
+  // first sight is used again and again, which the noise makes up for.
+  constexpr double kAnyDepth = 3, kNoiseFactor = 3;
+  PixelModel pixels = pixels_;
+  pixels.noise_px *= kNoiseFactor;
+  const PoseClone& oldest = state_.clones().front();
+  const ColumnLayout layout(state_);
+  const Eigen::Isometry3d world_from_cam = oldest.world_from_body * state_.body_from_cam();
+  std::vector<SplitRows> parts;
+  for (const auto& [id, track] : tracks_.tracks()) {
+    if (!track.seen || track.observations.size() < 2 ||
+        track.observations.front().clone != oldest.id)
+      continue;
+    const Observation both[] = {track.observations.front(), track.observations.back()};
+    const auto rows = RowsOfTrack(camera_, state_, layout, both, {true, true},
+                                  world_from_cam * (kAnyDepth * both[0].ray), pixels);
+    if (!rows) continue;
+    SplitRows split = SplitOffPoint(*rows);
+    if (PassesGate(split.by_state, layout.rows(), split.residual, step))
+      parts.push_back(std::move(split));
+  }
+  UpdateWithParts(parts, layout);
 }
 
 void VioFilter::MoveAnchors(std::int64_t from_clone) {

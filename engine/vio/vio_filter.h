@@ -59,8 +59,10 @@ class VioFilter {
   void UpdateWithPoints(const TrackedImage& image, FilterStep& step);
   void UpdateWithTracks(const std::vector<std::pair<std::int64_t, Track>>& tracks,
                         FilterStep& step);
+  void UpdateWithParts(const std::vector<SplitRows>& parts, const ColumnLayout& layout);
   void AddPoints(const std::vector<std::pair<std::int64_t, Track>>& tracks, FilterStep& step);
   void UpdateAtRest();
+  void UpdateTurnAtRest(FilterStep& step);
   void Marginalise(bool resting);
   void MoveAnchors(std::int64_t from_clone);
   std::vector<std::pair<std::int64_t, Track>> TakeEnded();
@@ -74,6 +76,8 @@ class VioFilter {
   DistortedCamera camera_;
   VioOptions options_;
   IntegrationNoise noise_;
+  double jitter_rad_;
+  PixelModel pixels_;
   ChiSquareGate gate_;
   TriangulationOptions triangulation_;
   FilterState state_;

@@ -20,6 +20,11 @@ struct VioOptions {
 
   // Noise
   double pixel_noise_px = 1.0;
+  double image_jitter_px = 0.2;
+  double image_jitter_m = 0.0005;
+  double age_noise = 0.0;
+  int max_point_age = 100;
+  double rolling_shutter_s = 0;
   double imu_noise_factor = 1.5;
   double max_gyro_walk = 2e-4;
   double max_accel_walk = 4e-3;
@@ -29,7 +34,7 @@ struct VioOptions {
   bool estimate_extrinsics = true;
   bool estimate_time_offset = true;
   double extrinsic_rotation_std_deg = 0.3;
-  double extrinsic_translation_std_m = 0.01;
+  double extrinsic_translation_std_m = 0.005;
   double time_offset_std_s = 0.003;
 
   // Start
@@ -59,6 +64,18 @@ void VisitFields(VioOptions& o, Visitor&& visit) {
          0.01, 10});
   visit(o.pixel_noise_px,
         {"pixel_noise_px", "px", "standard deviation of a tracked point", 0.05, 20});
+  visit(o.image_jitter_px,
+        {"image_jitter_px", "px",
+         "what turns an image as a whole: exposure, rolling shutter, stamps", 0, 20});
+  visit(o.image_jitter_m,
+        {"image_jitter_m", "m", "what moves the camera of an image as a whole", 0, 1});
+  visit(o.age_noise,
+        {"age_noise", "", "what each image adds to the variance of a followed point, relatively", 0,
+         10});
+  visit(o.max_point_age,
+        {"max_point_age", "", "images after which a point of the state begins anew", 2, 1000000});
+  visit(o.rolling_shutter_s,
+        {"rolling_shutter_s", "s", "time from the first row of an image to the last", -0.1, 0.1});
   visit(o.imu_noise_factor,
         {"imu_noise_factor", "", "on the noise densities that imu.json states", 0.1, 100});
   visit(o.max_gyro_walk,

@@ -30,7 +30,7 @@ class Feeder {
   }
 
   void FeedImage(const TrackedImage& image) {
-    if (auto report = estimator_.AddImage(image)) run.reports.push_back(std::move(*report));
+    for (VioReport& report : estimator_.AddImage(image)) run.reports.push_back(std::move(report));
     for (MapPoint& point : estimator_.TakePoints()) run.points.push_back(point);
     ++run.images;
   }
