@@ -44,8 +44,7 @@ Status AddCovariances(const fs::path& file, std::vector<TimedPose>& poses) {
   auto next = covariances->begin();
   for (TimedPose& pose : poses) {
     while (next != covariances->end() && next->first < pose.stamp_ns) ++next;
-    if (next != covariances->end() && next->first == pose.stamp_ns)
-      pose.covariance = next->second;
+    if (next != covariances->end() && next->first == pose.stamp_ns) pose.covariance = next->second;
   }
   return {};
 }
@@ -118,8 +117,7 @@ void PrintErrors(const TrajectoryErrors& errors, const std::string& align) {
 Status EvaluateTrajectory(const TrajectoryArguments& arguments) {
   Result<std::vector<TimedPose>> estimate = ReadPoses(arguments.estimate);
   if (!estimate.ok()) return estimate.error();
-  if (Status status = AddCovariances(CovarianceFileOf(arguments.estimate), *estimate);
-      !status.ok())
+  if (Status status = AddCovariances(CovarianceFileOf(arguments.estimate), *estimate); !status.ok())
     return status;
   const Result<std::vector<TimedPose>> reference = ReadPoses(arguments.reference);
   if (!reference.ok()) return reference.error();

@@ -291,13 +291,14 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("--scene", arguments->scene,
                    "The scanned scene, a mesh in the frame of the ground truth")
       ->type_name("FILE.ply");
-  verb->add_option("--align", arguments->align,
-                   "Before measuring, bring the map into the frame of the ground truth: not at "
-                   "all, by a turn about "
-                   "gravity and a translation from the matched objects, by ICP of the surfaces "
-                   "(rigid, as in the "
-                   "paper), or by ICP that keeps gravity. A trajectory: not at all, by a turn about z "
-                   "and a translation (default), by a rigid motion, or by a similarity")
+  verb->add_option(
+          "--align", arguments->align,
+          "Before measuring, bring the map into the frame of the ground truth: not at "
+          "all, by a turn about "
+          "gravity and a translation from the matched objects, by ICP of the surfaces "
+          "(rigid, as in the "
+          "paper), or by ICP that keeps gravity. A trajectory: not at all, by a turn about z "
+          "and a translation (default), by a rigid motion, or by a similarity")
       ->type_name("none|objects|icp|icp4|yaw|se3|sim3");
   verb->add_option("--trajectory", arguments->trajectory,
                    "Judge this trajectory instead of a run (TUM; EST.covariance.csv beside it)")

@@ -61,8 +61,9 @@ Result<VioInput> InputOf(const Sequence& sequence, const ImuRecording& imu) {
   input.camera = calibration.cameras.front().camera;
   if (!input.camera.body_from_cam) {
     return Error{ErrorCode::kInvalidInput,
-                 name + " does not say where the camera sits on the body: add 'body_from_cam' to "
-                        "camera.json"};
+                 name +
+                     " does not say where the camera sits on the body: add 'body_from_cam' to "
+                     "camera.json"};
   }
   if (calibration.imu) input.imu = *calibration.imu;
   input.samples = imu.samples;
@@ -129,9 +130,9 @@ VioSummary Summarise(const VioRun& run) {
     if (summary.last == nullptr) {
       summary.start_s = at;
     } else {
-      summary.path_m += (report.world_from_body.translation() -
-                         summary.last->world_from_body.translation())
-                            .norm();
+      summary.path_m +=
+          (report.world_from_body.translation() - summary.last->world_from_body.translation())
+              .norm();
     }
     ++summary.tracked;
     summary.stretches = report.stretch;
@@ -263,8 +264,8 @@ Status Vio(VioArguments arguments) {
 
 void AddVioVerb(CLI::App& app, VerbFunction& chosen) {
   auto arguments = std::make_shared<VioArguments>();
-  CLI::App* verb = app.add_subcommand(
-      "vio", "Estimate poses, gravity and calibration from images and an IMU");
+  CLI::App* verb =
+      app.add_subcommand("vio", "Estimate poses, gravity and calibration from images and an IMU");
   verb->add_option("sequence", arguments->sequence, "Folder of the sequence")->required();
   verb->add_option("--out", arguments->out,
                    "Trajectory to write (TUM); beside it, .covariance.csv and .points.ply")

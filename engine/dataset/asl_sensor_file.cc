@@ -47,15 +47,17 @@ Result<Camera> ReadAslCamera(const std::filesystem::path& file) {
     const auto bends = node["distortion_model"].as<std::string>();
     if (size.size() != 2 || intrinsics.size() != 4 || pose.size() != 16) {
       return Error{ErrorCode::kCorrupt,
-                   "'" + file.string() + "' needs a resolution of 2, intrinsics of 4 and a T_BS of "
-                                         "16 numbers"};
+                   "'" + file.string() +
+                       "' needs a resolution of 2, intrinsics of 4 and a T_BS of "
+                       "16 numbers"};
     }
     const bool radial = bends == "radial-tangential" || bends == "radtan";
     if (model != "pinhole" || (!radial && bends != "equidistant")) {
       return Error{ErrorCode::kUnsupported,
                    "'" + file.string() + "' has a camera of the model '" + model + "' with '" +
-                       bends + "' distortion; this version reads pinhole with radial-tangential "
-                               "or equidistant"};
+                       bends +
+                       "' distortion; this version reads pinhole with radial-tangential "
+                       "or equidistant"};
     }
     return CameraFromJson(
         {{"width", size[0]},

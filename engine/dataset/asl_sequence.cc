@@ -56,8 +56,7 @@ Result<std::vector<AslImage>> ReadImageList(const fs::path& file,
   }
   warnings = odd.Sentences();
   MakeStampsRise(file, "images", images, warnings);
-  if (images.empty())
-    return Error{ErrorCode::kCorrupt, "'" + file.string() + "' lists no image"};
+  if (images.empty()) return Error{ErrorCode::kCorrupt, "'" + file.string() + "' lists no image"};
   return images;
 }
 
@@ -164,9 +163,9 @@ Status AslSequence::ReadPoses(const fs::path& given) {
                  mocap = root_ / "mocap0" / "data.csv";
   if (given.empty() && !IsThere(states) && !IsThere(mocap)) return {};
   const Result<Trajectory> poses =
-      !given.empty() ? ReadTrajectory(given, camera_.body_from_cam)
-                     : ReadAslPoses(IsThere(states) ? states : mocap, IsThere(states),
-                                    *camera_.body_from_cam);
+      !given.empty()
+          ? ReadTrajectory(given, camera_.body_from_cam)
+          : ReadAslPoses(IsThere(states) ? states : mocap, IsThere(states), *camera_.body_from_cam);
   if (!poses.ok()) return poses.error();
   warnings_.insert(warnings_.end(), poses->warnings.begin(), poses->warnings.end());
   const auto half_period_ns = static_cast<std::int64_t>(0.5e9 / rate_hz_);
@@ -195,8 +194,8 @@ Result<std::shared_ptr<const Sequence>> OpenAslSequence(const fs::path& folder,
   std::vector<std::string> warnings;
   Result<std::vector<AslImage>> images = ReadImageList(root / "cam0" / "data.csv", warnings);
   if (!images.ok()) return images.error();
-  auto sequence = std::make_shared<AslSequence>(folder, std::move(calibration),
-                                                std::move(*images), std::move(warnings));
+  auto sequence = std::make_shared<AslSequence>(folder, std::move(calibration), std::move(*images),
+                                                std::move(warnings));
   const Status status = sequence->ReadPoses(options.poses);
   if (!status.ok()) return status.error();
   return std::shared_ptr<const Sequence>(std::move(sequence));

@@ -160,17 +160,15 @@ Result<TrajectoryErrors> CompareTrajectories(std::span<const TimedPose> estimate
   TrajectoryErrors errors;
   errors.matched = static_cast<int>(matched.size());
   errors.reference_from_estimate = Align(matched, options.align);
-  errors.scale = std::cbrt(
-      Align(matched, TrajectoryAlignment::kSim3).topLeftCorner<3, 3>().determinant());
+  errors.scale =
+      std::cbrt(Align(matched, TrajectoryAlignment::kSim3).topLeftCorner<3, 3>().determinant());
   const double aligned_scale =
       std::cbrt(errors.reference_from_estimate.topLeftCorner<3, 3>().determinant());
-  const Eigen::Matrix3d turn =
-      errors.reference_from_estimate.topLeftCorner<3, 3>() / aligned_scale;
+  const Eigen::Matrix3d turn = errors.reference_from_estimate.topLeftCorner<3, 3>() / aligned_scale;
   std::vector<double> distances, angles, tilts, seconds, metres;
   for (const MatchedPose& pose : matched) {
-    const Eigen::Vector3d place =
-        aligned_scale * (turn * pose.estimate.translation()) +
-        errors.reference_from_estimate.topRightCorner<3, 1>();
+    const Eigen::Vector3d place = aligned_scale * (turn * pose.estimate.translation()) +
+                                  errors.reference_from_estimate.topRightCorner<3, 1>();
     distances.push_back((place - pose.reference.translation()).norm());
     angles.push_back(Angle(pose.reference.linear().transpose() * turn * pose.estimate.linear()));
     const Eigen::Vector3d down = pose.estimate.linear().row(2).transpose(),

@@ -29,15 +29,15 @@ struct EnumNames<TrajectoryAlignment> {
 
 /// The error of the motion between two times or places.
 struct RelativeError {
-  double span = 0;             ///< [s], or [m] along the reference.
-  int pairs = 0;               ///< 0: the trajectory is too short; the errors are 0.
-  double translation_m = 0;    ///< Root mean square.
+  double span = 0;           ///< [s], or [m] along the reference.
+  int pairs = 0;             ///< 0: the trajectory is too short; the errors are 0.
+  double translation_m = 0;  ///< Root mean square.
   double translation_median_m = 0;
   double rotation_rad = 0;  ///< Root mean square.
 };
 
 struct TrajectoryErrors {
-  int matched = 0;  ///< Poses with a reference.
+  int matched = 0;    ///< Poses with a reference.
   double path_m = 0;  ///< Length of the reference over the matched poses.
   Eigen::Matrix4d reference_from_estimate = Eigen::Matrix4d::Identity();  ///< With the scale.
   double ate_m = 0, ate_max_m = 0;  ///< Root mean square and largest distance, aligned.

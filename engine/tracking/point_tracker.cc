@@ -80,8 +80,8 @@ void PointTracker::Detect(const cv::Mat& image) {
                static_cast<int>(spacing / kDetectShrink), cv::Scalar(0), cv::FILLED);
   }
   std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(small, corners, missing, options_.corner_quality,
-                          spacing / kDetectShrink, mask, 5);
+  cv::goodFeaturesToTrack(small, corners, missing, options_.corner_quality, spacing / kDetectShrink,
+                          mask, 5);
   if (corners.empty()) return;
   for (cv::Point2f& corner : corners) corner = corner * kDetectShrink + cv::Point2f(shift, shift);
   cv::cornerSubPix(image, corners, {3, 3}, {-1, -1},

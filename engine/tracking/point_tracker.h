@@ -37,7 +37,8 @@ class PointTracker {
  private:
   void Follow(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& previous_from_present);
   void Detect(const cv::Mat& image);
-  cv::Point2f Predicted(const cv::Point2f& pixel, const Eigen::Matrix3d& present_from_previous) const;
+  cv::Point2f Predicted(const cv::Point2f& pixel,
+                        const Eigen::Matrix3d& present_from_previous) const;
   bool Inside(const cv::Point2f& pixel) const;
 
   DistortedCamera camera_;

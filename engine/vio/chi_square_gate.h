@@ -10,7 +10,7 @@ class ChiSquareGate {
   explicit ChiSquareGate(double probability);
 
   /// The quantile for `dof` >= 1 degrees of freedom, by Wilson and Hilferty (1931): within 4 % of
-  /// it for one degree of freedom at the 95 % point, within 0.5 % from three on.
+  /// it for one degree of freedom at the 95 % point, within 0.6 % from three on.
   double operator()(int dof) const;
 
  private:

@@ -36,8 +36,7 @@ Eigen::Isometry3d Moved(const Eigen::Isometry3d& world_from_body,
   const Eigen::Matrix3d turn = RotationExp(phi);
   Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
   moved.linear() = Orthonormal(turn * world_from_body.linear());
-  moved.translation() =
-      turn * world_from_body.translation() + LeftJacobian(phi) * error.tail<3>();
+  moved.translation() = turn * world_from_body.translation() + LeftJacobian(phi) * error.tail<3>();
   return moved;
 }
 

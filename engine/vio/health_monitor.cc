@@ -8,11 +8,11 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMaxSpeed = 40;         // [m/s]
-constexpr double kMaxGyroBias = 1;       // [rad/s]
-constexpr double kMaxAccelBias = 4;      // [m/s^2]
-constexpr double kMaxBlindSeconds = 8;   // an IMU of a phone is off by metres then
-constexpr double kMaxVelocityStd = 3;    // [m/s]
+constexpr double kMaxSpeed = 40;        // [m/s]
+constexpr double kMaxGyroBias = 1;      // [rad/s]
+constexpr double kMaxAccelBias = 4;     // [m/s^2]
+constexpr double kMaxBlindSeconds = 8;  // an IMU of a phone is off by metres then
+constexpr double kMaxVelocityStd = 3;   // [m/s]
 constexpr double kMaxRejectingSeconds = 3;
 constexpr double kWarnSeconds = 0.5;
 constexpr double kHighNis = 3;
@@ -32,20 +32,17 @@ Health HealthMonitor::Check(const FilterState& state, const FilterStep& step,
   blind_s_ = step.accepted > 0 ? 0 : blind_s_ + dt;
   const bool rejecting = step.rejected >= 4 && step.rejected > 2 * step.accepted;
   rejecting_s_ = rejecting ? rejecting_s_ + dt : std::max(rejecting_s_ - dt, 0.0);
-  if (step.nis_dof > 0)
-    nis_ratio_ += 0.05 * (std::min(step.nis / step.nis_dof, 10.0) - nis_ratio_);
+  if (step.nis_dof > 0) nis_ratio_ += 0.05 * (std::min(step.nis / step.nis_dof, 10.0) - nis_ratio_);
 
   const InertialState& inertial = state.inertial();
   if (!state.finite()) return {true, "the filter's numbers are no longer finite"};
   const double speed = inertial.velocity_in_world.norm();
-  if (speed > kMaxSpeed)
-    return {true, Sentence("the velocity has run away to %.0f m/s", speed)};
+  if (speed > kMaxSpeed) return {true, Sentence("the velocity has run away to %.0f m/s", speed)};
   if (inertial.gyro_bias.norm() > kMaxGyroBias || inertial.accel_bias.norm() > kMaxAccelBias) {
     return {true, Sentence("the biases have run away to %.2f rad/s and %.1f m/s^2",
                            inertial.gyro_bias.norm(), inertial.accel_bias.norm())};
   }
-  const double spread =
-      std::sqrt(state.covariance().diagonal().segment<3>(kXiV).maxCoeff());
+  const double spread = std::sqrt(state.covariance().diagonal().segment<3>(kXiV).maxCoeff());
   if (blind_s_ > kMaxBlindSeconds && spread > kMaxVelocityStd) {
     return {true, Sentence("no point could be used for %.1f s; the IMU alone is too uncertain",
                            blind_s_)};

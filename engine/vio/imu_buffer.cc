@@ -84,10 +84,10 @@ std::vector<ImuSegment> ImuBuffer::Between(std::int64_t begin_ns, std::int64_t e
   // A cut inside of a gap begins or ends at a reading that is far away.
   const bool gap_before = first != samples_.end() && first != samples_.begin() &&
                           first->stamp_ns - std::prev(first)->stamp_ns > gap_ns_;
-  const bool gap_after = last == samples_.end()
-                             ? end_ns - samples_.back().stamp_ns > gap_ns_
-                             : last != samples_.begin() &&
-                                   last->stamp_ns - std::prev(last)->stamp_ns > gap_ns_;
+  const bool gap_after =
+      last == samples_.end()
+          ? end_ns - samples_.back().stamp_ns > gap_ns_
+          : last != samples_.begin() && last->stamp_ns - std::prev(last)->stamp_ns > gap_ns_;
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
     const ImuSample& a = knots[i];
     const ImuSample& b = knots[i + 1];

@@ -17,11 +17,14 @@ namespace plumbline {
 namespace {
 
 constexpr int kMinSights = 5, kMinTracks = 15;
-constexpr double kVelocityPrior = 2;  // [m/s]
-constexpr double kGravityPrior = 1;   // [m/s^2] of the mean specific force from gravity
-constexpr double kBiasPrior = 0.1;    // [rad/s]
-constexpr double kMaxResidual = 6;    // [px]; an accelerometer's bias alone makes some
-constexpr double kMinDepth = 0.2;     // [m]
+constexpr double kVelocityPrior = 2;     // [m/s]
+constexpr double kGravityPrior = 1;      // [m/s^2] of the mean specific force from gravity
+constexpr double kBiasPrior = 0.1;       // [rad/s]
+constexpr double kMaxResidual = 6;       // [px]; an accelerometer's bias alone makes some
+constexpr double kMinDepth = 0.2;        // [m]
+constexpr double kTypicalDepth = 3;      // [m]
+constexpr double kGravityLength = 0.02;  // [m/s^2]
+constexpr int kRounds = 3;               // of Gauss-Newton
 
 using Unknowns = Eigen::Matrix<double, 6, 1>;  // velocity, gravity; in the first body's axes
 using UnknownsMatrix = Eigen::Matrix<double, 6, 6>;
@@ -84,9 +87,13 @@ class Alignment {
   /// Residuals of all rows at the best velocity, gravity and depths for this bias [px].
   Eigen::VectorXd Solve(const Eigen::Vector3d& bias) {
     Integrate(bias);
+    solved_ = false;
     SolveLinear(mean_gravity_, kGravityPrior);
-    // The second time with gravity of its length.
-    SolveLinear(gravity_m_s2_ * unknowns.tail<3>().normalized(), 0.02);
+    solved_ = true;
+    for (int round = 0; round < kRounds; ++round) SolveLinear(mean_gravity_, kGravityPrior);
+    // Then with gravity of its length.
+    for (int round = 0; round < 2; ++round)
+      SolveLinear(gravity_m_s2_ * unknowns.tail<3>().normalized(), kGravityLength);
     return Residuals();
   }
 
@@ -135,63 +142,78 @@ class Alignment {
     mean_gravity_ = -gravity_m_s2_ * force.normalized();
   }
 
+  /// The way from a sight's camera to the point is linear in the unknowns and the depth. What is
+  /// minimised is the angle between it and the ray, linearised at the present solution; before
+  /// there is one, its part across the ray at a typical depth. (Weights by the depths of an
+  /// earlier round would let noise shrink the scene, round by round.)
   TrackEquations EquationsOf(const WindowTrack& track) const {
     const auto rows = static_cast<Eigen::Index>(3 * (track.sights.size() - 1));
     TrackEquations e{{}, Eigen::VectorXd(rows), Eigen::VectorXd(rows)};
     e.by_unknowns.resize(rows, 6);
     const WindowPose& first = poses_[track.sights.front().image];
     const Eigen::Vector3d ray0 = first.rotation * track.sights.front().ray;
-    const double weight = focal_px_ / std::max(track.depth, kMinDepth);
     for (std::size_t i = 1; i < track.sights.size(); ++i) {
       const WindowPose& pose = poses_[track.sights[i].image];
       const Eigen::Vector3d ray = pose.rotation * track.sights[i].ray;
-      const Eigen::Matrix3d across =
-          weight * (Eigen::Matrix3d::Identity() - ray * ray.transpose());
-      const auto row = static_cast<Eigen::Index>(3 * (i - 1));
       const double t0 = first.seconds, t = pose.seconds;
-      e.by_unknowns.block<3, 3>(row, 0) = (t0 - t) * across;
-      e.by_unknowns.block<3, 3>(row, 3) = 0.5 * (t0 * t0 - t * t) * across;
+      Eigen::Matrix<double, 3, 6> by_unknowns;
+      by_unknowns << (t0 - t) * Eigen::Matrix3d::Identity(),
+          0.5 * (t0 * t0 - t * t) * Eigen::Matrix3d::Identity();
+      const Eigen::Vector3d given = first.drift - pose.drift +
+                                    (first.rotation - pose.rotation) * body_from_cam_.translation();
+      Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
+      const auto row = static_cast<Eigen::Index>(3 * (i - 1));
+      if (!solved_) {
+        across *= focal_px_ / kTypicalDepth;
+        e.constant.segment<3>(row) = across * given;
+      } else {
+        const Eigen::Vector3d way = by_unknowns * unknowns + track.depth * ray0 + given;
+        const double length = std::max(way.norm(), kMinDepth);
+        const Eigen::Vector3d direction = way / length;
+        const Eigen::Vector3d residual = focal_px_ * (across * direction);
+        across *=
+            focal_px_ / length * (Eigen::Matrix3d::Identity() - direction * direction.transpose());
+        e.constant.segment<3>(row) =
+            residual - across * (by_unknowns * unknowns + track.depth * ray0);
+      }
+      e.by_unknowns.middleRows<3>(row) = across * by_unknowns;
       e.by_depth.segment<3>(row) = across * ray0;
-      e.constant.segment<3>(row) =
-          across * (first.drift - pose.drift +
-                    (first.rotation - pose.rotation) * body_from_cam_.translation());
     }
     return e;
   }
 
   void SolveLinear(const Eigen::Vector3d& gravity, double gravity_std) {
-    constexpr int kReweightings = 3;
-    for (int round = 0; round < kReweightings; ++round) {
-      information.setZero();
-      Unknowns right = Unknowns::Zero();
-      for (const WindowTrack& track : tracks_) {
-        if (!track.used) continue;
-        const TrackEquations e = EquationsOf(track);
-        const double square = e.by_depth.squaredNorm() + 1e-9;
-        const Unknowns along = e.by_unknowns.transpose() * e.by_depth;
-        information += e.by_unknowns.transpose() * e.by_unknowns -
-                       along * along.transpose() / square;
-        right -= e.by_unknowns.transpose() * e.constant -
-                 along * (e.by_depth.dot(e.constant) / square);
-      }
-      information.diagonal().head<3>().array() += 1 / (kVelocityPrior * kVelocityPrior);
-      information.diagonal().tail<3>().array() += 1 / (gravity_std * gravity_std);
-      right.tail<3>() += gravity / (gravity_std * gravity_std);
-      unknowns = information.ldlt().solve(right);
-      for (WindowTrack& track : tracks_) {
-        const TrackEquations e = EquationsOf(track);
-        track.depth = -e.by_depth.dot(e.by_unknowns * unknowns + e.constant) /
-                      (e.by_depth.squaredNorm() + 1e-9);
-      }
+    information.setZero();
+    Unknowns right = Unknowns::Zero();
+    for (const WindowTrack& track : tracks_) {
+      if (!track.used) continue;
+      const TrackEquations e = EquationsOf(track);
+      const double square = e.by_depth.squaredNorm() + 1e-9;
+      const Unknowns along = e.by_unknowns.transpose() * e.by_depth;
+      information += e.by_unknowns.transpose() * e.by_unknowns - along * along.transpose() / square;
+      right -=
+          e.by_unknowns.transpose() * e.constant - along * (e.by_depth.dot(e.constant) / square);
     }
+    information.diagonal().head<3>().array() += 1 / (kVelocityPrior * kVelocityPrior);
+    information.diagonal().tail<3>().array() += 1 / (gravity_std * gravity_std);
+    right.tail<3>() += gravity / (gravity_std * gravity_std);
+    const Unknowns next = information.ldlt().solve(right);
+    for (WindowTrack& track : tracks_) {
+      const TrackEquations e = EquationsOf(track);  // still at the present solution
+      const double before = track.depth;
+      track.depth =
+          -e.by_depth.dot(e.by_unknowns * next + e.constant) / (e.by_depth.squaredNorm() + 1e-9);
+      if (solved_ || track.depth <= 0)  // not from far to near in one step
+        track.depth = std::max(track.depth, 0.3 * before);
+    }
+    unknowns = next;
   }
 
   Eigen::VectorXd Residuals() {
     std::vector<double> all;
     for (WindowTrack& track : tracks_) {
       const TrackEquations e = EquationsOf(track);
-      const Eigen::VectorXd r =
-          e.by_unknowns * unknowns + e.by_depth * track.depth + e.constant;
+      const Eigen::VectorXd r = e.by_unknowns * unknowns + e.by_depth * track.depth + e.constant;
       track.rms_px = std::sqrt(r.squaredNorm() / static_cast<double>(r.size() / 3));
       if (track.depth < kMinDepth) track.rms_px += 10;  // behind the camera
       for (const double value : r) all.push_back(track.used ? value : 0);
@@ -205,6 +227,7 @@ class Alignment {
   std::vector<WindowPose> poses_;
   std::vector<WindowTrack> tracks_;
   Eigen::Vector3d mean_gravity_{0, 0, 0};
+  bool solved_ = false;  ///< Unknowns and depths are a solution to linearise at.
 };
 
 /// One step of Gauss-Newton over the gyro's bias, with numerical derivatives.
@@ -213,8 +236,7 @@ Eigen::Vector3d BiasStep(Alignment& alignment, const Eigen::Vector3d& bias) {
   const Eigen::VectorXd residual = alignment.Solve(bias);
   Eigen::MatrixXd jacobian(residual.size(), 3);
   for (int i = 0; i < 3; ++i) {
-    jacobian.col(i) =
-        (alignment.Solve(bias + kStep * Eigen::Vector3d::Unit(i)) - residual) / kStep;
+    jacobian.col(i) = (alignment.Solve(bias + kStep * Eigen::Vector3d::Unit(i)) - residual) / kStep;
   }
   Eigen::Matrix3d information = jacobian.transpose() * jacobian;
   information.diagonal().array() += 1 / (kBiasPrior * kBiasPrior);
@@ -225,8 +247,7 @@ Eigen::Vector3d BiasStep(Alignment& alignment, const Eigen::Vector3d& bias) {
 }  // namespace
 
 Result<MotionStart> AlignInMotion(const Camera& camera, const ImuCalibration& imu,
-                                  const ImuBuffer& readings,
-                                  std::span<const TrackedImage> images) {
+                                  const ImuBuffer& readings, std::span<const TrackedImage> images) {
   const auto missing = [](const char* format, auto... values) {
     char text[160];
     std::snprintf(text, sizeof(text), format, values...);

@@ -31,7 +31,6 @@ struct MotionStart {
 /// @param images  By rising stamp, about a second.
 /// Errors: kDegenerate, with what is missing.
 Result<MotionStart> AlignInMotion(const Camera& camera, const ImuCalibration& imu,
-                                  const ImuBuffer& readings,
-                                  std::span<const TrackedImage> images);
+                                  const ImuBuffer& readings, std::span<const TrackedImage> images);
 
 }  // namespace plumbline

@@ -13,14 +13,12 @@ struct PointInCam {
   Eigen::Matrix3d by_point;
 };
 
-PointInCam IntoCam(const Eigen::Isometry3d& body_from_cam,
-                   const Eigen::Isometry3d& world_from_body,
+PointInCam IntoCam(const Eigen::Isometry3d& body_from_cam, const Eigen::Isometry3d& world_from_body,
                    const Eigen::Vector3d& point_in_world) {
   const Eigen::Matrix3d body_from_world = world_from_body.linear().transpose();
   const Eigen::Matrix3d cam_from_body = body_from_cam.linear().transpose();
-  const Eigen::Vector3d arm =
-      body_from_world * (point_in_world - world_from_body.translation()) -
-      body_from_cam.translation();
+  const Eigen::Vector3d arm = body_from_world * (point_in_world - world_from_body.translation()) -
+                              body_from_cam.translation();
   PointInCam result;
   result.point = cam_from_body * arm;
   result.by_point = cam_from_body * body_from_world;

@@ -49,8 +49,8 @@ Eigen::Matrix3d LeftJacobian(const Eigen::Vector3d& turn) {
 Eigen::Matrix3d SecondIntegral(const Eigen::Vector3d& turn) {
   const double s = turn.squaredNorm(), angle = std::sqrt(s);
   if (angle < 10 * kSmallTurn) {
-    return RotationSeries(0.5, 1.0 / 6 - s / 120 * (1 - s / 42),
-                          1.0 / 24 - s / 720 * (1 - s / 56), turn);
+    return RotationSeries(0.5, 1.0 / 6 - s / 120 * (1 - s / 42), 1.0 / 24 - s / 720 * (1 - s / 56),
+                          turn);
   }
   return RotationSeries(0.5, (angle - std::sin(angle)) / (s * angle),
                         (s / 2 + std::cos(angle) - 1) / (s * s), turn);

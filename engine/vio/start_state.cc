@@ -71,10 +71,10 @@ Result<RestStart> StartFromRest(std::span<const ImuSample> samples, const ImuCal
   turn /= static_cast<double>(samples.size());
   const double off = std::abs(force.norm() - imu.gravity_m_s2);
   if (off > kMaxForceError) {
-    return Error{ErrorCode::kDegenerate,
-                 "the mean specific force at rest is " + std::to_string(force.norm()) +
-                     " m/s^2 instead of " + std::to_string(imu.gravity_m_s2) +
-                     "; check the unit and the scale of the accelerometer"};
+    return Error{ErrorCode::kDegenerate, "the mean specific force at rest is " +
+                                             std::to_string(force.norm()) + " m/s^2 instead of " +
+                                             std::to_string(imu.gravity_m_s2) +
+                                             "; check the unit and the scale of the accelerometer"};
   }
   InertialState inertial;
   inertial.stamp_ns = samples.back().stamp_ns;

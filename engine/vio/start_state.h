@@ -44,8 +44,7 @@ Result<RestStart> StartFromRest(std::span<const ImuSample> samples, const ImuCal
 
 /// Updates a state with a specific force that was measured without acceleration. Of the bias it
 /// tells the part along gravity; tilt and the rest of it become as correlated as they are.
-void UpdateWithForce(const Eigen::Vector3d& force_in_body, double gravity_m_s2,
-                     FilterState& state);
+void UpdateWithForce(const Eigen::Vector3d& force_in_body, double gravity_m_s2, FilterState& state);
 
 /// The rotation that makes this specific force point up, with heading zero.
 Eigen::Matrix3d UprightRotation(const Eigen::Vector3d& specific_force_in_body);

@@ -60,7 +60,8 @@ std::optional<TrackRows> RowsOfTrack(const DistortedCamera& camera, const Filter
                                      const ColumnLayout& layout,
                                      std::span<const Observation> observations,
                                      const std::vector<bool>& used,
-                                     const Eigen::Vector3d& point_in_world, const PixelModel& pixels);
+                                     const Eigen::Vector3d& point_in_world,
+                                     const PixelModel& pixels);
 
 /// The rows turned so that the first three alone speak of the point, upper triangular, and the
 /// others are free of it: the left null space of `by_point` (Mourikis and Roumeliotis, ICRA 2007).

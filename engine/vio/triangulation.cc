@@ -39,8 +39,8 @@ class PointFit {
   }
 
   /// Residual of one sight [px]; nothing where the point is not seen.
-  std::optional<Eigen::Vector2d> Residual(std::size_t i, Eigen::Matrix<double, 2, 3>* by_value =
-                                                             nullptr) const {
+  std::optional<Eigen::Vector2d> Residual(std::size_t i,
+                                          Eigen::Matrix<double, 2, 3>* by_value = nullptr) const {
     const Eigen::Matrix3d R = relative_[i].linear();
     const Eigen::Vector3d t = relative_[i].translation();
     // The point times its inverse depth: the pixel is the same, and it stays finite far away.
@@ -136,8 +136,7 @@ std::optional<TriangulatedPoint> Triangulate(const DistortedCamera& camera,
   fit.value.z() = std::max(fit.value.z(), 1 / options.max_depth_m);
   const double spread = options.pixel_noise_px * std::sqrt(fit.information.inverse()(2, 2));
   if (!(spread < options.max_depth_spread * fit.value.z())) return std::nullopt;
-  const Eigen::Vector3d in_cam =
-      Eigen::Vector3d(fit.value.x(), fit.value.y(), 1) / fit.value.z();
+  const Eigen::Vector3d in_cam = Eigen::Vector3d(fit.value.x(), fit.value.y(), 1) / fit.value.z();
   return TriangulatedPoint{sights.back().world_from_cam * in_cam, fit.value, fit.used};
 }
 

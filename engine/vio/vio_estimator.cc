@@ -14,10 +14,10 @@
 namespace plumbline {
 namespace {
 
-constexpr double kRestLookback = 0.5;   ///< Rest is judged over this time [s].
-constexpr double kMotionWindow = 1.2;   ///< Of a start in motion [s].
-constexpr double kMotionRetry = 0.4;    ///< Between attempts [s]; one costs as much as 20 images.
-constexpr double kMinMotion = 6;        ///< Points wander more when the body moves at all [px].
+constexpr double kRestLookback = 0.5;  ///< Rest is judged over this time [s].
+constexpr double kMotionWindow = 1.2;  ///< Of a start in motion [s].
+constexpr double kMotionRetry = 0.4;   ///< Between attempts [s]; one costs as much as 20 images.
+constexpr double kMinMotion = 6;       ///< Points wander more when the body moves at all [px].
 
 }  // namespace
 
@@ -34,14 +34,13 @@ VioEstimator::VioEstimator(const Camera& camera, const ImuCalibration& imu,
 
 void VioEstimator::Begin(InertialState inertial, StartSpread spread) {
   JoinLastStretch(inertial, spread);
-  BeginWith(MakeStart(inertial, *camera_.body_from_cam, calibration_.time_offset_s, spread,
-                      options_));
+  BeginWith(
+      MakeStart(inertial, *camera_.body_from_cam, calibration_.time_offset_s, spread, options_));
 }
 
 void VioEstimator::JoinLastStretch(InertialState& inertial, StartSpread& spread) const {
   if (!last_good_) return;
-  const double gap =
-      static_cast<double>(inertial.stamp_ns - last_good_->stamp_ns) * 1e-9;
+  const double gap = static_cast<double>(inertial.stamp_ns - last_good_->stamp_ns) * 1e-9;
   const Eigen::Matrix3d before = last_good_->world_from_body.linear();
   // The heading that brings the two attitudes nearest; the gyro is not trusted over the gap.
   const Eigen::Matrix3d turn = before * inertial.world_from_body.transpose();
@@ -110,8 +109,7 @@ std::string VioEstimator::TryRestStart(const TrackedImage& image) {
 
 std::string VioEstimator::TryMotionStart() {
   const std::vector<TrackedImage> images(window_.begin(), window_.end());
-  const double span =
-      static_cast<double>(images.back().stamp_ns - images.front().stamp_ns) * 1e-9;
+  const double span = static_cast<double>(images.back().stamp_ns - images.front().stamp_ns) * 1e-9;
   if (span < 0.8 * kMotionWindow || images.size() < 5) return "waiting for images";
   const Result<MotionStart> motion = AlignInMotion(camera_, calibration_, imu_, images);
   if (!motion.ok()) return motion.error().message;
@@ -124,7 +122,9 @@ std::string VioEstimator::TryMotionStart() {
   // certainty than one has without it.
   StartSpread spread;
   spread.tilt_rad = 0.05;
-  spread.velocity_m_s = std::clamp(3 * motion->velocity_std_m_s, 0.1, 1.0);
+  // Noise of the rays shortens the velocity by up to a third.
+  const double speed = motion->velocity_in_body.norm();
+  spread.velocity_m_s = std::clamp(std::max(3 * motion->velocity_std_m_s, 0.3 * speed), 0.1, 1.0);
   spread.gyro_bias_rad_s = 0.02;
   spread.accel_bias_m_s2 = options_.start_accel_bias_std_m_s2;
   Begin(inertial, spread);
@@ -202,11 +202,10 @@ void VioEstimator::ForgetOldReadings(std::int64_t image_ns) {
   imu_.DropBefore(image_ns - Nanoseconds(memory));
 }
 
-Eigen::Matrix3d VioEstimator::CamRotation(std::int64_t previous_ns,
-                                          std::int64_t present_ns) const {
+Eigen::Matrix3d VioEstimator::CamRotation(std::int64_t previous_ns, std::int64_t present_ns) const {
   const bool tracking = tracking_;
-  const std::int64_t offset = Nanoseconds(tracking ? filter_.state().time_offset_s()
-                                                   : calibration_.time_offset_s);
+  const std::int64_t offset =
+      Nanoseconds(tracking ? filter_.state().time_offset_s() : calibration_.time_offset_s);
   const Eigen::Vector3d bias =
       tracking ? filter_.state().inertial().gyro_bias : Eigen::Vector3d::Zero();
   const Eigen::Matrix3d body_from_cam =
@@ -232,8 +231,7 @@ VioReport VioEstimator::Report(const TrackedImage& image, const FilterStep& step
   report.accel_bias = state.inertial().accel_bias;
   report.body_from_cam = state.body_from_cam();
   report.time_offset_s = state.time_offset_s();
-  report.spread =
-      state.covariance().diagonal().segment<13>(kGyroBias).cwiseMax(0).cwiseSqrt();
+  report.spread = state.covariance().diagonal().segment<13>(kGyroBias).cwiseMax(0).cwiseSqrt();
   report.step = step;
   return report;
 }

@@ -13,7 +13,8 @@ VioFilter::VioFilter(const Camera& camera, const ImuCalibration& imu, const VioO
     : camera_(camera),
       options_(options),
       noise_{options.imu_noise_factor * imu.gyro_noise_density,
-             options.imu_noise_factor * imu.accel_noise_density, std::min(imu.gyro_bias_walk, options.max_gyro_walk),
+             options.imu_noise_factor * imu.accel_noise_density,
+             std::min(imu.gyro_bias_walk, options.max_gyro_walk),
              std::min(imu.accel_bias_walk, options.max_accel_walk), imu.gravity_m_s2},
       jitter_rad_(options.image_jitter_px / camera.pinhole.fx),
       pixels_{options.pixel_noise_px, options.rolling_shutter_s,
@@ -58,8 +59,7 @@ void VioFilter::Propagate(const TrackedImage& image, const ImuBuffer& imu) {
   const std::vector<ImuSegment> segments = imu.Between(state_.inertial().stamp_ns, target);
   if (!segments.empty()) state_.Propagate(Integrate(state_.inertial(), segments, noise_));
   const auto reading = imu.At(state_.inertial().stamp_ns);
-  if (reading)
-    angular_velocity_ = reading->angular_velocity_rad_s - state_.inertial().gyro_bias;
+  if (reading) angular_velocity_ = reading->angular_velocity_rad_s - state_.inertial().gyro_bias;
   state_.AddClone(image.stamp_ns, angular_velocity_, jitter_rad_, options_.image_jitter_m);
 }
 
@@ -172,8 +172,7 @@ void VioFilter::AddPoints(const std::vector<std::pair<std::int64_t, Track>>& tra
         ChartPoint(state_.body_from_cam(), anchor.world_from_body, triangulated->point_in_world);
     if (!chart) continue;
     const Eigen::Vector3d value = chart->bearing_and_inverse_depth;
-    const AnchoredPoint placed =
-        PlacePoint(state_.body_from_cam(), anchor.world_from_body, value);
+    const AnchoredPoint placed = PlacePoint(state_.body_from_cam(), anchor.world_from_body, value);
     auto rows = RowsOfTrack(camera_, state_, layout, track.observations, triangulated->used,
                             placed.point_in_world, pixels_);
     if (!rows) continue;
@@ -213,11 +212,11 @@ void VioFilter::UpdateWithPoints(const TrackedImage& image, FilterStep& step) {
     PLB_CHECK(anchor != nullptr);
     const AnchoredPoint placed = PlacePoint(state_.body_from_cam(), anchor->world_from_body,
                                             point.bearing_and_inverse_depth);
-    const auto view = sight == seen.end() || point.bearing_and_inverse_depth.z() <= 0
-                          ? std::nullopt
-                          : ViewPoint(camera_, state_.body_from_cam(),
-                                      pixels_.WorldFromBody(present, sight->second.y()),
-                                      placed.point_in_world);
+    const auto view =
+        sight == seen.end() || point.bearing_and_inverse_depth.z() <= 0
+            ? std::nullopt
+            : ViewPoint(camera_, state_.body_from_cam(),
+                        pixels_.WorldFromBody(present, sight->second.y()), placed.point_in_world);
     if (!view) {
       lost.push_back(point.track);
       continue;

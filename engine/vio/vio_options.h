@@ -23,7 +23,7 @@ struct VioOptions {
   double image_jitter_px = 0.2;
   double image_jitter_m = 0.0005;
   double age_noise = 0.0;
-  int max_point_age = 100;
+  int max_point_age = 300;
   double rolling_shutter_s = 0;
   double imu_noise_factor = 1.5;
   double max_gyro_walk = 2e-4;
@@ -34,7 +34,7 @@ struct VioOptions {
   bool estimate_extrinsics = true;
   bool estimate_time_offset = true;
   double extrinsic_rotation_std_deg = 0.3;
-  double extrinsic_translation_std_m = 0.005;
+  double extrinsic_translation_std_m = 0.01;
   double time_offset_std_s = 0.003;
 
   // Start
@@ -98,13 +98,11 @@ void VisitFields(VioOptions& o, Visitor&& visit) {
   visit(o.still_px,
         {"still_px", "px", "at rest, points move less than this during rest_seconds", 0.05, 50});
   visit(o.rest_seconds, {"rest_seconds", "s", "rest that a start from rest needs", 0.2, 20});
-  visit(o.start_accel_bias_std_m_s2,
-        {"start_accel_bias_std_m_s2", "m/s^2", "of the accelerometer's bias at the start", 1e-4,
-         5});
+  visit(o.start_accel_bias_std_m_s2, {"start_accel_bias_std_m_s2", "m/s^2",
+                                      "of the accelerometer's bias at the start", 1e-4, 5});
   visit(o.zero_velocity, {"zero_velocity", "", "update with zero velocity while points rest"});
-  visit(o.zero_velocity_px,
-        {"zero_velocity_px", "px", "median motion of the points below which the body rests", 0.01,
-         20});
+  visit(o.zero_velocity_px, {"zero_velocity_px", "px",
+                             "median motion of the points below which the body rests", 0.01, 20});
   visit(o.zero_velocity_std_m_s,
         {"zero_velocity_std_m_s", "m/s", "of the velocity that rest allows", 1e-4, 1});
 }

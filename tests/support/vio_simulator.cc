@@ -42,8 +42,8 @@ class Path {
            (kStep * kStep);
   }
   Eigen::Vector3d AngularVelocity(double t) const {
-    const Eigen::AngleAxisd turn(Eigen::Matrix3d(At(t - kStep).linear().transpose() *
-                                                 At(t + kStep).linear()));
+    const Eigen::AngleAxisd turn(
+        Eigen::Matrix3d(At(t - kStep).linear().transpose() * At(t + kStep).linear()));
     return turn.angle() * turn.axis() / (2 * kStep);
   }
 
@@ -115,13 +115,13 @@ void SimulateImages(const VioSimulation& options, const Path& path, SimulatedRec
     TrackedImage image;
     image.stamp_ns = ToNs(t);
     for (const auto& [i, id] : followed) {
-      image.points.push_back({id, seen[i] + options.pixel_noise_px *
-                                              Eigen::Vector2d(random.Gaussian(),
-                                                              random.Gaussian())});
+      image.points.push_back(
+          {id, seen[i] +
+                   options.pixel_noise_px * Eigen::Vector2d(random.Gaussian(), random.Gaussian())});
     }
     result.images.push_back(image);
-    result.truth.push_back({image.stamp_ns, path.At(imu_t), path.Velocity(imu_t),
-                            options.gyro_bias, options.accel_bias});
+    result.truth.push_back({image.stamp_ns, path.At(imu_t), path.Velocity(imu_t), options.gyro_bias,
+                            options.accel_bias});
   }
 }
 

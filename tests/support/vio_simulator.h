@@ -16,13 +16,13 @@ namespace plumbline {
 
 struct VioSimulation {
   double seconds = 20;
-  double rest_s = 0;               ///< Without any motion, at the start.
-  bool moves = true;               ///< Otherwise it only turns, in place.
-  int points = 60;                 ///< Followed at a time.
+  double rest_s = 0;  ///< Without any motion, at the start.
+  bool moves = true;  ///< Otherwise it only turns, in place.
+  int points = 60;    ///< Followed at a time.
   double image_hz = 20, imu_hz = 200;
   double pixel_noise_px = 1;
-  double imu_noise = 1;            ///< Times the densities of ImuCalibration().
-  double time_offset_s = 0;        ///< Added to an image's time to get the IMU's.
+  double imu_noise = 1;      ///< Times the densities of ImuCalibration().
+  double time_offset_s = 0;  ///< Added to an image's time to get the IMU's.
   Eigen::Vector3d gyro_bias{0.01, -0.02, 0.015};
   Eigen::Vector3d accel_bias{0.05, -0.03, 0.04};
   std::uint64_t seed = 1;

@@ -122,8 +122,7 @@ TEST(TrajectoryError, NeesIsSixForErrorsOfTheirCovariance) {
       turn(i) = sigma(3 + i) * random.Gaussian();
     }
     estimate[k].world_from_sensor.linear() =
-        Eigen::AngleAxisd(turn.norm(), turn.normalized()) *
-        estimate[k].world_from_sensor.linear();
+        Eigen::AngleAxisd(turn.norm(), turn.normalized()) * estimate[k].world_from_sensor.linear();
   }
   const TrajectoryErrors errors = Compare(estimate, TrajectoryAlignment::kYaw);
   ASSERT_TRUE(errors.nees.has_value());

@@ -17,21 +17,22 @@ Camera SomeCamera() {
   return camera;
 }
 
-/// Blobs at random places, seen from (dx, dy) and brighter by `gain`.
+/// Blobs at random places, moved by (dx, dy) and brighter by `gain`.
 cv::Mat Blobs(double dx, double dy, double gain) {
-  cv::Mat image(240, 320, CV_32FC1, cv::Scalar(60));
+  constexpr int kMargin = 50;
+  cv::Mat wide(240 + 2 * kMargin, 320 + 2 * kMargin, CV_32FC1, cv::Scalar(60));
   Random random({7});
-  for (int i = 0; i < 300; ++i) {
-    const double x = random.Uniform(-40, 360), y = random.Uniform(-40, 280);
-    const double side = random.Uniform(4, 14), grey = random.Uniform(20, 180);
-    const cv::Point2d corner(x + dx, y + dy);
-    cv::rectangle(image, cv::Point(cvRound(16 * corner.x), cvRound(16 * corner.y)),
-                  cv::Point(cvRound(16 * (corner.x + side)), cvRound(16 * (corner.y + side))),
-                  cv::Scalar(grey), cv::FILLED, cv::LINE_AA, 4);
+  for (int i = 0; i < 400; ++i) {
+    const auto pixel = [&](int size) { return static_cast<int>(random.Index(size)); };
+    const cv::Rect blob(pixel(wide.cols), pixel(wide.rows), 4 + pixel(10), 4 + pixel(10));
+    cv::rectangle(wide, blob, cv::Scalar(random.Uniform(20, 180)), cv::FILLED);
   }
-  cv::GaussianBlur(image, image, {0, 0}, 1);
+  cv::GaussianBlur(wide, wide, {0, 0}, 1.2);
+  const cv::Matx23d move(1, 0, dx, 0, 1, dy);
+  cv::Mat moved;
+  cv::warpAffine(wide, moved, move, wide.size(), cv::INTER_CUBIC);
   cv::Mat result;
-  image.convertTo(result, CV_8UC1, gain);
+  moved(cv::Rect(kMargin, kMargin, 320, 240)).convertTo(result, CV_8UC1, gain);
   return result;
 }
 
@@ -41,15 +42,16 @@ std::map<std::int64_t, Eigen::Vector2d> ById(const TrackedImage& image) {
   return points;
 }
 
-void ExpectMoved(const TrackedImage& before, const TrackedImage& after,
-                 const Eigen::Vector2d& by) {
+void ExpectMoved(const TrackedImage& before, const TrackedImage& after, const Eigen::Vector2d& by) {
   const auto from = ById(before), to = ById(after);
   int common = 0, close = 0;
   for (const auto& [id, pixel] : from) {
     const auto found = to.find(id);
     if (found == to.end()) continue;
     ++common;
-    close += (found->second - pixel - by).norm() < 0.25 ? 1 : 0;  // drawn on a sixteenth of a pixel
+    close += (found->second - pixel - by).norm() < 0.25
+                 ? 1
+                 : 0;  // of grey levels that are whole numbers
   }
   EXPECT_GT(common, 30);
   EXPECT_GE(close, 0.9 * common);

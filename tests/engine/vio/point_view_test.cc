@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kStep = 1e-6;
+constexpr double kTinyStep = 1e-6;
 using PoseError = Eigen::Matrix<double, 6, 1>;
 
 Camera SomeCamera(CameraModel model, std::vector<double> distortion) {
@@ -46,7 +46,7 @@ TEST(PointView, EveryJacobianIsTheNumericalDerivative) {
     const DistortedCamera camera(described);
     const PointView view = *ViewPoint(camera, kBodyFromCam, kWorldFromBody, kPoint);
     for (int i = 0; i < 6; ++i) {
-      const PoseError d = kStep * PoseError::Unit(i);
+      const PoseError d = kTinyStep * PoseError::Unit(i);
       const auto by_pose = [&](const PoseError& e) {
         return ViewPoint(camera, kBodyFromCam, Moved(kWorldFromBody, e), kPoint)->pixel;
       };
@@ -54,16 +54,16 @@ TEST(PointView, EveryJacobianIsTheNumericalDerivative) {
         return ViewPoint(camera, WithCameraError(kBodyFromCam, e), kWorldFromBody, kPoint)->pixel;
       };
       // Relative to derivatives of some hundred pixels.
-      EXPECT_LT(((by_pose(d) - by_pose(-d)) / (2 * kStep) - view.by_pose.col(i)).norm(), 1e-4);
-      EXPECT_LT(((by_camera(d) - by_camera(-d)) / (2 * kStep) - view.by_camera.col(i)).norm(),
+      EXPECT_LT(((by_pose(d) - by_pose(-d)) / (2 * kTinyStep) - view.by_pose.col(i)).norm(), 1e-4);
+      EXPECT_LT(((by_camera(d) - by_camera(-d)) / (2 * kTinyStep) - view.by_camera.col(i)).norm(),
                 1e-4);
     }
     for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d d = kStep * Eigen::Vector3d::Unit(i);
+      const Eigen::Vector3d d = kTinyStep * Eigen::Vector3d::Unit(i);
       const auto moved = [&](const Eigen::Vector3d& e) {
         return ViewPoint(camera, kBodyFromCam, kWorldFromBody, kPoint + e)->pixel;
       };
-      EXPECT_LT(((moved(d) - moved(-d)) / (2 * kStep) - view.by_point.col(i)).norm(), 1e-4);
+      EXPECT_LT(((moved(d) - moved(-d)) / (2 * kTinyStep) - view.by_point.col(i)).norm(), 1e-4);
     }
   }
 }
@@ -72,36 +72,36 @@ TEST(PointView, APointOnItsAnchorMovesAsItsJacobiansSay) {
   const Eigen::Vector3d value(0.3, -0.2, 0.4);
   const AnchoredPoint placed = PlacePoint(kBodyFromCam, kWorldFromBody, value);
   for (int i = 0; i < 6; ++i) {
-    const PoseError d = kStep * PoseError::Unit(i);
+    const PoseError d = kTinyStep * PoseError::Unit(i);
     const auto by_anchor = [&](const PoseError& e) {
       return PlacePoint(kBodyFromCam, Moved(kWorldFromBody, e), value).point_in_world;
     };
     const auto by_camera = [&](const PoseError& e) {
       return PlacePoint(WithCameraError(kBodyFromCam, e), kWorldFromBody, value).point_in_world;
     };
-    EXPECT_LT(((by_anchor(d) - by_anchor(-d)) / (2 * kStep) - placed.by_anchor.col(i)).norm(),
+    EXPECT_LT(((by_anchor(d) - by_anchor(-d)) / (2 * kTinyStep) - placed.by_anchor.col(i)).norm(),
               1e-8);
-    EXPECT_LT(((by_camera(d) - by_camera(-d)) / (2 * kStep) - placed.by_camera.col(i)).norm(),
+    EXPECT_LT(((by_camera(d) - by_camera(-d)) / (2 * kTinyStep) - placed.by_camera.col(i)).norm(),
               1e-8);
   }
   for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d d = kStep * Eigen::Vector3d::Unit(i);
+    const Eigen::Vector3d d = kTinyStep * Eigen::Vector3d::Unit(i);
     const auto moved = [&](const Eigen::Vector3d& e) {
       return PlacePoint(kBodyFromCam, kWorldFromBody, value + e).point_in_world;
     };
-    EXPECT_LT(((moved(d) - moved(-d)) / (2 * kStep) - placed.by_value.col(i)).norm(), 1e-7);
+    EXPECT_LT(((moved(d) - moved(-d)) / (2 * kTinyStep) - placed.by_value.col(i)).norm(), 1e-7);
   }
 }
 
 TEST(PointView, AnotherChartIsTheSamePointAndMovesAsItsJacobiansSay) {
   const PointChart chart = *ChartPoint(kBodyFromCam, kWorldFromBody, kPoint);
-  EXPECT_LT((PlacePoint(kBodyFromCam, kWorldFromBody, chart.bearing_and_inverse_depth)
-                 .point_in_world -
-             kPoint)
-                .norm(),
-            1e-12);
+  EXPECT_LT(
+      (PlacePoint(kBodyFromCam, kWorldFromBody, chart.bearing_and_inverse_depth).point_in_world -
+       kPoint)
+          .norm(),
+      1e-12);
   for (int i = 0; i < 6; ++i) {
-    const PoseError d = kStep * PoseError::Unit(i);
+    const PoseError d = kTinyStep * PoseError::Unit(i);
     const auto by_anchor = [&](const PoseError& e) {
       return ChartPoint(kBodyFromCam, Moved(kWorldFromBody, e), kPoint)->bearing_and_inverse_depth;
     };
@@ -109,9 +109,9 @@ TEST(PointView, AnotherChartIsTheSamePointAndMovesAsItsJacobiansSay) {
       return ChartPoint(WithCameraError(kBodyFromCam, e), kWorldFromBody, kPoint)
           ->bearing_and_inverse_depth;
     };
-    EXPECT_LT(((by_anchor(d) - by_anchor(-d)) / (2 * kStep) - chart.by_anchor.col(i)).norm(),
+    EXPECT_LT(((by_anchor(d) - by_anchor(-d)) / (2 * kTinyStep) - chart.by_anchor.col(i)).norm(),
               1e-8);
-    EXPECT_LT(((by_camera(d) - by_camera(-d)) / (2 * kStep) - chart.by_camera.col(i)).norm(),
+    EXPECT_LT(((by_camera(d) - by_camera(-d)) / (2 * kTinyStep) - chart.by_camera.col(i)).norm(),
               1e-8);
   }
 }

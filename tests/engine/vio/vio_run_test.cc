@@ -11,8 +11,8 @@ namespace {
 
 using testing::HasSubstr;
 
-VioRun Run(const SimulatedRecording& recording, bool given_start,
-           const VioOptions& options = {}) {
+VioRun RunOn(const SimulatedRecording& recording, bool given_start,
+             const VioOptions& options = {}) {
   VioInput input;
   input.camera = recording.camera;
   input.imu = recording.imu;
@@ -47,7 +47,7 @@ TEST(VioRun, KnowsHowWellItKnowsThePose) {
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const SimulatedRecording recording = Simulate({.seconds = 12, .seed = seed});
-    for (const VioReport& report : Run(recording, true).reports) {
+    for (const VioReport& report : RunOn(recording, true).reports) {
       const Eigen::Isometry3d truth = TruthAt(recording, report.stamp_ns).world_from_body;
       const Eigen::AngleAxisd turn(
           Eigen::Matrix3d(truth.linear() * report.world_from_body.linear().transpose()));
@@ -66,7 +66,7 @@ TEST(VioRun, KnowsHowWellItKnowsThePose) {
 
 TEST(VioRun, StartsFromRestAndFollows) {
   const SimulatedRecording recording = Simulate({.seconds = 12, .rest_s = 3, .seed = 2});
-  const VioRun run = Run(recording, false);
+  const VioRun run = RunOn(recording, false);
   ASSERT_FALSE(run.reports.empty());
   EXPECT_EQ(run.reports.front().phase, VioPhase::kWaiting);
   EXPECT_THAT(run.reports.front().message, HasSubstr("waiting"));
@@ -79,7 +79,7 @@ TEST(VioRun, StartsFromRestAndFollows) {
 
 TEST(VioRun, StartsInMotion) {
   const SimulatedRecording recording = Simulate({.seconds = 10, .seed = 3});
-  const VioRun run = Run(recording, false);
+  const VioRun run = RunOn(recording, false);
   const VioReport& last = run.reports.back();
   ASSERT_EQ(last.phase, VioPhase::kTracking);
   EXPECT_LT(Tilt(recording, last), 1);
@@ -95,7 +95,7 @@ TEST(VioRun, FindsTheCalibrationThatItWasGivenWrongly) {
       Eigen::AngleAxisd(0.0173, Eigen::Vector3d(1, 1, -1).normalized()) * truth.linear();
   wrong.translation() += Eigen::Vector3d(0.01, -0.01, 0.01);
   recording.camera.body_from_cam = wrong;  // and the offset is taken as zero
-  const VioReport last = Run(recording, true).reports.back();
+  const VioReport last = RunOn(recording, true).reports.back();
   const Eigen::AngleAxisd off(
       Eigen::Matrix3d(last.body_from_cam.linear() * truth.linear().transpose()));
   EXPECT_LT(off.angle() * kDegPerRad, 0.1);
@@ -112,7 +112,7 @@ TEST(VioRun, SurvivesDroppedAndDoubledImages) {
     if (k % 10 == 0) images.push_back(recording.images[k]);
   }
   recording.images = images;
-  const VioRun run = Run(recording, true);
+  const VioRun run = RunOn(recording, true);
   EXPECT_EQ(run.reports.back().stretch, 1);
   EXPECT_LT(PositionError(recording, run.reports.back()), 0.3);
 }
@@ -122,7 +122,7 @@ TEST(VioRun, SurvivesAGapOfTheImu) {
   std::erase_if(recording.samples, [](const ImuSample& sample) {
     return sample.stamp_ns > 4'000'000'000 && sample.stamp_ns < 4'300'000'000;
   });
-  const VioRun run = Run(recording, true);
+  const VioRun run = RunOn(recording, true);
   EXPECT_EQ(run.reports.back().stretch, 1);
   EXPECT_LT(PositionError(recording, run.reports.back()), 0.5);
 }
@@ -135,7 +135,7 @@ TEST(VioRun, SaysThatItIsBlindUnderACoveredLensAndGoesOn) {
       if (image.stamp_ns >= 5'500'000'000) point.id += 1'000'000;
     }
   }
-  const VioRun run = Run(recording, true);
+  const VioRun run = RunOn(recording, true);
   bool said = false;
   for (const VioReport& report : run.reports)
     said = said || report.message.find("the IMU alone") != std::string::npos;
@@ -146,7 +146,7 @@ TEST(VioRun, SaysThatItIsBlindUnderACoveredLensAndGoesOn) {
 
 TEST(VioRun, SurvivesPureRotation) {
   const SimulatedRecording recording = Simulate({.seconds = 10, .moves = false, .seed = 8});
-  const VioRun run = Run(recording, true);
+  const VioRun run = RunOn(recording, true);
   EXPECT_EQ(run.reports.back().phase, VioPhase::kTracking);
   EXPECT_LT(PositionError(recording, run.reports.back()), 1);
   EXPECT_LT(Tilt(recording, run.reports.back()), 1);
@@ -154,7 +154,8 @@ TEST(VioRun, SurvivesPureRotation) {
 
 TEST(VioRun, GivesTheSameTwice) {
   const SimulatedRecording recording = Simulate({.seconds = 4, .seed = 9});
-  const VioReport a = Run(recording, true).reports.back(), b = Run(recording, true).reports.back();
+  const VioReport a = RunOn(recording, true).reports.back(),
+                  b = RunOn(recording, true).reports.back();
   EXPECT_EQ(a.world_from_body.matrix(), b.world_from_body.matrix());
   EXPECT_EQ(a.covariance, b.covariance);
 }
@@ -165,7 +166,7 @@ TEST(VioRun, StartsAnewAndSaysWhyWhereTheReadingsRunAway) {
     if (sample.stamp_ns > 4'000'000'000 && sample.stamp_ns < 4'600'000'000)
       sample.specific_force_m_s2.x() += 400;
   }
-  const VioRun run = Run(recording, true);
+  const VioRun run = RunOn(recording, true);
   bool lost = false;
   for (const VioReport& report : run.reports)
     lost = lost || report.message.find("run away") != std::string::npos;
