@@ -88,7 +88,7 @@ TEST(VioRun, StartsInMotion) {
 }
 
 TEST(VioRun, FindsTheCalibrationThatItWasGivenWrongly) {
-  SimulatedRecording recording = Simulate({.seconds = 25, .time_offset_s = 0.01, .seed = 4});
+  SimulatedRecording recording = Simulate({.seconds = 40, .time_offset_s = 0.01, .seed = 4});
   const Eigen::Isometry3d truth = *recording.camera.body_from_cam;
   Eigen::Isometry3d wrong = truth;
   wrong.linear() =
