@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "app/verbs/evaluate_trajectory.h"
 #include "app/verbs/verb.h"
 #include "engine/analysis/history.h"
 #include "engine/analysis/reliability.h"
@@ -20,7 +21,8 @@ namespace {
 
 struct EvaluateArguments {
   std::string run, ground_truth, models, scene, json;
-  std::string align = "none", truth = "both";
+  std::string trajectory, reference;  ///< Instead of a run.
+  std::string align, truth = "both";  ///< Empty: "none" of a map, "yaw" of a trajectory.
   EvaluationOptions options;
 };
 
@@ -243,35 +245,69 @@ Status Evaluate(EvaluateArguments arguments) {
   return WriteJsonResult(arguments.json, *json);
 }
 
+/// What is asked for: a map or a trajectory. Throws CLI's errors of usage.
+VerbFunction ChooseEvaluation(EvaluateArguments arguments) {
+  const bool of_trajectory = !arguments.trajectory.empty();
+  if (arguments.align.empty()) arguments.align = of_trajectory ? "yaw" : "none";
+  const auto check_align = [&](std::initializer_list<const char*> known) {
+    if (std::find(known.begin(), known.end(), arguments.align) != known.end()) return;
+    std::string names;
+    for (const char* name : known) names += std::string(names.empty() ? "" : ", ") + name;
+    throw CLI::ValidationError("--align", "'" + arguments.align + "' is not one of " + names);
+  };
+  if (of_trajectory) {
+    if (arguments.reference.empty()) throw CLI::RequiredError("--reference");
+    if (!arguments.run.empty())
+      throw CLI::ValidationError("--trajectory", "give either a run or a trajectory");
+    check_align({"none", "yaw", "se3", "sim3"});
+    return [arguments] {
+      return EvaluateTrajectory(
+          {arguments.trajectory, arguments.reference, arguments.align, arguments.json});
+    };
+  }
+  if (arguments.run.empty()) throw CLI::RequiredError("a run, or --trajectory");
+  if (arguments.ground_truth.empty()) throw CLI::RequiredError("--ground-truth");
+  if (arguments.models.empty()) throw CLI::RequiredError("--models");
+  check_align({"none", "objects", "icp", "icp4"});
+  return [arguments] { return Evaluate(arguments); };
+}
+
 }  // namespace
 
 void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
   auto arguments = std::make_shared<EvaluateArguments>();
   CLI::App* verb = app.add_subcommand(
       "evaluate",
-      "Evaluate the map of a run: surface error, pose errors, missed and spurious objects");
+      "Evaluate the map of a run (surface error, pose errors, missed and spurious objects), or a "
+      "trajectory");
   verb->add_option("run", arguments->run, "A run file, or the JSON that 'run --json' wrote")
-      ->required()
       ->type_name("RUN.plb|RUN.json");
   verb->add_option("--ground-truth", arguments->ground_truth,
                    "Ground truth: objects and their poses")
-      ->required()
       ->type_name("FILE");
   verb->add_option("--models", arguments->models,
                    "The model database of the run and of the ground truth")
-      ->required()
       ->type_name("DIR");
   verb->add_option("--scene", arguments->scene,
                    "The scanned scene, a mesh in the frame of the ground truth")
       ->type_name("FILE.ply");
-  verb->add_option("--align", arguments->align,
-                   "Before measuring, bring the map into the frame of the ground truth: not at "
-                   "all, by a turn about "
-                   "gravity and a translation from the matched objects, by ICP of the surfaces "
-                   "(rigid, as in the "
-                   "paper), or by ICP that keeps gravity")
-      ->check(CLI::IsMember({"none", "objects", "icp", "icp4"}))
-      ->capture_default_str();
+  verb->add_option(
+          "--align", arguments->align,
+          "Before measuring, bring the map into the frame of the ground truth: not at "
+          "all, by a turn about "
+          "gravity and a translation from the matched objects, by ICP of the surfaces "
+          "(rigid, as in the "
+          "paper), or by ICP that keeps gravity. A trajectory: not at all, by a turn about z "
+          "and a translation (default), by a rigid motion, or by a similarity")
+      ->type_name("none|objects|icp|icp4|yaw|se3|sim3");
+  verb->add_option("--trajectory", arguments->trajectory,
+                   "Judge this trajectory instead of a run (TUM; EST.covariance.csv beside it)")
+      ->type_name("EST.txt");
+  verb->add_option("--reference", arguments->reference,
+                   "What the trajectory is compared with: TUM, or rows as groundtruth.csv, of the "
+                   "same sensor, z up")
+      ->type_name("FILE")
+      ->needs("--trajectory");
   verb->add_option("--truth", arguments->truth,
                    "The true surface: the scan together with the posed true models, or one of them")
       ->check(CLI::IsMember({"both", "scan", "models"}))
@@ -289,7 +325,7 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
       ->capture_default_str();
   verb->add_option("--json", arguments->json, "Write the results as JSON (- for standard output)")
       ->type_name("FILE");
-  verb->callback([arguments, &chosen] { chosen = [arguments] { return Evaluate(*arguments); }; });
+  verb->callback([arguments, &chosen] { chosen = ChooseEvaluation(*arguments); });
 }
 
 }  // namespace plumbline

@@ -36,6 +36,7 @@ void AddRenderVerb(CLI::App& app, VerbFunction& chosen);
 void AddGuiVerb(CLI::App& app, VerbFunction& chosen);
 void AddRunVerb(CLI::App& app, VerbFunction& chosen);
 void AddSmoothVerb(CLI::App& app, VerbFunction& chosen);
+void AddVioVerb(CLI::App& app, VerbFunction& chosen);
 void AddDemoVerb(CLI::App& app, VerbFunction& chosen);
 
 /// Writes results for machines: to standard output for "-".

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/dataset/sequence_formats.h"
 
+#include "engine/dataset/asl_sequence.h"
 #include "engine/dataset/plumbline_sequence.h"
 
 namespace plumbline {
@@ -9,6 +10,8 @@ namespace {
 constexpr SequenceFormat kFormats[] = {
     {"plumbline", "Plumbline's own layout", "a folder with camera.json and color/ or tracks.csv",
      true, ProbePlumblineSequence, OpenPlumblineSequence},
+    {"asl", "the ASL layout of EuRoC and TUM-VI", "a folder with mav0/cam0/data.csv", false,
+     ProbeAslSequence, OpenAslSequence},
 };
 
 }  // namespace

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/dataset/asl_sequence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/base/check.h"
+#include "engine/base/files.h"
+#include "engine/dataset/asl_sensor_file.h"
+#include "engine/dataset/stamp_statistics.h"
+#include "engine/dataset/stamped_rows.h"
+#include "engine/dataset/text_table.h"
+#include "engine/dataset/trajectory.h"
+#include "engine/sensor/image_file.h"
+#include "engine/sensor/undistorter.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool IsThere(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+/// The folder with cam0 and imu0 in it.
+fs::path SensorRoot(const fs::path& folder) {
+  return IsThere(folder / "mav0") ? folder / "mav0" : folder;
+}
+
+struct AslImage {
+  std::int64_t stamp_ns = 0;
+  std::string file;
+};
+
+/// Rows `stamp [ns],file`.
+Result<std::vector<AslImage>> ReadImageList(const fs::path& file,
+                                            std::vector<std::string>& warnings) {
+  const Result<std::string> text = ReadFile(file);
+  if (!text.ok()) return text.error();
+  std::vector<AslImage> images;
+  LineWarnings odd(file.string());
+  std::size_t number = 0;
+  for (const std::string_view line : SplitLines(*text)) {
+    ++number;
+    const std::vector<std::string_view> fields = SplitFields(line);
+    if (fields.empty() || fields[0].starts_with('#')) continue;
+    const auto stamp = ParseStampNs(fields[0]);
+    if (fields.size() != 2 || !stamp) {
+      odd.Add("not a stamp and the name of an image; row left out", number);
+      continue;
+    }
+    images.push_back({*stamp, std::string(fields[1])});
+  }
+  warnings = odd.Sentences();
+  MakeStampsRise(file, "images", images, warnings);
+  if (images.empty()) return Error{ErrorCode::kCorrupt, "'" + file.string() + "' lists no image"};
+  return images;
+}
+
+/// world_from_body from rows `t,px,py,pz,qw,qx,qy,qz[,..]`, as world_from_cam.
+Result<Trajectory> ReadAslPoses(const fs::path& file, bool velocities,
+                                const Eigen::Isometry3d& body_from_cam) {
+  Trajectory trajectory;
+  const auto rows = ReadStampedRows(
+      file, {velocities ? "t,p,q wxyz,v,b_gyro,b_accel" : "t,p,q wxyz", velocities ? 16 : 7},
+      [&](std::int64_t stamp_ns, std::span<const double> n) {
+        const Eigen::Quaterniond q(n[3], n[4], n[5], n[6]);
+        if (std::abs(q.norm() - 1) > 0.01) return;
+        Eigen::Isometry3d pose(q.normalized());
+        pose.translation() << n[0], n[1], n[2];
+        trajectory.poses.push_back({stamp_ns, pose * body_from_cam});
+      });
+  if (!rows.ok()) return rows.error();
+  trajectory.warnings = *rows;
+  MakeStampsRise(file, "poses", trajectory.poses, trajectory.warnings);
+  return trajectory;
+}
+
+class AslSequence : public Sequence {
+ public:
+  AslSequence(fs::path folder, Calibration calibration, std::vector<AslImage> images,
+              std::vector<std::string> warnings)
+      : folder_(std::move(folder)),
+        root_(SensorRoot(folder_)),
+        calibration_(std::move(calibration)),
+        undistorter_(camera_),
+        images_(std::move(images)),
+        poses_(images_.size()),
+        warnings_(std::move(warnings)) {
+    std::vector<std::int64_t> stamps;
+    for (const AslImage& image : images_) stamps.push_back(image.stamp_ns);
+    const double measured = StatisticsOf(stamps, 1.5).rate_hz();
+    rate_hz_ = measured > 0 ? measured : camera_.rate_hz;
+  }
+
+  Status ReadPoses(const fs::path& given);
+
+  const fs::path& path() const override { return folder_; }
+  int num_frames() const override { return static_cast<int>(images_.size()); }
+  const PinholeCamera& camera() const override { return camera_.pinhole; }
+  const Calibration& calibration() const override { return calibration_; }
+  double rate_hz() const override { return rate_hz_; }
+  std::int64_t stamp_ns(int index) const override { return image(index).stamp_ns; }
+  std::optional<Eigen::Isometry3d> world_from_cam(int index) const override {
+    image(index);
+    return poses_[static_cast<std::size_t>(index)];
+  }
+  std::optional<Eigen::Vector3d> gravity_in_world() const override {
+    return Eigen::Vector3d(0, 0, -1);
+  }
+  std::optional<Eigen::Vector4d> floor_in_world() const override { return std::nullopt; }
+
+  Result<cv::Mat> ReadRawImage(int index) const override {
+    return ReadImage(root_ / "cam0" / "data" / image(index).file, ImageKind::kColor,
+                     cv::Size(camera_.pinhole.width, camera_.pinhole.height));
+  }
+  Result<Frame> ReadFrame(int index) const override {
+    Result<cv::Mat> raw = ReadRawImage(index);
+    if (!raw.ok()) return raw.error();
+    return Frame{index, stamp_ns(index), undistorter_.Undistort(*raw), world_from_cam(index)};
+  }
+  Result<std::optional<cv::Mat>> ReadDepth(int) const override { return std::optional<cv::Mat>(); }
+  Result<std::optional<EdgeMap>> ReadEdges(int) const override { return std::optional<EdgeMap>(); }
+  Result<std::optional<std::vector<Detection>>> ReadProposals(int) const override {
+    return std::optional<std::vector<Detection>>();
+  }
+  Result<ImuRecording> ReadImu() const override {
+    return has_imu() ? ReadImuFile(root_ / "imu0" / "data.csv") : ImuRecording();
+  }
+  bool has_images() const override { return true; }
+  bool has_imu() const override { return IsThere(root_ / "imu0" / "data.csv"); }
+  bool has_depth() const override { return false; }
+  bool has_edges() const override { return false; }
+  bool has_proposals() const override { return false; }
+  std::optional<fs::path> scene_file() const override { return std::nullopt; }
+  std::optional<fs::path> ground_truth_file() const override { return std::nullopt; }
+  std::optional<fs::path> models_folder() const override { return std::nullopt; }
+  std::optional<fs::path> tracks_file() const override { return std::nullopt; }
+  std::optional<fs::path> reference_file() const override { return std::nullopt; }
+  const std::vector<std::string>& warnings() const override { return warnings_; }
+
+ private:
+  const AslImage& image(int index) const {
+    PLB_CHECK(index >= 0 && index < num_frames()) << "frame " << index << " of " << num_frames();
+    return images_[static_cast<std::size_t>(index)];
+  }
+
+  fs::path folder_, root_;
+  Calibration calibration_;
+  const Camera& camera_ = calibration_.cameras.front().camera;
+  Undistorter undistorter_;
+  std::vector<AslImage> images_;
+  std::vector<std::optional<Eigen::Isometry3d>> poses_;
+  std::vector<std::string> warnings_;
+  double rate_hz_ = 0;
+};
+
+Status AslSequence::ReadPoses(const fs::path& given) {
+  const fs::path states = root_ / "state_groundtruth_estimate0" / "data.csv",
+                 mocap = root_ / "mocap0" / "data.csv";
+  if (given.empty() && !IsThere(states) && !IsThere(mocap)) return {};
+  const Result<Trajectory> poses =
+      !given.empty()
+          ? ReadTrajectory(given, camera_.body_from_cam)
+          : ReadAslPoses(IsThere(states) ? states : mocap, IsThere(states), *camera_.body_from_cam);
+  if (!poses.ok()) return poses.error();
+  warnings_.insert(warnings_.end(), poses->warnings.begin(), poses->warnings.end());
+  const auto half_period_ns = static_cast<std::int64_t>(0.5e9 / rate_hz_);
+  for (std::size_t i = 0; i < images_.size(); ++i)
+    poses_[i] = poses->Nearest(images_[i].stamp_ns, half_period_ns);
+  return {};
+}
+
+}  // namespace
+
+Likeness ProbeAslSequence(const fs::path& path) {
+  return IsThere(SensorRoot(path) / "cam0" / "data.csv") ? Likeness::kCertain : Likeness::kNone;
+}
+
+Result<std::shared_ptr<const Sequence>> OpenAslSequence(const fs::path& folder,
+                                                        const SequenceOptions& options) {
+  const fs::path root = SensorRoot(folder);
+  const Result<Camera> camera = ReadAslCamera(root / "cam0" / "sensor.yaml");
+  if (!camera.ok()) return camera.error();
+  Calibration calibration{{{"cam0", *camera}}, std::nullopt};
+  if (const fs::path file = root / "imu0" / "sensor.yaml"; IsThere(file)) {
+    const Result<ImuCalibration> imu = ReadAslImu(file);
+    if (!imu.ok()) return imu.error();
+    calibration.imu = *imu;
+  }
+  std::vector<std::string> warnings;
+  Result<std::vector<AslImage>> images = ReadImageList(root / "cam0" / "data.csv", warnings);
+  if (!images.ok()) return images.error();
+  auto sequence = std::make_shared<AslSequence>(folder, std::move(calibration), std::move(*images),
+                                                std::move(warnings));
+  const Status status = sequence->ReadPoses(options.poses);
+  if (!status.ok()) return status.error();
+  return std::shared_ptr<const Sequence>(std::move(sequence));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/dataset/trajectory_writer.h"
+
+#include <cinttypes>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/base/files.h"
+#include "engine/dataset/stamped_rows.h"
+
+namespace plumbline {
+namespace {
+
+/// Decimal seconds with every nanosecond.
+std::string SecondsText(std::int64_t stamp_ns) {
+  char text[40];
+  std::snprintf(text, sizeof(text), "%s%" PRId64 ".%09" PRId64, stamp_ns < 0 ? "-" : "",
+                std::abs(stamp_ns) / 1'000'000'000, std::abs(stamp_ns) % 1'000'000'000);
+  return text;
+}
+
+}  // namespace
+
+Status WriteTrajectory(const std::filesystem::path& file, std::string_view frames,
+                       std::span<const WrittenPose> poses) {
+  std::string text = "# " + std::string(frames) + ": t[s] tx ty tz[m] qx qy qz qw\n";
+  for (const WrittenPose& pose : poses) {
+    const Eigen::Vector3d t = pose.world_from_sensor.translation();
+    const Eigen::Quaterniond q(pose.world_from_sensor.linear());
+    char row[200];
+    std::snprintf(row, sizeof(row), " %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", t.x(), t.y(), t.z(),
+                  q.x(), q.y(), q.z(), q.w());
+    text += SecondsText(pose.stamp_ns) + row;
+  }
+  return WriteFileAtomically(file, text);
+}
+
+std::filesystem::path CovarianceFileOf(const std::filesystem::path& trajectory) {
+  std::filesystem::path file = trajectory;
+  file.replace_extension(".covariance.csv");
+  return file;
+}
+
+Status WriteCovariances(const std::filesystem::path& file, std::string_view frames,
+                        std::span<const WrittenPose> poses) {
+  std::string text = "# t[s], then the 6x6 covariance of the error of " + std::string(frames) +
+                     " row by row; order x y z [m] rx ry rz [rad], all along the axes of world: "
+                     "t = t_estimate + (x y z), R = Exp(rx ry rz) R_estimate\n";
+  for (const WrittenPose& pose : poses) {
+    text += SecondsText(pose.stamp_ns);
+    for (int row = 0; row < 6; ++row) {
+      for (int column = 0; column < 6; ++column) {
+        char number[32];
+        std::snprintf(number, sizeof(number), ",%.9e", pose.covariance(row, column));
+        text += number;
+      }
+    }
+    text += '\n';
+  }
+  return WriteFileAtomically(file, text);
+}
+
+Result<std::vector<std::pair<std::int64_t, PoseCovariance>>> ReadCovariances(
+    const std::filesystem::path& file) {
+  std::vector<std::pair<std::int64_t, PoseCovariance>> covariances;
+  const auto rows = ReadStampedRows(
+      file, {"t and a 6x6 covariance", 36},
+      [&](std::int64_t stamp_ns, std::span<const double> numbers) {
+        covariances.emplace_back(
+            stamp_ns,
+            Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(numbers.data()));
+      });
+  if (!rows.ok()) return rows.error();
+  return covariances;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/vio/filter_state.h"
+
+#include <algorithm>
+
+#include <Eigen/Cholesky>
+
+#include "engine/base/check.h"
+#include "engine/vio/rotation.h"
+
+namespace plumbline {
+namespace {
+
+int TotalSize(std::span<const RowRange> rows) {
+  int size = 0;
+  for (const RowRange& range : rows) size += range.size;
+  return size;
+}
+
+/// The rows of `all` that the ranges name, below one another.
+Eigen::MatrixXd RowsOf(const Eigen::MatrixXd& all, std::span<const RowRange> rows) {
+  Eigen::MatrixXd chosen(TotalSize(rows), all.cols());
+  int at = 0;
+  for (const RowRange& range : rows) {
+    chosen.middleRows(at, range.size) = all.middleRows(range.begin, range.size);
+    at += range.size;
+  }
+  return chosen;
+}
+
+}  // namespace
+
+Eigen::Isometry3d Moved(const Eigen::Isometry3d& world_from_body,
+                        const Eigen::Matrix<double, 6, 1>& error) {
+  const Eigen::Vector3d phi = error.head<3>();
+  const Eigen::Matrix3d turn = RotationExp(phi);
+  Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
+  moved.linear() = Orthonormal(turn * world_from_body.linear());
+  moved.translation() = turn * world_from_body.translation() + LeftJacobian(phi) * error.tail<3>();
+  return moved;
+}
+
+FilterState::FilterState(const InertialState& inertial, const Eigen::Isometry3d& body_from_cam,
+                         double time_offset_s,
+                         const Eigen::Matrix<double, kCalibratedSize, kCalibratedSize>& covariance)
+    : inertial_(inertial),
+      body_from_cam_(body_from_cam),
+      time_offset_s_(time_offset_s),
+      covariance_(covariance) {}
+
+const PoseClone* FilterState::FindClone(std::int64_t id) const {
+  for (const PoseClone& clone : clones_) {
+    if (clone.id == id) return &clone;
+  }
+  return nullptr;
+}
+
+void FilterState::Propagate(const Integration& integration) {
+  inertial_ = integration.state;
+  const int rest = size() - kInertialSize;
+  const InertialMatrix present = covariance_.topLeftCorner<kInertialSize, kInertialSize>();
+  covariance_.topLeftCorner<kInertialSize, kInertialSize>() =
+      integration.transition * present * integration.transition.transpose() + integration.noise;
+  const Eigen::MatrixXd cross =
+      integration.transition * covariance_.topRightCorner(kInertialSize, rest);
+  covariance_.topRightCorner(kInertialSize, rest) = cross;
+  covariance_.bottomLeftCorner(rest, kInertialSize) = cross.transpose();
+}
+
+const PoseClone& FilterState::AddClone(std::int64_t stamp_ns,
+                                       const Eigen::Vector3d& angular_velocity_in_body,
+                                       double jitter_rad, double jitter_m) {
+  const int before = size();
+  const Eigen::Vector3d turn = inertial_.world_from_body * angular_velocity_in_body;
+  Eigen::Matrix<double, kPoseSize, 1> by_offset;
+  by_offset << turn, inertial_.velocity_in_world - turn.cross(inertial_.position_in_world);
+  Eigen::MatrixXd added(kPoseSize, before);
+  added.topRows<3>() = covariance_.middleRows<3>(kPhi);
+  added.bottomRows<3>() = covariance_.middleRows<3>(kXiP);
+  added += by_offset * covariance_.row(kTimeOffset);
+  Eigen::Matrix<double, kPoseSize, kPoseSize> own;
+  own << added.middleCols<3>(kPhi), added.middleCols<3>(kXiP);
+  own += added.col(kTimeOffset) * by_offset.transpose();
+  // A turn about the body itself: xi_p = p x phi.
+  Eigen::Matrix<double, kPoseSize, 3> by_turn;
+  by_turn << Eigen::Matrix3d::Identity(), Hat(inertial_.position_in_world);
+  own += jitter_rad * jitter_rad * by_turn * by_turn.transpose();
+  own.diagonal().tail<3>().array() += jitter_m * jitter_m;
+
+  covariance_.conservativeResize(before + kPoseSize, before + kPoseSize);
+  covariance_.bottomLeftCorner(kPoseSize, before) = added;
+  covariance_.topRightCorner(before, kPoseSize) = added.transpose();
+  covariance_.bottomRightCorner<kPoseSize, kPoseSize>() = (own + own.transpose()) / 2;
+  clones_.push_back({next_clone_++, stamp_ns, inertial_.pose(), before, by_offset});
+  return clones_.back();
+}
+
+Eigen::MatrixXd FilterState::Columns(std::span<const RowRange> rows) const {
+  Eigen::MatrixXd chosen(size(), TotalSize(rows));
+  int at = 0;
+  for (const RowRange& range : rows) {
+    chosen.middleCols(at, range.size) = covariance_.middleCols(range.begin, range.size);
+    at += range.size;
+  }
+  return chosen;
+}
+
+Eigen::MatrixXd FilterState::Projected(const Eigen::MatrixXd& jacobian,
+                                       std::span<const RowRange> rows) const {
+  const int used = TotalSize(rows);
+  Eigen::MatrixXd part(used, used);
+  int at = 0;
+  for (const RowRange& range : rows) {
+    int down = 0;
+    for (const RowRange& other : rows) {
+      part.block(down, at, other.size, range.size) =
+          covariance_.block(other.begin, range.begin, other.size, range.size);
+      down += other.size;
+    }
+    at += range.size;
+  }
+  return jacobian * part * jacobian.transpose();
+}
+
+bool FilterState::Update(const Eigen::MatrixXd& jacobian, std::span<const RowRange> rows,
+                         const Eigen::VectorXd& residual) {
+  PLB_CHECK(jacobian.rows() == residual.size());
+  const Eigen::MatrixXd cross = Columns(rows) * jacobian.transpose();
+  Eigen::MatrixXd innovation = jacobian * RowsOf(cross, rows);
+  innovation.diagonal().array() += 1;
+  const Eigen::LLT<Eigen::MatrixXd> factor(innovation);
+  if (factor.info() != Eigen::Success) return false;
+  const Eigen::MatrixXd gain = factor.matrixL().solve(cross.transpose());
+  const Eigen::VectorXd error = gain.transpose() * factor.matrixL().solve(residual);
+  if (!error.allFinite()) return false;
+  covariance_.selfadjointView<Eigen::Lower>().rankUpdate(gain.transpose(), -1);
+  covariance_.triangularView<Eigen::StrictlyUpper>() = covariance_.transpose();
+  Retract(error);
+  return true;
+}
+
+void FilterState::AddPoint(const StatePoint& point, const Eigen::MatrixXd& by_state,
+                           std::span<const RowRange> rows, const Eigen::Matrix3d& by_point,
+                           const Eigen::Vector3d& residual) {
+  const int before = size();
+  const Eigen::Matrix3d inverse = by_point.inverse();
+  const Eigen::MatrixXd to_point = inverse * by_state;
+  const Eigen::MatrixXd added = -to_point * Columns(rows).transpose();
+  const Eigen::Matrix3d own = Projected(to_point, rows) + inverse * inverse.transpose();
+  covariance_.conservativeResize(before + kPointSize, before + kPointSize);
+  covariance_.bottomLeftCorner(kPointSize, before) = added;
+  covariance_.topRightCorner(before, kPointSize) = added.transpose();
+  covariance_.bottomRightCorner<kPointSize, kPointSize>() = (own + own.transpose()) / 2;
+  points_.push_back(point);
+  points_.back().row = before;
+  points_.back().bearing_and_inverse_depth += inverse * residual;
+}
+
+void FilterState::ChangePoint(StatePoint& point, std::int64_t anchor, const Eigen::Vector3d& value,
+                              const Eigen::MatrixXd& jacobian, std::span<const RowRange> rows) {
+  const Eigen::MatrixXd cross = jacobian * Columns(rows).transpose();
+  const Eigen::Matrix3d own = Projected(jacobian, rows);
+  covariance_.middleRows<kPointSize>(point.row) = cross;
+  covariance_.middleCols<kPointSize>(point.row) = cross.transpose();
+  covariance_.block<kPointSize, kPointSize>(point.row, point.row) = (own + own.transpose()) / 2;
+  point.anchor = anchor;
+  point.bearing_and_inverse_depth = value;
+}
+
+void FilterState::RemoveRows(RowRange rows) {
+  const int end = rows.begin + rows.size, rest = size() - end, left = size() - rows.size;
+  Eigen::MatrixXd kept(left, left);
+  const int head = rows.begin;
+  kept.topLeftCorner(head, head) = covariance_.topLeftCorner(head, head);
+  kept.topRightCorner(head, rest) = covariance_.topRightCorner(head, rest);
+  kept.bottomLeftCorner(rest, head) = covariance_.bottomLeftCorner(rest, head);
+  kept.bottomRightCorner(rest, rest) = covariance_.bottomRightCorner(rest, rest);
+  covariance_.swap(kept);
+  for (PoseClone& clone : clones_) clone.row -= clone.row >= end ? rows.size : 0;
+  for (StatePoint& point : points_) point.row -= point.row >= end ? rows.size : 0;
+}
+
+void FilterState::RemoveClone(std::int64_t id) {
+  const auto found = std::find_if(clones_.begin(), clones_.end(),
+                                  [&](const PoseClone& clone) { return clone.id == id; });
+  PLB_CHECK(found != clones_.end());
+  const RowRange rows{found->row, kPoseSize};
+  clones_.erase(found);
+  RemoveRows(rows);
+}
+
+void FilterState::RemovePoint(std::int64_t track) {
+  const auto found = std::find_if(points_.begin(), points_.end(),
+                                  [&](const StatePoint& point) { return point.track == track; });
+  PLB_CHECK(found != points_.end());
+  const RowRange rows{found->row, kPointSize};
+  points_.erase(found);
+  RemoveRows(rows);
+}
+
+Eigen::Matrix<double, 6, 6> FilterState::PoseCovariance() const {
+  // p = p^ + xi_p + phi x p^ to first order.
+  Eigen::Matrix<double, 6, kInertialSize> to_pose = Eigen::Matrix<double, 6, kInertialSize>::Zero();
+  to_pose.block<3, 3>(0, kXiP).setIdentity();
+  to_pose.block<3, 3>(0, kPhi) = -Hat(inertial_.position_in_world);
+  to_pose.block<3, 3>(3, kPhi).setIdentity();
+  return to_pose * covariance_.topLeftCorner<kInertialSize, kInertialSize>() * to_pose.transpose();
+}
+
+void FilterState::Inflate(RowRange rows, double variance) {
+  covariance_.diagonal().segment(rows.begin, rows.size).array() += variance;
+}
+
+bool FilterState::finite() const {
+  return inertial_.position_in_world.allFinite() && inertial_.velocity_in_world.allFinite() &&
+         inertial_.world_from_body.allFinite() && covariance_.allFinite() &&
+         (covariance_.diagonal().array() >= 0).all();
+}
+
+void FilterState::Retract(const Eigen::VectorXd& error) {
+  const Eigen::Vector3d phi = error.segment<3>(kPhi);
+  const Eigen::Matrix3d turn = RotationExp(phi), jacobian = LeftJacobian(phi);
+  inertial_.world_from_body = Orthonormal(turn * inertial_.world_from_body);
+  inertial_.velocity_in_world =
+      turn * inertial_.velocity_in_world + jacobian * error.segment<3>(kXiV);
+  inertial_.position_in_world =
+      turn * inertial_.position_in_world + jacobian * error.segment<3>(kXiP);
+  inertial_.gyro_bias += error.segment<3>(kGyroBias);
+  inertial_.accel_bias += error.segment<3>(kAccelBias);
+  body_from_cam_.linear() =
+      Orthonormal(RotationExp(error.segment<3>(kCamRotation)) * body_from_cam_.linear());
+  body_from_cam_.translation() += error.segment<3>(kCamTranslation);
+  time_offset_s_ += error(kTimeOffset);
+  for (PoseClone& clone : clones_)
+    clone.world_from_body = Moved(clone.world_from_body, error.segment<kPoseSize>(clone.row));
+  for (StatePoint& point : points_)
+    point.bearing_and_inverse_depth += error.segment<kPointSize>(point.row);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/vio/track_rows.h"
+
+#include <algorithm>
+
+#include <Eigen/QR>
+
+#include "engine/base/check.h"
+#include "engine/vio/point_view.h"
+
+namespace plumbline {
+
+ColumnLayout::ColumnLayout(const FilterState& state) {
+  rows_.push_back({kCamRotation, kPoseSize});
+  size_ = kPoseSize;
+  for (const PoseClone& clone : state.clones()) {
+    rows_.push_back({clone.row, kPoseSize});
+    clones_.push_back(clone.id);
+    size_ += kPoseSize;
+  }
+}
+
+int ColumnLayout::AddPoint(const StatePoint& point) {
+  rows_.push_back({point.row, kPointSize});
+  size_ += kPointSize;
+  return size_ - kPointSize;
+}
+
+int ColumnLayout::clone(std::int64_t id) const {
+  const auto found = std::lower_bound(clones_.begin(), clones_.end(), id);
+  PLB_CHECK(found != clones_.end() && *found == id);
+  return kPoseSize * (1 + static_cast<int>(found - clones_.begin()));
+}
+
+std::optional<TrackRows> RowsOfTrack(const DistortedCamera& camera, const FilterState& state,
+                                     const ColumnLayout& layout,
+                                     std::span<const Observation> observations,
+                                     const std::vector<bool>& used,
+                                     const Eigen::Vector3d& point_in_world,
+                                     const PixelModel& pixels) {
+  const auto count = std::count(used.begin(), used.end(), true);
+  TrackRows rows;
+  rows.by_state = Eigen::MatrixXd::Zero(2 * count, layout.size());
+  rows.by_point.resize(2 * count, 3);
+  rows.residual.resize(2 * count);
+  int row = 0;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (!used[i]) continue;
+    const PoseClone* clone = state.FindClone(observations[i].clone);
+    PLB_CHECK(clone != nullptr);
+    const auto view =
+        ViewPoint(camera, state.body_from_cam(),
+                  pixels.WorldFromBody(*clone, observations[i].pixel.y()), point_in_world);
+    if (!view) return std::nullopt;
+    rows.by_state.block<2, 6>(row, layout.camera()) = view->by_camera / pixels.noise_px;
+    rows.by_state.block<2, 6>(row, layout.clone(clone->id)) = view->by_pose / pixels.noise_px;
+    rows.by_point.middleRows<2>(row) = view->by_point / pixels.noise_px;
+    rows.residual.segment<2>(row) = (observations[i].pixel - view->pixel) / pixels.noise_px;
+    row += 2;
+  }
+  return rows;
+}
+
+SplitRows SplitOffPoint(const TrackRows& rows) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows.by_point);
+  const auto turn = qr.householderQ().adjoint();
+  const Eigen::MatrixXd by_state = turn * rows.by_state;
+  const Eigen::VectorXd residual = turn * rows.residual;
+  const Eigen::Index free = residual.size() - 3;
+  SplitRows split;
+  split.point_by_state = by_state.topRows<3>();
+  split.by_point = qr.matrixQR().topRows<3>().triangularView<Eigen::Upper>();
+  split.point_residual = residual.head<3>();
+  split.by_state = by_state.bottomRows(free);
+  split.residual = residual.tail(free);
+  return split;
+}
+
+void Compress(Eigen::MatrixXd& jacobian, Eigen::VectorXd& residual) {
+  const Eigen::Index columns = jacobian.cols();
+  if (jacobian.rows() <= columns) return;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(jacobian);
+  const Eigen::VectorXd turned = qr.householderQ().adjoint() * residual;
+  residual = turned.head(columns);
+  jacobian = qr.matrixQR().topRows(columns).triangularView<Eigen::Upper>();
+}
+
+}  // namespace plumbline

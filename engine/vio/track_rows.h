@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "engine/sensor/distorted_camera.h"
+#include "engine/vio/filter_state.h"
+#include "engine/vio/track_table.h"
+
+namespace plumbline {
+
+/// Which rows of the error the columns of stacked Jacobians are: the camera on the body, then the
+/// clones in their order, then points.
+class ColumnLayout {
+ public:
+  explicit ColumnLayout(const FilterState& state);
+  /// @return the point's first column.
+  int AddPoint(const StatePoint& point);
+
+  int camera() const { return 0; }
+  int clone(std::int64_t id) const;  ///< First column.
+  int size() const { return size_; }
+  std::span<const RowRange> rows() const { return rows_; }
+
+ private:
+  std::vector<RowRange> rows_;
+  std::int64_t first_clone_ = 0;
+  std::vector<std::int64_t> clones_;
+  int size_ = 0;
+};
+
+/// How pixels are measured.
+struct PixelModel {
+  double noise_px = 1;
+  double rolling_shutter_s = 0;  ///< From the first row to the last; the stamp is of the middle.
+  double height_px = 1;
+
+  /// Where the body was when this row was read.
+  Eigen::Isometry3d WorldFromBody(const PoseClone& clone, double row_px) const {
+    if (rolling_shutter_s == 0) return clone.world_from_body;
+    return Moved(clone.world_from_body,
+                 clone.motion * (rolling_shutter_s * (row_px / height_px - 0.5)));
+  }
+};
+
+/// residual = by_state * error + by_point * error of the point + noise of unit variance.
+struct TrackRows {
+  Eigen::MatrixXd by_state;
+  Eigen::MatrixXd by_point;  ///< 3 columns: the point in `world`.
+  Eigen::VectorXd residual;
+};
+
+/// What the sights of a track say of a point; nothing where a camera cannot see it.
+/// @param used  Which of the observations count.
+std::optional<TrackRows> RowsOfTrack(const DistortedCamera& camera, const FilterState& state,
+                                     const ColumnLayout& layout,
+                                     std::span<const Observation> observations,
+                                     const std::vector<bool>& used,
+                                     const Eigen::Vector3d& point_in_world,
+                                     const PixelModel& pixels);
+
+/// The rows turned so that the first three alone speak of the point, upper triangular, and the
+/// others are free of it: the left null space of `by_point` (Mourikis and Roumeliotis, ICRA 2007).
+struct SplitRows {
+  Eigen::MatrixXd point_by_state;  ///< 3 rows
+  Eigen::Matrix3d by_point;
+  Eigen::Vector3d point_residual;
+  Eigen::MatrixXd by_state;
+  Eigen::VectorXd residual;
+};
+SplitRows SplitOffPoint(const TrackRows& rows);
+
+/// The same information in at most as many rows as columns (QR).
+void Compress(Eigen::MatrixXd& jacobian, Eigen::VectorXd& residual);
+
+}  // namespace plumbline

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/vio/vio_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <span>
+
+#include "engine/base/check.h"
+#include "engine/vio/motion_start.h"
+#include "engine/vio/rotation.h"
+#include "engine/vio/start_state.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kRestLookback = 0.5;  ///< Rest is judged over this time [s].
+constexpr double kMotionWindow = 1.2;  ///< Of a start in motion [s].
+constexpr double kMotionRetry = 0.4;   ///< Between attempts [s]; one costs as much as 20 images.
+constexpr double kMinMotion = 6;       ///< Points wander more when the body moves at all [px].
+
+}  // namespace
+
+VioEstimator::VioEstimator(const Camera& camera, const ImuCalibration& imu,
+                           const VioOptions& options)
+    : camera_(camera),
+      calibration_(imu),
+      options_(options),
+      imu_(imu),
+      rest_(options.rest_seconds + kRestLookback),
+      filter_(camera, imu, options) {
+  PLB_CHECK(camera.body_from_cam.has_value());
+}
+
+void VioEstimator::Begin(InertialState inertial, StartSpread spread) {
+  JoinLastStretch(inertial, spread);
+  BeginWith(
+      MakeStart(inertial, *camera_.body_from_cam, calibration_.time_offset_s, spread, options_));
+}
+
+void VioEstimator::JoinLastStretch(InertialState& inertial, StartSpread& spread) const {
+  if (!last_good_) return;
+  const double gap = static_cast<double>(inertial.stamp_ns - last_good_->stamp_ns) * 1e-9;
+  const Eigen::Matrix3d before = last_good_->world_from_body.linear();
+  // The heading that brings the two attitudes nearest; the gyro is not trusted over the gap.
+  const Eigen::Matrix3d turn = before * inertial.world_from_body.transpose();
+  const double yaw = std::atan2(turn(1, 0) - turn(0, 1), turn(0, 0) + turn(1, 1));
+  const Eigen::Matrix3d heading = RotationExp({0, 0, yaw});
+  inertial.world_from_body = heading * inertial.world_from_body;
+  inertial.velocity_in_world = heading * inertial.velocity_in_world;
+  inertial.position_in_world = last_good_->world_from_body.translation();
+  const auto variance = last_good_->covariance.diagonal();
+  const double wandered = gap * std::max(1.0, last_good_->velocity_in_world.norm());
+  spread.position_m = std::hypot(std::sqrt(variance.head<3>().maxCoeff()), wandered);
+  spread.yaw_rad = std::hypot(std::sqrt(variance(5)), std::min(0.5 * gap, 1.5));
+}
+
+void VioEstimator::BeginWith(const FilterState& state) {
+  filter_.Start(state);
+  health_.Reset();
+  tracking_ = true;
+  ++stretch_;
+}
+
+bool VioEstimator::TryGivenStart(const TrackedImage& image) {
+  const std::int64_t stamp = image.stamp_ns + Nanoseconds(calibration_.time_offset_s);
+  if (!given_ || given_->stamp_ns > stamp) return false;
+  InertialState inertial;
+  inertial.stamp_ns = given_->stamp_ns;
+  inertial.world_from_body = given_->world_from_body.linear();
+  inertial.position_in_world = given_->world_from_body.translation();
+  inertial.velocity_in_world = given_->velocity_in_world;
+  inertial.gyro_bias = given_->gyro_bias;
+  inertial.accel_bias = given_->accel_bias;
+  Begin(inertial, StartSpread());
+  given_.reset();
+  return true;
+}
+
+std::string VioEstimator::TryRestStart(const TrackedImage& image) {
+  const auto motion = rest_.WanderWithin(options_.rest_seconds);
+  if (!motion) return "waiting for " + std::to_string(options_.rest_seconds) + " s of images";
+  if (*motion > options_.still_px) {
+    char text[160];
+    std::snprintf(text, sizeof(text),
+                  "waiting for rest: points wandered by %.1f px in the last %.1f s, at most %.1f",
+                  *motion, options_.rest_seconds, options_.still_px);
+    return text;
+  }
+  const std::int64_t end = image.stamp_ns + Nanoseconds(calibration_.time_offset_s);
+  const std::int64_t begin = end - Nanoseconds(options_.rest_seconds);
+  std::vector<ImuSample> samples;
+  for (const ImuSample& sample : imu_.samples()) {
+    if (sample.stamp_ns >= begin && sample.stamp_ns < end) samples.push_back(sample);
+  }
+  if (samples.size() < 10) return "waiting for readings of the IMU";
+  samples.push_back(*imu_.At(end));
+  const Result<RestStart> start = StartFromRest(samples, calibration_, options_);
+  if (!start.ok()) return start.error().message;
+  InertialState inertial = start->inertial;
+  StartSpread spread = start->spread;
+  JoinLastStretch(inertial, spread);
+  FilterState state =
+      MakeStart(inertial, *camera_.body_from_cam, calibration_.time_offset_s, spread, options_);
+  UpdateWithForce(start->force, calibration_.gravity_m_s2, state);
+  BeginWith(state);
+  return "";
+}
+
+std::string VioEstimator::TryMotionStart() {
+  const std::vector<TrackedImage> images(window_.begin(), window_.end());
+  const double span = static_cast<double>(images.back().stamp_ns - images.front().stamp_ns) * 1e-9;
+  if (span < 0.8 * kMotionWindow || images.size() < 5) return "waiting for images";
+  const Result<MotionStart> motion = AlignInMotion(camera_, calibration_, imu_, images);
+  if (!motion.ok()) return motion.error().message;
+  InertialState inertial;
+  inertial.stamp_ns = images.front().stamp_ns + Nanoseconds(calibration_.time_offset_s);
+  inertial.world_from_body = UprightRotation(-motion->gravity_in_body);
+  inertial.velocity_in_world = inertial.world_from_body * motion->velocity_in_body;
+  inertial.gyro_bias = motion->gyro_bias;
+  // The filter sees the same images again: the window gives it a place to start from, and no more
+  // certainty than one has without it.
+  StartSpread spread;
+  spread.tilt_rad = 0.05;
+  // Noise of the rays shortens the velocity by up to a third.
+  const double speed = motion->velocity_in_body.norm();
+  spread.velocity_m_s = std::clamp(std::max(3 * motion->velocity_std_m_s, 0.3 * speed), 0.1, 1.0);
+  spread.gyro_bias_rad_s = 0.02;
+  spread.accel_bias_m_s2 = options_.start_accel_bias_std_m_s2;
+  Begin(inertial, spread);
+  return "";
+}
+
+std::string VioEstimator::TryStart(const TrackedImage& image) {
+  if (given_) return TryGivenStart(image) ? "" : "waiting for the time of the given start";
+  std::string waits = TryRestStart(image);
+  if (tracking_) {
+    window_.assign(1, image);
+    return "";
+  }
+  const auto wander = rest_.WanderWithin(options_.rest_seconds);
+  if (!wander || *wander < kMinMotion) return waits;
+  const std::int64_t now = image.stamp_ns;
+  if (last_attempt_ns_ && now - *last_attempt_ns_ < Nanoseconds(kMotionRetry)) return waits;
+  last_attempt_ns_ = now;
+  return TryMotionStart();
+}
+
+std::vector<VioReport> VioEstimator::AddImage(const TrackedImage& image) {
+  if (last_image_ns_) {
+    const double since = static_cast<double>(image.stamp_ns - *last_image_ns_) * 1e-9;
+    if (since < 0.9 / options_.max_rate_hz) return {};
+  }
+  last_image_ns_ = image.stamp_ns;
+  rest_.Add(image);
+  if (tracking_) return {Filter(image)};
+  window_.push_back(image);
+  while (window_.front().stamp_ns < image.stamp_ns - Nanoseconds(kMotionWindow))
+    window_.pop_front();
+  VioReport waiting;
+  waiting.stamp_ns = image.stamp_ns;
+  waiting.stretch = stretch_;
+  if (given_) window_.assign(1, image);
+  waiting.message = TryStart(image);
+  if (!tracking_) {
+    ForgetOldReadings(image.stamp_ns);
+    return {waiting};
+  }
+  std::vector<VioReport> reports;
+  for (const TrackedImage& past : window_) {
+    if (tracking_) reports.push_back(Filter(past));
+  }
+  window_.clear();
+  return reports;
+}
+
+VioReport VioEstimator::Filter(const TrackedImage& image) {
+  const double since =
+      last_step_ns_ ? static_cast<double>(image.stamp_ns - *last_step_ns_) * 1e-9 : 0;
+  last_step_ns_ = image.stamp_ns;
+  const auto wander = rest_.WanderWithin(kRestLookback);
+  const bool resting = window_.size() <= 1 && wander && *wander < options_.zero_velocity_px;
+  const FilterStep step = filter_.Step(image, imu_, resting);
+  VioReport report = Report(image, step);
+  report.resting = resting;
+  const Health health = health_.Check(filter_.state(), step, since);
+  report.message = health.message;
+  if (health.lost) {
+    tracking_ = false;
+    report.phase = VioPhase::kWaiting;
+    rest_.Clear();
+    window_.clear();
+  } else {
+    last_good_ = report;
+  }
+  ForgetOldReadings(image.stamp_ns);
+  return report;
+}
+
+void VioEstimator::ForgetOldReadings(std::int64_t image_ns) {
+  const double memory = std::max(options_.rest_seconds, kMotionWindow) + 2 * kRestLookback;
+  imu_.DropBefore(image_ns - Nanoseconds(memory));
+}
+
+Eigen::Matrix3d VioEstimator::CamRotation(std::int64_t previous_ns, std::int64_t present_ns) const {
+  const bool tracking = tracking_;
+  const std::int64_t offset =
+      Nanoseconds(tracking ? filter_.state().time_offset_s() : calibration_.time_offset_s);
+  const Eigen::Vector3d bias =
+      tracking ? filter_.state().inertial().gyro_bias : Eigen::Vector3d::Zero();
+  const Eigen::Matrix3d body_from_cam =
+      (tracking ? filter_.state().body_from_cam() : *camera_.body_from_cam).linear();
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  for (const ImuSegment& segment : imu_.Between(previous_ns + offset, present_ns + offset)) {
+    if (segment.noise_factor > 1) return Eigen::Matrix3d::Identity();
+    turn = turn * RotationExp(segment.seconds() * (segment.angular_velocity_rad_s - bias));
+  }
+  return body_from_cam.transpose() * turn * body_from_cam;
+}
+
+VioReport VioEstimator::Report(const TrackedImage& image, const FilterStep& step) const {
+  const FilterState& state = filter_.state();
+  VioReport report;
+  report.stamp_ns = image.stamp_ns;
+  report.phase = VioPhase::kTracking;
+  report.stretch = stretch_;
+  report.world_from_body = state.inertial().pose();
+  report.covariance = state.PoseCovariance();
+  report.velocity_in_world = state.inertial().velocity_in_world;
+  report.gyro_bias = state.inertial().gyro_bias;
+  report.accel_bias = state.inertial().accel_bias;
+  report.body_from_cam = state.body_from_cam();
+  report.time_offset_s = state.time_offset_s();
+  report.spread = state.covariance().diagonal().segment<13>(kGyroBias).cwiseMax(0).cwiseSqrt();
+  report.step = step;
+  return report;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/vio/vio_filter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/check.h"
+#include "engine/base/timer.h"
+#include "engine/vio/point_view.h"
+
+namespace plumbline {
+VioFilter::VioFilter(const Camera& camera, const ImuCalibration& imu, const VioOptions& options)
+    : camera_(camera),
+      options_(options),
+      noise_{options.imu_noise_factor * imu.gyro_noise_density,
+             options.imu_noise_factor * imu.accel_noise_density,
+             std::min(imu.gyro_bias_walk, options.max_gyro_walk),
+             std::min(imu.accel_bias_walk, options.max_accel_walk), imu.gravity_m_s2},
+      jitter_rad_(options.image_jitter_px / camera.pinhole.fx),
+      pixels_{options.pixel_noise_px, options.rolling_shutter_s,
+              static_cast<double>(camera.pinhole.height)},
+      gate_(options.gate_probability),
+      triangulation_{options.pixel_noise_px, options.min_depth_m, options.max_depth_m,
+                     options.max_depth_spread},
+      tracks_(camera, options.max_tracks) {}
+
+void VioFilter::Start(const FilterState& state) {
+  state_ = state;
+  tracks_.Clear();
+}
+
+FilterStep VioFilter::Step(const TrackedImage& image, const ImuBuffer& imu, bool resting) {
+  FilterStep step;
+  Stopwatch watch;
+  Propagate(image, imu);
+  std::map<std::int64_t, int> kept;
+  for (const StatePoint& point : state_.points()) kept[point.track] = point.row;
+  tracks_.Add(image, state_.clones().back().id, kept);
+  step.propagate_ms = watch.Lap();
+
+  UpdateWithPoints(image, step);
+  std::vector<std::pair<std::int64_t, Track>> for_state, used_up = TakeEnded();
+  if (!resting) TakeFull(for_state, used_up);
+  UpdateWithTracks(used_up, step);
+  if (resting && options_.zero_velocity) {
+    UpdateAtRest();
+    UpdateTurnAtRest(step);
+  }
+  AddPoints(for_state, step);
+  Marginalise(resting);
+  step.points = static_cast<int>(state_.points().size());
+  step.tracks = static_cast<int>(tracks_.tracks().size()) + step.points;
+  step.update_ms = watch.Lap();
+  return step;
+}
+
+void VioFilter::Propagate(const TrackedImage& image, const ImuBuffer& imu) {
+  const std::int64_t target = image.stamp_ns + Nanoseconds(state_.time_offset_s());
+  const std::vector<ImuSegment> segments = imu.Between(state_.inertial().stamp_ns, target);
+  if (!segments.empty()) state_.Propagate(Integrate(state_.inertial(), segments, noise_));
+  const auto reading = imu.At(state_.inertial().stamp_ns);
+  if (reading) angular_velocity_ = reading->angular_velocity_rad_s - state_.inertial().gyro_bias;
+  state_.AddClone(image.stamp_ns, angular_velocity_, jitter_rad_, options_.image_jitter_m);
+}
+
+bool VioFilter::PassesGate(const Eigen::MatrixXd& jacobian, std::span<const RowRange> rows,
+                           const Eigen::VectorXd& residual, FilterStep& step) const {
+  Eigen::MatrixXd innovation = state_.Projected(jacobian, rows);
+  innovation.diagonal().array() += 1;
+  const double nis = residual.dot(innovation.llt().solve(residual));
+  const int dof = static_cast<int>(residual.size());
+  const bool passes = nis < gate_(dof);
+  ++(passes ? step.accepted : step.rejected);
+  if (nis < 10 * dof) {  // a mismatch says nothing of the filter
+    step.nis += nis;
+    step.nis_dof += dof;
+  }
+  return passes;
+}
+
+std::optional<TriangulatedPoint> VioFilter::TriangulateTrack(const Track& track) const {
+  std::vector<Sight> sights;
+  for (const Observation& o : track.observations) {
+    const PoseClone* clone = state_.FindClone(o.clone);
+    PLB_CHECK(clone != nullptr);
+    sights.push_back(
+        {pixels_.WorldFromBody(*clone, o.pixel.y()) * state_.body_from_cam(), o.pixel, o.ray});
+  }
+  return Triangulate(camera_, sights, triangulation_);
+}
+
+std::vector<std::pair<std::int64_t, Track>> VioFilter::TakeEnded() {
+  std::vector<std::pair<std::int64_t, Track>> ended;
+  std::erase_if(tracks_.tracks(), [&](const auto& entry) {
+    const Track& track = entry.second;
+    if (track.seen) return false;
+    if (static_cast<int>(track.observations.size()) >= options_.min_observations)
+      ended.emplace_back(entry.first, track);
+    return true;
+  });
+  return ended;
+}
+
+void VioFilter::TakeFull(std::vector<std::pair<std::int64_t, Track>>& for_state,
+                         std::vector<std::pair<std::int64_t, Track>>& used_up) {
+  const auto& clones = state_.clones();
+  if (static_cast<int>(clones.size()) <= options_.window_clones) return;
+  std::vector<std::pair<int, std::int64_t>> full;  // the oldest tracks first
+  for (const auto& [id, track] : tracks_.tracks()) {
+    if (!track.observations.empty() && track.observations.front().clone == clones.front().id &&
+        static_cast<int>(track.observations.size()) >= options_.min_observations)
+      full.emplace_back(-track.age, id);
+  }
+  std::sort(full.begin(), full.end());
+  int slots = options_.state_features - static_cast<int>(state_.points().size());
+  for (const auto& [age, id] : full) {
+    Track& track = tracks_.tracks()[id];
+    const bool whole = track.observations.size() + 1 >= clones.size();
+    if (slots > 0 && whole) {
+      --slots;
+      for_state.emplace_back(id, track);
+    } else {
+      used_up.emplace_back(id, track);
+    }
+  }
+}
+
+void VioFilter::UpdateWithTracks(const std::vector<std::pair<std::int64_t, Track>>& tracks,
+                                 FilterStep& step) {
+  const ColumnLayout layout(state_);
+  std::vector<SplitRows> parts;
+  for (const auto& [id, track] : tracks) {
+    const auto point = TriangulateTrack(track);
+    if (!point) continue;  // a living track keeps its sights and may see more
+    const auto rows = RowsOfTrack(camera_, state_, layout, track.observations, point->used,
+                                  point->point_in_world, pixels_);
+    const auto living = tracks_.tracks().find(id);
+    if (living != tracks_.tracks().end()) living->second.observations.clear();
+    if (!rows || rows->residual.size() < 4) continue;
+    SplitRows split = SplitOffPoint(*rows);
+    if (!PassesGate(split.by_state, layout.rows(), split.residual, step)) continue;
+    finished_.push_back({id, point->point_in_world});
+    parts.push_back(std::move(split));
+  }
+  UpdateWithParts(parts, layout);
+}
+
+void VioFilter::UpdateWithParts(const std::vector<SplitRows>& parts, const ColumnLayout& layout) {
+  Eigen::Index total = 0;
+  for (const SplitRows& part : parts) total += part.residual.size();
+  if (total == 0) return;
+  Eigen::MatrixXd jacobian(total, layout.size());
+  Eigen::VectorXd residual(total);
+  Eigen::Index row = 0;
+  for (const SplitRows& part : parts) {
+    jacobian.middleRows(row, part.residual.size()) = part.by_state;
+    residual.segment(row, part.residual.size()) = part.residual;
+    row += part.residual.size();
+  }
+  Compress(jacobian, residual);
+  state_.Update(jacobian, layout.rows(), residual);
+}
+
+void VioFilter::AddPoints(const std::vector<std::pair<std::int64_t, Track>>& tracks,
+                          FilterStep& step) {
+  for (const auto& [id, track] : tracks) {
+    const ColumnLayout layout(state_);
+    const auto triangulated = TriangulateTrack(track);
+    if (!triangulated) continue;
+    const PoseClone& anchor = state_.clones().back();
+    const auto chart =
+        ChartPoint(state_.body_from_cam(), anchor.world_from_body, triangulated->point_in_world);
+    if (!chart) continue;
+    const Eigen::Vector3d value = chart->bearing_and_inverse_depth;
+    const AnchoredPoint placed = PlacePoint(state_.body_from_cam(), anchor.world_from_body, value);
+    auto rows = RowsOfTrack(camera_, state_, layout, track.observations, triangulated->used,
+                            placed.point_in_world, pixels_);
+    if (!rows) continue;
+    rows->by_state.middleCols<6>(layout.camera()) += rows->by_point * placed.by_camera;
+    rows->by_state.middleCols<6>(layout.clone(anchor.id)) += rows->by_point * placed.by_anchor;
+    rows->by_point = (rows->by_point * placed.by_value).eval();
+    const SplitRows split = SplitOffPoint(*rows);
+    tracks_.Erase(id);
+    if (!PassesGate(split.by_state, layout.rows(), split.residual, step)) continue;
+    StatePoint point;
+    point.track = id;
+    point.anchor = anchor.id;
+    point.bearing_and_inverse_depth = value;
+    state_.AddPoint(point, split.point_by_state, layout.rows(), split.by_point,
+                    split.point_residual);
+    state_.Update(split.by_state, layout.rows(), split.residual);
+  }
+}
+
+void VioFilter::UpdateWithPoints(const TrackedImage& image, FilterStep& step) {
+  constexpr int kMaxRejected = 3;
+  std::map<std::int64_t, Eigen::Vector2d> seen;
+  for (const TrackedPoint& point : image.points) seen.emplace(point.id, point.pixel);
+  ColumnLayout layout(state_);
+  std::vector<int> columns;
+  for (const StatePoint& point : state_.points()) columns.push_back(layout.AddPoint(point));
+  const PoseClone& present = state_.clones().back();
+  const auto count = static_cast<Eigen::Index>(state_.points().size());
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 * count, layout.size());
+  Eigen::VectorXd residual(2 * count);
+  Eigen::Index row = 0;
+  std::vector<std::int64_t> lost;
+  for (std::size_t i = 0; i < state_.points().size(); ++i) {
+    StatePoint& point = state_.points()[i];
+    const auto sight = seen.find(point.track);
+    const PoseClone* anchor = state_.FindClone(point.anchor);
+    PLB_CHECK(anchor != nullptr);
+    const AnchoredPoint placed = PlacePoint(state_.body_from_cam(), anchor->world_from_body,
+                                            point.bearing_and_inverse_depth);
+    const auto view =
+        sight == seen.end() || point.bearing_and_inverse_depth.z() <= 0
+            ? std::nullopt
+            : ViewPoint(camera_, state_.body_from_cam(),
+                        pixels_.WorldFromBody(present, sight->second.y()), placed.point_in_world);
+    if (!view) {
+      lost.push_back(point.track);
+      continue;
+    }
+    Eigen::MatrixXd own(2, 21);
+    own << view->by_camera + view->by_point * placed.by_camera, view->by_point * placed.by_anchor,
+        view->by_pose, view->by_point * placed.by_value;
+    // A patch that is followed from image to image creeps away from where it began.
+    const double noise = options_.pixel_noise_px * std::sqrt(1 + options_.age_noise * point.age++);
+    own /= noise;
+    const Eigen::Vector2d r = (sight->second - view->pixel) / noise;
+    const RowRange rows[] = {{kCamRotation, kPoseSize},
+                             {anchor->row, kPoseSize},
+                             {present.row, kPoseSize},
+                             {point.row, kPointSize}};
+    if (!PassesGate(own, rows, r, step)) {
+      if (++point.rejected >= kMaxRejected) lost.push_back(point.track);
+      continue;
+    }
+    point.rejected = 0;
+    jacobian.block<2, 6>(row, layout.camera()) = own.leftCols<6>();
+    jacobian.block<2, 6>(row, layout.clone(anchor->id)) += own.middleCols<6>(6);
+    jacobian.block<2, 6>(row, layout.clone(present.id)) += own.middleCols<6>(12);
+    jacobian.block<2, 3>(row, columns[i]) = own.rightCols<3>();
+    residual.segment<2>(row) = r;
+    row += 2;
+  }
+  if (row > 0) {
+    state_.Update(jacobian.topRows(row), layout.rows(), residual.head(row));
+  }
+  for (const StatePoint& point : state_.points()) {  // the update may have moved one behind
+    if (point.bearing_and_inverse_depth.z() <= 0.5 / options_.max_depth_m ||
+        point.age > options_.max_point_age)
+      lost.push_back(point.track);
+  }
+  std::sort(lost.begin(), lost.end());
+  lost.erase(std::unique(lost.begin(), lost.end()), lost.end());
+  for (const std::int64_t track : lost) {
+    const auto point = std::find_if(state_.points().begin(), state_.points().end(),
+                                    [&](const StatePoint& p) { return p.track == track; });
+    const PoseClone* anchor = state_.FindClone(point->anchor);
+    if (point->rejected == 0 && point->bearing_and_inverse_depth.z() > 1 / options_.max_depth_m) {
+      finished_.push_back({track, PlacePoint(state_.body_from_cam(), anchor->world_from_body,
+                                             point->bearing_and_inverse_depth)
+                                      .point_in_world});
+    }
+    state_.RemovePoint(track);
+  }
+}
+
+void VioFilter::UpdateAtRest() {
+  const double std = options_.zero_velocity_std_m_s;
+  // Velocity v = Exp(phi) v^ + xi_v, so that it moves by xi_v - v^ x phi.
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(3, 6);
+  const Eigen::Vector3d v = state_.inertial().velocity_in_world;
+  jacobian.leftCols<3>() << 0, v.z(), -v.y(), -v.z(), 0, v.x(), v.y(), -v.x(), 0;
+  jacobian.rightCols<3>().setIdentity();
+  const RowRange rows[] = {{kPhi, 6}};
+  state_.Update(jacobian / std, rows, -v / std);
+}
+
+void VioFilter::UpdateTurnAtRest(FilterStep& step) {
+  // Without parallax a track has no depth, but its depth does not matter either: any will do. The
+  // first sight is used again and again, which the noise makes up for.
+  constexpr double kAnyDepth = 3, kNoiseFactor = 3;
+  PixelModel pixels = pixels_;
+  pixels.noise_px *= kNoiseFactor;
+  const PoseClone& oldest = state_.clones().front();
+  const ColumnLayout layout(state_);
+  const Eigen::Isometry3d world_from_cam = oldest.world_from_body * state_.body_from_cam();
+  std::vector<SplitRows> parts;
+  for (const auto& [id, track] : tracks_.tracks()) {
+    if (!track.seen || track.observations.size() < 2 ||
+        track.observations.front().clone != oldest.id)
+      continue;
+    const Observation both[] = {track.observations.front(), track.observations.back()};
+    const auto rows = RowsOfTrack(camera_, state_, layout, both, {true, true},
+                                  world_from_cam * (kAnyDepth * both[0].ray), pixels);
+    if (!rows) continue;
+    SplitRows split = SplitOffPoint(*rows);
+    if (PassesGate(split.by_state, layout.rows(), split.residual, step))
+      parts.push_back(std::move(split));
+  }
+  UpdateWithParts(parts, layout);
+}
+
+void VioFilter::MoveAnchors(std::int64_t from_clone) {
+  std::vector<std::int64_t> lost;
+  for (StatePoint& point : state_.points()) {
+    if (point.anchor != from_clone) continue;
+    const PoseClone* old = state_.FindClone(from_clone);
+    const PoseClone& next = state_.clones().back();
+    const AnchoredPoint placed =
+        PlacePoint(state_.body_from_cam(), old->world_from_body, point.bearing_and_inverse_depth);
+    const auto chart =
+        ChartPoint(state_.body_from_cam(), next.world_from_body, placed.point_in_world);
+    if (!chart) {
+      lost.push_back(point.track);
+      continue;
+    }
+    Eigen::MatrixXd jacobian(3, 21);
+    jacobian << chart->by_camera + chart->by_point * placed.by_camera,
+        chart->by_point * placed.by_anchor, chart->by_anchor, chart->by_point * placed.by_value;
+    const RowRange rows[] = {{kCamRotation, kPoseSize},
+                             {old->row, kPoseSize},
+                             {next.row, kPoseSize},
+                             {point.row, kPointSize}};
+    state_.ChangePoint(point, next.id, chart->bearing_and_inverse_depth, jacobian, rows);
+  }
+  for (const std::int64_t track : lost) state_.RemovePoint(track);
+}
+
+void VioFilter::Marginalise(bool resting) {
+  while (static_cast<int>(state_.clones().size()) > options_.window_clones) {
+    // At rest the newest poses are alike: the older ones keep their parallax.
+    const std::size_t index = resting ? state_.clones().size() - 2 : 0;
+    const std::int64_t id = state_.clones()[index].id;
+    MoveAnchors(id);
+    tracks_.ForgetClone(id);
+    state_.RemoveClone(id);
+  }
+}
+
+}  // namespace plumbline

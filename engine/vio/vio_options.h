@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "engine/base/options.h"
+
+namespace plumbline {
+
+/// Everything that can be chosen about the visual-inertial filter; docs/algorithms/vio.md explains
+/// each.
+struct VioOptions {
+  // Window and features
+  int window_clones = 11;
+  int state_features = 30;
+  int max_tracks = 120;
+  double max_rate_hz = 25;
+  int min_observations = 4;
+  double min_depth_m = 0.1;
+  double max_depth_m = 100;
+  double max_depth_spread = 0.5;
+
+  // Noise
+  double pixel_noise_px = 1.0;
+  double image_jitter_px = 0.2;
+  double image_jitter_m = 0.0005;
+  double age_noise = 0.0;
+  int max_point_age = 300;
+  double rolling_shutter_s = 0;
+  double imu_noise_factor = 1.5;
+  double max_gyro_walk = 2e-4;
+  double max_accel_walk = 4e-3;
+  double gate_probability = 0.95;
+
+  // What is estimated besides poses, velocity and biases
+  bool estimate_extrinsics = true;
+  bool estimate_time_offset = true;
+  double extrinsic_rotation_std_deg = 0.3;
+  double extrinsic_translation_std_m = 0.01;
+  double time_offset_std_s = 0.003;
+
+  // Start
+  double still_px = 1.0;
+  double rest_seconds = 1.2;
+  double start_accel_bias_std_m_s2 = 0.1;
+
+  // Zero velocity
+  bool zero_velocity = true;
+  double zero_velocity_px = 0.5;
+  double zero_velocity_std_m_s = 0.02;
+};
+
+template <class Visitor>
+void VisitFields(VioOptions& o, Visitor&& visit) {
+  visit(o.window_clones, {"window_clones", "", "past poses that are kept in the state", 4, 40});
+  visit(o.state_features, {"state_features", "", "long tracks that are kept in the state", 0, 200});
+  visit(o.max_tracks, {"max_tracks", "", "tracks used at a time, the oldest first", 8, 2000});
+  visit(o.max_rate_hz,
+        {"max_rate_hz", "Hz", "images that follow faster are not used by the filter", 1, 1000});
+  visit(o.min_observations,
+        {"min_observations", "", "a track that ends earlier is not used", 2, 40});
+  visit(o.min_depth_m, {"min_depth_m", "m", "nearer points are not believed", 0.01, 10});
+  visit(o.max_depth_m, {"max_depth_m", "m", "points beyond count as this far", 1, 10000});
+  visit(o.max_depth_spread,
+        {"max_depth_spread", "", "a track whose depth is less certain, relatively, is not used",
+         0.01, 10});
+  visit(o.pixel_noise_px,
+        {"pixel_noise_px", "px", "standard deviation of a tracked point", 0.05, 20});
+  visit(o.image_jitter_px,
+        {"image_jitter_px", "px",
+         "what turns an image as a whole: exposure, rolling shutter, stamps", 0, 20});
+  visit(o.image_jitter_m,
+        {"image_jitter_m", "m", "what moves the camera of an image as a whole", 0, 1});
+  visit(o.age_noise,
+        {"age_noise", "", "what each image adds to the variance of a followed point, relatively", 0,
+         10});
+  visit(o.max_point_age,
+        {"max_point_age", "", "images after which a point of the state begins anew", 2, 1000000});
+  visit(o.rolling_shutter_s,
+        {"rolling_shutter_s", "s", "time from the first row of an image to the last", -0.1, 0.1});
+  visit(o.imu_noise_factor,
+        {"imu_noise_factor", "", "on the noise densities that imu.json states", 0.1, 100});
+  visit(o.max_gyro_walk,
+        {"max_gyro_walk", "rad/s^2/sqrt(Hz)",
+         "limits what imu.json states: files of other filters hold inflated walks", 1e-8, 1});
+  visit(o.max_accel_walk,
+        {"max_accel_walk", "m/s^3/sqrt(Hz)",
+         "limits what imu.json states: files of other filters hold inflated walks", 1e-8, 10});
+  visit(o.gate_probability,
+        {"gate_probability", "", "of honest measurements that pass the chi-squared gate", 0.5,
+         0.99999});
+  visit(o.estimate_extrinsics,
+        {"estimate_extrinsics", "", "refine the pose of the camera on the body"});
+  visit(o.estimate_time_offset, {"estimate_time_offset", "", "refine the offset of the clocks"});
+  visit(o.extrinsic_rotation_std_deg,
+        {"extrinsic_rotation_std_deg", "deg", "of the given camera pose, each axis", 1e-6, 20});
+  visit(o.extrinsic_translation_std_m,
+        {"extrinsic_translation_std_m", "m", "of the given camera pose, each axis", 1e-6, 1});
+  visit(o.time_offset_std_s, {"time_offset_std_s", "s", "of the given offset", 1e-9, 0.1});
+  visit(o.still_px,
+        {"still_px", "px", "at rest, points move less than this during rest_seconds", 0.05, 50});
+  visit(o.rest_seconds, {"rest_seconds", "s", "rest that a start from rest needs", 0.2, 20});
+  visit(o.start_accel_bias_std_m_s2, {"start_accel_bias_std_m_s2", "m/s^2",
+                                      "of the accelerometer's bias at the start", 1e-4, 5});
+  visit(o.zero_velocity, {"zero_velocity", "", "update with zero velocity while points rest"});
+  visit(o.zero_velocity_px, {"zero_velocity_px", "px",
+                             "median motion of the points below which the body rests", 0.01, 20});
+  visit(o.zero_velocity_std_m_s,
+        {"zero_velocity_std_m_s", "m/s", "of the velocity that rest allows", 1e-4, 1});
+}
+
+}  // namespace plumbline

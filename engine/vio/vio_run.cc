@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/vio/vio_run.h"
+
+#include <utility>
+
+#include "engine/base/random.h"
+#include "engine/tracking/point_tracker.h"
+#include "engine/vio/imu_buffer.h"
+
+namespace plumbline {
+namespace {
+
+/// The IMU is fed this far beyond an image: the offset of the clocks may grow.
+constexpr std::int64_t kImuMarginNs = 50'000'000;
+
+/// Feeds readings and images in the order of time.
+class Feeder {
+ public:
+  Feeder(const VioInput& input, const VioOptions& options)
+      : input_(input), estimator_(input.camera, input.imu, options) {
+    if (input.start) estimator_.StartFrom(*input.start);
+  }
+
+  VioEstimator& estimator() { return estimator_; }
+
+  void FeedImu(std::int64_t image_ns) {
+    const std::int64_t until = image_ns + kImuMarginNs + Nanoseconds(input_.imu.time_offset_s);
+    while (next_ < input_.samples.size() && input_.samples[next_].stamp_ns <= until)
+      estimator_.AddImu(input_.samples[next_++]);
+  }
+
+  void FeedImage(const TrackedImage& image) {
+    for (VioReport& report : estimator_.AddImage(image)) run.reports.push_back(std::move(report));
+    for (MapPoint& point : estimator_.TakePoints()) run.points.push_back(point);
+    ++run.images;
+  }
+
+  VioRun run;
+
+ private:
+  const VioInput& input_;
+  VioEstimator estimator_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+VioRun RunVio(const VioInput& input, std::span<const TrackedImage> images,
+              const VioOptions& options, const WorkContext& work) {
+  Feeder feeder(input, options);
+  for (const TrackedImage& image : images) {
+    if (work.stop.stop_requested()) break;
+    feeder.FeedImu(image.stamp_ns);
+    feeder.FeedImage(image);
+    work.report({"visual-inertial", feeder.run.images, static_cast<int>(images.size())});
+  }
+  return std::move(feeder.run);
+}
+
+VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions& options,
+              const TrackerOptions& tracker_options, const WorkContext& work) {
+  Feeder feeder(input, options);
+  PointTracker tracker(input.camera, tracker_options);
+  std::optional<std::int64_t> previous_ns;
+  for (std::size_t i = 0; i < images.stamps_ns.size() && !work.stop.stop_requested(); ++i) {
+    const std::int64_t stamp_ns = images.stamps_ns[i];
+    const Result<cv::Mat> image = images.read(static_cast<int>(i));
+    if (!image.ok()) {
+      feeder.run.skipped.push_back(image.error().message);
+      continue;
+    }
+    feeder.FeedImu(stamp_ns);
+    const Eigen::Matrix3d turn =
+        feeder.estimator().CamRotation(previous_ns.value_or(stamp_ns), stamp_ns);
+    previous_ns = stamp_ns;
+    const TrackedImage tracked = tracker.Track(*image, stamp_ns, turn);
+    feeder.run.tracking_ms += tracker.cost().track_ms + tracker.cost().detect_ms;
+    feeder.FeedImage(tracked);
+    work.report({"visual-inertial", feeder.run.images, static_cast<int>(images.stamps_ns.size())});
+  }
+  return std::move(feeder.run);
+}
+
+std::vector<TrackedImage> DropTracks(std::span<const TrackedImage> images, double probability,
+                                     std::uint64_t seed) {
+  std::vector<TrackedImage> kept(images.begin(), images.end());
+  for (TrackedImage& image : kept) {
+    std::erase_if(image.points, [&](const TrackedPoint& point) {
+      const auto id = static_cast<std::uint64_t>(point.id);
+      return Random({seed, static_cast<std::uint32_t>(id), static_cast<std::uint32_t>(id >> 32)})
+                 .Uniform() < probability;
+    });
+  }
+  return kept;
+}
+
+}  // namespace plumbline

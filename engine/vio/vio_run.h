@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "engine/base/progress.h"
+#include "engine/dataset/reference_states.h"
+#include "engine/dataset/tracks_file.h"
+#include "engine/sensor/camera.h"
+#include "engine/sensor/imu.h"
+#include "engine/tracking/tracker_options.h"
+#include "engine/vio/vio_estimator.h"
+#include "engine/vio/vio_options.h"
+#include "engine/vio/vio_report.h"
+
+namespace plumbline {
+
+/// What a whole recording gave.
+struct VioRun {
+  std::vector<VioReport> reports;  ///< One for each image that was used.
+  std::vector<MapPoint> points;
+  std::vector<std::string> skipped;  ///< Images that could not be read, one sentence each.
+  double tracking_ms = 0;            ///< Of all images; 0 with given tracks.
+  int images = 0;                    ///< Looked at.
+};
+
+/// A recording.
+struct VioInput {
+  Camera camera;  ///< With `body_from_cam`.
+  ImuCalibration imu;
+  std::span<const ImuSample> samples;   ///< By rising stamp.
+  std::optional<ReferenceState> start;  ///< Nothing: the estimator finds its own.
+};
+
+/// The recorded images of a camera, by rising stamp.
+struct ImageSource {
+  std::vector<std::int64_t> stamps_ns;
+  /// As recorded, distortion included. An image that cannot be read is passed over.
+  std::function<Result<cv::Mat>(int index)> read;
+};
+
+/// Runs the estimator over a recording in the order of time, on given tracks by rising stamp.
+VioRun RunVio(const VioInput& input, std::span<const TrackedImage> images,
+              const VioOptions& options, const WorkContext& work);
+
+/// The same on images, whose points are tracked with the gyro's help.
+VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions& options,
+              const TrackerOptions& tracker, const WorkContext& work);
+
+/// Leaves out tracks at random: each with this probability, for all its life.
+std::vector<TrackedImage> DropTracks(std::span<const TrackedImage> images, double probability,
+                                     std::uint64_t seed);
+
+}  // namespace plumbline

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/vio/filter_state.h"
+
+#include <gtest/gtest.h>
+
+#include "engine/sensor/pose_estimate.h"
+#include "engine/vio/rotation.h"
+#include "engine/vio/start_state.h"
+#include "engine/vio/track_rows.h"
+
+namespace plumbline {
+namespace {
+
+FilterState StartedState() {
+  InertialState inertial;
+  inertial.world_from_body = RotationExp({0.2, -0.1, 0.7});
+  inertial.velocity_in_world << 0.5, 0.8, -0.1;
+  inertial.position_in_world << 2, -1, 1.5;
+  Eigen::Isometry3d body_from_cam = Eigen::Isometry3d::Identity();
+  body_from_cam.translation() << 0.03, 0.01, -0.02;
+  StartSpread spread;
+  spread.yaw_rad = 0.1;
+  spread.position_m = 0.5;
+  return MakeStart(inertial, body_from_cam, 0, spread, {});
+}
+
+TEST(FilterState, AStartSpeaksOfThePlainErrorsThatWereGiven) {
+  const auto covariance = StartedState().PoseCovariance();
+  EXPECT_NEAR(std::sqrt(covariance(0, 0)), 0.5, 1e-9);
+  EXPECT_NEAR(std::sqrt(covariance(5, 5)), 0.1, 1e-9);
+  EXPECT_NEAR(covariance(0, 5), 0, 1e-9);
+}
+
+TEST(FilterState, ACloneIsThePoseOfNowAndIsLaterWhereTheOffsetIsLarger) {
+  FilterState state = StartedState();
+  const Eigen::Vector3d turn(0.3, -0.6, 0.9);
+  const int before = state.size();
+  const PoseClone& clone = state.AddClone(0, turn, 0, 0);
+  EXPECT_EQ(clone.row, before);
+  // d pose / d offset = cov(clone, offset) / var(offset)
+  const double variance = state.covariance()(kTimeOffset, kTimeOffset);
+  const Eigen::Matrix<double, 6, 1> slope =
+      state.covariance().block<6, 1>(before, kTimeOffset) / variance;
+  constexpr double kStep = 1e-6;
+  const ImuSegment segment{0, 1000, turn, {0, 0, 9.81}, 1};
+  const InertialState later = Integrate(state.inertial(), std::span(&segment, 1), {}).state;
+  const Eigen::Isometry3d moved = Moved(clone.world_from_body, slope * kStep);
+  EXPECT_LT((moved.linear() - later.world_from_body).norm(), 1e-9);
+  EXPECT_LT((moved.translation() - later.position_in_world).norm(), 1e-10);  // half g step^2
+}
+
+TEST(FilterState, AnUpdateIsThatOfTheTextbookAndRemovingRowsIsMarginalisation) {
+  FilterState state = StartedState();
+  state.AddClone(0, {0, 0, 0}, 0, 0);
+  const int first = state.clones()[0].row;
+  state.AddClone(1, {0, 0, 0}, 1e-3, 0);
+  const Eigen::MatrixXd P = state.covariance();
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(2, 6);
+  H << 1, 2, 0, -1, 0.5, 0, 0, 1, 3, 0, 0, 2;
+  const RowRange rows[] = {{first, 6}};
+  Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(2, P.cols());
+  whole.middleCols(first, 6) = H;
+  const Eigen::MatrixXd S = whole * P * whole.transpose() + Eigen::MatrixXd::Identity(2, 2);
+  const Eigen::MatrixXd expected = P - P * whole.transpose() * S.inverse() * whole * P;
+  ASSERT_TRUE(state.Update(H, rows, Eigen::Vector2d::Zero()));
+  EXPECT_LT((state.covariance() - expected).norm(), 1e-10);
+  state.RemoveClone(0);
+  EXPECT_EQ(state.size(), P.rows() - 6);
+  EXPECT_LT((state.covariance().bottomRightCorner(6, 6) - expected.bottomRightCorner(6, 6)).norm(),
+            1e-10);
+}
+
+TEST(FilterState, TheCovarianceOfAPoseIsOfTheErrorThatFilesState) {
+  // An error drawn in the filter's chart, read in that of PosePerturbation.
+  const FilterState state = StartedState();
+  Eigen::Matrix<double, 6, 1> error;
+  error << 1e-5, -2e-5, 3e-5, 2e-5, 1e-5, -1e-5;
+  const Eigen::Isometry3d pose = state.inertial().pose();
+  const PosePerturbation plain = PerturbationBetween(pose, Moved(pose, error));
+  const Eigen::Vector3d expected =
+      error.tail<3>() + error.head<3>().cross(state.inertial().position_in_world);
+  EXPECT_LT((plain.head<3>() - expected).norm(), 1e-8);  // the square of the error, times 2 m
+  EXPECT_LT((plain.tail<3>() - error.head<3>()).norm(), 1e-12);
+}
+
+TEST(TrackRows, WhatIsLeftOfATrackDoesNotSpeakOfItsPointNorOfTheGauge) {
+  Camera described;
+  described.pinhole = {640, 480, 400, 400, 320, 240};
+  const DistortedCamera camera(described);
+  FilterState state = StartedState();
+  std::vector<Observation> sights;
+  const Eigen::Vector3d point =
+      state.inertial().pose() * (state.body_from_cam() * Eigen::Vector3d(0.3, -0.2, 3));
+  for (int k = 0; k < 5; ++k) {
+    state.AddClone(k, {0, 0, 0}, 0, 0);
+    const ImuSegment segment{k * 100'000'000, (k + 1) * 100'000'000, {0.1, 0.2, 0}, {0, 0, 9.8}, 1};
+    state.Propagate(Integrate(state.inertial(), std::span(&segment, 1), {}));
+    sights.push_back({k, {320, 240}, {0, 0, 1}});
+  }
+  const ColumnLayout layout(state);
+  const auto rows =
+      RowsOfTrack(camera, state, layout, sights, std::vector<bool>(5, true), point, PixelModel());
+  ASSERT_TRUE(rows.has_value());
+  const SplitRows split = SplitOffPoint(*rows);
+  EXPECT_EQ(split.residual.size(), 7);
+  Eigen::MatrixXd gauge = Eigen::MatrixXd::Zero(layout.size(), 4);
+  for (int k = 0; k < 5; ++k) {
+    gauge(layout.clone(k) + 2, 0) = 1;  // turn about z
+    gauge.block<3, 3>(layout.clone(k) + 3, 1).setIdentity();
+  }
+  EXPECT_LT((split.by_state * gauge).norm(), 1e-9 * split.by_state.norm());
+  Eigen::MatrixXd jacobian = split.by_state;
+  Eigen::VectorXd residual = split.residual;
+  Compress(jacobian, residual);
+  EXPECT_LT((jacobian.transpose() * residual - split.by_state.transpose() * split.residual).norm(),
+            1e-8 * split.residual.norm() * split.by_state.norm());
+}
+
+}  // namespace
+}  // namespace plumbline
