@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
       {plumbline::AddSynthVerb},   {plumbline::AddEvaluateVerb}, {plumbline::AddGravityVerb},
       {plumbline::AddAlignVerb},   {plumbline::AddAnnotateVerb}, {plumbline::AddExportVerb},
       {plumbline::AddInfoVerb},    {plumbline::AddRenderVerb},   {plumbline::AddReportVerb},
-      {plumbline::AddCompareVerb}, {plumbline::AddSmoothVerb},  {plumbline::AddVioVerb},
+      {plumbline::AddCompareVerb}, {plumbline::AddSmoothVerb},   {plumbline::AddVioVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
                "plumbline");
