@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "app/verbs/verb.h"
 #include "engine/base/log.h"
 
 namespace plumbline {
@@ -37,10 +38,6 @@ Result<std::unique_ptr<AnnotationProject>> OpenProject(const std::string& file,
     log::info("{}: took {} unsaved edits from the journal", file, (*project)->num_recovered());
   }
   return project;
-}
-
-void Warn(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) log::warn("{}", warning);
 }
 
 Status SaveAndSay(AnnotationProject& project, const char* what, std::size_t count) {

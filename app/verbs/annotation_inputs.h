@@ -27,9 +27,6 @@ Result<std::unique_ptr<AnnotationProject>> OpenProject(const std::string& file,
                                                        AnnotationProject::Access access,
                                                        bool create = false);
 
-/// Logs what was odd.
-void Warn(const std::vector<std::string>& warnings);
-
 /// Saves and prints a line: "room.json: 3 edits applied, 11 instances".
 Status SaveAndSay(AnnotationProject& project, const char* what, std::size_t count);
 

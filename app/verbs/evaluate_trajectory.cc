@@ -24,6 +24,7 @@ Result<std::vector<TimedPose>> ReadPoses(const fs::path& file) {
   if (file.extension() == ".csv") {
     const Result<ReferenceStates> states = ReadReferenceStates(file);
     if (!states.ok()) return states.error();
+    Warn(states->warnings);
     for (const ReferenceState& state : states->states)
       poses.push_back({state.stamp_ns, state.world_from_body, std::nullopt});
     return poses;
@@ -31,6 +32,7 @@ Result<std::vector<TimedPose>> ReadPoses(const fs::path& file) {
   // Both files are to be of the same sensor: whichever it is, its poses are compared as they are.
   const Result<Trajectory> trajectory = ReadTrajectory(file, Eigen::Isometry3d::Identity());
   if (!trajectory.ok()) return trajectory.error();
+  Warn(trajectory->warnings);
   for (const StampedPose& pose : trajectory->poses)
     poses.push_back({pose.stamp_ns, pose.world_from_cam, std::nullopt});
   return poses;
@@ -39,12 +41,21 @@ Result<std::vector<TimedPose>> ReadPoses(const fs::path& file) {
 Status AddCovariances(const fs::path& file, std::vector<TimedPose>& poses) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return {};
-  const auto covariances = ReadCovariances(file);
+  const Result<Covariances> covariances = ReadCovariances(file);
   if (!covariances.ok()) return covariances.error();
-  auto next = covariances->begin();
+  Warn(covariances->warnings);
+  auto next = covariances->rows.begin();
+  bool any = false;
   for (TimedPose& pose : poses) {
-    while (next != covariances->end() && next->first < pose.stamp_ns) ++next;
-    if (next != covariances->end() && next->first == pose.stamp_ns) pose.covariance = next->second;
+    while (next != covariances->rows.end() && next->stamp_ns < pose.stamp_ns) ++next;
+    if (next == covariances->rows.end() || next->stamp_ns != pose.stamp_ns) continue;
+    pose.covariance = next->covariance;
+    any = true;
+  }
+  if (!any) {
+    Warn({"'" + file.string() +
+          "' has no covariance at the time of any pose: it is of another trajectory; going "
+          "without"});
   }
   return {};
 }
@@ -124,7 +135,10 @@ Status EvaluateTrajectory(const TrajectoryArguments& arguments) {
   TrajectoryErrorOptions options;
   options.align = AlignmentNamed(arguments.align);
   const Result<TrajectoryErrors> errors = CompareTrajectories(*estimate, *reference, options);
-  if (!errors.ok()) return errors.error();
+  if (!errors.ok()) {
+    return Error{errors.error().code, "cannot compare '" + arguments.estimate + "' with '" +
+                                          arguments.reference + "': " + errors.error().message};
+  }
   if (arguments.json != "-") PrintErrors(*errors, arguments.align);
   if (arguments.json.empty()) return {};
   return WriteJsonResult(arguments.json, ErrorsToJson(*errors, arguments.align));

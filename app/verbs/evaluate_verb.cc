@@ -259,6 +259,8 @@ VerbFunction ChooseEvaluation(EvaluateArguments arguments) {
     if (arguments.reference.empty()) throw CLI::RequiredError("--reference");
     if (!arguments.run.empty())
       throw CLI::ValidationError("--trajectory", "give either a run or a trajectory");
+    if (!arguments.ground_truth.empty())
+      throw CLI::ValidationError("--ground-truth", "a trajectory is compared with --reference");
     check_align({"none", "yaw", "se3", "sim3"});
     return [arguments] {
       return EvaluateTrajectory(

@@ -5,8 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/files.h"
+#include "engine/base/log.h"
 
 namespace plumbline {
+
+void Warn(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) log::warn("{}", warning);
+}
 
 Status WriteJsonResult(const std::string& file, const nlohmann::json& json) {
   if (file == "-") {

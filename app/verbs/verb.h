@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
@@ -38,6 +39,9 @@ void AddRunVerb(CLI::App& app, VerbFunction& chosen);
 void AddSmoothVerb(CLI::App& app, VerbFunction& chosen);
 void AddVioVerb(CLI::App& app, VerbFunction& chosen);
 void AddDemoVerb(CLI::App& app, VerbFunction& chosen);
+
+/// Says on standard error what was odd in what was read.
+void Warn(const std::vector<std::string>& warnings);
 
 /// Writes results for machines: to standard output for "-".
 Status WriteJsonResult(const std::string& file, const nlohmann::json& json);

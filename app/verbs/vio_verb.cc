@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -43,6 +44,7 @@ Status ParseSettings(VioArguments& arguments) {
 Result<ReferenceState> StartOf(const std::string& file, std::int64_t first_image_ns) {
   const Result<ReferenceStates> states = ReadReferenceStates(file);
   if (!states.ok()) return states.error();
+  Warn(states->warnings);
   for (const ReferenceState& state : states->states) {
     if (state.stamp_ns >= first_image_ns) return state;
   }
@@ -219,6 +221,7 @@ Result<VioRun> RunOn(const VioArguments& arguments, const Sequence& sequence, Vi
   if (!tracks_file.empty()) {
     Result<FeatureTracks> tracks = ReadTracksFile(tracks_file);
     if (!tracks.ok()) return tracks.error();
+    Warn(tracks->warnings);
     if (arguments.drop_tracks > 0)
       tracks->images = DropTracks(tracks->images, arguments.drop_tracks, arguments.seed);
     return RunVio(input, tracks->images, arguments.options, work);
@@ -229,12 +232,25 @@ Result<VioRun> RunOn(const VioArguments& arguments, const Sequence& sequence, Vi
   return RunVio(input, images, arguments.options, arguments.tracker, work);
 }
 
+/// Whether there will be a place for the results, before minutes of work.
+Status CheckOut(const std::string& out) {
+  if (out.empty()) return {};
+  const std::filesystem::path folder = std::filesystem::absolute(out).parent_path();
+  std::error_code ignored;
+  if (std::filesystem::is_directory(folder, ignored)) return {};
+  return Error{ErrorCode::kNotFound, "cannot write '" + out + "': there is no folder '" +
+                                         folder.string() + "'; create it first"};
+}
+
 Status Vio(VioArguments arguments) {
   if (Status status = ParseSettings(arguments); !status.ok()) return status;
+  if (Status status = CheckOut(arguments.out); !status.ok()) return status;
   const auto opened = OpenSequence(arguments.sequence);
   if (!opened.ok()) return opened.error();
   const Result<ImuRecording> imu = (*opened)->ReadImu();
   if (!imu.ok()) return imu.error();
+  Warn((*opened)->warnings());
+  Warn(imu->warnings);
   Result<VioInput> input = InputOf(**opened, *imu);
   if (!input.ok()) return input.error();
   ConsoleWork console;
@@ -242,7 +258,6 @@ Status Vio(VioArguments arguments) {
   const Result<VioRun> run = RunOn(arguments, **opened, *input, console.context());
   if (!run.ok()) return run.error();
   const double seconds = watch.Milliseconds() / 1000;
-  if (console.interrupted()) return Error{ErrorCode::kCancelled, "stopped; nothing was written"};
   for (const std::string& skipped : run->skipped)
     std::fprintf(stderr, "image skipped: %s\n", skipped.c_str());
   const VioSummary summary = Summarise(*run);
@@ -256,8 +271,14 @@ Status Vio(VioArguments arguments) {
     if (Status status = WriteOutputs(arguments, *run); !status.ok()) return status;
   }
   if (arguments.json != "-") PrintSummary(summary, arguments);
-  if (arguments.json.empty()) return {};
-  return WriteJsonResult(arguments.json, SummaryToJson(summary, seconds));
+  if (!arguments.json.empty()) {
+    if (Status status = WriteJsonResult(arguments.json, SummaryToJson(summary, seconds));
+        !status.ok())
+      return status;
+  }
+  if (!console.interrupted()) return {};
+  return Error{ErrorCode::kCancelled, "stopped after " + std::to_string(run->images) +
+                                          " images; what was estimated up to there is kept"};
 }
 
 }  // namespace

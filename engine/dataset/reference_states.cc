@@ -36,7 +36,10 @@ Result<ReferenceStates> ReadReferenceStates(const std::filesystem::path& file) {
                               " rows whose quaternion is not of unit length; left out");
   }
   if (result.states.empty())
-    return Error{ErrorCode::kCorrupt, "'" + file.string() + "' holds no usable reference state"};
+    return Error{ErrorCode::kCorrupt,
+                 "'" + file.string() +
+                     "' holds no usable state; it needs rows "
+                     "'t,px,py,pz,qx,qy,qz,qw,vx,vy,vz,bgx,bgy,bgz,bax,bay,baz'"};
   MakeStampsRise(file, "states", result.states, result.warnings);
   return result;
 }

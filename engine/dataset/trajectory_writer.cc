@@ -62,18 +62,24 @@ Status WriteCovariances(const std::filesystem::path& file, std::string_view fram
   return WriteFileAtomically(file, text);
 }
 
-Result<std::vector<std::pair<std::int64_t, PoseCovariance>>> ReadCovariances(
-    const std::filesystem::path& file) {
-  std::vector<std::pair<std::int64_t, PoseCovariance>> covariances;
-  const auto rows = ReadStampedRows(
-      file, {"t and a 6x6 covariance", 36},
+Result<Covariances> ReadCovariances(const std::filesystem::path& file) {
+  Covariances read;
+  auto warnings = ReadStampedRows(
+      file, {"t and the 36 numbers of a 6x6 covariance", 36},
       [&](std::int64_t stamp_ns, std::span<const double> numbers) {
-        covariances.emplace_back(
-            stamp_ns,
-            Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(numbers.data()));
+        read.rows.push_back(
+            {stamp_ns,
+             Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(numbers.data())});
       });
-  if (!rows.ok()) return rows.error();
-  return covariances;
+  if (!warnings.ok()) return warnings.error();
+  read.warnings = std::move(warnings).value();
+  if (read.rows.empty()) {
+    return Error{ErrorCode::kCorrupt, "'" + file.string() +
+                                          "' holds no usable covariance; write the trajectory "
+                                          "again, or remove this file to go without"};
+  }
+  MakeStampsRise(file, "covariances", read.rows, read.warnings);
+  return read;
 }
 
 }  // namespace plumbline

@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/base/result.h"
 #include "engine/sensor/pose_estimate.h"
@@ -30,8 +32,18 @@ std::filesystem::path CovarianceFileOf(const std::filesystem::path& trajectory);
 Status WriteCovariances(const std::filesystem::path& file, std::string_view frames,
                         std::span<const WrittenPose> poses);
 
-/// Reads what WriteCovariances wrote: one covariance for each stamp. Errors: kNotFound, kIo.
-Result<std::vector<std::pair<std::int64_t, PoseCovariance>>> ReadCovariances(
-    const std::filesystem::path& file);
+struct StampedCovariance {
+  std::int64_t stamp_ns = 0;
+  PoseCovariance covariance = PoseCovariance::Zero();
+};
+
+struct Covariances {
+  std::vector<StampedCovariance> rows;  ///< By strictly rising stamp.
+  std::vector<std::string> warnings;    ///< What was odd, one sentence a kind.
+};
+
+/// Reads what WriteCovariances wrote. Rows that are incomplete are left out with a warning. Errors:
+/// kNotFound, kIo, kCorrupt (no usable row).
+Result<Covariances> ReadCovariances(const std::filesystem::path& file);
 
 }  // namespace plumbline

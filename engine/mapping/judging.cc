@@ -9,6 +9,8 @@ namespace plumbline {
 namespace {
 
 constexpr double kTakenPenalty = 12;  ///< [nats]
+/// What is thinner takes this much to each side: another behind a screen is the same screen.
+constexpr double kThin_m = 0.3;
 
 }  // namespace
 
@@ -42,6 +44,20 @@ double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
   return -0.5 * height * height;
 }
 
+bool TakenPlace::Holds(const Eigen::Vector3d& center_in_world) const {
+  const Eigen::Vector3d share = (center_from_world * center_in_world).cwiseQuotient(half_sizes_m);
+  return share.head<2>().norm() < 1 && std::abs(share.z()) < 1;
+}
+
+TakenPlace PlaceOf(const CadModel& model, const Eigen::Isometry3d& world_from_object) {
+  TakenPlace place;
+  place.center_from_world = Eigen::Translation3d(-model.center()) * world_from_object.inverse();
+  place.half_sizes_m = 0.5 * model.bounds.sizes().cast<double>();
+  for (double& half : place.half_sizes_m.head<2>())
+    if (half < 0.5 * kThin_m) half = kThin_m;
+  return place;
+}
+
 Target Outside(std::vector<TakenPlace> taken, Target target) {
   if (taken.empty()) return target;
   return [taken = std::move(taken),
@@ -49,9 +65,7 @@ Target Outside(std::vector<TakenPlace> taken, Target target) {
     std::vector<Judgement> judged = target(hypotheses);
     for (std::size_t i = 0; i < judged.size(); ++i) {
       const bool inside = std::any_of(taken.begin(), taken.end(), [&](const TakenPlace& place) {
-        const Eigen::Vector3d offset = place.center_from_world * hypotheses[i].center_in_world;
-        const Eigen::Vector3d share = offset.cwiseQuotient(place.half_sizes_m);
-        return share.head<2>().norm() < 1 && std::abs(share.z()) < 1;
+        return place.Holds(hypotheses[i].center_in_world);
       });
       if (inside) judged[i].log_target -= kTakenPenalty;
     }

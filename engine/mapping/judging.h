@@ -38,7 +38,11 @@ double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
 struct TakenPlace {
   Eigen::Isometry3d center_from_world = Eigen::Isometry3d::Identity();  ///< Axes of the object.
   Eigen::Vector3d half_sizes_m{0, 0, 0};
+
+  bool Holds(const Eigen::Vector3d& center_in_world) const;
 };
+/// The place of a model: half of its bounds to each side, of a thin side more.
+TakenPlace PlaceOf(const CadModel& model, const Eigen::Isometry3d& world_from_object);
 /// The target, with hypotheses in places that are taken made as good as impossible.
 Target Outside(std::vector<TakenPlace> taken, Target target);
 

@@ -18,8 +18,6 @@ constexpr double kMarginalSharpness = 5;
 constexpr double kLevelRate = 0.1, kSettledLogOdds = 4;
 /// The time between searches is the time in view over this, between the options' limits.
 constexpr double kSearchRelaxation = 8.0;
-/// What is thinner takes this much to each side: another behind a screen is the same screen.
-constexpr double kThin_m = 0.3;
 /// Belief in the mean pose below which a look at the object has decided nothing.
 constexpr double kInDoubt = 0.8;
 constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
@@ -218,14 +216,8 @@ std::vector<TakenPlace> Mapper::Impl::TakenPlaces(const std::string& category) c
   std::vector<TakenPlace> taken;
   for (const MapObject& object : objects) {
     if (object.state != ObjectState::kConfirmed || object.category != category) continue;
-    const CadModel& model = setup.database->model(object.mean().label);
-    TakenPlace place;
-    place.center_from_world =
-        Eigen::Translation3d(-model.center()) * object.mean().world_from_object.inverse();
-    place.half_sizes_m = 0.5 * model.bounds.sizes().cast<double>();
-    for (double& half : place.half_sizes_m.head<2>())
-      if (half < 0.5 * kThin_m) half = kThin_m;
-    taken.push_back(place);
+    taken.push_back(
+        PlaceOf(setup.database->model(object.mean().label), object.mean().world_from_object));
   }
   return taken;
 }

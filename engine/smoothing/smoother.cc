@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/mapping/association.h"
+#include "engine/mapping/judging.h"
 #include "engine/smoothing/joint_solution.h"
 #include "engine/smoothing/object_views.h"
 #include "engine/smoothing/object_work.h"
@@ -204,6 +205,11 @@ class Smoother {
     if (other.causal.state != ObjectState::kConfirmed ||
         item.causal.state == ObjectState::kConfirmed)
       return false;
+    const PoseMode& settled = other.object.mean();
+    if (a.category == b.category &&
+        PlaceOf(map_.database->model(settled.label), settled.world_from_object)
+            .Holds(item.pose.center_in_world))
+      return true;
     const auto of_a = refiner_.Solid(item.pose.label), of_b = refiner_.Solid(other.pose.label);
     if (of_a == nullptr || of_b == nullptr) return false;
     const auto contact = FindContact(*of_a, map_.WorldFromObject(item.pose), *of_b,

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <cstdio>
 
 #include "engine/base/check.h"
 #include "engine/geometry/angles.h"
@@ -71,10 +71,12 @@ Result<RestStart> StartFromRest(std::span<const ImuSample> samples, const ImuCal
   turn /= static_cast<double>(samples.size());
   const double off = std::abs(force.norm() - imu.gravity_m_s2);
   if (off > kMaxForceError) {
-    return Error{ErrorCode::kDegenerate, "the mean specific force at rest is " +
-                                             std::to_string(force.norm()) + " m/s^2 instead of " +
-                                             std::to_string(imu.gravity_m_s2) +
-                                             "; check the unit and the scale of the accelerometer"};
+    char text[160];
+    std::snprintf(text, sizeof(text),
+                  "the mean specific force at rest is %.2f m/s^2 instead of %.2f; check the unit "
+                  "and the scale of the accelerometer",
+                  force.norm(), imu.gravity_m_s2);
+    return Error{ErrorCode::kDegenerate, text};
   }
   InertialState inertial;
   inertial.stamp_ns = samples.back().stamp_ns;

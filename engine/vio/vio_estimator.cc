@@ -79,7 +79,11 @@ bool VioEstimator::TryGivenStart(const TrackedImage& image) {
 
 std::string VioEstimator::TryRestStart(const TrackedImage& image) {
   const auto motion = rest_.WanderWithin(options_.rest_seconds);
-  if (!motion) return "waiting for " + std::to_string(options_.rest_seconds) + " s of images";
+  if (!motion) {
+    char text[60];
+    std::snprintf(text, sizeof(text), "waiting for %.1f s of images", options_.rest_seconds);
+    return text;
+  }
   if (*motion > options_.still_px) {
     char text[160];
     std::snprintf(text, sizeof(text),

@@ -96,8 +96,8 @@ TEST(TrajectoryWriter, WhatIsWrittenIsReadBack) {
   EXPECT_THAT(read->poses[0].world_from_cam, IsometryNear(pose.world_from_sensor, 1e-6, 1e-8));
   const auto covariances = ReadCovariances(folder.path() / "T.covariance.csv");
   ASSERT_TRUE(covariances.ok());
-  EXPECT_EQ(covariances->at(0).first, pose.stamp_ns);
-  EXPECT_LT((covariances->at(0).second - pose.covariance).norm(), 1e-8);
+  EXPECT_EQ(covariances->rows.at(0).stamp_ns, pose.stamp_ns);
+  EXPECT_LT((covariances->rows.at(0).covariance - pose.covariance).norm(), 1e-8);
 }
 
 }  // namespace

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// The commands `vio` and `evaluate --trajectory` as a script meets them.
+
+#include <sys/wait.h>
+
+#include <cstdio>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/check.h"
+#include "engine/base/files.h"
+#include "tests/support/test_data.h"
+#include "tests/support/vio_simulator.h"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+struct Outcome {
+  int code = -1;
+  std::string output;  ///< Standard output and error.
+};
+
+std::string Row(std::int64_t stamp_ns, std::initializer_list<Eigen::VectorXd> numbers) {
+  char text[40];
+  std::snprintf(text, sizeof(text), "%.9f", static_cast<double>(stamp_ns) * 1e-9);
+  std::string row = text;
+  for (const Eigen::VectorXd& part : numbers) {
+    for (const double number : part) {
+      std::snprintf(text, sizeof(text), ",%.12g", number);
+      row += text;
+    }
+  }
+  return row + "\n";
+}
+
+class VioVerb : public testing::Test {
+ protected:
+  void SetUp() override {
+    VioSimulation options;
+    options.seconds = 12;
+    recording_ = Simulate(options);
+    std::filesystem::create_directory(folder_.path() / "walk");
+    WriteCamera();
+    WriteImu();
+    WriteTracks();
+    WriteTruth();
+  }
+
+  void Write(const std::string& name, const std::string& text) {
+    const Status written = WriteFileAtomically(folder_.path() / name, text);
+    PLB_CHECK(written.ok()) << written.error().message;
+  }
+
+  void WriteCamera() { Write("walk/camera.json", CameraToJson(recording_.camera).dump()); }
+  void WriteImu() {
+    std::string text = "t,wx,wy,wz,ax,ay,az\n";
+    for (const ImuSample& sample : recording_.samples)
+      text += Row(sample.stamp_ns, {sample.angular_velocity_rad_s, sample.specific_force_m_s2});
+    Write("walk/imu.csv", text);
+  }
+  void WriteTracks() {
+    std::string text = "t,id,u,v\n";
+    for (const TrackedImage& image : recording_.images) {
+      for (const TrackedPoint& point : image.points)
+        text += Row(image.stamp_ns,
+                    {Eigen::VectorXd::Constant(1, static_cast<double>(point.id)), point.pixel});
+    }
+    Write("walk/tracks.csv", text);
+  }
+  void WriteTruth() {
+    std::string text = "t,px,py,pz,qx,qy,qz,qw,vx,vy,vz,bgx,bgy,bgz,bax,bay,baz\n";
+    for (const ReferenceState& state : recording_.truth) {
+      const Eigen::Quaterniond q(state.world_from_body.linear());
+      text += Row(state.stamp_ns, {state.world_from_body.translation(), q.coeffs(),
+                                   state.velocity_in_world, state.gyro_bias, state.accel_bias});
+    }
+    Write("walk/groundtruth.csv", text);
+  }
+
+  Outcome Run(const std::string& arguments) {
+    const std::string command = "cd '" + folder_.path().string() + "' && '" +
+                                ProgramFile().string() + "' " + arguments + " 2>&1";
+    FILE* pipe = popen(command.c_str(), "r");
+    PLB_CHECK(pipe != nullptr);
+    Outcome outcome;
+    char buffer[4096];
+    while (const std::size_t count = fread(buffer, 1, sizeof(buffer), pipe))
+      outcome.output.append(buffer, count);
+    outcome.code = WEXITSTATUS(pclose(pipe));
+    return outcome;
+  }
+
+  TemporaryFolder folder_;
+  SimulatedRecording recording_;
+};
+
+TEST_F(VioVerb, WritesATrajectoryThatEvaluateFindsNearTheTruth) {
+  const Outcome vio = Run("vio walk --out T.txt --init walk/groundtruth.csv --json vio.json");
+  ASSERT_EQ(vio.code, 0) << vio.output;
+  const nlohmann::json summary = ReadJson(folder_.path() / "vio.json").value();
+  EXPECT_EQ(summary["images"], recording_.images.size());
+  EXPECT_EQ(summary["stretches"], 1);
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "T.points.ply"));
+
+  const Outcome judged =
+      Run("evaluate --trajectory T.txt --reference walk/groundtruth.csv --json errors.json");
+  ASSERT_EQ(judged.code, 0) << judged.output;
+  const nlohmann::json errors = ReadJson(folder_.path() / "errors.json").value();
+  EXPECT_LT(errors["ate_m"].get<double>(), 0.06);
+  EXPECT_LT(errors["tilt_deg"].get<double>(), 0.3);
+  EXPECT_GT(errors["nees"].get<double>(), 1);
+  EXPECT_LT(errors["nees"].get<double>(), 15);
+}
+
+TEST_F(VioVerb, PosesOfTheCameraHangOnThoseOfTheBody) {
+  const std::string vio = "vio walk --init walk/groundtruth.csv --json - --out ";
+  ASSERT_EQ(Run(vio + "body.txt").code, 0);
+  ASSERT_EQ(Run(vio + "cam.txt --frame cam").code, 0);
+  const std::string read = ReadFile(folder_.path() / "cam.covariance.csv").value();
+  EXPECT_THAT(read.substr(0, read.find('\n')), HasSubstr("world_from_cam"));
+  const Outcome compared =
+      Run("evaluate --trajectory cam.txt --reference body.txt --align none --json -");
+  ASSERT_EQ(compared.code, 0) << compared.output;
+  const double arm = recording_.camera.body_from_cam->translation().norm();
+  EXPECT_NEAR(nlohmann::json::parse(compared.output.substr(compared.output.find('{')))["ate_m"],
+              arm, 0.02);
+}
+
+TEST_F(VioVerb, TheSameInputGivesTheSameFile) {
+  const std::string vio = "vio walk --drop-tracks 0.2 --seed 3 --out ";
+  ASSERT_EQ(Run(vio + "a.txt").code, 0);
+  ASSERT_EQ(Run(vio + "b.txt").code, 0);
+  EXPECT_EQ(ReadFile(folder_.path() / "a.txt").value(), ReadFile(folder_.path() / "b.txt").value());
+}
+
+TEST_F(VioVerb, SaysWhatInputLacks) {
+  Write("walk/imu.csv", "t,wx,wy,wz,ax,ay,az\n");
+  Outcome outcome = Run("vio walk --out T.txt");
+  EXPECT_NE(outcome.code, 0);
+  EXPECT_THAT(outcome.output, HasSubstr("imu.csv"));
+  WriteImu();
+
+  nlohmann::json camera = ReadJson(folder_.path() / "walk" / "camera.json").value();
+  camera.erase("body_from_cam");
+  Write("walk/camera.json", camera.dump());
+  outcome = Run("vio walk --out T.txt");
+  EXPECT_NE(outcome.code, 0);
+  EXPECT_THAT(outcome.output, HasSubstr("add 'body_from_cam' to camera.json"));
+  WriteCamera();
+
+  outcome = Run("vio walk --out nowhere/T.txt");
+  EXPECT_NE(outcome.code, 0);
+  EXPECT_THAT(outcome.output, HasSubstr("create it first"));
+  EXPECT_THAT(Run("vio walk --set no_such=1").output, HasSubstr("no_such"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "T.txt"));
+}
+
+TEST_F(VioVerb, SaysWhichRowsItLeftOut) {
+  std::string tracks = ReadFile(folder_.path() / "walk" / "tracks.csv").value();
+  Write("walk/tracks.csv", tracks + "not,a,row\n");
+  const Outcome outcome = Run("vio walk --init walk/groundtruth.csv");
+  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("tracks.csv"));
+}
+
+TEST_F(VioVerb, EvaluateRefusesWhatItCannotCompare) {
+  Write("T.txt", "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n");
+  Write("far.txt", "1001 0 0 0 0 0 0 1\n1002 1 0 0 0 0 0 1\n");
+  Write("states.csv", "t,px\n1,2\n");
+  const std::string evaluate = "evaluate --trajectory T.txt --reference ";
+  EXPECT_THAT(Run("evaluate --trajectory T.txt").output, HasSubstr("--reference"));
+  for (const char* reference : {"far.txt", "missing.txt", "states.csv"}) {
+    const Outcome outcome = Run(evaluate + reference);
+    EXPECT_NE(outcome.code, 0);
+    EXPECT_THAT(outcome.output, AllOf(HasSubstr(reference), Not(HasSubstr("this is a bug"))));
+  }
+  Write("T.covariance.csv", "nonsense\n");
+  const Outcome corrupt = Run(evaluate + "T.txt");
+  EXPECT_NE(corrupt.code, 0);
+  EXPECT_THAT(corrupt.output, HasSubstr("holds no usable covariance"));
+}
+
+}  // namespace
+}  // namespace plumbline
