@@ -18,6 +18,7 @@ import json
 import math
 import os
 import pathlib
+import random
 import shutil
 import statistics
 import subprocess
@@ -128,6 +129,24 @@ def integers(text):
     return values
 
 
+def turned(by, rotation):
+    """Exp(by) times a quaternion (x, y, z, w)."""
+    angle = math.sqrt(sum(value * value for value in by))
+    scale = math.sin(angle / 2) / angle if angle > 0 else 0.5
+    ax, ay, az, aw = by[0] * scale, by[1] * scale, by[2] * scale, math.cos(angle / 2)
+    bx, by_, bz, bw = rotation
+    return [aw * bx + ax * bw + ay * bz - az * by_, aw * by_ - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by_ - ay * bx + az * bw, aw * bw - ax * bx - ay * by_ - az * bz]
+
+
+def pose_noise(text):
+    """'0.01,0.3' or '0.01,0.3,untold'."""
+    parts = text.split(",")
+    if len(parts) not in (2, 3) or parts[2:] not in ([], ["untold"]):
+        raise argparse.ArgumentTypeError(f"'{text}' is not METRES,DEGREES[,untold]")
+    return [float(parts[0]), float(parts[1]), len(parts) == 2]
+
+
 def last_line(process):
     lines = [line for line in (process.stderr + "\n" + process.stdout).splitlines() if line.strip()]
     return lines[-1] if lines else f"ended with {process.returncode} without a word"
@@ -189,6 +208,35 @@ class Measurement:
                 for variant, (preset, settings) in variants.items() for folder, room in sequences
                 for seed in arguments.seeds or room_set.seeds]
 
+    def noisy(self, sequence, room, seed):
+        """The sequence with errors of its poses, independent from frame to frame, told or not; its images are links."""
+        metres, degrees, told = self.arguments.pose_noise
+        folder = self.out / "noisy" / f"{room.replace(' ', '-')}-{metres:g}-{degrees:g}-{'told' if told else 'untold'}-{seed}"
+        folder.mkdir(parents=True, exist_ok=True)
+        for entry in sequence.iterdir():
+            if entry.name.startswith("trajectory") or (folder / entry.name).exists():
+                continue
+            (folder / entry.name).symlink_to(entry.resolve())
+        random_numbers = random.Random(seed)
+        poses, covariances = [], ["# independent errors: t[s], then the 6x6 covariance; x y z [m] rx ry rz [rad]"]
+        diagonal = [metres**2] * 3 + [math.radians(degrees) ** 2] * 3
+        for line in (sequence / "trajectory.txt").read_text().splitlines():
+            fields = line.split()
+            if line.startswith("#") or len(fields) != 8:
+                poses.append(line)
+                if "world_from_body" in line:
+                    covariances[0] += ", world_from_body"
+                continue
+            place = [float(number) + random_numbers.gauss(0, metres) for number in fields[1:4]]
+            turn = [random_numbers.gauss(0, math.radians(degrees)) for _ in range(3)]
+            poses.append(" ".join([fields[0], *map(repr, place), *map(repr, turned(turn, list(map(float, fields[4:]))))]))
+            rows = [[diagonal[r] if r == c else 0.0 for c in range(6)] for r in range(6)]
+            covariances.append(",".join([fields[0], *(repr(value) for row in rows for value in row)]))
+        (folder / "trajectory.txt").write_text("\n".join(poses) + "\n")
+        if told:
+            (folder / "trajectory.covariance.csv").write_text("\n".join(covariances) + "\n")
+        return folder
+
     def input_of(self, choice):
         """A network in the data folder, or the choice itself."""
         if not choice.endswith(".onnx"):
@@ -214,7 +262,7 @@ class Measurement:
     def run(self, job):
         """The record of a run, from its file if it is done. A failure is a record too."""
         words = self.options_of(job)
-        key = json.dumps([job.set.name, job.room, self.program_hash, *map(str, words)])
+        key = json.dumps([job.set.name, job.room, self.program_hash, *map(str, words), *(self.arguments.pose_noise or [])])
         stem = f"{job.set.name}-{job.room.replace(' ', '')}-s{job.seed}-{hashlib.sha256(key.encode()).hexdigest()[:8]}"
         file = self.out / "runs" / (stem + ".json")
         if file.exists():
@@ -228,7 +276,8 @@ class Measurement:
         work = self.out / "runs" / (stem + ".work")
         work.mkdir(exist_ok=True)
         summary_file, judged_file = work / "run.json", work / "evaluation.json"
-        process = self.call("run", job.sequence, "--out", run_file, "--json", summary_file, *words)
+        sequence = self.noisy(job.sequence, job.room, job.seed) if self.arguments.pose_noise else job.sequence
+        process = self.call("run", sequence, "--out", run_file, "--json", summary_file, *words)
         if process.returncode == 0:
             judge = ["evaluate", run_file, "--ground-truth", job.sequence / "ground_truth.json", "--models",
                      job.sequence / "models", "--json", judged_file, "--samples", 100_000]
@@ -671,6 +720,9 @@ def parse():
                         help="repeat with another filter, to compare with: as the authors of the paper had it")
     parser.add_argument("--smooth", action="store_true",
                         help="smooth every run too, and give what that finds beside it")
+    parser.add_argument("--pose-noise", type=pose_noise, metavar="METRES,DEGREES[,untold]",
+                        help="give every pose an error of its own, of that standard deviation on each axis, and tell the "
+                        "mapper unless 'untold'")
     parser.add_argument("--out", default=str(ROOT / "build/measure"), metavar="DIR")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="runs at once (default 2)")
     parser.add_argument("--keep", action="store_true", help="keep the run files (.plb), to look at in the window")

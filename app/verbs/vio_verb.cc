@@ -79,12 +79,9 @@ std::vector<WrittenPose> PosesOf(const VioRun& run, bool of_cam) {
     WrittenPose pose{report.stamp_ns, report.world_from_body, report.covariance};
     if (of_cam) {
       // The camera hangs on the body by an arm that turns with it.
-      const Eigen::Vector3d arm =
-          report.world_from_body.linear() * report.body_from_cam.translation();
-      PoseCovariance move = PoseCovariance::Identity();
-      move.block<3, 3>(0, 3) << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
       pose.world_from_sensor = report.world_from_body * report.body_from_cam;
-      pose.covariance = move * report.covariance * move.transpose();
+      pose.covariance = MovedBy(
+          report.world_from_body.linear() * report.body_from_cam.translation(), report.covariance);
     }
     poses.push_back(pose);
   }

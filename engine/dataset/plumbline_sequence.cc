@@ -11,6 +11,7 @@
 #include "engine/dataset/json_fields.h"
 #include "engine/dataset/proposals_file.h"
 #include "engine/dataset/trajectory.h"
+#include "engine/dataset/trajectory_writer.h"
 #include "engine/dataset/undistort.h"
 #include "engine/sensor/image_file.h"
 #include "engine/sensor/undistorter.h"
@@ -86,6 +87,11 @@ class PlumblineSequence : public Sequence {
     entry(index);
     return poses_[index];
   }
+  PoseUncertainty pose_uncertainty(int index) const override {
+    entry(index);
+    return uncertainties_.empty() ? PoseUncertainty{}
+                                  : uncertainties_[static_cast<std::size_t>(index)];
+  }
   std::optional<Eigen::Vector3d> gravity_in_world() const override {
     return surroundings_.gravity_in_world;
   }
@@ -129,6 +135,7 @@ class PlumblineSequence : public Sequence {
   std::optional<fs::path> Companion(const char* name) const {
     return Exists(folder_ / name) ? std::optional(folder_ / name) : std::nullopt;
   }
+  Status JoinUncertainties(const fs::path& file);
   /// @param file  Only for messages.
   void JoinPoses(const Trajectory& trajectory, const fs::path& file);
   /// For messages: the image's name or, without images, its time.
@@ -143,6 +150,7 @@ class PlumblineSequence : public Sequence {
   Undistorter undistorter_;
   FrameList list_;
   std::vector<std::optional<Eigen::Isometry3d>> poses_;
+  std::vector<PoseUncertainty> uncertainties_;  ///< One for each frame, or empty.
   bool has_depth_;
   bool has_edges_;
   bool has_proposals_;
@@ -162,6 +170,49 @@ Status PlumblineSequence::ReadCompanions(const fs::path& poses) {
     const std::vector<std::string>& odd = trajectory.value().warnings;
     list_.warnings.insert(list_.warnings.end(), odd.begin(), odd.end());
     JoinPoses(trajectory.value(), file);
+    if (const fs::path beside = CovarianceFileOf(file); Exists(beside))
+      return JoinUncertainties(beside);
+  }
+  return {};
+}
+
+Status PlumblineSequence::JoinUncertainties(const fs::path& file) {
+  const Result<Covariances> covariances = ReadCovariances(file);
+  if (!covariances.ok()) return covariances.error();
+  list_.warnings.insert(list_.warnings.end(), covariances->warnings.begin(),
+                        covariances->warnings.end());
+  if (covariances->of_body && !camera_.body_from_cam) {
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + file.string() +
+                     "' is of poses of the body (world_from_body) but camera.json has no "
+                     "body_from_cam"};
+  }
+  uncertainties_.resize(poses_.size());
+  const auto half_period_ns = static_cast<std::int64_t>(0.5e9 / list_.rate_hz);
+  const std::vector<StampedCovariance>& rows = covariances->rows;
+  int missing = 0;
+  for (int i = 0; i < num_frames(); ++i) {
+    if (!poses_[i]) continue;
+    const auto row = std::lower_bound(
+        rows.begin(), rows.end(), stamp_ns(i) - half_period_ns,
+        [](const StampedCovariance& r, std::int64_t stamp) { return r.stamp_ns < stamp; });
+    if (row == rows.end() || row->stamp_ns > stamp_ns(i) + half_period_ns) {
+      ++missing;
+      continue;
+    }
+    PoseUncertainty& uncertainty = uncertainties_[static_cast<std::size_t>(i)];
+    PoseCovariance& covariance = covariances->independent ? uncertainty.own : uncertainty.drift;
+    covariance = row->covariance;
+    if (covariances->of_body) {
+      const Eigen::Isometry3d& body_from_cam = *camera_.body_from_cam;
+      covariance = MovedBy(
+          poses_[i]->linear() * body_from_cam.linear().transpose() * body_from_cam.translation(),
+          covariance);
+    }
+  }
+  if (missing > 0) {
+    list_.warnings.push_back("'" + file.string() + "' has no covariance for " +
+                             std::to_string(missing) + " poses, which count as exact");
   }
   return {};
 }

@@ -16,6 +16,7 @@
 #include "engine/dataset/imu_file.h"
 #include "engine/geometry/box.h"
 #include "engine/sensor/calibration.h"
+#include "engine/sensor/pose_estimate.h"
 
 namespace plumbline {
 
@@ -60,6 +61,8 @@ class Sequence {
   virtual double rate_hz() const = 0;
   virtual std::int64_t stamp_ns(int index) const = 0;
   virtual std::optional<Eigen::Isometry3d> world_from_cam(int index) const = 0;
+  /// Of that pose; zero where nothing is told.
+  virtual PoseUncertainty pose_uncertainty(int) const { return {}; }
   /// Unit vector pointing down.
   virtual std::optional<Eigen::Vector3d> gravity_in_world() const = 0;
   /// (a, b, c, d) with (a, b, c) = up and a x + b y + c z + d = 0 on the floor.

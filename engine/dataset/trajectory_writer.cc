@@ -9,6 +9,7 @@
 
 #include "engine/base/files.h"
 #include "engine/dataset/stamped_rows.h"
+#include "engine/dataset/text_table.h"
 
 namespace plumbline {
 namespace {
@@ -63,7 +64,14 @@ Status WriteCovariances(const std::filesystem::path& file, std::string_view fram
 }
 
 Result<Covariances> ReadCovariances(const std::filesystem::path& file) {
+  const Result<std::string> text = ReadFile(file);
+  if (!text.ok()) return text.error();
   Covariances read;
+  if (const std::string_view first = SplitLines(*text).empty() ? "" : SplitLines(*text).front();
+      first.starts_with('#')) {
+    read.of_body = first.find("world_from_body") != std::string_view::npos;
+    read.independent = first.find("independent") != std::string_view::npos;
+  }
   auto warnings = ReadStampedRows(
       file, {"t and the 36 numbers of a 6x6 covariance", 36},
       [&](std::int64_t stamp_ns, std::span<const double> numbers) {

@@ -38,6 +38,10 @@ struct StampedCovariance {
 };
 
 struct Covariances {
+  bool of_body = false;  ///< The first line says "world_from_body": of the body's poses.
+  /// The first line says "independent": no error is shared by two poses. Otherwise they drift, as a
+  /// filter's do.
+  bool independent = false;
   std::vector<StampedCovariance> rows;  ///< By strictly rising stamp.
   std::vector<std::string> warnings;    ///< What was odd, one sentence a kind.
 };

@@ -37,6 +37,14 @@ double SightingLogRatio(const Sighting& sighting, const MapperOptions& options) 
   return sighting.telling * std::min(1.0, sighting.visible_fraction / 0.3) * edges + boxes;
 }
 
+double TentativeLogOdds(double passing, double remembered, const MapperOptions& options) {
+  // Without a memory of views frames are all there is.
+  if (options.key_frames == 0) return passing;
+  const auto limited = [](double evidence) { return std::clamp(evidence, -5.0, kMostLogOdds); };
+  return options.tentative_odds + options.passing_share * limited(passing) +
+         options.remembered_share * limited(remembered);
+}
+
 void Existence::Update(const Sighting& sighting, double dt_s, const MapperOptions& options) {
   const double ratio = std::exp(sighting.novelty * SightingLogRatio(sighting, options));
   const double ends = 1 - std::exp(-dt_s / options.hidden_s);
@@ -54,7 +62,7 @@ void Existence::UpdateInView(const Sighting& sighting, const MapperOptions& opti
 }
 
 float EdgeSurplus(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
-                  const PoseHypothesis& pose) {
+                  const PoseHypothesis& pose, const MapperOptions& options) {
   const Eigen::Vector3d size = map.database->model(pose.label).bounds.sizes().cast<double>();
   const double reach = std::max(kLeastSize_m, std::max(size.x(), size.y()));
   std::vector<PoseHypothesis> places = {pose};
@@ -73,15 +81,16 @@ float EdgeSurplus(const HypothesisScorer& scorer, const ScoringView& view, const
   scorer.Score(view, map.upright, places, scores);
   const float length = EdgeNormalizer({scores.data(), 1});
   if (length <= 0) return 0;
+  const std::vector<float> terms =
+      EdgeTerms(scorer, view, map.upright, places, scores, length, options);
   double sum = 0;
   int count = 0;
   for (std::size_t k = 1; k < scores.size(); ++k) {
     if (scores[k].visible_m < 0.5f * scores[0].visible_m) continue;
-    sum += scores[k].agreement_m / std::max(length, scores[k].visible_m);
+    sum += terms[k];
     ++count;
   }
-  const double own = scores[0].agreement_m / std::max(length, scores[0].visible_m);
-  return count < kLeastPlaces ? static_cast<float>(own) : static_cast<float>(own - sum / count);
+  return count < kLeastPlaces ? terms[0] : static_cast<float>(terms[0] - sum / count);
 }
 
 }  // namespace plumbline

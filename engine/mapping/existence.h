@@ -19,6 +19,11 @@ struct Sighting {
 /// log p(sighting | there and not hidden) - log p(sighting | not there).
 double SightingLogRatio(const Sighting& sighting, const MapperOptions& options);
 
+/// Log odds of a tentative object. Its frames were judged as they passed, by poses that may have
+/// been wrong, while its remembered views are judged by the pose that they have led to: neither sum
+/// is a log ratio, and they share what they saw.
+double TentativeLogOdds(double passing, double remembered, const MapperOptions& options);
+
 /// Two beliefs that go together: whether an object is there, and whether something that is not
 /// mapped hides it. Being hidden begins seldom and ends seldom, so a wall costs little however long
 /// it is looked at, while an empty place that shows costs much at once.
@@ -35,6 +40,6 @@ struct Existence {
 /// this neighbourhood give to anything of that shape. The edge term itself where too few of the
 /// places are in view.
 float EdgeSurplus(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
-                  const PoseHypothesis& pose);
+                  const PoseHypothesis& pose, const MapperOptions& options);
 
 }  // namespace plumbline

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -22,6 +23,12 @@ struct PoseHypothesis {
   Eigen::Vector3d center_in_world{0, 0, 0};
 };
 
+/// By how much all of an object may be elsewhere in an image, and how likely that is.
+struct ImageShift {
+  double x_px = 0, y_px = 0;
+  double weight = 1;  ///< Of all shifts of a view they sum to one.
+};
+
 /// One image that hypotheses are scored in.
 struct ScoringView {
   PinholeCamera camera;
@@ -34,6 +41,9 @@ struct ScoringView {
       0.05;                 ///< A point hides only behind a surface at least this much nearer.
   double near_m = 0.15;     ///< Nearer points are not seen.
   bool inner_lines = true;  ///< Creases and marks count too.
+  /// Where the image may be instead, as its pose errs (Evaluate marginalises over them; scorers
+  /// look where the pose says). Empty: there.
+  std::vector<ImageShift> shifts = {};
 };
 
 /// How a hypothesis' contour agrees with the edges, before normalisation

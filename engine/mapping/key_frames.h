@@ -19,9 +19,7 @@ struct MapperInput {
   Eigen::Isometry3d world_from_cam = Eigen::Isometry3d::Identity();
   PoseId pose_id;      ///< Of `world_from_cam`.
   int pose_epoch = 0;  ///< Of the corrections that `world_from_cam` contains.
-  /// How uncertain the pose is, together with the reference views. Kept with the frame; the filter
-  /// takes every pose as exact.
-  JointPoseCovariance pose_covariance;
+  PoseUncertainty pose_uncertainty;
   EdgeMap edges;
   std::shared_ptr<const OrientedTable> table;  ///< SearchTable() of the edges.
   std::shared_ptr<const FrameDetections> detections;

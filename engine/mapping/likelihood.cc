@@ -2,6 +2,7 @@
 #include "engine/mapping/likelihood.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace plumbline {
 namespace {
@@ -28,6 +29,33 @@ float EdgeNormalizer(std::span<const HypothesisScore> scores) {
   return std::max(kTypicalShare * median(visible), kWholeShare * median(total));
 }
 
+std::vector<float> EdgeTerms(const HypothesisScorer& scorer, const ScoringView& view,
+                             const UprightFrame& upright,
+                             std::span<const PoseHypothesis> hypotheses,
+                             std::span<const HypothesisScore> scores, float normalizer,
+                             const MapperOptions& options) {
+  const auto term = [&](const HypothesisScore& score) {
+    return normalizer > 0 ? score.agreement_m / std::max(normalizer, score.visible_m) : 0.0f;
+  };
+  std::vector<float> terms;
+  for (const HypothesisScore& score : scores) terms.push_back(term(score));
+  const double sharpness = options.beta;
+  if (view.shifts.empty() || sharpness <= 0) return terms;
+  std::vector<double> sums(terms.size(), 0.0);
+  for (const ImageShift& shift : view.shifts) {
+    ScoringView shifted = view;
+    shifted.camera.cx += shift.x_px;
+    shifted.camera.cy += shift.y_px;
+    std::vector<HypothesisScore> there(hypotheses.size());
+    scorer.Score(shifted, upright, hypotheses, there);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+      sums[i] += shift.weight * std::exp(sharpness * term(there[i]));
+  }
+  for (std::size_t i = 0; i < terms.size(); ++i)
+    terms[i] = static_cast<float>(std::log(sums[i]) / sharpness);
+  return terms;
+}
+
 std::vector<Likelihood> Evaluate(const HypothesisScorer& scorer, const ScoringView& view,
                                  const MapFrame& map, const FrameDetections* detections,
                                  std::span<const PoseHypothesis> hypotheses,
@@ -35,12 +63,13 @@ std::vector<Likelihood> Evaluate(const HypothesisScorer& scorer, const ScoringVi
   std::vector<HypothesisScore> scores(hypotheses.size());
   scorer.Score(view, map.upright, hypotheses, scores);
   const float length = normalizer.value_or(EdgeNormalizer(scores));
+  const std::vector<float> edges =
+      EdgeTerms(scorer, view, map.upright, hypotheses, scores, length, options);
   std::vector<Likelihood> result(hypotheses.size());
   std::vector<Box2> boxes;
   for (std::size_t i = 0; i < scores.size(); ++i) {
     Likelihood& likelihood = result[i];
-    likelihood.phi_edge =
-        length > 0 ? scores[i].agreement_m / std::max(length, scores[i].visible_m) : 0.0f;
+    likelihood.phi_edge = edges[i];
     likelihood.visible_fraction =
         scores[i].total_m > 0 ? scores[i].visible_m / scores[i].total_m : 0.0f;
     likelihood.whole_box = scores[i].whole_box;

@@ -25,6 +25,16 @@ struct Likelihood {
 /// least a fifth of the typical whole length; 0 if nothing shows.
 float EdgeNormalizer(std::span<const HypothesisScore> scores);
 
+/// The edge term of each hypothesis. Where the view's pose errs by one of its shifts it is the
+/// marginal over them, (1/beta) log sum of w exp(beta Phi_edge): some shift has to explain the
+/// whole contour.
+/// @param scores  Of the hypotheses, where the pose says.
+std::vector<float> EdgeTerms(const HypothesisScorer& scorer, const ScoringView& view,
+                             const UprightFrame& upright,
+                             std::span<const PoseHypothesis> hypotheses,
+                             std::span<const HypothesisScore> scores, float normalizer,
+                             const MapperOptions& options);
+
 /// Scores hypotheses of one category in one image.
 /// @param detections  May be null: then phi_cnn is 0.
 /// @param normalizer  As from EdgeNormalizer; nothing: taken from these hypotheses.

@@ -25,6 +25,9 @@ ObjectReport ToReport(const MapObject& object) {
   report.particles = std::make_shared<const std::vector<Particle>>(object.particles);
   ByteWriter out;
   out.Put(object.seen_s);
+  for (const double value : object.reference_uncertainty.drift.reshaped()) out.Put(value);
+  out.Put(object.passing);
+  out.Put(object.remembered_evidence);
   out.Put(object.hidden);
   out.Put(object.rival.value);
   out.Put(object.rivalry);
@@ -64,6 +67,9 @@ Result<MapObject> FromReport(const ObjectReport& report) {
   object.updated = false;
   ByteReader in(report.filter_state);
   object.seen_s = in.Get<double>();
+  for (double& value : object.reference_uncertainty.drift.reshaped()) value = in.Get<double>();
+  object.passing = in.Get<double>();
+  object.remembered_evidence = in.Get<double>();
   object.hidden = in.Get<double>();
   object.rival.value = in.Get<std::int32_t>();
   object.rivalry = in.Get<double>();

@@ -22,8 +22,11 @@ struct MapObject : ObjectBelief {
   std::vector<Particle> particles;
   std::vector<ObjectView> views;
   std::vector<float> memory;  ///< Of each particle: the sum over `views`, see judging.h.
+  PoseUncertainty reference_uncertainty;  ///< Of `world_from_reference_cam`.
   double present_weight = 0;  ///< How much of a view the last frame was, beside `views`.
-  double hidden = 0;          ///< Probability that something unmapped hides it, if it is there.
+  double passing = 0;         ///< While tentative: log ratios of the frames as they passed, summed,
+  double remembered_evidence = 0;  ///< and of `views`, for the pose of the last search.
+  double hidden = 0;   ///< Probability that something unmapped hides it, if it is there.
   double shown = 0;    ///< Independent looks in which enough of it showed, see confirm_shown.
   double seen_s = 0;   ///< Time in which it was updated.
   ObjectId rival;      ///< The object that it competes with for one place, if any,

@@ -29,6 +29,7 @@ std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
   object.category = proposal.category;
   object.reference_frame = object.first_frame = object.last_frame = input.frame;
   object.world_from_reference_cam = input.world_from_cam;
+  object.reference_uncertainty = input.pose_uncertainty;
   object.last_proposal = Detection{proposal.box, proposal.category, proposal.score};
   object.world_from_proposal_cam = input.world_from_cam;
   std::vector<PoseHypothesis> drawn =
@@ -47,7 +48,7 @@ std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
   exact.view_correlation = 0;
   PoseSampler sampler(
       map, options(),
-      Outside(TakenPlaces(object.category), Posterior(*setup.scorer, map, {}, wide, exact)),
+      Outside(TakenPlaces(object), Posterior(*setup.scorer, map, {}, wide, exact)),
       Key(setup.seed, input.frame, object.id, Draw::kSample));
   Population population =
       sampler.Temper(drawn, static_cast<std::size_t>(options().tentative_particles));
@@ -56,6 +57,7 @@ std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
   object.effective_sample_size = EffectiveSampleSize(object.particles);
   object.Summarize(map);
   object.updated = true;
+  object.log_evidence = TentativeLogOdds(0, 0, options());
   return object;
 }
 
@@ -110,7 +112,9 @@ void Mapper::Impl::Retire(MapObject& object, EventKind kind, ObjectId other, std
 void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, FrameReport& report) {
   for (MapObject& object : objects) {
     if (object.state == ObjectState::kRetired || !object.updated) continue;
-    if (object.log_evidence < options().retire_evidence) {
+    const double least = object.state == ObjectState::kTentative ? options().dismiss_evidence
+                                                                 : options().retire_evidence;
+    if (object.log_evidence < least) {
       Retire(object, EventKind::kRetired, {}, "seen where it should show, without support", report);
     } else if (object.state == ObjectState::kTentative &&
                object.log_evidence > options().confirm_evidence &&

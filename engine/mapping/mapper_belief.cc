@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/mapping/existence.h"
 #include "engine/mapping/mapper_impl.h"
 
 namespace plumbline {
@@ -20,6 +19,8 @@ constexpr double kLevelRate = 0.1, kSettledLogOdds = 4;
 constexpr double kSearchRelaxation = 8.0;
 /// Belief in the mean pose below which a look at the object has decided nothing.
 constexpr double kInDoubt = 0.8;
+/// Overlap of a box of a past image with an object's visible box that makes it the object's.
+constexpr float kRememberedIou = 0.3f;
 constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
 constexpr int kNewcomerCount = 100;
 constexpr double kManyJumped =
@@ -30,7 +31,7 @@ constexpr double kManyJumped =
 void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
                                  const OcclusionMaps& occluders, double dt_s, double novelty,
                                  FrameReport& report) {
-  const ScoringView view = View(input, occluders, object.id);
+  const ScoringView view = ViewOf(object, input, occluders);
   const Likelihood before = AtMean(object, view, nullptr);
   object.visible_fraction = before.visible_fraction;
   object.whole_box = before.whole_box;
@@ -107,29 +108,70 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
   }
 }
 
+Sighting Mapper::Impl::SightingOf(const PoseHypothesis& pose, double visible_fraction,
+                                  const Box2& visible_box, const MapperInput& input,
+                                  double telling) const {
+  const double focal = kFocalOfOptions_px / setup.camera.fx;
+  Sighting sighting;
+  sighting.visible_px = visible_box.area() * focal * focal;
+  sighting.visible_fraction = visible_fraction;
+  sighting.telling = telling;
+  sighting.inside_fraction = InsideFraction(pose, input);
+  return sighting;
+}
+
+double Mapper::Impl::RememberedEvidence(const MapObject& object, const MapperInput& input,
+                                        const OcclusionMaps& occluders) const {
+  const PoseHypothesis mean = ToHypothesis(object.mean(), map);
+  const double looks_per_view = options().key_frame_distance_m / options().correlation_m;
+  const auto look = [&](const MapperInput& from, const OcclusionMaps& maps, double weight) {
+    const Judging judging = Judge(object, from, maps);
+    if (judging.telling <= 0) return 0.0;
+    const ScoringView& view = judging.view.view;
+    const Likelihood shown = AtMean(object, view, nullptr);
+    Sighting sighting =
+        SightingOf(mean, shown.visible_fraction, shown.visible_box, from, judging.telling);
+    if (from.detections) {
+      for (const Detection& box : from.detections->proposals()) {
+        const float iou = Iou(box.box, shown.visible_box);
+        if (box.category != object.category || iou < kRememberedIou ||
+            box.score * iou < sighting.box_score * sighting.box_iou)
+          continue;
+        sighting.box_score = box.score;
+        sighting.box_iou = iou;
+      }
+    }
+    sighting.edge_surplus = static_cast<float>(
+        EdgeSurplus(*setup.scorer, view, map, mean, options()) * kUsualSurplus / edge_level);
+    return weight / judging.telling * looks_per_view * SightingLogRatio(sighting, options());
+  };
+  double sum = look(input, occluders, object.present_weight);
+  for (const ObjectView& seen : object.views) {
+    if (const KeyFrame* key = memory.Find(seen.frame))
+      sum += look(key->input, key->maps, seen.weight);
+  }
+  return sum;
+}
+
 void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
                                    const OcclusionMaps& occluders, const Detection* matched,
                                    double dt_s, double novelty) {
-  const ScoringView view = View(input, occluders, object.id);
+  const ScoringView view = ViewOf(object, input, occluders);
   const PoseHypothesis mean = ToHypothesis(object.mean(), map);
   // What all particles together expect of this image, not the mean alone: it may be between modes.
   double expected = 0;
   for (const Particle& particle : object.particles)
     expected += std::exp(particle.log_weight + kMarginalSharpness * particle.phi_edge);
   const double marginal = std::log(expected) / kMarginalSharpness;
-  const double focal = kFocalOfOptions_px / setup.camera.fx;
-  Sighting sighting;
+  Sighting sighting = SightingOf(mean, object.visible_fraction, object.visible_box, input,
+                                 Judge(object, input, occluders).telling);
   sighting.novelty = novelty;
-  sighting.visible_px = object.visible_box.area() * focal * focal;
-  sighting.visible_fraction = object.visible_fraction;
-  sighting.telling = Judge(object, input, occluders).telling;
-  sighting.inside_fraction = InsideFraction(mean, input);
   if (matched != nullptr) {
     sighting.box_score = matched->score;
     sighting.box_iou = Iou(matched->box, object.visible_box);
   }
-  const double surplus =
-      EdgeSurplus(*setup.scorer, view, map, mean) + std::max(0.0, marginal - object.phi_edge);
+  const double surplus = EdgeSurplus(*setup.scorer, view, map, mean, options()) +
+                         std::max(0.0, marginal - object.phi_edge);
   // Strong edges give more to everything, right or wrong: what settled objects get is the measure.
   sighting.edge_surplus = static_cast<float>(surplus * kUsualSurplus / edge_level);
   if (object.state == ObjectState::kConfirmed && object.log_evidence > kSettledLogOdds &&
@@ -144,15 +186,18 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
              object.visible_fraction >= options().confirm_shown) {
     object.shown += novelty;
   }
-  Existence existence{object.log_evidence, object.hidden};
   // Only what has been seen to be there can be said to be hidden.
   if (object.state == ObjectState::kConfirmed) {
+    Existence existence{object.log_evidence, object.hidden};
     existence.Update(sighting, dt_s, options());
+    object.log_evidence = existence.log_odds;
+    object.hidden = existence.hidden;
   } else {
+    Existence existence{object.passing, 0};
     existence.UpdateInView(sighting, options());
+    object.passing = existence.log_odds;
+    object.log_evidence = TentativeLogOdds(object.passing, object.remembered_evidence, options());
   }
-  object.log_evidence = existence.log_odds;
-  object.hidden = existence.hidden;
 }
 
 std::vector<SupportSurface> Mapper::Impl::FindSupports() const {
@@ -208,16 +253,22 @@ Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& inp
   present.weight = object.present_weight;
   Target posterior = Posterior(*setup.scorer, map, std::move(remembered), present, options());
   // Of equal things in a row the one that shows best draws all; what is settled keeps its own.
-  if (object.state == ObjectState::kConfirmed) return posterior;
-  return Outside(TakenPlaces(object.category), std::move(posterior));
+  return Outside(TakenPlaces(object), std::move(posterior));
 }
 
-std::vector<TakenPlace> Mapper::Impl::TakenPlaces(const std::string& category) const {
+std::vector<TakenPlace> Mapper::Impl::TakenPlaces(const MapObject& object) const {
   std::vector<TakenPlace> taken;
-  for (const MapObject& object : objects) {
-    if (object.state != ObjectState::kConfirmed || object.category != category) continue;
-    taken.push_back(
-        PlaceOf(setup.database->model(object.mean().label), object.mean().world_from_object));
+  for (const MapObject& other : objects) {
+    if (other.state != ObjectState::kConfirmed || other.category != object.category ||
+        other.id == object.id)
+      continue;
+    const TakenPlace place =
+        PlaceOf(setup.database->model(other.mean().label), other.mean().world_from_object);
+    // Of two settled ones in one place both have a claim: they compete, and one is merged.
+    if (object.state == ObjectState::kConfirmed &&
+        place.Holds(ToHypothesis(object.mean(), map).center_in_world))
+      continue;
+    taken.push_back(place);
   }
   return taken;
 }
@@ -379,6 +430,7 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
   sampler.Walk(population);
   Take(object, population);
   object.Summarize(map);
+  if (tentative) object.remembered_evidence = RememberedEvidence(object, input, occluders);
 }
 
 }  // namespace plumbline

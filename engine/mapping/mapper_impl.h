@@ -10,10 +10,12 @@
 #include <vector>
 
 #include "engine/mapping/birth.h"
+#include "engine/mapping/existence.h"
 #include "engine/mapping/judging.h"
 #include "engine/mapping/map_object.h"
 #include "engine/mapping/mapper.h"
 #include "engine/mapping/novelty_clock.h"
+#include "engine/mapping/pose_error.h"
 
 namespace plumbline {
 
@@ -96,6 +98,16 @@ struct Mapper::Impl {
     return view;
   }
 
+  /// With what the pose of the image may be off by, relative to the object's reference view.
+  ScoringView ViewOf(const MapObject& object, const MapperInput& input,
+                     const OcclusionMaps& occluders) const {
+    ScoringView view = View(input, occluders, object.id);
+    view.shifts = ImageShiftsOf(
+        RelativeCovariance(input.pose_uncertainty, object.reference_uncertainty),
+        input.world_from_cam, setup.camera, ToHypothesis(object.mean(), map).center_in_world);
+    return view;
+  }
+
   Likelihood AtMean(const MapObject& object, const ScoringView& view,
                     const FrameDetections* detections) const {
     const PoseHypothesis mean = ToHypothesis(object.mean(), map);
@@ -110,7 +122,7 @@ struct Mapper::Impl {
     double telling = 0;  ///< In [0, 1]: a small or hidden contour says less than a long one.
   };
   Judging Judge(const MapObject& object, const MapperInput& from, const OcclusionMaps& maps) const {
-    Judging result{{View(from, maps, object.id), from.detections.get(), 0, 1}, 0, 0};
+    Judging result{{ViewOf(object, from, maps), from.detections.get(), 0, 1}, 0, 0};
     const PoseHypothesis mean = ToHypothesis(object.mean(), map);
     HypothesisScore score;
     setup.scorer->Score(result.view.view, map.upright, {&mean, 1}, {&score, 1});
@@ -133,12 +145,18 @@ struct Mapper::Impl {
   // Steps of a frame, in order.
   void UpdateWeights(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders,
                      double dt_s, double novelty, FrameReport& report);
+  /// What an image that shows so much of a pose can say; without novelty, box and edges.
+  Sighting SightingOf(const PoseHypothesis& pose, double visible_fraction, const Box2& visible_box,
+                      const MapperInput& input, double telling) const;
+  /// Of the views that the object remembers and of this frame, for its mean pose.
+  double RememberedEvidence(const MapObject& object, const MapperInput& input,
+                            const OcclusionMaps& occluders) const;
   void UpdateExistence(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders,
                        const Detection* matched, double dt_s, double novelty);
   /// Share of the box of the object's bounds that lies inside the image.
   double InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const;
-  /// Places of confirmed objects that a tentative one of the category cannot have.
-  std::vector<TakenPlace> TakenPlaces(const std::string& category) const;
+  /// Places of confirmed objects of its category that the object cannot have.
+  std::vector<TakenPlace> TakenPlaces(const MapObject& object) const;
   /// Its posterior with the views it remembers, and the present frame.
   Target PosteriorOf(const MapObject& object, const MapperInput& input,
                      const OcclusionMaps& occluders) const;

@@ -107,12 +107,16 @@ struct MapperOptions {
   double most_box_evidence = 1.5;
   double hidden_rate = 0.02;
   double hidden_s = 30;
-  double confirm_evidence = 2.0;
+  double tentative_odds = -0.87;
+  double passing_share = 0.41;
+  double remembered_share = 0.26;
+  double confirm_evidence = 0.5;
+  double dismiss_evidence = -2.0;
   double retire_evidence = -3.0;
   double confirm_position_std_m = 0.10;
-  double confirm_mode_weight = 0.97;
+  double confirm_mode_weight = 0.95;
   double confirm_shown = 0.25;
-  double confirm_age_s = 1.0;
+  double confirm_age_s = 0.5;
   double tentative_limit_s = 6.0;
 
   PaperOptions paper;  ///< Of filter = paper.
@@ -221,8 +225,20 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
          0, 1});
   visit(o.hidden_s,
         {"hidden_s", "s", "how long an object stays hidden by something unmapped", 0.01, 10000});
+  visit(o.tentative_odds,
+        {"tentative_odds", "", "log odds of what a box spawned, before evidence", -100, 100});
+  visit(o.passing_share,
+        {"passing_share", "",
+         "share of the evidence of frames, as they passed, in the log odds of a tentative object",
+         0, 10});
+  visit(o.remembered_share,
+        {"remembered_share", "",
+         "share of the evidence of remembered views, for its present pose, in them", 0, 10});
   visit(o.confirm_evidence, {"confirm_evidence", "", "log odds that confirm an object", -100, 100});
-  visit(o.retire_evidence, {"retire_evidence", "", "log odds that retire an object", -100, 100});
+  visit(o.dismiss_evidence,
+        {"dismiss_evidence", "", "log odds that retire a tentative object", -100, 100});
+  visit(o.retire_evidence,
+        {"retire_evidence", "", "log odds that retire a confirmed object", -100, 100});
   visit(o.confirm_position_std_m,
         {"confirm_position_std_m", "m", "largest uncertainty of a confirmed object", 0, 100});
   visit(o.confirm_mode_weight,

@@ -138,6 +138,7 @@ class FramePreparer {
     input.frame = packet.frame;
     input.stamp_ns = packet.stamp_ns;
     input.world_from_cam = pose->world_from_cam;
+    input.pose_uncertainty = pose->uncertainty;
     input.pose_id = pose->id;
     input.pose_epoch = pose->epoch;
     input.edges = prepared.edges;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -41,24 +40,35 @@ inline PosePerturbation PerturbationBetween(const Eigen::Isometry3d& from,
   return error;
 }
 
+/// The covariance of the pose of something that sits at the end of an arm: what turns the arm moves
+/// its end.
+/// @param arm_in_world  From the origin of the first to that of the second [m].
+inline PoseCovariance MovedBy(const Eigen::Vector3d& arm_in_world,
+                              const PoseCovariance& covariance) {
+  PoseCovariance move = PoseCovariance::Identity();
+  move.block<3, 3>(0, 3) << 0, arm_in_world.z(), -arm_in_world.y(), -arm_in_world.z(), 0,
+      arm_in_world.x(), arm_in_world.y(), -arm_in_world.x(), 0;
+  return move * covariance * move.transpose();
+}
+
+/// How uncertain a pose is. What a mapper needs is how one view errs relative to another: two whole
+/// covariances would count the common part twice.
+struct PoseUncertainty {
+  /// Of the error that later poses go on from, as a filter's do: it only grows, and the relative
+  /// error of two poses has the difference of theirs. Zero: given, not estimated.
+  PoseCovariance drift = PoseCovariance::Zero();
+  /// Of the error that this pose shares with no other, as poses that were found one by one have.
+  PoseCovariance own = PoseCovariance::Zero();
+};
+
 /// Where the camera was at one time, as somebody estimates it. An estimate with the id of an
 /// earlier one and a higher epoch corrects it.
 struct PoseEstimate {
   PoseId id;
   std::int64_t stamp_ns = 0;
   Eigen::Isometry3d world_from_cam = Eigen::Isometry3d::Identity();  ///< Of the first camera.
-  PoseCovariance covariance = PoseCovariance::Zero();  ///< Zero: given, not estimated.
-  int epoch = 0;                                       ///< Rises whenever the past was corrected.
-};
-
-/// How the errors of the pose of one view and of the reference views that it names belong together.
-/// What a mapper needs is the error of one view relative to another: two covariances on their own
-/// would count the common part twice.
-struct JointPoseCovariance {
-  std::vector<PoseId> references;
-  /// Square, 6 rows for the view and 6 for each reference, in that order, each in the order of
-  /// PosePerturbation. Empty: all these poses are exact.
-  Eigen::MatrixXd covariance;
+  PoseUncertainty uncertainty;
+  int epoch = 0;  ///< Rises whenever the past was corrected.
 };
 
 }  // namespace plumbline

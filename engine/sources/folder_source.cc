@@ -53,6 +53,7 @@ std::optional<PoseEstimate> FolderSource::Pose(int frame) const {
   pose.id = PoseId{frame};
   pose.stamp_ns = sequence_->stamp_ns(frame);
   pose.world_from_cam = *world_from_cam;
+  pose.uncertainty = sequence_->pose_uncertainty(frame);
   return pose;
 }
 

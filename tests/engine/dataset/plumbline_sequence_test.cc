@@ -177,6 +177,32 @@ TEST_F(OwnLayout, PosesOfTheBodyNeedBodyFromCam) {
   EXPECT_EQ(Open()->world_from_cam(0)->translation().x(), 5.5);
 }
 
+std::string CovarianceRow(const std::string& stamp) {
+  std::string row = stamp;
+  for (int r = 0; r < 6; ++r) {
+    for (int c = 0; c < 6; ++c) row += r != c ? ",0" : r < 3 ? ",0.0004" : ",0.0001";
+  }
+  return row + "\n";
+}
+
+TEST_F(OwnLayout, TellsHowUncertainItsPosesAre) {
+  WriteTinySequence(root_);
+  const std::filesystem::path file = root_ / "trajectory.covariance.csv";
+  WriteText(file, "# filter\n" + CovarianceRow("0.0") + CovarianceRow("0.1"));
+  const auto sequence = Open();
+  EXPECT_NEAR(sequence->pose_uncertainty(1).drift(0, 0), 4e-4, 1e-12);
+  EXPECT_TRUE(sequence->pose_uncertainty(1).own.isZero());
+  EXPECT_TRUE(sequence->pose_uncertainty(2).drift.isZero());
+  EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("3 poses, which count as exact")));
+
+  WriteText(file, "# independent\n" + CovarianceRow("0.0"));
+  EXPECT_NEAR(Open()->pose_uncertainty(0).own(5, 5), 1e-4, 1e-12);
+  WriteText(file, "# world_from_body\n" + CovarianceRow("0.0"));
+  EXPECT_THAT(Refusal(), HasSubstr("body_from_cam"));
+  WriteText(file, "nonsense\n");
+  EXPECT_THAT(Refusal(), HasSubstr("no usable covariance"));
+}
+
 TEST_F(OwnLayout, RefusesWithASentenceThatNamesTheFile) {
   EXPECT_THAT(Refusal(), HasSubstr("there is no sequence"));
   std::filesystem::create_directories(root_);

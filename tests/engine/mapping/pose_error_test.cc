@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/pose_error.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "engine/base/random.h"
+#include "engine/mapping/likelihood.h"
+#include "tests/support/mapping_scene.h"
+
+namespace plumbline {
+namespace {
+
+PoseCovariance Covariance(double position_m, double rotation_rad) {
+  PosePerturbation deviations;
+  deviations << Eigen::Vector3d::Constant(position_m), Eigen::Vector3d::Constant(rotation_rad);
+  return deviations.cwiseAbs2().asDiagonal();
+}
+
+TEST(ImageShifts, HaveTheMomentsOfProjectionsByPosesThatErr) {
+  const Eigen::Isometry3d world_from_cam = LookAt({2, 1, 1.5}, {0, 0, 0.5});
+  const PinholeCamera camera{640, 480, 500, 500, 319.5, 239.5};
+  const Eigen::Vector3d point(0.1, -0.2, 0.4);
+  const PoseCovariance covariance = Covariance(0.01, 0.3 * 3.14159 / 180);
+  const std::vector<ImageShift> shifts = ImageShiftsOf(covariance, world_from_cam, camera, point);
+  ASSERT_EQ(shifts.size(), 5u);
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
+  double sum = 0;
+  for (const ImageShift& shift : shifts) {
+    const Eigen::Vector2d s(shift.x_px, shift.y_px);
+    sum += shift.weight;
+    mean += shift.weight * s;
+    second += shift.weight * s * s.transpose();
+  }
+  EXPECT_NEAR(sum, 1, 1e-12);
+  EXPECT_LT(mean.norm(), 1e-9);
+
+  Random random(RandomKey{3, 0, 0, 0});
+  const Eigen::Vector2d right = camera.Project(world_from_cam.inverse() * point);
+  Eigen::Matrix2d drawn = Eigen::Matrix2d::Zero();
+  constexpr int kDraws = 20000;
+  for (int i = 0; i < kDraws; ++i) {
+    PosePerturbation error;
+    for (int k = 0; k < 6; ++k) error[k] = std::sqrt(covariance(k, k)) * random.Gaussian();
+    const Eigen::Vector2d off =
+        camera.Project(Perturbed(world_from_cam, error).inverse() * point) - right;
+    drawn += off * off.transpose() / kDraws;
+  }
+  EXPECT_LT((second - drawn).norm(), 0.03 * drawn.norm());
+}
+
+TEST(ImageShifts, AreNotMadeForWhatIsExactOrHardlyErrs) {
+  const Eigen::Isometry3d world_from_cam = LookAt({2, 1, 1.5}, {0, 0, 0.5});
+  const PinholeCamera camera{640, 480, 500, 500, 319.5, 239.5};
+  const Eigen::Vector3d in_front(0, 0, 0.5), behind(4, 2, 2.5);
+  EXPECT_TRUE(ImageShiftsOf(PoseCovariance::Zero(), world_from_cam, camera, in_front).empty());
+  EXPECT_TRUE(ImageShiftsOf(Covariance(1e-4, 1e-5), world_from_cam, camera, in_front).empty());
+  EXPECT_TRUE(ImageShiftsOf(Covariance(0.01, 0.01), world_from_cam, camera, behind).empty());
+}
+
+TEST(RelativeCovariance, OfADriftIsWhatItGrewByAndOfOwnErrorsAllOfThem) {
+  PoseUncertainty early, late;
+  early.drift = Covariance(0.02, 0.001);
+  late.drift = 2 * early.drift;
+  EXPECT_TRUE(RelativeCovariance(late, early).isApprox(early.drift, 1e-12));
+  EXPECT_TRUE(RelativeCovariance(early, late).isApprox(early.drift, 1e-12)) << "whichever is later";
+  EXPECT_TRUE(RelativeCovariance(early, early).isZero());
+  late.own = Covariance(0.01, 0.002);
+  EXPECT_TRUE(RelativeCovariance(late, early).isApprox(early.drift + late.own, 1e-12));
+}
+
+/// The edge term of poses across the line of sight of a view that is 6 px off.
+class ShiftedView : public testing::Test {
+ protected:
+  ShiftedView() {
+    MappingScene& scene = MappingScene::Get();
+    const PlacedModel placed = scene.Place("chair", 0, 0, 30);
+    const Eigen::Isometry3d world_from_cam = LookAt({1.6, 1.2, 1.3}, {0, 0, 0.4});
+    input_ = scene.Input(0, world_from_cam, {&placed, 1});
+    truth_ = scene.Hypothesis(placed);
+    view_.camera = scene.camera();
+    view_.camera.cx += 6;
+    view_.cam_from_world = world_from_cam.inverse();
+    view_.table = input_.table.get();
+  }
+  float EdgeTerm(const ScoringView& view) const {
+    MappingScene& scene = MappingScene::Get();
+    return Evaluate(*scene.scorer(), view, scene.map(), nullptr, {&truth_, 1}, std::nullopt, {})
+        .front()
+        .phi_edge;
+  }
+  MapperInput input_;
+  PoseHypothesis truth_;
+  ScoringView view_;
+};
+
+TEST_F(ShiftedView, CostsLittleWhereItIsTold) {
+  ScoringView told = view_, exact = view_;
+  exact.camera = MappingScene::Get().camera();
+  for (const auto& [x, y, weight] :
+       {std::tuple{0., 0., 1. / 3}, std::tuple{6., 0., 1. / 6}, std::tuple{-6., 0., 1. / 6},
+        std::tuple{0., 6., 1. / 6}, std::tuple{0., -6., 1. / 6}})
+    told.shifts.push_back({x, y, weight});
+  const float right = EdgeTerm(exact), off = EdgeTerm(view_), marginal = EdgeTerm(told);
+  EXPECT_LT(off, 0.5f * right);
+  // One of the five is right: log(1/6) / beta below it.
+  EXPECT_GT(marginal, right - static_cast<float>(std::log(6.0) / MapperOptions{}.beta));
+  EXPECT_LT(marginal, right);
+}
+
+}  // namespace
+}  // namespace plumbline
