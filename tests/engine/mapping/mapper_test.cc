@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/mapper.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/mapping_scene.h"
+
+namespace plumbline {
+namespace {
+
+class MapperTest : public testing::Test {
+ protected:
+  std::unique_ptr<Mapper> NewMapper() {
+    MapperSetup setup;
+    setup.camera = scene_.camera();
+    setup.floor_in_world = scene_.map().floor_in_world;
+    setup.database = scene_.database();
+    setup.scorer = scene_.scorer();
+    return Mapper::Create(setup).value();
+  }
+  /// A frame of a walk about the origin, 12 cm and 3.4 degrees from the one before.
+  MapperInput Seen(int frame, std::span<const PlacedModel> objects) {
+    const double angle = 0.3 + 0.06 * frame;
+    return scene_.Input(frame, LookAt({2 * std::cos(angle), 2 * std::sin(angle), 1.4}, {0, 0, 0.4}),
+                        objects);
+  }
+  static const ObjectReport* Best(const FrameReport& report) {
+    const ObjectReport* best = nullptr;
+    for (const ObjectReport& object : report.objects)
+      if (best == nullptr || object.log_evidence > best->log_evidence) best = &object;
+    return best;
+  }
+
+  MappingScene& scene_ = MappingScene::Get();
+};
+
+TEST_F(MapperTest, WhatIsSpawnedLateIsJudgedByTheViewsBefore) {
+  constexpr int kBoxedFrom = 14, kEnd = 20;
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const auto log_odds_after = [&](int first_frame) {
+    const auto mapper = NewMapper();
+    double log_odds = 0;
+    for (int frame = first_frame; frame < kEnd; ++frame) {
+      MapperInput input = Seen(frame, {&chair, 1});
+      if (frame < kBoxedFrom) input.detections = DetectionsFromProposals({});
+      const FrameReport report = mapper->Step(input);
+      if (const ObjectReport* best = Best(report)) log_odds = best->log_evidence;
+    }
+    return log_odds;
+  };
+  EXPECT_GT(log_odds_after(0), log_odds_after(kBoxedFrom) + 1);
+}
+
+}  // namespace
+}  // namespace plumbline
