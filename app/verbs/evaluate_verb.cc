@@ -92,9 +92,10 @@ void PrintTable(const MapEvaluation& evaluation, const EvaluateArguments& argume
               arguments.scene.empty() ? " (no --scene)" : "");
   if (arguments.by_trajectory) {
     const TrajectoryErrors& errors = arguments.by_trajectory->errors;
-    std::printf("own poses against the reference: %d frames, ATE %.1f cm, tilt %.2f deg, scale %.4f "
-                "(by which they have to grow)\n\n",
-                errors.matched, 100 * errors.ate_m, Degrees(errors.tilt_rad), errors.scale);
+    std::printf(
+        "own poses against the reference: %d frames, ATE %.1f cm, tilt %.2f deg, scale %.4f "
+        "(by which they have to grow)\n\n",
+        errors.matched, 100 * errors.ate_m, Degrees(errors.tilt_rad), errors.scale);
   }
   std::printf("%-22s %8s %8s %8s %8s   %s\n", "distances [cm]", "mean", "median", "std", "max",
               "the paper's mean");
@@ -120,7 +121,8 @@ void PrintTable(const MapEvaluation& evaluation, const EvaluateArguments& argume
 /// The run's beliefs frame by frame; nothing where the input is no run file, its frame is not that
 /// of the truth, or the models are not those of the run.
 std::optional<RunReview> BeliefsOf(const EvaluateArguments& arguments) {
-  if (std::filesystem::path(arguments.run).extension() != ".plb" || (arguments.align != "none" && arguments.align != "trajectory"))
+  if (std::filesystem::path(arguments.run).extension() != ".plb" ||
+      (arguments.align != "none" && arguments.align != "trajectory"))
     return std::nullopt;
   Result<RunReview> review =
       ReviewRun({arguments.run, {}, arguments.models}, arguments.ground_truth, WorkContext());
@@ -216,9 +218,12 @@ Status Align(EvaluateArguments& arguments) {
 }
 
 nlohmann::json TrajectoryToJson(const TrajectoryErrors& errors) {
-  return {{"matched", errors.matched},           {"ate_m", errors.ate_m},
-          {"ate_deg", Degrees(errors.ate_rad)},  {"tilt_deg", Degrees(errors.tilt_rad)},
-          {"scale", errors.scale},               {"path_m", errors.path_m}};
+  return {{"matched", errors.matched},
+          {"ate_m", errors.ate_m},
+          {"ate_deg", Degrees(errors.ate_rad)},
+          {"tilt_deg", Degrees(errors.tilt_rad)},
+          {"scale", errors.scale},
+          {"path_m", errors.path_m}};
 }
 
 /// What estimates are compared with.

@@ -22,7 +22,8 @@ void PipelineArguments::AddTo(CLI::App& verb) {
   verb.add_option(
           "--poses", poses,
           "dataset (the sequence's own); vio: from its images and IMU alone, each pose as it is "
-          "known at its image, in a world of its own with gravity and a floor found from points; or "
+          "known at its image, in a world of its own with gravity and a floor found from points; "
+          "or "
           "a trajectory: FILE with rows t tx ty tz qx qy qz "
           "qw (TUM), of the camera, or of the body if its first line says # world_from_body. "
           "It must be in the sequence's gravity-aligned world: gravity and floor are those "

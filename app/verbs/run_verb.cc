@@ -51,7 +51,8 @@ Result<std::unique_ptr<RunWriter>> OpenWriter(const RunArguments& arguments,
   if (!arguments.resume || !std::filesystem::exists(arguments.out, ignored)) {
     return RunWriter::Create(arguments.out, header, {}, pipeline.own_poses().get());
   }
-  Result<RunWriter::Resumed> resumed = RunWriter::OpenToResume(arguments.out, header, pipeline.own_poses().get());
+  Result<RunWriter::Resumed> resumed =
+      RunWriter::OpenToResume(arguments.out, header, pipeline.own_poses().get());
   if (!resumed.ok()) return resumed.error();
   if (resumed->last) {
     const auto reader = RunReader::Open(arguments.out);

@@ -102,7 +102,8 @@ SequenceView MakeViewWithoutScan(const Sequence& sequence, const ModelDatabase& 
 SequenceView MakeSequenceView(const Sequence& sequence, const ModelDatabase& database,
                               const WorkContext& work) {
   SequenceView view = MakeViewWithoutScan(sequence, database);
-  if (const auto file = sequence.scene_file()) {
+  const bool placed = view.own_poses == nullptr || !view.given_world_from_cam.empty();
+  if (const auto file = sequence.scene_file(); file && placed) {
     work.report({"Reading the scan"});
     AddScan(*file, view.world_from_given, view);
   }

@@ -32,8 +32,7 @@ struct EstimatedObject {
 enum class Alignment { kNone, kTrajectory, kObjects, kIcp, kIcp4 };
 template <>
 struct EnumNames<Alignment> {
-  static constexpr std::string_view names[] = {"none", "trajectory", "objects", "icp",
-                                               "icp4"};
+  static constexpr std::string_view names[] = {"none", "trajectory", "objects", "icp", "icp4"};
 };
 
 enum class TruthSurface { kBoth, kScan, kModels };
@@ -44,8 +43,8 @@ struct EnumNames<TruthSurface> {
 
 struct EvaluationOptions {
   /// What brings the map into the frame of the truth: nothing, the trajectories (which is
-  /// `truth_from_estimate`), a turn about up and a translation from the matched origins, ICP of the surfaces (rigid, as in the paper), or ICP that keeps
-  /// gravity.
+  /// `truth_from_estimate`), a turn about up and a translation from the matched origins, ICP of the
+  /// surfaces (rigid, as in the paper), or ICP that keeps gravity.
   Alignment align = Alignment::kNone;
   /// Where every alignment but `none` begins.
   Eigen::Isometry3d truth_from_estimate = Eigen::Isometry3d::Identity();

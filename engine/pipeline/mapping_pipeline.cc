@@ -13,8 +13,8 @@
 #include "engine/mapping/option_changes.h"
 #include "engine/mapping/rendered_scorer.h"
 #include "engine/mapping/viewpoint_scorer.h"
-#include "engine/snapshot/map_snapshot.h"
 #include "engine/pipeline/own_pose_sequence.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "engine/sources/folder_source.h"
 #include "engine/vio/own_poses.h"
 #include "engine/vision/edge_detector.h"
@@ -29,7 +29,7 @@ struct Prepared {
   Frame frame;
   EdgeMap edges;
   std::optional<MapperInput> input;
-  int options_version = 0;  ///< Of the options that the table was made with.
+  int options_version = 0;             ///< Of the options that the table was made with.
   std::optional<FloorEstimate> floor;  ///< As known at the frame.
   std::string skipped;
   SkipCause skip_cause = SkipCause::kUnknown;  ///< What was prepared last.
@@ -68,9 +68,8 @@ Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
                      "' has no gravity.json; objects stand upright, so the mapper needs gravity"};
   }
   if (own_poses == nullptr) {
-    Result<OwnPoses> estimated =
-        EstimateOwnPoses(**sequence, recipe.frames.end.value_or((*sequence)->num_frames()),
-                         recipe.own_poses, work);
+    Result<OwnPoses> estimated = EstimateOwnPoses(
+        **sequence, recipe.frames.end.value_or((*sequence)->num_frames()), recipe.own_poses, work);
     if (!estimated.ok()) return estimated.error();
     own_poses = std::make_shared<const OwnPoses>(std::move(estimated).value());
   }
@@ -158,9 +157,9 @@ class FramePreparer {
     prepared.timings.push_back({"decode", watch.Lap()});
     prepared.skip_cause = SkipCause::kPose;
     if (!pose) {
-      return Error{ErrorCode::kNotFound,
-                   "frame " + std::to_string(packet.frame) + " has no camera pose" +
-                       (why_not.empty() ? "" : ": " + why_not)};
+      return Error{ErrorCode::kNotFound, "frame " + std::to_string(packet.frame) +
+                                             " has no camera pose" +
+                                             (why_not.empty() ? "" : ": " + why_not)};
     }
     prepared.skip_cause = SkipCause::kEdges;
     Result<EdgeMap> edges = edges_->Detect(prepared.frame);

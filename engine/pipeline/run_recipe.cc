@@ -138,9 +138,7 @@ MapperOptions KnownOptions(const nlohmann::json& stored) {
   return KnownOptionsOf<MapperOptions>(stored);
 }
 
-std::string HashOf(const OwnPoseOptions& options) {
-  return HashHex(OptionsToJson(options).dump());
-}
+std::string HashOf(const OwnPoseOptions& options) { return HashHex(OptionsToJson(options).dump()); }
 
 std::string_view NameOf(ScorerKind kind) { return SourceName(kind); }
 

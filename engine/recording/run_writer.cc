@@ -298,8 +298,7 @@ class RunWriter::Worker {
 };
 
 Result<std::unique_ptr<RunWriter>> RunWriter::Create(const std::filesystem::path& file,
-                                                     const RunHeader& header,
-                                                     const WritePast& past,
+                                                     const RunHeader& header, const WritePast& past,
                                                      const OwnPoses* own_poses) {
   auto lock = Lock(file);
   if (!lock) return lock.error();

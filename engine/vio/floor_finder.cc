@@ -10,13 +10,14 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kMemory = 4000;   // points
-constexpr double kStep_m = 0.01;            // between heights that are tried
-constexpr double kWidth = 1.5;              // of the band, in spreads to both sides
-constexpr double kPeak = 2;                 // denser than the band above it by this factor
-constexpr double kBelow = 0.3;              // of the points in the band, at most, lie below it
-constexpr double kLeastExtent_m = 0.4;      // of the points on the floor, horizontally
-constexpr double kImagesTogether = 15;      // points of so many images err together
-constexpr double kLeastStd_m = 0.01;        // no floor is more even, nor found better
+constexpr double kStep_m = 0.01;        // between heights that are tried
+constexpr double kWidth = 1.5;          // of the band, in spreads to both sides
+constexpr double kPeak = 2;             // denser than the band above it by this factor
+constexpr double kBelow = 0.3;          // of the points in the band, at most, lie below it
+constexpr double kLeastExtent_m = 0.4;  // of the points on the floor, horizontally
+constexpr int kImagesTogether = 15;     // points of so many images err together
+constexpr std::size_t kLeastLooks = 4;  // from so many groups of images
+constexpr double kLeastStd_m = 0.01;    // no floor is more even, nor found better
 
 }  // namespace
 
@@ -64,15 +65,15 @@ std::optional<FloorReport> FloorFinder::Find(double camera_height_m) const {
       max_x = std::max(max_x, point.x);
       min_y = std::min(min_y, point.y);
       max_y = std::max(max_y, point.y);
-      looks.insert(static_cast<int>(point.image / kImagesTogether));
+      looks.insert(point.image / kImagesTogether);
     }
-    if (std::min(max_x - min_x, max_y - min_y) < kLeastExtent_m) continue;
+    if (std::min(max_x - min_x, max_y - min_y) < kLeastExtent_m || looks.size() < kLeastLooks)
+      continue;
     FloorReport found;
     found.height_m = center;
     // The band cuts the tails off, so that the spread is at least what the options say.
     const double spread = std::max(std::sqrt(squares / count), options_.floor_spread_m);
-    found.std_m =
-        std::hypot(spread / std::sqrt(static_cast<double>(looks.size())), kLeastStd_m);
+    found.std_m = std::hypot(spread / std::sqrt(static_cast<double>(looks.size())), kLeastStd_m);
     found.points = static_cast<int>(floor.size());
     return found;
   }

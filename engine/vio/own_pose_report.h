@@ -47,10 +47,10 @@ struct FloorReport {
 /// One image of the sequence.
 struct OwnPoseReport {
   VioReport vio;
-  bool measured = false;   ///< The filter used the image; otherwise its pose is a prediction.
-  bool ready = false;      ///< The mapper may use the pose.
-  std::string waits_for;   ///< Why it may not, a sentence; "" when it may.
-  double tilt_std_rad = 0; ///< Of gravity's direction.
+  bool measured = false;        ///< The filter used the image; otherwise its pose is a prediction.
+  bool ready = false;           ///< The mapper may use the pose.
+  std::string waits_for;        ///< Why it may not, a sentence; "" when it may.
+  double tilt_std_rad = 0;      ///< Of gravity's direction.
   double velocity_std_m_s = 0;  ///< Of the worst axis.
   double nis_gate = 0;          ///< 95 % bound on the sum of the normalised innovations squared.
   double tracking_ms = 0;

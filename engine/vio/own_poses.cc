@@ -187,10 +187,10 @@ class Recorder {
         frame.waits_for = Sentence("waiting for the velocity: known to %.3f m/s, %.3f are needed",
                                    frame.velocity_std_m_s, options_.ready_velocity_m_s);
       } else if (any_ready_ && position_m > kSamePlace_m) {
-        frame.waits_for =
-            Sentence("the filter was lost and began anew within %.2f m of its old world; mapping "
-                     "on would put objects twice",
-                     position_m);
+        frame.waits_for = Sentence(
+            "the filter was lost and began anew within %.2f m of its old world; mapping "
+            "on would put objects twice",
+            position_m);
       } else {
         ready_stretch_ = vio.stretch;
       }
@@ -239,8 +239,9 @@ Result<OwnPoses> EstimateOwnPoses(const Sequence& sequence, int end_frame,
   const std::string name = "'" + sequence.path().string() + "'";
   if (!sequence.has_images()) {
     return Error{ErrorCode::kNotFound,
-                 name + " has no images (there is no folder color/); poses come from images and "
-                        "an IMU"};
+                 name +
+                     " has no images (there is no folder color/); poses come from images and "
+                     "an IMU"};
   }
   const Result<ImuRecording> imu = sequence.ReadImu();
   if (!imu.ok()) return imu.error();
@@ -262,10 +263,10 @@ Result<OwnPoses> EstimateOwnPoses(const Sequence& sequence, int end_frame,
   });
   if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
   if (!recorder.any_ready()) {
-    return Error{ErrorCode::kDegenerate,
-                 "no image of " + name + " got a pose that serves mapping: " +
-                     (recorder.last_wait().empty() ? "no image could be read"
-                                                   : recorder.last_wait())};
+    return Error{
+        ErrorCode::kDegenerate,
+        "no image of " + name + " got a pose that serves mapping: " +
+            (recorder.last_wait().empty() ? "no image could be read" : recorder.last_wait())};
   }
   return std::move(recorder.poses);
 }

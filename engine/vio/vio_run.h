@@ -47,7 +47,7 @@ struct ImageSource {
 
 /// What one image did, for those who watch.
 struct VioMoment {
-  int image = 0;                       ///< Index in the source.
+  int image = 0;  ///< Index in the source.
   const TrackedImage& tracked;
   std::span<const VioReport> reports;  ///< Of AddImage.
   std::span<const MapPoint> points;    ///< Finished since the image before.
@@ -62,8 +62,7 @@ VioRun RunVio(const VioInput& input, std::span<const TrackedImage> images,
 
 /// The same on images, whose points are tracked with the gyro's help.
 VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions& options,
-              const TrackerOptions& tracker, const WorkContext& work,
-              const VioObserver& seen = {});
+              const TrackerOptions& tracker, const WorkContext& work, const VioObserver& seen = {});
 
 /// Leaves out tracks at random: each with this probability, for all its life.
 std::vector<TrackedImage> DropTracks(std::span<const TrackedImage> images, double probability,
