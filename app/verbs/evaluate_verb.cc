@@ -10,11 +10,15 @@
 #include "engine/analysis/history.h"
 #include "engine/analysis/reliability.h"
 #include "engine/analysis/run_review.h"
+#include "engine/analysis/trajectory_alignment.h"
 #include "engine/base/log.h"
 #include "engine/evaluation/map_evaluation.h"
 #include "engine/models/mesh_file.h"
+#include "engine/recording/run_file.h"
+#include "engine/recording/run_inputs.h"
 #include "engine/recording/run_summary.h"
 #include "engine/recording/smoothed_record.h"
+#include "engine/sources/folder_source.h"
 
 namespace plumbline {
 namespace {
@@ -22,8 +26,10 @@ namespace {
 struct EvaluateArguments {
   std::string run, ground_truth, models, scene, json;
   std::string trajectory, reference;  ///< Instead of a run.
-  std::string align, truth = "both";  ///< Empty: "none" of a map, "yaw" of a trajectory.
+  ///< Empty: "yaw" of a trajectory; of a map "trajectory" where it has own poses, else "none".
+  std::string align, truth = "both";
   EvaluationOptions options;
+  std::optional<SequenceAlignment> by_trajectory;
 };
 
 double Degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
@@ -84,6 +90,13 @@ void PrintTable(const MapEvaluation& evaluation, const EvaluateArguments& argume
               evaluation.matched.size(), evaluation.missed.size(), evaluation.spurious.size(),
               arguments.align.c_str(), arguments.scene.empty() ? "models" : arguments.truth.c_str(),
               arguments.scene.empty() ? " (no --scene)" : "");
+  if (arguments.by_trajectory) {
+    const TrajectoryErrors& errors = arguments.by_trajectory->errors;
+    std::printf(
+        "own poses against the reference: %d frames, ATE %.1f cm, tilt %.2f deg, scale %.4f "
+        "(by which they have to grow)\n\n",
+        errors.matched, 100 * errors.ate_m, Degrees(errors.tilt_rad), errors.scale);
+  }
   std::printf("%-22s %8s %8s %8s %8s   %s\n", "distances [cm]", "mean", "median", "std", "max",
               "the paper's mean");
   PrintSurface("surface", evaluation.surface, "1.39 - 2.79 VISMA, 0.3 - 6.3 SceneNN");
@@ -108,7 +121,8 @@ void PrintTable(const MapEvaluation& evaluation, const EvaluateArguments& argume
 /// The run's beliefs frame by frame; nothing where the input is no run file, its frame is not that
 /// of the truth, or the models are not those of the run.
 std::optional<RunReview> BeliefsOf(const EvaluateArguments& arguments) {
-  if (std::filesystem::path(arguments.run).extension() != ".plb" || arguments.align != "none")
+  if (std::filesystem::path(arguments.run).extension() != ".plb" ||
+      (arguments.align != "none" && arguments.align != "trajectory"))
     return std::nullopt;
   Result<RunReview> review =
       ReviewRun({arguments.run, {}, arguments.models}, arguments.ground_truth, WorkContext());
@@ -161,6 +175,57 @@ void PrintReliability(const RunHistory& history, int truths) {
   }
 }
 
+/// The recipe of a run file, and whether there is one to ask.
+Result<std::optional<RunHeader>> HeaderOfRun(const EvaluateArguments& arguments) {
+  if (std::filesystem::path(arguments.run).extension() != ".plb") return std::optional<RunHeader>();
+  const auto reader = RunReader::Open(arguments.run);
+  if (!reader.ok()) return reader.error();
+  return std::optional((*reader)->header());
+}
+
+/// How the poses of the run lie to those that its sequence was given, or to --reference.
+Result<SequenceAlignment> AlignByTrajectory(const EvaluateArguments& arguments,
+                                            const RunHeader& header) {
+  const RunChoice choice{arguments.run, {}, arguments.models};
+  const auto mapped = OpenSequenceOfRun(choice, header);
+  if (!mapped.ok()) return mapped.error();
+  const auto reference =
+      OpenSequence(RecipeOf(choice, header).sequence, SequenceOptions{arguments.reference});
+  if (!reference.ok()) return reference.error();
+  if (Status status = CheckHasPoses(**reference, arguments.reference); !status.ok())
+    return status.error();
+  return AlignTrajectories(**mapped, **reference);
+}
+
+/// Decides about the alignment, and makes the trajectories' where it is asked for or a start.
+Status Align(EvaluateArguments& arguments) {
+  const auto header = HeaderOfRun(arguments);
+  if (!header.ok()) return header.error();
+  const bool own = *header && (*header)->recipe.poses.source == PoseSource::kVio;
+  if (arguments.align.empty()) arguments.align = own ? "trajectory" : "none";
+  const bool wanted = arguments.align == "trajectory";
+  if (wanted && !*header) {
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + arguments.run + "' has no camera poses; give the run file (.plb)"};
+  }
+  if (!wanted && !(own && arguments.align != "none")) return {};
+  Result<SequenceAlignment> alignment = AlignByTrajectory(arguments, **header);
+  if (!alignment.ok() && wanted) return alignment.error();
+  if (!alignment.ok()) return {};  // the objects are where the search begins
+  arguments.options.truth_from_estimate = alignment->reference_from_mapped;
+  arguments.by_trajectory = std::move(alignment).value();
+  return {};
+}
+
+nlohmann::json TrajectoryToJson(const TrajectoryErrors& errors) {
+  return {{"matched", errors.matched},
+          {"ate_m", errors.ate_m},
+          {"ate_deg", Degrees(errors.ate_rad)},
+          {"tilt_deg", Degrees(errors.tilt_rad)},
+          {"scale", errors.scale},
+          {"path_m", errors.path_m}};
+}
+
 /// What estimates are compared with.
 struct Truth {
   GroundTruth instances;
@@ -202,6 +267,8 @@ Result<nlohmann::json> Judge(const std::vector<EstimatedObject>& estimates, cons
     if (beliefs) PrintReliability(beliefs->history, truths);
   }
   nlohmann::json json = EvaluationToJson(*evaluation, arguments.options);
+  if (arguments.by_trajectory)
+    json["trajectory"] = TrajectoryToJson(arguments.by_trajectory->errors);
   if (beliefs) json["belief"] = BeliefToJson(beliefs->history, truths);
   return json;
 }
@@ -222,6 +289,7 @@ Result<std::optional<RunReview>> SmoothedBeliefs(const std::optional<RunReview>&
 }
 
 Status Evaluate(EvaluateArguments arguments) {
+  if (Status status = Align(arguments); !status.ok()) return status;
   arguments.options.align = ValueOf<Alignment>(arguments.align);
   arguments.options.truth = ValueOf<TruthSurface>(arguments.truth);
   const Result<std::vector<EstimatedObject>> estimates = ReadEstimates(arguments.run);
@@ -248,8 +316,9 @@ Status Evaluate(EvaluateArguments arguments) {
 /// What is asked for: a map or a trajectory. Throws CLI's errors of usage.
 VerbFunction ChooseEvaluation(EvaluateArguments arguments) {
   const bool of_trajectory = !arguments.trajectory.empty();
-  if (arguments.align.empty()) arguments.align = of_trajectory ? "yaw" : "none";
+  if (arguments.align.empty() && of_trajectory) arguments.align = "yaw";
   const auto check_align = [&](std::initializer_list<const char*> known) {
+    if (arguments.align.empty()) return;
     if (std::find(known.begin(), known.end(), arguments.align) != known.end()) return;
     std::string names;
     for (const char* name : known) names += std::string(names.empty() ? "" : ", ") + name;
@@ -270,7 +339,7 @@ VerbFunction ChooseEvaluation(EvaluateArguments arguments) {
   if (arguments.run.empty()) throw CLI::RequiredError("a run, or --trajectory");
   if (arguments.ground_truth.empty()) throw CLI::RequiredError("--ground-truth");
   if (arguments.models.empty()) throw CLI::RequiredError("--models");
-  check_align({"none", "objects", "icp", "icp4"});
+  check_align({"none", "trajectory", "objects", "icp", "icp4"});
   return [arguments] { return Evaluate(arguments); };
 }
 
@@ -295,21 +364,21 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
       ->type_name("FILE.ply");
   verb->add_option(
           "--align", arguments->align,
-          "Before measuring, bring the map into the frame of the ground truth: not at "
-          "all, by a turn about "
-          "gravity and a translation from the matched objects, by ICP of the surfaces "
-          "(rigid, as in the "
+          "Before measuring, bring the map into the frame of the ground truth: not at all "
+          "(default), by a turn about gravity and a translation that bring the camera's "
+          "trajectory onto that of the sequence or of --reference (default with --poses vio) or "
+          "the matched objects onto the true ones, by ICP of the surfaces (rigid, as in the "
           "paper), or by ICP that keeps gravity. A trajectory: not at all, by a turn about z "
           "and a translation (default), by a rigid motion, or by a similarity")
-      ->type_name("none|objects|icp|icp4|yaw|se3|sim3");
+      ->type_name("none|trajectory|objects|icp|icp4|yaw|se3|sim3");
   verb->add_option("--trajectory", arguments->trajectory,
                    "Judge this trajectory instead of a run (TUM; EST.covariance.csv beside it)")
       ->type_name("EST.txt");
   verb->add_option("--reference", arguments->reference,
-                   "What the trajectory is compared with: TUM, or rows as groundtruth.csv, of the "
-                   "same sensor, z up")
-      ->type_name("FILE")
-      ->needs("--trajectory");
+                   "What a trajectory is compared with: TUM, or rows as groundtruth.csv, of the "
+                   "same sensor, z up. Of a run, with --align trajectory: a TUM file of the camera "
+                   "in the world of the ground truth (default: the sequence's own poses)")
+      ->type_name("FILE");
   verb->add_option("--truth", arguments->truth,
                    "The true surface: the scan together with the posed true models, or one of them")
       ->check(CLI::IsMember({"both", "scan", "models"}))

@@ -21,12 +21,17 @@ void PipelineArguments::AddTo(CLI::App& verb) {
                   "there are any, else gradient)");
   verb.add_option(
           "--poses", poses,
-          "dataset (the sequence's own), or a trajectory: FILE with rows t tx ty tz qx qy qz "
+          "dataset (the sequence's own); vio: from its images and IMU alone, each pose as it is "
+          "known at its image, in a world of its own with gravity and a floor found from points; "
+          "or "
+          "a trajectory: FILE with rows t tx ty tz qx qy qz "
           "qw (TUM), of the camera, or of the body if its first line says # world_from_body. "
           "It must be in the sequence's gravity-aligned world: gravity and floor are those "
           "of gravity.json")
-      ->type_name("dataset|FILE")
+      ->type_name("dataset|vio|FILE")
       ->capture_default_str();
+  verb.add_option("--set-poses", pose_settings,
+                  "With --poses vio: one option of tracker or filter, key=value; may be repeated");
   verb.add_option("--scorer", scorer,
                   "viewpoint (fast), or rendered: the reference, about a thousand times slower")
       ->check(CLI::IsMember({"viewpoint", "rendered"}))
@@ -60,6 +65,11 @@ Status PipelineArguments::Finish() {
   }
   for (const std::string& setting : settings) {
     if (Status status = SetOption(setting, recipe.options); !status.ok()) return status;
+  }
+  if (!pose_settings.empty() && recipe.poses.source != PoseSource::kVio)
+    return Error{ErrorCode::kInvalidInput, "--set-poses goes with --poses vio"};
+  for (const std::string& setting : pose_settings) {
+    if (Status status = SetOption(setting, recipe.own_poses); !status.ok()) return status;
   }
   return {};
 }

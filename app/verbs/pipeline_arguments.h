@@ -16,10 +16,10 @@ struct PipelineArguments {
   RunRecipe recipe;  ///< Complete after Finish, but for the sequence.
   std::string frames, options_file, poses = "dataset", detector = "dataset", edges,
                                     scorer = "viewpoint", preset = "default";
-  std::vector<std::string> settings;
+  std::vector<std::string> settings, pose_settings;
 
-  /// Declares --models, --frames, --seed, --detector, --edges, --poses, --preset, --options and
-  /// --set.
+  /// Declares --models, --frames, --seed, --detector, --edges, --poses, --set-poses, --preset,
+  /// --options and --set.
   void AddTo(CLI::App& verb);
   /// Reads the range and the options into `recipe`. Errors: kInvalidInput, kNotFound.
   Status Finish();

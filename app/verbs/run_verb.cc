@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
+#include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -36,19 +38,21 @@ Result<std::unique_ptr<RunWriter>> OpenWriter(const RunArguments& arguments,
   RunHeader header = HeaderOf(pipeline, PLUMBLINE_VERSION);
   header.forked_after = arguments.at;
   if (!arguments.fork.empty()) {
-    return RunWriter::Create(arguments.out, header, [&](RunWriter& past) -> Status {
+    const auto take_over = [&](RunWriter& past) -> Status {
       const auto at = TakeOverPast(arguments.fork, *arguments.at, pipeline, past,
                                    [&](const FrameReport& report) { summary.Add(report); });
       if (!at.ok()) return at.error();
       std::fprintf(stderr, "forking after frame %d\n", *at);
       return {};
-    });
+    };
+    return RunWriter::Create(arguments.out, header, take_over, pipeline.own_poses().get());
   }
   std::error_code ignored;
   if (!arguments.resume || !std::filesystem::exists(arguments.out, ignored)) {
-    return RunWriter::Create(arguments.out, header);
+    return RunWriter::Create(arguments.out, header, {}, pipeline.own_poses().get());
   }
-  Result<RunWriter::Resumed> resumed = RunWriter::OpenToResume(arguments.out, header);
+  Result<RunWriter::Resumed> resumed =
+      RunWriter::OpenToResume(arguments.out, header, pipeline.own_poses().get());
   if (!resumed.ok()) return resumed.error();
   if (resumed->last) {
     const auto reader = RunReader::Open(arguments.out);
@@ -60,6 +64,28 @@ Result<std::unique_ptr<RunWriter>> OpenWriter(const RunArguments& arguments,
     std::fprintf(stderr, "resuming after frame %d\n", resumed->last->frame);
   }
   return std::move(resumed->writer);
+}
+
+/// The poses that the run keeps which this one goes on from; null where it keeps none or was made
+/// with other options of the filter.
+Result<std::shared_ptr<const OwnPoses>> StoredPoses(const RunArguments& arguments) {
+  using Poses = std::shared_ptr<const OwnPoses>;
+  const RunRecipe& recipe = arguments.pipeline.recipe;
+  const std::string& run = arguments.fork.empty() ? arguments.out : arguments.fork;
+  std::error_code ignored;
+  const bool goes_on = !arguments.fork.empty() || arguments.resume;
+  if (recipe.poses.source != PoseSource::kVio || !goes_on || !std::filesystem::exists(run, ignored))
+    return Poses();
+  const auto reader = RunReader::Open(run);
+  if (!reader.ok()) return reader.error();
+  const RunRecipe& stored = (*reader)->header().recipe;
+  if (stored.poses.source != PoseSource::kVio ||
+      HashOf(stored.own_poses) != HashOf(recipe.own_poses))
+    return Poses();
+  // A longer run needs more poses than are kept.
+  constexpr int kAll = std::numeric_limits<int>::max();
+  if (stored.frames.end.value_or(kAll) < recipe.frames.end.value_or(kAll)) return Poses();
+  return (*reader)->ReadOwnPoses();
 }
 
 void PrintObjects(const FrameReport& report, const ModelDatabase& database) {
@@ -83,8 +109,10 @@ Status Run(RunArguments& arguments) {
     return Error{ErrorCode::kInvalidInput, "--fork and --out name the same file"};
   ConsoleWork console;
   const WorkContext work = console.context();
+  const auto own_poses = StoredPoses(arguments);
+  if (!own_poses.ok()) return own_poses.error();
   Result<std::unique_ptr<MappingPipeline>> opened =
-      MappingPipeline::Open(arguments.pipeline.recipe, work);
+      MappingPipeline::Open(arguments.pipeline.recipe, work, *own_poses);
   if (!opened.ok()) return opened.error();
   MappingPipeline& pipeline = **opened;
   if (!arguments.fork.empty() && !arguments.at) {

@@ -31,7 +31,9 @@ Status SmoothFile(const SmoothArguments& arguments) {
     // Names what differs where the models are not those of the run.
     const auto models = LoadModelsOfRun(arguments.choice, (*reader)->header());
     if (!models.ok()) return Opened(models.error());
-    return MappingPipeline::Open(RecipeOf(arguments.choice, (*reader)->header()), work);
+    const auto own_poses = (*reader)->ReadOwnPoses();
+    if (!own_poses.ok()) return Opened(own_poses.error());
+    return MappingPipeline::Open(RecipeOf(arguments.choice, (*reader)->header()), work, *own_poses);
   }();
   if (!pipeline.ok()) return pipeline.error();
   const Result<SmoothedMap> smoothed = SmoothRun(run, **pipeline, work);

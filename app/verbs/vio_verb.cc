@@ -16,6 +16,7 @@
 #include "engine/dataset/trajectory_writer.h"
 #include "engine/geometry/angles.h"
 #include "engine/models/mesh_file.h"
+#include "engine/vio/own_poses.h"
 #include "engine/vio/vio_run.h"
 
 namespace plumbline {
@@ -50,26 +51,6 @@ Result<ReferenceState> StartOf(const std::string& file, std::int64_t first_image
   }
   return Error{ErrorCode::kInvalidInput,
                "'" + file + "' has no state after the first image of the sequence"};
-}
-
-Result<VioInput> InputOf(const Sequence& sequence, const ImuRecording& imu) {
-  const Calibration& calibration = sequence.calibration();
-  const std::string name = "'" + sequence.path().string() + "'";
-  if (imu.samples.empty()) {
-    return Error{ErrorCode::kInvalidInput,
-                 name + " has no readings of an IMU; the filter needs imu.csv"};
-  }
-  VioInput input;
-  input.camera = calibration.cameras.front().camera;
-  if (!input.camera.body_from_cam) {
-    return Error{ErrorCode::kInvalidInput,
-                 name +
-                     " does not say where the camera sits on the body: add 'body_from_cam' to "
-                     "camera.json"};
-  }
-  if (calibration.imu) input.imu = *calibration.imu;
-  input.samples = imu.samples;
-  return input;
 }
 
 std::vector<WrittenPose> PosesOf(const VioRun& run, bool of_cam) {
@@ -248,7 +229,7 @@ Status Vio(VioArguments arguments) {
   if (!imu.ok()) return imu.error();
   Warn((*opened)->warnings());
   Warn(imu->warnings);
-  Result<VioInput> input = InputOf(**opened, *imu);
+  Result<VioInput> input = VioInputOf(**opened, *imu);
   if (!input.ok()) return input.error();
   ConsoleWork console;
   Stopwatch watch;

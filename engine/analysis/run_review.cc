@@ -24,8 +24,11 @@ Result<SequenceView> ViewOfRun(const RunChoice& choice, const std::filesystem::p
   const Result<GroundTruth> truth = ReadGroundTruth(ground_truth);
   if (!truth.ok()) return truth.error();
   view.truth.clear();
-  for (const GroundTruthInstance& instance : truth->instances)
+  for (const GroundTruthInstance& instance : truth->instances) {
     view.truth.push_back(ViewOfTruth(instance));
+    view.truth.back().world_from_object =
+        view.world_from_given * view.truth.back().world_from_object;
+  }
   return view;
 }
 

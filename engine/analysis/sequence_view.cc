@@ -3,9 +3,11 @@
 
 #include <algorithm>
 
+#include "engine/analysis/trajectory_alignment.h"
 #include "engine/base/log.h"
 #include "engine/geometry/vertex_clustering.h"
 #include "engine/models/mesh_file.h"
+#include "engine/pipeline/own_pose_sequence.h"
 
 namespace plumbline {
 namespace {
@@ -25,13 +27,34 @@ void AddTruth(const std::filesystem::path& file, SequenceView& view) {
     view.truth.push_back(ViewOfTruth(instance));
 }
 
-void AddScan(const std::filesystem::path& file, SequenceView& view) {
+void AddScan(const std::filesystem::path& file, const Eigen::Isometry3d& world_from_scan,
+             SequenceView& view) {
   Result<TriangleMesh> scan = ReadMesh(file);
   if (!scan.ok()) return log::warn("the scan is not shown: {}", scan.error().message);
+  for (Eigen::Vector3f& vertex : scan->vertices) vertex = world_from_scan.cast<float>() * vertex;
   auto fine = std::make_shared<const TriangleMesh>(ClusterToAbout(*scan, kScanVertices));
   view.scan_coarse =
       std::make_shared<const TriangleMesh>(ClusterToAbout(*fine, kCoarseScanVertices));
   view.scan = std::move(fine);
+}
+
+/// Where the poses are the filter's, brings the poses that the sequence was given into its world,
+/// and says where the rest of what was given lies there.
+void AddOwnPoses(const Sequence& sequence, SequenceView& view) {
+  view.own_poses = OwnPosesOf(sequence);
+  if (view.own_poses == nullptr) return;
+  const Sequence& given = GivenSequence(sequence);
+  const auto alignment = AlignTrajectories(sequence, given);
+  if (!alignment.ok()) {  // nothing to compare with: what is given lies nobody knows where
+    view.truth.clear();
+    return;
+  }
+  view.world_from_given = alignment->reference_from_mapped.inverse();
+  view.given_world_from_cam.resize(static_cast<std::size_t>(sequence.num_frames()));
+  for (int i = 0; i < sequence.num_frames(); ++i) {
+    if (const auto pose = given.world_from_cam(i))
+      view.given_world_from_cam[static_cast<std::size_t>(i)] = view.world_from_given * *pose;
+  }
 }
 
 SequenceView ViewOf(const PinholeCamera& camera, double rate_hz, const ModelDatabase& database) {
@@ -70,15 +93,19 @@ SequenceView MakeViewWithoutScan(const Sequence& sequence, const ModelDatabase& 
     if (const auto pose = sequence.world_from_cam(i)) view.world_from_cam.push_back(*pose);
   }
   if (const auto file = sequence.ground_truth_file()) AddTruth(*file, view);
+  AddOwnPoses(sequence, view);
+  for (SequenceView::Truth& truth : view.truth)
+    truth.world_from_object = view.world_from_given * truth.world_from_object;
   return view;
 }
 
 SequenceView MakeSequenceView(const Sequence& sequence, const ModelDatabase& database,
                               const WorkContext& work) {
   SequenceView view = MakeViewWithoutScan(sequence, database);
-  if (const auto file = sequence.scene_file()) {
+  const bool placed = view.own_poses == nullptr || !view.given_world_from_cam.empty();
+  if (const auto file = sequence.scene_file(); file && placed) {
     work.report({"Reading the scan"});
-    AddScan(*file, view);
+    AddScan(*file, view.world_from_given, view);
   }
   return view;
 }

@@ -123,13 +123,17 @@ class Evaluator {
 
   void Align(const std::vector<Eigen::Vector3d>& samples, const ClosestTriangleSearch& surface) {
     if (options_.align == Alignment::kNone) return;
+    const Eigen::Isometry3d& given = options_.truth_from_estimate;
+    evaluation_.truth_from_estimate = given;
+    if (options_.align == Alignment::kTrajectory) return;
     if (options_.align == Alignment::kObjects) return AlignObjects();
     const std::size_t count = std::min<std::size_t>(samples.size(), kAlignmentSamples);
-    const std::vector<Eigen::Vector3d> points(samples.begin(),
-                                              samples.begin() + static_cast<std::ptrdiff_t>(count));
+    std::vector<Eigen::Vector3d> points(samples.begin(),
+                                        samples.begin() + static_cast<std::ptrdiff_t>(count));
+    for (Eigen::Vector3d& point : points) point = given * point;
     const std::optional<Eigen::Vector3d> up =
         options_.align == Alignment::kIcp4 ? std::optional(upright_.up_in_world()) : std::nullopt;
-    evaluation_.truth_from_estimate = AlignToSurface(points, surface, up);
+    evaluation_.truth_from_estimate = AlignToSurface(points, surface, up) * given;
   }
 
   /// Matching and aligning depend on one another: in turns, until the pairs stay.
@@ -142,10 +146,12 @@ class Evaluator {
       std::vector<Eigen::Vector3d> from, to;
       for (std::size_t i = 0; i < pairs.size(); ++i) {
         if (!pairs[i]) continue;
-        from.push_back(estimates_[i].world_from_object.translation());
+        from.push_back(options_.truth_from_estimate *
+                       estimates_[i].world_from_object.translation());
         to.push_back(truth_[static_cast<std::size_t>(*pairs[i])].world_from_object.translation());
       }
-      evaluation_.truth_from_estimate = FitYawAndTranslation(from, to, upright_.up_in_world());
+      evaluation_.truth_from_estimate =
+          FitYawAndTranslation(from, to, upright_.up_in_world()) * options_.truth_from_estimate;
     }
   }
 

@@ -29,10 +29,10 @@ struct EstimatedObject {
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
 };
 
-enum class Alignment { kNone, kObjects, kIcp, kIcp4 };
+enum class Alignment { kNone, kTrajectory, kObjects, kIcp, kIcp4 };
 template <>
 struct EnumNames<Alignment> {
-  static constexpr std::string_view names[] = {"none", "objects", "icp", "icp4"};
+  static constexpr std::string_view names[] = {"none", "trajectory", "objects", "icp", "icp4"};
 };
 
 enum class TruthSurface { kBoth, kScan, kModels };
@@ -42,10 +42,12 @@ struct EnumNames<TruthSurface> {
 };
 
 struct EvaluationOptions {
-  /// What brings the map into the frame of the truth: nothing, a turn about up and a translation
-  /// from the matched origins, ICP of the surfaces (rigid, as in the paper), or ICP that keeps
-  /// gravity.
+  /// What brings the map into the frame of the truth: nothing, the trajectories (which is
+  /// `truth_from_estimate`), a turn about up and a translation from the matched origins, ICP of the
+  /// surfaces (rigid, as in the paper), or ICP that keeps gravity.
   Alignment align = Alignment::kNone;
+  /// Where every alignment but `none` begins.
+  Eigen::Isometry3d truth_from_estimate = Eigen::Isometry3d::Identity();
   /// The surface that counts as true: the scan and the posed models together (just the models where
   /// there is no scan).
   TruthSurface truth = TruthSurface::kBoth;

@@ -63,7 +63,7 @@ PoseHypothesis InformedCandidate(const Detection& proposal, const PinholeCamera&
       world_from_cam * Eigen::Vector3d(depth * bearing.x(), depth * bearing.y(), depth)};
   if (options.floor_prior && map.StandsOnFloor(label)) {
     hypothesis.center_in_world +=
-        (options.floor_std_m * random.Gaussian() - map.BaseHeight(hypothesis)) *
+        (map.BaseStd(options) * random.Gaussian() - map.BaseHeight(hypothesis)) *
         map.upright.up_in_world();
   } else if (options.floor_prior && !map.supports.empty() &&
              map.database->model(label).support != Support::kFloor &&

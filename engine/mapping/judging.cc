@@ -40,7 +40,7 @@ double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
   if (map.database->model(hypothesis.label).support != Support::kFloor)
     return LogSupportPrior(map.supports, map.BaseInUpright(hypothesis));
   if (!map.floor_in_world) return 0;
-  const double height = map.BaseHeight(hypothesis) / options.floor_std_m;
+  const double height = map.BaseHeight(hypothesis) / map.BaseStd(options);
   return -0.5 * height * height;
 }
 

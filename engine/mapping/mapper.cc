@@ -293,6 +293,11 @@ Status Mapper::Restore(const FrameReport& report,
   return m.memory.Restore(state.rest(), load, *m.renderer);
 }
 
+void Mapper::SetFloor(const Eigen::Vector4d& floor_in_world, double std_m) {
+  impl_->map.floor_in_world = floor_in_world;
+  impl_->map.floor_std_m = std_m;
+}
+
 void Mapper::SetOptions(const MapperOptions& options) {
   impl_->setup.options = options;
   impl_->memory.SetOptions(options);

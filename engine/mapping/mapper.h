@@ -16,6 +16,7 @@ struct MapperSetup {
   PinholeCamera camera;
   Eigen::Vector3d gravity_in_world{0, 0, -1};
   std::optional<Eigen::Vector4d> floor_in_world;
+  double floor_std_m = 0;  ///< Of the floor's height; 0: given.
   std::shared_ptr<const ModelDatabase> database;
   std::shared_ptr<const HypothesisScorer> scorer;
   MapperOptions options;
@@ -39,6 +40,11 @@ class Mapper {
   /// returns.
   Status Restore(const FrameReport& report,
                  const std::function<Result<MapperInput>(int frame)>& load);
+
+  /// The floor as it is known from the next frame on.
+  /// @param floor_in_world  (a, b, c, d) with (a, b, c) = up.
+  /// @param std_m  Of its height, common to all objects; 0: given.
+  void SetFloor(const Eigen::Vector4d& floor_in_world, double std_m);
 
   /// Takes effect with the next frame.
   void SetOptions(const MapperOptions& options);

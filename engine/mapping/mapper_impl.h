@@ -68,7 +68,7 @@ struct Mapper::Impl {
 
   Impl(const MapperSetup& s, std::unique_ptr<OcclusionRenderer> r)
       : setup(s),
-        map{UprightFrame(s.gravity_in_world), s.floor_in_world, s.database},
+        map{UprightFrame(s.gravity_in_world), s.floor_in_world, s.database, {}, s.floor_std_m},
         renderer(std::move(r)),
         memory(s.camera, s.options) {
     for (const CadModel& model : s.database->models())

@@ -126,7 +126,7 @@ void Diffuse(std::vector<Particle>& particles, const Eigen::Isometry3d& world_fr
     // A jump to another shape keeps the base where it was; the centre moves with it.
     const double height = map.StandsOnFloor(before.label) ? map.BaseHeight(before) : 0.0;
     const double wanted =
-        keep * height + std::sqrt(1.0 - keep * keep) * options.floor_std_m * random.Gaussian();
+        keep * height + std::sqrt(1.0 - keep * keep) * map.BaseStd(options) * random.Gaussian();
     PoseHypothesis after = ToHypothesis(particle, world_from_reference_cam);
     after.center_in_world += (wanted - map.BaseHeight(after)) * map.upright.up_in_world();
     Particle moved = ToParticle(after, world_from_reference_cam);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,12 @@ struct MapFrame {
   std::optional<Eigen::Vector4d> floor_in_world;  ///< (a, b, c, d), (a, b, c) = up
   std::shared_ptr<const ModelDatabase> database;
   std::vector<SupportSurface> supports = {};  ///< Of mapped objects that stand on the floor.
+  double floor_std_m = 0;                     ///< Of the floor's height; 0: given.
+
+  /// How far the base of what stands on the floor may be from it: both are uncertain.
+  double BaseStd(const MapperOptions& options) const {
+    return std::hypot(options.floor_std_m, floor_std_m);
+  }
 
   /// Height of the base of a hypothesis above the floor [m]; requires a floor.
   double BaseHeight(const PoseHypothesis& hypothesis) const;

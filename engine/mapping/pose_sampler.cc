@@ -75,7 +75,7 @@ PoseHypothesis PoseSampler::Step(PoseHypothesis hypothesis, double position_m, d
   const bool on_floor = options_.floor_prior && map_.StandsOnFloor(hypothesis.label);
   const Eigen::Vector3d step(
       reach * position_m * random.Gaussian(), reach * position_m * random.Gaussian(),
-      (on_floor ? std::min(position_m, options_.floor_std_m) : reach * position_m) *
+      (on_floor ? std::min(position_m, map_.BaseStd(options_)) : reach * position_m) *
           random.Gaussian());
   hypothesis.center_in_world += map_.upright.upright_rotation() * step;
   hypothesis.azimuth_rad =

@@ -13,8 +13,10 @@
 #include "engine/mapping/option_changes.h"
 #include "engine/mapping/rendered_scorer.h"
 #include "engine/mapping/viewpoint_scorer.h"
+#include "engine/pipeline/own_pose_sequence.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/sources/folder_source.h"
+#include "engine/vio/own_poses.h"
 #include "engine/vision/edge_detector.h"
 
 namespace plumbline {
@@ -27,7 +29,8 @@ struct Prepared {
   Frame frame;
   EdgeMap edges;
   std::optional<MapperInput> input;
-  int options_version = 0;  ///< Of the options that the table was made with.
+  int options_version = 0;             ///< Of the options that the table was made with.
+  std::optional<FloorEstimate> floor;  ///< As known at the frame.
   std::string skipped;
   SkipCause skip_cause = SkipCause::kUnknown;  ///< What was prepared last.
   std::vector<StageTiming> timings;
@@ -44,6 +47,35 @@ Result<std::string> HashNetwork(const std::filesystem::path& file) {
   return HashHex(hashes);
 }
 
+/// The sequence with the poses that the recipe asks for.
+Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
+                                                      const WorkContext& work,
+                                                      std::shared_ptr<const OwnPoses> own_poses) {
+  SequenceOptions poses;
+  if (recipe.poses.source == PoseSource::kTrajectory) poses.poses = recipe.poses.file;
+  Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(recipe.sequence, poses);
+  if (!sequence.ok()) return sequence.error();
+  if (!(*sequence)->has_images()) {
+    return Error{ErrorCode::kInvalidInput, "'" + recipe.sequence.string() +
+                                               "' has no images (there is no folder color/); "
+                                               "objects are mapped from images"};
+  }
+  if (recipe.poses.source != PoseSource::kVio) {
+    if (Status status = CheckHasPoses(**sequence, poses.poses); !status.ok()) return status.error();
+    if ((*sequence)->gravity_in_world()) return sequence;
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + recipe.sequence.string() +
+                     "' has no gravity.json; objects stand upright, so the mapper needs gravity"};
+  }
+  if (own_poses == nullptr) {
+    Result<OwnPoses> estimated = EstimateOwnPoses(
+        **sequence, recipe.frames.end.value_or((*sequence)->num_frames()), recipe.own_poses, work);
+    if (!estimated.ok()) return estimated.error();
+    own_poses = std::make_shared<const OwnPoses>(std::move(estimated).value());
+  }
+  return WithOwnPoses(*sequence, std::move(own_poses));
+}
+
 /// Makes the recipe of what was opened complete: absolute paths, content hashes.
 Status Complete(const ModelDatabase& database, RunRecipe& recipe) {
   recipe.sequence = std::filesystem::absolute(recipe.sequence);
@@ -57,6 +89,7 @@ Status Complete(const ModelDatabase& database, RunRecipe& recipe) {
     return {};
   };
   if (Status status = complete(recipe.poses, HashFile); !status.ok()) return status;
+  if (recipe.poses.source == PoseSource::kVio) recipe.poses.hash = HashOf(recipe.own_poses);
   if (Status status = complete(recipe.detector, HashNetwork); !status.ok()) return status;
   return complete(*recipe.edges, HashNetwork);
 }
@@ -97,12 +130,14 @@ class FramePreparer {
   int options_version() const { return options_version_; }
 
   /// @param pose  Of the frame; nothing where it has none.
-  Prepared Prepare(const FramePacket& packet, const std::optional<PoseEstimate>& pose) {
+  /// @param why_not  Why it has none, where that is known.
+  Prepared Prepare(const FramePacket& packet, const std::optional<PoseEstimate>& pose,
+                   const std::string& why_not) {
     Prepared prepared;
     prepared.options_version = options_version_;
     prepared.frame.index = packet.frame;
     prepared.frame.stamp_ns = packet.stamp_ns;
-    const Status status = TryPrepare(packet, pose, prepared);
+    const Status status = TryPrepare(packet, pose, why_not, prepared);
     if (!status.ok()) {
       prepared.skipped = status.error().message;
       prepared.input.reset();
@@ -112,7 +147,7 @@ class FramePreparer {
 
  private:
   Status TryPrepare(const FramePacket& packet, const std::optional<PoseEstimate>& pose,
-                    Prepared& prepared) {
+                    const std::string& why_not, Prepared& prepared) {
     Stopwatch watch;
     prepared.skip_cause = SkipCause::kImage;
     Result<cv::Mat> image = packet.content->Image();
@@ -122,8 +157,9 @@ class FramePreparer {
     prepared.timings.push_back({"decode", watch.Lap()});
     prepared.skip_cause = SkipCause::kPose;
     if (!pose) {
-      return Error{ErrorCode::kNotFound,
-                   "frame " + std::to_string(packet.frame) + " has no camera pose"};
+      return Error{ErrorCode::kNotFound, "frame " + std::to_string(packet.frame) +
+                                             " has no camera pose" +
+                                             (why_not.empty() ? "" : ": " + why_not)};
     }
     prepared.skip_cause = SkipCause::kEdges;
     Result<EdgeMap> edges = edges_->Detect(prepared.frame);
@@ -161,6 +197,7 @@ class FramePreparer {
 struct MappingPipeline::Impl {
   RunRecipe recipe;
   std::shared_ptr<const Sequence> sequence;
+  std::shared_ptr<const OwnPoses> own_poses;
   std::unique_ptr<RecordedSource> source;  ///< Next is called by the thread below alone.
   std::shared_ptr<const ModelDatabase> database;
   std::unique_ptr<FramePreparer> preparer;
@@ -181,14 +218,18 @@ struct MappingPipeline::Impl {
     source->Seek(selected[next]);
     thread = std::jthread([this, from = next](const std::stop_token& stop) {
       std::optional<PoseEstimate> pose;  // of the frame that follows it
+      std::optional<FloorEstimate> floor;
       for (std::size_t i = from; i < selected.size();) {
         const Result<std::optional<Packet>> packet = source->Next(stop);
         if (!packet.ok() || !packet.value()) break;
         if (const auto* estimate = std::get_if<PoseEstimate>(&**packet)) pose = *estimate;
+        if (const auto* estimate = std::get_if<FloorEstimate>(&**packet)) floor = *estimate;
         const auto* frame = std::get_if<FramePacket>(&**packet);
         if (frame == nullptr || frame->frame != selected[i]) continue;
         if (pose && pose->stamp_ns != frame->stamp_ns) pose.reset();
-        if (!ahead->Push(PrepareFrame(*frame, pose))) return;
+        Prepared prepared = PrepareFrame(*frame, pose);
+        prepared.floor = floor;
+        if (!ahead->Push(std::move(prepared))) return;
         ++i;
       }
       ahead->Close();
@@ -197,7 +238,9 @@ struct MappingPipeline::Impl {
 
   Prepared PrepareFrame(const FramePacket& frame, const std::optional<PoseEstimate>& pose) {
     const std::lock_guard lock(preparer_mutex);
-    return preparer->Prepare(frame, pose);
+    const auto at = static_cast<std::size_t>(frame.frame);
+    const bool known = own_poses != nullptr && at < own_poses->frames.size();
+    return preparer->Prepare(frame, pose, known ? own_poses->frames[at].waits_for : "");
   }
   /// Any frame of the source, again. Errors: why it cannot be used.
   Result<MapperInput> InputAgain(int frame) {
@@ -210,6 +253,8 @@ struct MappingPipeline::Impl {
     setup.camera = sequence->camera();
     setup.gravity_in_world = *sequence->gravity_in_world();
     setup.floor_in_world = sequence->floor_in_world();
+    if (own_poses != nullptr && own_poses->last_floor())
+      setup.floor_std_m = own_poses->last_floor()->std_m;
     setup.database = database;
     setup.scorer = scorer;
     setup.options = options;
@@ -261,27 +306,20 @@ struct MappingPipeline::Impl {
 MappingPipeline::MappingPipeline(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 MappingPipeline::~MappingPipeline() = default;
 
-Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const RunRecipe& recipe,
-                                                               const WorkContext& work) {
+Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
+    const RunRecipe& recipe, const WorkContext& work, std::shared_ptr<const OwnPoses> own_poses) {
   auto impl = std::make_unique<Impl>();
-  SequenceOptions poses;
-  if (recipe.poses.source == PoseSource::kTrajectory) poses.poses = recipe.poses.file;
-  Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(recipe.sequence, poses);
+  Result<std::shared_ptr<const Sequence>> sequence =
+      OpenWithPoses(recipe, work, std::move(own_poses));
   if (!sequence.ok()) return sequence.error();
   impl->sequence = *sequence;
-  impl->source = std::make_unique<FolderSource>(*sequence, false);
+  impl->own_poses = OwnPosesOf(**sequence);
+  if (impl->own_poses != nullptr) {
+    impl->source = std::make_unique<OwnPoseSource>(*sequence);
+  } else {
+    impl->source = std::make_unique<FolderSource>(*sequence, false);
+  }
   const Sequence& frames = *impl->sequence;
-  if (!frames.has_images()) {
-    return Error{ErrorCode::kInvalidInput, "'" + recipe.sequence.string() +
-                                               "' has no images (there is no folder color/); "
-                                               "objects are mapped from images"};
-  }
-  if (Status status = CheckHasPoses(frames, poses.poses); !status.ok()) return status.error();
-  if (!frames.gravity_in_world()) {
-    return Error{ErrorCode::kInvalidInput,
-                 "'" + recipe.sequence.string() +
-                     "' has no gravity.json; objects stand upright, so the mapper needs gravity"};
-  }
   const std::optional<std::filesystem::path> own_models = frames.models_folder();
   if (recipe.models.empty() && !own_models) {
     return Error{ErrorCode::kInvalidInput,
@@ -317,7 +355,9 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const RunRecipe& 
       std::move(detector).value(), std::move(edges).value(), recipe.options, frames.camera().fx);
   impl->scorer = *scorer;
   impl->options = impl->mapped_with = recipe.options;
-  Result<std::unique_ptr<Mapper>> mapper = Mapper::Create(impl->Setup());
+  MapperSetup setup = impl->Setup();
+  if (impl->own_poses != nullptr) setup.floor_in_world.reset();  // known as it is found
+  Result<std::unique_ptr<Mapper>> mapper = Mapper::Create(setup);
   if (!mapper.ok()) return mapper.error();
   impl->mapper = std::move(mapper).value();
   return std::unique_ptr<MappingPipeline>(new MappingPipeline(std::move(impl)));
@@ -326,6 +366,8 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(const RunRecipe& 
 const Sequence& MappingPipeline::sequence() const { return *impl_->sequence; }
 std::shared_ptr<const Sequence> MappingPipeline::shared_sequence() const { return impl_->sequence; }
 std::shared_ptr<const ModelDatabase> MappingPipeline::database() const { return impl_->database; }
+
+std::shared_ptr<const OwnPoses> MappingPipeline::own_poses() const { return impl_->own_poses; }
 
 const RunRecipe& MappingPipeline::recipe() const { return impl_->recipe; }
 int MappingPipeline::end_frame() const { return impl_->selected.back() + 1; }
@@ -356,6 +398,8 @@ std::optional<std::shared_ptr<MapSnapshot>> MappingPipeline::Next() {
   }
   if (prepared->options_version != m.options_version)  // made ready before they changed
     prepared->input->table = SearchTable(prepared->edges, m.options, m.sequence->camera().fx);
+  if (m.own_poses != nullptr && prepared->floor)
+    m.mapper->SetFloor(prepared->floor->floor_in_world, prepared->floor->std_m);
   FrameReport report = m.mapper->Step(*prepared->input);
   add_events(report);
   report.timings.insert(report.timings.begin(), prepared->timings.begin(), prepared->timings.end());

@@ -18,6 +18,7 @@ struct FrameReport;
 struct MapperInput;
 struct MapperSetup;
 struct MapSnapshot;
+struct OwnPoses;
 
 /// Everything a run needs, from files to reports: decodes, finds edges and detects ahead on a
 /// thread of its own, maps in the caller's. Use it in one thread.
@@ -25,13 +26,18 @@ class MappingPipeline {
  public:
   /// Errors: one sentence that names the file. Building viewpoint models for the first time takes
   /// seconds; `work` is told.
-  static Result<std::unique_ptr<MappingPipeline>> Open(const RunRecipe& recipe,
-                                                       const WorkContext& work);
+  /// @param own_poses  With poses = vio: those that a run file keeps; null: they are estimated
+  ///        first, about 10 ms an image.
+  static Result<std::unique_ptr<MappingPipeline>> Open(
+      const RunRecipe& recipe, const WorkContext& work,
+      std::shared_ptr<const OwnPoses> own_poses = {});
   ~MappingPipeline();
 
   const Sequence& sequence() const;
   std::shared_ptr<const Sequence> shared_sequence() const;
   std::shared_ptr<const ModelDatabase> database() const;
+  /// Null unless poses = vio.
+  std::shared_ptr<const OwnPoses> own_poses() const;
   /// What it was opened with, complete: absolute paths, the edges chosen, the hashes of files.
   const RunRecipe& recipe() const;
   /// One past the last frame that the range selects.

@@ -8,12 +8,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/base/files.h"
 #include "engine/base/log.h"
 
 namespace plumbline {
 namespace {
 
-constexpr int kRecipeVersion = 1;
+constexpr int kRecipeVersion = 2;
 
 Result<int> ParseFrameNumber(std::string_view text, std::string_view whole) {
   int value = 0;
@@ -118,8 +119,11 @@ EdgeChoice DefaultEdges(const Sequence& sequence) {
   return {sequence.has_edges() ? EdgeSource::kDataset : EdgeSource::kGradient, {}, {}};
 }
 
-MapperOptions KnownOptions(const nlohmann::json& stored) {
-  MapperOptions options;
+namespace {
+
+template <typename Options>
+Options KnownOptionsOf(const nlohmann::json& stored) {
+  Options options;
   if (OptionsFromJson(stored, options).ok()) return options;
   for (const auto& [name, value] : stored.items()) {
     if (const Status status = OptionsFromJson({{name, value}}, options); !status.ok())
@@ -127,6 +131,14 @@ MapperOptions KnownOptions(const nlohmann::json& stored) {
   }
   return options;
 }
+
+}  // namespace
+
+MapperOptions KnownOptions(const nlohmann::json& stored) {
+  return KnownOptionsOf<MapperOptions>(stored);
+}
+
+std::string HashOf(const OwnPoseOptions& options) { return HashHex(OptionsToJson(options).dump()); }
 
 std::string_view NameOf(ScorerKind kind) { return SourceName(kind); }
 
@@ -143,6 +155,7 @@ nlohmann::json RecipeToJson(const RunRecipe& recipe) {
                          {"frames", frames}};
   if (!recipe.models.empty()) json["models"] = Absolute(recipe.models);
   if (recipe.edges) json["edges"] = ChoiceToJson(*recipe.edges);
+  if (recipe.poses.source == PoseSource::kVio) json["own_poses"] = OptionsToJson(recipe.own_poses);
   return json;
 }
 
@@ -158,6 +171,8 @@ Result<RunRecipe> RecipeFromJson(const nlohmann::json& json) {
     recipe.sequence = json.at("sequence").get<std::string>();
     recipe.models = json.value("models", "");
     recipe.poses = ChoiceFromJson<PoseSource>(json.at("poses"));
+    if (json.contains("own_poses"))
+      recipe.own_poses = KnownOptionsOf<OwnPoseOptions>(json.at("own_poses"));
     recipe.detector = ChoiceFromJson<DetectorSource>(json.at("detector"));
     if (json.contains("edges")) recipe.edges = ChoiceFromJson<EdgeSource>(json.at("edges"));
     recipe.scorer = EnumFromName<ScorerKind>(json.at("scorer").get<std::string>());

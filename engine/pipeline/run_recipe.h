@@ -12,6 +12,7 @@
 #include "engine/base/result.h"
 #include "engine/dataset/sequence.h"
 #include "engine/mapping/mapper_options.h"
+#include "engine/vio/own_pose_options.h"
 
 namespace plumbline {
 
@@ -26,14 +27,14 @@ struct FrameRange {
 /// Parses "A:B" or "A:B:S" (parts may be left out). Errors: kInvalidInput.
 Result<FrameRange> ParseFrameRange(std::string_view text);
 
-enum class PoseSource { kDataset, kTrajectory };
+enum class PoseSource { kDataset, kVio, kTrajectory };
 enum class EdgeSource { kDataset, kGradient, kNetwork };
 enum class DetectorSource { kDataset, kNetwork };
 enum class ScorerKind { kViewpoint, kRendered };
 
 template <>
 struct EnumNames<PoseSource> {
-  static constexpr std::string_view names[] = {"dataset", "trajectory"};
+  static constexpr std::string_view names[] = {"dataset", "vio", "trajectory"};
 };
 template <>
 struct EnumNames<EdgeSource> {
@@ -49,7 +50,8 @@ struct EnumNames<ScorerKind> {
 };
 
 /// Where one input of a run comes from. `file` (a network, a trajectory) belongs to the last of the
-/// sources; `hash` is that of its content, known once it has been opened.
+/// sources; `hash` is that of its content (of poses from the filter: of its options), known once it
+/// has been opened.
 template <typename Source>
 struct InputChoice {
   Source source{};
@@ -71,6 +73,7 @@ struct RunRecipe {
   std::filesystem::path sequence;
   std::filesystem::path models;  ///< Empty: the sequence's own.
   PoseChoice poses;
+  OwnPoseOptions own_poses;  ///< Of poses = vio.
   DetectorChoice detector;
   std::optional<EdgeChoice> edges;  ///< Nothing: dataset where there are any, else gradient.
   ScorerKind scorer = ScorerKind::kViewpoint;
@@ -94,10 +97,13 @@ std::string_view NameOf(ScorerKind kind);
 /// Options as a file has them; with a warning in the log for each that this version does not know.
 MapperOptions KnownOptions(const nlohmann::json& stored);
 
+/// Content hash of the options that poses of the filter come from.
+std::string HashOf(const OwnPoseOptions& options);
+
 /// The sequence's own where it has any, else gradient.
 EdgeChoice DefaultEdges(const Sequence& sequence);
 
-/// {"version": 1, ..}, paths absolute.
+/// {"version": 2, ..}, paths absolute.
 nlohmann::json RecipeToJson(const RunRecipe& recipe);
 /// Options that this version does not know are left out with a warning in the log. Errors:
 /// kUnsupported for a recipe of a newer version, kCorrupt; with what is wrong but no file name.

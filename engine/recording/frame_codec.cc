@@ -166,6 +166,76 @@ void VisitObject(Coder& code, Object& object) {
   code(object.filter_state);
 }
 
+template <typename Coder, typename Vector>
+void VisitVector(Coder& code, Vector& vector) {
+  VisitMatrix(code, vector, static_cast<int>(vector.rows()), 1);
+}
+
+/// The upper triangle.
+template <typename Coder, typename Matrix>
+void VisitSymmetric(Coder& code, Matrix& matrix) {
+  for (int row = 0; row < matrix.rows(); ++row) {
+    for (int column = row; column < matrix.cols(); ++column) {
+      code(matrix(row, column));
+      if constexpr (Coder::kReads) matrix(column, row) = matrix(row, column);
+    }
+  }
+}
+
+template <typename Coder, typename Report>
+void VisitVio(Coder& code, Report& vio) {
+  code(vio.stamp_ns);
+  code(vio.phase);
+  code(vio.message);
+  code(vio.stretch);
+  code(vio.resting);
+  VisitPose(code, vio.world_from_body);
+  VisitSymmetric(code, vio.covariance);
+  VisitVector(code, vio.velocity_in_world);
+  VisitVector(code, vio.gyro_bias);
+  VisitVector(code, vio.accel_bias);
+  VisitPose(code, vio.body_from_cam);
+  code(vio.time_offset_s);
+  VisitVector(code, vio.spread);
+  code(vio.step.tracks);
+  code(vio.step.points);
+  code(vio.step.accepted);
+  code(vio.step.rejected);
+  code(vio.step.nis);
+  code(vio.step.nis_dof);
+  code(vio.step.propagate_ms);
+  code(vio.step.update_ms);
+}
+
+template <typename Coder, typename Report>
+void VisitOwnPose(Coder& code, Report& report) {
+  VisitVio(code, report.vio);
+  code(report.measured);
+  code(report.ready);
+  code(report.waits_for);
+  code(report.tilt_std_rad);
+  code(report.velocity_std_m_s);
+  code(report.nis_gate);
+  code(report.tracking_ms);
+  VisitOptional(code, report.world_from_cam, [&](auto& pose) { VisitPose(code, pose); });
+  VisitSymmetric(code, report.cam_covariance);
+  VisitVector(code, report.angular_velocity_rad_s);
+  VisitVector(code, report.specific_force_m_s2);
+  VisitList(code, report.tracks, [&](auto& track) {
+    code(track.id);
+    VisitVector(code, track.pixel);
+    code(track.age);
+    code(track.state);
+    code(track.residual_px);
+  });
+  VisitList(code, report.points_in_world, [&](auto& point) { VisitVector(code, point); });
+  VisitOptional(code, report.floor, [&](auto& floor) {
+    code(floor.height_m);
+    code(floor.std_m);
+    code(floor.points);
+  });
+}
+
 // Level 1: higher ones gain 1 % on floating-point numbers.
 std::string Compress(std::string_view bytes) {
   uLongf size = compressBound(bytes.size());
@@ -259,6 +329,16 @@ std::string EncodeObject(const ObjectReport& object) {
 
 Status DecodeObject(std::string_view bytes, ObjectReport& object) {
   return DecodeCompressed(bytes, [&](Decoder& decoder) { VisitObject(decoder, object); });
+}
+
+std::string EncodeOwnPose(const OwnPoseReport& report) {
+  Encoder encoder;
+  VisitOwnPose(encoder, report);
+  return Compress(encoder.bytes());
+}
+
+Status DecodeOwnPose(std::string_view bytes, OwnPoseReport& report) {
+  return DecodeCompressed(bytes, [&](Decoder& decoder) { VisitOwnPose(decoder, report); });
 }
 
 std::string EncodeParticles(const std::vector<Particle>& particles) {

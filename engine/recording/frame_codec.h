@@ -10,6 +10,7 @@
 
 #include "engine/base/result.h"
 #include "engine/mapping/map_report.h"
+#include "engine/vio/own_pose_report.h"
 
 namespace plumbline {
 
@@ -25,5 +26,9 @@ Status DecodeObject(std::string_view bytes, ObjectReport& object);
 /// Column by column, bytes of equal significance together, which compresses to about 3/4.
 std::string EncodeParticles(const std::vector<Particle>& particles);
 Result<std::vector<Particle>> DecodeParticles(std::string_view bytes);
+
+/// What the table `own_poses` holds of one frame.
+std::string EncodeOwnPose(const OwnPoseReport& report);
+Status DecodeOwnPose(std::string_view bytes, OwnPoseReport& report);
 
 }  // namespace plumbline

@@ -23,6 +23,7 @@
 namespace plumbline {
 
 struct FrameReport;
+struct OwnPoses;
 
 /// Writes a run file on a thread of its own, one transaction a frame: whatever ends the program,
 /// every frame counted by num_written() can be read afterwards. Nobody else can write that file
@@ -34,17 +35,21 @@ class RunWriter {
 
   /// Starts a new file; an older run of that name is replaced in one step as soon as header and
   /// past are complete, any other file is not touched. An error leaves everything as it was.
+  /// @param own_poses  Of a run with poses = vio, kept with it.
   /// Errors: kIo (folder missing or read-only), kInvalidInput (the file there is not a run, or is
   /// being written), those of `past`.
   static Result<std::unique_ptr<RunWriter>> Create(const std::filesystem::path& file,
                                                    const RunHeader& header,
-                                                   const WritePast& past = {});
+                                                   const WritePast& past = {},
+                                                   const OwnPoses* own_poses = nullptr);
 
   struct Resumed;
   /// Goes on with a run that was cut off (or ended). Anything behind the last complete frame is
   /// dropped. Errors: kNotFound, kCorrupt, kUnsupported; kInvalidInput if `header` differs from the
   /// stored one in what decides the result (CheckContinues), or if somebody is writing the file.
-  static Result<Resumed> OpenToResume(const std::filesystem::path& file, const RunHeader& header);
+  /// @param own_poses  Of a run with poses = vio; they take the place of those in the file.
+  static Result<Resumed> OpenToResume(const std::filesystem::path& file, const RunHeader& header,
+                                      const OwnPoses* own_poses = nullptr);
 
   /// As if closed; an error is then lost (call Close to see it).
   ~RunWriter();
@@ -146,6 +151,9 @@ class RunReader {
   Result<std::vector<RunTiming>> Timings(int first_position = 0);
   /// By id.
   Result<std::vector<ObjectTrack>> ObjectTracks();
+  /// Poses of the visual-inertial filter that the run was made with; null unless poses = vio.
+  /// Errors: kCorrupt.
+  Result<std::shared_ptr<const OwnPoses>> ReadOwnPoses();
 
  private:
   class Implementation;

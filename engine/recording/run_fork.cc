@@ -90,24 +90,31 @@ Status ForkRun(const ForkChoice& choice, const WorkContext& work) {
     return Error{ErrorCode::kInvalidInput,
                  "'" + choice.out.string() + "' is the run that is forked; name another file"};
   RunRecipe recipe;
+  std::shared_ptr<const OwnPoses> own_poses;
   {
     auto reader = RunReader::Open(choice.run.run);
     if (!reader.ok()) return reader.error();
     recipe = RecipeOf(choice.run, (*reader)->header());
+    auto stored = (*reader)->ReadOwnPoses();
+    if (!stored.ok()) return stored.error();
+    own_poses = *stored;
   }
   recipe.options = choice.options;
   recipe.seed = choice.seed;
-  auto pipeline = MappingPipeline::Open(recipe, work);
+  auto pipeline = MappingPipeline::Open(recipe, work, std::move(own_poses));
   if (!pipeline.ok()) return pipeline.error();
   RunHeader header = HeaderOf(**pipeline, choice.program_version);
   header.forked_after = choice.at;
   if (Status status = WaitForFrame(choice.run.run, choice.at, work.stop); !status.ok())
     return status;
-  auto writer = RunWriter::Create(choice.out, header, [&](RunWriter& past) -> Status {
-    const auto at =
-        TakeOverPast(choice.run.run, choice.at, **pipeline, past, [](const FrameReport&) {});
-    return at.ok() ? Status() : at.error();
-  });
+  auto writer = RunWriter::Create(
+      choice.out, header,
+      [&](RunWriter& past) -> Status {
+        const auto at =
+            TakeOverPast(choice.run.run, choice.at, **pipeline, past, [](const FrameReport&) {});
+        return at.ok() ? Status() : at.error();
+      },
+      (*pipeline)->own_poses().get());
   if (!writer.ok()) return writer.error();
   while (!work.stop.stop_requested()) {
     const auto snapshot = (*pipeline)->Next();

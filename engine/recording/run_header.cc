@@ -10,6 +10,7 @@
 #include "engine/base/files.h"
 #include "engine/models/model_database.h"
 #include "engine/pipeline/mapping_pipeline.h"
+#include "engine/pipeline/own_pose_sequence.h"
 #include "engine/sensor/camera.h"
 
 namespace plumbline {
@@ -196,7 +197,8 @@ Status CheckContinues(const RunHeader& stored, const RunHeader& now) {
   return {};
 }
 
-std::string SequenceFingerprint(const Sequence& sequence) {
+std::string SequenceFingerprint(const Sequence& mapped) {
+  const Sequence& sequence = GivenSequence(mapped);  // own poses follow from it and the recipe
   std::string bytes;
   const PinholeCamera& camera = sequence.camera();
   AppendBytes(camera.width, bytes);

@@ -2,6 +2,8 @@
 #include "engine/recording/run_inputs.h"
 
 #include "engine/base/log.h"
+#include "engine/pipeline/own_pose_sequence.h"
+#include "engine/recording/run_file.h"
 
 namespace plumbline {
 namespace {
@@ -37,7 +39,14 @@ Result<std::shared_ptr<const Sequence>> OpenSequenceOfRun(const RunChoice& choic
               options.poses.string());
     options.poses.clear();
   }
-  return OpenSequence(recipe.sequence, options);
+  auto sequence = OpenSequence(recipe.sequence, options);
+  if (!sequence.ok() || recipe.poses.source != PoseSource::kVio) return sequence;
+  const auto reader = RunReader::Open(choice.run);
+  if (!reader.ok()) return reader.error();
+  auto own_poses = (*reader)->ReadOwnPoses();
+  if (!own_poses.ok()) return own_poses.error();
+  if (*own_poses == nullptr || (*sequence)->num_frames() < header.end_frame) return sequence;
+  return WithOwnPoses(*sequence, *own_poses);
 }
 
 Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& choice,

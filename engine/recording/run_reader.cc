@@ -5,6 +5,7 @@
 
 #include "engine/mapping/option_changes.h"
 #include "engine/recording/frame_codec.h"
+#include "engine/recording/own_pose_record.h"
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_schema.h"
 #include "engine/recording/sqlite.h"
@@ -232,7 +233,7 @@ class RunReader::Implementation {
     }
   }
 
-  const sqlite::Database& database() const { return *database_; }
+  sqlite::Database& database() { return *database_; }
   const RunHeader& header() const { return run_header_; }
   sqlite::Statement& count() { return count_; }
   sqlite::Statement& finished() { return finished_; }
@@ -405,5 +406,8 @@ Result<std::vector<RunTiming>> RunReader::Timings(int first_position) {
   return implementation_->Timings(first_position);
 }
 Result<std::vector<ObjectTrack>> RunReader::ObjectTracks() { return implementation_->Tracks(); }
+Result<std::shared_ptr<const OwnPoses>> RunReader::ReadOwnPoses() {
+  return LoadOwnPoses(implementation_->database());
+}
 
 }  // namespace plumbline

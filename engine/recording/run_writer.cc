@@ -14,6 +14,7 @@
 #include "engine/base/queue.h"
 #include "engine/base/timer.h"
 #include "engine/recording/frame_codec.h"
+#include "engine/recording/own_pose_record.h"
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_place.h"
 #include "engine/recording/run_schema.h"
@@ -100,11 +101,12 @@ class RunWriter::Worker {
   }
 
   /// Begins a new run.
-  Status Begin(const RunHeader& header) {
+  Status Begin(const RunHeader& header, const OwnPoses* own_poses) {
     Status status = UseWriteAheadLog(*database_);
     if (status.ok()) status = database_->Execute("BEGIN");
     if (status.ok()) status = database_->Execute(kRunSchema);
     if (status.ok()) status = StoreHeader(*database_, header);
+    if (status.ok() && own_poses != nullptr) status = StoreOwnPoses(*database_, *own_poses);
     if (status.ok()) status = database_->Execute("COMMIT");
     return status.ok() ? Start() : status;
   }
@@ -296,8 +298,8 @@ class RunWriter::Worker {
 };
 
 Result<std::unique_ptr<RunWriter>> RunWriter::Create(const std::filesystem::path& file,
-                                                     const RunHeader& header,
-                                                     const WritePast& past) {
+                                                     const RunHeader& header, const WritePast& past,
+                                                     const OwnPoses* own_poses) {
   auto lock = Lock(file);
   if (!lock) return lock.error();
   if (const Status free = CheckReplaceable(file); !free.ok()) return free.error();
@@ -307,7 +309,7 @@ Result<std::unique_ptr<RunWriter>> RunWriter::Create(const std::filesystem::path
   if (!database) return Error{ErrorCode::kIo, database.error().message};
   auto worker = std::make_unique<Worker>(file, std::move(*lock), std::move(*database), 0,
                                          std::numeric_limits<int>::min(), 0.0);
-  Status status = worker->Begin(header);
+  Status status = worker->Begin(header, own_poses);
   if (!status.ok()) return Error{ErrorCode::kIo, status.error().message};
   std::unique_ptr<RunWriter> writer(new RunWriter(std::move(worker)));
   if (past) status = past(*writer);
@@ -350,7 +352,8 @@ Result<Found> FindEnd(const std::filesystem::path& file, const RunHeader& header
 }  // namespace
 
 Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& file,
-                                                   const RunHeader& header) {
+                                                   const RunHeader& header,
+                                                   const OwnPoses* own_poses) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) {
     return Error{ErrorCode::kNotFound, file.string() + " does not exist; check the path"};
@@ -377,6 +380,7 @@ Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& 
         "DELETE FROM run WHERE key = 'smoothed'; DROP TABLE IF EXISTS smoothed");
   }
   if (status.ok()) status = StoreHeader(**database, found->header);
+  if (status.ok() && own_poses != nullptr) status = StoreOwnPoses(**database, *own_poses);
   if (status.ok()) status = (*database)->Execute("COMMIT");
   if (!status.ok()) return status.error();
   const int last_frame = found->last ? found->last->frame : std::numeric_limits<int>::min();

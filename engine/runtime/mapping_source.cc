@@ -172,7 +172,7 @@ Result<std::unique_ptr<SnapshotSource>> OpenMappingSource(const MappingChoice& c
   auto place = RunFilePlace::Choose(choice.out);
   if (!place.ok()) return place.error();
   const RunHeader header = HeaderOf(**pipeline, choice.program_version);
-  auto writer = RunWriter::Create(place->path(), header);
+  auto writer = RunWriter::Create(place->path(), header, {}, (*pipeline)->own_poses().get());
   if (!writer.ok()) return writer.error();
   const std::shared_ptr<const Sequence> sequence = (*pipeline)->shared_sequence();
   auto pictures =

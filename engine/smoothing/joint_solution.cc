@@ -32,7 +32,7 @@ class Solver {
     for (std::size_t i = 0; i < objects.size(); ++i) {
       information_.block<4, 4>(First(i), First(i)) = InverseOfSymmetric(objects[i].covariance);
     }
-    const double floor_std = map.floor_in_world ? options.floor_std_m : kUnknownFloor_m;
+    const double floor_std = map.floor_in_world ? map.BaseStd(options) : kUnknownFloor_m;
     information_(size_ - 1, size_ - 1) = 1 / (floor_std * floor_std);
     right_ = Eigen::VectorXd::Zero(size_);
     AddFloor();

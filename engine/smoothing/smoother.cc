@@ -36,7 +36,11 @@ class Smoother {
            const WorkContext& work)
       : task_(task),
         setup_(task.setup),
-        map_{UprightFrame(setup_.gravity_in_world), setup_.floor_in_world, setup_.database},
+        map_{UprightFrame(setup_.gravity_in_world),
+             setup_.floor_in_world,
+             setup_.database,
+             {},
+             setup_.floor_std_m},
         renderer_(std::move(renderer)),
         work_(work) {}
 

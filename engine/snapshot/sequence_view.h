@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/geometry/mesh.h"
+#include "engine/vio/own_pose_report.h"
 
 namespace plumbline {
 
@@ -44,6 +45,14 @@ struct SequenceView {
     double position_std_m = 0, azimuth_std_rad = 0;  ///< How well it is known.
   };
   std::vector<Truth> truth;
+
+  /// Of a run with poses = vio, else null. `world` is then the filter's.
+  std::shared_ptr<const OwnPoses> own_poses;
+  /// From the world of the poses, the scan and the truth that came with the sequence, by aligning
+  /// the trajectories; all of these have been moved already.
+  Eigen::Isometry3d world_from_given = Eigen::Isometry3d::Identity();
+  /// By frame: the poses that came with the sequence; empty without any.
+  std::vector<std::optional<Eigen::Isometry3d>> given_world_from_cam;
 };
 
 }  // namespace plumbline

@@ -51,6 +51,7 @@ struct FloorEstimate {
   /// (a, b, c, d) with (a, b, c) = up and a x + b y + c z + d = 0 on the floor.
   Eigen::Vector4d floor_in_world{0, 0, 1, 0};
   int epoch = 0;
+  double std_m = 0;  ///< Of its height; 0: given, not estimated.
 };
 
 using Packet = std::variant<GravityEstimate, FloorEstimate, ImuSample, PoseEstimate, FramePacket>;

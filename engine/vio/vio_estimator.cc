@@ -206,6 +206,15 @@ void VioEstimator::ForgetOldReadings(std::int64_t image_ns) {
   imu_.DropBefore(image_ns - Nanoseconds(memory));
 }
 
+std::optional<FilterState> VioEstimator::Predict(std::int64_t image_ns) const {
+  if (!tracking_) return std::nullopt;
+  FilterState state = filter_.state();
+  const std::int64_t target = image_ns + Nanoseconds(state.time_offset_s());
+  const std::vector<ImuSegment> segments = imu_.Between(state.inertial().stamp_ns, target);
+  if (!segments.empty()) state.Propagate(Integrate(state.inertial(), segments, filter_.noise()));
+  return state;
+}
+
 Eigen::Matrix3d VioEstimator::CamRotation(std::int64_t previous_ns, std::int64_t present_ns) const {
   const bool tracking = tracking_;
   const std::int64_t offset =

@@ -42,6 +42,10 @@ class VioEstimator {
   /// of the window.
   std::vector<VioReport> AddImage(const TrackedImage& image);
 
+  /// The state carried to an image by the IMU alone: for images that follow too fast for the filter
+  /// to use. Nothing unless the filter tracks.
+  std::optional<FilterState> Predict(std::int64_t image_ns) const;
+
   /// previous_from_present: how the gyro says that the camera turned between two images.
   Eigen::Matrix3d CamRotation(std::int64_t previous_ns, std::int64_t present_ns) const;
 

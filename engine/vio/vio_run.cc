@@ -29,10 +29,15 @@ class Feeder {
       estimator_.AddImu(input_.samples[next_++]);
   }
 
-  void FeedImage(const TrackedImage& image) {
+  /// @return the reports and points that it added to the run.
+  std::pair<std::span<const VioReport>, std::span<const MapPoint>> FeedImage(
+      const TrackedImage& image) {
+    const std::size_t reports = run.reports.size(), points = run.points.size();
     for (VioReport& report : estimator_.AddImage(image)) run.reports.push_back(std::move(report));
     for (MapPoint& point : estimator_.TakePoints()) run.points.push_back(point);
     ++run.images;
+    return {std::span<const VioReport>(run.reports).subspan(reports),
+            std::span<const MapPoint>(run.points).subspan(points)};
   }
 
   VioRun run;
@@ -58,7 +63,8 @@ VioRun RunVio(const VioInput& input, std::span<const TrackedImage> images,
 }
 
 VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions& options,
-              const TrackerOptions& tracker_options, const WorkContext& work) {
+              const TrackerOptions& tracker_options, const WorkContext& work,
+              const VioObserver& seen) {
   Feeder feeder(input, options);
   PointTracker tracker(input.camera, tracker_options);
   std::optional<std::int64_t> previous_ns;
@@ -74,8 +80,11 @@ VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions
         feeder.estimator().CamRotation(previous_ns.value_or(stamp_ns), stamp_ns);
     previous_ns = stamp_ns;
     const TrackedImage tracked = tracker.Track(*image, stamp_ns, turn);
-    feeder.run.tracking_ms += tracker.cost().track_ms + tracker.cost().detect_ms;
-    feeder.FeedImage(tracked);
+    const double tracking_ms = tracker.cost().track_ms + tracker.cost().detect_ms;
+    feeder.run.tracking_ms += tracking_ms;
+    const auto [reports, points] = feeder.FeedImage(tracked);
+    if (seen)
+      seen({static_cast<int>(i), tracked, reports, points, feeder.estimator(), tracking_ms});
     work.report({"visual-inertial", feeder.run.images, static_cast<int>(images.stamps_ns.size())});
   }
   return std::move(feeder.run);

@@ -45,13 +45,24 @@ struct ImageSource {
   std::function<Result<cv::Mat>(int index)> read;
 };
 
+/// What one image did, for those who watch.
+struct VioMoment {
+  int image = 0;  ///< Index in the source.
+  const TrackedImage& tracked;
+  std::span<const VioReport> reports;  ///< Of AddImage.
+  std::span<const MapPoint> points;    ///< Finished since the image before.
+  const VioEstimator& estimator;       ///< After the image.
+  double tracking_ms = 0;
+};
+using VioObserver = std::function<void(const VioMoment&)>;
+
 /// Runs the estimator over a recording in the order of time, on given tracks by rising stamp.
 VioRun RunVio(const VioInput& input, std::span<const TrackedImage> images,
               const VioOptions& options, const WorkContext& work);
 
 /// The same on images, whose points are tracked with the gyro's help.
 VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions& options,
-              const TrackerOptions& tracker, const WorkContext& work);
+              const TrackerOptions& tracker, const WorkContext& work, const VioObserver& seen = {});
 
 /// Leaves out tracks at random: each with this probability, for all its life.
 std::vector<TrackedImage> DropTracks(std::span<const TrackedImage> images, double probability,

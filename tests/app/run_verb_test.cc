@@ -309,6 +309,20 @@ TEST_F(RunVerb, WithoutAUsableFrameItFailsAndSaysWhy) {
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("none of the 50 frames of"));
 }
 
+TEST_F(RunVerb, OwnPosesNeedAnImuAndSaySo) {
+  const auto run = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"run", Path("sequence"), "--out", Path("a.plb")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Wait(Start(arguments));
+  };
+  EXPECT_EQ(run({"--poses", "vio"}), 1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("no readings of an IMU"));
+  EXPECT_EQ(run({"--set-poses", "ready_tilt_deg=2"}), 1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("goes with --poses vio"));
+  EXPECT_EQ(run({"--poses", "vio", "--set-poses", "ready_tilt=2"}), 1);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("did you mean 'ready_tilt_deg'"));
+}
+
 TEST_F(RunVerb, TakesFoldersThatAreNotUtf8) {
   const std::string folder = Path("caf\xe9");
   std::filesystem::rename(Path("sequence"), folder);

@@ -10,6 +10,7 @@
 #include "ui/inspect/image/masks_panel.h"
 #include "ui/inspect/image/other_image_panel.h"
 #include "ui/inspect/image/particles_panel.h"
+#include "ui/inspect/inertial/inertial_panel.h"
 #include "ui/inspect/map/scene_panel.h"
 #include "ui/inspect/object/details_panel.h"
 #include "ui/inspect/object/objects_panel.h"
@@ -76,6 +77,12 @@ constexpr PanelEntry kPanels[] = {
       "first object. The switch Links draws them in the map."},
      PanelPlace::kAboutMap,
      MakeRelationsPanel},
+    {{"inertial", "Inertial",
+      "Of a run that finds its own poses (--poses vio): what the IMU reads, what the filter "
+      "believes and how surely, what it waits for, and how far it is from the reference, if there "
+      "is one. The switch Tracks of the image shows the points that it follows."},
+     PanelPlace::kAboutMap,
+     MakeInertialPanel},
     {{"what_if", "What if?",
       "Two runs of one sequence on one clock, and what differs. Fork makes the second run: the "
       "past up to this frame, then other options or another seed."},

@@ -208,6 +208,25 @@ TEST(EvaluateMap, AlignsMapsFromAnotherFrame) {
   }
 }
 
+TEST(EvaluateMap, TakesTheAlignmentOfTheTrajectories) {
+  const GroundTruth truth = TestTruth();
+  std::vector<EstimatedObject> map = PerfectMap(truth);
+  const Eigen::Isometry3d moved =  // farther than objects are matched
+      Eigen::Translation3d(3, -2, 0.4) * Eigen::AngleAxisd(2, Eigen::Vector3d::UnitZ());
+  for (EstimatedObject& object : map) object.world_from_object = moved * object.world_from_object;
+  EvaluationOptions options;
+  options.truth_from_estimate = moved.inverse();
+  EXPECT_TRUE(Evaluate(map, truth, options).matched.empty()) << "none is none";
+  for (const Alignment align :
+       {Alignment::kTrajectory, Alignment::kObjects, Alignment::kIcp, Alignment::kIcp4}) {
+    options.align = align;
+    const MapEvaluation evaluation = Evaluate(map, truth, options);
+    EXPECT_THAT(evaluation.truth_from_estimate, IsometryNear(moved.inverse(), 1e-3, 1e-5));
+    EXPECT_EQ(evaluation.matched.size(), 5u);
+    EXPECT_LT(*evaluation.mean.translation_m, 1e-4);
+  }
+}
+
 TEST(EvaluateMap, WritesTheKeysOfTheDesign) {
   const GroundTruth truth = TestTruth();
   std::vector<EstimatedObject> map = PerfectMap(truth);

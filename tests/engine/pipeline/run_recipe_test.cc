@@ -32,6 +32,16 @@ TEST(RunRecipe, IsTheSameAfterJson) {
   EXPECT_EQ(back->frames, (FrameRange{3, 600, 2}));
   EXPECT_TRUE(back->detector.SameContent(Recipe().detector));
 
+  RunRecipe own = Recipe();
+  own.poses = ParsePoses("vio");
+  own.own_poses.filter.pixel_noise_px = 1.5;
+  own.own_poses.ready_tilt_deg = 0.4;
+  const auto own_back = RecipeFromJson(RecipeToJson(own));
+  ASSERT_TRUE(own_back.ok()) << own_back.error().message;
+  EXPECT_EQ(own_back->poses.source, PoseSource::kVio);
+  EXPECT_EQ(HashOf(own_back->own_poses), HashOf(own.own_poses));
+  EXPECT_NE(HashOf(own_back->own_poses), HashOf(OwnPoseOptions()));
+
   RunRecipe least;
   least.sequence = "/data/kitchen";
   const auto least_back = RecipeFromJson(RecipeToJson(least));

@@ -9,6 +9,7 @@
 #include "engine/base/check.h"
 #include "engine/base/random.h"
 #include "engine/base/timer.h"
+#include "engine/recording/frame_codec.h"
 #include "tests/engine/recording/random_run.h"
 #include "tests/support/test_data.h"
 
@@ -58,6 +59,47 @@ TEST(RunFile, GivesBackEveryFrameBitForBit) {
   }
   EXPECT_EQ(Fingerprint(*reader->LastFrame()), written.back());
   EXPECT_EQ(reader->ReadFrame(40).error().code, ErrorCode::kNotFound);
+}
+
+TEST(RunFile, KeepsThePosesOfTheFilter) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.plb";
+  OwnPoses poses;
+  poses.frames.resize(3);
+  poses.frames[0].waits_for = "waiting for rest";
+  OwnPoseReport& frame = poses.frames[2];
+  frame.ready = frame.measured = true;
+  frame.vio.phase = VioPhase::kTracking;
+  frame.vio.stretch = 2;
+  frame.vio.gyro_bias = {0.1, 0.2, 0.3};
+  frame.vio.covariance.diagonal().setConstant(0.5);
+  frame.vio.covariance(1, 4) = frame.vio.covariance(4, 1) = -0.25;
+  frame.vio.step.nis = 12.5;
+  frame.world_from_cam = Eigen::Isometry3d(Eigen::Translation3d(1, 2, 3));
+  frame.tracks = {{123456789012, {10.5f, 20.25f}, 7, TrackState::kRejected, 1.5f}};
+  frame.points_in_world = {{1, 2, 3}, {4, 5, 6}};
+  frame.floor = FloorReport{-1.3, 0.02, 40};
+  {
+    auto writer = RunWriter::Create(file, RandomHeader(1), {}, &poses);
+    ASSERT_TRUE(writer.ok()) << writer.error().message;
+    ASSERT_TRUE((*writer)->Close().ok());
+  }
+  const auto read = OpenRun(file)->ReadOwnPoses();
+  ASSERT_TRUE(read.ok() && *read != nullptr);
+  ASSERT_EQ((*read)->frames.size(), 3u);
+  EXPECT_EQ((*read)->frames[0].waits_for, "waiting for rest");
+  EXPECT_FALSE((*read)->frames[0].world_from_cam.has_value());
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(EncodeOwnPose((*read)->frames[i]), EncodeOwnPose(poses.frames[i])) << i;
+  const OwnPoseReport& back = (*read)->frames[2];
+  EXPECT_EQ(back.vio.covariance, frame.vio.covariance);
+  EXPECT_EQ(back.tracks.at(0).id, 123456789012);
+  EXPECT_EQ(back.tracks.at(0).state, TrackState::kRejected);
+  EXPECT_EQ(back.points_in_world.at(1), Eigen::Vector3f(4, 5, 6));
+  EXPECT_EQ(back.floor->points, 40);
+
+  WriteFrames(folder.path() / "given.plb", 1);
+  EXPECT_EQ(*OpenRun(folder.path() / "given.plb")->ReadOwnPoses(), nullptr);
 }
 
 TEST(RunFile, KeepsTheHeader) {

@@ -58,7 +58,7 @@ TEST(RunHeader, OfFormat1WithAnUnknownDetectorIsRefusedInsteadOfGuessed) {
 TEST(RunHeader, OfANewerRecipeIsRefused) {
   nlohmann::json json = HeaderToJson(*HeaderFromJson(HeaderOfFormat1()));
   EXPECT_TRUE(HeaderFromJson(json).ok());
-  json["recipe"]["version"] = 2;
+  json["recipe"]["version"] = 3;
   EXPECT_EQ(HeaderFromJson(json).error().code, ErrorCode::kUnsupported);
 }
 

@@ -42,7 +42,15 @@ class ImagePanel : public Panel {
     for (const char* label : {"Proposals", "Weak", "Outlines", "Names", "Particles", "Contour"}) {
       width += ToggleWidth(context, label);
     }
+    const bool own_poses = context.sequence != nullptr && context.sequence->own_poses != nullptr;
+    if (own_poses) width += ToggleWidth(context, "Tracks") + context.Scaled(4);
     AlignRight(width);
+    if (own_poses) {
+      Toggle(context, "image.tracks", "Tracks", tracks_,
+             "Points that the visual-inertial filter follows: green in its state, red turned away "
+             "by the gate, grey followed only; the larger, the longer.");
+      ImGui::SameLine();
+    }
     Toggle(context, "image.proposals", "Proposals", proposals_,
            "Boxes that the detector proposes, with category and score. In an object's colour: "
            "explained by it (of several, the best is labelled). White: spawned an object. "
@@ -78,6 +86,7 @@ class ImagePanel : public Panel {
         context.textures->Get("image", context.snapshot_version, [&] { return snapshot.image; });
     const ImageCanvas canvas(context, "image.view", texture, context.sequence->image_width,
                              context.sequence->image_height);
+    if (tracks_) DrawTrackOverlay(context, canvas);
     if (proposals_) DrawProposals(context, canvas);
     if (outlines_) DrawOutlineOverlay(context, canvas, {});
     if (const ObjectReport* object = context.SelectedObject(); particles_ && object != nullptr) {
@@ -98,7 +107,8 @@ class ImagePanel : public Panel {
 
   nlohmann::json SaveState() const override {
     return {{"proposals", proposals_}, {"weak", weak_},           {"outlines", outlines_},
-            {"names", names_},         {"particles", particles_}, {"contour", contour_}};
+            {"names", names_},         {"particles", particles_}, {"contour", contour_},
+            {"tracks", tracks_}};
   }
   void LoadState(const nlohmann::json& json) override {
     proposals_ = json.value("proposals", proposals_);
@@ -107,6 +117,7 @@ class ImagePanel : public Panel {
     names_ = json.value("names", names_);
     particles_ = json.value("particles", particles_);
     contour_ = json.value("contour", contour_);
+    tracks_ = json.value("tracks", tracks_);
   }
 
  private:
@@ -171,7 +182,7 @@ class ImagePanel : public Panel {
   }
 
   bool proposals_ = true, weak_ = false, outlines_ = true, names_ = true, particles_ = false,
-       contour_ = true;
+       contour_ = true, tracks_ = true;
 };
 
 }  // namespace

@@ -184,4 +184,31 @@ ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel) {
   return id > 0 ? ObjectId{id} : ObjectId{};
 }
 
+void DrawTrackOverlay(const FrameContext& context, const ImageCanvas& canvas) {
+  constexpr float kNear_px = 6;
+  const OwnPoses* poses = context.sequence->own_poses.get();
+  const auto at = static_cast<std::size_t>(context.snapshot->report.frame);
+  if (poses == nullptr || at >= poses->frames.size()) return;
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const TrackReport* hovered = nullptr;
+  for (const TrackReport& track : poses->frames[at].tracks) {
+    const ImU32 color = track.state == TrackState::kInState    ? colors::kGood
+                        : track.state == TrackState::kRejected ? colors::kBad
+                                                               : colors::kOnPictureDim;
+    const ImVec2 point = canvas.ToScreen(track.pixel);
+    const float radius = context.Scaled(1.5 + 0.5 * std::min(3.0, track.age / 10.0));
+    canvas.draw().AddCircleFilled(point, radius + context.Scaled(1), IM_COL32(0, 0, 0, 140), 10);
+    canvas.draw().AddCircleFilled(point, radius, color, 10);
+    if (std::hypot(mouse.x - point.x, mouse.y - point.y) < context.Scaled(kNear_px))
+      hovered = &track;
+  }
+  if (hovered == nullptr || !canvas.hovered()) return;
+  const auto state = static_cast<std::size_t>(hovered->state);
+  std::string text = fmt::format("track {}, {}\nseen in {} images before", hovered->id,
+                                 EnumNames<TrackState>::names[state], hovered->age);
+  if (hovered->state != TrackState::kFollowed)
+    text += fmt::format("\n{:.1f} px from where the filter expects it", hovered->residual_px);
+  ImGui::SetTooltip("%s", text.c_str());
+}
+
 }  // namespace plumbline

@@ -34,6 +34,11 @@ const ProbeView* ProbeOfSelection(const FrameContext& context);
 /// where the edge was found. Green hits well, red misses, grey is hidden.
 void DrawContourOverlay(const FrameContext& context, const ImageCanvas& canvas);
 
+/// The points that the visual-inertial filter follows in the frame that shows, in a run with own
+/// poses: green in the state, red turned away by the gate, grey followed only. Older ones are
+/// larger; pointing at one tells its numbers.
+void DrawTrackOverlay(const FrameContext& context, const ImageCanvas& canvas);
+
 /// Outline of the particle under the mouse, else of the marked one, as far as it is known.
 void DrawParticleOutline(const FrameContext& context, const ImageCanvas& canvas);
 

@@ -26,9 +26,8 @@ Eigen::Vector3d CenterOf(const FrameContext& context, const ObjectReport& object
 
 /// The outline of the ellipsoid, from the projections of its axes.
 void DrawSpread(const FrameContext& context, const SceneProjection& project,
-                const ObjectReport& object) {
-  const auto [variances, axes] = EigenOf(object.covariance.topLeftCorner<3, 3>());
-  const Eigen::Vector3d center = CenterOf(context, object);
+                const Eigen::Vector3d& center, const Eigen::Matrix3d& covariance, ImU32 color) {
+  const auto [variances, axes] = EigenOf(covariance);
   const auto middle = project(center);
   if (!middle) return;
   Eigen::Matrix2d square = Eigen::Matrix2d::Zero();
@@ -48,10 +47,39 @@ void DrawSpread(const FrameContext& context, const SceneProjection& project,
     points[i] = {middle->x + static_cast<float>(p.x()), middle->y + static_cast<float>(p.y())};
   }
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  const ImU32 color = ObjectColor(object.id);
   draw.AddConvexPolyFilled(points.data(), static_cast<int>(points.size()), WithAlpha(color, 0.25));
   draw.AddPolyline(points.data(), static_cast<int>(points.size()), color, ImDrawFlags_Closed,
                    context.Scaled(1.5));
+}
+
+/// Points that the filter has finished, up to the frame that shows: what was seen, where no model
+/// explains it.
+void DrawPoints(const FrameContext& context, const SceneProjection& project) {
+  constexpr int kMost = 6000;  // the newest
+  const auto& frames = context.sequence->own_poses->frames;
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const float half = 0.5f * context.Scaled(1.6);
+  int drawn = 0;
+  for (std::size_t i =
+           std::min(frames.size(), static_cast<std::size_t>(context.snapshot->report.frame) + 1);
+       i-- > 0 && drawn < kMost;) {
+    for (const Eigen::Vector3f& point : frames[i].points_in_world) {
+      const auto at = project(point.cast<double>());
+      if (!at) continue;
+      draw.AddRectFilled({at->x - half, at->y - half}, {at->x + half, at->y + half},
+                         WithAlpha(colors::kOnPicture, 0.65));
+      ++drawn;
+    }
+  }
+}
+
+/// 95 % of the belief about where the camera is, relative to where the filter began.
+void DrawCameraSpread(const FrameContext& context, const SceneProjection& project) {
+  const auto& frames = context.sequence->own_poses->frames;
+  const auto at = static_cast<std::size_t>(context.snapshot->report.frame);
+  if (at >= frames.size() || !frames[at].world_from_cam || context.look_through) return;
+  DrawSpread(context, project, frames[at].world_from_cam->translation(),
+             frames[at].cam_covariance.topLeftCorner<3, 3>(), colors::kTrajectory);
 }
 
 ImU32 LinkColor(RelationKind kind) {
@@ -132,12 +160,18 @@ void DrawSceneOverlay(const FrameContext& context, const SceneProjection& projec
                       const std::vector<ObjectRelation>& relations) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.PushClipRect(low, high, true);
+  if (context.sequence->own_poses != nullptr) {
+    if (overlay.points) DrawPoints(context, project);
+    if (overlay.spread) DrawCameraSpread(context, project);
+  }
   std::map<ObjectId, ImVec2> centers;
   for (const ObjectReport& object : context.snapshot->report.objects) {
     const bool shown =
         object.state == ObjectState::kConfirmed || object.id == context.selection.object;
     if (!shown) continue;
-    if (overlay.spread) DrawSpread(context, project, object);
+    if (overlay.spread)
+      DrawSpread(context, project, CenterOf(context, object),
+                 object.covariance.topLeftCorner<3, 3>(), ObjectColor(object.id));
     if (const auto at = project(CenterOf(context, object))) centers[object.id] = *at;
   }
   PictureLabels labels(context, low, high);

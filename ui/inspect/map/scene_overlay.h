@@ -37,9 +37,11 @@ struct SceneOverlay {
   bool names = true;
   bool spread = false;  ///< Ellipsoids that hold 95 % of the belief about the centre.
   bool links = false;
+  bool points = true;  ///< Of the visual-inertial filter, found up to this frame.
 };
 
-/// Names, ellipsoids and relations over the 3-D view.
+/// Names, ellipsoids (of the camera, too, where its pose is estimated), points and relations over
+/// the 3-D view.
 void DrawSceneOverlay(const FrameContext& context, const SceneProjection& project, ImVec2 low,
                       ImVec2 high, const SceneOverlay& overlay,
                       const std::vector<ObjectRelation>& relations);

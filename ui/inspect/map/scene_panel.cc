@@ -46,6 +46,8 @@ constexpr OverlayToggle kOverlays[] = {
     {"names", "Names", &SceneOverlay::names, "Numbers and models of confirmed objects."},
     {"spread", "Spread", &SceneOverlay::spread,
      "Ellipsoids that hold 95 % of the belief about each object's centre."},
+    {"points", "Points", &SceneOverlay::points,
+     "Points that the visual-inertial filter found up to this frame, in runs with own poses."},
     {"links", "Links", &SceneOverlay::links,
      "Relations: green stands on, yellow hides from the camera, blue is nearest to."},
 };

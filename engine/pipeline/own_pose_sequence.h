@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "engine/dataset/sequence.h"
+#include "engine/sources/folder_source.h"
+#include "engine/vio/own_pose_report.h"
+
+namespace plumbline {
+
+/// A sequence with the poses, the gravity and the floor that the visual-inertial filter found in it
+/// in place of its own. `world` is the filter's: z up, from where it began.
+std::shared_ptr<const Sequence> WithOwnPoses(std::shared_ptr<const Sequence> given,
+                                             std::shared_ptr<const OwnPoses> poses);
+
+/// What WithOwnPoses was given; null for any other sequence.
+std::shared_ptr<const OwnPoses> OwnPosesOf(const Sequence& sequence);
+/// The sequence with its given poses: what WithOwnPoses was given, or the sequence itself.
+const Sequence& GivenSequence(const Sequence& sequence);
+
+/// The packets of WithOwnPoses: poses with their covariance, and the floor when it becomes known or
+/// is known better.
+class OwnPoseSource : public RecordedSource {
+ public:
+  /// @param sequence  Of WithOwnPoses.
+  explicit OwnPoseSource(const std::shared_ptr<const Sequence>& sequence);
+
+  const Calibration& calibration() const override { return folder_.calibration(); }
+  Result<std::optional<Packet>> Next(const std::stop_token& stop) override;
+  int num_frames() const override { return folder_.num_frames(); }
+  FramePacket Frame(int frame) const override { return folder_.Frame(frame); }
+  std::optional<PoseEstimate> Pose(int frame) const override { return folder_.Pose(frame); }
+  void Seek(int frame) override;
+  /// Why a frame has no pose.
+  std::string WaitsFor(int frame) const;
+
+ private:
+  std::shared_ptr<const OwnPoses> poses_;
+  FolderSource folder_;
+  std::optional<FloorReport> told_;  ///< The last floor that Next gave.
+  std::optional<Packet> held_;       ///< Comes after the floor.
+};
+
+}  // namespace plumbline

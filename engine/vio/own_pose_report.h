@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the visual-inertial filter made of a whole sequence, image by image, as values: the run file
+// keeps it, the mapper lives on it, the window draws it.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "engine/base/options.h"
+#include "engine/vio/vio_report.h"
+
+namespace plumbline {
+
+enum class TrackState : std::uint8_t {
+  kFollowed,  ///< Seen, and not yet a point of the state.
+  kInState,   ///< A point of the state; this image's sight of it was used.
+  kRejected,  ///< A point of the state; the gate turned this image's sight away.
+};
+template <>
+struct EnumNames<TrackState> {
+  static constexpr std::string_view names[] = {"followed", "in the state", "rejected"};
+};
+
+/// A tracked point in one image.
+struct TrackReport {
+  std::int64_t id = 0;
+  Eigen::Vector2f pixel{0, 0};  ///< In the undistorted image.
+  int age = 0;                  ///< Images that it was seen in before this one.
+  TrackState state = TrackState::kFollowed;
+  float residual_px = 0;  ///< Of a point of the state: from where the filter expects it.
+};
+
+/// The floor, as far as it is known.
+struct FloorReport {
+  double height_m = 0;  ///< Along up, from the origin of `world`.
+  double std_m = 0;
+  int points = 0;  ///< That it was found from.
+};
+
+/// One image of the sequence.
+struct OwnPoseReport {
+  VioReport vio;
+  bool measured = false;        ///< The filter used the image; otherwise its pose is a prediction.
+  bool ready = false;           ///< The mapper may use the pose.
+  std::string waits_for;        ///< Why it may not, a sentence; "" when it may.
+  double tilt_std_rad = 0;      ///< Of gravity's direction.
+  double velocity_std_m_s = 0;  ///< Of the worst axis.
+  double nis_gate = 0;          ///< 95 % bound on the sum of the normalised innovations squared.
+  double tracking_ms = 0;
+
+  /// Of the camera; the covariance as sensor/pose_estimate.h has it. While the filter tracks.
+  std::optional<Eigen::Isometry3d> world_from_cam;
+  Eigen::Matrix<double, 6, 6> cam_covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  /// What the IMU read at the time of the image, biases included.
+  Eigen::Vector3d angular_velocity_rad_s{0, 0, 0}, specific_force_m_s2{0, 0, 0};
+
+  std::vector<TrackReport> tracks;
+  std::vector<Eigen::Vector3f> points_in_world;  ///< Finished since the image before.
+  std::optional<FloorReport> floor;              ///< As known after this image.
+};
+
+/// Poses of a sequence from its own images and IMU: each the estimate at its image, from nothing
+/// that came later. `world` has z up; it begins where the filter began.
+struct OwnPoses {
+  std::vector<OwnPoseReport> frames;  ///< Index = frame of the sequence, up to the last asked for.
+
+  /// The floor as known in the end.
+  std::optional<FloorReport> last_floor() const {
+    return frames.empty() ? std::nullopt : frames.back().floor;
+  }
+};
+
+}  // namespace plumbline

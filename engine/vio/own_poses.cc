@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/vio/own_poses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <unordered_map>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+#include "engine/geometry/angles.h"
+#include "engine/vio/chi_square_gate.h"
+#include "engine/vio/floor_finder.h"
+#include "engine/vio/point_view.h"
+#include "engine/vio/rotation.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kGateOfPlots = 0.95;
+/// A stretch that began anew is somewhere near the last one. Farther than this from it, what is
+/// mapped would stand twice.
+constexpr double kSamePlace_m = 0.15;
+
+/// Covariance of the camera's pose, in the order of PosePerturbation.
+Eigen::Matrix<double, 6, 6> CamCovariance(const FilterState& state) {
+  const Eigen::Isometry3d world_from_body = state.inertial().pose();
+  const Eigen::Vector3d cam_in_world = (world_from_body * state.body_from_cam()).translation();
+  Eigen::MatrixXd to_cam = Eigen::MatrixXd::Zero(6, kCalibratedSize);
+  to_cam.block<3, 3>(0, kPhi) = -Hat(cam_in_world);
+  to_cam.block<3, 3>(0, kXiP).setIdentity();
+  to_cam.block<3, 3>(0, kCamTranslation) = world_from_body.linear();
+  to_cam.block<3, 3>(3, kPhi).setIdentity();
+  to_cam.block<3, 3>(3, kCamRotation) = world_from_body.linear();
+  return to_cam * state.covariance().topLeftCorner<kCalibratedSize, kCalibratedSize>() *
+         to_cam.transpose();
+}
+
+double TiltStd(const FilterState& state) {
+  const Eigen::Matrix2d covariance = state.covariance().block<2, 2>(kPhi, kPhi);
+  return std::sqrt(std::max(0.0, covariance.eigenvalues().real().maxCoeff()));
+}
+
+/// Of the worst axis: v = v^ + xi_v + phi x v^.
+double VelocityStd(const FilterState& state) {
+  Eigen::Matrix<double, 3, 6> by_state;
+  by_state << -Hat(state.inertial().velocity_in_world), Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d covariance =
+      by_state * state.covariance().block<6, 6>(kPhi, kPhi) * by_state.transpose();
+  return std::sqrt(std::max(0.0, covariance.diagonal().maxCoeff()));
+}
+
+template <typename... Arguments>
+std::string Sentence(const char* format, Arguments... arguments) {
+  char text[240];
+  std::snprintf(text, sizeof(text), format, arguments...);
+  return text;
+}
+
+/// Turns what the estimator did with each image into a report of it.
+class Recorder {
+ public:
+  Recorder(const VioInput& input, const OwnPoseOptions& options, int num_frames)
+      : input_(input), options_(options), camera_(input.camera), floor_(options) {
+    poses.frames.resize(static_cast<std::size_t>(num_frames));
+  }
+
+  void See(const VioMoment& moment) {
+    OwnPoseReport& frame = poses.frames[static_cast<std::size_t>(moment.image)];
+    frame.tracking_ms = moment.tracking_ms;
+    frame.measured = !moment.reports.empty();
+    if (frame.measured) {
+      last_ = moment.reports.back();
+      frame.vio = last_;
+    } else {
+      frame.vio = last_;
+      frame.vio.stamp_ns = moment.tracked.stamp_ns;
+      frame.vio.step = {};
+    }
+    AddReadings(moment.tracked.stamp_ns, frame);
+    const auto state = frame.vio.phase == VioPhase::kTracking
+                           ? moment.estimator.Predict(moment.tracked.stamp_ns)
+                           : std::nullopt;
+    AddTracks(moment, state, frame);
+    if (state) {
+      AddPose(*state, frame);
+      AddFloor(moment, frame);
+    }
+    Judge(frame);
+  }
+
+  /// @return what the last image waits for.
+  std::string last_wait() const { return last_wait_; }
+  bool any_ready() const { return any_ready_; }
+  OwnPoses poses;
+
+ private:
+  void AddReadings(std::int64_t image_ns, OwnPoseReport& frame) const {
+    const std::int64_t stamp = image_ns + Nanoseconds(input_.imu.time_offset_s);
+    const auto next = std::lower_bound(
+        input_.samples.begin(), input_.samples.end(), stamp,
+        [](const ImuSample& sample, std::int64_t ns) { return sample.stamp_ns < ns; });
+    const ImuSample& sample = next == input_.samples.end() ? input_.samples.back() : *next;
+    frame.angular_velocity_rad_s = sample.angular_velocity_rad_s;
+    frame.specific_force_m_s2 = sample.specific_force_m_s2;
+  }
+
+  void AddTracks(const VioMoment& moment, const std::optional<FilterState>& state,
+                 OwnPoseReport& frame) {
+    std::unordered_map<std::int64_t, const StatePoint*> points;
+    if (state) {
+      for (const StatePoint& point : state->points()) points[point.track] = &point;
+    }
+    std::unordered_map<std::int64_t, int> first_seen;
+    for (const TrackedPoint& point : moment.tracked.points) {
+      const auto known = first_seen_.find(point.id);
+      const int first = known == first_seen_.end() ? moment.image : known->second;
+      first_seen.emplace(point.id, first);
+      const auto ray = camera_.Unproject(point.pixel);
+      if (!ray || ray->z() <= 0) continue;
+      TrackReport track{point.id, input_.camera.pinhole.Project(*ray).cast<float>(),
+                        moment.image - first, TrackState::kFollowed, 0};
+      if (const auto found = points.find(point.id); found != points.end()) {
+        const StatePoint& in_state = *found->second;
+        track.state = in_state.rejected > 0 ? TrackState::kRejected : TrackState::kInState;
+        track.residual_px = Residual(*state, in_state, point.pixel);
+      }
+      frame.tracks.push_back(track);
+    }
+    first_seen_ = std::move(first_seen);
+  }
+
+  float Residual(const FilterState& state, const StatePoint& point,
+                 const Eigen::Vector2d& pixel) const {
+    const PoseClone* anchor = state.FindClone(point.anchor);
+    if (anchor == nullptr) return 0;
+    const AnchoredPoint placed =
+        PlacePoint(state.body_from_cam(), anchor->world_from_body, point.bearing_and_inverse_depth);
+    const auto view =
+        ViewPoint(camera_, state.body_from_cam(), state.inertial().pose(), placed.point_in_world);
+    return view ? static_cast<float>((pixel - view->pixel).norm()) : 0;
+  }
+
+  static void AddPose(const FilterState& state, OwnPoseReport& frame) {
+    frame.vio.world_from_body = state.inertial().pose();
+    frame.vio.velocity_in_world = state.inertial().velocity_in_world;
+    frame.vio.covariance = state.PoseCovariance();
+    frame.world_from_cam = frame.vio.world_from_body * state.body_from_cam();
+    frame.cam_covariance = CamCovariance(state);
+    frame.tilt_std_rad = TiltStd(state);
+    frame.velocity_std_m_s = VelocityStd(state);
+    if (frame.vio.step.nis_dof > 0)
+      frame.nis_gate = ChiSquareGate(kGateOfPlots)(frame.vio.step.nis_dof);
+  }
+
+  void AddFloor(const VioMoment& moment, OwnPoseReport& frame) {
+    if (frame.vio.stretch != floor_stretch_) {
+      floor_stretch_ = frame.vio.stretch;
+      floor_.Clear();
+      found_floor_.reset();
+    }
+    for (const MapPoint& point : moment.points)
+      frame.points_in_world.push_back(point.point_in_world.cast<float>());
+    // Before the scale has settled, heights are not those of the room.
+    if (ready_stretch_ == frame.vio.stretch && !moment.points.empty()) {
+      for (const MapPoint& point : moment.points) floor_.Add(point.point_in_world, moment.image);
+      if (const auto found = floor_.Find(frame.world_from_cam->translation().z()))
+        found_floor_ = found;
+    }
+    frame.floor = found_floor_;
+  }
+
+  /// Whether the mapper may use the pose, and if not, why.
+  void Judge(OwnPoseReport& frame) {
+    const VioReport& vio = frame.vio;
+    if (!frame.world_from_cam) {
+      frame.waits_for = vio.message.empty() ? "the filter has not started" : vio.message;
+    } else if (ready_stretch_ != vio.stretch) {
+      const double tilt_deg = frame.tilt_std_rad * kDegPerRad;
+      const double position_m = std::sqrt(frame.cam_covariance.diagonal().head<3>().maxCoeff());
+      if (tilt_deg > options_.ready_tilt_deg) {
+        frame.waits_for = Sentence("waiting for gravity: known to %.2f deg, %.2f are needed",
+                                   tilt_deg, options_.ready_tilt_deg);
+      } else if (frame.velocity_std_m_s > options_.ready_velocity_m_s) {
+        frame.waits_for = Sentence("waiting for the velocity: known to %.3f m/s, %.3f are needed",
+                                   frame.velocity_std_m_s, options_.ready_velocity_m_s);
+      } else if (any_ready_ && position_m > kSamePlace_m) {
+        frame.waits_for = Sentence(
+            "the filter was lost and began anew within %.2f m of its old world; mapping "
+            "on would put objects twice",
+            position_m);
+      } else {
+        ready_stretch_ = vio.stretch;
+      }
+    }
+    frame.ready = frame.waits_for.empty();
+    any_ready_ = any_ready_ || frame.ready;
+    if (!frame.ready) last_wait_ = frame.waits_for;
+  }
+
+  const VioInput& input_;
+  OwnPoseOptions options_;
+  DistortedCamera camera_;
+  FloorFinder floor_;
+  std::optional<FloorReport> found_floor_;
+  VioReport last_;
+  std::unordered_map<std::int64_t, int> first_seen_;  ///< Image of each track in sight.
+  int floor_stretch_ = 0, ready_stretch_ = 0;
+  bool any_ready_ = false;
+  std::string last_wait_;
+};
+
+}  // namespace
+
+Result<VioInput> VioInputOf(const Sequence& sequence, const ImuRecording& imu) {
+  const Calibration& calibration = sequence.calibration();
+  const std::string name = "'" + sequence.path().string() + "'";
+  if (imu.samples.empty()) {
+    return Error{ErrorCode::kInvalidInput,
+                 name + " has no readings of an IMU; the filter needs imu.csv"};
+  }
+  VioInput input;
+  input.camera = calibration.cameras.front().camera;
+  if (!input.camera.body_from_cam) {
+    return Error{ErrorCode::kInvalidInput,
+                 name +
+                     " does not say where the camera sits on the body: add 'body_from_cam' to "
+                     "camera.json"};
+  }
+  if (calibration.imu) input.imu = *calibration.imu;
+  input.samples = imu.samples;
+  return input;
+}
+
+Result<OwnPoses> EstimateOwnPoses(const Sequence& sequence, int end_frame,
+                                  const OwnPoseOptions& options, const WorkContext& work) {
+  const std::string name = "'" + sequence.path().string() + "'";
+  if (!sequence.has_images()) {
+    return Error{ErrorCode::kNotFound,
+                 name +
+                     " has no images (there is no folder color/); poses come from images and "
+                     "an IMU"};
+  }
+  const Result<ImuRecording> imu = sequence.ReadImu();
+  if (!imu.ok()) return imu.error();
+  const Result<VioInput> input = VioInputOf(sequence, *imu);
+  if (!input.ok()) return input.error();
+  const int count = std::min(end_frame, sequence.num_frames());
+  ImageSource images;
+  for (int i = 0; i < count; ++i) images.stamps_ns.push_back(sequence.stamp_ns(i));
+  images.read = [&](int index) { return sequence.ReadRawImage(index); };
+  Recorder recorder(*input, options, count);
+  for (int i = 0; i < count; ++i) {
+    OwnPoseReport& frame = recorder.poses.frames[static_cast<std::size_t>(i)];
+    frame.vio.stamp_ns = sequence.stamp_ns(i);
+    frame.waits_for = "the image could not be read";
+  }
+  RunVio(*input, images, options.filter, options.tracker, work, [&](const VioMoment& moment) {
+    recorder.poses.frames[static_cast<std::size_t>(moment.image)].waits_for.clear();
+    recorder.See(moment);
+  });
+  if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+  if (!recorder.any_ready()) {
+    return Error{
+        ErrorCode::kDegenerate,
+        "no image of " + name + " got a pose that serves mapping: " +
+            (recorder.last_wait().empty() ? "no image could be read" : recorder.last_wait())};
+  }
+  return std::move(recorder.poses);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "engine/base/progress.h"
+#include "engine/base/result.h"
+#include "engine/dataset/imu_file.h"
+#include "engine/dataset/sequence.h"
+#include "engine/vio/own_pose_options.h"
+#include "engine/vio/own_pose_report.h"
+#include "engine/vio/vio_run.h"
+
+namespace plumbline {
+
+/// What the estimator needs of a sequence besides images. `imu` must outlive it. Errors:
+/// kInvalidInput, naming what the sequence lacks: readings of an IMU, or where the camera sits on
+/// the body.
+Result<VioInput> VioInputOf(const Sequence& sequence, const ImuRecording& imu);
+
+/// Poses of a sequence from its images and IMU alone; its own poses, gravity and floor are not
+/// looked at. Causal: what is said of an image does not depend on later ones. Deterministic; about
+/// 10 ms an image.
+/// @param end_frame  Images from this one on are not looked at.
+/// Errors: as of VioInputOf; kNotFound for a sequence without images; kDegenerate where no image
+/// gets a pose that a mapper may use; kCancelled.
+Result<OwnPoses> EstimateOwnPoses(const Sequence& sequence, int end_frame,
+                                  const OwnPoseOptions& options, const WorkContext& work);
+
+}  // namespace plumbline

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/pipeline/own_pose_sequence.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/test_data.h"
+#include "tests/support/tiny_sequence.h"
+
+namespace plumbline {
+namespace {
+
+/// Frame 0 waits, 1 to 4 have a pose; a floor is found at 2 and known clearly better at 4.
+std::shared_ptr<const OwnPoses> Poses() {
+  auto poses = std::make_shared<OwnPoses>();
+  poses->frames.resize(5);
+  poses->frames[0].waits_for = "waiting for rest";
+  for (std::size_t i = 1; i < 5; ++i) {
+    OwnPoseReport& frame = poses->frames[i];
+    frame.ready = true;
+    frame.world_from_cam = Eigen::Isometry3d(Eigen::Translation3d(0, static_cast<double>(i), 0));
+    frame.cam_covariance.diagonal().setConstant(0.01 * static_cast<double>(i));
+    if (i >= 2) frame.floor = FloorReport{-1.3, i < 4 ? 0.04 : 0.02, 50};
+  }
+  return poses;
+}
+
+class OwnPoseSourceTest : public testing::Test {
+ protected:
+  OwnPoseSourceTest() { WriteTinySequence(folder_.path() / "sequence", {.frames = 5}); }
+  std::shared_ptr<const Sequence> Open() const {
+    return WithOwnPoses(OpenSequence(folder_.path() / "sequence").value(), Poses());
+  }
+  /// "gravity", "floor 0.04", "pose 3", "frame 3" ..
+  static std::vector<std::string> All(FrameSource& source) {
+    std::vector<std::string> all;
+    while (true) {
+      const auto packet = source.Next({});
+      if (!packet.ok() || !*packet) return all;
+      if (std::holds_alternative<GravityEstimate>(**packet)) all.emplace_back("gravity");
+      if (const auto* floor = std::get_if<FloorEstimate>(&**packet))
+        all.push_back("floor " + std::to_string(floor->std_m).substr(0, 4));
+      if (const auto* pose = std::get_if<PoseEstimate>(&**packet)) {
+        all.push_back("pose " + std::to_string(pose->id.value));
+        EXPECT_DOUBLE_EQ(pose->covariance(0, 0), 0.01 * pose->id.value);
+      }
+      if (const auto* frame = std::get_if<FramePacket>(&**packet))
+        all.push_back("frame " + std::to_string(frame->frame));
+    }
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(OwnPoseSourceTest, TellsTheFloorWhenItIsFoundAndWhenItIsBetterKnown) {
+  OwnPoseSource source(Open());
+  const std::vector<std::string> expected = {"gravity", "frame 0",    "pose 1",     "frame 1",
+                                             "pose 2",  "floor 0.04", "frame 2",    "pose 3",
+                                             "frame 3", "pose 4",     "floor 0.02", "frame 4"};
+  EXPECT_EQ(All(source), expected);
+  EXPECT_EQ(source.WaitsFor(0), "waiting for rest");
+}
+
+TEST_F(OwnPoseSourceTest, KnowsTheFloorAgainAfterASeek) {
+  OwnPoseSource source(Open());
+  source.Seek(4);
+  const std::vector<std::string> expected = {"floor 0.04", "gravity", "pose 4", "floor 0.02",
+                                             "frame 4"};
+  EXPECT_EQ(All(source), expected);
+}
+
+TEST_F(OwnPoseSourceTest, TheSequenceHasTheFiltersWorld) {
+  const auto sequence = Open();
+  EXPECT_FALSE(sequence->world_from_cam(0).has_value());
+  EXPECT_EQ(sequence->world_from_cam(3)->translation(), Eigen::Vector3d(0, 3, 0));
+  EXPECT_EQ(*sequence->gravity_in_world(), Eigen::Vector3d(0, 0, -1));
+  EXPECT_EQ((*sequence->floor_in_world())[3], 1.3);
+  EXPECT_EQ(sequence->ReadFrame(2)->world_from_cam->translation().y(), 2);
+  EXPECT_NE(OwnPosesOf(*sequence), nullptr);
+  EXPECT_EQ(GivenSequence(*sequence).world_from_cam(3)->translation().x(), 3);
+  EXPECT_EQ(OwnPosesOf(GivenSequence(*sequence)), nullptr);
+}
+
+}  // namespace
+}  // namespace plumbline
