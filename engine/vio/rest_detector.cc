@@ -10,6 +10,7 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kMinCommon = 8;
+constexpr int kMinPlaces = 5;
 /// Median over mean of the square of a length whose two axes are normal: ln 2.
 constexpr double kMedianOfSquare = 0.693;
 
@@ -21,8 +22,9 @@ struct MeanPlace {
 
   Eigen::Vector2d mean() const { return sum / count; }
   /// Variance of the mean, both axes together, by the noise of single places: half the mean square
-  /// of a step is the variance of a place.
-  double variance() const { return count > 1 ? 0.5 * jumps / (count - 1) / count : 0; }
+  /// of a step is the variance of a place. 0 where there are too few to tell noise from a slow
+  /// motion, whose steps are as large.
+  double variance() const { return count >= kMinPlaces ? 0.5 * jumps / (count - 1) / count : 0; }
 };
 using MeanPlaces = std::unordered_map<std::int64_t, MeanPlace>;
 
