@@ -2,4 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # Measures the mapper: every figure of README.md, docs/algorithms/semantic_filter.md and smoothing.md.
 #   scripts/measure.sh --help
-exec python3 "$(dirname "${BASH_SOURCE[0]}")/measure.py" "$@"
+# The visual-inertial filter, for docs/algorithms/vio.md:
+#   scripts/measure.sh --only vio [--help]
+here=$(dirname "${BASH_SOURCE[0]}")
+if [[ "$1" == --only && "$2" == vio ]]; then
+  exec python3 "$here/measure_vio.py" "${@:3}"
+fi
+exec python3 "$here/measure.py" "$@"

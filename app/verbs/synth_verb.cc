@@ -22,6 +22,9 @@ struct SynthArguments {
   std::uint64_t seed = 1;
   std::optional<int> frames;
   std::optional<double> rate_hz, fov_deg;
+  bool imu = false, tracks_only = false;
+  double imu_rate_hz = 200, imu_noise = 1, time_offset_ms = 0, rest_s = 0, tremor = 0;
+  std::vector<double> wrong_camera = {0, 0};  ///< Degrees and centimetres.
 };
 
 Result<SyntheticOptions> OptionsOf(const SynthArguments& arguments) {
@@ -33,6 +36,18 @@ Result<SyntheticOptions> OptionsOf(const SynthArguments& arguments) {
     options.frames = static_cast<int>(std::lround(seconds * options.rate_hz));
   }
   if (arguments.frames) options.frames = *arguments.frames;
+  if (arguments.imu) {
+    ImuSimulation& imu = options.imu.emplace();
+    imu.rate_hz = arguments.imu_rate_hz;
+    imu.noise = arguments.imu_noise;
+    imu.time_offset_s = arguments.time_offset_ms / 1000;
+    imu.wrong_rotation_rad = arguments.wrong_camera[0] * kRadPerDeg;
+    imu.wrong_translation_m = arguments.wrong_camera[1] / 100;
+    imu.rest_s = arguments.rest_s;
+    imu.tremor = arguments.tremor;
+    if (!arguments.frames) options.frames += static_cast<int>(imu.rest_s * options.rate_hz);
+  }
+  options.tracks_only = arguments.tracks_only;
   if (arguments.fov_deg) options.horizontal_fov_rad = *arguments.fov_deg * kRadPerDeg;
   char rest = 0;
   if (std::sscanf(arguments.size.c_str(), "%dx%d%c", &options.width, &options.height, &rest) != 2) {
@@ -49,6 +64,11 @@ Status Synth(const SynthArguments& arguments) {
   const Result<SyntheticSummary> summary =
       WriteSyntheticSequence(*options, arguments.out_folder, work.context());
   if (!summary.ok()) return summary.error();
+  if (options->tracks_only) {
+    std::printf("%s: tracks of %d frames (%.1f s)\n", arguments.out_folder.c_str(), summary->frames,
+                summary->frame_seconds);
+    return {};
+  }
   std::printf("%s: %d frames, %d objects (light %.1f s, %.2f s a frame)\n",
               arguments.out_folder.c_str(), summary->frames, summary->instances,
               summary->light_seconds, summary->frame_seconds / summary->frames);
@@ -66,6 +86,47 @@ std::string SceneList() {
     list += line.data();
   }
   return list;
+}
+
+void AddImuOptions(CLI::App& verb, SynthArguments& arguments) {
+  verb.add_flag("--imu", arguments.imu,
+                "Write an IMU too: imu.csv, imu.json, groundtruth.csv, and where the camera sits");
+  verb.add_option("--imu-rate", arguments.imu_rate_hz, "Readings per second")
+      ->needs("--imu")
+      ->check(CLI::Range(50.0, 2000.0))
+      ->type_name("HZ")
+      ->capture_default_str();
+  verb.add_option("--imu-noise", arguments.imu_noise,
+                  "Times the noise and bias walk that imu.json states; 0 for none")
+      ->needs("--imu")
+      ->check(CLI::Range(0.0, 100.0))
+      ->type_name("FACTOR")
+      ->capture_default_str();
+  verb.add_option("--time-offset", arguments.time_offset_ms,
+                  "True offset of the IMU's clock from the images'; imu.json states 0")
+      ->needs("--imu")
+      ->check(CLI::Range(-500.0, 500.0))
+      ->type_name("MS")
+      ->capture_default_str();
+  verb.add_option("--wrong-camera", arguments.wrong_camera,
+                  "What the camera's pose in camera.json is wrong by, about and along each axis")
+      ->needs("--imu")
+      ->expected(2)
+      ->check(CLI::Range(0.0, 50.0))
+      ->type_name("DEG CM");
+  verb.add_option("--rest", arguments.rest_s, "Stand still at the start, for so long")
+      ->needs("--imu")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->type_name("S")
+      ->capture_default_str();
+  verb.add_option("--tremor", arguments.tremor, "Tremor of the hands: 1 is a steady one's")
+      ->needs("--imu")
+      ->check(CLI::Range(0.0, 50.0))
+      ->type_name("FACTOR")
+      ->capture_default_str();
+  verb.add_flag("--tracks", arguments.tracks_only,
+                "No images: points that are followed through the room, as tracks.csv")
+      ->needs("--imu");
 }
 
 }  // namespace
@@ -102,6 +163,7 @@ void AddSynthVerb(CLI::App& app, VerbFunction& chosen) {
                    "Chooses room, furniture, colours, light and walk; 1 is the demo")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  AddImuOptions(*verb, *arguments);
   verb->footer("Scenes (docs/algorithms/synthetic.md):" + SceneList());
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Synth(*arguments); }; });
 }

@@ -19,11 +19,13 @@
 #include "engine/dataset/proposals_file.h"
 #include "engine/models/mesh_file.h"
 #include "engine/synthetic/film.h"
+#include "engine/synthetic/imu_simulator.h"
 #include "engine/synthetic/ray_tracer.h"
 #include "engine/synthetic/room.h"
 #include "engine/synthetic/room_files.h"
 #include "engine/synthetic/simulated_detector.h"
 #include "engine/synthetic/synthetic_edges.h"
+#include "engine/synthetic/track_simulator.h"
 #include "engine/synthetic/walk.h"
 
 namespace plumbline {
@@ -36,6 +38,10 @@ using Eigen::Isometry3d;
 constexpr double kVisiblePixels = 800;
 constexpr std::array<const char*, 6> kFolders = {"color", "edges", "proposals",
                                                  "depth", "masks", "models"};
+/// Written only on request; those of an earlier sequence must not stay.
+constexpr std::array<const char*, 8> kFiles = {"imu.csv",    "imu.json",         "groundtruth.csv",
+                                               "tracks.csv", "trajectory.txt",   "visibility.csv",
+                                               "scene.ply",  "ground_truth.json"};
 
 /// From here on scene.json marks the folder as ours, also if the program is killed.
 Status PrepareFolder(const fs::path& folder, const SyntheticOptions& options) {
@@ -47,8 +53,11 @@ Status PrepareFolder(const fs::path& folder, const SyntheticOptions& options) {
           "'" + folder.string() + "' holds other files; give an empty or a new folder with --out"};
     }
     for (const char* name : kFolders) fs::remove_all(folder / name, error);
+    for (const char* name : kFiles) fs::remove(folder / name, error);
   }
+  fs::create_directories(folder, error);
   for (const char* name : kFolders) {
+    if (options.tracks_only) break;
     fs::create_directories(folder / name, error);
     if (error)
       return Error{ErrorCode::kIo,
@@ -101,6 +110,52 @@ struct InstanceHistory {
   FrameRuns visible, hidden, truncated;
 };
 
+constexpr const char* kTrajectoryHeader = "# timestamp tx ty tz qx qy qz qw (world_from_cam)\n";
+
+std::string TrajectoryRow(double t_s, const Isometry3d& world_from_cam) {
+  const Eigen::Quaterniond q(world_from_cam.linear());
+  const Eigen::Vector3d t = world_from_cam.translation();
+  std::array<char, 256> line;
+  std::snprintf(line.data(), line.size(), "%.9f %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", t_s,
+                t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  return line.data();
+}
+
+Status WriteGravity(const fs::path& folder, const SyntheticOptions& options) {
+  const Eigen::Vector3d up = options.world_from_room.linear().col(2);
+  const double offset = -up.dot(options.world_from_room.translation());
+  return WriteJson(folder / "gravity.json", {{"gravity", {-up.x(), -up.y(), -up.z()}},
+                                             {"floor", {up.x(), up.y(), up.z(), offset}}});
+}
+
+/// What the IMU and the camera's place really are, for scene.json.
+nlohmann::json ImuToJson(const ImuSimulation& imu, const BodyPath& path, int frames,
+                         double rate_hz) {
+  double length = 0;
+  for (int frame = 1; frame < frames; ++frame)
+    length += (path.RoomFromBody(frame / rate_hz).translation() -
+               path.RoomFromBody((frame - 1) / rate_hz).translation())
+                  .norm();
+  return {{"body_from_cam", IsometryToJson(SyntheticBodyFromCam())},
+          {"time_offset_s", imu.time_offset_s},
+          {"noise", imu.noise},
+          {"rest_s", imu.rest_s},
+          {"tremor", imu.tremor},
+          {"path_m", length}};
+}
+
+/// imu.csv, imu.json, groundtruth.csv and camera.json.
+Status WriteMotion(const fs::path& folder, const SyntheticOptions& options, const BodyPath& path) {
+  std::vector<std::int64_t> stamps;
+  for (int frame = 0; frame < options.frames; ++frame)
+    stamps.push_back(std::llround(frame / options.rate_hz * 1e9));
+  const Status status = WriteImuFiles(
+      folder, SimulateImu(path, options.world_from_room, stamps, *options.imu, options.seed));
+  if (!status.ok()) return status;
+  return WriteJson(folder / "camera.json", CameraToJson(StatedCamera(SyntheticCamera(options),
+                                                                     *options.imu, options.seed)));
+}
+
 /// One frame on its way to the disk.
 struct FramePictures {
   cv::Mat radiance;
@@ -120,7 +175,11 @@ class SequenceJob {
         camera_(SyntheticCamera(options)),
         meter_(room_),
         detector_(room_, FlawsOf(options), options.seed),
-        history_(room_.instances.size()) {}
+        history_(room_.instances.size()) {
+    if (options.imu)
+      path_.emplace(
+          PathOfBody(walk_, *options.imu, options.seed, options.frames / options.rate_hz));
+  }
 
   Status WriteStill();
   Status WriteFrames(const WorkContext& context);
@@ -128,6 +187,15 @@ class SequenceJob {
 
  private:
   FramePictures Render(int frame) const;
+  Isometry3d RoomFromCam(double t_s) const {
+    return path_ ? path_->RoomFromBody(t_s) * SyntheticBodyFromCam() : walk_.RoomFromCam(t_s);
+  }
+  double ExposureSeconds(int frame) const {
+    const double walked = options_.imu
+                              ? TimeAfterRest(frame / options_.rate_hz, options_.imu->rest_s)
+                              : frame / options_.rate_hz;
+    return walk_.ExposureSeconds(static_cast<int>(std::lround(walked * options_.rate_hz)));
+  }
   int SamplesFor(const std::vector<Isometry3d>& poses) const;
   Status WriteFrame(int frame, const FramePictures& pictures);
   void Remember(int frame, const Visibility& visibility);
@@ -136,22 +204,21 @@ class SequenceJob {
   fs::path folder_;
   Room room_;
   Walk walk_;
+  std::optional<BodyPath> path_;
   std::unique_ptr<const RayTracer> tracer_;
   Camera camera_;
   VisibilityMeter meter_;
   SimulatedDetector detector_;
   std::vector<InstanceHistory> history_;
-  std::string trajectory_ = "# timestamp tx ty tz qx qy qz qw (world_from_cam)\n";
+  std::string trajectory_ = kTrajectoryHeader;
   std::string visibility_ = "frame,instance_id,pixels\n";
 };
 
 Status SequenceJob::WriteStill() {
-  Status status = WriteJson(folder_ / "camera.json", CameraToJson(camera_));
+  Status status = path_ ? WriteMotion(folder_, options_, *path_)
+                        : WriteJson(folder_ / "camera.json", CameraToJson(camera_));
   if (!status.ok()) return status;
-  const Eigen::Vector3d up = options_.world_from_room.linear().col(2);
-  const double offset = -up.dot(options_.world_from_room.translation());
-  status = WriteJson(folder_ / "gravity.json", {{"gravity", {-up.x(), -up.y(), -up.z()}},
-                                                {"floor", {up.x(), up.y(), up.z(), offset}}});
+  status = WriteGravity(folder_, options_);
   if (!status.ok()) return status;
   status = WriteModels(folder_ / "models", room_.catalogue);
   if (!status.ok()) return status;
@@ -169,13 +236,13 @@ int SequenceJob::SamplesFor(const std::vector<Isometry3d>& poses) const {
 }
 
 FramePictures SequenceJob::Render(int frame) const {
-  const double middle = frame / options_.rate_hz, exposure = walk_.ExposureSeconds(frame);
+  const double middle = frame / options_.rate_hz, exposure = ExposureSeconds(frame);
   constexpr int kPoses = 24;
   std::vector<Isometry3d> poses;
   for (int i = 0; i < kPoses; ++i)
-    poses.push_back(walk_.RoomFromCam(middle + exposure * ((i + 0.5) / kPoses - 0.5)));
+    poses.push_back(RoomFromCam(middle + exposure * ((i + 0.5) / kPoses - 0.5)));
   FramePictures pictures;
-  pictures.room_from_cam = walk_.RoomFromCam(middle);
+  pictures.room_from_cam = RoomFromCam(middle);
   pictures.radiance =
       tracer_->Photograph(camera_.pinhole, poses, SamplesFor(poses), options_.seed, frame);
   pictures.maps = tracer_->Look(camera_.pinhole, pictures.room_from_cam);
@@ -212,12 +279,7 @@ Status SequenceJob::WriteFrame(int frame, const FramePictures& pictures) {
   Remember(frame, visibility);
 
   const Isometry3d world_from_cam = options_.world_from_room * pictures.room_from_cam;
-  const Eigen::Quaterniond q(world_from_cam.linear());
-  const Eigen::Vector3d t = world_from_cam.translation();
-  std::array<char, 256> line;
-  std::snprintf(line.data(), line.size(), "%.9f %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n",
-                frame / options_.rate_hz, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
-  trajectory_ += line.data();
+  trajectory_ += TrajectoryRow(frame / options_.rate_hz, world_from_cam);
 
   const std::string image_name = name + ".jpg";
   const std::array<std::pair<fs::path, cv::Mat>, 5> files = {
@@ -292,6 +354,7 @@ Status SequenceJob::WriteTruth(int frames) {
                           {"world_from_room", IsometryToJson(options_.world_from_room)},
                           {"situations", situations},
                           {"shaken_frames", shaken}};
+  if (path_) scene["imu"] = ImuToJson(*options_.imu, *path_, frames, options_.rate_hz);
   if (room_.main_instance > 0)
     scene["main_instance"] = room_.instances[static_cast<std::size_t>(room_.main_instance - 1)].id;
   Status status = WriteJson(folder_ / "ground_truth.json",
@@ -300,6 +363,49 @@ Status SequenceJob::WriteTruth(int frames) {
   if (status.ok()) status = WriteFileAtomically(folder_ / "visibility.csv", visibility_);
   if (status.ok()) status = WriteJson(folder_ / "scene.json", scene);
   return status;
+}
+
+/// Follows points through the room without drawing it.
+Result<SyntheticSummary> WriteTracks(const SyntheticOptions& options, const fs::path& folder,
+                                     const Room& room, const Walk& walk,
+                                     const WorkContext& context) {
+  const Stopwatch timer;
+  const BodyPath path =
+      PathOfBody(walk, *options.imu, options.seed, options.frames / options.rate_hz);
+  const TracedScene scene(room.parts);
+  TrackSimulator simulator(scene, SyntheticCamera(options).pinhole, {}, options.seed);
+  std::string rows = "# t[s],id,u,v[px]\n", trajectory = kTrajectoryHeader;
+  for (int frame = 0; frame < options.frames; ++frame) {
+    if (context.stop.stop_requested())
+      return Error{ErrorCode::kCancelled, "stopped; '" + folder.string() + "' holds no tracks"};
+    context.report({"frames", frame, options.frames});
+    const double t_s = frame / options.rate_hz;
+    const Isometry3d room_from_cam = path.RoomFromBody(t_s) * SyntheticBodyFromCam();
+    const TrackedImage image = simulator.Next(std::llround(t_s * 1e9), room_from_cam);
+    for (const TrackedPoint& point : image.points) {
+      std::array<char, 96> row;
+      std::snprintf(row.data(), row.size(), "%.9f,%lld,%.4f,%.4f\n", t_s,
+                    static_cast<long long>(point.id), point.pixel.x(), point.pixel.y());
+      rows += row.data();
+    }
+    trajectory += TrajectoryRow(t_s, options.world_from_room * room_from_cam);
+  }
+  context.report({"frames", options.frames, options.frames});
+  Status status = WriteFileAtomically(folder / "tracks.csv", rows);
+  if (status.ok()) status = WriteFileAtomically(folder / "trajectory.txt", trajectory);
+  if (status.ok()) status = WriteGravity(folder, options);
+  if (status.ok()) status = WriteMotion(folder, options, path);
+  if (status.ok())
+    status = WriteJson(folder / "scene.json",
+                       {{"scene", NameOf(options.scene)},
+                        {"seed", options.seed},
+                        {"frames", options.frames},
+                        {"imu", ImuToJson(*options.imu, path, options.frames, options.rate_hz)}});
+  if (!status.ok()) return status.error();
+  SyntheticSummary summary;
+  summary.frames = options.frames;
+  summary.frame_seconds = timer.Milliseconds() / 1000;
+  return summary;
 }
 
 }  // namespace
@@ -332,6 +438,7 @@ Result<SyntheticSummary> WriteSyntheticSequence(const SyntheticOptions& options,
   if (!walk.ok()) return walk.error();
   Status status = PrepareFolder(folder, options);
   if (!status.ok()) return status.error();
+  if (options.tracks_only) return WriteTracks(options, folder, *room, *walk, context);
   SyntheticSummary summary;
   const Stopwatch light_timer;
   Result<std::unique_ptr<const RayTracer>> tracer =

@@ -19,9 +19,10 @@ struct SyntheticSummary {
 
 /// Furnishes a room, walks through it and writes a sequence in the project's own layout into
 /// `folder`: images, poses, gravity, edges, proposals, depth, masks, scene.ply, models and ground
-/// truth (docs/algorithms/synthetic.md). An earlier synthetic sequence there is replaced; any other
-/// content is left alone and is an error. Errors: kInvalidInput (options, folder in use), kIo,
-/// kCancelled (the frames written so far stay).
+/// truth (docs/algorithms/synthetic.md); with an IMU imu.csv, imu.json and groundtruth.csv too.
+/// Tracks alone come without all that needs light: no images, models or objects. An earlier
+/// synthetic sequence there is replaced; any other content is left alone and is an error. Errors:
+/// kInvalidInput (options, folder in use), kIo, kCancelled (the frames written so far stay).
 Result<SyntheticSummary> WriteSyntheticSequence(const SyntheticOptions& options,
                                                 const std::filesystem::path& folder,
                                                 const WorkContext& context);

@@ -44,6 +44,18 @@ std::vector<std::string> SyntheticOptions::Validate() const {
   within("light_spacing", light_spacing, 0.5, 20);
   within("noise_levels", noise_levels, 0, 64);
   within("jpeg_quality", jpeg_quality, 1, 100);
+  if (imu) {
+    within("the IMU's rate", imu->rate_hz, 50, 2000);
+    within("the IMU's noise", imu->noise, 0, 100);
+    within("the gyro's bias", imu->gyro_bias_std_rad_s, 0, 1);
+    within("the accelerometer's bias", imu->accel_bias_std_m_s2, 0, 5);
+    within("the offset of the clocks", imu->time_offset_s, -0.5, 0.5);
+    within("the wrong rotation of the camera", imu->wrong_rotation_rad, 0, 0.2);
+    within("the wrong place of the camera", imu->wrong_translation_m, 0, 0.5);
+    within("the rest at the start", imu->rest_s, 0, 3600);
+    within("the tremor", imu->tremor, 0, 50);
+  }
+  if (tracks_only && !imu) problems.push_back("tracks alone are of use with an IMU only");
   const Eigen::Matrix3d rotation = world_from_room.linear();
   if (!(rotation * rotation.transpose()).isIdentity(1e-9) || rotation.determinant() < 0) {
     problems.push_back("world_from_room must be a rigid transform");

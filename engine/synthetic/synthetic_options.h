@@ -59,6 +59,20 @@ inline constexpr SyntheticSceneInfo kSyntheticScenes[] = {
 std::optional<SyntheticScene> SyntheticSceneFromName(std::string_view name);
 std::string_view NameOf(SyntheticScene scene);
 
+/// An IMU on the body that carries the camera.
+struct ImuSimulation {
+  double rate_hz = 200;  ///< 50 .. 2000
+  double noise = 1;  ///< Times the densities and walks of imu.json, which are a phone's; 0 .. 100
+  double gyro_bias_std_rad_s = 0.01, accel_bias_std_m_s2 = 0.05;  ///< Of the biases at the start.
+  /// True offset of the clocks, IMU time = image time + this; imu.json states 0. -0.5 .. 0.5 [s]
+  double time_offset_s = 0;
+  /// What camera.json's pose of the camera on the body is wrong by, about and along each axis, with
+  /// signs by chance. 0 .. 0.2 [rad], 0 .. 0.5 [m]
+  double wrong_rotation_rad = 0, wrong_translation_m = 0;
+  double rest_s = 0;  ///< Without any motion but the tremor, at the start; 0 .. 3600
+  double tremor = 0;  ///< Times that of a steady hand (8 to 12 Hz); 0 .. 50
+};
+
 /// What to make. Everything random follows from `seed`: the same options give the same files,
 /// whatever the number of threads.
 struct SyntheticOptions {
@@ -78,6 +92,11 @@ struct SyntheticOptions {
   double light_spacing = 1.0;  ///< 0.5 .. 20; spacing of light samples, 1 = a few centimetres.
   double noise_levels = 3.0;   ///< Sensor noise, standard deviation in grey levels of 256.
   int jpeg_quality = 92;       ///< 1 .. 100
+  /// With an IMU, the camera moves along a curve of continuous acceleration, some 0.01 mm off the
+  /// walk's.
+  std::optional<ImuSimulation> imu;
+  /// Instead of images and all that belongs to them: tracked points (tracks.csv). Needs `imu`.
+  bool tracks_only = false;
   /// The room is built z-up with the floor at 0; the sequence is written in `world`. Any rigid
   /// transform.
   Eigen::Isometry3d world_from_room = Eigen::Isometry3d::Identity();

@@ -17,6 +17,25 @@ namespace {
 constexpr int kDetectShrink = 2;
 constexpr int kBorder = 4;  ///< Points nearer to the edge of the image are dropped [px].
 constexpr double kWidthOfSpacing = 640;
+/// A change of the mean grey level from image to image by more than this share is a jump.
+constexpr double kLightJump = 0.12;
+
+/// The image with the mean and the contrast of each neighbourhood evened out: what light from
+/// another side leaves as it is. Costs some ms.
+cv::Mat EvenedOut(const cv::Mat& grey) {
+  constexpr int kSide = 25;
+  constexpr double kContrast = 40, kNoise = 6;  // [grey levels]
+  cv::Mat image, mean, square;
+  grey.convertTo(image, CV_32F);
+  cv::boxFilter(image, mean, CV_32F, {kSide, kSide});
+  cv::sqrBoxFilter(image, square, CV_32F, {kSide, kSide});
+  cv::Mat deviation = cv::max(square - mean.mul(mean), 0);
+  cv::sqrt(deviation, deviation);
+  cv::Mat even, result;
+  cv::divide(image - mean, deviation + kNoise, even, kContrast);
+  even.convertTo(result, CV_8U, 1, 128);
+  return result;
+}
 
 }  // namespace
 
@@ -39,7 +58,14 @@ cv::Point2f PointTracker::Predicted(const cv::Point2f& pixel,
   return Inside(moved) ? moved : pixel;
 }
 
-void PointTracker::Follow(const std::vector<cv::Mat>& pyramid,
+std::vector<cv::Mat> PointTracker::PyramidOf(const cv::Mat& grey) const {
+  std::vector<cv::Mat> pyramid;
+  cv::buildOpticalFlowPyramid(grey, pyramid, {options_.window_px, options_.window_px},
+                              options_.levels);
+  return pyramid;
+}
+
+void PointTracker::Follow(const std::vector<cv::Mat>& previous, const std::vector<cv::Mat>& present,
                           const Eigen::Matrix3d& previous_from_present) {
   if (pixels_.empty()) return;
   const Eigen::Matrix3d turn = previous_from_present.transpose();
@@ -49,10 +75,10 @@ void PointTracker::Follow(const std::vector<cv::Mat>& pyramid,
   const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
   std::vector<unsigned char> forth_ok, back_ok;
   std::vector<float> ignored;
-  cv::calcOpticalFlowPyrLK(pyramid_, pyramid, pixels_, found, forth_ok, ignored, window,
+  cv::calcOpticalFlowPyrLK(previous, present, pixels_, found, forth_ok, ignored, window,
                            options_.levels, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
   // The way back begins from where it should end: one level suffices.
-  cv::calcOpticalFlowPyrLK(pyramid, pyramid_, found, back, back_ok, ignored, window,
+  cv::calcOpticalFlowPyrLK(present, previous, found, back, back_ok, ignored, window,
                            std::min(options_.levels, 1), stop, cv::OPTFLOW_USE_INITIAL_FLOW);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
@@ -108,10 +134,16 @@ TrackedImage PointTracker::Track(const cv::Mat& image, std::int64_t stamp_ns,
   if (brightness_ <= 0) brightness_ = std::clamp(mean, 60.0, 160.0);
   const double gain = std::clamp(brightness_ / mean, 0.25, 4.0);
   if (std::abs(gain - 1) > 0.01) grey.convertTo(grey, -1, gain);
-  std::vector<cv::Mat> pyramid;
-  cv::buildOpticalFlowPyramid(grey, pyramid, {options_.window_px, options_.window_px},
-                              options_.levels);
-  if (!pyramid_.empty()) Follow(pyramid, previous_from_present);
+  const double change = mean_ > 0 ? mean / mean_ : 1;
+  light_jump_ = std::abs(std::log(change)) > kLightJump ? change : 1;
+  std::vector<cv::Mat> pyramid = PyramidOf(grey);
+  if (light_jump_ != 1 && !grey_.empty()) {
+    Follow(PyramidOf(EvenedOut(grey_)), PyramidOf(EvenedOut(grey)), previous_from_present);
+  } else if (!pyramid_.empty()) {
+    Follow(pyramid_, pyramid, previous_from_present);
+  }
+  mean_ = mean;
+  grey_ = grey;
   cost_.track_ms = watch.Lap();
   Detect(grey);
   pyramid_ = std::move(pyramid);

@@ -33,9 +33,14 @@ class PointTracker {
                      const Eigen::Matrix3d& previous_from_present);
 
   const TrackingCost& cost() const { return cost_; }
+  /// How much brighter the last image was than the one before, where that was a jump: a lamp, the
+  /// sun, the exposure. 1 otherwise.
+  double light_jump() const { return light_jump_; }
 
  private:
-  void Follow(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& previous_from_present);
+  std::vector<cv::Mat> PyramidOf(const cv::Mat& grey) const;
+  void Follow(const std::vector<cv::Mat>& previous, const std::vector<cv::Mat>& present,
+              const Eigen::Matrix3d& previous_from_present);
   void Detect(const cv::Mat& image);
   cv::Point2f Predicted(const cv::Point2f& pixel,
                         const Eigen::Matrix3d& present_from_previous) const;
@@ -45,7 +50,10 @@ class PointTracker {
   cv::Size size_;
   TrackerOptions options_;
   std::vector<cv::Mat> pyramid_;  ///< Of the last image.
+  cv::Mat grey_;                  ///< The last image.
   double brightness_ = 0;         ///< Mean grey level that images are brought to.
+  double mean_ = 0;               ///< Mean grey level of the last image.
+  double light_jump_ = 1;
   std::vector<cv::Point2f> pixels_;
   std::vector<std::int64_t> ids_;
   std::int64_t next_id_ = 0;

@@ -10,8 +10,9 @@ namespace plumbline {
 
 /// What is wrong with a filter.
 struct Health {
-  bool lost = false;    ///< The state is not to be believed: start anew.
-  std::string message;  ///< One sentence; "" where all is well.
+  bool lost = false;       ///< The state is not to be believed: start anew.
+  bool disagrees = false;  ///< Lost because points contradict the IMU: a clock may have moved.
+  std::string message;     ///< One sentence; "" where all is well.
 };
 
 /// Watches a filter's innovations, state and covariance from image to image.
@@ -21,9 +22,10 @@ class HealthMonitor {
   void Reset() { *this = HealthMonitor(); }
 
  private:
-  double blind_s_ = 0;      ///< Time without any accepted measurement.
-  double rejecting_s_ = 0;  ///< Time in which most measurements were rejected.
-  double nis_ratio_ = 1;    ///< Smoothed.
+  double blind_s_ = 0;         ///< Time without any accepted measurement.
+  double rejected_share_ = 0;  ///< Of the measurements, lately.
+  double rejecting_s_ = 0;     ///< Time in which it was too large.
+  double nis_ratio_ = 1;       ///< Smoothed.
 };
 
 }  // namespace plumbline

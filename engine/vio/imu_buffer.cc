@@ -15,6 +15,10 @@ constexpr double kGapNoise = 300;
 constexpr double kSaturatedNoise = 100;
 constexpr std::int64_t kGapStepNs = 10'000'000;
 
+double NoiseFactor(ImuFlaw flaw) {
+  return flaw == ImuFlaw::kGap ? kGapNoise : flaw == ImuFlaw::kSaturated ? kSaturatedNoise : 1;
+}
+
 bool Earlier(const ImuSample& sample, std::int64_t stamp_ns) { return sample.stamp_ns < stamp_ns; }
 
 ImuSample Between(const ImuSample& a, const ImuSample& b, std::int64_t stamp_ns) {
@@ -95,7 +99,9 @@ std::vector<ImuSegment> ImuBuffer::Between(std::int64_t begin_ns, std::int64_t e
                      (i + 2 == knots.size() && gap_after);
     const auto steps =
         gap ? std::max<std::int64_t>((b.stamp_ns - a.stamp_ns) / kGapStepNs, 1) : std::int64_t{1};
-    const double factor = gap ? kGapNoise : Saturated(a) || Saturated(b) ? kSaturatedNoise : 1;
+    const ImuFlaw flaw = gap                            ? ImuFlaw::kGap
+                         : Saturated(a) || Saturated(b) ? ImuFlaw::kSaturated
+                                                        : ImuFlaw::kNone;
     for (std::int64_t step = 0; step < steps; ++step) {
       const auto at = [&](std::int64_t k) {
         return plumbline::Between(a, b, a.stamp_ns + (b.stamp_ns - a.stamp_ns) * k / steps);
@@ -103,7 +109,8 @@ std::vector<ImuSegment> ImuBuffer::Between(std::int64_t begin_ns, std::int64_t e
       const ImuSample from = at(step), to = at(step + 1);
       segments.push_back({from.stamp_ns, to.stamp_ns,
                           (from.angular_velocity_rad_s + to.angular_velocity_rad_s) / 2,
-                          (from.specific_force_m_s2 + to.specific_force_m_s2) / 2, factor});
+                          (from.specific_force_m_s2 + to.specific_force_m_s2) / 2,
+                          NoiseFactor(flaw), flaw});
     }
   }
   return segments;

@@ -17,6 +17,8 @@ inline std::int64_t Nanoseconds(double seconds) {
   return static_cast<std::int64_t>(std::llround(seconds * 1e9));
 }
 
+enum class ImuFlaw { kNone, kGap, kSaturated };
+
 /// A stretch of time in which the IMU's readings are taken as constant: their mean.
 struct ImuSegment {
   std::int64_t begin_ns = 0, end_ns = 0;
@@ -24,6 +26,7 @@ struct ImuSegment {
   Eigen::Vector3d specific_force_m_s2{0, 0, 0};
   /// Above 1 where the readings are not to be trusted: in a gap, or saturated.
   double noise_factor = 1;
+  ImuFlaw flaw = ImuFlaw::kNone;
 
   double seconds() const { return static_cast<double>(end_ns - begin_ns) * 1e-9; }
 };
@@ -36,6 +39,7 @@ class ImuBuffer {
   /// Readings must come by rising stamp; others, and those that are not finite, are dropped.
   /// @return whether it was kept.
   bool Add(const ImuSample& sample);
+  void Clear() { samples_.clear(); }
   /// Forgets what is older, but for one reading before it.
   void DropBefore(std::int64_t stamp_ns);
 

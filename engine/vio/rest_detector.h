@@ -20,7 +20,8 @@ class RestDetector {
 
   /// How far [px] the points of the newest image have wandered during the last `seconds`: the
   /// median distance between where each was on average in the first and in the second half of that
-  /// time. What only shakes about its place rests. Nothing where images do not reach that far back
+  /// time, less what the points' jumps from image to image explain of it. What only shakes about
+  /// its place rests. Nothing where images do not reach that far back
   /// or too few points live as long.
   std::optional<double> WanderWithin(double seconds) const;
 

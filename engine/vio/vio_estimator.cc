@@ -7,6 +7,7 @@
 #include <span>
 
 #include "engine/base/check.h"
+#include "engine/vio/clock_search.h"
 #include "engine/vio/motion_start.h"
 #include "engine/vio/rotation.h"
 #include "engine/vio/start_state.h"
@@ -17,7 +18,10 @@ namespace {
 constexpr double kRestLookback = 0.5;  ///< Rest is judged over this time [s].
 constexpr double kMotionWindow = 1.2;  ///< Of a start in motion [s].
 constexpr double kMotionRetry = 0.4;   ///< Between attempts [s]; one costs as much as 20 images.
-constexpr double kMinMotion = 6;       ///< Points wander more when the body moves at all [px].
+constexpr int kLateReadings = 10, kLateImages = 4;  ///< In a row: a clock was set back.
+/// Clocks that are set back by nearly the same are one clock [s].
+constexpr double kSameClock = 0.1;
+constexpr double kMinMotion = 6;  ///< Points wander more when the body moves at all [px].
 
 }  // namespace
 
@@ -28,7 +32,9 @@ VioEstimator::VioEstimator(const Camera& camera, const ImuCalibration& imu,
       options_(options),
       imu_(imu),
       rest_(options.rest_seconds + kRestLookback),
-      filter_(camera, imu, options) {
+      filter_(camera, imu, options),
+      imu_clock_(kLateReadings),
+      image_clock_(kLateImages) {
   PLB_CHECK(camera.body_from_cam.has_value());
 }
 
@@ -40,7 +46,9 @@ void VioEstimator::Begin(InertialState inertial, StartSpread spread) {
 
 void VioEstimator::JoinLastStretch(InertialState& inertial, StartSpread& spread) const {
   if (!last_good_) return;
-  const double gap = static_cast<double>(inertial.stamp_ns - last_good_->stamp_ns) * 1e-9;
+  const double gap =
+      std::max(0.0, static_cast<double>(inertial.stamp_ns - last_good_->stamp_ns) * 1e-9 -
+                        calibration_.time_offset_s);
   const Eigen::Matrix3d before = last_good_->world_from_body.linear();
   // The heading that brings the two attitudes nearest; the gyro is not trusted over the gap.
   const Eigen::Matrix3d turn = before * inertial.world_from_body.transpose();
@@ -60,6 +68,7 @@ void VioEstimator::BeginWith(const FilterState& state) {
   health_.Reset();
   tracking_ = true;
   ++stretch_;
+  clock_suspect_ = false;
 }
 
 bool VioEstimator::TryGivenStart(const TrackedImage& image) {
@@ -111,10 +120,31 @@ std::string VioEstimator::TryRestStart(const TrackedImage& image) {
   return "";
 }
 
+void VioEstimator::SeekClock(std::span<const TrackedImage> images) {
+  constexpr double kReach = 1;              // [s]; what ForgetOldReadings() leaves
+  constexpr double kMinShift = 0.015;       // [s]; less is left to the filter
+  constexpr double kBetter = 0.85;          // of the residual
+  constexpr double kFoundOffsetStd = 0.02;  // [s]
+  const Eigen::Vector3d bias = last_good_ ? last_good_->gyro_bias : Eigen::Vector3d::Zero();
+  const auto fit = SearchClock(camera_, imu_, bias, images, calibration_.time_offset_s, kReach);
+  if (!fit) return;
+  const double shift = fit->offset_s - calibration_.time_offset_s;
+  if (std::abs(shift) < kMinShift || fit->residual_px > kBetter * fit->given_residual_px) return;
+  clock_shift_s_ += shift;
+  calibration_.time_offset_s += shift;
+  options_.time_offset_std_s = std::max(options_.time_offset_std_s, kFoundOffsetStd);
+  char text[160];
+  std::snprintf(text, sizeof(text),
+                "a clock has jumped: images and gyro agree with an offset of %.3f s (%.3f s more)",
+                fit->offset_s, shift);
+  notes_ = WithNotes(text);
+}
+
 std::string VioEstimator::TryMotionStart() {
   const std::vector<TrackedImage> images(window_.begin(), window_.end());
   const double span = static_cast<double>(images.back().stamp_ns - images.front().stamp_ns) * 1e-9;
   if (span < 0.8 * kMotionWindow || images.size() < 5) return "waiting for images";
+  if (clock_suspect_) SeekClock(images);
   const Result<MotionStart> motion = AlignInMotion(camera_, calibration_, imu_, images);
   if (!motion.ok()) return motion.error().message;
   InertialState inertial;
@@ -150,7 +180,58 @@ std::string VioEstimator::TryStart(const TrackedImage& image) {
   return TryMotionStart();
 }
 
+void VioEstimator::Restart() {
+  tracking_ = false;
+  rest_.Clear();
+  window_.clear();
+}
+
+void VioEstimator::MoveClock(std::int64_t later_ns, const char* whose) {
+  calibration_.time_offset_s -= clock_shift_s_;
+  clock_shift_s_ += static_cast<double>(later_ns) * 1e-9;
+  if (std::abs(clock_shift_s_) < kSameClock) clock_shift_s_ = 0;
+  calibration_.time_offset_s += clock_shift_s_;
+  char text[120];
+  std::snprintf(text, sizeof(text), "the %s clock was set back by %.2f s: starting anew", whose,
+                std::abs(static_cast<double>(later_ns)) * 1e-9);
+  notes_ = WithNotes(text);
+  Restart();
+}
+
+std::string VioEstimator::WithNotes(std::string message) {
+  if (left_out_ > 0) {
+    notes_ += (notes_.empty() ? "" : "; ") + std::to_string(left_out_) +
+              " of the images came twice or late and were left out";
+    left_out_ = 0;
+  }
+  if (!notes_.empty()) message = notes_ + (message.empty() ? "" : "; ") + message;
+  notes_.clear();
+  return message;
+}
+
+void VioEstimator::AddImu(const ImuSample& sample) {
+  if (imu_clock_.Add(sample.stamp_ns) == StampWatch::Verdict::kJumpedBack) {
+    imu_.Clear();
+    MoveClock(-imu_clock_.jump_ns(), "IMU's");
+  }
+  imu_.Add(sample);
+}
+
 std::vector<VioReport> VioEstimator::AddImage(const TrackedImage& image) {
+  switch (image_clock_.Add(image.stamp_ns)) {
+    case StampWatch::Verdict::kRises:
+      break;
+    case StampWatch::Verdict::kLate:
+      ++left_out_;
+      return {};
+    case StampWatch::Verdict::kJumpedBack:
+      left_out_ = 0;
+      MoveClock(image_clock_.jump_ns(), "camera's");
+      last_image_ns_.reset();
+      last_step_ns_.reset();
+      last_attempt_ns_.reset();
+      if (last_good_) last_good_->stamp_ns -= image_clock_.jump_ns();
+  }
   if (last_image_ns_) {
     const double since = static_cast<double>(image.stamp_ns - *last_image_ns_) * 1e-9;
     if (since < 0.9 / options_.max_rate_hz) return {};
@@ -165,8 +246,9 @@ std::vector<VioReport> VioEstimator::AddImage(const TrackedImage& image) {
   waiting.stamp_ns = image.stamp_ns;
   waiting.stretch = stretch_;
   if (given_) window_.assign(1, image);
-  waiting.message = TryStart(image);
+  const std::string waits = TryStart(image);
   if (!tracking_) {
+    waiting.message = WithNotes(waits);
     ForgetOldReadings(image.stamp_ns);
     return {waiting};
   }
@@ -188,14 +270,13 @@ VioReport VioEstimator::Filter(const TrackedImage& image) {
   VioReport report = Report(image, step);
   report.resting = resting;
   const Health health = health_.Check(filter_.state(), step, since);
-  report.message = health.message;
+  report.message = WithNotes(health.message);
   if (health.lost) {
-    tracking_ = false;
     report.phase = VioPhase::kWaiting;
-    rest_.Clear();
-    window_.clear();
-  } else {
-    last_good_ = report;
+    clock_suspect_ = health.disagrees;
+    Restart();
+  } else if (report.message.empty() || !last_good_) {
+    last_good_ = report;  // what is in trouble may be wrong already
   }
   ForgetOldReadings(image.stamp_ns);
   return report;
@@ -203,7 +284,12 @@ VioReport VioEstimator::Filter(const TrackedImage& image) {
 
 void VioEstimator::ForgetOldReadings(std::int64_t image_ns) {
   const double memory = std::max(options_.rest_seconds, kMotionWindow) + 2 * kRestLookback;
-  imu_.DropBefore(image_ns - Nanoseconds(memory));
+  imu_.DropBefore(ImuTimeOf(image_ns) - Nanoseconds(memory));
+}
+
+std::int64_t VioEstimator::ImuTimeOf(std::int64_t image_ns) const {
+  return image_ns +
+         Nanoseconds(tracking_ ? filter_.state().time_offset_s() : calibration_.time_offset_s);
 }
 
 std::optional<FilterState> VioEstimator::Predict(std::int64_t image_ns) const {
@@ -216,15 +302,12 @@ std::optional<FilterState> VioEstimator::Predict(std::int64_t image_ns) const {
 }
 
 Eigen::Matrix3d VioEstimator::CamRotation(std::int64_t previous_ns, std::int64_t present_ns) const {
-  const bool tracking = tracking_;
-  const std::int64_t offset =
-      Nanoseconds(tracking ? filter_.state().time_offset_s() : calibration_.time_offset_s);
   const Eigen::Vector3d bias =
-      tracking ? filter_.state().inertial().gyro_bias : Eigen::Vector3d::Zero();
+      tracking_ ? filter_.state().inertial().gyro_bias : Eigen::Vector3d::Zero();
   const Eigen::Matrix3d body_from_cam =
-      (tracking ? filter_.state().body_from_cam() : *camera_.body_from_cam).linear();
+      (tracking_ ? filter_.state().body_from_cam() : *camera_.body_from_cam).linear();
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  for (const ImuSegment& segment : imu_.Between(previous_ns + offset, present_ns + offset)) {
+  for (const ImuSegment& segment : imu_.Between(ImuTimeOf(previous_ns), ImuTimeOf(present_ns))) {
     if (segment.noise_factor > 1) return Eigen::Matrix3d::Identity();
     turn = turn * RotationExp(segment.seconds() * (segment.angular_velocity_rad_s - bias));
   }

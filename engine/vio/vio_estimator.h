@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "engine/vio/health_monitor.h"
 #include "engine/vio/imu_buffer.h"
 #include "engine/vio/rest_detector.h"
+#include "engine/vio/stamp_watch.h"
 #include "engine/vio/start_state.h"
 #include "engine/vio/vio_filter.h"
 #include "engine/vio/vio_options.h"
@@ -34,17 +36,24 @@ class VioEstimator {
   /// Starts from this state at the first image that is not before it, instead of finding a start.
   void StartFrom(const ReferenceState& state) { given_ = state; }
 
-  /// By rising stamp, up to the time of an image (plus offset) before that image.
-  void AddImu(const ImuSample& sample) { imu_.Add(sample); }
+  /// By rising stamp, up to ImuTimeOf() an image before that image. A clock that is set back is
+  /// noticed after a few readings; the filter then starts anew.
+  void AddImu(const ImuSample& sample);
 
   /// The next image. Nothing for one that is not used: it follows too fast, or its stamp does not
-  /// rise. Several where a start in motion reaches back: first one of the waiting image, then those
-  /// of the window.
+  /// rise (the next report says so, and where the camera's clock was set back). Several where a
+  /// start in motion reaches back: first one of the waiting image, then those of the window.
   std::vector<VioReport> AddImage(const TrackedImage& image);
 
   /// The state carried to an image by the IMU alone: for images that follow too fast for the filter
   /// to use. Nothing unless the filter tracks.
   std::optional<FilterState> Predict(std::int64_t image_ns) const;
+
+  /// Something that whoever feeds the estimator noticed; the next report says it.
+  void Note(const std::string& sentence) { notes_ = WithNotes(sentence); }
+
+  /// When an image was taken, on the IMU's clock as far as that is known.
+  std::int64_t ImuTimeOf(std::int64_t image_ns) const;
 
   /// previous_from_present: how the gyro says that the camera turned between two images.
   Eigen::Matrix3d CamRotation(std::int64_t previous_ns, std::int64_t present_ns) const;
@@ -64,11 +73,19 @@ class VioEstimator {
   /// Moves a start to where the last stretch ended, with the uncertainty that the gap leaves.
   void JoinLastStretch(InertialState& inertial, StartSpread& spread) const;
   void ForgetOldReadings(std::int64_t image_ns);
+  /// Gives the state up; waits for a start.
+  void Restart();
+  /// After points contradicted the IMU: whether another offset of the clocks explains it.
+  void SeekClock(std::span<const TrackedImage> images);
+  /// What the camera's clock moved by against the IMU's when they were set back.
+  void MoveClock(std::int64_t later_ns, const char* whose);
+  /// `message` after what was noted since the last report.
+  std::string WithNotes(std::string message);
   VioReport Filter(const TrackedImage& image);
   VioReport Report(const TrackedImage& image, const FilterStep& step) const;
 
   Camera camera_;
-  ImuCalibration calibration_;
+  ImuCalibration calibration_;  ///< Its offset follows clocks that are set back.
   VioOptions options_;
   ImuBuffer imu_;
   RestDetector rest_;
@@ -79,6 +96,11 @@ class VioEstimator {
   std::optional<std::int64_t> last_image_ns_, last_step_ns_, last_attempt_ns_;
   /// Where an earlier stretch ended, for the next to begin there.
   std::optional<VioReport> last_good_;
+  StampWatch imu_clock_, image_clock_;
+  double clock_shift_s_ = 0;  ///< In calibration_.time_offset_s, on top of what was given.
+  int left_out_ = 0;          ///< Images since the last report whose stamps did not rise.
+  bool clock_suspect_ = false;
+  std::string notes_;
   bool tracking_ = false;
   int stretch_ = 0;
 };

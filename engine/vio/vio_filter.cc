@@ -9,6 +9,16 @@
 #include "engine/vio/point_view.h"
 
 namespace plumbline {
+namespace {
+
+/// A camera's move that is this many times its uncertainty is one [standard deviations].
+constexpr double kCertainBaseline = 3;
+/// Where the move is less certain, a depth must be clearer than max_depth_spread: of a camera that
+/// only turns, noise gives one point in twenty a depth of two standard deviations.
+constexpr double kClearDepthSpread = 0.2;
+
+}  // namespace
+
 VioFilter::VioFilter(const Camera& camera, const ImuCalibration& imu, const VioOptions& options)
     : camera_(camera),
       options_(options),
@@ -32,7 +42,7 @@ void VioFilter::Start(const FilterState& state) {
 FilterStep VioFilter::Step(const TrackedImage& image, const ImuBuffer& imu, bool resting) {
   FilterStep step;
   Stopwatch watch;
-  Propagate(image, imu);
+  Propagate(image, imu, step);
   std::map<std::int64_t, int> kept;
   for (const StatePoint& point : state_.points()) kept[point.track] = point.row;
   tracks_.Add(image, state_.clones().back().id, kept);
@@ -54,10 +64,14 @@ FilterStep VioFilter::Step(const TrackedImage& image, const ImuBuffer& imu, bool
   return step;
 }
 
-void VioFilter::Propagate(const TrackedImage& image, const ImuBuffer& imu) {
+void VioFilter::Propagate(const TrackedImage& image, const ImuBuffer& imu, FilterStep& step) {
   const std::int64_t target = image.stamp_ns + Nanoseconds(state_.time_offset_s());
   const std::vector<ImuSegment> segments = imu.Between(state_.inertial().stamp_ns, target);
   if (!segments.empty()) state_.Propagate(Integrate(state_.inertial(), segments, noise_));
+  for (const ImuSegment& segment : segments) {
+    if (segment.flaw == ImuFlaw::kGap) step.imu_gap_s += segment.seconds();
+    if (segment.flaw == ImuFlaw::kSaturated) step.imu_saturated_s += segment.seconds();
+  }
   const auto reading = imu.At(state_.inertial().stamp_ns);
   if (reading) angular_velocity_ = reading->angular_velocity_rad_s - state_.inertial().gyro_bias;
   state_.AddClone(image.stamp_ns, angular_velocity_, jitter_rad_, options_.image_jitter_m);
@@ -86,7 +100,31 @@ std::optional<TriangulatedPoint> VioFilter::TriangulateTrack(const Track& track)
     sights.push_back(
         {pixels_.WorldFromBody(*clone, o.pixel.y()) * state_.body_from_cam(), o.pixel, o.ray});
   }
-  return Triangulate(camera_, sights, triangulation_);
+  TriangulationOptions options = triangulation_;
+  if (!BaselineIsCertain(track))
+    options.max_depth_spread = std::min(options.max_depth_spread, kClearDepthSpread);
+  return Triangulate(camera_, sights, options);
+}
+
+bool VioFilter::BaselineIsCertain(const Track& track) const {
+  const PoseClone* first = state_.FindClone(track.observations.front().clone);
+  const PoseClone* last = state_.FindClone(track.observations.back().clone);
+  PLB_CHECK(first != nullptr && last != nullptr);
+  // The plain error of a clone's position is xi_p + phi x p.
+  Eigen::Matrix<double, 3, 12> jacobian;
+  const auto by_clone = [](const PoseClone& clone) {
+    const Eigen::Vector3d p = clone.world_from_body.translation();
+    Eigen::Matrix<double, 3, 6> block;
+    block << 0, p.z(), -p.y(), 1, 0, 0, -p.z(), 0, p.x(), 0, 1, 0, p.y(), -p.x(), 0, 0, 0, 1;
+    return block;
+  };
+  jacobian << -by_clone(*first), by_clone(*last);
+  const RowRange rows[] = {{first->row, kPoseSize}, {last->row, kPoseSize}};
+  Eigen::Matrix3d covariance = state_.Projected(jacobian, rows);
+  covariance.diagonal().array() += 1e-10;
+  const Eigen::Vector3d baseline = last->world_from_body * state_.body_from_cam().translation() -
+                                   first->world_from_body * state_.body_from_cam().translation();
+  return baseline.dot(covariance.ldlt().solve(baseline)) > kCertainBaseline * kCertainBaseline;
 }
 
 std::vector<std::pair<std::int64_t, Track>> VioFilter::TakeEnded() {
@@ -131,7 +169,10 @@ void VioFilter::UpdateWithTracks(const std::vector<std::pair<std::int64_t, Track
   std::vector<SplitRows> parts;
   for (const auto& [id, track] : tracks) {
     const auto point = TriangulateTrack(track);
-    if (!point) continue;  // a living track keeps its sights and may see more
+    if (!point) {  // a living track keeps its sights and may see more
+      ++step.without_depth;
+      continue;
+    }
     const auto rows = RowsOfTrack(camera_, state_, layout, track.observations, point->used,
                                   point->point_in_world, pixels_);
     const auto living = tracks_.tracks().find(id);

@@ -55,7 +55,7 @@ class VioFilter {
  private:
   using Ended = std::map<std::int64_t, Track>;
 
-  void Propagate(const TrackedImage& image, const ImuBuffer& imu);
+  void Propagate(const TrackedImage& image, const ImuBuffer& imu, FilterStep& step);
   void UpdateWithPoints(const TrackedImage& image, FilterStep& step);
   void UpdateWithTracks(const std::vector<std::pair<std::int64_t, Track>>& tracks,
                         FilterStep& step);
@@ -70,6 +70,8 @@ class VioFilter {
   void TakeFull(std::vector<std::pair<std::int64_t, Track>>& for_state,
                 std::vector<std::pair<std::int64_t, Track>>& used_up);
   std::optional<TriangulatedPoint> TriangulateTrack(const Track& track) const;
+  /// Whether the camera has surely moved from the track's first sight to its last.
+  bool BaselineIsCertain(const Track& track) const;
   bool PassesGate(const Eigen::MatrixXd& jacobian, std::span<const RowRange> rows,
                   const Eigen::VectorXd& residual, FilterStep& step) const;
 

@@ -23,8 +23,12 @@ struct FilterStep {
   int points = 0;    ///< In the state, afterwards.
   int accepted = 0;  ///< Tracks and points whose measurements were used.
   int rejected = 0;  ///< Turned away by the gate.
-  double nis = 0;    ///< Sum of the normalised innovations squared that were gated ...
-  int nis_dof = 0;   ///< ... and of their degrees of freedom; equal if the filter is honest.
+  int without_depth =
+      0;                 ///< Tracks that showed too little parallax, or did not agree with a point.
+  double nis = 0;        ///< Sum of the normalised innovations squared that were gated ...
+  int nis_dof = 0;       ///< ... and of their degrees of freedom; equal if the filter is honest.
+  double imu_gap_s = 0;  ///< Time since the last image that no reading covers ...
+  double imu_saturated_s = 0;  ///< ... or saturated ones do.
   double propagate_ms = 0, update_ms = 0;
 };
 

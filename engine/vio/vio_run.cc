@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/vio/vio_run.h"
 
+#include <cstdio>
 #include <utility>
 
 #include "engine/base/random.h"
@@ -24,8 +25,9 @@ class Feeder {
   VioEstimator& estimator() { return estimator_; }
 
   void FeedImu(std::int64_t image_ns) {
-    const std::int64_t until = image_ns + kImuMarginNs + Nanoseconds(input_.imu.time_offset_s);
-    while (next_ < input_.samples.size() && input_.samples[next_].stamp_ns <= until)
+    // The offset moves where a clock is found to have been set back.
+    while (next_ < input_.samples.size() &&
+           input_.samples[next_].stamp_ns <= estimator_.ImuTimeOf(image_ns) + kImuMarginNs)
       estimator_.AddImu(input_.samples[next_++]);
   }
 
@@ -80,6 +82,12 @@ VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions
         feeder.estimator().CamRotation(previous_ns.value_or(stamp_ns), stamp_ns);
     previous_ns = stamp_ns;
     const TrackedImage tracked = tracker.Track(*image, stamp_ns, turn);
+    if (tracker.light_jump() != 1) {
+      char text[80];
+      std::snprintf(text, sizeof(text), "the light jumped: the image is %.2f times as bright",
+                    tracker.light_jump());
+      feeder.estimator().Note(text);
+    }
     const double tracking_ms = tracker.cost().track_ms + tracker.cost().detect_ms;
     feeder.run.tracking_ms += tracking_ms;
     const auto [reports, points] = feeder.FeedImage(tracked);

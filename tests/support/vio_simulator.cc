@@ -61,7 +61,7 @@ Eigen::Vector3d Noise(Random& random, double sigma) {
   return sigma * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
 }
 
-Camera SimulatedCamera() {
+Camera SimulatedCamera(double arm) {
   Camera camera;
   camera.model = CameraModel::kRadialTangential;
   camera.pinhole = {640, 480, 400, 398, 322, 238};
@@ -71,7 +71,7 @@ Camera SimulatedCamera() {
   body_from_cam.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   body_from_cam.linear() =
       Eigen::AngleAxisd(0.05, Eigen::Vector3d(1, 2, 3).normalized()) * body_from_cam.linear();
-  body_from_cam.translation() << 0.05, -0.03, 0.02;
+  body_from_cam.translation() = arm * Eigen::Vector3d(0.05, -0.03, 0.02);
   camera.body_from_cam = body_from_cam;
   return camera;
 }
@@ -129,7 +129,7 @@ void SimulateImages(const VioSimulation& options, const Path& path, SimulatedRec
 
 SimulatedRecording Simulate(const VioSimulation& options) {
   SimulatedRecording result;
-  result.camera = SimulatedCamera();
+  result.camera = SimulatedCamera(options.arm);
   result.imu.rate_hz = options.imu_hz;
   const Path path(options);
   Random random({options.seed, 3});

@@ -18,6 +18,7 @@ struct VioSimulation {
   double seconds = 20;
   double rest_s = 0;  ///< Without any motion, at the start.
   bool moves = true;  ///< Otherwise it only turns, in place.
+  double arm = 1;     ///< Times (0.05, -0.03, 0.02) m, the camera on the body.
   int points = 60;    ///< Followed at a time.
   double image_hz = 20, imu_hz = 200;
   double pixel_noise_px = 1;

@@ -41,7 +41,7 @@ class OwnPoseSourceTest : public testing::Test {
         all.push_back("floor " + std::to_string(floor->std_m).substr(0, 4));
       if (const auto* pose = std::get_if<PoseEstimate>(&**packet)) {
         all.push_back("pose " + std::to_string(pose->id.value));
-        EXPECT_DOUBLE_EQ(pose->covariance(0, 0), 0.01 * pose->id.value);
+        EXPECT_DOUBLE_EQ(pose->uncertainty.drift(0, 0), 0.01 * pose->id.value);
       }
       if (const auto* frame = std::get_if<FramePacket>(&**packet))
         all.push_back("frame " + std::to_string(frame->frame));

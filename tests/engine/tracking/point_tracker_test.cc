@@ -72,6 +72,41 @@ TEST(PointTracker, FollowsThroughAChangeOfExposure) {
   ExpectMoved(first, second, {2, 1});
 }
 
+/// A lamp on one side, and a sensor that reaches its white: `strength` grey levels at its middle.
+cv::Mat LitFromTheSide(const cv::Mat& image, double strength) {
+  cv::Mat lit = image.clone();
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      const double distance = std::hypot(x - 40, y - 60) / 150;
+      const double light = 1 + strength / 100 * std::exp(-distance * distance);
+      lit.at<unsigned char>(y, x) =
+          cv::saturate_cast<unsigned char>(light * image.at<unsigned char>(y, x) + 0.1 * strength);
+    }
+  }
+  return lit;
+}
+
+TEST(PointTracker, ALampIsSwitchedOn) {
+  PointTracker tracker(SomeCamera(), TrackerOptions());
+  TrackedImage last = tracker.Track(Blobs(0, 0, 0.5), 0, Eigen::Matrix3d::Identity());
+  const TrackedImage first = last;
+  for (int k = 1; k <= 6; ++k) {  // on from the third image, off again with the sixth
+    cv::Mat image = Blobs(1.5 * k, 0.5 * k, 0.5);
+    if (k >= 3 && k < 6) image = LitFromTheSide(image, 90);
+    const TrackedImage next = tracker.Track(image, k, Eigen::Matrix3d::Identity());
+    SCOPED_TRACE(k);
+    ExpectMoved(last, next, {1.5, 0.5});
+    EXPECT_EQ(tracker.light_jump() > 1, k == 3);
+    EXPECT_EQ(tracker.light_jump() < 1, k == 6);
+    last = next;
+  }
+  // Most of what was seen before the lamp is still followed after it.
+  const auto from = ById(first), to = ById(last);
+  std::size_t followed = 0;
+  for (const auto& [id, pixel] : from) followed += to.count(id);
+  EXPECT_GT(followed, from.size() / 2);
+}
+
 TEST(PointTracker, TheGyroShowsWhereALargeMotionEnds) {
   TrackerOptions options;
   options.levels = 1;  // reaches some 20 px on its own
