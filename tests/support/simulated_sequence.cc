@@ -80,8 +80,14 @@ class Simulated : public Sequence {
           }
         }
       }
-      const cv::Matx23d shift(1, 0, point.pixel.x() - kHalf, 0, 1, point.pixel.y() - kHalf);
-      cv::warpAffine(patch, image, shift, image.size(), cv::INTER_LINEAR, cv::BORDER_TRANSPARENT);
+      const cv::Point corner(static_cast<int>(point.pixel.x()) - kHalf - 1,
+                             static_cast<int>(point.pixel.y()) - kHalf - 1);
+      const cv::Rect place(corner, cv::Size(2 * kHalf + 3, 2 * kHalf + 3));
+      if ((place & cv::Rect({0, 0}, image.size())) != place) continue;  // half outside
+      cv::Mat part = image(place);
+      const cv::Matx23d shift(1, 0, point.pixel.x() - kHalf - corner.x, 0, 1,
+                              point.pixel.y() - kHalf - corner.y);
+      cv::warpAffine(patch, part, shift, part.size(), cv::INTER_LINEAR, cv::BORDER_TRANSPARENT);
     }
     return image;
   }

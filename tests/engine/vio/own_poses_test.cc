@@ -41,7 +41,9 @@ TEST(OwnPoses, TellOfEachImageWhatIsKnownThen) {
     EXPECT_EQ(a.ready, b.ready) << i;
     EXPECT_EQ(a.waits_for, b.waits_for) << i;
     EXPECT_EQ(a.floor.has_value(), b.floor.has_value()) << i;
-    if (a.ready) EXPECT_EQ(a.world_from_cam->matrix(), b.world_from_cam->matrix()) << i;
+    if (a.ready) {
+      EXPECT_EQ(a.world_from_cam->matrix(), b.world_from_cam->matrix()) << i;
+    }
   }
 }
 
