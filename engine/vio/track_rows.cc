@@ -3,12 +3,34 @@
 
 #include <algorithm>
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 
 #include "engine/base/check.h"
 #include "engine/vio/point_view.h"
 
 namespace plumbline {
+namespace {
+
+/// Turns rows of unit noise, two for each sight, on which a random walk with steps of `creep` lies,
+/// into such of unit noise.
+void Whiten(double creep, TrackRows& rows) {
+  const Eigen::Index count = rows.residual.size() / 2;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(2 * count, 2 * count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const double common = creep * creep * static_cast<double>(std::min(i, k));
+      covariance(2 * i, 2 * k) += common;
+      covariance(2 * i + 1, 2 * k + 1) += common;
+    }
+  }
+  const Eigen::LLT<Eigen::MatrixXd> root(covariance);
+  root.matrixL().solveInPlace(rows.by_state);
+  root.matrixL().solveInPlace(rows.by_point);
+  root.matrixL().solveInPlace(rows.residual);
+}
+
+}  // namespace
 
 ColumnLayout::ColumnLayout(const FilterState& state) {
   rows_.push_back({kCamRotation, kPoseSize});
@@ -58,6 +80,7 @@ std::optional<TrackRows> RowsOfTrack(const DistortedCamera& camera, const Filter
     rows.residual.segment<2>(row) = (observations[i].pixel - view->pixel) / pixels.noise_px;
     row += 2;
   }
+  if (pixels.creep_px > 0) Whiten(pixels.creep_px / pixels.noise_px, rows);
   return rows;
 }
 

@@ -35,7 +35,10 @@ class ColumnLayout {
 
 /// How pixels are measured.
 struct PixelModel {
-  double noise_px = 1;
+  double noise_px = 1;  ///< Of each sight by itself.
+  /// What a followed patch strays from one sight to the next, each axis: a random walk, which more
+  /// sights do not average out.
+  double creep_px = 0;
   double rolling_shutter_s = 0;  ///< From the first row to the last; the stamp is of the middle.
   double height_px = 1;
 
@@ -54,7 +57,8 @@ struct TrackRows {
   Eigen::VectorXd residual;
 };
 
-/// What the sights of a track say of a point; nothing where a camera cannot see it.
+/// What the sights of a track say of a point, white whatever creeps; nothing where a camera cannot
+/// see it.
 /// @param used  Which of the observations count.
 std::optional<TrackRows> RowsOfTrack(const DistortedCamera& camera, const FilterState& state,
                                      const ColumnLayout& layout,

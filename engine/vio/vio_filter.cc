@@ -27,7 +27,8 @@ VioFilter::VioFilter(const Camera& camera, const ImuCalibration& imu, const VioO
              std::min(imu.gyro_bias_walk, options.max_gyro_walk),
              std::min(imu.accel_bias_walk, options.max_accel_walk), imu.gravity_m_s2},
       jitter_rad_(options.image_jitter_px / camera.pinhole.fx),
-      pixels_{options.pixel_noise_px, options.rolling_shutter_s,
+      creep_rad_(options.creep_px / camera.pinhole.fx),
+      pixels_{options.pixel_noise_px, options.creep_px, options.rolling_shutter_s,
               static_cast<double>(camera.pinhole.height)},
       gate_(options.gate_probability),
       triangulation_{options.pixel_noise_px, options.min_depth_m, options.max_depth_m,
@@ -237,9 +238,13 @@ void VioFilter::UpdateWithPoints(const TrackedImage& image, FilterStep& step) {
   constexpr int kMaxRejected = 3;
   std::map<std::int64_t, Eigen::Vector2d> seen;
   for (const TrackedPoint& point : image.points) seen.emplace(point.id, point.pixel);
+  // What is followed creeps over the surface: the point itself moves.
   ColumnLayout layout(state_);
   std::vector<int> columns;
-  for (const StatePoint& point : state_.points()) columns.push_back(layout.AddPoint(point));
+  for (const StatePoint& point : state_.points()) {
+    columns.push_back(layout.AddPoint(point));
+    state_.Inflate({point.row, 2}, creep_rad_ * creep_rad_);
+  }
   const PoseClone& present = state_.clones().back();
   const auto count = static_cast<Eigen::Index>(state_.points().size());
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 * count, layout.size());
@@ -325,6 +330,7 @@ void VioFilter::UpdateTurnAtRest(FilterStep& step) {
   constexpr double kAnyDepth = 3, kNoiseFactor = 3;
   PixelModel pixels = pixels_;
   pixels.noise_px *= kNoiseFactor;
+  pixels.creep_px = 0;
   const PoseClone& oldest = state_.clones().front();
   const ColumnLayout layout(state_);
   const Eigen::Isometry3d world_from_cam = oldest.world_from_body * state_.body_from_cam();

@@ -78,7 +78,7 @@ class VioFilter {
   DistortedCamera camera_;
   VioOptions options_;
   IntegrationNoise noise_;
-  double jitter_rad_;
+  double jitter_rad_, creep_rad_;
   PixelModel pixels_;
   ChiSquareGate gate_;
   TriangulationOptions triangulation_;

@@ -20,6 +20,8 @@ struct VioOptions {
 
   // Noise
   double pixel_noise_px = 1.0;
+  double creep_px = 0.1;
+  double given_creep_px = 0.0;
   double image_jitter_px = 0.2;
   double image_jitter_m = 0.0005;
   double age_noise = 0.0;
@@ -64,6 +66,11 @@ void VisitFields(VioOptions& o, Visitor&& visit) {
          0.01, 10});
   visit(o.pixel_noise_px,
         {"pixel_noise_px", "px", "standard deviation of a tracked point", 0.05, 20});
+  visit(
+      o.creep_px,
+      {"creep_px", "px",
+       "what a patch followed through images strays by from one to the next: a random walk", 0, 5});
+  visit(o.given_creep_px, {"given_creep_px", "px", "the same of tracks that are given", 0, 5});
   visit(o.image_jitter_px,
         {"image_jitter_px", "px",
          "what turns an image as a whole: exposure, rolling shutter, stamps", 0, 20});

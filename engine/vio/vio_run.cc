@@ -54,7 +54,9 @@ class Feeder {
 
 VioRun RunVio(const VioInput& input, std::span<const TrackedImage> images,
               const VioOptions& options, const WorkContext& work) {
-  Feeder feeder(input, options);
+  VioOptions given = options;
+  given.creep_px = options.given_creep_px;
+  Feeder feeder(input, given);
   for (const TrackedImage& image : images) {
     if (work.stop.stop_requested()) break;
     feeder.FeedImu(image.stamp_ns);

@@ -116,5 +116,37 @@ TEST(TrackRows, WhatIsLeftOfATrackDoesNotSpeakOfItsPointNorOfTheGauge) {
             1e-8 * split.residual.norm() * split.by_state.norm());
 }
 
+TEST(TrackRows, APatchThatCreepsIsARandomWalkOnTopOfTheNoise) {
+  Camera described;
+  described.pinhole = {640, 480, 400, 400, 320, 240};
+  const DistortedCamera camera(described);
+  FilterState state = StartedState();
+  std::vector<Observation> sights;
+  const Eigen::Vector3d point =
+      state.inertial().pose() * (state.body_from_cam() * Eigen::Vector3d(0.3, -0.2, 3));
+  for (int k = 0; k < 4; ++k) {
+    state.AddClone(k, {0, 0, 0}, 0, 0);
+    sights.push_back({k, {320 + 3.0 * k, 240 - 2.0 * k * k}, {0, 0, 1}});
+  }
+  const ColumnLayout layout(state);
+  PixelModel pixels;
+  pixels.noise_px = 2;
+  const std::vector<bool> all(4, true);
+  const auto plain = RowsOfTrack(camera, state, layout, sights, all, point, pixels);
+  pixels.creep_px = 0.5;
+  const auto white = RowsOfTrack(camera, state, layout, sights, all, point, pixels);
+  ASSERT_TRUE(plain && white);
+  // r' C^-1 r of the pixels themselves: 4 px^2 of each sight, 0.25 px^2 more with each step.
+  Eigen::Matrix4d covariance;
+  covariance << 4, 0, 0, 0, 0, 4.25, 0.25, 0.25, 0, 0.25, 4.5, 0.5, 0, 0.25, 0.5, 4.75;
+  double expected = 0;
+  for (int axis = 0; axis < 2; ++axis) {
+    Eigen::Vector4d r;
+    for (int k = 0; k < 4; ++k) r[k] = 2 * plain->residual[2 * k + axis];
+    expected += r.dot(covariance.inverse() * r);
+  }
+  EXPECT_NEAR(white->residual.squaredNorm(), expected, 1e-9 * expected);
+}
+
 }  // namespace
 }  // namespace plumbline
