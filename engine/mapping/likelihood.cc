@@ -42,14 +42,17 @@ std::vector<float> EdgeTerms(const HypothesisScorer& scorer, const ScoringView& 
   const double sharpness = options.beta;
   if (view.shifts.empty() || sharpness <= 0) return terms;
   std::vector<double> sums(terms.size(), 0.0);
+  std::vector<HypothesisScore> there(hypotheses.size());
   for (const ImageShift& shift : view.shifts) {
-    ScoringView shifted = view;
-    shifted.camera.cx += shift.x_px;
-    shifted.camera.cy += shift.y_px;
-    std::vector<HypothesisScore> there(hypotheses.size());
-    scorer.Score(shifted, upright, hypotheses, there);
+    const bool moved = shift.x_px != 0 || shift.y_px != 0;
+    if (moved) {
+      ScoringView shifted = view;
+      shifted.camera.cx += shift.x_px;
+      shifted.camera.cy += shift.y_px;
+      scorer.Score(shifted, upright, hypotheses, there);
+    }
     for (std::size_t i = 0; i < sums.size(); ++i)
-      sums[i] += shift.weight * std::exp(sharpness * term(there[i]));
+      sums[i] += shift.weight * std::exp(sharpness * (moved ? term(there[i]) : terms[i]));
   }
   for (std::size_t i = 0; i < terms.size(); ++i)
     terms[i] = static_cast<float>(std::log(sums[i]) / sharpness);

@@ -110,7 +110,7 @@ struct MapperOptions {
   double tentative_odds = -0.87;
   double passing_share = 0.41;
   double remembered_share = 0.26;
-  double confirm_evidence = 1.0;
+  double confirm_evidence = 0.8;
   double dismiss_evidence = -2.0;
   double retire_evidence = -3.0;
   double confirm_position_std_m = 0.10;

@@ -8,7 +8,8 @@
 namespace plumbline {
 namespace {
 
-constexpr double kNegligible_px = 0.5, kFocal_px = 500;
+// The search along normals has 2.5 px: with one more, 2.7.
+constexpr double kNegligible_px = 1, kFocal_px = 500;
 constexpr double kStep = 1e-5;  ///< Of the numerical derivative [m, rad].
 constexpr double kNear_m = 0.1;
 

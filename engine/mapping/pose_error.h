@@ -19,7 +19,7 @@ PoseCovariance RelativeCovariance(const PoseUncertainty& view, const PoseUncerta
 /// distribution in the image (centre, and sqrt(3) deviations to each side along both axes of its
 /// ellipse), which give moments up to the third exactly. An error of a pose moves all of a small
 /// object alike, so it is one shift and no noise of single edges. Empty where that is too small to
-/// matter (half a pixel at a focal length of 500), or the point is behind the camera.
+/// matter (a pixel at a focal length of 500), or the point is behind the camera.
 std::vector<ImageShift> ImageShiftsOf(const PoseCovariance& relative,
                                       const Eigen::Isometry3d& world_from_cam,
                                       const PinholeCamera& camera,

@@ -26,7 +26,7 @@ constexpr double kInOnePlace_m = 0.08;  ///< What stands so deep in a settled ob
 
 /// Log odds beyond the filter's rule: what is confirmed here is the best of many that were looked
 /// at again, which alone raises it.
-constexpr double kSelectionMargin = 3;
+constexpr double kSelectionMargin = 3.2;
 
 Error Cancelled() { return {ErrorCode::kCancelled, "smoothing was cancelled"}; }
 

@@ -295,8 +295,8 @@ std::int64_t VioEstimator::ImuTimeOf(std::int64_t image_ns) const {
 std::optional<FilterState> VioEstimator::Predict(std::int64_t image_ns) const {
   if (!tracking_) return std::nullopt;
   FilterState state = filter_.state();
-  const std::int64_t target = image_ns + Nanoseconds(state.time_offset_s());
-  const std::vector<ImuSegment> segments = imu_.Between(state.inertial().stamp_ns, target);
+  const std::vector<ImuSegment> segments =
+      imu_.Between(state.inertial().stamp_ns, ImuTimeOf(image_ns));
   if (!segments.empty()) state.Propagate(Integrate(state.inertial(), segments, filter_.noise()));
   return state;
 }
