@@ -40,6 +40,6 @@ struct Existence {
 /// this neighbourhood give to anything of that shape. The edge term itself where too few of the
 /// places are in view.
 float EdgeSurplus(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
-                  const PoseHypothesis& pose, const MapperOptions& options);
+                  const PoseHypothesis& pose);
 
 }  // namespace plumbline

@@ -33,13 +33,12 @@ std::vector<float> EdgeTerms(const HypothesisScorer& scorer, const ScoringView& 
                              const UprightFrame& upright,
                              std::span<const PoseHypothesis> hypotheses,
                              std::span<const HypothesisScore> scores, float normalizer,
-                             const MapperOptions& options) {
+                             double sharpness) {
   const auto term = [&](const HypothesisScore& score) {
     return normalizer > 0 ? score.agreement_m / std::max(normalizer, score.visible_m) : 0.0f;
   };
   std::vector<float> terms;
   for (const HypothesisScore& score : scores) terms.push_back(term(score));
-  const double sharpness = options.beta;
   if (view.shifts.empty() || sharpness <= 0) return terms;
   std::vector<double> sums(terms.size(), 0.0);
   std::vector<HypothesisScore> there(hypotheses.size());
@@ -67,7 +66,7 @@ std::vector<Likelihood> Evaluate(const HypothesisScorer& scorer, const ScoringVi
   scorer.Score(view, map.upright, hypotheses, scores);
   const float length = normalizer.value_or(EdgeNormalizer(scores));
   const std::vector<float> edges =
-      EdgeTerms(scorer, view, map.upright, hypotheses, scores, length, options);
+      EdgeTerms(scorer, view, map.upright, hypotheses, scores, length, options.beta);
   std::vector<Likelihood> result(hypotheses.size());
   std::vector<Box2> boxes;
   for (std::size_t i = 0; i < scores.size(); ++i) {

@@ -26,14 +26,15 @@ struct Likelihood {
 float EdgeNormalizer(std::span<const HypothesisScore> scores);
 
 /// The edge term of each hypothesis. Where the view's pose errs by one of its shifts it is the
-/// marginal over them, (1/beta) log sum of w exp(beta Phi_edge): some shift has to explain the
-/// whole contour.
+/// marginal over them, (1/sharpness) log sum of w exp(sharpness Phi_edge): some shift has to
+/// explain the whole contour.
 /// @param scores  Of the hypotheses, where the pose says.
+/// @param sharpness  beta for a likelihood; large for the best of the shifts.
 std::vector<float> EdgeTerms(const HypothesisScorer& scorer, const ScoringView& view,
                              const UprightFrame& upright,
                              std::span<const PoseHypothesis> hypotheses,
                              std::span<const HypothesisScore> scores, float normalizer,
-                             const MapperOptions& options);
+                             double sharpness);
 
 /// Scores hypotheses of one category in one image.
 /// @param detections  May be null: then phi_cnn is 0.

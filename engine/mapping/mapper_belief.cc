@@ -141,8 +141,8 @@ double Mapper::Impl::RememberedEvidence(const MapObject& object, const MapperInp
         sighting.box_iou = iou;
       }
     }
-    sighting.edge_surplus = static_cast<float>(
-        EdgeSurplus(*setup.scorer, view, map, mean, options()) * kUsualSurplus / edge_level);
+    sighting.edge_surplus = static_cast<float>(EdgeSurplus(*setup.scorer, view, map, mean) *
+                                               kUsualSurplus / edge_level);
     return weight / judging.telling * looks_per_view * SightingLogRatio(sighting, options());
   };
   double sum = look(input, occluders, object.present_weight);
@@ -170,8 +170,8 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
     sighting.box_score = matched->score;
     sighting.box_iou = Iou(matched->box, object.visible_box);
   }
-  const double surplus = EdgeSurplus(*setup.scorer, view, map, mean, options()) +
-                         std::max(0.0, marginal - object.phi_edge);
+  const double surplus =
+      EdgeSurplus(*setup.scorer, view, map, mean) + std::max(0.0, marginal - object.phi_edge);
   // Strong edges give more to everything, right or wrong: what settled objects get is the measure.
   sighting.edge_surplus = static_cast<float>(surplus * kUsualSurplus / edge_level);
   if (object.state == ObjectState::kConfirmed && object.log_evidence > kSettledLogOdds &&

@@ -117,8 +117,7 @@ class Observer {
       seen.sighting.box_score = box->score;
       seen.sighting.box_iou = Iou(box->box, likelihood.visible_box);
     }
-    seen.surplus = EdgeSurplus(*setup_.scorer, view, map_, mean, setup_.options) +
-                   Undecided(object, view, mean);
+    seen.surplus = EdgeSurplus(*setup_.scorer, view, map_, mean) + Undecided(object, view, mean);
     seen_[i].push_back(seen);
     if (likelihood.visible_fraction >= kLeastSight) presences_[i].frames.push_back(input.frame);
     return true;

@@ -136,7 +136,7 @@ TEST(EdgeSurplus, IsLargeWhereTheObjectStandsAndSmallElsewhere) {
   view.cam_from_world = input.world_from_cam.inverse();
   view.table = input.table.get();
   const auto surplus = [&](const PlacedModel& placed) {
-    return EdgeSurplus(*scene.scorer(), view, scene.map(), scene.Hypothesis(placed), kOptions);
+    return EdgeSurplus(*scene.scorer(), view, scene.map(), scene.Hypothesis(placed));
   };
   EXPECT_GT(surplus(chair), 0.3);
   EXPECT_LT(surplus(scene.Place("chair", 1.2, 0.3, 30)), 0.5 * surplus(chair)) << "a table's edges";
