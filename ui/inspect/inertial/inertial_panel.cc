@@ -50,7 +50,7 @@ class InertialPanel : public Panel {
     ImGui::BeginChild("inertial.scroll", ImGui::GetContentRegionAvail());
     DrawState(frame);
     if (over_time_) {
-      DrawInertialPlots(context);
+      plots_.Draw(context);
     } else {
       DrawTables(context, frame);
     }
@@ -152,6 +152,7 @@ class InertialPanel : public Panel {
   }
 
   bool over_time_ = false;
+  InertialPlots plots_;
 };
 
 }  // namespace
