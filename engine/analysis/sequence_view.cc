@@ -69,7 +69,8 @@ SequenceView ViewOf(const PinholeCamera& camera, double rate_hz, const ModelData
   for (const CadModel& model : database.models()) {
     view.models.push_back({model.name, model.category,
                            std::make_shared<const TriangleMesh>(model.mesh), model.center(),
-                           model.symmetry.order == 0, std::max(1, model.symmetry.order)});
+                           model.symmetry.order == 0, std::max(1, model.symmetry.order),
+                           model.bounds});
   }
   return view;
 }

@@ -5,12 +5,17 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/mapping/sparse_points.h"
+
 namespace plumbline {
 namespace {
 
 constexpr int kCandidatesPerParticle = 8;
-constexpr double kOnSomething = 0.5;  ///< Of what need not stand on the floor.
-constexpr double kNearest_m = 0.4, kFarthest_m = 8.0;
+constexpr double kOnSomething = 0.5;       ///< Of what need not stand on the floor.
+constexpr double kShortestSight_m = 0.15;  ///< Nearer than this nothing is seen.
+/// Boxes exceed what they hold by up to this factor, before an object would be too far away.
+constexpr double kBoxTooLarge = 1.5;
+constexpr double kOffPoints = 0.1;  ///< Weight of what is before or behind all that the box shows.
 /// What the best candidate must reach: one side of the proposal may be missed by a third of its
 /// size.
 constexpr double kLeastExplained = 0.01;
@@ -49,13 +54,22 @@ PoseHypothesis PaperCandidate(const Detection& proposal, const PinholeCamera& ca
           world_from_cam * Eigen::Vector3d(depth * bearing.x(), depth * bearing.y(), depth)};
 }
 
+/// How far from the camera the centre of a shape may be whose box, in whole or in part, is this.
+DepthRange DepthsOf(const CadModel& model, const Box2& box, const PinholeCamera& camera) {
+  const Eigen::Vector3d size = model.bounds.sizes().cast<double>();
+  const double nearest = kShortestSight_m + 0.5 * size.minCoeff();
+  const double seen = std::max(box.width() / camera.fx, box.height() / camera.fy);
+  return {nearest, std::max(2 * nearest, kBoxTooLarge * size.norm() / seen)};
+}
+
 PoseHypothesis InformedCandidate(const Detection& proposal, const PinholeCamera& camera,
                                  const Eigen::Isometry3d& world_from_cam, const MapFrame& map,
                                  ModelId label, const MapperOptions& options, Random& random) {
   const Box2& box = proposal.box;
   const double u = random.Uniform(box.x0 - 0.25 * box.width(), box.x1 + 0.25 * box.width());
   const double v = random.Uniform(box.y0 - 0.25 * box.height(), box.y1 + 0.75 * box.height());
-  const double depth = std::exp(random.Uniform(std::log(kNearest_m), std::log(kFarthest_m)));
+  const auto [nearest, farthest] = DepthsOf(map.database->model(label), box, camera);
+  const double depth = std::exp(random.Uniform(std::log(nearest), std::log(farthest)));
   const Eigen::Vector2d bearing = camera.Bearing({u, v});
   const double azimuth = random.Uniform(-std::numbers::pi, std::numbers::pi);
   PoseHypothesis hypothesis{
@@ -106,6 +120,9 @@ std::vector<PoseHypothesis> SampleBirth(const Detection& proposal, const Pinhole
   const Eigen::Isometry3d cam_from_world = world_from_cam.inverse();
   const bool informed = options.prior == SpawnPrior::kInformed;
   const int candidates = informed ? count * kCandidatesPerParticle : count;
+  const std::optional<DepthRange> shown =
+      informed ? DepthsInside(proposal.box, map.points_in_world, camera, cam_from_world)
+               : std::nullopt;
   std::vector<PoseHypothesis> drawn;
   std::vector<double> sums;
   double sum = 0, best = 0;
@@ -122,9 +139,15 @@ std::vector<PoseHypothesis> SampleBirth(const Detection& proposal, const Pinhole
     const std::optional<Box2> whole =
         ProjectedBounds(map.database->model(label), hypothesis, map, camera, cam_from_world);
     if (!whole) continue;
-    const double weight = Explains(*whole, proposal.box, camera);
+    double weight = Explains(*whole, proposal.box, camera);
     if (weight <= 0) continue;
     best = std::max(best, weight);
+    if (shown) {
+      const double depth = (cam_from_world * hypothesis.center_in_world).z();
+      const double radius = 0.5 * map.database->model(label).bounds.diagonal().norm();
+      if (depth < shown->nearest_m - radius || depth > shown->farthest_m + radius)
+        weight *= kOffPoints;
+    }
     drawn.push_back(hypothesis);
     sums.push_back(sum += weight);
   }

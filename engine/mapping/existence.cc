@@ -37,7 +37,7 @@ double SightingLogRatio(const Sighting& sighting, const MapperOptions& options) 
                      std::log(1 - found + found * quality / options.false_box_quality))
           : std::log(1 - found);
   // Few visible edges say little either way.
-  return sighting.telling * std::min(1.0, sighting.visible_fraction / 0.3) * edges + boxes;
+  return sighting.telling * std::min(1.0, sighting.edge_fraction / 0.3) * edges + boxes;
 }
 
 double TentativeLogOdds(double passing, double remembered, const MapperOptions& options) {

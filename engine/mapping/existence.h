@@ -11,6 +11,7 @@ struct Sighting {
   double visible_px = 0;        ///< Area of the box of its visible contour [px], where f = 500.
   double visible_fraction = 0;  ///< Of its contour, in [0, 1].
   double telling = 0;           ///< How much its contour can say, in [0, 1].
+  double edge_fraction = 0;     ///< Of its contour, what shows and can speak for it alone.
   double inside_fraction = 1;   ///< Of its whole box, inside the image.
   float box_score = 0, box_iou = 0;  ///< Of the proposal matched with it; 0 without one.
   float edge_surplus = 0;  ///< Edge term beyond that of other places for the same contour nearby.

@@ -46,10 +46,9 @@ std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
   wide.normalizer = EdgeNormalizer(scores);
   MapperOptions exact = options();
   exact.view_correlation = 0;
-  PoseSampler sampler(
-      map, options(),
-      Outside(TakenPlaces(object), Posterior(*setup.scorer, map, {}, wide, exact)),
-      Key(setup.seed, input.frame, object.id, Draw::kSample));
+  PoseSampler sampler(map, options(),
+                      Outside(TakenPlaces(object), Posterior(*setup.scorer, map, {}, wide, exact)),
+                      Key(setup.seed, input.frame, object.id, Draw::kSample));
   Population population =
       sampler.Temper(drawn, static_cast<std::size_t>(options().tentative_particles));
   for (Judgement& judged : population.judged) judged.memory = 0;
@@ -279,6 +278,7 @@ Status Mapper::Restore(const FrameReport& report,
                        const std::function<Result<MapperInput>(int)>& load) {
   Impl& m = *impl_;
   m.objects.clear();
+  m.map.points_in_world.clear();
   if (report.mapper_state.empty()) return {};  // every frame so far was skipped
   for (const ObjectReport& object : report.objects) {
     Result<MapObject> restored = FromReport(object);
@@ -296,6 +296,11 @@ Status Mapper::Restore(const FrameReport& report,
 void Mapper::SetFloor(const Eigen::Vector4d& floor_in_world, double std_m) {
   impl_->map.floor_in_world = floor_in_world;
   impl_->map.floor_std_m = std_m;
+}
+
+void Mapper::AddPoints(std::span<const Eigen::Vector3f> points_in_world) {
+  auto& points = impl_->map.points_in_world;
+  points.insert(points.end(), points_in_world.begin(), points_in_world.end());
 }
 
 void Mapper::SetOptions(const MapperOptions& options) {

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "engine/mapping/key_frames.h"
@@ -45,6 +46,10 @@ class Mapper {
   /// @param floor_in_world  (a, b, c, d) with (a, b, c) = up.
   /// @param std_m  Of its height, common to all objects; 0: given.
   void SetFloor(const Eigen::Vector4d& floor_in_world, double std_m);
+
+  /// More points of the surfaces in sight: they limit how far new objects may be, and hide what is
+  /// behind them where no model explains them. A restored mapper has none.
+  void AddPoints(std::span<const Eigen::Vector3f> points_in_world);
 
   /// Takes effect with the next frame.
   void SetOptions(const MapperOptions& options);

@@ -110,14 +110,30 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
 
 Sighting Mapper::Impl::SightingOf(const PoseHypothesis& pose, double visible_fraction,
                                   const Box2& visible_box, const MapperInput& input,
-                                  double telling) const {
+                                  const Judging& own_edges) const {
   const double focal = kFocalOfOptions_px / setup.camera.fx;
   Sighting sighting;
-  sighting.visible_px = visible_box.area() * focal * focal;
-  sighting.visible_fraction = visible_fraction;
-  sighting.telling = telling;
+  const double open = map.points_in_world.empty() ? 1 : 1 - Screened(pose, visible_box, input);
+  sighting.visible_px = open * visible_box.area() * focal * focal;
+  sighting.visible_fraction = open * visible_fraction;
+  sighting.telling = own_edges.telling;
+  sighting.edge_fraction = open * own_edges.visible_fraction;
   sighting.inside_fraction = InsideFraction(pose, input);
   return sighting;
+}
+
+double Mapper::Impl::Screened(const PoseHypothesis& pose, const Box2& visible_box,
+                              const MapperInput& input) const {
+  const Eigen::Isometry3d cam_from_world = input.world_from_cam.inverse();
+  const Eigen::Isometry3d cam_from_object = cam_from_world * map.WorldFromObject(pose);
+  const Eigen::AlignedBox3f& bounds = setup.database->model(pose.label).bounds;
+  double front = std::numeric_limits<double>::max();
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto at = static_cast<Eigen::AlignedBox3f::CornerType>(corner);
+    front = std::min(front, (cam_from_object * bounds.corner(at).cast<double>()).z());
+  }
+  return ScreenedShare(visible_box, front, map.points_in_world, setup.camera, cam_from_world,
+                       *setup.database, MeanStates(true));
 }
 
 double Mapper::Impl::RememberedEvidence(const MapObject& object, const MapperInput& input,
@@ -129,8 +145,8 @@ double Mapper::Impl::RememberedEvidence(const MapObject& object, const MapperInp
     if (judging.telling <= 0) return 0.0;
     const ScoringView& view = judging.view.view;
     const Likelihood shown = AtMean(object, view, nullptr);
-    Sighting sighting =
-        SightingOf(mean, shown.visible_fraction, shown.visible_box, from, judging.telling);
+    const Judging own = JudgeByOwnEdges(object, from, maps);
+    Sighting sighting = SightingOf(mean, shown.visible_fraction, shown.visible_box, from, own);
     if (from.detections) {
       for (const Detection& box : from.detections->proposals()) {
         const float iou = Iou(box.box, shown.visible_box);
@@ -141,8 +157,8 @@ double Mapper::Impl::RememberedEvidence(const MapObject& object, const MapperInp
         sighting.box_iou = iou;
       }
     }
-    sighting.edge_surplus = static_cast<float>(EdgeSurplus(*setup.scorer, view, map, mean) *
-                                               kUsualSurplus / edge_level);
+    sighting.edge_surplus = static_cast<float>(
+        EdgeSurplus(*setup.scorer, own.view.view, map, mean) * kUsualSurplus / edge_level);
     return weight / judging.telling * looks_per_view * SightingLogRatio(sighting, options());
   };
   double sum = look(input, occluders, object.present_weight);
@@ -156,22 +172,21 @@ double Mapper::Impl::RememberedEvidence(const MapObject& object, const MapperInp
 void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
                                    const OcclusionMaps& occluders, const Detection* matched,
                                    double dt_s, double novelty) {
-  const ScoringView view = ViewOf(object, input, occluders);
   const PoseHypothesis mean = ToHypothesis(object.mean(), map);
+  const Judging own = JudgeByOwnEdges(object, input, occluders);
   // What all particles together expect of this image, not the mean alone: it may be between modes.
   double expected = 0;
   for (const Particle& particle : object.particles)
     expected += std::exp(particle.log_weight + kMarginalSharpness * particle.phi_edge);
   const double marginal = std::log(expected) / kMarginalSharpness;
-  Sighting sighting = SightingOf(mean, object.visible_fraction, object.visible_box, input,
-                                 Judge(object, input, occluders).telling);
+  Sighting sighting = SightingOf(mean, object.visible_fraction, object.visible_box, input, own);
   sighting.novelty = novelty;
   if (matched != nullptr) {
     sighting.box_score = matched->score;
     sighting.box_iou = Iou(matched->box, object.visible_box);
   }
-  const double surplus =
-      EdgeSurplus(*setup.scorer, view, map, mean) + std::max(0.0, marginal - object.phi_edge);
+  const double surplus = EdgeSurplus(*setup.scorer, own.view.view, map, mean) +
+                         std::max(0.0, marginal - object.phi_edge);
   // Strong edges give more to everything, right or wrong: what settled objects get is the measure.
   sighting.edge_surplus = static_cast<float>(surplus * kUsualSurplus / edge_level);
   if (object.state == ObjectState::kConfirmed && object.log_evidence > kSettledLogOdds &&

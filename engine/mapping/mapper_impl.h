@@ -16,6 +16,7 @@
 #include "engine/mapping/mapper.h"
 #include "engine/mapping/novelty_clock.h"
 #include "engine/mapping/pose_error.h"
+#include "engine/mapping/sparse_points.h"
 
 namespace plumbline {
 
@@ -122,7 +123,18 @@ struct Mapper::Impl {
     double telling = 0;  ///< In [0, 1]: a small or hidden contour says less than a long one.
   };
   Judging Judge(const MapObject& object, const MapperInput& from, const OcclusionMaps& maps) const {
-    Judging result{{ViewOf(object, from, maps), from.detections.get(), 0, 1}, 0, 0};
+    return JudgeBy({ViewOf(object, from, maps), from.detections.get(), 0, 1}, object);
+  }
+  /// The same by its own edges, to tell whether it is there: what settled objects explain speaks
+  /// for them, not for another in the same lines.
+  Judging JudgeByOwnEdges(const MapObject& object, const MapperInput& from,
+                          const OcclusionMaps& maps) const {
+    JudgingView view{ViewOf(object, from, maps), from.detections.get(), 0, 1};
+    if (object.state == ObjectState::kTentative) view.view.occluder_depth = maps.DepthAndContours();
+    return JudgeBy(std::move(view), object);
+  }
+  Judging JudgeBy(JudgingView view, const MapObject& object) const {
+    Judging result{std::move(view), 0, 0};
     const PoseHypothesis mean = ToHypothesis(object.mean(), map);
     HypothesisScore score;
     setup.scorer->Score(result.view.view, map.upright, {&mean, 1}, {&score, 1});
@@ -147,7 +159,10 @@ struct Mapper::Impl {
                      double dt_s, double novelty, FrameReport& report);
   /// What an image that shows so much of a pose can say; without novelty, box and edges.
   Sighting SightingOf(const PoseHypothesis& pose, double visible_fraction, const Box2& visible_box,
-                      const MapperInput& input, double telling) const;
+                      const MapperInput& input, const Judging& own_edges) const;
+  /// Share of the visible box of a pose that points of what no model explains stand before.
+  double Screened(const PoseHypothesis& pose, const Box2& visible_box,
+                  const MapperInput& input) const;
   /// Of the views that the object remembers and of this frame, for its mean pose.
   double RememberedEvidence(const MapObject& object, const MapperInput& input,
                             const OcclusionMaps& occluders) const;

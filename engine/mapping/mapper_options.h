@@ -57,7 +57,7 @@ struct MapperOptions {
   // Likelihood of a view: alpha * Phi_cnn + beta * Phi_edge
   double alpha = 2.5;
   double beta = 10.0;
-  double view_correlation = 0.06;
+  double view_correlation = 0.03;
   double telling_contour_px = 150;
   bool inner_lines = true;
   ScoredBox scored_box = ScoredBox::kBest;

@@ -1,7 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/mapping/occlusion.h"
 
+#include <opencv2/imgproc.hpp>
+
 namespace plumbline {
+namespace {
+
+/// Around a contour, at half the image's size: an edge that far off still supports it.
+constexpr int kBand_px = 2;
+constexpr double kInFrontOfAll_m = 1e-3;
+
+}  // namespace
 
 Result<std::unique_ptr<OcclusionRenderer>> OcclusionRenderer::Create(
     std::shared_ptr<const ModelDatabase> database) {
@@ -29,6 +38,7 @@ RenderedMaps OcclusionRenderer::Render(const PinholeCamera& camera,
   if (instances.empty()) return {};
   RenderOptions options;
   options.second_layer = instances.size() > 1;
+  options.contour = true;
   return renderer_->Render(camera.Scaled(0.5), instances, options);
 }
 
@@ -46,6 +56,17 @@ const cv::Mat& OcclusionMaps::DepthBefore(ObjectId object) const {
     }
   }
   return found->second = before;
+}
+
+const cv::Mat& OcclusionMaps::DepthAndContours() const {
+  if (depth_and_contours_.empty() && !maps_.depth.empty()) {
+    depth_and_contours_ = maps_.depth.clone();
+    cv::Mat band;
+    const int width = 2 * kBand_px + 1;
+    cv::dilate(maps_.contour, band, cv::getStructuringElement(cv::MORPH_ELLIPSE, {width, width}));
+    depth_and_contours_.setTo(kInFrontOfAll_m, band);
+  }
+  return depth_and_contours_;
 }
 
 }  // namespace plumbline

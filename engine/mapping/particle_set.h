@@ -25,6 +25,7 @@ struct MapFrame {
   std::shared_ptr<const ModelDatabase> database;
   std::vector<SupportSurface> supports = {};  ///< Of mapped objects that stand on the floor.
   double floor_std_m = 0;                     ///< Of the floor's height; 0: given.
+  std::vector<Eigen::Vector3f> points_in_world = {};  ///< Of surfaces, whatever they belong to.
 
   /// How far the base of what stands on the floor may be from it: both are uncertain.
   double BaseStd(const MapperOptions& options) const {

@@ -86,7 +86,7 @@ Result<std::unique_ptr<HypothesisProbe>> HypothesisProbe::Create(
   probe->database_ = database;
   probe->floor_in_world_ = floor_in_world;
   for (const CadModel& model : database->models()) {
-    auto views = ViewpointModel::LoadOrBuild(model, {}, CacheDirectory(), work);
+    auto views = ViewpointModel::LoadOrBuild(model, ViewpointsOf(model), CacheDirectory(), work);
     if (!views.ok()) return views.error();
     probe->viewpoints_.push_back(*views);
   }

@@ -29,8 +29,9 @@ struct Prepared {
   Frame frame;
   EdgeMap edges;
   std::optional<MapperInput> input;
-  int options_version = 0;             ///< Of the options that the table was made with.
-  std::optional<FloorEstimate> floor;  ///< As known at the frame.
+  int options_version = 0;                       ///< Of the options that the table was made with.
+  std::optional<FloorEstimate> floor;            ///< As known at the frame.
+  std::vector<Eigen::Vector3f> points_in_world;  ///< Found since the frame before.
   std::string skipped;
   SkipCause skip_cause = SkipCause::kUnknown;  ///< What was prepared last.
   std::vector<StageTiming> timings;
@@ -105,7 +106,7 @@ Result<std::shared_ptr<HypothesisScorer>> CreateScorer(
   std::vector<std::shared_ptr<const ViewpointModel>> viewpoints;
   for (const CadModel& model : database->models()) {
     Result<std::shared_ptr<const ViewpointModel>> views =
-        ViewpointModel::LoadOrBuild(model, {}, CacheDirectory(), work);
+        ViewpointModel::LoadOrBuild(model, ViewpointsOf(model), CacheDirectory(), work);
     if (!views.ok()) return views.error();
     viewpoints.push_back(*views);
   }
@@ -219,16 +220,20 @@ struct MappingPipeline::Impl {
     thread = std::jthread([this, from = next](const std::stop_token& stop) {
       std::optional<PoseEstimate> pose;  // of the frame that follows it
       std::optional<FloorEstimate> floor;
+      std::vector<Eigen::Vector3f> points;  // since the frame before
       for (std::size_t i = from; i < selected.size();) {
         const Result<std::optional<Packet>> packet = source->Next(stop);
         if (!packet.ok() || !packet.value()) break;
         if (const auto* estimate = std::get_if<PoseEstimate>(&**packet)) pose = *estimate;
         if (const auto* estimate = std::get_if<FloorEstimate>(&**packet)) floor = *estimate;
+        if (const auto* found = std::get_if<PointEstimates>(&**packet))
+          points.insert(points.end(), found->points_in_world.begin(), found->points_in_world.end());
         const auto* frame = std::get_if<FramePacket>(&**packet);
         if (frame == nullptr || frame->frame != selected[i]) continue;
         if (pose && pose->stamp_ns != frame->stamp_ns) pose.reset();
         Prepared prepared = PrepareFrame(*frame, pose);
         prepared.floor = floor;
+        prepared.points_in_world = std::exchange(points, {});
         if (!ahead->Push(std::move(prepared))) return;
         ++i;
       }
@@ -391,6 +396,7 @@ std::optional<std::shared_ptr<MapSnapshot>> MappingPipeline::Next() {
   const auto add_events = [&](FrameReport& report) {
     report.events.insert(report.events.begin(), events.begin(), events.end());
   };
+  m.mapper->AddPoints(prepared->points_in_world);
   if (!prepared->input) {
     FrameReport report = m.Skip(*prepared);
     add_events(report);

@@ -113,36 +113,53 @@ std::string OwnPoseSource::WaitsFor(int frame) const {
 }
 
 void OwnPoseSource::Seek(int frame) {
-  held_.reset();
+  held_.clear();
   told_.reset();
-  // A floor is told as often as it would have been from the first frame on.
-  std::optional<FloorReport> known;
-  for (int i = 0; i < frame && i < static_cast<int>(poses_->frames.size()); ++i) {
-    const auto& floor = poses_->frames[static_cast<std::size_t>(i)].floor;
-    if (floor && Differs(*floor, known)) known = floor;
-  }
   folder_.Seek(frame);
-  if (!known) return;
-  told_ = known;
-  held_ = FloorEstimate{folder_.Frame(std::max(0, frame - 1)).stamp_ns, PlaneOf(*known), 0,
-                        known->std_m};
+  // A floor is told as often as it would have been from the first frame on, points are told again.
+  std::optional<FloorReport> known;
+  PointEstimates points;
+  for (int i = 0; i < frame && i < static_cast<int>(poses_->frames.size()); ++i) {
+    const OwnPoseReport& report = poses_->frames[static_cast<std::size_t>(i)];
+    if (report.floor && Differs(*report.floor, known)) known = report.floor;
+    if (report.ready)
+      points.points_in_world.insert(points.points_in_world.end(), report.points_in_world.begin(),
+                                    report.points_in_world.end());
+  }
+  const std::int64_t stamp_ns = frame > 0 ? folder_.Frame(frame - 1).stamp_ns : 0;
+  if (known) {
+    told_ = known;
+    held_.push_back(FloorEstimate{stamp_ns, PlaneOf(*known), 0, known->std_m});
+  }
+  if (!points.points_in_world.empty()) {
+    points.stamp_ns = stamp_ns;
+    held_.push_back(std::move(points));
+  }
 }
 
 Result<std::optional<Packet>> OwnPoseSource::Next(const std::stop_token& stop) {
-  if (held_) return std::exchange(held_, std::nullopt);
-  Result<std::optional<Packet>> packet = folder_.Next(stop);
-  while (packet.ok() && *packet && std::holds_alternative<FloorEstimate>(**packet))
-    packet = folder_.Next(stop);  // of the whole sequence: not known yet
-  if (!packet.ok() || !*packet) return packet;
-  if (auto* pose = std::get_if<PoseEstimate>(&**packet)) *pose = *Pose(pose->id.value);
-  const auto* frame = std::get_if<FramePacket>(&**packet);
-  if (frame == nullptr || frame->frame >= static_cast<int>(poses_->frames.size())) return packet;
-  const auto& floor = poses_->frames[static_cast<std::size_t>(frame->frame)].floor;
-  if (!floor || !Differs(*floor, told_)) return packet;
-  told_ = floor;
-  FloorEstimate estimate{frame->stamp_ns, PlaneOf(*floor), 0, floor->std_m};
-  held_ = std::move(*packet);
-  return std::optional<Packet>(estimate);
+  if (held_.empty()) {
+    Result<std::optional<Packet>> packet = folder_.Next(stop);
+    while (packet.ok() && *packet && std::holds_alternative<FloorEstimate>(**packet))
+      packet = folder_.Next(stop);  // of the whole sequence: not known yet
+    if (!packet.ok() || !*packet) return packet;
+    if (auto* pose = std::get_if<PoseEstimate>(&**packet)) *pose = *Pose(pose->id.value);
+    const auto* frame = std::get_if<FramePacket>(&**packet);
+    if (frame != nullptr && frame->frame < static_cast<int>(poses_->frames.size())) {
+      const OwnPoseReport& report = poses_->frames[static_cast<std::size_t>(frame->frame)];
+      if (report.floor && Differs(*report.floor, told_)) {
+        told_ = report.floor;
+        held_.push_back(
+            FloorEstimate{frame->stamp_ns, PlaneOf(*report.floor), 0, report.floor->std_m});
+      }
+      if (report.ready && !report.points_in_world.empty())
+        held_.push_back(PointEstimates{frame->stamp_ns, report.points_in_world, 0});
+    }
+    held_.push_back(*std::move(packet).value());
+  }
+  Packet next = std::move(held_.front());
+  held_.pop_front();
+  return std::optional<Packet>(std::move(next));
 }
 
 }  // namespace plumbline

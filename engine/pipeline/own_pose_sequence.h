@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 
@@ -20,8 +21,8 @@ std::shared_ptr<const OwnPoses> OwnPosesOf(const Sequence& sequence);
 /// The sequence with its given poses: what WithOwnPoses was given, or the sequence itself.
 const Sequence& GivenSequence(const Sequence& sequence);
 
-/// The packets of WithOwnPoses: poses with their covariance, and the floor when it becomes known or
-/// is known better.
+/// The packets of WithOwnPoses: poses with their covariance, the floor when it becomes known or is
+/// known better, and the points that were finished while poses could be used.
 class OwnPoseSource : public RecordedSource {
  public:
   /// @param sequence  Of WithOwnPoses.
@@ -40,7 +41,7 @@ class OwnPoseSource : public RecordedSource {
   std::shared_ptr<const OwnPoses> poses_;
   FolderSource folder_;
   std::optional<FloorReport> told_;  ///< The last floor that Next gave.
-  std::optional<Packet> held_;       ///< Comes after the floor.
+  std::deque<Packet> held_;          ///< Come next, in this order.
 };
 
 }  // namespace plumbline

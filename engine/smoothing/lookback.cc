@@ -111,6 +111,7 @@ class Observer {
     seen.sighting.novelty = at.novelty;
     seen.sighting.visible_px = likelihood.visible_box.area() * focal * focal;
     seen.sighting.visible_fraction = likelihood.visible_fraction;
+    seen.sighting.edge_fraction = likelihood.visible_fraction;
     seen.sighting.telling = Telling(score, depth, setup_.options);
     seen.sighting.inside_fraction = InsideFraction(mean, view);
     if (box != nullptr) {

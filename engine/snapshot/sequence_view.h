@@ -21,8 +21,9 @@ struct ModelView {
   std::string name, category;
   std::shared_ptr<const TriangleMesh> mesh;
   Eigen::Vector3d center{0, 0, 0};
-  bool any_azimuth = false;  ///< Looks the same from all sides.
-  int symmetry_order = 1;    ///< Looks the same when turned by 360 degrees / this.
+  bool any_azimuth = false;         ///< Looks the same from all sides.
+  int symmetry_order = 1;           ///< Looks the same when turned by 360 degrees / this.
+  Eigen::AlignedBox3f bounds = {};  ///< In `object`; empty if not known.
 };
 
 /// What does not change while a sequence plays.

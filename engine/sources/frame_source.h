@@ -54,7 +54,15 @@ struct FloorEstimate {
   double std_m = 0;  ///< Of its height; 0: given, not estimated.
 };
 
-using Packet = std::variant<GravityEstimate, FloorEstimate, ImuSample, PoseEstimate, FramePacket>;
+/// Points of the surfaces in sight that were found since the last of these.
+struct PointEstimates {
+  std::int64_t stamp_ns = 0;
+  std::vector<Eigen::Vector3f> points_in_world;
+  int epoch = 0;
+};
+
+using Packet = std::variant<GravityEstimate, FloorEstimate, PointEstimates, ImuSample, PoseEstimate,
+                            FramePacket>;
 
 /// Where images, IMU samples and poses come from: a recorded folder, later a camera or another
 /// program. Packets come in the order of time; of those of one time, as `Packet` lists them, so

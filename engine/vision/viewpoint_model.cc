@@ -60,6 +60,16 @@ int ViewpointModel::NumViews() const {
   return static_cast<int>(options_.distances.size()) * options_.elevations * options_.azimuths;
 }
 
+ViewpointModelOptions ViewpointsOf(const CadModel& model) {
+  ViewpointModelOptions options;
+  options.max_elevation_deg = 80;
+  options.min_elevation_deg = model.support == Support::kFloor ? -10 : -60;
+  options.elevations =
+      1 +
+      static_cast<int>(std::lround((options.max_elevation_deg - options.min_elevation_deg) / 10));
+  return options;
+}
+
 Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(
     const CadModel& model, const ViewpointModelOptions& options, const WorkContext& work) {
   PLB_CHECK(!model.mesh.triangles.empty()) << "model '" << model.name << "' has no triangles";

@@ -54,6 +54,10 @@ struct ViewpointModelOptions {
   double mark_contrast = 0.15;   ///< Step of luminance (0 .. 1) that makes a mark.
 };
 
+/// From where a model may be seen: what stands on the floor not from below, what stands or hangs
+/// higher also from there. Rings are 10 degrees apart.
+ViewpointModelOptions ViewpointsOf(const CadModel& model);
+
 /// Contours of a model precomputed for viewpoints around it, by casting rays (Embree): the same on
 /// every machine. Looking up a view costs nothing; a hypothesis then costs the projection of its
 /// points. Immutable; share it.

@@ -47,7 +47,8 @@ ModelView Furniture(const std::string& name, const std::string& category, double
   }
   if (back > 0) AddBox({-half_x, -half_y, top}, {-half_x + leg, half_y, top + back}, mesh);
   ModelView view{name, category, std::make_shared<const TriangleMesh>(mesh), {}};
-  view.center = BoundingBox(mesh).center().cast<double>();
+  view.bounds = BoundingBox(mesh);
+  view.center = view.bounds.center().cast<double>();
   return view;
 }
 

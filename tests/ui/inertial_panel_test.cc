@@ -86,5 +86,20 @@ TEST(ScenePanel, DrawsPointsAndTheSpreadOfTheCamera) {
   EXPECT_GT(harness.vertices, 0);
 }
 
+TEST(ScenePanel, PointsOfMappedObjectsAreLeftOut) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("scene");
+  harness.ShowFrame(59);
+  AddOwnPoses(harness);
+  panel->LoadState({{"points", true}});
+  harness.Draw(*panel, 3);
+  const int with_models = harness.vertices;
+  auto view = std::make_shared<SequenceView>(*harness.context.sequence);
+  for (ModelView& model : view->models) model.bounds.setEmpty();
+  harness.context.sequence = view;
+  harness.Draw(*panel, 3);
+  EXPECT_GT(harness.vertices, with_models + 100) << "the points in the table";
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/geometry/angles.h"
@@ -91,6 +92,32 @@ TEST_F(BirthTest, ABoxCutByTheImageMayBelongToAWholeObject) {
       << "the test wants a box at the border";
   const std::vector<PoseHypothesis> drawn = Sample(box, aside, 2000);
   EXPECT_GE(Near(drawn, scene_.Hypothesis(chair), 0.2, 180), 20);
+}
+
+TEST_F(BirthTest, PointsInTheBoxLimitItsDepth) {
+  // Half of a suitcase that may hang anywhere: by its box alone it may be near or far.
+  const Detection box{{150, 60, 230, 160}, "suitcase", 0.9f};
+  MapFrame map = scene_.map();
+  const auto share_between = [&](double nearest_m, double farthest_m) {
+    const std::vector<PoseHypothesis> drawn =
+        SampleBirth(box, scene_.camera(), front_, map, options_, 1000, {.seed = 3});
+    return std::count_if(drawn.begin(), drawn.end(),
+                         [&](const PoseHypothesis& hypothesis) {
+                           const double depth = (front_.inverse() * hypothesis.center_in_world).z();
+                           return depth > nearest_m && depth < farthest_m;
+                         }) /
+           1000.0;
+  };
+  const Eigen::Vector3d size =
+      scene_.database()->model(scene_.Label("crate")).bounds.sizes().cast<double>();
+  const double depth_m = 1.5, reach_m = 0.5 * size.norm();
+  const double without = share_between(depth_m - reach_m, depth_m + reach_m);
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector2d bearing = scene_.camera().Bearing({180.0 + 3 * i, 110});
+    map.points_in_world.push_back((front_ * (depth_m * bearing.homogeneous())).cast<float>());
+  }
+  EXPECT_LT(without, 0.7);
+  EXPECT_GT(share_between(depth_m - reach_m, depth_m + reach_m), 1 - 0.3 * (1 - without));
 }
 
 TEST_F(BirthTest, AnImplausibleBoxGivesNoHypotheses) {

@@ -17,7 +17,7 @@ Sighting InFullView() {
   Sighting sighting;
   sighting.novelty = 0.1;
   sighting.visible_px = 20000;
-  sighting.visible_fraction = 0.9;
+  sighting.visible_fraction = sighting.edge_fraction = 0.9;
   sighting.telling = 1;
   return sighting;
 }

@@ -53,5 +53,34 @@ TEST_F(MapperTest, WhatIsSpawnedLateIsJudgedByTheViewsBefore) {
   EXPECT_GT(log_odds_after(0), log_odds_after(kBoxedFrom) + 1);
 }
 
+TEST_F(MapperTest, PointsBeforeAnObjectExcuseItsAbsence) {
+  constexpr int kSeen = 16, kEnd = 20;
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const auto log_odds_lost = [&](bool points) {
+    const auto mapper = NewMapper();
+    double before = 0, after = 0;
+    for (int frame = 0; frame < kEnd; ++frame) {
+      const FrameReport report =
+          mapper->Step(Seen(frame, {&chair, frame < kSeen ? std::size_t{1} : std::size_t{0}}));
+      const ObjectReport* best = Best(report);
+      if (frame == kSeen - 1) before = best != nullptr ? best->log_evidence : 0;
+      if (frame >= kSeen) after = best != nullptr ? best->log_evidence : -10;
+      if (frame != kSeen - 1 || !points) continue;
+      // A curtain half way between the walk and the chair.
+      std::vector<Eigen::Vector3f> curtain;
+      for (float angle = 0; angle < 3; angle += 0.02f) {
+        for (float z = 0; z < 1.6f; z += 0.02f)
+          curtain.emplace_back(1.2f * std::cos(angle), 1.2f * std::sin(angle), z);
+      }
+      mapper->AddPoints(curtain);
+    }
+    EXPECT_GT(before, 0) << "the chair was found";
+    return before - after;
+  };
+  const double without = log_odds_lost(false);
+  EXPECT_GT(without, 1);
+  EXPECT_LT(log_odds_lost(true), 0.5 * without);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -9,7 +9,8 @@
 namespace plumbline {
 namespace {
 
-/// Frame 0 waits, 1 to 4 have a pose; a floor is found at 2 and known clearly better at 4.
+/// Frame 0 waits, 1 to 4 have a pose and as many points; a floor is found at 2 and known clearly
+/// better at 4.
 std::shared_ptr<const OwnPoses> Poses() {
   auto poses = std::make_shared<OwnPoses>();
   poses->frames.resize(5);
@@ -19,6 +20,7 @@ std::shared_ptr<const OwnPoses> Poses() {
     frame.ready = true;
     frame.world_from_cam = Eigen::Isometry3d(Eigen::Translation3d(0, static_cast<double>(i), 0));
     frame.cam_covariance.diagonal().setConstant(0.01 * static_cast<double>(i));
+    frame.points_in_world.assign(i, {0, 0, 1});
     if (i >= 2) frame.floor = FloorReport{-1.3, i < 4 ? 0.04 : 0.02, 50};
   }
   return poses;
@@ -39,6 +41,8 @@ class OwnPoseSourceTest : public testing::Test {
       if (std::holds_alternative<GravityEstimate>(**packet)) all.emplace_back("gravity");
       if (const auto* floor = std::get_if<FloorEstimate>(&**packet))
         all.push_back("floor " + std::to_string(floor->std_m).substr(0, 4));
+      if (const auto* found = std::get_if<PointEstimates>(&**packet))
+        all.push_back("points " + std::to_string(found->points_in_world.size()));
       if (const auto* pose = std::get_if<PoseEstimate>(&**packet)) {
         all.push_back("pose " + std::to_string(pose->id.value));
         EXPECT_DOUBLE_EQ(pose->uncertainty.drift(0, 0), 0.01 * pose->id.value);
@@ -52,18 +56,19 @@ class OwnPoseSourceTest : public testing::Test {
 
 TEST_F(OwnPoseSourceTest, TellsTheFloorWhenItIsFoundAndWhenItIsBetterKnown) {
   OwnPoseSource source(Open());
-  const std::vector<std::string> expected = {"gravity", "frame 0",    "pose 1",     "frame 1",
-                                             "pose 2",  "floor 0.04", "frame 2",    "pose 3",
-                                             "frame 3", "pose 4",     "floor 0.02", "frame 4"};
+  const std::vector<std::string> expected = {"gravity", "frame 0",    "pose 1",     "points 1",
+                                             "frame 1", "pose 2",     "floor 0.04", "points 2",
+                                             "frame 2", "pose 3",     "points 3",   "frame 3",
+                                             "pose 4",  "floor 0.02", "points 4",   "frame 4"};
   EXPECT_EQ(All(source), expected);
   EXPECT_EQ(source.WaitsFor(0), "waiting for rest");
 }
 
-TEST_F(OwnPoseSourceTest, KnowsTheFloorAgainAfterASeek) {
+TEST_F(OwnPoseSourceTest, KnowsTheFloorAndThePointsAgainAfterASeek) {
   OwnPoseSource source(Open());
   source.Seek(4);
-  const std::vector<std::string> expected = {"floor 0.04", "gravity", "pose 4", "floor 0.02",
-                                             "frame 4"};
+  const std::vector<std::string> expected = {"floor 0.04", "points 6", "gravity", "pose 4",
+                                             "floor 0.02", "points 4", "frame 4"};
   EXPECT_EQ(All(source), expected);
 }
 

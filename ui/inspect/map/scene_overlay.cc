@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "engine/geometry/symmetric_matrix.h"
 #include "engine/snapshot/map_snapshot.h"
@@ -52,12 +54,34 @@ void DrawSpread(const FrameContext& context, const SceneProjection& project,
                    context.Scaled(1.5));
 }
 
+/// The bounds of confirmed objects, a little larger: a point in them is explained by its model.
+class ExplainedSpace {
+ public:
+  explicit ExplainedSpace(const FrameContext& context) {
+    for (const ObjectReport& object : context.snapshot->report.objects) {
+      const ModelView* model = context.Model(object.label);
+      if (object.state == ObjectState::kConfirmed && model != nullptr)
+        places_.push_back({object.world_from_object.inverse().cast<float>(), model->bounds});
+    }
+  }
+  bool Holds(const Eigen::Vector3f& point) const {
+    return std::any_of(places_.begin(), places_.end(), [&](const auto& place) {
+      return place.second.squaredExteriorDistance(place.first * point) < kInModel_m * kInModel_m;
+    });
+  }
+
+ private:
+  static constexpr float kInModel_m = 0.04f;
+  std::vector<std::pair<Eigen::Isometry3f, Eigen::AlignedBox3f>> places_;
+};
+
 /// Points that the filter has finished, up to the frame that shows: what was seen, where no model
 /// explains it.
 void DrawPoints(const FrameContext& context, const SceneProjection& project) {
   constexpr int kMost = 6000;  // the newest
   const auto& frames = context.sequence->own_poses->frames;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const ExplainedSpace explained(context);
   const float half = 0.5f * context.Scaled(1.6);
   int drawn = 0;
   for (std::size_t i =
@@ -65,7 +89,7 @@ void DrawPoints(const FrameContext& context, const SceneProjection& project) {
        i-- > 0 && drawn < kMost;) {
     for (const Eigen::Vector3f& point : frames[i].points_in_world) {
       const auto at = project(point.cast<double>());
-      if (!at) continue;
+      if (!at || explained.Holds(point)) continue;
       draw.AddRectFilled({at->x - half, at->y - half}, {at->x + half, at->y + half},
                          WithAlpha(colors::kOnPicture, 0.65));
       ++drawn;

@@ -47,7 +47,8 @@ constexpr OverlayToggle kOverlays[] = {
     {"spread", "Spread", &SceneOverlay::spread,
      "Ellipsoids that hold 95 % of the belief about each object's centre."},
     {"points", "Points", &SceneOverlay::points,
-     "Points that the visual-inertial filter found up to this frame, in runs with own poses."},
+     "Points that the visual-inertial filter found up to this frame, in runs with own poses, where "
+     "no confirmed object explains them."},
     {"links", "Links", &SceneOverlay::links,
      "Relations: green stands on, yellow hides from the camera, blue is nearest to."},
 };

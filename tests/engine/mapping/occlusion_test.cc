@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/mapping/occlusion.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/mapping_scene.h"
+
+namespace plumbline {
+namespace {
+
+class OcclusionMapsTest : public testing::Test {
+ protected:
+  /// Length of the contour that shows, of the whole.
+  double Shown(const PlacedModel& placed, const cv::Mat& occluder_depth) {
+    const MapperInput input = scene_.Input(0, front_, {});
+    ScoringView view{scene_.camera(), front_.inverse(), input.table.get(), occluder_depth};
+    const PoseHypothesis hypothesis = scene_.Hypothesis(placed);
+    HypothesisScore score;
+    scene_.scorer()->Score(view, scene_.map().upright, {&hypothesis, 1}, {&score, 1});
+    return score.visible_m / score.total_m;
+  }
+
+  MappingScene& scene_ = MappingScene::Get();
+  const Eigen::Isometry3d front_ = LookAt({2.2, 0.6, 1.4}, {0, 0, 0.4});
+};
+
+TEST_F(OcclusionMapsTest, NothingIsHiddenByNothing) {
+  const OcclusionMaps maps;
+  EXPECT_TRUE(maps.DepthBefore(ObjectId{1}).empty());
+  EXPECT_TRUE(maps.DepthAndContours().empty());
+}
+
+TEST_F(OcclusionMapsTest, AnObjectDoesNotHideItself) {
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30, 1);
+  const OcclusionMaps maps(
+      scene_.renderer().Render(scene_.camera(), front_.inverse(), {&chair, 1}));
+  EXPECT_GT(Shown(chair, maps.DepthBefore(ObjectId{1})), 0.95);
+}
+
+TEST_F(OcclusionMapsTest, OfAnObjectInTheLinesOfAnotherNothingIsItsOwn) {
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30, 1);
+  const OcclusionMaps maps(
+      scene_.renderer().Render(scene_.camera(), front_.inverse(), {&chair, 1}));
+  EXPECT_LT(Shown(scene_.Place("chair", 0, 0, 30, 2), maps.DepthAndContours()), 0.15);
+  EXPECT_LT(Shown(scene_.Place("chair", 0.01, 0, 30, 2), maps.DepthAndContours()), 0.25);
+  const PlacedModel beside = scene_.Place("chair", 0.2, -0.7, 100, 2);
+  EXPECT_GT(Shown(beside, maps.DepthAndContours()),
+            0.9 * Shown(beside, maps.DepthBefore(ObjectId{2})));
+}
+
+}  // namespace
+}  // namespace plumbline
