@@ -38,6 +38,7 @@ void AddGuiVerb(CLI::App& app, VerbFunction& chosen);
 void AddRunVerb(CLI::App& app, VerbFunction& chosen);
 void AddSmoothVerb(CLI::App& app, VerbFunction& chosen);
 void AddVioVerb(CLI::App& app, VerbFunction& chosen);
+void AddCalibrateVerb(CLI::App& app, VerbFunction& chosen);
 void AddDemoVerb(CLI::App& app, VerbFunction& chosen);
 
 /// Says on standard error what was odd in what was read.

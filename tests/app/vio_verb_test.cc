@@ -117,6 +117,28 @@ TEST_F(VioVerb, PosesOfTheCameraHangOnThoseOfTheBody) {
               arm, 0.02);
 }
 
+TEST_F(VioVerb, CalibrateMendsAWrongCameraAndWritesItsFiles) {
+  nlohmann::json camera = ReadJson(folder_.path() / "walk" / "camera.json").value();
+  camera["note"] = "of the workshop";
+  const double arm_m = camera["body_from_cam"][0][3].get<double>();
+  camera["body_from_cam"][0][3] = arm_m + 0.01;
+  Write("walk/camera.json", camera.dump());
+  const ProgramRun outcome =
+      Run("calibrate walk --out found --report found.html --json found.json 2>&1");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, AllOf(HasSubstr("2 backward"), HasSubstr("agree")));
+  const nlohmann::json found = ReadJson(folder_.path() / "found.json").value();
+  EXPECT_TRUE(found["agreed"].get<bool>());
+  const nlohmann::json mended = ReadJson(folder_.path() / "found" / "camera.json").value();
+  EXPECT_NEAR(mended["body_from_cam"][0][3].get<double>(), arm_m, 0.005);
+  EXPECT_EQ(mended["note"], "of the workshop");
+  EXPECT_NEAR(
+      ReadJson(folder_.path() / "found" / "imu.json").value()["time_offset_s"].get<double>(), 0,
+      0.001);
+  EXPECT_THAT(ReadFile(folder_.path() / "found.html").value(), HasSubstr("<svg"));
+  EXPECT_NE(Run("calibrate nowhere 2>&1").exit_code, 0);
+}
+
 TEST_F(VioVerb, TheSameInputGivesTheSameFile) {
   const std::string vio = "vio walk --drop-tracks 0.2 --seed 3 --out ";
   ASSERT_EQ(Run(vio + "a.txt").exit_code, 0);

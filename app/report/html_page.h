@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace plumbline {
+
+/// A web page with everything inside it, in the style of all reports.
+/// @param title, subtitle  Plain text.
+/// @param body             HTML.
+std::string HtmlPage(const std::string& title, const std::string& subtitle,
+                     const std::string& body);
+
+}  // namespace plumbline

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/report/html_page.h"
+#include "app/report/svg_plot.h"
+#include "app/verbs/console_work.h"
+#include "app/verbs/verb.h"
+#include "engine/base/files.h"
+#include "engine/dataset/sequence.h"
+#include "engine/dataset/tracks_file.h"
+#include "engine/geometry/angles.h"
+#include "engine/vio/own_poses.h"
+#include "engine/vio/rig_calibration.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CalibrateArguments {
+  std::string sequence, tracks, out, report, json;
+  std::vector<std::string> settings, tracker_settings;
+  int passes = 8;
+  VioOptions options = [] {
+    VioOptions wide;  // what is asked for is known less well than usual
+    wide.extrinsic_rotation_std_deg = 1;
+    wide.extrinsic_translation_std_m = 0.02;
+    wide.time_offset_std_s = 0.01;
+    return wide;
+  }();
+  TrackerOptions tracker;
+};
+
+/// Where the camera sits, in units for people.
+struct Told {
+  Eigen::Vector3d turn_deg, arm_cm;
+  double offset_ms = 0;
+};
+
+Told InWords(const RigEstimate& estimate) {
+  const Eigen::AngleAxisd turn(estimate.body_from_cam.linear());
+  return {kDegPerRad * turn.angle() * turn.axis(), 100 * estimate.body_from_cam.translation(),
+          1e3 * estimate.time_offset_s};
+}
+
+/// Norms: rotation [deg], translation [cm], time offset [ms].
+Eigen::Vector3d Sizes(const Eigen::Matrix<double, 7, 1>& v) {
+  return {kDegPerRad * v.head<3>().norm(), 100 * v.segment<3>(3).norm(), 1e3 * std::abs(v[6])};
+}
+
+/// The points of a sequence: as given, or tracked in its images. Errors: of the files; kCancelled.
+Result<std::vector<TrackedImage>> TracksOf(CalibrateArguments& arguments, const Sequence& sequence,
+                                           const VioInput& input, const WorkContext& work) {
+  std::string file = arguments.tracks;
+  if (file.empty() && !sequence.has_images() && sequence.tracks_file())
+    file = sequence.tracks_file()->string();
+  if (!file.empty()) {
+    Result<FeatureTracks> tracks = ReadTracksFile(file);
+    if (!tracks.ok()) return tracks.error();
+    Warn(tracks->warnings);
+    return std::move(tracks->images);
+  }
+  arguments.options.given_creep_px = arguments.options.creep_px;  // they are ours
+  ImageSource images;
+  for (int i = 0; i < sequence.num_frames(); ++i) images.stamps_ns.push_back(sequence.stamp_ns(i));
+  images.read = [&](int index) { return sequence.ReadRawImage(index); };
+  std::vector<TrackedImage> tracks;
+  RunVio(input, images, arguments.options, arguments.tracker, work,
+         [&](const VioMoment& moment) { tracks.push_back(moment.tracked); });
+  if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+  if (tracks.empty())
+    return Error{ErrorCode::kNotFound,
+                 "'" + arguments.sequence + "' has no image that can be read"};
+  return tracks;
+}
+
+void Print(const RigCalibration& calibration, const VioInput& input) {
+  std::printf(
+      "pass               camera on body: turned [deg]      at [cm]                  clocks [ms]  "
+      "innovations\n");
+  const auto row = [](const std::string& name, const RigEstimate& estimate, double nis) {
+    const Told told = InWords(estimate);
+    std::printf("%-18s %9.3f %8.3f %8.3f   %7.2f %7.2f %7.2f   %8.3f", name.c_str(),
+                told.turn_deg.x(), told.turn_deg.y(), told.turn_deg.z(), told.arm_cm.x(),
+                told.arm_cm.y(), told.arm_cm.z(), told.offset_ms);
+    if (nis > 0) std::printf("   %10.2f", nis);
+    std::printf("\n");
+  };
+  RigEstimate given;
+  given.body_from_cam = *input.camera.body_from_cam;
+  given.time_offset_s = input.imu.time_offset_s;
+  row("given", given, 0);
+  for (std::size_t i = 0; i < calibration.passes.size(); ++i) {
+    const RigPass& pass = calibration.passes[i];
+    row(fmt::format("{} {}", i + 1, pass.backward ? "backward" : "forward"), pass.estimates.back(),
+        pass.nis_per_dof);
+  }
+  row("result", calibration.result, 0);
+  const Eigen::Vector3d sure = Sizes(calibration.result.spread);
+  const Eigen::Vector3d moved = Sizes(Difference(given, calibration.result));
+  std::printf(
+      "known to %.3f deg, %.2f cm, %.3f ms; %.3f deg, %.2f cm, %.3f ms from what was given\n",
+      sure[0], sure[1], sure[2], moved[0], moved[1], moved[2]);
+  std::printf(
+      "noise in the stillest second, at most: gyro %.2g rad/s/sqrt(Hz) (%.2g stated), "
+      "accelerometer "
+      "%.2g m/s^2/sqrt(Hz) (%.2g stated)\n",
+      calibration.noise.gyro_density, input.imu.gyro_noise_density, calibration.noise.accel_density,
+      input.imu.accel_noise_density);
+  std::printf("%s\n", calibration.agreed ? "forward and backward agree"
+                                         : "forward and backward do NOT agree: more motion, turns "
+                                           "about all axes above all, tells more");
+}
+
+nlohmann::json MatrixToJson(const Eigen::Isometry3d& pose) {
+  nlohmann::json json = nlohmann::json::array();
+  for (int r = 0; r < 4; ++r) {
+    for (int c = 0; c < 4; ++c) json[r][c] = pose.matrix()(r, c);
+  }
+  return json;
+}
+
+nlohmann::json EstimateToJson(const RigEstimate& estimate) {
+  return {{"body_from_cam", MatrixToJson(estimate.body_from_cam)},
+          {"time_offset_s", estimate.time_offset_s},
+          {"std", std::vector<double>(estimate.spread.begin(), estimate.spread.end())}};
+}
+
+nlohmann::json ToJson(const RigCalibration& calibration) {
+  nlohmann::json json = EstimateToJson(calibration.result);
+  json["agreed"] = calibration.agreed;
+  json["gyro_noise_density"] = calibration.noise.gyro_density;
+  json["accel_noise_density"] = calibration.noise.accel_density;
+  for (const RigPass& pass : calibration.passes) {
+    nlohmann::json entry = EstimateToJson(pass.estimates.back());
+    entry["backward"] = pass.backward;
+    entry["nis_per_dof"] = pass.nis_per_dof;
+    json["passes"].push_back(entry);
+  }
+  return json;
+}
+
+/// How far each pass was from the result, image by image, beside what it believed.
+std::string Page(const RigCalibration& calibration, const std::string& sequence) {
+  const char* const titles[] = {"How the camera is turned on the body",
+                                "Where the camera sits on the body", "How the clocks differ"};
+  const char* const units[] = {"off the result [deg]", "off the result [cm]",
+                               "off the result [ms]"};
+  std::string body;
+  const Told told = InWords(calibration.result);
+  const Eigen::Vector3d sure = Sizes(calibration.result.spread);
+  body += fmt::format(
+      "<div class='cards'><div class='card'><b>{:.3f} {:.3f} {:.3f}</b><span>deg, rotation vector "
+      "of the camera on the body &plusmn; {:.3f}</span></div><div class='card'><b>{:.2f} {:.2f} "
+      "{:.2f}</b><span>cm, the camera on the body &plusmn; {:.2f}</span></div><div "
+      "class='card'><b>{:.3f}</b><span>ms, time of the IMU less that of an image &plusmn; "
+      "{:.3f}</span></div></div><p class='{}'>{}</p>",
+      told.turn_deg.x(), told.turn_deg.y(), told.turn_deg.z(), sure[0], told.arm_cm.x(),
+      told.arm_cm.y(), told.arm_cm.z(), sure[1], told.offset_ms, sure[2],
+      calibration.agreed ? "good" : "bad",
+      calibration.agreed ? "Forward and backward agree." : "Forward and backward do not agree.");
+  for (int k = 0; k < 3; ++k) {
+    std::vector<SvgSeries> series;
+    for (std::size_t i = 0; i < calibration.passes.size(); ++i) {
+      const RigPass& pass = calibration.passes[i];
+      const std::string name =
+          fmt::format("pass {}, {}", i + 1, pass.backward ? "backward" : "forward");
+      SvgSeries off{name, SvgColor(static_cast<int>(i)), true, {}, {}};
+      SvgSeries believed{
+          name + ": one standard deviation", SvgColor(static_cast<int>(i)), false, {}, {}};
+      for (const RigEstimate& estimate : pass.estimates) {
+        off.x.push_back(estimate.seconds);
+        off.y.push_back(Sizes(Difference(calibration.result, estimate))[k]);
+        believed.x.push_back(estimate.seconds);
+        believed.y.push_back(Sizes(estimate.spread)[k]);
+      }
+      series.push_back(std::move(off));
+      series.push_back(std::move(believed));
+    }
+    body += SvgLines({titles[k], "time [s]", units[k]}, series);
+  }
+  body += "<p class='legend'>";
+  for (std::size_t i = 0; i < calibration.passes.size(); ++i)
+    body += fmt::format("<span><i class='dot' style='background:{}'></i>pass {}, {}</span>",
+                        SvgColor(static_cast<int>(i)), i + 1,
+                        calibration.passes[i].backward ? "backward" : "forward");
+  return HtmlPage("Calibration", "Camera and IMU of " + sequence,
+                  body + "bold: off the result; thin: one standard deviation</p>");
+}
+
+/// camera.json and imu.json of the sequence with what was found; of another layout what is known.
+Status WriteSensorFiles(const fs::path& folder, const Sequence& sequence, const VioInput& input,
+                        const RigEstimate& result) {
+  const auto patched = [&](const char* name, nlohmann::json changes) -> Status {
+    nlohmann::json json = nlohmann::json::object();
+    if (const auto before = ReadJson(sequence.path() / name); before.ok()) json = *before;
+    json.update(changes);
+    return WriteFileAtomically(folder / name, json.dump(1) + "\n");
+  };
+  Camera camera = input.camera;
+  camera.body_from_cam = result.body_from_cam;
+  if (Status status = patched("camera.json", CameraToJson(camera)); !status.ok()) return status;
+  const ImuCalibration& imu = input.imu;
+  return patched("imu.json", {{"rate_hz", imu.rate_hz},
+                              {"gyro_noise_density", imu.gyro_noise_density},
+                              {"accel_noise_density", imu.accel_noise_density},
+                              {"gyro_bias_walk", imu.gyro_bias_walk},
+                              {"accel_bias_walk", imu.accel_bias_walk},
+                              {"gravity_m_s2", imu.gravity_m_s2},
+                              {"time_offset_s", result.time_offset_s}});
+}
+
+Status Calibrate(CalibrateArguments arguments) {
+  for (const std::string& setting : arguments.settings) {
+    if (Status status = SetOption(setting, arguments.options); !status.ok()) return status;
+  }
+  for (const std::string& setting : arguments.tracker_settings) {
+    if (Status status = SetOption(setting, arguments.tracker); !status.ok()) return status;
+  }
+  if (!arguments.out.empty()) {
+    std::error_code error;
+    fs::create_directories(arguments.out, error);
+    if (!fs::is_directory(arguments.out))
+      return Error{ErrorCode::kIo, "cannot create the folder '" + arguments.out + "'"};
+  }
+  const auto sequence = OpenSequence(arguments.sequence);
+  if (!sequence.ok()) return sequence.error();
+  const Result<ImuRecording> imu = (*sequence)->ReadImu();
+  if (!imu.ok()) return imu.error();
+  Warn((*sequence)->warnings());
+  Warn(imu->warnings);
+  const Result<VioInput> input = VioInputOf(**sequence, *imu);
+  if (!input.ok()) return input.error();
+  ConsoleWork console;
+  const auto tracks = TracksOf(arguments, **sequence, *input, console.context());
+  if (!tracks.ok()) return tracks.error();
+  const Result<RigCalibration> calibration =
+      CalibrateRig(*input, *tracks, arguments.options, arguments.passes, console.context());
+  if (!calibration.ok()) return calibration.error();
+  if (arguments.json != "-") Print(*calibration, *input);
+  if (!arguments.json.empty()) {
+    if (Status status = WriteJsonResult(arguments.json, ToJson(*calibration)); !status.ok())
+      return status;
+  }
+  if (!arguments.report.empty()) {
+    if (Status status =
+            WriteFileAtomically(arguments.report, Page(*calibration, arguments.sequence));
+        !status.ok())
+      return status;
+  }
+  if (arguments.out.empty()) return {};
+  return WriteSensorFiles(arguments.out, **sequence, *input, calibration->result);
+}
+
+}  // namespace
+
+void AddCalibrateVerb(CLI::App& app, VerbFunction& chosen) {
+  auto arguments = std::make_shared<CalibrateArguments>();
+  CLI::App* verb = app.add_subcommand(
+      "calibrate",
+      "Find where the camera sits on the body, how its clock differs from the IMU's, "
+      "and whether the stated noise is right, from a recording");
+  verb->add_option("sequence", arguments->sequence, "Folder of the sequence")->required();
+  verb->add_option("--out", arguments->out,
+                   "Folder for camera.json and imu.json with what was found")
+      ->type_name("DIR");
+  verb->add_option("--report", arguments->report, "Web page with the curves of all passes")
+      ->type_name("FILE.html");
+  verb->add_option("--json", arguments->json, "Write the result here; - for standard output")
+      ->type_name("FILE");
+  verb->add_option("--tracks", arguments->tracks,
+                   "Use these tracked points instead of images (default: the sequence's own where "
+                   "it has no images)")
+      ->type_name("FILE.csv");
+  verb->add_option("--passes", arguments->passes, "Most passes, forward and backward in turn")
+      ->check(CLI::Range(2, 100))
+      ->capture_default_str();
+  verb->add_option("--set", arguments->settings, "One filter option, key=value; may be repeated");
+  verb->add_option("--set-tracker", arguments->tracker_settings,
+                   "One option of the tracker, key=value; may be repeated");
+  verb->callback([arguments, &chosen] { chosen = [arguments] { return Calibrate(*arguments); }; });
+}
+
+}  // namespace plumbline

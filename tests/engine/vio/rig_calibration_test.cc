@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/vio/rig_calibration.h"
+
+#include <gtest/gtest.h>
+
+#include "engine/geometry/angles.h"
+#include "engine/vio/rotation.h"
+#include "tests/support/vio_simulator.h"
+
+namespace plumbline {
+namespace {
+
+VioInput InputOf(const SimulatedRecording& recording) {
+  VioInput input;
+  input.camera = recording.camera;
+  input.imu = recording.imu;
+  input.samples = recording.samples;
+  return input;
+}
+
+VioOptions WideOptions() {
+  VioOptions options;
+  options.extrinsic_rotation_std_deg = 1;
+  options.extrinsic_translation_std_m = 0.02;
+  options.time_offset_std_s = 0.01;
+  return options;
+}
+
+TEST(CalibrateRig, AWrongCalibrationComesRight) {
+  const SimulatedRecording recording =
+      Simulate({.seconds = 20, .rest_s = 2, .time_offset_s = 0.004, .seed = 3});
+  VioInput input = InputOf(recording);
+  const Eigen::Isometry3d truth = *recording.camera.body_from_cam;
+  input.camera.body_from_cam->linear() =
+      RotationExp({0.006, -0.006, 0.005}) * truth.linear();  // 0.57 deg
+  input.camera.body_from_cam->translation() += Eigen::Vector3d(0.006, -0.005, 0.006);
+  input.imu.time_offset_s = 0.004 - 0.006;
+  const Result<RigCalibration> found =
+      CalibrateRig(input, recording.images, WideOptions(), 8, WorkContext());
+  ASSERT_TRUE(found.ok()) << found.error().message;
+  EXPECT_TRUE(found->agreed);
+  EXPECT_GE(found->passes.size(), 2u);
+  RigEstimate true_rig;
+  true_rig.body_from_cam = truth;
+  true_rig.time_offset_s = 0.004;
+  const Eigen::Matrix<double, 7, 1> off = Difference(true_rig, found->result);
+  EXPECT_LT(off.head<3>().norm() * kDegPerRad, 0.1);
+  EXPECT_LT(off.segment<3>(3).norm(), 0.01);
+  EXPECT_LT(std::abs(off[6]), 0.001);
+}
+
+TEST(Reverse, TwiceIsTheRecordingItself) {
+  const SimulatedRecording recording = Simulate({.seconds = 2, .seed = 5});
+  const VioInput input = InputOf(recording);
+  const ReversedRecording once = Reverse(input, recording.images);
+  const ReversedRecording twice = Reverse(once.input, once.images);
+  ASSERT_EQ(twice.samples.size(), recording.samples.size());
+  for (std::size_t i = 0; i < twice.samples.size(); ++i) {
+    EXPECT_EQ(twice.samples[i].stamp_ns, recording.samples[i].stamp_ns);
+    EXPECT_EQ(twice.samples[i].angular_velocity_rad_s, recording.samples[i].angular_velocity_rad_s);
+    if (i > 0) {
+      EXPECT_GT(once.samples[i].stamp_ns, once.samples[i - 1].stamp_ns);
+    }
+  }
+  EXPECT_EQ(once.images.front().points.size(), recording.images.back().points.size());
+  EXPECT_EQ(twice.images.back().stamp_ns, recording.images.back().stamp_ns);
+}
+
+TEST(Reverse, TheFilterFollowsItAsWell) {
+  const SimulatedRecording recording = Simulate({.seconds = 12, .seed = 4});
+  ReversedRecording reversed = Reverse(InputOf(recording), recording.images);
+  ReferenceState start = recording.truth.back();
+  start.stamp_ns = reversed.images.front().stamp_ns;
+  start.velocity_in_world = -start.velocity_in_world;
+  start.gyro_bias = -start.gyro_bias;
+  reversed.input.start = start;
+  const VioRun run = RunVio(reversed.input, reversed.images, {}, {});
+  ASSERT_FALSE(run.reports.empty());
+  const Eigen::Vector3d end = recording.truth.front().world_from_body.translation();
+  EXPECT_LT((run.reports.back().world_from_body.translation() - end).norm(), 0.1);
+}
+
+TEST(MeasureImuNoise, FindsTheNoiseOfRestInAWalk) {
+  const SimulatedRecording recording = Simulate({.seconds = 10, .rest_s = 3, .seed = 6});
+  const ImuNoise noise = MeasureImuNoise(recording.samples);
+  EXPECT_NEAR(noise.gyro_density, recording.imu.gyro_noise_density,
+              0.15 * recording.imu.gyro_noise_density);
+  EXPECT_NEAR(noise.accel_density, recording.imu.accel_noise_density,
+              0.15 * recording.imu.accel_noise_density);
+  EXPECT_EQ(MeasureImuNoise({}).gyro_density, 0);
+}
+
+TEST(CalibrateRig, SaysWhyThereIsNothing) {
+  const SimulatedRecording recording = Simulate({.seconds = 1, .seed = 7});
+  const VioInput input = InputOf(recording);
+  const std::span<const TrackedImage> three(recording.images.data(), 3);
+  const Result<RigCalibration> found = CalibrateRig(input, three, WideOptions(), 4, WorkContext());
+  ASSERT_FALSE(found.ok());
+  EXPECT_EQ(found.error().code, ErrorCode::kDegenerate);
+}
+
+}  // namespace
+}  // namespace plumbline
