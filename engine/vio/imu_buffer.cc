@@ -37,7 +37,8 @@ ImuSample Between(const ImuSample& a, const ImuSample& b, std::int64_t stamp_ns)
 
 ImuBuffer::ImuBuffer(const ImuCalibration& calibration)
     : calibration_(calibration),
-      gap_ns_(static_cast<std::int64_t>(kGapPeriods * 1e9 / calibration.rate_hz)) {}
+      gap_ns_(static_cast<std::int64_t>(kGapPeriods * 1e9 / calibration.rate_hz)),
+      vibration_(calibration.rate_hz) {}
 
 bool ImuBuffer::Add(const ImuSample& sample) {
   const bool rises = samples_.empty() || sample.stamp_ns > samples_.back().stamp_ns;
@@ -47,6 +48,7 @@ bool ImuBuffer::Add(const ImuSample& sample) {
     return false;
   }
   samples_.push_back(sample);
+  vibration_.Add(sample);
   return true;
 }
 

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "engine/sensor/imu.h"
+#include "engine/vio/imu_noise.h"
 
 namespace plumbline {
 
@@ -39,7 +40,10 @@ class ImuBuffer {
   /// Readings must come by rising stamp; others, and those that are not finite, are dropped.
   /// @return whether it was kept.
   bool Add(const ImuSample& sample);
-  void Clear() { samples_.clear(); }
+  void Clear() {
+    samples_.clear();
+    vibration_.Clear();
+  }
   /// Forgets what is older, but for one reading before it.
   void DropBefore(std::int64_t stamp_ns);
 
@@ -57,6 +61,8 @@ class ImuBuffer {
   /// a high `noise_factor`. Empty for an empty buffer or no time.
   std::vector<ImuSegment> Between(std::int64_t begin_ns, std::int64_t end_ns) const;
 
+  /// What the readings scatter by of late.
+  ImuNoise noise() const { return vibration_.noise(); }
   int dropped() const { return dropped_; }  ///< Readings that were not kept.
 
  private:
@@ -65,6 +71,7 @@ class ImuBuffer {
   ImuCalibration calibration_;
   std::int64_t gap_ns_;
   std::deque<ImuSample> samples_;
+  VibrationMeter vibration_;
   int dropped_ = 0;
 };
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "engine/vio/rotation.h"
@@ -11,7 +10,6 @@
 namespace plumbline {
 namespace {
 
-constexpr double kStill_s = 1;
 constexpr double kAgree = 3;  ///< Standard deviations.
 
 /// The state at the end of a pass, for the next to begin with in the opposite direction.
@@ -59,14 +57,6 @@ bool Agree(const RigEstimate& a, const RigEstimate& b) {
       .all();
 }
 
-/// Twice the variance of white noise: of differences of successive readings, about all axes.
-double DifferenceVariance(std::span<const ImuSample> samples, Eigen::Vector3d ImuSample::*reading) {
-  double sum = 0;
-  for (std::size_t i = 1; i < samples.size(); ++i)
-    sum += (samples[i].*reading - samples[i - 1].*reading).squaredNorm();
-  return sum / (3.0 * static_cast<double>(samples.size() - 1));
-}
-
 }  // namespace
 
 Eigen::Matrix<double, 7, 1> Difference(const RigEstimate& a, const RigEstimate& b) {
@@ -94,30 +84,11 @@ ReversedRecording Reverse(const VioInput& input, std::span<const TrackedImage> i
   return reversed;
 }
 
-ImuNoise MeasureImuNoise(std::span<const ImuSample> samples) {
-  ImuNoise noise;
-  if (samples.size() < 3) return noise;
-  const double seconds =
-      static_cast<double>(samples.back().stamp_ns - samples.front().stamp_ns) * 1e-9;
-  const double rate_hz = static_cast<double>(samples.size() - 1) / seconds;
-  const auto window =
-      std::min(samples.size(), static_cast<std::size_t>(std::max(3.0, rate_hz * kStill_s)));
-  double gyro = std::numeric_limits<double>::infinity(), accel = gyro;
-  for (std::size_t i = 0; i + window <= samples.size(); i += std::max<std::size_t>(1, window / 4)) {
-    const auto still = samples.subspan(i, window);
-    gyro = std::min(gyro, DifferenceVariance(still, &ImuSample::angular_velocity_rad_s));
-    accel = std::min(accel, DifferenceVariance(still, &ImuSample::specific_force_m_s2));
-  }
-  noise.gyro_density = std::sqrt(gyro / 2 / rate_hz);
-  noise.accel_density = std::sqrt(accel / 2 / rate_hz);
-  return noise;
-}
-
 Result<RigCalibration> CalibrateRig(const VioInput& input, std::span<const TrackedImage> images,
                                     const VioOptions& options, int most_passes,
                                     const WorkContext& work) {
   RigCalibration calibration;
-  calibration.noise = MeasureImuNoise(input.samples);
+  calibration.noise = MeasureStillestNoise(input.samples);
   VioInput forward = input;
   ReversedRecording reversed = Reverse(input, images);
   VioOptions turned = options;

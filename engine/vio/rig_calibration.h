@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/base/result.h"
+#include "engine/vio/imu_noise.h"
 #include "engine/vio/vio_run.h"
 
 namespace plumbline {
@@ -28,19 +29,13 @@ struct RigPass {
   double nis_per_dof = 0;              ///< 1 if the noise is as stated.
 };
 
-/// White noise of an IMU, at most: in its stillest second, from differences of successive readings.
-struct ImuNoise {
-  double gyro_density = 0;   ///< [rad/s/sqrt(Hz)]
-  double accel_density = 0;  ///< [m/s^2/sqrt(Hz)]
-};
-
 struct RigCalibration {
   std::vector<RigPass> passes;
   bool agreed = false;  ///< The last two passes lie within three standard deviations of each other.
   /// Their mean; its spread is what a pass believes, or half of what they differ by, if that is
   /// more.
   RigEstimate result;
-  ImuNoise noise;
+  ImuNoise noise;  ///< Of the stillest second: at most that of the IMU.
 };
 
 /// Difference of two calibrations, in the order of RigEstimate::spread: b minus a, the rotation
@@ -56,8 +51,6 @@ struct ReversedRecording {
   std::vector<TrackedImage> images;
 };
 ReversedRecording Reverse(const VioInput& input, std::span<const TrackedImage> images);
-
-ImuNoise MeasureImuNoise(std::span<const ImuSample> samples);
 
 /// @param images  Tracks by rising stamp.
 /// @param options  Its spreads of the given calibration are those of the first pass and of every

@@ -68,7 +68,12 @@ FilterStep VioFilter::Step(const TrackedImage& image, const ImuBuffer& imu, bool
 void VioFilter::Propagate(const TrackedImage& image, const ImuBuffer& imu, FilterStep& step) {
   const std::int64_t target = image.stamp_ns + Nanoseconds(state_.time_offset_s());
   const std::vector<ImuSegment> segments = imu.Between(state_.inertial().stamp_ns, target);
-  if (!segments.empty()) state_.Propagate(Integrate(state_.inertial(), segments, noise_));
+  IntegrationNoise noise = noise_;
+  const ImuNoise shaken = imu.noise();
+  noise.gyro_density = std::max(noise.gyro_density, options_.vibration_share * shaken.gyro_density);
+  noise.accel_density =
+      std::max(noise.accel_density, options_.vibration_share * shaken.accel_density);
+  if (!segments.empty()) state_.Propagate(Integrate(state_.inertial(), segments, noise));
   for (const ImuSegment& segment : segments) {
     if (segment.flaw == ImuFlaw::kGap) step.imu_gap_s += segment.seconds();
     if (segment.flaw == ImuFlaw::kSaturated) step.imu_saturated_s += segment.seconds();

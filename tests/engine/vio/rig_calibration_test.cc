@@ -80,14 +80,35 @@ TEST(Reverse, TheFilterFollowsItAsWell) {
   EXPECT_LT((run.reports.back().world_from_body.translation() - end).norm(), 0.1);
 }
 
-TEST(MeasureImuNoise, FindsTheNoiseOfRestInAWalk) {
+TEST(ImuNoise, IsFoundInAWalk) {
   const SimulatedRecording recording = Simulate({.seconds = 10, .rest_s = 3, .seed = 6});
-  const ImuNoise noise = MeasureImuNoise(recording.samples);
+  const ImuNoise noise = MeasureStillestNoise(recording.samples);
   EXPECT_NEAR(noise.gyro_density, recording.imu.gyro_noise_density,
               0.15 * recording.imu.gyro_noise_density);
   EXPECT_NEAR(noise.accel_density, recording.imu.accel_noise_density,
               0.15 * recording.imu.accel_noise_density);
-  EXPECT_EQ(MeasureImuNoise({}).gyro_density, 0);
+  EXPECT_EQ(MeasureStillestNoise({}).gyro_density, 0);
+}
+
+TEST(ImuNoise, TheMeterFollowsAVibration) {
+  SimulatedRecording recording = Simulate({.seconds = 6, .seed = 6});
+  VibrationMeter meter(recording.imu.rate_hz);
+  EXPECT_EQ(meter.noise().accel_density, 0);
+  double quiet = 0;
+  for (std::size_t i = 0; i < recording.samples.size(); ++i) {
+    ImuSample sample = recording.samples[i];
+    const bool shaken = i >= recording.samples.size() / 2;
+    // Rotors: 5 m/s^2 at 80 Hz.
+    if (shaken)
+      sample.specific_force_m_s2.z() +=
+          5 * std::sin(2 * 3.14159 * 80 * 0.005 * static_cast<double>(i));
+    if (i == recording.samples.size() / 2) quiet = meter.noise().accel_density;
+    meter.Add(sample);
+  }
+  EXPECT_NEAR(quiet, recording.imu.accel_noise_density, 0.2 * recording.imu.accel_noise_density);
+  EXPECT_GT(meter.noise().accel_density, 20 * quiet);
+  EXPECT_NEAR(meter.noise().gyro_density, recording.imu.gyro_noise_density,
+              0.3 * recording.imu.gyro_noise_density);
 }
 
 TEST(CalibrateRig, SaysWhyThereIsNothing) {
