@@ -31,7 +31,8 @@ void PipelineArguments::AddTo(CLI::App& verb) {
       ->type_name("dataset|vio|FILE")
       ->capture_default_str();
   verb.add_option("--set-poses", pose_settings,
-                  "With --poses vio: one option of tracker or filter, key=value; may be repeated");
+                  "With --poses vio: one option of tracker, filter or loops, key=value; may be repeated. "
+                  "loops=off, causal or corrected (default): what becomes of a place known again");
   verb.add_option("--scorer", scorer,
                   "viewpoint (fast), or rendered: the reference, about a thousand times slower")
       ->check(CLI::IsMember({"viewpoint", "rendered"}))

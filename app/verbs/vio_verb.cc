@@ -165,32 +165,6 @@ VioSummary Summarise(const VioRun& run) {
 
 std::vector<double> Listed(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-nlohmann::json LoopsToJson(const LoopReport& loops) {
-  nlohmann::json closures = nlohmann::json::array();
-  for (const LoopClosure& c : loops.closures) {
-    closures.push_back({{"image", c.image},
-                        {"old_image", c.old_image},
-                        {"inliers", c.inliers},
-                        {"moved_m", c.moved_m},
-                        {"turned_deg", c.turned_deg},
-                        {"trust", c.trust},
-                        {"epoch", c.epoch}});
-  }
-  return {{"closed", loops.believed()},
-          {"epochs", loops.epochs},
-          {"key_frames", loops.key_frames},
-          {"alike", loops.alike},
-          {"turned_away", loops.turned_away},
-          {"unconfirmed", loops.unconfirmed},
-          {"largest_move_m", loops.largest_move_m},
-          {"largest_turn_deg", loops.largest_turn_deg},
-          {"last_move_m", loops.last_move_m},
-          {"last_turn_deg", loops.last_turn_deg},
-          {"ms_a_key_frame", loops.key_frames > 0 ? loops.ms / loops.key_frames : 0.0},
-          {"megabytes", loops.bytes / 1e6},
-          {"closures", closures}};
-}
-
 nlohmann::json SummaryToJson(const VioSummary& s, const LoopReport& loops, double seconds) {
   nlohmann::json pose = nlohmann::json::array();
   for (int row = 0; row < 4; ++row) {
@@ -213,7 +187,7 @@ nlohmann::json SummaryToJson(const VioSummary& s, const LoopReport& loops, doubl
           {"accel_bias_m_s2", Listed(s.last->accel_bias)},
           {"body_from_cam", pose},
           {"time_offset_s", s.last->time_offset_s},
-          {"loops", LoopsToJson(loops)}};
+          {"loops", ToJson(loops)}};
 }
 
 void PrintLoops(const LoopReport& loops, bool asked) {

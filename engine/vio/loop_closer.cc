@@ -17,9 +17,10 @@ namespace {
 
 constexpr int kDof = 4;
 constexpr double kStepStd_m = 0.002, kStepStdDeg = 0.02;  ///< Of an edge, at least.
-constexpr int kMaxLooked = 80;    ///< Older key frames that are compared with the newest.
+constexpr int kMaxLooked = 30;    ///< Older key frames that are compared with the newest.
 constexpr int kMaxVerified = 3;   ///< Of those, the ones whose pose is sought.
 constexpr double kMaxTurnDeg = 60;  ///< Between two views of one place.
+constexpr std::size_t kAgreeing = 2;  ///< Key frames that have to say the same.
 constexpr double kPauseS = 1;     ///< After a loop is closed, before the next is sought.
 
 Eigen::Vector4d Squared(double std_m, double std_deg) {
@@ -64,8 +65,8 @@ LoopCloser::LoopCloser(const Camera& camera, const LoopOptions& options)
     : camera_(camera),
       lens_(camera),
       options_(options),
-      gate_(options.gate_probability),
-      maker_(camera, options.corners),
+      gate_(options.loop_gate_probability),
+      maker_(camera, options.key_corners),
       graph_(ChiSquareGate(0.99)(kDof)) {
   report_.has_images = true;
 }
@@ -101,7 +102,7 @@ void LoopCloser::AddKeyFrame(KeyFrame key_frame) {
     edge.from = static_cast<int>(key_frames_.size()) - 1;
     edge.to = edge.from + 1;
     edge.step = key_frame.world_from_body.translation() - last.world_from_body.translation();
-    edge.covariance = DriftBetween(last, key_frame, options_.drift_factor);
+    edge.covariance = DriftBetween(last, key_frame, options_.loop_drift_factor);
     graph_.AddPose(pose);
     graph_.AddEdge(edge);
   } else {
@@ -120,13 +121,13 @@ std::vector<std::pair<int, std::vector<PointMatch>>> LoopCloser::Candidates() co
   std::vector<std::pair<double, int>> near;  // by how far off
   for (std::size_t i = 0; i + 1 < key_frames_.size(); ++i) {
     const KeyFrame& older = key_frames_[i];
-    if (Seconds(older.stamp_ns, newest.stamp_ns) < options_.min_age_s) break;
+    if (Seconds(older.stamp_ns, newest.stamp_ns) < options_.loop_min_age_s) break;
     const Eigen::Vector4d drift =
-        DriftBetween(older, newest, 3 * options_.drift_factor).diagonal().cwiseSqrt();
+        DriftBetween(older, newest, 3 * options_.loop_drift_factor).diagonal().cwiseSqrt();
     const double distance = (graph_.poses()[i].position_in_world - here).norm();
     const double turn =
         std::acos(std::clamp(axis(i).dot(axis(key_frames_.size() - 1)), -1.0, 1.0));
-    if (distance > options_.reach_m + drift.head<3>().norm() ||
+    if (distance > options_.loop_reach_m + drift.head<3>().norm() ||
         turn > kMaxTurnDeg * kRadPerDeg + drift(3))
       continue;
     near.emplace_back(distance + turn, static_cast<int>(i));  // a metre is like a radian
@@ -136,7 +137,7 @@ std::vector<std::pair<int, std::vector<PointMatch>>> LoopCloser::Candidates() co
   std::vector<std::pair<int, std::vector<PointMatch>>> candidates;
   for (const auto& [off, index] : near) {
     auto matches = MatchPoints(key_frames_[static_cast<std::size_t>(index)], newest);
-    if (static_cast<int>(matches.size()) >= options_.min_matches)
+    if (static_cast<int>(matches.size()) >= options_.loop_min_matches)
       candidates.emplace_back(index, std::move(matches));
   }
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
@@ -150,7 +151,7 @@ void LoopCloser::Search() {
   const KeyFrame& newest = key_frames_.back();
   if (!report_.closures.empty() && Seconds(last_closed_ns_, newest.stamp_ns) < kPauseS) return;
   std::erase_if(pending_, [&](const Pending& loop) {
-    const bool late = Seconds(loop.stamp_ns, newest.stamp_ns) > options_.agree_s;
+    const bool late = Seconds(loop.stamp_ns, newest.stamp_ns) > options_.loop_agree_s;
     if (late) ++report_.unconfirmed;
     return late;
   });
@@ -170,20 +171,20 @@ void LoopCloser::Search() {
     loop.edge.doubtful = true;
     loop.stamp_ns = newest.stamp_ns;
     loop.inliers = place->inliers;
-    if (!WithinDrift(loop.edge)) {
+    const Eigen::Matrix4d drift = graph_.RelativeCovariance(loop.edge.from, loop.edge.to);
+    const auto off = [&](double factor) {
+      const Eigen::Vector4d error = graph_.ErrorOf(loop.edge);
+      const Eigen::Matrix4d expected = factor * factor * drift + loop.edge.covariance;
+      return error.dot(expected.ldlt().solve(error));
+    };
+    if (off(options_.loop_gate_factor / options_.loop_drift_factor) > gate_(kDof)) {
       ++report_.turned_away;
       continue;
     }
+    loop.suspect = off(1) > gate_(kDof);
     Weigh(std::move(loop));
     return;
   }
-}
-
-bool LoopCloser::WithinDrift(const GraphEdge& edge) const {
-  const Eigen::Vector4d error = graph_.ErrorOf(edge);
-  const Eigen::Matrix4d expected =
-      graph_.RelativeCovariance(edge.from, edge.to) + edge.covariance;
-  return error.dot(expected.ldlt().solve(error)) < gate_(kDof);
 }
 
 void LoopCloser::Weigh(Pending loop) {
@@ -197,11 +198,10 @@ void LoopCloser::Weigh(Pending loop) {
     const Eigen::Matrix4d expected = loop.edge.covariance + other.edge.covariance;
     if (off.dot(expected.ldlt().solve(off)) < gate_(kDof)) agreeing.push_back(other);
   }
-  if (agreeing.empty()) {
-    pending_.push_back(std::move(loop));
-    return;
-  }
-  agreeing.push_back(std::move(loop));
+  const bool suspect = loop.suspect;
+  agreeing.push_back(loop);
+  pending_.push_back(std::move(loop));
+  if (agreeing.size() < (suspect ? 2 * kAgreeing : kAgreeing)) return;
   pending_.clear();
   Close(agreeing);
 }
@@ -216,6 +216,7 @@ void LoopCloser::Close(const std::vector<Pending>& loops) {
     LoopClosure closure;
     closure.image = key_frames_[static_cast<std::size_t>(loop.edge.to)].image;
     closure.old_image = key_frames_[static_cast<std::size_t>(loop.edge.from)].image;
+    closure.closed_image = key_frames_.back().image;
     closure.inliers = loop.inliers;
     closure.moved_m = (after.position_in_world - before.position_in_world).norm();
     closure.turned_deg =

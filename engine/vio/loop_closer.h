@@ -51,6 +51,7 @@ class LoopCloser {
     GraphEdge edge;
     std::int64_t stamp_ns = 0;
     int inliers = 0;
+    bool suspect = false;  ///< Farther off than drift by the graph's weights can be.
     Eigen::Vector4d says;  ///< The newest pose's error along `world`, order (x, y, z, yaw).
   };
 
@@ -59,7 +60,6 @@ class LoopCloser {
   /// Older key frames that may show the newest one's place, those with most points alike first.
   std::vector<std::pair<int, std::vector<PointMatch>>> Candidates() const;
   void Search();
-  bool WithinDrift(const GraphEdge& edge) const;
   void Weigh(Pending loop);
   void Close(const std::vector<Pending>& loops);
 

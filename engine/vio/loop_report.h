@@ -3,12 +3,15 @@
 
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 namespace plumbline {
 
 /// A place that was known again.
 struct LoopClosure {
   int image = 0;      ///< At which it was seen again; index in the source.
   int old_image = 0;  ///< The key frame that it was known by.
+  int closed_image = 0;  ///< At which others had confirmed it.
   int inliers = 0;    ///< Points that agree.
   /// What the present pose moved by when the loop was closed, about up and along.
   double moved_m = 0, turned_deg = 0;
@@ -36,6 +39,18 @@ struct LoopReport {
     for (const LoopClosure& closure : closures) count += closure.trust >= 0.5;
     return count;
   }
+  /// Corrections up to an image, itself included: the epoch of a causal pose.
+  int EpochAt(int image) const {
+    int epoch = 0;
+    for (const LoopClosure& closure : closures) {
+      if (closure.closed_image <= image && closure.epoch > epoch) epoch = closure.epoch;
+    }
+    return epoch;
+  }
 };
+
+/// For results and run files. What is missing from the second is left at its default.
+nlohmann::json ToJson(const LoopReport& report);
+LoopReport LoopReportFromJson(const nlohmann::json& json);
 
 }  // namespace plumbline

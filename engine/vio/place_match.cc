@@ -133,11 +133,11 @@ std::optional<Refined> PlaceByRansac(double focal_px, const KeyFrame& older, con
     bearings.emplace_back(ray.x() / ray.z(), ray.y() / ray.z());
     usable.push_back(match);
   }
-  const std::size_t enough = static_cast<std::size_t>(std::max(options.min_inliers, 5));
+  const std::size_t enough = static_cast<std::size_t>(std::max(options.loop_min_inliers, 5));
   if (usable.size() < enough) return std::nullopt;
   cv::Mat turn, move, rotation;
   std::vector<int> agreeing;
-  const double reach = 1.5 * options.match_px / focal_px;  // corners of upper levels are coarser
+  const double reach = 1.5 * options.loop_match_px / focal_px;  // corners of upper levels are coarser
   if (!cv::solvePnPRansac(points, bearings, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, move,
                           false, kRansacIterations, static_cast<float>(reach), kRansacConfidence,
                           agreeing, cv::SOLVEPNP_EPNP) ||
@@ -155,7 +155,7 @@ std::optional<Refined> PlaceByRansac(double focal_px, const KeyFrame& older, con
   const Eigen::Vector3d by_filter = seen.world_from_body.linear().row(2).transpose();
   const Eigen::Vector3d by_points = world_from_body.linear().row(2).transpose();
   const double tilt = std::acos(std::clamp(by_filter.dot(by_points), -1.0, 1.0));
-  if (tilt * kDegPerRad > options.max_tilt_deg) return std::nullopt;
+  if (tilt * kDegPerRad > options.loop_max_tilt_deg) return std::nullopt;
 
   const Eigen::Matrix3d off = world_from_body.linear() * seen.world_from_body.linear().transpose();
   Refined place;
@@ -218,10 +218,10 @@ std::optional<PlaceMatch> LocateByPoints(const DistortedCamera& camera, double f
   auto place = PlaceByRansac(focal_px, older, seen, matches, options);
   if (!place) return std::nullopt;
   for (int round = 0; round < 3; ++round) {
-    if (static_cast<int>(place->inliers.size()) < options.min_inliers) return std::nullopt;
-    place = Refine(camera, older, seen, *place, matches, options.match_px);
+    if (static_cast<int>(place->inliers.size()) < options.loop_min_inliers) return std::nullopt;
+    place = Refine(camera, older, seen, *place, matches, options.loop_match_px);
   }
-  if (static_cast<int>(place->inliers.size()) < options.min_inliers ||
+  if (static_cast<int>(place->inliers.size()) < options.loop_min_inliers ||
       !SpreadEnough(seen, place->inliers))
     return std::nullopt;
   PlaceMatch match;
