@@ -17,11 +17,11 @@ namespace {
 
 constexpr int kDof = 4;
 constexpr double kStepStd_m = 0.002, kStepStdDeg = 0.02;  ///< Of an edge, at least.
-constexpr int kMaxLooked = 30;    ///< Older key frames that are compared with the newest.
+constexpr int kMaxLooked = 20;    ///< Older key frames that are compared with the newest.
 constexpr int kMaxVerified = 3;   ///< Of those, the ones whose pose is sought.
 constexpr double kMaxTurnDeg = 60;  ///< Between two views of one place.
 constexpr std::size_t kAgreeing = 2;  ///< Key frames that have to say the same.
-constexpr double kPauseS = 1;     ///< After a loop is closed, before the next is sought.
+constexpr double kPauseS = 2;     ///< After a loop is closed, before the next is sought.
 
 Eigen::Vector4d Squared(double std_m, double std_deg) {
   const double rad = std_deg * kRadPerDeg;
