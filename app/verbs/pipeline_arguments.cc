@@ -21,10 +21,9 @@ void PipelineArguments::AddTo(CLI::App& verb) {
                   "there are any, else gradient)");
   verb.add_option(
           "--poses", poses,
-          "dataset (the sequence's own); vio: from its images and IMU alone, each pose as it is "
-          "known at its image, in a world of its own with gravity and a floor found from points; "
-          "or "
-          "a trajectory: FILE with rows t tx ty tz qx qy qz "
+          "dataset (the sequence's own); vio: from its images and IMU alone, in a world of "
+          "its own with gravity and a floor found from points; drift is corrected where places are "
+          "seen again, before mapping, unless --set-poses loops=causal or off; or a trajectory: FILE with rows t tx ty tz qx qy qz "
           "qw (TUM), of the camera, or of the body if its first line says # world_from_body. "
           "It must be in the sequence's gravity-aligned world: gravity and floor are those "
           "of gravity.json")

@@ -99,8 +99,10 @@ void Correct(ClosedRun& closed) {
   }
 }
 
-Status WriteOutputs(const VioArguments& arguments, const VioRun& run) {
-  const std::string frames = "world_from_" + arguments.frame;
+Status WriteOutputs(const VioArguments& arguments, const ClosedRun& closed) {
+  const VioRun& run = closed.run;
+  std::string frames = "world_from_" + arguments.frame;
+  if (!closed.correction.empty()) frames += ", corrected where closed loops showed drift: not causal";
   const std::vector<WrittenPose> poses = PosesOf(run, arguments.frame == "cam");
   if (Status status = WriteTrajectory(arguments.out, frames, poses); !status.ok()) return status;
   if (Status status = WriteCovariances(CovarianceFileOf(arguments.out), frames, poses);
@@ -317,7 +319,7 @@ Status Vio(VioArguments arguments) {
                                                : summary.messages.back())};
   }
   if (!arguments.out.empty()) {
-    if (Status status = WriteOutputs(arguments, *run); !status.ok()) return status;
+    if (Status status = WriteOutputs(arguments, *closed); !status.ok()) return status;
   }
   if (arguments.json != "-") PrintSummary(summary, closed->loops, arguments);
   if (!arguments.json.empty()) {

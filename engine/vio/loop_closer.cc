@@ -38,7 +38,7 @@ Eigen::Matrix4d InFour(const PoseCovariance& covariance) {
   return four;
 }
 
-Eigen::Vector3d Axis(const KeyFrame& key_frame) {
+Eigen::Vector3d Axis(const PlaceFrame& key_frame) {
   return (key_frame.world_from_body * key_frame.body_from_cam).linear().col(2);
 }
 
@@ -48,7 +48,7 @@ double Seconds(std::int64_t from_ns, std::int64_t to_ns) {
 
 }  // namespace
 
-Eigen::Matrix4d DriftBetween(const KeyFrame& from, const KeyFrame& to, double factor) {
+Eigen::Matrix4d DriftBetween(const PlaceFrame& from, const PlaceFrame& to, double factor) {
   // Errors of the one at the place of the other: what is common to both drops out.
   const Eigen::Vector3d arm =
       to.world_from_body.translation() - from.world_from_body.translation();
@@ -91,10 +91,10 @@ bool LoopCloser::IsKeyFrame(const VioReport& report) const {
          Eigen::AngleAxisd(moved.linear()).angle() > options_.key_turn_deg * kRadPerDeg;
 }
 
-void LoopCloser::AddKeyFrame(KeyFrame key_frame) {
+void LoopCloser::AddKeyFrame(PlaceFrame key_frame) {
   GraphPose pose{0, key_frame.world_from_body.translation()};
   if (!key_frames_.empty()) {
-    const KeyFrame& last = key_frames_.back();
+    const PlaceFrame& last = key_frames_.back();
     const GraphPose& corrected = graph_.poses().back();
     const YawMove move = MoveTo(corrected, last.world_from_body.translation());
     pose = {move.yaw_rad, move.AsIsometry() * key_frame.world_from_body.translation()};
@@ -112,7 +112,7 @@ void LoopCloser::AddKeyFrame(KeyFrame key_frame) {
 }
 
 std::vector<std::pair<int, std::vector<PointMatch>>> LoopCloser::Candidates() const {
-  const KeyFrame& newest = key_frames_.back();
+  const PlaceFrame& newest = key_frames_.back();
   const Eigen::Vector3d& here = graph_.poses().back().position_in_world;
   const auto axis = [&](std::size_t i) -> Eigen::Vector3d {
     return Eigen::AngleAxisd(graph_.poses()[i].yaw_rad, Eigen::Vector3d::UnitZ()) *
@@ -120,7 +120,7 @@ std::vector<std::pair<int, std::vector<PointMatch>>> LoopCloser::Candidates() co
   };
   std::vector<std::pair<double, int>> near;  // by how far off
   for (std::size_t i = 0; i + 1 < key_frames_.size(); ++i) {
-    const KeyFrame& older = key_frames_[i];
+    const PlaceFrame& older = key_frames_[i];
     if (Seconds(older.stamp_ns, newest.stamp_ns) < options_.loop_min_age_s) break;
     const Eigen::Vector4d drift =
         DriftBetween(older, newest, 3 * options_.loop_drift_factor).diagonal().cwiseSqrt();
@@ -148,7 +148,7 @@ std::vector<std::pair<int, std::vector<PointMatch>>> LoopCloser::Candidates() co
 }
 
 void LoopCloser::Search() {
-  const KeyFrame& newest = key_frames_.back();
+  const PlaceFrame& newest = key_frames_.back();
   if (!report_.closures.empty() && Seconds(last_closed_ns_, newest.stamp_ns) < kPauseS) return;
   std::erase_if(pending_, [&](const Pending& loop) {
     const bool late = Seconds(loop.stamp_ns, newest.stamp_ns) > options_.loop_agree_s;
@@ -156,7 +156,7 @@ void LoopCloser::Search() {
     return late;
   });
   for (const auto& [index, matches] : Candidates()) {
-    const KeyFrame& older = key_frames_[static_cast<std::size_t>(index)];
+    const PlaceFrame& older = key_frames_[static_cast<std::size_t>(index)];
     const auto place =
         LocateByPoints(lens_, camera_.pinhole.fx, older, newest, matches, options_);
     if (!place) continue;

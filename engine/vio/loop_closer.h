@@ -10,7 +10,7 @@
 #include "engine/sensor/camera.h"
 #include "engine/sensor/distorted_camera.h"
 #include "engine/vio/chi_square_gate.h"
-#include "engine/vio/key_frame.h"
+#include "engine/vio/place_frame.h"
 #include "engine/vio/loop_options.h"
 #include "engine/vio/loop_report.h"
 #include "engine/vio/place_match.h"
@@ -24,7 +24,7 @@ namespace plumbline {
 /// between them (GraphEdge), the growth of the filter's covariance along what it cannot observe,
 /// never less than a little.
 /// @param factor  On standard deviations.
-Eigen::Matrix4d DriftBetween(const KeyFrame& from, const KeyFrame& to, double factor);
+Eigen::Matrix4d DriftBetween(const PlaceFrame& from, const PlaceFrame& to, double factor);
 
 /// Knows places again, image by image beside the filter, and keeps a pose graph of key frames that
 /// says what the trajectory has to be corrected by. A place is believed where its points agree on a
@@ -56,7 +56,7 @@ class LoopCloser {
   };
 
   bool IsKeyFrame(const VioReport& report) const;
-  void AddKeyFrame(KeyFrame key_frame);
+  void AddKeyFrame(PlaceFrame key_frame);
   /// Older key frames that may show the newest one's place, those with most points alike first.
   std::vector<std::pair<int, std::vector<PointMatch>>> Candidates() const;
   void Search();
@@ -67,8 +67,8 @@ class LoopCloser {
   DistortedCamera lens_;
   LoopOptions options_;
   ChiSquareGate gate_;
-  KeyFrameMaker maker_;
-  std::vector<KeyFrame> key_frames_;
+  PlaceFrameMaker maker_;
+  std::vector<PlaceFrame> key_frames_;
   PoseGraph graph_;
   std::vector<Pending> pending_;
   std::int64_t last_closed_ns_ = 0;

@@ -35,7 +35,7 @@ struct BestCorners {
   int corner = -1, distance = 257, next = 257;
 };
 
-void Consider(int corner, int distance, const std::vector<KeyCorner>& corners, BestCorners& best) {
+void Consider(int corner, int distance, const std::vector<PlaceCorner>& corners, BestCorners& best) {
   if (best.corner < 0) {
     best.corner = corner;
     best.distance = distance;
@@ -66,14 +66,14 @@ struct MatchError {
   double error_px = 0;
 };
 
-std::optional<MatchError> ErrorOf(const DistortedCamera& camera, const KeyFrame& older,
-                                  const KeyFrame& seen, const PointMatch& match,
+std::optional<MatchError> ErrorOf(const DistortedCamera& camera, const PlaceFrame& older,
+                                  const PlaceFrame& seen, const PointMatch& match,
                                   const Eigen::Isometry3d& world_from_body) {
   const Eigen::Vector3d point_in_world =
       older.world_from_body * older.points_in_body[static_cast<std::size_t>(match.point)];
   const auto view = ViewPoint(camera, seen.body_from_cam, world_from_body, point_in_world);
   if (!view) return std::nullopt;
-  const KeyCorner& corner = seen.corners[static_cast<std::size_t>(match.corner)];
+  const PlaceCorner& corner = seen.corners[static_cast<std::size_t>(match.corner)];
   MatchError result;
   const Eigen::Vector2d off = corner.pixel - view->pixel;
   const double noise = kMatchNoisePx * corner.size;
@@ -89,7 +89,7 @@ std::optional<MatchError> ErrorOf(const DistortedCamera& camera, const KeyFrame&
 }
 
 /// Yaw and position by Gauss-Newton over the inliers; then those of `all` that lie close enough.
-Refined Refine(const DistortedCamera& camera, const KeyFrame& older, const KeyFrame& seen,
+Refined Refine(const DistortedCamera& camera, const PlaceFrame& older, const PlaceFrame& seen,
                Refined place, const std::vector<PointMatch>& all, double match_px) {
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     place.information.setZero();
@@ -119,7 +119,7 @@ Refined Refine(const DistortedCamera& camera, const KeyFrame& older, const KeyFr
 }
 
 /// A first pose, with the filter's roll and pitch, and the matches that agree on it.
-std::optional<Refined> PlaceByRansac(double focal_px, const KeyFrame& older, const KeyFrame& seen,
+std::optional<Refined> PlaceByRansac(double focal_px, const PlaceFrame& older, const PlaceFrame& seen,
                                      const std::vector<PointMatch>& matches,
                                      const LoopOptions& options) {
   std::vector<cv::Point3d> points;
@@ -169,7 +169,7 @@ std::optional<Refined> PlaceByRansac(double focal_px, const KeyFrame& older, con
   return place;
 }
 
-bool SpreadEnough(const KeyFrame& seen, const std::vector<PointMatch>& matches) {
+bool SpreadEnough(const PlaceFrame& seen, const std::vector<PointMatch>& matches) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   Eigen::Matrix2d square = Eigen::Matrix2d::Zero();
   for (const PointMatch& match : matches) {
@@ -186,7 +186,7 @@ bool SpreadEnough(const KeyFrame& seen, const std::vector<PointMatch>& matches) 
 
 }  // namespace
 
-std::vector<PointMatch> MatchPoints(const KeyFrame& older, const KeyFrame& seen) {
+std::vector<PointMatch> MatchPoints(const PlaceFrame& older, const PlaceFrame& seen) {
   std::vector<PointMatch> matches;
   if (older.point_descriptors.empty() || seen.descriptors.empty()) return matches;
   cv::Mat distances;
@@ -212,7 +212,7 @@ std::vector<PointMatch> MatchPoints(const KeyFrame& older, const KeyFrame& seen)
 }
 
 std::optional<PlaceMatch> LocateByPoints(const DistortedCamera& camera, double focal_px,
-                                         const KeyFrame& older, const KeyFrame& seen,
+                                         const PlaceFrame& older, const PlaceFrame& seen,
                                          const std::vector<PointMatch>& matches,
                                          const LoopOptions& options) {
   auto place = PlaceByRansac(focal_px, older, seen, matches, options);

@@ -9,7 +9,7 @@
 
 #include "engine/sensor/camera.h"
 #include "engine/sensor/distorted_camera.h"
-#include "engine/vio/key_frame.h"
+#include "engine/vio/place_frame.h"
 #include "engine/vio/loop_options.h"
 
 namespace plumbline {
@@ -31,14 +31,14 @@ struct PlaceMatch {
 
 /// Points of the older key frame that look like one corner of the other and unlike all its others,
 /// each corner once (brute force over ORB's Hamming distances).
-std::vector<PointMatch> MatchPoints(const KeyFrame& older, const KeyFrame& seen);
+std::vector<PointMatch> MatchPoints(const PlaceFrame& older, const PlaceFrame& seen);
 
 /// Finds the pose of `seen` from matches: perspective-n-point in RANSAC (OpenCV's, with its fixed
 /// seed), which has to have gravity where the filter has it; then least squares of pixels over yaw
 /// and position alone, the filter's roll and pitch kept, Huber's weights. Deterministic. Nothing
 /// where too few points agree, gravity is off, or they lie too close together to hold a pose.
 std::optional<PlaceMatch> LocateByPoints(const DistortedCamera& camera, double focal_px,
-                                         const KeyFrame& older, const KeyFrame& seen,
+                                         const PlaceFrame& older, const PlaceFrame& seen,
                                          const std::vector<PointMatch>& matches,
                                          const LoopOptions& options);
 

@@ -67,7 +67,7 @@ class PlaceMatchTest : public testing::Test {
   }
 
   Camera camera_;
-  KeyFrame older_, seen_;
+  PlaceFrame older_, seen_;
   Eigen::Isometry3d truth_ = Eigen::Isometry3d::Identity();
 };
 
@@ -113,7 +113,7 @@ TEST_F(PlaceMatchTest, TurnsAwayPointsThatDoNotAgreeOrLieTogether) {
 }
 
 TEST(DriftBetween, IsTheGrowthAtThePlaceOfTheLater) {
-  KeyFrame from, to;
+  PlaceFrame from, to;
   to.world_from_body.translation() << 10, 0, 0;
   from.covariance.diagonal().setConstant(1e-4);
   // What turns the world at `from` moves `to` sideways: it is common to both, and no drift.

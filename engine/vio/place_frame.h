@@ -19,14 +19,14 @@
 namespace plumbline {
 
 /// A corner of a key frame's image.
-struct KeyCorner {
+struct PlaceCorner {
   Eigen::Vector2d pixel;       ///< As recorded.
   Eigen::Vector3d ray_in_cam;  ///< Unit.
   double size = 1;             ///< Of the patch that describes it, against the image's own scale.
 };
 
 /// An image to come back to: how its corners look, and where some of its points are.
-struct KeyFrame {
+struct PlaceFrame {
   int image = 0;  ///< Index in the source.
   std::int64_t stamp_ns = 0;
   int stretch = 0;
@@ -35,7 +35,7 @@ struct KeyFrame {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Isometry3d body_from_cam = Eigen::Isometry3d::Identity();
 
-  std::vector<KeyCorner> corners;
+  std::vector<PlaceCorner> corners;
   cv::Mat descriptors;  ///< CV_8U, a row for each corner.
 
   std::vector<Eigen::Vector3d> points_in_body;
@@ -48,20 +48,20 @@ struct KeyFrame {
 /// Makes key frames: ORB descriptors (Rublee et al., ICCV 2011; OpenCV's) of corners and of tracked
 /// points, turned so that gravity is down in every patch. The depth of a tracked point comes when
 /// the filter has finished with it. Single-threaded, deterministic.
-class KeyFrameMaker {
+class PlaceFrameMaker {
  public:
-  KeyFrameMaker(const Camera& camera, int corners);
+  PlaceFrameMaker(const Camera& camera, int corners);
 
   /// The key frame of an image: all but the points.
   /// @param picture  As recorded, CV_8UC1 or CV_8UC3.
-  KeyFrame Make(const cv::Mat& picture, const TrackedImage& tracked, int image,
+  PlaceFrame Make(const cv::Mat& picture, const TrackedImage& tracked, int image,
                 const VioReport& report);
 
   /// Gives tracks of the newest key frames their places: those that the filter has finished, and
   /// those that are in its state. A track gets one place in each key frame, the first.
   /// @param key_frames  All so far.
-  void AddPoints(std::span<const MapPoint> finished, std::span<KeyFrame> key_frames);
-  void AddStatePoints(const FilterState& state, std::span<KeyFrame> key_frames);
+  void AddPoints(std::span<const MapPoint> finished, std::span<PlaceFrame> key_frames);
+  void AddStatePoints(const FilterState& state, std::span<PlaceFrame> key_frames);
 
  private:
   /// What a key frame's tracks look like, until their depth is known.
@@ -70,7 +70,7 @@ class KeyFrameMaker {
     std::map<std::int64_t, std::vector<cv::Mat>> rows;
   };
   static void Place(std::int64_t track, const Eigen::Vector3d& point_in_world, Waiting& waiting,
-                    KeyFrame& key_frame);
+                    PlaceFrame& key_frame);
   double GravityAngleDeg(const Eigen::Vector3d& ray_in_cam, const Eigen::Vector3d& down_in_cam) const;
 
   DistortedCamera camera_;

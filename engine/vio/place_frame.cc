@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/vio/key_frame.h"
+#include "engine/vio/place_frame.h"
 
 #include <cmath>
 #include <utility>
@@ -30,18 +30,18 @@ cv::Mat GreyOf(const cv::Mat& picture) {
 
 }  // namespace
 
-std::size_t KeyFrame::bytes() const {
-  return sizeof(KeyFrame) + corners.size() * sizeof(KeyCorner) + descriptors.total() +
+std::size_t PlaceFrame::bytes() const {
+  return sizeof(PlaceFrame) + corners.size() * sizeof(PlaceCorner) + descriptors.total() +
          points_in_body.size() * sizeof(Eigen::Vector3d) + point_descriptors.total() +
          point_of_row.size() * sizeof(int);
 }
 
-KeyFrameMaker::KeyFrameMaker(const Camera& camera, int corners)
+PlaceFrameMaker::PlaceFrameMaker(const Camera& camera, int corners)
     : camera_(camera),
       orb_(cv::ORB::create(corners, kScale, kLevels, kPatch / 2 + 4, 0, 2, cv::ORB::HARRIS_SCORE,
                            kPatch, kFastThreshold)) {}
 
-double KeyFrameMaker::GravityAngleDeg(const Eigen::Vector3d& ray_in_cam,
+double PlaceFrameMaker::GravityAngleDeg(const Eigen::Vector3d& ray_in_cam,
                                       const Eigen::Vector3d& down_in_cam) const {
   const auto projection = camera_.Project(ray_in_cam);
   if (!projection) return 0;
@@ -50,9 +50,9 @@ double KeyFrameMaker::GravityAngleDeg(const Eigen::Vector3d& ray_in_cam,
   return angle < 0 ? angle + 360 : angle;
 }
 
-KeyFrame KeyFrameMaker::Make(const cv::Mat& picture, const TrackedImage& tracked, int image,
+PlaceFrame PlaceFrameMaker::Make(const cv::Mat& picture, const TrackedImage& tracked, int image,
                              const VioReport& report) {
-  KeyFrame key_frame;
+  PlaceFrame key_frame;
   key_frame.image = image;
   key_frame.stamp_ns = report.stamp_ns;
   key_frame.stretch = report.stretch;
@@ -103,8 +103,8 @@ KeyFrame KeyFrameMaker::Make(const cv::Mat& picture, const TrackedImage& tracked
   return key_frame;
 }
 
-void KeyFrameMaker::Place(std::int64_t track, const Eigen::Vector3d& point_in_world,
-                          Waiting& waiting, KeyFrame& key_frame) {
+void PlaceFrameMaker::Place(std::int64_t track, const Eigen::Vector3d& point_in_world,
+                          Waiting& waiting, PlaceFrame& key_frame) {
   const auto found = waiting.rows.find(track);
   if (found == waiting.rows.end()) return;
   for (const cv::Mat& row : found->second) {
@@ -115,15 +115,15 @@ void KeyFrameMaker::Place(std::int64_t track, const Eigen::Vector3d& point_in_wo
   waiting.rows.erase(found);
 }
 
-void KeyFrameMaker::AddPoints(std::span<const MapPoint> finished, std::span<KeyFrame> key_frames) {
+void PlaceFrameMaker::AddPoints(std::span<const MapPoint> finished, std::span<PlaceFrame> key_frames) {
   for (Waiting& waiting : waiting_) {
-    KeyFrame& key_frame = key_frames[waiting.key_frame];
+    PlaceFrame& key_frame = key_frames[waiting.key_frame];
     if (key_frame.stretch != key_frames.back().stretch) continue;  // of another world
     for (const MapPoint& point : finished) Place(point.track, point.point_in_world, waiting, key_frame);
   }
 }
 
-void KeyFrameMaker::AddStatePoints(const FilterState& state, std::span<KeyFrame> key_frames) {
+void PlaceFrameMaker::AddStatePoints(const FilterState& state, std::span<PlaceFrame> key_frames) {
   if (waiting_.empty()) return;
   Waiting& newest = waiting_.back();
   for (const StatePoint& point : state.points()) {
