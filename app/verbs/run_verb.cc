@@ -108,10 +108,11 @@ std::string PosesInWords(const OwnPoses* poses) {
   if (closed == 0) return "own poses, each from nothing that came later; no loop was closed";
   char text[240];
   std::snprintf(text, sizeof(text),
-                poses->causal ? "own poses, corrected by %d closed loops from each closure on, by up "
-                                "to %.3f m and %.2f deg; none knows of later images"
-                              : "own poses, corrected by %d closed loops before mapping, by up to "
-                                "%.3f m and %.2f deg: not causal (--set-poses loops=causal is)",
+                poses->causal
+                    ? "own poses, corrected by %d closed loops from each closure on, by up "
+                      "to %.3f m and %.2f deg; none knows of later images"
+                    : "own poses, corrected by %d closed loops before mapping, by up to "
+                      "%.3f m and %.2f deg: not causal (--set-poses loops=causal is)",
                 closed, poses->loops.largest_move_m, poses->loops.largest_turn_deg);
   return text;
 }

@@ -164,9 +164,10 @@ void AddSynthVerb(CLI::App& app, VerbFunction& chosen) {
                    "Chooses room, furniture, colours, light and walk; 1 is the demo")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  verb->add_option("--light-rays", arguments->light_rays,
-                   "Rays by which the light of each point is computed; 16 are an eighth of the work "
-                   "and leave some grain on the walls")
+  verb->add_option(
+          "--light-rays", arguments->light_rays,
+          "Rays by which the light of each point is computed; 16 are an eighth of the work "
+          "and leave some grain on the walls")
       ->check(CLI::Range(4, 1024))
       ->type_name("N");
   AddImuOptions(*verb, *arguments);

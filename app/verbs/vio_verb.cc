@@ -102,7 +102,8 @@ void Correct(ClosedRun& closed) {
 Status WriteOutputs(const VioArguments& arguments, const ClosedRun& closed) {
   const VioRun& run = closed.run;
   std::string frames = "world_from_" + arguments.frame;
-  if (!closed.correction.empty()) frames += ", corrected where closed loops showed drift: not causal";
+  if (!closed.correction.empty())
+    frames += ", corrected where closed loops showed drift: not causal";
   const std::vector<WrittenPose> poses = PosesOf(run, arguments.frame == "cam");
   if (Status status = WriteTrajectory(arguments.out, frames, poses); !status.ok()) return status;
   if (Status status = WriteCovariances(CovarianceFileOf(arguments.out), frames, poses);
@@ -198,18 +199,20 @@ void PrintLoops(const LoopReport& loops, bool asked) {
     return;
   }
   if (!loops.has_images) {
-    std::printf("loops: none closed; places are known again by images, and these are tracks alone\n");
+    std::printf(
+        "loops: none closed; places are known again by images, and these are tracks alone\n");
     return;
   }
   const int given_up = static_cast<int>(loops.closures.size()) - loops.believed();
-  std::printf("loops: %d closed in %d corrections, %d given up again, %d farther off than drift can "
-              "be, %d unconfirmed\n",
-              loops.believed(), loops.epochs, given_up, loops.turned_away, loops.unconfirmed);
+  std::printf(
+      "loops: %d closed in %d corrections, %d given up again, %d farther off than drift can "
+      "be, %d unconfirmed\n",
+      loops.believed(), loops.epochs, given_up, loops.turned_away, loops.unconfirmed);
   if (!loops.closures.empty()) {
-    std::printf("       they move poses by up to %.3f m and %.2f deg, the last one by %.3f m and "
-                "%.2f deg: not causal\n",
-                loops.largest_move_m, loops.largest_turn_deg, loops.last_move_m,
-                loops.last_turn_deg);
+    std::printf(
+        "       they move poses by up to %.3f m and %.2f deg, the last one by %.3f m and "
+        "%.2f deg: not causal\n",
+        loops.largest_move_m, loops.largest_turn_deg, loops.last_move_m, loops.last_turn_deg);
   }
   std::printf("       %d key frames, %.1f ms and %.0f kB each\n", loops.key_frames,
               loops.ms / std::max(1, loops.key_frames),
@@ -245,7 +248,7 @@ void PrintSummary(const VioSummary& s, const LoopReport& loops, const VioArgumen
 }
 
 Result<ClosedRun> RunOn(const VioArguments& arguments, const Sequence& sequence, VioInput& input,
-                     const WorkContext& work) {
+                        const WorkContext& work) {
   std::string tracks_file = arguments.tracks;
   if (tracks_file.empty() && !sequence.has_images() && sequence.tracks_file())
     tracks_file = sequence.tracks_file()->string();
@@ -269,13 +272,12 @@ Result<ClosedRun> RunOn(const VioArguments& arguments, const Sequence& sequence,
   images.read = [&](int index) { return sequence.ReadRawImage(index); };
   ClosedRun closed;
   LoopCloser closer(input.camera, arguments.loops);
-  closed.run = RunVio(input, images, arguments.options, arguments.tracker, work,
-                      [&](const VioMoment& moment) {
-                        closed.point_stamps_ns.resize(
-                            closed.point_stamps_ns.size() + moment.points.size(),
-                            moment.tracked.stamp_ns);
-                        if (!arguments.no_loops) closer.See(moment);
-                      });
+  closed.run = RunVio(
+      input, images, arguments.options, arguments.tracker, work, [&](const VioMoment& moment) {
+        closed.point_stamps_ns.resize(closed.point_stamps_ns.size() + moment.points.size(),
+                                      moment.tracked.stamp_ns);
+        if (!arguments.no_loops) closer.See(moment);
+      });
   closed.loops = closer.Report();
   closed.correction = closer.Correction();
   Correct(closed);
@@ -323,7 +325,8 @@ Status Vio(VioArguments arguments) {
   }
   if (arguments.json != "-") PrintSummary(summary, closed->loops, arguments);
   if (!arguments.json.empty()) {
-    if (Status status = WriteJsonResult(arguments.json, SummaryToJson(summary, closed->loops, seconds));
+    if (Status status =
+            WriteJsonResult(arguments.json, SummaryToJson(summary, closed->loops, seconds));
         !status.ok())
       return status;
   }
@@ -362,9 +365,10 @@ void AddVioVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("--set", arguments->settings, "One filter option, key=value; may be repeated");
   verb->add_option("--set-tracker", arguments->tracker_settings,
                    "One option of the tracker, key=value; may be repeated");
-  verb->add_flag("--no-loops", arguments->no_loops,
-                 "Do not correct drift where a known place is seen again: the filter's own poses, each "
-                 "from nothing that came later");
+  verb->add_flag(
+      "--no-loops", arguments->no_loops,
+      "Do not correct drift where a known place is seen again: the filter's own poses, each "
+      "from nothing that came later");
   verb->add_option("--set-loops", arguments->loop_settings,
                    "One option of closing loops, key=value; may be repeated");
   verb->add_option("--json", arguments->json, "Write the result here; - for standard output")

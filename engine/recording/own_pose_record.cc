@@ -23,8 +23,7 @@ Result<bool> HasTable(sqlite::Database& database, const char* query) {
 }
 
 Status StoreLoops(sqlite::Database& database, const OwnPoses& poses) {
-  Result<sqlite::Statement> insert =
-      database.Prepare("INSERT INTO own_pose_loops VALUES (?1, ?2)");
+  Result<sqlite::Statement> insert = database.Prepare("INSERT INTO own_pose_loops VALUES (?1, ?2)");
   if (!insert) return insert.error();
   const std::string report = ToJson(poses.loops).dump();
   insert->Bind(1, static_cast<std::int64_t>(poses.causal));
@@ -34,9 +33,9 @@ Status StoreLoops(sqlite::Database& database, const OwnPoses& poses) {
 
 /// Runs of before loops were closed have none.
 Status LoadLoops(sqlite::Database& database, OwnPoses& poses) {
-  const Result<bool> present =
-      HasTable(database,
-               "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'own_pose_loops'");
+  const Result<bool> present = HasTable(
+      database,
+      "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'own_pose_loops'");
   if (!present) return present.error();
   if (!*present) return {};
   const Result<std::int64_t> causal = database.QueryInteger("SELECT causal FROM own_pose_loops");

@@ -17,11 +17,11 @@ namespace {
 
 constexpr int kDof = 4;
 constexpr double kStepStd_m = 0.002, kStepStdDeg = 0.02;  ///< Of an edge, at least.
-constexpr int kMaxLooked = 20;    ///< Older key frames that are compared with the newest.
-constexpr int kMaxVerified = 3;   ///< Of those, the ones whose pose is sought.
-constexpr double kMaxTurnDeg = 60;  ///< Between two views of one place.
+constexpr int kMaxLooked = 20;        ///< Older key frames that are compared with the newest.
+constexpr int kMaxVerified = 3;       ///< Of those, the ones whose pose is sought.
+constexpr double kMaxTurnDeg = 60;    ///< Between two views of one place.
 constexpr std::size_t kAgreeing = 2;  ///< Key frames that have to say the same.
-constexpr double kPauseS = 2;     ///< After a loop is closed, before the next is sought.
+constexpr double kPauseS = 2;         ///< After a loop is closed, before the next is sought.
 
 Eigen::Vector4d Squared(double std_m, double std_deg) {
   const double rad = std_deg * kRadPerDeg;
@@ -50,8 +50,7 @@ double Seconds(std::int64_t from_ns, std::int64_t to_ns) {
 
 Eigen::Matrix4d DriftBetween(const PlaceFrame& from, const PlaceFrame& to, double factor) {
   // Errors of the one at the place of the other: what is common to both drops out.
-  const Eigen::Vector3d arm =
-      to.world_from_body.translation() - from.world_from_body.translation();
+  const Eigen::Vector3d arm = to.world_from_body.translation() - from.world_from_body.translation();
   const Eigen::Matrix4d growth = InFour(to.covariance - MovedBy(arm, from.covariance));
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> parts((growth + growth.transpose()) / 2);
   const Eigen::Vector4d positive = parts.eigenvalues().cwiseMax(0) * factor * factor;
@@ -125,8 +124,7 @@ std::vector<std::pair<int, std::vector<PointMatch>>> LoopCloser::Candidates() co
     const Eigen::Vector4d drift =
         DriftBetween(older, newest, 3 * options_.loop_drift_factor).diagonal().cwiseSqrt();
     const double distance = (graph_.poses()[i].position_in_world - here).norm();
-    const double turn =
-        std::acos(std::clamp(axis(i).dot(axis(key_frames_.size() - 1)), -1.0, 1.0));
+    const double turn = std::acos(std::clamp(axis(i).dot(axis(key_frames_.size() - 1)), -1.0, 1.0));
     if (distance > options_.loop_reach_m + drift.head<3>().norm() ||
         turn > kMaxTurnDeg * kRadPerDeg + drift(3))
       continue;
@@ -140,9 +138,8 @@ std::vector<std::pair<int, std::vector<PointMatch>>> LoopCloser::Candidates() co
     if (static_cast<int>(matches.size()) >= options_.loop_min_matches)
       candidates.emplace_back(index, std::move(matches));
   }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    return a.second.size() > b.second.size();
-  });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
   if (candidates.size() > kMaxVerified) candidates.resize(kMaxVerified);
   return candidates;
 }
@@ -157,8 +154,7 @@ void LoopCloser::Search() {
   });
   for (const auto& [index, matches] : Candidates()) {
     const PlaceFrame& older = key_frames_[static_cast<std::size_t>(index)];
-    const auto place =
-        LocateByPoints(lens_, camera_.pinhole.fx, older, newest, matches, options_);
+    const auto place = LocateByPoints(lens_, camera_.pinhole.fx, older, newest, matches, options_);
     if (!place) continue;
     ++report_.alike;
     Pending loop;
@@ -190,8 +186,8 @@ void LoopCloser::Search() {
 void LoopCloser::Weigh(Pending loop) {
   loop.says = graph_.ErrorOf(loop.edge);
   const double heading = graph_.poses()[static_cast<std::size_t>(loop.edge.from)].yaw_rad;
-  loop.says.head<3>() = Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) *
-                        Eigen::Vector3d(loop.says.head<3>());
+  loop.says.head<3>() =
+      Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) * Eigen::Vector3d(loop.says.head<3>());
   std::vector<Pending> agreeing;
   for (const Pending& other : pending_) {
     const Eigen::Vector4d off = loop.says - other.says;

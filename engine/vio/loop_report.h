@@ -9,10 +9,10 @@ namespace plumbline {
 
 /// A place that was known again.
 struct LoopClosure {
-  int image = 0;      ///< At which it was seen again; index in the source.
-  int old_image = 0;  ///< The key frame that it was known by.
+  int image = 0;         ///< At which it was seen again; index in the source.
+  int old_image = 0;     ///< The key frame that it was known by.
   int closed_image = 0;  ///< At which others had confirmed it.
-  int inliers = 0;    ///< Points that agree.
+  int inliers = 0;       ///< Points that agree.
   /// What the present pose moved by when the loop was closed, about up and along.
   double moved_m = 0, turned_deg = 0;
   double trust = 1;  ///< In the end, 0 to 1: its switch in the pose graph.
@@ -30,8 +30,8 @@ struct LoopReport {
   int epochs = 0;  ///< Corrections of the trajectory.
   /// What the whole moved a pose by at most, and the last one.
   double largest_move_m = 0, largest_turn_deg = 0, last_move_m = 0, last_turn_deg = 0;
-  double ms = 0;             ///< Of all key frames.
-  double bytes = 0;          ///< That key frames hold.
+  double ms = 0;     ///< Of all key frames.
+  double bytes = 0;  ///< That key frames hold.
 
   /// Closures that the graph still believes.
   int believed() const {

@@ -47,8 +47,8 @@ struct OwnPoseOptions {
   double floor_spread_m = 0.06;
 };
 
-/// One flat list of names: those of the tracker, the filter, closing loops, and what lies between them and the
-/// mapper.
+/// One flat list of names: those of the tracker, the filter, closing loops, and what lies between
+/// them and the mapper.
 template <class Visitor>
 void VisitFields(OwnPoseOptions& o, Visitor&& visit) {
   VisitFields(o.tracker, visit);

@@ -106,9 +106,8 @@ class Recorder {
       const PoseCovariance of_body = correction.CovarianceAt(stamp, frame.vio.covariance);
       MoveFrame(correction.At(stamp, frame.vio.world_from_body.translation()), frame);
       frame.vio.covariance = of_body;
-      frame.cam_covariance = MovedBy(frame.world_from_cam->translation() -
-                                         frame.vio.world_from_body.translation(),
-                                     of_body);
+      frame.cam_covariance = MovedBy(
+          frame.world_from_cam->translation() - frame.vio.world_from_body.translation(), of_body);
       AddFloor(static_cast<int>(i), frame);
       if (frame.ready) ready_stretch_ = frame.vio.stretch;
     }

@@ -42,7 +42,7 @@ PlaceFrameMaker::PlaceFrameMaker(const Camera& camera, int corners)
                            kPatch, kFastThreshold)) {}
 
 double PlaceFrameMaker::GravityAngleDeg(const Eigen::Vector3d& ray_in_cam,
-                                      const Eigen::Vector3d& down_in_cam) const {
+                                        const Eigen::Vector3d& down_in_cam) const {
   const auto projection = camera_.Project(ray_in_cam);
   if (!projection) return 0;
   const Eigen::Vector2d down = projection->pixel_by_point * down_in_cam;
@@ -51,7 +51,7 @@ double PlaceFrameMaker::GravityAngleDeg(const Eigen::Vector3d& ray_in_cam,
 }
 
 PlaceFrame PlaceFrameMaker::Make(const cv::Mat& picture, const TrackedImage& tracked, int image,
-                             const VioReport& report) {
+                                 const VioReport& report) {
   PlaceFrame key_frame;
   key_frame.image = image;
   key_frame.stamp_ns = report.stamp_ns;
@@ -95,7 +95,8 @@ PlaceFrame PlaceFrameMaker::Make(const cv::Mat& picture, const TrackedImage& tra
       continue;
     }
     const Eigen::Vector2d pixel(corner.pt.x, corner.pt.y);
-    key_frame.corners.push_back({pixel, *camera_.Unproject(pixel), std::pow(kScale, corner.octave)});
+    key_frame.corners.push_back(
+        {pixel, *camera_.Unproject(pixel), std::pow(kScale, corner.octave)});
     key_frame.descriptors.push_back(descriptors.row(row));
   }
   waiting_.push_back(std::move(waiting));
@@ -104,7 +105,7 @@ PlaceFrame PlaceFrameMaker::Make(const cv::Mat& picture, const TrackedImage& tra
 }
 
 void PlaceFrameMaker::Place(std::int64_t track, const Eigen::Vector3d& point_in_world,
-                          Waiting& waiting, PlaceFrame& key_frame) {
+                            Waiting& waiting, PlaceFrame& key_frame) {
   const auto found = waiting.rows.find(track);
   if (found == waiting.rows.end()) return;
   for (const cv::Mat& row : found->second) {
@@ -115,11 +116,13 @@ void PlaceFrameMaker::Place(std::int64_t track, const Eigen::Vector3d& point_in_
   waiting.rows.erase(found);
 }
 
-void PlaceFrameMaker::AddPoints(std::span<const MapPoint> finished, std::span<PlaceFrame> key_frames) {
+void PlaceFrameMaker::AddPoints(std::span<const MapPoint> finished,
+                                std::span<PlaceFrame> key_frames) {
   for (Waiting& waiting : waiting_) {
     PlaceFrame& key_frame = key_frames[waiting.key_frame];
     if (key_frame.stretch != key_frames.back().stretch) continue;  // of another world
-    for (const MapPoint& point : finished) Place(point.track, point.point_in_world, waiting, key_frame);
+    for (const MapPoint& point : finished)
+      Place(point.track, point.point_in_world, waiting, key_frame);
   }
 }
 

@@ -39,7 +39,7 @@ struct PlaceFrame {
   cv::Mat descriptors;  ///< CV_8U, a row for each corner.
 
   std::vector<Eigen::Vector3d> points_in_body;
-  cv::Mat point_descriptors;     ///< CV_8U; several rows for each point, one for each size.
+  cv::Mat point_descriptors;      ///< CV_8U; several rows for each point, one for each size.
   std::vector<int> point_of_row;  ///< Index into points_in_body.
 
   std::size_t bytes() const;
@@ -55,7 +55,7 @@ class PlaceFrameMaker {
   /// The key frame of an image: all but the points.
   /// @param picture  As recorded, CV_8UC1 or CV_8UC3.
   PlaceFrame Make(const cv::Mat& picture, const TrackedImage& tracked, int image,
-                const VioReport& report);
+                  const VioReport& report);
 
   /// Gives tracks of the newest key frames their places: those that the filter has finished, and
   /// those that are in its state. A track gets one place in each key frame, the first.
@@ -71,7 +71,8 @@ class PlaceFrameMaker {
   };
   static void Place(std::int64_t track, const Eigen::Vector3d& point_in_world, Waiting& waiting,
                     PlaceFrame& key_frame);
-  double GravityAngleDeg(const Eigen::Vector3d& ray_in_cam, const Eigen::Vector3d& down_in_cam) const;
+  double GravityAngleDeg(const Eigen::Vector3d& ray_in_cam,
+                         const Eigen::Vector3d& down_in_cam) const;
 
   DistortedCamera camera_;
   cv::Ptr<cv::ORB> orb_;

@@ -16,12 +16,12 @@
 namespace plumbline {
 namespace {
 
-constexpr int kMaxDistance = 64;        ///< Of 256 bits.
-constexpr double kClearlyBest = 0.85;   ///< Against the next best corner elsewhere.
-constexpr double kElsewherePx = 6;      ///< Corners nearer than this are one, at several sizes.
+constexpr int kMaxDistance = 64;       ///< Of 256 bits.
+constexpr double kClearlyBest = 0.85;  ///< Against the next best corner elsewhere.
+constexpr double kElsewherePx = 6;     ///< Corners nearer than this are one, at several sizes.
 constexpr int kRansacIterations = 300;
 constexpr double kRansacConfidence = 0.995;
-constexpr double kMatchNoisePx = 1.5;   ///< Of a corner that is found again.
+constexpr double kMatchNoisePx = 1.5;  ///< Of a corner that is found again.
 constexpr double kHuberSigmas = 2;
 constexpr int kIterations = 8;
 /// Standard deviation of the inliers over the image, across their narrower direction, at a focal
@@ -35,7 +35,8 @@ struct BestCorners {
   int corner = -1, distance = 257, next = 257;
 };
 
-void Consider(int corner, int distance, const std::vector<PlaceCorner>& corners, BestCorners& best) {
+void Consider(int corner, int distance, const std::vector<PlaceCorner>& corners,
+              BestCorners& best) {
   if (best.corner < 0) {
     best.corner = corner;
     best.distance = distance;
@@ -104,8 +105,7 @@ Refined Refine(const DistortedCamera& camera, const PlaceFrame& older, const Pla
     }
     const Eigen::Vector4d step = place.information.ldlt().solve(gradient);
     if (!step.allFinite()) break;
-    place.world_from_body.linear() =
-        RotationExp({0, 0, step(3)}) * place.world_from_body.linear();
+    place.world_from_body.linear() = RotationExp({0, 0, step(3)}) * place.world_from_body.linear();
     place.world_from_body.translation() += step.head<3>();
     place.yaw_rad += step(3);
     if (step.norm() < 1e-8) break;
@@ -119,8 +119,8 @@ Refined Refine(const DistortedCamera& camera, const PlaceFrame& older, const Pla
 }
 
 /// A first pose, with the filter's roll and pitch, and the matches that agree on it.
-std::optional<Refined> PlaceByRansac(double focal_px, const PlaceFrame& older, const PlaceFrame& seen,
-                                     const std::vector<PointMatch>& matches,
+std::optional<Refined> PlaceByRansac(double focal_px, const PlaceFrame& older,
+                                     const PlaceFrame& seen, const std::vector<PointMatch>& matches,
                                      const LoopOptions& options) {
   std::vector<cv::Point3d> points;
   std::vector<cv::Point2d> bearings;
@@ -137,7 +137,8 @@ std::optional<Refined> PlaceByRansac(double focal_px, const PlaceFrame& older, c
   if (usable.size() < enough) return std::nullopt;
   cv::Mat turn, move, rotation;
   std::vector<int> agreeing;
-  const double reach = 1.5 * options.loop_match_px / focal_px;  // corners of upper levels are coarser
+  const double reach =
+      1.5 * options.loop_match_px / focal_px;  // corners of upper levels are coarser
   if (!cv::solvePnPRansac(points, bearings, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, move,
                           false, kRansacIterations, static_cast<float>(reach), kRansacConfidence,
                           agreeing, cv::SOLVEPNP_EPNP) ||
@@ -164,8 +165,7 @@ std::optional<Refined> PlaceByRansac(double focal_px, const PlaceFrame& older, c
   place.world_from_body.linear() =
       RotationExp({0, 0, place.yaw_rad}) * seen.world_from_body.linear();
   place.world_from_body.translation() = world_from_body.translation();
-  for (const int index : agreeing)
-    place.inliers.push_back(usable[static_cast<std::size_t>(index)]);
+  for (const int index : agreeing) place.inliers.push_back(usable[static_cast<std::size_t>(index)]);
   return place;
 }
 

@@ -9,8 +9,8 @@
 
 #include "engine/sensor/camera.h"
 #include "engine/sensor/distorted_camera.h"
-#include "engine/vio/place_frame.h"
 #include "engine/vio/loop_options.h"
+#include "engine/vio/place_frame.h"
 
 namespace plumbline {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <memory>
 
+#include <ceres/ceres.h>
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
-#include <ceres/ceres.h>
 
 #include "engine/base/check.h"
 
@@ -198,8 +198,8 @@ Eigen::Matrix4d PoseGraph::RelativeCovariance(int from, int to) const {
   Eigen::Matrix<double, 8, 8> joint;
   joint << RowsOfPose(of_from, from), RowsOfPose(of_to, from), RowsOfPose(of_from, to),
       RowsOfPose(of_to, to);
-  const LinearEdge linear =
-      Linearise({from, to}, poses_[static_cast<std::size_t>(from)], poses_[static_cast<std::size_t>(to)]);
+  const LinearEdge linear = Linearise({from, to}, poses_[static_cast<std::size_t>(from)],
+                                      poses_[static_cast<std::size_t>(to)]);
   const Eigen::Matrix4d covariance = linear.by_poses * joint * linear.by_poses.transpose();
   return (covariance + covariance.transpose()) / 2;
 }

@@ -31,7 +31,8 @@ struct GraphEdge {
 /// with the switch in closed form). Single-threaded, deterministic.
 class PoseGraph {
  public:
-  /// @param doubt  Squared error (of 4 degrees of freedom) from which a doubtful edge counts little.
+  /// @param doubt  Squared error (of 4 degrees of freedom) from which a doubtful edge counts
+  /// little.
   explicit PoseGraph(double doubt) : doubt_(doubt) {}
 
   void AddPose(const GraphPose& pose) { poses_.push_back(pose); }
@@ -47,7 +48,8 @@ class PoseGraph {
   std::span<const GraphPose> poses() const { return poses_; }
   std::span<const GraphEdge> edges() const { return edges_; }
 
-  /// Error of an edge in its own coordinates, measured less predicted by the poses, order (x, y, z, yaw).
+  /// Error of an edge in its own coordinates, by the poses less as measured, order (x, y, z,
+  /// yaw).
   Eigen::Vector4d ErrorOf(const GraphEdge& edge) const;
   /// Between 0 (given up) and 1 (taken as it is): the switch of a doubtful edge.
   double TrustIn(const GraphEdge& edge) const;

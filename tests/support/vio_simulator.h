@@ -32,8 +32,8 @@ struct VioSimulation {
   std::uint64_t seed = 1;
 };
 
-/// What a body that swings about in a room of 8 x 8 x 4 m records, and the truth. It is back where it
-/// was, and looks the same way, after each 20 pi seconds of motion.
+/// What a body that swings about in a room of 8 x 8 x 4 m records, and the truth. It is back where
+/// it was, and looks the same way, after each 20 pi seconds of motion.
 struct SimulatedRecording {
   Camera camera;  ///< True; radial-tangential, 640x480.
   ImuCalibration imu;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loops of a simulated recording that comes back to where it was, through the poses that a mapper gets.
+// Loops of a simulated recording that comes back to where it was, through the poses that a mapper
+// gets.
 #include "engine/vio/loop_closer.h"
 
 #include <cmath>
@@ -18,8 +19,12 @@ constexpr double kHz = 10;
 class LoopCloserTest : public testing::Test {
  protected:
   static std::shared_ptr<const Sequence> Film(double seconds) {
-    return SimulatedSequence(Simulate({.seconds = seconds, .room_points = 420, .follow_all = true,
-                                       .image_hz = kHz, .pixel_noise_px = 0, .imu_noise = 3}));
+    return SimulatedSequence(Simulate({.seconds = seconds,
+                                       .room_points = 420,
+                                       .follow_all = true,
+                                       .image_hz = kHz,
+                                       .pixel_noise_px = 0,
+                                       .imu_noise = 3}));
   }
   static OwnPoses Estimate(LoopUse loops, const Sequence& sequence) {
     OwnPoseOptions options;
@@ -37,7 +42,9 @@ class LoopCloserTest : public testing::Test {
   /// How far a frame of the second round stands from where it should, as the first round has it.
   static double ReturnError(const OwnPoses& poses) {
     const int frame = 60, again = frame + static_cast<int>(std::lround(kRound_s * kHz));
-    const auto pose = [&](int i) { return *poses.frames[static_cast<std::size_t>(i)].world_from_cam; };
+    const auto pose = [&](int i) {
+      return *poses.frames[static_cast<std::size_t>(i)].world_from_cam;
+    };
     const Eigen::Isometry3d truth =
         round_->world_from_cam(frame)->inverse() * *round_->world_from_cam(again);
     return ((pose(frame).inverse() * pose(again)).translation() - truth.translation()).norm();
@@ -75,7 +82,8 @@ TEST_F(LoopCloserTest, CausalPosesKnowOfNoLaterImage) {
   for (int i = 0; i < first; ++i) {
     const auto at = static_cast<std::size_t>(i);
     EXPECT_EQ(causal.EpochAt(i), 0);
-    const auto &pose = causal.frames[at].world_from_cam, &by_filter = off_.frames[at].world_from_cam;
+    const auto &pose = causal.frames[at].world_from_cam,
+               &by_filter = off_.frames[at].world_from_cam;
     ASSERT_EQ(pose.has_value(), by_filter.has_value());
     if (pose) {
       EXPECT_EQ(pose->matrix(), by_filter->matrix());

@@ -36,8 +36,8 @@ TEST(PoseGraph, SharesOutWhatALoopSaysByTheVariances) {
   graph.Optimise();
   const double moved = d * 4 * s * s / (4 * s * s + t * t);
   for (int i = 0; i < 5; ++i) {
-    EXPECT_NEAR(graph.poses()[static_cast<std::size_t>(i)].position_in_world.x(),
-                i + moved * i / 4, 1e-6);
+    EXPECT_NEAR(graph.poses()[static_cast<std::size_t>(i)].position_in_world.x(), i + moved * i / 4,
+                1e-6);
   }
 }
 
@@ -95,8 +95,8 @@ struct Walk {
   /// What a true match of two poses would say, in the odometry's axes at `from`.
   GraphEdge Match(int from, int to) const {
     GraphEdge edge{from, to, {}, -turn_per_step * (to - from), Covariance(0.02, 0.005), true};
-    edge.step = Eigen::AngleAxisd(turn_per_step * from, Eigen::Vector3d::UnitZ()) *
-                (At(to) - At(from));
+    edge.step =
+        Eigen::AngleAxisd(turn_per_step * from, Eigen::Vector3d::UnitZ()) * (At(to) - At(from));
     return edge;
   }
   std::vector<Eigen::Vector3d> drifted;
@@ -109,10 +109,12 @@ TEST(PoseGraph, BringsAWalkThatDriftedBackToWhereItWas) {
   ASSERT_GT((walk.drifted[80] - walk.drifted[0]).norm(), 1);
   for (const int i : {40, 45, 50, 60, 70, 80}) graph.AddEdge(walk.Match(i - 40, i));
   graph.Optimise();
-  EXPECT_LT((graph.poses()[80].position_in_world - graph.poses()[0].position_in_world).norm(), 0.05);
+  EXPECT_LT((graph.poses()[80].position_in_world - graph.poses()[0].position_in_world).norm(),
+            0.05);
   for (int i = 0; i < Walk::kCount; ++i) {
     // Heading was never measured against the room but by the loops: what is left bends the square.
-    EXPECT_LT((graph.poses()[static_cast<std::size_t>(i)].position_in_world - Walk::At(i)).norm(), 0.3)
+    EXPECT_LT((graph.poses()[static_cast<std::size_t>(i)].position_in_world - Walk::At(i)).norm(),
+              0.3)
         << i;
   }
   for (const GraphEdge& edge : graph.edges()) EXPECT_GT(graph.TrustIn(edge), 0.5);
@@ -134,7 +136,8 @@ TEST(PoseGraph, GivesAFalseLoopUp) {
   without.Optimise();
   EXPECT_LT(with.TrustIn(with.edges().back()), 0.05);
   for (std::size_t i = 0; i < Walk::kCount; ++i) {
-    EXPECT_LT((with.poses()[i].position_in_world - without.poses()[i].position_in_world).norm(), 0.02)
+    EXPECT_LT((with.poses()[i].position_in_world - without.poses()[i].position_in_world).norm(),
+              0.02)
         << i;
   }
 }

@@ -148,10 +148,10 @@ void DrawPlot(const FrameContext& context, const Plot& plot, ImVec2 low, ImVec2 
                      context.Scaled(1.2));
   }
   for (const LoopClosure& closure : context.sequence->own_poses->loops.closures) {
-    const float x = at(static_cast<std::size_t>(std::clamp(closure.image, 0,
-                                                           static_cast<int>(count) - 1)),
-                       least)
-                        .x;
+    const float x =
+        at(static_cast<std::size_t>(std::clamp(closure.image, 0, static_cast<int>(count) - 1)),
+           least)
+            .x;
     draw.AddLine({x, low.y}, {x, high.y}, WithAlpha(colors::kAccent, 0.5));
   }
   const float now =
