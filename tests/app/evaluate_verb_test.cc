@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands `evaluate` and `export` as a script meets them.
 
-#include <sys/wait.h>
-
 #include <cstdio>
 #include <cstdlib>
 
@@ -14,17 +12,13 @@
 #include "engine/mapping/map_report.h"
 #include "engine/models/mesh_file.h"
 #include "engine/recording/run_file.h"
+#include "tests/support/program_run.h"
 #include "tests/support/test_data.h"
 
 namespace plumbline {
 namespace {
 
 using testing::HasSubstr;
-
-struct Outcome {
-  int code = -1;
-  std::string output;  ///< Standard output and error.
-};
 
 class EvaluateVerb : public testing::Test {
  protected:
@@ -72,26 +66,18 @@ class EvaluateVerb : public testing::Test {
     Check(writer->Close());
   }
 
-  Outcome Run(const std::string& arguments) {
-    const std::string command = "cd '" + folder_.path().string() + "' && '" +
-                                ProgramFile().string() + "' " + arguments + " 2>&1";
-    FILE* pipe = popen(command.c_str(), "r");
-    PLB_CHECK(pipe != nullptr);
-    Outcome outcome;
-    char buffer[4096];
-    while (const std::size_t count = fread(buffer, 1, sizeof(buffer), pipe))
-      outcome.output.append(buffer, count);
-    outcome.code = WEXITSTATUS(pclose(pipe));
-    return outcome;
+  /// Standard output and error.
+  ProgramRun Run(const std::string& arguments) {
+    return RunProgram(arguments + " 2>&1", folder_.path());
   }
 
   TemporaryFolder folder_;
 };
 
 TEST_F(EvaluateVerb, JudgesARunFile) {
-  const Outcome outcome =
+  const ProgramRun outcome =
       Run("evaluate run.plb --ground-truth truth.json --models models --json result.json");
-  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("matched 1, missed 1, spurious 0"));
   EXPECT_THAT(outcome.output, HasSubstr("1.39 - 2.79"));
   const nlohmann::json json = ReadJson(folder_.path() / "result.json").value();
@@ -105,8 +91,8 @@ TEST_F(EvaluateVerb, JudgesARunFile) {
 
 TEST_F(EvaluateVerb, JudgesTheBeliefsOfARunFile) {
   const std::string rest = " --ground-truth truth.json --models models --json result.json";
-  const Outcome outcome = Run("evaluate run.plb" + rest);
-  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  const ProgramRun outcome = Run("evaluate run.plb" + rest);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("truth in the 95 % region [%]"));
   const nlohmann::json belief = ReadJson(folder_.path() / "result.json").value()["belief"];
   EXPECT_EQ(belief["at_the_end"]["poses"], 1);
@@ -119,26 +105,26 @@ TEST_F(EvaluateVerb, JudgesTheBeliefsOfARunFile) {
   EXPECT_EQ(belief["confirmation"]["points"].size(), 1u);
   EXPECT_EQ(belief["confirmation"]["points"][0]["precision"], 0.5);
   EXPECT_EQ(belief["confirmation"]["points"][0]["recall"], 0.5);
-  EXPECT_EQ(Run("evaluate run.plb --ignore-category chair" + rest).code, 0);
+  EXPECT_EQ(Run("evaluate run.plb --ignore-category chair" + rest).exit_code, 0);
   const nlohmann::json ignored = ReadJson(folder_.path() / "result.json").value()["belief"];
   EXPECT_TRUE(ignored["objects"].empty());
   EXPECT_EQ(ignored["confirmation"]["truths"], 0);
 }
 
 TEST_F(EvaluateVerb, JudgesAnExportedJsonAlikeAndWritesToStandardOutput) {
-  EXPECT_EQ(Run("export run.plb --format json --out run.json").code, 0);
+  EXPECT_EQ(Run("export run.plb --format json --out run.json").exit_code, 0);
   const std::string rest = " --ground-truth truth.json --models models --align objects --json -";
-  const Outcome from_json = Run("evaluate run.json" + rest);
-  const Outcome from_file = Run("evaluate run.plb" + rest);
-  EXPECT_EQ(from_json.code, 0) << from_json.output;
+  const ProgramRun from_json = Run("evaluate run.json" + rest);
+  const ProgramRun from_file = Run("evaluate run.plb" + rest);
+  EXPECT_EQ(from_json.exit_code, 0) << from_json.output;
   EXPECT_EQ(from_json.output, from_file.output);
   const nlohmann::json json = nlohmann::json::parse(from_json.output);
   EXPECT_NEAR(json["alignment"][0][3].get<double>(), -0.04, 1e-12);
 }
 
 TEST_F(EvaluateVerb, ExportsTheConfirmedObjectsAsAColouredMesh) {
-  const Outcome outcome = Run("export run.plb --format ply --out map.ply");
-  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  const ProgramRun outcome = Run("export run.plb --format ply --out map.ply");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   const TriangleMesh mesh = ReadMesh(folder_.path() / "map.ply").value();
   EXPECT_EQ(mesh.vertices.size(), 4u);
   EXPECT_EQ(mesh.triangles.size(), 4u);
@@ -147,8 +133,8 @@ TEST_F(EvaluateVerb, ExportsTheConfirmedObjectsAsAColouredMesh) {
 }
 
 TEST_F(EvaluateVerb, WritesAReportThatNeedsNothingElse) {
-  const Outcome outcome = Run("report run.plb --ground-truth truth.json --out report.html");
-  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  const ProgramRun outcome = Run("report run.plb --ground-truth truth.json --out report.html");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   const std::string html = ReadFile(folder_.path() / "report.html").value();
   EXPECT_THAT(html, HasSubstr("<!doctype html>"));
   EXPECT_THAT(html, HasSubstr("1 / 1 / 0")) << "matched, missed, spurious";
@@ -159,8 +145,8 @@ TEST_F(EvaluateVerb, WritesAReportThatNeedsNothingElse) {
 }
 
 TEST_F(EvaluateVerb, ExportsTables) {
-  const Outcome outcome = Run("export run.plb --format csv --out tables");
-  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  const ProgramRun outcome = Run("export run.plb --format csv --out tables");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   const std::string objects = ReadFile(folder_.path() / "tables" / "objects.csv").value();
   EXPECT_THAT(objects, testing::StartsWith("id,model,category,state,x_m,"));
   EXPECT_THAT(objects, HasSubstr("\n1,wedge,chair,confirmed,0.040000,"));
@@ -170,14 +156,14 @@ TEST_F(EvaluateVerb, ExportsTables) {
 }
 
 TEST_F(EvaluateVerb, TellsTwoRunsApart) {
-  const Outcome same = Run("compare run.plb run.plb");
-  EXPECT_EQ(same.code, 0) << same.output;
+  const ProgramRun same = Run("compare run.plb run.plb");
+  EXPECT_EQ(same.exit_code, 0) << same.output;
   EXPECT_THAT(same.output, HasSubstr("no difference"));
   std::filesystem::copy(folder_.path() / "run.plb", folder_.path() / "before.plb");
   WriteRun(0.09, 5);
-  const Outcome outcome =
+  const ProgramRun outcome =
       Run("compare before.plb run.plb --ground-truth truth.json --json difference.json");
-  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("seed: 0 / 5"));
   const nlohmann::json json = ReadJson(folder_.path() / "difference.json").value();
   ASSERT_EQ(json["objects"].size(), 1u);
@@ -188,24 +174,25 @@ TEST_F(EvaluateVerb, TellsTwoRunsApart) {
 
 TEST_F(EvaluateVerb, SaysWhatIsMissingAndEndsWithOne) {
   const std::string rest = " --ground-truth truth.json --models models";
-  const Outcome run = Run("evaluate none.plb" + rest);
-  EXPECT_EQ(run.code, 1);
+  const ProgramRun run = Run("evaluate none.plb" + rest);
+  EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.output, "plumbline: none.plb does not exist; check the path\n");
-  const Outcome truth = Run("evaluate run.plb --ground-truth none.json --models models");
-  EXPECT_EQ(truth.code, 1);
+  const ProgramRun truth = Run("evaluate run.plb --ground-truth none.json --models models");
+  EXPECT_EQ(truth.exit_code, 1);
   EXPECT_THAT(truth.output, HasSubstr("none.json"));
-  const Outcome scan = Run("evaluate run.plb --truth scan" + rest);
-  EXPECT_EQ(scan.code, 1);
+  const ProgramRun scan = Run("evaluate run.plb --truth scan" + rest);
+  EXPECT_EQ(scan.exit_code, 1);
   EXPECT_THAT(scan.output, HasSubstr("--scene"));
-  const Outcome moved = Run("export run.plb --format ply --models elsewhere --out map.ply");
-  EXPECT_EQ(moved.code, 1);
+  const ProgramRun moved = Run("export run.plb --format ply --models elsewhere --out map.ply");
+  EXPECT_EQ(moved.exit_code, 1);
   EXPECT_THAT(moved.output, HasSubstr("--models DIR"));
 }
 
 TEST_F(EvaluateVerb, EndsWithTwoOnWrongUsage) {
-  EXPECT_EQ(Run("evaluate run.plb").code, 2);
-  EXPECT_EQ(Run("evaluate run.plb --ground-truth truth.json --models models --align fine").code, 2);
-  EXPECT_EQ(Run("export run.plb --format docx --out map").code, 2);
+  EXPECT_EQ(Run("evaluate run.plb").exit_code, 2);
+  EXPECT_EQ(
+      Run("evaluate run.plb --ground-truth truth.json --models models --align fine").exit_code, 2);
+  EXPECT_EQ(Run("export run.plb --format docx --out map").exit_code, 2);
 }
 
 }  // namespace

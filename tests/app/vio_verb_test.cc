@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands `vio` and `evaluate --trajectory` as a script meets them.
 
-#include <sys/wait.h>
-
 #include <cstdio>
 
 #include <gtest/gtest.h>
@@ -10,6 +8,7 @@
 
 #include "engine/base/check.h"
 #include "engine/base/files.h"
+#include "tests/support/program_run.h"
 #include "tests/support/test_data.h"
 #include "tests/support/vio_simulator.h"
 
@@ -19,11 +18,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-
-struct Outcome {
-  int code = -1;
-  std::string output;  ///< Standard output and error.
-};
 
 std::string Row(std::int64_t stamp_ns, std::initializer_list<Eigen::VectorXd> numbers) {
   char text[40];
@@ -82,17 +76,9 @@ class VioVerb : public testing::Test {
     Write("walk/groundtruth.csv", text);
   }
 
-  Outcome Run(const std::string& arguments) {
-    const std::string command = "cd '" + folder_.path().string() + "' && '" +
-                                ProgramFile().string() + "' " + arguments + " 2>&1";
-    FILE* pipe = popen(command.c_str(), "r");
-    PLB_CHECK(pipe != nullptr);
-    Outcome outcome;
-    char buffer[4096];
-    while (const std::size_t count = fread(buffer, 1, sizeof(buffer), pipe))
-      outcome.output.append(buffer, count);
-    outcome.code = WEXITSTATUS(pclose(pipe));
-    return outcome;
+  /// Standard output and error.
+  ProgramRun Run(const std::string& arguments) {
+    return RunProgram(arguments + " 2>&1", folder_.path());
   }
 
   TemporaryFolder folder_;
@@ -100,16 +86,16 @@ class VioVerb : public testing::Test {
 };
 
 TEST_F(VioVerb, WritesATrajectoryThatEvaluateFindsNearTheTruth) {
-  const Outcome vio = Run("vio walk --out T.txt --init walk/groundtruth.csv --json vio.json");
-  ASSERT_EQ(vio.code, 0) << vio.output;
+  const ProgramRun vio = Run("vio walk --out T.txt --init walk/groundtruth.csv --json vio.json");
+  ASSERT_EQ(vio.exit_code, 0) << vio.output;
   const nlohmann::json summary = ReadJson(folder_.path() / "vio.json").value();
   EXPECT_EQ(summary["images"], recording_.images.size());
   EXPECT_EQ(summary["stretches"], 1);
   EXPECT_TRUE(std::filesystem::exists(folder_.path() / "T.points.ply"));
 
-  const Outcome judged =
+  const ProgramRun judged =
       Run("evaluate --trajectory T.txt --reference walk/groundtruth.csv --json errors.json");
-  ASSERT_EQ(judged.code, 0) << judged.output;
+  ASSERT_EQ(judged.exit_code, 0) << judged.output;
   const nlohmann::json errors = ReadJson(folder_.path() / "errors.json").value();
   EXPECT_LT(errors["ate_m"].get<double>(), 0.06);
   EXPECT_LT(errors["tilt_deg"].get<double>(), 0.3);
@@ -119,13 +105,13 @@ TEST_F(VioVerb, WritesATrajectoryThatEvaluateFindsNearTheTruth) {
 
 TEST_F(VioVerb, PosesOfTheCameraHangOnThoseOfTheBody) {
   const std::string vio = "vio walk --init walk/groundtruth.csv --json - --out ";
-  ASSERT_EQ(Run(vio + "body.txt").code, 0);
-  ASSERT_EQ(Run(vio + "cam.txt --frame cam").code, 0);
+  ASSERT_EQ(Run(vio + "body.txt").exit_code, 0);
+  ASSERT_EQ(Run(vio + "cam.txt --frame cam").exit_code, 0);
   const std::string read = ReadFile(folder_.path() / "cam.covariance.csv").value();
   EXPECT_THAT(read.substr(0, read.find('\n')), HasSubstr("world_from_cam"));
-  const Outcome compared =
+  const ProgramRun compared =
       Run("evaluate --trajectory cam.txt --reference body.txt --align none --json -");
-  ASSERT_EQ(compared.code, 0) << compared.output;
+  ASSERT_EQ(compared.exit_code, 0) << compared.output;
   const double arm = recording_.camera.body_from_cam->translation().norm();
   EXPECT_NEAR(nlohmann::json::parse(compared.output.substr(compared.output.find('{')))["ate_m"],
               arm, 0.02);
@@ -133,15 +119,15 @@ TEST_F(VioVerb, PosesOfTheCameraHangOnThoseOfTheBody) {
 
 TEST_F(VioVerb, TheSameInputGivesTheSameFile) {
   const std::string vio = "vio walk --drop-tracks 0.2 --seed 3 --out ";
-  ASSERT_EQ(Run(vio + "a.txt").code, 0);
-  ASSERT_EQ(Run(vio + "b.txt").code, 0);
+  ASSERT_EQ(Run(vio + "a.txt").exit_code, 0);
+  ASSERT_EQ(Run(vio + "b.txt").exit_code, 0);
   EXPECT_EQ(ReadFile(folder_.path() / "a.txt").value(), ReadFile(folder_.path() / "b.txt").value());
 }
 
 TEST_F(VioVerb, SaysWhatInputLacks) {
   Write("walk/imu.csv", "t,wx,wy,wz,ax,ay,az\n");
-  Outcome outcome = Run("vio walk --out T.txt");
-  EXPECT_NE(outcome.code, 0);
+  ProgramRun outcome = Run("vio walk --out T.txt");
+  EXPECT_NE(outcome.exit_code, 0);
   EXPECT_THAT(outcome.output, HasSubstr("imu.csv"));
   WriteImu();
 
@@ -149,12 +135,12 @@ TEST_F(VioVerb, SaysWhatInputLacks) {
   camera.erase("body_from_cam");
   Write("walk/camera.json", camera.dump());
   outcome = Run("vio walk --out T.txt");
-  EXPECT_NE(outcome.code, 0);
+  EXPECT_NE(outcome.exit_code, 0);
   EXPECT_THAT(outcome.output, HasSubstr("add 'body_from_cam' to camera.json"));
   WriteCamera();
 
   outcome = Run("vio walk --out nowhere/T.txt");
-  EXPECT_NE(outcome.code, 0);
+  EXPECT_NE(outcome.exit_code, 0);
   EXPECT_THAT(outcome.output, HasSubstr("create it first"));
   EXPECT_THAT(Run("vio walk --set no_such=1").output, HasSubstr("no_such"));
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "T.txt"));
@@ -163,8 +149,8 @@ TEST_F(VioVerb, SaysWhatInputLacks) {
 TEST_F(VioVerb, SaysWhichRowsItLeftOut) {
   std::string tracks = ReadFile(folder_.path() / "walk" / "tracks.csv").value();
   Write("walk/tracks.csv", tracks + "not,a,row\n");
-  const Outcome outcome = Run("vio walk --init walk/groundtruth.csv");
-  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  const ProgramRun outcome = Run("vio walk --init walk/groundtruth.csv");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("tracks.csv"));
 }
 
@@ -186,13 +172,13 @@ TEST_F(VioVerb, EvaluateRefusesWhatItCannotCompare) {
   const std::string evaluate = "evaluate --trajectory T.txt --reference ";
   EXPECT_THAT(Run("evaluate --trajectory T.txt").output, HasSubstr("--reference"));
   for (const char* reference : {"far.txt", "missing.txt", "states.csv"}) {
-    const Outcome outcome = Run(evaluate + reference);
-    EXPECT_NE(outcome.code, 0);
+    const ProgramRun outcome = Run(evaluate + reference);
+    EXPECT_NE(outcome.exit_code, 0);
     EXPECT_THAT(outcome.output, AllOf(HasSubstr(reference), Not(HasSubstr("this is a bug"))));
   }
   Write("T.covariance.csv", "nonsense\n");
-  const Outcome corrupt = Run(evaluate + "T.txt");
-  EXPECT_NE(corrupt.code, 0);
+  const ProgramRun corrupt = Run(evaluate + "T.txt");
+  EXPECT_NE(corrupt.exit_code, 0);
   EXPECT_THAT(corrupt.output, HasSubstr("holds no usable covariance"));
 }
 

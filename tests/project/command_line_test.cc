@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What every command owes to scripts: --help that works, and exit code 2 for wrong usage.
 
-#include <sys/wait.h>
-
-#include <array>
-#include <cstdio>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -13,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/test_data.h"
+#include "tests/support/program_run.h"
 
 namespace plumbline {
 namespace {
@@ -21,25 +17,6 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
-
-struct Outcome {
-  int exit_code = -1;
-  std::string output;
-};
-
-/// Runs the program with `arguments`, for a shell; `output` is standard output unless they redirect
-/// it.
-Outcome RunProgram(const std::string& arguments) {
-  Outcome outcome;
-  FILE* pipe = popen(("'" + ProgramFile().string() + "' " + arguments).c_str(), "r");
-  if (pipe == nullptr) return outcome;
-  std::array<char, 4096> buffer;
-  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
-    outcome.output.append(buffer.data(), n);
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-  return outcome;
-}
 
 /// Those of this build: without the window there is nothing behind `gui` and `render`.
 std::set<std::string> Commands() {
@@ -64,7 +41,7 @@ TEST(CommandLine, SaysItsVersionAndExplainsItself) {
 
 TEST(CommandLine, ExplainsEveryCommand) {
   for (const std::string& command : Commands()) {
-    const Outcome outcome = RunProgram(command + " --help");
+    const ProgramRun outcome = RunProgram(command + " --help");
     EXPECT_EQ(outcome.exit_code, 0) << command;
     EXPECT_THAT(outcome.output, HasSubstr("--help")) << command;
   }
@@ -74,7 +51,7 @@ TEST(CommandLine, ExitsWithTwoOnWrongUsage) {
   EXPECT_EQ(RunProgram("2>&1").exit_code, 2) << "no command";
   EXPECT_EQ(RunProgram("no-such-command 2>&1").exit_code, 2);
   for (const std::string& command : Commands()) {
-    const Outcome outcome = RunProgram(command + " --no-such-option 2>&1 >/dev/null");
+    const ProgramRun outcome = RunProgram(command + " --no-such-option 2>&1 >/dev/null");
     EXPECT_EQ(outcome.exit_code, 2) << command;
     EXPECT_THAT(outcome.output, Not(IsEmpty())) << command << " does not say what was wrong";
   }

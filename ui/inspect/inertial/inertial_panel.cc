@@ -51,7 +51,7 @@ class InertialPanel : public Panel {
     DrawState(frame);
     DrawLoops(*poses, static_cast<int>(at));
     if (over_time_) {
-      DrawInertialPlots(context);
+      plots_.Draw(context);
     } else {
       DrawTables(context, frame);
     }
@@ -167,6 +167,7 @@ class InertialPanel : public Panel {
   }
 
   bool over_time_ = false;
+  InertialPlots plots_;
 };
 
 }  // namespace

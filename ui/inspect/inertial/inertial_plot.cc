@@ -18,32 +18,19 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A curve over the frames, NaN where there is nothing; `bound` (empty: none) is drawn as a band.
-struct Curve {
-  ImU32 color = 0;
-  std::vector<double> values, bound;
-};
-
-struct Plot {
-  const char* name;
-  const char* unit;
-  const char* help;
-  bool from_zero = false;
-  std::vector<Curve> curves;
-};
-
 ImU32 AxisColor(int axis) { return ObjectColor({axis == 0 ? 1 : axis == 1 ? 3 : 5}); }
 
 template <typename Value>
-Curve CurveOf(const OwnPoses& poses, ImU32 color, Value value) {
-  Curve curve{color, {}, {}};
+InertialCurve CurveOf(const OwnPoses& poses, ImU32 color, Value value) {
+  InertialCurve curve{color, {}, {}};
   for (const OwnPoseReport& frame : poses.frames) curve.values.push_back(value(frame));
   return curve;
 }
 
 /// Three axes of a vector, each with twice its standard deviation.
 template <typename Value>
-void AddBiases(const OwnPoses& poses, int first_spread, double per_unit, Value value, Plot& plot) {
+void AddBiases(const OwnPoses& poses, int first_spread, double per_unit, Value value,
+               InertialPlot& plot) {
   for (int axis = 0; axis < 3; ++axis) {
     plot.curves.push_back(CurveOf(poses, AxisColor(axis), [&](const OwnPoseReport& frame) {
       return frame.world_from_cam ? per_unit * value(frame)[axis] : kNone;
@@ -54,9 +41,9 @@ void AddBiases(const OwnPoses& poses, int first_spread, double per_unit, Value v
   }
 }
 
-std::vector<Plot> PlotsOf(const SequenceView& sequence) {
+std::vector<InertialPlot> PlotsOf(const SequenceView& sequence) {
   const OwnPoses& poses = *sequence.own_poses;
-  std::vector<Plot> plots;
+  std::vector<InertialPlot> plots;
   plots.push_back({"turning", "deg/s", "How fast the gyro says that the body turns.", true, {}});
   plots.back().curves.push_back(CurveOf(poses, colors::kAccent, [](const OwnPoseReport& frame) {
     return frame.angular_velocity_rad_s.norm() * kDegPerRad;
@@ -67,14 +54,14 @@ std::vector<Plot> PlotsOf(const SequenceView& sequence) {
       poses, 0, kDegPerRad, [](const OwnPoseReport& frame) { return frame.vio.gyro_bias; },
       plots.back());
   plots.push_back({"accelerometer bias",
-                   "m/s2",
+                   "m/s²",
                    "Three axes, with twice their standard deviation.",
                    false,
                    {}});
   AddBiases(
       poses, 3, 1, [](const OwnPoseReport& frame) { return frame.vio.accel_bias; }, plots.back());
   plots.push_back({"innovations",
-                   "of 1",
+                   "ratio",
                    "Normalised innovations squared over their degrees of freedom: about 1 if the "
                    "filter is honest. Red: the 95 % gate of the frame.",
                    true,
@@ -95,7 +82,7 @@ std::vector<Plot> PlotsOf(const SequenceView& sequence) {
                    "trajectories are aligned in heading and position.",
                    true,
                    {}});
-  Curve curve{colors::kWarning, {}, {}};
+  InertialCurve curve{colors::kWarning, {}, {}};
   for (std::size_t i = 0; i < poses.frames.size(); ++i) {
     const auto distance = DistanceFromReference(sequence, static_cast<int>(i));
     curve.values.push_back(distance ? 100 * *distance : kNone);
@@ -105,9 +92,9 @@ std::vector<Plot> PlotsOf(const SequenceView& sequence) {
 }
 
 /// Least and greatest value of the curves; bounds count where they do not dwarf them.
-std::pair<double, double> RangeOf(const Plot& plot) {
+std::pair<double, double> RangeOf(const InertialPlot& plot) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const Curve& curve : plot.curves) {
+  for (const InertialCurve& curve : plot.curves) {
     for (const double value : curve.values) {
       if (std::isnan(value)) continue;
       low = std::min(low, value);
@@ -120,10 +107,17 @@ std::pair<double, double> RangeOf(const Plot& plot) {
   return {plot.from_zero ? low : low - margin, high + margin};
 }
 
-void DrawPlot(const FrameContext& context, const Plot& plot, ImVec2 low, ImVec2 high, int frame) {
+/// Name and range on a line of their own, the curves below it.
+void DrawPlot(const FrameContext& context, const InertialPlot& plot, ImVec2 low, ImVec2 high,
+              int frame) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  draw.AddRectFilled(low, high, colors::kInset, context.Scaled(2));
   const auto [least, greatest] = RangeOf(plot);
+  draw.AddText(low, colors::kDimText, fmt::format("{} [{}]", plot.name, plot.unit).c_str());
+  const std::string range = fmt::format("{:.3g} to {:.3g}", least, greatest);
+  draw.AddText({high.x - ImGui::CalcTextSize(range.c_str()).x, low.y}, colors::kFaint,
+               range.c_str());
+  low.y += ImGui::GetTextLineHeight() + context.Scaled(1);
+  draw.AddRectFilled(low, high, colors::kInset, context.Scaled(2));
   const std::size_t count = plot.curves.front().values.size();
   const auto at = [&](std::size_t i, double value) {
     const double x = count > 1 ? static_cast<double>(i) / static_cast<double>(count - 1) : 0.5;
@@ -131,17 +125,20 @@ void DrawPlot(const FrameContext& context, const Plot& plot, ImVec2 low, ImVec2 
     return ImVec2(low.x + static_cast<float>(x) * (high.x - low.x),
                   high.y - static_cast<float>(y) * (high.y - low.y));
   };
+  // More frames than pixels: every n-th is enough to see.
+  const std::size_t step = std::max<std::size_t>(
+      1, count / std::max<std::size_t>(1, 2 * static_cast<std::size_t>(high.x - low.x)));
   draw.PushClipRect(low, high, true);
   if (least < 0 && greatest > 0) draw.AddLine(at(0, 0), at(count - 1, 0), colors::kFaint);
-  for (const Curve& curve : plot.curves) {
-    for (std::size_t i = 0; i + 1 < count && !curve.bound.empty(); ++i) {
+  for (const InertialCurve& curve : plot.curves) {
+    for (std::size_t i = 0; i + step < count && !curve.bound.empty(); i += step) {
       const double value = curve.values[i], bound = curve.bound[i];
       if (std::isnan(value)) continue;
-      draw.AddRectFilled(at(i, value + bound), {at(i + 1, 0).x, at(i, value - bound).y},
+      draw.AddRectFilled(at(i, value + bound), {at(i + step, 0).x, at(i, value - bound).y},
                          WithAlpha(curve.color, 0.22));
     }
     std::vector<ImVec2> points;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count; i += step) {
       if (!std::isnan(curve.values[i])) points.push_back(at(i, curve.values[i]));
     }
     draw.AddPolyline(points.data(), static_cast<int>(points.size()), curve.color, 0,
@@ -157,19 +154,6 @@ void DrawPlot(const FrameContext& context, const Plot& plot, ImVec2 low, ImVec2 
   const float now =
       at(static_cast<std::size_t>(std::clamp(frame, 0, static_cast<int>(count) - 1)), least).x;
   draw.AddLine({now, low.y}, {now, high.y}, colors::kText, context.Scaled(1.2));
-  const std::string top = fmt::format("{:.3g}", greatest), bottom = fmt::format("{:.3g}", least);
-  const float edge = high.x - context.Scaled(4);
-  const auto label = [&](ImVec2 corner, ImU32 color, const std::string& text) {
-    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-    draw.AddRectFilled(corner, {corner.x + size.x, corner.y + size.y},
-                       WithAlpha(colors::kInset, 0.75));
-    draw.AddText(corner, color, text.c_str());
-  };
-  label({low.x + context.Scaled(4), low.y}, colors::kDimText,
-        fmt::format("{} [{}]", plot.name, plot.unit));
-  label({edge - ImGui::CalcTextSize(top.c_str()).x, low.y}, colors::kDimText, top);
-  label({edge - ImGui::CalcTextSize(bottom.c_str()).x, high.y - ImGui::GetTextLineHeight()},
-        colors::kDimText, bottom);
   draw.PopClipRect();
 }
 
@@ -186,24 +170,27 @@ std::optional<double> DistanceFromReference(const SequenceView& sequence, int fr
   return (given->translation() - own.world_from_cam->translation()).norm();
 }
 
-void DrawInertialPlots(const FrameContext& context) {
-  const std::vector<Plot> plots = PlotsOf(*context.sequence);
+void InertialPlots::Draw(const FrameContext& context) {
+  if (of_ != context.sequence->own_poses) {
+    of_ = context.sequence->own_poses;
+    plots_ = PlotsOf(*context.sequence);
+  }
   const float gap = context.Scaled(4);
   const ImVec2 corner = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
   const std::size_t columns = std::clamp<std::size_t>(
-      static_cast<std::size_t>(room.x / context.Scaled(240)), 1, plots.size());
-  const std::size_t rows = (plots.size() + columns - 1) / columns;
+      static_cast<std::size_t>(room.x / context.Scaled(240)), 1, plots_.size());
+  const std::size_t rows = (plots_.size() + columns - 1) / columns;
   const float wide = std::max(8.0f, room.x / static_cast<float>(columns) - gap);
   const float tall =
-      std::max(2.2f * ImGui::GetTextLineHeight(), room.y / static_cast<float>(rows) - gap);
-  for (std::size_t i = 0; i < plots.size(); ++i) {
+      std::max(2.8f * ImGui::GetTextLineHeight(), room.y / static_cast<float>(rows) - gap);
+  for (std::size_t i = 0; i < plots_.size(); ++i) {
     const ImVec2 low(corner.x + static_cast<float>(i % columns) * (wide + gap),
                      corner.y + static_cast<float>(i / columns) * (tall + gap));
     ImGui::SetCursorScreenPos(low);
-    ImGui::InvisibleButton(plots[i].name, {wide, tall});
+    ImGui::InvisibleButton(plots_[i].name, {wide, tall});
     LogItem(context, fmt::format("inertial.plot.{}", i));
-    Tooltip(context, plots[i].help);
-    DrawPlot(context, plots[i], low, {low.x + wide, low.y + tall}, context.snapshot->report.frame);
+    Tooltip(context, plots_[i].help);
+    DrawPlot(context, plots_[i], low, {low.x + wide, low.y + tall}, context.snapshot->report.frame);
   }
 }
 
