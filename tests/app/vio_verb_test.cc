@@ -156,8 +156,8 @@ TEST_F(VioVerb, SaysWhichRowsItLeftOut) {
 
 TEST_F(VioVerb, TracksAloneCloseNoLoopsAndItSaysSo) {
   const std::string vio = "vio walk --init walk/groundtruth.csv ";
-  const Outcome outcome = Run(vio + "--json vio.json --out a.txt");
-  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const ProgramRun outcome = Run(vio + "--json vio.json --out a.txt");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("loops: none closed"));
   EXPECT_EQ(ReadJson(folder_.path() / "vio.json").value()["loops"]["closed"], 0);
   EXPECT_THAT(Run(vio + "--no-loops --out b.txt").output, HasSubstr("loops: not looked for"));
