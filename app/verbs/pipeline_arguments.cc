@@ -21,17 +21,19 @@ void PipelineArguments::AddTo(CLI::App& verb) {
                   "there are any, else gradient)");
   verb.add_option(
           "--poses", poses,
-          "dataset (the sequence's own); vio: from its images and IMU alone, each pose as it is "
-          "known at its image, in a world of its own with gravity and a floor found from points; "
-          "or "
-          "a trajectory: FILE with rows t tx ty tz qx qy qz "
+          "dataset (the sequence's own); vio: from its images and IMU alone, in a world of "
+          "its own with gravity and a floor found from points; drift is corrected where places are "
+          "seen again, before mapping, unless --set-poses loops=causal or off; or a trajectory: "
+          "FILE with rows t tx ty tz qx qy qz "
           "qw (TUM), of the camera, or of the body if its first line says # world_from_body. "
           "It must be in the sequence's gravity-aligned world: gravity and floor are those "
           "of gravity.json")
       ->type_name("dataset|vio|FILE")
       ->capture_default_str();
-  verb.add_option("--set-poses", pose_settings,
-                  "With --poses vio: one option of tracker or filter, key=value; may be repeated");
+  verb.add_option(
+      "--set-poses", pose_settings,
+      "With --poses vio: one option of tracker, filter or loops, key=value; may be repeated. "
+      "loops=off, causal or corrected (default): what becomes of a place known again");
   verb.add_option("--scorer", scorer,
                   "viewpoint (fast), or rendered: the reference, about a thousand times slower")
       ->check(CLI::IsMember({"viewpoint", "rendered"}))

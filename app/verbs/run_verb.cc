@@ -101,6 +101,22 @@ void PrintObjects(const FrameReport& report, const ModelDatabase& database) {
   }
 }
 
+/// How the poses of a run came to be; "" where they were given.
+std::string PosesInWords(const OwnPoses* poses) {
+  if (poses == nullptr) return "";
+  const int closed = poses->loops.believed();
+  if (closed == 0) return "own poses, each from nothing that came later; no loop was closed";
+  char text[240];
+  std::snprintf(text, sizeof(text),
+                poses->causal
+                    ? "own poses, corrected by %d closed loops from each closure on, by up "
+                      "to %.3f m and %.2f deg; none knows of later images"
+                    : "own poses, corrected by %d closed loops before mapping, by up to "
+                      "%.3f m and %.2f deg: not causal (--set-poses loops=causal is)",
+                closed, poses->loops.largest_move_m, poses->loops.largest_turn_deg);
+  return text;
+}
+
 Status Run(RunArguments& arguments) {
   if (Status status = arguments.pipeline.Finish(); !status.ok()) return status;
   std::error_code ignored;
@@ -140,11 +156,16 @@ Status Run(RunArguments& arguments) {
   const double seconds = watch.Milliseconds() / 1000;
   if (last && arguments.json != "-") {
     PrintObjects(last->report, *pipeline.database());
+    const std::string poses = PosesInWords(pipeline.own_poses().get());
+    if (!poses.empty()) std::printf("%s\n", poses.c_str());
     std::printf("%d frames in %.1f s, %.1f frames/s; wrote %s\n", summary.frames(), seconds,
                 summary.frames() / seconds, arguments.out.c_str());
   }
   const RunHeader header = HeaderOf(pipeline, PLUMBLINE_VERSION);
   nlohmann::json json = summary.ToJson(header, seconds);
+  if (const auto poses = pipeline.own_poses()) {
+    json["own_poses"] = {{"causal", poses->causal}, {"loops", ToJson(poses->loops)}};
+  }
   Status status = summary.CheckAnyFrameUsed(arguments.pipeline.recipe.sequence.string());
   if (console.interrupted()) {
     status = Error{ErrorCode::kCancelled, "stopped; '" + arguments.out +

@@ -20,7 +20,7 @@ struct SynthArguments {
   std::string scene = "room";
   std::string size = "960x500";
   std::uint64_t seed = 1;
-  std::optional<int> frames;
+  std::optional<int> frames, light_rays;
   std::optional<double> rate_hz, fov_deg;
   bool imu = false, tracks_only = false;
   double imu_rate_hz = 200, imu_noise = 1, time_offset_ms = 0, rest_s = 0, tremor = 0;
@@ -48,6 +48,7 @@ Result<SyntheticOptions> OptionsOf(const SynthArguments& arguments) {
     if (!arguments.frames) options.frames += static_cast<int>(imu.rest_s * options.rate_hz);
   }
   options.tracks_only = arguments.tracks_only;
+  if (arguments.light_rays) options.light_rays = *arguments.light_rays;
   if (arguments.fov_deg) options.horizontal_fov_rad = *arguments.fov_deg * kRadPerDeg;
   char rest = 0;
   if (std::sscanf(arguments.size.c_str(), "%dx%d%c", &options.width, &options.height, &rest) != 2) {
@@ -163,6 +164,12 @@ void AddSynthVerb(CLI::App& app, VerbFunction& chosen) {
                    "Chooses room, furniture, colours, light and walk; 1 is the demo")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  verb->add_option(
+          "--light-rays", arguments->light_rays,
+          "Rays by which the light of each point is computed; 16 are an eighth of the work "
+          "and leave some grain on the walls")
+      ->check(CLI::Range(4, 1024))
+      ->type_name("N");
   AddImuOptions(*verb, *arguments);
   verb->footer("Scenes (docs/algorithms/synthetic.md):" + SceneList());
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Synth(*arguments); }; });

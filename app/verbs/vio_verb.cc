@@ -16,6 +16,7 @@
 #include "engine/dataset/trajectory_writer.h"
 #include "engine/geometry/angles.h"
 #include "engine/models/mesh_file.h"
+#include "engine/vio/loop_closer.h"
 #include "engine/vio/own_poses.h"
 #include "engine/vio/vio_run.h"
 
@@ -24,11 +25,21 @@ namespace {
 
 struct VioArguments {
   std::string sequence, tracks, out, init, json, frame = "body";
-  std::vector<std::string> settings, tracker_settings;
+  std::vector<std::string> settings, tracker_settings, loop_settings;
+  bool no_loops = false;
   double drop_tracks = 0;
   std::uint64_t seed = 0;
   VioOptions options;
   TrackerOptions tracker;
+  LoopOptions loops;
+};
+
+/// What a recording gave, and what coming back to known places corrected.
+struct ClosedRun {
+  VioRun run;
+  std::vector<std::int64_t> point_stamps_ns;  ///< Of the image after which each point was finished.
+  LoopReport loops;
+  TrajectoryCorrection correction;
 };
 
 Status ParseSettings(VioArguments& arguments) {
@@ -37,6 +48,9 @@ Status ParseSettings(VioArguments& arguments) {
   }
   for (const std::string& setting : arguments.tracker_settings) {
     if (Status status = SetOption(setting, arguments.tracker); !status.ok()) return status;
+  }
+  for (const std::string& setting : arguments.loop_settings) {
+    if (Status status = SetOption(setting, arguments.loops); !status.ok()) return status;
   }
   return {};
 }
@@ -69,8 +83,27 @@ std::vector<WrittenPose> PosesOf(const VioRun& run, bool of_cam) {
   return poses;
 }
 
-Status WriteOutputs(const VioArguments& arguments, const VioRun& run) {
-  const std::string frames = "world_from_" + arguments.frame;
+/// Moves poses, their covariances and points to where closed loops have them.
+void Correct(ClosedRun& closed) {
+  if (closed.correction.empty()) return;
+  for (VioReport& report : closed.run.reports) {
+    const Eigen::Isometry3d move =
+        closed.correction.At(report.stamp_ns, report.world_from_body.translation());
+    report.world_from_body = move * report.world_from_body;
+    report.velocity_in_world = move.linear() * report.velocity_in_world;
+    report.covariance = closed.correction.CovarianceAt(report.stamp_ns, report.covariance);
+  }
+  for (std::size_t i = 0; i < closed.point_stamps_ns.size(); ++i) {
+    Eigen::Vector3d& point = closed.run.points[i].point_in_world;
+    point = closed.correction.At(closed.point_stamps_ns[i], point) * point;
+  }
+}
+
+Status WriteOutputs(const VioArguments& arguments, const ClosedRun& closed) {
+  const VioRun& run = closed.run;
+  std::string frames = "world_from_" + arguments.frame;
+  if (!closed.correction.empty())
+    frames += ", corrected where closed loops showed drift: not causal";
   const std::vector<WrittenPose> poses = PosesOf(run, arguments.frame == "cam");
   if (Status status = WriteTrajectory(arguments.out, frames, poses); !status.ok()) return status;
   if (Status status = WriteCovariances(CovarianceFileOf(arguments.out), frames, poses);
@@ -135,7 +168,7 @@ VioSummary Summarise(const VioRun& run) {
 
 std::vector<double> Listed(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-nlohmann::json SummaryToJson(const VioSummary& s, double seconds) {
+nlohmann::json SummaryToJson(const VioSummary& s, const LoopReport& loops, double seconds) {
   nlohmann::json pose = nlohmann::json::array();
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 4; ++column)
@@ -156,10 +189,37 @@ nlohmann::json SummaryToJson(const VioSummary& s, double seconds) {
           {"gyro_bias_rad_s", Listed(s.last->gyro_bias)},
           {"accel_bias_m_s2", Listed(s.last->accel_bias)},
           {"body_from_cam", pose},
-          {"time_offset_s", s.last->time_offset_s}};
+          {"time_offset_s", s.last->time_offset_s},
+          {"loops", ToJson(loops)}};
 }
 
-void PrintSummary(const VioSummary& s, const VioArguments& arguments) {
+void PrintLoops(const LoopReport& loops, bool asked) {
+  if (!asked) {
+    std::printf("loops: not looked for\n");
+    return;
+  }
+  if (!loops.has_images) {
+    std::printf(
+        "loops: none closed; places are known again by images, and these are tracks alone\n");
+    return;
+  }
+  const int given_up = static_cast<int>(loops.closures.size()) - loops.believed();
+  std::printf(
+      "loops: %d closed in %d corrections, %d given up again, %d farther off than drift can "
+      "be, %d unconfirmed\n",
+      loops.believed(), loops.epochs, given_up, loops.turned_away, loops.unconfirmed);
+  if (!loops.closures.empty()) {
+    std::printf(
+        "       they move poses by up to %.3f m and %.2f deg, the last one by %.3f m and "
+        "%.2f deg: not causal\n",
+        loops.largest_move_m, loops.largest_turn_deg, loops.last_move_m, loops.last_turn_deg);
+  }
+  std::printf("       %d key frames, %.1f ms and %.0f kB each\n", loops.key_frames,
+              loops.ms / std::max(1, loops.key_frames),
+              loops.bytes / 1e3 / std::max(1, loops.key_frames));
+}
+
+void PrintSummary(const VioSummary& s, const LoopReport& loops, const VioArguments& arguments) {
   const VioReport& last = *s.last;
   const auto spread = [&](int row) { return last.spread.segment<3>(row).norm(); };
   std::printf("%d of %d images have a pose, from %.2f s on; path %.2f m; %d %s\n", s.tracked,
@@ -182,12 +242,13 @@ void PrintSummary(const VioSummary& s, const VioArguments& arguments) {
               spread(9));
   std::printf("time offset        %9.3f ms  +- %.3f\n", 1e3 * last.time_offset_s,
               1e3 * last.spread(12));
+  PrintLoops(loops, !arguments.no_loops);
   for (const std::string& message : s.messages) std::printf("%s\n", message.c_str());
   if (!arguments.out.empty()) std::printf("wrote %s\n", arguments.out.c_str());
 }
 
-Result<VioRun> RunOn(const VioArguments& arguments, const Sequence& sequence, VioInput& input,
-                     const WorkContext& work) {
+Result<ClosedRun> RunOn(const VioArguments& arguments, const Sequence& sequence, VioInput& input,
+                        const WorkContext& work) {
   std::string tracks_file = arguments.tracks;
   if (tracks_file.empty() && !sequence.has_images() && sequence.tracks_file())
     tracks_file = sequence.tracks_file()->string();
@@ -202,12 +263,25 @@ Result<VioRun> RunOn(const VioArguments& arguments, const Sequence& sequence, Vi
     Warn(tracks->warnings);
     if (arguments.drop_tracks > 0)
       tracks->images = DropTracks(tracks->images, arguments.drop_tracks, arguments.seed);
-    return RunVio(input, tracks->images, arguments.options, work);
+    ClosedRun closed;
+    closed.run = RunVio(input, tracks->images, arguments.options, work);
+    return closed;
   }
   ImageSource images;
   for (int i = 0; i < sequence.num_frames(); ++i) images.stamps_ns.push_back(sequence.stamp_ns(i));
   images.read = [&](int index) { return sequence.ReadRawImage(index); };
-  return RunVio(input, images, arguments.options, arguments.tracker, work);
+  ClosedRun closed;
+  LoopCloser closer(input.camera, arguments.loops);
+  closed.run = RunVio(
+      input, images, arguments.options, arguments.tracker, work, [&](const VioMoment& moment) {
+        closed.point_stamps_ns.resize(closed.point_stamps_ns.size() + moment.points.size(),
+                                      moment.tracked.stamp_ns);
+        if (!arguments.no_loops) closer.See(moment);
+      });
+  closed.loops = closer.Report();
+  closed.correction = closer.Correction();
+  Correct(closed);
+  return closed;
 }
 
 /// Whether there will be a place for the results, before minutes of work.
@@ -233,8 +307,9 @@ Status Vio(VioArguments arguments) {
   if (!input.ok()) return input.error();
   ConsoleWork console;
   Stopwatch watch;
-  const Result<VioRun> run = RunOn(arguments, **opened, *input, console.context());
-  if (!run.ok()) return run.error();
+  const Result<ClosedRun> closed = RunOn(arguments, **opened, *input, console.context());
+  if (!closed.ok()) return closed.error();
+  const VioRun* run = &closed->run;
   const double seconds = watch.Milliseconds() / 1000;
   for (const std::string& skipped : run->skipped)
     std::fprintf(stderr, "image skipped: %s\n", skipped.c_str());
@@ -246,11 +321,12 @@ Status Vio(VioArguments arguments) {
                                                : summary.messages.back())};
   }
   if (!arguments.out.empty()) {
-    if (Status status = WriteOutputs(arguments, *run); !status.ok()) return status;
+    if (Status status = WriteOutputs(arguments, *closed); !status.ok()) return status;
   }
-  if (arguments.json != "-") PrintSummary(summary, arguments);
+  if (arguments.json != "-") PrintSummary(summary, closed->loops, arguments);
   if (!arguments.json.empty()) {
-    if (Status status = WriteJsonResult(arguments.json, SummaryToJson(summary, seconds));
+    if (Status status =
+            WriteJsonResult(arguments.json, SummaryToJson(summary, closed->loops, seconds));
         !status.ok())
       return status;
   }
@@ -289,6 +365,12 @@ void AddVioVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("--set", arguments->settings, "One filter option, key=value; may be repeated");
   verb->add_option("--set-tracker", arguments->tracker_settings,
                    "One option of the tracker, key=value; may be repeated");
+  verb->add_flag(
+      "--no-loops", arguments->no_loops,
+      "Do not correct drift where a known place is seen again: the filter's own poses, each "
+      "from nothing that came later");
+  verb->add_option("--set-loops", arguments->loop_settings,
+                   "One option of closing loops, key=value; may be repeated");
   verb->add_option("--json", arguments->json, "Write the result here; - for standard output")
       ->type_name("FILE");
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Vio(*arguments); }; });

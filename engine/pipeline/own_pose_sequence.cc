@@ -112,6 +112,12 @@ std::string OwnPoseSource::WaitsFor(int frame) const {
   return at < poses_->frames.size() ? poses_->frames[at].waits_for : std::string();
 }
 
+std::optional<PoseEstimate> OwnPoseSource::Pose(int frame) const {
+  std::optional<PoseEstimate> pose = folder_.Pose(frame);
+  if (pose) pose->epoch = poses_->EpochAt(frame);
+  return pose;
+}
+
 void OwnPoseSource::Seek(int frame) {
   held_.clear();
   told_.reset();

@@ -32,7 +32,7 @@ class OwnPoseSource : public RecordedSource {
   Result<std::optional<Packet>> Next(const std::stop_token& stop) override;
   int num_frames() const override { return folder_.num_frames(); }
   FramePacket Frame(int frame) const override { return folder_.Frame(frame); }
-  std::optional<PoseEstimate> Pose(int frame) const override { return folder_.Pose(frame); }
+  std::optional<PoseEstimate> Pose(int frame) const override;
   void Seek(int frame) override;
   /// Why a frame has no pose.
   std::string WaitsFor(int frame) const;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/recording/own_pose_record.h"
 
+#include <nlohmann/json.hpp>
+
 #include "engine/recording/frame_codec.h"
 
 namespace plumbline {
@@ -10,7 +12,45 @@ namespace {
 /// the recipe rose with `poses = vio`.
 constexpr const char* kOwnPosesSchema =
     "DROP TABLE IF EXISTS own_poses;"
-    "CREATE TABLE own_poses (frame INTEGER PRIMARY KEY, details BLOB NOT NULL)";
+    "CREATE TABLE own_poses (frame INTEGER PRIMARY KEY, details BLOB NOT NULL);"
+    "DROP TABLE IF EXISTS own_pose_loops;"
+    "CREATE TABLE own_pose_loops (causal INTEGER NOT NULL, report TEXT NOT NULL)";
+
+Result<bool> HasTable(sqlite::Database& database, const char* query) {
+  const Result<std::int64_t> present = database.QueryInteger(query);
+  if (!present) return present.error();
+  return *present > 0;
+}
+
+Status StoreLoops(sqlite::Database& database, const OwnPoses& poses) {
+  Result<sqlite::Statement> insert = database.Prepare("INSERT INTO own_pose_loops VALUES (?1, ?2)");
+  if (!insert) return insert.error();
+  const std::string report = ToJson(poses.loops).dump();
+  insert->Bind(1, static_cast<std::int64_t>(poses.causal));
+  insert->BindText(2, report);
+  return insert->Run();
+}
+
+/// Runs of before loops were closed have none.
+Status LoadLoops(sqlite::Database& database, OwnPoses& poses) {
+  const Result<bool> present = HasTable(
+      database,
+      "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'own_pose_loops'");
+  if (!present) return present.error();
+  if (!*present) return {};
+  const Result<std::int64_t> causal = database.QueryInteger("SELECT causal FROM own_pose_loops");
+  if (!causal) return causal.error();
+  const Result<std::string> report = database.QueryText("SELECT report FROM own_pose_loops");
+  if (!report) return report.error();
+  const nlohmann::json json = nlohmann::json::parse(*report, nullptr, false);
+  if (!json.is_object()) {
+    return Error{ErrorCode::kCorrupt, "the closed loops in " + database.file().string() +
+                                          " are damaged; repeat the run"};
+  }
+  poses.causal = *causal != 0;
+  poses.loops = LoopReportFromJson(json);
+  return {};
+}
 
 }  // namespace
 
@@ -25,14 +65,14 @@ Status StoreOwnPoses(sqlite::Database& database, const OwnPoses& poses) {
     insert->BindBlob(2, details);
     if (status = insert->Run(); !status.ok()) return status;
   }
-  return {};
+  return StoreLoops(database, poses);
 }
 
 Result<std::shared_ptr<const OwnPoses>> LoadOwnPoses(sqlite::Database& database) {
-  const Result<std::int64_t> present = database.QueryInteger(
-      "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'own_poses'");
+  const Result<bool> present = HasTable(
+      database, "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'own_poses'");
   if (!present) return present.error();
-  if (*present == 0) return std::shared_ptr<const OwnPoses>();
+  if (!*present) return std::shared_ptr<const OwnPoses>();
   Result<sqlite::Statement> rows =
       database.Prepare("SELECT frame, details FROM own_poses ORDER BY frame");
   if (!rows) return rows.error();
@@ -40,7 +80,10 @@ Result<std::shared_ptr<const OwnPoses>> LoadOwnPoses(sqlite::Database& database)
   while (true) {
     const Result<bool> row = rows->Step();
     if (!row) return row.error();
-    if (!*row) return std::shared_ptr<const OwnPoses>(std::move(poses));
+    if (!*row) {
+      if (Status status = LoadLoops(database, *poses); !status.ok()) return status.error();
+      return std::shared_ptr<const OwnPoses>(std::move(poses));
+    }
     OwnPoseReport report;
     if (rows->Integer(0) != static_cast<std::int64_t>(poses->frames.size()) ||
         !DecodeOwnPose(rows->Blob(1), report).ok()) {

@@ -3,9 +3,21 @@
 
 #include "engine/base/options.h"
 #include "engine/tracking/tracker_options.h"
+#include "engine/vio/loop_options.h"
 #include "engine/vio/vio_options.h"
 
 namespace plumbline {
+
+/// What becomes of a place that is known again.
+enum class LoopUse {
+  kOff,        ///< Nothing: poses are the filter's own.
+  kCausal,     ///< Poses from there on are corrected; earlier ones stay as they were told.
+  kCorrected,  ///< The whole trajectory is corrected before anything is mapped: not causal.
+};
+template <>
+struct EnumNames<LoopUse> {
+  static constexpr std::string_view names[] = {"off", "causal", "corrected"};
+};
 
 /// Everything that can be chosen about poses that come from a sequence's own images and IMU: the
 /// tracking, the filter, and when a mapper may believe them.
@@ -21,6 +33,10 @@ struct OwnPoseOptions {
     return options;
   }();
 
+  // Drift
+  LoopUse loops = LoopUse::kCorrected;
+  LoopOptions closing;
+
   // When poses serve a mapper
   double ready_tilt_deg = 1.0;
   double ready_velocity_m_s = 0.05;
@@ -31,12 +47,17 @@ struct OwnPoseOptions {
   double floor_spread_m = 0.06;
 };
 
-/// One flat list of names: those of the tracker, the filter, and what lies between them and the
-/// mapper.
+/// One flat list of names: those of the tracker, the filter, closing loops, and what lies between
+/// them and the mapper.
 template <class Visitor>
 void VisitFields(OwnPoseOptions& o, Visitor&& visit) {
   VisitFields(o.tracker, visit);
   VisitFields(o.filter, visit);
+  visit(o.loops,
+        {"loops", "",
+         "places known again: off, causal (correct later poses only), corrected (the whole "
+         "trajectory, before mapping)"});
+  VisitFields(o.closing, visit);
   visit(
       o.ready_tilt_deg,
       {"ready_tilt_deg", "deg",

@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/base/options.h"
+#include "engine/vio/loop_report.h"
 #include "engine/vio/vio_report.h"
 
 namespace plumbline {
@@ -66,15 +67,20 @@ struct OwnPoseReport {
   std::optional<FloorReport> floor;              ///< As known after this image.
 };
 
-/// Poses of a sequence from its own images and IMU: each the estimate at its image, from nothing
-/// that came later. `world` has z up; it begins where the filter began.
+/// Poses of a sequence from its own images and IMU. `world` has z up; it begins where the filter
+/// began.
 struct OwnPoses {
   std::vector<OwnPoseReport> frames;  ///< Index = frame of the sequence, up to the last asked for.
+  LoopReport loops;                   ///< Places known again.
+  /// Each pose is an estimate from nothing that came later; otherwise closed loops corrected all.
+  bool causal = true;
 
   /// The floor as known in the end.
   std::optional<FloorReport> last_floor() const {
     return frames.empty() ? std::nullopt : frames.back().floor;
   }
+  /// Corrections that a frame's pose contains.
+  int EpochAt(int frame) const { return causal ? loops.EpochAt(frame) : loops.epochs; }
 };
 
 }  // namespace plumbline

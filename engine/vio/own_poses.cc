@@ -13,6 +13,7 @@
 #include "engine/geometry/angles.h"
 #include "engine/vio/chi_square_gate.h"
 #include "engine/vio/floor_finder.h"
+#include "engine/vio/loop_closer.h"
 #include "engine/vio/point_view.h"
 #include "engine/vio/rotation.h"
 
@@ -67,7 +68,8 @@ class Recorder {
     poses.frames.resize(static_cast<std::size_t>(num_frames));
   }
 
-  void See(const VioMoment& moment) {
+  /// @param move  new_world_from_world: what closed loops correct this image's pose by.
+  void See(const VioMoment& moment, const Eigen::Isometry3d& move) {
     OwnPoseReport& frame = poses.frames[static_cast<std::size_t>(moment.image)];
     frame.tracking_ms = moment.tracking_ms;
     frame.measured = !moment.reports.empty();
@@ -86,9 +88,29 @@ class Recorder {
     AddTracks(moment, state, frame);
     if (state) {
       AddPose(*state, frame);
-      AddFloor(moment, frame);
+      for (const MapPoint& point : moment.points)
+        frame.points_in_world.push_back(point.point_in_world.cast<float>());
+      MoveFrame(move, frame);
+      AddFloor(moment.image, frame);
     }
     Judge(frame);
+  }
+
+  /// Moves all that was told to where closed loops have it, and finds the floor again there.
+  void Correct(const TrajectoryCorrection& correction) {
+    floor_stretch_ = ready_stretch_ = 0;
+    for (std::size_t i = 0; i < poses.frames.size(); ++i) {
+      OwnPoseReport& frame = poses.frames[i];
+      if (!frame.world_from_cam) continue;
+      const std::int64_t stamp = frame.vio.stamp_ns;
+      const PoseCovariance of_body = correction.CovarianceAt(stamp, frame.vio.covariance);
+      MoveFrame(correction.At(stamp, frame.vio.world_from_body.translation()), frame);
+      frame.vio.covariance = of_body;
+      frame.cam_covariance = MovedBy(
+          frame.world_from_cam->translation() - frame.vio.world_from_body.translation(), of_body);
+      AddFloor(static_cast<int>(i), frame);
+      if (frame.ready) ready_stretch_ = frame.vio.stretch;
+    }
   }
 
   /// @return what the last image waits for.
@@ -155,21 +177,36 @@ class Recorder {
       frame.nis_gate = ChiSquareGate(kGateOfPlots)(frame.vio.step.nis_dof);
   }
 
-  void AddFloor(const VioMoment& moment, OwnPoseReport& frame) {
+  void AddFloor(int image, OwnPoseReport& frame) {
     if (frame.vio.stretch != floor_stretch_) {
       floor_stretch_ = frame.vio.stretch;
       floor_.Clear();
       found_floor_.reset();
     }
-    for (const MapPoint& point : moment.points)
-      frame.points_in_world.push_back(point.point_in_world.cast<float>());
     // Before the scale has settled, heights are not those of the room.
-    if (ready_stretch_ == frame.vio.stretch && !moment.points.empty()) {
-      for (const MapPoint& point : moment.points) floor_.Add(point.point_in_world, moment.image);
+    if (ready_stretch_ == frame.vio.stretch && !frame.points_in_world.empty()) {
+      for (const Eigen::Vector3f& point : frame.points_in_world)
+        floor_.Add(point.cast<double>(), image);
       if (const auto found = floor_.Find(frame.world_from_cam->translation().z()))
         found_floor_ = found;
     }
     frame.floor = found_floor_;
+  }
+
+  static void MoveFrame(const Eigen::Isometry3d& move, OwnPoseReport& frame) {
+    if (move.matrix().isIdentity(0)) return;
+    frame.vio.world_from_body = move * frame.vio.world_from_body;
+    frame.vio.velocity_in_world = move.linear() * frame.vio.velocity_in_world;
+    frame.world_from_cam = move * *frame.world_from_cam;
+    const auto turn = [&](PoseCovariance& covariance) {
+      PoseCovariance by = PoseCovariance::Zero();
+      by.topLeftCorner<3, 3>() = by.bottomRightCorner<3, 3>() = move.linear();
+      covariance = by * covariance * by.transpose();
+    };
+    turn(frame.vio.covariance);
+    turn(frame.cam_covariance);
+    for (Eigen::Vector3f& point : frame.points_in_world)
+      point = (move * Eigen::Vector3d(point.cast<double>())).cast<float>();
   }
 
   /// Whether the mapper may use the pose, and if not, why.
@@ -257,9 +294,12 @@ Result<OwnPoses> EstimateOwnPoses(const Sequence& sequence, int end_frame,
     frame.vio.stamp_ns = sequence.stamp_ns(i);
     frame.waits_for = "the image could not be read";
   }
+  LoopCloser closer(input->camera, options.closing);
   RunVio(*input, images, options.filter, options.tracker, work, [&](const VioMoment& moment) {
     recorder.poses.frames[static_cast<std::size_t>(moment.image)].waits_for.clear();
-    recorder.See(moment);
+    if (options.loops != LoopUse::kOff) closer.See(moment);
+    const YawMove move = options.loops == LoopUse::kCausal ? closer.PresentMove() : YawMove();
+    recorder.See(moment, move.AsIsometry());
   });
   if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
   if (!recorder.any_ready()) {
@@ -267,6 +307,12 @@ Result<OwnPoses> EstimateOwnPoses(const Sequence& sequence, int end_frame,
         ErrorCode::kDegenerate,
         "no image of " + name + " got a pose that serves mapping: " +
             (recorder.last_wait().empty() ? "no image could be read" : recorder.last_wait())};
+  }
+  recorder.poses.loops = closer.Report();
+  const TrajectoryCorrection correction = closer.Correction();
+  if (options.loops == LoopUse::kCorrected && !correction.empty()) {
+    recorder.poses.causal = false;
+    recorder.Correct(correction);
   }
   return std::move(recorder.poses);
 }

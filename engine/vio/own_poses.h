@@ -17,7 +17,8 @@ namespace plumbline {
 Result<VioInput> VioInputOf(const Sequence& sequence, const ImuRecording& imu);
 
 /// Poses of a sequence from its images and IMU alone; its own poses, gravity and floor are not
-/// looked at. Causal: what is said of an image does not depend on later ones. Deterministic; about
+/// looked at. Causal, unless loops correct the whole trajectory (`options.loops`,
+/// OwnPoses::causal): what is said of an image does not depend on later ones. Deterministic; about
 /// 10 ms an image.
 /// @param end_frame  Images from this one on are not looked at.
 /// Errors: as of VioInputOf; kNotFound for a sequence without images; kDegenerate where no image

@@ -94,7 +94,8 @@ VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions
     feeder.run.tracking_ms += tracking_ms;
     const auto [reports, points] = feeder.FeedImage(tracked);
     if (seen)
-      seen({static_cast<int>(i), tracked, reports, points, feeder.estimator(), tracking_ms});
+      seen(
+          {static_cast<int>(i), *image, tracked, reports, points, feeder.estimator(), tracking_ms});
     work.report({"visual-inertial", feeder.run.images, static_cast<int>(images.stamps_ns.size())});
   }
   return std::move(feeder.run);

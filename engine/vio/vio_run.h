@@ -48,6 +48,7 @@ struct ImageSource {
 /// What one image did, for those who watch.
 struct VioMoment {
   int image = 0;  ///< Index in the source.
+  const cv::Mat& picture;
   const TrackedImage& tracked;
   std::span<const VioReport> reports;  ///< Of AddImage.
   std::span<const MapPoint> points;    ///< Finished since the image before.

@@ -176,6 +176,17 @@ TEST_F(VioVerb, SaysWhichRowsItLeftOut) {
   EXPECT_THAT(outcome.output, HasSubstr("tracks.csv"));
 }
 
+TEST_F(VioVerb, TracksAloneCloseNoLoopsAndItSaysSo) {
+  const std::string vio = "vio walk --init walk/groundtruth.csv ";
+  const ProgramRun outcome = Run(vio + "--json vio.json --out a.txt");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("loops: none closed"));
+  EXPECT_EQ(ReadJson(folder_.path() / "vio.json").value()["loops"]["closed"], 0);
+  EXPECT_THAT(Run(vio + "--no-loops --out b.txt").output, HasSubstr("loops: not looked for"));
+  EXPECT_EQ(ReadFile(folder_.path() / "a.txt").value(), ReadFile(folder_.path() / "b.txt").value());
+  EXPECT_THAT(Run(vio + "--set-loops no_such=1").output, HasSubstr("no_such"));
+}
+
 TEST_F(VioVerb, EvaluateRefusesWhatItCannotCompare) {
   Write("T.txt", "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n");
   Write("far.txt", "1001 0 0 0 0 0 0 1\n1002 1 0 0 0 0 0 1\n");

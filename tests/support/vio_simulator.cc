@@ -77,10 +77,10 @@ Camera SimulatedCamera(double arm) {
 }
 
 /// Points on the walls, the floor and the ceiling.
-std::vector<Eigen::Vector3d> RoomPoints(std::uint64_t seed) {
-  Random random({seed, 1});
+std::vector<Eigen::Vector3d> RoomPoints(const VioSimulation& options) {
+  Random random({options.seed, 1});
   std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < 1500; ++i) {
+  for (int i = 0; i < options.room_points; ++i) {
     Eigen::Vector3d p(random.Uniform(-4, 4), random.Uniform(-4, 4), random.Uniform(0, 4));
     const std::uint32_t wall = random.Index(6);
     p[static_cast<int>(wall / 2)] = wall % 2 == 0 ? -4 : 4;
@@ -92,7 +92,7 @@ std::vector<Eigen::Vector3d> RoomPoints(std::uint64_t seed) {
 
 void SimulateImages(const VioSimulation& options, const Path& path, SimulatedRecording& result) {
   const DistortedCamera camera(result.camera);
-  const std::vector<Eigen::Vector3d> points = RoomPoints(options.seed);
+  const std::vector<Eigen::Vector3d> points = RoomPoints(options);
   Random random({options.seed, 2});
   std::map<std::size_t, std::int64_t> followed;
   std::int64_t next_id = 0;
@@ -109,6 +109,10 @@ void SimulateImages(const VioSimulation& options, const Path& path, SimulatedRec
     }
     std::erase_if(followed, [&](const auto& entry) { return seen.count(entry.first) == 0; });
     for (const auto& [i, pixel] : seen) {
+      if (options.follow_all) {
+        followed[i] = static_cast<std::int64_t>(i);
+        continue;
+      }
       if (static_cast<int>(followed.size()) >= options.points) break;
       if (followed.count(i) == 0) followed[i] = next_id++;
     }

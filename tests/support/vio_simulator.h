@@ -20,6 +20,9 @@ struct VioSimulation {
   bool moves = true;  ///< Otherwise it only turns, in place.
   double arm = 1;     ///< Times (0.05, -0.03, 0.02) m, the camera on the body.
   int points = 60;    ///< Followed at a time.
+  /// In the room; where all that are in sight are followed, they are known by one number for ever.
+  int room_points = 1500;
+  bool follow_all = false;
   double image_hz = 20, imu_hz = 200;
   double pixel_noise_px = 1;
   double imu_noise = 1;      ///< Times the densities of ImuCalibration().
@@ -29,7 +32,8 @@ struct VioSimulation {
   std::uint64_t seed = 1;
 };
 
-/// What a body that swings about in a room of 8 x 8 x 4 m records, and the truth.
+/// What a body that swings about in a room of 8 x 8 x 4 m records, and the truth. It is back where
+/// it was, and looks the same way, after each 20 pi seconds of motion.
 struct SimulatedRecording {
   Camera camera;  ///< True; radial-tangential, 640x480.
   ImuCalibration imu;

@@ -31,6 +31,9 @@ void AddOwnPoses(PanelHarness& harness) {
     }
     poses->frames.push_back(frame);
   }
+  poses->loops.epochs = 1;
+  poses->loops.closures = {
+      {.image = 30, .old_image = 12, .closed_image = 31, .inliers = 25, .epoch = 1}};
   auto view = std::make_shared<SequenceView>(*harness.context.sequence);
   view->own_poses = poses;
   view->given_world_from_cam.assign(60, Eigen::Isometry3d::Identity());

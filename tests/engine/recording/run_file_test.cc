@@ -79,6 +79,10 @@ TEST(RunFile, KeepsThePosesOfTheFilter) {
   frame.tracks = {{123456789012, {10.5f, 20.25f}, 7, TrackState::kRejected, 1.5f}};
   frame.points_in_world = {{1, 2, 3}, {4, 5, 6}};
   frame.floor = FloorReport{-1.3, 0.02, 40};
+  poses.causal = false;
+  poses.loops.key_frames = 7;
+  poses.loops.epochs = 1;
+  poses.loops.closures = {{2, 0, 2, 31, 0.5, 1.25, 0.875, 1}};
   {
     auto writer = RunWriter::Create(file, RandomHeader(1), {}, &poses);
     ASSERT_TRUE(writer.ok()) << writer.error().message;
@@ -97,6 +101,9 @@ TEST(RunFile, KeepsThePosesOfTheFilter) {
   EXPECT_EQ(back.tracks.at(0).state, TrackState::kRejected);
   EXPECT_EQ(back.points_in_world.at(1), Eigen::Vector3f(4, 5, 6));
   EXPECT_EQ(back.floor->points, 40);
+  EXPECT_FALSE((*read)->causal);
+  EXPECT_EQ(ToJson((*read)->loops), ToJson(poses.loops));
+  EXPECT_EQ((*read)->EpochAt(0), 1);
 
   WriteFrames(folder.path() / "given.plb", 1);
   EXPECT_EQ(*OpenRun(folder.path() / "given.plb")->ReadOwnPoses(), nullptr);

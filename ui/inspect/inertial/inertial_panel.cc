@@ -49,6 +49,7 @@ class InertialPanel : public Panel {
     ImGui::PushFont(context.fonts.small);
     ImGui::BeginChild("inertial.scroll", ImGui::GetContentRegionAvail());
     DrawState(frame);
+    DrawLoops(*poses, static_cast<int>(at));
     if (over_time_) {
       plots_.Draw(context);
     } else {
@@ -71,6 +72,20 @@ class InertialPanel : public Panel {
     if (!frame.measured) text += "; this image came too soon, the pose is the IMU's prediction";
     if (frame.vio.stretch > 1) text += fmt::format("; start {}", frame.vio.stretch);
     WrappedText(colors::kGood, text);
+  }
+
+  /// Places known again, and the corrections that this frame's pose contains.
+  static void DrawLoops(const OwnPoses& poses, int frame) {
+    if (poses.loops.closures.empty()) return;
+    std::string text = fmt::format("{} loops closed, correction {} of {}{}", poses.loops.believed(),
+                                   poses.EpochAt(frame), poses.loops.epochs,
+                                   poses.causal ? "" : ", known before mapping began");
+    for (const LoopClosure& closure : poses.loops.closures) {
+      if (closure.image != frame) continue;
+      text += fmt::format("; here: frame {} seen again by {} points{}", closure.old_image,
+                          closure.inliers, closure.trust < 0.5 ? ", given up" : "");
+    }
+    WrappedText(colors::kAccent, text);
   }
 
   /// Side by side where there is room.

@@ -144,6 +144,13 @@ void DrawPlot(const FrameContext& context, const InertialPlot& plot, ImVec2 low,
     draw.AddPolyline(points.data(), static_cast<int>(points.size()), curve.color, 0,
                      context.Scaled(1.2));
   }
+  for (const LoopClosure& closure : context.sequence->own_poses->loops.closures) {
+    const float x =
+        at(static_cast<std::size_t>(std::clamp(closure.image, 0, static_cast<int>(count) - 1)),
+           least)
+            .x;
+    draw.AddLine({x, low.y}, {x, high.y}, WithAlpha(colors::kAccent, 0.5));
+  }
   const float now =
       at(static_cast<std::size_t>(std::clamp(frame, 0, static_cast<int>(count) - 1)), least).x;
   draw.AddLine({now, low.y}, {now, high.y}, colors::kText, context.Scaled(1.2));
