@@ -32,6 +32,7 @@ class Folder : public testing::Test {
         return "gravity" + when(p.stamp_ns);
       }
       std::string operator()(const FloorEstimate& p) const { return "floor" + when(p.stamp_ns); }
+      std::string operator()(const PointEstimates& p) const { return "points" + when(p.stamp_ns); }
       std::string operator()(const ImuSample& p) const { return "imu" + when(p.stamp_ns); }
       std::string operator()(const PoseEstimate& p) const {
         return "pose " + std::to_string(p.id.value) + when(p.stamp_ns);
