@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands `vio` and `evaluate --trajectory` as a script meets them.
 
+#include <cmath>
 #include <cstdio>
 
 #include <gtest/gtest.h>
@@ -132,9 +133,12 @@ TEST_F(VioVerb, CalibrateMendsAWrongCameraAndWritesItsFiles) {
   const nlohmann::json mended = ReadJson(folder_.path() / "found" / "camera.json").value();
   EXPECT_NEAR(mended["body_from_cam"][0][3].get<double>(), arm_m, 0.005);
   EXPECT_EQ(mended["note"], "of the workshop");
-  EXPECT_NEAR(
-      ReadJson(folder_.path() / "found" / "imu.json").value()["time_offset_s"].get<double>(), 0,
-      0.001);
+  // Twelve seconds of points that scatter by a pixel tell the offset of the clocks to a
+  // millisecond.
+  const double offset_s =
+      ReadJson(folder_.path() / "found" / "imu.json").value()["time_offset_s"].get<double>();
+  EXPECT_LT(std::abs(offset_s), 0.003);
+  EXPECT_LT(std::abs(offset_s), 4 * found["std"][6].get<double>());
   EXPECT_THAT(ReadFile(folder_.path() / "found.html").value(), HasSubstr("<svg"));
   EXPECT_NE(Run("calibrate nowhere 2>&1").exit_code, 0);
 }
