@@ -443,7 +443,8 @@ cv::Mat OutlinedImage(const MapSnapshot& snapshot, const SequenceView& view) {
 
 std::string RunReportHtml(const RunReview& review, const std::vector<ReportPicture>& pictures,
                           const std::optional<MapEvaluation>& evaluation, const std::string& name) {
-  std::string body = Cards(review, evaluation) + Pictures(pictures) + Plan(review) + ObjectTable(review);
+  std::string body =
+      Cards(review, evaluation) + Pictures(pictures) + Plan(review) + ObjectTable(review);
   if (evaluation) body += EvaluationTable(*evaluation);
   body += ReliabilityOfRun(review) + Plots(review) + Cost(review) + Appendix(review);
   return HtmlPage(

@@ -229,6 +229,13 @@ Status Calibrate(CalibrateArguments arguments) {
     if (!fs::is_directory(arguments.out))
       return Error{ErrorCode::kIo, "cannot create the folder '" + arguments.out + "'"};
   }
+  // Before minutes of work: whether there will be a place for the results.
+  for (const std::string& file : {arguments.report, arguments.json}) {
+    const fs::path folder = fs::absolute(file).parent_path();
+    if (!file.empty() && file != "-" && !fs::is_directory(folder))
+      return Error{ErrorCode::kNotFound, "cannot write '" + file + "': there is no folder '" +
+                                             folder.string() + "'; create it first"};
+  }
   const auto sequence = OpenSequence(arguments.sequence);
   if (!sequence.ok()) return sequence.error();
   const Result<ImuRecording> imu = (*sequence)->ReadImu();

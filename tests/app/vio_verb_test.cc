@@ -141,6 +141,9 @@ TEST_F(VioVerb, CalibrateMendsAWrongCameraAndWritesItsFiles) {
   EXPECT_LT(std::abs(offset_s), 4 * found["std"][6].get<double>());
   EXPECT_THAT(ReadFile(folder_.path() / "found.html").value(), HasSubstr("<svg"));
   EXPECT_NE(Run("calibrate nowhere 2>&1").exit_code, 0);
+  const ProgramRun nowhere = Run("calibrate walk --report no/folder/found.html 2>&1");
+  EXPECT_NE(nowhere.exit_code, 0);
+  EXPECT_THAT(nowhere.output, AllOf(HasSubstr("no folder"), Not(HasSubstr("forward"))));
 }
 
 TEST_F(VioVerb, TheSameInputGivesTheSameFile) {
