@@ -231,8 +231,9 @@ Status Calibrate(CalibrateArguments arguments) {
   }
   // Before minutes of work: whether there will be a place for the results.
   for (const std::string& file : {arguments.report, arguments.json}) {
+    if (file.empty() || file == "-") continue;
     const fs::path folder = fs::absolute(file).parent_path();
-    if (!file.empty() && file != "-" && !fs::is_directory(folder))
+    if (!fs::is_directory(folder))
       return Error{ErrorCode::kNotFound, "cannot write '" + file + "': there is no folder '" +
                                              folder.string() + "'; create it first"};
   }

@@ -140,7 +140,9 @@ TEST_F(VioVerb, CalibrateMendsAWrongCameraAndWritesItsFiles) {
   EXPECT_LT(std::abs(offset_s), 0.003);
   EXPECT_LT(std::abs(offset_s), 4 * found["std"][6].get<double>());
   EXPECT_THAT(ReadFile(folder_.path() / "found.html").value(), HasSubstr("<svg"));
-  EXPECT_NE(Run("calibrate nowhere 2>&1").exit_code, 0);
+  const ProgramRun missing = Run("calibrate nowhere 2>&1");
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_THAT(missing.output, AllOf(HasSubstr("nowhere"), Not(HasSubstr("bug"))));
   const ProgramRun nowhere = Run("calibrate walk --report no/folder/found.html 2>&1");
   EXPECT_NE(nowhere.exit_code, 0);
   EXPECT_THAT(nowhere.output, AllOf(HasSubstr("no folder"), Not(HasSubstr("forward"))));
