@@ -19,6 +19,12 @@ constexpr double kLeastModeWeight = 0.03;  ///< Of a proposal; the mode's mass i
 constexpr double kTailFreedom = 5;         ///< Degrees of freedom of Student's t.
 constexpr double kLeastSpread_m = 0.003, kLeastSpread_rad = 0.3 * kRadPerDeg;
 constexpr double kUsualSpread_m = 0.02, kUsualSpread_rad = 2 * kRadPerDeg, kUsualCount = 5;
+/// A mode that a search found, before it is compared: members, steps of each, how far below the best
+/// it may be found [nats]. Found by so few, it may stand well below its peak.
+constexpr std::size_t kPolished = 48;
+constexpr int kPolishSteps = 5;
+constexpr double kPolishReach = 25;
+constexpr int kMostPolished = 3;
 constexpr double kLeastWalk_m = 0.0015, kLeastWalk_rad = 0.15 * kRadPerDeg;
 
 /// One round of a search: how many go on, how sharply they are chosen, how far they step.
@@ -202,12 +208,13 @@ double PoseSampler::WalkAt(Population& population, double temperature) {
          static_cast<double>(std::max<std::size_t>(1, proposed.size()));
 }
 
-void PoseSampler::AddModes(const Population& population, bool equally,
-                           std::vector<ProposalMode>& modes) const {
+std::vector<ProposalMode> PoseSampler::ModesOf(const Population& population, double sharpness,
+                                               double reach) const {
+  std::vector<ProposalMode> modes;
   std::vector<bool> taken(population.size(), false);
   double highest = -std::numeric_limits<double>::infinity();
   for (const Judgement& judged : population.judged) highest = std::max(highest, judged.log_target);
-  for (std::size_t count = 0; count < kMostModes; ++count) {
+  while (modes.size() < kMostModes) {
     std::size_t seed = population.size();
     for (std::size_t i = 0; i < population.size(); ++i) {
       if (taken[i]) continue;
@@ -215,9 +222,9 @@ void PoseSampler::AddModes(const Population& population, bool equally,
           population.judged[i].log_target > population.judged[seed].log_target)
         seed = i;
     }
-    if (seed == population.size()) return;
+    if (seed == population.size()) return modes;
     const double best = population.judged[seed].log_target;
-    if (!equally && best < highest - kFaintMode) return;
+    if (best < highest - reach) return modes;
     const PoseHypothesis& from = population.hypotheses[seed];
     Moments moments;
     for (std::size_t i = 0; i < population.size(); ++i) {
@@ -226,9 +233,7 @@ void PoseSampler::AddModes(const Population& population, bool equally,
       if (difference.head<3>().norm() > kModeReach_m || std::abs(difference[3]) > kModeReach_rad)
         continue;
       taken[i] = true;
-      // Those of a search are drawn from the target already, or nearly.
-      moments.Add(equally ? 1.0 : std::exp((population.judged[i].log_target - best) / 3),
-                  difference);
+      moments.Add(std::exp(sharpness * (population.judged[i].log_target - best)), difference);
     }
     ProposalMode mode;
     mode.mean = from;
@@ -243,21 +248,45 @@ void PoseSampler::AddModes(const Population& population, bool equally,
     mode.root = cholesky.matrixL();
     mode.log_determinant = 2 * mode.root.diagonal().array().log().sum();
     mode.weight = best + 0.5 * mode.log_determinant;  // log of its mass but for a constant
-    const bool known = std::any_of(modes.begin(), modes.end(), [&](const ProposalMode& other) {
-      if (other.mean.label != mode.mean.label) return false;
-      const Eigen::Vector4d difference = Difference(mode.mean, other.mean);
-      return difference.head<3>().norm() < kModeReach_m / 4 &&
-             std::abs(difference[3]) < kModeReach_rad / 4;
-    });
-    if (!known) modes.push_back(mode);
+    modes.push_back(mode);
   }
+  return modes;
+}
+
+bool PoseSampler::Knows(const std::vector<ProposalMode>& modes, const ProposalMode& mode) const {
+  return std::any_of(modes.begin(), modes.end(), [&](const ProposalMode& other) {
+    if (other.mean.label != mode.mean.label) return false;
+    const Eigen::Vector4d difference = Difference(mode.mean, other.mean);
+    return difference.head<3>().norm() < kModeReach_m / 4 &&
+           std::abs(difference[3]) < kModeReach_rad / 4;
+  });
+}
+
+ProposalMode PoseSampler::Polished(const ProposalMode& found) {
+  Population members;
+  members.hypotheses.push_back(found.mean);
+  while (members.size() < kPolished) members.hypotheses.push_back(Draw({found}));
+  members.judged = target_(members.hypotheses);
+  // Down to the target in halves of the temperature that leaves all of them alike.
+  for (int step = kPolishSteps - 1; step >= 0; --step) {
+    const double temperature = static_cast<double>(1 << step);
+    Population chosen;
+    for (const std::size_t index : Choose(members, temperature, kPolished)) {
+      chosen.hypotheses.push_back(members.hypotheses[index]);
+      chosen.judged.push_back(members.judged[index]);
+    }
+    members = std::move(chosen);
+    WalkAt(members, temperature);
+  }
+  return ModesOf(members, 0, std::numeric_limits<double>::infinity()).front();
 }
 
 std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
                                                  const std::vector<PoseHypothesis>& challengers) {
-  std::vector<ProposalMode> modes;
-  AddModes(population, true, modes);
-  const std::size_t own = modes.size();
+  std::vector<ProposalMode> modes =
+      ModesOf(population, 0, std::numeric_limits<double>::infinity());
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const ProposalMode& mode : modes) highest = std::max(highest, mode.weight);
   if (!challengers.empty()) {
     Population search{challengers, target_(challengers)};
     for (const Round& round : kSearch) {
@@ -272,15 +301,24 @@ std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
       next.Add(steps);
       search = std::move(next);
     }
-    AddModes(search, false, modes);
+    // Those of a search are drawn from the target already, or nearly.
+    const std::size_t own = modes.size();
+    int polished = 0;
+    for (const ProposalMode& found : ModesOf(search, 1.0 / 3, kPolishReach)) {
+      if (Knows(modes, found) || found.weight < highest - kPolishReach ||
+          polished == kMostPolished)
+        continue;
+      ++polished;
+      const ProposalMode mode = Polished(found);
+      highest = std::max(highest, mode.weight);
+      if (!Knows(modes, mode)) modes.push_back(mode);
+    }
+    // The population's own stay, however faint: what cannot be proposed again cannot be left.
+    modes.erase(
+        std::remove_if(modes.begin() + static_cast<std::ptrdiff_t>(own), modes.end(),
+                       [&](const ProposalMode& m) { return m.weight < highest - kFaintMode; }),
+        modes.end());
   }
-  double highest = -std::numeric_limits<double>::infinity();
-  for (const ProposalMode& mode : modes) highest = std::max(highest, mode.weight);
-  // The population's own stay, however faint: what cannot be proposed again cannot be left.
-  modes.erase(
-      std::remove_if(modes.begin() + static_cast<std::ptrdiff_t>(own), modes.end(),
-                     [&](const ProposalMode& m) { return m.weight < highest - kFaintMode; }),
-      modes.end());
   double sum = 0;
   for (ProposalMode& mode : modes)
     sum += mode.weight = std::max(std::exp(mode.weight - highest), kLeastModeWeight);

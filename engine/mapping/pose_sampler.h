@@ -86,8 +86,14 @@ class PoseSampler {
   double WalkAt(Population& population, double temperature);
   PoseHypothesis Draw(const std::vector<ProposalMode>& modes);
   double LogDensity(const std::vector<ProposalMode>& modes, const PoseHypothesis& hypothesis) const;
-  /// Modes of a population whose members count exp(log target), or equally.
-  void AddModes(const Population& population, bool equally, std::vector<ProposalMode>& modes) const;
+  /// Modes of a population, the highest first and none lower by more than `reach` [nats]; their
+  /// spread is that of members that count exp(sharpness * log target).
+  std::vector<ProposalMode> ModesOf(const Population& population, double sharpness,
+                                    double reach) const;
+  bool Knows(const std::vector<ProposalMode>& modes, const ProposalMode& mode) const;
+  /// The mode brought to its peak and its own spread. What was found roughly would be proposed too
+  /// widely to be ever accepted, against a population that has been refined for long.
+  ProposalMode Polished(const ProposalMode& found);
   Eigen::Vector4d Difference(const PoseHypothesis& a, const PoseHypothesis& from) const;
   Random Next() {
     ++key_.particle;
