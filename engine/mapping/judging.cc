@@ -18,6 +18,10 @@ double IndependentViews(double weight, double correlation) {
   return weight / (1 + correlation * std::max(0.0, weight - 1));
 }
 
+double ViewScale(double weight, double sharpness, const MapperOptions& options) {
+  return weight > 0 ? IndependentViews(sharpness * weight, options.view_correlation) / weight : 0;
+}
+
 std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame& map,
                                  std::span<const JudgingView> views,
                                  std::span<const PoseHypothesis> hypotheses,
@@ -75,11 +79,10 @@ Target Outside(std::vector<TakenPlace> taken, Target target) {
 
 Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
                  std::vector<JudgingView> remembered, const JudgingView& present,
-                 const MapperOptions& options) {
+                 const MapperOptions& options, double sharpness) {
   double weight = present.weight;
   for (const JudgingView& view : remembered) weight += view.weight;
-  const double scale =
-      weight > 0 ? IndependentViews(weight, options.view_correlation) / weight : 0.0;
+  const double scale = ViewScale(weight, sharpness, options);
   return [&scorer, &map, &options, remembered = std::move(remembered), present,
           scale](std::span<const PoseHypothesis> hypotheses) {
     const std::vector<double> memory = SumOverViews(scorer, map, remembered, hypotheses, options);

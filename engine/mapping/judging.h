@@ -22,6 +22,10 @@ struct JudgingView {
 /// `correlation`: their information does not grow beyond 1 / correlation.
 double IndependentViews(double weight, double correlation);
 
+/// What a sum over views of all together `weight` is multiplied by in a posterior: each counts as
+/// `sharpness` views (likelihood_sharpness.h), and all as many as are independent.
+double ViewScale(double weight, double sharpness, const MapperOptions& options);
+
 /// Sum over views of weight * (alpha * Phi_cnn + beta * Phi_edge), for each hypothesis.
 std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame& map,
                                  std::span<const JudgingView> views,
@@ -47,9 +51,10 @@ TakenPlace PlaceOf(const CadModel& model, const Eigen::Isometry3d& world_from_ob
 Target Outside(std::vector<TakenPlace> taken, Target target);
 
 /// The posterior of one object: what its remembered views and the present one say, scaled to as
-/// many independent views as they amount to, and the floor prior. References must outlive it.
+/// many independent views as they amount to (ViewScale), and the floor prior. References must
+/// outlive it.
 Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
                  std::vector<JudgingView> remembered, const JudgingView& present,
-                 const MapperOptions& options);
+                 const MapperOptions& options, double sharpness = 1);
 
 }  // namespace plumbline

@@ -40,6 +40,8 @@ ObjectReport ToReport(const MapObject& object) {
   out.Put(object.shown);
   out.Put(object.last_search_s);
   out.Put(object.present_weight);
+  object.slopes.Save(out);
+  out.Put(object.sharpness);
   out.Put(static_cast<std::uint32_t>(object.views.size()));
   for (const ObjectView& view : object.views) {
     out.Put(static_cast<std::int32_t>(view.frame));
@@ -84,6 +86,8 @@ Result<MapObject> FromReport(const ObjectReport& report) {
   object.shown = in.Get<double>();
   object.last_search_s = in.Get<double>();
   object.present_weight = in.Get<double>();
+  object.slopes.Restore(in);
+  object.sharpness = in.Get<double>();
   const std::uint32_t views = in.Get<std::uint32_t>();
   for (std::uint32_t i = 0; i < views && in.ok(); ++i) {
     ObjectView view;

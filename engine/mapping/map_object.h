@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/mapping/likelihood_sharpness.h"
 #include "engine/mapping/map_report.h"
 #include "engine/mapping/paper_belief.h"
 #include "engine/mapping/particle_set.h"
@@ -24,6 +25,8 @@ struct MapObject : ObjectBelief {
   std::vector<float> memory;  ///< Of each particle: the sum over `views`, see judging.h.
   PoseUncertainty reference_uncertainty;  ///< Of `world_from_reference_cam`.
   double present_weight = 0;  ///< How much of a view the last frame was, beside `views`.
+  LikelihoodSharpness slopes;  ///< Of its views since it was confirmed,
+  double sharpness = 1;        ///< and how sharply they are taken.
   double passing = 0;         ///< While tentative: log ratios of the frames as they passed, summed,
   double remembered_evidence = 0;  ///< and of `views`, for the pose of the last search.
   double hidden = 0;   ///< Probability that something unmapped hides it, if it is there.

@@ -199,6 +199,7 @@ FrameReport Mapper::Impl::Finished(FrameReport report) const {
   ByteWriter state;
   clock.Save(state);
   state.Put(edge_level);
+  sharpness.Save(state);
   report.mapper_state = state.Take() + memory.Save();
   return report;
 }
@@ -290,6 +291,7 @@ Status Mapper::Restore(const FrameReport& report,
   ByteReader state(report.mapper_state);
   m.clock.Restore(state);
   m.edge_level = state.Get<double>();
+  m.sharpness.Restore(state);
   return m.memory.Restore(state.rest(), load, *m.renderer);
 }
 

@@ -21,6 +21,11 @@ constexpr double kSearchRelaxation = 8.0;
 constexpr double kInDoubt = 0.8;
 /// Overlap of a box of a past image with an object's visible box that makes it the object's.
 constexpr float kRememberedIou = 0.3f;
+/// How much sharper from one frame to the next the views of a settled object are taken: particles
+/// have to follow.
+constexpr double kSharpening = 1.2;
+/// Views of an object that settle its pose, so that another tells how far views are off.
+constexpr double kSettlingViews = 3;
 constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
 constexpr int kNewcomerCount = 100;
 constexpr double kManyJumped =
@@ -59,7 +64,11 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
     }
   }
   const std::vector<double> last = LogLikelihoods(object);
-  object.present_weight = weight * now.telling;
+  // What an unmapped thing hides shows edges of that thing.
+  object.present_weight = weight * now.telling * (1 - object.hidden);
+  object.sharpness = object.state == ObjectState::kConfirmed
+                         ? std::min(object.slopes.ValueWithin(sharpness), kSharpening * object.sharpness)
+                         : 1;
   for (std::size_t i = 0; i < object.particles.size(); ++i) {
     object.particles[i].phi_cnn = likelihoods[i].phi_cnn;
     object.particles[i].phi_edge = likelihoods[i].phi_edge;
@@ -193,6 +202,12 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
       object.visible_fraction >= options().confirm_shown) {
     edge_level =
         std::max(kUsualSurplus, edge_level + kLevelRate * novelty * (surplus - edge_level));
+    if (object.remembered() >= kSettlingViews) {
+      const JudgingView view = Judge(object, input, occluders).view;
+      const ViewSlope slope = SlopeOf(*setup.scorer, view, map, mean, options());
+      sharpness.Add(slope, novelty);
+      object.slopes.Add(slope, novelty);
+    }
   }
   // One frame may tip the belief in one of two poses; a whole look at enough of it decides.
   if (BeliefInMean(object) < kInDoubt) {
@@ -266,7 +281,8 @@ Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& inp
   }
   JudgingView present = Judge(object, input, occluders).view;
   present.weight = object.present_weight;
-  Target posterior = Posterior(*setup.scorer, map, std::move(remembered), present, options());
+  Target posterior = Posterior(*setup.scorer, map, std::move(remembered), present, options(),
+                               object.sharpness);
   // Of equal things in a row the one that shows best draws all; what is settled keeps its own.
   return Outside(TakenPlaces(object), std::move(posterior));
 }
@@ -289,8 +305,8 @@ std::vector<TakenPlace> Mapper::Impl::TakenPlaces(const MapObject& object) const
 }
 
 std::vector<double> Mapper::Impl::LogLikelihoods(const MapObject& object) const {
-  const double sum = object.remembered() + object.present_weight;
-  const double scale = sum > 0 ? IndependentViews(sum, options().view_correlation) / sum : 0.0;
+  const double scale = ViewScale(object.remembered() + object.present_weight, object.sharpness,
+                                 options());
   std::vector<double> result;
   for (std::size_t i = 0; i < object.particles.size(); ++i) {
     const Particle& particle = object.particles[i];
@@ -439,7 +455,9 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
         kNewcomerCount, Key(setup.seed, input.frame, object.id, Draw::kNewcomers));
     challengers.insert(challengers.end(), newcomers.begin(), newcomers.end());
   }
-  const std::vector<ProposalMode> modes = sampler.FindModes(population, challengers);
+  // A tentative one is judged by what a plain search finds: of a better one more that is not there
+  // was confirmed (two spurious screens in room 104).
+  const std::vector<ProposalMode> modes = sampler.FindModes(population, challengers, !tentative);
   // Many accept where there is somewhere better to be: those that drew badly draw again.
   if (sampler.Jump(population, modes) > kManyJumped) sampler.Jump(population, modes);
   sampler.Walk(population);

@@ -12,6 +12,7 @@
 #include "engine/mapping/birth.h"
 #include "engine/mapping/existence.h"
 #include "engine/mapping/judging.h"
+#include "engine/mapping/likelihood_sharpness.h"
 #include "engine/mapping/map_object.h"
 #include "engine/mapping/mapper.h"
 #include "engine/mapping/novelty_clock.h"
@@ -64,6 +65,7 @@ struct Mapper::Impl {
   std::optional<std::int64_t> last_stamp_ns;
   NoveltyClock clock;
   double edge_level = kUsualSurplus;  ///< Mean edge surplus of settled objects in this sequence.
+  LikelihoodSharpness sharpness;      ///< Of the views of this sequence.
   RenderedMaps mean_maps;
   std::vector<std::optional<double>> support_heights;  ///< Of each model, see SupportHeight.
 

@@ -17,7 +17,7 @@ constexpr std::size_t kMostModes = 8;
 constexpr double kFaintMode = 12;  ///< Modes below the best by so much are not proposed [nats].
 constexpr double kLeastModeWeight = 0.03;  ///< Of a proposal; the mode's mass is only estimated.
 constexpr double kTailFreedom = 5;         ///< Degrees of freedom of Student's t.
-constexpr double kLeastSpread_m = 0.003, kLeastSpread_rad = 0.3 * kRadPerDeg;
+constexpr double kLeastSpread_m = 0.001, kLeastSpread_rad = 0.1 * kRadPerDeg;
 constexpr double kUsualSpread_m = 0.02, kUsualSpread_rad = 2 * kRadPerDeg, kUsualCount = 5;
 /// A mode that a search found, before it is compared: members, steps of each, how far below the best
 /// it may be found [nats]. Found by so few, it may stand well below its peak.
@@ -25,7 +25,7 @@ constexpr std::size_t kPolished = 48;
 constexpr int kPolishSteps = 5;
 constexpr double kPolishReach = 25;
 constexpr int kMostPolished = 3;
-constexpr double kLeastWalk_m = 0.0015, kLeastWalk_rad = 0.15 * kRadPerDeg;
+constexpr double kLeastWalk_m = 0.0005, kLeastWalk_rad = 0.05 * kRadPerDeg;
 
 /// One round of a search: how many go on, how sharply they are chosen, how far they step.
 struct Round {
@@ -240,9 +240,9 @@ std::vector<ProposalMode> PoseSampler::ModesOf(const Population& population, dou
     mode.mean.center_in_world += map_.upright.upright_rotation() * moments.mean().head<3>();
     mode.mean.azimuth_rad = WrapAngle(mode.mean.azimuth_rad + moments.mean()[3]);
     // A handful of hypotheses says little about the spread.
-    const Eigen::Matrix4d scale = (moments.weight * moments.covariance() +
-                                   kUsualCount * Diagonal(kUsualSpread_m, kUsualSpread_rad)) /
-                                      (moments.weight + kUsualCount) +
+    const double unknown = kUsualCount / (moments.weight + kUsualCount);
+    const Eigen::Matrix4d scale = (1 - unknown) * moments.covariance() +
+                                  unknown * unknown * Diagonal(kUsualSpread_m, kUsualSpread_rad) +
                                   Diagonal(kLeastSpread_m, kLeastSpread_rad);
     const Eigen::LLT<Eigen::Matrix4d> cholesky(scale);
     mode.root = cholesky.matrixL();
@@ -282,7 +282,8 @@ ProposalMode PoseSampler::Polished(const ProposalMode& found) {
 }
 
 std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
-                                                 const std::vector<PoseHypothesis>& challengers) {
+                                                 const std::vector<PoseHypothesis>& challengers,
+                                                 bool polish) {
   std::vector<ProposalMode> modes =
       ModesOf(population, 0, std::numeric_limits<double>::infinity());
   double highest = -std::numeric_limits<double>::infinity();
@@ -304,12 +305,10 @@ std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
     // Those of a search are drawn from the target already, or nearly.
     const std::size_t own = modes.size();
     int polished = 0;
-    for (const ProposalMode& found : ModesOf(search, 1.0 / 3, kPolishReach)) {
-      if (Knows(modes, found) || found.weight < highest - kPolishReach ||
-          polished == kMostPolished)
-        continue;
+    for (const ProposalMode& found : ModesOf(search, 1.0 / 3, polish ? kPolishReach : kFaintMode)) {
+      if (Knows(modes, found) || (polish && polished == kMostPolished)) continue;
       ++polished;
-      const ProposalMode mode = Polished(found);
+      const ProposalMode mode = polish ? Polished(found) : found;
       highest = std::max(highest, mode.weight);
       if (!Knows(modes, mode)) modes.push_back(mode);
     }

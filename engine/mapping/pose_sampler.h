@@ -58,8 +58,12 @@ class PoseSampler {
   /// Where the density is high: the population's own modes, and those that a search from
   /// `challengers` finds, which are refined with falling temperature among themselves before they
   /// are compared.
+  /// @param polish  Brings what the search finds to its peak and its own spread. Against a
+  ///        population that has been refined for long it would be proposed too widely to be ever
+  ///        accepted.
   std::vector<ProposalMode> FindModes(const Population& population,
-                                      const std::vector<PoseHypothesis>& challengers);
+                                      const std::vector<PoseHypothesis>& challengers,
+                                      bool polish = true);
 
   /// One independent proposal for each hypothesis from the mixture of the modes, accepted by
   /// Metropolis' and Hastings' rule: jumps between modes and shapes in the proportions of the
@@ -91,8 +95,7 @@ class PoseSampler {
   std::vector<ProposalMode> ModesOf(const Population& population, double sharpness,
                                     double reach) const;
   bool Knows(const std::vector<ProposalMode>& modes, const ProposalMode& mode) const;
-  /// The mode brought to its peak and its own spread. What was found roughly would be proposed too
-  /// widely to be ever accepted, against a population that has been refined for long.
+  /// The mode brought to its peak and its own spread.
   ProposalMode Polished(const ProposalMode& found);
   Eigen::Vector4d Difference(const PoseHypothesis& a, const PoseHypothesis& from) const;
   Random Next() {

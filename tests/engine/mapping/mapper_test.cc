@@ -82,5 +82,30 @@ TEST_F(MapperTest, PointsBeforeAnObjectExcuseItsAbsence) {
   EXPECT_LT(log_odds_lost(true), 0.5 * without);
 }
 
+TEST_F(MapperTest, WhatHidesASettledObjectDoesNotMoveIt) {
+  constexpr int kSeen = 16, kEnd = 48;
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  // What is seen of it later are edges of another thing, a little to the side, that no box tells of.
+  const PlacedModel other = scene_.Place("armchair", 0.25, 0.15, 75, 2);
+  const auto mapper = NewMapper();
+  double std_before_m = 0;
+  for (int frame = 0; frame < kEnd; ++frame) {
+    MapperInput input = Seen(frame, {frame < kSeen ? &chair : &other, 1});
+    if (frame >= kSeen) input.detections = DetectionsFromProposals({});
+    const FrameReport report = mapper->Step(input);
+    ASSERT_FALSE(report.objects.empty());
+    const ObjectReport& object = report.objects.front();
+    if (frame < kSeen - 1) continue;
+    ASSERT_EQ(object.state, ObjectState::kConfirmed) << "frame " << frame;
+    const double std_m = object.modes.front().position_std_m;
+    if (frame == kSeen - 1) std_before_m = std_m;
+    EXPECT_LT(std_m, 1.7 * std_before_m) << "frame " << frame;
+    EXPECT_LT(
+        (object.world_from_object.translation() - chair.world_from_object.translation()).norm(),
+        0.02)
+        << "frame " << frame;
+  }
+}
+
 }  // namespace
 }  // namespace plumbline
