@@ -455,9 +455,7 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
         kNewcomerCount, Key(setup.seed, input.frame, object.id, Draw::kNewcomers));
     challengers.insert(challengers.end(), newcomers.begin(), newcomers.end());
   }
-  // A tentative one is judged by what a plain search finds: of a better one more that is not there
-  // was confirmed (two spurious screens in room 104).
-  const std::vector<ProposalMode> modes = sampler.FindModes(population, challengers, !tentative);
+  const std::vector<ProposalMode> modes = sampler.FindModes(population, challengers);
   // Many accept where there is somewhere better to be: those that drew badly draw again.
   if (sampler.Jump(population, modes) > kManyJumped) sampler.Jump(population, modes);
   sampler.Walk(population);

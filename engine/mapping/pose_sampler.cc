@@ -18,13 +18,9 @@ constexpr double kFaintMode = 12;  ///< Modes below the best by so much are not 
 constexpr double kLeastModeWeight = 0.03;  ///< Of a proposal; the mode's mass is only estimated.
 constexpr double kTailFreedom = 5;         ///< Degrees of freedom of Student's t.
 constexpr double kLeastSpread_m = 0.001, kLeastSpread_rad = 0.1 * kRadPerDeg;
-constexpr double kUsualSpread_m = 0.02, kUsualSpread_rad = 2 * kRadPerDeg, kUsualCount = 5;
-/// A mode that a search found, before it is compared: members, steps of each, how far below the best
-/// it may be found [nats]. Found by so few, it may stand well below its peak.
-constexpr std::size_t kPolished = 48;
-constexpr int kPolishSteps = 5;
-constexpr double kPolishReach = 25;
-constexpr int kMostPolished = 3;
+/// A mode of few members is taken to have this many times the variance of the others, as if that had
+/// been seen so often.
+constexpr double kUsualFactor = 4, kUsualCount = 5;
 constexpr double kLeastWalk_m = 0.0005, kLeastWalk_rad = 0.05 * kRadPerDeg;
 
 /// One round of a search: how many go on, how sharply they are chosen, how far they step.
@@ -156,10 +152,7 @@ std::vector<std::size_t> PoseSampler::Choose(const Population& population, doubl
   return chosen;
 }
 
-double PoseSampler::Walk(Population& population) { return WalkAt(population, 1.0); }
-
-double PoseSampler::WalkAt(Population& population, double temperature) {
-  // The steps have the spread within the modes, one for all: so they are symmetric.
+Eigen::Matrix4d PoseSampler::SpreadWithin(const Population& population) const {
   Moments within;
   std::vector<bool> taken(population.size(), false);
   for (std::size_t seed = 0; seed < population.size(); ++seed) {
@@ -178,8 +171,14 @@ double PoseSampler::WalkAt(Population& population, double temperature) {
     within.weight += moments.weight;
     within.squares += moments.weight * moments.covariance();
   }
-  const Eigen::Matrix4d spread =
-      within.squares / within.weight + Diagonal(kLeastWalk_m, kLeastWalk_rad);
+  return within.squares / within.weight;
+}
+
+double PoseSampler::Walk(Population& population) { return WalkAt(population, 1.0); }
+
+double PoseSampler::WalkAt(Population& population, double temperature) {
+  // One spread for all steps: so they are symmetric.
+  const Eigen::Matrix4d spread = SpreadWithin(population) + Diagonal(kLeastWalk_m, kLeastWalk_rad);
   const Eigen::Matrix4d root = Eigen::LLT<Eigen::Matrix4d>(spread).matrixL();
   std::vector<PoseHypothesis> proposed;
   proposed.reserve(population.size());
@@ -209,7 +208,8 @@ double PoseSampler::WalkAt(Population& population, double temperature) {
 }
 
 std::vector<ProposalMode> PoseSampler::ModesOf(const Population& population, double sharpness,
-                                               double reach) const {
+                                               double reach,
+                                               const Eigen::Matrix4d& usual) const {
   std::vector<ProposalMode> modes;
   std::vector<bool> taken(population.size(), false);
   double highest = -std::numeric_limits<double>::infinity();
@@ -242,7 +242,7 @@ std::vector<ProposalMode> PoseSampler::ModesOf(const Population& population, dou
     // A handful of hypotheses says little about the spread.
     const double unknown = kUsualCount / (moments.weight + kUsualCount);
     const Eigen::Matrix4d scale = (1 - unknown) * moments.covariance() +
-                                  unknown * unknown * Diagonal(kUsualSpread_m, kUsualSpread_rad) +
+                                  unknown * kUsualFactor * usual +
                                   Diagonal(kLeastSpread_m, kLeastSpread_rad);
     const Eigen::LLT<Eigen::Matrix4d> cholesky(scale);
     mode.root = cholesky.matrixL();
@@ -262,30 +262,11 @@ bool PoseSampler::Knows(const std::vector<ProposalMode>& modes, const ProposalMo
   });
 }
 
-ProposalMode PoseSampler::Polished(const ProposalMode& found) {
-  Population members;
-  members.hypotheses.push_back(found.mean);
-  while (members.size() < kPolished) members.hypotheses.push_back(Draw({found}));
-  members.judged = target_(members.hypotheses);
-  // Down to the target in halves of the temperature that leaves all of them alike.
-  for (int step = kPolishSteps - 1; step >= 0; --step) {
-    const double temperature = static_cast<double>(1 << step);
-    Population chosen;
-    for (const std::size_t index : Choose(members, temperature, kPolished)) {
-      chosen.hypotheses.push_back(members.hypotheses[index]);
-      chosen.judged.push_back(members.judged[index]);
-    }
-    members = std::move(chosen);
-    WalkAt(members, temperature);
-  }
-  return ModesOf(members, 0, std::numeric_limits<double>::infinity()).front();
-}
-
 std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
-                                                 const std::vector<PoseHypothesis>& challengers,
-                                                 bool polish) {
+                                                 const std::vector<PoseHypothesis>& challengers) {
+  const Eigen::Matrix4d usual = SpreadWithin(population);
   std::vector<ProposalMode> modes =
-      ModesOf(population, 0, std::numeric_limits<double>::infinity());
+      ModesOf(population, 0, std::numeric_limits<double>::infinity(), usual);
   double highest = -std::numeric_limits<double>::infinity();
   for (const ProposalMode& mode : modes) highest = std::max(highest, mode.weight);
   if (!challengers.empty()) {
@@ -304,13 +285,9 @@ std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
     }
     // Those of a search are drawn from the target already, or nearly.
     const std::size_t own = modes.size();
-    int polished = 0;
-    for (const ProposalMode& found : ModesOf(search, 1.0 / 3, polish ? kPolishReach : kFaintMode)) {
-      if (Knows(modes, found) || (polish && polished == kMostPolished)) continue;
-      ++polished;
-      const ProposalMode mode = polish ? Polished(found) : found;
-      highest = std::max(highest, mode.weight);
-      if (!Knows(modes, mode)) modes.push_back(mode);
+    for (const ProposalMode& found : ModesOf(search, 1.0 / 3, kFaintMode, usual)) {
+      highest = std::max(highest, found.weight);
+      if (!Knows(modes, found)) modes.push_back(found);
     }
     // The population's own stay, however faint: what cannot be proposed again cannot be left.
     modes.erase(

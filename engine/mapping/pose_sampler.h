@@ -58,12 +58,8 @@ class PoseSampler {
   /// Where the density is high: the population's own modes, and those that a search from
   /// `challengers` finds, which are refined with falling temperature among themselves before they
   /// are compared.
-  /// @param polish  Brings what the search finds to its peak and its own spread. Against a
-  ///        population that has been refined for long it would be proposed too widely to be ever
-  ///        accepted.
   std::vector<ProposalMode> FindModes(const Population& population,
-                                      const std::vector<PoseHypothesis>& challengers,
-                                      bool polish = true);
+                                      const std::vector<PoseHypothesis>& challengers);
 
   /// One independent proposal for each hypothesis from the mixture of the modes, accepted by
   /// Metropolis' and Hastings' rule: jumps between modes and shapes in the proportions of the
@@ -91,12 +87,12 @@ class PoseSampler {
   PoseHypothesis Draw(const std::vector<ProposalMode>& modes);
   double LogDensity(const std::vector<ProposalMode>& modes, const PoseHypothesis& hypothesis) const;
   /// Modes of a population, the highest first and none lower by more than `reach` [nats]; their
-  /// spread is that of members that count exp(sharpness * log target).
-  std::vector<ProposalMode> ModesOf(const Population& population, double sharpness,
-                                    double reach) const;
+  /// spread is that of members that count exp(sharpness * log target), of few like `usual`.
+  std::vector<ProposalMode> ModesOf(const Population& population, double sharpness, double reach,
+                                    const Eigen::Matrix4d& usual) const;
+  /// Covariance about the modes, pooled: (x, y, z in upright axes [m], azimuth [rad]).
+  Eigen::Matrix4d SpreadWithin(const Population& population) const;
   bool Knows(const std::vector<ProposalMode>& modes, const ProposalMode& mode) const;
-  /// The mode brought to its peak and its own spread.
-  ProposalMode Polished(const ProposalMode& found);
   Eigen::Vector4d Difference(const PoseHypothesis& a, const PoseHypothesis& from) const;
   Random Next() {
     ++key_.particle;
