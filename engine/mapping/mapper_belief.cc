@@ -455,7 +455,8 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
         kNewcomerCount, Key(setup.seed, input.frame, object.id, Draw::kNewcomers));
     challengers.insert(challengers.end(), newcomers.begin(), newcomers.end());
   }
-  const std::vector<ProposalMode> modes = sampler.FindModes(population, challengers);
+  const std::vector<ProposalMode> modes =
+      sampler.FindModes(population, challengers, object.sharpness);
   // Many accept where there is somewhere better to be: those that drew badly draw again.
   if (sampler.Jump(population, modes) > kManyJumped) sampler.Jump(population, modes);
   sampler.Walk(population);

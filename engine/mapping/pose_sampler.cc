@@ -21,6 +21,8 @@ constexpr double kLeastSpread_m = 0.001, kLeastSpread_rad = 0.1 * kRadPerDeg;
 /// A mode of few members is taken to have this many times the variance of the others, as if that had
 /// been seen so often.
 constexpr double kUsualFactor = 4, kUsualCount = 5;
+constexpr std::size_t kPolished = 48;  ///< Members of a mode that is brought to its peak,
+constexpr int kMostPolished = 3;       ///< for the best of those found.
 constexpr double kLeastWalk_m = 0.0005, kLeastWalk_rad = 0.05 * kRadPerDeg;
 
 /// One round of a search: how many go on, how sharply they are chosen, how far they step.
@@ -122,7 +124,9 @@ std::vector<PoseHypothesis> PoseSampler::Challengers(const std::vector<PoseHypot
   for (std::size_t i = 0; i < count; ++i) {
     const PoseHypothesis& particle =
         population[random.Index(static_cast<std::uint32_t>(population.size()))];
-    if (i % 4 == 1) {
+    if (i % 8 == 1) {
+      challengers.push_back(Relabelled(particle));  // shapes that differ a little fit as they stand
+    } else if (i % 8 == 5) {
       challengers.push_back(Relabelled(Step(particle, 0.08, 8 * kRadPerDeg)));
     } else if (i % 4 == 3) {
       challengers.push_back(Step(particle, 0.08, 8 * kRadPerDeg));
@@ -262,18 +266,40 @@ bool PoseSampler::Knows(const std::vector<ProposalMode>& modes, const ProposalMo
   });
 }
 
+ProposalMode PoseSampler::Polished(const ProposalMode& found, double temperature,
+                                   const Eigen::Matrix4d& usual) {
+  Population members;
+  members.hypotheses.push_back(found.mean);
+  while (members.size() < kPolished) members.hypotheses.push_back(Draw({found}));
+  members.judged = target_(members.hypotheses);
+  for (bool cold = false; !cold; temperature /= 2) {
+    cold = temperature <= 1;
+    if (cold) temperature = 1;
+    Population chosen;
+    for (const std::size_t index : Choose(members, temperature, kPolished)) {
+      chosen.hypotheses.push_back(members.hypotheses[index]);
+      chosen.judged.push_back(members.judged[index]);
+    }
+    members = std::move(chosen);
+    WalkAt(members, temperature);
+  }
+  return ModesOf(members, 0, std::numeric_limits<double>::infinity(), usual).front();
+}
+
 std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
-                                                 const std::vector<PoseHypothesis>& challengers) {
+                                                 const std::vector<PoseHypothesis>& challengers,
+                                                 double sharpness) {
   const Eigen::Matrix4d usual = SpreadWithin(population);
   std::vector<ProposalMode> modes =
       ModesOf(population, 0, std::numeric_limits<double>::infinity(), usual);
   double highest = -std::numeric_limits<double>::infinity();
   for (const ProposalMode& mode : modes) highest = std::max(highest, mode.weight);
   if (!challengers.empty()) {
+    const double warmth = std::max(1.0, sharpness);
     Population search{challengers, target_(challengers)};
     for (const Round& round : kSearch) {
       Population next, steps;
-      for (const std::size_t index : Choose(search, round.temperature, round.count)) {
+      for (const std::size_t index : Choose(search, warmth * round.temperature, round.count)) {
         next.hypotheses.push_back(search.hypotheses[index]);
         next.judged.push_back(search.judged[index]);
         steps.hypotheses.push_back(
@@ -285,9 +311,14 @@ std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
     }
     // Those of a search are drawn from the target already, or nearly.
     const std::size_t own = modes.size();
-    for (const ProposalMode& found : ModesOf(search, 1.0 / 3, kFaintMode, usual)) {
-      highest = std::max(highest, found.weight);
-      if (!Knows(modes, found)) modes.push_back(found);
+    int polished = 0;
+    for (const ProposalMode& found :
+         ModesOf(search, 1 / (3 * warmth), warmth * kFaintMode, usual)) {
+      if (Knows(modes, found)) continue;
+      if (warmth > 1 && polished++ == kMostPolished) break;
+      const ProposalMode mode = warmth > 1 ? Polished(found, warmth, usual) : found;
+      highest = std::max(highest, mode.weight);
+      if (!Knows(modes, mode)) modes.push_back(mode);
     }
     // The population's own stay, however faint: what cannot be proposed again cannot be left.
     modes.erase(

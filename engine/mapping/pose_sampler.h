@@ -58,8 +58,11 @@ class PoseSampler {
   /// Where the density is high: the population's own modes, and those that a search from
   /// `challengers` finds, which are refined with falling temperature among themselves before they
   /// are compared.
+  /// @param sharpness  Of the target (likelihood_sharpness.h). The search sees it as if it were 1,
+  ///        or it would see the nearest slope alone; what it finds is then brought to its peak.
   std::vector<ProposalMode> FindModes(const Population& population,
-                                      const std::vector<PoseHypothesis>& challengers);
+                                      const std::vector<PoseHypothesis>& challengers,
+                                      double sharpness = 1);
 
   /// One independent proposal for each hypothesis from the mixture of the modes, accepted by
   /// Metropolis' and Hastings' rule: jumps between modes and shapes in the proportions of the
@@ -93,6 +96,9 @@ class PoseSampler {
   /// Covariance about the modes, pooled: (x, y, z in upright axes [m], azimuth [rad]).
   Eigen::Matrix4d SpreadWithin(const Population& population) const;
   bool Knows(const std::vector<ProposalMode>& modes, const ProposalMode& mode) const;
+  /// The mode brought from a temperature down to the target, with its spread there.
+  ProposalMode Polished(const ProposalMode& found, double temperature,
+                        const Eigen::Matrix4d& usual);
   Eigen::Vector4d Difference(const PoseHypothesis& a, const PoseHypothesis& from) const;
   Random Next() {
     ++key_.particle;
