@@ -20,6 +20,10 @@ constexpr double kTailFreedom = 5;         ///< Degrees of freedom of Student's 
 constexpr double kLeastSpread_m = 0.003, kLeastSpread_rad = 0.3 * kRadPerDeg;
 constexpr double kUsualSpread_m = 0.02, kUsualSpread_rad = 2 * kRadPerDeg, kUsualCount = 5;
 constexpr double kLeastWalk_m = 0.0015, kLeastWalk_rad = 0.15 * kRadPerDeg;
+/// Of log-scale, in deviations of its prior.
+constexpr double kLeastSpread_scale = 0.1, kUsualSpread_scale = 1, kLeastWalk_scale = 0.05;
+/// A step so far in position goes one deviation of its prior in scale.
+constexpr double kStepOfScale_m = 0.05;
 
 /// One round of a search: how many go on, how sharply they are chosen, how far they step.
 struct Round {
@@ -32,20 +36,40 @@ constexpr Round kSearch[] = {{100, 3.0, 0.05, 6 * kRadPerDeg},
                              {60, 1.5, 0.012, 1.5 * kRadPerDeg},
                              {60, 1.0, 0.008, 1.0 * kRadPerDeg}};
 
-/// Weighted mean and covariance of differences from a pose.
+/// Weighted mean and covariance of differences from a pose and a log-scale.
 struct Moments {
   double weight = 0;
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
   Eigen::Matrix4d squares = Eigen::Matrix4d::Zero();
+  double scale_sum = 0, scale_squares = 0;
+  Eigen::Vector4d scale_times_pose = Eigen::Vector4d::Zero();
 
-  void Add(double w, const Eigen::Vector4d& difference) {
+  void Add(double w, const Eigen::Vector4d& difference, double growth) {
     weight += w;
     sum += w * difference;
     squares += w * difference * difference.transpose();
+    scale_sum += w * growth;
+    scale_squares += w * growth * growth;
+    scale_times_pose += w * growth * difference;
   }
   Eigen::Vector4d mean() const { return sum / weight; }
   Eigen::Matrix4d covariance() const { return squares / weight - mean() * mean().transpose(); }
+  double scale_mean() const { return scale_sum / weight; }
+  double scale_variance() const { return scale_squares / weight - scale_mean() * scale_mean(); }
+  Eigen::Vector4d scale_covariance() const {
+    return scale_times_pose / weight - scale_mean() * mean();
+  }
 };
+
+/// @param root  Of the pose's covariance.
+ScaleRow RowOf(const Eigen::Matrix4d& root, const Eigen::Vector4d& covariance, double variance) {
+  ScaleRow row;
+  row.with_pose = root.triangularView<Eigen::Lower>().solve(covariance);
+  row.own = std::sqrt(std::max(variance - row.with_pose.squaredNorm(), 1e-12));
+  return row;
+}
+
+double Squared(double value) { return value * value; }
 
 Eigen::Matrix4d Diagonal(double position_m, double azimuth_rad) {
   return Eigen::Vector4d(position_m * position_m, position_m * position_m, position_m * position_m,
@@ -80,12 +104,22 @@ PoseHypothesis PoseSampler::Step(PoseHypothesis hypothesis, double position_m, d
   hypothesis.center_in_world += map_.upright.upright_rotation() * step;
   hypothesis.azimuth_rad =
       WrapAngle(hypothesis.azimuth_rad + reach * azimuth_rad * random.Gaussian());
+  if (options_.scale_std <= 0) return hypothesis;
+  const double before = hypothesis.scale();
+  hypothesis.log_scale +=
+      reach * options_.scale_std * std::min(1.0, position_m / kStepOfScale_m) * random.Gaussian();
+  if (on_floor) {  // it grows from its base
+    hypothesis.center_in_world += (hypothesis.scale() - before) *
+                                  map_.database->model(hypothesis.label).center().z() *
+                                  map_.upright.up_in_world();
+  }
   return hypothesis;
 }
 
 PoseHypothesis PoseSampler::Turned(PoseHypothesis hypothesis) {
   Random random = Next();
-  const Eigen::Vector3d size = map_.database->model(hypothesis.label).bounds.sizes().cast<double>();
+  const Eigen::Vector3d size =
+      hypothesis.scale() * map_.database->model(hypothesis.label).bounds.sizes().cast<double>();
   const Eigen::Vector3d pivot(random.Uniform(-0.5, 0.5) * size.x(),
                               random.Uniform(-0.5, 0.5) * size.y(), 0);
   const double pick = random.Uniform();
@@ -106,7 +140,7 @@ PoseHypothesis PoseSampler::Relabelled(PoseHypothesis hypothesis) {
   if (map_.StandsOnFloor(label) && map_.StandsOnFloor(hypothesis.label)) {
     const double rise = map_.database->model(label).center().z() -
                         map_.database->model(hypothesis.label).center().z();
-    hypothesis.center_in_world += rise * map_.upright.up_in_world();
+    hypothesis.center_in_world += hypothesis.scale() * rise * map_.upright.up_in_world();
   }
   hypothesis.label = label;
   return hypothesis;
@@ -167,26 +201,33 @@ double PoseSampler::WalkAt(Population& population, double temperature) {
       if (difference.head<3>().norm() > kModeReach_m || std::abs(difference[3]) > kModeReach_rad)
         continue;
       taken[i] = true;
-      moments.Add(1, difference);
+      moments.Add(1, difference, hypothesis.log_scale - from.log_scale);
     }
     within.weight += moments.weight;
     within.squares += moments.weight * moments.covariance();
+    within.scale_squares += moments.weight * moments.scale_variance();
+    within.scale_times_pose += moments.weight * moments.scale_covariance();
   }
   const Eigen::Matrix4d spread =
       within.squares / within.weight + Diagonal(kLeastWalk_m, kLeastWalk_rad);
   const Eigen::Matrix4d root = Eigen::LLT<Eigen::Matrix4d>(spread).matrixL();
+  const bool grows = options_.scale_std > 0;
+  const ScaleRow row =
+      RowOf(root, within.scale_times_pose / within.weight,
+            within.scale_squares / within.weight + Squared(kLeastWalk_scale * options_.scale_std));
   std::vector<PoseHypothesis> proposed;
   proposed.reserve(population.size());
   for (const PoseHypothesis& hypothesis : population.hypotheses) {
     Random random = Next();
     // Small steps are accepted, large ones go far: both, in turn.
     const double scale = random.Uniform() < 0.5 ? 0.5 : 1.3;
-    const Eigen::Vector4d step =
-        scale * root *
-        Eigen::Vector4d(random.Gaussian(), random.Gaussian(), random.Gaussian(), random.Gaussian());
+    const Eigen::Vector4d normal(random.Gaussian(), random.Gaussian(), random.Gaussian(),
+                                 random.Gaussian());
+    const Eigen::Vector4d step = scale * root * normal;
     PoseHypothesis moved = hypothesis;
     moved.center_in_world += map_.upright.upright_rotation() * step.head<3>();
     moved.azimuth_rad = WrapAngle(moved.azimuth_rad + step[3]);
+    if (grows) moved.log_scale += scale * (row.with_pose.dot(normal) + row.own * random.Gaussian());
     proposed.push_back(moved);
   }
   const std::vector<Judgement> judged = target_(proposed);
@@ -228,7 +269,7 @@ void PoseSampler::AddModes(const Population& population, bool equally,
       taken[i] = true;
       // Those of a search are drawn from the target already, or nearly.
       moments.Add(equally ? 1.0 : std::exp((population.judged[i].log_target - best) / 3),
-                  difference);
+                  difference, population.hypotheses[i].log_scale - from.log_scale);
     }
     ProposalMode mode;
     mode.mean = from;
@@ -242,6 +283,15 @@ void PoseSampler::AddModes(const Population& population, bool equally,
     const Eigen::LLT<Eigen::Matrix4d> cholesky(scale);
     mode.root = cholesky.matrixL();
     mode.log_determinant = 2 * mode.root.diagonal().array().log().sum();
+    if (options_.scale_std > 0) {
+      const double known = moments.weight / (moments.weight + kUsualCount);
+      mode.mean.log_scale += moments.scale_mean();
+      mode.scale = RowOf(mode.root, known * moments.scale_covariance(),
+                         known * moments.scale_variance() +
+                             (1 - known) * Squared(kUsualSpread_scale * options_.scale_std) +
+                             Squared(kLeastSpread_scale * options_.scale_std));
+      mode.log_determinant += 2 * std::log(mode.scale.own);
+    }
     mode.weight = best + 0.5 * mode.log_determinant;  // log of its mass but for a constant
     const bool known = std::any_of(modes.begin(), modes.end(), [&](const ProposalMode& other) {
       if (other.mean.label != mode.mean.label) return false;
@@ -299,9 +349,10 @@ PoseHypothesis PoseSampler::Draw(const std::vector<ProposalMode>& modes) {
     const double g = random.Gaussian();
     chi_square += g * g;
   }
-  const Eigen::Vector4d step = std::sqrt(kTailFreedom / chi_square) *
-                               (mode.root * Eigen::Vector4d(random.Gaussian(), random.Gaussian(),
-                                                            random.Gaussian(), random.Gaussian()));
+  const double stretch = std::sqrt(kTailFreedom / chi_square);
+  const Eigen::Vector4d normal(random.Gaussian(), random.Gaussian(), random.Gaussian(),
+                               random.Gaussian());
+  const Eigen::Vector4d step = stretch * (mode.root * normal);
   PoseHypothesis drawn = mode.mean;
   drawn.center_in_world += map_.upright.upright_rotation() * step.head<3>();
   const int order = map_.database->model(drawn.label).symmetry.order;
@@ -310,19 +361,29 @@ PoseHypothesis PoseSampler::Draw(const std::vector<ProposalMode>& modes) {
       : order > 1 ? 2 * std::numbers::pi * random.Index(static_cast<std::uint32_t>(order)) / order
                   : 0.0;
   drawn.azimuth_rad = WrapAngle(drawn.azimuth_rad + step[3] + copy);
+  if (options_.scale_std > 0)
+    drawn.log_scale +=
+        stretch * (mode.scale.with_pose.dot(normal) + mode.scale.own * random.Gaussian());
   return drawn;
 }
 
 double PoseSampler::LogDensity(const std::vector<ProposalMode>& modes,
                                const PoseHypothesis& hypothesis) const {
+  const bool grows = options_.scale_std > 0;
+  const int dimensions = grows ? 5 : 4;
   double density = 0;
   for (const ProposalMode& mode : modes) {
     if (mode.mean.label != hypothesis.label) continue;
     Eigen::Vector4d difference = Difference(hypothesis, mode.mean);
     const Eigen::Vector4d whitened = mode.root.triangularView<Eigen::Lower>().solve(difference);
-    density += mode.weight * std::exp(-0.5 * mode.log_determinant -
-                                      0.5 * (kTailFreedom + 4) *
-                                          std::log1p(whitened.squaredNorm() / kTailFreedom));
+    double squares = whitened.squaredNorm();
+    if (grows) {
+      const double growth = hypothesis.log_scale - mode.mean.log_scale;
+      squares += Squared((growth - mode.scale.with_pose.dot(whitened)) / mode.scale.own);
+    }
+    density += mode.weight *
+               std::exp(-0.5 * mode.log_determinant -
+                        0.5 * (kTailFreedom + dimensions) * std::log1p(squares / kTailFreedom));
   }
   return std::log(std::max(density, 1e-300));
 }
