@@ -113,10 +113,10 @@ std::string Plan(const RunReview& review) {
   };
   std::vector<Shape> shapes;
   Eigen::AlignedBox2d bounds;
-  const auto footprint = [&](const ModelView& model, const Eigen::Isometry3d& pose,
+  const auto footprint = [&](const ModelView& model, const Eigen::Isometry3d& pose, double scale,
                              std::string style, std::string name) {
-    Shape shape{{}, std::move(style), std::move(name), flat(pose * model.center)};
-    const Eigen::AlignedBox3d box = BoundingBox(*model.mesh).cast<double>();
+    Shape shape{{}, std::move(style), std::move(name), flat(pose * (scale * model.center))};
+    const Eigen::AlignedBox3d box = Scaled(BoundingBox(*model.mesh), scale);
     for (const auto& [x, y] : {std::pair(box.min().x(), box.min().y()),
                                {box.max().x(), box.min().y()},
                                {box.max().x(), box.max().y()},
@@ -129,14 +129,15 @@ std::string Plan(const RunReview& review) {
   for (const SequenceView::Truth& truth : review.view.truth) {
     for (const ModelView& model : review.view.models) {
       if (model.name == truth.model && model.mesh != nullptr)
-        footprint(model, truth.world_from_object, "fill:none;stroke:#2f9e5b;stroke-width:2.5", "");
+        footprint(model, truth.world_from_object, truth.scale,
+                  "fill:none;stroke:#2f9e5b;stroke-width:2.5", "");
     }
   }
   for (const ObjectReport& object : review.last->objects) {
     const auto label = static_cast<std::size_t>(object.label.value);
     if (object.state != ObjectState::kConfirmed || label >= review.view.models.size()) continue;
     const std::string color = SvgColor(object.id.value);
-    footprint(review.view.models[label], object.world_from_object,
+    footprint(review.view.models[label], object.world_from_object, object.scale,
               fmt::format("fill:{0};fill-opacity:.25;stroke:{0};stroke-width:1.5", color),
               fmt::format("#{} {}", object.id.value, review.view.models[label].name));
   }

@@ -57,6 +57,14 @@ void PrintSurface(const char* name, const ErrorStatistics& s, const char* paper)
               100 * s.std_m, 100 * s.max_m, paper);
 }
 
+/// Of what a scale was estimated or is true: in per cent more than the model.
+std::string SizeInWords(const MatchedObject& object) {
+  if (!object.estimate.scale_std && object.truth.scale == 1) return "";
+  std::string text = "  size " + Number("%+.1f", 100 * (object.estimate.scale - 1));
+  if (object.estimate.scale_std) text += Number(" +- %.1f", 100 * *object.estimate.scale_std);
+  return text + Number(" %% (true %+.1f %%)", 100 * (object.truth.scale - 1));
+}
+
 void PrintObjects(const MapEvaluation& evaluation) {
   std::printf("%-6s %-18s %-18s %7s %7s %8s %8s %6s %7s %8s\n", "object", "model", "ground truth",
               "trans.", "centre", "rotation", "azimuth", "tilt", "height", "surface");
@@ -66,12 +74,12 @@ void PrintObjects(const MapEvaluation& evaluation) {
     const PoseError& pose = object.pose;
     const std::optional<double> azimuth =
         pose.azimuth_rad ? std::optional(Degrees(*pose.azimuth_rad)) : std::nullopt;
-    std::printf("%-6s %-18s %-18s %7.1f %7.1f %8.2f %8s %6.2f %+7.1f %8.2f%s%s\n",
+    std::printf("%-6s %-18s %-18s %7.1f %7.1f %8.2f %8s %6.2f %+7.1f %8.2f%s%s%s\n",
                 object.estimate.id.c_str(), object.estimate.model.c_str(), object.truth.id.c_str(),
                 100 * pose.translation_m, 100 * object.centre_m, Degrees(pose.rotation_rad),
                 Number("%+.2f", azimuth).c_str(), Degrees(pose.tilt_rad), 100 * pose.height_m,
                 100 * object.surface.mean_m, object.truth.fine ? "" : "  coarse",
-                object.model_correct ? "" : "  WRONG MODEL");
+                object.model_correct ? "" : "  WRONG MODEL", SizeInWords(object).c_str());
   }
   for (const SpuriousObject& object : evaluation.spurious) {
     std::printf("%-6s %-18s %-18s %59s\n", object.estimate.id.c_str(),

@@ -94,10 +94,13 @@ void PrintObjects(const FrameReport& report, const ModelDatabase& database) {
   for (const ObjectReport& object : report.objects) {
     if (object.state != ObjectState::kConfirmed) continue;
     const Eigen::Vector3d t = object.world_from_object.translation();
-    std::printf("%6d  %-16s %-14s %-10s %9d  %7.3f %7.3f %7.3f  %8.1f\n", object.id.value,
+    std::printf("%6d  %-16s %-14s %-10s %9d  %7.3f %7.3f %7.3f  %8.1f", object.id.value,
                 database.model(object.label).name.c_str(), object.category.c_str(), "confirmed",
                 object.confirmed_frame.value_or(-1), t.x(), t.y(), t.z(),
                 100 * object.modes.front().position_std_m);
+    if (object.scale_std > 0)
+      std::printf("  size %+.1f +- %.1f %%", 100 * (object.scale - 1), 100 * object.scale_std);
+    std::printf("\n");
   }
 }
 

@@ -22,6 +22,7 @@ struct SynthArguments {
   std::uint64_t seed = 1;
   std::optional<int> frames, light_rays;
   std::optional<double> rate_hz, fov_deg;
+  double model_error_percent = 0;
   bool imu = false, tracks_only = false;
   double imu_rate_hz = 200, imu_noise = 1, time_offset_ms = 0, rest_s = 0, tremor = 0;
   std::vector<double> wrong_camera = {0, 0};  ///< Degrees and centimetres.
@@ -48,6 +49,7 @@ Result<SyntheticOptions> OptionsOf(const SynthArguments& arguments) {
     if (!arguments.frames) options.frames += static_cast<int>(imu.rest_s * options.rate_hz);
   }
   options.tracks_only = arguments.tracks_only;
+  options.model_error = arguments.model_error_percent / 100;
   if (arguments.light_rays) options.light_rays = *arguments.light_rays;
   if (arguments.fov_deg) options.horizontal_fov_rad = *arguments.fov_deg * kRadPerDeg;
   char rest = 0;
@@ -170,6 +172,11 @@ void AddSynthVerb(CLI::App& app, VerbFunction& chosen) {
           "and leave some grain on the walls")
       ->check(CLI::Range(4, 1024))
       ->type_name("N");
+  verb->add_option("--model-error", arguments->model_error_percent,
+                   "Each model of the database is larger or smaller than its objects by this")
+      ->check(CLI::Range(0.0, 20.0))
+      ->type_name("PERCENT")
+      ->capture_default_str();
   AddImuOptions(*verb, *arguments);
   verb->footer("Scenes (docs/algorithms/synthetic.md):" + SceneList());
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Synth(*arguments); }; });

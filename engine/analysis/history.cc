@@ -35,7 +35,8 @@ double AzimuthError(const ModelView& model, double azimuth_rad) {
 /// it reports, comes first and has the full covariance.
 std::vector<BeliefMode> ModesOf(const ObjectReport& object, const SequenceView& view,
                                 const UprightFrame& upright) {
-  const auto mode_of = [&](ModelId label, const Eigen::Isometry3d& world_from_object) {
+  const auto mode_of = [&](ModelId label, const Eigen::Isometry3d& world_from_object,
+                           double scale) {
     BeliefMode mode;
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
     if (const auto index = static_cast<std::size_t>(label.value); index < view.models.size()) {
@@ -43,15 +44,15 @@ std::vector<BeliefMode> ModesOf(const ObjectReport& object, const SequenceView& 
       center = model.center;
       mode.symmetry_order = model.any_azimuth ? 0 : std::max(1, model.symmetry_order);
     }
-    mode.mean << world_from_object * center, upright.Azimuth(world_from_object.linear());
+    mode.mean << world_from_object * (scale * center), upright.Azimuth(world_from_object.linear());
     return mode;
   };
-  std::vector<BeliefMode> modes = {mode_of(object.label, object.world_from_object)};
+  std::vector<BeliefMode> modes = {mode_of(object.label, object.world_from_object, object.scale)};
   modes.front().covariance = object.covariance;
   for (std::size_t i = 0; i < object.modes.size(); ++i) {
     const PoseMode& reported = object.modes[i];
     if (i > 0) {
-      modes.push_back(mode_of(reported.label, reported.world_from_object));
+      modes.push_back(mode_of(reported.label, reported.world_from_object, reported.scale));
       const double variance_m2 = reported.position_std_m * reported.position_std_m / 3;
       modes.back().covariance.diagonal() << variance_m2, variance_m2, variance_m2,
           reported.azimuth_std_rad * reported.azimuth_std_rad;
@@ -69,7 +70,7 @@ void JudgeBelief(const ObjectReport& object, const SequenceView& view,
                  const SequenceView::Truth& truth, const ModelView& true_model,
                  const UprightFrame& upright, TruthError& error) {
   TrueState state;
-  state.state << truth.world_from_object * true_model.center,
+  state.state << truth.world_from_object * (truth.scale * true_model.center),
       upright.Azimuth(truth.world_from_object.linear());
   state.position_std_m = truth.position_std_m;
   state.azimuth_std_rad = truth.azimuth_std_rad;

@@ -39,17 +39,21 @@ std::string ObjectsCsv(const RunReview& review) {
   const UprightFrame upright(-review.view.up_in_world);
   std::string csv =
       "id,model,category,state,x_m,y_m,z_m,azimuth_deg,position_std_m,azimuth_std_deg,"
-      "label_probability,log_evidence,first_frame,confirmed_frame,last_frame\n";
+      "label_probability,log_evidence,first_frame,confirmed_frame,last_frame";
+  const bool scaled = std::any_of(review.last->objects.begin(), review.last->objects.end(),
+                                  [](const ObjectReport& object) { return object.scale_std > 0; });
+  csv += scaled ? ",scale,scale_std\n" : "\n";
   for (const ObjectReport& o : review.last->objects) {
     const Eigen::Vector3d p = o.world_from_object.translation();
-    csv += fmt::format(
-        "{},{},{},{},{:.6f},{:.6f},{:.6f},{:.4f},{:.6f},{:.4f},{:.6f},{:.4f},{},{},{}\n",
-        o.id.value, ModelName(review, o.label), Quoted(o.category), NameOf(o.state), p.x(), p.y(),
-        p.z(), kDegPerRad * upright.Azimuth(o.world_from_object.linear()),
-        std::sqrt(o.covariance.topLeftCorner<3, 3>().trace()),
-        kDegPerRad * std::sqrt(std::max(0.0, o.covariance(3, 3))),
-        LabelProbabilityOf(o.label_probability), o.log_evidence, o.first_frame,
-        o.confirmed_frame ? fmt::format("{}", *o.confirmed_frame) : "", o.last_frame);
+    csv +=
+        fmt::format("{},{},{},{},{:.6f},{:.6f},{:.6f},{:.4f},{:.6f},{:.4f},{:.6f},{:.4f},{},{},{}",
+                    o.id.value, ModelName(review, o.label), Quoted(o.category), NameOf(o.state),
+                    p.x(), p.y(), p.z(), kDegPerRad * upright.Azimuth(o.world_from_object.linear()),
+                    std::sqrt(o.covariance.topLeftCorner<3, 3>().trace()),
+                    kDegPerRad * std::sqrt(std::max(0.0, o.covariance(3, 3))),
+                    LabelProbabilityOf(o.label_probability), o.log_evidence, o.first_frame,
+                    o.confirmed_frame ? fmt::format("{}", *o.confirmed_frame) : "", o.last_frame);
+    csv += scaled ? fmt::format(",{:.5f},{:.5f}\n", o.scale, o.scale_std) : "\n";
   }
   return csv;
 }

@@ -79,8 +79,8 @@ SequenceView ViewOf(const PinholeCamera& camera, double rate_hz, const ModelData
 
 SequenceView::Truth ViewOfTruth(const GroundTruthInstance& instance) {
   const TruthDeviation deviation = DeviationOf(instance);
-  return {instance.id, instance.model, instance.world_from_object, deviation.position_m,
-          deviation.azimuth_rad};
+  return {instance.id,          instance.model,        instance.world_from_object,
+          deviation.position_m, deviation.azimuth_rad, instance.scale};
 }
 
 SequenceView MakeViewWithoutScan(const Sequence& sequence, const ModelDatabase& database) {

@@ -81,6 +81,10 @@ Result<ImportedPoses> ReadGroundTruthPoses(const std::filesystem::path& file) {
     instance.scan_from_object = entry.world_from_object;
     instance.fine = entry.fine;
     translations.push_back(entry.world_from_object.translation());
+    if (entry.scale != 1) {
+      imported.warnings.push_back("'" + file.string() + "': the scale of " + entry.id +
+                                  " is left out; annotated objects are as large as their models");
+    }
     imported.instances.push_back(std::move(instance));
   }
   if (auto warning = MetreWarning(translations, file.string())) {

@@ -30,6 +30,11 @@ Result<GroundTruthInstance> ReadInstance(const nlohmann::json& json, const std::
   if (!pose)
     return bad("(" + *id + ") has a 'world_from_object' that is not a 4x4 rigid transform");
   instance.world_from_object = *pose;
+  if (json.contains("scale")) {
+    if (!json["scale"].is_number() || !(json["scale"] > 0.1 && json["scale"] < 10))
+      return bad("(" + *id + ") has a 'scale' that is not a number between 0.1 and 10");
+    instance.scale = json["scale"];
+  }
   const std::string quality =
       json.contains("quality") ? TextFromJson(json, "quality").value_or("") : "fine";
   if (quality != "fine" && quality != "coarse")
@@ -54,6 +59,7 @@ nlohmann::json InstanceToJson(const GroundTruthInstance& instance) {
                          {"category", instance.category},
                          {"quality", instance.fine ? "fine" : "coarse"},
                          {"world_from_object", IsometryToJson(instance.world_from_object)}};
+  if (instance.scale != 1) json["scale"] = instance.scale;
   if (instance.position_std_m) json["position_std_m"] = *instance.position_std_m;
   if (instance.azimuth_std_rad) json["azimuth_std_deg"] = *instance.azimuth_std_rad * kDegPerRad;
   return json;

@@ -22,6 +22,8 @@ struct GroundTruthInstance {
   /// How well the pose is known, where the file says so: one standard deviation, of the position
   /// the root of the mean squared distance.
   std::optional<double> position_std_m, azimuth_std_rad;
+  double scale =
+      1;  ///< Times as large as its model: world_from_object * (scale * point_in_object).
 };
 
 /// How well the pose of an instance is known. What the file does not say: 1.5 cm and 1 degree if

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
 
 #include "engine/base/check.h"
 #include "engine/evaluation/scene_alignment.h"
@@ -19,10 +20,11 @@ struct PosedScene {
   TriangleMesh mesh;
   std::vector<int> object_of_triangle;
 
-  void Add(const TriangleMesh& model, const Eigen::Isometry3d& scene_from_object, int object) {
+  void Add(const TriangleMesh& model, const Eigen::Isometry3d& scene_from_object, double scale,
+           int object) {
     const int first = static_cast<int>(mesh.vertices.size());
     for (const Eigen::Vector3f& vertex : model.vertices) {
-      mesh.vertices.push_back((scene_from_object * vertex.cast<double>()).cast<float>());
+      mesh.vertices.push_back((scene_from_object * (scale * vertex.cast<double>())).cast<float>());
     }
     for (const Eigen::Vector3i& triangle : model.triangles) {
       mesh.triangles.push_back(triangle.array() + first);
@@ -45,7 +47,7 @@ class Evaluator {
           FindModel(database, instance.model, "ground truth instance " + instance.id);
       const bool ignored = Ignored(instance.category);
       if (!model && !ignored) return model.error();
-      if (model) surface_truth_.push_back({instance.world_from_object, *model});
+      if (model) surface_truth_.push_back({instance.world_from_object, instance.scale, *model});
       if (ignored) continue;
       truth_.push_back(instance);
       truth_models_.push_back(*model);
@@ -64,7 +66,8 @@ class Evaluator {
   Result<MapEvaluation> Run() {
     PosedScene map;
     for (std::size_t i = 0; i < estimates_.size(); ++i) {
-      map.Add(estimate_models_[i]->mesh, estimates_[i].world_from_object, static_cast<int>(i));
+      map.Add(estimate_models_[i]->mesh, estimates_[i].world_from_object, estimates_[i].scale,
+              static_cast<int>(i));
     }
     SurfaceSamples samples;
     if (!map.mesh.triangles.empty()) {
@@ -158,11 +161,11 @@ class Evaluator {
   Result<std::unique_ptr<ClosestTriangleSearch>> BuildTruthSurface() const {
     PosedScene scene;
     if (options_.truth != TruthSurface::kModels && scan_ != nullptr) {
-      scene.Add(*scan_, Eigen::Isometry3d::Identity(), -1);
+      scene.Add(*scan_, Eigen::Isometry3d::Identity(), 1, -1);
     }
     if (options_.truth != TruthSurface::kScan) {
-      for (const auto& [world_from_object, model] : surface_truth_) {
-        scene.Add(model->mesh, world_from_object, -1);
+      for (const auto& [world_from_object, scale, model] : surface_truth_) {
+        scene.Add(model->mesh, world_from_object, scale, -1);
       }
     } else if (scan_ == nullptr) {
       return Error{ErrorCode::kInvalidInput,
@@ -217,8 +220,8 @@ class Evaluator {
     object.model_correct = object.estimate.model == object.truth.model;
     object.continuous_symmetry = true_model.symmetry.order == 0;
     object.pose = ComparePoses(pose, object.truth.world_from_object, true_model.symmetry, upright_);
-    object.centre_m = (pose * estimate_models_[estimate]->center() -
-                       object.truth.world_from_object * true_model.center())
+    object.centre_m = (pose * (object.estimate.scale * estimate_models_[estimate]->center()) -
+                       object.truth.world_from_object * (object.truth.scale * true_model.center()))
                           .norm();
     object.surface = surface_of_estimate_[estimate];
     return object;
@@ -246,10 +249,11 @@ class Evaluator {
   Status MeasureCompleteness() {
     PosedScene objects, map;
     for (std::size_t i = 0; i < truth_.size(); ++i) {
-      objects.Add(truth_models_[i]->mesh, truth_[i].world_from_object, static_cast<int>(i));
+      objects.Add(truth_models_[i]->mesh, truth_[i].world_from_object, truth_[i].scale,
+                  static_cast<int>(i));
     }
     for (std::size_t i = 0; i < estimates_.size(); ++i) {
-      map.Add(estimate_models_[i]->mesh, AlignedPose(i), static_cast<int>(i));
+      map.Add(estimate_models_[i]->mesh, AlignedPose(i), estimates_[i].scale, static_cast<int>(i));
     }
     if (objects.mesh.triangles.empty() || map.mesh.triangles.empty()) return {};
     const Result<SurfaceSamples> samples =
@@ -267,7 +271,7 @@ class Evaluator {
   const EvaluationOptions& options_;
   const UprightFrame upright_;
   /// Ignored instances too: they are really there.
-  std::vector<std::pair<Eigen::Isometry3d, const CadModel*>> surface_truth_;
+  std::vector<std::tuple<Eigen::Isometry3d, double, const CadModel*>> surface_truth_;
   std::vector<GroundTruthInstance> truth_;
   std::vector<const CadModel*> truth_models_;
   std::vector<EstimatedObject> estimates_;

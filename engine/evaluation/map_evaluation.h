@@ -27,6 +27,8 @@ struct EstimatedObject {
   std::string model;  ///< Name in the model database.
   std::string category;
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
+  double scale = 1;                 ///< Times as large as its model.
+  std::optional<double> scale_std;  ///< Nothing: the scale is not estimated.
 };
 
 enum class Alignment { kNone, kTrajectory, kObjects, kIcp, kIcp4 };
@@ -64,7 +66,7 @@ struct MatchedObject {
   bool model_correct = false;
   bool continuous_symmetry = false;  ///< Its rotation is not part of the means.
   PoseError pose;
-  double centre_m = 0;  ///< Between the centres of the models' bounding boxes.
+  double centre_m = 0;  ///< Between the centres of the bounding boxes, at their scales.
   ErrorStatistics surface;
 };
 

@@ -32,18 +32,25 @@ nlohmann::json MeanOrNull(const ErrorStatistics& s) {
 
 nlohmann::json ToJson(const MatchedObject& object) {
   const PoseError& pose = object.pose;
-  return {{"id", object.estimate.id},
-          {"model", object.estimate.model},
-          {"ground_truth", object.truth.id},
-          {"quality", object.truth.fine ? "fine" : "coarse"},
-          {"model_correct", object.model_correct},
-          {"translation_m", pose.translation_m},
-          {"rotation_deg", Degrees(pose.rotation_rad)},
-          {"azimuth_deg", pose.azimuth_rad ? nlohmann::json(Degrees(*pose.azimuth_rad)) : nullptr},
-          {"tilt_deg", Degrees(pose.tilt_rad)},
-          {"height_m", pose.height_m},
-          {"centre_m", object.centre_m},
-          {"surface_mean_m", MeanOrNull(object.surface)}};
+  nlohmann::json json = {
+      {"id", object.estimate.id},
+      {"model", object.estimate.model},
+      {"ground_truth", object.truth.id},
+      {"quality", object.truth.fine ? "fine" : "coarse"},
+      {"model_correct", object.model_correct},
+      {"translation_m", pose.translation_m},
+      {"rotation_deg", Degrees(pose.rotation_rad)},
+      {"azimuth_deg", pose.azimuth_rad ? nlohmann::json(Degrees(*pose.azimuth_rad)) : nullptr},
+      {"tilt_deg", Degrees(pose.tilt_rad)},
+      {"height_m", pose.height_m},
+      {"centre_m", object.centre_m},
+      {"surface_mean_m", MeanOrNull(object.surface)}};
+  if (object.estimate.scale_std) {
+    json["scale"] = object.estimate.scale;
+    json["scale_std"] = *object.estimate.scale_std;
+  }
+  if (object.truth.scale != 1) json["true_scale"] = object.truth.scale;
+  return json;
 }
 
 nlohmann::json ToJson(const MeanPoseError& mean) {

@@ -30,6 +30,11 @@ TriangleMesh Transformed(TriangleMesh mesh, const Eigen::Isometry3d& target_from
   return mesh;
 }
 
+TriangleMesh Scaled(TriangleMesh mesh, double factor) {
+  for (Eigen::Vector3f& vertex : mesh.vertices) vertex *= static_cast<float>(factor);
+  return mesh;
+}
+
 void Append(const TriangleMesh& b, TriangleMesh& a) {
   if (a.empty()) {
     a = b;

@@ -30,6 +30,12 @@ Eigen::AlignedBox3f BoundingBox(const TriangleMesh& mesh);
 /// Vertices (and normals) mapped through `target_from_mesh`.
 TriangleMesh Transformed(TriangleMesh mesh, const Eigen::Isometry3d& target_from_mesh);
 
+/// Everything times `factor`, about the origin.
+TriangleMesh Scaled(TriangleMesh mesh, double factor);
+inline Eigen::AlignedBox3d Scaled(const Eigen::AlignedBox3f& box, double factor) {
+  return {factor * box.min().cast<double>(), factor * box.max().cast<double>()};
+}
+
 /// Appends b's vertices and triangles to a; attributes that only one of them has are dropped.
 void Append(const TriangleMesh& b, TriangleMesh& a);
 

@@ -76,7 +76,8 @@ struct Footprint {
 
 Footprint FootprintOf(const MapObject& object, const MapFrame& map) {
   Footprint footprint;
-  const Eigen::AlignedBox3d box = map.database->model(object.mean().label).bounds.cast<double>();
+  const Eigen::AlignedBox3d box =
+      Scaled(map.database->model(object.mean().label).bounds, object.mean().scale);
   const Eigen::Isometry3d upright_from_object =
       Eigen::Isometry3d(map.upright.upright_rotation().transpose()) *
       object.mean().world_from_object;

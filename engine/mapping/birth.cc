@@ -20,6 +20,11 @@ constexpr double kOffPoints = 0.1;  ///< Weight of what is before or behind all 
 /// size.
 constexpr double kLeastExplained = 0.01;
 
+/// Of a new hypothesis.
+double DrawLogScale(const MapperOptions& options, Random& random) {
+  return options.scale_std > 0 ? options.scale_std * random.Gaussian() : 0.0;
+}
+
 /// How well a box of the whole object explains a proposal that may show only a part of it.
 /// Detectors box what they see, so the whole may reach beyond the proposal, at the bottom above
 /// all; it must not fall short of it.
@@ -51,7 +56,8 @@ PoseHypothesis PaperCandidate(const Detection& proposal, const PinholeCamera& ca
   const Eigen::Vector2d bearing = camera.Bearing({u, v});
   const double azimuth = random.Uniform(-std::numbers::pi, std::numbers::pi);
   return {label, azimuth,
-          world_from_cam * Eigen::Vector3d(depth * bearing.x(), depth * bearing.y(), depth)};
+          world_from_cam * Eigen::Vector3d(depth * bearing.x(), depth * bearing.y(), depth),
+          DrawLogScale(options, random)};
 }
 
 /// How far from the camera the centre of a shape may be whose box, in whole or in part, is this.
@@ -74,7 +80,8 @@ PoseHypothesis InformedCandidate(const Detection& proposal, const PinholeCamera&
   const double azimuth = random.Uniform(-std::numbers::pi, std::numbers::pi);
   PoseHypothesis hypothesis{
       label, azimuth,
-      world_from_cam * Eigen::Vector3d(depth * bearing.x(), depth * bearing.y(), depth)};
+      world_from_cam * Eigen::Vector3d(depth * bearing.x(), depth * bearing.y(), depth),
+      DrawLogScale(options, random)};
   if (options.floor_prior && map.StandsOnFloor(label)) {
     hypothesis.center_in_world +=
         (map.BaseStd(options) * random.Gaussian() - map.BaseHeight(hypothesis)) *
@@ -86,7 +93,8 @@ PoseHypothesis InformedCandidate(const Detection& proposal, const PinholeCamera&
         map.supports[random.Index(static_cast<std::uint32_t>(map.supports.size()))];
     hypothesis.center_in_world =
         map.upright.upright_rotation() *
-        (surface.Draw(random) + Eigen::Vector3d(0, 0, map.database->model(label).center().z()));
+        (surface.Draw(random) +
+         Eigen::Vector3d(0, 0, hypothesis.scale() * map.database->model(label).center().z()));
   }
   return hypothesis;
 }
@@ -97,11 +105,11 @@ std::optional<Box2> ProjectedBounds(const CadModel& model, const PoseHypothesis&
                                     const MapFrame& map, const PinholeCamera& camera,
                                     const Eigen::Isometry3d& cam_from_world) {
   const Eigen::Isometry3d cam_from_object = cam_from_world * map.WorldFromObject(hypothesis);
+  const Eigen::AlignedBox3d bounds = Scaled(model.bounds, hypothesis.scale());
   Box2 box{1e9f, 1e9f, -1e9f, -1e9f};
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d point =
-        cam_from_object *
-        model.bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>();
+        cam_from_object * bounds.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
     if (point.z() < 0.1) return std::nullopt;
     const Eigen::Vector2f pixel = camera.Project(point).cast<float>();
     box = {std::min(box.x0, pixel.x()), std::min(box.y0, pixel.y()), std::max(box.x1, pixel.x()),

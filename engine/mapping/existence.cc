@@ -66,7 +66,8 @@ void Existence::UpdateInView(const Sighting& sighting, const MapperOptions& opti
 
 float EdgeSurplus(const HypothesisScorer& scorer, const ScoringView& view, const MapFrame& map,
                   const PoseHypothesis& pose) {
-  const Eigen::Vector3d size = map.database->model(pose.label).bounds.sizes().cast<double>();
+  const Eigen::Vector3d size =
+      pose.scale() * map.database->model(pose.label).bounds.sizes().cast<double>();
   const double reach = std::max(kLeastSize_m, std::max(size.x(), size.y()));
   std::vector<PoseHypothesis> places = {pose};
   for (int k = 0; k < kPlacesAround; ++k) {

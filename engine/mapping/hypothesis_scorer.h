@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -16,11 +17,16 @@
 
 namespace plumbline {
 
-/// A shape at an upright pose. `center` is where the centre of the model's bounding box is.
+/// A shape at an upright pose. `center` is where the centre of its bounding box is.
 struct PoseHypothesis {
   ModelId label;
   double azimuth_rad = 0;
   Eigen::Vector3d center_in_world{0, 0, 0};
+  double log_scale = 0;
+
+  /// How many times as large as its model it is, about the origin of `object`:
+  /// point_in_world = world_from_object * (scale * point_in_object).
+  double scale() const { return std::exp(log_scale); }
 };
 
 /// By how much all of an object may be elsewhere in an image, and how likely that is.

@@ -48,15 +48,23 @@ double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
   return -0.5 * height * height;
 }
 
+double LogScalePrior(const PoseHypothesis& hypothesis, const MapperOptions& options) {
+  if (options.scale_std <= 0) return 0;
+  const double share = hypothesis.log_scale / options.scale_std;
+  return -0.5 * share * share;
+}
+
 bool TakenPlace::Holds(const Eigen::Vector3d& center_in_world) const {
   const Eigen::Vector3d share = (center_from_world * center_in_world).cwiseQuotient(half_sizes_m);
   return share.head<2>().norm() < 1 && std::abs(share.z()) < 1;
 }
 
-TakenPlace PlaceOf(const CadModel& model, const Eigen::Isometry3d& world_from_object) {
+TakenPlace PlaceOf(const CadModel& model, const Eigen::Isometry3d& world_from_object,
+                   double scale) {
   TakenPlace place;
-  place.center_from_world = Eigen::Translation3d(-model.center()) * world_from_object.inverse();
-  place.half_sizes_m = 0.5 * model.bounds.sizes().cast<double>();
+  place.center_from_world =
+      Eigen::Translation3d(-scale * model.center()) * world_from_object.inverse();
+  place.half_sizes_m = 0.5 * scale * model.bounds.sizes().cast<double>();
   for (double& half : place.half_sizes_m.head<2>())
     if (half < 0.5 * kThin_m) half = kThin_m;
   return place;
@@ -96,7 +104,7 @@ Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
       judged[i].log_target =
           scale * (memory[i] + present.weight * (options.alpha * now[i].phi_cnn +
                                                  options.beta * now[i].phi_edge)) +
-          LogHeightPrior(map, hypotheses[i], options);
+          LogHeightPrior(map, hypotheses[i], options) + LogScalePrior(hypotheses[i], options);
     }
     return judged;
   };

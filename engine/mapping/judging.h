@@ -37,6 +37,9 @@ std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame&
 double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
                       const MapperOptions& options);
 
+/// Log density of the scale, unnormalised: normal in its logarithm; 0 where it is fixed.
+double LogScalePrior(const PoseHypothesis& hypothesis, const MapperOptions& options);
+
 /// What an object that is settled fills, an upright elliptic cylinder: no other of its category can
 /// have its centre there.
 struct TakenPlace {
@@ -46,13 +49,13 @@ struct TakenPlace {
   bool Holds(const Eigen::Vector3d& center_in_world) const;
 };
 /// The place of a model: half of its bounds to each side, of a thin side more.
-TakenPlace PlaceOf(const CadModel& model, const Eigen::Isometry3d& world_from_object);
+TakenPlace PlaceOf(const CadModel& model, const Eigen::Isometry3d& world_from_object, double scale);
 /// The target, with hypotheses in places that are taken made as good as impossible.
 Target Outside(std::vector<TakenPlace> taken, Target target);
 
 /// The posterior of one object: what its remembered views and the present one say, scaled to as
-/// many independent views as they amount to (ViewScale), and the floor prior. References must
-/// outlive it.
+/// many independent views as they amount to (ViewScale), and the priors of height and scale.
+/// References must outlive it.
 Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
                  std::vector<JudgingView> remembered, const JudgingView& present,
                  const MapperOptions& options, double sharpness = 1);

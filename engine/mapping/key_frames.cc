@@ -14,6 +14,7 @@ constexpr double kReferenceFocal_px = 500;  ///< Of a camera that the options in
 constexpr double kLeastScale = 0.6, kMostScale = 3;
 constexpr double kMovedDistance_m = 0.02;
 constexpr double kMovedAngle_rad = 2.0 * kRadPerDeg;
+constexpr double kGrown = 0.01;
 
 double Angle(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
@@ -25,7 +26,8 @@ bool SamePlaces(const std::vector<PlacedModel>& a, const std::vector<PlacedModel
     if (a[i].object != b[i].object || a[i].label != b[i].label ||
         (a[i].world_from_object.translation() - b[i].world_from_object.translation()).norm() >
             kMovedDistance_m ||
-        Angle(a[i].world_from_object, b[i].world_from_object) > kMovedAngle_rad) {
+        Angle(a[i].world_from_object, b[i].world_from_object) > kMovedAngle_rad ||
+        std::abs(a[i].scale - b[i].scale) > kGrown) {
       return false;
     }
   }
@@ -112,6 +114,15 @@ std::string KeyFrameMemory::Save() const {
       out.Put(placed.world_from_object);
     }
   }
+  // Scales come last and only where there are any: so it was before models could grow.
+  const bool scaled = std::any_of(frames_.begin(), frames_.end(), [](const KeyFrame& key) {
+    return std::any_of(key.occluders.begin(), key.occluders.end(),
+                       [](const PlacedModel& placed) { return placed.scale != 1; });
+  });
+  for (const KeyFrame& key : frames_) {
+    if (!scaled) break;
+    for (const PlacedModel& placed : key.occluders) out.Put(placed.scale);
+  }
   return out.Take();
 }
 
@@ -135,9 +146,15 @@ Status KeyFrameMemory::Restore(std::string_view bytes,
       key.occluders.push_back(placed);
     }
     if (!in.ok()) break;
+    frames_.push_back(std::move(key));
+  }
+  const bool scaled = !in.rest().empty();
+  for (KeyFrame& key : frames_) {
+    for (PlacedModel& placed : key.occluders) {
+      if (scaled) placed.scale = in.Get<double>();
+    }
     key.maps =
         OcclusionMaps(renderer.Render(camera_, key.input.world_from_cam.inverse(), key.occluders));
-    frames_.push_back(std::move(key));
   }
   if (!in.ok())
     return Error{ErrorCode::kCorrupt, "the run file's key frames are damaged; start the run again"};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/mapping/map_object.h"
 
+#include <algorithm>
+
 #include "engine/mapping/bytes.h"
 
 namespace plumbline {
@@ -11,6 +13,8 @@ void MapObject::Summarize(const MapFrame& map) {
   label_probability = LabelPosterior(particles);
   label = mean().label;
   world_from_object = mean().world_from_object;
+  scale = mean().scale;
+  scale_std = mean().scale_std;
 }
 
 double MapObject::remembered() const {
@@ -59,6 +63,11 @@ ObjectReport ToReport(const MapObject& object) {
     out.Put(object.world_from_proposal_cam);
   }
   object.paper.Save(out);
+  // Scales come last and only where there are any: so it was before models could grow.
+  if (std::any_of(object.joined.begin(), object.joined.end(),
+                  [](const PoseHypothesis& hypothesis) { return hypothesis.log_scale != 0; })) {
+    for (const PoseHypothesis& hypothesis : object.joined) out.Put(hypothesis.log_scale);
+  }
   report.filter_state = out.Take();
   return report;
 }
@@ -108,6 +117,9 @@ Result<MapObject> FromReport(const ObjectReport& report) {
     object.world_from_proposal_cam = in.GetPose();
   }
   object.paper.Restore(in);
+  if (!in.rest().empty()) {
+    for (PoseHypothesis& hypothesis : object.joined) hypothesis.log_scale = in.Get<double>();
+  }
   if (!in.ok() || report.modes.empty() || report.particles == nullptr ||
       report.particles->empty() || object.memory.size() != report.particles->size()) {
     return Error{ErrorCode::kCorrupt,

@@ -24,7 +24,7 @@ namespace plumbline {
 
 /// One hypothesis of an object's shape and pose: shape label k, and the centre of its model's
 /// bounding box at exp(rho) * [x_c, y_c, 1] in the camera frame of the object's reference time;
-/// azimuth about up [rad].
+/// azimuth about up [rad]; how much larger than the model it is.
 struct Particle {
   float x_c = 0, y_c = 0;      ///< Bearing, (X/Z, Y/Z) in the reference camera.
   float rho = 0;               ///< log(Z / 1 m).
@@ -34,6 +34,7 @@ struct Particle {
   float phi_edge = 0;          ///< Edge term, likewise.
   std::uint16_t label = 0;     ///< ModelId
   std::uint16_t ancestor = 0;  ///< Index, in the last frame's set, of the particle it comes from.
+  float log_scale = 0;         ///< 0 unless scale_std > 0.
 };
 
 /// One of several clearly separate places where an object may be.
@@ -43,6 +44,8 @@ struct PoseMode {
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
   double position_std_m = 0;
   double azimuth_std_rad = 0;
+  double scale = 1;  ///< As of ObjectBelief.
+  double scale_std = 0;
 };
 
 /// What the mapper believes of one object, and how it fared in the last frame. The mapper works on
@@ -61,6 +64,10 @@ struct ObjectBelief {
   std::vector<LabelProbability> label_probability;  ///< Falling; sums to 1.
   Eigen::Isometry3d world_from_object =
       Eigen::Isometry3d::Identity();  ///< Mean of the heaviest mode.
+  /// point_in_world = world_from_object * (scale * point_in_object): so many times as large as its
+  /// model. 1 with a deviation of 0 unless the mapper's scale_std > 0.
+  double scale = 1;
+  double scale_std = 0;
   Eigen::Matrix4d covariance =
       Eigen::Matrix4d::Zero();  ///< Of (x, y, z of the centre in world [m], azimuth [rad]).
   std::vector<PoseMode> modes;  ///< By falling weight; the first one is the mean above.

@@ -317,7 +317,7 @@ RenderedMaps Mapper::RenderMeans(const FrameReport& report) {
   std::vector<PlacedModel> placed;
   for (const ObjectReport& object : report.objects) {
     if (object.state != ObjectState::kRetired)
-      placed.push_back({object.id, object.label, object.world_from_object});
+      placed.push_back({object.id, object.label, object.world_from_object, object.scale});
   }
   return impl_->renderer->Render(impl_->setup.camera, report.world_from_cam->inverse(), placed);
 }

@@ -135,11 +135,11 @@ double Mapper::Impl::Screened(const PoseHypothesis& pose, const Box2& visible_bo
                               const MapperInput& input) const {
   const Eigen::Isometry3d cam_from_world = input.world_from_cam.inverse();
   const Eigen::Isometry3d cam_from_object = cam_from_world * map.WorldFromObject(pose);
-  const Eigen::AlignedBox3f& bounds = setup.database->model(pose.label).bounds;
+  const Eigen::AlignedBox3d bounds = Scaled(setup.database->model(pose.label).bounds, pose.scale());
   double front = std::numeric_limits<double>::max();
   for (int corner = 0; corner < 8; ++corner) {
-    const auto at = static_cast<Eigen::AlignedBox3f::CornerType>(corner);
-    front = std::min(front, (cam_from_object * bounds.corner(at).cast<double>()).z());
+    const auto at = static_cast<Eigen::AlignedBox3d::CornerType>(corner);
+    front = std::min(front, (cam_from_object * bounds.corner(at)).z());
   }
   return ScreenedShare(visible_box, front, map.points_in_world, setup.camera, cam_from_world,
                        *setup.database, MeanStates(true));
@@ -239,9 +239,9 @@ std::vector<SupportSurface> Mapper::Impl::FindSupports() const {
     if (!height || setup.database->model(label).support != Support::kFloor) continue;
     const Eigen::Vector3d& up = map.upright.up_in_world();
     const double variance = up.dot(object.covariance.topLeftCorner<3, 3>() * up);
-    supports.push_back(MakeSupportSurface(setup.database->model(label), *height,
-                                          object.mean().world_from_object, map.upright,
-                                          std::hypot(std::sqrt(variance), options().floor_std_m)));
+    supports.push_back(MakeSupportSurface(
+        setup.database->model(label), *height, object.mean().world_from_object, object.mean().scale,
+        map.upright, std::hypot(std::sqrt(variance), options().floor_std_m)));
   }
   return supports;
 }
@@ -293,8 +293,8 @@ std::vector<TakenPlace> Mapper::Impl::TakenPlaces(const MapObject& object) const
     if (other.state != ObjectState::kConfirmed || other.category != object.category ||
         other.id == object.id)
       continue;
-    const TakenPlace place =
-        PlaceOf(setup.database->model(other.mean().label), other.mean().world_from_object);
+    const TakenPlace place = PlaceOf(setup.database->model(other.mean().label),
+                                     other.mean().world_from_object, other.mean().scale);
     // Of two settled ones in one place both have a claim: they compete, and one is merged.
     if (object.state == ObjectState::kConfirmed &&
         place.Holds(ToHypothesis(object.mean(), map).center_in_world))

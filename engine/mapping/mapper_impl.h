@@ -84,7 +84,8 @@ struct Mapper::Impl {
     std::vector<PlacedModel> placed;
     for (const MapObject& object : objects) {
       if (confirmed_only && object.state != ObjectState::kConfirmed) continue;
-      placed.push_back({object.id, object.mean().label, object.mean().world_from_object});
+      placed.push_back(
+          {object.id, object.mean().label, object.mean().world_from_object, object.mean().scale});
     }
     return placed;
   }

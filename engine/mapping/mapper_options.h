@@ -75,6 +75,7 @@ struct MapperOptions {
   JumpScope jump_scope = JumpScope::kCategory;
   bool floor_prior = true;
   double floor_std_m = 0.015;
+  double scale_std = 0;
 
   // Birth
   SpawnPrior prior = SpawnPrior::kInformed;
@@ -169,6 +170,11 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"floor_prior", "", "models that stand on floors stand on the floor, where one is known"});
   visit(o.floor_std_m,
         {"floor_std_m", "m", "standard deviation of the base's height above the floor", 0.0001, 1});
+  visit(o.scale_std,
+        {"scale_std", "",
+         "standard deviation of how much larger than its model an object is, 0.03 for 3 %; 0: as "
+         "large",
+         0, 0.2});
   visit(o.prior,
         {"prior", "", "paper: nominal depth; informed: from box size, model size and floor"});
   visit(o.min_spawn_score,

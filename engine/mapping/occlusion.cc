@@ -33,7 +33,8 @@ RenderedMaps OcclusionRenderer::Render(const PinholeCamera& camera,
   std::vector<RenderInstance> instances;
   for (const PlacedModel& object : objects) {
     instances.push_back({mesh_of_model_[static_cast<std::size_t>(object.label.value)],
-                         cam_from_world * object.world_from_object, object.object.value});
+                         cam_from_world * object.world_from_object, object.object.value,
+                         object.scale});
   }
   if (instances.empty()) return {};
   RenderOptions options;

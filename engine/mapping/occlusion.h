@@ -18,6 +18,7 @@ struct PlacedModel {
   ObjectId object;
   ModelId label;
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
+  double scale = 1;  ///< As of ObjectBelief.
 };
 
 /// Draws mean states, at half the image's size, to learn who hides whom. Lives in the mapper's

@@ -21,6 +21,7 @@ struct Sample {
   double azimuth;
   double weight;
   std::uint16_t label;
+  double log_scale;
 };
 
 std::vector<Sample> ToSamples(std::span<const Particle> particles,
@@ -30,7 +31,7 @@ std::vector<Sample> ToSamples(std::span<const Particle> particles,
   for (const Particle& particle : particles) {
     const PoseHypothesis hypothesis = ToHypothesis(particle, world_from_reference_cam);
     samples.push_back({hypothesis.center_in_world, hypothesis.azimuth_rad,
-                       std::exp(particle.log_weight), particle.label});
+                       std::exp(particle.log_weight), particle.label, hypothesis.log_scale});
   }
   return samples;
 }
@@ -46,7 +47,7 @@ bool InMode(const Sample& sample, const CadModel& model, const Eigen::Vector3d& 
 double MapFrame::BaseHeight(const PoseHypothesis& hypothesis) const {
   const Eigen::Vector3d base =
       hypothesis.center_in_world -
-      database->model(hypothesis.label).center().z() * upright.up_in_world();
+      hypothesis.scale() * database->model(hypothesis.label).center().z() * upright.up_in_world();
   return floor_in_world->head<3>().dot(base) + (*floor_in_world)[3];
 }
 
@@ -56,7 +57,7 @@ bool MapFrame::StandsOnFloor(ModelId label) const {
 
 Eigen::Vector3d MapFrame::BaseInUpright(const PoseHypothesis& hypothesis) const {
   Eigen::Vector3d base = upright.upright_rotation().transpose() * hypothesis.center_in_world;
-  base.z() -= database->model(hypothesis.label).center().z();
+  base.z() -= hypothesis.scale() * database->model(hypothesis.label).center().z();
   return base;
 }
 
@@ -65,16 +66,18 @@ Eigen::Isometry3d MapFrame::WorldFromObject(const PoseHypothesis& hypothesis) co
   world_from_object.linear() = upright.WorldFromObjectRotation(hypothesis.azimuth_rad);
   world_from_object.translation() =
       hypothesis.center_in_world -
-      world_from_object.linear() * database->model(hypothesis.label).center();
+      world_from_object.linear() *
+          (hypothesis.scale() * database->model(hypothesis.label).center());
   return world_from_object;
 }
 
 PoseHypothesis ToHypothesis(const Particle& particle,
                             const Eigen::Isometry3d& world_from_reference_cam) {
   const double depth = std::exp(static_cast<double>(particle.rho));
-  return {ModelId{particle.label}, particle.azimuth,
-          world_from_reference_cam *
-              Eigen::Vector3d(depth * particle.x_c, depth * particle.y_c, depth)};
+  return {
+      ModelId{particle.label}, particle.azimuth,
+      world_from_reference_cam * Eigen::Vector3d(depth * particle.x_c, depth * particle.y_c, depth),
+      particle.log_scale};
 }
 
 Particle ToParticle(const PoseHypothesis& hypothesis,
@@ -87,6 +90,7 @@ Particle ToParticle(const PoseHypothesis& hypothesis,
   particle.rho = static_cast<float>(std::log(depth));
   particle.azimuth = static_cast<float>(WrapAngle(hypothesis.azimuth_rad));
   particle.label = static_cast<std::uint16_t>(hypothesis.label.value);
+  particle.log_scale = static_cast<float>(hypothesis.log_scale);
   return particle;
 }
 
@@ -214,12 +218,13 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
     const Sample& seed = rest[fullest->second.second];
     const CadModel& model = map.database->model(ModelId{seed.label});
     Eigen::Vector3d center = seed.center;
-    double azimuth = seed.azimuth;
+    double azimuth = seed.azimuth, log_scale = 0;
     PoseMode mode;
     mode.label = model.id;
     for (int iteration = 0; iteration < 6; ++iteration) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       double turn = 0, weight = 0, squares = 0, turn_squares = 0;
+      double growth = 0, growth_squares = 0;
       for (const Sample& s : rest) {
         if (!InMode(s, model, center, azimuth)) continue;
         const double difference = AzimuthDifference(model, s.azimuth, azimuth);
@@ -228,6 +233,8 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
         squares += s.weight * (s.center - center).squaredNorm();
         turn += s.weight * difference;
         turn_squares += s.weight * difference * difference;
+        growth += s.weight * s.log_scale;
+        growth_squares += s.weight * s.log_scale * s.log_scale;
       }
       if (weight <= 0) break;
       const Eigen::Vector3d shift = sum / weight - center;
@@ -237,8 +244,11 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
       mode.weight = weight;
       mode.position_std_m = std::sqrt(std::max(0.0, squares / weight - shift.squaredNorm()));
       mode.azimuth_std_rad = std::sqrt(std::max(0.0, turn_squares / weight - turned * turned));
+      log_scale = growth / weight;
+      mode.scale_std = std::sqrt(std::max(0.0, growth_squares / weight - log_scale * log_scale));
     }
-    mode.world_from_object = map.WorldFromObject({mode.label, azimuth, center});
+    mode.world_from_object = map.WorldFromObject({mode.label, azimuth, center, log_scale});
+    mode.scale = std::exp(log_scale);
     if (modes.empty() || mode.weight >= kMinModeWeight) modes.push_back(mode);
     const std::size_t before = rest.size();
     std::erase_if(rest, [&](const Sample& s) { return InMode(s, model, center, azimuth); });
@@ -255,7 +265,8 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
 
 PoseHypothesis ToHypothesis(const PoseMode& mode, const MapFrame& map) {
   return {mode.label, map.upright.Azimuth(mode.world_from_object.linear()),
-          mode.world_from_object * map.database->model(mode.label).center()};
+          mode.world_from_object * (mode.scale * map.database->model(mode.label).center()),
+          std::log(mode.scale)};
 }
 
 Eigen::Matrix4d ModeCovariance(const PoseMode& mode, std::span<const Particle> particles,

@@ -43,7 +43,8 @@ struct MapFrame {
 
 PoseHypothesis ToHypothesis(const Particle& particle,
                             const Eigen::Isometry3d& world_from_reference_cam);
-/// Keeps label and pose only; a centre behind the reference camera is moved to 5 cm before it.
+/// Keeps label, pose and scale only; a centre behind the reference camera is moved to 5 cm before
+/// it.
 Particle ToParticle(const PoseHypothesis& hypothesis,
                     const Eigen::Isometry3d& world_from_reference_cam);
 

@@ -24,6 +24,10 @@ constexpr double kUsualFactor = 4, kUsualCount = 5;
 constexpr std::size_t kPolished = 48;  ///< Members of a mode that is brought to its peak,
 constexpr int kMostPolished = 3;       ///< for the best of those found.
 constexpr double kLeastWalk_m = 0.0005, kLeastWalk_rad = 0.05 * kRadPerDeg;
+/// Of log-scale, in deviations of its prior.
+constexpr double kLeastSpread_scale = 0.1, kUsualSpread_scale = 1, kLeastWalk_scale = 0.05;
+/// A step so far in position goes one deviation of its prior in scale.
+constexpr double kStepOfScale_m = 0.05;
 
 /// One round of a search: how many go on, how sharply they are chosen, how far they step.
 struct Round {
@@ -36,20 +40,40 @@ constexpr Round kSearch[] = {{100, 3.0, 0.05, 6 * kRadPerDeg},
                              {60, 1.5, 0.012, 1.5 * kRadPerDeg},
                              {60, 1.0, 0.008, 1.0 * kRadPerDeg}};
 
-/// Weighted mean and covariance of differences from a pose.
+/// Weighted mean and covariance of differences from a pose and a log-scale.
 struct Moments {
   double weight = 0;
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
   Eigen::Matrix4d squares = Eigen::Matrix4d::Zero();
+  double scale_sum = 0, scale_squares = 0;
+  Eigen::Vector4d scale_times_pose = Eigen::Vector4d::Zero();
 
-  void Add(double w, const Eigen::Vector4d& difference) {
+  void Add(double w, const Eigen::Vector4d& difference, double growth) {
     weight += w;
     sum += w * difference;
     squares += w * difference * difference.transpose();
+    scale_sum += w * growth;
+    scale_squares += w * growth * growth;
+    scale_times_pose += w * growth * difference;
   }
   Eigen::Vector4d mean() const { return sum / weight; }
   Eigen::Matrix4d covariance() const { return squares / weight - mean() * mean().transpose(); }
+  double scale_mean() const { return scale_sum / weight; }
+  double scale_variance() const { return scale_squares / weight - scale_mean() * scale_mean(); }
+  Eigen::Vector4d scale_covariance() const {
+    return scale_times_pose / weight - scale_mean() * mean();
+  }
 };
+
+/// @param root  Of the pose's covariance.
+ScaleRow RowOf(const Eigen::Matrix4d& root, const Eigen::Vector4d& covariance, double variance) {
+  ScaleRow row;
+  row.with_pose = root.triangularView<Eigen::Lower>().solve(covariance);
+  row.own = std::sqrt(std::max(variance - row.with_pose.squaredNorm(), 1e-12));
+  return row;
+}
+
+double Squared(double value) { return value * value; }
 
 Eigen::Matrix4d Diagonal(double position_m, double azimuth_rad) {
   return Eigen::Vector4d(position_m * position_m, position_m * position_m, position_m * position_m,
@@ -84,12 +108,22 @@ PoseHypothesis PoseSampler::Step(PoseHypothesis hypothesis, double position_m, d
   hypothesis.center_in_world += map_.upright.upright_rotation() * step;
   hypothesis.azimuth_rad =
       WrapAngle(hypothesis.azimuth_rad + reach * azimuth_rad * random.Gaussian());
+  if (options_.scale_std <= 0) return hypothesis;
+  const double before = hypothesis.scale();
+  hypothesis.log_scale +=
+      reach * options_.scale_std * std::min(1.0, position_m / kStepOfScale_m) * random.Gaussian();
+  if (on_floor) {  // it grows from its base
+    hypothesis.center_in_world += (hypothesis.scale() - before) *
+                                  map_.database->model(hypothesis.label).center().z() *
+                                  map_.upright.up_in_world();
+  }
   return hypothesis;
 }
 
 PoseHypothesis PoseSampler::Turned(PoseHypothesis hypothesis) {
   Random random = Next();
-  const Eigen::Vector3d size = map_.database->model(hypothesis.label).bounds.sizes().cast<double>();
+  const Eigen::Vector3d size =
+      hypothesis.scale() * map_.database->model(hypothesis.label).bounds.sizes().cast<double>();
   const Eigen::Vector3d pivot(random.Uniform(-0.5, 0.5) * size.x(),
                               random.Uniform(-0.5, 0.5) * size.y(), 0);
   const double pick = random.Uniform();
@@ -110,7 +144,7 @@ PoseHypothesis PoseSampler::Relabelled(PoseHypothesis hypothesis) {
   if (map_.StandsOnFloor(label) && map_.StandsOnFloor(hypothesis.label)) {
     const double rise = map_.database->model(label).center().z() -
                         map_.database->model(hypothesis.label).center().z();
-    hypothesis.center_in_world += rise * map_.upright.up_in_world();
+    hypothesis.center_in_world += hypothesis.scale() * rise * map_.upright.up_in_world();
   }
   hypothesis.label = label;
   return hypothesis;
@@ -156,7 +190,7 @@ std::vector<std::size_t> PoseSampler::Choose(const Population& population, doubl
   return chosen;
 }
 
-Eigen::Matrix4d PoseSampler::SpreadWithin(const Population& population) const {
+PoseSpread PoseSampler::SpreadWithin(const Population& population) const {
   Moments within;
   std::vector<bool> taken(population.size(), false);
   for (std::size_t seed = 0; seed < population.size(); ++seed) {
@@ -170,32 +204,41 @@ Eigen::Matrix4d PoseSampler::SpreadWithin(const Population& population) const {
       if (difference.head<3>().norm() > kModeReach_m || std::abs(difference[3]) > kModeReach_rad)
         continue;
       taken[i] = true;
-      moments.Add(1, difference);
+      moments.Add(1, difference, hypothesis.log_scale - from.log_scale);
     }
     within.weight += moments.weight;
     within.squares += moments.weight * moments.covariance();
+    within.scale_squares += moments.weight * moments.scale_variance();
+    within.scale_times_pose += moments.weight * moments.scale_covariance();
   }
-  return within.squares / within.weight;
+  return {within.squares / within.weight, within.scale_times_pose / within.weight,
+          within.scale_squares / within.weight};
 }
 
 double PoseSampler::Walk(Population& population) { return WalkAt(population, 1.0); }
 
 double PoseSampler::WalkAt(Population& population, double temperature) {
   // One spread for all steps: so they are symmetric.
-  const Eigen::Matrix4d spread = SpreadWithin(population) + Diagonal(kLeastWalk_m, kLeastWalk_rad);
-  const Eigen::Matrix4d root = Eigen::LLT<Eigen::Matrix4d>(spread).matrixL();
+  const PoseSpread spread = SpreadWithin(population);
+  const Eigen::Matrix4d root =
+      Eigen::LLT<Eigen::Matrix4d>(spread.pose + Diagonal(kLeastWalk_m, kLeastWalk_rad)).matrixL();
+  const bool grows = options_.scale_std > 0;
+  const ScaleRow row =
+      RowOf(root, spread.scale_with_pose,
+            spread.scale_variance + Squared(kLeastWalk_scale * options_.scale_std));
   std::vector<PoseHypothesis> proposed;
   proposed.reserve(population.size());
   for (const PoseHypothesis& hypothesis : population.hypotheses) {
     Random random = Next();
     // Small steps are accepted, large ones go far: both, in turn.
     const double scale = random.Uniform() < 0.5 ? 0.5 : 1.3;
-    const Eigen::Vector4d step =
-        scale * root *
-        Eigen::Vector4d(random.Gaussian(), random.Gaussian(), random.Gaussian(), random.Gaussian());
+    const Eigen::Vector4d normal(random.Gaussian(), random.Gaussian(), random.Gaussian(),
+                                 random.Gaussian());
+    const Eigen::Vector4d step = scale * root * normal;
     PoseHypothesis moved = hypothesis;
     moved.center_in_world += map_.upright.upright_rotation() * step.head<3>();
     moved.azimuth_rad = WrapAngle(moved.azimuth_rad + step[3]);
+    if (grows) moved.log_scale += scale * (row.with_pose.dot(normal) + row.own * random.Gaussian());
     proposed.push_back(moved);
   }
   const std::vector<Judgement> judged = target_(proposed);
@@ -213,7 +256,7 @@ double PoseSampler::WalkAt(Population& population, double temperature) {
 
 std::vector<ProposalMode> PoseSampler::ModesOf(const Population& population, double sharpness,
                                                double reach,
-                                               const Eigen::Matrix4d& usual) const {
+                                               const PoseSpread& usual) const {
   std::vector<ProposalMode> modes;
   std::vector<bool> taken(population.size(), false);
   double highest = -std::numeric_limits<double>::infinity();
@@ -237,7 +280,8 @@ std::vector<ProposalMode> PoseSampler::ModesOf(const Population& population, dou
       if (difference.head<3>().norm() > kModeReach_m || std::abs(difference[3]) > kModeReach_rad)
         continue;
       taken[i] = true;
-      moments.Add(std::exp(sharpness * (population.judged[i].log_target - best)), difference);
+      moments.Add(std::exp(sharpness * (population.judged[i].log_target - best)), difference,
+                  population.hypotheses[i].log_scale - from.log_scale);
     }
     ProposalMode mode;
     mode.mean = from;
@@ -246,11 +290,19 @@ std::vector<ProposalMode> PoseSampler::ModesOf(const Population& population, dou
     // A handful of hypotheses says little about the spread.
     const double unknown = kUsualCount / (moments.weight + kUsualCount);
     const Eigen::Matrix4d scale = (1 - unknown) * moments.covariance() +
-                                  unknown * kUsualFactor * usual +
+                                  unknown * kUsualFactor * usual.pose +
                                   Diagonal(kLeastSpread_m, kLeastSpread_rad);
     const Eigen::LLT<Eigen::Matrix4d> cholesky(scale);
     mode.root = cholesky.matrixL();
     mode.log_determinant = 2 * mode.root.diagonal().array().log().sum();
+    if (options_.scale_std > 0) {
+      mode.mean.log_scale += moments.scale_mean();
+      mode.scale = RowOf(mode.root, (1 - unknown) * moments.scale_covariance(),
+                         (1 - unknown) * moments.scale_variance() +
+                             unknown * Squared(kUsualSpread_scale * options_.scale_std) +
+                             Squared(kLeastSpread_scale * options_.scale_std));
+      mode.log_determinant += 2 * std::log(mode.scale.own);
+    }
     mode.weight = best + 0.5 * mode.log_determinant;  // log of its mass but for a constant
     modes.push_back(mode);
   }
@@ -267,7 +319,7 @@ bool PoseSampler::Knows(const std::vector<ProposalMode>& modes, const ProposalMo
 }
 
 ProposalMode PoseSampler::Polished(const ProposalMode& found, double temperature,
-                                   const Eigen::Matrix4d& usual) {
+                                   const PoseSpread& usual) {
   Population members;
   members.hypotheses.push_back(found.mean);
   while (members.size() < kPolished) members.hypotheses.push_back(Draw({found}));
@@ -289,7 +341,7 @@ ProposalMode PoseSampler::Polished(const ProposalMode& found, double temperature
 std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
                                                  const std::vector<PoseHypothesis>& challengers,
                                                  double sharpness) {
-  const Eigen::Matrix4d usual = SpreadWithin(population);
+  const PoseSpread usual = SpreadWithin(population);
   std::vector<ProposalMode> modes =
       ModesOf(population, 0, std::numeric_limits<double>::infinity(), usual);
   double highest = -std::numeric_limits<double>::infinity();
@@ -344,9 +396,10 @@ PoseHypothesis PoseSampler::Draw(const std::vector<ProposalMode>& modes) {
     const double g = random.Gaussian();
     chi_square += g * g;
   }
-  const Eigen::Vector4d step = std::sqrt(kTailFreedom / chi_square) *
-                               (mode.root * Eigen::Vector4d(random.Gaussian(), random.Gaussian(),
-                                                            random.Gaussian(), random.Gaussian()));
+  const double stretch = std::sqrt(kTailFreedom / chi_square);
+  const Eigen::Vector4d normal(random.Gaussian(), random.Gaussian(), random.Gaussian(),
+                               random.Gaussian());
+  const Eigen::Vector4d step = stretch * (mode.root * normal);
   PoseHypothesis drawn = mode.mean;
   drawn.center_in_world += map_.upright.upright_rotation() * step.head<3>();
   const int order = map_.database->model(drawn.label).symmetry.order;
@@ -355,19 +408,29 @@ PoseHypothesis PoseSampler::Draw(const std::vector<ProposalMode>& modes) {
       : order > 1 ? 2 * std::numbers::pi * random.Index(static_cast<std::uint32_t>(order)) / order
                   : 0.0;
   drawn.azimuth_rad = WrapAngle(drawn.azimuth_rad + step[3] + copy);
+  if (options_.scale_std > 0)
+    drawn.log_scale +=
+        stretch * (mode.scale.with_pose.dot(normal) + mode.scale.own * random.Gaussian());
   return drawn;
 }
 
 double PoseSampler::LogDensity(const std::vector<ProposalMode>& modes,
                                const PoseHypothesis& hypothesis) const {
+  const bool grows = options_.scale_std > 0;
+  const int dimensions = grows ? 5 : 4;
   double density = 0;
   for (const ProposalMode& mode : modes) {
     if (mode.mean.label != hypothesis.label) continue;
     Eigen::Vector4d difference = Difference(hypothesis, mode.mean);
     const Eigen::Vector4d whitened = mode.root.triangularView<Eigen::Lower>().solve(difference);
-    density += mode.weight * std::exp(-0.5 * mode.log_determinant -
-                                      0.5 * (kTailFreedom + 4) *
-                                          std::log1p(whitened.squaredNorm() / kTailFreedom));
+    double squares = whitened.squaredNorm();
+    if (grows) {
+      const double growth = hypothesis.log_scale - mode.mean.log_scale;
+      squares += Squared((growth - mode.scale.with_pose.dot(whitened)) / mode.scale.own);
+    }
+    density += mode.weight *
+               std::exp(-0.5 * mode.log_determinant -
+                        0.5 * (kTailFreedom + dimensions) * std::log1p(squares / kTailFreedom));
   }
   return std::log(std::max(density, 1e-300));
 }

@@ -13,8 +13,9 @@ namespace plumbline {
 
 /// What a target density says of one hypothesis.
 struct Judgement {
-  double log_target = 0;  ///< Unnormalised; of (label, centre in world [m], azimuth [rad]).
-  float memory = 0;       ///< Of it, what the object's remembered views say, before scaling.
+  double log_target =
+      0;             ///< Unnormalised; of (label, centre in world [m], azimuth [rad], log-scale).
+  float memory = 0;  ///< Of it, what the object's remembered views say, before scaling.
   float phi_cnn = 0, phi_edge = 0;  ///< Of it, both terms in the present frame.
 };
 using Target = std::function<std::vector<Judgement>(std::span<const PoseHypothesis>)>;
@@ -30,17 +31,33 @@ struct Population {
   void Add(const Population& other);
 };
 
+/// How log-scale varies with a pose: the last row of the Cholesky factor of the covariance of both,
+/// whose other rows are the factor of the pose's alone.
+struct ScaleRow {
+  Eigen::Vector4d with_pose = Eigen::Vector4d::Zero();
+  double own = 0;  ///< On the diagonal; 0 where the scale is fixed.
+};
+
+/// Covariance about the modes of a population, pooled.
+struct PoseSpread {
+  Eigen::Matrix4d pose;             ///< (x, y, z in upright axes [m], azimuth [rad])
+  Eigen::Vector4d scale_with_pose;  ///< Of log-scale,
+  double scale_variance = 0;        ///< 0 where that is fixed.
+};
+
 /// One component of a proposal: a shape about a pose, with the heavy tails of Student's t.
 struct ProposalMode {
   double weight = 0;  ///< Of all components together 1.
   PoseHypothesis mean;
   Eigen::Matrix4d root;  ///< Lower Cholesky factor of the scale: (x, y, z in upright axes [m],
                          ///< azimuth [rad]).
-  double log_determinant = 0;  ///< Of the scale matrix.
+  ScaleRow scale;
+  double log_determinant = 0;  ///< Of the scale matrix, with log-scale where it is free.
 };
 
-/// Markov moves over shape and pose that leave a target density unchanged, whatever it is, and the
-/// search that tells them where to jump. docs/algorithms/semantic_filter.md has the derivation.
+/// Markov moves over shape, pose and (with `scale_std` > 0) scale that leave a target density
+/// unchanged, whatever it is, and the search that tells them where to jump.
+/// docs/algorithms/semantic_filter.md has the derivation.
 class PoseSampler {
  public:
   /// `key` names all random numbers of this sampler.
@@ -92,13 +109,12 @@ class PoseSampler {
   /// Modes of a population, the highest first and none lower by more than `reach` [nats]; their
   /// spread is that of members that count exp(sharpness * log target), of few like `usual`.
   std::vector<ProposalMode> ModesOf(const Population& population, double sharpness, double reach,
-                                    const Eigen::Matrix4d& usual) const;
-  /// Covariance about the modes, pooled: (x, y, z in upright axes [m], azimuth [rad]).
-  Eigen::Matrix4d SpreadWithin(const Population& population) const;
+                                    const PoseSpread& usual) const;
+  PoseSpread SpreadWithin(const Population& population) const;
   bool Knows(const std::vector<ProposalMode>& modes, const ProposalMode& mode) const;
   /// The mode brought from a temperature down to the target, with its spread there.
   ProposalMode Polished(const ProposalMode& found, double temperature,
-                        const Eigen::Matrix4d& usual);
+                        const PoseSpread& usual);
   Eigen::Vector4d Difference(const PoseHypothesis& a, const PoseHypothesis& from) const;
   Random Next() {
     ++key_.particle;

@@ -42,9 +42,10 @@ void RenderedScorer::Score(const ScoringView& view, const UprightFrame& upright,
     world_from_object.linear() = upright.WorldFromObjectRotation(hypothesis.azimuth_rad);
     world_from_object.translation() =
         hypothesis.center_in_world -
-        world_from_object.linear() * database_->model(hypothesis.label).center();
+        world_from_object.linear() *
+            (hypothesis.scale() * database_->model(hypothesis.label).center());
     placed.push_back({mesh_of_model_[static_cast<std::size_t>(hypothesis.label.value)],
-                      view.cam_from_world * world_from_object});
+                      view.cam_from_world * world_from_object, hypothesis.scale()});
   }
   std::vector<AtlasScore> found(hypotheses.size());
   atlas_->Score(image, placed, found);

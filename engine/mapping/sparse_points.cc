@@ -57,7 +57,8 @@ double ScreenedShare(const Box2& box, double depth_m,
         std::any_of(explained.begin(), explained.end(), [&](const PlacedModel& placed) {
           const Eigen::AlignedBox3f& bounds = database.model(placed.label).bounds;
           const Eigen::Vector3f at =
-              (placed.world_from_object.inverse() * point.cast<double>()).cast<float>();
+              (placed.world_from_object.inverse() * point.cast<double>() / placed.scale)
+                  .cast<float>();
           return bounds.squaredExteriorDistance(at) < kInModel_m * kInModel_m;
         });
     if (!known) ++cells[static_cast<std::size_t>(row * kCells + column)];

@@ -56,14 +56,14 @@ Eigen::Vector3d SupportSurface::Draw(Random& random) const {
 }
 
 SupportSurface MakeSupportSurface(const CadModel& model, double support_height_m,
-                                  const Eigen::Isometry3d& world_from_object,
+                                  const Eigen::Isometry3d& world_from_object, double scale,
                                   const UprightFrame& upright, double height_std_m) {
-  const Eigen::AlignedBox3d box = model.bounds.cast<double>();
+  const Eigen::AlignedBox3d box = Scaled(model.bounds, scale);
   const Eigen::Isometry3d upright_from_object =
       Eigen::Isometry3d(upright.upright_rotation().transpose()) * world_from_object;
   SupportSurface surface;
   const Eigen::Vector3d corner =
-      upright_from_object * Eigen::Vector3d(box.min().x(), box.min().y(), support_height_m);
+      upright_from_object * Eigen::Vector3d(box.min().x(), box.min().y(), scale * support_height_m);
   surface.corner = corner.head<2>();
   surface.side_a = (upright_from_object.linear().col(0) * box.sizes().x()).head<2>();
   surface.side_b = (upright_from_object.linear().col(1) * box.sizes().y()).head<2>();

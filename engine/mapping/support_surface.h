@@ -30,7 +30,7 @@ struct SupportSurface {
 };
 
 SupportSurface MakeSupportSurface(const CadModel& model, double support_height_m,
-                                  const Eigen::Isometry3d& world_from_object,
+                                  const Eigen::Isometry3d& world_from_object, double scale,
                                   const UprightFrame& upright, double height_std_m);
 
 /// Log density of the height of a base over that point, unnormalised, for something that stands on

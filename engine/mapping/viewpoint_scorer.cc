@@ -200,18 +200,21 @@ void ViewpointScorer::Score(const ScoringView& view, const UprightFrame& upright
       const PoseHypothesis& hypothesis = hypotheses[i];
       const auto& model = models_[static_cast<std::size_t>(hypothesis.label.value)];
       const Eigen::Vector3d center = database_->model(hypothesis.label).center();
+      const double scale = hypothesis.scale();
       const Eigen::Matrix3d world_from_object =
           upright.WorldFromObjectRotation(hypothesis.azimuth_rad);
       const Eigen::Vector3d camera_in_object =
-          world_from_object.transpose() * (camera_in_world - hypothesis.center_in_world) + center;
-      const ContourView contour = model->View(camera_in_object.cast<float>());
+          world_from_object.transpose() * (camera_in_world - hypothesis.center_in_world) / scale +
+          center;
+      ContourView contour = model->View(camera_in_object.cast<float>());
+      contour.length_per_point_m *= static_cast<float>(scale);
       PLB_CHECK(contour.size <= kMaxPoints);
-      const Eigen::Matrix3d rotation = view.cam_from_world.linear() * world_from_object;
+      const Eigen::Matrix3d linear = scale * (view.cam_from_world.linear() * world_from_object);
       const Eigen::Vector3d translation =
-          view.cam_from_world * hypothesis.center_in_world - rotation * center;
+          view.cam_from_world * hypothesis.center_in_world - linear * center;
       Projection p;
       for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c) p.r[r][c] = static_cast<float>(rotation(r, c));
+        for (int c = 0; c < 3; ++c) p.r[r][c] = static_cast<float>(linear(r, c));
         p.t[r] = static_cast<float>(translation[r]);
       }
       p.fx = static_cast<float>(view.camera.fx);

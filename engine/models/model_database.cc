@@ -108,6 +108,12 @@ Result<std::shared_ptr<const ModelDatabase>> ModelDatabase::Load(
   }
 }
 
+CadModel Scaled(CadModel model, double factor) {
+  model.mesh = Scaled(std::move(model.mesh), factor);
+  model.bounds = BoundingBox(model.mesh);
+  return model;
+}
+
 std::shared_ptr<const ModelDatabase> ModelDatabase::FromModels(std::vector<CadModel> models) {
   auto database = std::make_shared<ModelDatabase>();
   database->models_ = std::move(models);

@@ -43,6 +43,9 @@ struct CadModel {
   Eigen::Vector3d center() const { return bounds.center().cast<double>(); }
 };
 
+/// The shape `factor` times as large: about its origin, the middle of its base.
+CadModel Scaled(CadModel model, double factor);
+
 /// The shapes that the mapper knows. Immutable; share it.
 class ModelDatabase {
  public:

@@ -83,7 +83,7 @@ std::shared_ptr<MapSnapshot> FramePictures::Make(FrameReport report) {
     std::vector<PlacedModel> placed;
     for (const ObjectReport& object : report.objects) {
       if (object.state == ObjectState::kRetired) continue;
-      placed.push_back({object.id, object.label, object.world_from_object});
+      placed.push_back({object.id, object.label, object.world_from_object, object.scale});
     }
     const RenderedMaps maps = renderer_->Render(camera_, report.world_from_cam->inverse(), placed);
     snapshot->depth = maps.depth;

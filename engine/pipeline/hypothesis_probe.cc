@@ -140,7 +140,7 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
   std::vector<PlacedModel> others;
   for (const ObjectReport& object : snapshot.report.objects) {
     if (object.id != request.object && object.state == ObjectState::kConfirmed)
-      others.push_back({object.id, object.label, object.world_from_object});
+      others.push_back({object.id, object.label, object.world_from_object, object.scale});
   }
   frame.view.occluder_depth = renderer_->Render(camera_, frame.view.cam_from_world, others).depth;
   frame.view.occlusion_margin_m = options_.occlusion_margin_m;
@@ -186,11 +186,13 @@ void HypothesisProbe::AddHypotheses(Frame& frame, const SequenceView& sequence,
     hypothesis.label = pose.label;
     hypothesis.center_in_world = pose.center_in_world;
     hypothesis.azimuth_rad = pose.azimuth_rad;
+    hypothesis.log_scale = pose.log_scale;
     view.hypotheses.push_back(std::move(hypothesis));
   };
   PoseMode mean;
   mean.label = object.label;
   mean.world_from_object = object.world_from_object;
+  mean.scale = object.scale;
   add("mean", ToHypothesis(mean, frame.map), std::nullopt, false);
 
   double nearest_m = kFarthestTruth_m;
@@ -205,6 +207,7 @@ void HypothesisProbe::AddHypotheses(Frame& frame, const SequenceView& sequence,
     PoseMode mode;
     mode.label = *label;
     mode.world_from_object = truth.world_from_object;
+    mode.scale = truth.scale;
     frame.truth_hypothesis = ToHypothesis(mode, frame.map);
   }
 
@@ -241,7 +244,7 @@ void HypothesisProbe::ScoreHypotheses(const Frame& frame, const HypothesisScorer
                                       const EdgeMap& edges, ProbeView& view) const {
   std::vector<PoseHypothesis> poses;
   for (const ProbedHypothesis& h : view.hypotheses)
-    poses.push_back({h.label, h.azimuth_rad, h.center_in_world});
+    poses.push_back({h.label, h.azimuth_rad, h.center_in_world, h.log_scale});
   const std::vector<Likelihood> scored = Score(frame, *scorer_, poses);
   std::vector<Likelihood> rendered;
   if (reference != nullptr) rendered = Score(frame, *reference, poses);
@@ -268,14 +271,15 @@ void HypothesisProbe::ScoreHypotheses(const Frame& frame, const HypothesisScorer
 void HypothesisProbe::AddOutlines(const Frame& frame, int hovered, ProbeView& view) {
   const cv::Size size(camera_.width, camera_.height);
   const auto outline = [&](const PoseHypothesis& pose) {
-    const PlacedModel placed[] = {{frame.object->id, pose.label, frame.map.WorldFromObject(pose)}};
+    const PlacedModel placed[] = {
+        {frame.object->id, pose.label, frame.map.WorldFromObject(pose), pose.scale()}};
     const RenderedMaps maps = renderer_->Render(camera_, frame.view.cam_from_world, placed);
     std::vector<OutlineView> outlines = OutlinesOf(maps.id, size);
     return outlines.empty() ? std::vector<std::vector<Eigen::Vector2f>>()
                             : std::move(outlines.front().contours);
   };
   for (ProbedHypothesis& h : view.hypotheses)
-    h.outline = outline({h.label, h.azimuth_rad, h.center_in_world});
+    h.outline = outline({h.label, h.azimuth_rad, h.center_in_world, h.log_scale});
   if (hovered < 0 || hovered >= static_cast<int>(frame.particles.size())) return;
   view.hovered = hovered;
   view.hovered_outline = outline(frame.particles[static_cast<std::size_t>(hovered)]);

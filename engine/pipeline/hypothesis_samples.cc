@@ -46,21 +46,20 @@ std::vector<ContourSample> HypothesisProbe::Samples(const Frame& frame,
   const Eigen::Isometry3d& cam_from_world = frame.view.cam_from_world;
   const Eigen::Vector3d camera_in_object =
       world_from_object.transpose() *
-          (cam_from_world.inverse().translation() - hypothesis.center_in_world) +
+          (cam_from_world.inverse().translation() - hypothesis.center_in_world) /
+          hypothesis.scale() +
       center;
   const ContourView contour = model->View(camera_in_object.cast<float>());
-  const Eigen::Matrix3d rotation = cam_from_world.linear() * world_from_object;
-  const Eigen::Vector3d translation =
-      cam_from_world * hypothesis.center_in_world - rotation * center;
+  const Eigen::Matrix3d linear = hypothesis.scale() * (cam_from_world.linear() * world_from_object);
+  const Eigen::Vector3d translation = cam_from_world * hypothesis.center_in_world - linear * center;
   const OrientedTableOptions table_options = SearchOptions(options_, camera_.fx);
   const cv::Mat& occluder = frame.view.occluder_depth;
   std::vector<ContourSample> samples;
   for (int i = 0; i < contour.size; ++i) {
     const Eigen::Vector3d p =
-        rotation * Eigen::Vector3d(contour.x[i], contour.y[i], contour.z[i]) + translation;
+        linear * Eigen::Vector3d(contour.x[i], contour.y[i], contour.z[i]) + translation;
     if (p.z() < frame.view.near_m) continue;
-    const Eigen::Vector3d n =
-        rotation * Eigen::Vector3d(contour.nx[i], contour.ny[i], contour.nz[i]);
+    const Eigen::Vector3d n = linear * Eigen::Vector3d(contour.nx[i], contour.ny[i], contour.nz[i]);
     const double bx = p.x() / p.z(), by = p.y() / p.z();
     ContourSample sample;
     sample.pixel =

@@ -43,7 +43,7 @@ void HypothesisProbe::AddSlices(const Frame& frame, const HypothesisScorer* refe
     for (int i = 0; i < kSliceSteps; ++i) {
       const double offset = axis.Offset(i, kSliceSteps);
       slice.offsets.push_back(static_cast<float>(offset * axis.per_unit));
-      poses.push_back({mean.label, mean.azimuth_rad, mean.center_in_world});
+      poses.push_back({mean.label, mean.azimuth_rad, mean.center_in_world, mean.log_scale});
       axis.Move(offset, poses.back());
     }
     for (const Likelihood& likelihood : Score(frame, *scorer_, poses)) {
@@ -69,7 +69,7 @@ void HypothesisProbe::AddMap(const Frame& frame, const Axis& x, const Axis& y,
     map.x_offsets.push_back(static_cast<float>(x.Offset(row, kMapSteps) * x.per_unit));
     map.y_offsets.push_back(static_cast<float>(y.Offset(row, kMapSteps) * y.per_unit));
     for (int column = 0; column < kMapSteps; ++column) {
-      poses.push_back({mean.label, mean.azimuth_rad, mean.center_in_world});
+      poses.push_back({mean.label, mean.azimuth_rad, mean.center_in_world, mean.log_scale});
       x.Move(x.Offset(column, kMapSteps), poses.back());
       y.Move(y.Offset(row, kMapSteps), poses.back());
     }

@@ -3,6 +3,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <type_traits>
@@ -62,6 +63,7 @@ class Decoder {
     if (count > bytes_.size()) ok_ = false;  // every element takes a byte at least
     return ok_ ? count : 0;
   }
+  bool AtEnd() const { return bytes_.empty(); }
   bool complete() const { return ok_ && bytes_.empty(); }
 
  private:
@@ -137,6 +139,22 @@ void VisitFrame(Coder& code, Report& report) {
   code(report.mapper_state);
 }
 
+/// Where models may grow, at the end of an object; otherwise nothing, as before they could.
+template <typename Coder, typename Object>
+void VisitScales(Coder& code, Object& object) {
+  if constexpr (Coder::kReads) {
+    if (code.AtEnd()) return;
+  } else {
+    if (object.scale == 1 && object.scale_std == 0) return;
+  }
+  code(object.scale);
+  code(object.scale_std);
+  for (auto& mode : object.modes) {
+    code(mode.scale);
+    code(mode.scale_std);
+  }
+}
+
 template <typename Coder, typename Object>
 void VisitObject(Coder& code, Object& object) {
   code(object.reference_frame);
@@ -164,6 +182,7 @@ void VisitObject(Coder& code, Object& object) {
   VisitBox(code, object.whole_box);
   VisitBox(code, object.visible_box);
   code(object.filter_state);
+  VisitScales(code, object);
 }
 
 template <typename Coder, typename Vector>
@@ -307,7 +326,10 @@ void VisitParticleColumns(Visit visit) {
   visit(&Particle::ancestor);
 }
 constexpr std::size_t kBytesPerParticle = 7 * sizeof(float) + 2 * sizeof(std::uint16_t);
-static_assert(sizeof(Particle) == kBytesPerParticle, "a new field of Particle needs a column here");
+static_assert(sizeof(Particle) == kBytesPerParticle + sizeof(float),
+              "a new field of Particle needs a column here");
+/// Of those that have a scale. One byte follows them: so the length tells which they are.
+constexpr std::size_t kBytesPerScaledParticle = kBytesPerParticle + sizeof(float);
 
 }  // namespace
 
@@ -345,16 +367,25 @@ std::string EncodeParticles(const std::vector<Particle>& particles) {
   std::string bytes;
   bytes.reserve(particles.size() * kBytesPerParticle);
   VisitParticleColumns([&](auto member) { AppendPlanes(particles, member, bytes); });
+  if (std::any_of(particles.begin(), particles.end(),
+                  [](const Particle& particle) { return particle.log_scale != 0; })) {
+    AppendPlanes(particles, &Particle::log_scale, bytes);
+    bytes.push_back(1);
+  }
   return Compress(bytes);
 }
 
 Result<std::vector<Particle>> DecodeParticles(std::string_view bytes) {
   const Result<std::string> plain = Decompress(bytes);
   if (!plain) return plain.error();
-  if (plain->size() % kBytesPerParticle != 0) return Damaged();
-  std::vector<Particle> particles(plain->size() / kBytesPerParticle);
+  const bool scaled = plain->size() % 2 == 1;
+  const std::size_t size = plain->size() - (scaled ? 1 : 0);
+  const std::size_t each = scaled ? kBytesPerScaledParticle : kBytesPerParticle;
+  if (size % each != 0) return Damaged();
+  std::vector<Particle> particles(size / each);
   const char* next = plain->data();
   VisitParticleColumns([&](auto member) { ReadPlanes(next, member, particles); });
+  if (scaled) ReadPlanes(next, &Particle::log_scale, particles);
   return particles;
 }
 

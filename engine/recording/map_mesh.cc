@@ -33,7 +33,8 @@ Result<TriangleMesh> MapMesh(std::span<const EstimatedObject> objects,
                                              objects[i].model + "', which " +
                                              database.folder().string() + " does not have"};
     }
-    TriangleMesh mesh = Transformed(database.model(*id).mesh, objects[i].world_from_object);
+    TriangleMesh mesh = Transformed(Scaled(database.model(*id).mesh, objects[i].scale),
+                                    objects[i].world_from_object);
     mesh.colors.assign(mesh.vertices.size(), ColorOf(static_cast<int>(i)));
     mesh.texture_coordinates.clear();
     mesh.texture_file.clear();

@@ -23,14 +23,24 @@ std::string ModelName(const RunHeader& header, ModelId label) {
   return index < header.models.size() ? header.models[index].name : "";
 }
 
+/// Where it is not fixed at 1.
+template <typename ModeOrObject>
+void AddScale(const ModeOrObject& of, nlohmann::json& json) {
+  if (of.scale == 1 && of.scale_std == 0) return;
+  json["scale"] = of.scale;
+  json["scale_std"] = of.scale_std;
+}
+
 nlohmann::json ModeToJson(const PoseMode& mode, const RunHeader& header,
                           const UprightFrame& upright) {
-  return {{"model", ModelName(header, mode.label)},
-          {"weight", mode.weight},
-          {"world_from_object", IsometryToJson(mode.world_from_object)},
-          {"azimuth_deg", Degrees(upright.Azimuth(mode.world_from_object.linear()))},
-          {"position_std_m", mode.position_std_m},
-          {"azimuth_std_deg", Degrees(mode.azimuth_std_rad)}};
+  nlohmann::json json = {{"model", ModelName(header, mode.label)},
+                         {"weight", mode.weight},
+                         {"world_from_object", IsometryToJson(mode.world_from_object)},
+                         {"azimuth_deg", Degrees(upright.Azimuth(mode.world_from_object.linear()))},
+                         {"position_std_m", mode.position_std_m},
+                         {"azimuth_std_deg", Degrees(mode.azimuth_std_rad)}};
+  AddScale(mode, json);
+  return json;
 }
 
 nlohmann::json ObjectToJson(const ObjectReport& object, const RunHeader& header,
@@ -41,27 +51,31 @@ nlohmann::json ObjectToJson(const ObjectReport& object, const RunHeader& header,
   }
   nlohmann::json modes = nlohmann::json::array();
   for (const PoseMode& mode : object.modes) modes.push_back(ModeToJson(mode, header, upright));
-  return {{"id", object.id.value},
-          {"model", ModelName(header, object.label)},
-          {"category", object.category},
-          {"confirmed", object.state == ObjectState::kConfirmed},
-          {"world_from_object", IsometryToJson(object.world_from_object)},
-          {"azimuth_deg", Degrees(upright.Azimuth(object.world_from_object.linear()))},
-          {"position_std_m", std::sqrt(object.covariance.topLeftCorner<3, 3>().trace())},
-          {"azimuth_std_deg", Degrees(std::sqrt(object.covariance(3, 3)))},
-          {"label_probability", std::move(labels)},
-          {"modes", std::move(modes)},
-          {"first_frame", object.first_frame},
-          {"confirmed_frame",
-           object.confirmed_frame ? nlohmann::json(*object.confirmed_frame) : nullptr},
-          {"last_frame", object.last_frame}};
+  nlohmann::json json = {
+      {"id", object.id.value},
+      {"model", ModelName(header, object.label)},
+      {"category", object.category},
+      {"confirmed", object.state == ObjectState::kConfirmed},
+      {"world_from_object", IsometryToJson(object.world_from_object)},
+      {"azimuth_deg", Degrees(upright.Azimuth(object.world_from_object.linear()))},
+      {"position_std_m", std::sqrt(object.covariance.topLeftCorner<3, 3>().trace())},
+      {"azimuth_std_deg", Degrees(std::sqrt(object.covariance(3, 3)))},
+      {"label_probability", std::move(labels)},
+      {"modes", std::move(modes)},
+      {"first_frame", object.first_frame},
+      {"confirmed_frame",
+       object.confirmed_frame ? nlohmann::json(*object.confirmed_frame) : nullptr},
+      {"last_frame", object.last_frame}};
+  AddScale(object, json);
+  return json;
 }
 
 void AddEstimate(const ObjectReport& object, const RunHeader& header,
                  std::vector<EstimatedObject>& estimates) {
   if (object.state != ObjectState::kConfirmed) return;
   estimates.push_back({std::to_string(object.id.value), ModelName(header, object.label),
-                       object.category, object.world_from_object});
+                       object.category, object.world_from_object, object.scale, std::nullopt});
+  if (object.scale_std > 0) estimates.back().scale_std = object.scale_std;
 }
 
 /// Mean, and the smallest value that 95 % do not exceed.
@@ -100,7 +114,13 @@ Result<std::vector<EstimatedObject>> EstimatesFromJson(const nlohmann::json& jso
         object.contains("world_from_object") ? IsometryFromJson(object["world_from_object"])
                                              : std::nullopt;
     if (!pose) return bad("object " + id + " needs 'world_from_object', a 4x4 rigid transform");
-    estimates.push_back({id, *model, *category, *pose});
+    estimates.push_back({id, *model, *category, *pose, 1, std::nullopt});
+    for (const auto& [key, value] : object.items()) {
+      if (key != "scale" && key != "scale_std") continue;
+      if (!value.is_number() || !(value > 0)) return bad("object " + id + " has a wrong " + key);
+      if (key == "scale") estimates.back().scale = value;
+      if (key == "scale_std") estimates.back().scale_std = value.get<double>();
+    }
   }
   return estimates;
 }

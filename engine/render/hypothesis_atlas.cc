@@ -38,9 +38,11 @@ struct AtlasMesh {
 /// A camera at the place of the real one that looks at the mesh's centre and holds its bounding
 /// sphere with a margin of 6 pixels; at most 130 degrees wide when the camera is close. Upright in
 /// the object's frame, like those of ViewpointModel.
-GpuHypothesis Aim(const AtlasMesh& mesh, const Eigen::Isometry3d& cam_from_object,
+GpuHypothesis Aim(const AtlasMesh& mesh, const AtlasHypothesis& hypothesis,
                   const AtlasOptions& options) {
-  const Eigen::Vector3d center_in_cam = cam_from_object * mesh.center;
+  const Eigen::Isometry3d& cam_from_object = hypothesis.cam_from_object;
+  const double radius = hypothesis.scale * mesh.radius;
+  const Eigen::Vector3d center_in_cam = cam_from_object * (hypothesis.scale * mesh.center);
   const double distance = std::max(center_in_cam.norm(), 1e-6);
   const Eigen::Vector3d forward = center_in_cam / distance;
   Eigen::Vector3d right = forward.cross(cam_from_object.linear().col(2));
@@ -48,14 +50,17 @@ GpuHypothesis Aim(const AtlasMesh& mesh, const Eigen::Isometry3d& cam_from_objec
   right.normalize();
   Eigen::Isometry3d cam_from_tile = Eigen::Isometry3d::Identity();
   cam_from_tile.linear() << right, forward.cross(right), forward;
-  const double sine = std::min(mesh.radius / distance, std::sin(65.0 * std::numbers::pi / 180.0));
+  const double sine = std::min(radius / distance, std::sin(65.0 * std::numbers::pi / 180.0));
   const double half_width = sine / std::sqrt(1.0 - sine * sine);
   GpuHypothesis aimed;
   aimed.cam_from_tile = cam_from_tile.matrix().cast<float>();
-  aimed.tile_from_object = (cam_from_tile.inverse() * cam_from_object).matrix().cast<float>();
+  aimed.tile_from_object =
+      (cam_from_tile.inverse() * cam_from_object * Eigen::Scaling(hypothesis.scale))
+          .matrix()
+          .cast<float>();
   const double pixel = 2.0 * half_width / (options.tile_px - 12);
   aimed.pixel = static_cast<float>(pixel);
-  aimed.step_m = static_cast<float>(std::min(options.contour_step_m, 0.3 * mesh.radius));
+  aimed.step_m = static_cast<float>(std::min(options.contour_step_m, 0.3 * radius));
   aimed.length_m = static_cast<float>(pixel * distance);
   return aimed;
 }
@@ -213,8 +218,7 @@ void GlHypothesisAtlas::ScoreBatch(const AtlasView& view,
   for (const AtlasHypothesis& hypothesis : hypotheses) {
     PLB_CHECK(hypothesis.mesh >= 0 && static_cast<std::size_t>(hypothesis.mesh) < meshes_.size())
         << "no mesh " << hypothesis.mesh;
-    aimed.push_back(Aim(meshes_[static_cast<std::size_t>(hypothesis.mesh)],
-                        hypothesis.cam_from_object, options_));
+    aimed.push_back(Aim(meshes_[static_cast<std::size_t>(hypothesis.mesh)], hypothesis, options_));
   }
   glBindBuffer(GL_SHADER_STORAGE_BUFFER, hypothesis_buffer_.get());
   glBufferData(GL_SHADER_STORAGE_BUFFER,

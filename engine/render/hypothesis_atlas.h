@@ -22,10 +22,11 @@ struct AtlasOptions {
   double crease_angle_deg = 40, mark_contrast = 0.15;
 };
 
-/// A mesh of the atlas at a pose.
+/// A mesh of the atlas at a pose, so many times as large as it is.
 struct AtlasHypothesis {
   int mesh = -1;
   Eigen::Isometry3d cam_from_object = Eigen::Isometry3d::Identity();
+  double scale = 1;
 };
 
 /// The image that hypotheses are scored in.

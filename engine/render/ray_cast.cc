@@ -39,7 +39,8 @@ void AddInstance(RTCDevice device, RTCScene scene, const TriangleMesh& mesh,
                                                                RTC_FORMAT_FLOAT3, 3 * sizeof(float),
                                                                mesh.vertices.size()));
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
-    const Eigen::Vector3f in_cam = (instance.cam_from_object * vertex.cast<double>()).cast<float>();
+    const Eigen::Vector3f in_cam =
+        (instance.cam_from_object * (instance.scale * vertex.cast<double>())).cast<float>();
     vertices = std::copy(in_cam.data(), in_cam.data() + 3, vertices);
   }
   auto* indices = static_cast<unsigned*>(

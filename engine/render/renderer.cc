@@ -29,14 +29,15 @@ Eigen::Matrix4f ClipFromCam(const PinholeCamera& camera, double near_m) {
 /// crosses the near plane.
 std::optional<cv::Rect> ImagePart(const PinholeCamera& camera,
                                   const Eigen::Isometry3d& cam_from_object,
-                                  const Eigen::AlignedBox3f& bounds, double near_m) {
+                                  const Eigen::AlignedBox3f& bounds, double scale, double near_m) {
   const cv::Rect whole(0, 0, camera.width, camera.height);
   Eigen::AlignedBox2d box;
   int in_front = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d point =
         cam_from_object *
-        bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>();
+        (scale *
+         bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>());
     if (point.z() < near_m) continue;
     ++in_front;
     box.extend(camera.Project(point));
@@ -177,11 +178,13 @@ std::vector<Visible> GlRenderer::FindVisible(const PinholeCamera& camera,
     PLB_CHECK(instance.id >= 1 && instance.id <= 65535) << "id " << instance.id;
     const GpuMesh& mesh = meshes_[static_cast<std::size_t>(instance.mesh)];
     if (mesh.buffers.index_count == 0) continue;
-    const auto shown = ImagePart(camera, instance.cam_from_object, mesh.bounds, near_m);
+    const auto shown =
+        ImagePart(camera, instance.cam_from_object, mesh.bounds, instance.scale, near_m);
     if (!shown) continue;
     part = part.empty() ? *shown : (part | *shown);
-    visible.push_back(
-        {&mesh, instance.cam_from_object.matrix().cast<float>(), static_cast<GLuint>(instance.id)});
+    const Eigen::Matrix4d cam_from_mesh =
+        (instance.cam_from_object * Eigen::Scaling(instance.scale)).matrix();
+    visible.push_back({&mesh, cam_from_mesh.cast<float>(), static_cast<GLuint>(instance.id)});
   }
   return visible;
 }

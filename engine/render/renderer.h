@@ -33,12 +33,13 @@ class RenderContext {
   bool IsSoftware() const;
 };
 
-/// A mesh to draw: which of the renderer's meshes, where, and the number written into the id map (1
-/// .. 65535).
+/// A mesh to draw: which of the renderer's meshes, where, the number written into the id map (1 ..
+/// 65535), and how many times as large as it is.
 struct RenderInstance {
   int mesh = -1;
   Eigen::Isometry3d cam_from_object = Eigen::Isometry3d::Identity();
   int id = 0;
+  double scale = 1;
 };
 
 /// What one camera sees. Depth is Z in `cam` [m], 0 where there is nothing; id 0 where there is

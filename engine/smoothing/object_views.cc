@@ -50,7 +50,8 @@ std::vector<PlacedModel> MeanStates(std::span<const MapObject> objects, bool con
   std::vector<PlacedModel> placed;
   for (const MapObject& object : objects) {
     if (confirmed_only && object.state != ObjectState::kConfirmed) continue;
-    placed.push_back({object.id, object.mean().label, object.mean().world_from_object});
+    placed.push_back(
+        {object.id, object.mean().label, object.mean().world_from_object, object.mean().scale});
   }
   return placed;
 }

@@ -32,20 +32,23 @@ ImageRefinementOptions RefinementOptions(const Eigen::Matrix4d& sampled) {
 
 }  // namespace
 
-std::shared_ptr<const SolidModel> SceneRefiner::Solid(ModelId label) {
-  const auto found = solids_.find(label.value);
+std::shared_ptr<const SolidModel> SceneRefiner::Solid(const PoseHypothesis& pose) {
+  const std::pair key(pose.label.value, pose.log_scale);
+  const auto found = solids_.find(key);
   if (found != solids_.end()) return found->second;
-  Result<SolidModel> solid = SolidModel::Prepare(setup_.database->model(label));
+  const CadModel& model = setup_.database->model(pose.label);
+  Result<SolidModel> solid =
+      SolidModel::Prepare(pose.log_scale == 0 ? model : Scaled(model, pose.scale()));
   auto prepared = solid.ok() ? std::make_shared<const SolidModel>(std::move(solid).value())
                              : std::shared_ptr<const SolidModel>();
-  return solids_.emplace(label.value, std::move(prepared)).first->second;
+  return solids_.emplace(key, std::move(prepared)).first->second;
 }
 
 Occluders SceneRefiner::OccludersOf(std::span<const ObjectWork> items, const ObjectWork& item) {
   Occluders occluders;
   for (const ObjectWork& other : items) {
     if (!other.kept || other.object.id == item.object.id) continue;
-    if (const auto solid = Solid(other.pose.label))
+    if (const auto solid = Solid(other.pose))
       occluders.models.push_back({solid->outline, map_.WorldFromObject(other.pose)});
   }
   return occluders;
@@ -57,7 +60,7 @@ void SceneRefiner::Claim(std::span<const ObjectWork> items) {
   claims_.clear();
   for (const ObjectWork& item : items) {
     if (!item.kept) continue;
-    const auto solid = Solid(item.pose.label);
+    const auto solid = Solid(item.pose);
     if (solid == nullptr) continue;
     const Occluders occluders = OccludersOf(items, item);
     std::vector<std::vector<EdgeClaim>> claims(frames.size());
@@ -92,7 +95,7 @@ EdgeMap SceneRefiner::EdgesFor(const ObjectWork& item, int frame) const {
 
 Status SceneRefiner::Refine(ObjectWork& item, const Occluders& occluders,
                             const std::stop_token& stop) {
-  const auto solid = Solid(item.pose.label);
+  const auto solid = Solid(item.pose);
   if (solid == nullptr) return {};
   std::vector<AnnotationImage> images;
   for (const std::size_t view : item.views) {
@@ -113,11 +116,12 @@ Status SceneRefiner::Refine(ObjectWork& item, const Occluders& occluders,
   }
   const CadModel& model = setup_.database->model(item.pose.label);
   const Eigen::Isometry3d& pose = refined->scan_from_object;
-  item.pose.center_in_world = pose * model.center();
+  const Eigen::Vector3d center = item.pose.scale() * model.center();
+  item.pose.center_in_world = pose * center;
   item.pose.azimuth_rad = map_.upright.Azimuth(pose.linear());
-  item.covariance = HotellingFactor(refined->images) *
-                    CentreCovariance(refined->covariance, pose.linear(), model.center(),
-                                     map_.upright.up_in_world());
+  item.covariance =
+      HotellingFactor(refined->images) *
+      CentreCovariance(refined->covariance, pose.linear(), center, map_.upright.up_in_world());
   item.refined = std::move(refined).value();
   return {};
 }

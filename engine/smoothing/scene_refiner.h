@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "engine/smoothing/contact.h"
@@ -20,8 +21,8 @@ class SceneRefiner {
   SceneRefiner(const MapperSetup& setup, const MapFrame& map, const FrameInputs& inputs)
       : setup_(setup), map_(map), inputs_(inputs) {}
 
-  /// Null for a model without surface.
-  std::shared_ptr<const SolidModel> Solid(ModelId label);
+  /// Of its shape at its scale; null for a model without surface.
+  std::shared_ptr<const SolidModel> Solid(const PoseHypothesis& pose);
   /// The kept objects but `item`, where they stand now.
   Occluders OccludersOf(std::span<const ObjectWork> items, const ObjectWork& item);
   /// Finds which edges the kept objects explain where they stand now.
@@ -36,7 +37,8 @@ class SceneRefiner {
   const MapperSetup& setup_;
   const MapFrame& map_;
   const FrameInputs& inputs_;
-  std::map<int, std::shared_ptr<const SolidModel>> solids_;  ///< By label.
+  /// By label and log-scale.
+  std::map<std::pair<int, double>, std::shared_ptr<const SolidModel>> solids_;
   /// By frame and object.
   std::map<int, std::map<int, std::vector<EdgeClaim>>> claims_;
 };

@@ -30,12 +30,18 @@ constexpr double kSelectionMargin = 3.2;
 
 Error Cancelled() { return {ErrorCode::kCancelled, "smoothing was cancelled"}; }
 
+/// The second pass takes the scale of each object from the run.
+MapperSetup WithScalesFixed(MapperSetup setup) {
+  setup.options.scale_std = 0;
+  return setup;
+}
+
 class Smoother {
  public:
   Smoother(const SmoothingTask& task, std::unique_ptr<OcclusionRenderer> renderer,
            const WorkContext& work)
       : task_(task),
-        setup_(task.setup),
+        setup_(WithScalesFixed(task.setup)),
         map_{UprightFrame(setup_.gravity_in_world),
              setup_.floor_in_world,
              setup_.database,
@@ -83,6 +89,8 @@ class Smoother {
       Result<MapObject> object = FromReport(*report);
       if (!object.ok()) return object.error();
       if (object->state == ObjectState::kRetired) object->state = ObjectState::kTentative;
+      for (Particle& particle : object->particles)
+        particle.log_scale = static_cast<float>(std::log(object->scale));
       items_.push_back({.causal = *report, .object = std::move(object).value()});
       Believe(items_.back());
     }
@@ -211,10 +219,10 @@ class Smoother {
       return false;
     const PoseMode& settled = other.object.mean();
     if (a.category == b.category &&
-        PlaceOf(map_.database->model(settled.label), settled.world_from_object)
+        PlaceOf(map_.database->model(settled.label), settled.world_from_object, settled.scale)
             .Holds(item.pose.center_in_world))
       return true;
-    const auto of_a = refiner_.Solid(item.pose.label), of_b = refiner_.Solid(other.pose.label);
+    const auto of_a = refiner_.Solid(item.pose), of_b = refiner_.Solid(other.pose);
     if (of_a == nullptr || of_b == nullptr) return false;
     const auto contact = FindContact(*of_a, map_.WorldFromObject(item.pose), *of_b,
                                      map_.WorldFromObject(other.pose));
@@ -249,7 +257,7 @@ class Smoother {
       kept.push_back(&item);
       const bool stands = setup_.options.floor_prior && item.refined &&
                           setup_.database->model(item.pose.label).support == Support::kFloor;
-      measured.push_back({item.pose, item.covariance, refiner_.Solid(item.pose.label), stands});
+      measured.push_back({item.pose, item.covariance, refiner_.Solid(item.pose), stands});
     }
     const JointSolution together = SolveJointly(measured, map_, setup_.options);
     SmoothedMap result;
@@ -282,7 +290,11 @@ class Smoother {
     belief.covariance = item.covariance;
     belief.updated = true;
     belief.world_from_object = map_.WorldFromObject(item.pose);
+    belief.scale = item.pose.scale();
+    belief.scale_std = item.causal.scale_std;
     PoseMode& mean = belief.modes.front();
+    mean.scale = belief.scale;
+    mean.scale_std = belief.scale_std;
     mean.world_from_object = belief.world_from_object;
     mean.position_std_m = std::sqrt(item.covariance.topLeftCorner<3, 3>().trace());
     mean.azimuth_std_rad = std::sqrt(item.covariance(3, 3));
@@ -299,7 +311,7 @@ class Smoother {
   }
 
   const SmoothingTask& task_;
-  const MapperSetup& setup_;
+  MapperSetup setup_;
   MapFrame map_;
   std::unique_ptr<OcclusionRenderer> renderer_;
   const WorkContext& work_;

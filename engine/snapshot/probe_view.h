@@ -33,6 +33,7 @@ struct ProbedHypothesis {
   ModelId label;
   Eigen::Vector3d center_in_world{0, 0, 0};
   double azimuth_rad = 0;
+  double log_scale = 0;
   float phi_cnn = 0, phi_edge = 0;
   std::optional<float> phi_edge_rendered;  ///< By the reference scorer.
   float score = 0;                         ///< alpha Phi_cnn + beta Phi_edge

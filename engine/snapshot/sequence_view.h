@@ -44,6 +44,7 @@ struct SequenceView {
     std::string id, model;
     Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
     double position_std_m = 0, azimuth_std_rad = 0;  ///< How well it is known.
+    double scale = 1;                                ///< Times as large as its model.
   };
   std::vector<Truth> truth;
 

@@ -33,6 +33,7 @@ struct FurnitureModel {
   Support support = Support::kFloor;
   std::string note;
   PaintedBody body;
+  double scale = 1;  ///< Of `body`, in sizes of the model that is written.
 };
 
 /// Colours that belong together.

@@ -44,6 +44,7 @@ struct RoomInstance {
   std::string model;
   std::string category;
   Eigen::Isometry3d room_from_object = Eigen::Isometry3d::Identity();
+  double scale = 1;  ///< Times as large as its model in the written database.
 };
 
 /// An upright block that a walker must not enter: an oriented rectangle on the floor.

@@ -116,7 +116,7 @@ Status WriteModels(const std::filesystem::path& folder,
                    const std::vector<FurnitureModel>& catalogue) {
   nlohmann::json models = nlohmann::json::array();
   for (const FurnitureModel& model : catalogue) {
-    const TriangleMesh mesh = DatabaseMesh(model.body);
+    const TriangleMesh mesh = Scaled(DatabaseMesh(model.body), 1 / model.scale);
     const Status written = WritePly(folder / (model.name + ".ply"), mesh);
     if (!written.ok()) return written;
     models.push_back({{"name", model.name},

@@ -14,6 +14,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "engine/base/files.h"
+#include "engine/base/random.h"
 #include "engine/base/timer.h"
 #include "engine/dataset/json_fields.h"
 #include "engine/dataset/proposals_file.h"
@@ -338,6 +339,7 @@ Status SequenceJob::WriteTruth(int frames) {
                          {"azimuth_std_deg", 0},
                          {"mask_id", i + 1},
                          {"visible_frames", history_[i].visible.ToJson(1)}});
+    if (instance.scale != 1) instances.back()["scale"] = instance.scale;
     situations.push_back({{"instance", instance.id},
                           {"hidden_frames", history_[i].hidden.ToJson(10)},
                           {"truncated_frames", history_[i].truncated.ToJson(10)}});
@@ -363,6 +365,18 @@ Status SequenceJob::WriteTruth(int frames) {
   if (status.ok()) status = WriteFileAtomically(folder_ / "visibility.csv", visibility_);
   if (status.ok()) status = WriteJson(folder_ / "scene.json", scene);
   return status;
+}
+
+/// Makes the models to be written larger or smaller than what they are models of.
+void MisjudgeModels(const SyntheticOptions& options, Room& room) {
+  if (options.model_error == 0) return;
+  Random random({.seed = options.seed, .object = 0x53495a45});
+  for (FurnitureModel& model : room.catalogue) {
+    model.scale = 1 + (random.Uniform() < 0.5 ? 1 : -1) * options.model_error;
+    for (RoomInstance& instance : room.instances) {
+      if (instance.model == model.name) instance.scale = model.scale;
+    }
+  }
 }
 
 /// Follows points through the room without drawing it.
@@ -434,6 +448,7 @@ Result<SyntheticSummary> WriteSyntheticSequence(const SyntheticOptions& options,
     return Error{ErrorCode::kInvalidInput, "synthetic sequence: " + problems.front()};
   Result<Room> room = FurnishRoom(options);
   if (!room.ok()) return room.error();
+  MisjudgeModels(options, *room);
   Result<Walk> walk = Walk::Plan(*room, options.seed, options.rate_hz);
   if (!walk.ok()) return walk.error();
   Status status = PrepareFolder(folder, options);

@@ -44,6 +44,7 @@ std::vector<std::string> SyntheticOptions::Validate() const {
   within("light_spacing", light_spacing, 0.5, 20);
   within("noise_levels", noise_levels, 0, 64);
   within("jpeg_quality", jpeg_quality, 1, 100);
+  within("model_error", model_error, 0, 0.2);
   if (imu) {
     within("the IMU's rate", imu->rate_hz, 50, 2000);
     within("the IMU's noise", imu->noise, 0, 100);

@@ -92,6 +92,9 @@ struct SyntheticOptions {
   double light_spacing = 1.0;  ///< 0.5 .. 20; spacing of light samples, 1 = a few centimetres.
   double noise_levels = 3.0;   ///< Sensor noise, standard deviation in grey levels of 256.
   int jpeg_quality = 92;       ///< 1 .. 100
+  /// Every shape of the database is larger or smaller than what stands in the room by this share,
+  /// by chance which; 0 .. 0.2. The room is the same.
+  double model_error = 0;
   /// With an IMU, the camera moves along a curve of continuous acceleration, some 0.01 mm off the
   /// walk's.
   std::optional<ImuSimulation> imu;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/mapping_scene.h"
 
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <stdexcept>
@@ -90,7 +91,8 @@ PlacedModel MappingScene::Place(std::string_view name, double x, double y, doubl
 
 PoseHypothesis MappingScene::Hypothesis(const PlacedModel& placed) const {
   return {placed.label, map_.upright.Azimuth(placed.world_from_object.linear()),
-          placed.world_from_object * database()->model(placed.label).center()};
+          placed.world_from_object * (placed.scale * database()->model(placed.label).center()),
+          std::log(placed.scale)};
 }
 
 RenderedMaps MappingScene::Draw(const Eigen::Isometry3d& world_from_cam,
@@ -98,7 +100,8 @@ RenderedMaps MappingScene::Draw(const Eigen::Isometry3d& world_from_cam,
   std::vector<RenderInstance> instances;
   for (const PlacedModel& placed : objects) {
     instances.push_back({meshes_[static_cast<std::size_t>(placed.label.value)],
-                         world_from_cam.inverse() * placed.world_from_object, placed.object.value});
+                         world_from_cam.inverse() * placed.world_from_object, placed.object.value,
+                         placed.scale});
   }
   RenderOptions options;
   options.contour = true;

@@ -94,7 +94,7 @@ class MapScene : public SceneSurface {
       if (report.id != object || label >= content_.sequence->models.size()) continue;
       const ModelView& model = content_.sequence->models[label];
       const double size = model.mesh != nullptr ? BoundingBox(*model.mesh).diagonal().norm() : 1.0;
-      camera_.LookAt(report.world_from_object * model.center, 2.2 * size);
+      camera_.LookAt(report.world_from_object * (report.scale * model.center), 2.2 * size);
       dirty_ = true;
     }
   }

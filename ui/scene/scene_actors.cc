@@ -123,11 +123,11 @@ void SceneActors::AddTruth(const SequenceView& sequence) {
     for (std::size_t i = 0; i < sequence.models.size(); ++i) {
       if (sequence.models[i].name != truth.model) continue;
       auto actor = LineActorOf(models_[i].edges, colors::kTruth, 1.5);
-      SetPose(*actor, truth.world_from_object);
+      SetPose(*actor, truth.world_from_object, truth.scale);
       renderer_->AddActor(actor);
       truth_.push_back(actor);
       auto solid = ActorOf(models_[i].surface, IM_COL32(150, 152, 156, 255));
-      SetPose(*solid, truth.world_from_object);
+      SetPose(*solid, truth.world_from_object, truth.scale);
       solid->VisibilityOff();
       renderer_->AddActor(solid);
       truth_solid_.push_back(solid);
@@ -264,8 +264,8 @@ void SceneActors::UpdateObjects(const SceneContent& content) {
     SetColor(*actors.surface, color);
     actors.surface->VisibilityOn();
     actors.edges->VisibilityOn();
-    SetPose(*actors.surface, object.world_from_object);
-    SetPose(*actors.edges, object.world_from_object);
+    SetPose(*actors.surface, object.world_from_object, object.scale);
+    SetPose(*actors.edges, object.world_from_object, object.scale);
     actors.surface->GetProperty()->SetOpacity(tentative                              ? 0.35
                                               : selected && content.layers.particles ? 0.45
                                                                                      : 1.0);

@@ -105,11 +105,12 @@ void SetColor(vtkActor& actor, ImU32 color) {
   actor.GetProperty()->SetColor(c.x, c.y, c.z);
 }
 
-void SetPose(vtkActor& actor, const Eigen::Isometry3d& world_from_actor) {
+void SetPose(vtkActor& actor, const Eigen::Isometry3d& world_from_actor, double scale) {
+  const Eigen::Matrix4d scaled = (world_from_actor * Eigen::Scaling(scale)).matrix();
   vtkNew<vtkMatrix4x4> matrix;
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 4; ++column) {
-      matrix->SetElement(row, column, world_from_actor.matrix()(row, column));
+      matrix->SetElement(row, column, scaled(row, column));
     }
   }
   actor.SetUserMatrix(matrix);

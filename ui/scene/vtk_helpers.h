@@ -28,7 +28,7 @@ vtkSmartPointer<vtkActor> ActorOf(vtkPolyData* data, ImU32 color);
 vtkSmartPointer<vtkActor> LineActorOf(vtkPolyData* data, ImU32 color, double width);
 void SetData(vtkActor& actor, vtkPolyData* data);
 void SetColor(vtkActor& actor, ImU32 color);
-void SetPose(vtkActor& actor, const Eigen::Isometry3d& world_from_actor);
+void SetPose(vtkActor& actor, const Eigen::Isometry3d& world_from_actor, double scale = 1);
 /// RGB, origin at the lower left; at most `max_width` wide.
 vtkSmartPointer<vtkImageData> TextureImage(const cv::Mat& bgr, int max_width);
 

@@ -67,6 +67,24 @@ TEST_F(GroundTruthFile, SaysHowWellAPoseIsKnown) {
       HasSubstr("'position_std_m'"));
 }
 
+TEST_F(GroundTruthFile, SaysHowMuchLargerThanItsModelAnInstanceIs) {
+  GroundTruth truth;
+  truth.instances = {{"a", "chair", "chair"}, {"b", "chair", "chair"}};
+  truth.instances[1].scale = 1.04;
+  ASSERT_TRUE(WriteGroundTruth(file_, truth).ok());
+  const GroundTruth read = ReadGroundTruth(file_).value();
+  EXPECT_EQ(read.instances[0].scale, 1);
+  EXPECT_EQ(read.instances[1].scale, 1.04);
+  for (const char* wrong : {"0", "-1", "\"large\"", "20"}) {
+    EXPECT_THAT(
+        Refusal(R"({"gravity": [0,0,-1], "instances": [{"id": "a", "model": "m", "category": "c",
+        "scale": )" +
+                std::string(wrong) + R"(, "world_from_object": )" + kPose + "}]}"),
+        HasSubstr("'scale'"))
+        << wrong;
+  }
+}
+
 TEST_F(GroundTruthFile, RefusesWhatIsWrongAndNamesTheInstance) {
   const std::string head = R"({"gravity": [0,0,-1], "instances": [)";
   EXPECT_EQ(Refusal(head + Instance("a", kPose) + "]}"), "accepted");

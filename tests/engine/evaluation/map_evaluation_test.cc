@@ -76,6 +76,30 @@ TEST(EvaluateMap, MeasuresTheSurfaceOfALiftedTable) {
   EXPECT_NEAR(evaluation.completeness.mean_m, evaluation.surface.mean_m, 3e-4);
 }
 
+TEST(EvaluateMap, ComparesObjectsAtTheirScales) {
+  GroundTruth truth;
+  truth.instances = {{"table_0", "table", "dining table", UprightPose(0, 0, 0, 0), true}};
+  truth.instances[0].scale = 1.04;
+  std::vector<EstimatedObject> map = PerfectMap(truth);
+  const MapEvaluation fixed = Evaluate(map, truth);
+  // On the floor both stand where they should; the top is 3 cm too low, the centre half of that.
+  EXPECT_NEAR(fixed.matched[0].pose.translation_m, 0, 1e-12);
+  EXPECT_NEAR(fixed.matched[0].centre_m, 0.5 * 0.04 * 0.75, 1e-6);
+  EXPECT_NEAR(fixed.surface.max_m, 0.5 * 0.04 * 1.6, 1e-3);
+  map[0].scale = 1.04;
+  map[0].scale_std = 0.01;
+  const MapEvaluation scaled = Evaluate(map, truth);
+  EXPECT_NEAR(scaled.matched[0].centre_m, 0, 1e-12);
+  EXPECT_LT(scaled.surface.max_m, 1e-6);
+  EXPECT_LT(scaled.completeness.max_m, 1e-6);
+  const nlohmann::json json = EvaluationToJson(scaled, {});
+  EXPECT_EQ(json["objects"][0]["scale"], 1.04);
+  EXPECT_EQ(json["objects"][0]["true_scale"], 1.04);
+  EXPECT_FALSE(
+      EvaluationToJson(Evaluate(PerfectMap(TestTruth()), TestTruth()), {})["objects"][0].contains(
+          "scale"));
+}
+
 TEST(EvaluateMap, AgreesWithBruteForceOverAllTrianglesOfTheTruth) {
   const GroundTruth truth = TestTruth();
   std::vector<EstimatedObject> map = PerfectMap(truth);

@@ -12,12 +12,13 @@ namespace {
 
 class MapperTest : public testing::Test {
  protected:
-  std::unique_ptr<Mapper> NewMapper() {
+  std::unique_ptr<Mapper> NewMapper(const MapperOptions& options = {}) {
     MapperSetup setup;
     setup.camera = scene_.camera();
     setup.floor_in_world = scene_.map().floor_in_world;
     setup.database = scene_.database();
     setup.scorer = scene_.scorer();
+    setup.options = options;
     return Mapper::Create(setup).value();
   }
   /// A frame of a walk about the origin, 12 cm and 3.4 degrees from the one before.
@@ -51,6 +52,33 @@ TEST_F(MapperTest, WhatIsSpawnedLateIsJudgedByTheViewsBefore) {
     return log_odds;
   };
   EXPECT_GT(log_odds_after(0), log_odds_after(kBoxedFrom) + 1);
+}
+
+TEST_F(MapperTest, AnObjectLargerThanItsModelIsFoundAtItsScale) {
+  constexpr int kEnd = 30;
+  for (const double scale : {0.96, 1.04}) {
+    PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+    chair.scale = scale;
+    const auto found = [&](double scale_std) {
+      MapperOptions options;
+      options.scale_std = scale_std;
+      const auto mapper = NewMapper(options);
+      ObjectReport last;
+      for (int frame = 0; frame < kEnd; ++frame) {
+        const FrameReport report = mapper->Step(Seen(frame, {&chair, 1}));
+        if (const ObjectReport* best = Best(report)) last = *best;
+      }
+      return last;
+    };
+    const ObjectReport fixed = found(0), free = found(0.03);
+    EXPECT_EQ(fixed.scale, 1);
+    EXPECT_EQ(fixed.scale_std, 0);
+    EXPECT_NEAR(free.scale, scale, 0.015);
+    EXPECT_GT(free.scale_std, 0.001);
+    EXPECT_LT(free.scale_std, 0.03) << "better known than before";
+    EXPECT_LT(free.world_from_object.translation().norm(), 0.03);
+    EXPECT_EQ(free.label, chair.label);
+  }
 }
 
 TEST_F(MapperTest, PointsBeforeAnObjectExcuseItsAbsence) {

@@ -79,6 +79,24 @@ TEST(ParticleSet, ParticlesAndHypothesesAreInverse) {
   }
 }
 
+TEST(ParticleSet, WhatIsLargerThanItsModelGrowsFromItsBase) {
+  const MapFrame map = ZUpFrame();
+  for (const double scale : {0.95, 1.0, 1.07}) {
+    PoseHypothesis chair = Standing(map, "chair", 0.4, -0.2, 0.7);
+    const CadModel& model = map.database->model(chair.label);
+    chair.log_scale = std::log(scale);
+    chair.center_in_world.z() *= scale;
+    EXPECT_NEAR(map.BaseHeight(chair), 0, 1e-12);
+    EXPECT_NEAR(map.BaseInUpright(chair).z(), 0, 1e-12);
+    // The same place for the middle of the base, whatever its scale.
+    const Eigen::Isometry3d world_from_object = map.WorldFromObject(chair);
+    EXPECT_NEAR(world_from_object.translation().z(), 0, 1e-12);
+    EXPECT_LT((world_from_object * (scale * model.center()) - chair.center_in_world).norm(), 1e-12);
+    const PoseHypothesis back = ToHypothesis(ToParticle(chair, WatchingCamera()), WatchingCamera());
+    EXPECT_NEAR(back.scale(), scale, 1e-6);
+  }
+}
+
 TEST(ParticleSet, ParametersAreThePapers) {
   const Eigen::Isometry3d world_from_cam = WatchingCamera();
   Particle particle;
@@ -313,6 +331,23 @@ void ExpectMode(const PoseMode& mode, const PoseHypothesis& middle, double weigh
   EXPECT_NEAR(mode.position_std_m, 0.03 * std::sqrt(3.0), 0.01);
   EXPECT_NEAR(mode.azimuth_std_rad, 4 * kRadPerDeg, 1 * kRadPerDeg);
   EXPECT_LT((mode.world_from_object.linear().col(2) - map.upright.up_in_world()).norm(), 1e-9);
+}
+
+TEST(FindModes, GivesMeanAndDeviationOfTheScale) {
+  const MapFrame map = ZUpFrame();
+  const PoseHypothesis here = Standing(map, "chair", 0, 0, 1);
+  std::vector<Particle> particles;
+  AddCloud(here, 2000, 1, particles);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    Random random({.seed = 22, .particle = static_cast<std::uint32_t>(i)});
+    particles[i].log_scale = static_cast<float>(0.04 + 0.02 * random.Gaussian());
+  }
+  const std::vector<PoseMode> modes = FindModes(particles, WatchingCamera(), map);
+  ASSERT_EQ(modes.size(), 1u);
+  // Four standard errors of 2000 draws.
+  EXPECT_NEAR(std::log(modes[0].scale), 0.04, 4 * 0.02 / std::sqrt(2000.0));
+  EXPECT_NEAR(modes[0].scale_std, 0.02, 4 * 0.02 / std::sqrt(4000.0));
+  EXPECT_LT((ToHypothesis(modes[0], map).center_in_world - here.center_in_world).norm(), 0.01);
 }
 
 TEST(FindModes, KeepsTheTwoHalvesOfAHalfTurnApart) {

@@ -77,7 +77,7 @@ class PoseSamplerTest : public testing::TestWithParam<int> {
   }
 
   const MapFrame map_{UprightFrame({0, 0, -1}), std::nullopt, MakeFurnitureDatabase()};
-  const MapperOptions options_;
+  MapperOptions options_;
 };
 
 TEST_P(PoseSamplerTest, GaussiansKeepTheirWidthFromAnyStart) {
@@ -103,6 +103,64 @@ TEST_P(PoseSamplerTest, GaussiansKeepTheirWidthFromAnyStart) {
       }
     }
   }
+}
+
+TEST_P(PoseSamplerTest, AScaleComesOutAsItIsAsked) {
+  options_.scale_std = 0.03;
+  const PoseHypothesis mean = At("chair", 1, 2, 0.4);
+  for (const double start : {0.0, 1.0, 2.0}) {
+    PoseSampler sampler = Sampler([&](const PoseHypothesis& h) {
+      const double off = (h.log_scale - 0.01) / 0.02;
+      return LogGaussian(h, mean, 0.02, 0.05) - 0.5 * off * off;
+    });
+    Population population = Around(mean, 0.02, 0.05, sampler);
+    for (std::size_t i = 0; i < count(); ++i) {
+      Random random({.seed = 9, .particle = static_cast<std::uint32_t>(i)});
+      population.hypotheses[i].log_scale = 0.01 + start * 0.02 * random.Gaussian();
+    }
+    population.judged = sampler.Judge(population.hypotheses);
+    Sweep(sampler, population, 20, false);
+    double sum = 0, squares = 0, position = 0;
+    for (const PoseHypothesis& h : population.hypotheses) {
+      const double off = (h.log_scale - 0.01) / 0.02;
+      sum += off / static_cast<double>(count());
+      squares += off * off / static_cast<double>(count());
+      position += (h.center_in_world - mean.center_in_world).squaredNorm() /
+                  (3 * 0.02 * 0.02 * static_cast<double>(count()));
+    }
+    EXPECT_NEAR(sum, 0, 4 / std::sqrt(static_cast<double>(count()))) << start;
+    EXPECT_NEAR(squares, 1, 4 * std::sqrt(2.0 / static_cast<double>(count()))) << start;
+    EXPECT_NEAR(position, 1, 4 * std::sqrt(2.0 / (3 * static_cast<double>(count())))) << start;
+  }
+}
+
+TEST_P(PoseSamplerTest, ARidgeOfSizeAndDistanceIsFilled) {
+  // What one camera sees: size over distance to 0.3 %, bearings to 5 mm; and the prior of the size.
+  options_.scale_std = 0.03;
+  constexpr double kDistance_m = 2, kRatio = 0.003, kBearing_m = 0.005;
+  const PoseHypothesis mean = At("chair", kDistance_m, 0, 0.4);
+  PoseSampler sampler = Sampler([&](const PoseHypothesis& h) {
+    if (h.label != mean.label) return -1e30;
+    const Eigen::Vector3d& at = h.center_in_world;
+    const double ratio = (h.log_scale - std::log(at.x() / kDistance_m)) / kRatio;
+    const double across = std::hypot(at.y(), at.z() - 0.5) / kBearing_m;
+    const double turn = WrapAngle(h.azimuth_rad - 0.4) / 0.05, size = h.log_scale / 0.03;
+    return -0.5 * (ratio * ratio + across * across + turn * turn + size * size);
+  });
+  Population population = Around(mean, 0.005, 0.05, sampler);
+  Sweep(sampler, population, 40, false);
+  double size = 0, ratio = 0, both = 0, distance = 0;
+  const auto n = static_cast<double>(count());
+  for (const PoseHypothesis& h : population.hypotheses) {
+    const double depth = std::log(h.center_in_world.x() / kDistance_m);
+    size += h.log_scale * h.log_scale / (0.03 * 0.03 * n);
+    ratio += (h.log_scale - depth) * (h.log_scale - depth) / (kRatio * kRatio * n);
+    both += h.log_scale * depth / n;
+    distance += depth * depth / n;
+  }
+  EXPECT_NEAR(size, 1, 4 * std::sqrt(2.0 / n));
+  EXPECT_NEAR(ratio, 1, 4 * std::sqrt(2.0 / n));
+  EXPECT_NEAR(both / (0.03 * std::sqrt(size * distance)), 0.995, 0.005) << "correlation";
 }
 
 TEST_P(PoseSamplerTest, TwinsAreFoundAndSharedEqually) {

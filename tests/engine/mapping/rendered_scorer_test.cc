@@ -85,6 +85,20 @@ TEST_F(RenderedScorerTest, AgreesWithTheFastScorer) {
   }
 }
 
+TEST_F(RenderedScorerTest, TwiceAsLargeAndTwiceAsFarLooksTheSame) {
+  const Eigen::Vector3d eye = scene_.View().cam_from_world.inverse().translation();
+  const HypothesisScore near = Score(*rendered_, {scene_.truth}).front();
+  PoseHypothesis far = scene_.truth;
+  far.log_scale = std::log(1.25);
+  far.center_in_world = eye + 1.25 * (scene_.truth.center_in_world - eye);
+  const HypothesisScore score = Score(*rendered_, {far}).front();
+  // Depth steps of 4 cm are those of a contour at any scale: a few more show on what is larger.
+  EXPECT_NEAR(score.total_m, 1.25 * near.total_m, 0.05 * near.total_m);
+  EXPECT_NEAR(score.agreement_m, 1.25 * near.agreement_m, 0.1 * near.total_m);
+  EXPECT_NEAR(score.whole_box.x0, near.whole_box.x0, 1);
+  EXPECT_NEAR(score.whole_box.y1, near.whole_box.y1, 1);
+}
+
 TEST_F(RenderedScorerTest, BoxesAreThoseOfTheProjection) {
   const HypothesisScore score = Score(*rendered_, {scene_.truth}).front();
   Eigen::AlignedBox2d box;

@@ -25,7 +25,7 @@ class SupportSurfaceTest : public testing::Test {
     return world_from_table;
   }
   SupportSurface TableTop() const {
-    return MakeSupportSurface(Named("table"), *SupportHeight(Named("table")), TableTurned(),
+    return MakeSupportSurface(Named("table"), *SupportHeight(Named("table")), TableTurned(), 1,
                               upright_, 0.02);
   }
   MapFrame MapWithTable() const {

@@ -99,6 +99,40 @@ TEST_F(ViewpointScorerTest, ScoresHighestWhereTheObjectIs) {
   }
 }
 
+TEST_F(ViewpointScorerTest, TwiceAsLargeAndTwiceAsFarLooksTheSame) {
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 25);
+  const Image image = Seen(front_, {&chair, 1});
+  const PoseHypothesis truth = scene_.Hypothesis(chair);
+  const HypothesisScore near = Score(image.view, truth);
+  for (const double factor : {0.9, 1.1, 2.0}) {
+    PoseHypothesis far = truth;
+    far.log_scale = std::log(factor);
+    far.center_in_world =
+        front_.translation() + factor * (truth.center_in_world - front_.translation());
+    const HypothesisScore score = Score(image.view, far);
+    // Lengths are measured at the object; a point in a thousand may fall into the next pixel.
+    EXPECT_NEAR(score.agreement_m, factor * near.agreement_m, 0.005 * near.agreement_m);
+    EXPECT_NEAR(score.total_m, factor * near.total_m, 1e-4 * near.total_m);
+    EXPECT_NEAR(score.whole_box.x0, near.whole_box.x0, 0.01);
+    EXPECT_NEAR(score.whole_box.y1, near.whole_box.y1, 0.01);
+  }
+}
+
+TEST_F(ViewpointScorerTest, ScoresHighestAtItsScale) {
+  for (const double scale : {0.95, 1.05}) {
+    PlacedModel chair = scene_.Place("chair", 0, 0, 25);
+    chair.scale = scale;
+    const PoseHypothesis truth = scene_.Hypothesis(chair);
+    // Standing on the floor, every size has its own distance from the camera's height.
+    PoseHypothesis as_model = scene_.Hypothesis(scene_.Place("chair", 0, 0, 25));
+    for (const Eigen::Isometry3d& camera : cameras_) {
+      const Image image = Seen(camera, {&chair, 1});
+      EXPECT_GT(Score(image.view, truth).agreement_m,
+                1.1 * Score(image.view, as_model).agreement_m);
+    }
+  }
+}
+
 TEST_F(ViewpointScorerTest, ABodyOfRevolutionMayTurn) {
   const PlacedModel vase = scene_.Place("vase", 0, 0, 0);
   const Image image = Seen(front_, {&vase, 1});

@@ -26,7 +26,8 @@ Box2 RandomBox(Random& random) {
 }
 
 /// Spread like a converged set: that is what the size on disk depends on.
-std::shared_ptr<const std::vector<Particle>> RandomParticles(Random& random, int count) {
+std::shared_ptr<const std::vector<Particle>> RandomParticles(Random& random, int count,
+                                                             bool scaled) {
   auto particles = std::make_shared<std::vector<Particle>>();
   for (int i = 0; i < count; ++i) {
     particles->push_back(
@@ -37,6 +38,9 @@ std::shared_ptr<const std::vector<Particle>> RandomParticles(Random& random, int
          static_cast<float>(-6 + random.Gaussian()), static_cast<float>(random.Uniform(0.3, 0.8)),
          static_cast<float>(random.Uniform(0.1, 0.4)), static_cast<std::uint16_t>(random.Index(3)),
          static_cast<std::uint16_t>(random.Index(static_cast<std::uint32_t>(count)))});
+  }
+  for (Particle& particle : *particles) {
+    if (scaled) particle.log_scale = static_cast<float>(0.03 * random.Gaussian());
   }
   if (count > 5) (*particles)[random.Index(5)].phi_cnn = OddFloat(random.Index(5));
   return particles;
@@ -59,6 +63,11 @@ ObjectReport RandomObject(Random& random, int id, int frame, int num_particles) 
   object.modes = {
       {object.label, 0.75, object.world_from_object, random.Uniform(), random.Uniform()},
       {{7}, 0.25, RandomPose(random), std::numeric_limits<double>::quiet_NaN(), -0.0}};
+  if (frame % 4 == 1) {
+    object.scale = object.modes[0].scale = 1.03;
+    object.scale_std = object.modes[0].scale_std = 0.01;
+    object.modes[1].scale = 0.98;
+  }
   object.effective_sample_size = random.Uniform(1, 500);
   object.log_evidence = random.Index(4) == 0 ? -0.0 : random.Gaussian();
   object.updated = random.Index(4) != 0;
@@ -67,7 +76,7 @@ ObjectReport RandomObject(Random& random, int id, int frame, int num_particles) 
   object.phi_edge = static_cast<float>(random.Uniform());
   object.whole_box = RandomBox(random);
   object.visible_box = random.Index(3) == 0 ? Box2{} : RandomBox(random);
-  if (num_particles >= 0) object.particles = RandomParticles(random, num_particles);
+  if (num_particles >= 0) object.particles = RandomParticles(random, num_particles, frame % 4 == 1);
   object.filter_state = std::string("state\0with zero", 15) + std::to_string(random.Bits());
   return object;
 }
@@ -103,19 +112,19 @@ void Print(const ObjectReport& o, BitPrinter& out) {
       << o.confirmed_frame.value_or(0) << o.last_frame << o.label.value << o.world_from_object
       << o.effective_sample_size << o.log_evidence << o.updated << o.visible_fraction << o.phi_cnn
       << o.phi_edge << o.whole_box << o.visible_box << o.filter_state << o.label_probability.size()
-      << o.modes.size() << (o.particles != nullptr);
+      << o.modes.size() << (o.particles != nullptr) << o.scale << o.scale_std;
   for (const LabelProbability& entry : o.label_probability)
     out << entry.label.value << entry.probability;
   for (int i = 0; i < 16; ++i) out << o.covariance(i / 4, i % 4);
   for (const PoseMode& mode : o.modes) {
     out << mode.label.value << mode.weight << mode.world_from_object << mode.position_std_m
-        << mode.azimuth_std_rad;
+        << mode.azimuth_std_rad << mode.scale << mode.scale_std;
   }
   if (!o.particles) return;
   out << o.particles->size();
   for (const Particle& p : *o.particles) {
     out << p.x_c << p.y_c << p.rho << p.azimuth << p.log_weight << p.phi_cnn << p.phi_edge
-        << p.label << p.ancestor;
+        << p.label << p.ancestor << p.log_scale;
   }
 }
 

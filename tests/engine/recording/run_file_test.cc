@@ -61,6 +61,36 @@ TEST(RunFile, GivesBackEveryFrameBitForBit) {
   EXPECT_EQ(reader->ReadFrame(40).error().code, ErrorCode::kNotFound);
 }
 
+TEST(RunFile, ScalesTakeSpaceOnlyWhereTheyAreFree) {
+  Particle particle;
+  particle.x_c = 0.5f;
+  const std::vector<Particle> fixed(9, particle);
+  std::vector<Particle> free = fixed;
+  free[3].log_scale = 0.02f;
+  // 9 with a scale are as long as 10 without, but for the byte that tells them apart.
+  const std::vector<Particle> ten(10, particle);
+  EXPECT_EQ(DecodeParticles(EncodeParticles(fixed))->size(), 9u);
+  EXPECT_EQ(DecodeParticles(EncodeParticles(ten))->size(), 10u);
+  const std::vector<Particle> read = DecodeParticles(EncodeParticles(free)).value();
+  ASSERT_EQ(read.size(), 9u);
+  EXPECT_EQ(read[3].log_scale, 0.02f);
+  EXPECT_EQ(read[4].log_scale, 0);
+  EXPECT_EQ(read[8].x_c, 0.5f);
+
+  ObjectReport object;
+  object.modes.resize(2);
+  const std::size_t before = EncodeObject(object).size();
+  object.modes[1].scale_std = object.scale_std = 0.01;
+  object.scale = 1.02;
+  const std::string bytes = EncodeObject(object);
+  EXPECT_GT(bytes.size(), before);
+  ObjectReport again;
+  ASSERT_TRUE(DecodeObject(bytes, again).ok());
+  EXPECT_EQ(again.scale, 1.02);
+  EXPECT_EQ(again.modes[1].scale_std, 0.01);
+  EXPECT_FALSE(DecodeObject(bytes.substr(0, bytes.size() - 8), again).ok());
+}
+
 TEST(RunFile, KeepsThePosesOfTheFilter) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "run.plb";

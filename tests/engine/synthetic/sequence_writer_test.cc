@@ -78,7 +78,7 @@ std::size_t InstancesWhereTheTruthHasThem(const fs::path& path, int frames) {
         const Eigen::Vector3d in_object = instance.world_from_object.inverse() * world_from_cam *
                                           Eigen::Vector3d(bearing.x() * z, bearing.y() * z, z);
         Eigen::AlignedBox3d bounds =
-            (*models)->model(*(*models)->Find(instance.model)).bounds.cast<double>();
+            Scaled((*models)->model(*(*models)->Find(instance.model)).bounds, instance.scale);
         bounds.min().array() -= 0.003;  // depth is rounded to millimetres
         bounds.max().array() += 0.003;
         if (bounds.contains(in_object)) continue;
@@ -235,6 +235,27 @@ TEST(SequenceWriter, RefusesAFolderWithOtherFiles) {
   EXPECT_EQ(summary.error().code, ErrorCode::kInvalidInput);
   EXPECT_NE(summary.error().message.find(folder.path().string()), std::string::npos);
   EXPECT_TRUE(fs::exists(folder.path() / "thesis.tex"));
+}
+
+TEST(SequenceWriter, ModelsMayBeWrongInSizeAndTheTruthSaysByHowMuch) {
+  const TemporaryFolder folder;
+  SyntheticOptions options = SmallOptions();
+  ASSERT_TRUE(WriteSyntheticSequence(options, folder.path() / "right", {}).ok());
+  options.model_error = 0.1;
+  ASSERT_TRUE(WriteSyntheticSequence(options, folder.path() / "wrong", {}).ok());
+  EXPECT_GE(InstancesWhereTheTruthHasThem(folder.path() / "wrong", 4), 2u);
+  const auto right = ModelDatabase::Load(folder.path() / "right" / "models").value(),
+             wrong = ModelDatabase::Load(folder.path() / "wrong" / "models").value();
+  const GroundTruth truth = ReadGroundTruth(folder.path() / "wrong" / "ground_truth.json").value();
+  std::set<double> scales;
+  for (const GroundTruthInstance& instance : truth.instances) {
+    scales.insert(instance.scale);
+    const Eigen::Vector3f size = wrong->model(*wrong->Find(instance.model)).bounds.sizes(),
+                          true_size = right->model(*right->Find(instance.model)).bounds.sizes();
+    EXPECT_LT((instance.scale * size.cast<double>() - true_size.cast<double>()).norm(), 1e-4)
+        << instance.id;
+  }
+  EXPECT_EQ(scales, (std::set<double>{0.9, 1.1}));
 }
 
 TEST(SequenceWriter, RefusesSenselessOptions) {

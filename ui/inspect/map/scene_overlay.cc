@@ -23,7 +23,8 @@ constexpr double kWorstError_m = 0.1;  ///< Red from here on.
 
 Eigen::Vector3d CenterOf(const FrameContext& context, const ObjectReport& object) {
   const ModelView* model = context.Model(object.label);
-  return object.world_from_object * (model != nullptr ? model->center : Eigen::Vector3d(0, 0, 0));
+  if (model == nullptr) return object.world_from_object.translation();
+  return object.world_from_object * (object.scale * model->center);
 }
 
 /// The outline of the ellipsoid, from the projections of its axes.
@@ -61,7 +62,8 @@ class ExplainedSpace {
     for (const ObjectReport& object : context.snapshot->report.objects) {
       const ModelView* model = context.Model(object.label);
       if (object.state == ObjectState::kConfirmed && model != nullptr)
-        places_.push_back({object.world_from_object.inverse().cast<float>(), model->bounds});
+        places_.push_back({object.world_from_object.inverse().cast<float>(),
+                           Scaled(model->bounds, object.scale).cast<float>()});
     }
   }
   bool Holds(const Eigen::Vector3f& point) const {

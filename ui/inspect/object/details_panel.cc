@@ -94,6 +94,11 @@ class DetailsPanel : public Panel {
                        kDegPerRad * std::sqrt(std::max(0.0, object.covariance(3, 3)))),
            "Angle about the vertical from the world's +x to the object's front.");
     }
+    if (object.scale_std > 0) {
+      Fact(context, "size",
+           fmt::format("{:+.1f} \u00b1 {:.1f} %", 100 * (object.scale - 1), 100 * object.scale_std),
+           "How much larger than its model it is, about the middle of its base.");
+    }
     Fact(context, "evidence", fmt::format("{:+.1f}", object.log_evidence),
          "Log odds that the object exists.");
     Fact(context, "sample size",

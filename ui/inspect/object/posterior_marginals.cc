@@ -38,9 +38,9 @@ std::optional<Parameters> TruthParameters(const FrameContext& context, const Obj
   const UprightFrame upright(-context.sequence->up_in_world);
   for (const ModelView& model : context.sequence->models) {
     if (model.name != truth->model) continue;
-    Parameters at =
-        At(object.world_from_reference_cam.inverse() * (truth->world_from_object * model.center),
-           upright.Azimuth(truth->world_from_object.linear()));
+    Parameters at = At(object.world_from_reference_cam.inverse() *
+                           (truth->world_from_object * (truth->scale * model.center)),
+                       upright.Azimuth(truth->world_from_object.linear()));
     const double period = 360.0 / std::max(1, model.symmetry_order);
     at.value[kAzimuthAxis] =
         mean_azimuth_deg +
