@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "engine/pipeline/own_pose_sequence.h"
+
 namespace plumbline {
 namespace {
 
@@ -26,8 +28,10 @@ Result<SequenceAlignment> AlignTrajectories(const Sequence& mapped, const Sequen
   const Eigen::Isometry3d mapped_upright = UprightFromWorld(*mapped_gravity),
                           reference_upright = UprightFromWorld(*reference_gravity);
   std::vector<TimedPose> poses, references;
+  const auto own_poses = OwnPosesOf(mapped);
   for (int i = 0; i < std::min(mapped.num_frames(), reference.num_frames()); ++i) {
-    const auto pose = mapped.world_from_cam(i), other = reference.world_from_cam(i);
+    const auto pose = own_poses != nullptr ? own_poses->LastKnown(i) : mapped.world_from_cam(i);
+    const auto other = reference.world_from_cam(i);
     if (!pose || !other) continue;
     poses.push_back({mapped.stamp_ns(i), mapped_upright * *pose, std::nullopt});
     references.push_back({mapped.stamp_ns(i), reference_upright * *other, std::nullopt});

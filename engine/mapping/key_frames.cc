@@ -93,11 +93,22 @@ KeyFrameMemory::Offered KeyFrameMemory::Offer(const MapperInput& input) {
   return offered;
 }
 
+void KeyFrameMemory::Correct(const PoseEstimate& pose) {
+  for (KeyFrame& key : frames_) {
+    if (key.input.pose_id != pose.id || key.input.pose_epoch >= pose.epoch) continue;
+    key.input.world_from_cam = pose.world_from_cam;
+    key.input.pose_uncertainty = pose.uncertainty;
+    key.input.pose_epoch = pose.epoch;
+    key.moved = true;
+  }
+}
+
 void KeyFrameMemory::UpdateOcclusion(OcclusionRenderer& renderer,
                                      const std::vector<PlacedModel>& objects) {
   for (KeyFrame& key : frames_) {
-    if (SamePlaces(key.occluders, objects)) continue;
+    if (!key.moved && SamePlaces(key.occluders, objects)) continue;
     key.occluders = objects;
+    key.moved = false;
     key.maps = OcclusionMaps(renderer.Render(camera_, key.input.world_from_cam.inverse(), objects));
   }
 }
@@ -107,6 +118,9 @@ std::string KeyFrameMemory::Save() const {
   out.Put(static_cast<std::int32_t>(frames_.size()));
   for (const KeyFrame& key : frames_) {
     out.Put(static_cast<std::int32_t>(key.input.frame));
+    out.Put(key.input.world_from_cam);
+    out.Put(static_cast<std::int32_t>(key.input.pose_epoch));
+    out.Put(key.moved);
     out.Put(static_cast<std::int32_t>(key.occluders.size()));
     for (const PlacedModel& placed : key.occluders) {
       out.Put(placed.object.value);
@@ -137,6 +151,9 @@ Status KeyFrameMemory::Restore(std::string_view bytes,
     Result<MapperInput> input = load(in.Get<std::int32_t>());
     if (!input.ok()) return input.error();
     key.input = std::move(input).value();
+    key.input.world_from_cam = in.GetPose();
+    key.input.pose_epoch = in.Get<std::int32_t>();
+    key.moved = in.Get<bool>();
     const int objects = in.Get<std::int32_t>();
     for (int k = 0; k < objects && in.ok(); ++k) {
       PlacedModel placed;

@@ -36,6 +36,7 @@ std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges, const Map
 struct KeyFrame {
   MapperInput input;
   std::vector<PlacedModel> occluders;  ///< The mean states that `maps` shows.
+  bool moved = false;                  ///< Since `maps` was drawn.
   OcclusionMaps maps;
 };
 
@@ -62,6 +63,8 @@ class KeyFrameMemory {
                   const Eigen::Isometry3d& world_from_cam_b) const;
   /// Null if it is not kept.
   const KeyFrame* Find(int frame) const;
+  /// Moves the kept frame of that pose, if its epoch is higher.
+  void Correct(const PoseEstimate& pose);
   /// Draws `objects` again into the key frames where they stand elsewhere than when last drawn.
   void UpdateOcclusion(OcclusionRenderer& renderer, const std::vector<PlacedModel>& objects);
   const std::vector<KeyFrame>& frames() const { return frames_; }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/mapping/map_object.h"
 
+#include <cmath>
+#include <limits>
+
+#include "engine/geometry/angles.h"
 #include <algorithm>
 
 #include "engine/mapping/bytes.h"
@@ -17,6 +21,28 @@ void MapObject::Summarize(const MapFrame& map) {
   scale_std = mean().scale_std;
 }
 
+void MapObject::MoveTo(const PoseEstimate& reference, const MapFrame& map) {
+  const Eigen::Isometry3d move = reference.world_from_cam * world_from_reference_cam.inverse();
+  // Particles are bearing and depth before the camera, which go along, and an azimuth in the world.
+  const Eigen::Vector3d ahead = map.upright.upright_rotation().col(0);
+  const Eigen::Vector3d turned =
+      map.upright.upright_rotation().transpose() * (move.linear() * ahead);
+  const double yaw = std::atan2(turned.y(), turned.x());
+  for (Particle& particle : particles)
+    particle.azimuth = static_cast<float>(
+        WrapAngle(static_cast<double>(particle.azimuth) + yaw));
+  for (PoseHypothesis& hypothesis : joined) {
+    hypothesis.center_in_world = move * hypothesis.center_in_world;
+    hypothesis.azimuth_rad = WrapAngle(hypothesis.azimuth_rad + yaw);
+  }
+  world_from_proposal_cam = move * world_from_proposal_cam;
+  world_from_reference_cam = reference.world_from_cam;
+  reference_uncertainty = reference.uncertainty;
+  reference_epoch = reference.epoch;
+  last_search_s = -std::numeric_limits<double>::infinity();
+  Summarize(map);
+}
+
 double MapObject::remembered() const {
   double sum = 0;
   for (const ObjectView& view : views) sum += view.weight;
@@ -30,6 +56,8 @@ ObjectReport ToReport(const MapObject& object) {
   ByteWriter out;
   out.Put(object.seen_s);
   for (const double value : object.reference_uncertainty.drift.reshaped()) out.Put(value);
+  out.Put(object.reference_pose.value);
+  out.Put(object.reference_epoch);
   out.Put(object.passing);
   out.Put(object.remembered_evidence);
   out.Put(object.hidden);
@@ -79,6 +107,8 @@ Result<MapObject> FromReport(const ObjectReport& report) {
   ByteReader in(report.filter_state);
   object.seen_s = in.Get<double>();
   for (double& value : object.reference_uncertainty.drift.reshaped()) value = in.Get<double>();
+  object.reference_pose.value = in.Get<std::int32_t>();
+  object.reference_epoch = in.Get<int>();
   object.passing = in.Get<double>();
   object.remembered_evidence = in.Get<double>();
   object.hidden = in.Get<double>();

@@ -24,6 +24,8 @@ struct MapObject : ObjectBelief {
   std::vector<ObjectView> views;
   std::vector<float> memory;  ///< Of each particle: the sum over `views`, see judging.h.
   PoseUncertainty reference_uncertainty;  ///< Of `world_from_reference_cam`.
+  PoseId reference_pose;                  ///< Names it,
+  int reference_epoch = 0;                ///< and how often it has been corrected.
   double present_weight = 0;  ///< How much of a view the last frame was, beside `views`.
   LikelihoodSharpness slopes;  ///< Of its views since it was confirmed,
   double sharpness = 1;        ///< and how sharply they are taken.
@@ -43,6 +45,9 @@ struct MapObject : ObjectBelief {
 
   const PoseMode& mean() const { return modes.front(); }
   double remembered() const;  ///< Sum of the weights of `views`.
+  /// Goes where its reference view has gone. What it has been judged by may be elsewhere relative to
+  /// it now: the next search judges it anew.
+  void MoveTo(const PoseEstimate& reference, const MapFrame& map);
   /// Works out modes, covariance, label and pose from the particles.
   void Summarize(const MapFrame& map);
 };

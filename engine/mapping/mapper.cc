@@ -30,6 +30,8 @@ std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
   object.reference_frame = object.first_frame = object.last_frame = input.frame;
   object.world_from_reference_cam = input.world_from_cam;
   object.reference_uncertainty = input.pose_uncertainty;
+  object.reference_pose = input.pose_id;
+  object.reference_epoch = input.pose_epoch;
   object.last_proposal = Detection{proposal.box, proposal.category, proposal.score};
   object.world_from_proposal_cam = input.world_from_cam;
   std::vector<PoseHypothesis> drawn =
@@ -280,6 +282,7 @@ Status Mapper::Restore(const FrameReport& report,
   Impl& m = *impl_;
   m.objects.clear();
   m.map.points_in_world.clear();
+  m.seen_points.clear();
   if (report.mapper_state.empty()) return {};  // every frame so far was skipped
   for (const ObjectReport& object : report.objects) {
     Result<MapObject> restored = FromReport(object);
@@ -300,9 +303,33 @@ void Mapper::SetFloor(const Eigen::Vector4d& floor_in_world, double std_m) {
   impl_->map.floor_std_m = std_m;
 }
 
-void Mapper::AddPoints(std::span<const Eigen::Vector3f> points_in_world) {
+void Mapper::AddPoints(const PoseEstimate& seen_from,
+                       std::span<const Eigen::Vector3f> points_in_world) {
   auto& points = impl_->map.points_in_world;
   points.insert(points.end(), points_in_world.begin(), points_in_world.end());
+  impl_->seen_points.push_back({seen_from, points_in_world.size()});
+}
+
+void Mapper::Correct(const PoseEstimate& pose) {
+  Impl& m = *impl_;
+  m.memory.Correct(pose);
+  for (MapObject& object : m.objects) {
+    if (object.reference_pose == pose.id && object.reference_epoch < pose.epoch)
+      object.MoveTo(pose, m.map);
+  }
+  std::size_t begin = 0;
+  for (Impl::SeenPoints& seen : m.seen_points) {
+    const std::size_t end = begin + seen.count;
+    if (seen.seen_from.id == pose.id && seen.seen_from.epoch < pose.epoch) {
+      const Eigen::Isometry3d move = pose.world_from_cam * seen.seen_from.world_from_cam.inverse();
+      for (std::size_t i = begin; i < end; ++i) {
+        Eigen::Vector3f& point = m.map.points_in_world[i];
+        point = (move * Eigen::Vector3d(point.cast<double>())).cast<float>();
+      }
+      seen.seen_from = pose;
+    }
+    begin = end;
+  }
 }
 
 void Mapper::SetOptions(const MapperOptions& options) {

@@ -49,7 +49,12 @@ class Mapper {
 
   /// More points of the surfaces in sight: they limit how far new objects may be, and hide what is
   /// behind them where no model explains them. A restored mapper has none.
-  void AddPoints(std::span<const Eigen::Vector3f> points_in_world);
+  void AddPoints(const PoseEstimate& seen_from, std::span<const Eigen::Vector3f> points_in_world);
+
+  /// A pose that was given before is known better: the view from it, the objects that refer to it
+  /// and the points seen from it move with it. One that is not held, or of an epoch that is known,
+  /// changes nothing.
+  void Correct(const PoseEstimate& pose);
 
   /// Takes effect with the next frame.
   void SetOptions(const MapperOptions& options);

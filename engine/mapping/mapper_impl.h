@@ -66,6 +66,12 @@ struct Mapper::Impl {
   NoveltyClock clock;
   double edge_level = kUsualSurplus;  ///< Mean edge surplus of settled objects in this sequence.
   LikelihoodSharpness sharpness;      ///< Of the views of this sequence.
+  /// Some of `map.points_in_world`, in their order.
+  struct SeenPoints {
+    PoseEstimate seen_from;
+    std::size_t count = 0;
+  };
+  std::vector<SeenPoints> seen_points;
   RenderedMaps mean_maps;
   std::vector<std::optional<double>> support_heights;  ///< Of each model, see SupportHeight.
 

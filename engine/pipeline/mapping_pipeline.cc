@@ -31,7 +31,8 @@ struct Prepared {
   std::optional<MapperInput> input;
   int options_version = 0;                       ///< Of the options that the table was made with.
   std::optional<FloorEstimate> floor;            ///< As known at the frame.
-  std::vector<Eigen::Vector3f> points_in_world;  ///< Found since the frame before.
+  /// Points found and poses corrected since the frame before, in their order.
+  std::vector<std::variant<PointEstimates, PoseEstimate>> news;
   std::string skipped;
   SkipCause skip_cause = SkipCause::kUnknown;  ///< What was prepared last.
   std::vector<StageTiming> timings;
@@ -218,22 +219,24 @@ struct MappingPipeline::Impl {
     ahead = std::make_unique<BoundedQueue<Prepared>>(kFramesAhead);
     source->Seek(selected[next]);
     thread = std::jthread([this, from = next](const std::stop_token& stop) {
-      std::optional<PoseEstimate> pose;  // of the frame that follows it
       std::optional<FloorEstimate> floor;
-      std::vector<Eigen::Vector3f> points;  // since the frame before
+      std::vector<std::variant<PointEstimates, PoseEstimate>> news;  // since the frame before
       for (std::size_t i = from; i < selected.size();) {
         const Result<std::optional<Packet>> packet = source->Next(stop);
         if (!packet.ok() || !packet.value()) break;
-        if (const auto* estimate = std::get_if<PoseEstimate>(&**packet)) pose = *estimate;
+        if (const auto* estimate = std::get_if<PoseEstimate>(&**packet)) news.push_back(*estimate);
         if (const auto* estimate = std::get_if<FloorEstimate>(&**packet)) floor = *estimate;
-        if (const auto* found = std::get_if<PointEstimates>(&**packet))
-          points.insert(points.end(), found->points_in_world.begin(), found->points_in_world.end());
+        if (const auto* found = std::get_if<PointEstimates>(&**packet)) news.push_back(*found);
         const auto* frame = std::get_if<FramePacket>(&**packet);
         if (frame == nullptr || frame->frame != selected[i]) continue;
-        if (pose && pose->stamp_ns != frame->stamp_ns) pose.reset();
+        std::optional<PoseEstimate> pose;
+        for (const auto& one : news) {
+          const auto* estimate = std::get_if<PoseEstimate>(&one);
+          if (estimate != nullptr && estimate->stamp_ns == frame->stamp_ns) pose = *estimate;
+        }
         Prepared prepared = PrepareFrame(*frame, pose);
         prepared.floor = floor;
-        prepared.points_in_world = std::exchange(points, {});
+        prepared.news = std::exchange(news, {});
         if (!ahead->Push(std::move(prepared))) return;
         ++i;
       }
@@ -396,7 +399,12 @@ std::optional<std::shared_ptr<MapSnapshot>> MappingPipeline::Next() {
   const auto add_events = [&](FrameReport& report) {
     report.events.insert(report.events.begin(), events.begin(), events.end());
   };
-  m.mapper->AddPoints(prepared->points_in_world);
+  for (const auto& one : prepared->news) {
+    if (const auto* points = std::get_if<PointEstimates>(&one))
+      m.mapper->AddPoints(points->seen_from, points->points_in_world);
+    else
+      m.mapper->Correct(std::get<PoseEstimate>(one));
+  }
   if (!prepared->input) {
     FrameReport report = m.Skip(*prepared);
     add_events(report);

@@ -122,25 +122,40 @@ void OwnPoseSource::Seek(int frame) {
   held_.clear();
   told_.reset();
   folder_.Seek(frame);
-  // A floor is told as often as it would have been from the first frame on, points are told again.
+  // A floor is told as often as it would have been from the first frame on; points are told again,
+  // and moved as often.
   std::optional<FloorReport> known;
-  PointEstimates points;
   for (int i = 0; i < frame && i < static_cast<int>(poses_->frames.size()); ++i) {
     const OwnPoseReport& report = poses_->frames[static_cast<std::size_t>(i)];
     if (report.floor && Differs(*report.floor, known)) known = report.floor;
-    if (report.ready)
-      points.points_in_world.insert(points.points_in_world.end(), report.points_in_world.begin(),
-                                    report.points_in_world.end());
+    TellCorrections(i);
+    TellPoints(i);
   }
   const std::int64_t stamp_ns = frame > 0 ? folder_.Frame(frame - 1).stamp_ns : 0;
   if (known) {
     told_ = known;
     held_.push_back(FloorEstimate{stamp_ns, PlaneOf(*known), 0, known->std_m});
   }
-  if (!points.points_in_world.empty()) {
-    points.stamp_ns = stamp_ns;
-    held_.push_back(std::move(points));
+}
+
+void OwnPoseSource::TellCorrections(int frame) {
+  for (const PastCorrection& correction : poses_->corrections) {
+    if (correction.image != frame) continue;
+    for (int i = 0; i < static_cast<int>(correction.world_from_cam.size()); ++i) {
+      std::optional<PoseEstimate> pose = Pose(i);
+      if (!pose) continue;
+      pose->world_from_cam = correction.world_from_cam[static_cast<std::size_t>(i)];
+      pose->epoch = correction.epoch;
+      held_.push_back(*std::move(pose));
+    }
   }
+}
+
+void OwnPoseSource::TellPoints(int frame) {
+  const OwnPoseReport& report = poses_->frames[static_cast<std::size_t>(frame)];
+  const std::optional<PoseEstimate> pose = Pose(frame);
+  if (!report.ready || !pose || report.points_in_world.empty()) return;
+  held_.push_back(PointEstimates{pose->stamp_ns, report.points_in_world, *pose});
 }
 
 Result<std::optional<Packet>> OwnPoseSource::Next(const std::stop_token& stop) {
@@ -149,7 +164,10 @@ Result<std::optional<Packet>> OwnPoseSource::Next(const std::stop_token& stop) {
     while (packet.ok() && *packet && std::holds_alternative<FloorEstimate>(**packet))
       packet = folder_.Next(stop);  // of the whole sequence: not known yet
     if (!packet.ok() || !*packet) return packet;
-    if (auto* pose = std::get_if<PoseEstimate>(&**packet)) *pose = *Pose(pose->id.value);
+    if (auto* pose = std::get_if<PoseEstimate>(&**packet)) {
+      *pose = *Pose(pose->id.value);
+      TellCorrections(pose->id.value);
+    }
     const auto* frame = std::get_if<FramePacket>(&**packet);
     if (frame != nullptr && frame->frame < static_cast<int>(poses_->frames.size())) {
       const OwnPoseReport& report = poses_->frames[static_cast<std::size_t>(frame->frame)];
@@ -158,8 +176,7 @@ Result<std::optional<Packet>> OwnPoseSource::Next(const std::stop_token& stop) {
         held_.push_back(
             FloorEstimate{frame->stamp_ns, PlaneOf(*report.floor), 0, report.floor->std_m});
       }
-      if (report.ready && !report.points_in_world.empty())
-        held_.push_back(PointEstimates{frame->stamp_ns, report.points_in_world, 0});
+      TellPoints(frame->frame);
     }
     held_.push_back(*std::move(packet).value());
   }

@@ -40,6 +40,10 @@ class OwnPoseSource : public RecordedSource {
  private:
   std::shared_ptr<const OwnPoses> poses_;
   FolderSource folder_;
+  /// Puts what frame `frame` corrects of the past into `held_`.
+  void TellCorrections(int frame);
+  void TellPoints(int frame);
+
   std::optional<FloorReport> told_;  ///< The last floor that Next gave.
   std::deque<Packet> held_;          ///< Come next, in this order.
 };

@@ -363,6 +363,18 @@ Status DecodeOwnPose(std::string_view bytes, OwnPoseReport& report) {
   return DecodeCompressed(bytes, [&](Decoder& decoder) { VisitOwnPose(decoder, report); });
 }
 
+std::string EncodePoses(const std::vector<Eigen::Isometry3d>& poses) {
+  Encoder encoder;
+  VisitList(encoder, poses, [&](const auto& pose) { VisitPose(encoder, pose); });
+  return Compress(encoder.bytes());
+}
+
+Status DecodePoses(std::string_view bytes, std::vector<Eigen::Isometry3d>& poses) {
+  return DecodeCompressed(bytes, [&](Decoder& decoder) {
+    VisitList(decoder, poses, [&](auto& pose) { VisitPose(decoder, pose); });
+  });
+}
+
 std::string EncodeParticles(const std::vector<Particle>& particles) {
   std::string bytes;
   bytes.reserve(particles.size() * kBytesPerParticle);

@@ -30,5 +30,8 @@ Result<std::vector<Particle>> DecodeParticles(std::string_view bytes);
 /// What the table `own_poses` holds of one frame.
 std::string EncodeOwnPose(const OwnPoseReport& report);
 Status DecodeOwnPose(std::string_view bytes, OwnPoseReport& report);
+/// What the table `own_pose_corrections` holds of one correction.
+std::string EncodePoses(const std::vector<Eigen::Isometry3d>& poses);
+Status DecodePoses(std::string_view bytes, std::vector<Eigen::Isometry3d>& poses);
 
 }  // namespace plumbline

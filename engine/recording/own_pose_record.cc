@@ -14,7 +14,9 @@ constexpr const char* kOwnPosesSchema =
     "DROP TABLE IF EXISTS own_poses;"
     "CREATE TABLE own_poses (frame INTEGER PRIMARY KEY, details BLOB NOT NULL);"
     "DROP TABLE IF EXISTS own_pose_loops;"
-    "CREATE TABLE own_pose_loops (causal INTEGER NOT NULL, report TEXT NOT NULL)";
+    "CREATE TABLE own_pose_loops (causal INTEGER NOT NULL, report TEXT NOT NULL);"
+    "DROP TABLE IF EXISTS own_pose_corrections;"
+    "CREATE TABLE own_pose_corrections (epoch INTEGER PRIMARY KEY, image INTEGER NOT NULL, poses BLOB NOT NULL)";
 
 Result<bool> HasTable(sqlite::Database& database, const char* query) {
   const Result<std::int64_t> present = database.QueryInteger(query);
@@ -52,6 +54,45 @@ Status LoadLoops(sqlite::Database& database, OwnPoses& poses) {
   return {};
 }
 
+Status StoreCorrections(sqlite::Database& database, const OwnPoses& poses) {
+  Result<sqlite::Statement> insert =
+      database.Prepare("INSERT INTO own_pose_corrections VALUES (?1, ?2, ?3)");
+  if (!insert) return insert.error();
+  for (const PastCorrection& correction : poses.corrections) {
+    const std::string moved = EncodePoses(correction.world_from_cam);
+    insert->Bind(1, static_cast<std::int64_t>(correction.epoch));
+    insert->Bind(2, static_cast<std::int64_t>(correction.image));
+    insert->BindBlob(3, moved);
+    if (Status status = insert->Run(); !status.ok()) return status;
+  }
+  return {};
+}
+
+/// Runs of before maps were corrected have none.
+Status LoadCorrections(sqlite::Database& database, OwnPoses& poses) {
+  const Result<bool> present = HasTable(
+      database,
+      "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'own_pose_corrections'");
+  if (!present) return present.error();
+  if (!*present) return {};
+  Result<sqlite::Statement> rows =
+      database.Prepare("SELECT epoch, image, poses FROM own_pose_corrections ORDER BY epoch");
+  if (!rows) return rows.error();
+  while (true) {
+    const Result<bool> row = rows->Step();
+    if (!row) return row.error();
+    if (!*row) return {};
+    PastCorrection correction{static_cast<int>(rows->Integer(1)), static_cast<int>(rows->Integer(0)),
+                              {}};
+    if (!DecodePoses(rows->Blob(2), correction.world_from_cam).ok() ||
+        static_cast<int>(correction.world_from_cam.size()) != correction.image) {
+      return Error{ErrorCode::kCorrupt, "the corrected poses in " + database.file().string() +
+                                            " are damaged; repeat the run"};
+    }
+    poses.corrections.push_back(std::move(correction));
+  }
+}
+
 }  // namespace
 
 Status StoreOwnPoses(sqlite::Database& database, const OwnPoses& poses) {
@@ -65,7 +106,8 @@ Status StoreOwnPoses(sqlite::Database& database, const OwnPoses& poses) {
     insert->BindBlob(2, details);
     if (status = insert->Run(); !status.ok()) return status;
   }
-  return StoreLoops(database, poses);
+  if (status = StoreLoops(database, poses); !status.ok()) return status;
+  return StoreCorrections(database, poses);
 }
 
 Result<std::shared_ptr<const OwnPoses>> LoadOwnPoses(sqlite::Database& database) {
@@ -82,6 +124,7 @@ Result<std::shared_ptr<const OwnPoses>> LoadOwnPoses(sqlite::Database& database)
     if (!row) return row.error();
     if (!*row) {
       if (Status status = LoadLoops(database, *poses); !status.ok()) return status.error();
+      if (Status status = LoadCorrections(database, *poses); !status.ok()) return status.error();
       return std::shared_ptr<const OwnPoses>(std::move(poses));
     }
     OwnPoseReport report;

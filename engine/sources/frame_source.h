@@ -58,7 +58,7 @@ struct FloorEstimate {
 struct PointEstimates {
   std::int64_t stamp_ns = 0;
   std::vector<Eigen::Vector3f> points_in_world;
-  int epoch = 0;
+  PoseEstimate seen_from;  ///< When that pose is corrected, they move with it.
 };
 
 using Packet = std::variant<GravityEstimate, FloorEstimate, PointEstimates, ImuSample, PoseEstimate,

@@ -67,6 +67,13 @@ struct OwnPoseReport {
   std::optional<FloorReport> floor;              ///< As known after this image.
 };
 
+/// Where a closed loop moved the poses of the images before it.
+struct PastCorrection {
+  int image = 0;  ///< At which it became known: poses from here on contain it.
+  int epoch = 0;
+  std::vector<Eigen::Isometry3d> world_from_cam;  ///< Of each image before; without a pose: any.
+};
+
 /// Poses of a sequence from its own images and IMU. `world` has z up; it begins where the filter
 /// began.
 struct OwnPoses {
@@ -74,10 +81,20 @@ struct OwnPoses {
   LoopReport loops;                   ///< Places known again.
   /// Each pose is an estimate from nothing that came later; otherwise closed loops corrected all.
   bool causal = true;
+  std::vector<PastCorrection> corrections;  ///< Of causal poses, by rising epoch.
 
   /// The floor as known in the end.
   std::optional<FloorReport> last_floor() const {
     return frames.empty() ? std::nullopt : frames.back().floor;
+  }
+  /// Where the camera is known to have been at a frame in the end: a map that was corrected on the
+  /// way is in this world.
+  std::optional<Eigen::Isometry3d> LastKnown(int frame) const {
+    const auto at = static_cast<std::size_t>(frame);
+    if (at >= frames.size() || !frames[at].ready) return std::nullopt;
+    if (!corrections.empty() && frame < corrections.back().image)
+      return corrections.back().world_from_cam[at];
+    return frames[at].world_from_cam;
   }
   /// Corrections that a frame's pose contains.
   int EpochAt(int frame) const { return causal ? loops.EpochAt(frame) : loops.epochs; }

@@ -69,7 +69,9 @@ class Recorder {
   }
 
   /// @param move  new_world_from_world: what closed loops correct this image's pose by.
-  void See(const VioMoment& moment, const Eigen::Isometry3d& move) {
+  /// @param closed  What is known of the trajectory, where this image closed a loop; else null.
+  void See(const VioMoment& moment, const Eigen::Isometry3d& move,
+           const TrajectoryCorrection* closed) {
     OwnPoseReport& frame = poses.frames[static_cast<std::size_t>(moment.image)];
     frame.tracking_ms = moment.tracking_ms;
     frame.measured = !moment.reports.empty();
@@ -90,7 +92,21 @@ class Recorder {
       AddPose(*state, frame);
       for (const MapPoint& point : moment.points)
         frame.points_in_world.push_back(point.point_in_world.cast<float>());
+      if (closed != nullptr) CorrectPast(moment.image, *closed);
+      filter_poses_.emplace(moment.image, FilterPose{frame.vio.world_from_body.translation(),
+                                                     *frame.world_from_cam});
+      const PoseCovariance of_filter = frame.vio.covariance;
       MoveFrame(move, frame);
+      if (drift_) {
+        const Eigen::Matrix3d turn = move.linear();
+        PoseCovariance by = PoseCovariance::Zero();
+        by.topLeftCorner<3, 3>() = by.bottomRightCorner<3, 3>() = turn;
+        frame.vio.covariance =
+            drift_->corrected + by * (of_filter - drift_->of_filter) * by.transpose();
+        frame.cam_covariance = MovedBy(
+            frame.world_from_cam->translation() - frame.vio.world_from_body.translation(),
+            frame.vio.covariance);
+      }
       AddFloor(moment.image, frame);
     }
     Judge(frame);
@@ -193,6 +209,23 @@ class Recorder {
     frame.floor = found_floor_;
   }
 
+  /// Poses that were told stand as they were told then; what they are known to have been is told
+  /// beside them.
+  void CorrectPast(int image, const TrajectoryCorrection& closed) {
+    PastCorrection correction{image, static_cast<int>(poses.corrections.size()) + 1, {}};
+    for (int i = 0; i < image; ++i) {
+      const auto known = filter_poses_.find(i);
+      const std::int64_t stamp = poses.frames[static_cast<std::size_t>(i)].vio.stamp_ns;
+      correction.world_from_cam.push_back(
+          known == filter_poses_.end()
+              ? Eigen::Isometry3d::Identity()
+              : closed.At(stamp, known->second.body_in_world) * known->second.world_from_cam);
+    }
+    poses.corrections.push_back(std::move(correction));
+    const VioReport& vio = poses.frames[static_cast<std::size_t>(image)].vio;
+    drift_ = Drift{vio.covariance, closed.CovarianceAt(vio.stamp_ns, vio.covariance)};
+  }
+
   static void MoveFrame(const Eigen::Isometry3d& move, OwnPoseReport& frame) {
     if (move.matrix().isIdentity(0)) return;
     frame.vio.world_from_body = move * frame.vio.world_from_body;
@@ -244,6 +277,17 @@ class Recorder {
   std::optional<FloorReport> found_floor_;
   VioReport last_;
   std::unordered_map<std::int64_t, int> first_seen_;  ///< Image of each track in sight.
+  /// Of images, as the filter had them, with no loop closed.
+  struct FilterPose {
+    Eigen::Vector3d body_in_world;
+    Eigen::Isometry3d world_from_cam;
+  };
+  std::unordered_map<int, FilterPose> filter_poses_;
+  /// Covariances of the body where the last loop was closed: from there on the filter's growth adds.
+  struct Drift {
+    PoseCovariance of_filter, corrected;
+  };
+  std::optional<Drift> drift_;
   int floor_stretch_ = 0, ready_stretch_ = 0;
   bool any_ready_ = false;
   std::string last_wait_;
@@ -295,11 +339,20 @@ Result<OwnPoses> EstimateOwnPoses(const Sequence& sequence, int end_frame,
     frame.waits_for = "the image could not be read";
   }
   LoopCloser closer(input->camera, options.closing);
+  int epochs = 0;
   RunVio(*input, images, options.filter, options.tracker, work, [&](const VioMoment& moment) {
     recorder.poses.frames[static_cast<std::size_t>(moment.image)].waits_for.clear();
     if (options.loops != LoopUse::kOff) closer.See(moment);
-    const YawMove move = options.loops == LoopUse::kCausal ? closer.PresentMove() : YawMove();
-    recorder.See(moment, move.AsIsometry());
+    if (options.loops != LoopUse::kCausal) {
+      recorder.See(moment, Eigen::Isometry3d::Identity(), nullptr);
+      return;
+    }
+    std::optional<TrajectoryCorrection> closed;
+    if (const int now = closer.Report().epochs; now > epochs) {
+      closed = closer.Correction();
+      epochs = now;
+    }
+    recorder.See(moment, closer.PresentMove().AsIsometry(), closed ? &*closed : nullptr);
   });
   if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
   if (!recorder.any_ready()) {

@@ -100,7 +100,7 @@ TEST_F(MapperTest, PointsBeforeAnObjectExcuseItsAbsence) {
         for (float z = 0; z < 1.6f; z += 0.02f)
           curtain.emplace_back(1.2f * std::cos(angle), 1.2f * std::sin(angle), z);
       }
-      mapper->AddPoints(curtain);
+      mapper->AddPoints({}, curtain);
     }
     EXPECT_GT(before, 0) << "the chair was found";
     return before - after;
@@ -133,6 +133,59 @@ TEST_F(MapperTest, WhatHidesASettledObjectDoesNotMoveIt) {
         0.02)
         << "frame " << frame;
   }
+}
+
+TEST_F(MapperTest, ACorrectedTrajectoryTakesItsObjectsAlong) {
+  // Mapped in a world that has drifted; then a loop closes, and the chair is seen from where it was.
+  constexpr int kDrifted = 16, kEnd = 24;
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  Eigen::Isometry3d drift = Eigen::Isometry3d::Identity();
+  drift.translate(Eigen::Vector3d(0.4, -0.25, 0));
+  drift.rotate(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()));
+  const auto confirmed_after = [&](bool correct, bool resume) {
+    auto mapper = NewMapper();
+    FrameReport report;
+    for (int frame = 0; frame < kEnd; ++frame) {
+      MapperInput input = Seen(frame, {&chair, 1});
+      input.pose_id = PoseId{frame};
+      const Eigen::Isometry3d truth = input.world_from_cam;
+      if (frame < kDrifted) input.world_from_cam = drift * truth;
+      if (frame == kDrifted && correct) {
+        for (int past = 0; past < kDrifted; ++past) {
+          PoseEstimate pose{PoseId{past}, 0, Seen(past, {&chair, 1}).world_from_cam, {}, 1};
+          mapper->Correct(pose);
+          mapper->Correct(pose);  // told twice it is the same
+        }
+      }
+      input.pose_epoch = frame < kDrifted ? 0 : 1;
+      report = mapper->Step(input);
+      if (frame == kDrifted && resume) {
+        mapper = NewMapper();
+        const auto load = [&](int past) -> Result<MapperInput> {
+          MapperInput again = Seen(past, {&chair, 1});
+          again.pose_id = PoseId{past};
+          if (past < kDrifted) again.world_from_cam = drift * again.world_from_cam;
+          return again;
+        };
+        EXPECT_TRUE(mapper->Restore(report, load).ok());
+      }
+    }
+    std::vector<ObjectReport> confirmed;
+    for (const ObjectReport& object : report.objects)
+      if (object.state == ObjectState::kConfirmed) confirmed.push_back(object);
+    return confirmed;
+  };
+  const auto error_m = [&](const ObjectReport& object) {
+    return (object.world_from_object.translation() - chair.world_from_object.translation()).norm();
+  };
+  const std::vector<ObjectReport> corrected = confirmed_after(true, false);
+  ASSERT_EQ(corrected.size(), 1u);
+  EXPECT_LT(error_m(corrected[0]), 0.02);
+  const std::vector<ObjectReport> resumed = confirmed_after(true, true);
+  ASSERT_EQ(resumed.size(), 1u);
+  EXPECT_EQ(resumed[0].world_from_object.matrix(), corrected[0].world_from_object.matrix());
+  const std::vector<ObjectReport> left = confirmed_after(false, false);
+  EXPECT_TRUE(left.empty() || error_m(left[0]) > 0.1) << "then nothing needs to be corrected";
 }
 
 }  // namespace
