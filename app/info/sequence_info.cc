@@ -137,6 +137,7 @@ void AddPoses(const Sequence& sequence, PathInfo& info) {
 void AddGravity(const Sequence& sequence, PathInfo& info) {
   const auto gravity = sequence.gravity_in_world();
   const auto floor = sequence.floor_in_world();
+  const std::size_t levels = sequence.floor_levels().size();
   info.json["gravity"] = nullptr;
   info.json["floor"] = nullptr;
   if (floor) info.json["floor"] = std::vector<double>(floor->data(), floor->data() + 4);
@@ -149,8 +150,10 @@ void AddGravity(const Sequence& sequence, PathInfo& info) {
   }
   info.json["gravity"] = std::vector<double>(gravity->data(), gravity->data() + 3);
   info.lines.push_back(
-      {"Gravity", Format("(%.3g, %.3g, %.3g) in world, floor %s", gravity->x(), gravity->y(),
-                         gravity->z(), floor ? "known" : "not known")});
+      {"Gravity",
+       Format("(%.3g, %.3g, %.3g) in world, floor %s", gravity->x(), gravity->y(), gravity->z(),
+              floor ? "known" : "not known") +
+           (levels > 0 ? Format(" with %d more levels", static_cast<int>(levels)) : "")});
 }
 
 /// What the samples themselves say against their use.

@@ -21,6 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kHighestLevel_m = 100;
+constexpr double kLeastLevel_m2 = 1e-3;
+
 bool Exists(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
@@ -29,7 +32,44 @@ bool Exists(const fs::path& path) {
 struct Surroundings {
   std::optional<Eigen::Vector3d> gravity_in_world;
   std::optional<Eigen::Vector4d> floor_in_world;
+  std::vector<FloorLevel> floor_levels;
 };
+
+/// A level of gravity.json, or what is wrong with it.
+Result<FloorLevel> LevelFromJson(const nlohmann::json& json) {
+  const auto bad = [](const char* what) { return Error{ErrorCode::kInvalidInput, what}; };
+  const auto finite = [](const nlohmann::json& number) {
+    return number.is_number() && std::abs(number.get<double>()) < kHighestLevel_m;
+  };
+  if (!json.is_object() || !json.contains("height_m") || !finite(json["height_m"]))
+    return bad("needs a number 'height_m' of less than 100 m, above the floor");
+  FloorLevel level;
+  level.height_m = json["height_m"];
+  if (json.contains("std_m")) {
+    if (!finite(json["std_m"]) || json["std_m"] < 0)
+      return bad("has a 'std_m' that is not a number from 0 on");
+    level.std_m = json["std_m"];
+  }
+  if (!json.contains("outline")) return level;
+  const nlohmann::json& outline = json["outline"];
+  const char* wrong = "has an 'outline' that is not a list of at least three points [x, y, z]";
+  if (!outline.is_array() || outline.size() < 3) return bad(wrong);
+  for (const nlohmann::json& corner : outline) {
+    const std::optional<Eigen::VectorXd> point = VectorFromJson(corner, 3);
+    if (!point || !(point->norm() < 1e6)) return bad(wrong);
+    level.outline_in_world.emplace_back(*point);
+  }
+  return level;
+}
+
+/// Seen along gravity.
+double AreaOf(const FloorLevel& level, const Eigen::Vector3d& gravity_in_world) {
+  Eigen::Vector3d doubled = Eigen::Vector3d::Zero();
+  const auto& corners = level.outline_in_world;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    doubled += corners[i].cross(corners[(i + 1) % corners.size()]);
+  return 0.5 * std::abs(doubled.dot(gravity_in_world));
+}
 
 Result<Surroundings> ReadGravityFile(const fs::path& file, std::vector<std::string>& warnings) {
   const auto bad = [&](const std::string& what) {
@@ -44,7 +84,11 @@ Result<Surroundings> ReadGravityFile(const fs::path& file, std::vector<std::stri
     return bad("has a 'gravity' that is not a direction of three numbers");
   Surroundings result;
   result.gravity_in_world = gravity->normalized();
-  if (!json.contains("floor") || json["floor"].is_null()) return result;
+  if (!json.contains("floor") || json["floor"].is_null()) {
+    if (json.contains("levels"))
+      return bad("has 'levels' but no 'floor' that their heights are measured from");
+    return result;
+  }
   const std::optional<Eigen::VectorXd> floor = VectorFromJson(json["floor"], 4);
   if (!floor || !(floor->head<3>().norm() > 1e-6 && floor->norm() < 1e6))
     return bad("has a 'floor' that is not a plane [a, b, c, d]");
@@ -58,6 +102,17 @@ Result<Surroundings> ReadGravityFile(const fs::path& file, std::vector<std::stri
   if (cosine < std::cos(10.0 * M_PI / 180.0))
     return bad("has a 'floor' more than 10 degrees off the horizontal");
   result.floor_in_world = plane;
+  if (!json.contains("levels")) return result;
+  if (!json["levels"].is_array()) return bad("has 'levels' that are not a list");
+  for (const nlohmann::json& entry : json["levels"]) {
+    const std::string which = "has a level " + std::to_string(result.floor_levels.size());
+    Result<FloorLevel> level = LevelFromJson(entry);
+    if (!level.ok()) return bad(which + " that " + level.error().message);
+    if (!level->outline_in_world.empty() &&
+        AreaOf(*level, *result.gravity_in_world) < kLeastLevel_m2)
+      return bad(which + " whose 'outline' has no area seen from above");
+    result.floor_levels.push_back(std::move(level).value());
+  }
   return result;
 }
 
@@ -98,6 +153,7 @@ class PlumblineSequence : public Sequence {
   std::optional<Eigen::Vector4d> floor_in_world() const override {
     return surroundings_.floor_in_world;
   }
+  std::vector<FloorLevel> floor_levels() const override { return surroundings_.floor_levels; }
 
   Result<Frame> ReadFrame(int index) const override;
   Result<cv::Mat> ReadRawImage(int index) const override;

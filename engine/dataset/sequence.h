@@ -15,6 +15,7 @@
 #include "engine/base/result.h"
 #include "engine/dataset/imu_file.h"
 #include "engine/geometry/box.h"
+#include "engine/geometry/floor_level.h"
 #include "engine/sensor/calibration.h"
 #include "engine/sensor/pose_estimate.h"
 
@@ -67,6 +68,8 @@ class Sequence {
   virtual std::optional<Eigen::Vector3d> gravity_in_world() const = 0;
   /// (a, b, c, d) with (a, b, c) = up and a x + b y + c z + d = 0 on the floor.
   virtual std::optional<Eigen::Vector4d> floor_in_world() const = 0;
+  /// Beside that floor; none without it.
+  virtual std::vector<FloorLevel> floor_levels() const { return {}; }
 
   /// Errors: kNotFound, kCorrupt (naming the image file): skip the frame and go on. Of a sequence
   /// without images every frame is kNotFound.

@@ -83,8 +83,13 @@ PoseHypothesis InformedCandidate(const Detection& proposal, const PinholeCamera&
       world_from_cam * Eigen::Vector3d(depth * bearing.x(), depth * bearing.y(), depth),
       DrawLogScale(options, random)};
   if (options.floor_prior && map.StandsOnFloor(label)) {
+    const std::vector<MapFrame::Standing> places = map.StandingsAt(hypothesis.center_in_world);
+    const MapFrame::Standing place =
+        places.size() == 1 ? places.front()
+                           : places[random.Index(static_cast<std::uint32_t>(places.size()))];
     hypothesis.center_in_world +=
-        (map.BaseStd(options) * random.Gaussian() - map.BaseHeight(hypothesis)) *
+        (place.height_m + std::hypot(map.BaseStd(options), place.std_m) * random.Gaussian() -
+         map.BaseHeight(hypothesis)) *
         map.upright.up_in_world();
   } else if (options.floor_prior && !map.supports.empty() &&
              map.database->model(label).support != Support::kFloor &&

@@ -44,8 +44,19 @@ double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
   if (map.database->model(hypothesis.label).support != Support::kFloor)
     return LogSupportPrior(map.supports, map.BaseInUpright(hypothesis));
   if (!map.floor_in_world) return 0;
-  const double height = map.BaseHeight(hypothesis) / map.BaseStd(options);
-  return -0.5 * height * height;
+  // Relative to the density on the floor where there is no other level.
+  const double base = map.BaseHeight(hypothesis), base_std = map.BaseStd(options);
+  const std::vector<MapFrame::Standing> standings = map.StandingsAt(hypothesis.center_in_world);
+  std::vector<double> terms;
+  for (const MapFrame::Standing& standing : standings) {
+    const double std_m = std::hypot(base_std, standing.std_m);
+    const double off = (base - standing.height_m) / std_m;
+    terms.push_back(-0.5 * off * off + std::log(base_std / std_m));
+  }
+  const double highest = *std::max_element(terms.begin(), terms.end());
+  double sum = 0;
+  for (const double term : terms) sum += std::exp(term - highest);
+  return highest + std::log(sum / static_cast<double>(terms.size()));
 }
 
 double LogScalePrior(const PoseHypothesis& hypothesis, const MapperOptions& options) {

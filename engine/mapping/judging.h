@@ -31,7 +31,8 @@ std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame&
                                  std::span<const JudgingView> views,
                                  std::span<const PoseHypothesis> hypotheses,
                                  const MapperOptions& options);
-/// Log density, unnormalised, of the height above the floor, for shapes that stand on it; of
+/// Log density, unnormalised, of the height above the floor or the levels, for shapes that stand
+/// there, all levels of a place being as likely; of
 /// others, of the height above what is mapped below them. 0 without a floor and without anything
 /// below.
 double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,

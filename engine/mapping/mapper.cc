@@ -206,6 +206,16 @@ FrameReport Mapper::Impl::Finished(FrameReport report) const {
   return report;
 }
 
+MapFrame MapFrameOf(const MapperSetup& setup) {
+  return {UprightFrame(setup.gravity_in_world),
+          setup.floor_in_world,
+          setup.database,
+          {},
+          setup.floor_std_m,
+          {},
+          setup.floor_levels};
+}
+
 Mapper::Mapper(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Mapper::~Mapper() = default;
 

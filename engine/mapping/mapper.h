@@ -17,12 +17,16 @@ struct MapperSetup {
   PinholeCamera camera;
   Eigen::Vector3d gravity_in_world{0, 0, -1};
   std::optional<Eigen::Vector4d> floor_in_world;
-  double floor_std_m = 0;  ///< Of the floor's height; 0: given.
+  double floor_std_m = 0;                     ///< Of the floor's height; 0: given.
+  std::vector<FloorLevel> floor_levels = {};  ///< Beside the floor.
   std::shared_ptr<const ModelDatabase> database;
   std::shared_ptr<const HypothesisScorer> scorer;
   MapperOptions options;
   std::uint64_t seed = 0;
 };
+
+/// Without objects and points.
+MapFrame MapFrameOf(const MapperSetup& setup);
 
 /// The semantic filter (Alg. 1 of the paper; docs/algorithms/semantic_filter.md): from frames with
 /// camera poses, edges and detections to posed shapes. Causal and deterministic: the first n

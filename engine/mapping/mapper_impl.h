@@ -76,10 +76,7 @@ struct Mapper::Impl {
   std::vector<std::optional<double>> support_heights;  ///< Of each model, see SupportHeight.
 
   Impl(const MapperSetup& s, std::unique_ptr<OcclusionRenderer> r)
-      : setup(s),
-        map{UprightFrame(s.gravity_in_world), s.floor_in_world, s.database, {}, s.floor_std_m},
-        renderer(std::move(r)),
-        memory(s.camera, s.options) {
+      : setup(s), map(MapFrameOf(s)), renderer(std::move(r)), memory(s.camera, s.options) {
     for (const CadModel& model : s.database->models())
       support_heights.push_back(SupportHeight(model));
   }

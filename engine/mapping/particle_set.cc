@@ -51,6 +51,29 @@ double MapFrame::BaseHeight(const PoseHypothesis& hypothesis) const {
   return floor_in_world->head<3>().dot(base) + (*floor_in_world)[3];
 }
 
+std::vector<MapFrame::Standing> MapFrame::StandingsAt(const Eigen::Vector3d& point) const {
+  std::vector<Standing> held;
+  for (const FloorLevel& level : levels) {
+    if (!level.outline_in_world.empty() && Holds(level, point, upright))
+      held.push_back({level.height_m, level.std_m});
+  }
+  if (!held.empty()) return held;
+  held.push_back({});
+  for (const FloorLevel& level : levels) {
+    if (level.outline_in_world.empty()) held.push_back({level.height_m, level.std_m});
+  }
+  return held;
+}
+
+MapFrame::Standing MapFrame::StandingOf(const PoseHypothesis& hypothesis) const {
+  const double height = BaseHeight(hypothesis);
+  const std::vector<Standing> standings = StandingsAt(hypothesis.center_in_world);
+  return *std::min_element(standings.begin(), standings.end(),
+                           [&](const Standing& a, const Standing& b) {
+                             return std::abs(height - a.height_m) < std::abs(height - b.height_m);
+                           });
+}
+
 bool MapFrame::StandsOnFloor(ModelId label) const {
   return floor_in_world.has_value() && database->model(label).support == Support::kFloor;
 }
@@ -128,11 +151,14 @@ void Diffuse(std::vector<Particle>& particles, const Eigen::Isometry3d& world_fr
                   options.azimuth_noise_deg * std::numbers::pi / 180.0 * root * random.Gaussian()));
     if (!options.floor_prior || !map.StandsOnFloor(ModelId{particle.label})) continue;
     // A jump to another shape keeps the base where it was; the centre moves with it.
-    const double height = map.StandsOnFloor(before.label) ? map.BaseHeight(before) : 0.0;
+    const double height = map.StandsOnFloor(before.label)
+                              ? map.BaseHeight(before) - map.StandingOf(before).height_m
+                              : 0.0;
     const double wanted =
         keep * height + std::sqrt(1.0 - keep * keep) * map.BaseStd(options) * random.Gaussian();
     PoseHypothesis after = ToHypothesis(particle, world_from_reference_cam);
-    after.center_in_world += (wanted - map.BaseHeight(after)) * map.upright.up_in_world();
+    after.center_in_world += (wanted + map.StandingOf(after).height_m - map.BaseHeight(after)) *
+                             map.upright.up_in_world();
     Particle moved = ToParticle(after, world_from_reference_cam);
     particle.x_c = moved.x_c;
     particle.y_c = moved.y_c;

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/base/random.h"
+#include "engine/geometry/floor_level.h"
 #include "engine/geometry/gravity.h"
 #include "engine/mapping/hypothesis_scorer.h"
 #include "engine/mapping/map_report.h"
@@ -26,6 +27,7 @@ struct MapFrame {
   std::vector<SupportSurface> supports = {};  ///< Of mapped objects that stand on the floor.
   double floor_std_m = 0;                     ///< Of the floor's height; 0: given.
   std::vector<Eigen::Vector3f> points_in_world = {};  ///< Of surfaces, whatever they belong to.
+  std::vector<FloorLevel> levels = {};                ///< Beside the floor, where one is known.
 
   /// How far the base of what stands on the floor may be from it: both are uncertain.
   double BaseStd(const MapperOptions& options) const {
@@ -34,6 +36,15 @@ struct MapFrame {
 
   /// Height of the base of a hypothesis above the floor [m]; requires a floor.
   double BaseHeight(const PoseHypothesis& hypothesis) const;
+  /// A height that something may stand at, above the floor.
+  struct Standing {
+    double height_m = 0, std_m = 0;
+  };
+  /// What there is to stand on over or under a point, each as likely as the others: the levels
+  /// whose outlines hold it or, without any, the floor and the levels that have no outline.
+  std::vector<Standing> StandingsAt(const Eigen::Vector3d& point_in_world) const;
+  /// The one of these that is nearest to the base of a hypothesis; requires a floor.
+  Standing StandingOf(const PoseHypothesis& hypothesis) const;
   /// Whether the floor prior speaks of this shape.
   bool StandsOnFloor(ModelId label) const;
   /// Middle of the bottom of a hypothesis, in the axes of the upright frame.

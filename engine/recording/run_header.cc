@@ -212,6 +212,13 @@ std::string SequenceFingerprint(const Sequence& mapped) {
   if (const auto floor = sequence.floor_in_world()) {
     for (int i = 0; i < 4; ++i) AppendBytes((*floor)[i], bytes);
   }
+  for (const FloorLevel& level : sequence.floor_levels()) {
+    AppendBytes(level.height_m, bytes);
+    AppendBytes(level.std_m, bytes);
+    for (const Eigen::Vector3d& corner : level.outline_in_world) {
+      for (int i = 0; i < 3; ++i) AppendBytes(corner[i], bytes);
+    }
+  }
   for (int frame = 0; frame < sequence.num_frames(); ++frame) {
     AppendBytes(sequence.stamp_ns(frame), bytes);
     const auto pose = sequence.world_from_cam(frame);

@@ -63,8 +63,9 @@ class Solver {
  private:
   static Eigen::Index First(std::size_t object) { return 4 * static_cast<Eigen::Index>(object); }
 
+  /// Above the level that it stands on.
   double Height(const PoseHypothesis& pose) const {
-    if (map_.floor_in_world) return map_.BaseHeight(pose);
+    if (map_.floor_in_world) return map_.BaseHeight(pose) - map_.StandingOf(pose).height_m;
     return map_.upright.up_in_world().dot(map_.WorldFromObject(pose).translation());
   }
 
@@ -84,8 +85,12 @@ class Solver {
       const double height = heights[next++];
       if (std::abs(height - median) > kOffFloor_m) continue;
       ++on_floor_;
-      Add({{{First(i), map_.upright.up_in_world()}}, -1, -height, kBaseStd_m}, information_,
-          right_);
+      const double level_std = map_.floor_in_world ? map_.StandingOf(objects_[i].pose).std_m : 0.0;
+      Add({{{First(i), map_.upright.up_in_world()}},
+           -1,
+           -height,
+           std::hypot(kBaseStd_m, level_std)},
+          information_, right_);
     }
   }
 

@@ -29,11 +29,7 @@ class Observer {
   Observer(const MapperSetup& setup, OcclusionRenderer& renderer,
            std::span<const MapObject> objects)
       : setup_(setup),
-        map_{UprightFrame(setup.gravity_in_world),
-             setup.floor_in_world,
-             setup.database,
-             {},
-             setup.floor_std_m},
+        map_(MapFrameOf(setup)),
         renderer_(renderer),
         objects_(objects.begin(), objects.end()),
         seen_(objects.size()) {

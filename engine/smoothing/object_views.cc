@@ -59,11 +59,7 @@ std::vector<PlacedModel> MeanStates(std::span<const MapObject> objects, bool con
 std::vector<std::vector<Sight>> FindSights(const MapperSetup& setup, OcclusionRenderer& renderer,
                                            std::span<const Look> looks,
                                            std::span<const MapObject> objects) {
-  const MapFrame map{UprightFrame(setup.gravity_in_world),
-                     setup.floor_in_world,
-                     setup.database,
-                     {},
-                     setup.floor_std_m};
+  const MapFrame map = MapFrameOf(setup);
   const OrientedTable blank = BlankTable(setup.camera);
   const std::vector<PlacedModel> solid = MeanStates(objects, true);
   std::vector<std::vector<Sight>> sights(objects.size());

@@ -42,11 +42,7 @@ class Smoother {
            const WorkContext& work)
       : task_(task),
         setup_(WithScalesFixed(task.setup)),
-        map_{UprightFrame(setup_.gravity_in_world),
-             setup_.floor_in_world,
-             setup_.database,
-             {},
-             setup_.floor_std_m},
+        map_(MapFrameOf(setup_)),
         renderer_(std::move(renderer)),
         work_(work) {}
 

@@ -296,4 +296,47 @@ void FurnishOffice(Furnisher& furnisher) {
   walk.speed_m_s = 0.6;
 }
 
+void FurnishPlatformRoom(Furnisher& furnisher) {
+  Room& room = furnisher.room();
+  RoomStyle& style = furnisher.style();
+  room.size = {8.6, 6.4, 2.9};
+  style.window_wall = 1;
+  style.accent_wall_index = 0;
+  style.lamps = {{-1.8f, 0.0f}, {2.2f, 0.0f}};
+  BuildShell(style, room);
+  constexpr double kEdge = 0.6, kHeight = 0.3;
+  const int platform = BuildPlatform(style, kEdge, kHeight, room);
+  const auto raised = [&](const char* model, double x, double y, double azimuth) {
+    furnisher.Place(model, Upright(x, y, kHeight, azimuth), platform);
+  };
+
+  constexpr std::array<const char*, 3> kChairs = {"chair_slat", "chair_shell", "chair_office"};
+  const Isometry3d table =
+      Upright(-0.75, furnisher.Draw(-0.15, 0.15), 0, furnisher.Draw(-0.15, 0.15));
+  const int index = furnisher.Place("table_rectangular", table);
+  furnisher.Place(DrawOf(furnisher, kChairs),
+                  table * Upright(0.1, 1.05, 0, -kPi / 2 + furnisher.Draw(-0.3, 0.3)), index);
+  furnisher.Place(DrawOf(furnisher, kChairs),
+                  table * Upright(-0.05, -1.05, 0, kPi / 2 + furnisher.Draw(-0.3, 0.3)), index);
+
+  raised(DrawOf(furnisher, kChairs).c_str(), 1.3, furnisher.Draw(-1.5, -1.2),
+         furnisher.Draw(-kPi, kPi));
+  raised("table_coffee", 1.7, furnisher.Draw(0.2, 0.4), furnisher.Draw(-0.2, 0.2));
+  raised("stool_round", 1.4, furnisher.Draw(1.5, 1.8), furnisher.Draw(-kPi, kPi));
+  raised("sofa_small", 2.9, furnisher.Draw(0.1, 0.3), kPi + furnisher.Draw(-0.05, 0.05));
+  raised("bookshelf", room.size.x() / 2 - 0.17, furnisher.Draw(-2.3, -2.0), kPi);
+  raised("cabinet_doors", room.size.x() / 2 - 0.26, furnisher.Draw(1.9, 2.2), kPi);
+  furnisher.HangPictures(RoomFromWall(room, 0), -1.0, 1.0, 1.7);
+  furnisher.HangPictures(RoomFromWall(room, 3), -3.5, 3.5, 1.7);
+
+  // Along the wall round the table and back nearer to it, looking to the edge of the platform.
+  WalkPlan& walk = room.walk;
+  walk.eye_height_m = furnisher.Draw(1.4, 1.52);
+  walk.focus_height_m = 0.6;
+  walk.speed_m_s = 0.55;
+  const Vector2d edge(0.9, 0);
+  AddArc({0.3, 0}, {3.7, 2.6}, 112, 248, edge, walk);
+  AddArc({0.3, 0}, {2.7, 2.0}, 240, 120, edge, walk);
+}
+
 }  // namespace plumbline

@@ -20,5 +20,7 @@ void FurnishRoundCorridor(Furnisher& furnisher);
 
 /// `office`: two desks face to face and what goes with them.
 void FurnishOffice(Furnisher& furnisher);
+/// A table with chairs before a platform with seats, a shelf and a cabinet.
+void FurnishPlatformRoom(Furnisher& furnisher);
 
 }  // namespace plumbline

@@ -146,6 +146,8 @@ void Furnish(Furnisher& furnisher) {
       return FurnishRoundCorridor(furnisher);
     case SyntheticScene::kOffice:
       return FurnishOffice(furnisher);
+    case SyntheticScene::kPlatform:
+      return FurnishPlatformRoom(furnisher);
     default:
       return FurnishLivingRoom(furnisher);
   }

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/base/result.h"
+#include "engine/geometry/floor_level.h"
 #include "engine/synthetic/furniture.h"
 #include "engine/synthetic/synthetic_options.h"
 
@@ -86,6 +87,7 @@ struct Room {
   std::vector<AreaLight> lights;
   std::optional<SunLight> sun;
   std::vector<Footprint> obstacles;
+  std::vector<FloorLevel> levels;  ///< Beside the floor; their outlines in the room's frame.
   WalkPlan walk;
   int main_instance = 0;  ///< Number in masks of the object that the scene is about; 0 for none.
 };

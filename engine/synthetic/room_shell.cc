@@ -272,6 +272,27 @@ void BuildPartition(const RoomStyle& style, const Partition& partition, Room& ro
            0.045f, room);
 }
 
+int BuildPlatform(const RoomStyle& style, double from_x_m, double height_m, Room& room) {
+  const auto from = static_cast<float>(from_x_m), height = static_cast<float>(height_m);
+  const auto end = static_cast<float>(room.size.x() / 2), depth = static_cast<float>(room.size.y());
+  RoomPart platform;
+  const int top = platform.body.Paint(style.floor), front = platform.body.Paint(style.trim);
+  AddSurface(platform.body.mesh, top, {from, -depth / 2, height}, {end - from, 0, 0},
+             {0, depth, 0});
+  AddSurface(platform.body.mesh, front, {from, depth / 2, 0}, {0, -depth, 0}, {0, 0, height});
+  platform.light_spacing_m = 0.024f;
+  room.parts.push_back(std::move(platform));
+  const double far = room.size.x() / 2, side = room.size.y() / 2;
+  room.levels.push_back({height_m,
+                         0,
+                         {{from_x_m, -side, height_m},
+                          {far, -side, height_m},
+                          {far, side, height_m},
+                          {from_x_m, side, height_m}}});
+  room.obstacles.push_back({{(from_x_m + far) / 2, 0}, {(far - from_x_m) / 2, side}, 0});
+  return static_cast<int>(room.obstacles.size()) - 1;
+}
+
 void AddDecor(const PaintedBody& body, const Eigen::Isometry3d& room_from_body,
               float light_spacing_m, Room& room) {
   RoomPart part;

@@ -38,6 +38,9 @@ struct Partition {
 };
 void BuildPartition(const RoomStyle& style, const Partition& partition, Room& room);
 
+/// Raises the room from x = `from_x_m` on; nobody walks there. Returns its index of obstacles.
+int BuildPlatform(const RoomStyle& style, double from_x_m, double height_m, Room& room);
+
 /// Adds something that has no model.
 void AddDecor(const PaintedBody& body, const Eigen::Isometry3d& room_from_body,
               float light_spacing_m, Room& room);

@@ -122,11 +122,20 @@ std::string TrajectoryRow(double t_s, const Isometry3d& world_from_cam) {
   return line.data();
 }
 
-Status WriteGravity(const fs::path& folder, const SyntheticOptions& options) {
+Status WriteGravity(const fs::path& folder, const SyntheticOptions& options, const Room& room) {
   const Eigen::Vector3d up = options.world_from_room.linear().col(2);
   const double offset = -up.dot(options.world_from_room.translation());
-  return WriteJson(folder / "gravity.json", {{"gravity", {-up.x(), -up.y(), -up.z()}},
-                                             {"floor", {up.x(), up.y(), up.z(), offset}}});
+  nlohmann::json json = {{"gravity", {-up.x(), -up.y(), -up.z()}},
+                         {"floor", {up.x(), up.y(), up.z(), offset}}};
+  for (const FloorLevel& level : room.levels) {
+    nlohmann::json outline = nlohmann::json::array();
+    for (const Eigen::Vector3d& corner : level.outline_in_world) {
+      const Eigen::Vector3d in_world = options.world_from_room * corner;
+      outline.push_back({in_world.x(), in_world.y(), in_world.z()});
+    }
+    json["levels"].push_back({{"height_m", level.height_m}, {"outline", std::move(outline)}});
+  }
+  return WriteJson(folder / "gravity.json", json);
 }
 
 /// What the IMU and the camera's place really are, for scene.json.
@@ -219,7 +228,7 @@ Status SequenceJob::WriteStill() {
   Status status = path_ ? WriteMotion(folder_, options_, *path_)
                         : WriteJson(folder_ / "camera.json", CameraToJson(camera_));
   if (!status.ok()) return status;
-  status = WriteGravity(folder_, options_);
+  status = WriteGravity(folder_, options_, room_);
   if (!status.ok()) return status;
   status = WriteModels(folder_ / "models", room_.catalogue);
   if (!status.ok()) return status;
@@ -407,7 +416,7 @@ Result<SyntheticSummary> WriteTracks(const SyntheticOptions& options, const fs::
   context.report({"frames", options.frames, options.frames});
   Status status = WriteFileAtomically(folder / "tracks.csv", rows);
   if (status.ok()) status = WriteFileAtomically(folder / "trajectory.txt", trajectory);
-  if (status.ok()) status = WriteGravity(folder, options);
+  if (status.ok()) status = WriteGravity(folder, options, room);
   if (status.ok()) status = WriteMotion(folder, options, path);
   if (status.ok())
     status = WriteJson(folder / "scene.json",

@@ -27,7 +27,8 @@ enum class SyntheticScene {
   kRevisit,
   kTwins,
   kOffice,
-  kRates
+  kRates,
+  kPlatform
 };
 
 /// What is told of a scene, and how long and how often it is filmed unless asked otherwise.
@@ -54,6 +55,7 @@ inline constexpr SyntheticSceneInfo kSyntheticScenes[] = {
     {"twins", "chairs that differ in their arm rests only"},
     {"office", "desks, office chairs, shelves, plants", 30, 450},
     {"rates", "the same walk for any --rate", 30, 450},
+    {"platform", "half of the room stands 30 cm higher", 30, 450},
 };
 
 std::optional<SyntheticScene> SyntheticSceneFromName(std::string_view name);

@@ -255,6 +255,41 @@ TEST_F(OwnLayout, TurnsOverAFloorThatPointsDown) {
   EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("points down")));
 }
 
+TEST_F(OwnLayout, KnowsLevelsBesideTheFloor) {
+  WriteTinySequence(root_);
+  EXPECT_THAT(Open()->floor_levels(), IsEmpty());
+  const auto write = [&](const std::string& levels) {
+    WriteText(root_ / "gravity.json",
+              R"({"gravity": [0, 0, -1], "floor": [0, 0, 1, 0], "levels": )" + levels + "}");
+  };
+  write(R"([{"height_m": -0.2}, {"height_m": 0.3, "std_m": 0.01,
+             "outline": [[0, 0, 0.3], [2, 0, 0.3], [2, 1, 0]]}])");
+  const std::vector<FloorLevel> levels = Open()->floor_levels();
+  ASSERT_EQ(levels.size(), 2u);
+  EXPECT_EQ(levels[0].height_m, -0.2);
+  EXPECT_THAT(levels[0].outline_in_world, IsEmpty());
+  EXPECT_EQ(levels[1].std_m, 0.01);
+  EXPECT_EQ(levels[1].outline_in_world.at(1), Eigen::Vector3d(2, 0, 0.3));
+  write("{}");
+  EXPECT_THAT(Refusal(), HasSubstr("not a list"));
+  for (const auto& [level, complaint] : std::vector<std::pair<std::string, std::string>>{
+           {"7", "height_m"},
+           {"{}", "height_m"},
+           {R"({"height_m": "high"})", "height_m"},
+           {R"({"height_m": 1e9})", "height_m"},
+           {R"({"height_m": 0.3, "std_m": -1})", "std_m"},
+           {R"({"height_m": 0.3, "outline": [[0, 0, 0], [1, 0, 0]]})", "outline"},
+           {R"({"height_m": 0.3, "outline": [[0, 0], [1, 0], [1, 1]]})", "outline"},
+           {R"({"height_m": 0.3, "outline": [[0, 0, 0], [1, 0, 0], [2, 0, 5]]})", "no area"}}) {
+    write(R"([{"height_m": 0.1}, )" + level + "]");
+    EXPECT_THAT(Refusal(), testing::AllOf(HasSubstr("gravity.json"), HasSubstr("level 1"),
+                                          HasSubstr(complaint)))
+        << level;
+  }
+  WriteText(root_ / "gravity.json", R"({"gravity": [0, 0, -1], "levels": [{"height_m": 0.3}]})");
+  EXPECT_THAT(Refusal(), HasSubstr("no 'floor'"));
+}
+
 TEST_F(OwnLayout, UndistortsItsImages) {
   WriteTinySequence(root_);
   WriteText(root_ / "camera.json",

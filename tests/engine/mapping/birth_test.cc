@@ -53,6 +53,33 @@ class BirthTest : public testing::Test {
   const Eigen::Isometry3d front_ = LookAt({2.2, 0.6, 1.4}, {0, 0, 0.4});
 };
 
+TEST_F(BirthTest, WhatStandsOnFloorsIsSpawnedOnEveryLevelOfItsPlace) {
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const Detection box = scene_.Boxes(front_, {&chair, 1}).front();
+  MapFrame map = scene_.map();
+  map.levels = {{0.3, 0, {}}};
+  const auto drawn = [&] {
+    return SampleBirth(box, scene_.camera(), front_, map, options_, 1000, {.seed = 3});
+  };
+  int floor = 0, raised = 0, between = 0;
+  for (const PoseHypothesis& hypothesis : drawn()) {
+    const double height = map.BaseHeight(hypothesis);
+    floor += std::abs(height) < 5 * options_.floor_std_m;
+    raised += std::abs(height - 0.3) < 5 * options_.floor_std_m;
+    between += height > 0.1 && height < 0.2;
+  }
+  EXPECT_EQ(floor + raised, 1000);
+  EXPECT_EQ(between, 0);
+  EXPECT_GT(floor, 50);
+  EXPECT_GT(raised, 50);
+  // Under a platform there is no floor.
+  map.levels[0].outline_in_world = {{-3, -3, 0}, {3, -3, 0}, {3, 3, 0}, {-3, 3, 0}};
+  for (const PoseHypothesis& hypothesis : drawn()) {
+    const bool inside = hypothesis.center_in_world.head<2>().cwiseAbs().maxCoeff() < 3;
+    EXPECT_NEAR(map.BaseHeight(hypothesis), inside ? 0.3 : 0, 5 * options_.floor_std_m);
+  }
+}
+
 TEST_F(BirthTest, InformedHypothesesExplainTheBox) {
   const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
   const Detection box = scene_.Boxes(front_, {&chair, 1}).front();

@@ -170,5 +170,34 @@ TEST_F(SearchTest, JudgesBySumOverViewsAndByTheFloor) {
   EXPECT_EQ(LogHeightPrior(scene_.map(), floating, no_floor), 0);
 }
 
+TEST(LogHeightPrior, IsAMixtureOverTheLevelsOfAPlace) {
+  MapFrame map = MappingScene::Get().map();
+  const MapperOptions options;
+  const ModelId chair = MappingScene::Get().Label("chair");
+  const double half = map.database->model(chair).center().z(), s = options.floor_std_m;
+  const auto density = [&](double x, double height) {
+    return std::exp(LogHeightPrior(map, {chair, 0, {x, 0, height + half}}, options));
+  };
+  const auto normal = [](double off, double std_m, double of) {
+    return of / std_m * std::exp(-0.5 * off * off / (std_m * std_m));
+  };
+  const double alone = density(0, 0.01);
+  // A step known to 2 cm that may be anywhere, and a platform from x = 1 to 2.
+  map.levels = {{0.16, 0.02, {}}, {0.3, 0, {{1, -1, 0}, {2, -1, 0}, {2, 1, 0}, {1, 1, 0}}}};
+  const double step = std::hypot(s, 0.02);
+  for (const double height : {-0.02, 0.0, 0.01, 0.08, 0.15, 0.3}) {
+    EXPECT_NEAR(density(0, height), 0.5 * (normal(height, s, s) + normal(height - 0.16, step, s)),
+                1e-9)
+        << height;
+    EXPECT_NEAR(density(1.5, height), normal(height - 0.3, s, s), 1e-9)
+        << "there is only the platform";
+  }
+  EXPECT_NEAR(density(0, 0.01), 0.5 * alone, 1e-4 * alone);
+  EXPECT_TRUE(std::isfinite(LogHeightPrior(map, {chair, 0, {0, 0, 50}}, options)));
+  EXPECT_EQ(map.StandingOf({chair, 0, {0, 0, half + 0.12}}).height_m, 0.16);
+  EXPECT_EQ(map.StandingOf({chair, 0, {0, 0, half + 0.05}}).height_m, 0);
+  EXPECT_EQ(map.StandingOf({chair, 0, {1.5, 0, half}}).height_m, 0.3);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -12,13 +12,15 @@ namespace {
 
 class MapperTest : public testing::Test {
  protected:
-  std::unique_ptr<Mapper> NewMapper(const MapperOptions& options = {}) {
+  std::unique_ptr<Mapper> NewMapper(const MapperOptions& options = {},
+                                    std::vector<FloorLevel> levels = {}) {
     MapperSetup setup;
     setup.camera = scene_.camera();
     setup.floor_in_world = scene_.map().floor_in_world;
     setup.database = scene_.database();
     setup.scorer = scene_.scorer();
     setup.options = options;
+    setup.floor_levels = std::move(levels);
     return Mapper::Create(setup).value();
   }
   /// A frame of a walk about the origin, 12 cm and 3.4 degrees from the one before.
@@ -79,6 +81,26 @@ TEST_F(MapperTest, AnObjectLargerThanItsModelIsFoundAtItsScale) {
     EXPECT_LT(free.world_from_object.translation().norm(), 0.03);
     EXPECT_EQ(free.label, chair.label);
   }
+}
+
+TEST_F(MapperTest, AChairOnAPlatformIsFoundThereIfThePlatformIsTold) {
+  constexpr int kEnd = 30;
+  PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  chair.world_from_object.translation().z() = 0.3;
+  const auto off = [&](std::vector<FloorLevel> levels) {
+    const auto mapper = NewMapper({}, std::move(levels));
+    double off_m = 10;
+    for (int frame = 0; frame < kEnd; ++frame) {
+      const FrameReport report = mapper->Step(Seen(frame, {&chair, 1}));
+      if (const ObjectReport* best = Best(report); best != nullptr && best->confirmed_frame)
+        off_m =
+            (best->world_from_object.translation() - chair.world_from_object.translation()).norm();
+    }
+    return off_m;
+  };
+  EXPECT_LT(off({{0.3, 0, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}}}), 0.02);
+  EXPECT_LT(off({{0.3, 0.01, {}}}), 0.02) << "without an outline it may be anywhere";
+  EXPECT_GT(off({}), 0.1) << "nothing stands 30 cm above the only floor";
 }
 
 TEST_F(MapperTest, PointsBeforeAnObjectExcuseItsAbsence) {

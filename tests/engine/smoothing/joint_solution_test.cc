@@ -53,6 +53,17 @@ TEST_F(JointSolutionOf, ObjectsOnOneFloorSharesItsHeight) {
       << "without a floor given, the objects alone say where it is";
 }
 
+TEST_F(JointSolutionOf, ObjectsOnAPlatformShareTheFloorBelowIt) {
+  map_.levels = {{0.3, 0, {{3, -1, 0}, {9, -1, 0}, {9, 1, 0}, {3, 1, 0}}}};
+  const std::vector<MeasuredObject> objects = {Measured("chair", 0, -0.020, 0.004, true),
+                                               Measured("chair", 4, 0.276, 0.004, true),
+                                               Measured("table", 7, 0.281, 0.004, true)};
+  const JointSolution solution = SolveJointly(objects, map_, {});
+  EXPECT_EQ(solution.floor_objects, 3);
+  EXPECT_NEAR(solution.floor_height_m, -0.020, 0.006);
+  EXPECT_NEAR(map_.BaseHeight(solution.poses[2]), 0.3 + solution.floor_height_m, 0.005);
+}
+
 TEST_F(JointSolutionOf, FreeObjectsIsWhatWasMeasured) {
   const std::vector<MeasuredObject> objects = {Measured("crate", 0, 0.5, 0.02, false),
                                                Measured("crate", 2, 0.7, 0.02, false)};

@@ -174,6 +174,34 @@ TEST(Places, OfficeIsFurnishedFromItsOwnModels) {
     EXPECT_GE(std::count(categories.begin(), categories.end(), wanted), 1) << wanted;
 }
 
+TEST(Places, PlatformCarriesHalfOfTheFurnitureInView) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const SyntheticOptions options = SeededOptions(SyntheticScene::kPlatform, seed);
+    const SeenRoom seen(options);
+    ASSERT_EQ(seen.room().levels.size(), 1u);
+    const FloorLevel& level = seen.room().levels.front();
+    EXPECT_NEAR(level.height_m, 0.3, 1e-12);
+    const UprightFrame upright({0, 0, -1});
+    int raised = 0, below = 0;
+    for (std::size_t i = 0; i < seen.room().instances.size(); ++i) {
+      const Eigen::Vector3d at = seen.room().instances[i].room_from_object.translation();
+      const bool held = Holds(level, at, upright);
+      EXPECT_NEAR(at.z(), held ? 0.3 : 0, 1e-9) << seen.room().instances[i].id;
+      ++(held ? raised : below);
+      int shown = 0;
+      for (int frame = 0; frame < options.frames; frame += 10)
+        shown += seen.Look(frame, static_cast<int>(i) + 1).visible > 20;
+      EXPECT_GE(shown, 15) << seen.room().instances[i].id << " of " << options.frames / 10;
+    }
+    EXPECT_GE(raised, 4);
+    EXPECT_GE(below, 3);
+    for (int frame = 0; frame < options.frames; ++frame) {
+      const Eigen::Vector2d stand = seen.walk().Position(seen.TimeOf(frame));
+      EXPECT_FALSE(Holds(level, {stand.x(), stand.y(), 0}, upright)) << "it walks below";
+    }
+  }
+}
+
 TEST(Places, RatesAreOneWalkThroughOneRoom) {
   SyntheticOptions fast = SeededOptions(SyntheticScene::kRates, 3);
   fast.rate_hz = 60;
