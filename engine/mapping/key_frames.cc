@@ -68,7 +68,8 @@ const KeyFrame* KeyFrameMemory::Find(int frame) const {
   return nullptr;
 }
 
-KeyFrameMemory::Offered KeyFrameMemory::Offer(const MapperInput& input) {
+KeyFrameMemory::Offered KeyFrameMemory::Offer(const MapperInput& input,
+                                              const std::set<int>& needed) {
   Offered offered;
   for (const KeyFrame& key : frames_) {
     if (Distance(key.input.world_from_cam, input.world_from_cam) < 1.0) return offered;
@@ -78,8 +79,14 @@ KeyFrameMemory::Offered KeyFrameMemory::Offer(const MapperInput& input) {
   while (static_cast<int>(frames_.size()) > options_.key_frames) {
     std::size_t drop = 0;
     double closest = std::numeric_limits<double>::infinity();
+    const auto free = [&](std::size_t i) { return !needed.contains(frames_[i].input.frame); };
+    std::size_t count_free = 0;
+    for (std::size_t i = 0; i < frames_.size(); ++i) count_free += free(i);
+    const bool spare = static_cast<int>(count_free) > options_.key_frames / 4;
     for (std::size_t i = 0; i < frames_.size(); ++i) {
-      for (std::size_t j = i + 1; j < frames_.size(); ++j) {
+      if (spare && !free(i)) continue;
+      for (std::size_t j = spare ? 0 : i + 1; j < frames_.size(); ++j) {
+        if (j == i) continue;
         const double d = Distance(frames_[i].input.world_from_cam, frames_[j].input.world_from_cam);
         if (d < closest) {
           closest = d;

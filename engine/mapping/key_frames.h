@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -51,12 +52,13 @@ class KeyFrameMemory {
   /// Kept frames are searched as the new options say, as if they had been kept under them.
   void SetOptions(const MapperOptions& options);
   /// Keeps the frame if it shows something new: the camera is further from all kept ones than the
-  /// options say. When full, forgets one of the two that are closest to each other, the older.
+  /// options say. When full, forgets one of the two that are closest to each other, the older;
+  /// frames of `needed` only where they would leave little room for others.
   struct Offered {
     bool kept = false;
     std::vector<int> forgotten;  ///< Frame numbers.
   };
-  Offered Offer(const MapperInput& input);
+  Offered Offer(const MapperInput& input, const std::set<int>& needed = {});
   /// How much there is new to see between two views: 1 where the camera has just moved or turned
   /// far enough for a key frame.
   double Distance(const Eigen::Isometry3d& world_from_cam_a,

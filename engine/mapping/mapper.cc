@@ -172,12 +172,19 @@ void Mapper::Impl::MergeDuplicates(double novelty, FrameReport& report) {
 
 void Mapper::Impl::KeepFrame(const MapperInput& input) {
   if (options().key_frames == 0) return;
-  const KeyFrameMemory::Offered offered = memory.Offer(input);
+  // What a settled object was judged by stays: it may not be seen again for long.
+  std::set<int> needed;
+  for (const MapObject& object : objects) {
+    if (object.state != ObjectState::kConfirmed) continue;
+    for (const ObjectView& view : object.views) needed.insert(view.frame);
+  }
+  const KeyFrameMemory::Offered offered = memory.Offer(input, needed);
   if (offered.kept) {
     for (MapObject& object : objects) {
       if (object.state == ObjectState::kRetired || !object.updated ||
           object.last_frame != input.frame || object.visible_fraction < kMinViewVisibility ||
-          object.present_weight <= 0) {  // what was spawned just now has not been judged by it
+          object.present_weight <= 0 ||  // what was spawned just now has not been judged by it
+          object.hidden > 0.5) {         // it would stand for views that do show it
         continue;
       }
       for (std::size_t i = 0; i < object.particles.size(); ++i) {
