@@ -5,13 +5,17 @@
 
 #include <numbers>
 #include <opencv2/core.hpp>
+#include <set>
 
 #include "tests/support/mapping_scene.h"
 
 namespace plumbline {
 namespace {
 
+using testing::AllOf;
+using testing::Contains;
 using testing::ElementsAre;
+using testing::Not;
 
 MapperInput At(int frame, double x, double turn_deg = 0) {
   MapperInput input;
@@ -56,6 +60,20 @@ TEST_F(KeyFramesTest, AMemoryOfOneKeepsTheNewest) {
   KeyFrameMemory memory = Memory(1);
   for (int i = 0; i < 10; ++i) memory.Offer(At(i, 0.15 * i));
   EXPECT_THAT(Frames(memory), ElementsAre(8));
+}
+
+TEST_F(KeyFramesTest, KeepsWhatIsNeededAsLongAsThereIsRoomForMore) {
+  const auto walk = [&](const std::set<int>& needed) {
+    KeyFrameMemory memory = Memory(8);
+    for (int i = 0; i < 3; ++i) memory.Offer(At(i, 0.25 * i), needed);  // nearest to each other
+    for (int i = 3; i < 30; ++i) memory.Offer(At(i, 0.5 * i), needed);
+    EXPECT_EQ(memory.frames().size(), 8u);
+    return Frames(memory);
+  };
+  EXPECT_THAT(walk({}), Not(AllOf(Contains(0), Contains(1), Contains(2))));
+  EXPECT_THAT(walk({0, 1, 2}), AllOf(Contains(0), Contains(1), Contains(2)));
+  // All that came first would leave no room for what is new.
+  EXPECT_THAT(walk({0, 1, 2, 3, 4, 5, 6, 7}), Contains(testing::Ge(20)));
 }
 
 TEST_F(KeyFramesTest, ShrinksWhenTheOptionsSaySo) {
