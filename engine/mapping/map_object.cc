@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/geometry/angles.h"
 #include <algorithm>
+#include "engine/geometry/angles.h"
 
 #include "engine/mapping/bytes.h"
 
@@ -29,8 +29,7 @@ void MapObject::MoveTo(const PoseEstimate& reference, const MapFrame& map) {
       map.upright.upright_rotation().transpose() * (move.linear() * ahead);
   const double yaw = std::atan2(turned.y(), turned.x());
   for (Particle& particle : particles)
-    particle.azimuth = static_cast<float>(
-        WrapAngle(static_cast<double>(particle.azimuth) + yaw));
+    particle.azimuth = static_cast<float>(WrapAngle(static_cast<double>(particle.azimuth) + yaw));
   for (PoseHypothesis& hypothesis : joined) {
     hypothesis.center_in_world = move * hypothesis.center_in_world;
     hypothesis.azimuth_rad = WrapAngle(hypothesis.azimuth_rad + yaw);

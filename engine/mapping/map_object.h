@@ -26,10 +26,10 @@ struct MapObject : ObjectBelief {
   PoseUncertainty reference_uncertainty;  ///< Of `world_from_reference_cam`.
   PoseId reference_pose;                  ///< Names it,
   int reference_epoch = 0;                ///< and how often it has been corrected.
-  double present_weight = 0;  ///< How much of a view the last frame was, beside `views`.
+  double present_weight = 0;   ///< How much of a view the last frame was, beside `views`.
   LikelihoodSharpness slopes;  ///< Of its views since it was confirmed,
   double sharpness = 1;        ///< and how sharply they are taken.
-  double passing = 0;         ///< While tentative: log ratios of the frames as they passed, summed,
+  double passing = 0;  ///< While tentative: log ratios of the frames as they passed, summed,
   double remembered_evidence = 0;  ///< and of `views`, for the pose of the last search.
   double hidden = 0;   ///< Probability that something unmapped hides it, if it is there.
   double shown = 0;    ///< Independent looks in which enough of it showed, see confirm_shown.
@@ -45,8 +45,8 @@ struct MapObject : ObjectBelief {
 
   const PoseMode& mean() const { return modes.front(); }
   double remembered() const;  ///< Sum of the weights of `views`.
-  /// Goes where its reference view has gone. What it has been judged by may be elsewhere relative to
-  /// it now: the next search judges it anew.
+  /// Goes where its reference view has gone. What it has been judged by may be elsewhere relative
+  /// to it now: the next search judges it anew.
   void MoveTo(const PoseEstimate& reference, const MapFrame& map);
   /// Works out modes, covariance, label and pose from the particles.
   void Summarize(const MapFrame& map);

@@ -66,9 +66,10 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
   const std::vector<double> last = LogLikelihoods(object);
   // What an unmapped thing hides shows edges of that thing.
   object.present_weight = weight * now.telling * (1 - object.hidden);
-  object.sharpness = object.state == ObjectState::kConfirmed
-                         ? std::min(object.slopes.ValueWithin(sharpness), kSharpening * object.sharpness)
-                         : 1;
+  object.sharpness =
+      object.state == ObjectState::kConfirmed
+          ? std::min(object.slopes.ValueWithin(sharpness), kSharpening * object.sharpness)
+          : 1;
   for (std::size_t i = 0; i < object.particles.size(); ++i) {
     object.particles[i].phi_cnn = likelihoods[i].phi_cnn;
     object.particles[i].phi_edge = likelihoods[i].phi_edge;
@@ -281,8 +282,8 @@ Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& inp
   }
   JudgingView present = Judge(object, input, occluders).view;
   present.weight = object.present_weight;
-  Target posterior = Posterior(*setup.scorer, map, std::move(remembered), present, options(),
-                               object.sharpness);
+  Target posterior =
+      Posterior(*setup.scorer, map, std::move(remembered), present, options(), object.sharpness);
   // Of equal things in a row the one that shows best draws all; what is settled keeps its own.
   return Outside(TakenPlaces(object), std::move(posterior));
 }
@@ -305,8 +306,8 @@ std::vector<TakenPlace> Mapper::Impl::TakenPlaces(const MapObject& object) const
 }
 
 std::vector<double> Mapper::Impl::LogLikelihoods(const MapObject& object) const {
-  const double scale = ViewScale(object.remembered() + object.present_weight, object.sharpness,
-                                 options());
+  const double scale =
+      ViewScale(object.remembered() + object.present_weight, object.sharpness, options());
   std::vector<double> result;
   for (std::size_t i = 0; i < object.particles.size(); ++i) {
     const Particle& particle = object.particles[i];

@@ -18,8 +18,8 @@ constexpr double kFaintMode = 12;  ///< Modes below the best by so much are not 
 constexpr double kLeastModeWeight = 0.03;  ///< Of a proposal; the mode's mass is only estimated.
 constexpr double kTailFreedom = 5;         ///< Degrees of freedom of Student's t.
 constexpr double kLeastSpread_m = 0.001, kLeastSpread_rad = 0.1 * kRadPerDeg;
-/// A mode of few members is taken to have this many times the variance of the others, as if that had
-/// been seen so often.
+/// A mode of few members is taken to have this many times the variance of the others, as if that
+/// had been seen so often.
 constexpr double kUsualFactor = 4, kUsualCount = 5;
 constexpr std::size_t kPolished = 48;  ///< Members of a mode that is brought to its peak,
 constexpr int kMostPolished = 3;       ///< for the best of those found.
@@ -255,8 +255,7 @@ double PoseSampler::WalkAt(Population& population, double temperature) {
 }
 
 std::vector<ProposalMode> PoseSampler::ModesOf(const Population& population, double sharpness,
-                                               double reach,
-                                               const PoseSpread& usual) const {
+                                               double reach, const PoseSpread& usual) const {
   std::vector<ProposalMode> modes;
   std::vector<bool> taken(population.size(), false);
   double highest = -std::numeric_limits<double>::infinity();

@@ -113,8 +113,7 @@ class PoseSampler {
   PoseSpread SpreadWithin(const Population& population) const;
   bool Knows(const std::vector<ProposalMode>& modes, const ProposalMode& mode) const;
   /// The mode brought from a temperature down to the target, with its spread there.
-  ProposalMode Polished(const ProposalMode& found, double temperature,
-                        const PoseSpread& usual);
+  ProposalMode Polished(const ProposalMode& found, double temperature, const PoseSpread& usual);
   Eigen::Vector4d Difference(const PoseHypothesis& a, const PoseHypothesis& from) const;
   Random Next() {
     ++key_.particle;

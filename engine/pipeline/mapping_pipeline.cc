@@ -29,8 +29,8 @@ struct Prepared {
   Frame frame;
   EdgeMap edges;
   std::optional<MapperInput> input;
-  int options_version = 0;                       ///< Of the options that the table was made with.
-  std::optional<FloorEstimate> floor;            ///< As known at the frame.
+  int options_version = 0;             ///< Of the options that the table was made with.
+  std::optional<FloorEstimate> floor;  ///< As known at the frame.
   /// Points found and poses corrected since the frame before, in their order.
   std::vector<std::variant<PointEstimates, PoseEstimate>> news;
   std::string skipped;

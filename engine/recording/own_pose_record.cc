@@ -16,7 +16,8 @@ constexpr const char* kOwnPosesSchema =
     "DROP TABLE IF EXISTS own_pose_loops;"
     "CREATE TABLE own_pose_loops (causal INTEGER NOT NULL, report TEXT NOT NULL);"
     "DROP TABLE IF EXISTS own_pose_corrections;"
-    "CREATE TABLE own_pose_corrections (epoch INTEGER PRIMARY KEY, image INTEGER NOT NULL, poses BLOB NOT NULL)";
+    "CREATE TABLE own_pose_corrections (epoch INTEGER PRIMARY KEY, image INTEGER NOT NULL, poses "
+    "BLOB NOT NULL)";
 
 Result<bool> HasTable(sqlite::Database& database, const char* query) {
   const Result<std::int64_t> present = database.QueryInteger(query);
@@ -82,8 +83,8 @@ Status LoadCorrections(sqlite::Database& database, OwnPoses& poses) {
     const Result<bool> row = rows->Step();
     if (!row) return row.error();
     if (!*row) return {};
-    PastCorrection correction{static_cast<int>(rows->Integer(1)), static_cast<int>(rows->Integer(0)),
-                              {}};
+    PastCorrection correction{
+        static_cast<int>(rows->Integer(1)), static_cast<int>(rows->Integer(0)), {}};
     if (!DecodePoses(rows->Blob(2), correction.world_from_cam).ok() ||
         static_cast<int>(correction.world_from_cam.size()) != correction.image) {
       return Error{ErrorCode::kCorrupt, "the corrected poses in " + database.file().string() +

@@ -93,8 +93,8 @@ class Recorder {
       for (const MapPoint& point : moment.points)
         frame.points_in_world.push_back(point.point_in_world.cast<float>());
       if (closed != nullptr) CorrectPast(moment.image, *closed);
-      filter_poses_.emplace(moment.image, FilterPose{frame.vio.world_from_body.translation(),
-                                                     *frame.world_from_cam});
+      filter_poses_.emplace(
+          moment.image, FilterPose{frame.vio.world_from_body.translation(), *frame.world_from_cam});
       const PoseCovariance of_filter = frame.vio.covariance;
       MoveFrame(move, frame);
       if (drift_) {
@@ -103,9 +103,9 @@ class Recorder {
         by.topLeftCorner<3, 3>() = by.bottomRightCorner<3, 3>() = turn;
         frame.vio.covariance =
             drift_->corrected + by * (of_filter - drift_->of_filter) * by.transpose();
-        frame.cam_covariance = MovedBy(
-            frame.world_from_cam->translation() - frame.vio.world_from_body.translation(),
-            frame.vio.covariance);
+        frame.cam_covariance =
+            MovedBy(frame.world_from_cam->translation() - frame.vio.world_from_body.translation(),
+                    frame.vio.covariance);
       }
       AddFloor(moment.image, frame);
     }
@@ -216,10 +216,10 @@ class Recorder {
     for (int i = 0; i < image; ++i) {
       const auto known = filter_poses_.find(i);
       const std::int64_t stamp = poses.frames[static_cast<std::size_t>(i)].vio.stamp_ns;
-      correction.world_from_cam.push_back(
-          known == filter_poses_.end()
-              ? Eigen::Isometry3d::Identity()
-              : closed.At(stamp, known->second.body_in_world) * known->second.world_from_cam);
+      correction.world_from_cam.push_back(known == filter_poses_.end()
+                                              ? Eigen::Isometry3d::Identity()
+                                              : closed.At(stamp, known->second.body_in_world) *
+                                                    known->second.world_from_cam);
     }
     poses.corrections.push_back(std::move(correction));
     const VioReport& vio = poses.frames[static_cast<std::size_t>(image)].vio;
@@ -283,7 +283,8 @@ class Recorder {
     Eigen::Isometry3d world_from_cam;
   };
   std::unordered_map<int, FilterPose> filter_poses_;
-  /// Covariances of the body where the last loop was closed: from there on the filter's growth adds.
+  /// Covariances of the body where the last loop was closed: from there on the filter's growth
+  /// adds.
   struct Drift {
     PoseCovariance of_filter, corrected;
   };

@@ -123,7 +123,8 @@ TEST_F(KeyFramesTest, ComesBackFromBytes) {
     if (a.maps.rendered().id.empty()) continue;
     EXPECT_EQ(cv::countNonZero(a.maps.rendered().id != b.maps.rendered().id), 0);
     EXPECT_EQ(cv::countNonZero(a.maps.rendered().depth != b.maps.rendered().depth), 0);
-    EXPECT_EQ(cv::countNonZero(a.maps.rendered().second_depth != b.maps.rendered().second_depth), 0);
+    EXPECT_EQ(cv::countNonZero(a.maps.rendered().second_depth != b.maps.rendered().second_depth),
+              0);
   }
 }
 

@@ -135,7 +135,8 @@ TEST_F(MapperTest, PointsBeforeAnObjectExcuseItsAbsence) {
 TEST_F(MapperTest, WhatHidesASettledObjectDoesNotMoveIt) {
   constexpr int kSeen = 16, kEnd = 48;
   const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
-  // What is seen of it later are edges of another thing, a little to the side, that no box tells of.
+  // What is seen of it later are edges of another thing, a little to the side, that no box tells
+  // of.
   const PlacedModel other = scene_.Place("armchair", 0.25, 0.15, 75, 2);
   const auto mapper = NewMapper();
   double std_before_m = 0;
@@ -158,7 +159,8 @@ TEST_F(MapperTest, WhatHidesASettledObjectDoesNotMoveIt) {
 }
 
 TEST_F(MapperTest, ACorrectedTrajectoryTakesItsObjectsAlong) {
-  // Mapped in a world that has drifted; then a loop closes, and the chair is seen from where it was.
+  // Mapped in a world that has drifted; then a loop closes, and the chair is seen from where it
+  // was.
   constexpr int kDrifted = 16, kEnd = 24;
   const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
   Eigen::Isometry3d drift = Eigen::Isometry3d::Identity();

@@ -222,8 +222,8 @@ TEST_P(PoseSamplerTest, ASharpRivalIsReachedFromARoughSearch) {
 }
 
 TEST_P(PoseSamplerTest, ASharpTargetIsSearchedAsABluntOne) {
-  // Two shapes, bounded as edges are; one fits three times as well and is looked for 2 cm off, among
-  // as many of the one that is known.
+  // Two shapes, bounded as edges are; one fits three times as well and is looked for 2 cm off,
+  // among as many of the one that is known.
   constexpr double kSharpness = 16, kHeight = 10, kStd_m = 0.02, kStd_rad = 2 * kRadPerDeg;
   const PoseHypothesis a = At("chair", 1, 2, 0.4), b = At("armchair", 1.02, 2.01, 0.42);
   const auto log_target = [&](const PoseHypothesis& h, const PoseHypothesis& mean) {
@@ -253,8 +253,8 @@ TEST_P(PoseSamplerTest, ASharpTargetIsSearchedAsABluntOne) {
 }
 
 TEST_P(PoseSamplerTest, TemperingFillsARing) {
-  // Everywhere at once at the distance of 30 cm: no Gaussian fits it. Of few draws few are ancestors
-  // of all, so one run says little of where the others are: ten are taken together.
+  // Everywhere at once at the distance of 30 cm: no Gaussian fits it. Of few draws few are
+  // ancestors of all, so one run says little of where the others are: ten are taken together.
   constexpr std::uint32_t kRuns = 10;
   double in_quadrants[2][2] = {}, squares = 0;
   for (std::uint32_t run = 0; run < kRuns; ++run) {

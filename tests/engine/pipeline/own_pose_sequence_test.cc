@@ -67,29 +67,27 @@ TEST_F(OwnPoseSourceTest, TellsTheFloorWhenItIsFoundAndWhenItIsBetterKnown) {
 TEST_F(OwnPoseSourceTest, KnowsTheFloorAndThePointsAgainAfterASeek) {
   OwnPoseSource source(Open());
   source.Seek(4);
-  const std::vector<std::string> expected = {"points 1", "points 2",   "points 3", "floor 0.04",
-                                             "gravity",  "pose 4",     "floor 0.02", "points 4",
-                                             "frame 4"};
+  const std::vector<std::string> expected = {"points 1",   "points 2", "points 3",
+                                             "floor 0.04", "gravity",  "pose 4",
+                                             "floor 0.02", "points 4", "frame 4"};
   EXPECT_EQ(All(source), expected);
 }
 
 TEST_F(OwnPoseSourceTest, TellsWhatALoopCorrectedBeforeTheFrameThatClosedIt) {
   auto poses = std::make_shared<OwnPoses>(*Poses());
-  const auto moved = [](double x) {
-    return Eigen::Isometry3d(Eigen::Translation3d(x, 0, 0));
-  };
+  const auto moved = [](double x) { return Eigen::Isometry3d(Eigen::Translation3d(x, 0, 0)); };
   poses->corrections.push_back({3, 1, {moved(0), moved(7), moved(8)}});
   const auto sequence = WithOwnPoses(OpenSequence(folder_.path() / "sequence").value(), poses);
   OwnPoseSource source(sequence);
   const std::vector<std::string> expected = {
-      "gravity",    "frame 0",  "pose 1",  "points 1", "frame 1", "pose 2",     "floor 0.04",
-      "points 2",   "frame 2",  "pose 1",  "pose 2",   "pose 3",  "points 3",   "frame 3",
-      "pose 4",     "floor 0.02", "points 4", "frame 4"};
+      "gravity",    "frame 0",  "pose 1",  "points 1",   "frame 1",  "pose 2",
+      "floor 0.04", "points 2", "frame 2", "pose 1",     "pose 2",   "pose 3",
+      "points 3",   "frame 3",  "pose 4",  "floor 0.02", "points 4", "frame 4"};
   EXPECT_EQ(All(source), expected);
   // One that begins later is told everything in the same order, so that points move alike.
   source.Seek(4);
-  const std::vector<std::string> again = {"points 1", "points 2",   "pose 1", "pose 2", "points 3",
-                                          "floor 0.04", "gravity", "pose 4", "floor 0.02",
+  const std::vector<std::string> again = {"points 1", "points 2",   "pose 1", "pose 2",
+                                          "points 3", "floor 0.04", "pose 4", "floor 0.02",
                                           "points 4", "frame 4"};
   EXPECT_EQ(All(source), again);
   source.Seek(3);
