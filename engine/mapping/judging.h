@@ -31,10 +31,9 @@ std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame&
                                  std::span<const JudgingView> views,
                                  std::span<const PoseHypothesis> hypotheses,
                                  const MapperOptions& options);
-/// Log density, unnormalised, of the height above the floor or the levels, for shapes that stand
-/// there, all levels of a place being as likely; of
-/// others, of the height above what is mapped below them. 0 without a floor and without anything
-/// below.
+/// Log density, unnormalised, of the height above the floor or a level (of a place all are as
+/// likely), for shapes that stand there; of others, of the height above what is mapped below them.
+/// 0 without a floor and without anything below.
 double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
                       const MapperOptions& options);
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/mapping/map_object.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include <algorithm>
 #include "engine/geometry/angles.h"
-
 #include "engine/mapping/bytes.h"
 
 namespace plumbline {

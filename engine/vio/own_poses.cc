@@ -69,9 +69,11 @@ class Recorder {
   }
 
   /// @param move  new_world_from_world: what closed loops correct this image's pose by.
-  /// @param closed  What is known of the trajectory, where this image closed a loop; else null.
+  /// @param closed  What is known of the trajectory, where loops were closed that no correction
+  ///                has told yet; else null. It is told with the next image that has a pose.
+  /// @param epoch   Of `closed`.
   void See(const VioMoment& moment, const Eigen::Isometry3d& move,
-           const TrajectoryCorrection* closed) {
+           const TrajectoryCorrection* closed, int epoch) {
     OwnPoseReport& frame = poses.frames[static_cast<std::size_t>(moment.image)];
     frame.tracking_ms = moment.tracking_ms;
     frame.measured = !moment.reports.empty();
@@ -92,7 +94,7 @@ class Recorder {
       AddPose(*state, frame);
       for (const MapPoint& point : moment.points)
         frame.points_in_world.push_back(point.point_in_world.cast<float>());
-      if (closed != nullptr) CorrectPast(moment.image, *closed);
+      if (closed != nullptr) CorrectPast(moment.image, *closed, epoch);
       filter_poses_.emplace(
           moment.image, FilterPose{frame.vio.world_from_body.translation(), *frame.world_from_cam});
       const PoseCovariance of_filter = frame.vio.covariance;
@@ -132,6 +134,8 @@ class Recorder {
   /// @return what the last image waits for.
   std::string last_wait() const { return last_wait_; }
   bool any_ready() const { return any_ready_; }
+  /// @return the epoch of the last correction that was told; 0 before any.
+  int told_epoch() const { return poses.corrections.empty() ? 0 : poses.corrections.back().epoch; }
   OwnPoses poses;
 
  private:
@@ -211,8 +215,8 @@ class Recorder {
 
   /// Poses that were told stand as they were told then; what they are known to have been is told
   /// beside them.
-  void CorrectPast(int image, const TrajectoryCorrection& closed) {
-    PastCorrection correction{image, static_cast<int>(poses.corrections.size()) + 1, {}};
+  void CorrectPast(int image, const TrajectoryCorrection& closed, int epoch) {
+    PastCorrection correction{image, epoch, {}};
     for (int i = 0; i < image; ++i) {
       const auto known = filter_poses_.find(i);
       const std::int64_t stamp = poses.frames[static_cast<std::size_t>(i)].vio.stamp_ns;
@@ -340,20 +344,17 @@ Result<OwnPoses> EstimateOwnPoses(const Sequence& sequence, int end_frame,
     frame.waits_for = "the image could not be read";
   }
   LoopCloser closer(input->camera, options.closing);
-  int epochs = 0;
   RunVio(*input, images, options.filter, options.tracker, work, [&](const VioMoment& moment) {
     recorder.poses.frames[static_cast<std::size_t>(moment.image)].waits_for.clear();
     if (options.loops != LoopUse::kOff) closer.See(moment);
     if (options.loops != LoopUse::kCausal) {
-      recorder.See(moment, Eigen::Isometry3d::Identity(), nullptr);
+      recorder.See(moment, Eigen::Isometry3d::Identity(), nullptr, 0);
       return;
     }
     std::optional<TrajectoryCorrection> closed;
-    if (const int now = closer.Report().epochs; now > epochs) {
-      closed = closer.Correction();
-      epochs = now;
-    }
-    recorder.See(moment, closer.PresentMove().AsIsometry(), closed ? &*closed : nullptr);
+    const int epoch = closer.Report().epochs;
+    if (epoch > recorder.told_epoch()) closed = closer.Correction();
+    recorder.See(moment, closer.PresentMove().AsIsometry(), closed ? &*closed : nullptr, epoch);
   });
   if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
   if (!recorder.any_ready()) {

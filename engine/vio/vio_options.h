@@ -86,10 +86,10 @@ void VisitFields(VioOptions& o, Visitor&& visit) {
         {"rolling_shutter_s", "s", "time from the first row of an image to the last", -0.1, 0.1});
   visit(o.imu_noise_factor,
         {"imu_noise_factor", "", "on the noise densities that imu.json states", 0.1, 100});
-  visit(o.vibration_share,
-        {"vibration_share", "",
-         "of what readings scatter by, counts as noise where it is more than what is stated", 0,
-         10});
+  visit(
+      o.vibration_share,
+      {"vibration_share", "",
+       "of what readings scatter by, counts as noise where it is more than what is stated", 0, 10});
   visit(o.max_gyro_walk,
         {"max_gyro_walk", "rad/s^2/sqrt(Hz)",
          "limits what imu.json states: files of other filters hold inflated walks", 1e-8, 1});

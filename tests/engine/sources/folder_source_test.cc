@@ -90,7 +90,8 @@ TEST_F(Folder, GivesEveryPartOfAFrameByItsNumber) {
   ASSERT_TRUE(pose);
   EXPECT_EQ(pose->id, PoseId{1});
   EXPECT_EQ(pose->world_from_cam.translation().x(), 1);
-  EXPECT_TRUE(pose->uncertainty.drift.isZero() && pose->uncertainty.own.isZero()) << "given, not estimated";
+  EXPECT_TRUE(pose->uncertainty.drift.isZero() && pose->uncertainty.own.isZero())
+      << "given, not estimated";
   EXPECT_EQ(pose->epoch, 0);
   EXPECT_EQ(source.calibration().cameras[packet.camera].camera.pinhole.width, 64);
 }
