@@ -16,7 +16,9 @@ namespace plumbline {
 namespace {
 
 constexpr double kRestLookback = 0.5;  ///< Rest is judged over this time [s].
-constexpr double kMotionWindow = 1.2;  ///< Of a start in motion [s].
+constexpr double kMotionWindow = 1.2;  ///< That a start in motion is aligned in [s].
+/// The filter looks at so much twice before it starts in motion [s].
+constexpr double kSettleWindow = 3;
 constexpr double kMotionRetry = 0.4;   ///< Between attempts [s]; one costs as much as 20 images.
 constexpr int kLateReadings = 10, kLateImages = 4;  ///< In a row: a clock was set back.
 /// Clocks that are set back by nearly the same are one clock [s].
@@ -140,8 +142,42 @@ void VioEstimator::SeekClock(std::span<const TrackedImage> images) {
   notes_ = WithNotes(text);
 }
 
+InertialState VioEstimator::LookedAtAgain(const InertialState& start,
+                                          const StartSpread& spread) const {
+  VioFilter filter(camera_, calibration_, options_);
+  filter.Start(
+      MakeStart(start, *camera_.body_from_cam, calibration_.time_offset_s, spread, options_));
+  for (const TrackedImage& image : window_) filter.Step(image, imu_, false);
+  const InertialState& end = filter.state().inertial();
+  // From the state without motion and without gravity: what the readings alone say.
+  InertialState still = start;
+  still.world_from_body.setIdentity();
+  still.velocity_in_world.setZero();
+  still.gyro_bias = end.gyro_bias;
+  still.accel_bias = end.accel_bias;
+  IntegrationNoise noise = filter.noise();
+  const Eigen::Vector3d gravity(0, 0, -noise.gravity_m_s2);
+  noise.gravity_m_s2 = 0;
+  const std::vector<ImuSegment> segments = imu_.Between(start.stamp_ns, end.stamp_ns);
+  const InertialState moved = Integrate(still, segments, noise).state;
+  const Eigen::Matrix3d turned = end.world_from_body * moved.world_from_body.transpose();
+  const double seconds = static_cast<double>(end.stamp_ns - start.stamp_ns) * 1e-9;
+  // The heading of a start is nothing that could be known.
+  const Eigen::Matrix3d upright = UprightRotation(turned.transpose().col(2));
+  InertialState result = still;
+  result.world_from_body = upright;
+  result.velocity_in_world =
+      upright * (turned.transpose() * (end.velocity_in_world - seconds * gravity) -
+                 moved.velocity_in_world);
+  return result;
+}
+
 std::string VioEstimator::TryMotionStart() {
-  const std::vector<TrackedImage> images(window_.begin(), window_.end());
+  std::vector<TrackedImage> images;
+  for (const TrackedImage& image : window_) {
+    if (image.stamp_ns <= window_.front().stamp_ns + Nanoseconds(kMotionWindow))
+      images.push_back(image);
+  }
   const double span = static_cast<double>(images.back().stamp_ns - images.front().stamp_ns) * 1e-9;
   if (span < 0.8 * kMotionWindow || images.size() < 5) return "waiting for images";
   if (clock_suspect_) SeekClock(images);
@@ -161,6 +197,18 @@ std::string VioEstimator::TryMotionStart() {
   spread.velocity_m_s = std::clamp(std::max(3 * motion->velocity_std_m_s, 0.3 * speed), 0.1, 1.0);
   spread.gyro_bias_rad_s = 0.02;
   spread.accel_bias_m_s2 = options_.start_accel_bias_std_m_s2;
+  const double looked =
+      static_cast<double>(window_.back().stamp_ns - window_.front().stamp_ns) * 1e-9;
+  if (looked < 0.9 * kSettleWindow) {
+    char text[100];
+    std::snprintf(text, sizeof(text), "starting in motion: %.1f of %.1f s looked at", looked,
+                  kSettleWindow);
+    return text;
+  }
+  // Where the guess is far off, the filter's first updates are, and it believes in them. So the
+  // window is looked at twice, the second time from where the first look says that it began, with
+  // the same spread.
+  for (int look = 0; look < (getenv("LOOKS") ? atoi(getenv("LOOKS")) : 1); ++look) inertial = LookedAtAgain(inertial, spread);
   Begin(inertial, spread);
   return "";
 }
@@ -240,7 +288,7 @@ std::vector<VioReport> VioEstimator::AddImage(const TrackedImage& image) {
   rest_.Add(image);
   if (tracking_) return {Filter(image)};
   window_.push_back(image);
-  while (window_.front().stamp_ns < image.stamp_ns - Nanoseconds(kMotionWindow))
+  while (window_.front().stamp_ns < image.stamp_ns - Nanoseconds(kSettleWindow))
     window_.pop_front();
   VioReport waiting;
   waiting.stamp_ns = image.stamp_ns;
@@ -283,7 +331,7 @@ VioReport VioEstimator::Filter(const TrackedImage& image) {
 }
 
 void VioEstimator::ForgetOldReadings(std::int64_t image_ns) {
-  const double memory = std::max(options_.rest_seconds, kMotionWindow) + 2 * kRestLookback;
+  const double memory = std::max(options_.rest_seconds, kSettleWindow) + 2 * kRestLookback;
   imu_.DropBefore(ImuTimeOf(image_ns) - Nanoseconds(memory));
 }
 
