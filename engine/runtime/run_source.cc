@@ -12,6 +12,7 @@
 #include "engine/pipeline/hypothesis_probe.h"
 #include "engine/recording/option_history.h"
 #include "engine/recording/run_file.h"
+#include "engine/recording/smoothed_record.h"
 #include "engine/runtime/past_frame.h"
 #include "engine/snapshot/map_snapshot.h"
 
@@ -139,6 +140,9 @@ Result<std::unique_ptr<SnapshotSource>> OpenRunSource(const RunChoice& choice,
   auto inputs = OpenInputs(choice, header, work);
   if (!inputs.ok()) return inputs.error();
   inputs->view.name += ", " + choice.run.filename().string();
+  auto smoothed = ReadSmoothed(choice.run);
+  if (!smoothed.ok()) return smoothed.error();
+  if (*smoothed) inputs->view.smoothed = std::make_shared<const SmoothedMap>(**smoothed);
   return std::unique_ptr<SnapshotSource>(std::make_unique<RunSource>(
       std::move(reader).value(), std::move(frames).value(), std::move(events),
       std::move(inputs->pictures), std::move(inputs->view),

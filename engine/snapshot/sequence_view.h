@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/geometry/mesh.h"
+#include "engine/smoothing/smoothed_map_report.h"
 #include "engine/vio/own_pose_report.h"
 
 namespace plumbline {
@@ -48,6 +49,8 @@ struct SequenceView {
   };
   std::vector<Truth> truth;
 
+  /// What a second pass over the whole run has found; null for a run without one.
+  std::shared_ptr<const SmoothedMap> smoothed;
   /// Of a run with poses = vio, else null. `world` is then the filter's.
   std::shared_ptr<const OwnPoses> own_poses;
   /// From the world of the poses, the scan and the truth that came with the sequence, by aligning

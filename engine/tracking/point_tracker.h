@@ -67,8 +67,8 @@ class PointTracker {
   cv::Size size_;
   TrackerOptions options_;
   std::shared_ptr<const Pyramid> pyramid_;  ///< Of the last image.
-  double brightness_ = 0;         ///< Mean grey level that images are brought to.
-  double mean_ = 0;               ///< Mean grey level of the last image.
+  double brightness_ = 0;                   ///< Mean grey level that images are brought to.
+  double mean_ = 0;                         ///< Mean grey level of the last image.
   double light_jump_ = 1;
   std::vector<Track> tracks_;
   std::int64_t image_number_ = 0;

@@ -19,7 +19,7 @@ constexpr double kRestLookback = 0.5;  ///< Rest is judged over this time [s].
 constexpr double kMotionWindow = 1.2;  ///< That a start in motion is aligned in [s].
 /// The filter looks at so much twice before it starts in motion [s].
 constexpr double kSettleWindow = 3;
-constexpr double kMotionRetry = 0.4;   ///< Between attempts [s]; one costs as much as 20 images.
+constexpr double kMotionRetry = 0.4;  ///< Between attempts [s]; one costs as much as 20 images.
 constexpr int kLateReadings = 10, kLateImages = 4;  ///< In a row: a clock was set back.
 /// Clocks that are set back by nearly the same are one clock [s].
 constexpr double kSameClock = 0.1;
@@ -167,8 +167,8 @@ InertialState VioEstimator::LookedAtAgain(const InertialState& start,
   InertialState result = still;
   result.world_from_body = upright;
   result.velocity_in_world =
-      upright * (turned.transpose() * (end.velocity_in_world - seconds * gravity) -
-                 moved.velocity_in_world);
+      upright *
+      (turned.transpose() * (end.velocity_in_world - seconds * gravity) - moved.velocity_in_world);
   return result;
 }
 
@@ -208,7 +208,8 @@ std::string VioEstimator::TryMotionStart() {
   // Where the guess is far off, the filter's first updates are, and it believes in them. So the
   // window is looked at twice, the second time from where the first look says that it began, with
   // the same spread.
-  for (int look = 0; look < (getenv("LOOKS") ? atoi(getenv("LOOKS")) : 1); ++look) inertial = LookedAtAgain(inertial, spread);
+  for (int look = 0; look < (getenv("LOOKS") ? atoi(getenv("LOOKS")) : 1); ++look)
+    inertial = LookedAtAgain(inertial, spread);
   Begin(inertial, spread);
   return "";
 }

@@ -19,9 +19,9 @@ struct Include {
 /// The modules of the engine from the lowest layer up. Those of one layer do not include one
 /// another, except as `MayUseSibling` says.
 constexpr std::array<std::string_view, 22> kModules = {
-    "base",       "geometry", "sensor",    "dataset",  "sources",      "models",
-    "render",     "vision",   "tracking",  "mapping",  "registration", "annotation",
-    "evaluation", "vio",      "synthetic", "snapshot", "smoothing",    "pipeline",
+    "base",       "geometry", "sensor",    "dataset",   "sources",      "models",
+    "render",     "vision",   "tracking",  "mapping",   "registration", "annotation",
+    "evaluation", "vio",      "synthetic", "smoothing", "snapshot",     "pipeline",
     "recording",  "session",  "analysis",  "runtime"};
 bool IsSibling(int layer) { return layer >= 9 && layer <= 13; }
 

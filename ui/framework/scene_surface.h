@@ -21,6 +21,7 @@ struct SequenceView;
 struct SceneLayers {
   bool models = true;
   bool truth = false;
+  bool smoothed = true;  ///< What a second pass found, where there was one.
   bool scan = true;
   bool trajectory = true;
   bool frustum = true;

@@ -32,6 +32,7 @@ inline ImU32 kWarning = IM_COL32(236, 184, 84, 255);
 inline ImU32 kBad = IM_COL32(236, 106, 94, 255);
 inline ImU32 kTrajectory = IM_COL32(242, 145, 50, 255);
 inline ImU32 kTruth = IM_COL32(88, 214, 110, 255);
+inline ImU32 kSmoothed = IM_COL32(196, 160, 250, 255);
 // Over pictures, in every theme:
 inline constexpr ImU32 kOnPicture = IM_COL32(228, 232, 238, 255);
 inline constexpr ImU32 kOnPictureDim = IM_COL32(160, 170, 182, 255);

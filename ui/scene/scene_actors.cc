@@ -72,6 +72,7 @@ void SceneActors::SetSequence(const SequenceView& sequence) {
   models_.clear();
   truth_.clear();
   truth_solid_.clear();
+  smoothed_.clear();
   objects_.clear();
   bounds_.setEmpty();
   for (const auto& pose : sequence.world_from_cam) bounds_.extend(pose.translation());
@@ -84,6 +85,7 @@ void SceneActors::SetSequence(const SequenceView& sequence) {
   }
   AddGrid(sequence);
   AddTruth(sequence);
+  AddSmoothed(sequence);
   AddTrajectory(sequence);
   camera_.lines = LineActorOf(SegmentsOf({}), colors::kTrajectory, 1.5);
   camera_.picture = ActorOf(SegmentsOf({}), IM_COL32_WHITE);
@@ -132,6 +134,18 @@ void SceneActors::AddTruth(const SequenceView& sequence) {
       renderer_->AddActor(solid);
       truth_solid_.push_back(solid);
     }
+  }
+}
+
+void SceneActors::AddSmoothed(const SequenceView& sequence) {
+  if (sequence.smoothed == nullptr) return;
+  for (const SmoothedObject& object : sequence.smoothed->objects) {
+    const auto label = static_cast<std::size_t>(object.belief.label.value);
+    if (object.belief.state != ObjectState::kConfirmed || label >= models_.size()) continue;
+    auto actor = LineActorOf(models_[label].edges, colors::kSmoothed, 1.5);
+    SetPose(*actor, object.belief.world_from_object, object.belief.scale);
+    renderer_->AddActor(actor);
+    smoothed_.push_back(actor);
   }
 }
 
@@ -210,6 +224,7 @@ void SceneActors::SetSnapshot(const SceneContent& content) {
   const SceneLayers& layers = content.layers;
   for (const auto& actor : truth_) actor->SetVisibility(layers.truth && !layers.truth_solid);
   for (const auto& actor : truth_solid_) actor->SetVisibility(layers.truth_solid);
+  for (const auto& actor : smoothed_) actor->SetVisibility(layers.smoothed);
   trajectory_->SetVisibility(layers.trajectory && !content.look_through);
   walked_->SetVisibility(layers.trajectory && !content.look_through);
   grid_->SetVisibility(layers.grid && !content.look_through);

@@ -57,6 +57,7 @@ class SceneActors {
 
   void AddModels(const SequenceView& sequence);
   void AddTruth(const SequenceView& sequence);
+  void AddSmoothed(const SequenceView& sequence);
   void AddScan(const SequenceView& sequence);
   void AddTrajectory(const SequenceView& sequence);
   void AddGrid(const SequenceView& sequence);
@@ -73,7 +74,7 @@ class SceneActors {
   Eigen::AlignedBox3d bounds_, focus_bounds_;
   double grid_step_m_ = 0.5;
   std::vector<ModelData> models_;
-  std::vector<vtkSmartPointer<vtkActor>> truth_, truth_solid_;
+  std::vector<vtkSmartPointer<vtkActor>> truth_, truth_solid_, smoothed_;
   vtkSmartPointer<vtkActor> scan_fine_, scan_coarse_;
   vtkSmartPointer<vtkActor> trajectory_, walked_;
   vtkSmartPointer<vtkActor> grid_, grid_major_;

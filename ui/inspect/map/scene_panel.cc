@@ -30,11 +30,19 @@ constexpr LayerToggle kLayers[] = {
      "Points of the scanned scene, where the sequence has one."},
     {"truth", "Truth", &SceneLayers::truth,
      "True places of the objects in green, where they are known."},
+    {"smoothed", "Smoothed", &SceneLayers::smoothed,
+     "Places of the objects as a second pass over the whole run has them, in violet."},
     {"trajectory", "Path", &SceneLayers::trajectory,
      "The camera's path; the part already walked is bright."},
     {"frustum", "Camera", &SceneLayers::frustum, "Where the camera is and what it sees."},
     {"grid", "Grid", &SceneLayers::grid, "Grid on the floor."},
 };
+
+/// A run without a second pass needs no switch for it.
+bool Offered(const FrameContext& context, const LayerToggle& layer) {
+  return layer.layer != &SceneLayers::smoothed ||
+         (context.sequence != nullptr && context.sequence->smoothed != nullptr);
+}
 
 struct OverlayToggle {
   const char* name;
@@ -60,7 +68,9 @@ class ScenePanel : public Panel {
     const float views =
         ToggleWidth(context, "Follow") + ToggleWidth(context, "Through") + context.Scaled(17);
     float layers = 0, overlays = ToggleWidth(context, ColorLabel().c_str()) + gap;
-    for (const LayerToggle& layer : kLayers) layers += ToggleWidth(context, layer.label) + gap;
+    for (const LayerToggle& layer : kLayers) {
+      if (Offered(context, layer)) layers += ToggleWidth(context, layer.label) + gap;
+    }
     for (const OverlayToggle& part : kOverlays) overlays += ToggleWidth(context, part.label) + gap;
     const float more = ToggleWidth(context, "More") + gap;
     if (views + layers + overlays <= room) {
@@ -152,6 +162,7 @@ class ScenePanel : public Panel {
 
   void DrawLayerToggles(const FrameContext& context, bool below_one_another) {
     for (const LayerToggle& layer : kLayers) {
+      if (!Offered(context, layer)) continue;
       if (&layer != kLayers && !below_one_another) ImGui::SameLine();
       Toggle(context, fmt::format("scene.{}", layer.name), layer.label, layers_.*layer.layer,
              layer.tooltip);

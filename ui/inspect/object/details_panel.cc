@@ -112,7 +112,36 @@ class DetailsPanel : public Panel {
          "Frame in which the evidence sufficed.");
     Fact(context, "last updated", fmt::format("frame {}", object.last_frame),
          "Last frame in which enough of it showed.");
+    DrawSecondPass(context, object);
     ImGui::EndTable();
+  }
+
+  /// What smoothing made of the object, where the run has been smoothed.
+  static void DrawSecondPass(const FrameContext& context, const ObjectReport& object) {
+    if (context.sequence->smoothed == nullptr) return;
+    for (const SmoothedObject& smoothed : context.sequence->smoothed->objects) {
+      const ObjectReport& belief = smoothed.belief;
+      if (belief.id != object.id) continue;
+      const double moved_m =
+          (belief.world_from_object.translation() - object.world_from_object.translation()).norm();
+      const double turned_rad = Eigen::AngleAxisd(belief.world_from_object.linear().transpose() *
+                                                  object.world_from_object.linear())
+                                    .angle();
+      const ModelView* model = context.Model(belief.label);
+      const bool round = model != nullptr && model->any_azimuth;
+      Fact(
+          context, "second pass",
+          fmt::format("{}, {:.1f} cm{} from here",
+                      belief.state == ObjectState::kConfirmed ? "there" : "not sure", 100 * moved_m,
+                      round ? "" : fmt::format(", {:.1f}\u00b0", kDegPerRad * turned_rad)),
+          "What all frames together say of it (Smoothed in the map), and how far that is from "
+          "the mean state in this frame.");
+      Fact(context, "",
+           fmt::format("{} looks, refined in {} views", smoothed.looks, smoothed.views),
+           "Independent looks at it over the whole run, and views that its pose comes from.");
+      return;
+    }
+    Fact(context, "second pass", "not there", "All frames together speak against it.");
   }
 
   static void DrawLabels(const FrameContext& context, const ObjectReport& object) {
