@@ -86,7 +86,7 @@ void PointTracker::Follow(const Pyramid& previous, const Pyramid& present,
   if (tracks_.empty()) return;
   const Eigen::Matrix3d turn = previous_from_present.transpose();
   std::vector<cv::Point2f> from, found;
-  for (const Track& track : tracks_) {
+  for (const FollowedPoint& track : tracks_) {
     from.push_back(track.pixel);
     found.push_back(Predicted(track.pixel, turn));
   }
@@ -113,20 +113,20 @@ void PointTracker::Follow(const Pyramid& previous, const Pyramid& present,
 
 void PointTracker::AlignWithPatches(const Pyramid& present) {
   if (options_.patch_likeness > 1) {
-    for (Track& track : tracks_) track.patch.image = nullptr;
+    for (FollowedPoint& track : tracks_) track.patch.image = nullptr;
     return;
   }
-  std::map<std::int64_t, std::vector<Track*>> of_image;
-  for (Track& track : tracks_) of_image[track.patch.image_number].push_back(&track);
+  std::map<std::int64_t, std::vector<FollowedPoint*>> of_image;
+  for (FollowedPoint& track : tracks_) of_image[track.patch.image_number].push_back(&track);
   for (; of_image.size() > kPatchImages; of_image.erase(of_image.begin())) {
-    for (Track* track : of_image.begin()->second) track->patch.image = nullptr;
+    for (FollowedPoint* track : of_image.begin()->second) track->patch.image = nullptr;
   }
   const cv::Size window(options_.window_px, options_.window_px);
   for (const auto& [number, tracks] : of_image) {
     const std::shared_ptr<const Pyramid> kept = tracks.front()->patch.image;
     const Pyramid& image = *kept;
     std::vector<cv::Point2f> from, found;
-    for (const Track* track : tracks) {
+    for (const FollowedPoint* track : tracks) {
       from.push_back(track->patch.pixel);
       found.push_back(track->pixel);
     }
@@ -154,7 +154,7 @@ void PointTracker::Detect(const cv::Mat& image) {
   cv::resize(image, small, {}, 1.0 / kDetectShrink, 1.0 / kDetectShrink, cv::INTER_AREA);
   cv::Mat mask(small.size(), CV_8UC1, cv::Scalar(255));
   const float shift = (kDetectShrink - 1) / 2.0f;  // pixel centres are at integers
-  for (const Track& track : tracks_) {
+  for (const FollowedPoint& track : tracks_) {
     cv::circle(mask, (track.pixel - cv::Point2f(shift, shift)) / kDetectShrink,
                static_cast<int>(spacing / kDetectShrink), cv::Scalar(0), cv::FILLED);
   }
@@ -191,7 +191,7 @@ TrackedImage PointTracker::Track(const cv::Mat& image, std::int64_t stamp_ns,
   const auto pyramid = std::make_shared<const Pyramid>(PyramidOf(grey));
   if (light_jump_ != 1 && pyramid_) {
     Follow(PyramidOf(EvenedOut((*pyramid_)[0])), PyramidOf(EvenedOut(grey)), previous_from_present);
-    for (Track& track : tracks_) track.patch.image = nullptr;
+    for (FollowedPoint& track : tracks_) track.patch.image = nullptr;
   } else if (pyramid_) {
     Follow(*pyramid_, *pyramid, previous_from_present);
     AlignWithPatches(*pyramid);
@@ -199,7 +199,7 @@ TrackedImage PointTracker::Track(const cv::Mat& image, std::int64_t stamp_ns,
   mean_ = mean;
   cost_.track_ms = watch.Lap();
   Detect(grey);
-  for (Track& track : tracks_) {
+  for (FollowedPoint& track : tracks_) {
     if (!track.patch.image) track.patch = {pyramid, image_number_, track.pixel};
   }
   pyramid_ = pyramid;
@@ -207,7 +207,7 @@ TrackedImage PointTracker::Track(const cv::Mat& image, std::int64_t stamp_ns,
   cost_.detect_ms = watch.Lap();
   TrackedImage result;
   result.stamp_ns = stamp_ns;
-  for (const Track& track : tracks_)
+  for (const FollowedPoint& track : tracks_)
     result.points.push_back({track.id, {track.pixel.x, track.pixel.y}});
   return result;
 }

@@ -48,7 +48,7 @@ class PointTracker {
     std::int64_t image_number = 0;
     cv::Point2f pixel;
   };
-  struct Track {
+  struct FollowedPoint {
     std::int64_t id = 0;
     cv::Point2f pixel;
     Patch patch;
@@ -70,7 +70,7 @@ class PointTracker {
   double brightness_ = 0;                   ///< Mean grey level that images are brought to.
   double mean_ = 0;                         ///< Mean grey level of the last image.
   double light_jump_ = 1;
-  std::vector<Track> tracks_;
+  std::vector<FollowedPoint> tracks_;
   std::int64_t image_number_ = 0;
   std::int64_t next_id_ = 0;
   TrackingCost cost_;

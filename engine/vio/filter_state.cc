@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "engine/base/check.h"
+#include "engine/vio/point_view.h"
 #include "engine/vio/rotation.h"
 
 namespace plumbline {
@@ -153,7 +154,8 @@ void FilterState::AddPoint(const StatePoint& point, const Eigen::MatrixXd& by_st
   covariance_.bottomRightCorner<kPointSize, kPointSize>() = (own + own.transpose()) / 2;
   points_.push_back(point);
   points_.back().row = before;
-  points_.back().bearing_and_inverse_depth += inverse * residual;
+  points_.back().bearing_and_inverse_depth =
+      MovedPoint(point.bearing_and_inverse_depth, inverse * residual);
 }
 
 void FilterState::ChangePoint(StatePoint& point, std::int64_t anchor, const Eigen::Vector3d& value,
@@ -233,8 +235,10 @@ void FilterState::Retract(const Eigen::VectorXd& error) {
   time_offset_s_ += error(kTimeOffset);
   for (PoseClone& clone : clones_)
     clone.world_from_body = Moved(clone.world_from_body, error.segment<kPoseSize>(clone.row));
-  for (StatePoint& point : points_)
-    point.bearing_and_inverse_depth += error.segment<kPointSize>(point.row);
+  for (StatePoint& point : points_) {
+    point.bearing_and_inverse_depth =
+        MovedPoint(point.bearing_and_inverse_depth, error.segment<kPointSize>(point.row));
+  }
 }
 
 }  // namespace plumbline

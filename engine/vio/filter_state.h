@@ -28,7 +28,8 @@ struct PoseClone {
   Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
 };
 
-/// A point in the state: in the camera of its anchor, (X/Z, Y/Z, 1/Z); its error adds.
+/// A point in the state: in the camera of its anchor, (X/Z, Y/Z, 1/Z); its error is that of
+/// MovedPoint().
 struct StatePoint {
   std::int64_t track = 0;
   std::int64_t anchor = 0;  ///< Id of a clone.

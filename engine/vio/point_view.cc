@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/vio/point_view.h"
 
+#include <cmath>
+
 #include "engine/vio/rotation.h"
 
 namespace plumbline {
@@ -41,6 +43,12 @@ std::optional<PointView> ViewPoint(const DistortedCamera& camera,
                    projection->pixel_by_point * in_cam.by_point};
 }
 
+Eigen::Vector3d MovedPoint(const Eigen::Vector3d& bearing_and_inverse_depth,
+                           const Eigen::Vector3d& error) {
+  return {bearing_and_inverse_depth.x() + error.x(), bearing_and_inverse_depth.y() + error.y(),
+          bearing_and_inverse_depth.z() * std::exp(error.z())};
+}
+
 AnchoredPoint PlacePoint(const Eigen::Isometry3d& body_from_cam,
                          const Eigen::Isometry3d& world_from_body,
                          const Eigen::Vector3d& bearing_and_inverse_depth) {
@@ -54,7 +62,7 @@ AnchoredPoint PlacePoint(const Eigen::Isometry3d& body_from_cam,
   result.by_camera << -R * Hat(turned), R;
   Eigen::Matrix3d in_cam = Eigen::Matrix3d::Zero();
   in_cam(0, 0) = in_cam(1, 1) = depth;
-  in_cam.col(2) = -depth * depth * ray;
+  in_cam.col(2) = -depth * ray;
   result.by_value = R * body_from_cam.linear() * in_cam;
   return result;
 }
@@ -69,7 +77,7 @@ std::optional<PointChart> ChartPoint(const Eigen::Isometry3d& body_from_cam,
   chart.bearing_and_inverse_depth << in_cam.point.x() / Z, in_cam.point.y() / Z, 1 / Z;
   Eigen::Matrix3d by_cam;
   by_cam << 1 / Z, 0, -in_cam.point.x() / (Z * Z), 0, 1 / Z, -in_cam.point.y() / (Z * Z), 0, 0,
-      -1 / (Z * Z);
+      -1 / Z;
   chart.by_anchor = by_cam * in_cam.by_pose;
   chart.by_camera = by_cam * in_cam.by_camera;
   chart.by_point = by_cam * in_cam.by_point;

@@ -25,12 +25,18 @@ std::optional<PointView> ViewPoint(const DistortedCamera& camera,
                                    const Eigen::Isometry3d& world_from_body,
                                    const Eigen::Vector3d& point_in_world);
 
+/// A point of the state, (X/Z, Y/Z, 1/Z) in its anchor's camera, moved by an error: that of its
+/// depth is of the logarithm, so that a wrong scale of everything is the same error of each point,
+/// whatever its depth is thought to be.
+Eigen::Vector3d MovedPoint(const Eigen::Vector3d& bearing_and_inverse_depth,
+                           const Eigen::Vector3d& error);
+
 /// A point of the state, which hangs on its anchor, in `world`.
 struct AnchoredPoint {
   Eigen::Vector3d point_in_world;
   Eigen::Matrix<double, 3, 6> by_anchor;  ///< (phi, xi_p) of the anchor's world_from_body.
   Eigen::Matrix<double, 3, 6> by_camera;
-  Eigen::Matrix3d by_value;  ///< (X/Z, Y/Z, 1/Z)
+  Eigen::Matrix3d by_value;  ///< The error of MovedPoint().
 };
 
 AnchoredPoint PlacePoint(const Eigen::Isometry3d& body_from_cam,
@@ -40,7 +46,7 @@ AnchoredPoint PlacePoint(const Eigen::Isometry3d& body_from_cam,
 /// The same point in the chart of another anchor; PlacePoint the other way round.
 struct PointChart {
   Eigen::Vector3d bearing_and_inverse_depth;
-  Eigen::Matrix<double, 3, 6> by_anchor;
+  Eigen::Matrix<double, 3, 6> by_anchor;  ///< Rows: the error of MovedPoint().
   Eigen::Matrix<double, 3, 6> by_camera;
   Eigen::Matrix3d by_point;
 };

@@ -208,8 +208,7 @@ std::string VioEstimator::TryMotionStart() {
   // Where the guess is far off, the filter's first updates are, and it believes in them. So the
   // window is looked at twice, the second time from where the first look says that it began, with
   // the same spread.
-  for (int look = 0; look < (getenv("LOOKS") ? atoi(getenv("LOOKS")) : 1); ++look)
-    inertial = LookedAtAgain(inertial, spread);
+  inertial = LookedAtAgain(inertial, spread);
   Begin(inertial, spread);
   return "";
 }
