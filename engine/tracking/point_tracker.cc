@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <utility>
 
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
@@ -21,20 +19,6 @@ constexpr int kBorder = 4;  ///< Points nearer to the edge of the image are drop
 constexpr double kWidthOfSpacing = 640;
 /// A change of the mean grey level from image to image by more than this share is a jump.
 constexpr double kLightJump = 0.12;
-
-/// Patches are of as many images at most: what is kept in memory.
-constexpr std::size_t kPatchImages = 24;
-const cv::TermCriteria kStop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
-
-/// Correlation of two patches, whatever their brightness and contrast: 1 where they are alike.
-double Likeness(const cv::Mat& one, const cv::Point2f& at, const cv::Mat& other,
-                const cv::Point2f& there, const cv::Size& window) {
-  cv::Mat a, b, result;
-  cv::getRectSubPix(one, window, at, a);
-  cv::getRectSubPix(other, window, there, b);
-  cv::matchTemplate(a, b, result, cv::TM_CCOEFF_NORMED);
-  return result.at<float>(0);
-}
 
 /// The image with the mean and the contrast of each neighbourhood evened out: what light from
 /// another side leaves as it is. Costs some ms.
@@ -74,88 +58,51 @@ cv::Point2f PointTracker::Predicted(const cv::Point2f& pixel,
   return Inside(moved) ? moved : pixel;
 }
 
-PointTracker::Pyramid PointTracker::PyramidOf(const cv::Mat& grey) const {
-  Pyramid pyramid;
+std::vector<cv::Mat> PointTracker::PyramidOf(const cv::Mat& grey) const {
+  std::vector<cv::Mat> pyramid;
   cv::buildOpticalFlowPyramid(grey, pyramid, {options_.window_px, options_.window_px},
                               options_.levels);
   return pyramid;
 }
 
-void PointTracker::Follow(const Pyramid& previous, const Pyramid& present,
+void PointTracker::Follow(const std::vector<cv::Mat>& previous, const std::vector<cv::Mat>& present,
                           const Eigen::Matrix3d& previous_from_present) {
-  if (tracks_.empty()) return;
+  if (pixels_.empty()) return;
   const Eigen::Matrix3d turn = previous_from_present.transpose();
-  std::vector<cv::Point2f> from, found;
-  for (const FollowedPoint& track : tracks_) {
-    from.push_back(track.pixel);
-    found.push_back(Predicted(track.pixel, turn));
-  }
-  std::vector<cv::Point2f> back = from;
+  std::vector<cv::Point2f> found, back = pixels_;
+  for (const cv::Point2f& pixel : pixels_) found.push_back(Predicted(pixel, turn));
   const cv::Size window(options_.window_px, options_.window_px);
+  const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
   std::vector<unsigned char> forth_ok, back_ok;
   std::vector<float> ignored;
-  cv::calcOpticalFlowPyrLK(previous, present, from, found, forth_ok, ignored, window,
-                           options_.levels, kStop, cv::OPTFLOW_USE_INITIAL_FLOW);
+  cv::calcOpticalFlowPyrLK(previous, present, pixels_, found, forth_ok, ignored, window,
+                           options_.levels, stop, cv::OPTFLOW_USE_INITIAL_FLOW);
   // The way back begins from where it should end: one level suffices.
   cv::calcOpticalFlowPyrLK(present, previous, found, back, back_ok, ignored, window,
-                           std::min(options_.levels, 1), kStop, cv::OPTFLOW_USE_INITIAL_FLOW);
+                           std::min(options_.levels, 1), stop, cv::OPTFLOW_USE_INITIAL_FLOW);
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    const cv::Point2f off = back[i] - from[i];
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    const cv::Point2f off = back[i] - pixels_[i];
     if (!forth_ok[i] || !back_ok[i] || !Inside(found[i]) ||
         std::hypot(off.x, off.y) > options_.round_trip_px)
       continue;
-    tracks_[i].pixel = found[i];
-    std::swap(tracks_[kept++], tracks_[i]);
+    ids_[kept] = ids_[i];
+    pixels_[kept++] = found[i];
   }
-  tracks_.resize(kept);
-}
-
-void PointTracker::AlignWithPatches(const Pyramid& present) {
-  if (options_.patch_likeness > 1) {
-    for (FollowedPoint& track : tracks_) track.patch.image = nullptr;
-    return;
-  }
-  std::map<std::int64_t, std::vector<FollowedPoint*>> of_image;
-  for (FollowedPoint& track : tracks_) of_image[track.patch.image_number].push_back(&track);
-  for (; of_image.size() > kPatchImages; of_image.erase(of_image.begin())) {
-    for (FollowedPoint* track : of_image.begin()->second) track->patch.image = nullptr;
-  }
-  const cv::Size window(options_.window_px, options_.window_px);
-  for (const auto& [number, tracks] : of_image) {
-    const std::shared_ptr<const Pyramid> kept = tracks.front()->patch.image;
-    const Pyramid& image = *kept;
-    std::vector<cv::Point2f> from, found;
-    for (const FollowedPoint* track : tracks) {
-      from.push_back(track->patch.pixel);
-      found.push_back(track->pixel);
-    }
-    std::vector<unsigned char> ok;
-    std::vector<float> ignored;
-    cv::calcOpticalFlowPyrLK(image, present, from, found, ok, ignored, window, 0, kStop,
-                             cv::OPTFLOW_USE_INITIAL_FLOW);
-    for (std::size_t i = 0; i < tracks.size(); ++i) {
-      const cv::Point2f off = found[i] - tracks[i]->pixel;
-      if (ok[i] && Inside(found[i]) && std::hypot(off.x, off.y) <= options_.patch_reach_px &&
-          Likeness(image[0], from[i], present[0], found[i], window) >= options_.patch_likeness) {
-        tracks[i]->pixel = found[i];
-      } else {
-        tracks[i]->patch.image = nullptr;
-      }
-    }
-  }
+  ids_.resize(kept);
+  pixels_.resize(kept);
 }
 
 void PointTracker::Detect(const cv::Mat& image) {
-  const int missing = options_.points - static_cast<int>(tracks_.size());
+  const int missing = options_.points - static_cast<int>(pixels_.size());
   if (missing <= options_.points / 10) return;
   const double spacing = options_.spacing_px * size_.width / kWidthOfSpacing;
   cv::Mat small;
   cv::resize(image, small, {}, 1.0 / kDetectShrink, 1.0 / kDetectShrink, cv::INTER_AREA);
   cv::Mat mask(small.size(), CV_8UC1, cv::Scalar(255));
   const float shift = (kDetectShrink - 1) / 2.0f;  // pixel centres are at integers
-  for (const FollowedPoint& track : tracks_) {
-    cv::circle(mask, (track.pixel - cv::Point2f(shift, shift)) / kDetectShrink,
+  for (const cv::Point2f& pixel : pixels_) {
+    cv::circle(mask, (pixel - cv::Point2f(shift, shift)) / kDetectShrink,
                static_cast<int>(spacing / kDetectShrink), cv::Scalar(0), cv::FILLED);
   }
   std::vector<cv::Point2f> corners;
@@ -167,7 +114,8 @@ void PointTracker::Detect(const cv::Mat& image) {
                    {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 10, 0.02});
   for (const cv::Point2f& corner : corners) {
     if (!Inside(corner)) continue;
-    tracks_.push_back({next_id_++, corner, {}});
+    pixels_.push_back(corner);
+    ids_.push_back(next_id_++);
   }
 }
 
@@ -188,27 +136,22 @@ TrackedImage PointTracker::Track(const cv::Mat& image, std::int64_t stamp_ns,
   if (std::abs(gain - 1) > 0.01) grey.convertTo(grey, -1, gain);
   const double change = mean_ > 0 ? mean / mean_ : 1;
   light_jump_ = std::abs(std::log(change)) > kLightJump ? change : 1;
-  const auto pyramid = std::make_shared<const Pyramid>(PyramidOf(grey));
-  if (light_jump_ != 1 && pyramid_) {
-    Follow(PyramidOf(EvenedOut((*pyramid_)[0])), PyramidOf(EvenedOut(grey)), previous_from_present);
-    for (FollowedPoint& track : tracks_) track.patch.image = nullptr;
-  } else if (pyramid_) {
-    Follow(*pyramid_, *pyramid, previous_from_present);
-    AlignWithPatches(*pyramid);
+  std::vector<cv::Mat> pyramid = PyramidOf(grey);
+  if (light_jump_ != 1 && !grey_.empty()) {
+    Follow(PyramidOf(EvenedOut(grey_)), PyramidOf(EvenedOut(grey)), previous_from_present);
+  } else if (!pyramid_.empty()) {
+    Follow(pyramid_, pyramid, previous_from_present);
   }
   mean_ = mean;
+  grey_ = grey;
   cost_.track_ms = watch.Lap();
   Detect(grey);
-  for (FollowedPoint& track : tracks_) {
-    if (!track.patch.image) track.patch = {pyramid, image_number_, track.pixel};
-  }
-  pyramid_ = pyramid;
-  ++image_number_;
+  pyramid_ = std::move(pyramid);
   cost_.detect_ms = watch.Lap();
   TrackedImage result;
   result.stamp_ns = stamp_ns;
-  for (const FollowedPoint& track : tracks_)
-    result.points.push_back({track.id, {track.pixel.x, track.pixel.y}});
+  for (std::size_t i = 0; i < pixels_.size(); ++i)
+    result.points.push_back({ids_[i], {pixels_[i].x, pixels_[i].y}});
   return result;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -21,9 +20,7 @@ struct TrackingCost {
 
 /// Follows corners from image to image by pyramidal Lucas-Kanade (OpenCV), in the image as
 /// recorded. Corners are spread over the image; a track whose way back does not end where it began
-/// is dropped. What is found is then aligned with the patch that the track began with, as long as
-/// that looks alike, so that the errors of many small steps do not add up; after that, with a newer
-/// one. Numbers of tracks are never used again. Single-threaded, deterministic.
+/// is dropped. Numbers of tracks are never used again. Single-threaded, deterministic.
 class PointTracker {
  public:
   PointTracker(const Camera& camera, const TrackerOptions& options);
@@ -41,23 +38,9 @@ class PointTracker {
   double light_jump() const { return light_jump_; }
 
  private:
-  using Pyramid = std::vector<cv::Mat>;
-  /// A patch that a track is aligned with: of an image, around a pixel.
-  struct Patch {
-    std::shared_ptr<const Pyramid> image;  ///< Null: to be taken from the present image.
-    std::int64_t image_number = 0;
-    cv::Point2f pixel;
-  };
-  struct FollowedPoint {
-    std::int64_t id = 0;
-    cv::Point2f pixel;
-    Patch patch;
-  };
-
-  Pyramid PyramidOf(const cv::Mat& grey) const;
-  void Follow(const Pyramid& previous, const Pyramid& present,
+  std::vector<cv::Mat> PyramidOf(const cv::Mat& grey) const;
+  void Follow(const std::vector<cv::Mat>& previous, const std::vector<cv::Mat>& present,
               const Eigen::Matrix3d& previous_from_present);
-  void AlignWithPatches(const Pyramid& present);
   void Detect(const cv::Mat& image);
   cv::Point2f Predicted(const cv::Point2f& pixel,
                         const Eigen::Matrix3d& present_from_previous) const;
@@ -66,12 +49,13 @@ class PointTracker {
   DistortedCamera camera_;
   cv::Size size_;
   TrackerOptions options_;
-  std::shared_ptr<const Pyramid> pyramid_;  ///< Of the last image.
-  double brightness_ = 0;                   ///< Mean grey level that images are brought to.
-  double mean_ = 0;                         ///< Mean grey level of the last image.
+  std::vector<cv::Mat> pyramid_;  ///< Of the last image.
+  cv::Mat grey_;                  ///< The last image.
+  double brightness_ = 0;         ///< Mean grey level that images are brought to.
+  double mean_ = 0;               ///< Mean grey level of the last image.
   double light_jump_ = 1;
-  std::vector<FollowedPoint> tracks_;
-  std::int64_t image_number_ = 0;
+  std::vector<cv::Point2f> pixels_;
+  std::vector<std::int64_t> ids_;
   std::int64_t next_id_ = 0;
   TrackingCost cost_;
 };

@@ -13,8 +13,6 @@ struct TrackerOptions {
   int levels = 3;
   double round_trip_px = 0.7;
   double corner_quality = 0.005;
-  double patch_likeness = 0.9;
-  double patch_reach_px = 1.5;
 };
 
 template <class Visitor>
@@ -27,12 +25,6 @@ void VisitFields(TrackerOptions& o, Visitor&& visit) {
         {"round_trip_px", "px", "tracked forth and back, a point returns this closely", 0.05, 20});
   visit(o.corner_quality,
         {"corner_quality", "", "of a new point, as a share of the best in the image", 1e-5, 0.5});
-  visit(o.patch_likeness,
-        {"patch_likeness", "",
-         "correlation with the patch that a track began with, down to which it is aligned with it; "
-         "2: only ever with the last image",
-         0, 2});
-  visit(o.patch_reach_px, {"patch_reach_px", "px", "that this may move a point", 0, 20});
 }
 
 }  // namespace plumbline

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/tracking/point_tracker.h"
 
-#include <algorithm>
-#include <cmath>
 #include <map>
-#include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -108,60 +105,6 @@ TEST(PointTracker, ALampIsSwitchedOn) {
   std::size_t followed = 0;
   for (const auto& [id, pixel] : from) followed += to.count(id);
   EXPECT_GT(followed, from.size() / 2);
-}
-
-/// Median distance of the tracks that live to the last image from where they should be by then.
-/// @param move  Of pixels, from the first image to image k.
-template <class Move>
-double MedianError(const TrackerOptions& options, int images, Move move) {
-  constexpr double kNoise = 3;  // grey levels
-  const cv::Mat blobs = Blobs(0, 0, 1);
-  PointTracker tracker(SomeCamera(), options);
-  cv::RNG random(5);
-  TrackedImage first, last;
-  for (int k = 0; k < images; ++k) {
-    cv::Mat image, noise(blobs.size(), CV_16SC1);
-    cv::warpAffine(blobs, image, move(k), blobs.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
-    random.fill(noise, cv::RNG::NORMAL, 0, kNoise);
-    cv::add(image, noise, image, cv::noArray(), CV_8U);
-    last = tracker.Track(image, k, Eigen::Matrix3d::Identity());
-    if (k == 0) first = last;
-  }
-  const auto from = ById(first), to = ById(last);
-  const cv::Matx23d moved = move(images - 1);
-  std::vector<double> errors;
-  for (const auto& [id, pixel] : from) {
-    const auto found = to.find(id);
-    if (found == to.end()) continue;
-    const cv::Vec2d true_pixel = moved * cv::Vec3d(pixel.x(), pixel.y(), 1);
-    errors.push_back(
-        std::hypot(found->second.x() - true_pixel[0], found->second.y() - true_pixel[1]));
-  }
-  EXPECT_GT(errors.size(), 25u);
-  if (errors.empty()) return 1e9;
-  std::nth_element(errors.begin(), errors.begin() + static_cast<long>(errors.size() / 2),
-                   errors.end());
-  return errors[errors.size() / 2];
-}
-
-TEST(PointTracker, ManySmallStepsDoNotAddUp) {
-  const auto slide = [](int k) { return cv::Matx23d(1, 0, 0.37 * k, 0, 1, -0.23 * k); };
-  TrackerOptions steps;
-  steps.patch_likeness = 2;
-  const double creeps = MedianError(steps, 60, slide);
-  const double stays = MedianError(TrackerOptions(), 60, slide);
-  EXPECT_LT(stays, 0.1);
-  EXPECT_LT(stays, 0.6 * creeps);
-}
-
-TEST(PointTracker, FollowsWhatGrows) {
-  const auto grow = [](int k) {
-    const double scale = 1 + 0.012 * k;
-    return cv::Matx23d(scale, 0, 160 * (1 - scale), 0, scale, 120 * (1 - scale));
-  };
-  TrackerOptions steps;
-  steps.patch_likeness = 2;
-  EXPECT_LT(MedianError(TrackerOptions(), 40, grow), MedianError(steps, 40, grow) + 0.05);
 }
 
 TEST(PointTracker, TheGyroShowsWhereALargeMotionEnds) {
