@@ -6,6 +6,7 @@
 #include "engine/analysis/run_difference.h"
 #include "engine/mapping/option_changes.h"
 #include "engine/recording/option_history.h"
+#include "engine/recording/smoothed_record.h"
 #include "engine/runtime/mapping_source.h"
 #include "engine/runtime/run_source.h"
 #include "engine/snapshot/map_snapshot.h"
@@ -124,6 +125,23 @@ TEST_F(RunForkTest, ARecordedRunKeepsItsOptions) {
   ASSERT_TRUE(run.ok());
   EXPECT_EQ((*run)->SetOptions(after_).error().code, ErrorCode::kUnsupported);
   EXPECT_EQ((*run)->recording(), mapping_.out);
+  EXPECT_EQ((*run)->view().smoothed, nullptr);
+}
+
+TEST_F(RunForkTest, ARecordedRunShowsItsSecondPass) {
+  mapping_.out = folder_.path() / "run.plb";
+  {
+    const auto source = Live();
+    MapTo(*source, 3);
+  }
+  SmoothedMap map;
+  map.last_frame = RunReader::Open(mapping_.out).value()->LastFrame().value().frame;
+  map.objects.emplace_back().looks = 7;
+  ASSERT_TRUE(WriteSmoothed(mapping_.out, map).ok());
+  auto run = OpenRunSource({mapping_.out, {}, {}}, WorkContext());
+  ASSERT_TRUE(run.ok());
+  ASSERT_NE((*run)->view().smoothed, nullptr);
+  EXPECT_EQ((*run)->view().smoothed->objects.at(0).looks, 7);
 }
 
 }  // namespace
