@@ -203,6 +203,22 @@ cat >"$work/what-if.json" <<'JSON'
 JSON
 (cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
   "$program" gui demo.plb --frame 30 --size 1600x1000 --ui-scale 1 --script what-if.json)
+# The same room with an IMU, mapped from its own poses.
+"$program" synth --out "$work/walk" --scene room --seed 1 --imu --rest 2 --size 640x480 --rate 15 --frames 180 --light-rays 16
+"$program" run "$work/walk" --poses vio --edges gradient --out "$work/walk.plb"
+cat >"$work/inertial.json" <<'JSON'
+{"steps": [
+  {"wait_for": {"frame": 150, "seeking": false}, "timeout_s": 300},
+  {"click": "inertial.title"},
+  {"click": "inertial.over_time"},
+  {"hover": "panel.image", "at": [0.02, 0.99]},
+  {"wait_frames": 20},
+  {"screenshot": "panel-inertial.png", "of": "panel.inertial"},
+  {"screenshot": "panel-tracks.png", "of": "panel.image"}
+]}
+JSON
+(cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
+  "$program" gui walk.plb --frame 150 --size 1600x1000 --ui-scale 1 --script inertial.json)
 # The film: every fourth frame of the run that the window left, made small.
 "$program" render "$work/demo.plb" --layout column --frames 0:120:4 --rate 8 --size 800x480 --ui-scale 0.7 --out "$work/large.gif"
 ffmpeg -v error -y -i "$work/large.gif" -vf "scale=640:-1:flags=lanczos,split[a][b];\
