@@ -148,6 +148,7 @@ InertialState VioEstimator::LookedAtAgain(const InertialState& start,
   filter.Start(
       MakeStart(start, *camera_.body_from_cam, calibration_.time_offset_s, spread, options_));
   for (const TrackedImage& image : window_) filter.Step(image, imu_, false);
+  if (!filter.state().finite()) return start;
   const InertialState& end = filter.state().inertial();
   // From the state without motion and without gravity: what the readings alone say.
   InertialState still = start;
@@ -173,10 +174,17 @@ InertialState VioEstimator::LookedAtAgain(const InertialState& start,
 }
 
 std::string VioEstimator::TryMotionStart() {
+  const std::int64_t begin_ns = window_.front().stamp_ns;
+  const double looked = static_cast<double>(window_.back().stamp_ns - begin_ns) * 1e-9;
+  if (looked < 0.9 * kSettleWindow) {
+    char text[100];
+    std::snprintf(text, sizeof(text), "starting in motion: %.1f of %.1f s looked at", looked,
+                  kSettleWindow);
+    return text;
+  }
   std::vector<TrackedImage> images;
   for (const TrackedImage& image : window_) {
-    if (image.stamp_ns <= window_.front().stamp_ns + Nanoseconds(kMotionWindow))
-      images.push_back(image);
+    if (image.stamp_ns <= begin_ns + Nanoseconds(kMotionWindow)) images.push_back(image);
   }
   const double span = static_cast<double>(images.back().stamp_ns - images.front().stamp_ns) * 1e-9;
   if (span < 0.8 * kMotionWindow || images.size() < 5) return "waiting for images";
@@ -197,14 +205,6 @@ std::string VioEstimator::TryMotionStart() {
   spread.velocity_m_s = std::clamp(std::max(3 * motion->velocity_std_m_s, 0.3 * speed), 0.1, 1.0);
   spread.gyro_bias_rad_s = 0.02;
   spread.accel_bias_m_s2 = options_.start_accel_bias_std_m_s2;
-  const double looked =
-      static_cast<double>(window_.back().stamp_ns - window_.front().stamp_ns) * 1e-9;
-  if (looked < 0.9 * kSettleWindow) {
-    char text[100];
-    std::snprintf(text, sizeof(text), "starting in motion: %.1f of %.1f s looked at", looked,
-                  kSettleWindow);
-    return text;
-  }
   // Where the guess is far off, the filter's first updates are, and it believes in them. So the
   // window is looked at twice, the second time from where the first look says that it began, with
   // the same spread.
