@@ -134,12 +134,15 @@ TEST_F(RunForkTest, ARecordedRunShowsItsSecondPass) {
     const auto source = Live();
     MapTo(*source, 3);
   }
+  const FrameReport last = Open(mapping_.out)->LastFrame().value();
+  ASSERT_FALSE(last.objects.empty());
   SmoothedMap map;
-  map.last_frame = RunReader::Open(mapping_.out).value()->LastFrame().value().frame;
-  map.objects.emplace_back().looks = 7;
+  map.last_frame = last.frame;
+  map.objects.push_back({last.objects.front()});
+  map.objects.front().looks = 7;
   ASSERT_TRUE(WriteSmoothed(mapping_.out, map).ok());
   auto run = OpenRunSource({mapping_.out, {}, {}}, WorkContext());
-  ASSERT_TRUE(run.ok());
+  ASSERT_TRUE(run.ok()) << run.error().message;
   ASSERT_NE((*run)->view().smoothed, nullptr);
   EXPECT_EQ((*run)->view().smoothed->objects.at(0).looks, 7);
 }
