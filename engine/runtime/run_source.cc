@@ -141,8 +141,11 @@ Result<std::unique_ptr<SnapshotSource>> OpenRunSource(const RunChoice& choice,
   if (!inputs.ok()) return inputs.error();
   inputs->view.name += ", " + choice.run.filename().string();
   auto smoothed = ReadSmoothed(choice.run);
-  if (!smoothed.ok()) return smoothed.error();
-  if (*smoothed) inputs->view.smoothed = std::make_shared<const SmoothedMap>(**smoothed);
+  if (!smoothed.ok()) {
+    log::warn("{}; the run is shown without its second pass", smoothed.error().message);
+  } else if (*smoothed) {
+    inputs->view.smoothed = std::make_shared<const SmoothedMap>(**smoothed);
+  }
   return std::unique_ptr<SnapshotSource>(std::make_unique<RunSource>(
       std::move(reader).value(), std::move(frames).value(), std::move(events),
       std::move(inputs->pictures), std::move(inputs->view),

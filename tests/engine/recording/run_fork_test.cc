@@ -145,6 +145,13 @@ TEST_F(RunForkTest, ARecordedRunShowsItsSecondPass) {
   ASSERT_TRUE(run.ok()) << run.error().message;
   ASSERT_NE((*run)->view().smoothed, nullptr);
   EXPECT_EQ((*run)->view().smoothed->objects.at(0).looks, 7);
+
+  map.objects.emplace_back();  // no object of a run: it has no place
+  ASSERT_TRUE(WriteSmoothed(mapping_.out, map).ok());
+  ASSERT_FALSE(ReadSmoothed(mapping_.out).ok());
+  run = OpenRunSource({mapping_.out, {}, {}}, WorkContext());
+  ASSERT_TRUE(run.ok()) << "what is broken beside the run does not hide the run";
+  EXPECT_EQ((*run)->view().smoothed, nullptr);
 }
 
 }  // namespace

@@ -141,7 +141,7 @@ class DetailsPanel : public Panel {
            "Independent looks at it over the whole run, and views that its pose comes from.");
       return;
     }
-    Fact(context, "second pass", "not there", "All frames together speak against it.");
+    Fact(context, "second pass", "left out", "It is not among the objects of the second pass.");
   }
 
   static void DrawLabels(const FrameContext& context, const ObjectReport& object) {
