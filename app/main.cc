@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
       {plumbline::AddAlignVerb},     {plumbline::AddAnnotateVerb}, {plumbline::AddExportVerb},
       {plumbline::AddInfoVerb},      {plumbline::AddRenderVerb},   {plumbline::AddReportVerb},
       {plumbline::AddCompareVerb},   {plumbline::AddSmoothVerb},   {plumbline::AddVioVerb},
-      {plumbline::AddCalibrateVerb},
+      {plumbline::AddCalibrateVerb}, {plumbline::AddNetworksVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
                "plumbline");

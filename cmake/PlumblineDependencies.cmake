@@ -17,6 +17,10 @@ find_package(Ceres REQUIRED)
 find_package(embree REQUIRED)  # 3 or 4; see engine/geometry/embree.h
 find_package(glm REQUIRED)
 find_package(OpenGL REQUIRED COMPONENTS OpenGL EGL)
+find_package(Protobuf REQUIRED)
+find_package(ONNX REQUIRED)
+find_package(CURL REQUIRED)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 

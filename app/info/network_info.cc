@@ -18,16 +18,9 @@ Status TryNetwork(const std::filesystem::path& path, NetworkKind kind) {
   return detector.ok() ? Status() : Status(detector.error());
 }
 
-const char* NameOf(NetworkKind kind) {
-  switch (kind) {
-    case NetworkKind::kEdge:
-      return "edge network";
-    case NetworkKind::kFastestDet:
-      return "detector (fastestdet)";
-    case NetworkKind::kTwoStage:
-      return "two-stage detector";
-  }
-  return "";
+std::string TitleOf(NetworkKind kind) {
+  return kind == NetworkKind::kEdge ? "edge network"
+                                    : "detector (" + std::string(NameOf(kind)) + ")";
 }
 
 }  // namespace
@@ -46,9 +39,11 @@ Result<PathInfo> DescribeNetwork(const std::filesystem::path& path) {
     return info;
   }
   const NetworkSidecar& network = sidecar.value();
-  info.title = NameOf(network.kind);
-  info.lines.push_back({"Input", Format("%dx%d, %s", network.width, network.height,
-                                        network.swap_rb ? "RGB" : "BGR")});
+  info.title = TitleOf(network.kind);
+  const std::string size = network.multiple_of > 0
+                               ? Format("any size, a multiple of %d", network.multiple_of)
+                               : Format("%dx%d", network.width, network.height);
+  info.lines.push_back({"Input", size + (network.swap_rb ? ", RGB" : ", BGR")});
   if (!network.categories.empty())
     info.lines.push_back({"Categories", std::to_string(network.categories.size())});
   info.json["network"] = {{"kind", NameOf(network.kind)},
@@ -58,7 +53,8 @@ Result<PathInfo> DescribeNetwork(const std::filesystem::path& path) {
   if (network.kind == NetworkKind::kEdge) {
     info.json["network"]["calibrated"] = !network.calibration.empty();
     if (network.calibration.empty())
-      info.odd.push_back("Its sidecar has no calibration: raw outputs are taken as probabilities.");
+      info.odd.push_back(
+          "Its sidecar has no calibration: that of a network with balanced classes is used.");
   }
   const Status runs = TryNetwork(path, network.kind);
   info.json["usable"] = runs.ok();

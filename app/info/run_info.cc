@@ -20,7 +20,7 @@ void AddInputs(const RunHeader& header, PathInfo& info) {
                          "' is not there any more; name it again when opening the run.");
   }
   info.lines.push_back({"Poses", ToText(recipe.poses)});
-  info.lines.push_back({"Detector", ToText(recipe.detector)});
+  info.lines.push_back({"Detector", ToText(recipe.detector.value_or(DetectorChoice()))});
   if (recipe.edges) info.lines.push_back({"Edges", ToText(*recipe.edges)});
 }
 

@@ -394,9 +394,9 @@ std::string Appendix(const RunReview& review) {
   return "<h2>How it was made</h2><div class='scroll'><table>" +
          row("sequence", recipe.sequence.string()) + row("models", recipe.models.string()) +
          row("edges", ToText(recipe.edges.value_or(EdgeChoice()))) +
-         row("detector", ToText(recipe.detector)) + row("poses", ToText(recipe.poses)) +
-         row("seed", fmt::format("{}", recipe.seed)) + row("program", h.program_version) +
-         row("started", h.started) + "</table></div>" +
+         row("detector", ToText(recipe.detector.value_or(DetectorChoice()))) +
+         row("poses", ToText(recipe.poses)) + row("seed", fmt::format("{}", recipe.seed)) +
+         row("program", h.program_version) + row("started", h.started) + "</table></div>" +
          fmt::format("<details><summary>Options</summary><pre>{}</pre></details>",
                      Escaped(OptionsToJson(recipe.options).dump(1))) +
          fmt::format(

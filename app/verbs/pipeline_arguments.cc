@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/files.h"
+#include "engine/vision/fetched_networks.h"
 
 namespace plumbline {
 
@@ -13,12 +14,15 @@ void PipelineArguments::AddTo(CLI::App& verb) {
   verb.add_option("--seed", recipe.seed, "Seed of all randomness, a whole number from 0")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  verb.add_option("--detector", detector,
-                  "dataset (the sequence's proposals), or an ONNX network with its sidecar")
-      ->capture_default_str();
-  verb.add_option("--edges", edges,
-                  "dataset, gradient, or an ONNX network with its sidecar (default: dataset where "
-                  "there are any, else gradient)");
+  verb.add_option(
+      "--detector", detector,
+      "dataset (the sequence's proposals), a network that 'networks get' has fetched, or "
+      "FILE.onnx with its sidecar (default: dataset where there are any, else the "
+      "best that was fetched)");
+  verb.add_option(
+      "--edges", edges,
+      "dataset, builtin (our network), builtin-half (four times as fast), gradient, or "
+      "FILE.onnx with its sidecar (default: dataset where there are any, else builtin)");
   verb.add_option(
           "--poses", poses,
           "dataset (the sequence's own); vio: from its images and IMU alone, in a world of "
@@ -49,7 +53,11 @@ void PipelineArguments::AddTo(CLI::App& verb) {
 
 Status PipelineArguments::Finish() {
   recipe.poses = ParsePoses(poses);
-  recipe.detector = ParseDetector(detector);
+  if (!detector.empty()) {
+    const Result<std::string> resolved = ResolveNetworkName(detector);
+    if (!resolved.ok()) return resolved.error();
+    recipe.detector = ParseDetector(*resolved);
+  }
   if (!edges.empty()) recipe.edges = ParseEdges(edges);
   recipe.scorer = scorer == "rendered" ? ScorerKind::kRendered : ScorerKind::kViewpoint;
   if (!frames.empty()) {

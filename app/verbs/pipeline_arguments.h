@@ -14,8 +14,8 @@ namespace plumbline {
 /// What commands that map a sequence share.
 struct PipelineArguments {
   RunRecipe recipe;  ///< Complete after Finish, but for the sequence.
-  std::string frames, options_file, poses = "dataset", detector = "dataset", edges,
-                                    scorer = "viewpoint", preset = "default";
+  std::string frames, options_file, poses = "dataset", detector, edges, scorer = "viewpoint",
+                                    preset = "default";
   std::vector<std::string> settings, pose_settings;
 
   /// Declares --models, --frames, --seed, --detector, --edges, --poses, --set-poses, --preset,

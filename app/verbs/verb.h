@@ -39,6 +39,7 @@ void AddRunVerb(CLI::App& app, VerbFunction& chosen);
 void AddSmoothVerb(CLI::App& app, VerbFunction& chosen);
 void AddVioVerb(CLI::App& app, VerbFunction& chosen);
 void AddCalibrateVerb(CLI::App& app, VerbFunction& chosen);
+void AddNetworksVerb(CLI::App& app, VerbFunction& chosen);
 void AddDemoVerb(CLI::App& app, VerbFunction& chosen);
 
 /// Says on standard error what was odd in what was read.

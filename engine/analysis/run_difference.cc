@@ -37,7 +37,8 @@ std::vector<std::string> DifferentSettings(const RunHeader& a, const RunHeader& 
     if (!p.SameContent(q)) out.push_back(name + ": " + ToText(p) + " / " + ToText(q));
   };
   compare_inputs("edges", x.edges.value_or(EdgeChoice()), y.edges.value_or(EdgeChoice()));
-  compare_inputs("detector", x.detector, y.detector);
+  compare_inputs("detector", x.detector.value_or(DetectorChoice()),
+                 y.detector.value_or(DetectorChoice()));
   compare_inputs("poses", x.poses, y.poses);
   compare("scorer", std::string(NameOf(x.scorer)), std::string(NameOf(y.scorer)));
   if (a.sequence_hash != b.sequence_hash)

@@ -18,6 +18,7 @@
 #include "engine/sources/folder_source.h"
 #include "engine/vio/own_poses.h"
 #include "engine/vision/edge_detector.h"
+#include "engine/vision/edge_network.h"
 
 namespace plumbline {
 namespace {
@@ -92,7 +93,10 @@ Status Complete(const ModelDatabase& database, RunRecipe& recipe) {
   };
   if (Status status = complete(recipe.poses, HashFile); !status.ok()) return status;
   if (recipe.poses.source == PoseSource::kVio) recipe.poses.hash = HashOf(recipe.own_poses);
-  if (Status status = complete(recipe.detector, HashNetwork); !status.ok()) return status;
+  if (Status status = complete(*recipe.detector, HashNetwork); !status.ok()) return status;
+  if (recipe.edges->source == EdgeSource::kBuiltin ||
+      recipe.edges->source == EdgeSource::kBuiltinHalf)
+    recipe.edges->hash = HashOfBuiltinEdges(recipe.edges->source == EdgeSource::kBuiltinHalf);
   return complete(*recipe.edges, HashNetwork);
 }
 
@@ -341,8 +345,13 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
   impl->database = *database;
   impl->recipe = recipe;
   if (!recipe.edges) impl->recipe.edges = DefaultEdges(frames);
+  if (!recipe.detector) {
+    Result<DetectorChoice> found = DefaultDetector(frames);
+    if (!found.ok()) return found.error();
+    impl->recipe.detector = std::move(found).value();
+  }
   Result<std::unique_ptr<Detector>> detector =
-      CreateDetector(ToText(impl->recipe.detector), impl->sequence);
+      CreateDetector(ToText(*impl->recipe.detector), impl->sequence);
   if (!detector.ok()) return detector.error();
   Result<std::unique_ptr<EdgeDetector>> edges =
       CreateEdgeDetector(ToText(*impl->recipe.edges), impl->sequence);

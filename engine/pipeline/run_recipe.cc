@@ -10,6 +10,7 @@
 
 #include "engine/base/files.h"
 #include "engine/base/log.h"
+#include "engine/vision/fetched_networks.h"
 
 namespace plumbline {
 namespace {
@@ -116,7 +117,17 @@ std::string ToText(const EdgeChoice& choice) { return TextOf(choice); }
 std::string ToText(const DetectorChoice& choice) { return TextOf(choice); }
 
 EdgeChoice DefaultEdges(const Sequence& sequence) {
-  return {sequence.has_edges() ? EdgeSource::kDataset : EdgeSource::kGradient, {}, {}};
+  return {sequence.has_edges() ? EdgeSource::kDataset : EdgeSource::kBuiltin, {}, {}};
+}
+
+Result<DetectorChoice> DefaultDetector(const Sequence& sequence) {
+  if (sequence.has_proposals()) return DetectorChoice{DetectorSource::kDataset, {}, {}};
+  if (const auto file = BestFetchedDetector())
+    return DetectorChoice{DetectorSource::kNetwork, *file, {}};
+  return Error{ErrorCode::kNotFound,
+               "'" + sequence.path().string() +
+                   "' has no boxes (proposals/) and no detector is at hand; fetch one with "
+                   "'plumbline networks get yolox_s', or name one with --detector FILE.onnx"};
 }
 
 namespace {
@@ -148,12 +159,12 @@ nlohmann::json RecipeToJson(const RunRecipe& recipe) {
   nlohmann::json json = {{"version", kRecipeVersion},
                          {"sequence", Absolute(recipe.sequence)},
                          {"poses", ChoiceToJson(recipe.poses)},
-                         {"detector", ChoiceToJson(recipe.detector)},
                          {"scorer", SourceName(recipe.scorer)},
                          {"options", OptionsToJson(recipe.options)},
                          {"seed", recipe.seed},
                          {"frames", frames}};
   if (!recipe.models.empty()) json["models"] = Absolute(recipe.models);
+  if (recipe.detector) json["detector"] = ChoiceToJson(*recipe.detector);
   if (recipe.edges) json["edges"] = ChoiceToJson(*recipe.edges);
   if (recipe.poses.source == PoseSource::kVio) json["own_poses"] = OptionsToJson(recipe.own_poses);
   return json;
@@ -173,7 +184,8 @@ Result<RunRecipe> RecipeFromJson(const nlohmann::json& json) {
     recipe.poses = ChoiceFromJson<PoseSource>(json.at("poses"));
     if (json.contains("own_poses"))
       recipe.own_poses = KnownOptionsOf<OwnPoseOptions>(json.at("own_poses"));
-    recipe.detector = ChoiceFromJson<DetectorSource>(json.at("detector"));
+    if (json.contains("detector"))
+      recipe.detector = ChoiceFromJson<DetectorSource>(json.at("detector"));
     if (json.contains("edges")) recipe.edges = ChoiceFromJson<EdgeSource>(json.at("edges"));
     recipe.scorer = EnumFromName<ScorerKind>(json.at("scorer").get<std::string>());
     recipe.options = KnownOptions(json.at("options"));

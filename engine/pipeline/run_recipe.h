@@ -28,7 +28,7 @@ struct FrameRange {
 Result<FrameRange> ParseFrameRange(std::string_view text);
 
 enum class PoseSource { kDataset, kVio, kTrajectory };
-enum class EdgeSource { kDataset, kGradient, kNetwork };
+enum class EdgeSource { kDataset, kGradient, kBuiltin, kBuiltinHalf, kNetwork };
 enum class DetectorSource { kDataset, kNetwork };
 enum class ScorerKind { kViewpoint, kRendered };
 
@@ -38,7 +38,8 @@ struct EnumNames<PoseSource> {
 };
 template <>
 struct EnumNames<EdgeSource> {
-  static constexpr std::string_view names[] = {"dataset", "gradient", "network"};
+  static constexpr std::string_view names[] = {"dataset", "gradient", "builtin", "builtin-half",
+                                               "network"};
 };
 template <>
 struct EnumNames<DetectorSource> {
@@ -50,8 +51,8 @@ struct EnumNames<ScorerKind> {
 };
 
 /// Where one input of a run comes from. `file` (a network, a trajectory) belongs to the last of the
-/// sources; `hash` is that of its content (of poses from the filter: of its options), known once it
-/// has been opened.
+/// sources; `hash` is that of its content (of poses from the filter: of its options; of a built-in
+/// network: of its weights), known once it has been opened.
 template <typename Source>
 struct InputChoice {
   Source source{};
@@ -73,9 +74,9 @@ struct RunRecipe {
   std::filesystem::path sequence;
   std::filesystem::path models;  ///< Empty: the sequence's own.
   PoseChoice poses;
-  OwnPoseOptions own_poses;  ///< Of poses = vio.
-  DetectorChoice detector;
-  std::optional<EdgeChoice> edges;  ///< Nothing: dataset where there are any, else gradient.
+  OwnPoseOptions own_poses;                ///< Of poses = vio.
+  std::optional<DetectorChoice> detector;  ///< Nothing: DefaultDetector.
+  std::optional<EdgeChoice> edges;         ///< Nothing: DefaultEdges.
   ScorerKind scorer = ScorerKind::kViewpoint;
   MapperOptions options;
   std::uint64_t seed = 0;
@@ -100,8 +101,12 @@ MapperOptions KnownOptions(const nlohmann::json& stored);
 /// Content hash of the options that poses of the filter come from.
 std::string HashOf(const OwnPoseOptions& options);
 
-/// The sequence's own where it has any, else gradient.
+/// The sequence's own where it has any, else the built-in network.
 EdgeChoice DefaultEdges(const Sequence& sequence);
+
+/// The sequence's own proposals where it has any, else the best network that `plumbline networks
+/// get` has fetched. Errors: kNotFound, saying how to come by one.
+Result<DetectorChoice> DefaultDetector(const Sequence& sequence);
 
 /// {"version": 2, ..}, paths absolute.
 nlohmann::json RecipeToJson(const RunRecipe& recipe);

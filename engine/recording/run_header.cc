@@ -183,8 +183,9 @@ Status CheckContinues(const RunHeader& stored, const RunHeader& now) {
     return differs("the sequence", stored.sequence_hash, now.sequence_hash);
   if (stored.models_hash != now.models_hash)
     return differs("the model database", stored.models_hash, now.models_hash);
-  if (!was.detector.SameContent(is.detector))
-    return differs("the detector", described(was.detector), described(is.detector));
+  if (!was.detector.value_or(DetectorChoice()).SameContent(is.detector.value_or(DetectorChoice())))
+    return differs("the detector", described(was.detector.value_or(DetectorChoice())),
+                   described(is.detector.value_or(DetectorChoice())));
   if (!was_edges.SameContent(is_edges))
     return differs("the edge detector", described(was_edges), described(is_edges));
   if (was.scorer != is.scorer) return differs("the scorer", NameOf(was.scorer), NameOf(is.scorer));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/vision/detector.h"
 
-#include "engine/vision/fastestdet.h"
+#include "engine/vision/dense_detector.h"
+#include "engine/vision/network.h"
 
 namespace plumbline {
 namespace {
@@ -36,19 +37,23 @@ Result<std::unique_ptr<Detector>> CreateDetector(std::string_view choice,
                  ? Error{ErrorCode::kInvalidInput, "the detector 'dataset' needs a sequence"}
                  : Error{ErrorCode::kNotFound,
                          "the sequence '" + sequence->path().string() +
-                             "' has no proposals/; name a detector (FILE.onnx) instead"};
+                             "' has no proposals/; name a detector instead (FILE.onnx, or one that "
+                             "'plumbline networks get' has fetched)"};
     }
     return std::unique_ptr<Detector>(std::make_unique<DatasetDetector>(std::move(sequence)));
-  }
-  if (choice == "builtin") {
-    return Error{ErrorCode::kUnsupported,
-                 "this version has no built-in detector; name one (FILE.onnx) or use dataset"};
   }
   if (!choice.ends_with(".onnx")) {
     return Error{ErrorCode::kInvalidInput, "there is no detector '" + std::string(choice) +
                                                "'; it must be dataset or a FILE.onnx"};
   }
-  return LoadFastestDet(std::filesystem::path(choice), options);
+  Result<Network> network = LoadNetwork(std::filesystem::path(choice));
+  if (!network.ok()) return network.error();
+  if (network->sidecar.kind == NetworkKind::kEdge) {
+    return Error{ErrorCode::kInvalidInput, "the network '" + network->name +
+                                               "' finds edges, no objects (its sidecar's kind is "
+                                               "edge); give it as --edges"};
+  }
+  return CreateDenseDetector(std::move(network).value(), options);
 }
 
 }  // namespace plumbline

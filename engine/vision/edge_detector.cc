@@ -32,21 +32,27 @@ Result<std::unique_ptr<EdgeDetector>> CreateEdgeDetector(std::string_view choice
                                                          std::shared_ptr<const Sequence> sequence,
                                                          const EdgeOptions& options) {
   if (choice == "gradient") return CreateGradientEdgeDetector();
+  if (choice == "builtin" || choice == "builtin-half")
+    return BuiltinEdgeNetwork(choice == "builtin-half", options);
   if (choice == "dataset") {
     if (sequence == nullptr)
       return Error{ErrorCode::kInvalidInput, "the edges 'dataset' need a sequence"};
     if (!sequence->has_edges()) {
-      return Error{ErrorCode::kNotFound,
-                   "the sequence '" + sequence->path().string() +
-                       "' has no edges/; use gradient or name a network (FILE.onnx)"};
+      return Error{
+          ErrorCode::kNotFound,
+          "the sequence '" + sequence->path().string() +
+              "' has no edges/; use builtin, gradient or a network of your own (FILE.onnx)"};
     }
     return std::unique_ptr<EdgeDetector>(std::make_unique<DatasetEdges>(std::move(sequence)));
   }
   if (!choice.ends_with(".onnx")) {
     return Error{ErrorCode::kInvalidInput, "there are no edges '" + std::string(choice) +
-                                               "'; the choice is dataset, gradient or a FILE.onnx"};
+                                               "'; the choice is dataset, builtin, builtin-half, "
+                                               "gradient or a FILE.onnx"};
   }
-  return LoadEdgeNetwork(std::filesystem::path(choice), options);
+  Result<Network> network = LoadNetwork(std::filesystem::path(choice));
+  if (!network.ok()) return network.error();
+  return CreateEdgeNetwork(std::move(network).value(), options);
 }
 
 }  // namespace plumbline

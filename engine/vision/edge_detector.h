@@ -25,8 +25,9 @@ struct EdgeOptions {
   bool cache = true;
 };
 
-/// `gradient` (multi-scale, oriented), `dataset` (the sequence's edges), or the path of an ONNX
-/// edge network with its sidecar. Errors: kNotFound, kCorrupt, kInvalidInput, kUnsupported.
+/// `builtin` (our network; `builtin-half`: on half the size), `gradient` (multi-scale, oriented),
+/// `dataset` (the sequence's edges), or the path of an ONNX edge network with its sidecar. Errors:
+/// kNotFound, kCorrupt, kInvalidInput, kUnsupported.
 Result<std::unique_ptr<EdgeDetector>> CreateEdgeDetector(std::string_view choice,
                                                          std::shared_ptr<const Sequence> sequence,
                                                          const EdgeOptions& options = {});

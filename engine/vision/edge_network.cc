@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/check.h"
+#include "engine/base/files.h"
 #include "engine/vision/network_cache.h"
-#include "engine/vision/network_sidecar.h"
 #include "engine/vision/thinning.h"
+#include "engine/vision/vision_resources.h"
 
 namespace plumbline {
 namespace {
@@ -39,23 +41,42 @@ class EdgeNetwork : public EdgeDetector {
 
  private:
   Result<EdgeMap> Compute(const Frame& frame) {
-    const cv::Size input(network_.sidecar.width, network_.sidecar.height);
-    const double scale = std::min({1.0, static_cast<double>(input.width) / frame.image.cols,
-                                   static_cast<double>(input.height) / frame.image.rows});
+    const NetworkSidecar& sidecar = network_.sidecar;
+    double scale = 1.0 / sidecar.shrink;
+    if (sidecar.multiple_of == 0) {
+      scale = std::min({scale, static_cast<double>(sidecar.width) / frame.image.cols,
+                        static_cast<double>(sidecar.height) / frame.image.rows});
+    }
     cv::Mat image = frame.image, padded;
     if (scale < 1) {
       const cv::Size size(std::max(1, cvRound(image.cols * scale)),
                           std::max(1, cvRound(image.rows * scale)));
       cv::resize(frame.image, image, size, 0, 0, cv::INTER_AREA);
     }
+    const cv::Size input = InputSize(image.size());
     cv::copyMakeBorder(image, padded, 0, input.height - image.rows, 0, input.width - image.cols,
                        cv::BORDER_REFLECT_101);
-    const Result<cv::Mat> output = RunNetwork(network_, padded);
-    if (!output.ok()) return output.error();
-    const cv::Mat all(input, CV_32FC1, const_cast<float*>(output->ptr<float>()));
+    const Result<std::vector<cv::Mat>> outputs = RunNetwork(network_, padded);
+    if (!outputs.ok()) return outputs.error();
+    if (outputs->size() != 1 || outputs->front().dims != 4 ||
+        outputs->front().total() != static_cast<std::size_t>(input.area()) ||
+        outputs->front().size[3] != input.width || outputs->front().type() != CV_32FC1) {
+      return Error{ErrorCode::kInvalidInput,
+                   "the network '" + network_.name + "' gives outputs of " + ShapesText(*outputs) +
+                       ", which its sidecar does not explain; an edge network of this input gives "
+                       "1x1x" +
+                       std::to_string(input.height) + "x" + std::to_string(input.width)};
+    }
+    const cv::Mat all(input, CV_32FC1, const_cast<float*>(outputs->front().ptr<float>()));
     cv::Mat soft = all({0, 0, image.cols, image.rows});
     if (scale < 1) cv::resize(soft, soft, frame.image.size(), 0, 0, cv::INTER_LINEAR);
     return ThinRidges(soft, kLeastRaw, calibrate_);
+  }
+  cv::Size InputSize(const cv::Size& image) const {
+    const NetworkSidecar& sidecar = network_.sidecar;
+    const int m = sidecar.multiple_of;
+    if (m == 0) return {sidecar.width, sidecar.height};
+    return {(image.width + m - 1) / m * m, (image.height + m - 1) / m * m};
   }
   static CalibrationCurve Curve(const NetworkSidecar& sidecar, const EdgeOptions& options) {
     if (!options.calibrate) return CalibrationCurve({});
@@ -74,17 +95,49 @@ class EdgeNetwork : public EdgeDetector {
   std::string computation_;  ///< What decides the result besides the image; counts its versions.
 };
 
+/// Network and sidecar.
+std::pair<std::string, std::string> BuiltinFiles(bool half) {
+  const std::string folder = "assets/networks/edge/";
+  return {VisionResource(folder + "edge.onnx"),
+          VisionResource(folder + (half ? "edge_half.json" : "edge.json"))};
+}
+
 }  // namespace
 
-Result<std::unique_ptr<EdgeDetector>> LoadEdgeNetwork(const std::filesystem::path& onnx_file,
-                                                      const EdgeOptions& options) {
-  const Result<NetworkSidecar> sidecar = ReadNetworkSidecar(onnx_file);
-  if (!sidecar.ok()) return sidecar.error();
+Result<std::unique_ptr<EdgeDetector>> CreateEdgeNetwork(Network network,
+                                                        const EdgeOptions& options) {
+  if (network.sidecar.kind != NetworkKind::kEdge) {
+    return Error{ErrorCode::kInvalidInput, "the network '" + network.name +
+                                               "' finds objects, no edges (its sidecar's kind is " +
+                                               std::string(NameOf(network.sidecar.kind)) +
+                                               "); give it as --detector"};
+  }
+  Frame gray;
+  const NetworkSidecar& sidecar = network.sidecar;
+  const cv::Size size =
+      sidecar.multiple_of > 0 ? cv::Size(64, 48) : cv::Size(sidecar.width, sidecar.height);
+  gray.image = cv::Mat(size, CV_8UC3, cv::Scalar::all(128));
+  EdgeOptions without_cache = options;
+  without_cache.cache = false;
+  if (const auto trial = EdgeNetwork(network, without_cache).Detect(gray); !trial.ok())
+    return trial.error();
+  return std::unique_ptr<EdgeDetector>(std::make_unique<EdgeNetwork>(std::move(network), options));
+}
+
+Result<std::unique_ptr<EdgeDetector>> BuiltinEdgeNetwork(bool half, const EdgeOptions& options) {
+  const auto [onnx, text] = BuiltinFiles(half);
+  Result<NetworkSidecar> sidecar = SidecarFromJson(nlohmann::json::parse(text));
+  PLB_CHECK(sidecar.ok());
   Result<Network> network =
-      LoadNetwork(onnx_file, NetworkKind::kEdge, {1, 1, sidecar->height, sidecar->width});
+      MakeNetwork(onnx, std::move(sidecar).value(), half ? "builtin-half" : "builtin",
+                  HashOfBuiltinEdges(half));
   if (!network.ok()) return network.error();
-  return std::unique_ptr<EdgeDetector>(
-      std::make_unique<EdgeNetwork>(std::move(network).value(), options));
+  return CreateEdgeNetwork(std::move(network).value(), options);
+}
+
+std::string HashOfBuiltinEdges(bool half) {
+  const auto [onnx, text] = BuiltinFiles(half);
+  return HashHex(onnx) + HashHex(text);
 }
 
 }  // namespace plumbline

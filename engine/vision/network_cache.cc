@@ -147,16 +147,18 @@ std::optional<EdgeMap> DecodeEdges(std::string_view content) {
   return edges;
 }
 
-std::string EncodeTensor(const cv::Mat& tensor) {
+std::string EncodeTensors(const std::vector<cv::Mat>& tensors) {
   std::string out;
-  AppendSize(static_cast<std::size_t>(tensor.dims), out);
-  for (int i = 0; i < tensor.dims; ++i) AppendSize(static_cast<std::size_t>(tensor.size[i]), out);
-  const cv::Mat whole = tensor.isContinuous() ? tensor : tensor.clone();
-  out.append(reinterpret_cast<const char*>(whole.data), whole.total() * whole.elemSize());
+  for (const cv::Mat& tensor : tensors) {
+    AppendSize(static_cast<std::size_t>(tensor.dims), out);
+    for (int i = 0; i < tensor.dims; ++i) AppendSize(static_cast<std::size_t>(tensor.size[i]), out);
+    const cv::Mat whole = tensor.isContinuous() ? tensor : tensor.clone();
+    out.append(reinterpret_cast<const char*>(whole.data), whole.total() * whole.elemSize());
+  }
   return out;
 }
 
-std::optional<cv::Mat> DecodeTensor(std::string_view content) {
+std::optional<std::vector<cv::Mat>> DecodeTensors(std::string_view content) {
   const auto number = [&]() -> std::optional<std::uint64_t> {
     std::uint64_t value = 0;
     if (content.size() < sizeof(value)) return std::nullopt;
@@ -164,20 +166,25 @@ std::optional<cv::Mat> DecodeTensor(std::string_view content) {
     content.remove_prefix(sizeof(value));
     return value;
   };
-  const auto dims = number();
-  if (!dims || *dims < 1 || *dims > 8) return std::nullopt;
-  std::vector<int> size;
-  std::uint64_t total = sizeof(float);
-  for (std::uint64_t i = 0; i < *dims; ++i) {
-    const auto length = number();
-    if (!length || *length < 1 || *length > (1u << 20)) return std::nullopt;
-    size.push_back(static_cast<int>(*length));
-    total *= *length;
-  }
-  if (total != content.size()) return std::nullopt;
-  cv::Mat tensor(size, CV_32FC1);
-  std::memcpy(tensor.data, content.data(), content.size());
-  return tensor;
+  std::vector<cv::Mat> tensors;
+  do {
+    const auto dims = number();
+    if (!dims || *dims < 1 || *dims > 8) return std::nullopt;
+    std::vector<int> size;
+    std::uint64_t bytes = sizeof(float);
+    for (std::uint64_t i = 0; i < *dims; ++i) {
+      const auto length = number();
+      if (!length || *length < 1 || *length > (1u << 20)) return std::nullopt;
+      size.push_back(static_cast<int>(*length));
+      bytes *= *length;
+      if (bytes > content.size()) return std::nullopt;
+    }
+    cv::Mat tensor(size, CV_32FC1);
+    std::memcpy(tensor.data, content.data(), bytes);
+    content.remove_prefix(bytes);
+    tensors.push_back(std::move(tensor));
+  } while (!content.empty());
+  return tensors;
 }
 
 }  // namespace plumbline

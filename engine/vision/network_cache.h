@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -43,7 +44,7 @@ std::string NetworkCacheKey(std::string_view what, const cv::Mat& image);
 /// Lossless.
 std::string EncodeEdges(const EdgeMap& edges);
 std::optional<EdgeMap> DecodeEdges(std::string_view content);
-std::string EncodeTensor(const cv::Mat& tensor);
-std::optional<cv::Mat> DecodeTensor(std::string_view content);
+std::string EncodeTensors(const std::vector<cv::Mat>& tensors);
+std::optional<std::vector<cv::Mat>> DecodeTensors(std::string_view content);
 
 }  // namespace plumbline

@@ -83,12 +83,15 @@ TEST(NetworkCache, KeepsEdgesAndTensorsBitForBit) {
   const int size[] = {1, 3, 4, 5};
   cv::Mat tensor(4, size, CV_32FC1);
   cv::RNG(5).fill(tensor, cv::RNG::UNIFORM, -1.0, 1.0);
-  const std::string bytes = EncodeTensor(tensor);
-  const auto tensor_back = DecodeTensor(bytes);
+  const std::string bytes = EncodeTensors({tensor});
+  const auto tensor_back = DecodeTensors(bytes);
   ASSERT_TRUE(tensor_back.has_value());
-  EXPECT_EQ(EncodeTensor(*tensor_back), bytes);
+  EXPECT_EQ(EncodeTensors(*tensor_back), bytes);
+  const std::string two = EncodeTensors({tensor, tensor});
+  ASSERT_TRUE(DecodeTensors(two).has_value());
+  EXPECT_EQ(EncodeTensors(*DecodeTensors(two)), two);
   for (std::size_t cut = 0; cut < bytes.size(); cut += 7)
-    EXPECT_FALSE(DecodeTensor(std::string_view(bytes).substr(0, cut)).has_value());
+    EXPECT_FALSE(DecodeTensors(std::string_view(bytes).substr(0, cut)).has_value());
   EXPECT_FALSE(DecodeEdges("nothing").has_value());
 }
 

@@ -4,7 +4,11 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/vision/detector.h"
+#include "engine/vision/edge_detector.h"
+#include "engine/vision/network.h"
 #include "tests/support/test_data.h"
+#include "tests/support/tiny_network.h"
 #include "tests/support/tiny_sequence.h"
 
 namespace plumbline {
@@ -90,24 +94,61 @@ TEST_F(Sidecar, MissingIsSaidSo) {
 
 TEST_F(Sidecar, BesideANetworkThatIsNoneIsAnError) {
   WriteText(folder_.path() / "net.json", edge_.dump());
-  EXPECT_EQ(LoadNetwork(folder_.path() / "net.onnx", NetworkKind::kEdge, {}).error().code,
-            ErrorCode::kNotFound);
+  EXPECT_EQ(LoadNetwork(folder_.path() / "net.onnx").error().code, ErrorCode::kNotFound);
   for (const char* content : {"", "garbage garbage garbage", "\x08\x07\x12\x02hi"}) {
     WriteText(folder_.path() / "net.onnx", content);
-    const Result<Network> network =
-        LoadNetwork(folder_.path() / "net.onnx", NetworkKind::kEdge, {1, 1, 480, 640});
+    const Result<Network> network = LoadNetwork(folder_.path() / "net.onnx");
     ASSERT_FALSE(network.ok());
     EXPECT_THAT(network.error().message, HasSubstr("net.onnx"));
   }
 }
 
 TEST_F(Sidecar, OfAnotherKindThanWantedIsAnError) {
-  WriteText(folder_.path() / "net.json", edge_.dump());
-  WriteText(folder_.path() / "net.onnx", "x");
-  const Result<Network> network =
-      LoadNetwork(folder_.path() / "net.onnx", NetworkKind::kFastestDet, {});
-  ASSERT_FALSE(network.ok());
-  EXPECT_EQ(network.error().code, ErrorCode::kInvalidInput);
+  const std::filesystem::path file = folder_.path() / "net.onnx";
+  WriteTinyNetwork(file, {.kind = NetworkKind::kEdge});
+  WriteText(folder_.path() / "net.json",
+            R"({"kind": "edge", "width": 64, "height": 64, "scale": 1})");
+  EXPECT_TRUE(CreateEdgeDetector(file.string(), nullptr).ok());
+  const auto as_detector = CreateDetector(file.string(), nullptr);
+  ASSERT_FALSE(as_detector.ok());
+  EXPECT_EQ(as_detector.error().code, ErrorCode::kInvalidInput);
+  EXPECT_THAT(as_detector.error().message, HasSubstr("--edges"));
+  WriteTinyNetwork(file, {.kind = NetworkKind::kYolox, .categories = 80});
+  WriteText(folder_.path() / "net.json",
+            R"({"kind": "yolox", "width": 64, "height": 64, "scale": 1, "categories": "coco"})");
+  EXPECT_TRUE(CreateDetector(file.string(), nullptr).ok());
+  const auto as_edges = CreateEdgeDetector(file.string(), nullptr);
+  ASSERT_FALSE(as_edges.ok());
+  EXPECT_THAT(as_edges.error().message, HasSubstr("--detector"));
+}
+
+TEST_F(Sidecar, OfAnEdgeNetworkMayLeaveTheSizeToTheImage) {
+  const Result<NetworkSidecar> sidecar =
+      Read(R"({"kind": "edge", "multiple_of": 16, "shrink": 2, "scale": 0.1})");
+  ASSERT_TRUE(sidecar.ok()) << sidecar.error().message;
+  EXPECT_EQ(sidecar->multiple_of, 16);
+  EXPECT_EQ(sidecar->shrink, 2);
+  EXPECT_FALSE(Read(R"({"kind": "yolox", "multiple_of": 16, "scale": 1})").ok());
+}
+
+TEST_F(Sidecar, SaysWhichDetectorsValuesMakeNoSense) {
+  const nlohmann::json good = {
+      {"kind", "yolox"}, {"width", 64}, {"height", 64}, {"scale", 1}, {"categories", "voc"}};
+  ASSERT_TRUE(Read(good.dump()).ok());
+  EXPECT_EQ(Read(good.dump())->categories[17], "couch");
+  for (const auto& [key, value] :
+       std::vector<std::pair<const char*, nlohmann::json>>{{"std", {1, 0, 1}},
+                                                           {"resize", "crop"},
+                                                           {"padding", -1},
+                                                           {"strides", {8, 0}},
+                                                           {"strides", 8},
+                                                           {"categories", "imagenet"}}) {
+    nlohmann::json json = good;
+    json[key] = value;
+    const Result<NetworkSidecar> sidecar = Read(json.dump());
+    ASSERT_FALSE(sidecar.ok()) << key << value;
+    EXPECT_THAT(sidecar.error().message, HasSubstr(key));
+  }
 }
 
 }  // namespace

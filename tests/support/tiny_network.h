@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "engine/vision/network_sidecar.h"
+
+namespace plumbline {
+
+/// What a network of no weights says of every cell of its grids, whatever it is shown.
+struct TinyNetwork {
+  NetworkKind kind = NetworkKind::kEdge;
+  int width = 64, height = 64;
+  int categories = 3;
+  int best_category = 1;
+  float score = 0.8f;  ///< Of the best category; others 0.
+  bool clips = false;  ///< Its input passes a Clip with bounds as inputs, as new exporters write.
+  bool free_size = false;  ///< The file leaves the size of the input open.
+  std::map<std::string, std::string> metadata;
+};
+
+/// Writes an ONNX file of the kind's form (opset 11) that OpenCV 4.6 can run. Every cell gives a
+/// box of 16 px around its own point.
+void WriteTinyNetwork(const std::filesystem::path& file, const TinyNetwork& network);
+
+}  // namespace plumbline
