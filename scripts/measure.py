@@ -69,7 +69,7 @@ class RoomSet:
     room_seeds: list = dataclasses.field(default_factory=list)
     film: tuple = ()  # more words for `plumbline synth`
     detector: str = "dataset"  # or a network in the data folder
-    edges: str = "gradient"  # dataset, gradient, or a network in the data folder
+    edges: str = "gradient"  # dataset, builtin, gradient, or a network in the data folder
     scan: bool = False  # measure surfaces against scene.ply
     ignored: tuple = ()
     tuning: bool = False  # measured only when asked for by name
@@ -713,7 +713,7 @@ def parse():
     parser.add_argument("--frames", metavar="A:B", help="of every sequence (default: all)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="an option of the filter")
     parser.add_argument("--detector", metavar="NETWORK|dataset", help="instead of the set's own")
-    parser.add_argument("--edges", metavar="NETWORK|gradient|dataset", help="instead of the set's own")
+    parser.add_argument("--edges", metavar="NETWORK|builtin|gradient|dataset", help="instead of the set's own")
     parser.add_argument("--ablate", nargs="?", const="", metavar="CUE,..",
                         help="repeat with one cue off at a time: " + ", ".join(list(ABLATIONS)[1:]))
     parser.add_argument("--preset", choices=list(PRESETS),

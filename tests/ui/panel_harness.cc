@@ -57,9 +57,11 @@ void PanelHarness::ShowFrame(int frame) {
   context.playback = std::make_shared<const PlaybackView>(playback);
 }
 
-void PanelHarness::Analyse(const MapperOptions& options) {
+void PanelHarness::Analyse(const MapperOptions& options, WatchCommand also) {
   FrameAnalyst analyst;
-  analyst.Watch({context.selection.object, true, true});
+  also.object = context.selection.object;
+  also.history = also.relations = true;
+  analyst.Watch(also);
   context.analysis = analyst.OfFrame(context.snapshot, *context.sequence, options);
   context.history = analyst.OfHistory(*context.playback->history, *context.sequence);
 }

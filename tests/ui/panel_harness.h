@@ -84,7 +84,7 @@ class PanelHarness {
   /// Fills the context with this frame of the made-up room.
   void ShowFrame(int frame);
   /// What a process would have worked out of that frame for the selected object.
-  void Analyse(const MapperOptions& options = {});
+  void Analyse(const MapperOptions& options = {}, WatchCommand also = {});
   void Draw(Panel& panel, int frames = 1);
   /// Moves the mouse to a share of a named widget, without a button.
   void Point(Panel& panel, const std::string& widget, float x = 0.5f, float y = 0.5f);

@@ -2,6 +2,7 @@
 // Panels without a display: what they post, what they keep, and that no state of the world upsets
 // them.
 
+#include "engine/snapshot/frame_analysis.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/inspect/panel_table.h"
 
@@ -9,6 +10,7 @@
 #include <string_view>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "tests/ui/panel_harness.h"
 
@@ -162,6 +164,63 @@ TEST(ImagePanel, ZoomsAboutTheMouseAndMovesByDragging) {
   harness.Drag(*panel, "image.view", {0.5f, 0.5f}, {0.6f, 0.5f}, 0);
   EXPECT_LT(harness.viewport.center.x, 0.5);
   EXPECT_EQ(harness.sink.Last<SelectObjectCommand>(), nullptr) << "a drag is no click";
+}
+
+TEST(ImagePanel, ShowsWhatTheDetectorScoresElsewhere) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("image");
+  harness.ShowFrame(20);
+  const auto& objects = harness.context.snapshot->report.objects;
+  ASSERT_FALSE(objects.empty());
+  harness.context.selection.object = objects[0].id;
+  harness.Click(*panel, "image.scores");
+  ASSERT_NE(harness.sink.Last<NeedCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<NeedCommand>()->what, NeedCommand::What::kScoreMap);
+  const int before = harness.textures.pictures_made;
+  harness.Analyse({}, {.score_map = true});
+  harness.Draw(*panel);
+  const ScoreMap& map = harness.context.analysis->score_map.value();
+  EXPECT_EQ(map.problem, "");
+  EXPECT_EQ(map.category, objects[0].category);
+  EXPECT_EQ(harness.textures.pictures_made, before + 1);
+  // The fake run's proposals are the objects' boxes: the highest score is where the object is.
+  cv::Point best;
+  double highest = 0;
+  cv::minMaxLoc(map.scores, nullptr, &highest, nullptr, &best);
+  EXPECT_GT(highest, 0.3);
+  const Box2& box = objects[0].visible_box;
+  EXPECT_NEAR(best.x * map.step_px, box.center_x(), 0.25 * map.width_px);
+  EXPECT_NEAR(best.y * map.step_px, box.center_y(), 0.25 * map.height_px);
+  harness.context.selection.object = {};
+  harness.Analyse({}, {.score_map = true});
+  EXPECT_NE(harness.context.analysis->score_map->problem, "");
+  harness.Draw(*panel);
+}
+
+TEST(EdgesPanel, PutsOtherEdgesBesideThoseOfTheRun) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("edges");
+  harness.ShowFrame(20);
+  harness.Click(*panel, "edges.beside");
+  ASSERT_NE(harness.sink.Last<NeedCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<NeedCommand>()->edges, "builtin");
+  harness.Draw(*panel);  // before they are there
+  const int before = harness.textures.pictures_made;
+  harness.Analyse({}, {.edges = "builtin"});
+  const OtherEdges& other = harness.context.analysis->other_edges.value();
+  EXPECT_EQ(other.problem, "");
+  EXPECT_EQ(other.probability.size(), harness.context.snapshot->image.size());
+  harness.Draw(*panel);
+  EXPECT_EQ(harness.textures.pictures_made, before + 1);
+  harness.Drag(*panel, "edges.divider", {0.5f, 0.5f}, {5.5f, 0.5f}, 0);
+  EXPECT_GT(panel->SaveState()["divider"].get<double>(), 0.52);
+  EXPECT_EQ(harness.viewport.center.x, 0.5) << "the picture stays where it is";
+  harness.Click(*panel, "edges.blink");
+  EXPECT_TRUE(panel->SaveState()["blink"].get<bool>());
+  harness.Click(*panel, "edges.beside");
+  EXPECT_EQ(harness.sink.Last<NeedCommand>()->edges, "builtin-half");
+  harness.Analyse({}, {.edges = "nowhere.onnx"});
+  EXPECT_NE(harness.context.analysis->other_edges->problem, "");
 }
 
 TEST(ScenePanel, TurnsByLeftMovesByRightAndZoomsByWheel) {

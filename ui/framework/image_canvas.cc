@@ -45,6 +45,7 @@ void ImageCanvas::Begin(const FrameContext& context, const std::string& name, fl
   high_ = {low_.x + width, low_.y + height};
   ImGui::SetCursorScreenPos(low_);
   ImGui::InvisibleButton(name.c_str(), {width, height});
+  ImGui::SetItemAllowOverlap();  // for controls that panels put into the picture
   LogItem(context, name);
   is_hovered_ = ImGui::IsItemHovered();
 }

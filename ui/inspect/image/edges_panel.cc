@@ -44,17 +44,16 @@ void DrawOrientationLegend(const FrameContext& context, const ImageCanvas& canva
 class EdgesPanel : public Panel {
  public:
   void DrawHeader(const FrameContext& context, CommandSink&) override {
-    const float choice_width = context.Scaled(118);
-    AlignRight(ToggleWidth(context, "Outlines") + ToggleWidth(context, "Contour") +
-               ToggleWidth(context, "Expected") + choice_width + context.Scaled(12) +
-               (beside_ > 0 ? ToggleWidth(context, "Blink") + context.Scaled(4) : 0));
-    DrawChoiceBeside(context, choice_width);
+    const std::string beside = BesideLabel();
+    AlignRight(ToggleWidth(context, beside.c_str()) + ToggleWidth(context, "Outlines") +
+               ToggleWidth(context, "Contour") + ToggleWidth(context, "Expected") +
+               context.Scaled(12));
+    bool on = beside_ > 0;
+    if (Toggle(context, "edges.beside", beside.c_str(), on,
+               "Other edges of the same image right of a line, which the mouse drags. Each click "
+               "takes the next: builtin, builtin-half, gradient, none."))
+      beside_ = (beside_ + 1) % static_cast<int>(std::size(kBeside));
     ImGui::SameLine();
-    if (beside_ > 0) {
-      Toggle(context, "edges.blink", "Blink", blink_,
-             "Show one and the other in turn instead of side by side.");
-      ImGui::SameLine();
-    }
     Toggle(
         context, "edges.difference", "Expected", difference_,
         "Edges against the contours of the mean states: green edges that one explains, grey ones "
@@ -70,8 +69,7 @@ class EdgesPanel : public Panel {
   void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
     const MapSnapshot& snapshot = *context.snapshot;
-    if (beside_ > 0)
-      sink.Post(NeedCommand{NeedCommand::What::kOtherEdges, kBeside[beside_].choice});
+    if (beside_ > 0) sink.Post(NeedCommand{NeedCommand::What::kOtherEdges, kBeside[beside_]});
     if (snapshot.edge_probability.empty()) {
       return EmptyState(context, "No edge map",
                         "Edges come with live mapping; open the sequence instead of the run.");
@@ -87,7 +85,10 @@ class EdgesPanel : public Panel {
     });
     const ImageCanvas canvas(context, "edges.view", texture, snapshot.edge_probability.cols,
                              snapshot.edge_probability.rows);
-    if (beside_ > 0) DrawBeside(context, canvas, thick);
+    if (beside_ > 0) {
+      DrawBeside(context, canvas, thick);
+      DrawBlinkSwitch(context, canvas);
+    }
     if (outlines_)
       DrawOutlineOverlay(context, canvas, {.width_px = 1, .alpha = 0.8, .shadow = false});
     if (contour_) DrawContourOverlay(context, canvas);
@@ -118,31 +119,26 @@ class EdgesPanel : public Panel {
   }
 
  private:
-  struct Beside {
-    const char *choice, *name;
-  };
-  static constexpr Beside kBeside[] = {{"", "no others"},
-                                       {"builtin", "builtin"},
-                                       {"builtin-half", "builtin-half"},
-                                       {"gradient", "gradient"}};
+  static constexpr const char* kBeside[] = {"", "builtin", "builtin-half", "gradient"};
 
-  void DrawChoiceBeside(const FrameContext& context, float width) {
-    ImGui::SetNextItemWidth(width);
-    if (ImGui::BeginCombo("##edges.beside", kBeside[beside_].name)) {
-      for (int i = 0; i < static_cast<int>(std::size(kBeside)); ++i)
-        if (ImGui::Selectable(kBeside[i].name, i == beside_)) beside_ = i;
-      ImGui::EndCombo();
-    }
-    LogItem(context, "edges.beside");
-    Tooltip(context,
-            "Other edges of the same image to compare those of the run with: they show right of "
-            "the line, which the mouse drags.");
+  std::string BesideLabel() const {
+    return beside_ == 0 ? "Beside" : std::string("Beside: ") + kBeside[beside_];
+  }
+
+  /// A switch in the picture's lower left corner.
+  void DrawBlinkSwitch(const FrameContext& context, const ImageCanvas& canvas) {
+    const ImVec2 before = ImGui::GetCursorScreenPos();
+    ImGui::SetCursorScreenPos({canvas.low().x + context.Scaled(3),
+                               canvas.high().y - ImGui::GetFrameHeight() - context.Scaled(3)});
+    Toggle(context, "edges.blink", "Blink", blink_,
+           "Show one and the other in turn instead of side by side.");
+    ImGui::SetCursorScreenPos(before);
   }
 
   /// The other edges over the right part of the canvas, or over all of it in turn.
   void DrawBeside(const FrameContext& context, const ImageCanvas& canvas, bool thick) {
     const bool ready = context.analysis != nullptr && context.analysis->other_edges &&
-                       context.analysis->other_edges->choice == kBeside[beside_].choice;
+                       context.analysis->other_edges->choice == kBeside[beside_];
     const ImVec2 low = canvas.low(), high = canvas.high();
     PictureLabels labels(context, low, high);
     const float below = low.y + labels.SizeOf("run").y;
@@ -181,19 +177,19 @@ class EdgesPanel : public Panel {
   /// Where the line between the two stands on the screen, after the mouse has had its way.
   float DragDivider(const FrameContext& context, ImVec2 low, ImVec2 high) {
     const float width = std::max(1.0f, high.x - low.x), reach = context.Scaled(5);
-    const float at = low.x + divider_ * width;
-    const ImVec2 mouse = ImGui::GetMousePos();
-    const bool over = ImGui::IsWindowHovered() && std::abs(mouse.x - at) < reach &&
-                      mouse.y > low.y && mouse.y < high.y;
-    if (over && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) dragging_ = true;
-    if (!ImGui::IsMouseDown(ImGuiMouseButton_Left)) dragging_ = false;
-    if (over || dragging_) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
-    if (dragging_) divider_ = std::clamp((mouse.x - low.x) / width, 0.0f, 1.0f);
-    context.widgets->Add("edges.divider", {at - reach, low.y}, {at + reach, high.y});
+    const ImVec2 before = ImGui::GetCursorScreenPos();
+    ImGui::SetCursorScreenPos({low.x + divider_ * width - reach, low.y});
+    ImGui::InvisibleButton("##edges.divider", {2 * reach, std::max(1.0f, high.y - low.y)});
+    LogItem(context, "edges.divider");
+    if (ImGui::IsItemHovered() || ImGui::IsItemActive())
+      ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+    if (ImGui::IsItemActive())
+      divider_ = std::clamp((ImGui::GetMousePos().x - low.x) / width, 0.0f, 1.0f);
+    ImGui::SetCursorScreenPos(before);
     return low.x + divider_ * width;
   }
 
-  bool outlines_ = false, contour_ = false, difference_ = false, blink_ = false, dragging_ = false;
+  bool outlines_ = false, contour_ = false, difference_ = false, blink_ = false;
   int beside_ = 0;  ///< Index into kBeside.
   float divider_ = 0.5f;
 };

@@ -58,7 +58,9 @@ class ImagePanel : public Panel {
     }
     Toggle(context, "image.scores", "Scores", scores_,
            "Top-down: what the run's detector scores for a box as large as the selected object's, "
-           "of its category, at every place; bright is high.");
+           "of its category, at every place. Yellow is the highest in the image; point at a place "
+           "for its "
+           "score.");
     ImGui::SameLine();
     Toggle(context, "image.proposals", "Proposals", proposals_,
            "Boxes that the detector proposes, with category and score. In an object's colour: "
@@ -149,7 +151,7 @@ class ImagePanel : public Panel {
     const std::string name = "score map of #" + std::to_string(context.selection.object.value);
     const ImTextureID texture = context.textures->Get(name, context.snapshot_version, [&] {
       cv::Mat levels, picture;
-      map->scores.convertTo(levels, CV_8UC1, 255);
+      cv::normalize(map->scores, levels, 255, 0, cv::NORM_INF, CV_8UC1);
       cv::applyColorMap(levels, picture, cv::COLORMAP_VIRIDIS);
       return picture;
     });
