@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "engine/base/timer.h"
 #include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
@@ -38,9 +37,7 @@ OtherEdges NetworkAnalyst::EdgesOf(const cv::Mat& image, const std::string& choi
   if (edges_ == nullptr) return other;
   Frame frame;
   frame.image = image;
-  Stopwatch watch;
   const Result<EdgeMap> edges = edges_->Detect(frame);
-  other.milliseconds = watch.Lap();
   if (!edges.ok()) {
     other.problem = edges.error().message;
     return other;

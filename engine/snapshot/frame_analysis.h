@@ -19,7 +19,6 @@ struct MapSnapshot;
 struct OtherEdges {
   std::string choice;          ///< As --edges names it.
   cv::Mat probability, angle;  ///< CV_8U (see EdgeMap); empty if `problem` says why.
-  double milliseconds = 0;     ///< It took; short where NetworkCache knew the answer.
   std::string problem;
 };
 

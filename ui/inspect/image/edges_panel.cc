@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ui/inspect/image/edges_panel.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -167,7 +165,7 @@ class EdgesPanel : public Panel {
                            canvas.ToScreen(width - 0.5f, height - 0.5f));
     canvas.draw().PopClipRect();
     labels.Add({{at + context.Scaled(3), below}}, colors::kText,
-               fmt::format("{}, {:.0f} ms", other.choice, other.milliseconds));
+               other.choice);
     if (blink_) return;
     labels.Add({{low.x, below}}, colors::kText, "run");
     canvas.draw().AddLine({at, low.y}, {at, high.y}, IM_COL32(235, 238, 242, 200),
