@@ -13,7 +13,7 @@ RunRecipe Recipe() {
   recipe.sequence = "/data/kitchen";
   recipe.models = "/data/models";
   recipe.poses = {PoseSource::kTrajectory, "/data/poses.txt", "0a"};
-  recipe.detector = {DetectorSource::kNetwork, "/nets/detector.onnx", "0b"};
+  recipe.detector = DetectorChoice{DetectorSource::kNetwork, "/nets/detector.onnx", "0b"};
   recipe.edges = EdgeChoice{EdgeSource::kGradient, {}, {}};
   recipe.scorer = ScorerKind::kRendered;
   recipe.options.alpha = 0.1 + 0.2;
@@ -30,7 +30,7 @@ TEST(RunRecipe, IsTheSameAfterJson) {
   EXPECT_EQ(back->options.alpha, 0.1 + 0.2);
   EXPECT_EQ(back->seed, 0xFFFFFFFFFFFFFFFFull);
   EXPECT_EQ(back->frames, (FrameRange{3, 600, 2}));
-  EXPECT_TRUE(back->detector.SameContent(Recipe().detector));
+  EXPECT_TRUE(back->detector.value().SameContent(*Recipe().detector));
 
   RunRecipe own = Recipe();
   own.poses = ParsePoses("vio");

@@ -27,8 +27,8 @@ TEST(RunHeader, OfFormat1BecomesARecipe) {
   const RunRecipe& recipe = header->recipe;
   EXPECT_EQ(recipe.sequence, "/data/a folder");
   EXPECT_EQ(recipe.models, "/data/models");
-  EXPECT_EQ(recipe.detector.source, DetectorSource::kNetwork);
-  EXPECT_EQ(recipe.detector.file, "/nets/Fastest Det.onnx");
+  EXPECT_EQ(recipe.detector->source, DetectorSource::kNetwork);
+  EXPECT_EQ(recipe.detector->file, "/nets/Fastest Det.onnx");
   ASSERT_TRUE(recipe.edges.has_value());
   EXPECT_EQ(recipe.edges->source, EdgeSource::kNetwork);
   EXPECT_EQ(recipe.edges->file, "/nets/t0.onnx");
@@ -43,7 +43,7 @@ TEST(RunHeader, OfFormat1BecomesARecipe) {
   given["edges"] = "gradient, 3 scales";
   const auto of_given = HeaderFromJson(given);
   ASSERT_TRUE(of_given.ok());
-  EXPECT_EQ(of_given->recipe.detector.source, DetectorSource::kDataset);
+  EXPECT_EQ(of_given->recipe.detector->source, DetectorSource::kDataset);
   EXPECT_EQ(of_given->recipe.edges->source, EdgeSource::kGradient);
 }
 
