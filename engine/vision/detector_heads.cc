@@ -301,6 +301,14 @@ bool DecodeDistances(const Outputs& outputs, const NetworkSidecar& sidecar, floa
   return true;
 }
 
+/// Whether every row of a table does.
+bool SumToOne(const cv::Mat& output) {
+  cv::Mat sums;
+  cv::reduce(AsTable(output), sums, 1, cv::REDUCE_SUM);
+  constexpr double kRounding = 1e-2;
+  return cv::norm(sums, cv::Mat::ones(sums.size(), CV_32F), cv::NORM_INF) < kRounding;
+}
+
 /// [1, boxes, 1 + categories] (the first is the background) and [1, boxes, 4] (corners, in shares);
 /// or [1, 1, found, 7] (image, label, score, corners), where label 0 is the background.
 bool DecodeSsd(const Outputs& outputs, const NetworkSidecar& sidecar, Cells& cells) {
@@ -321,10 +329,14 @@ bool DecodeSsd(const Outputs& outputs, const NetworkSidecar& sidecar, Cells& cel
   for (const cv::Mat& output : outputs) {
     const std::vector<int> shape = ShapeOf(output);
     if (shape.size() != 2) continue;
-    if (shape[1] == 4) corners = &output;
-    if (shape[1] == 1 + categories) scores = &output;
+    // With three categories both have four columns; what a softmax gives sums to one.
+    if (shape[1] == 1 + categories && (shape[1] != 4 || SumToOne(output))) {
+      scores = &output;
+    } else if (shape[1] == 4) {
+      corners = &output;
+    }
   }
-  if (scores == nullptr || corners == nullptr || scores == corners) return false;
+  if (scores == nullptr || corners == nullptr) return false;
   const cv::Mat score_table = AsTable(*scores), corner_table = AsTable(*corners);
   if (score_table.rows != corner_table.rows) return false;
   for (int row = 0; row < score_table.rows; ++row) {

@@ -162,9 +162,9 @@ class Guesser {
     };
     if (shapes.size() == 2 && of_three(shapes[0]).size() == 3 && of_three(shapes[1]).size() == 3 &&
         shapes[0][1] == shapes[1][1]) {
-      for (const int i : {0, 1})
-        if (shapes[i][2] == 4 && shapes[1 - i][2] > 1)
-          return Is(NetworkKind::kSsd, shapes[1 - i][2] - 1);
+      for (const int corners : {0, 1})
+        if (shapes[corners][2] == 4 && shapes[1 - corners][2] > 1)
+          return Is(NetworkKind::kSsd, shapes[1 - corners][2] - 1);
     }
     // A level each: scores of all categories, and distances in 8 bins a side.
     const std::vector<int> four = {8, 16, 32, 64};

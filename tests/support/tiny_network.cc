@@ -13,6 +13,7 @@ namespace plumbline {
 namespace {
 
 constexpr float kHalfBox = 8;  // [px of the input]
+constexpr float kPlace = 32;   // of boxes that do not follow their cell [px of the input]
 constexpr int kBins = 8;       // of distances, as GFL heads have them
 
 /// Builds a graph node by node.
@@ -110,8 +111,9 @@ class Graph {
     value.set_name(name);
     auto& tensor = *value.mutable_type()->mutable_tensor_type();
     tensor.set_elem_type(onnx::TensorProto::FLOAT);
+    auto& lengths = *tensor.mutable_shape();
     for (const int length : shape) {
-      auto& dim = *tensor.mutable_shape()->add_dim();
+      auto& dim = *lengths.add_dim();
       if (length > 0) dim.set_dim_value(length);
       if (length == 0) dim.set_dim_param("open");
     }
@@ -179,7 +181,7 @@ void WriteTinyNetwork(const std::filesystem::path& file, const TinyNetwork& netw
     case NetworkKind::kYolov5:
     case NetworkKind::kYolov8: {
       const bool five = network.kind == NetworkKind::kYolov5;
-      std::vector<float> values = {20, 24, box, box};  // one place for all cells
+      std::vector<float> values = {kPlace, kPlace, box, box};
       if (five) values.push_back(1);
       values = WithScores(values, network);
       for (int anchor = 0; anchor < (five ? 3 : 1); ++anchor)
@@ -210,8 +212,8 @@ void WriteTinyNetwork(const std::filesystem::path& file, const TinyNetwork& netw
       graph.Output(graph.Turned(graph.Flat(graph.Grid(16, WithScores({1 - network.score}, network)),
                                            1 + network.categories)));
       graph.Output(graph.Turned(
-          graph.Flat(graph.Grid(16, {(20 - kHalfBox) / width, (24 - kHalfBox) / height,
-                                     (20 + kHalfBox) / width, (24 + kHalfBox) / height}),
+          graph.Flat(graph.Grid(16, {(kPlace - kHalfBox) / width, (kPlace - kHalfBox) / height,
+                                     (kPlace + kHalfBox) / width, (kPlace + kHalfBox) / height}),
                      4)));
       break;
     }

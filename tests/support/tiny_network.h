@@ -22,7 +22,7 @@ struct TinyNetwork {
 };
 
 /// Writes an ONNX file of the kind's form (opset 11) that OpenCV 4.6 can run. Every cell gives a
-/// box of 16 px around its own point.
+/// box of 16 px around its own point or the middle.
 void WriteTinyNetwork(const std::filesystem::path& file, const TinyNetwork& network);
 
 }  // namespace plumbline
