@@ -25,4 +25,11 @@ struct TinyNetwork {
 /// box of 16 px around its own point or the middle.
 void WriteTinyNetwork(const std::filesystem::path& file, const TinyNetwork& network);
 
+/// Writes a two-stage network with its head and sidecar, of 64x64 px, grey levels from 0 to 1. Its
+/// feature is the mean grey level of each cell of 8 px; a cell is an object (of 16 px) as far as it
+/// is bright; a box is a "couch" with the probability sigmoid(20 (mean of its crop - 1/2)), never a
+/// "chair", and stays where it is.
+/// @param head_categories  Of the head; the sidecar has the two.
+void WriteTinyTwoStage(const std::filesystem::path& file, int head_categories = 2);
+
 }  // namespace plumbline
