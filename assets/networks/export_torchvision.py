@@ -7,7 +7,7 @@
   export_torchvision.py OUT.onnx --model fasterrcnn_resnet50_fpn --random 1
 
 Writes OUT.onnx (image -> one tensor a level: features, then objectness, then box deltas, along the channels), OUT.head.onnx
-(crops N x C x 7 x 7 -> N x 5K: K class logits, then 4 box deltas a class) and OUT.json. docs/algorithms/two_stage.md has the
+(N crops of C x 7 x 7 -> N x 5K: K class logits, then 4 box deltas a class) and OUT.json. docs/algorithms/two_stage.md has the
 rest. Weights are a file that torch.load reads: torchvision's own, or of a model of the same form with as many classes as
 --classes names (one a line, without the background). Other Faster R-CNNs: import this file and call export(model, ...).
 Needs python3-torch and python3-torchvision; downloads nothing.
@@ -68,7 +68,8 @@ class Trunk(nn.Module):
 
 class Head(nn.Module):
     """Crops -> class logits and deltas. Layers that connect all with all become convolutions of 1 x 1 over the boxes: OpenCV
-    multiplies those matrix by matrix, but inner products box by box, which reads all weights again for each box."""
+    multiplies those matrix by matrix, but inner products box by box, which reads all weights again for each box. Heads that
+    begin with such a layer take a crop as a column, 1 x 49C x N x 1 (OpenCV's own transposition is slow)."""
 
     def __init__(self, model):
         super().__init__()
@@ -77,6 +78,7 @@ class Head(nn.Module):
             if isinstance(heads.box_head, TwoMLPHead) else list(heads.box_head)
         first = next(i for i, layer in enumerate(layers) if isinstance(layer, nn.Linear))
         self.front = nn.Sequential(*[layer for layer in layers[:first] if not isinstance(layer, nn.Flatten)])
+        self.takes_columns = len(self.front) == 0
         self.inputs = layers[first].in_features
         self.back = nn.Sequential(*[over_boxes(layer) for layer in layers[first:]])
         predictor = heads.box_predictor
@@ -87,8 +89,9 @@ class Head(nn.Module):
         self.last = over_boxes(both)
 
     def forward(self, crops):
-        columns = self.front(crops).reshape(-1, self.inputs).transpose(0, 1).reshape(1, self.inputs, -1, 1)
-        result = self.last(self.back(columns))
+        if not self.takes_columns:
+            crops = self.front(crops).reshape(-1, self.inputs).transpose(0, 1).reshape(1, self.inputs, -1, 1)
+        result = self.last(self.back(crops))
         return result.reshape(self.last.out_channels, -1).transpose(0, 1)
 
 
@@ -112,10 +115,14 @@ def random_picture(width, height):
     return ((picture + .05 * torch.randn_like(picture)).clamp(0, 1) * MAX_PIXEL).round().to(torch.uint8)
 
 
-def scale_outputs(layer, spread):
-    """Scales a layer that was last run so that its outputs vary by about `spread`."""
-    layer.weight.data *= spread / layer.seen.clamp(min=1e-6)
-    layer.bias.data = torch.randn_like(layer.bias) * .1 * spread
+@torch.no_grad()
+def scale_outputs(layer, outputs, spread):
+    """Scales a layer that gave `outputs`, each with its channels second, so that they vary by `spread` around about 0."""
+    flat = torch.cat([output.transpose(0, 1).flatten(1) for output in outputs], 1)
+    factor = spread / flat.std(1).mean()
+    mean = flat.mean(1) - layer.bias
+    layer.weight *= factor
+    layer.bias.copy_(torch.randn_like(mean) * .1 * spread - mean * factor)
 
 
 @torch.no_grad()
@@ -131,27 +138,26 @@ def fill_at_random(model, seed, size):
     pictures = [random_picture(width, height).float() / MAX_PIXEL for _ in range(2)]
     norms = [m for m in model.modules() if isinstance(m, nn.BatchNorm2d)]
     for norm in norms:
-        norm.train()
         norm.momentum = None  # the mean over all that is seen
-    for module in model.modules():
-        if isinstance(module, nn.BatchNorm2d) and module.affine:
-            module.weight.data.uniform_(.8, 1.2)
-    images, _ = model.eval().transform(pictures)
+        norm.weight.uniform_(.8, 1.2)
+    model.eval().transform.fixed_size = size  # for now: the pictures are of the right size
+    images, _ = model.transform(pictures)
     for norm in norms:
         norm.train()
     model.backbone(images.tensors)
     model.eval()
     heads, rpn = model.roi_heads, model.rpn.head
 
-    def note(layer, _, output):
-        layer.seen = output.std()
-    spreads = ((rpn.cls_logits, 2.), (rpn.bbox_pred, .3), (heads.box_predictor.cls_score, 3.),
+    # Objectness far from where a probability is 1 in 32 bits, beyond which all are equal.
+    spreads = ((rpn.cls_logits, .4), (rpn.bbox_pred, .2), (heads.box_predictor.cls_score, 3.),
                (heads.box_predictor.bbox_pred, 1.))
     for layer, spread in spreads:
-        hook = layer.register_forward_hook(note)
+        outputs = []
+        hook = layer.register_forward_hook(lambda _, __, output, seen=outputs: seen.append(output))
         model(pictures[:1])
         hook.remove()
-        scale_outputs(layer, spread)
+        scale_outputs(layer, outputs, spread)
+    model.transform.fixed_size = None
 
 
 def level_strides(model, size):
@@ -181,7 +187,7 @@ def sidecar_of(model, size, names):
         'rpn': {'before_nms': rpn._pre_nms_top_n['testing'], 'after_nms': rpn._post_nms_top_n['testing'],
                 'nms_iou': rpn.nms_thresh, 'min_score': rpn.score_thresh, 'weights': list(rpn.box_coder.weights)},
         'crops': {'size': pool.output_size[0], 'sampling': max(0, pool.sampling_ratio), 'levels': taken,
-                  'canonical_scale': pool.canonical_scale, 'canonical_level': pool.canonical_level},
+                  'columns': Head(model).takes_columns, 'canonical_scale': pool.canonical_scale, 'canonical_level': pool.canonical_level},
         'boxes': {'weights': list(heads.box_coder.weights), 'most': heads.detections_per_img},
         'categories': names}
 
@@ -202,8 +208,10 @@ def export(model, out, size, names):
     sidecar = sidecar_of(model, size, names)
     write_onnx(Trunk(model), torch.zeros(1, 3, height, width), out, ['image'],
                [f'level{i}' for i in range(len(sidecar['strides']))])
-    crops = torch.zeros(BATCH, model.backbone.out_channels, sidecar['crops']['size'], sidecar['crops']['size'])
-    write_onnx(Head(model), crops, out.with_suffix('.head.onnx'), ['crops'], ['boxes'])
+    head, side = Head(model), sidecar['crops']['size']
+    crops = torch.zeros((1, head.inputs, BATCH, 1) if head.takes_columns
+                        else (BATCH, model.backbone.out_channels, side, side))
+    write_onnx(head, crops, out.with_suffix('.head.onnx'), ['crops'], ['boxes'])
     out.with_suffix('.json').write_text(json.dumps(sidecar, indent=1) + '\n')
 
 

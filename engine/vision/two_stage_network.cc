@@ -20,6 +20,16 @@ std::filesystem::path HeadFileOf(std::filesystem::path onnx_file) {
   return onnx_file.replace_extension(".head.onnx");
 }
 
+/// N x channels x bins as 1 x (channels * bins) x N x 1.
+cv::Mat AsColumns(const cv::Mat& crops) {
+  const int count = crops.size[0], length = static_cast<int>(crops.total()) / count;
+  const int shape[] = {1, length, count, 1};
+  cv::Mat columns(4, shape, CV_32FC1);
+  cv::Mat turned(length, count, CV_32FC1, columns.data);
+  cv::transpose(cv::Mat(count, length, CV_32FC1, crops.data), turned);
+  return columns;
+}
+
 void Softmax(const float* logits, int count, float* probabilities) {
   const float highest = *std::max_element(logits, logits + count);
   float sum = 0;
@@ -116,7 +126,8 @@ Result<cv::Mat> TwoStageNetwork::RunBatch(std::span<const FeatureMap> features,
   const int count = static_cast<int>(boxes.size());
   const int filled = (count + kHeadColumns - 1) / kHeadColumns * kHeadColumns;
   const cv::Mat crops = CropRegions(features, boxes, filled, sidecar().two_stage);
-  const Result<std::vector<cv::Mat>> outputs = RunNetworkOn(head_, crops);
+  const Result<std::vector<cv::Mat>> outputs =
+      RunNetworkOn(head_, sidecar().two_stage.crop_columns ? AsColumns(crops) : crops);
   if (!outputs.ok()) return outputs.error();
   const int categories = static_cast<int>(sidecar().categories.size());
   const cv::Mat& rows = outputs->front();

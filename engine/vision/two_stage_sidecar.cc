@@ -107,6 +107,11 @@ std::optional<std::string> ReadTwoStage(const nlohmann::json& sidecar, std::size
   whole(crops, "crops", "size", s.crop_size, 1, 64);
   whole(crops, "crops", "sampling", s.crop_sampling, 0, 16);
   whole(crops, "crops", "levels", s.crop_levels, 1, most_levels);
+  if (!problem && crops.contains("columns")) {
+    if (!crops["columns"].is_boolean())
+      return "has a 'crops.columns' that is neither true nor false";
+    s.crop_columns = crops["columns"].get<bool>();
+  }
   real(crops, "crops", "canonical_scale", s.canonical_scale, 1, 8192);
   whole(crops, "crops", "canonical_level", s.canonical_level, 0, 16);
   if (!problem) problem = ReadBoxWeights(boxes, "boxes", s.box_weights);
@@ -126,6 +131,7 @@ void WriteTwoStage(const TwoStageSettings& s, nlohmann::json& sidecar) {
   sidecar["crops"] = {{"size", s.crop_size},
                       {"sampling", s.crop_sampling},
                       {"levels", s.crop_levels},
+                      {"columns", s.crop_columns},
                       {"canonical_scale", s.canonical_scale},
                       {"canonical_level", s.canonical_level}};
   sidecar["boxes"] = {{"weights", s.box_weights}, {"most", s.most_boxes}};

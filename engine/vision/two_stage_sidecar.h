@@ -27,8 +27,10 @@ struct TwoStageSettings {
   float proposal_min_score = 0;                          ///< Probability that there is an object.
   std::array<float, 4> proposal_weights = {1, 1, 1, 1};  ///< x, y, width, height are divided by.
   int crop_size = 7;                                     ///< Bins across and down.
-  int crop_sampling = 2;        ///< Samples of a bin across and down; 0: as many as cells.
-  int crop_levels = 1;          ///< Crops are taken from the first levels.
+  int crop_sampling = 2;  ///< Samples of a bin across and down; 0: as many as cells.
+  int crop_levels = 1;    ///< Crops are taken from the first levels.
+  /// The head takes crops as columns, 1 x (features * bins) x N x 1, not N x features x bins.
+  bool crop_columns = false;
   float canonical_scale = 224;  ///< [px of the input] A square of this size is cropped from ..
   int canonical_level = 4;      ///< .. the level of stride 2^this.
   std::array<float, 4> box_weights = {10, 10, 5, 5};

@@ -44,10 +44,12 @@ class Graph {
   /// A convolution without weights: channel k is values[k] everywhere on the grid of `stride`.
   std::string Grid(int stride, const std::vector<float>& values) {
     const int channels = static_cast<int>(values.size());
-    const std::string weights = Name("weights"), bias = Name("bias");
+    const std::string weights = Name("weights");
+    std::string bias = Name("bias");
     AddFloats(weights, {channels, 3, stride, stride},
               std::vector<float>(static_cast<std::size_t>(channels) * 3 * stride * stride));
     AddFloats(bias, {channels}, values);
+    if (network_.copies) bias = Node("Identity", {bias});
     const std::string result = Node("Conv", {image_, weights, bias});
     SetInts("kernel_shape", {stride, stride});
     SetInts("strides", {stride, stride});

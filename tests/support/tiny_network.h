@@ -15,8 +15,9 @@ struct TinyNetwork {
   int width = 64, height = 64;
   int categories = 3;
   int best_category = 1;
-  float score = 0.8f;  ///< Of the best category; others 0.
-  bool clips = false;  ///< Its input passes a Clip with bounds as inputs, as new exporters write.
+  float score = 0.8f;   ///< Of the best category; others 0.
+  bool clips = false;   ///< Its input passes a Clip with bounds as inputs, as new exporters write.
+  bool copies = false;  ///< Its biases are copies, as exporters write equal constants.
   bool free_size = false;  ///< The file leaves the size of the input open.
   std::map<std::string, std::string> metadata;
 };

@@ -27,8 +27,8 @@ def some_boxes(width, height, count):
     return ((torch.cat((corners, corners + sides), 1) * 4).round() / 4)
 
 
-def answers(model, image, size):
-    """What torchvision says of an image that is padded to `size`."""
+def answers(model, image, size, levels_file):
+    """What torchvision says of an image that is padded to `size`; what its trunk says goes into a file of floats."""
     kept = []
     filter_proposals = model.rpn.filter_proposals
     model.rpn.filter_proposals = lambda *args: kept.append(filter_proposals(*args)) or kept[-1]
@@ -36,6 +36,8 @@ def answers(model, image, size):
     padded = torch.zeros(1, 3, size[1], size[0])
     padded[0, :, :shape[0], :shape[1]] = model.transform.normalize(image.float() / 255)
     features = model.backbone(padded)
+    levels = export_torchvision.Trunk(model)(padded)
+    levels_file.write_bytes(b''.join(level.numpy().tobytes() for level in levels))
     proposals, _ = model.rpn(ImageList(padded, [shape]), features)
     heads = model.roi_heads
     found = heads(features, proposals, [shape])[0][0]
@@ -44,7 +46,7 @@ def answers(model, image, size):
     moved = heads.box_coder.decode(deltas, [boxes])
     model.rpn.filter_proposals = filter_proposals
     as_list = lambda tensor: tensor.double().numpy().round(7).tolist()
-    return {'proposals': as_list(proposals[0]), 'proposal_scores': as_list(kept[0][1][0]), 'boxes': as_list(boxes),
+    return {'shapes': [list(level.shape) for level in levels], 'proposals': as_list(proposals[0]), 'proposal_scores': as_list(kept[0][1][0]), 'boxes': as_list(boxes),
             'probabilities': as_list(logits.softmax(-1)), 'moved': as_list(moved[:, 1:4].flatten(1)),
             'found': as_list(found['boxes']), 'found_scores': as_list(found['scores']),
             'found_labels': found['labels'].tolist()}
@@ -65,7 +67,7 @@ def main():
         image = export_torchvision.random_picture(*shape)
         header = f'P6\n{shape[0]} {shape[1]}\n255\n'.encode()
         (folder / f'{i}.ppm').write_bytes(header + image.permute(1, 2, 0).contiguous().numpy().tobytes())
-        cases.append(answers(model, image, size))
+        cases.append(answers(model, image, size, folder / f'{i}.levels'))
     (folder / 'reference.json').write_text(json.dumps(cases))
 
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <map>
 #include <memory>
 
@@ -20,7 +21,7 @@
 namespace plumbline {
 namespace {
 
-constexpr float kTolerance = 1e-3f;  // of scores, and of corners as shares of 100 px
+constexpr float kTolerance = 1e-3f;
 
 struct ReferenceModel {
   const char* name;
@@ -29,6 +30,19 @@ struct ReferenceModel {
 
 Box2 BoxOf(const nlohmann::json& corners) {
   return {corners[0], corners[1], corners[2], corners[3]};
+}
+
+/// With pixel centres at integers.
+Box2 InImage(const nlohmann::json& corners) {
+  const Box2 box = BoxOf(corners);
+  return {box.x0 - 0.5f, box.y0 - 0.5f, box.x1 - 0.5f, box.y1 - 0.5f};
+}
+
+/// The standard deviation of all values.
+double Spread(const cv::Mat& tensor) {
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(tensor.reshape(1, 1), mean, deviation);
+  return deviation[0];
 }
 
 float LargestDifference(const Box2& a, const Box2& b) {
@@ -73,6 +87,19 @@ class OfTorchvision : public testing::TestWithParam<ReferenceModel> {
     return cv::imread((file_.parent_path() / (std::to_string(i) + ".ppm")).string());
   }
 
+  /// What torchvision's own trunk says of it.
+  std::vector<cv::Mat> Levels(std::size_t i) const {
+    std::ifstream file(file_.parent_path() / (std::to_string(i) + ".levels"), std::ios::binary);
+    std::vector<cv::Mat> levels;
+    for (const auto& shape : reference_[i]["shapes"]) {
+      levels.emplace_back(shape.get<std::vector<int>>(), CV_32FC1);
+      file.read(reinterpret_cast<char*>(levels.back().data),
+                static_cast<std::streamsize>(levels.back().total() * sizeof(float)));
+    }
+    EXPECT_TRUE(file.good());
+    return levels;
+  }
+
   std::filesystem::path file_;
   nlohmann::json reference_;
   std::shared_ptr<TwoStageNetwork> network_;
@@ -81,40 +108,59 @@ class OfTorchvision : public testing::TestWithParam<ReferenceModel> {
   static inline std::map<std::string, std::unique_ptr<ExportedModel>> exported_;
 };
 
-// Among equals torchvision's order is its own, so each is looked for.
-TEST_P(OfTorchvision, TheFirstStageProposesTheSame) {
+TEST_P(OfTorchvision, TheTrunkGivesTheSame) {
   for (std::size_t i = 0; i < reference_.size(); ++i) {
+    const auto expected = Levels(i);
     const FittedImage fitted = FitImage(Image(i), network_->sidecar());
     ASSERT_EQ(fitted.scale_x, 1);
     const auto levels = network_->RunTrunk(fitted).value();
-    const auto proposals = network_->Propose(levels, fitted);
+    ASSERT_EQ(levels.size(), expected.size());
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+      ASSERT_EQ(levels[k].size, expected[k].size);
+      const double share = cv::norm(levels[k], expected[k], cv::NORM_INF) / Spread(expected[k]);
+      std::printf("image %zu, level %zu: within %.1e of the spread\n", i, k, share);
+      EXPECT_LT(share, kTolerance);
+    }
+  }
+}
+
+// Of torchvision's own trunk: what is decided by thresholds must not depend on the rounding before.
+TEST_P(OfTorchvision, TheFirstStageProposesTheSame) {
+  for (std::size_t i = 0; i < reference_.size(); ++i) {
+    const auto proposals = network_->Propose(Levels(i), FitImage(Image(i), network_->sidecar()));
     const auto& expected = reference_[i]["proposals"];
     ASSERT_EQ(proposals.size(), expected.size());
     EXPECT_GT(proposals.size(), 20u);
-    float worst = 0, worst_score = 0;
+    float worst = 0;
     for (std::size_t k = 0; k < expected.size(); ++k) {
+      // Among equals torchvision's order is its own.
       const Box2 box = BoxOf(expected[k]);
-      const auto nearest =
-          std::min_element(proposals.begin(), proposals.end(), [&](const auto& a, const auto& b) {
-            return LargestDifference(a.box, box) < LargestDifference(b.box, box);
-          });
-      worst = std::max(worst, LargestDifference(nearest->box, box));
-      worst_score = std::max(
-          worst_score, std::abs(nearest->score - reference_[i]["proposal_scores"][k].get<float>()));
+      const float score = reference_[i]["proposal_scores"][k];
+      float least = 1e9f;
+      for (const RegionProposal& proposal : proposals)
+        least = std::min(least, std::max(LargestDifference(proposal.box, box),
+                                         std::abs(proposal.score - score)));
+      worst = std::max(worst, least);
     }
-    std::printf("image %zu: %zu proposals, corners within %.1e px, scores within %.1e\n", i,
-                proposals.size(), static_cast<double>(worst), static_cast<double>(worst_score));
-    EXPECT_LT(worst, 100 * kTolerance);
-    EXPECT_LT(worst_score, kTolerance);
+    std::printf("image %zu: %zu proposals, corners [px] and scores within %.1e\n", i,
+                proposals.size(), static_cast<double>(worst));
+    EXPECT_LT(worst, kTolerance);
   }
 }
 
 TEST_P(OfTorchvision, TheSecondStageSaysTheSameOfGivenBoxes) {
   for (std::size_t i = 0; i < reference_.size(); ++i) {
-    const auto levels = network_->RunTrunk(FitImage(Image(i), network_->sidecar())).value();
     std::vector<Box2> boxes;
     for (const auto& box : reference_[i]["boxes"]) boxes.push_back(BoxOf(box));
-    const HeadScores scores = network_->RunHead(network_->Features(levels), boxes).value();
+    const auto features = network_->Features(Levels(i));
+    const HeadScores scores = network_->RunHead(features, boxes).value();
+    for (const std::size_t k : {0u, 31u, 130u, 299u}) {
+      const HeadScores alone = network_->RunHead(features, {&boxes[k], 1}).value();
+      EXPECT_EQ(cv::norm(alone.probabilities, scores.probabilities.row(static_cast<int>(k)),
+                         cv::NORM_INF),
+                0)
+          << "a box's scores depend on its company";
+    }
     float worst = 0, worst_corner = 0;
     for (std::size_t k = 0; k < boxes.size(); ++k) {
       const int row = static_cast<int>(k);
@@ -127,52 +173,57 @@ TEST_P(OfTorchvision, TheSecondStageSaysTheSameOfGivenBoxes) {
                                     network_->sidecar().two_stage.box_weights);
         const auto& expected = reference_[i]["moved"][k];
         const std::size_t first = 4 * (static_cast<std::size_t>(c) - 1);
-        worst_corner = std::max(
-            worst_corner, LargestDifference(moved, {expected[first], expected[first + 1],
-                                                    expected[first + 2], expected[first + 3]}));
+        const Box2 torchvisions{expected[first], expected[first + 1], expected[first + 2],
+                                expected[first + 3]};
+        // Boxes grow up to 62 times: of long ones the share of their length counts.
+        const float length = std::max({100.0f, torchvisions.width(), torchvisions.height()});
+        worst_corner =
+            std::max(worst_corner, LargestDifference(moved, torchvisions) * 100 / length);
       }
     }
-    std::printf("image %zu: scores of %zu boxes within %.1e, moved corners within %.1e px\n", i,
-                boxes.size(), static_cast<double>(worst), static_cast<double>(worst_corner));
+    std::printf(
+        "image %zu: scores of %zu boxes within %.1e, moved corners within %.1e px per 100 px\n", i,
+        boxes.size(), static_cast<double>(worst), static_cast<double>(worst_corner));
     EXPECT_LT(worst, kTolerance);
-    EXPECT_LT(worst_corner, 100 * kTolerance);
+    EXPECT_LT(worst_corner, kTolerance);
   }
 }
 
+// From the image on: the trunk is rounded differently, so a box may fall on the other side of a
+// threshold, and corners differ as much as the trunk does.
 TEST_P(OfTorchvision, TheDetectorFindsAndScoresTheSame) {
+  constexpr float kCornerTolerance = 0.1f;  // [px]
   const auto detector =
       CreateDetector(file_.string(), nullptr, {.min_score = 0.05f, .nms_iou = 0.5f, .cache = false})
           .value();
+  const auto& categories = network_->sidecar().categories;
   for (std::size_t i = 0; i < reference_.size(); ++i) {
     Frame frame;
     frame.image = Image(i);
     const auto found = detector->Detect(frame).value();
     const auto& expected = reference_[i]["found"];
-    ASSERT_EQ(found->proposals().size(), expected.size());
+    EXPECT_NEAR(found->proposals().size(), expected.size(), 2);
     EXPECT_GT(expected.size(), 5u);
-    const auto& categories = network_->sidecar().categories;
+    std::size_t same = 0;
     for (std::size_t k = 0; k < expected.size(); ++k) {
-      const Box2 edges = BoxOf(expected[k]);
-      const Box2 box{edges.x0 - 0.5f, edges.y0 - 0.5f, edges.x1 - 0.5f, edges.y1 - 0.5f};
-      const int label = reference_[i]["found_labels"][k];
+      const Box2 box = InImage(expected[k]);
+      const std::string& category =
+          categories[reference_[i]["found_labels"][k].get<std::size_t>() - 1];
       const float score = reference_[i]["found_scores"][k];
-      EXPECT_TRUE(std::any_of(found->proposals().begin(), found->proposals().end(),
-                              [&](const Detection& detection) {
-                                return detection.category == categories[label - 1] &&
-                                       std::abs(detection.score - score) < kTolerance &&
-                                       LargestDifference(detection.box, box) < 100 * kTolerance;
-                              }))
-          << "image " << i << ", box " << k;
+      same += std::any_of(found->proposals().begin(), found->proposals().end(),
+                          [&](const Detection& detection) {
+                            return detection.category == category &&
+                                   std::abs(detection.score - score) < kTolerance &&
+                                   LargestDifference(detection.box, box) < kCornerTolerance;
+                          });
     }
+    std::printf("image %zu: %zu of %zu boxes found\n", i, same, expected.size());
+    EXPECT_GE(same + 2, expected.size());
     // Top-down, the boxes whose corners are quarters of a pixel anyway.
     std::vector<Box2> boxes;
-    for (const auto& corners : reference_[i]["boxes"]) {
-      const Box2 box = BoxOf(corners);
-      boxes.push_back({box.x0 - 0.5f, box.y0 - 0.5f, box.x1 - 0.5f, box.y1 - 0.5f});
-    }
+    for (const auto& corners : reference_[i]["boxes"]) boxes.push_back(InImage(corners));
     std::vector<float> scores(boxes.size());
     for (const std::size_t category : {0u, 56u, 61u}) {
-      if (std::count(categories.begin(), categories.end(), categories[category]) > 1) continue;
       found->ScoreBoxes(categories[category], boxes, scores);
       for (std::size_t k = 0; k < boxes.size(); ++k)
         EXPECT_NEAR(scores[k], reference_[i]["probabilities"][k][category + 1].get<float>(),
