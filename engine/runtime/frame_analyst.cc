@@ -12,7 +12,8 @@ namespace plumbline {
 
 std::shared_ptr<const FrameAnalysis> FrameAnalyst::OfFrame(std::shared_ptr<const MapSnapshot> frame,
                                                            const SequenceView& sequence,
-                                                           const MapperOptions& options) {
+                                                           const MapperOptions& options,
+                                                           const RunRecipe* recipe) {
   auto analysis = std::make_shared<FrameAnalysis>();
   const MapSnapshot& snapshot = *frame;
   analysis->object = watched_.object;
@@ -22,6 +23,10 @@ std::shared_ptr<const FrameAnalysis> FrameAnalyst::OfFrame(std::shared_ptr<const
   }
   if (watched_.relations)
     analysis->relations = relations_.Find(snapshot.report, sequence, snapshot.depth, snapshot.id);
+  if (!watched_.edges.empty())
+    analysis->other_edges = networks_.EdgesOf(snapshot.image, watched_.edges);
+  if (watched_.score_map)
+    analysis->score_map = networks_.ScoresOf(snapshot, watched_.object, recipe);
   analysis->frame = std::move(frame);
   return analysis;
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "engine/analysis/relations.h"
+#include "engine/runtime/network_analyst.h"
 #include "engine/snapshot/commands.h"
 #include "engine/snapshot/frame_analysis.h"
 #include "engine/snapshot/object_history.h"
@@ -19,9 +20,11 @@ class FrameAnalyst {
  public:
   void Watch(const WatchCommand& what) { watched_ = what; }
   /// @param options  That the frame was mapped with.
+  /// @param recipe  Of the run; null: unknown.
   std::shared_ptr<const FrameAnalysis> OfFrame(std::shared_ptr<const MapSnapshot> frame,
                                                const SequenceView& sequence,
-                                               const MapperOptions& options);
+                                               const MapperOptions& options,
+                                               const RunRecipe* recipe = nullptr);
   /// Null unless the history of an object is watched. A few milliseconds for 10 000 frames.
   std::shared_ptr<const ObjectHistory> OfHistory(const RunHistory& history,
                                                  const SequenceView& sequence) const;
@@ -29,6 +32,7 @@ class FrameAnalyst {
  private:
   WatchCommand watched_;
   RelationFinder relations_;
+  NetworkAnalyst networks_;
 };
 
 }  // namespace plumbline

@@ -68,6 +68,7 @@ void MappingProcess::Loop(std::stop_token stop) {
   state_.message.clear();
   if (auto header = source_->header()) {
     state_.seed = header->recipe.seed;
+    made_from_ = header;
     header_.Publish(std::move(header));
   }
   sequence_.Publish(std::make_shared<const SequenceView>(source_->view()));
@@ -199,7 +200,7 @@ void MappingProcess::SetOptions(const MapperOptions& options) {
 void MappingProcess::Watch(const WatchCommand& what) {
   analyst_.Watch(what);
   if (const auto shown = snapshot_.Latest())
-    analysis_.Publish(analyst_.OfFrame(shown, source_->view(), *state_.shown_options));
+    analysis_.Publish(analyst_.OfFrame(shown, source_->view(), *state_.shown_options, recipe()));
   object_history_.Publish(analyst_.OfHistory(source_->history(), source_->view()));
 }
 
@@ -269,7 +270,7 @@ void MappingProcess::Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, i
   history_changed_ = history_changed_ || !source_->recorded();
   state_.frame = source_->FrameAt(position);
   state_.shown_options = std::make_shared<const MapperOptions>(source_->OptionsAt(state_.frame));
-  analysis_.Publish(analyst_.OfFrame(*snapshot, source_->view(), *state_.shown_options));
+  analysis_.Publish(analyst_.OfFrame(*snapshot, source_->view(), *state_.shown_options, recipe()));
   snapshot_.Publish(std::move(snapshot).value());
   PublishPlayback();
 }

@@ -67,6 +67,7 @@ class MappingProcess {
   void AnswerProbe(const ProbeCommand& question);
   void SetOptions(const MapperOptions& options);
   void Watch(const WatchCommand& what);
+  const RunRecipe* recipe() const { return made_from_ ? &made_from_->recipe : nullptr; }
   /// Of the last frame that is at most `frame`.
   int PositionOf(int frame) const;
   int LastPosition() const;
@@ -94,6 +95,7 @@ class MappingProcess {
   SnapshotSlot<FrameAnalysis> analysis_;
   SnapshotSlot<ObjectHistory> object_history_;
   SnapshotSlot<RunHeader> header_;
+  std::shared_ptr<const RunHeader> made_from_;  ///< The same, for the process itself.
 
   // Of the thread only.
   std::unique_ptr<SnapshotSource> source_;

@@ -69,6 +69,8 @@ struct WatchCommand {
   ObjectId object;         ///< Ranks of its particles; not valid: of none.
   bool history = false;    ///< Also what the history says of it: an ObjectHistory.
   bool relations = false;  ///< Of the objects of the frame.
+  std::string edges;       ///< Edges to compare the run's with, as --edges names them; empty: none.
+  bool score_map = false;  ///< What the detector makes of a box like that of `object` elsewhere.
   bool operator==(const WatchCommand&) const = default;
 };
 
@@ -121,8 +123,9 @@ struct ShowPanelCommand {
 };
 /// Of a panel that is drawn in this frame of the window: it shows what has to be worked out.
 struct NeedCommand {
-  enum class What { kObjectHistory, kRelations };
+  enum class What { kObjectHistory, kRelations, kOtherEdges, kScoreMap };
   What what = What::kRelations;
+  std::string edges;  ///< Of kOtherEdges.
 };
 /// Full screen with a guided camera and captions, until any key.
 struct PresentCommand {

@@ -3,7 +3,10 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
+
+#include <opencv2/core.hpp>
 
 #include "engine/base/ids.h"
 #include "engine/snapshot/object_relation.h"
@@ -12,13 +15,32 @@ namespace plumbline {
 
 struct MapSnapshot;
 
+/// Edges of the frame by another detector than the run's.
+struct OtherEdges {
+  std::string choice;          ///< As --edges names it.
+  cv::Mat probability, angle;  ///< CV_8U (see EdgeMap); empty if `problem` says why.
+  double milliseconds = 0;     ///< It took; short where NetworkCache knew the answer.
+  std::string problem;
+};
+
+/// Top-down: what the run's detector scores for a box of one size, moved over the image.
+struct ScoreMap {
+  std::string category;
+  double width_px = 0, height_px = 0;  ///< Of the box: that of the object's visible part.
+  int step_px = 1;
+  cv::Mat scores;  ///< CV_32FC1: at (row, column) for the box centred on (column, row) * step_px.
+  std::string problem;
+};
+
 /// What is worked out of a frame besides what the mapper says, where somebody shows it.
 struct FrameAnalysis {
   std::shared_ptr<const MapSnapshot> frame;  ///< Never null.
   /// How its objects stand to one another; nothing: nobody asked.
   std::optional<std::vector<ObjectRelation>> relations;
-  ObjectId object;           ///< The one that is watched.
-  std::vector<int> by_rank;  ///< Indices of its particles, the best first.
+  ObjectId object;                        ///< The one that is watched.
+  std::vector<int> by_rank;               ///< Indices of its particles, the best first.
+  std::optional<OtherEdges> other_edges;  ///< Nothing: nobody asked.
+  std::optional<ScoreMap> score_map;
 };
 
 }  // namespace plumbline

@@ -203,7 +203,20 @@ void InspectWorkspace::Handle(const InspectCommand& command, FrameContext& conte
           [&](const PlaceViewCommand& c) { views_->Place(c.view, c.panel); },
           [&](const ShowPanelCommand& c) { ShowPanel(c.panel); },
           [&](const NeedCommand& c) {
-            (c.what == NeedCommand::What::kRelations ? needed_.relations : needed_.history) = true;
+            switch (c.what) {
+              case NeedCommand::What::kObjectHistory:
+                needed_.history = true;
+                break;
+              case NeedCommand::What::kRelations:
+                needed_.relations = true;
+                break;
+              case NeedCommand::What::kOtherEdges:
+                needed_.edges = c.edges;
+                break;
+              case NeedCommand::What::kScoreMap:
+                needed_.score_map = true;
+                break;
+            }
           },
           [&](const PresentCommand& c) { Present(c.on, context); },
           [&](const AskForkCommand& c) {

@@ -121,5 +121,30 @@ TEST_F(TrialNetwork, GivesTheSameEdgesWhateverTheNumberOfThreads) {
   }
 }
 
+TEST(BuiltinEdges, FindOutlinesOfAnySizeAlike) {
+  for (const char* choice : {"builtin", "builtin-half"}) {
+    const auto network = CreateEdgeDetector(choice, nullptr, {.cache = false});
+    ASSERT_TRUE(network.ok()) << network.error().message;
+    for (const cv::Size size : {cv::Size(321, 241), cv::Size(640, 480), cv::Size(90, 66)}) {
+      Frame frame;
+      frame.image = cv::Mat(size, CV_8UC3, cv::Scalar(60, 90, 120));
+      const cv::Rect box(size.width / 4, size.height / 4, size.width / 2, size.height / 2);
+      cv::rectangle(frame.image, box, {210, 200, 190}, cv::FILLED);
+      const Result<EdgeMap> edges = network.value()->Detect(frame);
+      ASSERT_TRUE(edges.ok()) << edges.error().message;
+      ASSERT_EQ(edges->probability.size(), size);
+      cv::Mat border(size, CV_8UC1, cv::Scalar(0)), near_border;
+      cv::rectangle(border, box, 255);
+      const int around = std::string(choice) == "builtin" ? 7 : 13;  // [px]
+      cv::dilate(border, near_border, cv::Mat::ones(around, around, CV_8U));
+      const cv::Mat strong = edges->probability > 100;
+      EXPECT_GT(cv::countNonZero(strong & near_border), 1.4 * (box.width + box.height))
+          << choice << size;
+      EXPECT_LT(cv::countNonZero(strong & ~near_border), 0.1 * (box.width + box.height))
+          << choice << size;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ui/inspect/image/edges_panel.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
+#include "engine/snapshot/frame_analysis.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/image_canvas.h"
@@ -40,8 +44,17 @@ void DrawOrientationLegend(const FrameContext& context, const ImageCanvas& canva
 class EdgesPanel : public Panel {
  public:
   void DrawHeader(const FrameContext& context, CommandSink&) override {
+    const float choice_width = context.Scaled(118);
     AlignRight(ToggleWidth(context, "Outlines") + ToggleWidth(context, "Contour") +
-               ToggleWidth(context, "Expected") + context.Scaled(8));
+               ToggleWidth(context, "Expected") + choice_width + context.Scaled(12) +
+               (beside_ > 0 ? ToggleWidth(context, "Blink") + context.Scaled(4) : 0));
+    DrawChoiceBeside(context, choice_width);
+    ImGui::SameLine();
+    if (beside_ > 0) {
+      Toggle(context, "edges.blink", "Blink", blink_,
+             "Show one and the other in turn instead of side by side.");
+      ImGui::SameLine();
+    }
     Toggle(
         context, "edges.difference", "Expected", difference_,
         "Edges against the contours of the mean states: green edges that one explains, grey ones "
@@ -54,9 +67,11 @@ class EdgesPanel : public Panel {
            "Outlines of the mean states over the edges that they should meet.");
   }
 
-  void Draw(const FrameContext& context, CommandSink&) override {
+  void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
     const MapSnapshot& snapshot = *context.snapshot;
+    if (beside_ > 0)
+      sink.Post(NeedCommand{NeedCommand::What::kOtherEdges, kBeside[beside_].choice});
     if (snapshot.edge_probability.empty()) {
       return EmptyState(context, "No edge map",
                         "Edges come with live mapping; open the sequence instead of the run.");
@@ -72,6 +87,7 @@ class EdgesPanel : public Panel {
     });
     const ImageCanvas canvas(context, "edges.view", texture, snapshot.edge_probability.cols,
                              snapshot.edge_probability.rows);
+    if (beside_ > 0) DrawBeside(context, canvas, thick);
     if (outlines_)
       DrawOutlineOverlay(context, canvas, {.width_px = 1, .alpha = 0.8, .shadow = false});
     if (contour_) DrawContourOverlay(context, canvas);
@@ -88,16 +104,98 @@ class EdgesPanel : public Panel {
   }
 
   nlohmann::json SaveState() const override {
-    return {{"outlines", outlines_}, {"contour", contour_}, {"difference", difference_}};
+    return {{"outlines", outlines_}, {"contour", contour_}, {"difference", difference_},
+            {"beside", beside_},     {"divider", divider_}, {"blink", blink_}};
   }
   void LoadState(const nlohmann::json& json) override {
     outlines_ = json.value("outlines", outlines_);
     contour_ = json.value("contour", contour_);
     difference_ = json.value("difference", difference_);
+    beside_ =
+        std::clamp(json.value("beside", beside_), 0, static_cast<int>(std::size(kBeside)) - 1);
+    divider_ = std::clamp(json.value("divider", divider_), 0.0f, 1.0f);
+    blink_ = json.value("blink", blink_);
   }
 
  private:
-  bool outlines_ = false, contour_ = false, difference_ = false;
+  struct Beside {
+    const char *choice, *name;
+  };
+  static constexpr Beside kBeside[] = {{"", "no others"},
+                                       {"builtin", "builtin"},
+                                       {"builtin-half", "builtin-half"},
+                                       {"gradient", "gradient"}};
+
+  void DrawChoiceBeside(const FrameContext& context, float width) {
+    ImGui::SetNextItemWidth(width);
+    if (ImGui::BeginCombo("##edges.beside", kBeside[beside_].name)) {
+      for (int i = 0; i < static_cast<int>(std::size(kBeside)); ++i)
+        if (ImGui::Selectable(kBeside[i].name, i == beside_)) beside_ = i;
+      ImGui::EndCombo();
+    }
+    LogItem(context, "edges.beside");
+    Tooltip(context,
+            "Other edges of the same image to compare those of the run with: they show right of "
+            "the line, which the mouse drags.");
+  }
+
+  /// The other edges over the right part of the canvas, or over all of it in turn.
+  void DrawBeside(const FrameContext& context, const ImageCanvas& canvas, bool thick) {
+    const bool ready = context.analysis != nullptr && context.analysis->other_edges &&
+                       context.analysis->other_edges->choice == kBeside[beside_].choice;
+    const ImVec2 low = canvas.low(), high = canvas.high();
+    PictureLabels labels(context, low, high);
+    const float below = low.y + labels.SizeOf("run").y;
+    if (!ready || !context.analysis->other_edges->problem.empty()) {
+      labels.Add({{low.x, below}}, colors::kWarning,
+                 ready ? context.analysis->other_edges->problem : "finding edges ..");
+      return;
+    }
+    const OtherEdges& other = *context.analysis->other_edges;
+    constexpr double kBlink_s = 0.7;
+    const bool turn = std::fmod(ImGui::GetTime(), 2 * kBlink_s) >= kBlink_s;
+    if (blink_ && !turn) {
+      labels.Add({{low.x, below}}, colors::kText, "run");
+      return;
+    }
+    const float at = blink_ ? low.x : DragDivider(context, low, high);
+    const std::string name =
+        std::string("edges beside, ") + other.choice + (thick ? ", thick" : "");
+    const ImTextureID texture = context.textures->Get(name, context.snapshot_version, [&] {
+      return EdgePicture(other.probability, other.angle, thick);
+    });
+    canvas.draw().PushClipRect({at, low.y}, high, true);
+    const auto width = static_cast<float>(other.probability.cols);
+    const auto height = static_cast<float>(other.probability.rows);
+    canvas.draw().AddImage(texture, canvas.ToScreen(-0.5f, -0.5f),
+                           canvas.ToScreen(width - 0.5f, height - 0.5f));
+    canvas.draw().PopClipRect();
+    labels.Add({{at + context.Scaled(3), below}}, colors::kText,
+               fmt::format("{}, {:.0f} ms", other.choice, other.milliseconds));
+    if (blink_) return;
+    labels.Add({{low.x, below}}, colors::kText, "run");
+    canvas.draw().AddLine({at, low.y}, {at, high.y}, IM_COL32(235, 238, 242, 200),
+                          context.Scaled(1.5));
+  }
+
+  /// Where the line between the two stands on the screen, after the mouse has had its way.
+  float DragDivider(const FrameContext& context, ImVec2 low, ImVec2 high) {
+    const float width = std::max(1.0f, high.x - low.x), reach = context.Scaled(5);
+    const float at = low.x + divider_ * width;
+    const ImVec2 mouse = ImGui::GetMousePos();
+    const bool over = ImGui::IsWindowHovered() && std::abs(mouse.x - at) < reach &&
+                      mouse.y > low.y && mouse.y < high.y;
+    if (over && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) dragging_ = true;
+    if (!ImGui::IsMouseDown(ImGuiMouseButton_Left)) dragging_ = false;
+    if (over || dragging_) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+    if (dragging_) divider_ = std::clamp((mouse.x - low.x) / width, 0.0f, 1.0f);
+    context.widgets->Add("edges.divider", {at - reach, low.y}, {at + reach, high.y});
+    return low.x + divider_ * width;
+  }
+
+  bool outlines_ = false, contour_ = false, difference_ = false, blink_ = false, dragging_ = false;
+  int beside_ = 0;  ///< Index into kBeside.
+  float divider_ = 0.5f;
 };
 
 }  // namespace

@@ -3,8 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
+#include <opencv2/imgproc.hpp>
+
+#include "engine/snapshot/frame_analysis.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/image_canvas.h"
@@ -38,8 +42,9 @@ bool IsWeak(const ProposalReport& proposal) {
 class ImagePanel : public Panel {
  public:
   void DrawHeader(const FrameContext& context, CommandSink&) override {
-    float width = context.Scaled(18);
-    for (const char* label : {"Proposals", "Weak", "Outlines", "Names", "Particles", "Contour"}) {
+    float width = context.Scaled(22);
+    for (const char* label :
+         {"Scores", "Proposals", "Weak", "Outlines", "Names", "Particles", "Contour"}) {
       width += ToggleWidth(context, label);
     }
     const bool own_poses = context.sequence != nullptr && context.sequence->own_poses != nullptr;
@@ -51,6 +56,10 @@ class ImagePanel : public Panel {
              "by the gate, grey followed only; the larger, the longer.");
       ImGui::SameLine();
     }
+    Toggle(context, "image.scores", "Scores", scores_,
+           "Top-down: what the run's detector scores for a box as large as the selected object's, "
+           "of its category, at every place; bright is high.");
+    ImGui::SameLine();
     Toggle(context, "image.proposals", "Proposals", proposals_,
            "Boxes that the detector proposes, with category and score. In an object's colour: "
            "explained by it (of several, the best is labelled). White: spawned an object. "
@@ -86,6 +95,10 @@ class ImagePanel : public Panel {
         context.textures->Get("image", context.snapshot_version, [&] { return snapshot.image; });
     const ImageCanvas canvas(context, "image.view", texture, context.sequence->image_width,
                              context.sequence->image_height);
+    if (scores_) {
+      sink.Post(NeedCommand{NeedCommand::What::kScoreMap, {}});
+      DrawScoreMap(context, canvas);
+    }
     if (tracks_) DrawTrackOverlay(context, canvas);
     if (proposals_) DrawProposals(context, canvas);
     if (outlines_) DrawOutlineOverlay(context, canvas, {});
@@ -100,6 +113,7 @@ class ImagePanel : public Panel {
     }
     if (names_) LabelObjects(context, canvas, labels);
     if (proposals_) LabelProposals(context, canvas, labels);
+    if (scores_) LabelScores(context, canvas, labels);
     DrawPixelValue(context, canvas);
     if (const auto pixel = canvas.clicked())
       sink.Post(SelectObjectCommand{ObjectAt(context, *pixel)});
@@ -108,7 +122,7 @@ class ImagePanel : public Panel {
   nlohmann::json SaveState() const override {
     return {{"proposals", proposals_}, {"weak", weak_},           {"outlines", outlines_},
             {"names", names_},         {"particles", particles_}, {"contour", contour_},
-            {"tracks", tracks_}};
+            {"tracks", tracks_},       {"scores", scores_}};
   }
   void LoadState(const nlohmann::json& json) override {
     proposals_ = json.value("proposals", proposals_);
@@ -118,9 +132,65 @@ class ImagePanel : public Panel {
     particles_ = json.value("particles", particles_);
     contour_ = json.value("contour", contour_);
     tracks_ = json.value("tracks", tracks_);
+    scores_ = json.value("scores", scores_);
   }
 
  private:
+  /// Of the selected object in this frame; null while it is worked out.
+  static const ScoreMap* Scores(const FrameContext& context) {
+    const bool ready = context.analysis != nullptr && context.analysis->score_map &&
+                       context.analysis->object == context.selection.object;
+    return ready ? &*context.analysis->score_map : nullptr;
+  }
+
+  static void DrawScoreMap(const FrameContext& context, const ImageCanvas& canvas) {
+    const ScoreMap* map = Scores(context);
+    if (map == nullptr || map->scores.empty()) return;
+    const std::string name = "score map of #" + std::to_string(context.selection.object.value);
+    const ImTextureID texture = context.textures->Get(name, context.snapshot_version, [&] {
+      cv::Mat levels, picture;
+      map->scores.convertTo(levels, CV_8UC1, 255);
+      cv::applyColorMap(levels, picture, cv::COLORMAP_VIRIDIS);
+      return picture;
+    });
+    const float reach = 0.5f * static_cast<float>(map->step_px);
+    const auto step = static_cast<float>(map->step_px);
+    constexpr int kOpacity = 165;  // of 255: the image shines through
+    canvas.draw().AddImage(texture, canvas.ToScreen(-reach, -reach),
+                           canvas.ToScreen(static_cast<float>(map->scores.cols - 1) * step + reach,
+                                           static_cast<float>(map->scores.rows - 1) * step + reach),
+                           {0, 0}, {1, 1}, IM_COL32(255, 255, 255, kOpacity));
+    if (const auto pixel = canvas.hovered()) {
+      const int column = std::clamp(cvRound(pixel->x() / step), 0, map->scores.cols - 1);
+      const int row = std::clamp(cvRound(pixel->y() / step), 0, map->scores.rows - 1);
+      const auto x = static_cast<float>(column) * step, y = static_cast<float>(row) * step;
+      const auto half_width = static_cast<float>(map->width_px / 2);
+      const auto half_height = static_cast<float>(map->height_px / 2);
+      canvas.draw().AddRect(canvas.ToScreen(x - half_width, y - half_height),
+                            canvas.ToScreen(x + half_width, y + half_height),
+                            IM_COL32(255, 255, 255, 200), 0, 0, context.Scaled(1.0));
+      ImGui::SetTooltip("%s in this box: %.2f", map->category.c_str(),
+                        static_cast<double>(map->scores.at<float>(row, column)));
+    }
+  }
+
+  static void LabelScores(const FrameContext& context, const ImageCanvas& canvas,
+                          PictureLabels& labels) {
+    const ScoreMap* map = Scores(context);
+    std::string text = "scoring boxes ..";
+    if (map != nullptr) {
+      double highest = 0;
+      if (!map->scores.empty()) cv::minMaxLoc(map->scores, nullptr, &highest);
+      text = !map->problem.empty()
+                 ? map->problem
+                 : fmt::format("{} boxes of {:.0f} x {:.0f} px: at most {:.2f}", map->category,
+                               map->width_px, map->height_px, highest);
+    }
+    const ImVec2 size = labels.SizeOf(text);
+    labels.Add({{canvas.low().x, canvas.high().y}, {canvas.low().x, canvas.low().y + size.y}},
+               map != nullptr && !map->problem.empty() ? colors::kWarning : colors::kText, text);
+  }
+
   void DrawProposals(const FrameContext& context, const ImageCanvas& canvas) const {
     for (const ProposalReport& proposal : context.snapshot->report.proposals) {
       const ImVec2 low = canvas.ToScreen(proposal.box.x0 - 0.5f, proposal.box.y0 - 0.5f);
@@ -182,7 +252,7 @@ class ImagePanel : public Panel {
   }
 
   bool proposals_ = true, weak_ = false, outlines_ = true, names_ = true, particles_ = false,
-       contour_ = true, tracks_ = true;
+       contour_ = true, tracks_ = true, scores_ = false;
 };
 
 }  // namespace
