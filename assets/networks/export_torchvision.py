@@ -227,7 +227,22 @@ def class_names(file):
     if file:
         return [line.strip() for line in pathlib.Path(file).read_text().splitlines() if line.strip()]
     coco = detection.FasterRCNN_ResNet50_FPN_Weights.COCO_V1.meta['categories']
-    return [name.lower() for name in coco[1:]]
+    # Numbers that COCO does not use: names of their own, since boxes of one name suppress one another.
+    return [f'unused {i}' if name == 'N/A' else name.lower() for i, name in enumerate(coco) if i > 0]
+
+
+def load_weights(model, file, what):
+    try:
+        weights = torch.load(file, map_location='cpu')
+    except Exception as error:  # torch raises many kinds
+        raise SystemExit(f"'{file}' is no state dict that torch can read: {error}") from None
+    try:
+        missing, unknown = model.load_state_dict(weights, strict=False)
+    except (RuntimeError, TypeError) as error:
+        raise SystemExit(f"'{file}' does not fit {what} (--model, --classes): {str(error).splitlines()[-1].strip()}") from None
+    missing = [name for name in missing if not name.endswith('num_batches_tracked')]
+    if missing or unknown:
+        raise SystemExit(f"'{file}' does not fit {what} (--model): it lacks {missing[:3]} and has {unknown[:3]} too many")
 
 
 def build(arguments):
@@ -240,12 +255,7 @@ def build(arguments):
                 module.eps = arguments.batch_norm_eps
     size = tuple(int(n) for n in arguments.size.split('x')) if arguments.size else usual_size(model)
     if arguments.weights:
-        weights = torch.load(arguments.weights, map_location='cpu')
-        missing, unknown = model.load_state_dict(weights, strict=False)
-        missing = [name for name in missing if not name.endswith('num_batches_tracked')]
-        if missing or unknown:
-            raise SystemExit(f"'{arguments.weights}' does not fit {arguments.model} of {len(names)} classes: it lacks "
-                             f'{missing[:3]} and has {unknown[:3]} too many')
+        load_weights(model, arguments.weights, f'{arguments.model} of {len(names)} classes')
     else:
         fill_at_random(model, arguments.random, size)
     return model.eval(), size, names

@@ -97,11 +97,16 @@ class TwoStageDetections : public FrameDetections {
     }
     // While it waits, this thread must not take up a task that asks the same frame: it would wait
     // for itself.
-    const auto scores =
-        tbb::this_task_arena::isolate([&] { return network_->RunHead(features_, boxes).value(); });
-    for (int i = 0; i < scores.probabilities.rows; ++i) {
-      const float* row = scores.probabilities.ptr<float>(i);
-      probabilities_.insert(probabilities_.end(), row + 1, row + scores.probabilities.cols);
+    const Result<HeadScores> scores =
+        tbb::this_task_arena::isolate([&] { return network_->RunHead(features_, boxes); });
+    if (!scores.ok()) {  // no row without its probabilities
+      rows_.clear();
+      probabilities_.clear();
+    }
+    const cv::Mat& all = scores.value().probabilities;
+    for (int i = 0; i < all.rows; ++i) {
+      const float* row = all.ptr<float>(i);
+      probabilities_.insert(probabilities_.end(), row + 1, row + all.cols);
     }
   }
 

@@ -202,7 +202,7 @@ TEST_P(OfTorchvision, TheDetectorFindsAndScoresTheSame) {
     frame.image = Image(i);
     const auto found = detector->Detect(frame).value();
     const auto& expected = reference_[i]["found"];
-    EXPECT_NEAR(found->proposals().size(), expected.size(), 2);
+    EXPECT_NEAR(found->proposals().size(), expected.size(), 1);
     EXPECT_GT(expected.size(), 5u);
     std::size_t same = 0;
     for (std::size_t k = 0; k < expected.size(); ++k) {
@@ -218,7 +218,7 @@ TEST_P(OfTorchvision, TheDetectorFindsAndScoresTheSame) {
                           });
     }
     std::printf("image %zu: %zu of %zu boxes found\n", i, same, expected.size());
-    EXPECT_GE(same + 2, expected.size());
+    EXPECT_GE(same + 1, expected.size());
     // Top-down, the boxes whose corners are quarters of a pixel anyway.
     std::vector<Box2> boxes;
     for (const auto& corners : reference_[i]["boxes"]) boxes.push_back(InImage(corners));
@@ -236,7 +236,8 @@ INSTANTIATE_TEST_SUITE_P(Models, OfTorchvision,
                          testing::Values(ReferenceModel{"fasterrcnn_mobilenet_v3_large_320_fpn",
                                                         ""},
                                          ReferenceModel{"mobilenet_light_320", ""},
-                                         ReferenceModel{"fasterrcnn_resnet50_fpn", "448x320"}),
+                                         ReferenceModel{"fasterrcnn_resnet50_fpn", "448x320"},
+                                         ReferenceModel{"fasterrcnn_resnet50_fpn_v2", "320x256"}),
                          [](const auto& model) { return std::string(model.param.name); });
 
 }  // namespace
