@@ -134,6 +134,19 @@ TEST_F(TwoStage, ScoresDoNotDependOnCompanyThreadsOrOrder) {
   cv::setNumThreads(threads);
 }
 
+TEST_F(TwoStage, SaysTheSameFromTheCache) {
+  const std::vector<Box2> boxes = {{40, 2, 60, 20}, {20, 2, 45, 20}};
+  const auto fresh = Create()->Detect(HalfWhite(2)).value();
+  for (int i = 0; i < 2; ++i) {
+    const auto found =
+        CreateDetector(file_.string(), nullptr).value()->Detect(HalfWhite(2)).value();
+    EXPECT_EQ(Scores(*found, "couch", boxes), Scores(*fresh, "couch", boxes));
+    ASSERT_EQ(found->proposals().size(), fresh->proposals().size());
+    for (std::size_t k = 0; k < found->proposals().size(); ++k)
+      EXPECT_EQ(found->proposals()[k].box, fresh->proposals()[k].box);
+  }
+}
+
 TEST_F(TwoStage, OutlivesItsDetector) {
   auto detector = Create();
   const auto found = detector->Detect(HalfWhite(1)).value();
