@@ -15,7 +15,7 @@
 #include "engine/base/files.h"
 #include "engine/base/timer.h"
 #include "engine/sensor/image_file.h"
-#include "engine/vision/dense_detector.h"
+#include "engine/vision/detector.h"
 #include "engine/vision/edge_network.h"
 #include "engine/vision/fetched_networks.h"
 #include "engine/vision/network_guess.h"
@@ -122,10 +122,10 @@ double LeastMilliseconds(const Run& run) {
 }
 
 /// What the network finds, printed and drawn into `picture`.
-Status CheckDetector(const NetworkCheckArguments& arguments, Network network, const Frame& frame,
-                     cv::Mat& picture) {
-  const auto detector =
-      CreateDenseDetector(std::move(network), {.min_score = arguments.min_score, .cache = false});
+Status CheckDetector(const NetworkCheckArguments& arguments, const NetworkSidecar& sidecar,
+                     const Frame& frame, cv::Mat& picture) {
+  const auto detector = CreateNetworkDetector(arguments.network, sidecar,
+                                              {.min_score = arguments.min_score, .cache = false});
   if (!detector.ok()) return detector.error();
   const auto found = detector.value()->Detect(frame);
   if (!found.ok()) return found.error();
@@ -144,8 +144,11 @@ Status CheckDetector(const NetworkCheckArguments& arguments, Network network, co
   return {};
 }
 
-Status CheckEdges(Network network, const Frame& frame, cv::Mat& picture) {
-  const auto edges = CreateEdgeNetwork(std::move(network), {.cache = false});
+Status CheckEdges(const NetworkCheckArguments& arguments, const NetworkSidecar& sidecar,
+                  const Frame& frame, cv::Mat& picture) {
+  Result<Network> network = LoadNetwork(arguments.network, sidecar);
+  if (!network.ok()) return network.error();
+  const auto edges = CreateEdgeNetwork(std::move(network).value(), {.cache = false});
   if (!edges.ok()) return edges.error();
   const Result<EdgeMap> map = edges.value()->Detect(frame);
   if (!map.ok()) return map.error();
@@ -189,12 +192,10 @@ Status CheckNetwork(const NetworkCheckArguments& arguments) {
   if (!sidecar.ok()) return sidecar.error();
   PrintFeeding(*sidecar);
   std::cout << std::flush;
-  Result<Network> network = LoadNetwork(file, *sidecar);
-  if (!network.ok()) return network.error();
   cv::Mat picture = frame.image.clone();
   Status status = sidecar->kind == NetworkKind::kEdge
-                      ? CheckEdges(std::move(network).value(), frame, picture)
-                      : CheckDetector(arguments, std::move(network).value(), frame, picture);
+                      ? CheckEdges(arguments, *sidecar, frame, picture)
+                      : CheckDetector(arguments, *sidecar, frame, picture);
   std::fflush(stdout);
   if (!status.ok()) return status;
   if (!arguments.out_file.empty()) {

@@ -3,6 +3,7 @@
 
 #include "engine/vision/dense_detector.h"
 #include "engine/vision/network.h"
+#include "engine/vision/two_stage_detector.h"
 
 namespace plumbline {
 namespace {
@@ -46,13 +47,24 @@ Result<std::unique_ptr<Detector>> CreateDetector(std::string_view choice,
     return Error{ErrorCode::kInvalidInput, "there is no detector '" + std::string(choice) +
                                                "'; it must be dataset or a FILE.onnx"};
   }
-  Result<Network> network = LoadNetwork(std::filesystem::path(choice));
-  if (!network.ok()) return network.error();
-  if (network->sidecar.kind == NetworkKind::kEdge) {
-    return Error{ErrorCode::kInvalidInput, "the network '" + network->name +
+  const std::filesystem::path file(choice);
+  Result<NetworkSidecar> sidecar = ReadNetworkSidecar(file);
+  if (!sidecar.ok()) return sidecar.error();
+  return CreateNetworkDetector(file, std::move(sidecar).value(), options);
+}
+
+Result<std::unique_ptr<Detector>> CreateNetworkDetector(const std::filesystem::path& onnx_file,
+                                                        NetworkSidecar sidecar,
+                                                        const DetectorOptions& options) {
+  if (sidecar.kind == NetworkKind::kEdge) {
+    return Error{ErrorCode::kInvalidInput, "the network '" + onnx_file.string() +
                                                "' finds edges, no objects (its sidecar's kind is "
                                                "edge); give it as --edges"};
   }
+  if (sidecar.kind == NetworkKind::kTwoStage)
+    return CreateTwoStageDetector(onnx_file, std::move(sidecar), options);
+  Result<Network> network = LoadNetwork(onnx_file, std::move(sidecar));
+  if (!network.ok()) return network.error();
   return CreateDenseDetector(std::move(network).value(), options);
 }
 

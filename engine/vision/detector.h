@@ -11,6 +11,7 @@
 #include "engine/base/result.h"
 #include "engine/dataset/sequence.h"
 #include "engine/geometry/box.h"
+#include "engine/vision/network_sidecar.h"
 
 namespace plumbline {
 
@@ -50,6 +51,12 @@ struct DetectorOptions {
 Result<std::unique_ptr<Detector>> CreateDetector(std::string_view choice,
                                                  std::shared_ptr<const Sequence> sequence,
                                                  const DetectorOptions& options = {});
+
+/// Of a network of any kind but kEdge, with a sidecar that need not lie beside it. Errors: as
+/// above.
+Result<std::unique_ptr<Detector>> CreateNetworkDetector(const std::filesystem::path& onnx_file,
+                                                        NetworkSidecar sidecar,
+                                                        const DetectorOptions& options);
 
 /// FrameDetections of given proposals, scoring boxes by score * IoU.
 std::unique_ptr<const FrameDetections> DetectionsFromProposals(std::vector<Detection> proposals);

@@ -71,17 +71,20 @@ FittedImage FitImage(const cv::Mat& image, const NetworkSidecar& sidecar) {
   return fitted;
 }
 
-Result<std::vector<cv::Mat>> RunNetwork(Network& network, const cv::Mat& input) {
-  try {
-    const NetworkSidecar& s = network.sidecar;
-    cv::Mat blob = cv::dnn::blobFromImage(input, s.scale, input.size(), s.mean, s.swap_rb, false);
-    if (s.deviation != cv::Scalar(1, 1, 1, 1)) {
-      for (int channel = 0; channel < 3; ++channel) {
-        cv::Mat plane(input.size(), CV_32FC1, blob.ptr<float>(0, channel));
-        plane *= 1 / s.deviation[channel];
-      }
+cv::Mat NetworkInput(const cv::Mat& image, const NetworkSidecar& s) {
+  cv::Mat input = cv::dnn::blobFromImage(image, s.scale, image.size(), s.mean, s.swap_rb, false);
+  if (s.deviation != cv::Scalar(1, 1, 1, 1)) {
+    for (int channel = 0; channel < 3; ++channel) {
+      cv::Mat plane(image.size(), CV_32FC1, input.ptr<float>(0, channel));
+      plane *= 1 / s.deviation[channel];
     }
-    network.net.setInput(blob);
+  }
+  return input;
+}
+
+Result<std::vector<cv::Mat>> RunNetworkOn(Network& network, const cv::Mat& input) {
+  try {
+    network.net.setInput(input);
     std::vector<cv::Mat> outputs;
     network.net.forward(outputs, network.outputs);
     return outputs;
@@ -89,6 +92,10 @@ Result<std::vector<cv::Mat>> RunNetwork(Network& network, const cv::Mat& input) 
     return Error{ErrorCode::kCorrupt,
                  "the network '" + network.name + "' fails to run: " + exception.what()};
   }
+}
+
+Result<std::vector<cv::Mat>> RunNetwork(Network& network, const cv::Mat& input) {
+  return RunNetworkOn(network, NetworkInput(input, network.sidecar));
 }
 
 std::string ShapesText(const std::vector<cv::Mat>& outputs) {

@@ -43,6 +43,12 @@ struct FittedImage {
 };
 FittedImage FitImage(const cv::Mat& image, const NetworkSidecar& sidecar);
 
+/// What a network is fed for an image of its size: 1 x 3 x height x width, normalised.
+cv::Mat NetworkInput(const cv::Mat& image, const NetworkSidecar& sidecar);
+
+/// All outputs for any input, valid until the network runs again. Errors: kCorrupt.
+Result<std::vector<cv::Mat>> RunNetworkOn(Network& network, const cv::Mat& input);
+
 /// All outputs for an image of the network's size, in the order of `outputs`. Same input, same
 /// output, whatever the number of threads. Errors: kCorrupt where OpenCV gives up.
 Result<std::vector<cv::Mat>> RunNetwork(Network& network, const cv::Mat& input);

@@ -161,6 +161,11 @@ Result<NetworkSidecar> SidecarFromJson(const nlohmann::json& json) {
   if (!problem) problem = ReadStrides(json, result);
   if (!problem && result.kind != NetworkKind::kEdge) problem = ReadCategories(json, result);
   if (!problem) problem = ReadCalibration(json, result);
+  if (!problem && result.kind == NetworkKind::kTwoStage) {
+    // Two networks and torchvision's anchors know of one way to fit an image.
+    if (result.fit != ImageFit::kLetterbox) problem = "needs 'resize' to be letterbox";
+    if (!problem) problem = ReadTwoStage(json, result.strides.size(), result.two_stage);
+  }
   if (problem) return Error{ErrorCode::kInvalidInput, *problem};
   return result;
 }
@@ -180,7 +185,11 @@ nlohmann::json SidecarToJson(const NetworkSidecar& sidecar) {
   if (sidecar.shrink > 1) json["shrink"] = sidecar.shrink;
   if (sidecar.kind != NetworkKind::kEdge) {
     json["resize"] = EnumNames<ImageFit>::names[static_cast<std::size_t>(sidecar.fit)];
-    if (sidecar.fit != ImageFit::kStretch) json["padding"] = sidecar.padding;
+    if (sidecar.kind == NetworkKind::kTwoStage) {
+      WriteTwoStage(sidecar.two_stage, json);
+    } else if (sidecar.fit != ImageFit::kStretch) {
+      json["padding"] = sidecar.padding;
+    }
     if (!sidecar.strides.empty()) json["strides"] = sidecar.strides;
     json["categories"] = sidecar.categories;
   }

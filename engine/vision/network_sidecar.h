@@ -12,6 +12,7 @@
 
 #include "engine/base/options.h"
 #include "engine/base/result.h"
+#include "engine/vision/two_stage_sidecar.h"
 
 namespace plumbline {
 
@@ -64,6 +65,7 @@ struct NetworkSidecar {
   std::vector<std::string> categories;
   /// (raw output, probability), both rising in [0, 1]; empty where the network's makers give none.
   std::vector<std::pair<float, float>> calibration;
+  TwoStageSettings two_stage;  ///< Two-stage networks only.
 };
 
 /// Errors: kNotFound (no network, no sidecar), kCorrupt, kInvalidInput (a key missing or

@@ -60,6 +60,22 @@ void MoveBoundsOfClips(onnx::GraphProto& graph) {
   }
 }
 
+/// Exporters write constants that are equal, such as biases of zero, once and copy them by Identity
+/// nodes, which OpenCV 4.6 refuses: whoever takes a copy takes the constant itself.
+void DropCopiesOfConstants(onnx::GraphProto& graph, const std::set<std::string>& constants) {
+  std::map<std::string, std::string> originals;
+  for (int i = 0; i < graph.node_size(); ++i) {
+    onnx::NodeProto& node = *graph.mutable_node(i);
+    for (std::string& input : *node.mutable_input())
+      if (const auto found = originals.find(input); found != originals.end()) input = found->second;
+    if (node.op_type() != "Identity" || node.input_size() != 1 || node.output_size() != 1 ||
+        !constants.contains(node.input(0)))
+      continue;
+    originals[node.output(0)] = node.input(0);
+    graph.mutable_node()->DeleteSubrange(i--, 1);
+  }
+}
+
 }  // namespace
 
 Result<OnnxFile> ReadOnnxFile(const std::filesystem::path& file) {
@@ -88,6 +104,7 @@ Result<OnnxFile> ReadOnnxFile(const std::filesystem::path& file) {
   for (const auto& input : graph.input()) result.inputs.push_back({input.name(), ShapeOf(input)});
   for (const auto& output : graph.output())
     result.outputs.push_back({output.name(), ShapeOf(output)});
+  DropCopiesOfConstants(graph, weights);
   MoveBoundsOfClips(graph);
   result.for_opencv = model.SerializeAsString();
   return result;

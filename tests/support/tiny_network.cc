@@ -19,7 +19,11 @@ constexpr int kBins = 8;       // of distances, as GFL heads have them
 /// Builds a graph node by node.
 class Graph {
  public:
-  explicit Graph(const TinyNetwork& network) : network_(network) {
+  explicit Graph(const TinyNetwork& network)
+      : Graph(network, {1, 3, network.free_size ? 0 : network.height,
+                        network.free_size ? 0 : network.width}) {}
+  /// @param input  Its shape; 0: open.
+  Graph(const TinyNetwork& network, const std::vector<int>& input) : network_(network) {
     model_.set_ir_version(6);
     model_.set_producer_name("tiny");
     model_.add_opset_import()->set_version(11);
@@ -29,8 +33,7 @@ class Graph {
       entry->set_value(value);
     }
     graph().set_name("tiny");
-    AddValue(*graph().add_input(), "image",
-             {1, 3, network.free_size ? 0 : network.height, network.free_size ? 0 : network.width});
+    AddValue(*graph().add_input(), "image", input);
     image_ = "image";
     if (!network.clips) return;
     AddFloats("lowest", {}, {-1000});
@@ -41,15 +44,34 @@ class Graph {
   /// A convolution without weights: channel k is values[k] everywhere on the grid of `stride`.
   std::string Grid(int stride, const std::vector<float>& values) {
     const int channels = static_cast<int>(values.size());
-    const std::string weights = Name("weights"), bias = Name("bias");
+    const std::string weights = Name("weights");
+    std::string bias = Name("bias");
     AddFloats(weights, {channels, 3, stride, stride},
               std::vector<float>(static_cast<std::size_t>(channels) * 3 * stride * stride));
     AddFloats(bias, {channels}, values);
+    if (network_.copies) bias = Node("Identity", {bias});
     const std::string result = Node("Conv", {image_, weights, bias});
     SetInts("kernel_shape", {stride, stride});
     SetInts("strides", {stride, stride});
     return result;
   }
+  /// A convolution whose channel k is weights[k] times the mean of its window, plus bias[k].
+  std::string Means(const std::string& input, int channels, int window,
+                    const std::vector<float>& weights, const std::vector<float>& bias) {
+    const std::string weights_name = Name("weights"), bias_name = Name("bias");
+    const int count = channels * window * window;
+    std::vector<float> all;
+    for (const float weight : weights)
+      all.insert(all.end(), static_cast<std::size_t>(count), weight / static_cast<float>(count));
+    AddFloats(weights_name, {static_cast<int>(weights.size()), channels, window, window}, all);
+    AddFloats(bias_name, {static_cast<int>(bias.size())}, bias);
+    const std::string result = Node("Conv", {input, weights_name, bias_name});
+    SetInts("kernel_shape", {window, window});
+    SetInts("strides", {window, window});
+    return result;
+  }
+  std::string Flattened(const std::string& value) { return Node("Flatten", {value}); }
+  const std::string& image() const { return image_; }
   /// [1, channels, rows, columns] to [1, channels, cells].
   std::string Flat(const std::string& grid, int channels) {
     const std::string shape = Name("shape");
@@ -221,6 +243,30 @@ void WriteTinyNetwork(const std::filesystem::path& file, const TinyNetwork& netw
       PLB_CHECK(false);
   }
   graph.Write(file);
+}
+
+void WriteTinyTwoStage(const std::filesystem::path& file, int head_categories) {
+  const TinyNetwork tiny;
+  Graph trunk(tiny);
+  // The feature, the objectness of one anchor, its four deltas.
+  trunk.Output(trunk.Means(trunk.image(), 3, 8, {1, 20, 0, 0, 0, 0}, {0, -10, 0, 0, 0, 0}));
+  trunk.Write(file);
+  Graph head(tiny, {32, 1, 7, 7});
+  const auto classes = static_cast<std::size_t>(1 + head_categories);
+  std::vector<float> weights(5 * classes), bias(5 * classes);
+  for (std::size_t category = 1; category < classes; ++category) bias[category] = -30;
+  weights[2] = 20;
+  bias[2] = -10;
+  head.Output(head.Flattened(head.Means(head.image(), 1, 7, weights, bias)));
+  head.Write(std::filesystem::path(file).replace_extension(".head.onnx"));
+  std::ofstream(std::filesystem::path(file).replace_extension(".json")) << R"({
+    "kind": "two_stage", "width": 64, "height": 64, "resize": "letterbox", "strides": [8],
+    "scale": 0.00392156862745098, "categories": ["chair", "couch"],
+    "anchors": [{"sizes": [16], "ratios": [1]}],
+    "rpn": {"before_nms": 50, "after_nms": 20, "nms_iou": 0.7, "min_score": 0.5,
+            "weights": [1, 1, 1, 1]},
+    "crops": {"size": 7, "sampling": 2, "levels": 1, "canonical_scale": 224, "canonical_level": 4},
+    "boxes": {"weights": [10, 10, 5, 5], "most": 100}})";
 }
 
 }  // namespace plumbline

@@ -152,6 +152,12 @@ TEST_F(Guess, LoadsBoundsOfClipsThatAreInputs) {
   EXPECT_TRUE(guess.ok()) << guess.error().message;
 }
 
+TEST_F(Guess, LoadsCopiesOfConstants) {
+  WriteTinyNetwork(file_, {.kind = NetworkKind::kYolox, .copies = true});
+  const Result<NetworkGuess> guess = GuessSidecar(file_, kThree);
+  EXPECT_TRUE(guess.ok()) << guess.error().message;
+}
+
 TEST_F(Guess, OfAnEdgeNetwork) {
   WriteTinyNetwork(file_, {.kind = NetworkKind::kEdge});
   const Result<NetworkGuess> guess = GuessSidecar(file_);
