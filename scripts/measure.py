@@ -38,7 +38,6 @@ SCENE_SEEDS = list(range(201, 206))  # not tuned on either
 SHOWS_WELL_S = 2.0
 
 FASTESTDET = "models/fastestdet/FastestDet.onnx"
-TRIAL_EDGES = "models/edge_trial/t0_480x640.onnx"
 
 # One cue off at a time; "as it is" comes first and is what the others are compared with.
 ABLATIONS = {
@@ -80,11 +79,11 @@ def all_sets():
         RoomSet("demo", "the built-in demo room: synthetic, seed 1", list(range(10)), scene="room", room_seeds=[1],
                 film=("--frames", "150")),
         RoomSet("office", "a real office that nothing was tuned on, boxes of PicoDet", list(range(10)),
-                folder="data/office", edges=TRIAL_EDGES, scan=True),
+                folder="data/office", edges="builtin", scan=True),
         RoomSet("office-fastestdet", "the same office, boxes of FastestDet", list(range(10)), folder="data/office",
-                detector=FASTESTDET, edges=TRIAL_EDGES, scan=True),
+                detector=FASTESTDET, edges="builtin", scan=True),
         RoomSet("kitchen", "a real kitchen, boxes of FastestDet", list(range(10)), folder="data/kitchen",
-                detector=FASTESTDET, edges=TRIAL_EDGES, scan=True, ignored=("container", "game controller")),
+                detector=FASTESTDET, edges="builtin", scan=True, ignored=("container", "game controller")),
         RoomSet("rooms", "synthetic rooms that nothing was tuned on, edges of the images", list(range(3)), scene="room",
                 room_seeds=HELD_OUT_SEEDS, film=ROOM_FRAMES),
         RoomSet("rooms-given", "the same rooms, edges given", list(range(3)), scene="room", room_seeds=HELD_OUT_SEEDS,

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/pipeline/run_recipe.h"
 
+#include <cstdlib>
+#include <filesystem>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "tests/support/test_data.h"
+#include "tests/support/tiny_sequence.h"
 
 namespace plumbline {
 namespace {
@@ -75,7 +81,7 @@ TEST(RunRecipe, OfANewerVersionIsRefusedWithASentence) {
 TEST(RunRecipe, ThatIsDamagedIsAnError) {
   const nlohmann::json whole = RecipeToJson(Recipe());
   for (const auto& [key, value] : whole.items()) {
-    if (key == "models" || key == "edges") continue;
+    if (key == "models" || key == "edges" || key == "detector") continue;
     nlohmann::json json = whole;
     json.erase(key);
     EXPECT_FALSE(RecipeFromJson(json).ok()) << key;
@@ -90,7 +96,34 @@ TEST(RunRecipe, KeepsTheOptionsThatItKnows) {
   EXPECT_EQ(options.alpha, 7);
 }
 
+TEST(RunRecipe, TakesTheSequencesOwnEdgesAndBoxesElseNetworks) {
+  const TemporaryFolder folder;
+  setenv("XDG_DATA_HOME", (folder.path() / "data").c_str(), 1);
+  WriteTinySequence(folder.path() / "whole", {.edges = true, .proposals = true});
+  const auto whole = OpenSequence(folder.path() / "whole").value();
+  EXPECT_EQ(DefaultEdges(*whole).source, EdgeSource::kDataset);
+  EXPECT_EQ(DefaultDetector(*whole)->source, DetectorSource::kDataset);
+  WriteTinySequence(folder.path() / "bare", {});
+  const auto bare = OpenSequence(folder.path() / "bare").value();
+  EXPECT_EQ(DefaultEdges(*bare).source, EdgeSource::kBuiltin);
+  const auto none = DefaultDetector(*bare);
+  ASSERT_FALSE(none.ok());
+  EXPECT_THAT(none.error().message, testing::HasSubstr("networks get"));
+  // Of what was fetched, the first of the list.
+  for (const char* name : {"yolox_nano", "yolox_s"}) {
+    const auto file = folder.path() / "data/plumbline/networks" / (std::string(name) + ".onnx");
+    std::filesystem::create_directories(file.parent_path());
+    WriteText(file, "any");
+    const auto found = DefaultDetector(*bare);
+    ASSERT_TRUE(found.ok());
+    EXPECT_EQ(found->source, DetectorSource::kNetwork);
+    EXPECT_EQ(found->file, file);
+  }
+}
+
 TEST(InputChoice, IsReadAsTheCommandLineWritesIt) {
+  EXPECT_EQ(ParseEdges("builtin-half").source, EdgeSource::kBuiltinHalf);
+  EXPECT_TRUE(ParseEdges("builtin").file.empty());
   EXPECT_EQ(ParseEdges("gradient").source, EdgeSource::kGradient);
   EXPECT_EQ(ParseEdges("dataset").source, EdgeSource::kDataset);
   EXPECT_EQ(ParseEdges("./gradient").source, EdgeSource::kNetwork);

@@ -136,7 +136,8 @@ RunHeader RandomHeader(std::uint64_t seed) {
   header.recipe.sequence = "/data/kitchen";
   header.recipe.models = "/data/kitchen/models";
   header.recipe.poses = {PoseSource::kTrajectory, "/data/poses.txt", "77aa"};
-  header.recipe.detector = DetectorChoice{DetectorSource::kNetwork, "/data/fastestdet.onnx", "00ff"};
+  header.recipe.detector =
+      DetectorChoice{DetectorSource::kNetwork, "/data/fastestdet.onnx", "00ff"};
   header.recipe.edges = EdgeChoice{EdgeSource::kGradient, {}, {}};
   header.recipe.options.alpha = random.Uniform();
   header.recipe.seed = 0xFFFFFFFFFFFFFFF0ull + seed % 16;

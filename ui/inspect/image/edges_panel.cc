@@ -164,8 +164,7 @@ class EdgesPanel : public Panel {
     canvas.draw().AddImage(texture, canvas.ToScreen(-0.5f, -0.5f),
                            canvas.ToScreen(width - 0.5f, height - 0.5f));
     canvas.draw().PopClipRect();
-    labels.Add({{at + context.Scaled(3), below}}, colors::kText,
-               other.choice);
+    labels.Add({{at + context.Scaled(3), below}}, colors::kText, other.choice);
     if (blink_) return;
     labels.Add({{low.x, below}}, colors::kText, "run");
     canvas.draw().AddLine({at, low.y}, {at, high.y}, IM_COL32(235, 238, 242, 200),
