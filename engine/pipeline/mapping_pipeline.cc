@@ -39,10 +39,15 @@ struct Prepared {
   std::vector<StageTiming> timings;
 };
 
-/// Of an ONNX network and its sidecar together.
+/// Of an ONNX network, its sidecar and, of a two-stage detector, its head together.
 Result<std::string> HashNetwork(const std::filesystem::path& file) {
+  std::vector<std::filesystem::path> parts = {
+      file, std::filesystem::path(file).replace_extension(".json")};
+  const auto head = std::filesystem::path(file).replace_extension(".head.onnx");
+  std::error_code none;
+  if (std::filesystem::exists(head, none)) parts.push_back(head);
   std::string hashes;
-  for (const auto& part : {file, std::filesystem::path(file).replace_extension(".json")}) {
+  for (const std::filesystem::path& part : parts) {
     const Result<std::string> hash = HashFile(part);
     if (!hash.ok()) return hash.error();
     hashes += *hash;
