@@ -85,9 +85,10 @@ Result<std::unique_ptr<Detector>> ChooseDetector(const DetectArguments& argument
   if (arguments.detector.empty()) {
     const auto best = BestFetchedDetector();
     if (best) return CreateDetector(best->string(), nullptr, arguments.options);
-    return Error{ErrorCode::kNotFound,
-                 "no detector is at hand; fetch one with 'plumbline networks get yolox_s', or name "
-                 "one with --detector FILE.onnx"};
+    return Error{
+        ErrorCode::kNotFound,
+        "no detector is at hand; fetch one with 'plumbline networks get yolox_nano', or name "
+        "one with --detector FILE.onnx"};
   }
   const Result<std::string> choice = ResolveNetworkName(arguments.detector);
   if (!choice.ok()) return choice.error();

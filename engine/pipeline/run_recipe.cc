@@ -127,7 +127,7 @@ Result<DetectorChoice> DefaultDetector(const Sequence& sequence) {
   return Error{ErrorCode::kNotFound,
                "'" + sequence.path().string() +
                    "' has no boxes (proposals/) and no detector is at hand; fetch one with "
-                   "'plumbline networks get yolox_s', or name one with --detector FILE.onnx"};
+                   "'plumbline networks get yolox_nano', or name one with --detector FILE.onnx"};
 }
 
 namespace {

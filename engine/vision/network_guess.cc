@@ -13,7 +13,8 @@
 namespace plumbline {
 namespace {
 
-constexpr int kUsualSize = 640;  // [px] where a file leaves the size open
+constexpr int kLargestSize = 8192;  // [px] a side, as sidecars may say
+constexpr int kUsualSize = 640;     // [px] where a file leaves the size open
 
 /// Cells of grids of these strides.
 int CellsOf(const NetworkSidecar& sidecar, const std::vector<int>& strides) {
@@ -79,6 +80,11 @@ class Guesser {
     NetworkSidecar& s = guess_.sidecar;
     s.height = shape[2];
     s.width = shape[3];
+    if (s.width > kLargestSize || s.height > kLargestSize) {
+      return Error{ErrorCode::kUnsupported, "takes images of " + SizeText(s.width, s.height) +
+                                                "; this version takes up to " +
+                                                std::to_string(kLargestSize) + " pixels a side"};
+    }
     if (s.width > 0 && s.height > 0) return {};
     const std::optional<cv::Size> noted = NotedSize(onnx_);
     s.width = noted ? noted->width : kUsualSize;

@@ -143,6 +143,8 @@ TEST_F(Guess, AsksForNamesThatItCannotKnow) {
 TEST_F(Guess, RefusesWhatItDoesNotKnow) {
   WriteText(file_, "no network");
   EXPECT_EQ(GuessSidecar(file_).error().code, ErrorCode::kCorrupt);
+  EXPECT_THAT(Refusal({.kind = NetworkKind::kEdge, .width = 2000000, .height = 2000000}, {}),
+              HasSubstr("2000000x2000000"));
   EXPECT_EQ(GuessSidecar(folder_.path() / "none.onnx").error().code, ErrorCode::kNotFound);
 }
 
