@@ -5,7 +5,6 @@
 #include <cmath>
 #include <tuple>
 
-#include "engine/base/timer.h"
 #include "engine/mapping/association.h"
 #include "engine/mapping/bytes.h"
 #include "engine/mapping/mapper_impl.h"
@@ -238,8 +237,9 @@ Result<std::unique_ptr<Mapper>> Mapper::Create(const MapperSetup& setup) {
       new Mapper(std::make_unique<Impl>(setup, std::move(renderer).value())));
 }
 
-FrameReport Mapper::Step(const MapperInput& input) {
+FrameReport Mapper::Step(const MapperInput& given) {
   Impl& m = *impl_;
+  const MapperInput input = m.Timed(given);
   FrameReport report;
   report.frame = input.frame;
   report.stamp_ns = input.stamp_ns;
@@ -257,18 +257,18 @@ FrameReport Mapper::Step(const MapperInput& input) {
     return m.Finished(std::move(report));
   }
 
-  Stopwatch watch;
+  StageClock stages(m.boxes_ms, report);
   const std::vector<PlacedModel> occluders = m.MeanStates(true);
   const OcclusionMaps occlusion(
       m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), occluders));
   m.memory.UpdateOcclusion(*m.renderer, occluders);
   m.map.supports = m.FindSupports();
-  report.timings.push_back({"visibility", watch.Lap()});
+  stages.End("visibility");
   for (MapObject& object : m.objects)
     m.UpdateWeights(object, input, occlusion, dt_s, novelty, report);
-  report.timings.push_back({"update", watch.Lap()});
+  stages.End("update");
   for (MapObject& object : m.objects) m.Search(object, input, occlusion);
-  report.timings.push_back({"search", watch.Lap()});
+  stages.End("search");
   m.mean_maps =
       m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), m.MeanStates(false));
   const std::span<const Detection> detections =
@@ -286,9 +286,10 @@ FrameReport Mapper::Step(const MapperInput& input) {
     }
     if (object.updated) m.UpdateExistence(object, input, occlusion, detection, dt_s, novelty);
   }
-  report.timings.push_back({"explain", watch.Lap()});
+  stages.End("explain");
   m.Spawn(report.proposals, input, occlusion, report);
-  report.timings.push_back({"spawn", watch.Lap()});
+  stages.End("spawn");
+  stages.EndFrame();
   m.UpdateLifecycle(input, novelty, report);
   m.KeepFrame(input);
   return m.Finished(std::move(report));
@@ -312,7 +313,12 @@ Status Mapper::Restore(const FrameReport& report,
   m.clock.Restore(state);
   m.edge_level = state.Get<double>();
   m.sharpness.Restore(state);
-  return m.memory.Restore(state.rest(), load, *m.renderer);
+  const auto load_timed = [&](int frame) -> Result<MapperInput> {
+    Result<MapperInput> input = load(frame);
+    if (!input.ok()) return input;
+    return m.Timed(std::move(input).value());
+  };
+  return m.memory.Restore(state.rest(), load_timed, *m.renderer);
 }
 
 void Mapper::SetFloor(const Eigen::Vector4d& floor_in_world, double std_m) {

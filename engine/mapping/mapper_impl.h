@@ -7,8 +7,10 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "engine/base/timer.h"
 #include "engine/mapping/birth.h"
 #include "engine/mapping/existence.h"
 #include "engine/mapping/judging.h"
@@ -18,6 +20,7 @@
 #include "engine/mapping/novelty_clock.h"
 #include "engine/mapping/pose_error.h"
 #include "engine/mapping/sparse_points.h"
+#include "engine/vision/detector.h"
 
 namespace plumbline {
 
@@ -55,6 +58,44 @@ inline std::vector<Particle> ToParticles(const std::vector<PoseHypothesis>& hypo
   return particles;
 }
 
+/// Adds what top-down scores take to a sum that outlives it.
+class TimedDetections : public FrameDetections {
+ public:
+  TimedDetections(std::shared_ptr<const FrameDetections> detections, double* milliseconds)
+      : detections_(std::move(detections)), milliseconds_(milliseconds) {}
+  std::span<const Detection> proposals() const override { return detections_->proposals(); }
+  void ScoreBoxes(std::string_view category, std::span<const Box2> boxes,
+                  std::span<float> scores) const override {
+    const Stopwatch watch;
+    detections_->ScoreBoxes(category, boxes, scores);
+    *milliseconds_ += watch.Milliseconds();
+  }
+
+ private:
+  std::shared_ptr<const FrameDetections> detections_;
+  double* milliseconds_;
+};
+
+/// Writes down what the stages of a frame take. Top-down scores, which all of them ask for, are a
+/// stage of their own.
+class StageClock {
+ public:
+  StageClock(double& boxes_ms, FrameReport& report) : boxes_ms_(boxes_ms), report_(report) {
+    boxes_ms_ = 0;
+  }
+  void End(const char* stage) {
+    report_.timings.push_back({stage, watch_.Lap() - (boxes_ms_ - counted_ms_)});
+    counted_ms_ = boxes_ms_;
+  }
+  void EndFrame() { report_.timings.insert(report_.timings.begin(), {"score boxes", counted_ms_}); }
+
+ private:
+  double& boxes_ms_;
+  double counted_ms_ = 0;
+  FrameReport& report_;
+  Stopwatch watch_;
+};
+
 struct Mapper::Impl {
   MapperSetup setup;
   MapFrame map;
@@ -74,6 +115,7 @@ struct Mapper::Impl {
   std::vector<SeenPoints> seen_points;
   RenderedMaps mean_maps;
   std::vector<std::optional<double>> support_heights;  ///< Of each model, see SupportHeight.
+  double boxes_ms = 0;                                 ///< What top-down scores took in this frame.
 
   Impl(const MapperSetup& s, std::unique_ptr<OcclusionRenderer> r)
       : setup(s), map(MapFrameOf(s)), renderer(std::move(r)), memory(s.camera, s.options) {
@@ -82,6 +124,13 @@ struct Mapper::Impl {
   }
 
   const MapperOptions& options() const { return setup.options; }
+
+  /// The same, but what its top-down scores take is added to `boxes_ms`.
+  MapperInput Timed(MapperInput input) {
+    if (input.detections != nullptr)
+      input.detections = std::make_shared<TimedDetections>(std::move(input.detections), &boxes_ms);
+    return input;
+  }
 
   std::vector<PlacedModel> MeanStates(bool confirmed_only) const {
     std::vector<PlacedModel> placed;

@@ -4,7 +4,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "engine/base/timer.h"
 #include "engine/mapping/association.h"
 #include "engine/mapping/mapper_impl.h"
 
@@ -37,10 +36,10 @@ class Mapper::Impl::PaperStep {
       : m_(mapper), input_(input), dt_s_(dt_s), report_(report) {}
 
   void Run() {
-    Stopwatch watch;
+    StageClock stages(m_.boxes_ms, report_);
     occlusion_ = OcclusionMaps(
         m_.renderer->Render(m_.setup.camera, input_.world_from_cam.inverse(), m_.MeanStates(true)));
-    report_.timings.push_back({"visibility", watch.Lap()});
+    stages.End("visibility");
     levels_ = SearchLevels(input_.edges, options());
     if (input_.detections) {
       for (const Detection& detection : input_.detections->proposals())
@@ -48,14 +47,15 @@ class Mapper::Impl::PaperStep {
     }
     owners_.resize(boxes_.size());
     for (MapObject& object : m_.objects) Update(object);
-    report_.timings.push_back({"update", watch.Lap()});
+    stages.End("update");
     for (MapObject& object : m_.objects) Live(object);
     Merge();
-    report_.timings.push_back({"explain", watch.Lap()});
+    stages.End("explain");
     Spawn();
     m_.mean_maps =
         m_.renderer->Render(m_.setup.camera, input_.world_from_cam.inverse(), m_.MeanStates(false));
-    report_.timings.push_back({"spawn", watch.Lap()});
+    stages.End("spawn");
+    stages.EndFrame();
   }
 
  private:

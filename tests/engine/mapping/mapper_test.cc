@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/mapping/mapper.h"
 
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -38,6 +40,39 @@ class MapperTest : public testing::Test {
 
   MappingScene& scene_ = MappingScene::Get();
 };
+
+/// Takes a millisecond for every question.
+class SlowDetections : public FrameDetections {
+ public:
+  SlowDetections(std::shared_ptr<const FrameDetections> detections, int* questions)
+      : detections_(std::move(detections)), questions_(questions) {}
+  std::span<const Detection> proposals() const override { return detections_->proposals(); }
+  void ScoreBoxes(std::string_view category, std::span<const Box2> boxes,
+                  std::span<float> scores) const override {
+    ++*questions_;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    detections_->ScoreBoxes(category, boxes, scores);
+  }
+
+ private:
+  std::shared_ptr<const FrameDetections> detections_;
+  int* questions_;
+};
+
+TEST_F(MapperTest, TopDownScoresAreAStageOfTheirOwn) {
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const auto mapper = NewMapper();
+  for (int frame = 0; frame < 3; ++frame) {
+    int questions = 0;
+    MapperInput input = Seen(frame, {&chair, 1});
+    input.detections = std::make_shared<SlowDetections>(input.detections, &questions);
+    const FrameReport report = mapper->Step(input);
+    const StageTiming& boxes = report.timings.front();
+    EXPECT_EQ(boxes.stage, "score boxes");
+    EXPECT_GE(boxes.milliseconds, questions);
+    EXPECT_TRUE(frame == 0 || questions > 0);
+  }
+}
 
 TEST_F(MapperTest, WhatIsSpawnedLateIsJudgedByTheViewsBefore) {
   constexpr int kBoxedFrom = 14, kEnd = 20;

@@ -99,6 +99,10 @@ class DetailsPanel : public Panel {
            fmt::format("{:+.1f} \u00b1 {:.1f} %", 100 * (object.scale - 1), 100 * object.scale_std),
            "How much larger than its model it is, about the middle of its base.");
     }
+    Fact(context, "score",
+         fmt::format("\u03a6 det {:.2f}   \u03a6 edge {:.2f}", object.phi_cnn, object.phi_edge),
+         "Both terms of the score at the mean state, of the detector and of the edges, in the last "
+         "frame in which enough of it showed.");
     Fact(context, "evidence", fmt::format("{:+.1f}", object.log_evidence),
          "Log odds that the object exists.");
     Fact(context, "sample size",
