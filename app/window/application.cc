@@ -99,6 +99,10 @@ void Application::Open(const std::string& path, std::optional<int> frame) {
   if (std::filesystem::exists(std::filesystem::path(path) / "models.json") &&
       !std::filesystem::exists(std::filesystem::path(path) / "camera.json"))
     return OpenModels(path);
+  if (std::filesystem::path(path).extension() == ".onnx") {
+    context_.workspace = WorkspaceId::kInspect;
+    return inspect_->LookAtNetwork(path);
+  }
   Workspace& workspace = annotate_->Takes(path) ? static_cast<Workspace&>(*annotate_) : *inspect_;
   context_.workspace = workspace.tab().id;
   Remember(path);

@@ -88,6 +88,8 @@ SequenceView MakeViewWithoutScan(const Sequence& sequence, const ModelDatabase& 
   view.name = NameOf(sequence.path());
   view.path = sequence.path().string();
   view.num_frames = sequence.num_frames();
+  view.has_edges = sequence.has_edges();
+  view.has_proposals = sequence.has_proposals();
   if (const auto gravity = sequence.gravity_in_world()) view.up_in_world = -gravity->normalized();
   if (const auto floor = sequence.floor_in_world()) view.floor_height_m = -(*floor)[3];
   for (int i = 0; i < view.num_frames; ++i) {

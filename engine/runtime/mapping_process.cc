@@ -68,6 +68,8 @@ void MappingProcess::Loop(std::stop_token stop) {
   state_.message.clear();
   if (auto header = source_->header()) {
     state_.seed = header->recipe.seed;
+    if (header->recipe.edges) state_.edges = ToText(*header->recipe.edges);
+    if (header->recipe.detector) state_.detector = ToText(*header->recipe.detector);
     made_from_ = header;
     header_.Publish(std::move(header));
   }

@@ -145,6 +145,19 @@ struct AskForkCommand {
 struct AskOptionsCommand {
   bool show = true;
 };
+/// Opens the sheet that shows the networks of the run and offers others, or closes it.
+struct AskNetworksCommand {
+  bool show = true;
+};
+/// Opens the same sheet and says there what a network file is.
+struct LookAtNetworkCommand {
+  std::string file;
+};
+/// Maps the open sequence again from its first frame, with these edges and this detector as --edges
+/// and --detector name them; "": as before. Nothing in a recorded run.
+struct UseNetworksCommand {
+  std::string edges, detector;
+};
 /// Maps the open run again from the frame after `frame` on, into a file of its own, which is then
 /// opened beside it.
 struct ForkCommand {
@@ -170,7 +183,8 @@ using InspectCommand =
                  SelectHypothesisCommand, FollowCommand, LookThroughCommand, BookmarkCommand,
                  RemoveBookmarkCommand, AskFrameCommand, ImageViewsCommand, PlaceViewCommand,
                  ShowPanelCommand, NeedCommand, PresentCommand, AskForkCommand, AskOptionsCommand,
-                 ForkCommand, CancelForkCommand, CompareRunCommand, ShowRunCommand>;
+                 AskNetworksCommand, LookAtNetworkCommand, UseNetworksCommand, ForkCommand,
+                 CancelForkCommand, CompareRunCommand, ShowRunCommand>;
 
 /// Turns the 3-D view to the selection.
 struct FocusSelectionCommand {};

@@ -46,7 +46,9 @@ struct PlaybackView {
   /// That the shown frame was mapped with; null until there is one.
   std::shared_ptr<const MapperOptions> shown_options;
   std::uint64_t seed = 0;  ///< Of the run.
-  std::string recording;   ///< The run file that holds the mapped frames; "": none.
+  /// What edges and boxes come from, as --edges and --detector name it; "": not known.
+  std::string edges, detector;
+  std::string recording;  ///< The run file that holds the mapped frames; "": none.
   std::optional<int> range_begin, range_end;  ///< Frames that playing keeps to, both included.
 };
 

@@ -32,6 +32,7 @@ struct SequenceView {
   std::string name, path;
   int num_frames = 0;
   double rate_hz = 30;
+  bool has_edges = false, has_proposals = false;  ///< Of its own.
   int image_width = 0, image_height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;
   Eigen::Vector3d up_in_world{0, 0, 1};

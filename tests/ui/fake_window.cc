@@ -43,10 +43,10 @@ int main(int argc, char** argv) {
       fake.height = std::stoi(next());
     }
   }
-  options.inspect.opener = [fake](
-                               const std::string& path,
-                               const std::string& models) -> plumbline::MappingProcess::OpenSource {
-    return [fake, path, models](const plumbline::WorkContext&)
+  options.inspect.opener =
+      [fake](const std::string& path,
+             const plumbline::OpenWith& with) -> plumbline::MappingProcess::OpenSource {
+    return [fake, path, models = with.models](const plumbline::WorkContext&)
                -> plumbline::Result<std::unique_ptr<plumbline::SnapshotSource>> {
       if (!models.empty()) std::ofstream("models.txt") << models;
       if (path == "missing")

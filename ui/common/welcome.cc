@@ -96,6 +96,12 @@ void DrawWelcome(const FrameContext& context, const LayoutRect& rect, CommandSin
     ImGui::Dummy({0, context.Scaled(2)});
     WrappedText(colors::kBad, context.playback->message);
     ImGui::Dummy({0, context.Scaled(10)});
+    if (!context.source.ends_with(".plb")) {
+      if (Button(context, "welcome.networks", "Choose networks",
+                 "Maps the sequence with other networks for edges and boxes."))
+        sink.Post(AskNetworksCommand{});
+      ImGui::Dummy({0, context.Scaled(10)});
+    }
     DrawWays(context, sink);
   } else {
     Headline(context, "Opening");

@@ -17,6 +17,7 @@
 #include "engine/snapshot/comparison_view.h"
 #include "engine/snapshot/fork_view.h"
 #include "engine/snapshot/frame_analysis.h"
+#include "engine/snapshot/networks_view.h"
 #include "engine/snapshot/object_history.h"
 #include "engine/snapshot/playback_view.h"
 #include "engine/snapshot/probe_view.h"
@@ -108,9 +109,13 @@ struct FrameContext {
   std::shared_ptr<const MapSnapshot> first_snapshot;  ///< Of what is open, whichever run shows.
   std::shared_ptr<const OtherRun> other;              ///< Null: no second run.
   RunShown run_shown = RunShown::kFirst;
-  bool shows_other = false;                     ///< `snapshot` is that of the other run.
-  std::shared_ptr<const ForkOffer> fork_offer;  ///< Null: nothing is open.
-  std::shared_ptr<const ForkView> fork;         ///< The last one; null: none yet.
+  bool shows_other = false;                      ///< `snapshot` is that of the other run.
+  std::shared_ptr<const ForkOffer> fork_offer;   ///< Null: nothing is open.
+  std::shared_ptr<const ForkView> fork;          ///< The last one; null: none yet.
+  std::shared_ptr<const NetworksView> networks;  ///< Null until it is known.
+  /// Of the run that is to take the place of what is open, once it is open or has failed to; null:
+  /// none.
+  std::shared_ptr<const PlaybackView> reopening;
   std::shared_ptr<const ProbeView> probe;  ///< The last answer, maybe of another frame; null: none.
   std::shared_ptr<const FrameAnalysis> analysis;  ///< Of `snapshot`; null until it is known.
   std::shared_ptr<const ObjectHistory> history;   ///< Of the object watched last; null: of none.

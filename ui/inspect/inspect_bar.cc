@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "ui/framework/widgets.h"
+#include "ui/inspect/networks_sheet.h"
 
 namespace plumbline {
 namespace {
@@ -63,11 +64,28 @@ void DrawSequenceName(const FrameContext& context) {
           context.playback->recorded ? ", recorded run" : "");
 }
 
+void DrawNetworksButton(const FrameContext& context, const LayoutRect& bar, CommandSink& sink) {
+  if (context.sequence == nullptr) return;
+  const PlaybackView& playback = context.shown_playback();
+  const std::string label = fmt::format("edges: {}  \u00b7  boxes: {}", NetworkName(playback.edges),
+                                        NetworkName(playback.detector));
+  ImGui::SameLine(0, context.Scaled(12));
+  if (ImGui::GetCursorScreenPos().x + ToggleWidth(context, label.c_str()) > bar.high.x) return;
+  ImGui::SetCursorPosY(ImGui::GetCursorPosY() - context.Scaled(2));
+  bool on = false;
+  if (Toggle(context, "top.networks", label.c_str(), on,
+             "Which networks find edges and boxes; choose others."))
+    sink.Post(AskNetworksCommand{});
+}
+
 StatusLine InspectStatus(const FrameContext& context) {
   StatusLine line{StatusText(context), context.playback->state == PlaybackState::kFailed};
   if (const ForkView* fork = context.fork.get();
       fork != nullptr && fork->state == ForkState::kRunning)
     line.text += fmt::format("  \u00b7  Fork: {} of {}", fork->done, fork->total);
+  if (const PlaybackView* next = context.reopening.get();
+      next != nullptr && next->state != PlaybackState::kFailed)
+    line.text += "  \u00b7  With other networks: " + next->message;
   return line;
 }
 

@@ -68,14 +68,18 @@ void InspectWorkspace::DrawPanels(FrameContext& context, CommandSink& sink) {
   DragSplitters(context, layout, ratios_);
 }
 
-void InspectWorkspace::DrawBar(const FrameContext& context, const LayoutRect&, CommandSink&) {
+void InspectWorkspace::DrawBar(const FrameContext& context, const LayoutRect& rect,
+                               CommandSink& sink) {
   DrawSequenceName(context);
+  DrawNetworksButton(context, rect, sink);
 }
 
 bool InspectWorkspace::DrawSheets(const FrameContext& context, CommandSink& sink) {
-  const bool was_open = fork_sheet_.is_open();  // the key that closes it does nothing else
+  // The key that closes one does nothing else.
+  const bool was_open = fork_sheet_.is_open() || networks_sheet_.is_open();
   fork_sheet_.Draw(context, sink);
-  return was_open || fork_sheet_.is_open();
+  networks_sheet_.Draw(context, sink);
+  return was_open || fork_sheet_.is_open() || networks_sheet_.is_open();
 }
 
 StatusLine InspectWorkspace::status_line(const FrameContext& context) const {
@@ -162,7 +166,19 @@ void InspectWorkspace::AddState(const FrameContext& context, nlohmann::json& sta
           {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}}}},
        {"layout", RatiosToJson(ratios_)},
        {"source", context.source},
-       {"models", models_}});
+       {"models", with_.models},
+       {"recording", playback.recording},
+       {"edges", playback.edges},
+       {"detector", playback.detector},
+       {"networks_sheet", networks_sheet_.is_open()},
+       {"reopening", context.reopening != nullptr ? context.reopening->message : ""}});
+  if (const NetworksView* networks = context.networks.get()) {
+    const NetworkFile& file = networks->file;
+    state.update({{"networks.file_known", file.known},
+                  {"networks.file_is", file.what},
+                  {"networks.file_guessed", file.guessed},
+                  {"networks.file_problem", file.problem}});
+  }
   state["image_views"] = views_->Save(context);
   AddWhatIfState(context, fork_sheet_, state);
   for (const Bookmark& bookmark : context.bookmarks)

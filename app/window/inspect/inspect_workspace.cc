@@ -25,14 +25,15 @@ InspectWorkspace::InspectWorkspace(InspectOptions options, bool software_gl, Fra
       wake_(std::move(wake)),
       scene_(CreateMapScene(software_gl)),
       actions_(InspectActions()),
-      bookmarks_(wake_) {
+      bookmarks_(wake_),
+      networks_(wake_) {
   for (const PanelEntry& entry : InspectPanels()) {
     owned_.push_back(MakePanel(entry));
     panels_.push_back(owned_.back().get());
   }
   views_ = std::make_unique<ImageViews>(PanelsAt(PanelPlace::kImageView));
   what_if_ = std::make_unique<WhatIf>(
-      [this](const std::string& path) { return options_.opener(path, models_); }, options_.inputs,
+      [this](const std::string& path) { return options_.opener(path, with_); }, options_.inputs,
       options_.program_version, wake_);
   context.playback = std::make_shared<const PlaybackView>();
   context.viewport = &viewport_;
@@ -40,6 +41,7 @@ InspectWorkspace::InspectWorkspace(InspectOptions options, bool software_gl, Fra
 }
 
 InspectWorkspace::~InspectWorkspace() {
+  reopened_.reset();
   process_.reset();
   what_if_.reset();
 }
@@ -59,13 +61,21 @@ std::vector<Panel*> InspectWorkspace::PanelsAt(PanelPlace place) const {
 }
 
 void InspectWorkspace::UseModels(const std::string& folder) {
-  models_ = folder;
+  with_.models = folder;
   what_if_->UseModels(folder);
 }
 
 void InspectWorkspace::Open(const std::string& path, std::optional<int> frame,
                             FrameContext& context) {
+  reopened_.reset();
   process_.reset();
+  if (path != source_) with_ = {.models = with_.models};
+  source_ = path;
+  Begin(std::make_unique<MappingProcess>(options_.opener(path, with_), frame, wake_), context);
+}
+
+void InspectWorkspace::Begin(std::unique_ptr<MappingProcess> process, FrameContext& context) {
+  process_ = std::move(process);
   watched_by_ = nullptr;
   context.sequence = nullptr;
   context.snapshot = nullptr;
@@ -76,14 +86,56 @@ void InspectWorkspace::Open(const std::string& path, std::optional<int> frame,
   context.bare = is_figure();
   context.look_through =
       options_.layout != nullptr && std::string_view(options_.layout->name) == "through";
-  context.source = source_ = path;
+  context.source = source_;
   ++context.source_version;
   context.bookmarks.clear();
   bookmarks_known_ = bookmarks_changed_ = false;
-  bookmarks_.Read(BookmarkFile(path, options_.settings));
+  bookmarks_.Read(BookmarkFile(source_, options_.settings));
   what_if_->Opened(context);
-  process_ = std::make_unique<MappingProcess>(options_.opener(path, models_), frame, wake_);
   context.playback = process_->Playback();
+}
+
+void InspectWorkspace::Reopen(const UseNetworksCommand& networks, const FrameContext& context) {
+  if (source_.empty() || context.playback->recorded) return;
+  reopened_with_ = with_;
+  if (!networks.edges.empty()) reopened_with_.edges = networks.edges;
+  if (!networks.detector.empty()) reopened_with_.detector = networks.detector;
+  if (context.playback->options != nullptr) reopened_with_.options = *context.playback->options;
+  reopened_.reset();
+  reopened_ = std::make_unique<MappingProcess>(options_.opener(source_, reopened_with_),
+                                               std::nullopt, wake_);
+}
+
+void InspectWorkspace::TakeReopened(FrameContext& context) {
+  const bool failed =
+      reopened_ != nullptr && reopened_->Playback()->state == PlaybackState::kFailed;
+  if (failed && !networks_sheet_.is_open()) {  // which would say so
+    window_.Post(NoteCommand{"Nothing has changed: " + reopened_->Playback()->message});
+    reopened_.reset();
+  }
+  context.reopening = reopened_ != nullptr ? reopened_->Playback() : nullptr;
+  if (reopened_ == nullptr || reopened_->Playback()->options == nullptr) return;  // not open yet
+  const std::shared_ptr<const PlaybackView> before = process_->Playback();
+  with_ = reopened_with_;
+  Begin(std::move(reopened_), context);
+  context.reopening = nullptr;
+  process_->Post(SetSpeedCommand{before->speed});
+  if (before->mapping)
+    process_->Post(FollowNewestCommand{});
+  else if (before->state == PlaybackState::kPlaying)
+    process_->Post(PlayCommand{});
+  const std::filesystem::path kept = before->recording;
+  const bool keeps = !kept.empty() && !IsTemporaryRun(kept);
+  window_.Post(NoteCommand{
+      keeps ? "Mapping again from the first frame, into " +
+                  std::filesystem::path(process_->Playback()->recording).filename().string() +
+                  "; the run before stays in " + kept.filename().string()
+            : std::string("Mapping again from the first frame")});
+}
+
+void InspectWorkspace::LookAtNetwork(const std::string& file) {
+  networks_sheet_.OpenWith(file);
+  networks_.LookAt(file);
 }
 
 void InspectWorkspace::Compare(const std::string& run, FrameContext& context) {
@@ -94,6 +146,8 @@ void InspectWorkspace::ReadSlots(FrameContext& context) {
   context.selection.hovered = std::exchange(hovered_now_, -1);
   context.ask_frame = std::exchange(ask_frame_, false);
   AddBookmarksRead(context);
+  context.networks = networks_.View();
+  TakeReopened(context);
   if (process_ == nullptr) return;
   AskForWhatIsNeeded(context);
   context.playback = process_->Playback();
@@ -224,6 +278,12 @@ void InspectWorkspace::Handle(const InspectCommand& command, FrameContext& conte
             fork_sheet_.Open(context, c.show);
           },
           [&](const AskOptionsCommand& c) { fork_sheet_.OpenOptions(context, c.show); },
+          [&](const AskNetworksCommand& c) {
+            networks_sheet_.Open(c.show);
+            networks_.Look();
+          },
+          [&](const LookAtNetworkCommand& c) { LookAtNetwork(c.file); },
+          [&](const UseNetworksCommand& c) { Reopen(c, context); },
           [&](const ForkCommand& c) { what_if_->Fork(c, context); },
           [&](const CancelForkCommand&) { what_if_->CancelFork(); },
           [&](const CompareRunCommand& c) { what_if_->Compare(c.run, context); },

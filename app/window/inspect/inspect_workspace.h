@@ -14,17 +14,25 @@
 #include "app/window/inspect/what_if.h"
 #include "app/window/workspace.h"
 #include "engine/runtime/mapping_process.h"
+#include "engine/runtime/network_process.h"
 #include "ui/framework/scene_surface.h"
 #include "ui/inspect/compare/fork_sheet.h"
+#include "ui/inspect/networks_sheet.h"
 #include "ui/inspect/panel_table.h"
 
 namespace plumbline {
 
+/// What a sequence is opened with instead of what was chosen at the start; "" and nothing: as it
+/// was.
+struct OpenWith {
+  std::string models;           ///< A folder; of runs, too.
+  std::string edges, detector;  ///< As --edges and --detector name them.
+  std::optional<MapperOptions> options;
+};
+
 struct InspectOptions {
-  /// How to open a sequence or a run. `models`: a folder of models instead of those chosen at the
-  /// start; "": none.
-  std::function<MappingProcess::OpenSource(const std::string& path, const std::string& models)>
-      opener;
+  /// How to open a sequence or a run.
+  std::function<MappingProcess::OpenSource(const std::string& path, const OpenWith& with)> opener;
   RunChoice inputs;                      ///< Where the sequence and the models of runs are now.
   std::string program_version;           ///< What forks say that they were made by.
   bool present = false;                  ///< Begins with the demo mode; its end is that of all.
@@ -49,6 +57,8 @@ class InspectWorkspace : public Workspace {
   void Open(const std::string& path, std::optional<int> frame, FrameContext& context) override;
   /// Opens a second run beside the first.
   void Compare(const std::string& run, FrameContext& context);
+  /// Says in the sheet of the networks what a file is.
+  void LookAtNetwork(const std::string& file);
   void ReadSlots(FrameContext& context) override;
   bool IsOpen(const FrameContext& context) const override { return context.sequence != nullptr; }
   bool FillsWindow() const override { return presenter_.active() || is_figure(); }
@@ -84,6 +94,11 @@ class InspectWorkspace : public Workspace {
   void SelectParticle(int particle, FrameContext& context);
   void HoverParticle(int particle, FrameContext& context);
   void ShowPanel(const std::string& id);
+  /// `process` is what is open from now on.
+  void Begin(std::unique_ptr<MappingProcess> process, FrameContext& context);
+  /// Opens the sequence once more with other networks; what is open goes on until that is ready.
+  void Reopen(const UseNetworksCommand& networks, const FrameContext& context);
+  void TakeReopened(FrameContext& context);
   void Present(bool on, FrameContext& context);
   void AddBookmarksRead(FrameContext& context);
   void KeepBookmarks(FrameContext& context);
@@ -91,7 +106,8 @@ class InspectWorkspace : public Workspace {
   InspectOptions options_;
   CommandSink& window_;
   std::function<void()> wake_;
-  std::string source_, models_;  ///< Models: dropped onto the window; "": none.
+  std::string source_;
+  OpenWith with_, reopened_with_;
   std::unique_ptr<SceneSurface> scene_;
   ImageViewport viewport_;
   LayoutRatios ratios_;
@@ -101,6 +117,7 @@ class InspectWorkspace : public Workspace {
   std::unique_ptr<ImageViews> views_;
   std::size_t map_tab_ = 0, object_tab_ = 0;
   ForkSheet fork_sheet_;
+  NetworksSheet networks_sheet_;
   Presenter presenter_;
   bool quit_after_presenting_ = false;  ///< It was opened for that alone.
   ProbeCommand asked_;                  ///< The last question about an object.
@@ -115,8 +132,10 @@ class InspectWorkspace : public Workspace {
 
   // Last: their threads wake the window.
   BookmarkKeeper bookmarks_;
+  NetworkProcess networks_;
   std::unique_ptr<WhatIf> what_if_;
   std::unique_ptr<MappingProcess> process_;
+  std::unique_ptr<MappingProcess> reopened_;  ///< Takes the place of `process_` once it is open.
 };
 
 }  // namespace plumbline

@@ -260,6 +260,7 @@ ActionGroup TwoRunActions() {
        {.text = "Change options of this run: what if?",
         .run = Posts(AskOptionsCommand{}),
         .is_offered = [](const FrameContext& context) { return !context.playback->recorded; }},
+       {.text = "Networks of this run: edges and boxes", .run = Posts(AskNetworksCommand{})},
        {.text = "Two runs: show the other",
         .keys = {{keys::kV}},
         .run =

@@ -10,6 +10,7 @@
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
+#include "ui/inspect/networks_sheet.h"
 #include "ui/inspect/timeline/timings_plot.h"
 
 namespace plumbline {
@@ -48,7 +49,8 @@ class TimingsPanel : public Panel {
       if (wide) ImGui::TableSetupColumn("mean");
       for (const StageTiming& timing : timings) {
         Row(context, timing.stage, timing.milliseconds, wide ? means_[timing.stage] : -1, longest,
-            StageColor(static_cast<std::size_t>(&timing - timings.data())));
+            StageColor(static_cast<std::size_t>(&timing - timings.data())),
+            NetworkOf(context, timing.stage));
       }
       Row(context, "frame", total, wide ? mean_total_ : -1, 0, colors::kText);
       Row(context, "window", context.window_ms, -1, 0, colors::kDimText);
@@ -73,7 +75,8 @@ class TimingsPanel : public Panel {
     std::size_t hypotheses = 0;
     for (const StageTiming& timing : context.snapshot->report.timings) {
       // "weigh" in runs of version 0.1.0.
-      if (timing.stage == "update" || timing.stage == "weigh") update_ms = timing.milliseconds;
+      if (timing.stage == "update" || timing.stage == "weigh" || timing.stage == "score boxes")
+        update_ms += timing.milliseconds;
     }
     for (const ObjectReport& object : context.snapshot->report.objects) {
       // Birth has a stage of its own.
@@ -88,7 +91,9 @@ class TimingsPanel : public Panel {
       DimText("%.0f 000 hypotheses/s", std::ceil(static_cast<double>(hypotheses) / update_ms));
     else
       DimText("no hypotheses updated");
-    Tooltip(context, "Particles updated in this frame, over the time of the stage 'update'.");
+    Tooltip(
+        context,
+        "Particles updated in this frame, over the time of the stages 'update' and 'score boxes'.");
     ImGui::SameLine(0, context.Scaled(12));
     if (dropped > 0)
       SmallText(context, colors::kWarning, "%d frames dropped", dropped);
@@ -100,6 +105,11 @@ class TimingsPanel : public Panel {
   void Remember(const FrameContext& context) {
     if (version_ == context.snapshot_version) return;
     version_ = context.snapshot_version;
+    if (source_version_ != context.source_version) {  // another run
+      source_version_ = context.source_version;
+      means_.clear();
+      mean_total_ = 0;
+    }
     double total = 0;
     for (const StageTiming& timing : context.snapshot->report.timings) {
       total += timing.milliseconds;
@@ -109,9 +119,21 @@ class TimingsPanel : public Panel {
     mean_total_ = mean_total_ == 0 ? total : mean_total_ + kShare * (total - mean_total_);
   }
 
+  /// Which network a stage waits for; "": none.
+  static std::string NetworkOf(const FrameContext& context, const std::string& stage) {
+    const PlaybackView& run = context.shown_playback();
+    const std::string edges = NetworkName(run.edges), boxes = NetworkName(run.detector);
+    constexpr const char* kCached =
+        "\nWhat a network has made of an image before is read from the cache.";
+    if (stage == "edges") return "Edges: " + edges + "." + kCached;
+    if (stage == "detect") return "Boxes in the image (bottom-up): " + boxes + "." + kCached;
+    if (stage == "score boxes") return "Scores of the hypotheses' boxes (top-down): " + boxes + ".";
+    return "";
+  }
+
   /// Without a bar where `longest` is 0, without a mean where it is negative.
   static void Row(const FrameContext& context, const std::string& name, double now, double mean,
-                  double longest, ImU32 color) {
+                  double longest, ImU32 color, const std::string& help = "") {
     const auto number = [&](double value, ImU32 ink) {
       const std::string text = fmt::format("{:.1f} ms", value);
       const float width = ImGui::CalcTextSize("0000.0 ms").x;
@@ -125,6 +147,8 @@ class TimingsPanel : public Panel {
     ImGui::PushStyleColor(ImGuiCol_Text, longest > 0 ? colors::kDimText : color);
     ImGui::TextUnformatted(name.c_str());
     ImGui::PopStyleColor();
+    LogItem(context, "timings." + name);
+    Tooltip(context, help);
     ImGui::TableNextColumn();
     if (longest > 0) {
       ImGui::SetCursorPosY(ImGui::GetCursorPosY() + 0.25f * ImGui::GetTextLineHeight());
@@ -143,7 +167,7 @@ class TimingsPanel : public Panel {
   bool over_time_ = false;
   std::map<std::string, double> means_;
   double mean_total_ = 0;
-  std::uint64_t version_ = 0;
+  std::uint64_t version_ = 0, source_version_ = 0;
 };
 
 }  // namespace
