@@ -3,27 +3,52 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/files.h"
 #include "engine/vision/onnx_file.h"
+#include "engine/vision/onnx_for_opencv.h"
 
 namespace plumbline {
+
+namespace {
+
+/// Of what OpenCV says when it gives up (".. Node [TopK@ai.onnx]: ..").
+std::string WhyNotLoaded(const std::string& complaint) {
+  const std::string opencv = "OpenCV " + cv::getVersionString(), mark = "Node [";
+  const std::size_t found = complaint.find(mark), start = found + mark.size();
+  const std::size_t end = found == std::string::npos ? found : complaint.find('@', start);
+  if (end == std::string::npos)
+    return "is damaged or of a form that " + opencv + " cannot load; export it again";
+  return "has an operation " + complaint.substr(start, end - start) + " that " + opencv +
+         " cannot run; export it with a fixed input size, simplified and without what chooses "
+         "boxes at its end (for Ultralytics: dynamic=False, simplify=True, nms=False)";
+}
+
+}  // namespace
 
 Result<Network> MakeNetwork(std::string_view onnx_bytes, NetworkSidecar sidecar, std::string name,
                             std::string content_hash) {
   Network network{{}, {}, std::move(sidecar), std::move(name), std::move(content_hash)};
+  // What is wrong comes as an exception too.
+  const auto level = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  std::optional<std::string> complaint;
   try {
     network.net = cv::dnn::readNetFromONNX(onnx_bytes.data(), onnx_bytes.size());
     network.net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
     network.net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
     network.outputs = network.net.getUnconnectedOutLayersNames();
-  } catch (const std::exception&) {
-    return Error{ErrorCode::kCorrupt, "the network '" + network.name +
-                                          "' is damaged or of a form that OpenCV " +
-                                          cv::getVersionString() + " cannot load"};
+  } catch (const std::exception& exception) {
+    complaint = exception.what();
+  }
+  cv::utils::logging::setLogLevel(level);
+  if (complaint) {
+    return Error{ErrorCode::kCorrupt,
+                 "the network '" + network.name + "' " + WhyNotLoaded(*complaint)};
   }
   return network;
 }
@@ -32,7 +57,9 @@ Result<Network> LoadNetwork(const std::filesystem::path& onnx_file, NetworkSidec
   const Result<OnnxFile> onnx = ReadOnnxFile(onnx_file);
   if (!onnx.ok()) return onnx.error();
   const std::string sidecar_hash = HashHex(SidecarToJson(sidecar).dump());
-  return MakeNetwork(onnx->for_opencv, std::move(sidecar), onnx_file.string(),
+  std::optional<cv::Size> input;
+  if (sidecar.width > 0) input.emplace(sidecar.width, sidecar.height);
+  return MakeNetwork(OnnxForOpenCv(onnx->bytes, input), std::move(sidecar), onnx_file.string(),
                      onnx->content_hash + sidecar_hash);
 }
 

@@ -9,6 +9,7 @@
 
 #include "engine/vision/category_names.h"
 #include "engine/vision/network.h"
+#include "engine/vision/onnx_for_opencv.h"
 
 namespace plumbline {
 namespace {
@@ -289,8 +290,8 @@ Result<NetworkGuess> GuessSidecar(const std::filesystem::path& onnx_file,
   if (Status status = guesser.TakeInput(); !status.ok()) return told(status.error());
   NetworkSidecar any = guesser.sidecar();
   any.scale = 1 / 255.0;
-  Result<Network> network =
-      MakeNetwork(onnx->for_opencv, any, onnx_file.string(), onnx->content_hash);
+  Result<Network> network = MakeNetwork(OnnxForOpenCv(onnx->bytes, cv::Size(any.width, any.height)),
+                                        any, onnx_file.string(), onnx->content_hash);
   if (!network.ok()) return network.error();
   const cv::Mat gray(any.height, any.width, CV_8UC3, cv::Scalar::all(128));
   const Result<std::vector<cv::Mat>> outputs = RunNetwork(*network, gray);

@@ -22,10 +22,8 @@ struct OnnxFile {
   std::vector<OnnxTensor> outputs;
   std::map<std::string, std::string> metadata;  ///< As the exporter wrote it: names, imgsz, ..
   std::string producer;                         ///< Name and version; may be empty.
-  /// The network as OpenCV 4.6 can load it: bounds of Clip nodes that are constants are attributes
-  /// (as up to opset 10), weights are no inputs, and nobody copies constants.
-  std::string for_opencv;
-  std::string content_hash;  ///< Of the file as it is.
+  std::string bytes;                            ///< The file as it is.
+  std::string content_hash;                     ///< Of them.
 };
 
 /// Errors: kNotFound, kCorrupt (no ONNX file, or cut short).

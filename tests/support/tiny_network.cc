@@ -5,9 +5,8 @@
 #include <fstream>
 #include <vector>
 
-#include <onnx/onnx_pb.h>
-
 #include "engine/base/check.h"
+#include "tests/support/tiny_graph.h"
 
 namespace plumbline {
 namespace {
@@ -15,138 +14,6 @@ namespace {
 constexpr float kHalfBox = 8;  // [px of the input]
 constexpr float kPlace = 32;   // of boxes that do not follow their cell [px of the input]
 constexpr int kBins = 8;       // of distances, as GFL heads have them
-
-/// Builds a graph node by node.
-class Graph {
- public:
-  explicit Graph(const TinyNetwork& network)
-      : Graph(network, {1, 3, network.free_size ? 0 : network.height,
-                        network.free_size ? 0 : network.width}) {}
-  /// @param input  Its shape; 0: open.
-  Graph(const TinyNetwork& network, const std::vector<int>& input) : network_(network) {
-    model_.set_ir_version(6);
-    model_.set_producer_name("tiny");
-    model_.add_opset_import()->set_version(11);
-    for (const auto& [key, value] : network.metadata) {
-      auto* entry = model_.add_metadata_props();
-      entry->set_key(key);
-      entry->set_value(value);
-    }
-    graph().set_name("tiny");
-    AddValue(*graph().add_input(), "image", input);
-    image_ = "image";
-    if (!network.clips) return;
-    AddFloats("lowest", {}, {-1000});
-    AddFloats("highest", {}, {1000});
-    image_ = Node("Clip", {"image", "lowest", "highest"});
-  }
-
-  /// A convolution without weights: channel k is values[k] everywhere on the grid of `stride`.
-  std::string Grid(int stride, const std::vector<float>& values) {
-    const int channels = static_cast<int>(values.size());
-    const std::string weights = Name("weights");
-    std::string bias = Name("bias");
-    AddFloats(weights, {channels, 3, stride, stride},
-              std::vector<float>(static_cast<std::size_t>(channels) * 3 * stride * stride));
-    AddFloats(bias, {channels}, values);
-    if (network_.copies) bias = Node("Identity", {bias});
-    const std::string result = Node("Conv", {image_, weights, bias});
-    SetInts("kernel_shape", {stride, stride});
-    SetInts("strides", {stride, stride});
-    return result;
-  }
-  /// A convolution whose channel k is weights[k] times the mean of its window, plus bias[k].
-  std::string Means(const std::string& input, int channels, int window,
-                    const std::vector<float>& weights, const std::vector<float>& bias) {
-    const std::string weights_name = Name("weights"), bias_name = Name("bias");
-    const int count = channels * window * window;
-    std::vector<float> all;
-    for (const float weight : weights)
-      all.insert(all.end(), static_cast<std::size_t>(count), weight / static_cast<float>(count));
-    AddFloats(weights_name, {static_cast<int>(weights.size()), channels, window, window}, all);
-    AddFloats(bias_name, {static_cast<int>(bias.size())}, bias);
-    const std::string result = Node("Conv", {input, weights_name, bias_name});
-    SetInts("kernel_shape", {window, window});
-    SetInts("strides", {window, window});
-    return result;
-  }
-  std::string Flattened(const std::string& value) { return Node("Flatten", {value}); }
-  const std::string& image() const { return image_; }
-  /// [1, channels, rows, columns] to [1, channels, cells].
-  std::string Flat(const std::string& grid, int channels) {
-    const std::string shape = Name("shape");
-    onnx::TensorProto& tensor = *graph().add_initializer();
-    tensor.set_name(shape);
-    tensor.set_data_type(onnx::TensorProto::INT64);
-    tensor.add_dims(3);
-    for (const int length : {1, channels, -1}) tensor.add_int64_data(length);
-    return Node("Reshape", {grid, shape});
-  }
-  std::string Joined(const std::vector<std::string>& parts) {
-    const std::string result = Node("Concat", parts);
-    onnx::AttributeProto& axis = *last_->add_attribute();
-    axis.set_name("axis");
-    axis.set_type(onnx::AttributeProto::INT);
-    axis.set_i(2);
-    return result;
-  }
-  std::string Turned(const std::string& value) {
-    const std::string result = Node("Transpose", {value});
-    SetInts("perm", {0, 2, 1});
-    return result;
-  }
-  void Output(const std::string& value) { AddValue(*graph().add_output(), value, {}); }
-
-  void Write(const std::filesystem::path& file) const {
-    std::ofstream out(file, std::ios::binary);
-    PLB_CHECK(model_.SerializeToOstream(&out));
-  }
-
- private:
-  onnx::GraphProto& graph() { return *model_.mutable_graph(); }
-  std::string Name(const std::string& what) { return what + std::to_string(++names_); }
-
-  std::string Node(const std::string& operation, const std::vector<std::string>& inputs) {
-    last_ = graph().add_node();
-    last_->set_op_type(operation);
-    last_->set_name(Name(operation));
-    for (const std::string& input : inputs) last_->add_input(input);
-    last_->add_output(Name("value"));
-    return last_->output(0);
-  }
-  void SetInts(const std::string& name, const std::vector<int>& values) {
-    onnx::AttributeProto& attribute = *last_->add_attribute();
-    attribute.set_name(name);
-    attribute.set_type(onnx::AttributeProto::INTS);
-    for (const int value : values) attribute.add_ints(value);
-  }
-  void AddFloats(const std::string& name, const std::vector<int>& shape,
-                 const std::vector<float>& values) {
-    onnx::TensorProto& tensor = *graph().add_initializer();
-    tensor.set_name(name);
-    tensor.set_data_type(onnx::TensorProto::FLOAT);
-    for (const int length : shape) tensor.add_dims(length);
-    for (const float value : values) tensor.add_float_data(value);
-  }
-  static void AddValue(onnx::ValueInfoProto& value, const std::string& name,
-                       const std::vector<int>& shape) {
-    value.set_name(name);
-    auto& tensor = *value.mutable_type()->mutable_tensor_type();
-    tensor.set_elem_type(onnx::TensorProto::FLOAT);
-    auto& lengths = *tensor.mutable_shape();
-    for (const int length : shape) {
-      auto& dim = *lengths.add_dim();
-      if (length > 0) dim.set_dim_value(length);
-      if (length == 0) dim.set_dim_param("open");
-    }
-  }
-
-  const TinyNetwork& network_;
-  onnx::ModelProto model_;
-  onnx::NodeProto* last_ = nullptr;
-  std::string image_;
-  int names_ = 0;
-};
 
 /// `front`, then a score for each category.
 std::vector<float> WithScores(std::vector<float> front, const TinyNetwork& network) {
@@ -174,7 +41,7 @@ std::vector<float> Distances(int stride) {
 }  // namespace
 
 void WriteTinyNetwork(const std::filesystem::path& file, const TinyNetwork& network) {
-  Graph graph(network);
+  TinyGraph graph(network);
   const float box = 2 * kHalfBox;
   const std::vector<int> three = {8, 16, 32}, four = {8, 16, 32, 64};
   std::vector<std::string> parts;
@@ -247,11 +114,11 @@ void WriteTinyNetwork(const std::filesystem::path& file, const TinyNetwork& netw
 
 void WriteTinyTwoStage(const std::filesystem::path& file, int head_categories) {
   const TinyNetwork tiny;
-  Graph trunk(tiny);
+  TinyGraph trunk(tiny);
   // The feature, the objectness of one anchor, its four deltas.
   trunk.Output(trunk.Means(trunk.image(), 3, 8, {1, 20, 0, 0, 0, 0}, {0, -10, 0, 0, 0, 0}));
   trunk.Write(file);
-  Graph head(tiny, {32, 1, 7, 7});
+  TinyGraph head(tiny, {32, 1, 7, 7});
   const auto classes = static_cast<std::size_t>(1 + head_categories);
   std::vector<float> weights(5 * classes), bias(5 * classes);
   for (std::size_t category = 1; category < classes; ++category) bias[category] = -30;

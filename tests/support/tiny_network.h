@@ -18,6 +18,8 @@ struct TinyNetwork {
   float score = 0.8f;   ///< Of the best category; others 0.
   bool clips = false;   ///< Its input passes a Clip with bounds as inputs, as new exporters write.
   bool copies = false;  ///< Its biases are copies, as exporters write equal constants.
+  bool shapes =
+      false;  ///< Its input passes arithmetic about shapes, as torch writes view and chunk.
   bool free_size = false;  ///< The file leaves the size of the input open.
   std::map<std::string, std::string> metadata;
 };

@@ -160,6 +160,19 @@ TEST_F(Guess, LoadsCopiesOfConstants) {
   EXPECT_TRUE(guess.ok()) << guess.error().message;
 }
 
+TEST_F(Guess, ComputesShapesOfWhichTheInputTellsAll) {
+  WriteTinyNetwork(file_, {.kind = NetworkKind::kYolox, .shapes = true});
+  EXPECT_TRUE(GuessSidecar(file_, kThree).ok()) << GuessSidecar(file_, kThree).error().message;
+  WriteTinyNetwork(file_, {.kind = NetworkKind::kYolox,
+                           .shapes = true,
+                           .free_size = true,
+                           .metadata = {{"imgsz", "[96, 160]"}}});
+  const Result<NetworkGuess> guess = GuessSidecar(file_, kThree);
+  ASSERT_TRUE(guess.ok()) << guess.error().message;
+  EXPECT_EQ(guess->sidecar.width, 160);
+  EXPECT_TRUE(CreateDenseDetector(LoadNetwork(file_, guess->sidecar).value(), {}).ok());
+}
+
 TEST_F(Guess, OfAnEdgeNetwork) {
   WriteTinyNetwork(file_, {.kind = NetworkKind::kEdge});
   const Result<NetworkGuess> guess = GuessSidecar(file_);
