@@ -3,126 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
-#include "engine/base/check.h"
-#include "engine/vision/proposals.h"
+#include "engine/vision/detector_cells.h"
+#include "engine/vision/distance_heads.h"
 
 namespace plumbline {
 namespace {
 
-/// Cells that score less than this say nothing about a category: with score * IoU they can add no
-/// more.
-constexpr float kLeastScore = 0.01f;
-
-class DenseDetections : public FrameDetections {
- public:
-  std::span<const Detection> proposals() const override { return proposals_; }
-  void ScoreBoxes(std::string_view category, std::span<const Box2> boxes,
-                  std::span<float> scores) const override {
-    PLB_CHECK(boxes.size() == scores.size());
-    const auto found = dense_.find(category);
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-      scores[i] = found == dense_.end() ? 0.0f : found->second.Score(boxes[i]);
-    }
-  }
-
-  std::vector<Detection> proposals_;
-  std::map<std::string, ScoredBoxes, std::less<>> dense_;
-};
-
-/// Collects the cells of one image.
-class Cells {
- public:
-  Cells(const NetworkSidecar& sidecar, const FittedImage& fitted, const DetectorOptions& options)
-      : sidecar_(sidecar), fitted_(fitted), options_(options), dense_(sidecar.categories.size()) {}
-
-  /// What the next cell scores for a category; those under kLeastScore and no numbers do not count.
-  void Score(int category, float score) {
-    if (score >= kLeastScore) scored_.emplace_back(category, std::min(1.0f, score));
-  }
-  /// Ends a cell: its box, in shares of the network's input.
-  void End(float x0, float y0, float x1, float y1) {
-    if (scored_.empty()) return;
-    const auto width = static_cast<float>(fitted_.original.width);
-    const auto height = static_cast<float>(fitted_.original.height);
-    // Image points are pixel centres at integers, so the image spans [-0.5, width - 0.5].
-    const Box2 box{InImage(x0, sidecar_.width, fitted_.scale_x, fitted_.offset_x, width),
-                   InImage(y0, sidecar_.height, fitted_.scale_y, fitted_.offset_y, height),
-                   InImage(x1, sidecar_.width, fitted_.scale_x, fitted_.offset_x, width),
-                   InImage(y1, sidecar_.height, fitted_.scale_y, fitted_.offset_y, height)};
-    auto best = scored_.front();
-    for (const auto& entry : scored_) {
-      dense_[entry.first].Add(box, entry.second);
-      if (entry.second > best.second) best = entry;
-    }
-    scored_.clear();
-    if (!box.empty() && best.second >= options_.min_score)
-      proposals_.push_back({box, sidecar_.categories[best.first], best.second});
-  }
-
-  std::unique_ptr<const FrameDetections> Finish() {
-    auto result = std::make_unique<DenseDetections>();
-    result->proposals_ = SuppressNonMaxima(std::move(proposals_), options_.nms_iou);
-    for (std::size_t i = 0; i < dense_.size(); ++i) {
-      dense_[i].Sort();
-      result->dense_.emplace(sidecar_.categories[i], std::move(dense_[i]));
-    }
-    return result;
-  }
-
- private:
-  float InImage(float share, int input, double scale, double offset, float size) const {
-    const float at = sidecar_.fit == ImageFit::kStretch
-                         ? share * size
-                         : static_cast<float>((share * input - offset) / scale);
-    return std::clamp(at, 0.0f, size) - 0.5f;
-  }
-
-  const NetworkSidecar& sidecar_;
-  const FittedImage& fitted_;
-  const DetectorOptions& options_;
-  std::vector<ScoredBoxes> dense_;
-  std::vector<Detection> proposals_;
-  std::vector<std::pair<int, float>> scored_;
-};
-
 float Sigmoid(float x) { return 1 / (1 + std::exp(-x)); }
-
-/// The lengths of a tensor without those of 1 in front.
-std::vector<int> ShapeOf(const cv::Mat& tensor) {
-  std::vector<int> shape(tensor.size.p, tensor.size.p + tensor.dims);
-  while (shape.size() > 2 && shape.front() == 1) shape.erase(shape.begin());
-  return shape;
-}
-
-/// A tensor as a matrix, its last axis the columns.
-cv::Mat AsTable(const cv::Mat& tensor) {
-  const int columns = tensor.size[tensor.dims - 1];
-  return {static_cast<int>(tensor.total()) / columns, columns, CV_32FC1,
-          const_cast<float*>(tensor.ptr<float>())};
-}
-
-/// A level of a pyramid of cells.
-struct Level {
-  int stride, columns, rows;
-  int cells() const { return columns * rows; }
-};
-std::vector<Level> LevelsOf(const NetworkSidecar& sidecar) {
-  std::vector<Level> levels;
-  for (const int stride : sidecar.strides)
-    levels.push_back(
-        {stride, (sidecar.width + stride - 1) / stride, (sidecar.height + stride - 1) / stride});
-  return levels;
-}
-int CellsOf(const std::vector<Level>& levels) {
-  int cells = 0;
-  for (const Level& level : levels) cells += level.cells();
-  return cells;
-}
 
 /// Each decoder is false if the outputs are not of its shapes.
 using Outputs = std::vector<cv::Mat>;
+
+/// The output that has the boxes: networks that also give masks have a second, of four axes.
+const cv::Mat& BoxesOf(const Outputs& outputs) {
+  return outputs[outputs.size() == 2 && outputs[0].dims == 4 ? 1 : 0];
+}
 
 /// [1, 5 + categories, rows, columns]: objectness, box, categories.
 bool DecodeFastestDet(const Outputs& outputs, const NetworkSidecar& sidecar, Cells& cells) {
@@ -157,18 +53,6 @@ bool DecodeFastestDet(const Outputs& outputs, const NetworkSidecar& sidecar, Cel
   return true;
 }
 
-void ScoreAll(const float* scores, int step, int categories, float objectness, Cells& cells) {
-  for (int category = 0; category < categories; ++category)
-    cells.Score(category, objectness * scores[static_cast<std::ptrdiff_t>(category) * step]);
-}
-
-/// Ends a cell whose box is given by centre and size, in pixels of the input.
-void EndCentred(float x, float y, float width, float height, const NetworkSidecar& sidecar,
-                Cells& cells) {
-  const auto w = static_cast<float>(sidecar.width), h = static_cast<float>(sidecar.height);
-  cells.End((x - width / 2) / w, (y - height / 2) / h, (x + width / 2) / w, (y + height / 2) / h);
-}
-
 /// [1, cells, 5 + categories], level by level: centre in its cell, log of the size in strides,
 /// objectness, categories.
 bool DecodeYolox(const Outputs& outputs, const NetworkSidecar& sidecar, Cells& cells) {
@@ -184,10 +68,10 @@ bool DecodeYolox(const Outputs& outputs, const NetworkSidecar& sidecar, Cells& c
     for (int cell = 0; cell < level.cells(); ++cell, ++row) {
       const auto* v = table.ptr<float>(row);
       if (!(v[4] >= kLeastScore)) continue;
-      ScoreAll(v + 5, 1, categories, v[4], cells);
-      EndCentred((v[0] + static_cast<float>(cell % level.columns)) * stride,
-                 (v[1] + static_cast<float>(cell / level.columns)) * stride,
-                 std::exp(v[2]) * stride, std::exp(v[3]) * stride, sidecar, cells);
+      cells.ScoreAll(v + 5, 1, v[4]);
+      cells.EndCentred((v[0] + static_cast<float>(cell % level.columns)) * stride,
+                       (v[1] + static_cast<float>(cell / level.columns)) * stride,
+                       std::exp(v[2]) * stride, std::exp(v[3]) * stride);
     }
   }
   return true;
@@ -197,106 +81,47 @@ bool DecodeYolox(const Outputs& outputs, const NetworkSidecar& sidecar, Cells& c
 /// categories.
 bool DecodeYolov5(const Outputs& outputs, const NetworkSidecar& sidecar, Cells& cells) {
   const int categories = static_cast<int>(sidecar.categories.size());
-  const std::vector<int> shape = ShapeOf(outputs.front());
+  const std::vector<int> shape = ShapeOf(BoxesOf(outputs));
   if (shape.size() != 2 || shape[1] < 5 + categories) return false;
-  const cv::Mat table = AsTable(outputs.front());
+  const cv::Mat table = AsTable(BoxesOf(outputs));
   for (int row = 0; row < table.rows; ++row) {
     const auto* v = table.ptr<float>(row);
     if (!(v[4] >= kLeastScore)) continue;
-    ScoreAll(v + 5, 1, categories, v[4], cells);
-    EndCentred(v[0], v[1], v[2], v[3], sidecar, cells);
+    cells.ScoreAll(v + 5, 1, v[4]);
+    cells.EndCentred(v[0], v[1], v[2], v[3]);
   }
   return true;
 }
 
-/// [1, 4 + categories or more, boxes]: centre and size in pixels of the input, categories.
+/// [1, 4 + categories or more, boxes]: centre and size in pixels of the input, categories. Or not
+/// decoded yet.
 bool DecodeYolov8(const Outputs& outputs, const NetworkSidecar& sidecar, Cells& cells) {
+  constexpr float kMiddle = 0.5f;
+  if (AreCellsAndSides(outputs)) return DecodeDistances(outputs, sidecar, kMiddle, cells);
   const int categories = static_cast<int>(sidecar.categories.size());
-  const std::vector<int> shape = ShapeOf(outputs.front());
+  const std::vector<int> shape = ShapeOf(BoxesOf(outputs));
   if (shape.size() != 2 || shape[0] < 4 + categories || shape[1] < shape[0]) return false;
-  const cv::Mat table = AsTable(outputs.front());
+  const cv::Mat table = AsTable(BoxesOf(outputs));
   for (int box = 0; box < table.cols; ++box) {
     const auto value = [&](int row) { return table.at<float>(row, box); };
-    ScoreAll(table.ptr<float>(4) + box, table.cols, categories, 1, cells);
-    EndCentred(value(0), value(1), value(2), value(3), sidecar, cells);
+    cells.ScoreAll(table.ptr<float>(4) + box, table.cols, 1);
+    cells.EndCentred(value(0), value(1), value(2), value(3));
   }
   return true;
 }
 
-/// The mean of a distribution over 0, 1, .. given as logits.
-float MeanOfLogits(const float* logits, int count) {
-  const float highest = *std::max_element(logits, logits + count);
-  float sum = 0, weighted = 0;
-  for (int i = 0; i < count; ++i) {
-    const float weight = std::exp(logits[i] - highest);
-    sum += weight;
-    weighted += weight * static_cast<float>(i);
-  }
-  return weighted / sum;
-}
-
-/// Generalised focal loss: scores per category, and the distance of each side from the cell's
-/// point as logits over whole strides. For each level two tensors, or both for all cells in one
-/// table: [1, cells, categories] and [1, cells, 4 * bins], told apart by their last axis.
-bool DecodeDistances(const Outputs& outputs, const NetworkSidecar& sidecar, float point_in_cell,
-                     Cells& cells) {
-  const int categories = static_cast<int>(sidecar.categories.size());
-  const std::vector<Level> levels = LevelsOf(sidecar);
-  struct Part {
-    const float *scores = nullptr, *logits = nullptr;
-    int score_step = 0, logit_step = 0, bins = 0;
-  };
-  std::vector<Part> parts(levels.size());
-  if (outputs.size() == 1) {
-    const std::vector<int> shape = ShapeOf(outputs.front());
-    if (shape.size() != 2 || shape[0] != CellsOf(levels)) return false;
-    const int rest = shape[1] - categories;
-    if (rest < 8 || rest % 4 != 0) return false;
-    int row = 0;
-    for (std::size_t i = 0; i < levels.size(); ++i) {
-      const float* first =
-          outputs.front().ptr<float>() + static_cast<std::ptrdiff_t>(row) * shape[1];
-      parts[i] = {first, first + categories, shape[1], shape[1], rest / 4};
-      row += levels[i].cells();
-    }
-  } else {
-    for (const cv::Mat& output : outputs) {
-      const std::vector<int> shape = ShapeOf(output);
-      if (shape.size() != 2) return false;
-      const auto level = std::find_if(levels.begin(), levels.end(),
-                                      [&](const Level& l) { return l.cells() == shape[0]; });
-      if (level == levels.end()) return false;
-      Part& part = parts[static_cast<std::size_t>(level - levels.begin())];
-      if (shape[1] == categories && part.scores == nullptr) {
-        part.scores = output.ptr<float>();
-        part.score_step = shape[1];
-      } else if (shape[1] % 4 == 0 && shape[1] >= 8 && part.logits == nullptr) {
-        part.logits = output.ptr<float>();
-        part.logit_step = shape[1];
-        part.bins = shape[1] / 4;
-      } else {
-        return false;
-      }
-    }
-  }
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    const Part& part = parts[i];
-    if (part.scores == nullptr || part.logits == nullptr) return false;
-    const auto stride = static_cast<float>(levels[i].stride);
-    const auto w = static_cast<float>(sidecar.width), h = static_cast<float>(sidecar.height);
-    for (int cell = 0; cell < levels[i].cells(); ++cell) {
-      const float* scores = part.scores + static_cast<std::ptrdiff_t>(cell) * part.score_step;
-      if (!(*std::max_element(scores, scores + categories) >= kLeastScore)) continue;
-      ScoreAll(scores, 1, categories, 1, cells);
-      const float* logits = part.logits + static_cast<std::ptrdiff_t>(cell) * part.logit_step;
-      float away[4];
-      for (int side = 0; side < 4; ++side)
-        away[side] = stride * MeanOfLogits(logits + static_cast<std::ptrdiff_t>(side) * part.bins,
-                                           part.bins);
-      const float x = (static_cast<float>(cell % levels[i].columns) + point_in_cell) * stride;
-      const float y = (static_cast<float>(cell / levels[i].columns) + point_in_cell) * stride;
-      cells.End((x - away[0]) / w, (y - away[1]) / h, (x + away[2]) / w, (y + away[3]) / h);
-    }
+/// [1, found, 6 or more]: corners in pixels of the input, score, category. Or not decoded yet.
+bool DecodeYolov10(const Outputs& outputs, const NetworkSidecar& sidecar, Cells& cells) {
+  if (AreCellsAndSides(outputs)) return DecodeYolov8(outputs, sidecar, cells);
+  const auto categories = static_cast<float>(sidecar.categories.size());
+  const std::vector<int> shape = ShapeOf(BoxesOf(outputs));
+  if (shape.size() != 2 || shape[1] < 6) return false;
+  const cv::Mat table = AsTable(BoxesOf(outputs));
+  for (int row = 0; row < table.rows; ++row) {
+    const auto* v = table.ptr<float>(row);
+    if (!(v[5] >= 0 && v[5] < categories)) continue;
+    cells.Score(static_cast<int>(v[5]), v[4]);
+    cells.EndCorners(v[0], v[1], v[2], v[3]);
   }
   return true;
 }
@@ -340,7 +165,7 @@ bool DecodeSsd(const Outputs& outputs, const NetworkSidecar& sidecar, Cells& cel
   const cv::Mat score_table = AsTable(*scores), corner_table = AsTable(*corners);
   if (score_table.rows != corner_table.rows) return false;
   for (int row = 0; row < score_table.rows; ++row) {
-    ScoreAll(score_table.ptr<float>(row) + 1, 1, categories, 1, cells);
+    cells.ScoreAll(score_table.ptr<float>(row) + 1, 1, 1);
     const auto* v = corner_table.ptr<float>(row);
     cells.End(v[0], v[1], v[2], v[3]);
   }
@@ -357,6 +182,8 @@ bool Decode(const Outputs& outputs, const NetworkSidecar& sidecar, Cells& cells)
       return DecodeYolov5(outputs, sidecar, cells);
     case NetworkKind::kYolov8:
       return DecodeYolov8(outputs, sidecar, cells);
+    case NetworkKind::kYolov10:
+      return DecodeYolov10(outputs, sidecar, cells);
     case NetworkKind::kPicodet:
       return DecodeDistances(outputs, sidecar, 0.5f, cells);
     case NetworkKind::kNanodet:

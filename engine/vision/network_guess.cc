@@ -5,11 +5,12 @@
 #include <cmath>
 #include <optional>
 
-#include <yaml-cpp/yaml.h>
-
 #include "engine/vision/category_names.h"
+#include "engine/vision/distance_heads.h"
+#include "engine/vision/exporter_notes.h"
 #include "engine/vision/network.h"
 #include "engine/vision/onnx_for_opencv.h"
+#include "engine/vision/usual_feeding.h"
 
 namespace plumbline {
 namespace {
@@ -25,37 +26,6 @@ int CellsOf(const NetworkSidecar& sidecar, const std::vector<int>& strides) {
   return cells;
 }
 
-/// The names as Ultralytics' exporters note them: {0: 'person', 1: ..} or ['person', ..].
-std::vector<std::string> NamesOf(const OnnxFile& onnx) {
-  std::vector<std::string> names;
-  const auto found = onnx.metadata.find("names");
-  if (found == onnx.metadata.end()) return names;
-  try {
-    const YAML::Node node = YAML::Load(found->second);
-    for (std::size_t i = 0; i < node.size(); ++i) {
-      const YAML::Node name = node.IsMap() ? node[static_cast<int>(i)] : node[i];
-      if (!name || !name.IsScalar()) return {};
-      names.push_back(CategoryName(name.as<std::string>()));
-    }
-  } catch (const YAML::Exception&) {
-    return {};
-  }
-  return names;
-}
-
-/// Two whole numbers, height first, from the exporter's note.
-std::optional<cv::Size> NotedSize(const OnnxFile& onnx) {
-  const auto found = onnx.metadata.find("imgsz");
-  if (found == onnx.metadata.end()) return std::nullopt;
-  try {
-    const YAML::Node node = YAML::Load(found->second);
-    if (node.IsSequence() && node.size() == 2)
-      return cv::Size(node[1].as<int>(), node[0].as<int>());
-  } catch (const YAML::Exception&) {
-  }
-  return std::nullopt;
-}
-
 std::string SizeText(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
@@ -66,7 +36,7 @@ class Guesser {
   Guesser(const OnnxFile& onnx, const std::vector<std::string>& categories) : onnx_(onnx) {
     for (const std::string& name : categories) names_.push_back(CategoryName(name));
     given_ = !names_.empty();
-    if (!given_) names_ = NamesOf(onnx);
+    if (!given_) names_ = NotedNames(onnx);
     if (!given_ && !names_.empty())
       Say("The file names its " + std::to_string(names_.size()) + " categories.");
   }
@@ -100,7 +70,9 @@ class Guesser {
     std::vector<std::vector<int>> shapes;
     for (const cv::Mat& output : outputs)
       shapes.emplace_back(output.size.p, output.size.p + output.dims);
-    const bool known = outputs.size() == 1 ? TakeOne(shapes[0], outputs[0]) : TakeSeveral(shapes);
+    const bool known = outputs.size() == 1         ? TakeOne(shapes[0], outputs[0])
+                       : AreCellsAndSides(outputs) ? TakeCellsAndSides(shapes)
+                                                   : TakeSeveral(shapes) || TakeMasks(shapes);
     if (!known) {
       return Error{ErrorCode::kUnsupported,
                    "gives outputs of " + ShapesText(outputs) +
@@ -110,7 +82,7 @@ class Guesser {
     Say("Outputs of " + ShapesText(outputs) + " for an input of " +
         SizeText(guess_.sidecar.width, guess_.sidecar.height) + ": " +
         std::string(NameOf(guess_.sidecar.kind)) + ".");
-    FeedAsUsual();
+    Say(FeedAsUsual(guess_.sidecar));
     return guess_.sidecar.kind == NetworkKind::kEdge ? Status() : NameCategories();
   }
 
@@ -128,6 +100,39 @@ class Guesser {
     return true;
   }
 
+  /// Boxes that the network has chosen do not tell how many categories there are.
+  bool IsChosen(NetworkKind kind) {
+    Is(kind, 1, kind == NetworkKind::kYolov10 ? std::vector{8, 16, 32} : std::vector<int>());
+    categories_ = static_cast<int>(names_.size());
+    return true;
+  }
+
+  /// As LeaveOutBoxDecoding leaves YOLOv8 and its followers.
+  bool TakeCellsAndSides(const std::vector<std::vector<int>>& shapes) {
+    const std::vector<int>& scores = shapes[shapes[0].size() == 3 ? 0 : 1];
+    for (const std::vector<int>& strides :
+         {std::vector{8, 16, 32}, {8, 16, 32, 64}, {4, 8, 16, 32}}) {
+      if (scores[1] != CellsOf(guess_.sidecar, strides)) continue;
+      Say("It ends as YOLOv8 does; its boxes are decoded here, and every cell of it scores.");
+      return Is(NetworkKind::kYolov8, scores[2], strides);
+    }
+    return false;
+  }
+
+  /// Boxes with coefficients of masks, and the masks [1, coefficients, rows, columns].
+  bool TakeMasks(const std::vector<std::vector<int>>& shapes) {
+    if (shapes.size() != 2 || shapes[0].size() + shapes[1].size() != 3 + 4) return false;
+    const std::vector<int>& boxes = shapes[shapes[0].size() == 3 ? 0 : 1];
+    const int masks = shapes[shapes[0].size() == 3 ? 1 : 0][1];
+    const std::vector<int> three = {8, 16, 32};
+    const int cells = CellsOf(guess_.sidecar, three);
+    Say("It also gives masks, " + std::to_string(masks) + " numbers a box: they are not used.");
+    if (boxes[1] == 3 * cells) return Is(NetworkKind::kYolov5, boxes[2] - 5 - masks);
+    if (boxes[2] == cells) return Is(NetworkKind::kYolov8, boxes[1] - 4 - masks, three);
+    if (boxes[2] == 6 + masks) return IsChosen(NetworkKind::kYolov10);
+    return false;
+  }
+
   bool TakeOne(const std::vector<int>& shape, const cv::Mat& output) {
     const NetworkSidecar& s = guess_.sidecar;
     if (shape.size() == 4 && shape[1] == 1 && shape[2] == s.height && shape[3] == s.width)
@@ -135,7 +140,7 @@ class Guesser {
     if (shape.size() == 4 && shape[1] > 5 && shape[2] == s.height / 16 && shape[3] == s.width / 16)
       return Is(NetworkKind::kFastestDet, shape[1] - 5, {16});
     if (shape.size() == 4 && shape[0] == 1 && shape[1] == 1 && shape[3] == 7)
-      return Is(NetworkKind::kSsd, static_cast<int>(names_.size()));
+      return IsChosen(NetworkKind::kSsd);
     if (shape.size() != 3 || shape[0] != 1) return false;
     const std::vector<int> three = {8, 16, 32}, four = {8, 16, 32, 64};
     const int cells = CellsOf(s, three), rows = shape[1], columns = shape[2];
@@ -151,7 +156,8 @@ class Guesser {
       return Is(NetworkKind::kYolox, columns - 5, three);
     }
     if (rows == 3 * cells) return Is(NetworkKind::kYolov5, NamesOr(columns - 5));
-    if (columns == cells) return Is(NetworkKind::kYolov8, NamesOr(rows - 4));
+    if (columns == cells) return Is(NetworkKind::kYolov8, NamesOr(rows - 4), three);
+    if (columns == 6) return IsChosen(NetworkKind::kYolov10);
     if (rows == CellsOf(s, four) && columns > 32)
       return Is(NetworkKind::kNanodet, columns - 32, four);
     return false;
@@ -195,53 +201,6 @@ class Guesser {
     return false;
   }
 
-  /// How networks of the kind are usually fed.
-  void FeedAsUsual() {
-    NetworkSidecar& s = guess_.sidecar;
-    const cv::Scalar rgb_mean(123.675, 116.28, 103.53), rgb_deviation(58.395, 57.12, 57.375);
-    switch (s.kind) {
-      case NetworkKind::kEdge:
-        s.scale = 1 / 255.0;
-        s.swap_rb = true;
-        Say("How it wants its values is not in the file: RGB from 0 to 1 is a guess.");
-        return;
-      case NetworkKind::kFastestDet:
-        s.scale = 1 / 255.0;
-        Say("Fed as FastestDet is: stretched, BGR, 0 to 1.");
-        return;
-      case NetworkKind::kYolox:
-        s.fit = ImageFit::kLetterbox;
-        Say("Fed as YOLOX since 0.1.1 is: in the upper left corner on grey, BGR, 0 to 255.");
-        return;
-      case NetworkKind::kYolov5:
-      case NetworkKind::kYolov8:
-        s.fit = ImageFit::kCentred;
-        s.scale = 1 / 255.0;
-        s.swap_rb = true;
-        Say("Fed as Ultralytics' networks are: in the middle on grey, RGB, 0 to 1.");
-        return;
-      case NetworkKind::kPicodet:
-        s.mean = rgb_mean;
-        s.deviation = rgb_deviation;
-        s.swap_rb = true;
-        Say("Fed as PicoDet is: stretched, RGB, ImageNet's mean and deviation.");
-        return;
-      case NetworkKind::kNanodet:
-        s.mean = {rgb_mean[2], rgb_mean[1], rgb_mean[0]};
-        s.deviation = {rgb_deviation[2], rgb_deviation[1], rgb_deviation[0]};
-        Say("Fed as NanoDet is: stretched, BGR, ImageNet's mean and deviation.");
-        return;
-      case NetworkKind::kSsd:
-        s.mean = cv::Scalar::all(127);
-        s.scale = 1 / 128.0;
-        s.swap_rb = true;
-        Say("Fed as SSD with MobileNet usually is: stretched, RGB, (value - 127) / 128.");
-        return;
-      case NetworkKind::kTwoStage:
-        return;
-    }
-  }
-
   Status NameCategories() {
     std::vector<std::string>& names = guess_.sidecar.categories;
     if (!names_.empty()) {
@@ -263,9 +222,10 @@ class Guesser {
       Say("20 categories: those of PASCAL VOC.");
     } else {
       return Error{ErrorCode::kInvalidInput,
-                   "has " + std::to_string(categories_) +
-                       " categories and no names for them; name them, in its order, with "
-                       "--categories FILE (one name a line)"};
+                   (categories_ > 0 ? "has " + std::to_string(categories_) +
+                                          " categories and no names for them; name them"
+                                    : "does not say which categories it has; name them") +
+                       ", in its order, with --categories FILE (one name a line)"};
     }
     return {};
   }

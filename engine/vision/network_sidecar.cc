@@ -86,6 +86,8 @@ std::vector<int> UsualStrides(NetworkKind kind) {
     case NetworkKind::kFastestDet:
       return {16};
     case NetworkKind::kYolox:
+    case NetworkKind::kYolov8:
+    case NetworkKind::kYolov10:
       return {8, 16, 32};
     case NetworkKind::kPicodet:
     case NetworkKind::kNanodet:

@@ -23,6 +23,7 @@ enum class NetworkKind {
   kYolox,
   kYolov5,
   kYolov8,
+  kYolov10,
   kPicodet,
   kNanodet,
   kSsd,
@@ -30,8 +31,9 @@ enum class NetworkKind {
 };
 template <>
 struct EnumNames<NetworkKind> {
-  static constexpr std::string_view names[] = {
-      "edge", "fastestdet", "yolox", "yolov5", "yolov8", "picodet", "nanodet", "ssd", "two_stage"};
+  static constexpr std::string_view names[] = {"edge",   "fastestdet", "yolox",   "yolov5",
+                                               "yolov8", "yolov10",    "picodet", "nanodet",
+                                               "ssd",    "two_stage"};
 };
 std::string_view NameOf(NetworkKind kind);
 

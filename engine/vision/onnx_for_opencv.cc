@@ -11,6 +11,7 @@
 
 #include "engine/base/check.h"
 #include "engine/vision/onnx_folding.h"
+#include "engine/vision/yolo_head.h"
 
 namespace plumbline {
 namespace {
@@ -145,6 +146,7 @@ std::string OnnxForOpenCv(const std::string& bytes, std::optional<cv::Size> inpu
   for (const auto& weight : graph.initializer()) weights.insert(weight.name());
   DropWeightsFromInputs(graph, weights);
   DropCopiesOfConstants(graph, weights);
+  LeaveOutBoxDecoding(graph);
   if (input) CloseInput(*input, graph);
   FoldShapeArithmetic(model);
   MoveInputsToAttributes(*model.mutable_graph());

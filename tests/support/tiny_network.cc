@@ -73,13 +73,23 @@ void WriteTinyNetwork(const std::filesystem::path& file, const TinyNetwork& netw
       std::vector<float> values = {kPlace, kPlace, box, box};
       if (five) values.push_back(1);
       values = WithScores(values, network);
+      const std::vector<float> masks(static_cast<std::size_t>(network.masks), 1);
+      values.insert(values.end(), masks.begin(), masks.end());
       for (int anchor = 0; anchor < (five ? 3 : 1); ++anchor)
         for (const int stride : three)
           parts.push_back(graph.Flat(graph.Grid(stride, values), static_cast<int>(values.size())));
       const std::string joined = graph.Joined(parts);
       graph.Output(five ? graph.Turned(joined) : joined);
+      if (network.masks > 0) graph.Output(graph.Grid(4, masks));
       break;
     }
+    case NetworkKind::kYolov10:
+      graph.Output(graph.Turned(graph.Flat(
+          graph.Grid(16,
+                     {kPlace - kHalfBox, kPlace - kHalfBox, kPlace + kHalfBox, kPlace + kHalfBox,
+                      network.score, static_cast<float>(network.best_category)}),
+          6)));
+      break;
     case NetworkKind::kPicodet:
       for (const int stride : four) {
         graph.Output(graph.Turned(

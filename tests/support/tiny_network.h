@@ -21,6 +21,7 @@ struct TinyNetwork {
   bool shapes =
       false;  ///< Its input passes arithmetic about shapes, as torch writes view and chunk.
   bool free_size = false;  ///< The file leaves the size of the input open.
+  int masks = 0;           ///< YOLOv5 and v8: coefficients a box; a second output has the masks.
   std::map<std::string, std::string> metadata;
 };
 

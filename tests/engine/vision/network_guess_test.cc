@@ -84,6 +84,8 @@ TEST_P(OfKind, IsRefusedWithASidecarOfAnother) {
   NetworkSidecar sidecar = GuessSidecar(file_, kThree)->sidecar;
   sidecar.categories.push_back("lamp");
   sidecar.categories.push_back("shelf");
+  // Boxes that are chosen already do not say how many categories there are.
+  if (sidecar.kind == NetworkKind::kYolov10) sidecar.kind = NetworkKind::kYolov8;
   const auto too_many = CreateDenseDetector(LoadNetwork(file_, sidecar).value(), {});
   ASSERT_FALSE(too_many.ok());
   EXPECT_EQ(too_many.error().code, ErrorCode::kInvalidInput);
@@ -102,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(Detectors, OfKind,
                          testing::Values(NetworkKind::kFastestDet, NetworkKind::kYolox,
                                          NetworkKind::kYolov5, NetworkKind::kYolov8,
                                          NetworkKind::kPicodet, NetworkKind::kNanodet,
-                                         NetworkKind::kSsd),
+                                         NetworkKind::kSsd, NetworkKind::kYolov10),
                          [](const auto& of) { return std::string(NameOf(of.param)); });
 
 class Guess : public testing::Test {
@@ -171,6 +173,27 @@ TEST_F(Guess, ComputesShapesOfWhichTheInputTellsAll) {
   ASSERT_TRUE(guess.ok()) << guess.error().message;
   EXPECT_EQ(guess->sidecar.width, 160);
   EXPECT_TRUE(CreateDenseDetector(LoadNetwork(file_, guess->sidecar).value(), {}).ok());
+}
+
+TEST_F(Guess, CountsCategoriesWithoutTheNumbersOfMasks) {
+  for (const NetworkKind kind : {NetworkKind::kYolov5, NetworkKind::kYolov8}) {
+    WriteTinyNetwork(file_, {.kind = kind, .masks = 32});
+    const Result<NetworkGuess> guess = GuessSidecar(file_, kThree);
+    ASSERT_TRUE(guess.ok()) << guess.error().message;
+    EXPECT_EQ(guess->sidecar.kind, kind);
+    const auto detector = CreateDenseDetector(LoadNetwork(file_, guess->sidecar).value(), {});
+    ASSERT_TRUE(detector.ok()) << detector.error().message;
+    Frame frame;
+    frame.image = cv::Mat(64, 64, CV_8UC3, cv::Scalar::all(90));
+    const auto found = detector.value()->Detect(frame).value();
+    ASSERT_FALSE(found->proposals().empty());
+    EXPECT_EQ(found->proposals()[0].category, "couch");
+  }
+}
+
+TEST_F(Guess, OfChosenBoxesNeedsTheNames) {
+  EXPECT_THAT(Refusal({.kind = NetworkKind::kYolov10}, {}),
+              HasSubstr("does not say which categories"));
 }
 
 TEST_F(Guess, OfAnEdgeNetwork) {
