@@ -9,6 +9,7 @@
 #include "engine/base/files.h"
 #include "engine/base/queue.h"
 #include "engine/base/timer.h"
+#include "engine/base/worker.h"
 #include "engine/mapping/mapper.h"
 #include "engine/mapping/option_changes.h"
 #include "engine/mapping/rendered_scorer.h"
@@ -124,7 +125,21 @@ Result<std::shared_ptr<HypothesisScorer>> CreateScorer(
       std::make_shared<ViewpointScorer>(std::move(viewpoints), database));
 }
 
-/// Finds edges and detections of frames. Used by one thread at a time.
+/// What a network made of a frame, and how long it took.
+template <typename Output>
+struct Timed {
+  Result<Output> output;
+  double ms = 0;
+};
+
+template <typename Network>
+auto TimedDetect(Network& network, const Frame& frame) {
+  const Stopwatch watch;
+  auto output = network.Detect(frame);
+  return Timed<std::decay_t<decltype(*output)>>{std::move(output), watch.Milliseconds()};
+}
+
+/// Finds edges and detections of frames, at the same time. Used by one thread at a time.
 class FramePreparer {
  public:
   FramePreparer(std::unique_ptr<Detector> detector, std::unique_ptr<EdgeDetector> edges,
@@ -172,15 +187,18 @@ class FramePreparer {
                                              " has no camera pose" +
                                              (why_not.empty() ? "" : ": " + why_not)};
     }
+    auto detecting = detecting_.Do(
+        [this, frame = prepared.frame] { return TimedDetect(*detector_, frame); });
+    auto edges = TimedDetect(*edges_, prepared.frame);
+    auto detections = detecting.get();
     prepared.skip_cause = SkipCause::kEdges;
-    Result<EdgeMap> edges = edges_->Detect(prepared.frame);
-    if (!edges.ok()) return edges.error();
-    prepared.edges = std::move(edges).value();
-    prepared.timings.push_back({"edges", watch.Lap()});
+    if (!edges.output.ok()) return edges.output.error();
+    prepared.edges = std::move(edges.output).value();
+    prepared.timings.push_back({"edges", edges.ms});
     prepared.skip_cause = SkipCause::kDetections;
-    Result<std::unique_ptr<const FrameDetections>> detections = detector_->Detect(prepared.frame);
-    if (!detections.ok()) return detections.error();
-    prepared.timings.push_back({"detect", watch.Lap()});
+    if (!detections.output.ok()) return detections.output.error();
+    prepared.timings.push_back({"detect", detections.ms});
+    watch.Lap();
     MapperInput input;
     input.frame = packet.frame;
     input.stamp_ns = packet.stamp_ns;
@@ -190,7 +208,7 @@ class FramePreparer {
     input.pose_epoch = pose->epoch;
     input.edges = prepared.edges;
     input.table = SearchTable(prepared.edges, options_, focal_px_);
-    input.detections = std::move(detections).value();
+    input.detections = std::move(detections.output).value();
     prepared.input = std::move(input);
     prepared.timings.push_back({"search table", watch.Lap()});
     return {};
@@ -201,6 +219,7 @@ class FramePreparer {
   MapperOptions options_;
   double focal_px_;
   int options_version_ = 0;
+  Worker detecting_;  ///< Last: ends before what it uses.
 };
 
 }  // namespace
