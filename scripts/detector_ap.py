@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Average precision of a detector's boxes, by category, against what is truly visible.
 
@@ -10,7 +10,7 @@
 
 The truth is the box of what shows: of the masks of a synthetic sequence, or of bbox_visib of a BOP dataset that `annotate
 export` wrote. Rules of COCO: IoU .50 to .95 in steps of .05, 101 points of recall, 100 boxes an image. Objects of which less
-than --least-pixels or (BOP) --least-share show count neither way. Needs python3-numpy, and python3-opencv for masks.
+than --least-pixels or (BOP) --least-share show count neither way. Masks need python3-opencv.
 """
 import argparse
 import collections
@@ -19,10 +19,8 @@ import os
 import re
 import sys
 
-import numpy as np
-
-IOUS = np.arange(.5, .96, .05)
-RECALLS = np.linspace(0, 1, 101)
+IOUS = [.5 + .05 * k for k in range(10)]
+RECALLS = [k / 100 for k in range(101)]
 MOST = 100  # boxes of a category in an image
 
 
@@ -37,6 +35,7 @@ def stem(name):
 def truth_of_masks(sequence, frames, least_pixels):
     """{frame: [(category, [x0, y0, x1, y1], counts)]} of the masks of `plumbline synth`."""
     import cv2
+    import numpy as np
     with open(os.path.join(sequence, 'ground_truth.json')) as file:
         categories = {i['mask_id']: i['category'] for i in json.load(file)['instances']}
     truth = {}
@@ -49,7 +48,7 @@ def truth_of_masks(sequence, frames, least_pixels):
         for number, category in categories.items():
             rows, columns = np.nonzero(mask == number)
             if len(rows):
-                box = [columns.min(), rows.min(), columns.max() + 1, rows.max() + 1]
+                box = [int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1]
                 truth[frame].append((category, box, len(rows) >= least_pixels))
     return truth
 
@@ -77,12 +76,29 @@ def truth_of_bop(folder, frames, least_pixels, least_share):
     return truth
 
 
-def overlaps(box, others):
-    others = np.asarray(others, float).reshape(-1, 4)
-    low, high = np.maximum(others[:, :2], box[:2]), np.minimum(others[:, 2:], box[2:])
-    inside = np.prod(np.clip(high - low, 0, None), axis=1)
-    area = np.prod(others[:, 2:] - others[:, :2], axis=1) + (box[2] - box[0]) * (box[3] - box[1])
-    return inside / (area - inside)
+def overlap(a, b):
+    """Intersection over union."""
+    width, height = min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
+    if width <= 0 or height <= 0:
+        return 0
+    area = (a[2] - a[0]) * (a[3] - a[1]) + (b[2] - b[0]) * (b[3] - b[1])
+    return width * height / (area - width * height)
+
+
+def hits_of(boxes, truth, iou):
+    """By falling score: whether a box is of an object of its own. Those of objects that do not count are left out."""
+    taken, hits = collections.defaultdict(set), []
+    for frame, _, box in sorted(boxes, key=lambda b: -b[1]):
+        objects, found = truth.get(frame, []), None
+        for want in (True, False):  # one that counts is preferred, whatever they overlap
+            each = [(overlap(box, other), k) for k, (other, counts) in enumerate(objects) if counts == want and k not in taken[frame]]
+            if found is None and each and max(each)[0] >= iou:
+                found = max(each)[1]
+        if found is not None:
+            taken[frame].add(found)
+        if found is None or objects[found][1]:
+            hits.append(found is not None)
+    return hits
 
 
 def average_precision(boxes, truth, iou):
@@ -90,27 +106,16 @@ def average_precision(boxes, truth, iou):
     total = sum(counts for objects in truth.values() for _, counts in objects)
     if total == 0:
         return None
-    taken, hits = collections.defaultdict(set), []
-    for frame, _, box in sorted(boxes, key=lambda b: -b[1]):
-        objects = truth.get(frame, [])
-        found = None
-        for want in (True, False):  # one that counts is preferred, whatever they overlap
-            free = [k for k, (_, counts) in enumerate(objects) if counts == want and k not in taken[frame]]
-            each = overlaps(box, [objects[k][0] for k in free])
-            if found is None and len(free) and each.max() >= iou:
-                found = free[int(each.argmax())]
-        if found is None:
-            hits.append(0)
-        else:
-            taken[frame].add(found)
-            if objects[found][1]:
-                hits.append(1)
-    hits = np.array(hits, float)
-    right = np.cumsum(hits)
-    recall, precision = right / total, right / np.arange(1, len(hits) + 1)
-    precision = np.maximum.accumulate(precision[::-1])[::-1]
-    at = np.searchsorted(recall, RECALLS - 1e-12)
-    return float(np.mean(np.where(at < len(hits), np.append(precision, 0)[np.minimum(at, len(hits))], 0)))
+    right, curve = 0, []  # (recall, precision)
+    for number, hit in enumerate(hits_of(boxes, truth, iou), 1):
+        right += hit
+        curve.append((right / total, right / number))
+    best, sum_of_precision = 0, 0
+    for recall in reversed(RECALLS):  # the best precision at this recall or a higher one
+        while curve and curve[-1][0] >= recall - 1e-12:
+            best = max(best, curve.pop()[1])
+        sum_of_precision += best
+    return sum_of_precision / len(RECALLS)
 
 
 def evaluate(detections, truth):
@@ -121,7 +126,7 @@ def evaluate(detections, truth):
         mine = {frame: [(b, n) for c, b, n in objects if c == category] for frame, objects in truth.items()}
         each = [average_precision(boxes, mine, iou) for iou in IOUS]
         if each[0] is not None:
-            rows.append((category, sum(n for objects in mine.values() for _, n in objects), float(np.mean(each)), each[0]))
+            rows.append((category, sum(n for objects in mine.values() for _, n in objects), sum(each) / len(each), each[0]))
     return rows
 
 
@@ -167,7 +172,7 @@ def main():
     for category, count, ap, ap50 in rows:
         print('%-16s %8d %6.1f %6.1f' % (category, count, 100 * ap, 100 * ap50))
     if rows:
-        print('%-16s %8d %6.1f %6.1f' % ('mean', sum(r[1] for r in rows), 100 * np.mean([r[2] for r in rows]), 100 * np.mean([r[3] for r in rows])))
+        print('%-16s %8d %6.1f %6.1f' % ('mean', sum(r[1] for r in rows), 100 * sum(r[2] for r in rows) / len(rows), 100 * sum(r[3] for r in rows) / len(rows)))
     if args.json:
         with open(args.json, 'w') as file:
             json.dump([dict(zip(('category', 'objects', 'ap', 'ap50'), row)) for row in rows], file, indent=1)
