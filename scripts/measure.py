@@ -71,7 +71,7 @@ class RoomSet:
     edges: str = "gradient"  # dataset, builtin, gradient, or a network in the data folder
     scan: bool = False  # measure surfaces against scene.ply
     ignored: tuple = ()
-    tuning: bool = False  # measured only when asked for by name
+    asked_for: bool = False  # measured only when asked for by name
 
 
 def all_sets():
@@ -88,8 +88,10 @@ def all_sets():
                 room_seeds=HELD_OUT_SEEDS, film=ROOM_FRAMES),
         RoomSet("rooms-given", "the same rooms, edges given", list(range(3)), scene="room", room_seeds=HELD_OUT_SEEDS,
                 film=ROOM_FRAMES, edges="dataset"),
+        RoomSet("rooms-flawless", "the same rooms, boxes and edges without a flaw", list(range(3)), scene="room",
+                room_seeds=HELD_OUT_SEEDS, film=(*ROOM_FRAMES, "--flawless"), edges="dataset", asked_for=True),
         RoomSet("tuning", "synthetic rooms for tuning, edges of the images", [0], scene="room", room_seeds=TUNING_SEEDS,
-                film=ROOM_FRAMES, tuning=True),
+                film=ROOM_FRAMES, asked_for=True),
     ]
     for scene in CLAIMS:
         sets.append(RoomSet("claim-" + scene, f"synthetic scenes '{scene}', edges of the images", [0], scene=scene,
@@ -705,7 +707,7 @@ def parse():
     parser = argparse.ArgumentParser(prog="measure.sh", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", metavar="SET,..",
-                        help="sets to measure (default: all but tuning; 'claims' and 'scenes' mean all of these): "
+                        help="sets to measure (default: all but tuning and rooms-flawless; 'claims' and 'scenes' mean all of these): "
                         + ", ".join(names))
     parser.add_argument("--seeds", type=integers, metavar="A:B", help="seeds of the mapper, B not included")
     parser.add_argument("--rooms", type=integers, metavar="A:B", help="seeds of the synthetic rooms")
@@ -735,7 +737,7 @@ def parse():
     for name in filter(None, (arguments.ablate or "").split(",")):
         if name.strip() not in ABLATIONS:
             parser.error(f"there is no cue '{name}'; there are {', '.join(list(ABLATIONS)[1:])}")
-    sets = [s for s in all_sets() if (s.name in chosen if chosen else not s.tuning)]
+    sets = [s for s in all_sets() if (s.name in chosen if chosen else not s.asked_for)]
     return arguments, sets
 
 

@@ -23,7 +23,7 @@ struct SynthArguments {
   std::optional<int> frames, light_rays;
   std::optional<double> rate_hz, fov_deg;
   double model_error_percent = 0;
-  bool imu = false, tracks_only = false;
+  bool flawless = false, imu = false, tracks_only = false;
   double imu_rate_hz = 200, imu_noise = 1, time_offset_ms = 0, rest_s = 0, tremor = 0;
   std::vector<double> wrong_camera = {0, 0};  ///< Degrees and centimetres.
 };
@@ -49,6 +49,7 @@ Result<SyntheticOptions> OptionsOf(const SynthArguments& arguments) {
     if (!arguments.frames) options.frames += static_cast<int>(imu.rest_s * options.rate_hz);
   }
   options.tracks_only = arguments.tracks_only;
+  options.flawless = arguments.flawless;
   options.model_error = arguments.model_error_percent / 100;
   if (arguments.light_rays) options.light_rays = *arguments.light_rays;
   if (arguments.fov_deg) options.horizontal_fov_rad = *arguments.fov_deg * kRadPerDeg;
@@ -166,6 +167,8 @@ void AddSynthVerb(CLI::App& app, VerbFunction& chosen) {
                    "Chooses room, furniture, colours, light and walk; 1 is the demo")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  verb->add_flag("--flawless", arguments->flawless,
+                 "Boxes and edges as perfect networks would give them: of all that shows, exact");
   verb->add_option(
           "--light-rays", arguments->light_rays,
           "Rays by which the light of each point is computed; 16 are an eighth of the work "

@@ -187,8 +187,8 @@ class FramePreparer {
                                              " has no camera pose" +
                                              (why_not.empty() ? "" : ": " + why_not)};
     }
-    auto detecting = detecting_.Do(
-        [this, frame = prepared.frame] { return TimedDetect(*detector_, frame); });
+    auto detecting =
+        detecting_.Do([this, frame = prepared.frame] { return TimedDetect(*detector_, frame); });
     auto edges = TimedDetect(*edges_, prepared.frame);
     auto detections = detecting.get();
     prepared.skip_cause = SkipCause::kEdges;

@@ -281,8 +281,9 @@ Status SequenceJob::WriteFrame(int frame, const FramePictures& pictures) {
   const SurfaceMaps& maps = pictures.maps;
   cv::Mat depth_mm;
   maps.depth.convertTo(depth_mm, CV_16U, 1000);
-  const EdgeMap edges =
-      DetectSyntheticEdges(camera_.pinhole, maps, picture, {}, options_.seed, frame);
+  const EdgeMap edges = DetectSyntheticEdges(camera_.pinhole, maps, picture,
+                                             options_.flawless ? EdgeFlaws{0, 0, 0} : EdgeFlaws(),
+                                             options_.seed, frame);
   const Visibility visibility = meter_.Measure(camera_.pinhole, pictures.room_from_cam, maps);
   const std::vector<Detection> found =
       detector_.Detect(frame, camera_.pinhole, pictures.room_from_cam, maps, visibility);

@@ -9,6 +9,8 @@
 namespace plumbline {
 namespace {
 
+constexpr double kBestScore = 0.95;
+
 std::uint32_t KeyOf(int value) { return static_cast<std::uint32_t>(value); }
 
 Box2 Clipped(Box2 box, const PinholeCamera& camera) {
@@ -37,6 +39,11 @@ void Report(const Box2& box, const std::string& category, double score, const Pi
 
 DetectorFlaws FlawsOf(const SyntheticOptions& options) {
   DetectorFlaws flaws;
+  if (options.flawless) {
+    flaws.missed = flaws.false_per_frame = flaws.box_noise = 0;
+    flaws.least_score = kBestScore;
+    return flaws;
+  }
   flaws.miss_memory = std::pow(flaws.miss_memory, 30 / options.rate_hz);
   flaws.false_frames = std::max(1.0, flaws.false_frames * options.rate_hz / 30);
   if (options.scene == SyntheticScene::kDuplicate) {
@@ -152,7 +159,7 @@ void SimulatedDetector::BoxObject(int frame, int instance, const PinholeCamera& 
                    static_cast<float>(rect.x + rect.width - 1),
                    static_cast<float>(rect.y + rect.height - 1)};
   const std::string& category = categories_[i];
-  const double score = random.Uniform(0.35, 0.95);
+  const double score = random.Uniform(flaws_.least_score, kBestScore);
   const double fate = random.Uniform();
   if (fate < flaws_.split) {
     const bool upright = truth.height() > truth.width();
@@ -162,14 +169,14 @@ void SimulatedDetector::BoxObject(int frame, int instance, const PinholeCamera& 
         upright ? truth.y0 + cut * truth.height() : truth.x0 + cut * truth.width();
     (upright ? second.y0 : second.x0) = upright ? first.y1 : first.x1;
     Report(Noisy(first, flaws_.box_noise, random), category, score, camera, found);
-    Report(Noisy(second, flaws_.box_noise, random), category, random.Uniform(0.35, 0.95), camera,
-           found);
+    Report(Noisy(second, flaws_.box_noise, random), category,
+           random.Uniform(flaws_.least_score, kBestScore), camera, found);
     return;
   }
   Report(Noisy(truth, flaws_.box_noise, random), category, score, camera, found);
   if (fate < flaws_.split + flaws_.doubled) {
-    Report(Noisy(truth, 2 * flaws_.box_noise, random), category, random.Uniform(0.35, 0.95), camera,
-           found);
+    Report(Noisy(truth, 2 * flaws_.box_noise, random), category,
+           random.Uniform(flaws_.least_score, kBestScore), camera, found);
   }
 }
 

@@ -18,13 +18,14 @@ namespace plumbline {
 struct DetectorFlaws {
   double missed = 0.20;  ///< Share of visible objects without a box; misses last a few frames.
   double false_per_frame = 0.5;  ///< Mean number of boxes on what is no object of that category.
-  double box_noise = 0.05;   ///< Standard deviation of each side, as a share of width or height.
-  double split = 0.0;        ///< Share of the boxes that come as two halves.
-  double doubled = 0.0;      ///< Share of the boxes that come twice.
-  double miss_memory = 0.5;  ///< How much a miss depends on the frame before, 0 .. 1; the share of
-                             ///< misses stays the same.
-  double false_frames = 4;   ///< Mean number of frames that a false box lasts, >= 1.
-  int min_pixels = 350;      ///< Objects showing less are not detected ...
+  double box_noise = 0.05;    ///< Standard deviation of each side, as a share of width or height.
+  double least_score = 0.35;  ///< Scores are drawn from here to .95.
+  double split = 0.0;         ///< Share of the boxes that come as two halves.
+  double doubled = 0.0;       ///< Share of the boxes that come twice.
+  double miss_memory = 0.5;   ///< How much a miss depends on the frame before, 0 .. 1; the share of
+                              ///< misses stays the same.
+  double false_frames = 4;    ///< Mean number of frames that a false box lasts, >= 1.
+  int min_pixels = 350;       ///< Objects showing less are not detected ...
   double min_visible =
       0.12;  ///< ... nor those of which less than this share shows within the image.
 };

@@ -97,6 +97,8 @@ struct SyntheticOptions {
   /// Every shape of the database is larger or smaller than what stands in the room by this share,
   /// by chance which; 0 .. 0.2. The room is the same.
   double model_error = 0;
+  /// Boxes and edges as perfect networks would give them.
+  bool flawless = false;
   /// With an IMU, the camera moves along a curve of continuous acceleration, some 0.01 mm off the
   /// walk's.
   std::optional<ImuSimulation> imu;

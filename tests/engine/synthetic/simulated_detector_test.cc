@@ -89,6 +89,19 @@ TEST_F(Detector, MissesLastAsLongAtAnyRate) {
   }
 }
 
+TEST_F(Detector, IsPerfectWithoutFlaws) {
+  SyntheticOptions options;
+  options.flawless = true;
+  SimulatedDetector detector(room_, FlawsOf(options), 4);
+  for (int frame = 0; frame < 50; ++frame) {
+    const std::vector<Detection> found =
+        detector.Detect(frame, camera_, Eigen::Isometry3d::Identity(), maps_, visibility_);
+    ASSERT_EQ(found.size(), 3u);
+    for (std::size_t instance = 0; instance < 3; ++instance) EXPECT_EQ(BestIou(instance, found), 1);
+    for (const Detection& detection : found) EXPECT_FLOAT_EQ(detection.score, 0.95f);
+  }
+}
+
 TEST_F(Detector, MovesBoxesByATwentiethOfTheirSize) {
   SimulatedDetector detector(room_, {.missed = 0, .false_per_frame = 0}, 4);
   double sum = 0;
