@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Trains the detector (README.md beside this file has the recipe of the one that ships).
 
-  draw.py --out pictures --count 7800 .. &
-  train.py --drawn pictures --rooms office/* --steps 5000 --out build/networks/detector
+  draw.py --out pictures --count 12000 .. &
+  train.py --drawn pictures --rooms office/* --steps 16000 --out build/networks/detector
 
 Writes OUT/detector.pt after every 250 steps (run the same command again to go on), OUT/log.csv and, at the end,
 OUT/detector.onnx, its head and its sidecar. Needs python3-torch, python3-torchvision, python3-opencv.
@@ -27,6 +27,7 @@ import export_torchvision
 
 EVERY = 250  # steps from one checkpoint to the next
 EMA = .998
+MOST_DRAWN = 12000
 SIZE, EXPORTED = (320, 240), (448, 320)  # of training pictures, of the exported network's input
 
 
@@ -38,7 +39,7 @@ def rate_at(step, steps, rate):
 
 def drawn_until(step):
     """More pictures as training goes on, so that it may begin while they are drawn."""
-    return 300 + 3 * step // 2
+    return min(300 + 3 * step // 2, MOST_DRAWN)
 
 
 def batch(rng, folder, drawn, rooms, count, rooms_share):
@@ -59,7 +60,7 @@ def batch(rng, folder, drawn, rooms, count, rooms_share):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('--drawn', required=True, help='folder of draw.py: 300 pictures and three for every two steps; waits for those that are not there yet')
+    parser.add_argument('--drawn', required=True, help='folder of draw.py: up to 12000 pictures, as training goes on; waits for those that are not there yet')
     parser.add_argument('--rooms', nargs='*', default=[], help='sequences of plumbline synth')
     parser.add_argument('--rooms-share', type=float, default=.15, help='of the pictures, how many come from rooms')
     parser.add_argument('--steps', type=int, required=True)
