@@ -37,9 +37,9 @@ def rate_at(step, steps, rate):
     return rate * min(1.0, (step + 1) / 200) * .5 * (1 + np.cos(np.pi * share))
 
 
-def drawn_until(step):
+def drawn_until(step, at_first):
     """More pictures as training goes on, so that it may begin while they are drawn."""
-    return min(300 + 3 * step // 2, MOST_DRAWN)
+    return min(at_first + 3 * step // 2, MOST_DRAWN)
 
 
 def batch(rng, folder, drawn, rooms, count, rooms_share):
@@ -61,6 +61,7 @@ def batch(rng, folder, drawn, rooms, count, rooms_share):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--drawn', required=True, help='folder of draw.py: up to 12000 pictures, as training goes on; waits for those that are not there yet')
+    parser.add_argument('--drawn-at-first', type=int, default=300, help='pictures that the first step draws from')
     parser.add_argument('--rooms', nargs='*', default=[], help='sequences of plumbline synth')
     parser.add_argument('--rooms-share', type=float, default=.15, help='of the pictures, how many come from rooms')
     parser.add_argument('--steps', type=int, required=True)
@@ -76,7 +77,7 @@ def main():
     torch.manual_seed(args.seed)
     os.makedirs(args.out, exist_ok=True)
     rooms = list(samples.rooms(args.rooms))
-    print('%d drawn pictures, %d of rooms' % (drawn_until(args.steps), len(rooms)), flush=True)
+    print('%d drawn pictures, %d of rooms' % (drawn_until(args.steps, args.drawn_at_first), len(rooms)), flush=True)
     net, average = detector_net.detector_net(), detector_net.detector_net()
     average.load_state_dict(net.state_dict())
     decayed = [p for p in net.parameters() if p.ndim > 1]
@@ -93,7 +94,7 @@ def main():
     while step < args.steps:
         rng = np.random.default_rng([args.seed, step])
         torch.manual_seed(args.seed * 1000003 + step)  # which boxes are drawn
-        images, targets = batch(rng, args.drawn, drawn_until(step), rooms, args.batch, args.rooms_share)
+        images, targets = batch(rng, args.drawn, drawn_until(step, args.drawn_at_first), rooms, args.batch, args.rooms_share)
         for group in optimizer.param_groups:
             group['lr'] = rate_at(step, args.steps, args.rate)
         losses = net(images, targets)
