@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/runtime/network_process.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "engine/vision/detector.h"
 #include "engine/vision/edge_network.h"
-#include "engine/vision/fetched_networks.h"
 #include "engine/vision/network_guess.h"
 
 namespace plumbline {
@@ -70,47 +70,77 @@ void Examine(NetworkFile& network) {
     network.problem = status.error().message;
 }
 
-std::vector<ListedDetector> Detectors() {
-  std::vector<ListedDetector> detectors;
-  for (const ListedNetwork& network : ListedNetworks()) {
-    const auto file = FetchedNetwork(network.name);
-    detectors.push_back({network.name, network.about, file ? file->string() : ""});
-  }
-  return detectors;
-}
-
 }  // namespace
 
-NetworkProcess::NetworkProcess(std::function<void()> on_publish)
-    : on_publish_(std::move(on_publish)), thread_([this] { Run(); }) {}
+NetworkProcess::NetworkProcess(std::function<void()> on_publish, std::vector<ListedNetwork> listed)
+    : on_publish_(std::move(on_publish)), listed_(std::move(listed)), thread_([this] { Run(); }) {}
 
 NetworkProcess::~NetworkProcess() {
-  files_.Close();
+  StopFetching();
+  tasks_.Close();
   if (thread_.joinable()) thread_.join();
 }
 
-void NetworkProcess::Look() { files_.TryPush(""); }
-void NetworkProcess::LookAt(const std::string& file) { files_.TryPush(file); }
+void NetworkProcess::Look() { tasks_.TryPush(Looking{}); }
+void NetworkProcess::LookAt(const std::string& file) { tasks_.TryPush(Looking{file}); }
+
+void NetworkProcess::Fetch(const std::string& name) {
+  if (stop_fetching_.stop_requested()) stop_fetching_ = {};
+  tasks_.TryPush(Fetching{name, stop_fetching_.get_token()});
+}
+
+void NetworkProcess::StopFetching() { stop_fetching_.request_stop(); }
 
 void NetworkProcess::Run() {
-  NetworksView view;
-  while (const auto file = files_.Pop()) {
-    view.detectors = Detectors();
-    if (!file->empty()) {
-      view.file = {.file = std::filesystem::absolute(*file).lexically_normal().string()};
-      Publish(view);
-      try {
-        Examine(view.file);
-      } catch (const std::exception& error) {
-        view.file.problem = "the network '" + *file + "' cannot be used: " + error.what();
-      }
+  for (const ListedNetwork& network : listed_)
+    now_.detectors.push_back({network.name, network.about, ""});
+  while (const auto task = tasks_.Pop()) {
+    for (ListedDetector& detector : now_.detectors) {
+      const auto file = NetworksFolder() / (detector.name + ".onnx");
+      std::error_code none;
+      detector.file = std::filesystem::exists(file, none) ? file.string() : "";
     }
-    Publish(view);
+    std::visit([this](const auto& what) { Do(what); }, *task);
+    Publish();
   }
 }
 
-void NetworkProcess::Publish(const NetworksView& view) {
-  view_.Publish(std::make_shared<const NetworksView>(view));
+void NetworkProcess::Do(const Looking& looking) {
+  if (looking.file.empty()) return;
+  now_.file = {.file = std::filesystem::absolute(looking.file).lexically_normal().string()};
+  Publish();
+  try {
+    Examine(now_.file);
+  } catch (const std::exception& error) {
+    now_.file.problem = "the network '" + looking.file + "' cannot be used: " + error.what();
+  }
+}
+
+void NetworkProcess::Do(const Fetching& fetching) {
+  const auto network = std::ranges::find(listed_, fetching.name, &ListedNetwork::name);
+  const auto shown = std::ranges::find(now_.detectors, fetching.name, &ListedDetector::name);
+  if (network == listed_.end() || fetching.stop.stop_requested()) return;
+  shown->problem.clear();
+  shown->fetching = "connecting";
+  Publish();
+  const WorkContext work{[&](const Progress& progress) {
+                           const auto text =
+                               fmt::format("{} % has arrived",
+                                           100LL * progress.done / std::max(1, progress.total));
+                           if (std::exchange(shown->fetching, text) != text) Publish();
+                         },
+                         fetching.stop};
+  const auto file = FetchNetwork(*network, NetworksFolder(), work);
+  shown->fetching.clear();
+  if (file.ok()) {
+    shown->file = file->string();
+  } else if (file.error().code != ErrorCode::kCancelled) {
+    shown->problem = file.error().message;
+  }
+}
+
+void NetworkProcess::Publish() {
+  view_.Publish(std::make_shared<const NetworksView>(now_));
   if (on_publish_) on_publish_();
 }
 

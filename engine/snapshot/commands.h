@@ -149,6 +149,11 @@ struct AskOptionsCommand {
 struct AskNetworksCommand {
   bool show = true;
 };
+/// Downloads one of the listed detectors, or stops doing so.
+struct FetchNetworkCommand {
+  std::string name;
+  bool stop = false;
+};
 /// Opens the same sheet and says there what a network file is.
 struct LookAtNetworkCommand {
   std::string file;
@@ -183,8 +188,8 @@ using InspectCommand =
                  SelectHypothesisCommand, FollowCommand, LookThroughCommand, BookmarkCommand,
                  RemoveBookmarkCommand, AskFrameCommand, ImageViewsCommand, PlaceViewCommand,
                  ShowPanelCommand, NeedCommand, PresentCommand, AskForkCommand, AskOptionsCommand,
-                 AskNetworksCommand, LookAtNetworkCommand, UseNetworksCommand, ForkCommand,
-                 CancelForkCommand, CompareRunCommand, ShowRunCommand>;
+                 AskNetworksCommand, FetchNetworkCommand, LookAtNetworkCommand, UseNetworksCommand,
+                 ForkCommand, CancelForkCommand, CompareRunCommand, ShowRunCommand>;
 
 /// Turns the 3-D view to the selection.
 struct FocusSelectionCommand {};

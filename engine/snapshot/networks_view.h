@@ -9,7 +9,9 @@ namespace plumbline {
 /// A detector that 'plumbline networks get' fetches.
 struct ListedDetector {
   std::string name, about;
-  std::string file;  ///< "": it has not been fetched.
+  std::string file;           ///< "": it has not been fetched.
+  std::string fetching = {};  ///< How far that is, while it is being fetched.
+  std::string problem = {};   ///< Why it could not be fetched, in one sentence.
 };
 
 /// What a network file that the user named is.

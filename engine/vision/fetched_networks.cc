@@ -121,8 +121,8 @@ Result<bool> Continue(const ListedNetwork& network, const std::filesystem::path&
                                            "with --detector FILE.onnx"};
   }
   return Error{ErrorCode::kIo, "cannot reach '" + network.url + "' (" + why +
-                                   "); what has arrived is kept: connect this machine and run the "
-                                   "same command again"};
+                                   "); what has arrived is kept: connect this machine and try "
+                                   "again"};
 }
 
 }  // namespace

@@ -54,6 +54,27 @@ TEST_F(NetworksSheetTest, AsksForWhatIsClickedUnlessItIsUsedOrNotThere) {
   EXPECT_EQ(Clicked("networks.detector.yolox_s"), nullptr) << "it has not been fetched";
 }
 
+TEST_F(NetworksSheetTest, FetchesAndStopsAndSaysWhyNot) {
+  harness_.Draw(panel_, 3);
+  EXPECT_EQ(harness_.widgets.Find("networks.fetch.yolox_nano"), nullptr) << "it is there";
+  harness_.Click(panel_, "networks.fetch.yolox_s");
+  const auto* fetch = harness_.sink.Last<FetchNetworkCommand>();
+  ASSERT_NE(fetch, nullptr);
+  EXPECT_EQ(fetch->name, "yolox_s");
+  EXPECT_FALSE(fetch->stop);
+  NetworksView networks = *harness_.context.networks;
+  networks.detectors[0].fetching = "downloading 3 %";
+  Know(networks);
+  harness_.Draw(panel_, 3);
+  harness_.Click(panel_, "networks.fetch.yolox_s");
+  EXPECT_TRUE(harness_.sink.Last<FetchNetworkCommand>()->stop);
+  networks.detectors[0].fetching = "";
+  networks.detectors[0].problem = "cannot reach it";
+  Know(networks);
+  harness_.Draw(panel_, 3);
+  EXPECT_NE(harness_.widgets.Find("networks.fetch.yolox_s.problem"), nullptr);
+}
+
 TEST_F(NetworksSheetTest, OffersAFileOfOnesOwnForWhatItFinds) {
   NetworksView networks = *harness_.context.networks;
   networks.file = {

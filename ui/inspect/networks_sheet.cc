@@ -127,27 +127,53 @@ void NetworksSheet::DrawEdges(const FrameContext& context, CommandSink& sink) co
   }
 }
 
+/// Of one that has not been fetched: a button that does so, how far it is, why it failed.
+void DrawFetching(const FrameContext& context, const ListedDetector& detector, CommandSink& sink) {
+  const float indent = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
+  ImGui::Indent(indent);
+  const std::string widget = "networks.fetch." + detector.name;
+  if (!detector.fetching.empty()) {
+    if (Button(context, widget, "Stop", "What has arrived is kept; fetching goes on from there."))
+      sink.Post(FetchNetworkCommand{detector.name, true});
+    ImGui::SameLine();
+    DimText("%s", detector.fetching.c_str());
+  } else {
+    const std::string terminal =
+        "Downloads it and checks that it is the listed file. In a terminal: plumbline networks "
+        "get " +
+        detector.name;
+    if (Button(context, widget, "Fetch", terminal.c_str()))
+      sink.Post(FetchNetworkCommand{detector.name});
+  }
+  if (!detector.problem.empty()) {
+    WrappedText(colors::kBad, detector.problem);
+    LogItem(context, widget + ".problem");
+  }
+  ImGui::Unindent(indent);
+  ImGui::Dummy({0, context.Scaled(6)});
+}
+
 void NetworksSheet::DrawDetectors(const FrameContext& context, CommandSink& sink) const {
   const std::string& now = context.playback->detector;
   const bool has_none = context.sequence != nullptr && !context.sequence->has_proposals;
-  std::vector<Choice> choices = {{"dataset", "dataset", "The sequence's own boxes.",
-                                  has_none ? "It has none (proposals/)." : ""}};
+  const auto draw = [&](const Choice& choice) {
+    const bool chosen = !now.empty() && choice.choice == now;
+    if (DrawChoice(context, "networks.detector." + choice.name, choice, chosen))
+      sink.Post(UseNetworksCommand{"", choice.choice});
+  };
+  Heading(context, "Boxes");
+  draw({"dataset", "dataset", "The sequence's own boxes.",
+        has_none ? "It has none (proposals/)." : ""});
   bool listed = !IsFile(now);
   if (context.networks != nullptr) {
     for (const ListedDetector& detector : context.networks->detectors) {
       const bool fetched = !detector.file.empty();
-      choices.push_back({detector.file, detector.name, detector.about,
-                         fetched ? "" : "To fetch: plumbline networks get " + detector.name});
+      draw({detector.file, detector.name, detector.about, fetched ? "" : "Not fetched yet."});
+      if (!fetched && !context.playback->recorded) DrawFetching(context, detector, sink);
       listed |= fetched && detector.file == now;
     }
   }
-  if (!listed) choices.push_back({now, NetworkName(now), now});
-  Heading(context, "Boxes");
-  for (const Choice& choice : choices) {
-    const bool chosen = !now.empty() && choice.choice == now;
-    if (DrawChoice(context, "networks.detector." + choice.name, choice, chosen))
-      sink.Post(UseNetworksCommand{"", choice.choice});
-  }
+  if (!listed) draw({now, NetworkName(now), now});
 }
 
 /// A file that the user names: first what it is, then whether to use it.
