@@ -21,7 +21,7 @@ class FetchingInTheWindow : public testing::Test {
   FetchingInTheWindow() {
     setenv("XDG_DATA_HOME", folder_.path().c_str(), 1);
     for (int i = 0; i < 40000; ++i) content_ += std::to_string(i);
-    WriteText(folder_.path() / "truth", content_);
+    static_cast<void>(WriteFileAtomically(folder_.path() / "truth", content_));
     network_ = {.name = "net",
                 .about = "one",
                 .url = {},
