@@ -22,18 +22,25 @@ struct Choice {
   std::string why_not = {};  ///< "": it can.
 };
 
+constexpr float kPadding = 2;  ///< Of the round button of a choice, above and below.
+
+/// Where its text begins.
+float IndentOfChoice(const FrameContext& context) {
+  return ImGui::GetFontSize() + 2 * context.Scaled(kPadding) + ImGui::GetStyle().ItemInnerSpacing.x;
+}
+
 bool DrawChoice(const FrameContext& context, const std::string& widget, const Choice& choice,
                 bool chosen) {
   const bool offered = choice.why_not.empty() && !context.playback->recorded;
   const ImGuiStyle& style = ImGui::GetStyle();
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {style.ItemSpacing.x, context.Scaled(1)});
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {style.FramePadding.x, context.Scaled(2)});
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {style.FramePadding.x, context.Scaled(kPadding)});
   ImGui::PushStyleColor(ImGuiCol_FrameBg, colors::kControlHovered);
   ImGui::BeginDisabled(!offered);
   const bool clicked = ImGui::RadioButton((choice.name + "##" + widget).c_str(), chosen);
   LogItem(context, widget);
   ImGui::EndDisabled();
-  const float indent = ImGui::GetFrameHeight() + style.ItemInnerSpacing.x;
+  const float indent = IndentOfChoice(context);
   ImGui::Indent(indent);
   ImGui::PushFont(context.fonts.small);
   WrappedText(colors::kDimText, choice.about);
@@ -129,7 +136,7 @@ void NetworksSheet::DrawEdges(const FrameContext& context, CommandSink& sink) co
 
 /// Of one that has not been fetched: a button that does so, how far it is, why it failed.
 void DrawFetching(const FrameContext& context, const ListedDetector& detector, CommandSink& sink) {
-  const float indent = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
+  const float indent = IndentOfChoice(context);
   ImGui::Indent(indent);
   const std::string widget = "networks.fetch." + detector.name;
   if (!detector.fetching.empty()) {

@@ -10,10 +10,8 @@ OUT/detector.onnx, its head and its sidecar. Needs python3-torch, python3-torchv
 The same options and --threads 1 give the same weights.
 """
 import argparse
-import csv
 import os
 import sys
-import time
 
 import cv2
 import numpy as np
@@ -23,7 +21,8 @@ import detector_net
 import samples
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
-import export_torchvision
+import export_torchvision  # noqa: E402
+from training import Training  # noqa: E402
 
 EVERY = 250  # steps from one checkpoint to the next
 EMA = .998
@@ -78,51 +77,24 @@ def main():
     os.makedirs(args.out, exist_ok=True)
     rooms = list(samples.rooms(args.rooms))
     print('%d drawn pictures, %d of rooms' % (drawn_until(args.steps, args.drawn_at_first), len(rooms)), flush=True)
-    net, average = detector_net.detector_net(), detector_net.detector_net()
-    average.load_state_dict(net.state_dict())
-    decayed = [p for p in net.parameters() if p.ndim > 1]
-    plain = [p for p in net.parameters() if p.ndim <= 1]
-    optimizer = torch.optim.AdamW([{'params': decayed, 'weight_decay': 1e-2}, {'params': plain, 'weight_decay': 0}], lr=args.rate)
-    file, step, spent = os.path.join(args.out, 'detector.pt'), 0, 0.0
-    if os.path.exists(file):
-        saved = torch.load(file)
-        for module, key in ((net, 'net'), (average, 'average'), (optimizer, 'optimizer')):
-            module.load_state_dict(saved[key])
-        step, spent = saved['step'], saved['seconds']
-    begun, sums = time.time() - spent, {}
-    net.train()
-    while step < args.steps:
-        rng = np.random.default_rng([args.seed, step])
-        torch.manual_seed(args.seed * 1000003 + step)  # which boxes are drawn
-        images, targets = batch(rng, args.drawn, drawn_until(step, args.drawn_at_first), rooms, args.batch, args.rooms_share)
-        for group in optimizer.param_groups:
-            group['lr'] = rate_at(step, args.steps, args.rate)
-        losses = net(images, targets)
-        optimizer.zero_grad()
-        sum(losses.values()).backward()
-        torch.nn.utils.clip_grad_norm_(net.parameters(), 5)
-        optimizer.step()
-        step += 1
+    training = Training(detector_net.detector_net, args.rate, 1e-2, os.path.join(args.out, 'detector.pt'))
+    training.net.train()
+    sums = {}
+    while training.step < args.steps:
+        rng = np.random.default_rng([args.seed, training.step])
+        torch.manual_seed(args.seed * 1000003 + training.step)  # which boxes are drawn
+        images, targets = batch(rng, args.drawn, drawn_until(training.step, args.drawn_at_first), rooms, args.batch, args.rooms_share)
+        losses = training.net(images, targets)
+        training.descend(sum(losses.values()), rate_at(training.step, args.steps, args.rate), EMA)
         for name, loss in losses.items():
             sums[name] = sums.get(name, 0) + loss.item()
-        keep = min(EMA, step / (step + 10))
-        with torch.no_grad():
-            for mine, other in zip(average.state_dict().values(), net.state_dict().values()):
-                if mine.dtype.is_floating_point:
-                    mine.mul_(keep).add_(other, alpha=1 - keep)
-                else:
-                    mine.copy_(other)
-        if step % EVERY == 0 or step == args.steps:
-            seconds, count = time.time() - begun, (step - 1) % EVERY + 1
-            names = ['loss_objectness', 'loss_rpn_box_reg', 'loss_classifier', 'loss_box_reg']
-            means = ['%.4f' % (sums[name] / count) for name in names]
-            with open(os.path.join(args.out, 'log.csv'), 'a', newline='') as log:
-                csv.writer(log).writerow([step, *means, '%.6f' % optimizer.param_groups[0]['lr'], '%.0f' % seconds])
-            print('step %d of %d: proposals %s %s, boxes %s %s, %.0f s' % (step, args.steps, *means, seconds), flush=True)
+        if training.step % EVERY == 0 or training.step == args.steps:
+            count = (training.step - 1) % EVERY + 1
+            means = [sums[name] / count for name in ('loss_objectness', 'loss_rpn_box_reg', 'loss_classifier', 'loss_box_reg')]
+            seconds = training.save(os.path.join(args.out, 'log.csv'), means)
+            print('step %d of %d: proposals %.4f %.4f, boxes %.4f %.4f, %.0f s' % (training.step, args.steps, *means, seconds), flush=True)
             sums = {}
-            torch.save({'net': net.state_dict(), 'average': average.state_dict(), 'optimizer': optimizer.state_dict(), 'step': step, 'seconds': seconds}, file + '.new')
-            os.replace(file + '.new', file)
-    export_torchvision.export(average.eval(), os.path.join(args.out, 'detector.onnx'), EXPORTED, detector_net.CATEGORIES)
+    export_torchvision.export(training.average.eval(), os.path.join(args.out, 'detector.onnx'), EXPORTED, detector_net.CATEGORIES)
 
 
 if __name__ == '__main__':

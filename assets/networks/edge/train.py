@@ -8,9 +8,8 @@ Writes OUT/edge.pt after every 500 steps (run the same command again to go on), 
 Needs python3-torch and python3-opencv. The same options and --threads 1 give the same weights.
 """
 import argparse
-import csv
 import os
-import time
+import sys
 
 import numpy as np
 import torch
@@ -18,6 +17,9 @@ from torch.nn import functional as F
 
 import edge_net
 import samples
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
+from training import Training  # noqa: E402
 
 EVERY = 500  # steps from one checkpoint to the next
 EMA = .999
@@ -72,23 +74,11 @@ def main():
     room_pictures = list(samples.rooms(args.rooms))
     print('%d pictures of BSDS500 (%s), %d of rooms' % (len(pictures), ' '.join(args.split), len(room_pictures)), flush=True)
     os.makedirs(args.out, exist_ok=True)
-    net, average = edge_net.EdgeNet(), edge_net.EdgeNet()
-    if args.start:
-        net.load_state_dict(torch.load(args.start)['average'])
-    average.load_state_dict(net.state_dict())
-    decayed = [p for p in net.parameters() if p.ndim > 1]
-    plain = [p for p in net.parameters() if p.ndim <= 1]
-    optimizer = torch.optim.AdamW([{'params': decayed, 'weight_decay': 1e-3}, {'params': plain, 'weight_decay': 0}], lr=args.rate)
-    file, step, spent = os.path.join(args.out, 'edge.pt'), 0, 0.0
-    if os.path.exists(file):
-        saved = torch.load(file)
-        for module, key in ((net, 'net'), (average, 'average'), (optimizer, 'optimizer')):
-            module.load_state_dict(saved[key])
-        step, spent = saved['step'], saved['seconds']
-    begun, sum_of_loss = time.time() - spent, 0.0
+    training = Training(edge_net.EdgeNet, args.rate, 1e-3, os.path.join(args.out, 'edge.pt'), args.start)
+    sum_of_loss = 0.0
     mean = np.array(edge_net.MEAN, np.float32)
-    while step < args.steps:
-        rng = np.random.default_rng([args.seed, step])
+    while training.step < args.steps:
+        rng = np.random.default_rng([args.seed, training.step])
         images, maps = [], []
         for _ in range(args.batch):
             source = room_pictures if rng.random() < args.rooms_share and room_pictures else pictures
@@ -96,32 +86,16 @@ def main():
             image, agreement = samples.crop(rng, image, agreement, args.crop, args.scales)
             images.append(((image - mean) * edge_net.SCALE).transpose(2, 0, 1))
             maps.append(agreement[None])
-        for group in optimizer.param_groups:
-            group['lr'] = rate_at(step, args.steps, args.rate)
-        net.train()
-        loss = loss_of(net(torch.from_numpy(np.stack(images))), torch.from_numpy(np.stack(maps)))
-        optimizer.zero_grad()
-        loss.backward()
-        torch.nn.utils.clip_grad_norm_(net.parameters(), 5)
-        optimizer.step()
-        step += 1
+        training.net.train()
+        loss = loss_of(training.net(torch.from_numpy(np.stack(images))), torch.from_numpy(np.stack(maps)))
+        training.descend(loss, rate_at(training.step, args.steps, args.rate), EMA)
         sum_of_loss += loss.item()
-        keep = min(EMA, step / (step + 10))
-        with torch.no_grad():
-            for mine, other in zip(average.state_dict().values(), net.state_dict().values()):
-                if mine.dtype.is_floating_point:
-                    mine.mul_(keep).add_(other, alpha=1 - keep)
-                else:
-                    mine.copy_(other)
-        if step % EVERY == 0 or step == args.steps:
-            seconds = time.time() - begun
-            with open(os.path.join(args.out, 'log.csv'), 'a', newline='') as log:
-                csv.writer(log).writerow([step, '%.4f' % (sum_of_loss / ((step - 1) % EVERY + 1)), '%.5f' % optimizer.param_groups[0]['lr'], '%.0f' % seconds])
-            print('step %d of %d: loss %.4f, %.0f s' % (step, args.steps, sum_of_loss / ((step - 1) % EVERY + 1), seconds), flush=True)
+        if training.step % EVERY == 0 or training.step == args.steps:
+            mean_loss = sum_of_loss / ((training.step - 1) % EVERY + 1)
+            seconds = training.save(os.path.join(args.out, 'log.csv'), [mean_loss])
+            print('step %d of %d: loss %.4f, %.0f s' % (training.step, args.steps, mean_loss, seconds), flush=True)
             sum_of_loss = 0.0
-            torch.save({'net': net.state_dict(), 'average': average.state_dict(), 'optimizer': optimizer.state_dict(), 'step': step, 'seconds': seconds}, file + '.new')
-            os.replace(file + '.new', file)
-    edge_net.export(average, os.path.join(args.out, 'edge.onnx'))
+    edge_net.export(training.average, os.path.join(args.out, 'edge.onnx'))
 
 
 if __name__ == '__main__':
