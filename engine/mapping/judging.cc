@@ -38,11 +38,31 @@ std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame&
   return sums;
 }
 
+namespace {
+
+/// What need not stand on the floor is not below it either: flat above, normal from two deviations
+/// below on.
+double LogAboveFloor(const MapFrame& map, const PoseHypothesis& hypothesis,
+                     const MapperOptions& options) {
+  constexpr double kLeeway = 2;
+  if (!map.floor_in_world) return 0;
+  const std::vector<MapFrame::Standing> standings = map.StandingsAt(hypothesis.center_in_world);
+  const MapFrame::Standing lowest =
+      *std::min_element(standings.begin(), standings.end(),
+                        [](const auto& a, const auto& b) { return a.height_m < b.height_m; });
+  const double std_m = std::hypot(map.BaseStd(options), lowest.std_m);
+  const double below = (lowest.height_m - map.BaseHeight(hypothesis)) / std_m - kLeeway;
+  return below > 0 ? -0.5 * below * below : 0;
+}
+
+}  // namespace
+
 double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
                       const MapperOptions& options) {
   if (!options.floor_prior) return 0;
   if (map.database->model(hypothesis.label).support != Support::kFloor)
-    return LogSupportPrior(map.supports, map.BaseInUpright(hypothesis));
+    return LogSupportPrior(map.supports, map.BaseInUpright(hypothesis)) +
+           LogAboveFloor(map, hypothesis, options);
   if (!map.floor_in_world) return 0;
   // Relative to the density on the floor where there is no other level.
   const double base = map.BaseHeight(hypothesis), base_std = map.BaseStd(options);

@@ -95,6 +95,23 @@ TEST_F(SupportSurfaceTest, OnlyWhatNeedNotStandOnTheFloorKnowsOfIt) {
   EXPECT_EQ(LogHeightPrior(bare, on_top("crate"), options), 0);
 }
 
+TEST_F(SupportSurfaceTest, NothingIsBelowTheFloor) {
+  MapFrame map = MapWithTable();
+  map.supports.clear();
+  const MapperOptions options;
+  const double std_m = map.BaseStd(options);
+  const auto prior = [&](double base_m) {
+    const ModelId label = database_->Find("crate").value();
+    return LogHeightPrior(
+        map, PoseHypothesis{label, 0, {2, -1, base_m + Named("crate").center().z()}}, options);
+  };
+  EXPECT_EQ(prior(1.5), 0);
+  EXPECT_EQ(prior(0), 0);
+  EXPECT_EQ(prior(-1.9 * std_m), 0) << "the floor is not known better";
+  EXPECT_NEAR(prior(-5 * std_m), -4.5, 1e-6);
+  EXPECT_LT(prior(-1), -100);
+}
+
 TEST_F(SupportSurfaceTest, SomeAreSpawnedOnIt) {
   const MapFrame map = MapWithTable();
   const PinholeCamera camera{640, 480, 500, 500, 319.5, 239.5};
