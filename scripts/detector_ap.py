@@ -24,6 +24,15 @@ RECALLS = [k / 100 for k in range(101)]
 MOST = 100  # boxes of a category in an image
 
 
+def read_json(file):
+    """Ends with one sentence where there is none."""
+    try:
+        with open(file) as text:
+            return json.load(text)
+    except (OSError, ValueError) as error:
+        raise SystemExit("'%s' cannot be read: %s" % (file, error)) from None
+
+
 def stem(name):
     """Number of the frame that a file is named by."""
     digits = re.findall(r'\d+', os.path.basename(name))
@@ -36,8 +45,10 @@ def truth_of_masks(sequence, frames, least_pixels):
     """{frame: [(category, [x0, y0, x1, y1], counts)]} of the masks of `plumbline synth`."""
     import cv2
     import numpy as np
-    with open(os.path.join(sequence, 'ground_truth.json')) as file:
-        categories = {i['mask_id']: i['category'] for i in json.load(file)['instances']}
+    instances = read_json(os.path.join(sequence, 'ground_truth.json'))['instances']
+    if any('mask_id' not in i for i in instances):
+        raise SystemExit("'%s' has no masks: it is not a sequence of plumbline synth" % sequence)
+    categories = {i['mask_id']: i['category'] for i in instances}
     truth = {}
     for frame in frames:
         file = os.path.join(sequence, 'masks', '%06d.png' % frame)
@@ -56,12 +67,8 @@ def truth_of_masks(sequence, frames, least_pixels):
 def truth_of_bop(folder, frames, least_pixels, least_share):
     """The same of the first scene of a BOP dataset of ours."""
     scene = os.path.join(folder, 'test', '000000')
-    with open(os.path.join(scene, 'scene_gt.json')) as file:
-        poses = json.load(file)
-    with open(os.path.join(scene, 'scene_gt_info.json')) as file:
-        infos = json.load(file)
-    with open(os.path.join(folder, 'models', 'plumbline_models.json')) as file:
-        named = json.load(file)
+    poses, infos = read_json(os.path.join(scene, 'scene_gt.json')), read_json(os.path.join(scene, 'scene_gt_info.json'))
+    named = read_json(os.path.join(folder, 'models', 'plumbline_models.json'))
     models = {int(key): value for key, value in named.items()}
     truth = {}
     for frame in frames:
@@ -132,8 +139,9 @@ def evaluate(detections, truth):
 
 def read_boxes(file):
     """Frames, and [(category, frame, score, box)], of what `detect --coco` wrote."""
-    with open(file) as text:
-        found = json.load(text)
+    found = read_json(file)
+    if not isinstance(found, dict) or not {'images', 'categories', 'annotations'} <= found.keys():
+        raise SystemExit("'%s' is not what 'plumbline detect --coco' writes" % file)
     frame_of = {image['id']: stem(image['file_name']) for image in found['images']}
     names = {c['id']: c['name'] for c in found['categories']}
     frames = sorted(frame_of.values())

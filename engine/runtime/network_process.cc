@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -42,7 +43,8 @@ Status Try(const std::filesystem::path& file, const NetworkSidecar& sidecar) {
   return found.ok() ? Status() : Status(found.error());
 }
 
-void Examine(NetworkFile& network) {
+/// Fills in what `network.file` is.
+void Recognise(NetworkFile& network) {
   const std::filesystem::path file = network.file;
   network.known = true;
   if (file.extension() != ".onnx") {
@@ -73,75 +75,92 @@ void Examine(NetworkFile& network) {
 }  // namespace
 
 NetworkProcess::NetworkProcess(std::function<void()> on_publish, std::vector<ListedNetwork> listed)
-    : on_publish_(std::move(on_publish)), listed_(std::move(listed)), thread_([this] { Run(); }) {}
-
-NetworkProcess::~NetworkProcess() {
-  StopFetching();
-  tasks_.Close();
-  if (thread_.joinable()) thread_.join();
+    : on_publish_(std::move(on_publish)), listed_(std::move(listed)) {
+  for (const ListedNetwork& network : listed_)
+    now_.detectors.push_back({network.name, network.about, ""});
 }
 
-void NetworkProcess::Look() { tasks_.TryPush(Looking{}); }
-void NetworkProcess::LookAt(const std::string& file) { tasks_.TryPush(Looking{file}); }
+NetworkProcess::~NetworkProcess() { StopFetching(); }
+
+void NetworkProcess::Look() {
+  looking_.Do([this] { LookForFetched(); });
+}
+
+void NetworkProcess::LookAt(const std::string& file) {
+  looking_.Do([this, file] { Examine(file); });
+}
 
 void NetworkProcess::Fetch(const std::string& name) {
+  const auto network = std::ranges::find(listed_, name, &ListedNetwork::name);
+  if (network == listed_.end()) return;
   if (stop_fetching_.stop_requested()) stop_fetching_ = {};
-  tasks_.TryPush(Fetching{name, stop_fetching_.get_token()});
+  fetching_.Do([this, network, stop = stop_fetching_.get_token()] { Download(*network, stop); });
 }
 
 void NetworkProcess::StopFetching() { stop_fetching_.request_stop(); }
 
-void NetworkProcess::Run() {
-  for (const ListedNetwork& network : listed_)
-    now_.detectors.push_back({network.name, network.about, ""});
-  while (const auto task = tasks_.Pop()) {
-    for (ListedDetector& detector : now_.detectors) {
+void NetworkProcess::LookForFetched() {
+  Change([](NetworksView& now) {
+    for (ListedDetector& detector : now.detectors) {
       const auto file = NetworksFolder() / (detector.name + ".onnx");
       std::error_code none;
       detector.file = std::filesystem::exists(file, none) ? file.string() : "";
     }
-    std::visit([this](const auto& what) { Do(what); }, *task);
-    Publish();
-  }
+  });
 }
 
-void NetworkProcess::Do(const Looking& looking) {
-  if (looking.file.empty()) return;
-  now_.file = {.file = std::filesystem::absolute(looking.file).lexically_normal().string()};
-  Publish();
+void NetworkProcess::Examine(const std::string& file) {
+  NetworkFile network{.file = std::filesystem::absolute(file).lexically_normal().string()};
+  Change([&](NetworksView& now) { now.file = network; });
   try {
-    Examine(now_.file);
+    Recognise(network);
   } catch (const std::exception& error) {
-    now_.file.problem = "the network '" + looking.file + "' cannot be used: " + error.what();
+    network.problem = "the network '" + file + "' cannot be used: " + error.what();
   }
+  Change([&](NetworksView& now) { now.file = network; });
 }
 
-void NetworkProcess::Do(const Fetching& fetching) {
-  const auto network = std::ranges::find(listed_, fetching.name, &ListedNetwork::name);
-  const auto shown = std::ranges::find(now_.detectors, fetching.name, &ListedDetector::name);
-  if (network == listed_.end() || fetching.stop.stop_requested()) return;
-  shown->problem.clear();
-  shown->fetching = "connecting";
-  Publish();
+void NetworkProcess::Download(const ListedNetwork& network, const std::stop_token& stop) {
+  if (stop.stop_requested()) return;
+  const auto tell = [&](const std::string& fetching) {
+    ChangeDetector(network.name, [&](ListedDetector& detector) {
+      detector.fetching = fetching;
+      detector.problem.clear();
+    });
+  };
+  tell("connecting");
+  long long told = -1;
   const WorkContext work{[&](const Progress& progress) {
-                           const auto text =
-                               fmt::format("{} % has arrived",
-                                           100LL * progress.done / std::max(1, progress.total));
-                           if (std::exchange(shown->fetching, text) != text) Publish();
+                           const auto percent = 100LL * progress.done / std::max(1, progress.total);
+                           if (std::exchange(told, percent) != percent)
+                             tell(fmt::format("{} % has arrived", percent));
                          },
-                         fetching.stop};
-  const auto file = FetchNetwork(*network, NetworksFolder(), work);
-  shown->fetching.clear();
-  if (file.ok()) {
-    shown->file = file->string();
-  } else if (file.error().code != ErrorCode::kCancelled) {
-    shown->problem = file.error().message;
-  }
+                         stop};
+  const auto file = FetchNetwork(network, NetworksFolder(), work);
+  ChangeDetector(network.name, [&](ListedDetector& detector) {
+    detector.fetching.clear();
+    if (file.ok()) {
+      detector.file = file->string();
+    } else if (file.error().code != ErrorCode::kCancelled) {
+      detector.problem = file.error().message;
+    }
+  });
 }
 
-void NetworkProcess::Publish() {
-  view_.Publish(std::make_shared<const NetworksView>(now_));
+void NetworkProcess::Change(const std::function<void(NetworksView&)>& change) {
+  {
+    const std::lock_guard lock(mutex_);
+    change(now_);
+    view_.Publish(std::make_shared<const NetworksView>(now_));
+  }
   if (on_publish_) on_publish_();
+}
+
+void NetworkProcess::ChangeDetector(const std::string& name,
+                                    const std::function<void(ListedDetector&)>& change) {
+  Change([&](NetworksView& now) {
+    change(*std::ranges::find(now.detectors, name, &ListedDetector::name));
+  });
 }
 
 }  // namespace plumbline

@@ -3,19 +3,20 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <stop_token>
 #include <string>
-#include <thread>
-#include <variant>
 #include <vector>
 
 #include "engine/base/queue.h"
+#include "engine/base/worker.h"
 #include "engine/snapshot/networks_view.h"
 #include "engine/vision/fetched_networks.h"
 
 namespace plumbline {
 
-/// Says which networks there are, what a file of the user's is, and fetches listed ones, on a
-/// thread of its own.
+/// Says which networks there are and what a file of the user's is, and fetches listed ones, on two
+/// threads of its own: a long download keeps nobody from looking at a file.
 class NetworkProcess {
  public:
   /// @param on_publish  Called on the thread after every publication (to wake the window).
@@ -39,27 +40,20 @@ class NetworkProcess {
   std::shared_ptr<const NetworksView> View() const { return view_.Latest(); }
 
  private:
-  struct Looking {
-    std::string file;  ///< "": none.
-  };
-  struct Fetching {
-    std::string name;
-    std::stop_token stop;
-  };
-  using Task = std::variant<Looking, Fetching>;
-
-  void Run();
-  void Do(const Looking& looking);
-  void Do(const Fetching& fetching);
-  void Publish();
+  void LookForFetched();
+  void Examine(const std::string& file);
+  void Download(const ListedNetwork& network, const std::stop_token& stop);
+  /// Changes what is known, and publishes it.
+  void Change(const std::function<void(NetworksView&)>& change);
+  void ChangeDetector(const std::string& name, const std::function<void(ListedDetector&)>& change);
 
   std::function<void()> on_publish_;
-  std::vector<ListedNetwork> listed_;
+  const std::vector<ListedNetwork> listed_;
   std::stop_source stop_fetching_;  ///< Of those who ask.
-  BoundedQueue<Task> tasks_{8};
-  NetworksView now_;  ///< Of the thread.
+  std::mutex mutex_;
+  NetworksView now_;  ///< Guarded by it.
   SnapshotSlot<NetworksView> view_;
-  std::jthread thread_;  ///< Last: it uses all of the above.
+  Worker looking_, fetching_;  ///< Last: they use all of the above.
 };
 
 }  // namespace plumbline

@@ -149,11 +149,11 @@ struct AskOptionsCommand {
 struct AskNetworksCommand {
   bool show = true;
 };
-/// Downloads one of the listed detectors, or stops doing so.
+/// Downloads one of the listed detectors.
 struct FetchNetworkCommand {
   std::string name;
-  bool stop = false;
 };
+struct StopFetchingCommand {};
 /// Opens the same sheet and says there what a network file is.
 struct LookAtNetworkCommand {
   std::string file;
@@ -188,8 +188,9 @@ using InspectCommand =
                  SelectHypothesisCommand, FollowCommand, LookThroughCommand, BookmarkCommand,
                  RemoveBookmarkCommand, AskFrameCommand, ImageViewsCommand, PlaceViewCommand,
                  ShowPanelCommand, NeedCommand, PresentCommand, AskForkCommand, AskOptionsCommand,
-                 AskNetworksCommand, FetchNetworkCommand, LookAtNetworkCommand, UseNetworksCommand,
-                 ForkCommand, CancelForkCommand, CompareRunCommand, ShowRunCommand>;
+                 AskNetworksCommand, FetchNetworkCommand, StopFetchingCommand, LookAtNetworkCommand,
+                 UseNetworksCommand, ForkCommand, CancelForkCommand, CompareRunCommand,
+                 ShowRunCommand>;
 
 /// Turns the 3-D view to the selection.
 struct FocusSelectionCommand {};

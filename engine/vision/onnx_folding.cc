@@ -108,7 +108,7 @@ class Knowledge {
   /// What a node gives; nothing where it gives no whole numbers or they are not known.
   std::optional<Whole> Result(const onnx::NodeProto& node) const {
     const std::string& operation = node.op_type();
-    if (operation == "Shape") {
+    if (operation == "Shape" && node.input_size() == 1) {
       const auto found = shapes_.find(node.input(0));
       return found == shapes_.end() ? std::nullopt : std::optional(found->second);
     }

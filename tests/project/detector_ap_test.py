@@ -67,6 +67,18 @@ class AveragePrecision(unittest.TestCase):
             with open(os.path.join(folder, 'table.json')) as table:
                 self.assertEqual(json.load(table), [{'category': 'chair', 'objects': 1, 'ap': 1.0, 'ap50': 1.0}])
 
+    def test_what_cannot_be_read_is_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            files = {'damaged.json': '{', 'other.json': '[]'}
+            for name, content in files.items():
+                pathlib.Path(folder, name).write_text(content)
+            for name in [*files, 'missing.json']:
+                file = os.path.join(folder, name)
+                told = subprocess.run([sys.executable, detector_ap.__file__, file, '--bop', folder], capture_output=True, text=True)
+                self.assertNotEqual(told.returncode, 0)
+                self.assertIn(file, told.stderr)
+                self.assertEqual(len(told.stderr.splitlines()), 1, told.stderr)
+
 
 if __name__ == '__main__':
     unittest.main()

@@ -61,13 +61,12 @@ TEST_F(NetworksSheetTest, FetchesAndStopsAndSaysWhyNot) {
   const auto* fetch = harness_.sink.Last<FetchNetworkCommand>();
   ASSERT_NE(fetch, nullptr);
   EXPECT_EQ(fetch->name, "yolox_s");
-  EXPECT_FALSE(fetch->stop);
   NetworksView networks = *harness_.context.networks;
   networks.detectors[0].fetching = "downloading 3 %";
   Know(networks);
   harness_.Draw(panel_, 3);
   harness_.Click(panel_, "networks.fetch.yolox_s");
-  EXPECT_TRUE(harness_.sink.Last<FetchNetworkCommand>()->stop);
+  EXPECT_NE(harness_.sink.Last<StopFetchingCommand>(), nullptr);
   networks.detectors[0].fetching = "";
   networks.detectors[0].problem = "cannot reach it";
   Know(networks);

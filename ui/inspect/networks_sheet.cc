@@ -141,7 +141,7 @@ void DrawFetching(const FrameContext& context, const ListedDetector& detector, C
   const std::string widget = "networks.fetch." + detector.name;
   if (!detector.fetching.empty()) {
     if (Button(context, widget, "Stop", "What has arrived is kept; fetching goes on from there."))
-      sink.Post(FetchNetworkCommand{detector.name, true});
+      sink.Post(StopFetchingCommand{});
     ImGui::SameLine();
     DimText("%s", detector.fetching.c_str());
   } else {

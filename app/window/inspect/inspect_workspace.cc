@@ -282,9 +282,8 @@ void InspectWorkspace::Handle(const InspectCommand& command, FrameContext& conte
             networks_sheet_.Open(c.show);
             networks_.Look();
           },
-          [&](const FetchNetworkCommand& c) {
-            c.stop ? networks_.StopFetching() : networks_.Fetch(c.name);
-          },
+          [&](const FetchNetworkCommand& c) { networks_.Fetch(c.name); },
+          [&](const StopFetchingCommand&) { networks_.StopFetching(); },
           [&](const LookAtNetworkCommand& c) { LookAtNetwork(c.file); },
           [&](const UseNetworksCommand& c) { Reopen(c, context); },
           [&](const ForkCommand& c) { what_if_->Fork(c, context); },

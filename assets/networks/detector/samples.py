@@ -14,6 +14,8 @@ LEAST_PIXELS = 150  # of an object in a frame of a synthetic room that is labell
 def drawn(folder, number):
     """(image file, [category, x0, y0, x1, y1]) of draw.py; waits until it is there."""
     file = os.path.join(folder, '%06d' % number)
+    if not os.path.exists(file + '.json'):
+        print('waiting for %s.json, which draw.py writes' % file, flush=True)
     while not os.path.exists(file + '.json'):
         time.sleep(1)
     with open(file + '.json') as boxes:
@@ -23,6 +25,8 @@ def drawn(folder, number):
 def rooms(folders):
     """The same of sequences of plumbline synth: boxes of what the masks show."""
     for folder in folders:
+        if not os.path.isdir(os.path.join(folder, 'masks')):
+            raise SystemExit("'%s' is not a sequence of plumbline synth: it has no masks/" % folder)
         with open(os.path.join(folder, 'ground_truth.json')) as file:
             categories = {i['mask_id']: i['category'] for i in json.load(file)['instances']}
         for file in sorted(glob.glob(os.path.join(folder, 'color', '*'))):

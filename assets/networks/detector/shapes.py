@@ -332,6 +332,8 @@ MAKERS = {'chair': chair, 'dining table': table, 'desk': desk, 'couch': couch, '
 
 def database(folder):
     """(category, mesh) of the models of a folder that `plumbline models build` wrote."""
+    if not os.path.exists(os.path.join(folder, 'models.json')):
+        raise SystemExit("'%s' is not a database of models: it has no models.json" % folder)
     with open(os.path.join(folder, 'models.json')) as file:
         entries = json.load(file)['models']
     for entry in entries:

@@ -52,7 +52,10 @@ class TimingsPanel : public Panel {
             StageColor(static_cast<std::size_t>(&timing - timings.data())),
             NetworkOf(context, timing.stage));
       }
-      Row(context, "frame", total, wide ? mean_total_ : -1, 0, colors::kText);
+      Row(context, "frame", total, wide ? mean_total_ : -1, 0, colors::kText,
+          "The work of all stages. Edges and boxes are found ahead, at the same time, so that a "
+          "frame\n"
+          "may come sooner.");
       Row(context, "window", context.window_ms, -1, 0, colors::kDimText);
       Tooltip(context, "CPU time of drawing the window.");
       Row(context, "3-D view", context.scene_ms, -1, 0, colors::kDimText);
