@@ -23,6 +23,11 @@ inline Box2 Intersection(const Box2& a, const Box2& b) {
   return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
 }
 
+/// The smallest box that holds both.
+inline Box2 Union(const Box2& a, const Box2& b) {
+  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+}
+
 /// Intersection over union; 0 if either box is empty.
 inline float Iou(const Box2& a, const Box2& b) {
   const float shared = Intersection(a, b).area();

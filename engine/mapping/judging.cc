@@ -116,6 +116,25 @@ Target Outside(std::vector<TakenPlace> taken, Target target) {
   };
 }
 
+double LogCrops(const CropBelief& crops, ModelId label, double azimuth_rad,
+                const MapperOptions& options) {
+  const auto views = static_cast<double>(crops.views().size());
+  return options.crop_sharpness * ViewScale(views, 1, options) *
+         crops.Likeness(label, azimuth_rad);
+}
+
+Target WithCrops(CropBelief crops, const MapperOptions& options, Target target) {
+  if (crops.views().empty()) return target;
+  return [crops = std::move(crops), &options,
+          target = std::move(target)](std::span<const PoseHypothesis> hypotheses) {
+    std::vector<Judgement> judged = target(hypotheses);
+    for (std::size_t i = 0; i < judged.size(); ++i)
+      judged[i].log_target +=
+          LogCrops(crops, hypotheses[i].label, hypotheses[i].azimuth_rad, options);
+    return judged;
+  };
+}
+
 Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
                  std::vector<JudgingView> remembered, const JudgingView& present,
                  const MapperOptions& options, double sharpness) {

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/mapping/crop_belief.h"
 #include "engine/mapping/likelihood.h"
 #include "engine/mapping/pose_sampler.h"
 
@@ -52,6 +53,12 @@ struct TakenPlace {
 TakenPlace PlaceOf(const CadModel& model, const Eigen::Isometry3d& world_from_object, double scale);
 /// The target, with hypotheses in places that are taken made as good as impossible.
 Target Outside(std::vector<TakenPlace> taken, Target target);
+
+/// What crops say of a shape at an azimuth, in the log of a posterior.
+double LogCrops(const CropBelief& crops, ModelId label, double azimuth_rad,
+                const MapperOptions& options);
+/// The target, with what crops say. `options` must outlive it.
+Target WithCrops(CropBelief crops, const MapperOptions& options, Target target);
 
 /// The posterior of one object: what its remembered views and the present one say, scaled to as
 /// many independent views as they amount to (ViewScale), and the priors of height and scale.

@@ -76,6 +76,7 @@ KeyFrameMemory::Offered KeyFrameMemory::Offer(const MapperInput& input,
   }
   offered.kept = true;
   frames_.push_back({input, {}, {}});
+  frames_.back().input.image.release();
   while (static_cast<int>(frames_.size()) > options_.key_frames) {
     std::size_t drop = 0;
     double closest = std::numeric_limits<double>::infinity();

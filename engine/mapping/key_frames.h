@@ -21,6 +21,7 @@ struct MapperInput {
   PoseId pose_id;      ///< Of `world_from_cam`.
   int pose_epoch = 0;  ///< Of the corrections that `world_from_cam` contains.
   PoseUncertainty pose_uncertainty;
+  cv::Mat image;  ///< BGR; empty: its crops are not looked at. Key frames keep none.
   EdgeMap edges;
   std::shared_ptr<const OrientedTable> table;  ///< SearchTable() of the edges.
   std::shared_ptr<const FrameDetections> detections;

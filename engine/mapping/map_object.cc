@@ -89,11 +89,14 @@ ObjectReport ToReport(const MapObject& object) {
     out.Put(object.world_from_proposal_cam);
   }
   object.paper.Save(out);
-  // Scales come last and only where there are any: so it was before models could grow.
-  if (std::any_of(object.joined.begin(), object.joined.end(),
+  // Scales, then crops, come last and only where there are any: older files have neither.
+  const bool looked_at = !object.crops.views().empty();
+  if (looked_at ||
+      std::any_of(object.joined.begin(), object.joined.end(),
                   [](const PoseHypothesis& hypothesis) { return hypothesis.log_scale != 0; })) {
     for (const PoseHypothesis& hypothesis : object.joined) out.Put(hypothesis.log_scale);
   }
+  if (looked_at) object.crops.Save(out);
   report.filter_state = out.Take();
   return report;
 }
@@ -148,6 +151,7 @@ Result<MapObject> FromReport(const ObjectReport& report) {
   if (!in.rest().empty()) {
     for (PoseHypothesis& hypothesis : object.joined) hypothesis.log_scale = in.Get<double>();
   }
+  if (!in.rest().empty()) object.crops.Restore(in);
   if (!in.ok() || report.modes.empty() || report.particles == nullptr ||
       report.particles->empty() || object.memory.size() != report.particles->size()) {
     return Error{ErrorCode::kCorrupt,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/mapping/crop_belief.h"
 #include "engine/mapping/likelihood_sharpness.h"
 #include "engine/mapping/map_report.h"
 #include "engine/mapping/paper_belief.h"
@@ -41,6 +42,7 @@ struct MapObject : ObjectBelief {
   std::optional<Detection> last_proposal;  ///< The last proposal it explained while tentative, and
                                            ///< where that was seen from.
   Eigen::Isometry3d world_from_proposal_cam = Eigen::Isometry3d::Identity();
+  CropBelief crops;  ///< Since it was confirmed.
   PaperTrack paper;  ///< Of filter = paper.
 
   const PoseMode& mean() const { return modes.front(); }

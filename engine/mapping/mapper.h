@@ -10,6 +10,7 @@
 #include "engine/mapping/map_report.h"
 #include "engine/mapping/mapper_options.h"
 #include "engine/mapping/particle_set.h"
+#include "engine/vision/crop_comparer.h"
 
 namespace plumbline {
 
@@ -21,6 +22,7 @@ struct MapperSetup {
   std::vector<FloorLevel> floor_levels = {};  ///< Beside the floor.
   std::shared_ptr<const ModelDatabase> database;
   std::shared_ptr<const HypothesisScorer> scorer;
+  std::shared_ptr<CropComparer> crops = {};  ///< None: crops are not looked at.
   MapperOptions options;
   std::uint64_t seed = 0;
 };

@@ -212,6 +212,8 @@ struct Mapper::Impl {
   // Steps of a frame, in order.
   void UpdateWeights(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders,
                      double dt_s, double novelty, FrameReport& report);
+  /// What its crop in this image says of its shape and quarter turn, where it is another view.
+  void LookAtCrop(MapObject& object, const MapperInput& input, const ScoringView& view) const;
   /// What an image that shows so much of a pose can say; without novelty, box and edges.
   Sighting SightingOf(const PoseHypothesis& pose, double visible_fraction, const Box2& visible_box,
                       const MapperInput& input, const Judging& own_edges) const;

@@ -206,6 +206,7 @@ class FramePreparer {
     input.pose_uncertainty = pose->uncertainty;
     input.pose_id = pose->id;
     input.pose_epoch = pose->epoch;
+    input.image = prepared.frame.image;
     input.edges = prepared.edges;
     input.table = SearchTable(prepared.edges, options_, focal_px_);
     input.detections = std::move(detections.output).value();
@@ -234,6 +235,7 @@ struct MappingPipeline::Impl {
   std::mutex preparer_mutex;
   std::unique_ptr<Mapper> mapper;
   std::shared_ptr<const HypothesisScorer> scorer;
+  std::shared_ptr<CropComparer> crops;
   MapperOptions options;      ///< Of the next frame.
   MapperOptions mapped_with;  ///< Of the last frame.
   int options_version = 0;    ///< The preparer's, of `options`.
@@ -294,6 +296,7 @@ struct MappingPipeline::Impl {
       setup.floor_std_m = own_poses->last_floor()->std_m;
     setup.database = database;
     setup.scorer = scorer;
+    setup.crops = crops;
     setup.options = options;
     setup.seed = recipe.seed;
     return setup;
@@ -396,6 +399,7 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
   impl->preparer = std::make_unique<FramePreparer>(
       std::move(detector).value(), std::move(edges).value(), recipe.options, frames.camera().fx);
   impl->scorer = *scorer;
+  impl->crops = std::make_shared<CropComparer>(impl->database);
   impl->options = impl->mapped_with = recipe.options;
   MapperSetup setup = impl->Setup();
   if (impl->own_poses != nullptr) setup.floor_in_world.reset();  // known as it is found
