@@ -65,8 +65,8 @@ Status AddFrames(RunReader& reader, PathInfo& info) {
     const int first = header.recipe.frames.begin, step = header.recipe.frames.step;
     const auto came = static_cast<std::size_t>((frames.value().back().frame - first) / step + 1);
     info.lines.push_back(
-        {"Live", Format("%zu of %zu frames that came were mapped, %zu passed over (speed %g)",
-                        count, came, came - count, *header.recipe.live_speed)});
+        {"Live", Format("%zu of %zu frames that came were taken, %zu passed over (speed %g)", count,
+                        came, came - count, *header.recipe.live_speed)});
     info.json["live"] = {
         {"speed", *header.recipe.live_speed}, {"came", came}, {"passed_over", came - count}};
   }

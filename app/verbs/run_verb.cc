@@ -131,21 +131,24 @@ Status CheckLiveArguments(const RunArguments& arguments) {
                    "run"};
 }
 
-std::string LiveInWords(const LiveReport& live) {
-  char text[240];
+/// @param skipped  Frames that were taken and could not be used.
+std::string LiveInWords(const LiveReport& live, int skipped) {
+  char speed[40] = "", unused[60] = "", text[300];
+  if (live.speed != 1) std::snprintf(speed, sizeof(speed), " at speed %g", live.speed);
+  if (skipped > 0) std::snprintf(unused, sizeof(unused), ", %d could not be used", skipped);
   std::snprintf(text, sizeof(text),
-                "mapped %d of %d frames as they came (%.1f s, speed %g); %d passed over; an image "
-                "was %.0f ms old on average when it was taken, %.0f ms when it was mapped",
-                live.done, live.came(), live.recorded_s, live.speed, live.passed_over,
+                "mapped %d of %d frames as they came (%.1f s%s); %d passed over%s; an image was "
+                "%.0f ms old on average when it was taken, %.0f ms when it was mapped",
+                live.done - skipped, live.came(), live.recorded_s, speed, live.passed_over, unused,
                 live.taken_age_ms, live.done_age_ms);
   return text;
 }
 
-nlohmann::json LiveToJson(const LiveReport& live) {
+nlohmann::json LiveToJson(const LiveReport& live, int skipped) {
   return {{"speed", live.speed},
           {"came", live.came()},
           {"taken", live.taken},
-          {"mapped", live.done},
+          {"mapped", live.done - skipped},
           {"passed_over", live.passed_over},
           {"recorded_s", live.recorded_s},
           {"taken_age_ms", live.taken_age_ms},
@@ -196,14 +199,15 @@ Status Run(RunArguments& arguments) {
     if (!poses.empty()) std::printf("%s\n", poses.c_str());
     std::printf("%d frames in %.1f s, %.1f frames/s; wrote %s\n", summary.frames(), seconds,
                 summary.frames() / seconds, arguments.out.c_str());
-    if (const auto live = pipeline.live()) std::printf("%s\n", LiveInWords(*live).c_str());
+    if (const auto live = pipeline.live())
+      std::printf("%s\n", LiveInWords(*live, summary.skipped()).c_str());
   }
   const RunHeader header = HeaderOf(pipeline, PLUMBLINE_VERSION);
   nlohmann::json json = summary.ToJson(header, seconds);
   if (const auto poses = pipeline.own_poses()) {
     json["own_poses"] = {{"causal", poses->causal}, {"loops", ToJson(poses->loops)}};
   }
-  if (const auto live = pipeline.live()) json["live"] = LiveToJson(*live);
+  if (const auto live = pipeline.live()) json["live"] = LiveToJson(*live, summary.skipped());
   Status status = summary.CheckAnyFrameUsed(arguments.pipeline.recipe.sequence.string());
   if (console.interrupted()) {
     const char* then = pipeline.live() ? "" : ", --resume goes on with it";
