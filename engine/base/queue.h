@@ -29,13 +29,6 @@ class BoundedQueue {
     return true;
   }
 
-  /// Waits until an item would find room. False if the queue was closed meanwhile.
-  bool WaitForRoom() {
-    std::unique_lock lock(mutex_);
-    room_.wait(lock, [&] { return closed_ || items_.size() < capacity_; });
-    return !closed_;
-  }
-
   /// Does not wait. False if there is no room or the queue is closed; the item is then dropped.
   bool TryPush(T item) {
     const std::lock_guard lock(mutex_);

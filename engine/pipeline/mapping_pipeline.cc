@@ -17,6 +17,7 @@
 #include "engine/pipeline/own_pose_sequence.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/sources/folder_source.h"
+#include "engine/sources/live_pace.h"
 #include "engine/sources/live_source.h"
 #include "engine/sources/selected_frames.h"
 #include "engine/vio/own_poses.h"
@@ -251,6 +252,7 @@ struct MappingPipeline::Impl {
   std::unique_ptr<RecordedSource> source;  ///< Next is called by the thread below alone.
   std::unique_ptr<SelectedFrames> wanted;  ///< Of `source`.
   std::unique_ptr<LiveSource> live;        ///< Of `wanted`; null: every frame is mapped.
+  LivePace pace;                           ///< Of `live`.
   std::shared_ptr<const ModelDatabase> database;
   std::unique_ptr<FramePreparer> preparer;
   std::mutex preparer_mutex;
@@ -272,8 +274,7 @@ struct MappingPipeline::Impl {
       FrameSource& frames = live ? static_cast<FrameSource&>(*live) : *wanted;
       std::optional<FloorEstimate> floor;
       std::vector<std::variant<PointEstimates, PoseEstimate>> news;  // since the frame before
-      // A live source is asked no sooner than the mapper has taken the frame before.
-      while (!live || ahead->WaitForRoom()) {
+      while (!live || pace.WaitToTake(stop)) {
         const std::optional<FramePacket> frame = NextFrame(frames, stop, floor, news);
         if (!frame) break;
         std::optional<PoseEstimate> pose;
@@ -281,7 +282,9 @@ struct MappingPipeline::Impl {
           const auto* estimate = std::get_if<PoseEstimate>(&one);
           if (estimate != nullptr && estimate->stamp_ns == frame->stamp_ns) pose = *estimate;
         }
+        const auto began = LivePace::Clock::now();
         Prepared prepared = PrepareFrame(*frame, pose);
+        pace.Made(LivePace::Clock::now() - began);
         prepared.floor = floor;
         prepared.news = std::exchange(news, {});
         if (!ahead->Push(std::move(prepared))) return;
@@ -466,7 +469,9 @@ std::optional<std::shared_ptr<MapSnapshot>> MappingPipeline::Next(const std::sto
   if (m.next >= m.selected.size()) return std::nullopt;
   if (!m.ahead) m.StartAhead();
   const std::stop_callback close(stop, [&m] { m.ahead->Close(); });
+  m.pace.Asked();
   std::optional<Prepared> prepared = m.ahead->Pop();
+  m.pace.Given();
   if (!prepared) return std::nullopt;
   std::shared_ptr<MapSnapshot> snapshot = m.Map(*prepared);
   if (m.live) m.live->Done(prepared->frame.index);

@@ -39,18 +39,6 @@ TEST(BoundedQueue, HoldsTheProducerBackWhenFull) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(queue.Pop(), i);
 }
 
-TEST(BoundedQueue, TellsWhenThereIsRoom) {
-  BoundedQueue<int> queue(1);
-  EXPECT_TRUE(queue.WaitForRoom());
-  queue.Push(1);
-  std::jthread consumer([&] { queue.Pop(); });
-  EXPECT_TRUE(queue.WaitForRoom());
-  consumer.join();
-  queue.Push(2);
-  std::jthread closer([&] { queue.Close(); });
-  EXPECT_FALSE(queue.WaitForRoom());
-}
-
 TEST(BoundedQueue, StillGivesWhatIsInsideAfterClosing) {
   BoundedQueue<int> queue(2);
   queue.Push(1);
