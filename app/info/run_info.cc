@@ -60,6 +60,16 @@ Status AddFrames(RunReader& reader, PathInfo& info) {
                          {"end", header.end_frame},
                          {"step", header.recipe.frames.step},
                          {"seconds", seconds}};
+  if (header.recipe.live_speed && count > 0) {
+    // Up to the last that came; a run that was stopped has not seen the others.
+    const int first = header.recipe.frames.begin, step = header.recipe.frames.step;
+    const auto came = static_cast<std::size_t>((frames.value().back().frame - first) / step + 1);
+    info.lines.push_back(
+        {"Live", Format("%zu of %zu frames that came were taken, %zu passed over (speed %g)", count,
+                        came, came - count, *header.recipe.live_speed)});
+    info.json["live"] = {
+        {"speed", *header.recipe.live_speed}, {"came", came}, {"passed_over", came - count}};
+  }
   if (count == 0) info.odd.push_back("The run holds no frames.");
   if (skipped > 0) info.odd.push_back(Counted(skipped, "frame was", "frames were") + " skipped.");
   const auto finished = reader.Finished();

@@ -396,6 +396,11 @@ std::string Appendix(const RunReview& review) {
          row("edges", ToText(recipe.edges.value_or(EdgeChoice()))) +
          row("detector", ToText(recipe.detector.value_or(DetectorChoice()))) +
          row("poses", ToText(recipe.poses)) + row("seed", fmt::format("{}", recipe.seed)) +
+         row("pace", recipe.live_speed
+                         ? fmt::format("live, speed {:g}: frames that came while the mapper was "
+                                       "busy were passed over",
+                                       *recipe.live_speed)
+                         : "every frame") +
          row("program", h.program_version) + row("started", h.started) + "</table></div>" +
          fmt::format("<details><summary>Options</summary><pre>{}</pre></details>",
                      Escaped(OptionsToJson(recipe.options).dump(1))) +

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -20,8 +21,22 @@ struct GuiArguments {
   bool demo = false;
 };
 
+/// What is played live is a sequence, from its first frame on.
+Status CheckLiveGui(const GuiArguments& arguments) {
+  if (!arguments.pipeline.recipe.live_speed) return {};
+  if (arguments.frame)
+    return Error{ErrorCode::kInvalidInput,
+                 "--live cannot go with --frame: which frames are mapped is up to the clock"};
+  if (std::filesystem::path(arguments.path).extension() == ".plb")
+    return Error{ErrorCode::kInvalidInput, "--live plays a sequence to the mapper, and '" +
+                                               arguments.path +
+                                               "' is a run that is mapped already"};
+  return {};
+}
+
 Status Gui(GuiArguments& arguments) {
   if (Status status = arguments.pipeline.Finish(); !status.ok()) return status;
+  if (Status status = CheckLiveGui(arguments); !status.ok()) return status;
   ApplicationOptions options;
   if (Status status = arguments.window.Apply(options); !status.ok()) return status;
   options.inspect.inputs = {{}, arguments.sequence, arguments.pipeline.recipe.models};
@@ -56,6 +71,7 @@ void AddGuiVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_flag("--demo", arguments->demo,
                  "Full screen, one view after the other with captions, until any key");
   arguments->pipeline.AddTo(*verb);
+  arguments->pipeline.AddLiveTo(*verb);
   verb->add_option("--out", arguments->out,
                    "Keep the run that the window maps in this file (.plb)");
   verb->add_option("--compare", arguments->compare,

@@ -1,12 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/verbs/pipeline_arguments.h"
 
+#include <charconv>
+
 #include <nlohmann/json.hpp>
 
 #include "engine/base/files.h"
 #include "engine/vision/fetched_networks.h"
 
 namespace plumbline {
+namespace {
+
+/// Of --live and --live=SPEED.
+Result<double> LiveSpeed(const std::string& text) {
+  double speed = 0;
+  if (text == "true") return 1.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), speed);
+  if (error == std::errc() && end == text.data() + text.size()) return speed;
+  return Error{ErrorCode::kInvalidInput,
+               "'" + text + "' is no speed; write --live, or --live=0.5 for half the speed"};
+}
+
+}  // namespace
 
 void PipelineArguments::AddTo(CLI::App& verb) {
   verb.add_option("--models", recipe.models, "Folder of CAD models (default: the sequence's own)");
@@ -51,7 +66,21 @@ void PipelineArguments::AddTo(CLI::App& verb) {
   verb.add_option("--set", settings, "One filter option, key=value; may be repeated");
 }
 
+void PipelineArguments::AddLiveTo(CLI::App& verb) {
+  verb.add_flag(
+      "--live", live,
+      "Play the recording by the clock, as a camera would give it: the mapper gets the newest "
+      "image whenever it is ready for one, and what came meanwhile is passed over. --live=0.5 "
+      "plays at half the speed. Such a run cannot be repeated (default: every frame is mapped, "
+      "however long it takes)");
+}
+
 Status PipelineArguments::Finish() {
+  if (!live.empty()) {
+    Result<double> speed = LiveSpeed(live);
+    if (!speed.ok()) return speed.error();
+    recipe.live_speed = *speed;
+  }
   recipe.poses = ParsePoses(poses);
   if (!detector.empty()) {
     const Result<std::string> resolved = ResolveNetworkName(detector);

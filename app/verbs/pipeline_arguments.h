@@ -17,10 +17,13 @@ struct PipelineArguments {
   std::string frames, options_file, poses = "dataset", detector, edges, scorer = "viewpoint",
                                     preset = "default";
   std::vector<std::string> settings, pose_settings;
+  std::string live;  ///< "true" for --live alone; empty: without it.
 
   /// Declares --models, --frames, --seed, --detector, --edges, --poses, --set-poses, --preset,
   /// --options and --set.
   void AddTo(CLI::App& verb);
+  /// Declares --live.
+  void AddLiveTo(CLI::App& verb);
   /// Reads the range and the options into `recipe`. Errors: kInvalidInput, kNotFound.
   Status Finish();
 };

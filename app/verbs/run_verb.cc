@@ -120,8 +120,44 @@ std::string PosesInWords(const OwnPoses* poses) {
   return text;
 }
 
+/// What a live run cannot be combined with.
+Status CheckLiveArguments(const RunArguments& arguments) {
+  if (!arguments.pipeline.recipe.live_speed) return {};
+  const char* other = arguments.resume ? "--resume" : !arguments.fork.empty() ? "--fork" : nullptr;
+  if (other == nullptr) return {};
+  return Error{ErrorCode::kInvalidInput,
+               std::string("--live cannot go with ") + other +
+                   ": the clock of a recording starts with its first image, not in the middle of a "
+                   "run"};
+}
+
+/// @param skipped  Frames that were taken and could not be used.
+std::string LiveInWords(const LiveReport& live, int skipped) {
+  char speed[40] = "", unused[60] = "", text[300];
+  if (live.speed != 1) std::snprintf(speed, sizeof(speed), " at speed %g", live.speed);
+  if (skipped > 0) std::snprintf(unused, sizeof(unused), ", %d could not be used", skipped);
+  std::snprintf(text, sizeof(text),
+                "mapped %d of %d frames as they came (%.1f s%s); %d passed over%s; an image was "
+                "%.0f ms old on average when it was taken, %.0f ms when it was mapped",
+                live.done - skipped, live.came(), live.recorded_s, speed, live.passed_over, unused,
+                live.taken_age_ms, live.done_age_ms);
+  return text;
+}
+
+nlohmann::json LiveToJson(const LiveReport& live, int skipped) {
+  return {{"speed", live.speed},
+          {"came", live.came()},
+          {"taken", live.taken},
+          {"mapped", live.done - skipped},
+          {"passed_over", live.passed_over},
+          {"recorded_s", live.recorded_s},
+          {"taken_age_ms", live.taken_age_ms},
+          {"mapped_age_ms", live.done_age_ms}};
+}
+
 Status Run(RunArguments& arguments) {
   if (Status status = arguments.pipeline.Finish(); !status.ok()) return status;
+  if (Status status = CheckLiveArguments(arguments); !status.ok()) return status;
   std::error_code ignored;
   if (!arguments.fork.empty() &&
       std::filesystem::equivalent(arguments.fork, arguments.out, ignored))
@@ -146,7 +182,7 @@ Status Run(RunArguments& arguments) {
   std::shared_ptr<const MapSnapshot> last;
   Stopwatch watch;
   while (!work.stop.stop_requested()) {
-    const auto snapshot = pipeline.Next();
+    const auto snapshot = pipeline.Next(work.stop);
     if (!snapshot) break;
     last = *snapshot;
     if (!last->report.skipped.empty())
@@ -163,16 +199,20 @@ Status Run(RunArguments& arguments) {
     if (!poses.empty()) std::printf("%s\n", poses.c_str());
     std::printf("%d frames in %.1f s, %.1f frames/s; wrote %s\n", summary.frames(), seconds,
                 summary.frames() / seconds, arguments.out.c_str());
+    if (const auto live = pipeline.live())
+      std::printf("%s\n", LiveInWords(*live, summary.skipped()).c_str());
   }
   const RunHeader header = HeaderOf(pipeline, PLUMBLINE_VERSION);
   nlohmann::json json = summary.ToJson(header, seconds);
   if (const auto poses = pipeline.own_poses()) {
     json["own_poses"] = {{"causal", poses->causal}, {"loops", ToJson(poses->loops)}};
   }
+  if (const auto live = pipeline.live()) json["live"] = LiveToJson(*live, summary.skipped());
   Status status = summary.CheckAnyFrameUsed(arguments.pipeline.recipe.sequence.string());
   if (console.interrupted()) {
-    status = Error{ErrorCode::kCancelled, "stopped; '" + arguments.out +
-                                              "' keeps what was done, --resume goes on with it"};
+    const char* then = pipeline.live() ? "" : ", --resume goes on with it";
+    status =
+        Error{ErrorCode::kCancelled, "stopped; '" + arguments.out + "' keeps what was done" + then};
   } else if (status.ok() && arguments.smooth) {
     Result<SmoothedMap> smoothed = SmoothRun(arguments.out, pipeline, work);
     if (smoothed.ok()) {
@@ -198,6 +238,7 @@ void AddRunVerb(CLI::App& app, VerbFunction& chosen) {
       ->required();
   verb->add_option("--out", arguments->out, "Run file to write (.plb)")->required();
   arguments->pipeline.AddTo(*verb);
+  arguments->pipeline.AddLiveTo(*verb);
   verb->add_flag("--resume", arguments->resume, "Resume the run in --out, if it exists");
   verb->add_option("--fork", arguments->fork,
                    "Copy the past of this run and continue with other options or another seed")

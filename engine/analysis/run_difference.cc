@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/analysis/run_difference.h"
 
+#include <fmt/format.h>
+
 #include <map>
 #include <set>
 #include <utility>
@@ -40,6 +42,11 @@ std::vector<std::string> DifferentSettings(const RunHeader& a, const RunHeader& 
   compare_inputs("detector", x.detector.value_or(DetectorChoice()),
                  y.detector.value_or(DetectorChoice()));
   compare_inputs("poses", x.poses, y.poses);
+  const auto pace = [](const RunRecipe& recipe) {
+    return recipe.live_speed ? fmt::format("live, speed {:g}", *recipe.live_speed)
+                             : std::string("every frame");
+  };
+  compare("pace", pace(x), pace(y));
   compare("scorer", std::string(NameOf(x.scorer)), std::string(NameOf(y.scorer)));
   if (a.sequence_hash != b.sequence_hash)
     out.push_back("sequence: " + x.sequence.string() + " / " + y.sequence.string());

@@ -17,6 +17,9 @@
 #include "engine/pipeline/own_pose_sequence.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/sources/folder_source.h"
+#include "engine/sources/live_pace.h"
+#include "engine/sources/live_source.h"
+#include "engine/sources/selected_frames.h"
 #include "engine/vio/own_poses.h"
 #include "engine/vision/edge_detector.h"
 #include "engine/vision/edge_network.h"
@@ -25,6 +28,7 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kFramesAhead = 4;
+constexpr std::size_t kFramesAheadLive = 1;  ///< What waits here grows old.
 
 /// A frame made ready for the mapper, or why it cannot be used.
 struct Prepared {
@@ -54,6 +58,23 @@ Result<std::string> HashNetwork(const std::filesystem::path& file) {
     hashes += *hash;
   }
   return HashHex(hashes);
+}
+
+Status CheckLive(const RunRecipe& recipe) {
+  if (!recipe.live_speed) return {};
+  if (!(*recipe.live_speed >= kSlowestLive && *recipe.live_speed <= kFastestLive)) {
+    char text[120];
+    std::snprintf(text, sizeof(text),
+                  "a live run is played at %g to %g times the speed it has, not %g", kSlowestLive,
+                  kFastestLive, *recipe.live_speed);
+    return Error{ErrorCode::kInvalidInput, text};
+  }
+  if (recipe.poses.source == PoseSource::kVio && recipe.own_poses.loops == LoopUse::kCorrected) {
+    return Error{ErrorCode::kInvalidInput,
+                 "a live run cannot know poses that are corrected by later images; choose "
+                 "--set-poses loops=causal (or off) with --poses vio"};
+  }
+  return {};
 }
 
 /// The sequence with the poses that the recipe asks for.
@@ -230,6 +251,9 @@ struct MappingPipeline::Impl {
   std::shared_ptr<const Sequence> sequence;
   std::shared_ptr<const OwnPoses> own_poses;
   std::unique_ptr<RecordedSource> source;  ///< Next is called by the thread below alone.
+  std::unique_ptr<SelectedFrames> wanted;  ///< Of `source`.
+  std::unique_ptr<LiveSource> live;        ///< Of `wanted`; null: every frame is mapped.
+  LivePace pace;                           ///< Of `live`.
   std::shared_ptr<const ModelDatabase> database;
   std::unique_ptr<FramePreparer> preparer;
   std::mutex preparer_mutex;
@@ -246,32 +270,43 @@ struct MappingPipeline::Impl {
   std::jthread thread;  ///< Last: stops before what it uses goes.
 
   void StartAhead() {
-    ahead = std::make_unique<BoundedQueue<Prepared>>(kFramesAhead);
+    ahead = std::make_unique<BoundedQueue<Prepared>>(live ? kFramesAheadLive : kFramesAhead);
     source->Seek(selected[next]);
-    thread = std::jthread([this, from = next](const std::stop_token& stop) {
+    thread = std::jthread([this](const std::stop_token& stop) {
+      FrameSource& frames = live ? static_cast<FrameSource&>(*live) : *wanted;
       std::optional<FloorEstimate> floor;
       std::vector<std::variant<PointEstimates, PoseEstimate>> news;  // since the frame before
-      for (std::size_t i = from; i < selected.size();) {
-        const Result<std::optional<Packet>> packet = source->Next(stop);
-        if (!packet.ok() || !packet.value()) break;
-        if (const auto* estimate = std::get_if<PoseEstimate>(&**packet)) news.push_back(*estimate);
-        if (const auto* estimate = std::get_if<FloorEstimate>(&**packet)) floor = *estimate;
-        if (const auto* found = std::get_if<PointEstimates>(&**packet)) news.push_back(*found);
-        const auto* frame = std::get_if<FramePacket>(&**packet);
-        if (frame == nullptr || frame->frame != selected[i]) continue;
+      while (!live || pace.WaitToTake(stop)) {
+        const std::optional<FramePacket> frame = NextFrame(frames, stop, floor, news);
+        if (!frame) break;
         std::optional<PoseEstimate> pose;
         for (const auto& one : news) {
           const auto* estimate = std::get_if<PoseEstimate>(&one);
           if (estimate != nullptr && estimate->stamp_ns == frame->stamp_ns) pose = *estimate;
         }
+        const auto began = LivePace::Clock::now();
         Prepared prepared = PrepareFrame(*frame, pose);
+        pace.Made(LivePace::Clock::now() - began);
         prepared.floor = floor;
         prepared.news = std::exchange(news, {});
         if (!ahead->Push(std::move(prepared))) return;
-        ++i;
       }
       ahead->Close();
     });
+  }
+
+  /// Reads on to the next frame; nothing at the end. What comes before it is put into the others.
+  static std::optional<FramePacket> NextFrame(
+      FrameSource& frames, const std::stop_token& stop, std::optional<FloorEstimate>& floor,
+      std::vector<std::variant<PointEstimates, PoseEstimate>>& news) {
+    while (true) {
+      const Result<std::optional<Packet>> packet = frames.Next(stop);
+      if (!packet.ok() || !packet.value()) return std::nullopt;
+      if (const auto* estimate = std::get_if<PoseEstimate>(&**packet)) news.push_back(*estimate);
+      if (const auto* estimate = std::get_if<FloorEstimate>(&**packet)) floor = *estimate;
+      if (const auto* found = std::get_if<PointEstimates>(&**packet)) news.push_back(*found);
+      if (const auto* frame = std::get_if<FramePacket>(&**packet)) return *frame;
+    }
   }
 
   Prepared PrepareFrame(const FramePacket& frame, const std::optional<PoseEstimate>& pose) {
@@ -314,6 +349,8 @@ struct MappingPipeline::Impl {
     options_version = preparer->options_version();
   }
 
+  std::shared_ptr<MapSnapshot> Map(Prepared& prepared);
+
   /// The map as the last used frame left it.
   FrameReport Skip(const Prepared& prepared) const {
     FrameReport report = last_report;
@@ -348,6 +385,7 @@ MappingPipeline::~MappingPipeline() = default;
 
 Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
     const RunRecipe& recipe, const WorkContext& work, std::shared_ptr<const OwnPoses> own_poses) {
+  if (Status status = CheckLive(recipe); !status.ok()) return status.error();
   auto impl = std::make_unique<Impl>();
   Result<std::shared_ptr<const Sequence>> sequence =
       OpenWithPoses(recipe, work, std::move(own_poses));
@@ -377,11 +415,12 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
     if (!found.ok()) return found.error();
     impl->recipe.detector = std::move(found).value();
   }
+  const bool cache = !recipe.live_speed;  // no camera gives an image that is known already
   Result<std::unique_ptr<Detector>> detector =
-      CreateDetector(ToText(*impl->recipe.detector), impl->sequence);
+      CreateDetector(ToText(*impl->recipe.detector), impl->sequence, {.cache = cache});
   if (!detector.ok()) return detector.error();
   Result<std::unique_ptr<EdgeDetector>> edges =
-      CreateEdgeDetector(ToText(*impl->recipe.edges), impl->sequence);
+      CreateEdgeDetector(ToText(*impl->recipe.edges), impl->sequence, {.cache = cache});
   if (!edges.ok()) return edges.error();
   if (Status status = Complete(**database, impl->recipe); !status.ok()) return status.error();
 
@@ -392,6 +431,10 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
                                                std::to_string(frames.num_frames()) +
                                                " frames of '" + recipe.sequence.string() + "'"};
   }
+  impl->wanted = std::make_unique<SelectedFrames>(*impl->source, recipe.frames.begin,
+                                                  impl->selected.back(), recipe.frames.step);
+  if (recipe.live_speed)
+    impl->live = std::make_unique<LiveSource>(*impl->wanted, *recipe.live_speed);
 
   Result<std::shared_ptr<HypothesisScorer>> scorer =
       CreateScorer(recipe.scorer, impl->database, work);
@@ -421,42 +464,55 @@ int MappingPipeline::num_done() const { return static_cast<int>(impl_->next); }
 int MappingPipeline::num_selected() const { return static_cast<int>(impl_->selected.size()); }
 void MappingPipeline::SetOptions(const MapperOptions& options) { impl_->UseOptions(options); }
 
-std::optional<std::shared_ptr<MapSnapshot>> MappingPipeline::Next() {
+std::optional<LiveReport> MappingPipeline::live() const {
+  return impl_->live ? std::optional(impl_->live->report()) : std::nullopt;
+}
+
+std::optional<std::shared_ptr<MapSnapshot>> MappingPipeline::Next(const std::stop_token& stop) {
   Impl& m = *impl_;
   if (m.next >= m.selected.size()) return std::nullopt;
   if (!m.ahead) m.StartAhead();
+  const std::stop_callback close(stop, [&m] { m.ahead->Close(); });
+  m.pace.Asked();
   std::optional<Prepared> prepared = m.ahead->Pop();
+  m.pace.Given();
   if (!prepared) return std::nullopt;
-  ++m.next;
+  std::shared_ptr<MapSnapshot> snapshot = m.Map(*prepared);
+  if (m.live) m.live->Done(prepared->frame.index);
+  return snapshot;
+}
+
+std::shared_ptr<MapSnapshot> MappingPipeline::Impl::Map(Prepared& prepared) {
+  while (next < selected.size() && selected[next] <= prepared.frame.index) ++next;
   std::vector<LifeEvent> events;
-  if (std::string changes = OptionChanges(m.mapped_with, m.options); !changes.empty()) {
+  if (std::string changes = OptionChanges(mapped_with, options); !changes.empty()) {
     std::string text = DescribeOptionChanges(changes);
     events.push_back({EventKind::kOptionsChanged, {}, {}, std::move(text), std::move(changes)});
   }
-  m.mapped_with = m.options;
+  mapped_with = options;
   const auto add_events = [&](FrameReport& report) {
     report.events.insert(report.events.begin(), events.begin(), events.end());
   };
-  for (const auto& one : prepared->news) {
+  for (const auto& one : prepared.news) {
     if (const auto* points = std::get_if<PointEstimates>(&one))
-      m.mapper->AddPoints(points->seen_from, points->points_in_world);
+      mapper->AddPoints(points->seen_from, points->points_in_world);
     else
-      m.mapper->Correct(std::get<PoseEstimate>(one));
+      mapper->Correct(std::get<PoseEstimate>(one));
   }
-  if (!prepared->input) {
-    FrameReport report = m.Skip(*prepared);
+  if (!prepared.input) {
+    FrameReport report = Skip(prepared);
     add_events(report);
-    return m.Snapshot(std::move(report), prepared->frame, prepared->edges, {});
+    return Snapshot(std::move(report), prepared.frame, prepared.edges, {});
   }
-  if (prepared->options_version != m.options_version)  // made ready before they changed
-    prepared->input->table = SearchTable(prepared->edges, m.options, m.sequence->camera().fx);
-  if (m.own_poses != nullptr && prepared->floor)
-    m.mapper->SetFloor(prepared->floor->floor_in_world, prepared->floor->std_m);
-  FrameReport report = m.mapper->Step(*prepared->input);
+  if (prepared.options_version != options_version)  // made ready before they changed
+    prepared.input->table = SearchTable(prepared.edges, options, sequence->camera().fx);
+  if (own_poses != nullptr && prepared.floor)
+    mapper->SetFloor(prepared.floor->floor_in_world, prepared.floor->std_m);
+  FrameReport report = mapper->Step(*prepared.input);
   add_events(report);
-  report.timings.insert(report.timings.begin(), prepared->timings.begin(), prepared->timings.end());
-  m.last_report = report;
-  return m.Snapshot(std::move(report), prepared->frame, prepared->edges, m.mapper->mean_maps());
+  report.timings.insert(report.timings.begin(), prepared.timings.begin(), prepared.timings.end());
+  last_report = report;
+  return Snapshot(std::move(report), prepared.frame, prepared.edges, mapper->mean_maps());
 }
 
 Status MappingPipeline::Resume(const FrameReport& report,

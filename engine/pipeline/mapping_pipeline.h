@@ -4,12 +4,14 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
 #include "engine/dataset/sequence.h"
 #include "engine/pipeline/run_recipe.h"
+#include "engine/sources/live_report.h"
 
 namespace plumbline {
 
@@ -20,8 +22,8 @@ struct MapperSetup;
 struct MapSnapshot;
 struct OwnPoses;
 
-/// Everything a run needs, from files to reports: decodes, finds edges and detects ahead on a
-/// thread of its own, maps in the caller's. Use it in one thread.
+/// Everything a run needs, from files to reports: decodes, finds edges and detects ahead on threads
+/// of their own, maps in the caller's. Use it in one thread.
 class MappingPipeline {
  public:
   /// Errors: one sentence that names the file. Building viewpoint models for the first time takes
@@ -44,12 +46,15 @@ class MappingPipeline {
   int end_frame() const;
   /// Frames that the range selects.
   int num_selected() const;
-  /// Of those, the ones that are mapped (or skipped), the resumed ones included.
+  /// Of those, the ones that are mapped, skipped or passed over, the resumed ones included.
   int num_done() const;
+  /// How a run that is played by the clock fares; nothing for one that maps every frame.
+  std::optional<LiveReport> live() const;
 
-  /// Maps the next selected frame; nothing after the last one. A frame that cannot be used gives a
+  /// Maps the next selected frame, of a live run the newest; nothing after the last one, and
+  /// nothing any more once `stop` is requested while it waits. A frame that cannot be used gives a
   /// report with `skipped` set. Outlines are left to those who show them (OutlinesOf).
-  std::optional<std::shared_ptr<MapSnapshot>> Next();
+  std::optional<std::shared_ptr<MapSnapshot>> Next(const std::stop_token& stop = {});
   /// Continues after `report` bit for bit. Call before the first Next.
   /// @param options  Those of that frame; nothing: as the pipeline was opened with.
   Status Resume(const FrameReport& report, const std::optional<MapperOptions>& options = {});

@@ -164,6 +164,7 @@ nlohmann::json RecipeToJson(const RunRecipe& recipe) {
                          {"seed", recipe.seed},
                          {"frames", frames}};
   if (!recipe.models.empty()) json["models"] = Absolute(recipe.models);
+  if (recipe.live_speed) json["live_speed"] = *recipe.live_speed;
   if (recipe.detector) json["detector"] = ChoiceToJson(*recipe.detector);
   if (recipe.edges) json["edges"] = ChoiceToJson(*recipe.edges);
   if (recipe.poses.source == PoseSource::kVio) json["own_poses"] = OptionsToJson(recipe.own_poses);
@@ -194,6 +195,7 @@ Result<RunRecipe> RecipeFromJson(const nlohmann::json& json) {
     recipe.frames.begin = frames.at("begin").get<int>();
     recipe.frames.step = frames.at("step").get<int>();
     if (frames.contains("end")) recipe.frames.end = frames.at("end").get<int>();
+    if (json.contains("live_speed")) recipe.live_speed = json.at("live_speed").get<double>();
   } catch (const std::exception& error) {
     return Error{ErrorCode::kCorrupt,
                  std::string("its recipe cannot be read (") + error.what() + ")"};

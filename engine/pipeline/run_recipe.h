@@ -24,6 +24,8 @@ struct FrameRange {
   bool operator==(const FrameRange&) const = default;
 };
 
+inline constexpr double kSlowestLive = 0.01, kFastestLive = 100;  ///< Of RunRecipe::live_speed.
+
 /// Parses "A:B" or "A:B:S" (parts may be left out). Errors: kInvalidInput.
 Result<FrameRange> ParseFrameRange(std::string_view text);
 
@@ -81,6 +83,10 @@ struct RunRecipe {
   MapperOptions options;
   std::uint64_t seed = 0;
   FrameRange frames;
+  /// The recording is played by the clock, this many times as fast as it was taken, and images that
+  /// the mapper has no time for are passed over: such a run cannot be repeated. Nothing: every
+  /// frame is mapped, however long it takes.
+  std::optional<double> live_speed;
 };
 
 /// As the command line writes them: the name of a source, or the path of a file. A file that has

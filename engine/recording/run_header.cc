@@ -163,6 +163,11 @@ Status CheckContinues(const RunHeader& stored, const RunHeader& now) {
                                                "; resume with the same, or start a new run"};
   };
   const RunRecipe &was = stored.recipe, &is = now.recipe;
+  if (was.live_speed || is.live_speed) {
+    return Error{ErrorCode::kInvalidInput,
+                 "a live run cannot be resumed: it cannot be repeated, either; start a new run, or "
+                 "go on from it with --fork"};
+  }
   const EdgeChoice was_edges = was.edges.value_or(EdgeChoice()),
                    is_edges = is.edges.value_or(EdgeChoice());
   const nlohmann::json options_were = OptionsToJson(was.options),

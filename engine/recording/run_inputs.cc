@@ -24,6 +24,7 @@ Status CheckModels(const RunHeader& header, const ModelDatabase& database,
 
 RunRecipe RecipeOf(const RunChoice& choice, const RunHeader& header) {
   RunRecipe recipe = header.recipe;
+  recipe.live_speed.reset();
   if (!choice.sequence.empty()) recipe.sequence = choice.sequence;
   if (!choice.models.empty()) recipe.models = choice.models;
   return recipe;

@@ -27,7 +27,8 @@ Result<std::shared_ptr<const ModelDatabase>> LoadModelsOfRun(const RunChoice& ch
 Result<std::shared_ptr<const Sequence>> OpenSequenceOfRun(const RunChoice& choice,
                                                           const RunHeader& header);
 
-/// The recipe of the run, with the folders that `choice` names in place of its own.
+/// The recipe of the run, with the folders that `choice` names in place of its own. What goes on
+/// from a live run, or looks at it again, is not live.
 RunRecipe RecipeOf(const RunChoice& choice, const RunHeader& header);
 
 }  // namespace plumbline

@@ -75,7 +75,10 @@ void MappingProcess::Loop(std::stop_token stop) {
   }
   sequence_.Publish(std::make_shared<const SequenceView>(source_->view()));
   state_.frame = source_->FrameAt(0);
-  SetTarget(start_frame_ ? PositionOf(*start_frame_) : 0);
+  if (source_->live() && !start_frame_)
+    Follow(true);
+  else
+    SetTarget(start_frame_ ? PositionOf(*start_frame_) : 0);
   PublishPlayback();
   while (!stop.stop_requested()) {
     if (target_ || (playing_ && Clock::now() >= due_)) {
@@ -132,7 +135,11 @@ int MappingProcess::RangeEnd() const {
                           : LastPosition();
 }
 
-void MappingProcess::SetTarget(int position) { target_ = std::clamp(position, 0, LastPosition()); }
+/// Nobody can tell what a live source will have mapped by then: it goes as far as the newest frame.
+void MappingProcess::SetTarget(int position) {
+  const int last = LastPosition();
+  target_ = std::clamp(position, 0, source_->live() ? std::min(last, source_->mapped()) : last);
+}
 
 void MappingProcess::Apply(const PlaybackCommand& command) {
   std::visit(
@@ -288,6 +295,7 @@ void MappingProcess::Fail(std::string message) {
 
 void MappingProcess::PublishPlayback() {
   if (source_ != nullptr) {
+    state_.live = source_->live();
     state_.newest_mapped_frame =
         source_->mapped() > 0 ? source_->FrameAt(source_->mapped() - 1) : -1;
     if (source_->events().size() != published_events_) {

@@ -88,16 +88,22 @@ class MappingSource : public SnapshotSource {
   std::filesystem::path recording() const override { return place_.path(); }
 
   const SequenceView& view() const override { return view_; }
-  int size() const override { return pipeline_->num_selected(); }
-  int mapped() const override { return mapped_; }
-  int FrameAt(int position) const override { return range_.begin + position * range_.step; }
+  int size() const override { return mapped() + pipeline_->num_selected() - pipeline_->num_done(); }
+  int mapped() const override { return static_cast<int>(frames_.size()); }
+  int FrameAt(int position) const override {
+    if (position < mapped()) return frames_[static_cast<std::size_t>(position)];
+    const int next = frames_.empty() ? range_.begin : frames_.back() + range_.step;
+    return next + (position - mapped()) * range_.step;
+  }
+  std::optional<LiveReport> live() const override { return pipeline_->live(); }
   bool recorded() const override { return false; }
   const std::vector<FrameEvent>& events() const override { return events_; }
   const RunHistory& history() const override { return history_; }
 
   Result<std::shared_ptr<const MapSnapshot>> Next(std::stop_token stop) override {
     if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
-    const auto next = pipeline_->Next();
+    const auto next = pipeline_->Next(stop);
+    if (!next && stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
     if (!next) return Error{ErrorCode::kIo, "the sequence ended before its last frame"};
     const PinholeCamera& camera = pipeline_->sequence().camera();
     (*next)->outlines = OutlinesOf((*next)->id, {camera.width, camera.height});
@@ -110,10 +116,10 @@ class MappingSource : public SnapshotSource {
     }
     history_.frames.push_back(
         std::make_shared<const FrameSample>(SampleOf(snapshot->report, view_)));
-    if (WantsThumbnail(mapped_, size()) && !snapshot->image.empty())
+    if (WantsThumbnail(mapped(), pipeline_->num_selected()) && !snapshot->image.empty())
       history_.thumbnails.push_back({snapshot->report.frame, ThumbnailOf(snapshot->image)});
-    memory_.Put(mapped_, snapshot);
-    ++mapped_;
+    memory_.Put(mapped(), snapshot);
+    frames_.push_back(snapshot->report.frame);
     return snapshot;
   }
 
@@ -152,7 +158,7 @@ class MappingSource : public SnapshotSource {
   SnapshotMemory memory_{kMemoryBytes};
   std::vector<FrameEvent> events_;
   RunHistory history_;
-  int mapped_ = 0;
+  std::vector<int> frames_;  ///< Mapped.
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -26,7 +27,7 @@ class SnapshotSource {
   virtual ~SnapshotSource() = default;
 
   virtual const SequenceView& view() const = 0;
-  /// Positions there will be in the end; at least 1.
+  /// Positions there will be in the end (live: at most); at least 1.
   virtual int size() const = 0;
   /// Positions that Past can give now.
   virtual int mapped() const = 0;
@@ -59,6 +60,10 @@ class SnapshotSource {
   }
   /// The run file that holds the frames which are mapped; empty: none.
   virtual std::filesystem::path recording() const { return {}; }
+  /// How a recording that is played to the mapper by the clock fares; nothing: every frame is
+  /// mapped. Such a source leaves frames out: what comes after the mapped ones moves up, and size()
+  /// falls, with each that it passes over.
+  virtual std::optional<LiveReport> live() const { return std::nullopt; }
   /// Reads a little more of the history, for some milliseconds; false once there is no more to
   /// read.
   virtual bool ReadAhead() { return false; }

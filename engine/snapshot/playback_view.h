@@ -11,6 +11,7 @@
 
 #include "engine/mapping/event_report.h"
 #include "engine/snapshot/run_history.h"
+#include "engine/sources/live_report.h"
 
 namespace plumbline {
 
@@ -49,6 +50,9 @@ struct PlaybackView {
   /// What edges and boxes come from, as --edges and --detector name it; "": not known.
   std::string edges, detector;
   std::string recording;  ///< The run file that holds the mapped frames; "": none.
+  /// How a recording that is played to the mapper by the clock fares; nothing: every frame is
+  /// mapped.
+  std::optional<LiveReport> live;
   std::optional<int> range_begin, range_end;  ///< Frames that playing keeps to, both included.
 };
 

@@ -156,6 +156,41 @@ TEST_F(RunVerb, SmoothsBesideItsResultNowOrLater) {
       << *ReadFile(Path("output.txt"));
 }
 
+TEST_F(RunVerb, LiveItSaysWhatItPassedOverAndCanBeForkedButNotResumed) {
+  const auto run = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"run", Path("sequence")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Wait(Start(arguments));
+  };
+  const auto said = [&] { return ReadFile(Path("output.txt")).value(); };
+  ASSERT_EQ(run({"--out", Path("live.plb"), "--live=50", "--json", Path("live.json")}), 0)
+      << said();
+  EXPECT_THAT(said(), testing::HasSubstr(" of 50 frames as they came (4.9 s at speed 50); "));
+  const nlohmann::json live = ReadJson(Path("live.json")).value().at("live");
+  EXPECT_EQ(live.at("mapped").get<int>() + live.at("passed_over").get<int>(), kFrames);
+  EXPECT_GT(live.at("passed_over"), 0);
+  const int mapped = FramesIn("live.plb");
+  EXPECT_EQ(live.at("mapped"), mapped);
+  const auto whole = RunReader::Open(Path("live.plb")).value();
+  EXPECT_EQ(whole->header().recipe.live_speed, 50);
+  EXPECT_EQ(whole->LastFrame()->frame, kFrames - 1) << "the last is always mapped";
+  ASSERT_EQ(Wait(Start({"info", Path("live.plb")})), 0);
+  EXPECT_THAT(said(), testing::HasSubstr(std::to_string(mapped) + " of 50 frames that came"));
+  EXPECT_EQ(Wait(Start({"smooth", Path("live.plb")})), 0) << said();
+
+  EXPECT_EQ(run({"--out", Path("b.plb"), "--live", "--resume"}), 1);
+  EXPECT_THAT(said(), testing::HasSubstr("--live cannot go with --resume"));
+  EXPECT_EQ(run({"--out", Path("b.plb"), "--live", "--fork", Path("live.plb")}), 1);
+  EXPECT_THAT(said(), testing::HasSubstr("--live cannot go with --fork"));
+  EXPECT_EQ(run({"--out", Path("live.plb"), "--resume"}), 1);
+  EXPECT_THAT(said(), testing::HasSubstr("a live run cannot be resumed"));
+  EXPECT_EQ(FramesIn("live.plb"), mapped);
+  ASSERT_EQ(run({"--out", Path("fork.plb"), "--fork", Path("live.plb"), "--at", "0"}), 0) << said();
+  EXPECT_EQ(FramesIn("fork.plb"), kFrames) << "every frame after what it took over";
+  EXPECT_EQ(run({"--out", Path("b.plb"), "--live=fast"}), 1);
+  EXPECT_THAT(said(), testing::HasSubstr("'fast' is no speed"));
+}
+
 TEST_F(RunVerb, ForkedWithTheSameOptionsItIsTheSameRun) {
   ASSERT_EQ(Wait(StartRun("whole.plb", false)), 0);
   const auto fork = [&](const char* file, std::vector<std::string> more) {

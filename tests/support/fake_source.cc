@@ -92,16 +92,29 @@ class FakeSource : public SnapshotSource {
     for (int i = 0; i < options.num_frames; ++i) view_.world_from_cam.push_back(CameraPose(i));
     view_.scan = MakeScan();
     if (options.recorded) {
-      mapped_ = size();
+      for (; next_ < options.num_frames; next_ += options.stride) frames_.push_back(next_);
       for (int i = 0; i < options.num_frames; ++i) AddEvents(i);
       for (int i = 0; i < size(); ++i) AddHistory(*Make(FrameAt(i)));
     }
   }
 
   const SequenceView& view() const override { return view_; }
-  int size() const override { return (options_.num_frames - 1) / options_.stride + 1; }
-  int mapped() const override { return mapped_; }
-  int FrameAt(int position) const override { return position * options_.stride; }
+  int size() const override {
+    const int rest = options_.num_frames - next_;
+    return mapped() + (rest > 0 ? (rest - 1) / options_.stride + 1 : 0);
+  }
+  int mapped() const override { return static_cast<int>(frames_.size()); }
+  int FrameAt(int position) const override {
+    return position < mapped() ? frames_[static_cast<std::size_t>(position)]
+                               : next_ + (position - mapped()) * options_.stride;
+  }
+  std::optional<LiveReport> live() const override {
+    if (options_.live_passes_over == 0) return std::nullopt;
+    LiveReport report;
+    report.taken = report.done = mapped();
+    report.passed_over = (frames_.empty() ? 0 : frames_.back() + 1) - mapped();
+    return report;
+  }
   bool recorded() const override { return options_.recorded; }
   const std::vector<FrameEvent>& events() const override { return events_; }
   const RunHistory& history() const override { return history_; }
@@ -111,13 +124,16 @@ class FakeSource : public SnapshotSource {
       if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    const int frame = FrameAt(mapped_);
+    const int frame = next_;
     if (frame == options_.fail_at_frame) {
       return Error{ErrorCode::kCorrupt, "the made-up frame cannot be read; this is a test"};
     }
     if (frame == options_.throw_at_frame) throw std::runtime_error("made-up exception");
-    for (int i = mapped_ > 0 ? FrameAt(mapped_ - 1) + 1 : 0; i <= frame; ++i) AddEvents(i);
-    ++mapped_;
+    for (int i = frames_.empty() ? 0 : frames_.back() + 1; i <= frame; ++i) AddEvents(i);
+    frames_.push_back(frame);
+    next_ += options_.stride;
+    if (options_.live_passes_over > 0 && next_ < options_.num_frames)
+      next_ = std::min(next_ + options_.live_passes_over, options_.num_frames - 1);
     auto snapshot = Make(frame);
     AddHistory(*snapshot);
     return snapshot;
@@ -407,7 +423,8 @@ class FakeSource : public SnapshotSource {
   std::vector<TrueObject> truth_;
   std::vector<FrameEvent> events_;
   RunHistory history_;
-  int mapped_ = 0;
+  std::vector<int> frames_;  ///< Mapped.
+  int next_ = 0;
 };
 
 }  // namespace

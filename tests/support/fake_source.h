@@ -17,6 +17,7 @@ struct FakeSourceOptions {
   int fail_at_frame = -1;          ///< Next fails there.
   int throw_at_frame = -1;         ///< Next throws there.
   bool recorded = false;           ///< All frames are past ones.
+  int live_passes_over = 0;        ///< Played by the clock: so many frames between two; 0: not.
 };
 
 /// Makes up frames as a mapper could leave them: a camera that walks around a table with chairs,

@@ -4,6 +4,7 @@
 
 #include "engine/snapshot/frame_analysis.h"
 #include "engine/snapshot/map_snapshot.h"
+#include "ui/inspect/inspect_bar.h"
 #include "ui/inspect/panel_table.h"
 
 #include <cmath>
@@ -281,6 +282,29 @@ TEST(TimelinePanel, PostsWhatItsButtonsSay) {
   EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 0);
   harness.Click(*panel, "timeline.last");
   EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 40);
+}
+
+TEST(StatusBar, TellsHowALiveRunFares) {
+  PanelHarness harness;
+  harness.ShowFrame(20);
+  PlaybackView playback = *harness.context.playback;
+  playback.live = LiveReport{.taken = 8, .done = 7, .passed_over = 13, .done_age_ms = 171.4};
+  const auto status = [&](PlaybackState state) {
+    playback.state = state;
+    harness.context.playback = std::make_shared<const PlaybackView>(playback);
+    return InspectStatus(harness.context).text;
+  };
+  EXPECT_EQ(
+      status(PlaybackState::kPlaying)
+          .find("Live, frame 20: 7 of 21 frames mapped as they came, 13 passed over; 171 ms old"),
+      0u);
+  EXPECT_EQ(status(PlaybackState::kPaused),
+            "Paused; what comes now is passed over. Space goes on. So far 7 of 21 frames mapped as "
+            "they came, 13 passed over.");
+  EXPECT_EQ(status(PlaybackState::kFinished),
+            "At the end: 7 of 21 frames mapped as they came, 13 passed over.");
+  playback.message = "the disk is full";
+  EXPECT_EQ(status(PlaybackState::kFailed), "the disk is full");
 }
 
 TEST(TimelinePanel, SeeksWhereItIsClickedAndFollowsADrag) {

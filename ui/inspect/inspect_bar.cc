@@ -11,6 +11,18 @@
 namespace plumbline {
 namespace {
 
+/// Of a recording that is played by the clock.
+std::string LiveText(const PlaybackView& playback, const std::string& rate) {
+  const LiveReport& live = *playback.live;
+  const std::string fares = fmt::format("{} of {} frames mapped as they came, {} passed over",
+                                        live.done, live.came(), live.passed_over);
+  if (playback.state == PlaybackState::kFinished) return "At the end: " + fares + ".";
+  if (playback.state == PlaybackState::kPlaying || playback.mapping)
+    return fmt::format("Live, frame {}: {}; {:.0f} ms old when mapped{}", playback.frame, fares,
+                       live.done_age_ms, rate);
+  return fmt::format("Paused; what comes now is passed over. Space goes on. So far {}.", fares);
+}
+
 std::string StatusText(const FrameContext& context) {
   const PlaybackView& playback = *context.playback;
   const std::string rate = playback.frames_per_second > 0 ? fmt::format("  \u00b7  {:.1f} frames/s",
@@ -21,6 +33,7 @@ std::string StatusText(const FrameContext& context) {
   const int last = std::max(0, context.sequence->num_frames - 1);
   const bool at_newest = playback.frame >= playback.newest_mapped_frame;
   const char* doing = playback.recorded || !at_newest ? "Playing the recording" : "Mapping";
+  if (playback.live && playback.state != PlaybackState::kFailed) return LiveText(playback, rate);
   switch (playback.state) {
     case PlaybackState::kFailed:
       return playback.message;

@@ -133,6 +133,8 @@ void InspectWorkspace::AddState(const FrameContext& context, nlohmann::json& sta
        {"speed", playback.speed},
        {"mapping", playback.mapping},
        {"follow_newest", playback.follow},
+       {"live", playback.live.has_value()},
+       {"passed_over", playback.live ? playback.live->passed_over : 0},
        {"loop", playback.loop},
        {"range", {playback.range_begin.value_or(-1), playback.range_end.value_or(-1)}},
        {"history", std::count_if(samples.begin(), samples.end(),

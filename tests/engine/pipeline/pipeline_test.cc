@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 #include <tbb/global_control.h>
 
+#include <limits>
 #include <numbers>
+#include <stop_token>
+#include <thread>
 
 #include "engine/mapping/option_changes.h"
 #include "engine/pipeline/mapping_pipeline.h"
@@ -114,6 +117,66 @@ TEST_F(PipelineTest, RepeatsBitForBitOnOneThread) {
   const std::vector<FrameReport> again = Run(Original(), {.end = 40});
   ASSERT_EQ(again.size(), 40u);
   for (std::size_t i = 0; i < again.size(); ++i) ExpectSame(again[i], WholeRun()[i]);
+}
+
+TEST_F(PipelineTest, LiveItMapsTheFramesThatItTakesAsAnyRunDoes) {
+  RunRecipe recipe;
+  recipe.sequence = Original();
+  recipe.seed = 1;
+  recipe.frames = {.end = 12, .step = 6};  // the first and the last of two are always taken
+  recipe.live_speed = 2;
+  const auto pipeline = MappingPipeline::Open(recipe, {}).value();
+  const std::vector<FrameReport> run = Rest(*pipeline);
+  const std::vector<FrameReport> offline = Run(Original(), recipe.frames);
+  ASSERT_EQ(run.size(), 2u);
+  for (std::size_t i = 0; i < run.size(); ++i) ExpectSame(run[i], offline[i]);
+  EXPECT_EQ(pipeline->live()->passed_over, 0);
+}
+
+TEST_F(PipelineTest, LiveItPassesOverWhatItHasNoTimeForAndEndsWithTheLastFrame) {
+  RunRecipe recipe;
+  recipe.sequence = Original();
+  recipe.frames = {.begin = 3, .end = 60, .step = 2};
+  recipe.live_speed = 100;
+  const auto pipeline = MappingPipeline::Open(recipe, {}).value();
+  EXPECT_EQ(pipeline->num_selected(), 29);
+  const std::vector<FrameReport> run = Rest(*pipeline);
+  const LiveReport live = *pipeline->live();
+  EXPECT_EQ(run.front().frame, 3);
+  EXPECT_EQ(run.back().frame, 59);
+  EXPECT_LT(run.size(), 29u) << "29 frames in 56 ms";
+  EXPECT_EQ(live.done, static_cast<int>(run.size()));
+  EXPECT_EQ(live.came(), 29);
+  EXPECT_EQ(pipeline->num_done(), 29);
+  for (std::size_t i = 1; i < run.size(); ++i) {
+    EXPECT_GT(run[i].frame, run[i - 1].frame);
+    EXPECT_EQ(run[i].frame % 2, 1) << "of those that are selected";
+  }
+}
+
+TEST_F(PipelineTest, LiveItTurnsAwayWhatItCannotPlay) {
+  RunRecipe recipe;
+  recipe.sequence = Original();
+  for (const double speed : {0.0, -1.0, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
+    recipe.live_speed = speed;
+    const auto opened = MappingPipeline::Open(recipe, {});
+    ASSERT_FALSE(opened.ok()) << speed;
+    EXPECT_THAT(opened.error().message, HasSubstr("0.01 to 100 times"));
+  }
+  recipe.live_speed = 1;
+  recipe.poses.source = PoseSource::kVio;
+  EXPECT_THAT(MappingPipeline::Open(recipe, {}).error().message, HasSubstr("loops=causal"));
+}
+
+TEST_F(PipelineTest, LiveItStopsWaitingWhenAskedTo) {
+  RunRecipe recipe;
+  recipe.sequence = Original();
+  recipe.live_speed = 0.01;  // 10 s for each frame
+  const auto pipeline = MappingPipeline::Open(recipe, {}).value();
+  ASSERT_TRUE(pipeline->Next());
+  std::stop_source stop;
+  std::jthread later([&] { stop.request_stop(); });
+  EXPECT_FALSE(pipeline->Next(stop.get_token()));
 }
 
 TEST_F(PipelineTest, IsCausal) {

@@ -54,6 +54,11 @@ TEST(RunRecipe, IsTheSameAfterJson) {
   ASSERT_TRUE(least_back.ok());
   EXPECT_FALSE(least_back->edges.has_value());
   EXPECT_TRUE(least_back->models.empty());
+  EXPECT_FALSE(least_back->live_speed.has_value());
+
+  RunRecipe live = Recipe();
+  live.live_speed = 0.5;
+  EXPECT_EQ(RecipeFromJson(RecipeToJson(live))->live_speed, 0.5);
 }
 
 TEST(RunRecipe, TellsOfTheAuthorsFilterAndAllItsSettings) {

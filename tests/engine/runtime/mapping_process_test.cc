@@ -114,6 +114,38 @@ TEST(MappingProcess, StepsAlongTheFramesThatARunHas) {
   EXPECT_TRUE(WaitFor([&] { return process.Playback()->state == PlaybackState::kFinished; }));
 }
 
+TEST(MappingProcess, FollowsALiveSourceFromTheStartToItsLastFrame) {
+  FakeSourceOptions options = Small();
+  options.live_passes_over = 3;
+  MappingProcess process(Opener(options), std::nullopt, {});
+  ASSERT_TRUE(WaitFor([&] { return process.Playback()->state == PlaybackState::kFinished; }));
+  EXPECT_EQ(process.Playback()->frame, 29) << "0, 4, 8 .. 28, and the last";
+  ASSERT_TRUE(process.Playback()->live);
+  EXPECT_EQ(process.Playback()->live->done, 9);
+  EXPECT_EQ(process.Playback()->live->passed_over, 21);
+  process.Post(SeekCommand{11});
+  EXPECT_TRUE(Shows(process, 8)) << "the last before it that was mapped";
+  process.Post(StepCommand{1});
+  EXPECT_TRUE(Shows(process, 12));
+}
+
+TEST(MappingProcess, MapsTheNewestFrameOfALiveSourceWhereItIsAskedForALaterOne) {
+  FakeSourceOptions options = Small();
+  options.live_passes_over = 3;
+  options.milliseconds_per_frame = 30;
+  MappingProcess process(Opener(options), std::nullopt, {});
+  ASSERT_TRUE(WaitFor([&] { return process.Playback()->frame >= 4; }));
+  process.Post(PauseCommand{});
+  ASSERT_TRUE(WaitFor([&] { return process.Playback()->state == PlaybackState::kPaused; }));
+  const int newest = process.Playback()->newest_mapped_frame;
+  process.Post(SeekCommand{29});
+  ASSERT_TRUE(Shows(process, std::min(newest + 4, 29)));
+  EXPECT_EQ(process.Playback()->seek_target, std::nullopt);
+  EXPECT_EQ(process.Playback()->newest_mapped_frame, std::min(newest + 4, 29));
+  process.Post(PlayCommand{});
+  EXPECT_TRUE(WaitFor([&] { return process.Playback()->state == PlaybackState::kFinished; }));
+}
+
 TEST(MappingProcess, PauseInterruptsASeek) {
   FakeSourceOptions options = Small();
   options.milliseconds_per_frame = 20;

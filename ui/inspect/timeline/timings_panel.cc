@@ -87,9 +87,9 @@ class TimingsPanel : public Panel {
       if (object.updated && !born_now && object.particles != nullptr)
         hypotheses += object.particles->size();
     }
-    int dropped = 0;
+    int skipped = 0;
     for (const auto& frame : context.playback->history->frames)
-      dropped += frame != nullptr && frame->skipped;
+      skipped += frame != nullptr && frame->skipped;
     if (hypotheses > 0 && update_ms > 0)
       DimText("%.0f 000 hypotheses/s", std::ceil(static_cast<double>(hypotheses) / update_ms));
     else
@@ -98,11 +98,15 @@ class TimingsPanel : public Panel {
         context,
         "Particles updated in this frame, over the time of the stages 'update' and 'score boxes'.");
     ImGui::SameLine(0, context.Scaled(12));
-    if (dropped > 0)
-      SmallText(context, colors::kWarning, "%d frames dropped", dropped);
+    if (skipped > 0)
+      SmallText(context, colors::kWarning, "%d frames skipped", skipped);
     else
-      DimText("none dropped");
+      DimText("none skipped");
     Tooltip(context, "Frames of this run that could not be used.");
+    if (!context.playback->live) return;
+    ImGui::SameLine(0, context.Scaled(12));
+    DimText("%d passed over", context.playback->live->passed_over);
+    Tooltip(context, "Frames that came by the clock while the mapper was busy.");
   }
 
   void Remember(const FrameContext& context) {
