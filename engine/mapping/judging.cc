@@ -119,8 +119,7 @@ Target Outside(std::vector<TakenPlace> taken, Target target) {
 double LogCrops(const CropBelief& crops, ModelId label, double azimuth_rad,
                 const MapperOptions& options) {
   const auto views = static_cast<double>(crops.views().size());
-  return options.crop_sharpness * ViewScale(views, 1, options) *
-         crops.Likeness(label, azimuth_rad);
+  return options.crop_sharpness * ViewScale(views, 1, options) * crops.Likeness(label, azimuth_rad);
 }
 
 Target WithCrops(CropBelief crops, const MapperOptions& options, Target target) {

@@ -333,8 +333,7 @@ Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& inp
   Target posterior =
       Posterior(*setup.scorer, map, std::move(remembered), present, options(), object.sharpness);
   // Of equal things in a row the one that shows best draws all; what is settled keeps its own.
-  return WithCrops(object.crops, options(),
-                   Outside(TakenPlaces(object), std::move(posterior)));
+  return WithCrops(object.crops, options(), Outside(TakenPlaces(object), std::move(posterior)));
 }
 
 std::vector<TakenPlace> Mapper::Impl::TakenPlaces(const MapObject& object) const {

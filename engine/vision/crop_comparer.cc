@@ -20,8 +20,8 @@ namespace {
 
 constexpr int kCropSide = 128, kCropMultiple = 16;  ///< Of the longer side [px], of both.
 constexpr float kCropMargin = 0.15f;                ///< Around the shapes, of their box.
-constexpr int kLeastSide_px = 24;               ///< Of their box in the image.
-constexpr int kLeastShown = 150;                ///< Pixels of a shape in the crop.
+constexpr int kLeastSide_px = 24;                   ///< Of their box in the image.
+constexpr int kLeastShown = 150;                    ///< Pixels of a shape in the crop.
 constexpr float kCropNear_m = 0.1f;
 /// Of a lamp above and beside the camera (x right, y down, z forward), and of what it leaves dark.
 const Eigen::Vector3f kToLamp = Eigen::Vector3f(0.3f, -0.6f, -1.0f).normalized();
@@ -71,15 +71,14 @@ std::optional<Crop> CropAround(const cv::Mat& bgr, const Box2& box) {
   const float dx = kCropMargin * (box.x1 - box.x0) + 8, dy = kCropMargin * (box.y1 - box.y0) + 8;
   const cv::Point first(static_cast<int>(std::max(0.0f, box.x0 - dx)),
                         static_cast<int>(std::max(0.0f, box.y0 - dy)));
-  const cv::Point last(
-      static_cast<int>(std::min(static_cast<float>(bgr.cols), box.x1 + dx)),
-      static_cast<int>(std::min(static_cast<float>(bgr.rows), box.y1 + dy)));
+  const cv::Point last(static_cast<int>(std::min(static_cast<float>(bgr.cols), box.x1 + dx)),
+                       static_cast<int>(std::min(static_cast<float>(bgr.rows), box.y1 + dy)));
   if (last.x - first.x < kLeastSide_px || last.y - first.y < kLeastSide_px) return std::nullopt;
   Crop crop{cv::Rect(first, last), {}};
-  const double scale =
-      static_cast<double>(kCropSide) / std::max(crop.part.width, crop.part.height);
+  const double scale = static_cast<double>(kCropSide) / std::max(crop.part.width, crop.part.height);
   const auto side = [&](int length) {
-    return std::max(3, static_cast<int>(std::lround(length * scale / kCropMultiple))) * kCropMultiple;
+    return std::max(3, static_cast<int>(std::lround(length * scale / kCropMultiple))) *
+           kCropMultiple;
   };
   cv::resize(bgr(crop.part), crop.image, {side(crop.part.width), side(crop.part.height)}, 0, 0,
              scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
@@ -106,14 +105,14 @@ cv::Mat Draw(const RayScene& scene, const PosedShape& shape, const Box2& box,
       const RayScene::Hit hit = scene.Cast(origin, grown * (object_from_cam * ray));
       if (hit.distance <= kCropNear_m) continue;
       if (!occluder.depth.empty()) {
-        const int column = std::clamp(
-            static_cast<int>((x + 0.5f) * static_cast<float>(occluder.depth.cols) /
-                             static_cast<float>(camera.width)),
-            0, occluder.depth.cols - 1);
-        const int row = std::clamp(
-            static_cast<int>((y + 0.5f) * static_cast<float>(occluder.depth.rows) /
-                             static_cast<float>(camera.height)),
-            0, occluder.depth.rows - 1);
+        const int column =
+            std::clamp(static_cast<int>((x + 0.5f) * static_cast<float>(occluder.depth.cols) /
+                                        static_cast<float>(camera.width)),
+                       0, occluder.depth.cols - 1);
+        const int row =
+            std::clamp(static_cast<int>((y + 0.5f) * static_cast<float>(occluder.depth.rows) /
+                                        static_cast<float>(camera.height)),
+                       0, occluder.depth.rows - 1);
         const float before = occluder.depth.at<float>(row, column);
         if (before > 0 && hit.distance > before + static_cast<float>(occluder.margin_m)) continue;
       }

@@ -3,7 +3,7 @@
 """Trains the detector (README.md beside this file has the recipe of the one that ships).
 
   draw.py --out pictures --count 12000 .. &
-  train.py --drawn pictures --rooms office/* --steps 16000 --out build/networks/detector
+  train.py --drawn pictures --rooms office/* --steps 10500 --bfloat16 --out build/networks/detector
 
 Writes OUT/detector.pt after every 250 steps (run the same command again to go on), OUT/log.csv and, at the end,
 OUT/detector.onnx, its head and its sidecar. Needs python3-torch, python3-torchvision, python3-opencv.

@@ -39,7 +39,8 @@ TEST(CropBelief, TellsTurnsAndShapesButNotFineAngles) {
   EXPECT_EQ(crops.Likeness(ModelId{2}, 0.2 + 25 * kRadPerDeg), 0);
   EXPECT_EQ(crops.Likeness(ModelId{2}, 0.2 - 25 * kRadPerDeg), 0);
   EXPECT_THAT(crops.Likeness(ModelId{2}, 0.2 + std::numbers::pi), DoubleNear(-0.1, 1e-12));
-  EXPECT_THAT(crops.Likeness(ModelId{2}, 0.2 + std::numbers::pi / 4), DoubleNear(-0.2, 1e-12));  // between
+  EXPECT_THAT(crops.Likeness(ModelId{2}, 0.2 + std::numbers::pi / 4),
+              DoubleNear(-0.2, 1e-12));  // between
   EXPECT_THAT(crops.Likeness(ModelId{5}, 0.2 - std::numbers::pi / 2), DoubleNear(-0.3, 1e-12));
   EXPECT_THAT(crops.Likeness(ModelId{9}, 0.2), DoubleNear(-0.4, 1e-12));  // as the least like
 }

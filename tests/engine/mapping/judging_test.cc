@@ -199,5 +199,29 @@ TEST(LogHeightPrior, IsAMixtureOverTheLevelsOfAPlace) {
   EXPECT_EQ(map.StandingOf({chair, 0, {1.5, 0, half}}).height_m, 0.3);
 }
 
+TEST(Crops, AddToATargetWhatTheirViewsAreWorth) {
+  MapperOptions options;
+  options.crop_sharpness = 20;
+  options.view_correlation = 0.25;
+  const ModelId chair{0};
+  const std::vector<std::optional<double>> likeness = {.9, .5, .8, .5};
+  CropBelief crops;
+  const Target flat = [](std::span<const PoseHypothesis> hypotheses) {
+    return std::vector<Judgement>(hypotheses.size());
+  };
+  const std::vector<PoseHypothesis> turned = {{.label = chair},
+                                              {.label = chair, .azimuth_rad = 3.1}};
+  EXPECT_EQ(WithCrops(crops, options, flat)(turned)[1].log_target, 0);
+  crops.Add(Eigen::Isometry3d::Identity(), {&chair, 1}, 0, likeness);
+  std::vector<Judgement> judged = WithCrops(crops, options, flat)(turned);
+  EXPECT_EQ(judged[0].log_target, 0);
+  EXPECT_NEAR(judged[1].log_target, -2, 1e-9);
+  crops.Add(Eigen::Isometry3d::Identity(), {&chair, 1}, 0, likeness);
+  judged = WithCrops(crops, options, flat)(turned);
+  EXPECT_NEAR(judged[1].log_target, -2 * IndependentViews(2, 0.25), 1e-9);
+  options.crop_sharpness = 0;
+  EXPECT_EQ(WithCrops(crops, options, flat)(turned)[1].log_target, 0);
+}
+
 }  // namespace
 }  // namespace plumbline

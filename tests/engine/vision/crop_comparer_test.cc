@@ -41,8 +41,7 @@ class CropComparerTest : public testing::Test {
   PosedShape Before(const char* name, double depth) const {
     const CadModel& model = database_->model(*database_->Find(name));
     PosedShape shape{model.id};
-    shape.cam_from_object.linear() =
-        (Eigen::Matrix3d() << 0, -1, 0, 0, 0, -1, 1, 0, 0).finished();
+    shape.cam_from_object.linear() = (Eigen::Matrix3d() << 0, -1, 0, 0, 0, -1, 1, 0, 0).finished();
     shape.cam_from_object.translation() =
         Eigen::Vector3d(0, 0, depth) - shape.cam_from_object.linear() * model.center();
     return shape;
@@ -116,7 +115,8 @@ TEST(CropsOfARoom, TheTrueShapeAndSideLookMostAlike) {
       const CadModel& model = (*database)->model(*(*database)->Find(instance.model));
       const Eigen::Isometry3d cam_from_object = cam_from_world * instance.world_from_object;
       std::vector<PosedShape> shapes = {Turned(model, cam_from_object, 0)};
-      if (model.symmetry.order == 1) shapes.push_back(Turned(model, cam_from_object, std::numbers::pi));
+      if (model.symmetry.order == 1)
+        shapes.push_back(Turned(model, cam_from_object, std::numbers::pi));
       const std::size_t turns = shapes.size();
       for (const ModelId label : (*database)->OfCategory(model.category))
         if (label != model.id) shapes.push_back({label, cam_from_object});
