@@ -21,13 +21,14 @@ std::vector<CropBelief::Candidate> CropBelief::Candidates(std::span<const ModelI
   const double anchor = sums_.empty() ? azimuth_rad : anchor_rad_;
   std::vector<Candidate> candidates;
   for (const ModelId label : labels)
-    for (int turn = 0; turn < kTurns; ++turn)
-      candidates.push_back({label, WrapAngle(anchor + turn * kTurn_rad)});
+    for (std::size_t turn = 0; turn < kTurns; ++turn)
+      candidates.push_back({label, WrapAngle(anchor + static_cast<double>(turn) * kTurn_rad)});
   return candidates;
 }
 
 void CropBelief::Add(const Eigen::Isometry3d& world_from_cam, std::span<const ModelId> labels,
                      double azimuth_rad, std::span<const std::optional<double>> likeness) {
+  looked_from_.push_back(world_from_cam);
   if (std::any_of(likeness.begin(), likeness.end(), [](const auto& one) { return !one; })) return;
   if (sums_.empty()) {
     anchor_rad_ = azimuth_rad;
@@ -35,7 +36,7 @@ void CropBelief::Add(const Eigen::Isometry3d& world_from_cam, std::span<const Mo
   }
   for (std::size_t i = 0; i < likeness.size(); ++i)
     sums_.at(i / kTurns).of_turn.at(i % kTurns) += *likeness[i];
-  world_from_cam_.push_back(world_from_cam);
+  ++views_;
 }
 
 double CropBelief::Likeness(ModelId label, double azimuth_rad) const {
@@ -50,10 +51,11 @@ double CropBelief::Likeness(ModelId label, double azimuth_rad) const {
   }
   if (of_label == nullptr) return least - best;
   const double turns = WrapAngle(azimuth_rad - anchor_rad_) / kTurn_rad + kTurns;  // 2 .. 6
-  const int below = static_cast<int>(std::floor(turns));
+  const double below = std::floor(turns);
   const double on = std::clamp((turns - below - kCropPlateau) / (1 - 2 * kCropPlateau), 0.0, 1.0);
-  const double at_below = of_label->of_turn.at(static_cast<std::size_t>(below % kTurns));
-  const double at_above = of_label->of_turn.at(static_cast<std::size_t>((below + 1) % kTurns));
+  const auto turn = static_cast<std::size_t>(below);
+  const double at_below = of_label->of_turn.at(turn % kTurns);
+  const double at_above = of_label->of_turn.at((turn + 1) % kTurns);
   return (1 - on) * at_below + on * at_above - best;
 }
 
@@ -64,8 +66,9 @@ void CropBelief::Save(ByteWriter& out) const {
     out.Put(sum.label.value);
     for (const double value : sum.of_turn) out.Put(value);
   }
-  out.Put(static_cast<std::uint32_t>(world_from_cam_.size()));
-  for (const Eigen::Isometry3d& pose : world_from_cam_) out.Put(pose);
+  out.Put(views_);
+  out.Put(static_cast<std::uint32_t>(looked_from_.size()));
+  for (const Eigen::Isometry3d& pose : looked_from_) out.Put(pose);
 }
 
 void CropBelief::Restore(ByteReader& in) {
@@ -77,8 +80,9 @@ void CropBelief::Restore(ByteReader& in) {
     for (double& value : sum.of_turn) value = in.Get<double>();
     sums_.push_back(sum);
   }
-  const auto views = in.Get<std::uint32_t>();
-  for (std::uint32_t i = 0; i < views && in.ok(); ++i) world_from_cam_.push_back(in.GetPose());
+  views_ = in.Get<int>();
+  const auto looks = in.Get<std::uint32_t>();
+  for (std::uint32_t i = 0; i < looks && in.ok(); ++i) looked_from_.push_back(in.GetPose());
 }
 
 }  // namespace plumbline

@@ -18,8 +18,8 @@ namespace plumbline {
 /// nothing of where the object is.
 class CropBelief {
  public:
-  static constexpr int kTurns = 4;
-  static constexpr std::size_t kMostViews = 12;
+  static constexpr std::size_t kTurns = 4;
+  static constexpr std::size_t kMostLooks = 12;
 
   /// Which crops are compared: `turn` quarter turns from where the object first was.
   struct Candidate {
@@ -29,13 +29,14 @@ class CropBelief {
   /// All labels at all turns; `azimuth_rad` is the object's now.
   std::vector<Candidate> Candidates(std::span<const ModelId> labels, double azimuth_rad) const;
 
-  /// Another view. One in which a candidate could not be judged is left out.
+  /// Another look. One in which a candidate could not be judged is no view, and says nothing.
   /// @param likeness  Of Candidates(labels, azimuth_rad), see CropComparer.
   void Add(const Eigen::Isometry3d& world_from_cam, std::span<const ModelId> labels,
            double azimuth_rad, std::span<const std::optional<double>> likeness);
 
-  /// From where it was looked at.
-  const std::vector<Eigen::Isometry3d>& views() const { return world_from_cam_; }
+  /// world_from_cam of all looks.
+  const std::vector<Eigen::Isometry3d>& looked_from() const { return looked_from_; }
+  int views() const { return views_; }
   /// Sum over the views of the likeness, less that of the best candidate; between turns that of
   /// the nearer one, smoothly: fine differences of azimuth are the outlines' business.
   double Likeness(ModelId label, double azimuth_rad) const;
@@ -50,7 +51,8 @@ class CropBelief {
   };
   double anchor_rad_ = 0;  ///< The azimuth of turn 0.
   std::vector<Sum> sums_;
-  std::vector<Eigen::Isometry3d> world_from_cam_;
+  int views_ = 0;
+  std::vector<Eigen::Isometry3d> looked_from_;
 };
 
 }  // namespace plumbline

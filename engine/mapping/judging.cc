@@ -118,12 +118,12 @@ Target Outside(std::vector<TakenPlace> taken, Target target) {
 
 double LogCrops(const CropBelief& crops, ModelId label, double azimuth_rad,
                 const MapperOptions& options) {
-  const auto views = static_cast<double>(crops.views().size());
-  return options.crop_sharpness * ViewScale(views, 1, options) * crops.Likeness(label, azimuth_rad);
+  return options.crop_sharpness * ViewScale(crops.views(), 1, options) *
+         crops.Likeness(label, azimuth_rad);
 }
 
 Target WithCrops(CropBelief crops, const MapperOptions& options, Target target) {
-  if (crops.views().empty()) return target;
+  if (crops.views() == 0) return target;
   return [crops = std::move(crops), &options,
           target = std::move(target)](std::span<const PoseHypothesis> hypotheses) {
     std::vector<Judgement> judged = target(hypotheses);

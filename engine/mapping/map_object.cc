@@ -90,7 +90,7 @@ ObjectReport ToReport(const MapObject& object) {
   }
   object.paper.Save(out);
   // Scales, then crops, come last and only where there are any: older files have neither.
-  const bool looked_at = !object.crops.views().empty();
+  const bool looked_at = !object.crops.looked_from().empty();
   if (looked_at ||
       std::any_of(object.joined.begin(), object.joined.end(),
                   [](const PoseHypothesis& hypothesis) { return hypothesis.log_scale != 0; })) {

@@ -19,9 +19,6 @@ constexpr double kLevelRate = 0.1, kSettledLogOdds = 4;
 constexpr double kSearchRelaxation = 8.0;
 /// Belief in the mean pose below which a look at the object has decided nothing.
 constexpr double kInDoubt = 0.8;
-/// Share of an object's contour that shows where its crop can be judged, and how far from where it
-/// was looked at before another crop is taken, in key frames.
-constexpr double kCropVisible = 0.45, kCropDistance = 2;
 /// Overlap of a box of a past image with an object's visible box that makes it the object's.
 constexpr float kRememberedIou = 0.3f;
 /// How much sharper from one frame to the next the views of a settled object are taken: particles
@@ -120,50 +117,6 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
                              {},
                              "now most likely " + setup.database->model(object.mean().label).name});
   }
-}
-
-void Mapper::Impl::LookAtCrop(MapObject& object, const MapperInput& input,
-                              const ScoringView& view) const {
-  if (setup.crops == nullptr || options().crop_sharpness <= 0 || input.image.empty() ||
-      object.state != ObjectState::kConfirmed || object.visible_fraction < kCropVisible ||
-      object.hidden > 0.5 || object.crops.views().size() >= CropBelief::kMostViews)
-    return;
-  for (const Eigen::Isometry3d& seen_from : object.crops.views())
-    if (memory.Distance(seen_from, input.world_from_cam) < kCropDistance) return;
-  const PoseHypothesis mean = ToHypothesis(object.mean(), map);
-  const std::vector<ModelId> labels = setup.database->OfCategory(object.category);
-  const auto turns_of = [&](ModelId label) {
-    const int order = setup.database->model(label).symmetry.order;
-    return order == 0 || order % 4 == 0 ? 1 : order % 2 == 0 ? 2 : CropBelief::kTurns;
-  };
-  if (labels.size() == 1 && turns_of(labels.front()) == 1) return;
-  const auto base = [&](ModelId label) {
-    return mean.scale() * setup.database->model(label).center().z() * map.upright.up_in_world();
-  };
-  const std::vector<CropBelief::Candidate> candidates =
-      object.crops.Candidates(labels, mean.azimuth_rad);
-  std::vector<PosedShape> shapes;
-  std::vector<std::size_t> shape_of;  // of each candidate
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const ModelId label = candidates[i].label;
-    const std::size_t turn = i % CropBelief::kTurns;
-    const auto turns = static_cast<std::size_t>(turns_of(label));
-    if (turn >= turns) {
-      shape_of.push_back(shape_of[i - turns]);
-      continue;
-    }
-    const PoseHypothesis hypothesis{label, candidates[i].azimuth_rad,
-                                    mean.center_in_world - base(mean.label) + base(label),
-                                    mean.log_scale};
-    shape_of.push_back(shapes.size());
-    shapes.push_back(
-        {label, view.cam_from_world * map.WorldFromObject(hypothesis), hypothesis.scale()});
-  }
-  const std::vector<std::optional<double>> of_shape = setup.crops->Compare(
-      input.image, setup.camera, {view.occluder_depth, view.occlusion_margin_m}, shapes);
-  std::vector<std::optional<double>> likeness;
-  for (const std::size_t shape : shape_of) likeness.push_back(of_shape[shape]);
-  object.crops.Add(input.world_from_cam, labels, mean.azimuth_rad, likeness);
 }
 
 Sighting Mapper::Impl::SightingOf(const PoseHypothesis& pose, double visible_fraction,

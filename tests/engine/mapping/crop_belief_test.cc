@@ -45,15 +45,16 @@ TEST(CropBelief, TellsTurnsAndShapesButNotFineAngles) {
   EXPECT_THAT(crops.Likeness(ModelId{9}, 0.2), DoubleNear(-0.4, 1e-12));  // as the least like
 }
 
-TEST(CropBelief, ViewsAddUpAndOneThatDoesNotShowAllIsLeftOut) {
+TEST(CropBelief, ViewsAddUpAndALookThatDoesNotShowAllIsNone) {
   CropBelief crops;
   crops.Add(Eigen::Isometry3d::Identity(), kLabels, 0.2, kLikeness);
   auto part = kLikeness;
   part[3] = std::nullopt;
   crops.Add(Eigen::Isometry3d::Identity(), kLabels, 0.2, part);
-  EXPECT_EQ(crops.views().size(), 1u);
+  EXPECT_EQ(crops.views(), 1);
+  EXPECT_EQ(crops.looked_from().size(), 2u);
   crops.Add(Eigen::Isometry3d::Identity(), kLabels, 0.9, kLikeness);
-  EXPECT_EQ(crops.views().size(), 2u);
+  EXPECT_EQ(crops.views(), 2);
   EXPECT_THAT(crops.Likeness(ModelId{2}, 0.2 + std::numbers::pi), DoubleNear(-0.2, 1e-12));
 }
 
@@ -69,8 +70,9 @@ TEST(CropBelief, IsRestoredAsItWas) {
   CropBelief again;
   again.Restore(in);
   EXPECT_TRUE(in.ok() && in.rest().empty());
-  ASSERT_EQ(again.views().size(), 1u);
-  EXPECT_TRUE(again.views()[0].isApprox(pose));
+  EXPECT_EQ(again.views(), 1);
+  ASSERT_EQ(again.looked_from().size(), 1u);
+  EXPECT_TRUE(again.looked_from()[0].isApprox(pose));
   for (const double angle : {0.0, 0.7, 1.9, 3.0, -2.0})
     EXPECT_EQ(again.Likeness(ModelId{5}, angle), crops.Likeness(ModelId{5}, angle));
 }
