@@ -14,7 +14,7 @@ constexpr double kSamePose_m = 0.15, kSamePose_rad = 30 * kRadPerDeg;
 /// Particles that fit better than the mean count for what they expect by exp(this * Phi_edge).
 constexpr double kMarginalSharpness = 5;
 /// How fast the level of the edges follows, per independent look at an object that is settled.
-constexpr double kLevelRate = 0.1, kSettledLogOdds = 4;
+constexpr double kLevelRate = 0.1;
 /// The time between searches is the time in view over this, between the options' limits.
 constexpr double kSearchRelaxation = 8.0;
 /// Belief in the mean pose below which a look at the object has decided nothing.

@@ -23,8 +23,9 @@ std::size_t TurnsOf(const CadModel& model) {
 void Mapper::Impl::LookAtCrop(MapObject& object, const MapperInput& input,
                               const ScoringView& view) const {
   if (setup.crops == nullptr || options().crop_sharpness <= 0 || input.image.empty() ||
-      object.state != ObjectState::kConfirmed || object.visible_fraction < kCropVisible ||
-      object.hidden > 0.5 || object.crops.looked_from().size() >= CropBelief::kMostLooks)
+      object.state != ObjectState::kConfirmed || object.log_evidence < kSettledLogOdds ||
+      object.visible_fraction < kCropVisible || object.hidden > 0.5 ||
+      object.crops.looked_from().size() >= CropBelief::kMostLooks)
     return;
   for (const Eigen::Isometry3d& seen_from : object.crops.looked_from())
     if (memory.Distance(seen_from, input.world_from_cam) < kCropDistance) return;

@@ -27,6 +27,8 @@ namespace plumbline {
 inline constexpr double kMinViewVisibility = 0.15;  ///< Of a contour, in a view worth remembering.
 /// Edge surplus of right objects in the sequences that the constants of existence were fitted on.
 inline constexpr double kUsualSurplus = 0.25;
+/// Log odds that it is there, above which an object is settled.
+inline constexpr double kSettledLogOdds = 4;
 inline constexpr double kFocalOfOptions_px = 500;  ///< Areas in pixels are of such a camera.
 
 /// What a random draw is for: each has numbers of its own.
