@@ -45,7 +45,6 @@ ABLATIONS = {
     "no edges": ["beta=0", "evidence_per_edge=0"],
     "no detector": ["alpha=0", "detection_rate=0"],
     "no inner lines": ["inner_lines=false"],
-    "no crops": ["crop_sharpness=0"],
     "no floor prior": ["floor_prior=false"],
     "no key frames": ["key_frames=0"],
     "paper's births": ["prior=paper"],

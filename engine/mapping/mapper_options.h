@@ -59,7 +59,7 @@ struct MapperOptions {
   double beta = 10.0;
   double view_correlation = 0.03;
   double telling_contour_px = 150;
-  double crop_sharpness = 30;
+  double crop_sharpness = 0;
   bool inner_lines = true;
   ScoredBox scored_box = ScoredBox::kBest;
   double search_radius_px = 7;
@@ -148,7 +148,7 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.crop_sharpness,
         {"crop_sharpness", "",
          "log odds that a crop gives for each .01 by which one shape or quarter turn looks more "
-         "like it, times 100; 0: crops are not looked at",
+         "like it, times 100, 30 as measured; 0: crops are not looked at",
          0, 1000});
   visit(o.inner_lines, {"inner_lines", "", "creases and marks inside the contour count too"});
   visit(o.scored_box,
