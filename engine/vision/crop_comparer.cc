@@ -176,7 +176,17 @@ struct CropComparer::Impl {
   std::string layer;
   std::map<int, RayScene> scenes;  ///< Of the shapes that were asked for.
 
+  /// The network is read when it is first needed: most runs look at no crop.
+  void LoadEncoder() {
+    const std::string file = VisionResource("assets/networks/edge/edge.onnx");
+    encoder = cv::dnn::readNetFromONNX(file.data(), file.size());
+    for (const std::string& name : encoder.getLayerNames())
+      if (name.ends_with(kCropLayer)) layer = name;
+    PLB_CHECK(!layer.empty());
+  }
+
   cv::Mat Features(const cv::Mat& image) {
+    if (layer.empty()) LoadEncoder();
     encoder.setInput(cv::dnn::blobFromImage(image, kCropScale, image.size(), kCropMean));
     return encoder.forward(layer).clone();
   }
@@ -185,11 +195,6 @@ struct CropComparer::Impl {
 CropComparer::CropComparer(std::shared_ptr<const ModelDatabase> database)
     : impl_(std::make_unique<Impl>()) {
   impl_->database = std::move(database);
-  const std::string file = VisionResource("assets/networks/edge/edge.onnx");
-  impl_->encoder = cv::dnn::readNetFromONNX(file.data(), file.size());
-  for (const std::string& name : impl_->encoder.getLayerNames())
-    if (name.ends_with(kCropLayer)) impl_->layer = name;
-  PLB_CHECK(!impl_->layer.empty());
 }
 
 CropComparer::~CropComparer() = default;
