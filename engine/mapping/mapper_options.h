@@ -145,11 +145,12 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.telling_contour_px,
         {"telling_contour_px", "px",
          "visible contour from which a view counts fully, at a focal length of 500", 1, 100000});
-  visit(o.crop_sharpness,
-        {"crop_sharpness", "",
-         "log odds that a crop gives for each .01 by which one shape or quarter turn looks more "
-         "like it, times 100, 30 as measured; 0: crops are not looked at",
-         0, 1000});
+  visit(
+      o.crop_sharpness,
+      {"crop_sharpness", "",
+       "log odds per unit of likeness (a cosine) by which a shape or quarter turn looks more like "
+       "a crop, 30 as measured; 0: crops are not looked at",
+       0, 1000});
   visit(o.inner_lines, {"inner_lines", "", "creases and marks inside the contour count too"});
   visit(o.scored_box,
         {"box", "",
