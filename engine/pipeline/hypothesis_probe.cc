@@ -54,6 +54,8 @@ std::string SentenceOf(Verdict verdict, const ProbeView& view) {
           "Spurious: the nearest true object of this category is {:.0f} cm away; here the score is "
           "{:.2f}, there {:.2f}.",
           100 * *mean.from_truth_m, mean.score, truth.score);
+    case Verdict::kSecond:
+      return "A second one: another object already explains the true one nearby.";
     case Verdict::kLikelihood:
       return fmt::format(
           "Likelihood: in this frame the wrong place scores {:.2f}, the truth {:.2f}. No search "

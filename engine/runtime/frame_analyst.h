@@ -9,7 +9,9 @@
 #include "engine/snapshot/commands.h"
 #include "engine/snapshot/frame_analysis.h"
 #include "engine/snapshot/object_history.h"
+#include "engine/snapshot/playback_view.h"
 #include "engine/snapshot/run_history.h"
+#include "engine/snapshot/truths_view.h"
 
 namespace plumbline {
 

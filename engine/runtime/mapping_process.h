@@ -14,6 +14,7 @@
 #include "engine/runtime/snapshot_source.h"
 #include "engine/snapshot/commands.h"
 #include "engine/snapshot/playback_view.h"
+#include "engine/snapshot/truths_view.h"
 
 namespace plumbline {
 
@@ -47,6 +48,8 @@ class MappingProcess {
   std::shared_ptr<const FrameAnalysis> Analysis() const { return analysis_.Latest(); }
   /// Null while nobody watches an object's history.
   std::shared_ptr<const ObjectHistory> History() const { return object_history_.Latest(); }
+  /// What the run has of the ground truth, and what not; null without any.
+  std::shared_ptr<const TruthsView> Truths() const { return truths_.Latest(); }
   /// What the run is made from; null until the source is open, or if it has none.
   std::shared_ptr<const RunHeader> Header() const { return header_.Latest(); }
   /// Never null.
@@ -94,6 +97,7 @@ class MappingProcess {
   SnapshotSlot<ProbeView> probe_;
   SnapshotSlot<FrameAnalysis> analysis_;
   SnapshotSlot<ObjectHistory> object_history_;
+  SnapshotSlot<TruthsView> truths_;
   SnapshotSlot<RunHeader> header_;
   std::shared_ptr<const RunHeader> made_from_;  ///< The same, for the process itself.
 

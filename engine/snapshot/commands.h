@@ -61,6 +61,7 @@ struct ProbeCommand {
   bool reference = false;  ///< Also by the reference scorer, which takes longer.
   bool maps = false;       ///< Also the score over two parameters at once.
   int hovered = -1;        ///< Also the outline of this particle.
+  std::string truth = {};  ///< This true instance instead of an object, by its id; "": `object`.
 };
 
 /// What is shown besides the frames, and takes time to work out: it is kept up to date for as long
@@ -83,6 +84,10 @@ using PlaybackCommand =
 /// An id that is not valid clears the selection.
 struct SelectObjectCommand {
   ObjectId object;
+};
+/// Selects a true instance instead of an object, by its id; "" clears the selection.
+struct SelectTruthCommand {
+  std::string truth;
 };
 /// Index into the particles of the selected object; -1 clears.
 struct SelectParticleCommand {
@@ -170,6 +175,7 @@ struct ForkCommand {
   MapperOptions options;
   std::uint64_t seed = 0;
   std::string out;
+  std::string plant = {};  ///< A true instance that the mapper is given as a candidate; "": none.
 };
 struct CancelForkCommand {};
 /// Opens another run of the same sequence beside what is open; "": closes it.
@@ -184,13 +190,13 @@ struct ShowRunCommand {
 
 /// For the workspace that shows runs.
 using InspectCommand =
-    std::variant<SelectObjectCommand, SelectParticleCommand, HoverParticleCommand,
-                 SelectHypothesisCommand, FollowCommand, LookThroughCommand, BookmarkCommand,
-                 RemoveBookmarkCommand, AskFrameCommand, ImageViewsCommand, PlaceViewCommand,
-                 ShowPanelCommand, NeedCommand, PresentCommand, AskForkCommand, AskOptionsCommand,
-                 AskNetworksCommand, FetchNetworkCommand, StopFetchingCommand, LookAtNetworkCommand,
-                 UseNetworksCommand, ForkCommand, CancelForkCommand, CompareRunCommand,
-                 ShowRunCommand>;
+    std::variant<SelectObjectCommand, SelectTruthCommand, SelectParticleCommand,
+                 HoverParticleCommand, SelectHypothesisCommand, FollowCommand, LookThroughCommand,
+                 BookmarkCommand, RemoveBookmarkCommand, AskFrameCommand, ImageViewsCommand,
+                 PlaceViewCommand, ShowPanelCommand, NeedCommand, PresentCommand, AskForkCommand,
+                 AskOptionsCommand, AskNetworksCommand, FetchNetworkCommand, StopFetchingCommand,
+                 LookAtNetworkCommand, UseNetworksCommand, ForkCommand, CancelForkCommand,
+                 CompareRunCommand, ShowRunCommand>;
 
 /// Turns the 3-D view to the selection.
 struct FocusSelectionCommand {};

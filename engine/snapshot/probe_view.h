@@ -66,6 +66,7 @@ enum class Verdict {
   kNoTruth,     ///< There is nothing to compare with.
   kRight,       ///< Nothing: it is there.
   kSpurious,    ///< There is no such object.
+  kSecond,      ///< Another object already explains the only true one nearby.
   kLikelihood,  ///< The wrong place scores better in this frame.
   kSearch,      ///< The truth would score better, but no particle is near it.
   kTime         ///< Particles are near the truth; the weights have not followed yet.
@@ -74,6 +75,7 @@ enum class Verdict {
 struct ProbeView {
   int frame = -1;
   ObjectId object;
+  std::string truth;  ///< That was asked for instead of an object; "": an object was.
   double alpha = 0, beta = 0;
   float search_radius_px = 0;
   float chance = 0;                          ///< Hit that a contour gets by chance.

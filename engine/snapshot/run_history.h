@@ -3,6 +3,7 @@
 
 // A run at a glance, for time lines, plots and tables: little of every frame, all frames at once.
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,9 +13,12 @@
 #include <opencv2/core.hpp>
 
 #include "engine/base/ids.h"
+#include "engine/geometry/box.h"
 #include "engine/mapping/event_report.h"
 
 namespace plumbline {
+
+enum class ProposalFate : std::uint8_t;  // mapping/map_report.h
 
 /// How far an estimate is from the true instance of its category that is nearest to it.
 struct TruthError {
@@ -27,6 +31,17 @@ struct TruthError {
   float nees = 0;  ///< Normalised estimation error squared of the mean.
   int degrees_of_freedom = 4;
   bool several_models = true;  ///< The category has more than one: its shape is a question.
+};
+
+/// A true instance in one frame.
+struct TruthSample {
+  float visible_px = 0;    ///< Pixels of it that show; the true models hide one another.
+  Box2 box;                ///< Around what shows [px]; empty if nothing does.
+  ObjectId object;         ///< Paired with it, one to one; not valid: none.
+  bool confirmed = false;  ///< That object is.
+  std::optional<ProposalFate> box_fate;  ///< Of the proposal that lies over it best; nothing: none.
+  float box_overlap = 0;                 ///< Intersection over union of that proposal and `box`.
+  ObjectId box_object;                   ///< That took the proposal.
 };
 
 /// An object in one frame.
@@ -48,6 +63,7 @@ struct FrameSample {
   int frame = 0;
   bool skipped = false;
   std::vector<ObjectSample> objects;
+  std::vector<TruthSample> truths;  ///< As in SequenceView::truth; empty where none is known.
   std::vector<StageTiming> timings;
 };
 

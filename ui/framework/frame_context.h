@@ -32,6 +32,7 @@ struct AnnotateView;
 struct AnnotationSnapshot;
 struct MapSnapshot;
 struct ObjectReport;
+struct TruthsView;
 
 /// Pictures on their way to the screen. The GL implementation is in gl_texture_store.h; tests use a
 /// null one.
@@ -71,10 +72,11 @@ struct ImageViewport {
 };
 
 struct Selection {
-  ObjectId object;     ///< Not valid: nothing.
+  ObjectId object;     ///< Not valid: none.
   int particle = -1;   ///< Of that object; -1: none.
   int hypothesis = 0;  ///< Of the probe: its contour is drawn.
   int hovered = -1;    ///< The particle under the mouse.
+  std::string truth;   ///< A true instance instead of an object, by its id; "": none.
 };
 
 /// A frame to come back to.
@@ -119,6 +121,7 @@ struct FrameContext {
   std::shared_ptr<const ProbeView> probe;  ///< The last answer, maybe of another frame; null: none.
   std::shared_ptr<const FrameAnalysis> analysis;  ///< Of `snapshot`; null until it is known.
   std::shared_ptr<const ObjectHistory> history;   ///< Of the object watched last; null: of none.
+  std::shared_ptr<const TruthsView> truths;       ///< Null without ground truth.
   std::uint64_t snapshot_version = 0;             ///< Changes with `snapshot`.
   std::string source;                ///< What was opened, as it was named; "": nothing.
   std::uint64_t source_version = 0;  ///< Changes when something else is opened.

@@ -81,7 +81,9 @@ void InspectWorkspace::Begin(std::unique_ptr<MappingProcess> process, FrameConte
   context.snapshot = nullptr;
   context.analysis = nullptr;
   context.history = nullptr;
-  context.selection = {options_.select, -1, 0};
+  context.truths = nullptr;
+  context.selection = {};
+  context.selection.object = options_.select;
   auto_select_ = options_.select.value <= 0;
   context.bare = is_figure();
   context.look_through =
@@ -154,6 +156,7 @@ void InspectWorkspace::ReadSlots(FrameContext& context) {
   context.sequence = process_->Sequence();
   context.probe = process_->Probe();
   context.history = process_->History();
+  context.truths = process_->Truths();
   auto snapshot = context.first_snapshot = process_->Snapshot();
   what_if_->ReadSlots(context, process_->Header(), snapshot);
   if (snapshot != context.snapshot) {
@@ -235,7 +238,13 @@ void InspectWorkspace::Handle(const InspectCommand& command, FrameContext& conte
   std::visit(
       Overloaded{
           [&](const SelectObjectCommand& c) {
-            context.selection = {c.object, -1, 0};
+            context.selection = {};
+            context.selection.object = c.object;
+            auto_select_ = false;
+          },
+          [&](const SelectTruthCommand& c) {
+            context.selection = {};
+            context.selection.truth = c.truth;
             auto_select_ = false;
           },
           [&](const SelectParticleCommand& c) { SelectParticle(c.particle, context); },
