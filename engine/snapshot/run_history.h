@@ -42,6 +42,13 @@ struct TruthSample {
   std::optional<ProposalFate> box_fate;  ///< Of the proposal that lies over it best; nothing: none.
   float box_overlap = 0;                 ///< Intersection over union of that proposal and `box`.
   ObjectId box_object;                   ///< That took the proposal.
+  /// An object of its category within a metre.
+  struct Near {
+    ObjectId object;
+    float distance_m = 0;   ///< Between origins.
+    float azimuth_rad = 0;  ///< As TruthError::azimuth_rad.
+  };
+  std::vector<Near> near;  ///< By distance.
 };
 
 /// An object in one frame.
