@@ -13,8 +13,8 @@ fail() {
   exit 1
 }
 [ -x "$program" ] || fail "there is no $program; run ./dev build first, or set PLUMBLINE"
-for tool in xvfb-run ffmpeg; do
-  command -v "$tool" >/dev/null || fail "$tool is missing; on Debian: apt-get install xvfb xauth ffmpeg"
+for tool in xvfb-run ffmpeg chromium; do
+  command -v "$tool" >/dev/null || fail "$tool is missing; on Debian: apt-get install xvfb xauth ffmpeg chromium"
 done
 
 work=$(mktemp -d)
@@ -189,6 +189,10 @@ cat >"$work/annotate.json" <<'JSON'
 JSON
 (cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
   "$program" gui room/scene.ply --size 1600x1000 --ui-scale 1 --script annotate.json)
+# The page that shows a run in any browser.
+"$program" report --interactive "$work/demo.plb" --out "$work/page.html"
+chromium --headless=new --no-sandbox --hide-scrollbars --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1400,860 \
+  --virtual-time-budget=6000 --user-data-dir="$work/browser" --screenshot="$work/run-page.png" "file://$work/page.html#frame=90&object=6&theme=light&boxes" 2>/dev/null
 # What if the edges counted for less from frame 30 on?
 cat >"$work/what-if.json" <<'JSON'
 {"steps": [

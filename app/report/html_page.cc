@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/report/html_page.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "app/report/svg_plot.h"
@@ -38,6 +40,20 @@ std::string HtmlPage(const std::string& title, const std::string& subtitle,
       "content='width=device-width'><title>{0}</title><style>{1}</style></head><body><main>"
       "<h1>{0}</h1><p class='sub'>{2}</p>{3}</main></body></html>\n",
       Escaped(title), kStyle, Escaped(subtitle), body);
+}
+
+std::string Base64(std::span<const std::uint8_t> bytes) {
+  static constexpr char kDigits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+    const std::uint32_t bits =
+        bytes[i] << 16 | (left > 1 ? bytes[i + 1] << 8 : 0) | (left > 2 ? bytes[i + 2] : 0);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += k <= left ? kDigits[bits >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
 }
 
 }  // namespace plumbline

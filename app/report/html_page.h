@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 
 namespace plumbline {
@@ -10,5 +12,8 @@ namespace plumbline {
 /// @param body             HTML.
 std::string HtmlPage(const std::string& title, const std::string& subtitle,
                      const std::string& body);
+
+/// Bytes as text for a web page.
+std::string Base64(std::span<const std::uint8_t> bytes);
 
 }  // namespace plumbline

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "app/report/run_page.h"
 #include "app/report/run_report.h"
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
@@ -21,6 +22,8 @@ constexpr int kPictures = 4;
 struct ReportArguments {
   RunChoice run;
   std::string ground_truth, out;
+  bool interactive = false;
+  RunPageOptions page;
 };
 
 /// Frames spread over the run; none where images cannot be had.
@@ -64,6 +67,17 @@ Result<std::optional<MapEvaluation>> Judge(const RunReview& review, const std::s
   return std::optional(std::move(*evaluation));
 }
 
+Status WritePage(const ReportArguments& arguments, const RunReview& review,
+                 const std::optional<MapEvaluation>& evaluation, const WorkContext& work) {
+  const auto page = MakeRunPage(arguments.run, review, evaluation, arguments.page, work);
+  if (!page.ok()) return page.error();
+  if (Status status = WriteFileAtomically(arguments.out, page->html); !status.ok()) return status;
+  const auto mb = [](std::size_t bytes) { return static_cast<double>(bytes) * 1e-6; };
+  std::printf("wrote %s: %d frames, %.1f MB, of which images %.1f MB\n", arguments.out.c_str(),
+              page->steps, mb(page->html.size()), mb(page->image_bytes));
+  return {};
+}
+
 Status Report(const ReportArguments& arguments) {
   ConsoleWork console;
   const WorkContext work = console.context();
@@ -72,6 +86,7 @@ Status Report(const ReportArguments& arguments) {
   if (!review) return review.error();
   const auto evaluation = Judge(*review, arguments.ground_truth, choice.run);
   if (!evaluation) return evaluation.error();
+  if (arguments.interactive) return WritePage(arguments, *review, *evaluation, work);
   const std::vector<ReportPicture> pictures = TakePictures(choice, work);
   if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
   const std::string html =
@@ -99,6 +114,25 @@ void AddReportVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("--sequence", arguments->run.sequence,
                    "The sequence of the run, if it has moved")
       ->type_name("DIR");
+  CLI::Option* interactive =
+      verb->add_flag("--interactive", arguments->interactive,
+                     "Instead a page in which one steps through the run: images with outlines and "
+                     "boxes, the map in three dimensions, a timeline");
+  verb->add_option("--width", arguments->page.width,
+                   "Width of the images of an interactive page [px]")
+      ->check(CLI::Range(64, 4096))
+      ->capture_default_str()
+      ->needs(interactive);
+  verb->add_option("--quality", arguments->page.quality, "Quality of their JPEG")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str()
+      ->needs(interactive);
+  verb->add_option("--every", arguments->page.every,
+                   "Each N-th frame only (default: each frame of a run of up to 600, of a longer "
+                   "one as many as make 600)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N")
+      ->needs(interactive);
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Report(*arguments); }; });
 }
 
