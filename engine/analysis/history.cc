@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/analysis/true_instances.h"
 #include "engine/evaluation/credible_region.h"
 #include "engine/geometry/gravity.h"
 #include "engine/mapping/map_report.h"
@@ -14,16 +15,8 @@
 namespace plumbline {
 namespace {
 
-constexpr double kFarthestTruth_m = 1.0;
 constexpr double kLeastLabel = 0.02;
 constexpr int kThumbnailWidth = 96;
-
-const ModelView* ModelByName(const SequenceView& view, const std::string& name) {
-  for (const ModelView& model : view.models) {
-    if (model.name == name) return &model;
-  }
-  return nullptr;
-}
 
 double AzimuthError(const ModelView& model, double azimuth_rad) {
   if (model.any_azimuth) return 0;
@@ -88,40 +81,39 @@ void JudgeBelief(const ObjectReport& object, const SequenceView& view,
 
 }  // namespace
 
-std::optional<TruthError> ErrorOf(const ObjectReport& object, const SequenceView& view) {
+std::vector<std::optional<TruthError>> ErrorsOf(const FrameReport& report,
+                                                const SequenceView& view) {
   const UprightFrame upright(-view.up_in_world);
-  const SequenceView::Truth* nearest = nullptr;
-  const ModelView* true_model = nullptr;
-  double nearest_m = kFarthestTruth_m;
-  for (const SequenceView::Truth& truth : view.truth) {
-    const ModelView* model = ModelByName(view, truth.model);
-    if (model == nullptr || model->category != object.category) continue;
-    const double distance_m =
-        (truth.world_from_object.translation() - object.world_from_object.translation()).norm();
-    if (distance_m >= nearest_m) continue;
-    nearest_m = distance_m;
-    nearest = &truth;
-    true_model = model;
+  const std::vector<std::optional<int>> pairs = TruthsOfObjects(report, view);
+  std::vector<std::optional<TruthError>> errors(report.objects.size());
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (!pairs[i]) continue;
+    const ObjectReport& object = report.objects[i];
+    const SequenceView::Truth& truth = view.truth[static_cast<std::size_t>(*pairs[i])];
+    const ModelView* true_model = ModelByName(view, truth.model);
+    const double turned = upright.Azimuth(object.world_from_object.linear()) -
+                          upright.Azimuth(truth.world_from_object.linear());
+    const auto label = static_cast<std::size_t>(object.label.value);
+    TruthError& error = errors[i].emplace();
+    error.truth = truth.id;
+    error.model_correct = label < view.models.size() && &view.models[label] == true_model;
+    error.translation_m = static_cast<float>(
+        (truth.world_from_object.translation() - object.world_from_object.translation()).norm());
+    error.azimuth_rad = static_cast<float>(std::abs(AzimuthError(*true_model, turned)));
+    JudgeBelief(object, view, truth, *true_model, upright, error);
   }
-  if (nearest == nullptr) return std::nullopt;
-  const double turned = upright.Azimuth(object.world_from_object.linear()) -
-                        upright.Azimuth(nearest->world_from_object.linear());
-  const auto label = static_cast<std::size_t>(object.label.value);
-  TruthError error;
-  error.truth = nearest->id;
-  error.model_correct = label < view.models.size() && &view.models[label] == true_model;
-  error.translation_m = static_cast<float>(nearest_m);
-  error.azimuth_rad = static_cast<float>(std::abs(AzimuthError(*true_model, turned)));
-  JudgeBelief(object, view, *nearest, *true_model, upright, error);
-  return error;
+  return errors;
 }
 
-FrameSample SampleOf(const FrameReport& report, const SequenceView& view) {
+FrameSample SampleOf(const FrameReport& report, const SequenceView& view,
+                     const TruthVisibility* truths) {
   FrameSample sample;
   sample.frame = report.frame;
   sample.skipped = !report.skipped.empty();
   sample.timings = report.timings;
-  for (const ObjectReport& object : report.objects) {
+  const std::vector<std::optional<TruthError>> errors = ErrorsOf(report, view);
+  for (std::size_t i = 0; i < report.objects.size(); ++i) {
+    const ObjectReport& object = report.objects[i];
     ObjectSample& kept = sample.objects.emplace_back();
     kept.id = object.id;
     kept.state = object.state;
@@ -138,8 +130,10 @@ FrameSample SampleOf(const FrameReport& report, const SequenceView& view) {
     kept.log_evidence = static_cast<float>(object.log_evidence);
     kept.effective_sample_size = static_cast<float>(object.effective_sample_size);
     kept.visible_fraction = static_cast<float>(object.visible_fraction);
-    kept.error = ErrorOf(object, view);
+    kept.error = errors[i];
   }
+  if (truths != nullptr)
+    sample.truths = TruthSamplesOf(report, view, TruthsOfObjects(report, view), *truths);
   return sample;
 }
 

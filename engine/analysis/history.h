@@ -6,18 +6,21 @@
 
 namespace plumbline {
 
+class TruthVisibility;
 struct FrameReport;
-struct ObjectReport;
 
 /// Thumbnails that a time line keeps, however long the run.
 inline constexpr int kMaxThumbnails = 64;
 
 /// What stays of a frame in the history.
-FrameSample SampleOf(const FrameReport& report, const SequenceView& view);
+/// @param truths  Null: nothing is kept of the true instances but the errors of the objects.
+FrameSample SampleOf(const FrameReport& report, const SequenceView& view,
+                     const TruthVisibility* truths = nullptr);
 
-/// Error of an object's mean against the nearest true instance of its category, within a metre;
-/// nothing otherwise.
-std::optional<TruthError> ErrorOf(const ObjectReport& object, const SequenceView& view);
+/// Errors of the means of the frame's objects against their true instances, one to one
+/// (true_instances.h); nothing for an object that has none. As in `report.objects`.
+std::vector<std::optional<TruthError>> ErrorsOf(const FrameReport& report,
+                                                const SequenceView& view);
 
 /// 96 pixels wide; empty of an empty image.
 cv::Mat ThumbnailOf(const cv::Mat& image);

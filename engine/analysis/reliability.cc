@@ -10,6 +10,7 @@
 
 #include "engine/evaluation/chi_square.h"
 #include "engine/evaluation/precision_recall.h"
+#include "engine/evaluation/truth_pairing.h"
 
 namespace plumbline {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 using FrameList = std::span<const std::shared_ptr<const FrameSample>>;
 
 bool NearTruth(const ObjectSample& object) {
-  return object.error && object.error->translation_m <= kReliabilityReach_m;
+  return object.error && object.error->translation_m <= kPairReach_m;
 }
 
 /// Adds poses up. The NEES is that of one object.

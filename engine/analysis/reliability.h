@@ -9,10 +9,8 @@
 
 namespace plumbline {
 
-/// Objects count that lie within this distance of a true object of their category.
-inline constexpr float kReliabilityReach_m = 0.5f;
-
-/// The beliefs about confirmed objects in all frames in which they were updated.
+/// The beliefs about confirmed objects that have a true instance within kPairReach_m, in all frames
+/// in which they were updated.
 RunReliability ReliabilityOf(const RunHistory& history);
 
 /// The same in the last frame alone, updated or not: what the run ends with.

@@ -16,10 +16,14 @@ namespace {
 
 std::vector<ObjectDifference> Objects(const RunReview& a, const RunReview& b) {
   std::vector<ObjectDifference> out;
+  const auto errors_a = ErrorsOf(*a.last, a.view), errors_b = ErrorsOf(*b.last, b.view);
+  const auto place = [](const ObjectReport* object, const FrameReport& report) {
+    return static_cast<std::size_t>(object - report.objects.data());
+  };
   for (const ObjectPair& pair : PairObjects(*a.last, *b.last, a.view.up_in_world)) {
     ObjectDifference difference{pair, {}, {}};
-    if (pair.a != nullptr) difference.error_a = ErrorOf(*pair.a, a.view);
-    if (pair.b != nullptr) difference.error_b = ErrorOf(*pair.b, b.view);
+    if (pair.a != nullptr) difference.error_a = errors_a[place(pair.a, *a.last)];
+    if (pair.b != nullptr) difference.error_b = errors_b[place(pair.b, *b.last)];
     out.push_back(difference);
   }
   return out;

@@ -6,6 +6,7 @@
 
 #include "engine/analysis/history.h"
 #include "engine/analysis/sequence_view.h"
+#include "engine/analysis/true_instances.h"
 #include "engine/base/log.h"
 #include "engine/dataset/ground_truth.h"
 #include "engine/mapping/map_report.h"
@@ -58,13 +59,14 @@ Result<RunReview> ReviewRun(const RunChoice& choice, const std::filesystem::path
   review.tracks = std::move(tracks).value();
   const auto count = (*reader)->NumFrames();
   if (!count.ok()) return count.error();
+  const TruthVisibility truths(review.view);
   for (int i = 0; i < *count; ++i) {
     if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
     work.report({"Reading the run", i, *count});
     auto frame = (*reader)->ReadFrameBrief(i);
     if (!frame.ok()) return frame.error();
     review.history.frames.push_back(
-        std::make_shared<const FrameSample>(SampleOf(*frame, review.view)));
+        std::make_shared<const FrameSample>(SampleOf(*frame, review.view, &truths)));
     if (frame->skipped.empty()) {
       review.last = std::make_shared<const FrameReport>(std::move(frame).value());
     }
@@ -77,17 +79,24 @@ void LeaveOut(std::span<const std::string> categories, RunReview& review) {
     return std::find(categories.begin(), categories.end(), model.category) != categories.end();
   };
   const std::vector<ModelView>& models = review.view.models;
-  std::erase_if(review.view.truth, [&](const SequenceView::Truth& truth) {
-    return std::any_of(models.begin(), models.end(), [&](const ModelView& model) {
-      return model.name == truth.model && left_out(model);
-    });
-  });
+  std::vector<SequenceView::Truth>& truths = review.view.truth;
+  std::vector<bool> kept_truth;
+  for (const SequenceView::Truth& truth : truths) {
+    const ModelView* model = ModelByName(review.view, truth.model);
+    kept_truth.push_back(model == nullptr || !left_out(*model));
+  }
+  const auto keep = [&](auto& of_truths) {
+    std::size_t i = 0;
+    std::erase_if(of_truths, [&](const auto&) { return !kept_truth[i++]; });
+  };
+  keep(truths);
   for (auto& frame : review.history.frames) {
     FrameSample kept = *frame;
     std::erase_if(kept.objects, [&](const ObjectSample& object) {
       const auto label = static_cast<std::size_t>(object.label.value);
       return label < models.size() && left_out(models[label]);
     });
+    if (!kept.truths.empty()) keep(kept.truths);
     frame = std::make_shared<const FrameSample>(std::move(kept));
   }
 }

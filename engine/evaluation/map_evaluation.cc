@@ -2,12 +2,11 @@
 #include "engine/evaluation/map_evaluation.h"
 
 #include <algorithm>
-#include <limits>
 #include <tuple>
 
 #include "engine/base/check.h"
 #include "engine/evaluation/scene_alignment.h"
-#include "engine/geometry/assignment.h"
+#include "engine/evaluation/truth_pairing.h"
 
 namespace plumbline {
 namespace {
@@ -109,19 +108,12 @@ class Evaluator {
 
   /// Instances matched to the estimates, under the alignment so far.
   std::vector<std::optional<int>> Match() const {
-    Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(static_cast<int>(estimates_.size()),
-                                                     static_cast<int>(truth_.size()),
-                                                     std::numeric_limits<double>::infinity());
-    for (std::size_t i = 0; i < estimates_.size(); ++i) {
-      for (std::size_t j = 0; j < truth_.size(); ++j) {
-        if (estimates_[i].category != truth_[j].category) continue;
-        const double distance =
-            (AlignedPose(i).translation() - truth_[j].world_from_object.translation()).norm();
-        if (distance <= options_.match_distance_m)
-          cost(static_cast<int>(i), static_cast<int>(j)) = distance;
-      }
-    }
-    return AssignOneToOne(cost);
+    std::vector<PlacedThing> estimates, truths;
+    for (std::size_t i = 0; i < estimates_.size(); ++i)
+      estimates.push_back({estimates_[i].category, AlignedPose(i).translation()});
+    for (const GroundTruthInstance& instance : truth_)
+      truths.push_back({instance.category, instance.world_from_object.translation()});
+    return PairWithTruth(estimates, truths, options_.match_distance_m);
   }
 
   void Align(const std::vector<Eigen::Vector3d>& samples, const ClosestTriangleSearch& surface) {

@@ -16,6 +16,7 @@
 #include "engine/dataset/ground_truth.h"
 #include "engine/evaluation/pose_error.h"
 #include "engine/evaluation/surface_error.h"
+#include "engine/evaluation/truth_pairing.h"
 #include "engine/geometry/mesh.h"
 #include "engine/models/model_database.h"
 
@@ -54,7 +55,7 @@ struct EvaluationOptions {
   /// there is no scan).
   TruthSurface truth = TruthSurface::kBoth;
   std::vector<std::string> ignored_categories;  ///< Neither estimates nor truth of these count.
-  double match_distance_m = 0.5;                ///< Largest distance of the origins of a pair.
+  double match_distance_m = kPairReach_m;       ///< Largest distance of the origins of a pair.
   int samples = 500'000;                        ///< Points on each surface.
   std::uint64_t seed = 0;                       ///< Of the sample points.
 };

@@ -17,10 +17,12 @@ struct HypothesisProbe::Frame {
   MapFrame map;
   ScoringView view;
   std::unique_ptr<const FrameDetections> detections;
-  const ObjectReport* object = nullptr;
+  const ObjectReport* object = nullptr;  ///< Null: a truth without a candidate.
   std::vector<PoseHypothesis> particles;
   float normalizer = 0, reference_normalizer = 0;
-  const SequenceView::Truth* truth = nullptr;  ///< Nearest of the object's category.
+  const SequenceView::Truth* truth = nullptr;
+  ObjectId explained_by;  ///< Another object than `object` is paired with the truth.
+  Eigen::Isometry3d world_from_axes = Eigen::Isometry3d::Identity();  ///< What sweeps go along.
   PoseHypothesis truth_hypothesis;
 
   double AzimuthFromTruth(double azimuth_rad) const {

@@ -8,6 +8,7 @@
 
 #include "engine/base/files.h"
 #include "engine/base/log.h"
+#include "engine/evaluation/truth_pairing.h"
 #include "engine/geometry/angles.h"
 #include "engine/mapping/option_changes.h"
 #include "engine/mapping/particle_rank.h"
@@ -18,30 +19,45 @@
 namespace plumbline {
 namespace {
 
-constexpr double kFarthestTruth_m = 1.5;
-constexpr double kSpurious_m = 0.5;  ///< Further off than evaluation pairs estimates with truth.
 /// A particle this near to the truth would have been enough.
 constexpr double kNear_m = 0.05, kNear_rad = 10 * kRadPerDeg;
+constexpr double kLeastShown = 0.15;    ///< Of a contour, to say something about an instance.
+constexpr double kLeastSurplus = 0.05;  ///< Of the edge term over chance.
+
+ProbedHypothesis Named(std::string name, const PoseHypothesis& pose) {
+  ProbedHypothesis hypothesis;
+  hypothesis.name = std::move(name);
+  hypothesis.label = pose.label;
+  hypothesis.center_in_world = pose.center_in_world;
+  hypothesis.azimuth_rad = pose.azimuth_rad;
+  hypothesis.log_scale = pose.log_scale;
+  return hypothesis;
+}
+
+bool IsNear(const ProbedHypothesis& hypothesis) {
+  return *hypothesis.from_truth_m < kNear_m && *hypothesis.from_truth_rad < kNear_rad;
+}
+
+/// What a score has to be better by.
+double Margin(const ProbeView& view) { return 0.02 * std::abs(view.alpha + view.beta); }
 
 /// Whether it is the search or the likelihood. The last two hypotheses are the particle nearest to
 /// the truth and the truth, if there is one.
-Verdict VerdictOf(const ProbeView& view, bool has_truth) {
+Verdict VerdictOf(const ProbeView& view, bool has_truth, ObjectId explained_by) {
   if (!has_truth) return Verdict::kNoTruth;
   const ProbedHypothesis& mean = view.hypotheses.front();
   const ProbedHypothesis& nearest = view.hypotheses[view.hypotheses.size() - 2];
   const ProbedHypothesis& truth = view.hypotheses.back();
-  const auto near = [](const ProbedHypothesis& hypothesis) {
-    return *hypothesis.from_truth_m < kNear_m && *hypothesis.from_truth_rad < kNear_rad;
-  };
-  const double margin = 0.02 * std::abs(view.alpha + view.beta);
-  if (near(mean)) return Verdict::kRight;
-  if (*mean.from_truth_m > kSpurious_m) return Verdict::kSpurious;
-  if (truth.score <= mean.score + margin) return Verdict::kLikelihood;
-  return near(nearest) && nearest.label == truth.label ? Verdict::kTime : Verdict::kSearch;
+  if (*mean.from_truth_m > kPairReach_m) return Verdict::kSpurious;
+  if (explained_by.value > 0) return Verdict::kSecond;
+  if (IsNear(mean)) return Verdict::kRight;
+  if (truth.score <= mean.score + Margin(view)) return Verdict::kLikelihood;
+  return IsNear(nearest) && nearest.label == truth.label ? Verdict::kTime : Verdict::kSearch;
 }
 
 /// The only place where a verdict becomes words.
-std::string SentenceOf(Verdict verdict, const ProbeView& view) {
+std::string SentenceOf(Verdict verdict, const ProbeView& view, const std::string& truth_id,
+                       ObjectId explained_by) {
   const ProbedHypothesis& mean = view.hypotheses.front();
   const ProbedHypothesis& truth = view.hypotheses.back();
   switch (verdict) {
@@ -51,11 +67,16 @@ std::string SentenceOf(Verdict verdict, const ProbeView& view) {
       return "It is where it should be.";
     case Verdict::kSpurious:
       return fmt::format(
-          "Spurious: the nearest true object of this category is {:.0f} cm away; here the score is "
-          "{:.2f}, there {:.2f}.",
+          "Spurious: the nearest true object of this category{} is {:.0f} cm away; here the score "
+          "is {:.2f}, there {:.2f}.",
+          explained_by.value > 0 ? fmt::format(", which object {} explains,", explained_by.value)
+                                 : std::string(),
           100 * *mean.from_truth_m, mean.score, truth.score);
     case Verdict::kSecond:
-      return "A second one: another object already explains the true one nearby.";
+      return fmt::format(
+          "A second one: object {} explains {}, which is {:.0f} cm away, and there is no other "
+          "true object of this category nearby.",
+          explained_by.value, truth_id, 100 * *mean.from_truth_m);
     case Verdict::kLikelihood:
       return fmt::format(
           "Likelihood: in this frame the wrong place scores {:.2f}, the truth {:.2f}. No search "
@@ -76,6 +97,44 @@ std::string SentenceOf(Verdict verdict, const ProbeView& view) {
           truth.score, mean.score);
   }
   return "";
+}
+
+/// Of an instance that was asked about, which is the first hypothesis; the candidate's mean is the
+/// second, if there is one.
+void JudgeTruth(ObjectId candidate, ProbeView& view) {
+  const ProbedHypothesis& truth = view.hypotheses.front();
+  const auto say = [&](Verdict verdict, std::string text) {
+    view.verdict = verdict;
+    view.verdict_text = std::move(text);
+  };
+  if (truth.visible_fraction < kLeastShown) {
+    return say(Verdict::kNoTruth,
+               fmt::format("In this frame {:.0f} % of its contour shows: too little to say more.",
+                           100 * truth.visible_fraction));
+  }
+  if (truth.phi_edge < view.chance + kLeastSurplus) {
+    return say(Verdict::kLikelihood,
+               fmt::format("In this frame the truth itself hardly meets edges ({:.2f}, by chance "
+                           "{:.2f}): weak edges, another shape, or a doubtful truth.",
+                           truth.phi_edge, view.chance));
+  }
+  if (candidate.value <= 0) {
+    return say(Verdict::kSearch,
+               fmt::format("In this frame the truth would score {:.2f} (edges {:.2f}, by chance "
+                           "{:.2f}); no candidate is within a metre.",
+                           truth.score, truth.phi_edge, view.chance));
+  }
+  const ProbedHypothesis& mean = view.hypotheses[1];
+  if (IsNear(mean))
+    return say(Verdict::kRight, fmt::format("In this frame object {} is there.", candidate.value));
+  const bool better = truth.score > mean.score + Margin(view);
+  say(better ? Verdict::kSearch : Verdict::kLikelihood,
+      fmt::format("In this frame the truth would score {:.2f}; object {}, {:.0f} cm and "
+                  "{:.0f}\u00b0 away, scores {:.2f}: {}.",
+                  truth.score, candidate.value, 100 * *mean.from_truth_m,
+                  *mean.from_truth_rad / kRadPerDeg, mean.score,
+                  better ? "search has not found the better place"
+                         : "no search finds a place that scores less"));
 }
 
 }  // namespace
@@ -107,12 +166,14 @@ std::vector<Likelihood> HypothesisProbe::Score(const Frame& frame, const Hypothe
 }
 
 ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
-                                 const MapperOptions& options, const ProbeCommand& request) {
+                                 const MapperOptions& options, const ProbeCommand& request,
+                                 const ProbedTruth& truth) {
   if (!OptionChanges(options_, options).empty()) table_ = nullptr;
   options_ = options;
   ProbeView view;
   view.frame = snapshot.report.frame;
-  view.object = request.object;
+  view.object = request.truth.empty() ? request.object : ObjectId();
+  view.truth = request.truth;
   view.alpha = options_.alpha;
   view.beta = options_.beta;
   view.search_radius_px = static_cast<float>(SearchOptions(options_, camera_.fx).radius_px);
@@ -124,11 +185,29 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
     view.message = why;
     return view;
   };
-  if (frame.object == nullptr) return nothing("The object is not in this frame.");
+  const bool of_truth = !request.truth.empty();
+  if (of_truth && !truth.index) return nothing("The ground truth has no such instance.");
+  if (!of_truth && frame.object == nullptr) return nothing("The object is not in this frame.");
   if (!snapshot.report.world_from_cam || snapshot.edge_probability.empty())
     return nothing("Without the images of the sequence nothing can be scored again.");
-  if (frame.object->particles == nullptr || frame.object->particles->empty())
-    return nothing("The object has no particles in this frame.");
+  if (frame.object != nullptr &&
+      (frame.object->particles == nullptr || frame.object->particles->empty())) {
+    if (!of_truth) return nothing("The object has no particles in this frame.");
+    frame.object = nullptr;
+  }
+  if (truth.index) {
+    frame.truth = &sequence.truth[static_cast<std::size_t>(*truth.index)];
+    frame.explained_by = truth.explained_by;
+    const auto label = database_->Find(frame.truth->model);
+    if (!label) return nothing("The models of the run lack that of the true instance.");
+    PoseMode mode;
+    mode.label = *label;
+    mode.world_from_object = frame.truth->world_from_object;
+    mode.scale = frame.truth->scale;
+    frame.truth_hypothesis = ToHypothesis(mode, frame.map);
+  }
+  frame.world_from_axes =
+      of_truth ? *snapshot.report.world_from_cam : frame.object->world_from_reference_cam;
 
   const EdgeMap edges{snapshot.edge_probability, snapshot.edge_angle};
   if (table_frame_ != view.frame || table_ == nullptr) {
@@ -150,10 +229,15 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
   for (const ProposalReport& proposal : snapshot.report.proposals)
     proposals.push_back({proposal.box, proposal.category, proposal.score});
   frame.detections = DetectionsFromProposals(std::move(proposals));
-  for (const Particle& particle : *frame.object->particles)
-    frame.particles.push_back(ToHypothesis(particle, frame.object->world_from_reference_cam));
-  std::vector<HypothesisScore> scores(frame.particles.size());
-  scorer_->Score(frame.view, frame.map.upright, frame.particles, scores);
+  if (frame.object != nullptr) {
+    for (const Particle& particle : *frame.object->particles)
+      frame.particles.push_back(ToHypothesis(particle, frame.object->world_from_reference_cam));
+  }
+  const std::vector<PoseHypothesis> typical =
+      frame.particles.empty() ? std::vector<PoseHypothesis>{frame.truth_hypothesis}
+                              : frame.particles;
+  std::vector<HypothesisScore> scores(typical.size());
+  scorer_->Score(frame.view, frame.map.upright, typical, scores);
   frame.normalizer = EdgeNormalizer(scores);
   frame.reference_normalizer = frame.normalizer;
 
@@ -164,7 +248,7 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
     if (!made.ok()) log::warn("no reference scorer: {}", made.error().message);
   }
   const HypothesisScorer* reference = request.reference ? reference_.get() : nullptr;
-  AddHypotheses(frame, sequence, request, view);
+  AddHypotheses(frame, request, view);
   ScoreHypotheses(frame, reference, edges, view);
   AddOutlines(frame, request.hovered, view);
   AddSlices(frame, reference, view);
@@ -176,48 +260,36 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
   return view;
 }
 
-void HypothesisProbe::AddHypotheses(Frame& frame, const SequenceView& sequence,
-                                    const ProbeCommand& request, ProbeView& view) const {
-  const ObjectReport& object = *frame.object;
-  const auto add = [&](std::string name, const PoseHypothesis& pose, std::optional<int> particle,
-                       bool is_truth) {
-    ProbedHypothesis hypothesis;
-    hypothesis.name = std::move(name);
-    hypothesis.particle = particle;
-    hypothesis.is_truth = is_truth;
-    hypothesis.label = pose.label;
-    hypothesis.center_in_world = pose.center_in_world;
-    hypothesis.azimuth_rad = pose.azimuth_rad;
-    hypothesis.log_scale = pose.log_scale;
-    view.hypotheses.push_back(std::move(hypothesis));
+void HypothesisProbe::AddHypotheses(const Frame& frame, const ProbeCommand& request,
+                                    ProbeView& view) const {
+  const auto add_truth = [&] {
+    view.hypotheses.push_back(Named("truth " + frame.truth->id, frame.truth_hypothesis));
+    view.hypotheses.back().is_truth = true;
   };
-  PoseMode mean;
-  mean.label = object.label;
-  mean.world_from_object = object.world_from_object;
-  mean.scale = object.scale;
-  add("mean", ToHypothesis(mean, frame.map), std::nullopt, false);
-
-  double nearest_m = kFarthestTruth_m;
-  for (const SequenceView::Truth& truth : sequence.truth) {
-    const auto label = database_->Find(truth.model);
-    if (!label || database_->model(*label).category != object.category) continue;
-    const double distance_m =
-        (truth.world_from_object.translation() - object.world_from_object.translation()).norm();
-    if (distance_m >= nearest_m) continue;
-    nearest_m = distance_m;
-    frame.truth = &truth;
-    PoseMode mode;
-    mode.label = *label;
-    mode.world_from_object = truth.world_from_object;
-    mode.scale = truth.scale;
-    frame.truth_hypothesis = ToHypothesis(mode, frame.map);
+  const bool truth_first = !request.truth.empty();
+  if (truth_first) add_truth();
+  if (frame.object != nullptr) {
+    PoseMode mean;
+    mean.label = frame.object->label;
+    mean.world_from_object = frame.object->world_from_object;
+    mean.scale = frame.object->scale;
+    view.hypotheses.push_back(
+        Named(truth_first ? fmt::format("mean of #{}", frame.object->id.value) : "mean",
+              ToHypothesis(mean, frame.map)));
+    AddParticles(frame, request, view);
   }
+  if (!truth_first && frame.truth != nullptr) add_truth();
+}
 
-  const std::vector<Particle>& particles = *object.particles;
+/// The best, the median, the one asked for, and the one nearest to the truth.
+void HypothesisProbe::AddParticles(const Frame& frame, const ProbeCommand& request,
+                                   ProbeView& view) const {
+  const std::vector<Particle>& particles = *frame.object->particles;
   const std::vector<int> by_rank = ByRank(particles, options_.alpha, options_.beta);
   const auto add_particle = [&](const char* name, int index) {
-    add(fmt::format("{} ({})", name, index), frame.particles[static_cast<std::size_t>(index)],
-        index, false);
+    view.hypotheses.push_back(Named(fmt::format("{} ({})", name, index),
+                                    frame.particles[static_cast<std::size_t>(index)]));
+    view.hypotheses.back().particle = index;
   };
   add_particle("best particle", by_rank.front());
   add_particle("median particle", by_rank[by_rank.size() / 2]);
@@ -239,7 +311,6 @@ void HypothesisProbe::AddHypotheses(Frame& frame, const SequenceView& sequence,
     view.nearest_particle_m = static_cast<float>(meters);
   }
   add_particle("nearest to truth", nearest);
-  add("truth " + frame.truth->id, frame.truth_hypothesis, std::nullopt, true);
 }
 
 void HypothesisProbe::ScoreHypotheses(const Frame& frame, const HypothesisScorer* reference,
@@ -266,15 +337,18 @@ void HypothesisProbe::ScoreHypotheses(const Frame& frame, const HypothesisScorer
     }
     h.samples = Samples(frame, poses[i], edges);
   }
-  view.verdict = VerdictOf(view, frame.truth != nullptr);
-  view.verdict_text = SentenceOf(*view.verdict, view);
+  if (!view.truth.empty())
+    return JudgeTruth(frame.object != nullptr ? frame.object->id : ObjectId(), view);
+  view.verdict = VerdictOf(view, frame.truth != nullptr, frame.explained_by);
+  view.verdict_text = SentenceOf(*view.verdict, view, frame.truth != nullptr ? frame.truth->id : "",
+                                 frame.explained_by);
 }
 
 void HypothesisProbe::AddOutlines(const Frame& frame, int hovered, ProbeView& view) {
   const cv::Size size(camera_.width, camera_.height);
   const auto outline = [&](const PoseHypothesis& pose) {
     const PlacedModel placed[] = {
-        {frame.object->id, pose.label, frame.map.WorldFromObject(pose), pose.scale()}};
+        {ObjectId{1}, pose.label, frame.map.WorldFromObject(pose), pose.scale()}};
     const RenderedMaps maps = renderer_->Render(camera_, frame.view.cam_from_world, placed);
     std::vector<OutlineView> outlines = OutlinesOf(maps.id, size);
     return outlines.empty() ? std::vector<std::vector<Eigen::Vector2f>>()
@@ -288,19 +362,21 @@ void HypothesisProbe::AddOutlines(const Frame& frame, int hovered, ProbeView& vi
 }
 
 ProbeView LazyProbe::Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
-                           const MapperOptions& options, const ProbeCommand& request) {
+                           const MapperOptions& options, const ProbeCommand& request,
+                           const ProbedTruth& truth) {
   if (probe_ == nullptr) {
     auto made = HypothesisProbe::Create(camera_, database_, floor_in_world_, WorkContext());
     if (!made.ok()) {
       ProbeView failed;
       failed.frame = snapshot.report.frame;
-      failed.object = request.object;
+      failed.object = request.truth.empty() ? request.object : ObjectId();
+      failed.truth = request.truth;
       failed.message = made.error().message;
       return failed;
     }
     probe_ = std::move(made).value();
   }
-  return probe_->Probe(snapshot, sequence, options, request);
+  return probe_->Probe(snapshot, sequence, options, request, truth);
 }
 
 }  // namespace plumbline

@@ -16,6 +16,12 @@
 
 namespace plumbline {
 
+/// What hypotheses are compared with.
+struct ProbedTruth {
+  std::optional<int> index = {};  ///< Into SequenceView::truth; nothing: there is none.
+  ObjectId explained_by = {};     ///< Another object than the one asked about is paired with it.
+};
+
 /// Scores again what a frame's particles were scored by, and what they were not: the truth, places
 /// around the mean. Edges come from the snapshot; the detector's scores from the proposals that the
 /// frame reports, which is exact for `--detector dataset` and close for networks. What hides the
@@ -27,19 +33,21 @@ class HypothesisProbe {
       const PinholeCamera& camera, std::shared_ptr<const ModelDatabase> database,
       std::optional<Eigen::Vector4d> floor_in_world, const WorkContext& work);
 
-  /// A request that cannot be answered gives a view with a message.
+  /// A request that cannot be answered gives a view with a message. Where `request` names a true
+  /// instance, that comes first among the hypotheses, and those of `request.object`, the candidate
+  /// for it, follow if there is one.
   /// @param options  Those that the frame was mapped with.
   ProbeView Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
-                  const MapperOptions& options, const ProbeCommand& request);
+                  const MapperOptions& options, const ProbeCommand& request,
+                  const ProbedTruth& truth);
 
  private:
   struct Frame;
   HypothesisProbe() = default;
   std::vector<Likelihood> Score(const Frame& frame, const HypothesisScorer& scorer,
                                 std::span<const PoseHypothesis> hypotheses) const;
-  /// Finds the truth, too.
-  void AddHypotheses(Frame& frame, const SequenceView& sequence, const ProbeCommand& request,
-                     ProbeView& view) const;
+  void AddHypotheses(const Frame& frame, const ProbeCommand& request, ProbeView& view) const;
+  void AddParticles(const Frame& frame, const ProbeCommand& request, ProbeView& view) const;
   void ScoreHypotheses(const Frame& frame, const HypothesisScorer* reference, const EdgeMap& edges,
                        ProbeView& view) const;
   void AddOutlines(const Frame& frame, int hovered, ProbeView& view);
@@ -70,7 +78,8 @@ class LazyProbe {
             std::optional<Eigen::Vector4d> floor_in_world)
       : camera_(camera), database_(std::move(database)), floor_in_world_(floor_in_world) {}
   ProbeView Probe(const MapSnapshot& snapshot, const SequenceView& sequence,
-                  const MapperOptions& options, const ProbeCommand& request);
+                  const MapperOptions& options, const ProbeCommand& request,
+                  const ProbedTruth& truth);
 
  private:
   PinholeCamera camera_;

@@ -16,7 +16,7 @@ constexpr int kSliceSteps = 61, kMapSteps = 41;
 
 std::vector<HypothesisProbe::Axis> HypothesisProbe::Axes(const Frame& frame,
                                                          const ProbeView& view) {
-  const Eigen::Isometry3d& world_from_cam = frame.object->world_from_reference_cam;
+  const Eigen::Isometry3d& world_from_cam = frame.world_from_axes;
   const ProbedHypothesis& mean = view.hypotheses.front();
   const Eigen::Vector3d ray = (mean.center_in_world - world_from_cam.translation()).normalized();
   std::vector<Axis> axes = {{"sideways", "cm", 0.3, 100, world_from_cam.linear().col(0)},

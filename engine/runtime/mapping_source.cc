@@ -10,12 +10,14 @@
 
 #include "engine/analysis/history.h"
 #include "engine/analysis/sequence_view.h"
+#include "engine/analysis/true_instances.h"
 #include "engine/pipeline/frame_pictures.h"
 #include "engine/pipeline/hypothesis_probe.h"
 #include "engine/pipeline/mapping_pipeline.h"
 #include "engine/recording/option_history.h"
 #include "engine/recording/run_file.h"
 #include "engine/runtime/past_frame.h"
+#include "engine/runtime/probe_answer.h"
 #include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
@@ -67,6 +69,7 @@ class MappingSource : public SnapshotSource {
         pictures_(std::move(pictures)),
         writer_(std::move(writer)),
         view_(std::move(view)),
+        truths_(view_),
         range_(pipeline_->recipe().frames),
         probe_(pipeline_->sequence().camera(), pipeline_->database(),
                pipeline_->sequence().floor_in_world()),
@@ -75,7 +78,7 @@ class MappingSource : public SnapshotSource {
         options_(choice.recipe.options) {}
 
   ProbeView Probe(const MapSnapshot& snapshot, const ProbeCommand& request) override {
-    return probe_.Probe(snapshot, view_, mapped_with_.At(snapshot.report.frame), request);
+    return AnswerProbe(probe_, snapshot, view_, mapped_with_.At(snapshot.report.frame), request);
   }
   MapperOptions options() const override { return options_; }
   MapperOptions OptionsAt(int frame) const override { return mapped_with_.At(frame); }
@@ -115,7 +118,7 @@ class MappingSource : public SnapshotSource {
       events_.push_back({snapshot->report.frame, event});
     }
     history_.frames.push_back(
-        std::make_shared<const FrameSample>(SampleOf(snapshot->report, view_)));
+        std::make_shared<const FrameSample>(SampleOf(snapshot->report, view_, &truths_)));
     if (WantsThumbnail(mapped(), pipeline_->num_selected()) && !snapshot->image.empty())
       history_.thumbnails.push_back({snapshot->report.frame, ThumbnailOf(snapshot->image)});
     memory_.Put(mapped(), snapshot);
@@ -150,6 +153,7 @@ class MappingSource : public SnapshotSource {
   std::unique_ptr<RunWriter> writer_;
   std::unique_ptr<RunReader> reader_;
   SequenceView view_;
+  TruthVisibility truths_;
   FrameRange range_;
   LazyProbe probe_;
   std::shared_ptr<const RunHeader> header_;

@@ -7,6 +7,7 @@
 
 #include "engine/analysis/history.h"
 #include "engine/analysis/sequence_view.h"
+#include "engine/analysis/true_instances.h"
 #include "engine/base/log.h"
 #include "engine/pipeline/frame_pictures.h"
 #include "engine/pipeline/hypothesis_probe.h"
@@ -14,6 +15,7 @@
 #include "engine/recording/run_file.h"
 #include "engine/recording/smoothed_record.h"
 #include "engine/runtime/past_frame.h"
+#include "engine/runtime/probe_answer.h"
 #include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
@@ -32,6 +34,7 @@ class RunSource : public SnapshotSource {
         events_(std::move(events)),
         pictures_(std::move(pictures)),
         view_(std::move(view)),
+        truths_(view_),
         probe_(std::move(probe)),
         mapped_with_(reader_->header()) {
     history_.frames.resize(frames_.size());
@@ -48,7 +51,7 @@ class RunSource : public SnapshotSource {
   const std::vector<FrameEvent>& events() const override { return events_; }
   const RunHistory& history() const override { return history_; }
   ProbeView Probe(const MapSnapshot& snapshot, const ProbeCommand& request) override {
-    return probe_.Probe(snapshot, view_, mapped_with_.At(snapshot.report.frame), request);
+    return AnswerProbe(probe_, snapshot, view_, mapped_with_.At(snapshot.report.frame), request);
   }
   MapperOptions options() const override { return mapped_with_.newest(); }
   MapperOptions OptionsAt(int frame) const override { return mapped_with_.At(frame); }
@@ -62,7 +65,7 @@ class RunSource : public SnapshotSource {
     while (read_ < size() && std::chrono::steady_clock::now() < until) {
       if (auto report = reader_->ReadFrameBrief(read_); report.ok()) {
         history_.frames[static_cast<std::size_t>(read_)] =
-            std::make_shared<const FrameSample>(SampleOf(*report, view_));
+            std::make_shared<const FrameSample>(SampleOf(*report, view_, &truths_));
       }
       if (WantsThumbnail(read_, size())) {
         if (auto image = reader_->ReadThumbnail(read_); image.ok() && !image->empty())
@@ -87,6 +90,7 @@ class RunSource : public SnapshotSource {
   std::vector<FrameEvent> events_;
   std::unique_ptr<FramePictures> pictures_;
   SequenceView view_;
+  TruthVisibility truths_;
   LazyProbe probe_;
   OptionHistory mapped_with_;
   SnapshotMemory memory_{kPictureMemoryBytes};

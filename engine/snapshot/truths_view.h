@@ -43,8 +43,8 @@ struct NearCandidate {
   int first_frame = 0;
   float first_m = 0;  ///< Between origins.
   int nearest_frame = 0;
-  float nearest_m = 0, nearest_rad = 0;  ///< When it was nearest.
-  float last_m = 0;
+  float nearest_m = 0, nearest_rad = 0;        ///< When it was nearest.
+  float last_m = 0, last_rad = 0;              ///< When it was last looked at.
   float most_evidence = 0, last_evidence = 0;  ///< Log odds that it exists.
   bool confirmed = false;                      ///< At some time.
   std::optional<int> ended;                    ///< Frame; nothing: it lives.
