@@ -294,7 +294,7 @@ class Measurement:
             record["failed"] = last_line(process)
         else:
             fill(record, job, self.arguments.frames, json.loads(summary_file.read_text()),
-                 json.loads(judged_file.read_text()), Life(work))
+                 json.loads(judged_file.read_text()), withdrawn_objects(work))
         shutil.rmtree(work)
         if not self.arguments.keep:
             run_file.unlink(missing_ok=True)
@@ -302,43 +302,15 @@ class Measurement:
         return record
 
 
-class Life:
-    """What became of the objects of a run, from its tables."""
-
-    def __init__(self, folder):
-        self.near = {}  # rows of objects within half a metre of a true one, by its id
-        self.last = {}  # row of every object
-        with open(folder / "frames.csv", newline="") as file:
-            for line in csv.DictReader(file):
-                self.last[line["id"]] = line
-                if line["truth"] and float(line["translation_error_m"]) < 0.5:
-                    self.near.setdefault(line["truth"], []).append(line)
-        with open(folder / "events.csv", newline="") as file:
-            self.events = list(csv.DictReader(file))
-
-    def withdrawn(self):
-        """Objects that had been confirmed and were given up; merged ones live on in another."""
-        confirmed = {event["id"] for event in self.events if event["event"] == "confirmed"}
-        return sorted(event["id"] for event in self.events if event["event"] == "retired" and event["id"] in confirmed)
-
-    def why_missed(self, truth):
-        rows = self.near.get(truth, [])
-        if not rows:
-            return "no hypothesis came near"
-        best = max(rows, key=lambda line: float(line["log_evidence"]))
-        ends = [event for event in self.events if event["id"] == best["id"] and event["event"] in ("retired", "merged")]
-        last = self.last[best["id"]]
-        if ends:
-            end = f"{ends[-1]['event']} at frame {ends[-1]['frame']}: {ends[-1]['text']}"
-        elif last["state"] == "confirmed":
-            end = "went on as " + (last["truth"] or "something else")
-        else:
-            end = "still tentative"
-        return (f"hypotheses near: {len({line['id'] for line in rows})}; the best had log odds "
-                f"{float(best['log_evidence']):.1f} at frame {best['frame']}, {end}")
+def withdrawn_objects(folder):
+    """Objects that had been confirmed and were given up; merged ones live on in another."""
+    with open(folder / "events.csv", newline="") as file:
+        events = list(csv.DictReader(file))
+    confirmed = {event["id"] for event in events if event["event"] == "confirmed"}
+    return sorted(event["id"] for event in events if event["event"] == "retired" and event["id"] in confirmed)
 
 
-def fill(record, job, frames, summary, judged, life):
+def fill(record, job, frames, summary, judged, withdrawn):
     """Puts into the record what a run found, instance by instance; what its second pass found beside it."""
     shown = shown_frames(job.sequence, frames)
     rate_hz = json.loads((job.sequence / "camera.json").read_text())["rate_hz"]
@@ -356,7 +328,7 @@ def fill(record, job, frames, summary, judged, life):
                 "credible_level": believed[found["id"]].get("credible_level")})
         for missed in evaluation["missed_instances"]:
             instances.append({"id": missed["ground_truth"], "found": False, "quality": missed["quality"],
-                              "why": life.why_missed(missed["ground_truth"])})
+                              "why": missed.get("why", {}).get("text", "")})
         for instance in instances:
             instance["shown_frames"] = shown.get(instance["id"], 0)
             instance["shows_well"] = instance["shown_frames"] >= SHOWS_WELL_S * rate_hz
@@ -365,7 +337,7 @@ def fill(record, job, frames, summary, judged, life):
     record.update(fps=summary["fps"], frames=summary["frames"], skipped=summary["skipped"],
                   stages_ms={stage: cost["mean"] for stage, cost in summary["timings_ms"].items()},
                   instances=instances_of(summary, judged), spurious=judged["spurious_objects"],
-                  withdrawn=life.withdrawn(), surface_mean_m=judged["surface"]["mean_m"], belief=judged["belief"])
+                  withdrawn=withdrawn, surface_mean_m=judged["surface"]["mean_m"], belief=judged["belief"])
     if "smoothed" in judged:
         smoothed = judged["smoothed"]
         record["smoothed"] = {

@@ -13,6 +13,7 @@
 
 #include "app/report/html_page.h"
 #include "app/report/svg_plot.h"
+#include "engine/analysis/missed_truths.h"
 #include "engine/analysis/reliability.h"
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
@@ -209,7 +210,7 @@ std::string ObjectTable(const RunReview& review) {
   return html + "</table></div>";
 }
 
-std::string EvaluationTable(const MapEvaluation& e) {
+std::string EvaluationTable(const MapEvaluation& e, const TruthsView& truths) {
   std::string html =
       "<h2>Against ground truth</h2><div class='scroll'><table><tr><th>object</th>"
       "<th class='l'>model</th><th class='l'>ground truth</th><th>translation</th><th>centre</th>"
@@ -230,11 +231,13 @@ std::string EvaluationTable(const MapEvaluation& e) {
         "<tr><td>#{}</td><td class='l'>{}</td><td class='l bad'>spurious</td>"
         "<td></td><td></td><td></td><td></td><td>{:.2f} cm</td></tr>",
         Escaped(o.estimate.id), Escaped(o.estimate.model), 100 * o.surface.mean_m);
-  for (const GroundTruthInstance& o : e.missed)
+  for (const GroundTruthInstance& o : e.missed) {
+    const TruthView* truth = FindTruth(truths, o.id);
     html += fmt::format(
         "<tr><td class='bad'>missed</td><td class='l'>{}</td><td class='l'>{}</td>"
-        "<td></td><td></td><td></td><td></td><td></td></tr>",
-        Escaped(o.model), Escaped(o.id));
+        "<td class='l' colspan='5'>{}</td></tr>",
+        Escaped(o.model), Escaped(o.id), truth != nullptr ? Escaped(truth->text) : "");
+  }
   return html + "</table></div>";
 }
 
@@ -437,7 +440,7 @@ std::string RunReportHtml(const RunReview& review, const std::vector<ReportPictu
                           const std::optional<MapEvaluation>& evaluation, const std::string& name) {
   std::string body =
       Cards(review, evaluation) + Pictures(pictures) + Plan(review) + ObjectTable(review);
-  if (evaluation) body += EvaluationTable(*evaluation);
+  if (evaluation) body += EvaluationTable(*evaluation, TruthsOf(review));
   body += ReliabilityOfRun(review) + Plots(review) + Cost(review) + Appendix(review);
   return HtmlPage(
       name, "A run of Plumbline " + review.header.program_version + " over " + review.view.name,

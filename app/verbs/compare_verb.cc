@@ -51,6 +51,11 @@ void Print(const RunDifference& difference, const RunReview& a, const RunReview&
     std::printf("%-24s %-24s %8s %8s  %-18s %-18s\n", Name(a, o.a).c_str(), Name(b, o.b).c_str(),
                 apart, turned, Off(o.error_a).c_str(), Off(o.error_b).c_str());
   }
+  for (const MissedDifference& m : difference.missed) {
+    std::printf("\nmissed: %s\n", m.truth.c_str());
+    std::printf("  A  %s\n", m.why_a.empty() ? "found" : m.why_a.c_str());
+    std::printf("  B  %s\n", m.why_b.empty() ? "found" : m.why_b.c_str());
+  }
   std::printf("\n%-24s %10s %10s %8s\n", "mean time [ms]", "A", "B", "B / A");
   for (const StageDifference& s : difference.stages) {
     std::printf("%-24s %10.2f %10.2f", s.stage.c_str(), s.mean_a_ms, s.mean_b_ms);

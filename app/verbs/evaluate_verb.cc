@@ -8,6 +8,7 @@
 #include "app/verbs/evaluate_trajectory.h"
 #include "app/verbs/verb.h"
 #include "engine/analysis/history.h"
+#include "engine/analysis/missed_truths.h"
 #include "engine/analysis/reliability.h"
 #include "engine/analysis/run_review.h"
 #include "engine/analysis/trajectory_alignment.h"
@@ -65,7 +66,8 @@ std::string SizeInWords(const MatchedObject& object) {
   return text + Number(" %% (true %+.1f %%)", 100 * (object.truth.scale - 1));
 }
 
-void PrintObjects(const MapEvaluation& evaluation) {
+/// @param truths  Why instances are missed; null: not known.
+void PrintObjects(const MapEvaluation& evaluation, const TruthsView* truths) {
   std::printf("%-6s %-18s %-18s %7s %7s %8s %8s %6s %7s %8s\n", "object", "model", "ground truth",
               "trans.", "centre", "rotation", "azimuth", "tilt", "height", "surface");
   std::printf("%-6s %-18s %-18s %7s %7s %8s %8s %6s %7s %8s\n", "", "", "", "cm", "cm", "deg",
@@ -89,11 +91,14 @@ void PrintObjects(const MapEvaluation& evaluation) {
   for (const GroundTruthInstance& instance : evaluation.missed) {
     std::printf("%-6s %-18s %-18s %s\n", "MISSED", instance.model.c_str(), instance.id.c_str(),
                 instance.fine ? "" : "coarse");
+    const TruthView* truth = truths != nullptr ? FindTruth(*truths, instance.id) : nullptr;
+    if (truth != nullptr) std::printf("       %s\n", truth->text.c_str());
   }
 }
 
-void PrintTable(const MapEvaluation& evaluation, const EvaluateArguments& arguments) {
-  PrintObjects(evaluation);
+void PrintTable(const MapEvaluation& evaluation, const TruthsView* truths,
+                const EvaluateArguments& arguments) {
+  PrintObjects(evaluation, truths);
   std::printf("\nmatched %zu, missed %zu, spurious %zu; alignment %s, truth %s%s\n\n",
               evaluation.matched.size(), evaluation.missed.size(), evaluation.spurious.size(),
               arguments.align.c_str(), arguments.scene.empty() ? "models" : arguments.truth.c_str(),
@@ -270,13 +275,21 @@ Result<nlohmann::json> Judge(const std::vector<EstimatedObject>& estimates, cons
                   arguments.options);
   if (!evaluation) return evaluation.error();
   const int truths = beliefs ? static_cast<int>(beliefs->view.truth.size()) : 0;
+  // A history of one frame, as of a second pass, tells nothing of what was missed on the way.
+  std::optional<TruthsView> known;
+  if (beliefs && beliefs->history.frames.size() > 1) known = TruthsOf(*beliefs);
   if (arguments.json != "-") {
-    PrintTable(*evaluation, arguments);
+    PrintTable(*evaluation, known ? &*known : nullptr, arguments);
     if (beliefs) PrintReliability(beliefs->history, truths);
   }
   nlohmann::json json = EvaluationToJson(*evaluation, arguments.options);
   if (arguments.by_trajectory)
     json["trajectory"] = TrajectoryToJson(arguments.by_trajectory->errors);
+  for (nlohmann::json& missed : json["missed_instances"]) {
+    const TruthView* told =
+        known ? FindTruth(*known, missed["ground_truth"].get<std::string>()) : nullptr;
+    if (told != nullptr) missed["why"] = WhyMissedToJson(*told);
+  }
   if (beliefs) json["belief"] = BeliefToJson(beliefs->history, truths);
   return json;
 }

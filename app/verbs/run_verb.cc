@@ -11,6 +11,8 @@
 #include "app/verbs/pipeline_arguments.h"
 #include "app/verbs/smoothed_table.h"
 #include "app/verbs/verb.h"
+#include "engine/analysis/sequence_view.h"
+#include "engine/analysis/true_instances.h"
 #include "engine/base/timer.h"
 #include "engine/pipeline/mapping_pipeline.h"
 #include "engine/recording/option_history.h"
@@ -29,6 +31,7 @@ struct RunArguments {
   bool resume = false, smooth = false;
   std::string fork;       ///< A run whose past this one takes over.
   std::optional<int> at;  ///< Up to this frame; nothing: all of it.
+  std::string plant;      ///< A true instance that the mapper is given then; "": none.
 };
 
 /// The run file to write to, new, forked or resumed; `pipeline` then stands where the run goes on.
@@ -155,6 +158,19 @@ nlohmann::json LiveToJson(const LiveReport& live, int skipped) {
           {"mapped_age_ms", live.done_age_ms}};
 }
 
+/// Gives the mapper a true instance of the sequence as a candidate.
+Status Plant(const std::string& instance, MappingPipeline& pipeline) {
+  if (instance.empty()) return {};
+  const auto planted =
+      PlantTruth(MakeViewWithoutScan(pipeline.sequence(), *pipeline.database()), instance);
+  if (!planted) {
+    return Error{ErrorCode::kInvalidInput,
+                 "the ground truth of '" + pipeline.sequence().path().string() +
+                     "' has no instance '" + instance + "'; 'plumbline info' lists them"};
+  }
+  return pipeline.Plant(*planted);
+}
+
 Status Run(RunArguments& arguments) {
   if (Status status = arguments.pipeline.Finish(); !status.ok()) return status;
   if (Status status = CheckLiveArguments(arguments); !status.ok()) return status;
@@ -178,6 +194,7 @@ Status Run(RunArguments& arguments) {
   RunSummary summary;
   Result<std::unique_ptr<RunWriter>> writer = OpenWriter(arguments, pipeline, summary);
   if (!writer.ok()) return writer.error();
+  if (Status status = Plant(arguments.plant, pipeline); !status.ok()) return status;
 
   std::shared_ptr<const MapSnapshot> last;
   Stopwatch watch;
@@ -246,6 +263,11 @@ void AddRunVerb(CLI::App& app, VerbFunction& chosen) {
       ->excludes("--resume");
   verb->add_option("--at", arguments->at, "The last frame that is copied (default: all)")
       ->type_name("FRAME")
+      ->needs("--fork");
+  verb->add_option("--plant", arguments->plant,
+                   "After --at, give the mapper this true instance as a candidate: what would have "
+                   "become of it?")
+      ->type_name("ID")
       ->needs("--fork");
   verb->add_flag("--smooth", arguments->smooth,
                  "Afterwards, smooth: a second pass over all frames, kept beside the result");

@@ -43,12 +43,6 @@ CauseName NamesOf(MissedCause cause) {
       return {"withdrawn", "Withdrawn"};
     case MissedCause::kNotConfirmed:
       return {"not_confirmed", "Not confirmed yet"};
-    case MissedCause::kSearch:
-      return {"search", "Search"};
-    case MissedCause::kLikelihood:
-      return {"likelihood", "Likelihood"};
-    case MissedCause::kTruthDoubtful:
-      return {"truth_doubtful", "Truth doubtful"};
   }
   return {"none", ""};
 }
@@ -193,10 +187,13 @@ class TruthTeller {
       if (!candidate.ended && IsThere(candidate.last_m, candidate.last_rad))
         return SayNotConfirmed(candidate);
     }
+    const NearCandidate* withdrawn = nullptr;  // the one that came furthest
     for (const NearCandidate& candidate : told_.candidates) {
-      if (candidate.ended && IsThere(candidate.nearest_m, candidate.nearest_rad))
-        return SayWithdrawn(candidate);
+      if (!candidate.ended || !IsThere(candidate.nearest_m, candidate.nearest_rad)) continue;
+      if (withdrawn == nullptr || candidate.most_evidence > withdrawn->most_evidence)
+        withdrawn = &candidate;
     }
+    if (withdrawn != nullptr) return SayWithdrawn(*withdrawn);
     if (told_.frames_boxed == 0) {
       return Say(MissedCause::kNeverBoxed,
                  fmt::format("it shows in {} frames ({}-{}), and no {} box lies over it in any.",
@@ -313,34 +310,35 @@ TruthsView TruthsOf(const RunHistory& history, std::span<const FrameEvent> event
   return truths;
 }
 
+TruthsView TruthsOf(const RunReview& review) {
+  std::vector<FrameEvent> events;
+  for (const RunEvent& event : review.events) events.push_back({event.frame, event.event});
+  return TruthsOf(review.history, events, review.view,
+                  review.header.recipe.options.confirm_evidence);
+}
+
 const char* NameOf(MissedCause cause) { return NamesOf(cause).in_files; }
 
-nlohmann::json MissedToJson(const TruthsView& truths) {
-  nlohmann::json missed = nlohmann::json::array();
-  for (const TruthView& truth : truths.truths) {
-    if (truth.found) continue;
-    nlohmann::json boxes = nlohmann::json::array(), candidates = nlohmann::json::array();
-    for (const BoxUse& use : truth.boxes) {
-      boxes.push_back(
-          {{"fate", NameOf(use.fate)},
-           {"object", use.object.value > 0 ? nlohmann::json(use.object.value) : nullptr},
-           {"frames", use.frames}});
-    }
-    for (const NearCandidate& candidate : truth.candidates) candidates.push_back(ToJson(candidate));
-    missed.push_back({{"id", truth.id},
-                      {"model", truth.model},
-                      {"cause", NameOf(truth.cause)},
-                      {"text", truth.text},
-                      {"frames", truth.frames},
-                      {"frames_seen", truth.frames_seen},
-                      {"first_seen", truth.first_seen},
-                      {"last_seen", truth.last_seen},
-                      {"best_frame", truth.best_frame},
-                      {"frames_boxed", truth.frames_boxed},
-                      {"boxes", std::move(boxes)},
-                      {"candidates", std::move(candidates)}});
+nlohmann::json WhyMissedToJson(const TruthView& truth) {
+  nlohmann::json boxes = nlohmann::json::array(), candidates = nlohmann::json::array();
+  for (const BoxUse& use : truth.boxes) {
+    boxes.push_back({{"fate", NameOf(use.fate)},
+                     {"object", use.object.value > 0 ? nlohmann::json(use.object.value) : nullptr},
+                     {"frames", use.frames}});
   }
-  return missed;
+  for (const NearCandidate& candidate : truth.candidates) candidates.push_back(ToJson(candidate));
+  return {{"cause", NameOf(truth.cause)},   {"text", truth.text},
+          {"frames", truth.frames},         {"frames_seen", truth.frames_seen},
+          {"first_seen", truth.first_seen}, {"last_seen", truth.last_seen},
+          {"best_frame", truth.best_frame}, {"frames_boxed", truth.frames_boxed},
+          {"boxes", std::move(boxes)},      {"candidates", std::move(candidates)}};
+}
+
+const TruthView* FindTruth(const TruthsView& truths, std::string_view id) {
+  for (const TruthView& truth : truths.truths) {
+    if (truth.id == id) return &truth;
+  }
+  return nullptr;
 }
 
 }  // namespace plumbline

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <span>
+#include <string_view>
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "engine/analysis/run_review.h"
 #include "engine/snapshot/playback_view.h"
 #include "engine/snapshot/run_history.h"
 #include "engine/snapshot/sequence_view.h"
@@ -25,9 +27,13 @@ inline constexpr float kThere_m = 0.15f, kThere_rad = 0.35f;
 TruthsView TruthsOf(const RunHistory& history, std::span<const FrameEvent> events,
                     const SequenceView& view, double confirm_evidence);
 
+TruthsView TruthsOf(const RunReview& review);
+
 /// "not_seen", "never_boxed": the name of a cause in files.
 const char* NameOf(MissedCause cause);
-/// The instances that the map lacks: `missed` of `plumbline evaluate --json`.
-nlohmann::json MissedToJson(const TruthsView& truths);
+/// Why the map lacks an instance: `why` of `missed_instances` of `plumbline evaluate --json`.
+nlohmann::json WhyMissedToJson(const TruthView& truth);
+/// Null for an id that there is none of.
+const TruthView* FindTruth(const TruthsView& truths, std::string_view id);
 
 }  // namespace plumbline

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/analysis/history.h"
+#include "engine/analysis/missed_truths.h"
 #include "engine/geometry/angles.h"
 #include "engine/mapping/map_report.h"
 
@@ -25,6 +26,17 @@ std::vector<ObjectDifference> Objects(const RunReview& a, const RunReview& b) {
     if (pair.a != nullptr) difference.error_a = errors_a[place(pair.a, *a.last)];
     if (pair.b != nullptr) difference.error_b = errors_b[place(pair.b, *b.last)];
     out.push_back(difference);
+  }
+  return out;
+}
+
+std::vector<MissedDifference> Missed(const RunReview& a, const RunReview& b) {
+  std::vector<MissedDifference> out;
+  const TruthsView truths_a = TruthsOf(a), truths_b = TruthsOf(b);
+  for (const TruthView& truth : truths_a.truths) {
+    const TruthView* other = FindTruth(truths_b, truth.id);
+    if (other == nullptr || (truth.found && other->found)) continue;
+    out.push_back({truth.id, truth.found ? "" : truth.text, other->found ? "" : other->text});
   }
   return out;
 }
@@ -96,6 +108,7 @@ Result<RunDifference> CompareRuns(const RunReview& a, const RunReview& b) {
   for (const auto& frame : b.history.frames) out.common_frames += int(frames.count(frame->frame));
   out.first_frame = FirstDifference(a.history, b.history);
   out.objects = Objects(a, b);
+  out.missed = Missed(a, b);
   out.stages = CompareStages(a.history, b.history);
   return out;
 }
@@ -115,6 +128,9 @@ nlohmann::json DifferenceToJson(const RunDifference& difference, const RunReview
                    {"azimuth_deg", kDegPerRad * error->azimuth_rad}});
     return json;
   };
+  nlohmann::json missed = nlohmann::json::array();
+  for (const MissedDifference& m : difference.missed)
+    missed.push_back({{"ground_truth", m.truth}, {"why_a", m.why_a}, {"why_b", m.why_b}});
   nlohmann::json objects = nlohmann::json::array(), stages = nlohmann::json::object();
   for (const ObjectDifference& o : difference.objects)
     objects.push_back({{"a", side(a, o.a, o.error_a)},
@@ -128,6 +144,7 @@ nlohmann::json DifferenceToJson(const RunDifference& difference, const RunReview
           {"first_difference",
            difference.first_frame ? nlohmann::json(*difference.first_frame) : nlohmann::json()},
           {"objects", objects},
+          {"missed", missed},
           {"timings_ms", stages}};
 }
 

@@ -17,12 +17,19 @@ struct ObjectDifference : ObjectPair {
   std::optional<TruthError> error_a, error_b;  ///< Against ground truth, where there is any.
 };
 
+/// A true instance that one run lacks, or both.
+struct MissedDifference {
+  std::string truth;
+  std::string why_a, why_b;  ///< TruthView::text; "": that run has it.
+};
+
 /// What tells two runs of one sequence apart. It points into both reviews.
 struct RunDifference {
   std::vector<std::string> settings;  ///< "alpha: 4 / 6", seed, inputs.
   std::optional<int> first_frame;     ///< The first common frame in which beliefs differ.
   int common_frames = 0;
   std::vector<ObjectDifference> objects;  ///< Confirmed in the last frame of either.
+  std::vector<MissedDifference> missed;
   std::vector<StageDifference> stages;
 };
 

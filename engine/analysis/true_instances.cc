@@ -162,13 +162,23 @@ const ObjectReport* CandidateFor(const FrameReport& report, const SequenceView& 
   for (std::size_t i = 0; i < report.objects.size(); ++i) {
     const ObjectReport& object = report.objects[i];
     if (object.category != instance.category || object.state == ObjectState::kRetired) continue;
-    if (pairs[i] && *pairs[i] != truth) continue;
+    if (pairs[i] == truth) return &object;
+    if (pairs[i]) continue;
     const double distance_m = (object.world_from_object.translation() - instance.origin).norm();
     if (distance_m >= nearest_m) continue;
     nearest_m = distance_m;
     nearest = &object;
   }
   return nearest;
+}
+
+std::optional<PlantedObject> PlantTruth(const SequenceView& view, const std::string& instance) {
+  for (const SequenceView::Truth& truth : view.truth) {
+    if (truth.id == instance)
+      return PlantedObject{truth.model, truth.world_from_object, truth.scale,
+                           "planted at the true place of " + truth.id};
+  }
+  return std::nullopt;
 }
 
 struct TruthVisibility::Scene {
@@ -303,7 +313,12 @@ std::vector<TruthSample> TruthSamplesOf(const FrameReport& report, const Sequenc
   if (samples.empty()) return samples;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (!pairs[i]) continue;
-    TruthSample& sample = samples[static_cast<std::size_t>(*pairs[i])];
+    const auto at = static_cast<std::size_t>(*pairs[i]);
+    const double distance_m = (report.objects[i].world_from_object.translation() -
+                               view.truth[at].world_from_object.translation())
+                                  .norm();
+    if (distance_m > kPairReach_m) continue;  // compared with it, but not it
+    TruthSample& sample = samples[at];
     sample.object = report.objects[i].id;
     sample.confirmed = report.objects[i].state == ObjectState::kConfirmed;
   }

@@ -9,6 +9,7 @@
 
 #include "engine/base/ids.h"
 #include "engine/geometry/box.h"
+#include "engine/pipeline/mapping_pipeline.h"
 #include "engine/snapshot/run_history.h"
 #include "engine/snapshot/sequence_view.h"
 
@@ -38,9 +39,12 @@ struct ComparedTruth {
 std::optional<ComparedTruth> TruthToCompare(const FrameReport& report, const SequenceView& view,
                                             ObjectId object, double reach_m);
 
-/// The object that could become an instance: the nearest of its category within kFarthestTruth_m
-/// that is not paired with another. Null without one.
+/// The object that is paired with an instance or could become it: then the nearest of its category
+/// within kFarthestTruth_m that is paired with none. Null without one.
 const ObjectReport* CandidateFor(const FrameReport& report, const SequenceView& view, int truth);
+
+/// A true instance as a candidate for the mapper; nothing for an id that there is none of.
+std::optional<PlantedObject> PlantTruth(const SequenceView& view, const std::string& instance);
 
 /// How much of each true instance shows in an image. The true models hide one another; what is not
 /// annotated (walls, clutter) hides nothing. Use it in one thread.

@@ -15,28 +15,41 @@ namespace {
 constexpr double kFirstFrame_s = 1.0 / 30.0;
 constexpr double kLooksBeforeMerging = 1;
 constexpr std::size_t kJoined = 60;  ///< Poses that a merged object leaves, about.
+constexpr double kPlanted_m = 0.02, kPlanted_rad = 0.03;  ///< Deviations of what is planted.
 constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
 
 }  // namespace
 
-std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
-                                             const MapperInput& input,
-                                             const OrientedTable& wide_table,
-                                             const OcclusionMaps& occluders) {
+MapObject Mapper::Impl::NewObject(std::string category, const MapperInput& input) const {
   MapObject object;
   object.id = ObjectId{next_object_id};
-  object.category = proposal.category;
+  object.category = std::move(category);
   object.reference_frame = object.first_frame = object.last_frame = input.frame;
   object.world_from_reference_cam = input.world_from_cam;
   object.reference_uncertainty = input.pose_uncertainty;
   object.reference_pose = input.pose_id;
   object.reference_epoch = input.pose_epoch;
+  return object;
+}
+
+std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
+                                             const MapperInput& input,
+                                             const OrientedTable& wide_table,
+                                             const OcclusionMaps& occluders) {
+  MapObject object = NewObject(proposal.category, input);
   object.last_proposal = Detection{proposal.box, proposal.category, proposal.score};
   object.world_from_proposal_cam = input.world_from_cam;
   std::vector<PoseHypothesis> drawn =
       SampleBirth(*object.last_proposal, setup.camera, input.world_from_cam, map, options(),
                   options().spawn_particles, Key(setup.seed, input.frame, object.id, Draw::kBirth));
   if (drawn.empty()) return std::nullopt;
+  Populate(object, drawn, input, wide_table, occluders);
+  return object;
+}
+
+void Mapper::Impl::Populate(MapObject& object, const std::vector<PoseHypothesis>& drawn,
+                            const MapperInput& input, const OrientedTable& wide_table,
+                            const OcclusionMaps& occluders) {
   // A wide search picks the neighbourhoods worth a closer look; its weights are those of half an
   // independent view.
   JudgingView wide{View(input, occluders, object.id), nullptr, 0, 0.5};
@@ -58,7 +71,29 @@ std::optional<MapObject> Mapper::Impl::Spawn(const ProposalReport& proposal,
   object.Summarize(map);
   object.updated = true;
   object.log_evidence = TentativeLogOdds(0, 0, options());
-  return object;
+}
+
+void Mapper::Impl::SpawnPlanted(const MapperInput& input, const OcclusionMaps& occluders,
+                                FrameReport& report) {
+  for (const Planted& seed : std::exchange(planted, {})) {
+    MapObject object = NewObject(setup.database->model(seed.pose.label).category, input);
+    const PoseHypothesis middle = ToHypothesis(seed.pose, map);
+    RandomKey key = Key(setup.seed, input.frame, object.id, Draw::kBirth);
+    std::vector<PoseHypothesis> drawn;
+    for (; static_cast<int>(drawn.size()) < options().spawn_particles; ++key.particle) {
+      Random random(key);
+      drawn.push_back(middle);
+      for (int axis = 0; axis < 3; ++axis)
+        drawn.back().center_in_world[axis] += kPlanted_m * random.Gaussian();
+      drawn.back().azimuth_rad = WrapAngle(middle.azimuth_rad + kPlanted_rad * random.Gaussian());
+    }
+    const auto wide_table =
+        SearchTable(HalfSize(input.edges), options(), setup.camera.fx, kSpawnReach);
+    Populate(object, drawn, input, *wide_table, occluders);
+    ++next_object_id;
+    report.events.push_back({EventKind::kSpawned, object.id, {}, seed.why});
+    objects.push_back(std::move(object));
+  }
 }
 
 void Mapper::Impl::Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input,
@@ -287,6 +322,7 @@ FrameReport Mapper::Step(const MapperInput& given) {
     if (object.updated) m.UpdateExistence(object, input, occlusion, detection, dt_s, novelty);
   }
   stages.End("explain");
+  m.SpawnPlanted(input, occlusion, report);
   m.Spawn(report.proposals, input, occlusion, report);
   stages.End("spawn");
   stages.EndFrame();
@@ -353,6 +389,15 @@ void Mapper::Correct(const PoseEstimate& pose) {
     }
     begin = end;
   }
+}
+
+void Mapper::Plant(ModelId label, const Eigen::Isometry3d& world_from_object, double scale,
+                   const std::string& why) {
+  PoseMode pose;
+  pose.label = label;
+  pose.world_from_object = world_from_object;
+  pose.scale = scale;
+  impl_->planted.push_back({pose, why});
 }
 
 void Mapper::SetOptions(const MapperOptions& options) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "engine/mapping/key_frames.h"
@@ -61,6 +62,13 @@ class Mapper {
   /// and the points seen from it move with it. One that is not held, or of an epoch that is known,
   /// changes nothing.
   void Correct(const PoseEstimate& pose);
+
+  /// Gives the filter a candidate in the next frame, with particles within a few centimetres and
+  /// degrees of a pose: what would have become of an object that was found there? It has to gather
+  /// evidence like any other.
+  /// @param scale  Times as large as its model.
+  void Plant(ModelId label, const Eigen::Isometry3d& world_from_object, double scale,
+             const std::string& why);
 
   /// Takes effect with the next frame.
   void SetOptions(const MapperOptions& options);

@@ -115,6 +115,11 @@ struct Mapper::Impl {
     std::size_t count = 0;
   };
   std::vector<SeenPoints> seen_points;
+  struct Planted {
+    PoseMode pose;
+    std::string why;
+  };
+  std::vector<Planted> planted;  ///< For the next frame.
   RenderedMaps mean_maps;
   std::vector<std::optional<double>> support_heights;  ///< Of each model, see SupportHeight.
   double boxes_ms = 0;                                 ///< What top-down scores took in this frame.
@@ -252,6 +257,13 @@ struct Mapper::Impl {
              const OcclusionMaps& occluders, FrameReport& report);
   std::optional<MapObject> Spawn(const ProposalReport& proposal, const MapperInput& input,
                                  const OrientedTable& wide_table, const OcclusionMaps& occluders);
+  /// What is planted becomes a candidate.
+  void SpawnPlanted(const MapperInput& input, const OcclusionMaps& occluders, FrameReport& report);
+  MapObject NewObject(std::string category, const MapperInput& input) const;
+  /// Particles out of hypotheses, by how well they fit the image.
+  void Populate(MapObject& object, const std::vector<PoseHypothesis>& drawn,
+                const MapperInput& input, const OrientedTable& wide_table,
+                const OcclusionMaps& occluders);
   void UpdateLifecycle(const MapperInput& input, double novelty, FrameReport& report);
   void KeepFrame(const MapperInput& input);
   /// Share of the particles near the mean pose, whatever their shape.

@@ -526,6 +526,19 @@ Status MappingPipeline::Resume(const FrameReport& report,
   return m.mapper->Restore(report, [&](int frame) { return m.InputAgain(frame); });
 }
 
+Status MappingPipeline::Plant(const PlantedObject& object) {
+  const std::optional<ModelId> label = database()->Find(object.model);
+  if (!label) {
+    return Error{ErrorCode::kNotFound,
+                 "the models of the run have no '" + object.model + "' that could be planted"};
+  }
+  if (impl_->options.filter == FilterKind::kPaper)
+    return Error{ErrorCode::kUnsupported,
+                 "nothing can be planted in a run of filter = paper; fork one of the default"};
+  impl_->mapper->Plant(*label, object.world_from_object, object.scale, object.why);
+  return {};
+}
+
 Result<MapperInput> MappingPipeline::InputAgain(int frame) { return impl_->InputAgain(frame); }
 MapperSetup MappingPipeline::setup() const { return impl_->Setup(); }
 

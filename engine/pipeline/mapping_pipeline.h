@@ -7,6 +7,8 @@
 #include <stop_token>
 #include <string>
 
+#include <Eigen/Geometry>
+
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
 #include "engine/dataset/sequence.h"
@@ -21,6 +23,14 @@ struct MapperInput;
 struct MapperSetup;
 struct MapSnapshot;
 struct OwnPoses;
+
+/// A candidate that no box gave birth to.
+struct PlantedObject {
+  std::string model;  ///< Name in the model database.
+  Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
+  double scale = 1;  ///< Times as large as its model.
+  std::string why;   ///< Told by its kSpawned event.
+};
 
 /// Everything a run needs, from files to reports: decodes, finds edges and detects ahead on threads
 /// of their own, maps in the caller's. Use it in one thread.
@@ -63,6 +73,9 @@ class MappingPipeline {
   Result<MapperInput> InputAgain(int frame);
   /// What the mapper is made from; with the options of the next frame.
   MapperSetup setup() const;
+  /// Gives the mapper a candidate in the next frame that is used (Mapper::Plant).
+  /// Errors: kNotFound (the model); kUnsupported (the filter of the paper).
+  Status Plant(const PlantedObject& object);
   /// Takes effect with the next frame, whose report tells of it by a kOptionsChanged event.
   void SetOptions(const MapperOptions& options);
 

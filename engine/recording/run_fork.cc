@@ -116,6 +116,9 @@ Status ForkRun(const ForkChoice& choice, const WorkContext& work) {
       },
       (*pipeline)->own_poses().get());
   if (!writer.ok()) return writer.error();
+  if (choice.plant) {
+    if (Status status = (*pipeline)->Plant(*choice.plant); !status.ok()) return status;
+  }
   while (!work.stop.stop_requested()) {
     const auto snapshot = (*pipeline)->Next();
     if (!snapshot) return (*writer)->Close();

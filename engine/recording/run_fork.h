@@ -32,6 +32,7 @@ struct ForkChoice {
   std::uint64_t seed = 0;
   std::filesystem::path out;  ///< The new run file.
   std::string program_version;
+  std::optional<PlantedObject> plant = {};  ///< That the mapper is given after `at`.
 };
 
 /// Maps the fork to its end with the inputs of the run. Stopped, it leaves what is done.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engine/analysis/label_history.h"
+#include "engine/analysis/missed_truths.h"
 #include "engine/analysis/reliability.h"
 #include "engine/mapping/particle_rank.h"
 #include "engine/snapshot/map_snapshot.h"
@@ -37,6 +38,15 @@ std::shared_ptr<const ObjectHistory> FrameAnalyst::OfHistory(const RunHistory& h
   return std::make_shared<const ObjectHistory>(
       ObjectHistory{watched_.object, LabelsOf(history, watched_.object), ReliabilityOf(history),
                     ConfirmationOf(history, static_cast<int>(sequence.truth.size()))});
+}
+
+std::shared_ptr<const TruthsView> FrameAnalyst::OfTruths(const RunHistory& history,
+                                                         std::span<const FrameEvent> events,
+                                                         const SequenceView& sequence,
+                                                         const MapperOptions& options) {
+  if (sequence.truth.empty()) return nullptr;
+  return std::make_shared<const TruthsView>(
+      TruthsOf(history, events, sequence, options.confirm_evidence));
 }
 
 }  // namespace plumbline

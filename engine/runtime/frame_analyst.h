@@ -30,6 +30,11 @@ class FrameAnalyst {
   /// Null unless the history of an object is watched. A few milliseconds for 10 000 frames.
   std::shared_ptr<const ObjectHistory> OfHistory(const RunHistory& history,
                                                  const SequenceView& sequence) const;
+  /// Null without ground truth. A few milliseconds for 10 000 frames.
+  static std::shared_ptr<const TruthsView> OfTruths(const RunHistory& history,
+                                                    std::span<const FrameEvent> events,
+                                                    const SequenceView& sequence,
+                                                    const MapperOptions& options);
 
  private:
   WatchCommand watched_;

@@ -307,6 +307,8 @@ void MappingProcess::PublishPlayback() {
       history_published_ = Clock::now();
       state_.history = std::make_shared<const RunHistory>(source_->history());
       object_history_.Publish(analyst_.OfHistory(source_->history(), source_->view()));
+      truths_.Publish(FrameAnalyst::OfTruths(source_->history(), source_->events(), source_->view(),
+                                             source_->options()));
     }
     const bool at_end =
         !playing_ && !target_ && !state_.mapping && position_ + 1 >= source_->size();

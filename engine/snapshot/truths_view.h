@@ -15,19 +15,16 @@ namespace plumbline {
 
 enum class ProposalFate : std::uint8_t;  // mapping/map_report.h
 
-/// What keeps a true instance out of the map. In the order in which an object has to get past them.
+/// What keeps a true instance out of the map, over a whole run (docs/algorithms/why_missed.md).
 enum class MissedCause {
   kNone,          ///< It is in the map.
   kNotSeen,       ///< It hardly shows in any frame.
+  kNotConfirmed,  ///< A candidate is there and waits for evidence.
+  kWithdrawn,     ///< A candidate was there and is gone.
   kNeverBoxed,    ///< No proposal of its category lies over it.
-  kBirthRefused,  ///< The proposals over it spawned nothing.
-  kBoxTaken,      ///< The proposals over it went to an object that is not there.
-  kNeverNear,     ///< No candidate came near: search, or a likelihood that draws away.
-  kWithdrawn,     ///< A candidate was near and is gone.
-  kNotConfirmed,  ///< A candidate is near and waits for evidence.
-  kSearch,        ///< As kNeverNear, and the truth would score better.
-  kLikelihood,    ///< As kNeverNear, and the truth would not score better.
-  kTruthDoubtful  ///< The truth itself does not fit the images.
+  kNeverNear,     ///< Candidates were about, none came there.
+  kBoxTaken,      ///< The proposals over it went to an object that is not it.
+  kBirthRefused   ///< The proposals over it spawned nothing.
 };
 
 /// What became of the proposals over an instance, by what they were used for.

@@ -59,6 +59,7 @@ class CountingScene : public SceneSurface {
   void Zoom(double notches) override { zoomed += notches; }
   void FocusAt(double, double) override { ++focused; }
   void FocusObject(ObjectId) override {}
+  void FocusPlace(const Eigen::Vector3d&, double) override {}
   void Reset() override {}
   void SetDirection(double, double) override {}
   std::optional<ObjectId> Pick(double, double) override { return ObjectId{2}; }

@@ -68,6 +68,8 @@ class SceneSurface {
   /// Turns about what is seen at a pixel.
   virtual void FocusAt(double x_px, double y_px) = 0;
   virtual void FocusObject(ObjectId object) = 0;
+  /// Looks at a place of the world, so that what is `size_m` large there fits.
+  virtual void FocusPlace(const Eigen::Vector3d& in_world, double size_m) = 0;
   virtual void Reset() = 0;
   /// Azimuth and elevation of the eye as seen from the focus.
   virtual void SetDirection(double azimuth_rad, double elevation_rad) = 0;

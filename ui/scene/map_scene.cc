@@ -94,9 +94,13 @@ class MapScene : public SceneSurface {
       if (report.id != object || label >= content_.sequence->models.size()) continue;
       const ModelView& model = content_.sequence->models[label];
       const double size = model.mesh != nullptr ? BoundingBox(*model.mesh).diagonal().norm() : 1.0;
-      camera_.LookAt(report.world_from_object * (report.scale * model.center), 2.2 * size);
-      dirty_ = true;
+      FocusPlace(report.world_from_object * (report.scale * model.center), size);
     }
+  }
+
+  void FocusPlace(const Vector3d& in_world, double size_m) override {
+    camera_.LookAt(in_world, 2.2 * size_m);
+    dirty_ = true;
   }
 
   void Reset() override {

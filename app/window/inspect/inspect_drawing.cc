@@ -9,6 +9,7 @@
 #include "app/window/inspect/inspect_workspace.h"
 #include "engine/geometry/angles.h"
 #include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/truths_view.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/inspect_bar.h"
 
@@ -142,6 +143,8 @@ void InspectWorkspace::AddState(const FrameContext& context, nlohmann::json& sta
        {"message", playback.message},
        {"objects", context.snapshot != nullptr ? context.snapshot->report.objects.size() : 0},
        {"selected_object", context.selection.object.value},
+       {"selected_truth", context.selection.truth},
+       {"missed", context.truths != nullptr ? context.truths->missed : -1},
        {"selected_particle", context.selection.particle},
        {"hovered_particle", context.selection.hovered},
        {"outlined_particle", context.probe != nullptr ? context.probe->hovered : -1},

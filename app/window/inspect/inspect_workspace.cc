@@ -8,6 +8,7 @@
 #include "engine/base/overloaded.h"
 #include "engine/runtime/mapping_source.h"
 #include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/sequence_view.h"
 #include "ui/scene/map_scene.h"
 
 namespace plumbline {
@@ -214,10 +215,25 @@ void InspectWorkspace::Handle(const PlaybackCommand& command, FrameContext& cont
     process_->Post(command);
 }
 
+void InspectWorkspace::FocusTruth(const FrameContext& context) {
+  if (context.sequence == nullptr) return;
+  for (const SequenceView::Truth& truth : context.sequence->truth) {
+    if (truth.id != context.selection.truth) continue;
+    for (const ModelView& model : context.sequence->models) {
+      if (model.name != truth.model) continue;
+      const double size_m = model.bounds.isEmpty() ? 1.0 : model.bounds.diagonal().norm();
+      scene_->FocusPlace(truth.world_from_object * (truth.scale * model.center),
+                         truth.scale * size_m);
+    }
+  }
+}
+
 void InspectWorkspace::Handle(const ViewCommand& command, FrameContext& context) {
   std::visit(Overloaded{[&](const FocusSelectionCommand&) {
                           if (context.selection.object.value > 0)
                             scene_->FocusObject(context.selection.object);
+                          else
+                            FocusTruth(context);
                         },
                         [&](const ResetViewCommand&) {
                           context.follow = context.look_through = false;

@@ -85,6 +85,7 @@ class InspectWorkspace : public Workspace {
   /// Those that stand in one place, in the table's order.
   std::vector<Panel*> PanelsAt(PanelPlace place) const;
   Panel& PanelAt(PanelPlace place) const { return *PanelsAt(place).front(); }
+  void FocusTruth(const FrameContext& context);
   void SelectByItself(FrameContext& context) const;
   /// Asks the process for what the panels of the last frame of the window showed.
   void AskForWhatIsNeeded(const FrameContext& context);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "engine/analysis/true_instances.h"
 #include "engine/runtime/mapping_source.h"
 #include "engine/snapshot/map_snapshot.h"
 
@@ -98,6 +99,19 @@ void WhatIf::Compare(const std::string& run, FrameContext& context) {
 void WhatIf::Fork(const ForkCommand& fork, FrameContext& context) {
   ForkChoice choice{inputs_, fork.frame, fork.options, fork.seed, fork.out, program_version_};
   choice.run.run = context.playback->recording;
+  if (!fork.plant.empty()) {
+    // Nobody filled in a form: as the run is.
+    OfferFork(context);
+    if (!context.fork_offer->why_not.empty()) {
+      context.fork = std::make_shared<const ForkView>(
+          ForkView{ForkState::kFailed, "", context.fork_offer->why_not, 0, 0});
+      return;
+    }
+    choice.options = context.fork_offer->options;
+    choice.seed = context.fork_offer->seed;
+    choice.out = context.fork_offer->out;
+    choice.plant = PlantTruth(*context.sequence, fork.plant);
+  }
   fork_ = std::make_unique<ForkProcess>(std::move(choice), on_publish_);
   context.fork = fork_->View();
 }
@@ -157,6 +171,7 @@ void WhatIf::ReadSlots(FrameContext& context, std::shared_ptr<const RunHeader> h
   context.shows_other = true;
   context.probe = other_->Probe();
   context.history = other_->History();
+  context.truths = other_->Truths();
   shown = snapshot;
 }
 

@@ -2,6 +2,7 @@
 #include "engine/analysis/history.h"
 
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -34,6 +35,13 @@ ObjectReport Object(const char* category, int label, const Eigen::Isometry3d& po
   object.label = {label};
   object.world_from_object = pose;
   return object;
+}
+
+/// Of an object that is alone in its frame.
+std::optional<TruthError> ErrorOf(ObjectReport object, const SequenceView& view) {
+  FrameReport report;
+  report.objects = {std::move(object)};
+  return ErrorsOf(report, view).front();
 }
 
 TEST(TruthError, IsThatOfTheNearestTrueObjectOfTheCategory) {

@@ -91,6 +91,33 @@ TEST_F(MapperTest, WhatIsSpawnedLateIsJudgedByTheViewsBefore) {
   EXPECT_GT(log_odds_after(0), log_odds_after(kBoxedFrom) + 1);
 }
 
+TEST_F(MapperTest, WhatIsPlantedHasToEarnItsPlace) {
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const auto planted_at = [&](const PlacedModel& place) {
+    const auto mapper = NewMapper();
+    mapper->Plant(place.label, place.world_from_object, 1, "planted by a test");
+    FrameReport report;
+    for (int frame = 0; frame < 25; ++frame) {
+      MapperInput input = Seen(frame, {&chair, 1});
+      input.detections = DetectionsFromProposals({});  // nobody else is born
+      report = mapper->Step(input);
+      if (frame > 0) continue;
+      EXPECT_EQ(report.events.front().text, "planted by a test");
+      EXPECT_EQ(report.objects.front().state, ObjectState::kTentative);
+    }
+    return report;
+  };
+  const FrameReport there = planted_at(chair);
+  ASSERT_EQ(there.objects.size(), 1u);
+  EXPECT_LT(
+      (there.objects[0].world_from_object.translation() - chair.world_from_object.translation())
+          .norm(),
+      0.02);
+  const FrameReport nowhere = planted_at(scene_.Place("chair", 0.7, 0.2, 200));
+  const double evidence = nowhere.objects.empty() ? -10 : nowhere.objects.front().log_evidence;
+  EXPECT_GT(there.objects[0].log_evidence, evidence + 1);
+}
+
 TEST_F(MapperTest, AnObjectLargerThanItsModelIsFoundAtItsScale) {
   constexpr int kEnd = 30;
   for (const double scale : {0.96, 1.04}) {

@@ -77,7 +77,7 @@ class HypothesisProbeTest : public testing::Test {
   }
 
   ProbeView Probe(const MapSnapshot& snapshot) {
-    return probe_->Probe(snapshot, view_, {}, {{1}, -1, false});
+    return probe_->Probe(snapshot, view_, {}, {{1}, -1, false}, {0});
   }
 
   PinholeCamera camera_{640, 480, 520, 520, 320, 240};
@@ -111,6 +111,50 @@ TEST_F(HypothesisProbeTest, TellsASpuriousObject) {
   const ProbeView view = Probe(Snapshot(At(0, 0), At(0.2, 0.6), 0.02));
   EXPECT_EQ(view.verdict, Verdict::kSpurious) << view.verdict_text;
   EXPECT_THAT(view.verdict_text, testing::StartsWith("Spurious:"));
+}
+
+TEST_F(HypothesisProbeTest, DoesNotTakeATruthThatAnotherExplains) {
+  const ProbeView view = probe_->Probe(Snapshot(At(0, 0), At(0.1, 0.3), 0.02), view_, {},
+                                       {{1}, -1, false}, {0, ObjectId{4}});
+  EXPECT_EQ(view.verdict, Verdict::kSecond) << view.verdict_text;
+  EXPECT_THAT(view.verdict_text, testing::HasSubstr("object 4 explains the chair"));
+}
+
+TEST_F(HypothesisProbeTest, ScoresATrueInstanceBesideItsCandidate) {
+  ProbeCommand ask{{1}};
+  ask.truth = "the chair";
+  const ProbeView missed =
+      probe_->Probe(Snapshot(At(0, 0), At(0.1, 0.3), 0.02), view_, {}, ask, {0});
+  EXPECT_EQ(missed.object, ObjectId{}) << "the answer is about the instance";
+  EXPECT_EQ(missed.truth, "the chair");
+  EXPECT_TRUE(missed.hypotheses[0].is_truth);
+  EXPECT_EQ(missed.hypotheses[1].name, "mean of #1");
+  EXPECT_EQ(missed.verdict, Verdict::kSearch) << missed.verdict_text;
+  EXPECT_THAT(missed.verdict_text, testing::HasSubstr("object 1, 32 cm"));
+  EXPECT_NEAR(*missed.slices.front().truth, 0, 1e-4) << "sweeps go through the truth";
+  const ProbeView wrong =
+      probe_->Probe(Snapshot(At(0.1, 0.3), At(0.1, 0.3), 0.02), view_, {}, ask, {0});
+  EXPECT_EQ(wrong.verdict, Verdict::kLikelihood) << wrong.verdict_text;
+}
+
+TEST_F(HypothesisProbeTest, ScoresATrueInstanceThatNothingIsNear) {
+  ProbeCommand ask;
+  ask.truth = "the chair";
+  const ProbeView alone =
+      probe_->Probe(Snapshot(At(0, 0), At(0.1, 0.3), 0.02), view_, {}, ask, {0});
+  ASSERT_EQ(alone.hypotheses.size(), 1u);
+  EXPECT_GT(alone.hypotheses[0].phi_edge, 0.3);
+  EXPECT_FALSE(alone.hypotheses[0].outline.empty());
+  EXPECT_THAT(alone.verdict_text, testing::HasSubstr("no candidate is within a metre"));
+  // Where the image shows nothing, the truth is not what search could be blamed for.
+  MapSnapshot blank = Snapshot(At(0, 0), At(0.1, 0.3), 0.02);
+  blank.report.frame = 8;
+  blank.edge_probability = cv::Mat::zeros(blank.edge_probability.size(), CV_8U);
+  EXPECT_THAT(probe_->Probe(blank, view_, {}, ask, {0}).verdict_text,
+              testing::HasSubstr("the truth itself hardly meets edges"));
+  ask.truth = "nobody";
+  EXPECT_THAT(probe_->Probe(blank, view_, {}, ask, {}).message,
+              testing::HasSubstr("no such instance"));
 }
 
 TEST_F(HypothesisProbeTest, BlamesTheLikelihoodWhereTheWrongPlaceScoresBetter) {
@@ -167,7 +211,7 @@ TEST_F(HypothesisProbeTest, SlicesPeakAtTheTruth) {
 TEST_F(HypothesisProbeTest, SweepsTwoParametersAtOnceWhereItIsAsked) {
   const MapSnapshot snapshot = Snapshot(At(0, 0), At(0, 0.12), 0.02);
   EXPECT_TRUE(Probe(snapshot).maps.empty());
-  const ProbeView view = probe_->Probe(snapshot, view_, {}, {{1}, -1, false, true});
+  const ProbeView view = probe_->Probe(snapshot, view_, {}, {{1}, -1, false, true}, {0});
   ASSERT_EQ(view.maps.size(), 2u);
   const LikelihoodMap& map = view.maps.front();
   ASSERT_EQ(map.score.size(), map.x_offsets.size() * map.y_offsets.size());
@@ -184,7 +228,7 @@ TEST_F(HypothesisProbeTest, SweepsTwoParametersAtOnceWhereItIsAsked) {
 
 TEST_F(HypothesisProbeTest, OutlinesEveryHypothesis) {
   const MapSnapshot snapshot = Snapshot(At(0, 0), At(0, 0), 0.02);
-  const ProbeView view = probe_->Probe(snapshot, view_, {}, {{1}, 5, false, false, 7});
+  const ProbeView view = probe_->Probe(snapshot, view_, {}, {{1}, 5, false, false, 7}, {0});
   EXPECT_EQ(view.hovered, 7);
   EXPECT_FALSE(view.hovered_outline.empty());
   ASSERT_EQ(view.hypotheses[3].particle, 5);
@@ -201,7 +245,7 @@ TEST_F(HypothesisProbeTest, OutlinesEveryHypothesis) {
 
 TEST_F(HypothesisProbeTest, SaysWhatIsMissing) {
   MapSnapshot snapshot = Snapshot(At(0, 0), At(0, 0), 0.02);
-  EXPECT_THAT(probe_->Probe(snapshot, view_, {}, {{9}, -1, false}).message,
+  EXPECT_THAT(probe_->Probe(snapshot, view_, {}, {{9}, -1, false}, {0}).message,
               testing::HasSubstr("not in this frame"));
   snapshot.edge_probability = cv::Mat();
   EXPECT_THAT(Probe(snapshot).message, testing::HasSubstr("images"));

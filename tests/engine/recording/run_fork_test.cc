@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/recording/run_fork.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 
 #include "engine/analysis/run_difference.h"
@@ -113,6 +115,27 @@ TEST_F(RunForkTest, AStoppedForkKeepsWhatIsDone) {
   const auto part = Open(folder_.path() / "part.plb");
   EXPECT_EQ(part->NumFrames().value(), 20);
   EXPECT_TRUE(part->Finished().value());
+}
+
+TEST_F(RunForkTest, AForkCanBeGivenACandidate) {
+  const auto source = Live();
+  MapTo(*source, 4);
+  ForkChoice choice = Fork(*source, 2, {}, "planted.plb");
+  choice.plant = PlantedObject{"chair", Eigen::Isometry3d::Identity(), 1, "planted by a test"};
+  ASSERT_TRUE(ForkRun(choice, WorkContext()).ok());
+  const auto fork = Open(folder_.path() / "planted.plb");
+  const auto events = fork->Events().value();
+  const auto planted = std::find_if(events.begin(), events.end(), [](const RunEvent& event) {
+    return event.event.text == "planted by a test";
+  });
+  ASSERT_NE(planted, events.end());
+  EXPECT_EQ(planted->frame, 3) << "after what was taken over";
+  EXPECT_EQ(planted->event.kind, EventKind::kSpawned);
+  choice.plant->model = "throne";
+  choice.out = folder_.path() / "none.plb";
+  const Status status = ForkRun(choice, WorkContext());
+  ASSERT_FALSE(status.ok());
+  EXPECT_THAT(status.error().message, testing::HasSubstr("no 'throne'"));
 }
 
 TEST_F(RunForkTest, ARecordedRunKeepsItsOptions) {

@@ -14,6 +14,7 @@
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
+#include "ui/inspect/truth/truths.h"
 
 namespace plumbline {
 namespace {
@@ -42,9 +43,9 @@ bool IsWeak(const ProposalReport& proposal) {
 class ImagePanel : public Panel {
  public:
   void DrawHeader(const FrameContext& context, CommandSink&) override {
-    float width = context.Scaled(22);
+    float width = context.Scaled(26);
     for (const char* label :
-         {"Scores", "Proposals", "Weak", "Outlines", "Names", "Particles", "Contour"}) {
+         {"Scores", "Proposals", "Weak", "Outlines", "Names", "Particles", "Contour", "Truth"}) {
       width += ToggleWidth(context, label);
     }
     const bool own_poses = context.sequence != nullptr && context.sequence->own_poses != nullptr;
@@ -83,6 +84,11 @@ class ImagePanel : public Panel {
     Toggle(context, "image.contour", "Contour", contour_,
            "Contour samples of the hypothesis that is chosen under 'Why here?', with their search "
            "lines and the edges that they hit: green hits well, red misses, grey is hidden.");
+    ImGui::SameLine();
+    Toggle(
+        context, "image.truth", "Truth", truth_,
+        "Where the true objects show, and their names; dashed: the map lacks it in this frame. A "
+        "click selects one.");
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
@@ -109,6 +115,7 @@ class ImagePanel : public Panel {
     }
     if (contour_) DrawContourOverlay(context, canvas);
     DrawParticleOutline(context, canvas);
+    DrawTruthOverlay(context, canvas, truth_);
     PictureLabels labels(context, canvas.low(), canvas.high());
     if (!snapshot.report.skipped.empty()) {
       labels.Add({canvas.low()}, colors::kWarning, "not used: " + snapshot.report.skipped);
@@ -117,14 +124,20 @@ class ImagePanel : public Panel {
     if (proposals_) LabelProposals(context, canvas, labels);
     if (scores_) LabelScores(context, canvas, labels);
     DrawPixelValue(context, canvas);
-    if (const auto pixel = canvas.clicked())
-      sink.Post(SelectObjectCommand{ObjectAt(context, *pixel)});
+    if (const auto pixel = canvas.clicked()) {
+      const ObjectId object = ObjectAt(context, *pixel);
+      const std::string truth = truth_ ? TruthAt(context, *pixel) : "";
+      if (object.value > 0 || truth.empty())
+        sink.Post(SelectObjectCommand{object});
+      else
+        sink.Post(SelectTruthCommand{truth});
+    }
   }
 
   nlohmann::json SaveState() const override {
     return {{"proposals", proposals_}, {"weak", weak_},           {"outlines", outlines_},
             {"names", names_},         {"particles", particles_}, {"contour", contour_},
-            {"tracks", tracks_},       {"scores", scores_}};
+            {"tracks", tracks_},       {"scores", scores_},       {"truth", truth_}};
   }
   void LoadState(const nlohmann::json& json) override {
     proposals_ = json.value("proposals", proposals_);
@@ -135,6 +148,7 @@ class ImagePanel : public Panel {
     contour_ = json.value("contour", contour_);
     tracks_ = json.value("tracks", tracks_);
     scores_ = json.value("scores", scores_);
+    truth_ = json.value("truth", truth_);
   }
 
  private:
@@ -254,7 +268,7 @@ class ImagePanel : public Panel {
   }
 
   bool proposals_ = true, weak_ = false, outlines_ = true, names_ = true, particles_ = false,
-       contour_ = true, tracks_ = true, scores_ = false;
+       contour_ = true, tracks_ = true, scores_ = false, truth_ = false;
 };
 
 }  // namespace

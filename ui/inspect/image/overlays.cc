@@ -99,7 +99,8 @@ const ProbeView* ProbeOfSelection(const FrameContext& context) {
   const ProbeView* probe = context.probe.get();
   const bool fits = probe != nullptr && context.snapshot != nullptr &&
                     probe->frame == context.snapshot->report.frame &&
-                    probe->object == context.selection.object;
+                    probe->object == context.selection.object &&
+                    probe->truth == context.selection.truth;
   return fits ? probe : nullptr;
 }
 

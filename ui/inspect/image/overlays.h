@@ -27,7 +27,8 @@ struct OutlineOverlay {
 void DrawOutlineOverlay(const FrameContext& context, const ImageCanvas& canvas,
                         const OutlineOverlay& overlay);
 
-/// The probe of the selected object in the frame that is shown; null if there is none.
+/// The probe of the selected object, or true instance, in the frame that is shown; null if there is
+/// none.
 const ProbeView* ProbeOfSelection(const FrameContext& context);
 
 /// Contour samples of the probed hypothesis that is selected: a tick along each search line, a dot

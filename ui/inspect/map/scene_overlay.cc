@@ -114,6 +114,52 @@ ImU32 LinkColor(RelationKind kind) {
                                          : colors::kAccent;
 }
 
+Eigen::Vector3d MiddleOf(const FrameContext& context, const SequenceView::Truth& truth) {
+  for (const ModelView& model : context.sequence->models) {
+    if (model.name == truth.model) return truth.world_from_object * (truth.scale * model.center);
+  }
+  return truth.world_from_object.translation();
+}
+
+/// The edges of the bounding box of its model.
+void DrawTruthBox(const FrameContext& context, const SceneProjection& project,
+                  const SequenceView::Truth& truth) {
+  for (const ModelView& model : context.sequence->models) {
+    if (model.name != truth.model || model.bounds.isEmpty()) continue;
+    std::array<std::optional<ImVec2>, 8> corners;
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::Vector3f corner =
+          model.bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(i));
+      corners[static_cast<std::size_t>(i)] =
+          project(truth.world_from_object * (truth.scale * corner.cast<double>()));
+    }
+    for (std::size_t i = 0; i < 8; ++i) {
+      for (const std::size_t bit : {1u, 2u, 4u}) {  // neighbours differ in one axis
+        const std::size_t j = i | bit;
+        if (j == i || !corners[i] || !corners[j]) continue;
+        ImGui::GetWindowDrawList()->AddLine(*corners[i], *corners[j], colors::kTruth,
+                                            context.Scaled(2));
+      }
+    }
+  }
+}
+
+void DrawTruths(const FrameContext& context, const SceneProjection& project, bool names, ImVec2 low,
+                ImVec2 high, PictureLabels& labels) {
+  for (const SequenceView::Truth& truth : context.sequence->truth) {
+    const bool selected = truth.id == context.selection.truth;
+    if (selected) DrawTruthBox(context, project, truth);
+    if (!names && !selected) continue;
+    const auto at = project(MiddleOf(context, truth));
+    if (!at || at->x < low.x || at->x > high.x || at->y < low.y || at->y > high.y) continue;
+    const ImVec2 size = labels.SizeOf(truth.id);
+    const float x = at->x - 0.5f * size.x, y = at->y + 0.5f * size.y;
+    labels.Add({{x, y}, {x, y + 1.15f * size.y}, {x, y - 1.15f * size.y}}, colors::kTruth,
+               truth.id);
+    context.widgets->Add("scene.truth." + truth.id, {at->x - 2, at->y - 2}, {at->x + 2, at->y + 2});
+  }
+}
+
 }  // namespace
 
 const char* ColoringName(SceneColoring coloring) {
@@ -230,7 +276,22 @@ void DrawSceneOverlay(const FrameContext& context, const SceneProjection& projec
                  ObjectColor(object.id), text);
     }
   }
+  DrawTruths(context, project, overlay.truth_names, low, high, labels);
   draw.PopClipRect();
+}
+
+std::string TruthNear(const FrameContext& context, const SceneProjection& project, ImVec2 point) {
+  std::string nearest;
+  float nearest_px = context.Scaled(14);
+  for (const SequenceView::Truth& truth : context.sequence->truth) {
+    const auto at = project(MiddleOf(context, truth));
+    if (!at) continue;
+    const float distance = std::hypot(at->x - point.x, at->y - point.y);
+    if (distance >= nearest_px) continue;
+    nearest_px = distance;
+    nearest = truth.id;
+  }
+  return nearest;
 }
 
 }  // namespace plumbline

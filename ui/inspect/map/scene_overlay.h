@@ -37,13 +37,18 @@ struct SceneOverlay {
   bool names = true;
   bool spread = false;  ///< Ellipsoids that hold 95 % of the belief about the centre.
   bool links = false;
-  bool points = true;  ///< Of the visual-inertial filter, found up to this frame.
+  bool points = true;        ///< Of the visual-inertial filter, found up to this frame.
+  bool truth_names = false;  ///< Of all true instances; the selected one has its name anyway.
 };
 
-/// Names, ellipsoids (of the camera, too, where its pose is estimated), points and relations over
-/// the 3-D view.
+/// Names, ellipsoids (of the camera, too, where its pose is estimated), points, relations and the
+/// true instance that is selected, over the 3-D view.
 void DrawSceneOverlay(const FrameContext& context, const SceneProjection& project, ImVec2 low,
                       ImVec2 high, const SceneOverlay& overlay,
                       const std::vector<ObjectRelation>& relations);
+
+/// The true instance whose middle is nearest to a point of the picture, within some pixels; "":
+/// none.
+std::string TruthNear(const FrameContext& context, const SceneProjection& project, ImVec2 point);
 
 }  // namespace plumbline

@@ -119,10 +119,10 @@ class ScenePanel : public Panel {
                            ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
                                ImGuiButtonFlags_MouseButtonMiddle);
     LogItem(context, "scene.view");
-    const bool moving = HandleMouse(*context.scene, low, sink);
+    const ImVec2 high(low.x + static_cast<float>(width), low.y + static_cast<float>(height));
+    const bool moving = HandleMouse(context, low, high, sink);
     const bool playing = context.playback->state == PlaybackState::kPlaying;
     const ImTextureID texture = context.scene->Texture(width, height, moving || playing);
-    const ImVec2 high(low.x + static_cast<float>(width), low.y + static_cast<float>(height));
     ImGui::GetWindowDrawList()->AddImageRounded(texture, low, high, {0, 1}, {1, 0}, IM_COL32_WHITE,
                                                 context.Scaled(4));
     DrawOverlay(context, low, high, sink);
@@ -193,17 +193,24 @@ class ScenePanel : public Panel {
     if (context.analysis != nullptr && context.analysis->relations)
       relations_ = *context.analysis->relations;
     const SceneProjection project(context, context.scene->camera(), low, high);
-    DrawSceneOverlay(context, project, low, high, overlay_, relations_);
+    SceneOverlay overlay = overlay_;
+    overlay.truth_names = overlay.names && layers_.truth;
+    DrawSceneOverlay(context, project, low, high, overlay, relations_);
   }
 
   /// True while the view moves.
-  bool HandleMouse(SceneSurface& scene, ImVec2 low, CommandSink& sink) {
+  bool HandleMouse(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink) {
+    SceneSurface& scene = *context.scene;
     const bool moving = MoveView(scene, low, false);
+    if (!WasClicked() || ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) return moving;
     const ImVec2 mouse = ImGui::GetIO().MousePos;
-    if (WasClicked() && !ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
-      if (const auto object = scene.Pick(mouse.x - low.x, mouse.y - low.y))
-        sink.Post(SelectObjectCommand{*object});
-    }
+    std::string truth;
+    if (layers_.truth && context.snapshot != nullptr)
+      truth = TruthNear(context, SceneProjection(context, scene.camera(), low, high), mouse);
+    if (const auto object = scene.Pick(mouse.x - low.x, mouse.y - low.y))
+      sink.Post(SelectObjectCommand{*object});
+    else if (!truth.empty())
+      sink.Post(SelectTruthCommand{truth});
     return moving;
   }
 

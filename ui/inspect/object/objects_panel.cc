@@ -3,11 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 #include "engine/snapshot/map_snapshot.h"
+#include "engine/snapshot/truths_view.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
 
@@ -65,7 +68,8 @@ class ObjectsPanel : public Panel {
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
-    if (context.snapshot->report.objects.empty()) {
+    const bool missed = context.truths != nullptr && context.truths->missed > 0;
+    if (context.snapshot->report.objects.empty() && !missed) {
       return EmptyState(
           context, "No objects yet",
           "The first are spawned from the detector's proposals: press Space to play on.");
@@ -76,14 +80,17 @@ class ObjectsPanel : public Panel {
         (scrolls ? ImGuiTableFlags_ScrollX : 0) | ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
         ImGuiTableFlags_Resizable | ImGuiTableFlags_Hideable | ImGuiTableFlags_NoBordersInBody;
     ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(3.5)});
-    if (ImGui::BeginTable("objects.table", static_cast<int>(std::size(kObjectColumns)), flags,
-                          ImGui::GetContentRegionAvail(),
+    ImVec2 room = ImGui::GetContentRegionAvail();
+    const float missed_height = missed ? MissedHeight(context, room.y) : 0;
+    room.y -= missed_height;
+    if (ImGui::BeginTable("objects.table", static_cast<int>(std::size(kObjectColumns)), flags, room,
                           scrolls ? context.Scaled(kNarrowest) : 0.0f)) {
       DrawHeaders(context);
       for (const ObjectReport& object : context.snapshot->report.objects)
         DrawRow(context, object, sink);
       ImGui::EndTable();
     }
+    if (missed) DrawMissed(context, sink);
     ImGui::PopStyleVar();
     ImGui::PopFont();
   }
@@ -128,6 +135,82 @@ class ObjectsPanel : public Panel {
     ImGui::SameLine(1.3f * size);
     ImGui::Text("#%d", object.id.value);
     DrawCells(context, object);
+  }
+
+  /// Of the table of missed ones: as high as it has to be, at most so much that both show.
+  static float MissedHeight(const FrameContext& context, float room) {
+    const float row = ImGui::GetTextLineHeight() + context.Scaled(7);
+    return std::min(row * (1.5f + static_cast<float>(context.truths->missed)), 0.45f * room);
+  }
+
+  /// The true objects that the run, as far as it goes, has not found.
+  static void DrawMissed(const FrameContext& context, CommandSink& sink) {
+    struct Column {
+      const char* name;
+      float width;  ///< As of ObjectColumn.
+      const char* help;
+    };
+    static constexpr Column kColumns[] = {
+        {"Missed", 7.5f, "True objects that the run, as far as it goes, has not found."},
+        {"Model", 7.5f, "Its true shape."},
+        {"Why", 0, "What kept it out. Click a row, and 'Why here?' tells more."},
+        {"Seen", 4.0f, "Frames in which enough of it shows."},
+        {"Boxed", 4.0f, "Those of them in which a box of its category lies over it."}};
+    if (!ImGui::BeginTable("objects.missed", static_cast<int>(std::size(kColumns)),
+                           ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
+                               ImGuiTableFlags_Resizable | ImGuiTableFlags_NoBordersInBody))
+      return;
+    ImGui::TableSetupScrollFreeze(0, 1);
+    const float unit = context.fonts.small->FontSize;
+    for (const Column& column : kColumns) {
+      ImGui::TableSetupColumn(
+          column.name,
+          column.width > 0 ? ImGuiTableColumnFlags_WidthFixed : ImGuiTableColumnFlags_WidthStretch,
+          column.width * unit);
+    }
+    ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
+    for (int i = 0; i < static_cast<int>(std::size(kColumns)); ++i) {
+      ImGui::TableSetColumnIndex(i);
+      ImGui::PushStyleColor(ImGuiCol_Text, i == 0 ? colors::kWarning : colors::kDimText);
+      ImGui::TableHeader(i == 0 ? fmt::format("Missed {} of {}", context.truths->missed,
+                                              context.truths->truths.size())
+                                      .c_str()
+                                : kColumns[i].name);
+      ImGui::PopStyleColor();
+      Tooltip(context, kColumns[i].help);
+    }
+    for (const TruthView& truth : context.truths->truths) {
+      if (!truth.found) DrawMissedRow(context, truth, sink);
+    }
+    ImGui::EndTable();
+  }
+
+  static void DrawMissedRow(const FrameContext& context, const TruthView& truth,
+                            CommandSink& sink) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    const std::string name = "objects.truth." + truth.id;
+    if (ImGui::Selectable(
+            ("##" + name).c_str(), truth.id == context.selection.truth,
+            ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick)) {
+      sink.Post(SelectTruthCommand{truth.id});
+      sink.Post(ShowPanelCommand{"why"});
+      if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) sink.Post(FocusSelectionCommand{});
+    }
+    LogItem(context, name);
+    Tooltip(context, truth.text);
+    ImGui::SameLine(0, 0);
+    ImGui::PushStyleColor(ImGuiCol_Text, colors::kTruth);
+    ImGui::TextUnformatted(truth.id.c_str());
+    ImGui::PopStyleColor();
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(truth.model.c_str());
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(truth.text.c_str());
+    ImGui::TableNextColumn();
+    TextRight(colors::kText, std::to_string(truth.frames_seen));
+    ImGui::TableNextColumn();
+    TextRight(colors::kText, std::to_string(truth.frames_boxed));
   }
 
   static void DrawCells(const FrameContext& context, const ObjectReport& object) {

@@ -11,12 +11,14 @@
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
 #include "ui/inspect/object/likelihood_maps.h"
+#include "ui/inspect/truth/missed_view.h"
+#include "ui/inspect/truth/truths.h"
 
 namespace plumbline {
 namespace {
 
 ImU32 ColorOf(const ProbedHypothesis& hypothesis, ObjectId object) {
-  return hypothesis.is_truth ? colors::kTruth : ObjectColor(object);
+  return hypothesis.is_truth || object.value <= 0 ? colors::kTruth : ObjectColor(object);
 }
 
 class WhyPanel : public Panel {
@@ -35,12 +37,15 @@ class WhyPanel : public Panel {
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
-    if (context.SelectedObject() == nullptr) {
+    const TruthView* truth = SelectedTruth(context);
+    if (context.SelectedObject() == nullptr && truth == nullptr) {
       return EmptyState(context, "No object selected",
-                        "Select one that is in this frame; then its scores are explained here.");
+                        "Select one that is in this frame, or a true one that was missed (in "
+                        "Objects); then it is explained here.");
     }
     Ask(context, sink);
     const ProbeView* probe = ProbeOfSelection(context);
+    if (truth != nullptr) return DrawTruth(context, *truth, probe, sink);
     if (probe == nullptr) {
       return context.playback->state == PlaybackState::kPlaying
                  ? EmptyState(context, "Playing", "Pause, and the scores are explained here.")
@@ -78,12 +83,48 @@ class WhyPanel : public Panel {
   void Ask(const FrameContext& context, CommandSink& sink) {
     if (context.playback->state == PlaybackState::kPlaying) return;
     if (asked_version_ == context.snapshot_version && asked_.object == context.selection.object &&
-        asked_.particle == context.selection.particle)
+        asked_.particle == context.selection.particle && asked_.truth == context.selection.truth)
       return;
     asked_version_ = context.snapshot_version;
     asked_ = context.selection;
-    sink.Post(
-        ProbeCommand{context.selection.object, context.selection.particle, reference_, maps_});
+    ProbeCommand probe{context.selection.object, context.selection.particle, reference_, maps_};
+    probe.truth = context.selection.truth;
+    sink.Post(probe);
+  }
+
+  /// Over the whole run on the left, in this frame on the right.
+  void DrawTruth(const FrameContext& context, const TruthView& truth, const ProbeView* probe,
+                 CommandSink& sink) {
+    ImGui::PushFont(context.fonts.small);
+    const ImVec2 room = ImGui::GetContentRegionAvail();
+    const bool beside = room.x > context.Scaled(620);
+    ImGui::BeginChild("why.truth",
+                      {beside ? 0.5f * room.x : room.x, beside ? room.y : 0.5f * room.y});
+    DrawMissedView(context, truth, sink);
+    ImGui::EndChild();
+    if (beside) ImGui::SameLine(0, context.Scaled(10));
+    ImGui::BeginChild("why.now", ImGui::GetContentRegionAvail());
+    if (probe == nullptr) {
+      DimText(context.playback->state == PlaybackState::kPlaying
+                  ? "Pause, and its scores in the frame that shows are told here."
+                  : "Scoring this frame ..");
+    } else if (!probe->message.empty()) {
+      DimText("%s", probe->message.c_str());
+    } else {
+      DrawVerdict(*probe);
+      const ImVec2 rest = ImGui::GetContentRegionAvail();
+      const float rows = 2.0f + static_cast<float>(probe->hypotheses.size());
+      const bool curves = rest.y > context.Scaled(200);  // lower, they tell nothing
+      ImGui::BeginChild(
+          "why.table",
+          {rest.x, curves ? std::min(0.5f * rest.y, rows * ImGui::GetFrameHeight()) : rest.y});
+      DrawTable(context, *probe, sink);
+      ImGui::EndChild();
+      if (curves && maps_) DrawLikelihoodMaps(context, *probe, term_);
+      if (curves && !maps_) DrawSlices(context, *probe);
+    }
+    ImGui::EndChild();
+    ImGui::PopFont();
   }
 
   static void DrawVerdict(const ProbeView& probe) {
@@ -205,7 +246,8 @@ class WhyPanel : public Panel {
     const auto y_of = [&](double value) {
       return high.y - (static_cast<float>(value) - min) / (max - min) * (high.y - low.y);
     };
-    draw.AddLine({x_of(0), low.y}, {x_of(0), high.y}, WithAlpha(ObjectColor(probe.object), 0.7));
+    const ImU32 middle = probe.truth.empty() ? ObjectColor(probe.object) : colors::kTruth;
+    draw.AddLine({x_of(0), low.y}, {x_of(0), high.y}, WithAlpha(middle, 0.7));
     if (slice.truth && *slice.truth >= first && *slice.truth <= last)
       draw.AddLine({x_of(*slice.truth), low.y}, {x_of(*slice.truth), high.y}, colors::kTruth,
                    context.Scaled(1.5));

@@ -24,6 +24,12 @@ void TimelineControls::Draw(const FrameContext& context, int last, CommandSink& 
   DrawNumbers(context, last, sink);
   DrawRange(context, sink);
   DrawBookmarks(context, sink);
+  if (context.truths != nullptr) {
+    ImGui::SameLine(0, context.Scaled(3));
+    Toggle(context, "timeline.truth", "Truth", all_truths_,
+           "A lane for every true object: where it shows (thin), where a box lies over it (above), "
+           "and the object that it is paired with (thick). Off: only for those that were missed.");
+  }
   DrawChoices(context, sink);
 }
 

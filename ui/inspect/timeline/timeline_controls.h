@@ -18,6 +18,9 @@ class TimelineControls {
   const PlottedQuantity& plotted() const { return PlottedQuantities()[plot_]; }
   /// An id that is not known changes nothing.
   void Plot(std::string_view id);
+  /// Whether true objects that were found have lanes, too.
+  bool all_truths() const { return all_truths_; }
+  void ShowAllTruths(bool all) { all_truths_ = all; }
 
  private:
   static void DrawButtons(const FrameContext& context, CommandSink& sink);
@@ -28,6 +31,7 @@ class TimelineControls {
   void DrawPlotChoice(const FrameContext& context, float width);
 
   std::size_t plot_ = 0;
+  bool all_truths_ = false;
   char note_[200] = "";
 };
 

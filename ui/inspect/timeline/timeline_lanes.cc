@@ -40,7 +40,35 @@ std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId 
   return lanes;
 }
 
-void TimelineLanes::Update(const FrameContext& context) {
+TruthLane TruthLaneOf(const RunHistory& history, const std::string& id, std::size_t index) {
+  using Kind = TruthLane::Span::Kind;
+  TruthLane lane{index, id, {}};
+  std::map<Kind, std::size_t> open;  // the newest span of each kind
+  int before = -1;                   // the frame before
+  const auto extend = [&](Kind kind, int frame, ObjectId object) {
+    const auto last = open.find(kind);
+    if (last != open.end() && lane.spans[last->second].to == before &&
+        lane.spans[last->second].object == object) {
+      lane.spans[last->second].to = frame;
+      return;
+    }
+    open[kind] = lane.spans.size();
+    lane.spans.push_back({kind, frame, frame, object});
+  };
+  for (const auto& frame : history.frames) {
+    if (frame == nullptr || index >= frame->truths.size()) continue;
+    const TruthSample& truth = frame->truths[index];
+    if (truth.visible_px > 0) extend(Kind::kSeen, frame->frame, {});
+    if (truth.box_fate) extend(Kind::kBoxed, frame->frame, {});
+    if (truth.object.value > 0)
+      extend(truth.confirmed ? Kind::kConfirmed : Kind::kTentative, frame->frame, truth.object);
+    before = frame->frame;
+  }
+  return lane;
+}
+
+void TimelineLanes::Update(const FrameContext& context, bool all_truths) {
+  UpdateTruths(context, all_truths);
   const PlaybackView& playback = context.shown_playback();
   const bool changed = events_ != playback.events || lane_for_ != context.selection.object;
   if (changed) {
@@ -51,6 +79,20 @@ void TimelineLanes::Update(const FrameContext& context) {
   if (!changed && history_ == playback.history) return;
   history_ = playback.history;
   NameLanes(context);
+}
+
+void TimelineLanes::UpdateTruths(const FrameContext& context, bool all) {
+  const auto truths = context.truths;
+  if (of_truths_ == truths && truth_for_ == context.selection.truth && all_truths_ == all) return;
+  of_truths_ = truths;
+  truth_for_ = context.selection.truth;
+  all_truths_ = all;
+  truths_.clear();
+  for (std::size_t i = 0; truths != nullptr && i < truths->truths.size(); ++i) {
+    const TruthView& truth = truths->truths[i];
+    if (all || !truth.found || truth.id == truth_for_)
+      truths_.push_back(TruthLaneOf(*context.shown_playback().history, truth.id, i));
+  }
 }
 
 /// By the last shape that the history knows of each.
@@ -91,14 +133,22 @@ void TimelineLanes::Scroll(const FrameContext& context, float view_height) {
       scroll_ = std::clamp(scroll_, top + height - view_height, top);
     }
   }
-  const float all = height * static_cast<float>(lanes_.size());
+  if (truth_seen_ != context.selection.truth) {
+    truth_seen_ = context.selection.truth;
+    for (std::size_t i = 0; i < truths_.size(); ++i) {
+      if (truths_[i].id != truth_seen_) continue;
+      const float top = height * static_cast<float>(lanes_.size() + i);
+      scroll_ = std::clamp(scroll_, top + height - view_height, top);
+    }
+  }
+  const float all = height * static_cast<float>(size());
   scroll_ = std::clamp(scroll_, 0.0f, std::max(0.0f, all - view_height));
 }
 
 void TimelineLanes::Draw(const FrameContext& context, const TimeAxis& axis, float label_x, float y0,
                          float y1, CommandSink& sink) {
   const float height = context.Scaled(kLaneHeight);
-  if (lanes_.empty() || y1 - y0 < 1) return;
+  if (size() == 0 || y1 - y0 < 1) return;
   const ImVec2 cursor = ImGui::GetCursorScreenPos();
   ImGui::SetCursorScreenPos({label_x, y0});
   ImGui::InvisibleButton("timeline.lanes", {axis.x0 - context.Scaled(6) - label_x, y1 - y0});
@@ -122,6 +172,21 @@ void TimelineLanes::Draw(const FrameContext& context, const TimeAxis& axis, floa
     if (mouse < top || mouse >= top + height) continue;
     if (clicked) sink.Post(SelectObjectCommand{lane.id});
     if (hovered) Tooltip(context, lane.name + "\nA click selects it; the wheel scrolls.");
+  }
+  for (std::size_t i = 0; i < truths_.size(); ++i) {
+    const TruthLane& lane = truths_[i];
+    const float top = y0 + height * static_cast<float>(lanes_.size() + i) - scroll_;
+    if (top + height < y0 || top > y1) continue;
+    DrawTruthLane(context, axis, lane, label_x, top + 0.5f * height);
+    if (top >= y0 - 0.5f && top + height <= y1 + 0.5f)
+      context.widgets->Add("timeline.truth." + lane.id, {label_x, top}, {axis.x0, top + height});
+    const float mouse = ImGui::GetIO().MousePos.y;
+    if (mouse < top || mouse >= top + height) continue;
+    if (clicked) sink.Post(SelectTruthCommand{lane.id});
+    if (hovered && lane.index < of_truths_->truths.size())
+      Tooltip(context, lane.id + ", a true object. " + of_truths_->truths[lane.index].text +
+                           "\nThin: it shows; dots above: a box lies over it; thick: the object "
+                           "that it is paired with. A click selects it.");
   }
   draw.PopClipRect();
   DrawScrollBar(context, axis.x0 - context.Scaled(10), y0, y1);
@@ -158,8 +223,43 @@ void TimelineLanes::DrawLane(const FrameContext& context, const TimeAxis& axis,
                nullptr, 0, &clip);
 }
 
+void TimelineLanes::DrawTruthLane(const FrameContext& context, const TimeAxis& axis,
+                                  const TruthLane& lane, float label_x, float y) {
+  using Kind = TruthLane::Span::Kind;
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const float height = context.Scaled(kLaneHeight);
+  if (lane.id == context.selection.truth)
+    draw.AddRectFilled({label_x, y - 0.5f * height}, {axis.x1, y + 0.5f * height},
+                       colors::kControl);
+  for (const TruthLane::Span& span : lane.spans) {
+    const float a = std::max(axis.XOf(span.from - 0.5), axis.x0);
+    const float b = std::min(axis.XOf(span.to + 0.5), axis.x1);
+    if (b <= a) continue;
+    switch (span.kind) {
+      case Kind::kSeen:
+        draw.AddLine({a, y}, {b, y}, WithAlpha(colors::kTruth, 0.7), context.Scaled(1.5));
+        break;
+      case Kind::kBoxed: {
+        const float top = y - 0.36f * height;
+        draw.AddLine({a, top}, {std::max(b, a + 1), top}, colors::kDimText, context.Scaled(2));
+        break;
+      }
+      case Kind::kTentative:
+        draw.AddLine({a, y}, {b, y}, WithAlpha(ObjectColor(span.object), 0.9), context.Scaled(3));
+        break;
+      case Kind::kConfirmed:
+        draw.AddLine({a, y}, {b, y}, WithAlpha(ObjectColor(span.object), 0.75), context.Scaled(7));
+        break;
+    }
+  }
+  const ImFont* font = context.fonts.small;
+  const ImVec4 clip(label_x, y - height, axis.x0 - context.Scaled(14), y + height);
+  draw.AddText(font, font->FontSize, {label_x, y - 0.5f * font->FontSize}, colors::kTruth,
+               lane.id.c_str(), nullptr, 0, &clip);
+}
+
 void TimelineLanes::DrawScrollBar(const FrameContext& context, float x, float y0, float y1) const {
-  const float all = context.Scaled(kLaneHeight) * static_cast<float>(lanes_.size());
+  const float all = context.Scaled(kLaneHeight) * static_cast<float>(size());
   if (all <= y1 - y0 + 1) return;
   const float low = y0 + (y1 - y0) * scroll_ / all, high = low + (y1 - y0) * (y1 - y0) / all;
   ImGui::GetWindowDrawList()->AddRectFilled({x, low}, {x + context.Scaled(4), high},

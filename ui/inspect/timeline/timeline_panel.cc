@@ -28,9 +28,12 @@ class TimelinePanel : public Panel {
     ImGui::EndDisabled();
   }
 
-  nlohmann::json SaveState() const override { return {{"plot", controls_.plotted().id}}; }
+  nlohmann::json SaveState() const override {
+    return {{"plot", controls_.plotted().id}, {"all_truths", controls_.all_truths()}};
+  }
   void LoadState(const nlohmann::json& json) override {
     controls_.Plot(json.value("plot", std::string()));
+    controls_.ShowAllTruths(json.value("all_truths", false));
   }
 
  private:
@@ -47,7 +50,7 @@ class TimelinePanel : public Panel {
     TimeAxis axis{left + pad, std::max(left + pad + 1, corner.x + room.x - pad), 0, 1};
     Zoom(last, axis);
     Seek(axis, last, sink);
-    lanes_.Update(context);
+    lanes_.Update(context, controls_.all_truths());
     const TrackRows rows = PlanRows(context, corner.y, corner.y + room.y, lanes_.size());
     DrawRuler(context, axis, rows.ruler, rows.bar);
     if (rows.bar > rows.thumbnails) DrawThumbnails(context, axis, rows.thumbnails, rows.bar);
