@@ -33,7 +33,7 @@ class TimelinePanel : public Panel {
   }
   void LoadState(const nlohmann::json& json) override {
     controls_.Plot(json.value("plot", std::string()));
-    controls_.ShowAllTruths(json.value("all_truths", false));
+    controls_.ShowAllTruths(json.value("all_truths", controls_.all_truths()));
   }
 
  private:
