@@ -83,6 +83,8 @@ TEST_F(EvaluateVerb, JudgesARunFile) {
   const nlohmann::json json = ReadJson(folder_.path() / "result.json").value();
   EXPECT_EQ(json["matched"], 1);
   EXPECT_EQ(json["missed"], 1);
+  EXPECT_EQ(json["missed_instances"][0]["why"]["cause"], "not_seen") << "a run of a few frames";
+  EXPECT_THAT(outcome.output, HasSubstr("Not seen: "));
   EXPECT_EQ(json["spurious"], 0);
   EXPECT_EQ(json["objects"][0]["ground_truth"], "a");
   EXPECT_NEAR(json["mean_translation_m"].get<double>(), 0.04, 1e-12);

@@ -132,8 +132,9 @@ TEST_F(HypothesisProbeTest, ScoresATrueInstanceBesideItsCandidate) {
   EXPECT_EQ(missed.verdict, Verdict::kSearch) << missed.verdict_text;
   EXPECT_THAT(missed.verdict_text, testing::HasSubstr("object 1, 32 cm"));
   EXPECT_NEAR(*missed.slices.front().truth, 0, 1e-4) << "sweeps go through the truth";
-  const ProbeView wrong =
-      probe_->Probe(Snapshot(At(0.1, 0.3), At(0.1, 0.3), 0.02), view_, {}, ask, {0});
+  MapSnapshot elsewhere = Snapshot(At(0.1, 0.3), At(0.1, 0.3), 0.02);
+  elsewhere.report.frame = 8;
+  const ProbeView wrong = probe_->Probe(elsewhere, view_, {}, ask, {0});
   EXPECT_EQ(wrong.verdict, Verdict::kLikelihood) << wrong.verdict_text;
 }
 
