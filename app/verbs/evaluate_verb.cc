@@ -275,9 +275,11 @@ Result<nlohmann::json> Judge(const std::vector<EstimatedObject>& estimates, cons
                   arguments.options);
   if (!evaluation) return evaluation.error();
   const int truths = beliefs ? static_cast<int>(beliefs->view.truth.size()) : 0;
-  // A history of one frame, as of a second pass, tells nothing of what was missed on the way.
+  // The history that stands for a second pass has no way on which something could be missed.
   std::optional<TruthsView> known;
-  if (beliefs && beliefs->history.frames.size() > 1) known = TruthsOf(*beliefs);
+  if (beliefs && !beliefs->history.frames.empty() &&
+      !beliefs->history.frames.front()->truths.empty())
+    known = TruthsOf(*beliefs);
   if (arguments.json != "-") {
     PrintTable(*evaluation, known ? &*known : nullptr, arguments);
     if (beliefs) PrintReliability(beliefs->history, truths);
