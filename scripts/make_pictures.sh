@@ -225,6 +225,19 @@ JSON
 (cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
   "$program" gui demo.plb --frame 30 --size 1600x1000 --ui-scale 1 --script what-if.json)
 # The same room with an IMU, mapped from its own poses.
+cat >"$work/missed.json" <<'JSON'
+{"steps": [
+  {"wait_for": {"frame": 40, "seeking": false, "missed": {"min": 1}}, "timeout_s": 600},
+  {"click": "objects.truth.chair_2", "at": [0.3, 0.5]},
+  {"click": "image.truth"},
+  {"hover": "panel.image", "at": [0.02, 0.99]},
+  {"wait_for": {"probe_frame": 40}},
+  {"wait_frames": 40},
+  {"screenshot": "why-missed.png"}
+]}
+JSON
+(cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
+  "$program" gui demo: --frame 40 --size 1600x1000 --ui-scale 1 --script missed.json)
 "$program" synth --out "$work/walk" --scene room --seed 1 --imu --rest 2 --size 640x480 --rate 15 --frames 180 --light-rays 16
 "$program" run "$work/walk" --poses vio --edges gradient --out "$work/walk.plb"
 cat >"$work/inertial.json" <<'JSON'

@@ -122,6 +122,7 @@ class ImagePanel : public Panel {
     }
     if (names_) LabelObjects(context, canvas, labels);
     if (proposals_) LabelProposals(context, canvas, labels);
+    LabelTruths(context, canvas, truth_, labels);
     if (scores_) LabelScores(context, canvas, labels);
     DrawPixelValue(context, canvas);
     if (const auto pixel = canvas.clicked()) {

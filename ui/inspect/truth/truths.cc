@@ -50,6 +50,33 @@ bool DrawSelectedOutline(const FrameContext& context, const ImageCanvas& canvas)
   return !probe->hypotheses.front().outline.empty();
 }
 
+/// A true instance in the image that shows.
+struct ShownTruth {
+  const TruthView& truth;
+  const TruthSample& sample;
+  bool selected = false;
+  bool there = false;  ///< In the map, confirmed.
+  ImVec2 low, high;    ///< On the screen.
+  ImU32 color = 0;
+};
+
+template <typename Draw>
+void ForEachShown(const FrameContext& context, const ImageCanvas& canvas, bool all,
+                  const Draw& draw) {
+  const FrameSample* sample = ShownSample(context);
+  if (sample == nullptr || context.truths == nullptr) return;
+  const auto& truths = context.truths->truths;
+  for (std::size_t i = 0; i < std::min(truths.size(), sample->truths.size()); ++i) {
+    const TruthSample& truth = sample->truths[i];
+    const bool selected = truths[i].id == context.selection.truth;
+    if (truth.box.empty() || (!all && !selected)) continue;
+    const bool there = truth.object.value > 0 && truth.confirmed;
+    draw(ShownTruth{truths[i], truth, selected, there, canvas.ToScreen(truth.box.x0, truth.box.y0),
+                    canvas.ToScreen(truth.box.x1, truth.box.y1),
+                    WithAlpha(colors::kTruth, selected || !there ? 1.0 : 0.6)});
+  }
+}
+
 }  // namespace
 
 const FrameSample* ShownSample(const FrameContext& context) {
@@ -93,33 +120,31 @@ std::string TruthInWords(const TruthView& truth, const TruthSample& sample) {
 }
 
 void DrawTruthOverlay(const FrameContext& context, const ImageCanvas& canvas, bool all) {
-  const FrameSample* sample = ShownSample(context);
-  if (sample == nullptr || context.truths == nullptr) return;
   const bool outlined = DrawSelectedOutline(context, canvas);
-  PictureLabels labels(context, canvas.low(), canvas.high());
-  const auto& truths = context.truths->truths;
-  for (std::size_t i = 0; i < std::min(truths.size(), sample->truths.size()); ++i) {
-    const TruthSample& truth = sample->truths[i];
-    const bool selected = truths[i].id == context.selection.truth;
-    if (truth.box.empty() || (!all && !selected)) continue;
-    const bool there = truth.object.value > 0 && truth.confirmed;
-    const ImVec2 low = canvas.ToScreen(truth.box.x0, truth.box.y0);
-    const ImVec2 high = canvas.ToScreen(truth.box.x1, truth.box.y1);
-    const ImU32 color = WithAlpha(colors::kTruth, selected || !there ? 1.0 : 0.6);
-    const float width = context.Scaled(selected ? 2 : 1.25);
-    if (there)
-      canvas.draw().AddRect(low, high, color, 0, 0, width);
-    else if (!(selected && outlined))
-      DashedRectangle(canvas.draw(), low, high, color, width, context.Scaled(5));
-    context.widgets->Add("image.truth." + truths[i].id, low, high);
-    const std::string text = truths[i].id;
-    const ImVec2 size = labels.SizeOf(text);
-    labels.Add({{high.x - size.x, high.y}, {low.x, high.y}, {high.x - size.x, low.y + size.y}},
-               color, text);
-    const bool pointed =
-        canvas.hovered() && ImGui::IsMouseHoveringRect({high.x - size.x, high.y - size.y}, high);
-    if (pointed) ImGui::SetTooltip("%s", TruthInWords(truths[i], truth).c_str());
-  }
+  ForEachShown(context, canvas, all, [&](const ShownTruth& shown) {
+    context.widgets->Add("image.truth." + shown.truth.id, shown.low, shown.high);
+    const float width = context.Scaled(shown.selected ? 2 : 1.25);
+    if (shown.there)
+      canvas.draw().AddRect(shown.low, shown.high, shown.color, 0, 0, width);
+    else if (!(shown.selected && outlined))
+      DashedRectangle(canvas.draw(), shown.low, shown.high, shown.color, width, context.Scaled(5));
+  });
+}
+
+void LabelTruths(const FrameContext& context, const ImageCanvas& canvas, bool all,
+                 PictureLabels& labels) {
+  ForEachShown(context, canvas, all, [&](const ShownTruth& shown) {
+    const ImVec2 low = shown.low, high = shown.high;
+    const ImVec2 size = labels.SizeOf(shown.truth.id);
+    labels.Add({{high.x - size.x, high.y},
+                {low.x, high.y},
+                {high.x - size.x, low.y + size.y},
+                {high.x - size.x, high.y - 1.15f * size.y},
+                {low.x, low.y + size.y}},
+               shown.color, shown.truth.id);
+    if (canvas.hovered() && ImGui::IsMouseHoveringRect({high.x - size.x, high.y - size.y}, high))
+      ImGui::SetTooltip("%s", TruthInWords(shown.truth, shown.sample).c_str());
+  });
 }
 
 std::string TruthAt(const FrameContext& context, const Eigen::Vector2f& pixel) {

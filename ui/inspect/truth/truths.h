@@ -5,6 +5,7 @@
 
 #include "engine/snapshot/truths_view.h"
 #include "ui/framework/image_canvas.h"
+#include "ui/framework/widgets.h"
 
 namespace plumbline {
 
@@ -18,9 +19,12 @@ const TruthView* SelectedTruth(const FrameContext& context);
 /// one frame.
 std::string TruthInWords(const TruthView& truth, const TruthSample& sample);
 
-/// Boxes around what shows of the true instances in this frame, with their names: those that the
-/// map lacks are dashed. The selected one is drawn always, the others only if `all`.
+/// Boxes around what shows of the true instances in this frame: those that the map lacks are
+/// dashed. The selected one is drawn always, the others only if `all`.
 void DrawTruthOverlay(const FrameContext& context, const ImageCanvas& canvas, bool all);
+/// Their names.
+void LabelTruths(const FrameContext& context, const ImageCanvas& canvas, bool all,
+                 PictureLabels& labels);
 
 /// The true instance whose box holds the pixel, the smallest of several; "": none.
 std::string TruthAt(const FrameContext& context, const Eigen::Vector2f& pixel);
