@@ -9,6 +9,7 @@ Runs `plumbline run` and `plumbline evaluate` on real and synthetic rooms, over 
 Nothing is chosen: all seeds, all instances and all failures are in the tables.
 """
 import argparse
+import collections
 import concurrent.futures
 import csv
 import dataclasses
@@ -328,6 +329,7 @@ def fill(record, job, frames, summary, judged, withdrawn):
                 "credible_level": believed[found["id"]].get("credible_level")})
         for missed in evaluation["missed_instances"]:
             instances.append({"id": missed["ground_truth"], "found": False, "quality": missed["quality"],
+                              "cause": missed.get("why", {}).get("cause", "unknown"),
                               "why": missed.get("why", {}).get("text", "")})
         for instance in instances:
             instance["shown_frames"] = shown.get(instance["id"], 0)
@@ -508,6 +510,19 @@ def instance_table(records):
     return lines
 
 
+def missed_lines(records):
+    """What kept those out that show well (docs/algorithms/why_missed.md): how often each cause, then each of them."""
+    missed = [(record, instance) for record in records for instance in record["instances"]
+              if not instance["found"] and instance["shows_well"]]
+    if not missed:
+        return []
+    causes = collections.Counter(instance["cause"].replace("_", " ") for _, instance in missed)
+    return ["**Missed** of those that show well: "
+            + ", ".join(f"{cause} {count}" for cause, count in causes.most_common()) + ".", "",
+            *(f"- {record['room']}, seed {record['seed']}, {instance['id']}: {instance['why']}"
+              for record, instance in missed), ""]
+
+
 def label_bins(records):
     """Of every confirmed object whose category has several models: ten bins of equal width, and the expected
     calibration error (docs/algorithms/evaluation.md)."""
@@ -667,9 +682,7 @@ def tables(measurement, results):
             lines += run_table(records) + [""] + instance_table(records) + [""]
             spurious = [f"{s['model']} ({r['room']}, seed {r['seed']})" for r in records for s in r["spurious"]]
             lines += ["**Spurious**: " + (", ".join(spurious) or "none") + ".", ""] + belief_lines(records)
-            missed = [f"- {r['room']}, seed {r['seed']}, {i['id']}: {i['why']}" for r in records
-                      for i in r["instances"] if not i["found"] and i["shows_well"]]
-            lines += (["**Missed** of those that show well:", ""] + missed + [""]) if missed else []
+            lines += missed_lines(records)
             lines += smoothed_tables(records)
     return "\n".join(lines)
 

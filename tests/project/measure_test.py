@@ -12,7 +12,8 @@ import measure  # noqa: E402
 
 
 def instance(name, found=True, position_m=0.02, level=0.4):
-    one = {"id": name, "found": found, "quality": "fine", "shown_frames": 90, "shows_well": True, "why": "hidden"}
+    one = {"id": name, "found": found, "quality": "fine", "shown_frames": 90, "shows_well": True, "why": "hidden",
+           "cause": "never_boxed"}
     if found:
         one.update(model_right=True, position_m=position_m, rotation_deg=1.0, turned_round=False, confirmed_frame=30,
                    credible_level=level)
@@ -49,6 +50,12 @@ class Statistics(unittest.TestCase):
         self.assertEqual(measure.pooled([(1, 2), (9, 18), (0, 0)]), "50 ± 0")
         self.assertEqual(measure.pooled([(0, 10), (10, 10)]), f"50 ± {12.706 * 50:.0f}")
         self.assertEqual(measure.pooled([]), "-")
+
+    def test_causes_of_misses_are_counted(self):
+        lines = measure.missed_lines([record("a", seed, [instance("x", False), instance("y")]) for seed in range(3)])
+        self.assertEqual(lines[0], "**Missed** of those that show well: never boxed 3.")
+        self.assertIn("- a, seed 2, x: hidden", lines)
+        self.assertEqual(measure.missed_lines([record("a", 0, [instance("y")])]), [])
 
     def test_labels_are_calibrated_in_bins(self):
         objects = [believed(1, "x", claimed=0.95, right=False), believed(1, "y", claimed=1.0),
