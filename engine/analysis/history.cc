@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/analysis/object_spread.h"
 #include "engine/analysis/true_instances.h"
 #include "engine/evaluation/credible_region.h"
 #include "engine/geometry/gravity.h"
@@ -122,9 +123,10 @@ FrameSample SampleOf(const FrameReport& report, const SequenceView& view,
     for (const LabelProbability& label : object.label_probability) {
       if (label.probability >= kLeastLabel) kept.label_probability.push_back(label);
     }
-    kept.position_std_m =
-        static_cast<float>(std::sqrt(object.covariance.topLeftCorner<3, 3>().trace()));
-    kept.azimuth_std_rad = static_cast<float>(std::sqrt(std::max(0.0, object.covariance(3, 3))));
+    const ObjectSpread spread = SpreadOfModes(object, view);
+    kept.position_std_m = static_cast<float>(spread.position_std_m);
+    kept.azimuth_std_rad = static_cast<float>(spread.azimuth_std_rad.value_or(0));
+    kept.round = !spread.azimuth_std_rad;
     kept.phi_cnn = object.phi_cnn;
     kept.phi_edge = object.phi_edge;
     kept.log_evidence = static_cast<float>(object.log_evidence);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/analysis/object_spread.h"
 #include "engine/base/files.h"
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
@@ -44,15 +45,18 @@ std::string ObjectsCsv(const RunReview& review) {
                                   [](const ObjectReport& object) { return object.scale_std > 0; });
   csv += scaled ? ",scale,scale_std\n" : "\n";
   for (const ObjectReport& o : review.last->objects) {
+    const ObjectSpread spread = SpreadOf(o, review.view);
     const Eigen::Vector3d p = o.world_from_object.translation();
-    csv +=
-        fmt::format("{},{},{},{},{:.6f},{:.6f},{:.6f},{:.4f},{:.6f},{:.4f},{:.6f},{:.4f},{},{},{}",
-                    o.id.value, ModelName(review, o.label), Quoted(o.category), NameOf(o.state),
-                    p.x(), p.y(), p.z(), kDegPerRad * upright.Azimuth(o.world_from_object.linear()),
-                    std::sqrt(o.covariance.topLeftCorner<3, 3>().trace()),
-                    kDegPerRad * std::sqrt(std::max(0.0, o.covariance(3, 3))),
-                    LabelProbabilityOf(o.label_probability), o.log_evidence, o.first_frame,
-                    o.confirmed_frame ? fmt::format("{}", *o.confirmed_frame) : "", o.last_frame);
+    csv += fmt::format(
+        "{},{},{},{},{:.6f},{:.6f},{:.6f},{},{:.6f},{},{:.6f},{:.4f},{},{},{}", o.id.value,
+        ModelName(review, o.label), Quoted(o.category), NameOf(o.state), p.x(), p.y(), p.z(),
+        spread.azimuth_std_rad
+            ? fmt::format("{:.4f}", kDegPerRad * upright.Azimuth(o.world_from_object.linear()))
+            : "",
+        spread.position_std_m,
+        spread.azimuth_std_rad ? fmt::format("{:.4f}", kDegPerRad * *spread.azimuth_std_rad) : "",
+        LabelProbabilityOf(o.label_probability), o.log_evidence, o.first_frame,
+        o.confirmed_frame ? fmt::format("{}", *o.confirmed_frame) : "", o.last_frame);
     csv += scaled ? fmt::format(",{:.5f},{:.5f}\n", o.scale, o.scale_std) : "\n";
   }
   return csv;
@@ -65,14 +69,16 @@ std::string FramesCsv(const RunReview& review) {
       "azimuth_error_deg,credible_level\n";
   for (const auto& frame : review.history.frames) {
     for (const ObjectSample& o : frame->objects) {
-      csv += fmt::format("{},{},{},{},{},{:.6f},{:.4f},{:.5f},{:.5f},{:.4f},{:.1f},{:.4f},{:.6f}",
+      csv += fmt::format("{},{},{},{},{},{:.6f},{},{:.5f},{:.5f},{:.4f},{:.1f},{:.4f},{:.6f}",
                          frame->frame, o.id.value, ModelName(review, o.label), NameOf(o.state),
-                         o.updated ? 1 : 0, o.position_std_m, kDegPerRad * o.azimuth_std_rad,
+                         o.updated ? 1 : 0, o.position_std_m,
+                         o.round ? "" : fmt::format("{:.4f}", kDegPerRad * o.azimuth_std_rad),
                          o.phi_cnn, o.phi_edge, o.log_evidence, o.effective_sample_size,
                          o.visible_fraction, LabelProbabilityOf(o.label_probability));
-      csv += o.error ? fmt::format(",{},{:.6f},{:.4f},{:.5f}\n", Quoted(o.error->truth),
-                                   o.error->translation_m, kDegPerRad * o.error->azimuth_rad,
-                                   o.error->credible_level)
+      csv += o.error ? fmt::format(
+                           ",{},{:.6f},{},{:.5f}\n", Quoted(o.error->truth), o.error->translation_m,
+                           o.round ? "" : fmt::format("{:.4f}", kDegPerRad * o.error->azimuth_rad),
+                           o.error->credible_level)
                      : ",,,,\n";
     }
   }

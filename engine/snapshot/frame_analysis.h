@@ -31,11 +31,20 @@ struct ScoreMap {
   std::string problem;
 };
 
+/// How far the belief about an object spreads over all of its modes.
+struct ObjectSpread {
+  ObjectId object;
+  int modes = 0;
+  double position_std_m = 0;              ///< Root of the sum over three axes.
+  std::optional<double> azimuth_std_rad;  ///< Nothing for a round shape.
+};
+
 /// What is worked out of a frame besides what the mapper says, where somebody shows it.
 struct FrameAnalysis {
   std::shared_ptr<const MapSnapshot> frame;  ///< Never null.
   /// How its objects stand to one another; nothing: nobody asked.
   std::optional<std::vector<ObjectRelation>> relations;
+  std::vector<ObjectSpread> spreads;      ///< Of every object.
   ObjectId object;                        ///< The one that is watched.
   std::vector<int> by_rank;               ///< Indices of its particles, the best first.
   std::optional<OtherEdges> other_edges;  ///< Nothing: nobody asked.

@@ -58,7 +58,8 @@ struct ObjectSample {
   bool updated = false;
   ModelId label;
   std::vector<LabelProbability> label_probability;  ///< Those of 2 % at least.
-  float position_std_m = 0, azimuth_std_rad = 0;
+  float position_std_m = 0, azimuth_std_rad = 0;    ///< Over all modes (ObjectSpread).
+  bool round = false;                               ///< Its shape has no azimuth.
   float phi_cnn = 0, phi_edge = 0;
   float log_evidence = 0;
   float effective_sample_size = 0;
