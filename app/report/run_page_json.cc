@@ -9,6 +9,7 @@
 
 #include "app/report/html_page.h"
 #include "app/report/svg_plot.h"
+#include "engine/analysis/object_looks.h"
 #include "engine/base/check.h"
 #include "engine/base/files.h"
 
@@ -181,14 +182,16 @@ nlohmann::json RunPageMesh(const TriangleMesh& mesh) {
 }
 
 nlohmann::json RunPageObjects(const RunReview& review) {
+  const ObjectLooks looks = LooksOf(review);
   nlohmann::json objects = nlohmann::json::array();
   for (const ObjectTrack& track : review.tracks) {
+    const auto look = looks.find(track.id);
     const auto label = static_cast<std::size_t>(track.label.value);
     objects.push_back(
         {{"id", track.id.value},
          {"model", label < review.view.models.size() ? review.view.models[label].name : "?"},
          {"category", track.category},
-         {"color", SvgColor(track.id.value)},
+         {"color", SvgColor(ColorOf(look != looks.end() ? look->second : ObjectLook()))},
          {"first", track.first_frame},
          {"last", track.last_frame},
          {"confirmed", track.confirmed_frame ? nlohmann::json(*track.confirmed_frame) : nullptr}});

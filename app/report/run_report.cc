@@ -14,8 +14,10 @@
 #include "app/report/html_page.h"
 #include "app/report/svg_plot.h"
 #include "engine/analysis/missed_truths.h"
+#include "engine/analysis/object_looks.h"
+#include "engine/analysis/object_spread.h"
 #include "engine/analysis/reliability.h"
-#include "engine/geometry/angles.h"
+#include "engine/geometry/angle_text.h"
 #include "engine/geometry/gravity.h"
 #include "engine/snapshot/map_snapshot.h"
 
@@ -30,8 +32,19 @@ std::string Card(const std::string& value, const std::string& name) {
                      Escaped(name));
 }
 
-std::string Dot(int number) {
-  return fmt::format("<span class='dot' style='background:{}'></span>", SvgColor(number));
+std::string Dot(const std::string& color) {
+  return fmt::format("<span class='dot' style='background:{}'></span>", color);
+}
+
+ObjectLook LookOf(const ObjectLooks& looks, ObjectId id) {
+  const auto look = looks.find(id);
+  return look != looks.end() ? look->second : ObjectLook();
+}
+
+std::string Dot(const ObjectLooks& looks, ObjectId id) {
+  const ObjectLook look = LookOf(looks, id);
+  const std::string color = SvgColor(ColorOf(look));
+  return Dot(look.dashed ? "linear-gradient(135deg," + color + " 50%,#1c242c 50%)" : color);
 }
 
 std::string ModelName(const RunReview& review, ModelId label) {
@@ -88,7 +101,7 @@ std::string Pictures(const std::vector<ReportPicture>& pictures) {
 }
 
 /// The map from above: footprints, true ones in green, the path of the camera.
-std::string Plan(const RunReview& review) {
+std::string Plan(const RunReview& review, const ObjectLooks& looks) {
   const UprightFrame upright(-review.view.up_in_world);
   const auto flat = [&](const Eigen::Vector3d& p) {
     return Eigen::Vector2d((upright.upright_rotation().transpose() * p).head<2>());
@@ -123,9 +136,11 @@ std::string Plan(const RunReview& review) {
   for (const ObjectReport& object : review.last->objects) {
     const auto label = static_cast<std::size_t>(object.label.value);
     if (object.state != ObjectState::kConfirmed || label >= review.view.models.size()) continue;
-    const std::string color = SvgColor(object.id.value);
+    const ObjectLook look = LookOf(looks, object.id);
+    const std::string color = SvgColor(ColorOf(look));
     footprint(review.view.models[label], object.world_from_object, object.scale,
-              fmt::format("fill:{0};fill-opacity:.25;stroke:{0};stroke-width:1.5", color),
+              fmt::format("fill:{0};fill-opacity:.25;stroke:{0};stroke-width:1.5{1}", color,
+                          look.dashed ? ";stroke-dasharray:6 4" : ""),
               fmt::format("#{} {}", object.id.value, review.view.models[label].name));
   }
   std::vector<Eigen::Vector2d> path;
@@ -172,7 +187,7 @@ std::string Plan(const RunReview& review) {
          (review.view.truth.empty() ? "" : "<span class='good'>ground truth</span>") + "</p>";
 }
 
-std::string ObjectTable(const RunReview& review) {
+std::string ObjectTable(const RunReview& review, const ObjectLooks& looks) {
   const UprightFrame upright(-review.view.up_in_world);
   std::map<int, TruthError> errors;
   for (auto frame = review.history.frames.rbegin(); frame != review.history.frames.rend();
@@ -192,19 +207,25 @@ std::string ObjectTable(const RunReview& review) {
     const Eigen::Vector3d p = o.world_from_object.translation();
     const auto error = errors.find(o.id.value);
     const bool has_error = error != errors.end();
+    const ObjectSpread spread = SpreadOf(o, review.view);
     html += fmt::format(
         "<tr><td>{}#{}</td><td class='l'>{}</td><td class='l'>{}</td><td>{:.2f} {:.2f} {:.2f}</td>"
-        "<td>{:.0f}\u00b0</td><td>{:.1f} cm</td><td>{:.1f}\u00b0</td><td>{:.0f} %</td><td>{}</td>"
+        "<td>{}</td><td>{:.1f} cm{}</td><td>{}</td><td>{:.0f} %</td><td>{}</td>"
         "<td class='l'>{}</td><td>{}</td></tr>",
-        Dot(o.id.value), o.id.value, Escaped(ModelName(review, o.label)), NameOf(o.state), p.x(),
-        p.y(), p.z(), kDegPerRad * upright.Azimuth(o.world_from_object.linear()),
-        100 * std::sqrt(o.covariance.topLeftCorner<3, 3>().trace()),
-        kDegPerRad * std::sqrt(std::max(0.0, o.covariance(3, 3))),
+        Dot(looks, o.id), o.id.value, Escaped(ModelName(review, o.label)), NameOf(o.state), p.x(),
+        p.y(), p.z(),
+        spread.azimuth_std_rad ? AngleText(upright.Azimuth(o.world_from_object.linear())) : "round",
+        100 * spread.position_std_m,
+        spread.modes > 1 ? fmt::format(" ({} modes)", spread.modes) : "",
+        spread.azimuth_std_rad ? fmt::format("{:.1f}\u00b0", kDegPerRad * *spread.azimuth_std_rad)
+                               : "",
         o.label_probability.empty() ? 0 : 100 * o.label_probability.front().probability,
         o.confirmed_frame ? fmt::format("frame {}", *o.confirmed_frame) : "",
         has_error ? Escaped(error->second.truth) : "",
-        has_error ? fmt::format("{:.1f} cm, {:.1f}\u00b0", 100 * error->second.translation_m,
-                                kDegPerRad * error->second.azimuth_rad)
+        has_error ? fmt::format("{:.1f} cm", 100 * error->second.translation_m) +
+                        (spread.azimuth_std_rad
+                             ? fmt::format(", {:.1f}\u00b0", kDegPerRad * error->second.azimuth_rad)
+                             : "")
                   : "");
   }
   return html + "</table></div>";
@@ -259,13 +280,16 @@ std::string ReliabilityOfRun(const RunReview& review) {
 }
 
 /// One line for each object that was ever confirmed.
-std::string ObjectPlot(const RunReview& review, const SvgPlot& plot,
+std::string ObjectPlot(const RunReview& review, const ObjectLooks& looks, const SvgPlot& plot,
                        double (*value)(const ObjectSample& sample)) {
   std::map<int, SvgSeries> lines;
   for (const ObjectTrack& track : review.tracks) {
     if (!track.confirmed_frame) continue;
-    lines[track.id.value] = {fmt::format("#{} {}", track.id.value, ModelName(review, track.label)),
-                             SvgColor(track.id.value)};
+    const ObjectLook look = LookOf(looks, track.id);
+    SvgSeries& line = lines[track.id.value];
+    line.name = fmt::format("#{} {}", track.id.value, ModelName(review, track.label));
+    line.color = SvgColor(ColorOf(look));
+    line.dashed = look.dashed;
   }
   for (const auto& frame : review.history.frames) {
     for (auto& [id, line] : lines) {
@@ -286,28 +310,28 @@ std::string ObjectPlot(const RunReview& review, const SvgPlot& plot,
   return any ? SvgLines(plot, series) : "";
 }
 
-std::string Plots(const RunReview& review) {
+std::string Plots(const RunReview& review, const ObjectLooks& looks) {
   std::string html = "<h2>Over the run</h2>";
-  html += ObjectPlot(review, {"Error of position", "frame", "cm", 860, 220, 50},
+  html += ObjectPlot(review, looks, {"Error of position", "frame", "cm", 860, 220, 50},
                      [](const ObjectSample& s) -> double {
                        return s.error ? 100 * s.error->translation_m : kNothing;
                      });
-  html += ObjectPlot(review, {"Error of azimuth", "frame", "\u00b0", 860, 220, 45},
+  html += ObjectPlot(review, looks, {"Error of azimuth", "frame", "\u00b0", 860, 220, 45},
                      [](const ObjectSample& s) -> double {
-                       return s.error ? kDegPerRad * s.error->azimuth_rad : kNothing;
+                       return s.error && !s.round ? kDegPerRad * s.error->azimuth_rad : kNothing;
                      });
-  html += ObjectPlot(review, {"Spread of position", "frame", "cm", 860, 220, 20},
+  html += ObjectPlot(review, looks, {"Spread of position", "frame", "cm", 860, 220, 20},
                      [](const ObjectSample& s) -> double { return 100 * s.position_std_m; });
-  html += ObjectPlot(review, {"Probability of the most likely shape", "frame", "%", 860, 180, 100},
-                     [](const ObjectSample& s) -> double {
-                       return s.label_probability.empty()
-                                  ? kNothing
-                                  : 100 * s.label_probability.front().probability;
-                     });
+  html += ObjectPlot(
+      review, looks, {"Probability of the most likely shape", "frame", "%", 860, 180, 100},
+      [](const ObjectSample& s) -> double {
+        return s.label_probability.empty() ? kNothing
+                                           : 100 * s.label_probability.front().probability;
+      });
   html += "<p class='legend'>";
   for (const ObjectTrack& track : review.tracks) {
     if (track.confirmed_frame)
-      html += fmt::format("<span>{}#{} {}</span>", Dot(track.id.value), track.id.value,
+      html += fmt::format("<span>{}#{} {}</span>", Dot(looks, track.id), track.id.value,
                           Escaped(ModelName(review, track.label)));
   }
   return html + "</p>";
@@ -361,7 +385,7 @@ std::string Cost(const RunReview& review) {
         *std::max_element(values.begin(), values.end()));
   };
   for (std::size_t i = 0; i < stages.size(); ++i)
-    row(Dot(static_cast<int>(i) + 1) + Escaped(stages[i].name), stages[i].y);
+    row(Dot(stages[i].color) + Escaped(stages[i].name), stages[i].y);
   row("<b>all</b>", totals);
   return html + "</table></div>";
 }
@@ -401,7 +425,8 @@ std::string Appendix(const RunReview& review) {
 
 }  // namespace
 
-cv::Mat OutlinedImage(const MapSnapshot& snapshot, const SequenceView& view) {
+cv::Mat OutlinedImage(const MapSnapshot& snapshot, const SequenceView& view,
+                      const ObjectLooks& looks) {
   cv::Mat picture = snapshot.image.clone();
   if (picture.empty()) return picture;
   const auto shown = [&](ObjectId id) -> const ObjectReport* {
@@ -414,9 +439,8 @@ cv::Mat OutlinedImage(const MapSnapshot& snapshot, const SequenceView& view) {
     const ObjectReport* object = shown(outline.object);
     if (object == nullptr) continue;
     const bool confirmed = object->state == ObjectState::kConfirmed;
-    const unsigned rgb =
-        static_cast<unsigned>(std::stoul(SvgColor(outline.object.value).substr(1), nullptr, 16));
-    const cv::Scalar color(rgb & 255, rgb >> 8 & 255, rgb >> 16);
+    const LookColor rgb = ColorOf(LookOf(looks, outline.object));
+    const cv::Scalar color(rgb.blue, rgb.green, rgb.red);
     for (const auto& contour : outline.contours) {
       std::vector<cv::Point> points;
       for (const Eigen::Vector2f& p : contour) points.emplace_back(cvRound(p.x()), cvRound(p.y()));
@@ -438,10 +462,11 @@ cv::Mat OutlinedImage(const MapSnapshot& snapshot, const SequenceView& view) {
 
 std::string RunReportHtml(const RunReview& review, const std::vector<ReportPicture>& pictures,
                           const std::optional<MapEvaluation>& evaluation, const std::string& name) {
-  std::string body =
-      Cards(review, evaluation) + Pictures(pictures) + Plan(review) + ObjectTable(review);
+  const ObjectLooks looks = LooksOf(review);
+  std::string body = Cards(review, evaluation) + Pictures(pictures) + Plan(review, looks) +
+                     ObjectTable(review, looks);
   if (evaluation) body += EvaluationTable(*evaluation, TruthsOf(review));
-  body += ReliabilityOfRun(review) + Plots(review) + Cost(review) + Appendix(review);
+  body += ReliabilityOfRun(review) + Plots(review, looks) + Cost(review) + Appendix(review);
   return HtmlPage(
       name, "A run of Plumbline " + review.header.program_version + " over " + review.view.name,
       body);

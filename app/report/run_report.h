@@ -9,6 +9,7 @@
 
 #include "engine/analysis/run_review.h"
 #include "engine/evaluation/map_evaluation.h"
+#include "engine/snapshot/object_look.h"
 
 namespace plumbline {
 
@@ -21,7 +22,8 @@ struct ReportPicture {
 };
 
 /// The image of a frame with the outlines and names of the confirmed objects; tentative ones thin.
-cv::Mat OutlinedImage(const MapSnapshot& snapshot, const SequenceView& view);
+cv::Mat OutlinedImage(const MapSnapshot& snapshot, const SequenceView& view,
+                      const ObjectLooks& looks);
 
 /// A web page of a run that needs nothing else to be read: pictures and plots are inside.
 /// @param evaluation  Against ground truth; nothing without.

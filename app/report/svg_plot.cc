@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -75,13 +74,11 @@ double NiceCeiling(double value) {
   return 10 * power;
 }
 
-std::string SvgColor(int number) {
-  static constexpr std::array kColors = {"#2f7fb8", "#c79a12", "#b8508e", "#1f9173",
-                                         "#cf5a35", "#6560b8", "#7d9a2a", "#c2608a",
-                                         "#4aa3c7", "#8a6d4f", "#9a4fb8", "#5f7d8c"};
-  const int count = static_cast<int>(kColors.size());
-  return kColors[static_cast<std::size_t>(((number - 1) % count + count) % count)];
+std::string SvgColor(const LookColor& color) {
+  return fmt::format("#{:02x}{:02x}{:02x}", color.red, color.green, color.blue);
 }
+
+std::string SvgColor(int number) { return SvgColor(ColorOf({std::max(0, number - 1)})); }
 
 std::string Escaped(const std::string& text) {
   std::string out;
@@ -123,9 +120,10 @@ std::string SvgLines(const SvgPlot& plot, const std::vector<SvgSeries>& series) 
     const auto flush = [&] {
       if (!points.empty())
         svg += fmt::format(
-            "<polyline points='{}' fill='none' stroke='{}' stroke-width='{}'><title>{}</title>"
+            "<polyline points='{}' fill='none' stroke='{}' stroke-width='{}'{}><title>{}</title>"
             "</polyline>",
-            points, s.color, s.bold ? 2.5 : 1.5, Escaped(s.name));
+            points, s.color, s.bold ? 2.5 : 1.5, s.dashed ? " stroke-dasharray='6 4'" : "",
+            Escaped(s.name));
       points.clear();
     };
     for (std::size_t i = 0; i < s.x.size(); ++i) {

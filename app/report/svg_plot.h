@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/snapshot/object_look.h"
+
 namespace plumbline {
 
 // Plots as SVG text that stands in a web page by itself.
@@ -12,6 +14,7 @@ struct SvgSeries {
   std::string name;
   std::string color;  ///< As CSS takes it.
   bool bold = false;
+  bool dashed = false;
   std::vector<double> x, y;  ///< A NaN interrupts the line.
 };
 
@@ -27,8 +30,9 @@ std::string SvgLines(const SvgPlot& plot, const std::vector<SvgSeries>& series);
 /// Areas, one upon the other. All series have the same x.
 std::string SvgStack(const SvgPlot& plot, const std::vector<SvgSeries>& series);
 
-/// A colour for the number of an object or of a stage, the same everywhere in a page.
+/// Colour of the `number`-th of several things, from 1.
 std::string SvgColor(int number);
+std::string SvgColor(const LookColor& color);
 
 /// Text in HTML or SVG: & < > and quotes are escaped.
 std::string Escaped(const std::string& text);

@@ -14,11 +14,11 @@ namespace {
 const cv::Scalar kInk(235, 235, 230), kFaint(150, 145, 140), kGround(38, 34, 31);
 constexpr double kFarthest_m = 6.0;
 
-/// Okabe and Ito's colours, told apart by everybody (BGR).
-cv::Scalar ColorOf(int object) {
-  static const cv::Scalar colors[] = {{0, 159, 230}, {233, 180, 86}, {115, 158, 0},  {66, 228, 240},
-                                      {178, 114, 0}, {0, 94, 213},   {167, 121, 204}};
-  return colors[object % 7];
+cv::Scalar BgrOf(const ObjectLooks& looks, ObjectId object) {
+  const auto look = looks.find(object);
+  const LookColor color = ColorOf(look != looks.end() ? look->second : ObjectLook());
+  return {static_cast<double>(color.blue), static_cast<double>(color.green),
+          static_cast<double>(color.red)};
 }
 
 void Text(cv::Mat& picture, const std::string& text, cv::Point at, double size,
@@ -26,7 +26,7 @@ void Text(cv::Mat& picture, const std::string& text, cv::Point at, double size,
   cv::putText(picture, text, at, cv::FONT_HERSHEY_DUPLEX, size, color, 1, cv::LINE_AA);
 }
 
-cv::Mat WithObjects(const MapSnapshot& snapshot, cv::Size size) {
+cv::Mat WithObjects(const MapSnapshot& snapshot, const ObjectLooks& looks, cv::Size size) {
   cv::Mat picture;
   cv::resize(snapshot.image, picture, size, 0, 0, cv::INTER_AREA);
   const double scale = static_cast<double>(size.width) / snapshot.image.cols;
@@ -41,7 +41,7 @@ cv::Mat WithObjects(const MapSnapshot& snapshot, cv::Size size) {
     cv::resize(snapshot.id == object.id.value, mask, size, 0, 0, cv::INTER_LINEAR);
     std::vector<std::vector<cv::Point>> outline;
     cv::findContours(mask > 127, outline, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
-    cv::drawContours(picture, outline, -1, ColorOf(object.id.value), 2, cv::LINE_AA);
+    cv::drawContours(picture, outline, -1, BgrOf(looks, object.id), 2, cv::LINE_AA);
   }
   return picture;
 }
@@ -57,7 +57,7 @@ cv::Mat DepthPicture(const MapSnapshot& snapshot, cv::Size size) {
   return picture;
 }
 
-cv::Mat MaskPicture(const MapSnapshot& snapshot, cv::Size size) {
+cv::Mat MaskPicture(const MapSnapshot& snapshot, const ObjectLooks& looks, cv::Size size) {
   cv::Mat picture;
   cv::resize(snapshot.image, picture, size, 0, 0, cv::INTER_AREA);
   if (snapshot.id.empty()) return picture;
@@ -68,7 +68,7 @@ cv::Mat MaskPicture(const MapSnapshot& snapshot, cv::Size size) {
     for (int x = 0; x < size.width; ++x) {
       if (id.at<std::uint16_t>(y, x) == 0) continue;
       const double far = std::clamp(depth.at<float>(y, x) / kFarthest_m, 0.0, 1.0);
-      const cv::Scalar color = ColorOf(id.at<std::uint16_t>(y, x)) * (0.35 + 0.65 * far);
+      const cv::Scalar color = BgrOf(looks, {id.at<std::uint16_t>(y, x)}) * (0.35 + 0.65 * far);
       cv::Vec3b& pixel = picture.at<cv::Vec3b>(y, x);
       for (int c = 0; c < 3; ++c)
         pixel[c] = cv::saturate_cast<std::uint8_t>(0.35 * pixel[c] + 0.65 * color[c]);
@@ -77,7 +77,8 @@ cv::Mat MaskPicture(const MapSnapshot& snapshot, cv::Size size) {
   return picture;
 }
 
-void ListObjects(const MapSnapshot& snapshot, const ModelDatabase& database, cv::Mat picture) {
+void ListObjects(const MapSnapshot& snapshot, const ModelDatabase& database,
+                 const ObjectLooks& looks, cv::Mat picture) {
   char line[160];
   int tentative = 0, row = 0;
   for (const ObjectReport& object : snapshot.report.objects) {
@@ -85,7 +86,7 @@ void ListObjects(const MapSnapshot& snapshot, const ModelDatabase& database, cv:
     if (object.state != ObjectState::kConfirmed) continue;
     const int x = 24 + (row / 7) * 470, y = 66 + (row % 7) * 25;
     if (row++ >= 14) continue;
-    cv::circle(picture, {x + 6, y - 5}, 6, ColorOf(object.id.value), cv::FILLED, cv::LINE_AA);
+    cv::circle(picture, {x + 6, y - 5}, 6, BgrOf(looks, object.id), cv::FILLED, cv::LINE_AA);
     Text(picture, database.model(object.label).name, {x + 22, y}, 0.5, kInk);
     std::snprintf(line, sizeof(line), "+-%.1f cm  %s", 100 * object.modes.front().position_std_m,
                   object.updated ? "in view" : "remembered");
@@ -98,17 +99,18 @@ void ListObjects(const MapSnapshot& snapshot, const ModelDatabase& database, cv:
 
 }  // namespace
 
-cv::Mat DemoPicture(const MapSnapshot& snapshot, const ModelDatabase& database) {
+cv::Mat DemoPicture(const MapSnapshot& snapshot, const ModelDatabase& database,
+                    const ObjectLooks& looks) {
   cv::Mat picture(kDemoPictureSize, CV_8UC3, kGround);
   if (snapshot.image.empty()) return picture;
   const cv::Rect main(0, 0, 960, 500), list(0, 500, 960, 250);
-  WithObjects(snapshot, main.size()).copyTo(picture(main));
-  ListObjects(snapshot, database, picture(list));
+  WithObjects(snapshot, looks, main.size()).copyTo(picture(main));
+  ListObjects(snapshot, database, looks, picture(list));
   cv::Mat edges;
   cv::resize(snapshot.edge_probability, edges, {480, 250}, 0, 0, cv::INTER_AREA);
   cv::cvtColor(edges * 2, edges, cv::COLOR_GRAY2BGR);
   const cv::Mat column[] = {edges, DepthPicture(snapshot, {480, 250}),
-                            MaskPicture(snapshot, {480, 250})};
+                            MaskPicture(snapshot, looks, {480, 250})};
   static constexpr const char* kNames[] = {"edges", "Z-buffer of the map (bright: near)",
                                            "masks (dark: near)"};
   for (int i = 0; i < 3; ++i) {

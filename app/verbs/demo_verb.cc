@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
@@ -12,6 +13,7 @@
 #include "app/verbs/demo_sequence.h"
 #include "app/verbs/demo_window.h"
 #include "app/verbs/verb.h"
+#include "engine/analysis/object_looks.h"
 #include "engine/pipeline/mapping_pipeline.h"
 #include "engine/snapshot/map_snapshot.h"
 
@@ -52,10 +54,13 @@ Status WritePictures(const std::filesystem::path& sequence, const std::filesyste
     return Error{ErrorCode::kIo, "cannot write '" + video_file +
                                      "'; choose a folder that can be written with --out"};
   }
+  std::vector<FrameEvent> events;
   while (!work.stop.stop_requested()) {
     const auto snapshot = pipeline.Next();
     if (!snapshot) break;
-    const cv::Mat picture = DemoPicture(**snapshot, *pipeline.database());
+    for (const LifeEvent& event : (*snapshot)->report.events)
+      events.push_back({(*snapshot)->report.frame, event});
+    const cv::Mat picture = DemoPicture(**snapshot, *pipeline.database(), LooksOf(events));
     video.write(picture);
     const int frame = (*snapshot)->report.frame;
     if (frame % kPictureEvery == kPictureEvery - 1) {

@@ -8,6 +8,7 @@
 #include "app/report/run_report.h"
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
+#include "engine/analysis/object_looks.h"
 #include "engine/base/files.h"
 #include "engine/base/log.h"
 #include "engine/recording/run_summary.h"
@@ -27,7 +28,8 @@ struct ReportArguments {
 };
 
 /// Frames spread over the run; none where images cannot be had.
-std::vector<ReportPicture> TakePictures(const RunChoice& choice, const WorkContext& work) {
+std::vector<ReportPicture> TakePictures(const RunChoice& choice, const ObjectLooks& looks,
+                                        const WorkContext& work) {
   std::vector<ReportPicture> pictures;
   auto source = OpenRunSource(choice, work);
   if (!source.ok()) {
@@ -41,7 +43,7 @@ std::vector<ReportPicture> TakePictures(const RunChoice& choice, const WorkConte
     if (position == std::exchange(before, position)) continue;
     const auto snapshot = (*source)->Past(position, work.stop);
     if (!snapshot.ok()) continue;
-    cv::Mat image = OutlinedImage(**snapshot, (*source)->view());
+    cv::Mat image = OutlinedImage(**snapshot, (*source)->view(), looks);
     if (!image.empty()) pictures.push_back({(*snapshot)->report.frame, std::move(image)});
   }
   return pictures;
@@ -87,7 +89,7 @@ Status Report(const ReportArguments& arguments) {
   const auto evaluation = Judge(*review, arguments.ground_truth, choice.run);
   if (!evaluation) return evaluation.error();
   if (arguments.interactive) return WritePage(arguments, *review, *evaluation, work);
-  const std::vector<ReportPicture> pictures = TakePictures(choice, work);
+  const std::vector<ReportPicture> pictures = TakePictures(choice, LooksOf(*review), work);
   if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
   const std::string html =
       RunReportHtml(*review, pictures, *evaluation, choice.run.filename().string());
