@@ -38,6 +38,7 @@ Status KeepGuess(const std::filesystem::path& network) {
 /// Of what was chosen in the window.
 Status Use(const OpenWith& with, RunRecipe& recipe) {
   if (!with.models.empty()) recipe.models = with.models;
+  if (with.find_poses) recipe.poses = {PoseSource::kVio, {}};
   if (with.options) recipe.options = *with.options;
   if (!with.edges.empty()) recipe.edges = ParseEdges(with.edges);
   if (!with.detector.empty()) recipe.detector = ParseDetector(with.detector);

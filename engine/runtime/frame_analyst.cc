@@ -5,7 +5,9 @@
 
 #include "engine/analysis/label_history.h"
 #include "engine/analysis/missed_truths.h"
+#include "engine/analysis/object_spread.h"
 #include "engine/analysis/reliability.h"
+#include "engine/analysis/timing_statistics.h"
 #include "engine/mapping/particle_rank.h"
 #include "engine/snapshot/map_snapshot.h"
 
@@ -19,6 +21,7 @@ std::shared_ptr<const FrameAnalysis> FrameAnalyst::OfFrame(std::shared_ptr<const
   const MapSnapshot& snapshot = *frame;
   analysis->object = watched_.object;
   for (const ObjectReport& object : snapshot.report.objects) {
+    analysis->spreads.push_back(SpreadOf(object, sequence));
     if (object.id == watched_.object && object.particles != nullptr)
       analysis->by_rank = ByRank(*object.particles, options.alpha, options.beta);
   }
@@ -47,6 +50,11 @@ std::shared_ptr<const TruthsView> FrameAnalyst::OfTruths(const RunHistory& histo
   if (sequence.truth.empty()) return nullptr;
   return std::make_shared<const TruthsView>(
       TruthsOf(history, events, sequence, options.confirm_evidence));
+}
+
+std::shared_ptr<const TimingStatistics> FrameAnalyst::OfTimings(const RunHistory& history) const {
+  if (!watched_.timings) return nullptr;
+  return std::make_shared<const TimingStatistics>(StatisticsOf(history));
 }
 
 }  // namespace plumbline

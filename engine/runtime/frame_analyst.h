@@ -11,6 +11,7 @@
 #include "engine/snapshot/object_history.h"
 #include "engine/snapshot/playback_view.h"
 #include "engine/snapshot/run_history.h"
+#include "engine/snapshot/timing_statistics.h"
 #include "engine/snapshot/truths_view.h"
 
 namespace plumbline {
@@ -35,6 +36,8 @@ class FrameAnalyst {
                                                     std::span<const FrameEvent> events,
                                                     const SequenceView& sequence,
                                                     const MapperOptions& options);
+  /// Null unless they are watched.
+  std::shared_ptr<const TimingStatistics> OfTimings(const RunHistory& history) const;
 
  private:
   WatchCommand watched_;

@@ -211,6 +211,7 @@ void MappingProcess::Watch(const WatchCommand& what) {
   if (const auto shown = snapshot_.Latest())
     analysis_.Publish(analyst_.OfFrame(shown, source_->view(), *state_.shown_options, recipe()));
   object_history_.Publish(analyst_.OfHistory(source_->history(), source_->view()));
+  timings_.Publish(analyst_.OfTimings(source_->history()));
 }
 
 void MappingProcess::Follow(bool on) {
@@ -269,12 +270,7 @@ void MappingProcess::Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, i
     if (snapshot.error().code != ErrorCode::kCancelled) Fail(snapshot.error().message);
     return;
   }
-  const auto now = Clock::now();
-  const double seconds = std::chrono::duration<double>(now - last_shown_).count();
-  last_shown_ = now;
-  const double rate = seconds < 2.0 && seconds > 0 ? 1.0 / seconds : 0.0;
-  state_.frames_per_second =
-      state_.frames_per_second > 0 && rate > 0 ? 0.8 * state_.frames_per_second + 0.2 * rate : rate;
+  MeasureRate();
   position_ = position;
   history_changed_ = history_changed_ || !source_->recorded();
   state_.frame = source_->FrameAt(position);
@@ -282,6 +278,22 @@ void MappingProcess::Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, i
   analysis_.Publish(analyst_.OfFrame(*snapshot, source_->view(), *state_.shown_options, recipe()));
   snapshot_.Publish(std::move(snapshot).value());
   PublishPlayback();
+}
+
+/// Over the last second, and at least the last two frames: two that follow at once (a seek, then
+/// playing) say nothing of a rate.
+void MappingProcess::MeasureRate() {
+  constexpr double kWindow_s = 1.0, kLeast_s = 0.25, kRest_s = 30.0;
+  const auto now = Clock::now();
+  const auto age_s = [&](Clock::time_point then) {
+    return std::chrono::duration<double>(now - then).count();
+  };
+  if (!shown_at_.empty() && age_s(shown_at_.back()) > kRest_s) shown_at_.clear();
+  shown_at_.push_back(now);
+  while (shown_at_.size() > 2 && age_s(shown_at_[1]) > kWindow_s) shown_at_.pop_front();
+  const double span_s = age_s(shown_at_.front());
+  state_.frames_per_second =
+      span_s < kLeast_s ? 0.0 : static_cast<double>(shown_at_.size() - 1) / span_s;
 }
 
 void MappingProcess::Fail(std::string message) {
@@ -309,6 +321,7 @@ void MappingProcess::PublishPlayback() {
       object_history_.Publish(analyst_.OfHistory(source_->history(), source_->view()));
       truths_.Publish(FrameAnalyst::OfTruths(source_->history(), source_->events(), source_->view(),
                                              source_->options()));
+      timings_.Publish(analyst_.OfTimings(source_->history()));
     }
     const bool at_end =
         !playing_ && !target_ && !state_.mapping && position_ + 1 >= source_->size();
@@ -321,7 +334,10 @@ void MappingProcess::PublishPlayback() {
   }
   state_.seek_target =
       target_ && source_ != nullptr ? std::optional(source_->FrameAt(*target_)) : std::nullopt;
-  if (!playing_ && !target_ && !state_.follow) state_.frames_per_second = 0;
+  if (!playing_ && !target_ && !state_.follow) {
+    state_.frames_per_second = 0;
+    shown_at_.clear();
+  }
   playback_.Publish(std::make_shared<const PlaybackView>(state_));
   if (on_publish_) on_publish_();
 }

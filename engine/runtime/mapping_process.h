@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "engine/runtime/snapshot_source.h"
 #include "engine/snapshot/commands.h"
 #include "engine/snapshot/playback_view.h"
+#include "engine/snapshot/timing_statistics.h"
 #include "engine/snapshot/truths_view.h"
 
 namespace plumbline {
@@ -48,6 +50,8 @@ class MappingProcess {
   std::shared_ptr<const FrameAnalysis> Analysis() const { return analysis_.Latest(); }
   /// Null while nobody watches an object's history.
   std::shared_ptr<const ObjectHistory> History() const { return object_history_.Latest(); }
+  /// Of the stages over all frames; null while nobody watches them.
+  std::shared_ptr<const TimingStatistics> Timings() const { return timings_.Latest(); }
   /// What the run has of the ground truth, and what not; null without any.
   std::shared_ptr<const TruthsView> Truths() const { return truths_.Latest(); }
   /// What the run is made from; null until the source is open, or if it has none.
@@ -85,6 +89,7 @@ class MappingProcess {
   void Follow(bool on);
   void Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, int position);
   void Fail(std::string message);
+  void MeasureRate();
   void PublishPlayback();
 
   OpenSource open_;
@@ -97,6 +102,7 @@ class MappingProcess {
   SnapshotSlot<ProbeView> probe_;
   SnapshotSlot<FrameAnalysis> analysis_;
   SnapshotSlot<ObjectHistory> object_history_;
+  SnapshotSlot<TimingStatistics> timings_;
   SnapshotSlot<TruthsView> truths_;
   SnapshotSlot<RunHeader> header_;
   std::shared_ptr<const RunHeader> made_from_;  ///< The same, for the process itself.
@@ -111,10 +117,10 @@ class MappingProcess {
   bool reads_ahead_ = true;  ///< The source may have more to read.
   bool history_changed_ = true;
   Clock::time_point history_published_{};
-  int position_ = -1;          ///< Shown.
-  std::optional<int> target_;  ///< Position to show next, or to map towards.
-  Clock::time_point due_{};    ///< When the next frame of playing is due.
-  Clock::time_point last_shown_{};
+  int position_ = -1;                       ///< Shown.
+  std::optional<int> target_;               ///< Position to show next, or to map towards.
+  Clock::time_point due_{};                 ///< When the next frame of playing is due.
+  std::deque<Clock::time_point> shown_at_;  ///< The last frames of one going on.
 
   std::jthread thread_;  ///< Last: it uses all of the above.
 };

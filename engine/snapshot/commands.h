@@ -72,6 +72,7 @@ struct WatchCommand {
   bool relations = false;  ///< Of the objects of the frame.
   std::string edges;       ///< Edges to compare the run's with, as --edges names them; empty: none.
   bool score_map = false;  ///< What the detector makes of a box like that of `object` elsewhere.
+  bool timings = false;    ///< Statistics of the stages over all frames: a TimingStatistics.
   bool operator==(const WatchCommand&) const = default;
 };
 
@@ -92,6 +93,35 @@ struct SelectTruthCommand {
 /// Index into the particles of the selected object; -1 clears.
 struct SelectParticleCommand {
   int particle = -1;
+};
+/// Marks the hypothesis that lies nearest to one of the modes of the selected object, and turns the
+/// map to it.
+struct FocusModeCommand {
+  int mode = 0;
+};
+/// All views leave out what is not confirmed, but for the selected object.
+struct ConfirmedOnlyCommand {
+  bool on = true;
+};
+/// A panel fills the workspace; "": all come back.
+struct MaximizePanelCommand {
+  std::string panel;
+};
+/// A panel goes from the workspace, or comes back.
+struct HidePanelCommand {
+  std::string panel;
+  bool hide = true;
+};
+/// One of the built-in arrangements of the panels or of the user's own.
+struct ChooseLayoutCommand {
+  std::string name;
+};
+/// Keeps the arrangement as it is now, under a name of the user's.
+struct KeepLayoutCommand {
+  std::string name;
+};
+struct ForgetLayoutCommand {
+  std::string name;
 };
 /// The particle of the selected object under the mouse, while it is; its outline is drawn.
 struct HoverParticleCommand {
@@ -128,7 +158,7 @@ struct ShowPanelCommand {
 };
 /// Of a panel that is drawn in this frame of the window: it shows what has to be worked out.
 struct NeedCommand {
-  enum class What { kObjectHistory, kRelations, kOtherEdges, kScoreMap };
+  enum class What { kObjectHistory, kRelations, kOtherEdges, kScoreMap, kTimings };
   What what = What::kRelations;
   std::string edges;  ///< Of kOtherEdges.
 };
@@ -168,6 +198,9 @@ struct LookAtNetworkCommand {
 struct UseNetworksCommand {
   std::string edges, detector;
 };
+/// Opens the sequence that could not be opened once more, with poses from its images and its IMU
+/// (--poses vio).
+struct FindPosesCommand {};
 /// Maps the open run again from the frame after `frame` on, into a file of its own, which is then
 /// opened beside it.
 struct ForkCommand {
@@ -196,7 +229,9 @@ using InspectCommand =
                  PlaceViewCommand, ShowPanelCommand, NeedCommand, PresentCommand, AskForkCommand,
                  AskOptionsCommand, AskNetworksCommand, FetchNetworkCommand, StopFetchingCommand,
                  LookAtNetworkCommand, UseNetworksCommand, ForkCommand, CancelForkCommand,
-                 CompareRunCommand, ShowRunCommand>;
+                 CompareRunCommand, ShowRunCommand, FocusModeCommand, ConfirmedOnlyCommand,
+                 MaximizePanelCommand, HidePanelCommand, ChooseLayoutCommand, KeepLayoutCommand,
+                 ForgetLayoutCommand, FindPosesCommand>;
 
 /// Turns the 3-D view to the selection.
 struct FocusSelectionCommand {};

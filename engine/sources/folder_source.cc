@@ -114,9 +114,11 @@ Status CheckHasPoses(const Sequence& sequence, const std::filesystem::path& pose
                  "'" + poses.string() + "' has no pose within half a period of any frame of '" +
                      sequence.path().string() + "'; both must have the same clock"};
   }
-  return Error{ErrorCode::kInvalidInput,
-               "'" + sequence.path().string() +
-                   "' has no camera poses; give a trajectory with --poses FILE"};
+  return Error{
+      ErrorCode::kInvalidInput,
+      "'" + sequence.path().string() +
+          "' has no camera poses; find them from images and IMU with --poses vio, or give a "
+          "trajectory with --poses FILE"};
 }
 
 }  // namespace plumbline

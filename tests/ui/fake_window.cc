@@ -46,11 +46,14 @@ int main(int argc, char** argv) {
   options.inspect.opener =
       [fake](const std::string& path,
              const plumbline::OpenWith& with) -> plumbline::MappingProcess::OpenSource {
-    return [fake, path, models = with.models](const plumbline::WorkContext&)
+    return [fake, path, models = with.models,
+            find_poses = with.find_poses](const plumbline::WorkContext&)
                -> plumbline::Result<std::unique_ptr<plumbline::SnapshotSource>> {
       if (!models.empty()) std::ofstream("models.txt") << models;
       if (path == "missing")
         return plumbline::Error{plumbline::ErrorCode::kNotFound, "there is no sequence 'missing'"};
+      if (path == "poseless" && !find_poses)
+        return plumbline::Error{plumbline::ErrorCode::kInvalidInput, "'poseless' has no poses"};
       return plumbline::MakeFakeSource(fake);
     };
   };

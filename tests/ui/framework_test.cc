@@ -10,6 +10,7 @@
 #include "ui/framework/pictures.h"
 #include "ui/framework/theme.h"
 #include "ui/framework/widgets.h"
+#include "ui/inspect/panel_table.h"
 
 namespace plumbline {
 namespace {
@@ -42,7 +43,7 @@ TEST(Pictures, ShadeMasksDarkerTheCloser) {
   cv::Mat depth(1, 2, CV_32F), id(1, 2, CV_16U, cv::Scalar(1));
   depth.at<float>(0) = 1;
   depth.at<float>(1) = 3;
-  const cv::Mat picture = MaskPicture(image, depth, id, {1, 3});
+  const cv::Mat picture = MaskPicture(image, depth, id, {1, 3}, {});
   EXPECT_LT(cv::norm(picture.at<cv::Vec3b>(0)), cv::norm(picture.at<cv::Vec3b>(1)));
 }
 
@@ -51,7 +52,7 @@ TEST(Pictures, TakeMapsOfHalfSize) {
   cv::Mat depth(2, 3, CV_32F, cv::Scalar(0)), id(2, 3, CV_16U, cv::Scalar(0));
   depth.at<float>(1, 2) = 2;
   id.at<std::uint16_t>(1, 2) = 1;
-  const cv::Mat picture = MaskPicture(image, depth, id, {1, 3});
+  const cv::Mat picture = MaskPicture(image, depth, id, {1, 3}, {});
   EXPECT_EQ(picture.at<cv::Vec3b>(0, 0), cv::Vec3b(45, 45, 45));
   EXPECT_NE(picture.at<cv::Vec3b>(3, 5), cv::Vec3b(45, 45, 45));
 }
@@ -65,12 +66,51 @@ TEST(Pictures, ColourEdgesByDirection) {
   EXPECT_NE(picture.at<cv::Vec3b>(1), picture.at<cv::Vec3b>(2));
 }
 
-TEST(Theme, GivesNeighbouringObjectsDifferentColours) {
-  std::set<ImU32> colors;
-  for (int id = 1; id <= 8; ++id) colors.insert(ObjectColor({id}));
-  EXPECT_EQ(colors.size(), 8u);
-  EXPECT_EQ(ObjectColor({3}), ObjectColor({3}));
+TEST(Theme, GivesAnObjectOneColourInBothThemes) {
+  PanelHarness harness;
+  harness.context.looks =
+      std::make_shared<const ObjectLooks>(ObjectLooks{{{1}, {0, false}}, {{2}, {3, false}}});
+  const ImU32 dark = harness.context.ColorOf({1});
+  EXPECT_NE(dark, harness.context.ColorOf({2}));
+  EXPECT_EQ(harness.context.ColorOf({7}), ColorOfLook({})) << "never confirmed: neutral";
+  ApplyTheme(1.0, true);
+  EXPECT_EQ(harness.context.ColorOf({1}), dark);
+  ApplyTheme(1.0, false);
 }
+
+TEST(Theme, DrawsALikelyGhostMore) {
+  EXPECT_LT(GhostShare(-3), GhostShare(0));
+  EXPECT_LT(GhostShare(0), GhostShare(3));
+  EXPECT_GT(GhostShare(-30), 0.05) << "still there";
+  EXPECT_LE(GhostShare(30), 0.5) << "never as solid as a confirmed one";
+}
+
+/// Three labels that want the same place, and a crowd.
+class CountingLabels : public Panel {
+ public:
+  CountingLabels() {
+    PanelInfo info;
+    info.id = "counting_labels";
+    set_info(info);
+  }
+  void Draw(const FrameContext& context, CommandSink&) override {
+    using Need = PictureLabels::Need;
+    const ImVec2 low = ImGui::GetCursorScreenPos(), high(low.x + 300, low.y + 100);
+    PictureLabels labels(context, low, high);
+    const ImVec2 middle(low.x + 100, low.y + 50), beside(low.x + 200, low.y + 50);
+    drawn = labels.Add({middle}, IM_COL32_WHITE, "first");
+    drawn += labels.Add({middle}, IM_COL32_WHITE, "second", Need::kIfFree);
+    drawn += labels.Add({middle, beside}, IM_COL32_WHITE, "third", Need::kIfFree);
+    PictureLabels crowd(context, low, high);
+    in_a_crowd = 0;
+    for (int i = 0; i < 40; ++i) {
+      const ImVec2 at(low.x + static_cast<float>(i % 5) * 60,
+                      low.y + 20 + static_cast<float>(i / 5) * 12);
+      in_a_crowd += crowd.Add({at}, IM_COL32_WHITE, "crowd", Need::kIfFree);
+    }
+  }
+  int drawn = 0, in_a_crowd = 0;
+};
 
 /// A button whose label says how often it was drawn.
 class CountingButton : public Panel {
@@ -118,6 +158,57 @@ TEST(Layout, FillsTheWindowWithoutOverlap) {
     }
     EXPECT_GT(area, 0.93 * size.x * size.y);
   }
+}
+
+TEST(Layout, GivesTheRoomOfWhatIsHiddenToTheOthers) {
+  const ImVec2 size(1600, 1000);
+  InspectRegions regions;
+  regions.timings = regions.about_object = false;
+  InspectLayout layout = ComputeInspectLayout(size, 1.0, {}, regions);
+  EXPECT_EQ(layout.timings.width() * layout.timings.height(), 0);
+  EXPECT_EQ(layout.objects.high.y, layout.below.high.y);
+  regions.images = false;
+  layout = ComputeInspectLayout(size, 1.0, {}, regions);
+  EXPECT_EQ(layout.scene.low.x, layout.main.low.x);
+  regions = {};
+  regions.map = regions.about_map = regions.about_object = regions.timings = false;
+  layout = ComputeInspectLayout(size, 1.0, {}, regions);
+  EXPECT_EQ(layout.left.high.x, layout.main.high.x);
+  regions = {};
+  regions.timeline = false;
+  EXPECT_EQ(ComputeInspectLayout(size, 1.0, {}, regions).main.high.y, layout.status_bar.low.y);
+}
+
+TEST(Layout, IsCompactInANarrowWindowAndWithLargeText) {
+  EXPECT_TRUE(IsCompact({1024, 640}, 1.0));
+  EXPECT_FALSE(IsCompact({1200, 800}, 1.0));
+  EXPECT_TRUE(IsCompact({1600, 1000}, 2.0));
+}
+
+TEST(PictureLabels, LeaveOutWhatWouldCoverOthers) {
+  PanelHarness harness;
+  CountingLabels panel;
+  harness.Draw(panel);
+  EXPECT_EQ(panel.drawn, 2) << "one that must be, and one beside it";
+  EXPECT_LT(panel.in_a_crowd, 12) << "a sixth of the picture at most";
+  EXPECT_GT(panel.in_a_crowd, 2);
+}
+
+TEST(Title, ADoubleClickMaximizesThePanel) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("masks");
+  harness.ShowFrame(20);
+  harness.Click(*panel, "masks.title");
+  EXPECT_EQ(harness.sink.Last<MaximizePanelCommand>(), nullptr);
+  ImGui::GetIO().MouseDown[0] = true;  // again, at once
+  harness.Draw(*panel);
+  ImGui::GetIO().MouseDown[0] = false;
+  harness.Draw(*panel);
+  ASSERT_NE(harness.sink.Last<MaximizePanelCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<MaximizePanelCommand>()->panel, "masks");
+  harness.context.maximized = "masks";
+  harness.Click(*panel, "panel.restore");
+  EXPECT_EQ(harness.sink.Last<MaximizePanelCommand>()->panel, "");
 }
 
 TEST(Layout, KeepsSaneRatiosOnly) {

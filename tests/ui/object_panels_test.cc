@@ -21,6 +21,31 @@ TEST(ParticlesPanel, MarksTheParticleUnderTheMouse) {
   EXPECT_EQ(harness.sink.Last<SelectParticleCommand>()->particle, -1);
 }
 
+TEST(DetailsPanel, ListsTheModesAndGoesToTheOneThatIsClicked) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("details");
+  harness.ShowFrame(30);
+  MapSnapshot snapshot = *harness.context.snapshot;
+  ObjectReport& object = snapshot.report.objects[0];
+  PoseMode mode;
+  mode.label = object.label;
+  mode.world_from_object = object.world_from_object;
+  mode.weight = 0.7;
+  object.modes = {mode, mode};
+  object.modes[1].weight = 0.3;
+  object.modes[1].world_from_object.translation().x() += 1;
+  object.particles = nullptr;
+  harness.context.snapshot = std::make_shared<const MapSnapshot>(snapshot);
+  harness.context.selection.object = object.id;
+  harness.Analyse();
+  const ObjectSpread* spread = harness.context.SpreadOf(object.id);
+  ASSERT_NE(spread, nullptr);
+  EXPECT_GT(spread->position_std_m, 0.45) << "not only the heaviest mode's";
+  harness.Click(*panel, "details.mode.1");
+  ASSERT_NE(harness.sink.Last<FocusModeCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<FocusModeCommand>()->mode, 1);
+}
+
 TEST(RelationsPanel, AsksForRelationsAndShowsThem) {
   PanelHarness harness;
   const auto panel = MakeInspectPanel("relations");

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <string_view>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 
 #include "tests/ui/panel_harness.h"
@@ -258,6 +258,119 @@ TEST(ScenePanel, PassesItsLayersOn) {
   EXPECT_TRUE(harness.sink.Last<FollowCommand>()->follow);
 }
 
+TEST(ScenePanel, GhostsFadeWithTheProbabilityThatTheyAreThere) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("scene");
+  harness.ShowFrame(20);
+  MapSnapshot snapshot = *harness.context.snapshot;
+  ASSERT_GT(snapshot.report.objects.size(), 2u);
+  snapshot.report.objects[0].state = ObjectState::kConfirmed;
+  snapshot.report.objects[1].state = snapshot.report.objects[2].state = ObjectState::kTentative;
+  snapshot.report.objects[1].log_evidence = -2;
+  snapshot.report.objects[2].log_evidence = 2;
+  harness.context.snapshot = std::make_shared<const MapSnapshot>(snapshot);
+  harness.Draw(*panel);
+  const auto opacity = [&](std::size_t i) {
+    for (const SceneObject& object : harness.scene.content.objects) {
+      if (object.id == snapshot.report.objects[i].id) return object.opacity;
+    }
+    return -1.0f;
+  };
+  EXPECT_EQ(opacity(0), 1.0f);
+  EXPECT_LT(opacity(1), opacity(2));
+  EXPECT_LT(opacity(2), 0.6f);
+  EXPECT_GT(opacity(1), 0.05f);
+  panel->LoadState({{"opacity", 0.3}});
+  harness.Draw(*panel);
+  EXPECT_NEAR(opacity(0), 0.3f, 1e-6f);
+}
+
+TEST(ScenePanel, LeavesOutWhatIsNotConfirmedButForTheSelectedObject) {
+  PanelHarness harness;
+  const auto scene = MakeInspectPanel("scene"), objects = MakeInspectPanel("objects");
+  harness.ShowFrame(20);
+  MapSnapshot snapshot = *harness.context.snapshot;
+  for (ObjectReport& object : snapshot.report.objects) object.state = ObjectState::kTentative;
+  snapshot.report.objects[0].state = ObjectState::kConfirmed;
+  harness.context.snapshot = std::make_shared<const MapSnapshot>(snapshot);
+  harness.context.confirmed_only = true;
+  harness.Draw(*scene);
+  EXPECT_EQ(harness.scene.content.objects.size(), 1u);
+  harness.context.selection.object = snapshot.report.objects[1].id;
+  harness.Draw(*scene);
+  EXPECT_EQ(harness.scene.content.objects.size(), 2u);
+  harness.Draw(*objects);
+  const auto row = [&](std::size_t i) {
+    return harness.widgets.Find("objects.row." +
+                                std::to_string(snapshot.report.objects[i].id.value));
+  };
+  EXPECT_NE(row(0), nullptr);
+  EXPECT_NE(row(1), nullptr);
+  EXPECT_EQ(row(2), nullptr);
+}
+
+TEST(ImagePanel, WeakProposalsHaveNoText) {
+  PanelHarness harness;
+  harness.size = {900, 420};
+  const auto panel = MakeInspectPanel("image");
+  harness.ShowFrame(20);
+  MapSnapshot snapshot = *harness.context.snapshot;
+  ProposalReport weak;
+  weak.category = "chair";
+  weak.fate = ProposalFate::kLowScore;
+  weak.box = {20, 20, 60, 60};
+  snapshot.report.proposals = {weak};
+  harness.context.snapshot = std::make_shared<const MapSnapshot>(snapshot);
+  panel->LoadState({{"names", false}, {"outlines", false}});
+  harness.Draw(*panel);
+  const int without = harness.vertices;
+  panel->LoadState({{"weak", true}});
+  harness.Draw(*panel);
+  EXPECT_GT(harness.vertices, without);
+  EXPECT_LT(harness.vertices, without + 60) << "a box, and not a letter";
+}
+
+TEST(TimingsPanel, GoesToThePeakThatIsClicked) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("timings");
+  harness.ShowFrame(20);
+  auto history = std::make_shared<RunHistory>();
+  for (int i = 0; i < 50; ++i) {
+    FrameSample sample;
+    sample.frame = i;
+    sample.timings = {{"update", i == 30 ? 90.0 : 10.0}};
+    history->frames.push_back(std::make_shared<const FrameSample>(sample));
+  }
+  PlaybackView playback = *harness.context.playback;
+  playback.history = history;
+  harness.context.playback = std::make_shared<const PlaybackView>(playback);
+  panel->LoadState({{"over_time", true}});
+  harness.Click(*panel, "timings.plot", 30.5f / 50, 0.3f);
+  ASSERT_NE(harness.sink.Last<SeekCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 30);
+}
+
+TEST(TimingsPanel, ShowsTheWholeRunAndItsSlowestFrames) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("timings");
+  harness.ShowFrame(20);
+  harness.Click(*panel, "timings.whole_run");
+  const NeedCommand* need = harness.sink.Last<NeedCommand>();
+  ASSERT_NE(need, nullptr);
+  EXPECT_EQ(need->what, NeedCommand::What::kTimings);
+  TimingStatistics statistics;
+  statistics.frames = 600;
+  statistics.stages = {{"update", 11, 10, 15, 200, 123}};
+  statistics.all = {"all", 11, 10, 15, 200, 123};
+  statistics.slowest = {{123, 200, "update", 200}, {45, 90, "update", 90}};
+  harness.context.timings = std::make_shared<const TimingStatistics>(statistics);
+  harness.Click(*panel, "timings.stage.update");
+  ASSERT_NE(harness.sink.Last<SeekCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 123);
+  harness.Click(*panel, "timings.slow.1");
+  EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 45);
+}
+
 TEST(ObjectsPanel, SelectsARow) {
   PanelHarness harness;
   const auto panel = MakeInspectPanel("objects");
@@ -282,6 +395,20 @@ TEST(TimelinePanel, PostsWhatItsButtonsSay) {
   EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 0);
   harness.Click(*panel, "timeline.last");
   EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 40);
+}
+
+TEST(StatusBar, NeverTellsOfFewerThanNoFramesToGo) {
+  PanelHarness harness;
+  harness.ShowFrame(20);
+  PlaybackView playback = *harness.context.playback;
+  playback.recorded = true;
+  playback.newest_mapped_frame = 399;
+  playback.seek_target = 0;
+  harness.context.playback = std::make_shared<const PlaybackView>(playback);
+  EXPECT_EQ(InspectStatus(harness.context).text, "Going to frame 0");
+  playback.seek_target = 420;
+  harness.context.playback = std::make_shared<const PlaybackView>(playback);
+  EXPECT_THAT(InspectStatus(harness.context).text, testing::HasSubstr("21 to go"));
 }
 
 TEST(StatusBar, TellsHowALiveRunFares) {

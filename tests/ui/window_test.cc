@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/support/tiny_sequence.h"
 #include "tests/ui/window_fixture.h"
 
 namespace plumbline {
@@ -146,6 +147,31 @@ TEST_F(Window, SeeksByTheTimeline) {
   EXPECT_NEAR(State("middle.json")["frame"].get<int>(), 30, 1);
   EXPECT_NEAR(State("back.json")["frame"].get<int>(), 6, 2);
   EXPECT_EQ(State("back.json")["newest_frame"], State("middle.json")["newest_frame"]);
+}
+
+TEST_F(Window, SaysThatPosesLackAndFindsThem) {
+  WriteTinySequence(File("poseless"));
+  std::filesystem::remove(File("poseless") + "/trajectory.txt");
+  WriteText(File("poseless") + "/imu.csv", "0,0,0,0,0,0,9.81\n");
+  ASSERT_EQ(Run(R"(
+      {"wait_for": {"lacks_poses": true}},
+      {"wait_frames": 3},
+      {"dump_state": "lacks.json"},
+      {"click": "welcome.find_poses"},
+      {"wait_for": {"open": true, "frame": 0}},
+      {"dump_state": "found.json"})",
+                "--open poseless", false),
+            0);
+  EXPECT_FALSE(State("lacks.json")["open"]);
+  EXPECT_FALSE(State("found.json")["lacks_poses"]);
+  std::filesystem::remove(File("poseless") + "/imu.csv");
+  ASSERT_EQ(Run(R"(
+      {"wait_for": {"lacks_poses": true}},
+      {"wait_frames": 3},
+      {"dump_state": "without_imu.json"})",
+                "--open poseless", false),
+            0);
+  EXPECT_FALSE(State("without_imu.json")["widgets"].contains("welcome.find_poses"));
 }
 
 TEST_F(Window, ShowsAndHidesTheHelpSheet) {

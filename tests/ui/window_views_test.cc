@@ -97,7 +97,8 @@ TEST_F(Window, RendersTheMapOnlyWhenSomethingChanged) {
 }
 
 TEST_F(Window, KeepsEveryControlInsideTheWindow) {
-  for (const auto& [width, height] : {std::pair{1024, 700}, {1600, 1000}, {2048, 1200}}) {
+  for (const auto& [width, height] :
+       {std::pair{1024, 640}, {1024, 700}, {1600, 1000}, {2048, 1200}}) {
     ASSERT_EQ(Run(R"(
       {"resize": [)" +
                   std::to_string(width) + ", " + std::to_string(height) + R"(]},
@@ -220,6 +221,128 @@ TEST_F(Window, ShowsOneToFiveImageViewsOfTheUsersChoice) {
   EXPECT_GT(two["image_zoom"], 1.0) << "both zoom together";
   ASSERT_EQ(Run(R"({"dump_state": "again.json"})", settings), 0);
   EXPECT_EQ(State("again.json")["image_views"], two["image_views"]) << "remembered";
+}
+
+TEST_F(Window, APanelFillsTheWindowByADoubleClickOrAKeyAndGoesBack) {
+  ASSERT_EQ(Run(R"(
+      {"wait_frames": 3},
+      {"dump_state": "before.json"},
+      {"double_click": "image.title"},
+      {"wait_for": {"maximized": "image"}},
+      {"wait_frames": 3},
+      {"dump_state": "image.json"},
+      {"double_click": "image.title"},
+      {"wait_for": {"maximized": ""}},
+      {"hover": "scene.view"},
+      {"key": "m"},
+      {"wait_for": {"maximized": "scene"}},
+      {"wait_frames": 3},
+      {"dump_state": "map.json"},
+      {"click": "panel.restore"},
+      {"wait_for": {"maximized": ""}},
+      {"wait_frames": 3},
+      {"dump_state": "after.json"})"),
+            0);
+  const json before = State("before.json")["widgets"], image = State("image.json")["widgets"],
+             map = State("map.json")["widgets"], after = State("after.json")["widgets"];
+  const auto width = [](const json& rect) { return rect[2].get<int>() - rect[0].get<int>(); };
+  EXPECT_LT(width(before["panel.image"]), 700);
+  EXPECT_GT(width(image["panel.image"]), 1150);
+  EXPECT_FALSE(image.contains("panel.scene"));
+  EXPECT_TRUE(image.contains("panel.timeline")) << "to step through the run";
+  EXPECT_GT(width(map["panel.scene"]), 1150);
+  EXPECT_EQ(after["panel.image"], before["panel.image"]);
+  EXPECT_EQ(after["panel.timings"], before["panel.timings"]);
+}
+
+TEST_F(Window, HasBuiltInLayoutsAndOnesOwn) {
+  const std::string settings = "--settings layouts.json";
+  ASSERT_EQ(Run(R"(
+      {"wait_frames": 3},
+      {"dump_state": "overview.json"},
+      {"click": "top.layout"},
+      {"wait_frames": 3},
+      {"click": "layout.Images"},
+      {"wait_frames": 3},
+      {"dump_state": "images.json"},
+      {"click": "top.layout"},
+      {"wait_frames": 3},
+      {"click": "layout.panel.relations"},
+      {"wait_frames": 2},
+      {"click": "layout.name"},
+      {"text": "mine"},
+      {"click": "layout.keep"},
+      {"wait_frames": 2},
+      {"click": "layout.Map"},
+      {"wait_frames": 3},
+      {"dump_state": "map.json"})",
+                settings),
+            0);
+  ASSERT_EQ(Run(R"(
+      {"wait_frames": 3},
+      {"dump_state": "again.json"},
+      {"click": "top.layout"},
+      {"wait_frames": 3},
+      {"click": "layout.own.mine"},
+      {"wait_frames": 3},
+      {"dump_state": "mine.json"},
+      {"click": "top.layout"},
+      {"wait_frames": 3},
+      {"click": "layout.Overview"},
+      {"wait_frames": 3},
+      {"dump_state": "back.json"})",
+                settings),
+            0);
+  const auto area = [&](const char* file, const char* panel) {
+    const json rect = State(file)["widgets"][panel];
+    return (rect[2].get<double>() - rect[0].get<double>()) *
+           (rect[3].get<double>() - rect[1].get<double>());
+  };
+  EXPECT_GT(area("images.json", "panel.image"), 1.8 * area("overview.json", "panel.image"));
+  EXPECT_GT(area("map.json", "panel.scene"), 1.8 * area("overview.json", "panel.scene"));
+  EXPECT_FALSE(State("map.json")["widgets"].contains("panel.timings"));
+  EXPECT_EQ(State("again.json")["hidden_panels"], State("map.json")["hidden_panels"]);
+  EXPECT_EQ(State("again.json")["own_layouts"], json({"mine"}));
+  EXPECT_EQ(area("mine.json", "panel.image"), area("images.json", "panel.image"));
+  EXPECT_FALSE(State("mine.json")["widgets"].contains("relations.title")) << "hidden in it";
+  EXPECT_TRUE(State("back.json")["widgets"].contains("relations.title"));
+  EXPECT_TRUE(State("back.json")["widgets"].contains("panel.timings"));
+}
+
+TEST_F(Window, PutsAllListsIntoOnePlaceWhereThereIsLittleRoom) {
+  ASSERT_EQ(Run(R"(
+      {"resize": [1024, 640]},
+      {"wait_frames": 4},
+      {"dump_state": "small.json"},
+      {"click": "objects.more"},
+      {"wait_frames": 3},
+      {"click": "tab.timings"},
+      {"wait_for": {"compact_tab": "timings"}},
+      {"wait_frames": 3},
+      {"dump_state": "timings.json"},
+      {"resize": [1200, 800]},
+      {"wait_frames": 4},
+      {"dump_state": "large.json"})"),
+            0);
+  const json small = State("small.json")["widgets"];
+  EXPECT_TRUE(small.contains("panel.image"));
+  EXPECT_TRUE(small.contains("panel.scene"));
+  EXPECT_TRUE(small.contains("panel.objects"));
+  EXPECT_FALSE(small.contains("panel.edges"));
+  EXPECT_FALSE(small.contains("panel.timings"));
+  EXPECT_TRUE(State("timings.json")["widgets"].contains("panel.timings"));
+  const json large = State("large.json")["widgets"];
+  for (const char* panel : {"panel.edges", "panel.objects", "panel.details", "panel.timings"})
+    EXPECT_TRUE(large.contains(panel)) << panel;
+}
+
+TEST_F(Window, ShowsConfirmedObjectsOnlyInAllViews) {
+  ASSERT_EQ(Run(R"(
+      {"key": "c"},
+      {"wait_for": {"confirmed_only": true}},
+      {"click": "top.confirmed"},
+      {"wait_for": {"confirmed_only": false}})"),
+            0);
 }
 
 TEST_F(Window, SavesAPanelAsAPicture) {

@@ -58,7 +58,7 @@ class AnnotateInstancesPanel : public Panel {
     ImDrawList& draw = *ImGui::GetWindowDrawList();
     draw.AddRectFilled({low.x + context.Scaled(4), middle - 0.5f * size},
                        {low.x + context.Scaled(4) + size, middle + 0.5f * size},
-                       ObjectColor(ObjectId{number}), 0.2f * size);
+                       SeriesColor(static_cast<std::size_t>(number - 1)), 0.2f * size);
     const ImU32 color = instance.hidden                                    ? colors::kFaint
                         : context.annotation->ModelOf(instance) == nullptr ? colors::kBad
                                                                            : colors::kText;

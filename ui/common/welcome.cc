@@ -50,6 +50,42 @@ void DrawRecent(const FrameContext& context, CommandSink& sink) {
   }
 }
 
+/// A sequence of which nobody has said where the camera was.
+void DrawLackOfPoses(const FrameContext& context, CommandSink& sink) {
+  const std::string name = std::filesystem::path(context.source).filename().string();
+  Headline(context, "This sequence has no camera poses");
+  WrappedText(colors::kDimText, context.source);
+  ImGui::Dummy({0, context.Scaled(2)});
+  WrappedText(colors::kText,
+              "Objects are mapped into one world, so every frame needs to know where its camera "
+              "was.");
+  ImGui::Dummy({0, context.Scaled(6)});
+  if (context.has_imu) {
+    WrappedText(colors::kText,
+                "It has an IMU: the visual-inertial filter finds the poses from the images and the "
+                "IMU while it is mapped.");
+    ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
+    if (Button(context, "welcome.find_poses", "Find the poses and map",
+               "Opens the sequence once more, as --poses vio does."))
+      sink.Post(FindPosesCommand{});
+    ImGui::PopStyleColor();
+    WrappedText(colors::kDimText, "The same on the command line, and the poses alone as a file:");
+    ImGui::Indent(context.Scaled(14));
+    WrappedText(colors::kText, "plumbline gui " + name + " --poses vio");
+    WrappedText(colors::kText, "plumbline vio " + name + " --out trajectory.txt");
+    ImGui::Unindent(context.Scaled(14));
+  } else {
+    WrappedText(colors::kText,
+                "It has no IMU either, which the visual-inertial filter (--poses vio) needs.");
+  }
+  ImGui::Dummy({0, context.Scaled(4)});
+  WrappedText(colors::kDimText,
+              "With poses from elsewhere, as a TUM trajectory on the same clock:");
+  ImGui::Indent(context.Scaled(14));
+  WrappedText(colors::kText, "plumbline gui " + name + " --poses trajectory.txt");
+  ImGui::Unindent(context.Scaled(14));
+}
+
 /// What the Annotate workspace shows while no scan is open.
 void DrawAnnotateWelcome(const FrameContext& context) {
   if (context.annotation == nullptr) {
@@ -90,6 +126,8 @@ void DrawWelcome(const FrameContext& context, const LayoutRect& rect, CommandSin
     Headline(context, "Nothing is open");
     DrawWays(context, sink);
     DrawRecent(context, sink);
+  } else if (failed && context.lacks_poses) {
+    DrawLackOfPoses(context, sink);
   } else if (failed) {
     Headline(context, "This could not be opened");
     WrappedText(colors::kDimText, context.source);

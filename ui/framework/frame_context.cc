@@ -17,4 +17,23 @@ const std::vector<int>* FrameContext::ParticlesByRank() const {
   return analysis != nullptr && analysis->object == selection.object ? &analysis->by_rank : nullptr;
 }
 
+bool FrameContext::Shows(const ObjectReport& object) const {
+  return !confirmed_only || object.state == ObjectState::kConfirmed ||
+         object.id == selection.object;
+}
+
+ObjectLook FrameContext::LookOf(const ObjectLooks* looks, ObjectId id) {
+  if (looks == nullptr) return {};
+  const auto found = looks->find(id);
+  return found != looks->end() ? found->second : ObjectLook{};
+}
+
+const ObjectSpread* FrameContext::SpreadOf(ObjectId object) const {
+  if (analysis == nullptr || analysis->frame != snapshot) return nullptr;
+  for (const ObjectSpread& spread : analysis->spreads) {
+    if (spread.object == object) return &spread;
+  }
+  return nullptr;
+}
+
 }  // namespace plumbline

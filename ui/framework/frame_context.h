@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,9 +20,11 @@
 #include "engine/snapshot/frame_analysis.h"
 #include "engine/snapshot/networks_view.h"
 #include "engine/snapshot/object_history.h"
+#include "engine/snapshot/object_look.h"
 #include "engine/snapshot/playback_view.h"
 #include "engine/snapshot/probe_view.h"
 #include "engine/snapshot/sequence_view.h"
+#include "engine/snapshot/timing_statistics.h"
 #include "ui/framework/theme.h"
 
 namespace plumbline {
@@ -91,6 +94,7 @@ struct OtherRun {
   std::shared_ptr<const SequenceView> sequence;      ///< Null until it is open.
   std::shared_ptr<const MapSnapshot> snapshot;       ///< Null until its first frame.
   std::shared_ptr<const PlaybackView> playback;      ///< Never null.
+  std::shared_ptr<const ObjectLooks> looks;          ///< Null until its first frame.
   std::uint64_t version = 0;                         ///< Changes with `snapshot`.
   std::shared_ptr<const ComparisonView> comparison;  ///< Null until it is worked out.
 };
@@ -122,22 +126,33 @@ struct FrameContext {
   std::shared_ptr<const FrameAnalysis> analysis;  ///< Of `snapshot`; null until it is known.
   std::shared_ptr<const ObjectHistory> history;   ///< Of the object watched last; null: of none.
   std::shared_ptr<const TruthsView> truths;       ///< Null without ground truth.
-  std::uint64_t snapshot_version = 0;             ///< Changes with `snapshot`.
+  /// Of the stages over all frames; null unless a panel needed them.
+  std::shared_ptr<const TimingStatistics> timings;
+  std::shared_ptr<const ObjectLooks> looks;        ///< Of the run that shows; null: none yet.
+  std::shared_ptr<const ObjectLooks> first_looks;  ///< Of what is open, whichever run shows.
+  std::uint64_t looks_version = 0;                 ///< Changes with `looks`.
+  std::uint64_t snapshot_version = 0;              ///< Changes with `snapshot`.
   std::string source;                ///< What was opened, as it was named; "": nothing.
+  bool lacks_poses = false;          ///< Why it could not be opened: no frame has a pose.
+  bool has_imu = false;              ///< It does have an IMU then.
   std::uint64_t source_version = 0;  ///< Changes when something else is opened.
   std::vector<Bookmark> bookmarks;   ///< Of what is open, by frame.
   bool ask_frame = false;            ///< In this frame: the keyboard goes to the field for it.
   std::vector<std::string> recent;   ///< What was opened before, newest first.
   Selection selection;
-  bool follow = false;        ///< The 3-D view moves with the camera.
-  bool look_through = false;  ///< The 3-D view is that of the camera.
-  bool light = false;         ///< Theme
-  bool help_shown = false;    ///< The help sheet lies over the panels.
-  int image_views = 5;        ///< How many there are.
-  bool presenting = false;    ///< Full screen with captions; panels show no controls.
-  bool bare = false;          ///< A figure: panels without their controls.
-  double window_ms = 0;       ///< CPU time of drawing the last window frame.
-  double scene_ms = 0;        ///< Of the last render of the 3-D view.
+  bool follow = false;                   ///< The 3-D view moves with the camera.
+  bool look_through = false;             ///< The 3-D view is that of the camera.
+  bool light = false;                    ///< Theme
+  bool help_shown = false;               ///< The help sheet lies over the panels.
+  int image_views = 5;                   ///< How many there are.
+  bool confirmed_only = false;           ///< Views leave out what is not confirmed (Shows).
+  std::string maximized;                 ///< The panel that fills the workspace; "": none.
+  std::set<std::string> hidden_panels;   ///< By id.
+  std::vector<std::string> own_layouts;  ///< Names.
+  bool presenting = false;               ///< Full screen with captions; panels show no controls.
+  bool bare = false;                     ///< A figure: panels without their controls.
+  double window_ms = 0;                  ///< CPU time of drawing the last window frame.
+  double scene_ms = 0;                   ///< Of the last render of the 3-D view.
   double ui_scale = 1;
   std::string renderer;  ///< GL_RENDERER
   WorkspaceId workspace = WorkspaceId::kInspect;
@@ -161,12 +176,20 @@ struct FrameContext {
   const ObjectReport* SelectedObject() const;
   /// Of the selected object's particles in this frame, the best first; null until it is known.
   const std::vector<int>* ParticlesByRank() const;
+  /// Of an object of this frame; null until it is known.
+  const ObjectSpread* SpreadOf(ObjectId object) const;
   /// Null for a label that the sequence has no model for.
   const ModelView* Model(ModelId id) const {
     if (sequence == nullptr || id.value < 0) return nullptr;
     const auto index = static_cast<std::size_t>(id.value);
     return index < sequence->models.size() ? &sequence->models[index] : nullptr;
   }
+  ObjectLook LookOf(ObjectId id) const { return LookOf(looks.get(), id); }
+  /// In either of two runs.
+  static ObjectLook LookOf(const ObjectLooks* looks, ObjectId id);
+  /// Whether views draw an object: not if it is unconfirmed and only confirmed ones are asked for.
+  bool Shows(const ObjectReport& object) const;
+  ImU32 ColorOf(ObjectId id) const { return ColorOfLook(LookOf(id)); }
   float Scaled(double pixels) const { return static_cast<float>(pixels * ui_scale); }
 };
 

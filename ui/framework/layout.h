@@ -50,16 +50,28 @@ struct WindowLayout {
 };
 WindowLayout ComputeWindowLayout(ImVec2 size, double ui_scale);
 
-/// The regions of the Inspect workspace for a window of `size`.
+/// Which regions of the Inspect workspace there are; the others take the room of those that are
+/// not.
+struct InspectRegions {
+  bool images = true, map = true, about_map = true, about_object = true, timings = true,
+       timeline = true;
+};
+
+/// The regions of the Inspect workspace for a window of `size`; one that is not there is empty.
 struct InspectLayout {
-  LayoutRect top_bar, timeline, status_bar;
+  LayoutRect top_bar, main, timeline, status_bar;  ///< `main`: all above the timeline.
+  LayoutRect left, right, below, row;              ///< Columns; below the map; the row at its end.
   LayoutRect image, edges, depth, masks, particles;
   LayoutRect scene, objects, details, timings;
 };
-InspectLayout ComputeInspectLayout(ImVec2 size, double ui_scale, const LayoutRatios& ratios);
+InspectLayout ComputeInspectLayout(ImVec2 size, double ui_scale, const LayoutRatios& ratios,
+                                   const InspectRegions& regions = {});
+/// Narrower windows have no room for all regions.
+bool IsCompact(ImVec2 size, double ui_scale);
 
 /// Draws the invisible handles between the regions and moves `ratios` while one is dragged.
-void DragSplitters(const FrameContext& context, const InspectLayout& layout, LayoutRatios& ratios);
+void DragSplitters(const FrameContext& context, const InspectLayout& layout, int image_views,
+                   LayoutRatios& ratios);
 
 /// Several panels in one place; the titles of the others are tabs. `active` changes by a click.
 void DrawTabbedPanels(const FrameContext& context, const LayoutRect& rect,

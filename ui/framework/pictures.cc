@@ -91,11 +91,13 @@ cv::Mat DepthPicture(const cv::Mat& depth, const DepthRange& range) {
 }
 
 cv::Mat MaskPicture(const cv::Mat& image, const cv::Mat& depth, const cv::Mat& id,
-                    const DepthRange& range) {
+                    const DepthRange& range, const ObjectLooks& looks) {
   if (image.empty()) return {};
   cv::Mat picture;
   image.convertTo(picture, CV_8UC3, 0.45);
   if (id.empty() || depth.empty() || range.empty()) return picture;
+  int last = 0;
+  cv::Vec3b color;
   for (int y = 0; y < picture.rows; ++y) {
     const int map_y = y * id.rows / picture.rows;
     const auto* ids = id.ptr<std::uint16_t>(map_y);
@@ -104,7 +106,11 @@ cv::Mat MaskPicture(const cv::Mat& image, const cv::Mat& depth, const cv::Mat& i
     for (int x = 0; x < picture.cols; ++x) {
       const int map_x = x * id.cols / picture.cols;
       if (ids[map_x] == 0) continue;
-      const cv::Vec3b color = BgrOf(ObjectColor({ids[map_x]}));
+      if (ids[map_x] != last) {
+        last = ids[map_x];
+        const auto look = looks.find({last});
+        color = BgrOf(ColorOfLook(look != looks.end() ? look->second : ObjectLook{}));
+      }
       const double far =
           std::clamp((z[map_x] - range.near_m) / (range.far_m - range.near_m), 0.0, 1.0);
       const double shade = 0.30 + 0.70 * far;

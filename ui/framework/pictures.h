@@ -6,6 +6,8 @@
 #include <imgui.h>
 #include <opencv2/core.hpp>
 
+#include "engine/snapshot/object_look.h"
+
 namespace plumbline {
 
 // Pictures (CV_8UC3 BGR) of the maps of a snapshot. Empty maps give empty pictures.
@@ -27,6 +29,6 @@ ImU32 DepthColor(double depth_m, const DepthRange& range);
 
 /// The dimmed image with the objects' masks in their colours, darker the closer.
 cv::Mat MaskPicture(const cv::Mat& image, const cv::Mat& depth, const cv::Mat& id,
-                    const DepthRange& range);
+                    const DepthRange& range, const ObjectLooks& looks);
 
 }  // namespace plumbline

@@ -31,6 +31,14 @@ struct SceneLayers {
   bool operator==(const SceneLayers&) const = default;
 };
 
+/// How an object of the frame is drawn.
+struct SceneObject {
+  ObjectId id;
+  ImU32 color = 0;
+  float opacity = 1;
+  bool operator==(const SceneObject&) const = default;
+};
+
 struct SceneContent {
   std::shared_ptr<const SequenceView> sequence;
   std::shared_ptr<const MapSnapshot> snapshot;
@@ -41,8 +49,8 @@ struct SceneContent {
   bool follow = false;
   bool look_through = false;  ///< From the camera of the sequence, its image behind everything.
   bool light = false;         ///< Theme
-  /// Colours of objects; those that are not named have their own.
-  std::vector<std::pair<ObjectId, ImU32>> colors;
+  std::vector<SceneObject> objects;  ///< Those of the frame that are drawn.
+  ImU32 particle_color = 0;
 };
 
 /// A turntable camera about `focus`, in numbers.

@@ -5,7 +5,7 @@
 #include <imgui_freetype.h>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -13,14 +13,6 @@
 
 namespace plumbline {
 namespace {
-
-// After Okabe and Ito's and Tol's palettes, lifted for a dark ground. Orange and green, which mean
-// trajectory and truth, are left out.
-constexpr std::array<ImU32, 10> kPalette = {
-    IM_COL32(86, 180, 233, 255),  IM_COL32(240, 215, 80, 255),  IM_COL32(214, 126, 180, 255),
-    IM_COL32(68, 196, 176, 255),  IM_COL32(232, 106, 74, 255),  IM_COL32(142, 140, 255, 255),
-    IM_COL32(200, 220, 130, 255), IM_COL32(190, 150, 110, 255), IM_COL32(255, 165, 190, 255),
-    IM_COL32(160, 205, 235, 255)};
 
 /// File of a family that fontconfig really has (it always offers something); "" if not.
 std::string FontFile(const char* family, int weight) {
@@ -80,11 +72,8 @@ void MakeDigitsTabular(ImFont& font) {
   font.BuildLookupTable();
 }
 
-bool light_theme = false;  // NOLINT: one window, one theme; ApplyTheme alone writes it
-
 void ChooseColors(bool light) {
   using namespace colors;  // NOLINT: all of them
-  light_theme = light;
   const auto choose = [&](ImU32& color, ImU32 dark, ImU32 bright) {
     color = light ? bright : dark;
   };
@@ -143,11 +132,12 @@ void SetColors(ImGuiStyle& style) {
 
 }  // namespace
 
-ImU32 ObjectColor(ObjectId id) {
-  if (id.value < 1) return colors::kDimText;
-  const ImU32 color = kPalette[static_cast<std::size_t>(id.value - 1) % kPalette.size()];
-  return light_theme ? Mixed(color, IM_COL32_BLACK, 0.3) : color;
+ImU32 ColorOfLook(const ObjectLook& look) {
+  const LookColor color = ColorOf(look);
+  return IM_COL32(color.red, color.green, color.blue, 255);
 }
+
+ImU32 SeriesColor(std::size_t index) { return ColorOfLook({static_cast<int>(index)}); }
 
 ImU32 WithAlpha(ImU32 color, double alpha) {
   return (color & ~IM_COL32_A_MASK) |
@@ -166,6 +156,11 @@ cv::Vec3b BgrOf(ImU32 color) {
   return {static_cast<std::uint8_t>(color >> IM_COL32_B_SHIFT),
           static_cast<std::uint8_t>(color >> IM_COL32_G_SHIFT),
           static_cast<std::uint8_t>(color >> IM_COL32_R_SHIFT)};
+}
+
+double GhostShare(double log_evidence) {
+  constexpr double kLeast = 0.1, kMost = 0.5;
+  return kLeast + (kMost - kLeast) / (1 + std::exp(-log_evidence));
 }
 
 ImU32 StateColor(ObjectState state) {

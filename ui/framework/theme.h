@@ -9,6 +9,7 @@
 
 #include "engine/base/ids.h"
 #include "engine/mapping/event_report.h"
+#include "engine/snapshot/object_look.h"
 
 namespace plumbline {
 
@@ -38,13 +39,17 @@ inline constexpr ImU32 kOnPicture = IM_COL32(228, 232, 238, 255);
 inline constexpr ImU32 kOnPictureDim = IM_COL32(160, 170, 182, 255);
 }  // namespace colors
 
-/// The same object has the same colour everywhere; neighbours in order of birth differ for
-/// colour-blind eyes, too.
-ImU32 ObjectColor(ObjectId id);
+/// Of an object's look (FrameContext::ColorOf): the same in both themes and over pictures.
+ImU32 ColorOfLook(const ObjectLook& look);
+/// For things that are counted: stages, shapes, axes, annotated instances; from 0.
+ImU32 SeriesColor(std::size_t index);
 ImU32 WithAlpha(ImU32 color, double alpha);
 /// Blends towards `other` by `share`.
 ImU32 Mixed(ImU32 color, ImU32 other, double share);
 cv::Vec3b BgrOf(ImU32 color);
+
+/// How much of a tentative object is drawn: the likelier it is there, the more.
+double GhostShare(double log_evidence);
 
 ImU32 StateColor(ObjectState state);
 ImU32 EventColor(EventKind kind);

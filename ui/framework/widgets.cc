@@ -2,6 +2,7 @@
 #include "ui/framework/widgets.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <limits>
 
@@ -172,6 +173,70 @@ void Bar(ImVec2 size, double share, ImU32 color) {
   ImGui::Dummy(size);
 }
 
+namespace {
+
+/// @return Its width with the room behind it.
+float PaintChip(const FrameContext& context, ImDrawList& draw, ImVec2 low, float line, ImU32 color,
+                bool halved) {
+  const float side = std::round(0.72f * line), top = low.y + std::round(0.5f * (line - side));
+  const ImVec2 a(low.x, top), b(low.x + side, top + side);
+  draw.AddRectFilled(a, b, color, 0.2f * side);
+  const ImU32 edge = Mixed(color, IM_COL32_BLACK, 0.45);
+  if (halved) draw.AddTriangleFilled({a.x, b.y}, b, {b.x, a.y}, edge);
+  if (context.light) draw.AddRect(a, b, edge, 0.2f * side);
+  return side + std::round(0.35f * line);
+}
+
+}  // namespace
+
+void Chip(const FrameContext& context, ImU32 color) {
+  const float line = ImGui::GetTextLineHeight();
+  const float width = PaintChip(context, *ImGui::GetWindowDrawList(), ImGui::GetCursorScreenPos(),
+                                line, color, false);
+  ImGui::Dummy({width, line});
+  ImGui::SameLine(0, 0);
+}
+
+void Chip(const FrameContext& context, ObjectId object) {
+  const float line = ImGui::GetTextLineHeight();
+  const float width = PaintChip(context, *ImGui::GetWindowDrawList(), ImGui::GetCursorScreenPos(),
+                                line, context.ColorOf(object), context.LookOf(object).dashed);
+  ImGui::Dummy({width, line});
+  ImGui::SameLine(0, 0);
+}
+
+float DrawChip(const FrameContext& context, ImDrawList& draw, ImVec2 low, ObjectId object) {
+  return PaintChip(context, draw, low, context.fonts.small->FontSize, context.ColorOf(object),
+                   context.LookOf(object).dashed);
+}
+
+void Polyline(const FrameContext& context, ImDrawList& draw, std::span<const ImVec2> points,
+              ImU32 color, float width, bool dashed) {
+  if (!dashed) {
+    draw.AddPolyline(points.data(), static_cast<int>(points.size()), color, 0, width);
+    return;
+  }
+  const float dash = std::max(context.Scaled(5), 2.5f * width), gap = 0.7f * dash;
+  bool ink = true;
+  float left = dash;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const ImVec2 from = points[i - 1], d(points[i].x - from.x, points[i].y - from.y);
+    const float length = std::hypot(d.x, d.y);
+    const auto point = [&](float s) {
+      return ImVec2(from.x + d.x * s / length, from.y + d.y * s / length);
+    };
+    for (float s = 0; s < length;) {
+      const float step = std::min(left, length - s);
+      if (ink) draw.AddLine(point(s), point(s + step), color, width);
+      s += step;
+      left -= step;
+      if (left > 0) continue;
+      ink = !ink;
+      left = ink ? dash : gap;
+    }
+  }
+}
+
 void DimText(const char* format, ...) {
   va_list arguments;
   va_start(arguments, format);
@@ -224,8 +289,19 @@ float PictureLabels::Covered(const Placed& rect) const {
   return area;
 }
 
-void PictureLabels::Add(std::initializer_list<ImVec2> corners, ImU32 color,
-                        const std::string& text) {
+namespace {
+
+/// Colours of the light theme's text are too dark for the dark ground of a label.
+ImU32 ReadableOnDark(ImU32 color) {
+  const cv::Vec3b bgr = BgrOf(color);
+  const double luma = 0.114 * bgr[0] + 0.587 * bgr[1] + 0.299 * bgr[2];
+  return luma < 80 ? Mixed(color, IM_COL32_WHITE, 0.6) : color;
+}
+
+}  // namespace
+
+bool PictureLabels::Add(std::initializer_list<ImVec2> corners, ImU32 color, const std::string& text,
+                        Need need) {
   const ImVec2 size = SizeOf(text);
   Placed best;
   float best_area = std::numeric_limits<float>::infinity();
@@ -240,13 +316,18 @@ void PictureLabels::Add(std::initializer_list<ImVec2> corners, ImU32 color,
       best_area = area;
     }
   }
+  constexpr float kMostShare = 1.0f / 6;
+  const float picture = (clip_high_.x - clip_low_.x) * (clip_high_.y - clip_low_.y);
+  if (need == Need::kIfFree && (best_area > 0 || area_ + size.x * size.y > kMostShare * picture))
+    return false;
   placed_.push_back(best);
+  area_ += size.x * size.y;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.AddRectFilled(best.low, best.high, IM_COL32(12, 14, 17, 200), context_.Scaled(3));
   draw.AddText(context_.fonts.small, context_.fonts.small->FontSize,
                {best.low.x + context_.Scaled(4), best.low.y + context_.Scaled(2)},
-               context_.light ? Mixed(color, IM_COL32_WHITE, 0.45) : color,  // the ground is dark
-               text.c_str());
+               ReadableOnDark(color), text.c_str());
+  return true;
 }
 
 }  // namespace plumbline

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,16 @@ void EmptyState(const FrameContext& context, const char* title, const char* advi
 /// A horizontal bar of `share` in [0, 1] with text over it.
 void Bar(ImVec2 size, double share, ImU32 color);
 
+/// A square in the object's colour, a line of text high, with the cursor behind it; half of it is
+/// dark where the colour is another object's, too.
+void Chip(const FrameContext& context, ObjectId object);
+void Chip(const FrameContext& context, ImU32 color);
+/// The same at a place beside a line of small text. @return How much room it takes.
+float DrawChip(const FrameContext& context, ImDrawList& draw, ImVec2 low, ObjectId object);
+/// An open line; dashed where that tells objects apart.
+void Polyline(const FrameContext& context, ImDrawList& draw, std::span<const ImVec2> points,
+              ImU32 color, float width, bool dashed);
+
 void DimText(const char* format, ...) IM_FMTARGS(1);
 void SmallText(const FrameContext& context, ImU32 color, const char* format, ...) IM_FMTARGS(3);
 void WrappedText(ImU32 color, const std::string& text);
@@ -47,13 +58,17 @@ void WrappedText(ImU32 color, const std::string& text);
 void TableRow(const char* name, const std::string& value, const std::string& more = "");
 
 /// Labels with a dark ground in a picture, placed so that they do not cover one another where that
-/// can be helped.
+/// can be helped. Those that may be left out stay away instead, and once labels cover a sixth of
+/// the picture.
 class PictureLabels {
  public:
+  enum class Need { kAlways, kIfFree };
   PictureLabels(const FrameContext& context, ImVec2 clip_low, ImVec2 clip_high)
       : context_(context), clip_low_(clip_low), clip_high_(clip_high) {}
   /// @param corners  Lower left corners by falling preference; labels are kept inside the picture.
-  void Add(std::initializer_list<ImVec2> corners, ImU32 color, const std::string& text);
+  /// @return Whether it is drawn.
+  bool Add(std::initializer_list<ImVec2> corners, ImU32 color, const std::string& text,
+           Need need = Need::kAlways);
   ImVec2 SizeOf(const std::string& text) const;
 
  private:
@@ -65,6 +80,7 @@ class PictureLabels {
   const FrameContext& context_;
   ImVec2 clip_low_, clip_high_;
   std::vector<Placed> placed_;
+  float area_ = 0;  ///< Of all that are placed.
 };
 
 }  // namespace plumbline

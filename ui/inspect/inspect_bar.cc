@@ -7,6 +7,7 @@
 
 #include "ui/framework/widgets.h"
 #include "ui/inspect/networks_sheet.h"
+#include "ui/inspect/panel_table.h"
 
 namespace plumbline {
 namespace {
@@ -38,6 +39,9 @@ std::string StatusText(const FrameContext& context) {
     case PlaybackState::kFailed:
       return playback.message;
     case PlaybackState::kFinished:
+      if (playback.newest_mapped_frame < last)
+        return fmt::format("At the end: the run has frames up to {} of {}.",
+                           playback.newest_mapped_frame, last);
       return fmt::format("At the end: all {} frames are {}.", last + 1,
                          playback.recorded ? "recorded" : "mapped");
     case PlaybackState::kPlaying:
@@ -50,6 +54,7 @@ std::string StatusText(const FrameContext& context) {
   }
   if (playback.seek_target) {
     const int missing = *playback.seek_target - playback.newest_mapped_frame;
+    if (missing <= 0) return fmt::format("Going to frame {}", *playback.seek_target);
     const std::string eta =
         playback.frames_per_second > 0
             ? fmt::format(", about {:.0f} s", missing / playback.frames_per_second)
@@ -64,17 +69,37 @@ std::string StatusText(const FrameContext& context) {
   return fmt::format("Paused. Mapped up to frame {}; Space goes on.", playback.newest_mapped_frame);
 }
 
+/// Places the cursor for a switch in the bar; false where there is no room for it.
+bool StartSwitch(const FrameContext& context, const LayoutRect& bar, const char* label) {
+  ImGui::SameLine(0, context.Scaled(6));
+  const float y =
+      0.5f * (bar.low.y + bar.high.y) - 0.5f * (context.fonts.small->FontSize + context.Scaled(8));
+  ImGui::SetCursorScreenPos({ImGui::GetCursorScreenPos().x, y});
+  return ImGui::GetCursorScreenPos().x + ToggleWidth(context, label) <= bar.high.x;
+}
+
 }  // namespace
 
-void DrawSequenceName(const FrameContext& context) {
+void DrawSequenceName(const FrameContext& context, const LayoutRect& bar) {
   const std::string what = context.sequence != nullptr ? context.sequence->name : context.source;
+  const float switches =
+      ToggleWidth(context, "Layout") + ToggleWidth(context, "Confirmed only") + context.Scaled(24);
+  const float x = ImGui::GetCursorScreenPos().x, room = bar.high.x - x - switches;
+  const float width = ImGui::CalcTextSize(what.c_str()).x;
+  ImGui::PushClipRect(bar.low, {x + std::max(room, context.Scaled(60)), bar.high.y}, true);
   ImGui::TextUnformatted(what.c_str());
+  ImGui::PopClipRect();
   if (context.sequence == nullptr) return;
   Tooltip(context, context.sequence->path);
+  const SequenceView& sequence = *context.sequence;
+  const std::string more = fmt::format(
+      "{} frames, {} \u00d7 {} px, {:g} Hz{}", sequence.num_frames, sequence.image_width,
+      sequence.image_height, sequence.rate_hz, context.playback->recorded ? ", recorded run" : "");
+  if (width > room) ImGui::SetCursorScreenPos({x + room, bar.low.y});
+  if (width > room) return ImGui::Dummy({0, 0});
+  if (width + context.Scaled(12) + ImGui::CalcTextSize(more.c_str()).x > room) return;
   ImGui::SameLine(0, context.Scaled(12));
-  DimText("%d frames, %d \u00d7 %d px, %g Hz%s", context.sequence->num_frames,
-          context.sequence->image_width, context.sequence->image_height, context.sequence->rate_hz,
-          context.playback->recorded ? ", recorded run" : "");
+  DimText("%s", more.c_str());
 }
 
 void DrawNetworksButton(const FrameContext& context, const LayoutRect& bar, CommandSink& sink) {
@@ -82,13 +107,72 @@ void DrawNetworksButton(const FrameContext& context, const LayoutRect& bar, Comm
   const PlaybackView& playback = context.shown_playback();
   const std::string label = fmt::format("edges: {}  \u00b7  boxes: {}", NetworkName(playback.edges),
                                         NetworkName(playback.detector));
-  ImGui::SameLine(0, context.Scaled(12));
-  if (ImGui::GetCursorScreenPos().x + ToggleWidth(context, label.c_str()) > bar.high.x) return;
-  ImGui::SetCursorPosY(ImGui::GetCursorPosY() - context.Scaled(2));
+  if (!StartSwitch(context, bar, label.c_str())) return;
   bool on = false;
   if (Toggle(context, "top.networks", label.c_str(), on,
              "Which networks find edges and boxes; choose others."))
     sink.Post(AskNetworksCommand{});
+}
+
+void DrawConfirmedOnly(const FrameContext& context, const LayoutRect& bar, CommandSink& sink) {
+  if (context.sequence == nullptr || !StartSwitch(context, bar, "Confirmed only")) return;
+  bool on = context.confirmed_only;
+  if (Toggle(context, "top.confirmed", "Confirmed only", on,
+             "Images, map and lists leave out objects that are not confirmed, but for the selected "
+             "one (C)."))
+    sink.Post(ConfirmedOnlyCommand{on});
+}
+
+void LayoutMenu::Draw(const FrameContext& context, const LayoutRect& bar, CommandSink& sink) {
+  if (context.sequence == nullptr || !StartSwitch(context, bar, "Layout")) return;
+  bool open = false;
+  if (Toggle(context, "top.layout", "Layout", open,
+             "How the panels are arranged, and which there are."))
+    ImGui::OpenPopup("layouts");
+  if (!ImGui::BeginPopup("layouts")) return;
+  DrawPopup(context, sink);
+  ImGui::EndPopup();
+}
+
+void LayoutMenu::DrawPopup(const FrameContext& context, CommandSink& sink) {
+  DimText("Arrange as");
+  for (const std::string_view name : kBuiltInLayouts) {
+    if (ImGui::MenuItem(name.data())) sink.Post(ChooseLayoutCommand{std::string(name)});
+    LogItem(context, fmt::format("layout.{}", name));
+  }
+  for (const std::string& name : context.own_layouts) {
+    ImGui::PushID(name.c_str());
+    if (ImGui::Selectable(name.c_str(), false, 0, {context.Scaled(190), 0}))
+      sink.Post(ChooseLayoutCommand{name});
+    LogItem(context, "layout.own." + name);
+    ImGui::SameLine();
+    if (ImGui::SmallButton("\u00d7")) sink.Post(ForgetLayoutCommand{name});
+    LogItem(context, "layout.forget." + name);
+    Tooltip(context, "Forget this arrangement.");
+    ImGui::PopID();
+  }
+  ImGui::SetNextItemWidth(context.Scaled(150));
+  const bool entered = ImGui::InputTextWithHint("##name", "name", name_, sizeof(name_),
+                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  LogItem(context, "layout.name");
+  ImGui::SameLine();
+  if (Button(context, "layout.keep", "Keep", "Keeps the panels as they are now under this name.") ||
+      entered) {
+    sink.Post(KeepLayoutCommand{name_});
+    name_[0] = '\0';
+  }
+  ImGui::Separator();
+  DimText("Panels");
+  for (const PanelEntry& entry : InspectPanels()) {
+    if (!CanHide(entry)) continue;
+    const bool hidden = context.hidden_panels.contains(entry.info.id);
+    if (ImGui::Selectable(
+            fmt::format("{}  {}", hidden ? "\u2013" : "\u2022", entry.info.title).c_str(), false,
+            ImGuiSelectableFlags_DontClosePopups))
+      sink.Post(HidePanelCommand{entry.info.id, !hidden});
+    LogItem(context, fmt::format("layout.panel.{}", entry.info.id));
+    Tooltip(context, hidden ? "Not shown; a click brings it back." : "A click hides it.");
+  }
 }
 
 StatusLine InspectStatus(const FrameContext& context) {

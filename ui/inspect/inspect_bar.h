@@ -1,12 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <string_view>
+
 #include "ui/common/frame_bars.h"
 
 namespace plumbline {
 
+inline constexpr std::array<std::string_view, 3> kBuiltInLayouts = {"Overview", "Images", "Map"};
+
+/// Arrangements of the panels, and which panels there are. One field is typed into.
+class LayoutMenu {
+ public:
+  void Draw(const FrameContext& context, const LayoutRect& bar, CommandSink& sink);
+
+ private:
+  void DrawPopup(const FrameContext& context, CommandSink& sink);
+  char name_[48] = "";
+};
+/// Whether views leave out what is not confirmed.
+void DrawConfirmedOnly(const FrameContext& context, const LayoutRect& bar, CommandSink& sink);
+
 /// What is open, right of the tabs of the workspaces.
-void DrawSequenceName(const FrameContext& context);
+void DrawSequenceName(const FrameContext& context, const LayoutRect& bar);
 /// Which networks find edges and boxes, in the line of the name; opens their sheet.
 void DrawNetworksButton(const FrameContext& context, const LayoutRect& bar, CommandSink& sink);
 /// What plays or is mapped, how fast, and what went wrong.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ui/inspect/panel_table.h"
 
+#include <fmt/format.h>
+
+#include <string>
 #include <string_view>
 
 #include "ui/inspect/compare/what_if_panel.h"
@@ -11,6 +14,7 @@
 #include "ui/inspect/image/other_image_panel.h"
 #include "ui/inspect/image/particles_panel.h"
 #include "ui/inspect/inertial/inertial_panel.h"
+#include "ui/inspect/inspect_bar.h"
 #include "ui/inspect/map/scene_panel.h"
 #include "ui/inspect/object/details_panel.h"
 #include "ui/inspect/object/objects_panel.h"
@@ -115,7 +119,8 @@ constexpr PanelEntry kPanels[] = {
      PanelPlace::kAboutObject,
      MakeParticleTablePanel},
     {{"timings", "Timings",
-      "Time that each stage took in this frame (bar and number), and its running mean. Below: what "
+      "Time that each stage took in this frame (bar and number), and its mean over the run. Below: "
+      "what "
       "the window itself takes."},
      PanelPlace::kTimings,
      MakeTimingsPanel},
@@ -148,15 +153,68 @@ std::unique_ptr<Panel> MakeInspectPanel(std::string_view id) {
   return nullptr;
 }
 
+bool CanHide(const PanelEntry& entry) {
+  return entry.place != PanelPlace::kFigure && entry.place != PanelPlace::kOtherRun;
+}
+
+namespace {
+
+/// Of the panel under the mouse; "" if there is none.
+std::string PanelUnderMouse(const FrameContext& context) {
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  for (const PanelEntry& entry : kPanels) {
+    const auto* rect = context.widgets->Find(std::string("panel.") + entry.info.id);
+    if (rect != nullptr && mouse.x >= rect->low.x && mouse.x < rect->high.x &&
+        mouse.y >= rect->low.y && mouse.y < rect->high.y)
+      return entry.info.id;
+  }
+  return "";
+}
+
+ActionGroup PanelActions() {
+  ActionGroup group{"Panels", {}};
+  group.actions.push_back(
+      {.text = "Panels: the one under the mouse fills the window",
+       .keys = {{keys::kM}},
+       .run =
+           [](const FrameContext& context, CommandSink& sink) {
+             sink.Post(MaximizePanelCommand{context.maximized.empty() ? PanelUnderMouse(context)
+                                                                      : std::string()});
+           },
+       .help_keys = "M",
+       .help = "The panel under the mouse fills the window, and back (or a double click on its "
+               "title)",
+       .text_when_on = "Panels: bring all back",
+       .is_on = [](const FrameContext& context) { return !context.maximized.empty(); }});
+  group.actions.push_back(
+      {.text = "Show confirmed objects only",
+       .keys = {{keys::kC}},
+       .run = [](const FrameContext& context,
+                 CommandSink& sink) { sink.Post(ConfirmedOnlyCommand{!context.confirmed_only}); },
+       .help_keys = "C",
+       .help = "Confirmed objects only, in all views",
+       .text_when_on = "Show unconfirmed objects, too",
+       .is_on = [](const FrameContext& context) { return context.confirmed_only; }});
+  for (const std::string_view name : kBuiltInLayouts)
+    group.actions.push_back({.text = fmt::format("Layout: {}", name),
+                             .run = Posts(ChooseLayoutCommand{std::string(name)})});
+  return group;
+}
+
+}  // namespace
+
 std::vector<ActionGroup> InspectActions() {
   std::vector<ActionGroup> groups;
   for (const PanelEntry& entry : kPanels) {
     if (entry.actions != nullptr) groups.push_back(entry.actions());
   }
-  ActionGroup shown{"Panels", {}};
+  ActionGroup shown = PanelActions();
   for (const PanelEntry& entry : kPanels) {
     const bool tab =
         entry.place == PanelPlace::kAboutMap || entry.place == PanelPlace::kAboutObject;
+    if (CanHide(entry))
+      shown.actions.push_back({.text = std::string("Maximize panel: ") + entry.info.title,
+                               .run = Posts(MaximizePanelCommand{entry.info.id})});
     if (tab)
       shown.actions.push_back({.text = std::string("Show panel: ") + entry.info.title,
                                .run = Posts(ShowPanelCommand{entry.info.id})});

@@ -37,6 +37,9 @@ std::unique_ptr<Panel> MakePanel(const PanelEntry& entry);
 /// By its id; null if there is none.
 std::unique_ptr<Panel> MakeInspectPanel(std::string_view id);
 
+/// Whether the user may take a panel from the workspace.
+bool CanHide(const PanelEntry& entry);
+
 /// What all panels of the table can do, under their headings.
 std::vector<ActionGroup> InspectActions();
 

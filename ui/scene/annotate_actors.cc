@@ -232,7 +232,7 @@ void AnnotateActors::ShowInstances(const AnnotateContent& content) {
     const bool selected = snapshot.selected == instance.id;
     Show(content, snapshot.ModelIndex(instance),
          pending ? content.pending->scan_from_object : instance.scan_from_object,
-         ObjectColor(ObjectId{number}), 1.0, selected, instance.id);
+         SeriesColor(static_cast<std::size_t>(number - 1)), 1.0, selected, instance.id);
   }
 }
 

@@ -39,7 +39,8 @@ class MapScene : public SceneSurface {
         content.selected != content_.selected || content.layers != content_.layers ||
         content.selected_particle != content_.selected_particle ||
         content.follow != content_.follow || content.look_through != content_.look_through ||
-        content.light != content_.light || content.colors != content_.colors;
+        content.light != content_.light || content.objects != content_.objects ||
+        content.particle_color != content_.particle_color;
     if (!changed) return;
     const bool new_follow = content.follow && !content_.follow;
     content_ = content;

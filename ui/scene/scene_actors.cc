@@ -248,10 +248,10 @@ SceneActors::ObjectActors& SceneActors::ActorsOf(const ObjectReport& object) {
   ObjectActors& actors = objects_[object.id];
   const auto label = static_cast<std::size_t>(object.label.value);
   if (actors.surface == nullptr) {
-    actors.surface = ActorOf(models_[label].surface, ObjectColor(object.id));
+    actors.surface = ActorOf(models_[label].surface, IM_COL32_WHITE);
     actors.surface->GetProperty()->SetAmbient(0.22);
     actors.surface->GetProperty()->SetDiffuse(0.78);
-    actors.edges = LineActorOf(models_[label].edges, ObjectColor(object.id), 1);
+    actors.edges = LineActorOf(models_[label].edges, IM_COL32_WHITE, 1);
     renderer_->AddActor(actors.surface);
     renderer_->AddActor(actors.edges);
   }
@@ -268,24 +268,24 @@ void SceneActors::UpdateObjects(const SceneContent& content) {
   if (content.snapshot == nullptr || !content.layers.models) return;
   for (const ObjectReport& object : content.snapshot->report.objects) {
     const auto label = static_cast<std::size_t>(object.label.value);
-    if (object.state == ObjectState::kRetired || label >= models_.size()) continue;
+    const auto drawn =
+        std::find_if(content.objects.begin(), content.objects.end(),
+                     [&](const SceneObject& wanted) { return wanted.id == object.id; });
+    if (drawn == content.objects.end() || label >= models_.size()) continue;
     ObjectActors& actors = ActorsOf(object);
     const bool selected = object.id == content.selected;
     const bool tentative = object.state == ObjectState::kTentative;
-    ImU32 color = ObjectColor(object.id);
-    for (const auto& [id, wanted] : content.colors) {
-      if (id == object.id) color = wanted;
-    }
-    SetColor(*actors.surface, color);
+    SetColor(*actors.surface, drawn->color);
     actors.surface->VisibilityOn();
     actors.edges->VisibilityOn();
     SetPose(*actors.surface, object.world_from_object, object.scale);
     SetPose(*actors.edges, object.world_from_object, object.scale);
-    actors.surface->GetProperty()->SetOpacity(tentative                              ? 0.35
-                                              : selected && content.layers.particles ? 0.45
-                                                                                     : 1.0);
-    SetColor(*actors.edges,
-             selected ? IM_COL32_WHITE : Mixed(color, IM_COL32_BLACK, tentative ? 0.2 : 0.55));
+    const float opacity =
+        selected && content.layers.particles ? std::min(drawn->opacity, 0.45f) : drawn->opacity;
+    actors.surface->GetProperty()->SetOpacity(opacity);
+    actors.edges->GetProperty()->SetOpacity(selected ? 1.0 : std::min(1.0, 0.15 + opacity));
+    SetColor(*actors.edges, selected ? IM_COL32_WHITE
+                                     : Mixed(drawn->color, IM_COL32_BLACK, tentative ? 0.2 : 0.55));
     actors.edges->GetProperty()->SetLineWidth(selected ? 2.0f : 1.0f);
   }
 }
@@ -352,7 +352,7 @@ void SceneActors::UpdateParticles(const SceneContent& content) {
   for (const ObjectReport& object : content.snapshot->report.objects) {
     if (object.id != content.selected || object.particles == nullptr) continue;
     const UprightFrame upright(-content.sequence->up_in_world);
-    const ImU32 color = ObjectColor(object.id);
+    const ImU32 color = content.particle_color;
     const auto label = static_cast<std::size_t>(object.label.value);
     const auto& models = content.sequence->models;
     const double length = NeedleLength(label < models.size() ? &models[label] : nullptr);

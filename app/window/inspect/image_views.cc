@@ -43,25 +43,39 @@ void ImageViews::Place(int view, const std::string& panel) {
     std::swap(views_[static_cast<std::size_t>(view)], *found);
 }
 
-void ImageViews::Draw(const FrameContext& context, const InspectLayout& layout, Panel* in_second,
-                      CommandSink& sink) const {
+std::vector<Panel*> ImageViews::NotHidden(const FrameContext& context) const {
+  std::vector<Panel*> shown;
+  for (Panel* panel : views_) {
+    if (!context.hidden_panels.contains(panel->id())) shown.push_back(panel);
+  }
+  return shown;
+}
+
+int ImageViews::Shown(const FrameContext& context) const {
+  return std::min(context.image_views, static_cast<int>(NotHidden(context).size()));
+}
+
+void ImageViews::Draw(const FrameContext& context, const InspectLayout& layout, int most,
+                      Panel* in_second, CommandSink& sink) const {
+  const std::vector<Panel*> shown = NotHidden(context);
+  if (shown.empty()) return;
   const std::vector<LayoutRect> rects =
-      ImageViewRects(layout, in_second != nullptr ? 2 : context.image_views);
+      ImageViewRects(layout, in_second != nullptr ? 2 : std::min(most, Shown(context)));
   for (std::size_t i = 0; i < rects.size(); ++i) {
     if (i == 1 && in_second != nullptr)
       DrawPanel(context, rects[i], *in_second, sink);
     else
-      DrawPanel(context, rects[i], *views_[i], sink,
-                [&] { DrawMenu(context, static_cast<int>(i), sink); });
+      DrawPanel(context, rects[i], *shown[i], sink, [&] { DrawMenu(context, *shown[i], sink); });
   }
 }
 
-void ImageViews::DrawMenu(const FrameContext& context, int view, CommandSink& sink) const {
+void ImageViews::DrawMenu(const FrameContext& context, const Panel& shown,
+                          CommandSink& sink) const {
+  const auto view = std::find(views_.begin(), views_.end(), &shown) - views_.begin();
   DimText("Show here");
   for (Panel* panel : views_) {
-    const bool here = panel == views_[static_cast<std::size_t>(view)];
-    if (ImGui::MenuItem(panel->info().title, nullptr, here))
-      sink.Post(PlaceViewCommand{view, panel->id()});
+    if (ImGui::MenuItem(panel->info().title, nullptr, panel == &shown))
+      sink.Post(PlaceViewCommand{static_cast<int>(view), panel->id()});
     LogItem(context, fmt::format("views.place.{}", panel->id()));
     Tooltip(context, panel->info().help);
   }

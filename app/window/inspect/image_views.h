@@ -23,14 +23,19 @@ class ImageViews {
   /// Shows a panel in a view; what was there goes where it was. Nothing if either does not exist.
   void Place(int view, const std::string& panel);
   /// @param in_second  Shown in place of all views but the first; null: nothing is.
-  void Draw(const FrameContext& context, const InspectLayout& layout, Panel* in_second,
+  /// @param most  How many at most.
+  void Draw(const FrameContext& context, const InspectLayout& layout, int most, Panel* in_second,
             CommandSink& sink) const;
+  /// How many show: as many as are asked for, and not hidden.
+  int Shown(const FrameContext& context) const;
   nlohmann::json Save(const FrameContext& context) const;
   /// Ignores what it does not know.
   void Load(const nlohmann::json& json, FrameContext& context);
 
  private:
-  void DrawMenu(const FrameContext& context, int view, CommandSink& sink) const;
+  void DrawMenu(const FrameContext& context, const Panel& shown, CommandSink& sink) const;
+  /// Those that are not hidden, in order.
+  std::vector<Panel*> NotHidden(const FrameContext& context) const;
 
   std::vector<Panel*> views_;
 };

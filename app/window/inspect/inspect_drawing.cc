@@ -51,27 +51,105 @@ void InspectWorkspace::DrawFigure(const FrameContext& context, ImVec2 size, Comm
   }
 }
 
+std::vector<Panel*> InspectWorkspace::ShownAt(const FrameContext& context, PanelPlace place) const {
+  std::vector<Panel*> shown = PanelsAt(place);
+  std::erase_if(shown, [&](Panel* p) { return context.hidden_panels.contains(p->id()); });
+  return shown;
+}
+
+void InspectWorkspace::DrawTabs(const FrameContext& context, const LayoutRect& rect,
+                                std::span<Panel* const> shown, std::span<Panel* const> all,
+                                std::size_t& front, CommandSink& sink) const {
+  if (shown.empty()) return;
+  const auto place = [](std::span<Panel* const> in, Panel* panel) {
+    return static_cast<std::size_t>(std::find(in.begin(), in.end(), panel) - in.begin());
+  };
+  std::size_t active = front < all.size() ? place(shown, all[front]) : 0;
+  if (active == shown.size()) active = 0;
+  DrawTabbedPanels(context, rect, shown, active, sink);
+  front = place(all, shown[active]);
+}
+
+void InspectWorkspace::DrawAllTabs(const FrameContext& context, const LayoutRect& rect,
+                                   CommandSink& sink) {
+  std::vector<Panel*> tabs;
+  for (const PanelPlace place :
+       {PanelPlace::kAboutMap, PanelPlace::kAboutObject, PanelPlace::kTimings}) {
+    const std::vector<Panel*> there = ShownAt(context, place);
+    tabs.insert(tabs.end(), there.begin(), there.end());
+  }
+  if (tabs.empty()) return;
+  std::size_t active = 0;
+  for (std::size_t i = 0; i < tabs.size(); ++i) {
+    if (compact_tab_ == tabs[i]->id()) active = i;
+  }
+  const std::size_t before = active;
+  DrawTabbedPanels(context, rect, tabs, active, sink);
+  if (active != before) ShowPanel(tabs[active]->id());
+}
+
 void InspectWorkspace::DrawPanels(FrameContext& context, CommandSink& sink) {
-  const InspectLayout layout =
-      ComputeInspectLayout(ImGui::GetIO().DisplaySize, context.ui_scale, ratios_);
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const bool compact = IsCompact(size, context.ui_scale);
+  const auto any = [&](PanelPlace place) { return !ShownAt(context, place).empty(); };
+  InspectRegions regions{any(PanelPlace::kImageView), any(PanelPlace::kMap),
+                         any(PanelPlace::kAboutMap),  any(PanelPlace::kAboutObject),
+                         any(PanelPlace::kTimings),   any(PanelPlace::kTimeline)};
+  if (compact) {
+    regions.about_map = regions.about_map || regions.about_object || regions.timings;
+    regions.about_object = regions.timings = false;
+  }
+  const InspectLayout layout = ComputeInspectLayout(size, context.ui_scale, ratios_, regions);
+  Panel& timeline = PanelAt(PanelPlace::kTimeline);
+  if (context.maximized == timeline.id())
+    return DrawPanel(context, {layout.main.low, layout.timeline.high}, timeline, sink);
+  if (regions.timeline) DrawPanel(context, layout.timeline, timeline, sink);
+  if (!context.maximized.empty()) return DrawMaximized(context, layout, sink);
   const bool beside = context.run_shown == RunShown::kBeside && context.other != nullptr;
   Panel& other_image = PanelAt(PanelPlace::kOtherRun);
   if (beside) other_image.LoadState(PanelAt(PanelPlace::kImageView).SaveState());
-  views_->Draw(context, layout, beside ? &other_image : nullptr, sink);
-  DrawPanel(context, layout.scene, PanelAt(PanelPlace::kMap), sink);
-  DrawTabbedPanels(context, layout.objects, PanelsAt(PanelPlace::kAboutMap), map_tab_, sink);
-  LayoutRect details = layout.details;
-  const bool wide = object_tab_ > 0;
-  if (wide) details.high = layout.timings.high;  // it needs the room
-  DrawTabbedPanels(context, details, PanelsAt(PanelPlace::kAboutObject), object_tab_, sink);
-  if (!wide) DrawPanel(context, layout.timings, PanelAt(PanelPlace::kTimings), sink);
-  DrawPanel(context, layout.timeline, PanelAt(PanelPlace::kTimeline), sink);
-  DragSplitters(context, layout, ratios_);
+  const int views = compact ? 1 : ImageViews::kMost;
+  if (regions.images) views_->Draw(context, layout, views, beside ? &other_image : nullptr, sink);
+  if (regions.map) DrawPanel(context, layout.scene, PanelAt(PanelPlace::kMap), sink);
+  if (compact) {
+    DrawAllTabs(context, layout.objects, sink);
+  } else {
+    DrawTabs(context, layout.objects, ShownAt(context, PanelPlace::kAboutMap),
+             PanelsAt(PanelPlace::kAboutMap), map_tab_, sink);
+    const bool wide = object_tab_ > 0 && regions.about_object;  // it needs the room
+    DrawTabs(context, wide ? layout.row : layout.details,
+             ShownAt(context, PanelPlace::kAboutObject), PanelsAt(PanelPlace::kAboutObject),
+             object_tab_, sink);
+    if (!wide && regions.timings)
+      DrawPanel(context, layout.timings, PanelAt(PanelPlace::kTimings), sink);
+  }
+  const int shown = beside ? 2 : std::min(views, views_->Shown(context));
+  DragSplitters(context, layout, shown, ratios_);
+}
+
+/// In the room of all but the timeline.
+void InspectWorkspace::DrawMaximized(FrameContext& context, const InspectLayout& layout,
+                                     CommandSink& sink) {
+  const std::string id = context.maximized;
+  for (std::size_t i = 0; i < panels_.size(); ++i) {
+    if (id != panels_[i]->id()) continue;
+    const PanelPlace place = InspectPanels()[i].place;
+    const bool tabs = place == PanelPlace::kAboutMap || place == PanelPlace::kAboutObject;
+    if (!tabs) return DrawPanel(context, layout.main, *panels_[i], sink);
+    std::size_t& front = place == PanelPlace::kAboutMap ? map_tab_ : object_tab_;
+    const std::vector<Panel*> all = PanelsAt(place);
+    DrawTabs(context, layout.main, ShownAt(context, place), all, front, sink);
+    context.maximized = all[front]->id();
+    return;
+  }
+  context.maximized.clear();
 }
 
 void InspectWorkspace::DrawBar(const FrameContext& context, const LayoutRect& rect,
                                CommandSink& sink) {
-  DrawSequenceName(context);
+  DrawSequenceName(context, rect);
+  layout_menu_.Draw(context, rect, sink);
+  DrawConfirmedOnly(context, rect, sink);
   DrawNetworksButton(context, rect, sink);
 }
 
@@ -170,6 +248,12 @@ void InspectWorkspace::AddState(const FrameContext& context, nlohmann::json& sta
          {"focus",
           {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}}}},
        {"layout", RatiosToJson(ratios_)},
+       {"maximized", context.maximized},
+       {"hidden_panels", context.hidden_panels},
+       {"own_layouts", context.own_layouts},
+       {"compact_tab", compact_tab_},
+       {"confirmed_only", context.confirmed_only},
+       {"lacks_poses", context.lacks_poses},
        {"source", context.source},
        {"models", with_.models},
        {"recording", playback.recording},
@@ -193,6 +277,9 @@ void InspectWorkspace::AddState(const FrameContext& context, nlohmann::json& sta
 
 void InspectWorkspace::SaveSettings(const FrameContext& context, nlohmann::json& settings) const {
   settings["layout"] = RatiosToJson(ratios_);
+  settings["hidden_panels"] = context.hidden_panels;
+  settings["own_layouts"] = arrangements_.Save();
+  settings["confirmed_only"] = context.confirmed_only;
   settings["details_tab"] = object_tab_;
   settings["image_views"] = views_->Save(context);
   for (const Panel* panel : panels_) settings["panels"][panel->id()] = panel->SaveState();
@@ -200,6 +287,10 @@ void InspectWorkspace::SaveSettings(const FrameContext& context, nlohmann::json&
 
 void InspectWorkspace::LoadSettings(const nlohmann::json& settings, FrameContext& context) {
   RatiosFromJson(settings.value("layout", nlohmann::json::object()), ratios_);
+  context.hidden_panels = settings.value("hidden_panels", context.hidden_panels);
+  context.confirmed_only = settings.value("confirmed_only", context.confirmed_only);
+  arrangements_.Load(settings.value("own_layouts", nlohmann::json::object()));
+  context.own_layouts = arrangements_.own_names();
   const auto panels = settings.value("panels", nlohmann::json::object());
   for (Panel* panel : panels_) {
     if (panels.contains(panel->id())) panel->LoadState(panels.at(panel->id()));

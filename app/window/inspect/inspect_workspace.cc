@@ -2,13 +2,17 @@
 #include "app/window/inspect/inspect_workspace.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
 #include "engine/base/overloaded.h"
+#include "engine/dataset/sequence.h"
+#include "engine/geometry/gravity.h"
 #include "engine/runtime/mapping_source.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/sequence_view.h"
+#include "ui/framework/particle_place.h"
 #include "ui/scene/map_scene.h"
 
 namespace plumbline {
@@ -136,6 +140,21 @@ void InspectWorkspace::TakeReopened(FrameContext& context) {
             : std::string("Mapping again from the first frame")});
 }
 
+/// Once for what could not be opened.
+void InspectWorkspace::LookForRemedy(FrameContext& context) {
+  const bool failed =
+      context.sequence == nullptr && context.playback->state == PlaybackState::kFailed;
+  if (!failed) context.lacks_poses = false;
+  if (!failed || remedy_sought_for_ == context.source_version) return;
+  remedy_sought_for_ = context.source_version;
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(source_, ignored)) return;
+  const auto sequence = OpenSequence(source_);
+  if (!sequence.ok() || NumPosedFrames(**sequence) > 0) return;
+  context.lacks_poses = true;
+  context.has_imu = (*sequence)->has_imu();
+}
+
 void InspectWorkspace::LookAtNetwork(const std::string& file) {
   networks_sheet_.OpenWith(file);
   networks_.LookAt(file);
@@ -155,8 +174,10 @@ void InspectWorkspace::ReadSlots(FrameContext& context) {
   AskForWhatIsNeeded(context);
   context.playback = process_->Playback();
   context.sequence = process_->Sequence();
+  LookForRemedy(context);
   context.probe = process_->Probe();
   context.history = process_->History();
+  context.timings = process_->Timings();
   context.truths = process_->Truths();
   auto snapshot = context.first_snapshot = process_->Snapshot();
   what_if_->ReadSlots(context, process_->Header(), snapshot);
@@ -165,6 +186,10 @@ void InspectWorkspace::ReadSlots(FrameContext& context) {
     ++context.snapshot_version;
     if (context.selection.particle >= 0) context.selection.particle = -1;
   }
+  context.first_looks = looks_.Of(*context.playback);
+  const auto& looks = context.shows_other ? context.other->looks : context.first_looks;
+  if (looks != context.looks) ++context.looks_version;
+  context.looks = looks;
   // Read after the snapshot, before which it is published.
   MappingProcess* other = what_if_->shown_process(context);
   context.analysis = (other != nullptr ? other : process_.get())->Analysis();
@@ -295,6 +320,9 @@ void InspectWorkspace::Handle(const InspectCommand& command, FrameContext& conte
               case NeedCommand::What::kScoreMap:
                 needed_.score_map = true;
                 break;
+              case NeedCommand::What::kTimings:
+                needed_.timings = true;
+                break;
             }
           },
           [&](const PresentCommand& c) { Present(c.on, context); },
@@ -311,9 +339,39 @@ void InspectWorkspace::Handle(const InspectCommand& command, FrameContext& conte
           [&](const StopFetchingCommand&) { networks_.StopFetching(); },
           [&](const LookAtNetworkCommand& c) { LookAtNetwork(c.file); },
           [&](const UseNetworksCommand& c) { Reopen(c, context); },
+          [&](const FindPosesCommand&) {
+            with_.find_poses = true;
+            Begin(std::make_unique<MappingProcess>(options_.opener(source_, with_), std::nullopt,
+                                                   wake_),
+                  context);
+          },
           [&](const ForkCommand& c) { what_if_->Fork(c, context); },
           [&](const CancelForkCommand&) { what_if_->CancelFork(); },
           [&](const CompareRunCommand& c) { what_if_->Compare(c.run, context); },
+          [&](const FocusModeCommand& c) { FocusMode(c.mode, context); },
+          [&](const ConfirmedOnlyCommand& c) { context.confirmed_only = c.on; },
+          [&](const MaximizePanelCommand& c) {
+            context.maximized = c.panel == context.maximized ? "" : c.panel;
+            if (!context.maximized.empty()) {
+              context.hidden_panels.erase(c.panel);
+              ShowPanel(c.panel);
+            }
+          },
+          [&](const HidePanelCommand& c) { HidePanel(c, context); },
+          [&](const ChooseLayoutCommand& c) {
+            if (const auto found = arrangements_.Find(c.name)) Arrange(*found, context);
+          },
+          [&](const KeepLayoutCommand& c) {
+            const bool kept =
+                arrangements_.Keep(c.name, {ratios_, context.image_views, context.hidden_panels});
+            window_.Post(NoteCommand{kept ? "Kept as layout " + c.name
+                                          : "A layout of one's own needs a name of its own"});
+            context.own_layouts = arrangements_.own_names();
+          },
+          [&](const ForgetLayoutCommand& c) {
+            arrangements_.Forget(c.name);
+            context.own_layouts = arrangements_.own_names();
+          },
           [&](const ShowRunCommand& c) {
             if (context.other != nullptr) context.run_shown = c.shown;
           }},
@@ -356,6 +414,66 @@ void InspectWorkspace::ShowPanel(const std::string& id) {
   };
   bring_up(PanelPlace::kAboutMap, map_tab_);
   bring_up(PanelPlace::kAboutObject, object_tab_);
+  for (const PanelPlace place :
+       {PanelPlace::kAboutMap, PanelPlace::kAboutObject, PanelPlace::kTimings}) {
+    for (const Panel* panel : PanelsAt(place)) {
+      if (id == panel->id()) compact_tab_ = id;
+    }
+  }
+}
+
+void InspectWorkspace::Arrange(const Arrangement& arrangement, FrameContext& context) {
+  ratios_ = arrangement.ratios;
+  views_->SetCount(arrangement.image_views, context);
+  context.hidden_panels = arrangement.hidden;
+  context.maximized.clear();
+}
+
+void InspectWorkspace::HidePanel(const HidePanelCommand& command, FrameContext& context) const {
+  for (const PanelEntry& entry : InspectPanels()) {
+    if (command.panel != entry.info.id || !CanHide(entry)) continue;
+    if (!command.hide)
+      context.hidden_panels.erase(command.panel);
+    else
+      context.hidden_panels.insert(command.panel);
+    if (context.maximized == command.panel) context.maximized.clear();
+  }
+}
+
+/// Of the hypotheses with the mode's shape: the one whose place and azimuth are nearest to it, in
+/// units of the mode's spread.
+void InspectWorkspace::FocusMode(int mode, FrameContext& context) {
+  const ObjectReport* object = context.SelectedObject();
+  if (object == nullptr || mode < 0 || mode >= static_cast<int>(object->modes.size())) return;
+  const PoseMode& of = object->modes[static_cast<std::size_t>(mode)];
+  const ModelView* model = context.Model(of.label);
+  const Eigen::Vector3d center =
+      of.world_from_object *
+      (of.scale * (model != nullptr ? model->center : Eigen::Vector3d(0, 0, 0)));
+  const UprightFrame upright(-context.sequence->up_in_world);
+  const Eigen::Vector3d front = of.world_from_object.linear().col(0);
+  int nearest = -1;
+  double least = 0;
+  for (std::size_t i = 0; object->particles != nullptr && i < object->particles->size(); ++i) {
+    const Particle& particle = (*object->particles)[i];
+    if (particle.label != of.label.value) continue;
+    const ParticlePlace place = PlaceOf(particle, *object, upright);
+    const double turned = model != nullptr && model->any_azimuth
+                              ? 0.0
+                              : std::acos(std::clamp(front.dot(place.heading_in_world), -1.0, 1.0));
+    const double far = (place.center_in_world - center).squaredNorm() /
+                           std::pow(std::max(of.position_std_m, 0.005), 2) +
+                       std::pow(turned / std::max(of.azimuth_std_rad, 0.01), 2);
+    if (nearest >= 0 && far >= least) continue;
+    nearest = static_cast<int>(i);
+    least = far;
+  }
+  if (nearest >= 0) SelectParticle(nearest, context);
+  const double size_m = model != nullptr && model->mesh != nullptr
+                            ? BoundingBox(*model->mesh).diagonal().norm()
+                            : 1.0;
+  context.look_through = context.follow = false;
+  scene_->FocusPlace(center, size_m);
 }
 
 void InspectWorkspace::Present(bool on, FrameContext& context) {

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "app/film/render_layout.h"
+#include "app/window/inspect/arrangements.h"
 #include "app/window/inspect/bookmarks.h"
 #include "app/window/inspect/image_views.h"
+#include "app/window/inspect/looks_keeper.h"
 #include "app/window/inspect/presenter.h"
 #include "app/window/inspect/what_if.h"
 #include "app/window/workspace.h"
@@ -17,6 +19,7 @@
 #include "engine/runtime/network_process.h"
 #include "ui/framework/scene_surface.h"
 #include "ui/inspect/compare/fork_sheet.h"
+#include "ui/inspect/inspect_bar.h"
 #include "ui/inspect/networks_sheet.h"
 #include "ui/inspect/panel_table.h"
 
@@ -28,6 +31,7 @@ struct OpenWith {
   std::string models;           ///< A folder; of runs, too.
   std::string edges, detector;  ///< As --edges and --detector name them.
   std::optional<MapperOptions> options;
+  bool find_poses = false;  ///< By the visual-inertial filter.
 };
 
 struct InspectOptions {
@@ -84,12 +88,23 @@ class InspectWorkspace : public Workspace {
   bool is_figure() const { return options_.layout != nullptr && !options_.layout->panels.empty(); }
   /// Those that stand in one place, in the table's order.
   std::vector<Panel*> PanelsAt(PanelPlace place) const;
+  /// Those of them that are not hidden.
+  std::vector<Panel*> ShownAt(const FrameContext& context, PanelPlace place) const;
   Panel& PanelAt(PanelPlace place) const { return *PanelsAt(place).front(); }
   void FocusTruth(const FrameContext& context);
   void SelectByItself(FrameContext& context) const;
   /// Asks the process for what the panels of the last frame of the window showed.
   void AskForWhatIsNeeded(const FrameContext& context);
   void DrawPanels(FrameContext& context, CommandSink& sink);
+  void DrawMaximized(FrameContext& context, const InspectLayout& layout, CommandSink& sink);
+  /// Tabs of which `front` is the number of the one in front among `all`.
+  void DrawTabs(const FrameContext& context, const LayoutRect& rect, std::span<Panel* const> shown,
+                std::span<Panel* const> all, std::size_t& front, CommandSink& sink) const;
+  /// In a window without room for more: the tabs of all lists in one place.
+  void DrawAllTabs(const FrameContext& context, const LayoutRect& rect, CommandSink& sink);
+  void Arrange(const Arrangement& arrangement, FrameContext& context);
+  void HidePanel(const HidePanelCommand& command, FrameContext& context) const;
+  void FocusMode(int mode, FrameContext& context);
   /// The panels of options_.layout.
   void DrawFigure(const FrameContext& context, ImVec2 size, CommandSink& sink);
   void SelectParticle(int particle, FrameContext& context);
@@ -100,6 +115,8 @@ class InspectWorkspace : public Workspace {
   /// Opens the sequence once more with other networks; what is open goes on until that is ready.
   void Reopen(const UseNetworksCommand& networks, const FrameContext& context);
   void TakeReopened(FrameContext& context);
+  /// Why nothing could be opened, where the window knows a remedy.
+  void LookForRemedy(FrameContext& context);
   void Present(bool on, FrameContext& context);
   void AddBookmarksRead(FrameContext& context);
   void KeepBookmarks(FrameContext& context);
@@ -117,6 +134,9 @@ class InspectWorkspace : public Workspace {
   std::vector<ActionGroup> actions_;
   std::unique_ptr<ImageViews> views_;
   std::size_t map_tab_ = 0, object_tab_ = 0;
+  std::string compact_tab_ = "objects";  ///< In front, in a compact window.
+  Arrangements arrangements_;
+  LayoutMenu layout_menu_;
   ForkSheet fork_sheet_;
   NetworksSheet networks_sheet_;
   Presenter presenter_;
@@ -124,6 +144,8 @@ class InspectWorkspace : public Workspace {
   ProbeCommand asked_;                  ///< The last question about an object.
   WatchCommand needed_, watched_;       ///< What panels showed in this frame; what was asked for.
   MappingProcess* watched_by_ = nullptr;
+  LooksKeeper looks_;
+  std::uint64_t remedy_sought_for_ = 0;  ///< The source_version.
   int hovered_now_ = -1;     ///< The particle that a panel of this frame saw under the mouse.
   bool auto_select_ = true;  ///< Until the user selects: an object that is in view.
   bool ask_frame_ = false;

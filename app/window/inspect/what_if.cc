@@ -161,6 +161,7 @@ void WhatIf::ReadSlots(FrameContext& context, std::shared_ptr<const RunHeader> h
   other->sequence = other_->Sequence();
   other->snapshot = snapshot;
   other->playback = other_->Playback();
+  other->looks = looks_.Of(*other->playback);
   other->version = version_;
   other->comparison = comparison_->View();
   context.other = other;

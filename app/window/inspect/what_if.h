@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/window/inspect/looks_keeper.h"
 #include "engine/runtime/comparison_process.h"
 #include "engine/runtime/fork_process.h"
 #include "engine/runtime/mapping_process.h"
@@ -54,6 +55,7 @@ class WhatIf {
   std::string program_version_;
   std::function<void()> on_publish_;
   std::shared_ptr<const MapSnapshot> last_;
+  LooksKeeper looks_;
   std::uint64_t version_ = 0;
   int sought_ = -1;  ///< The frame that the second run was sent to.
   bool blink_phase_ = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/runtime/mapping_process.h"
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <thread>
@@ -87,6 +88,36 @@ TEST(MappingProcess, PlaysAtTheRateOfTheSequence) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   EXPECT_GT(seconds, 0.9);  // 29 frames at 30 Hz are 0.97 s; a busy machine may take longer
+}
+
+TEST(MappingProcess, TellsARateThatItReallyPlaysAt) {
+  FakeSourceOptions options = Small();
+  options.recorded = true;
+  MappingProcess process(Opener(options), std::nullopt, {});
+  ASSERT_TRUE(Shows(process, 0));
+  process.Post(SeekCommand{2});  // two frames at once say nothing of a rate
+  process.Post(PlayCommand{});
+  double most = 0;
+  ASSERT_TRUE(WaitFor([&] {
+    most = std::max(most, process.Playback()->frames_per_second);
+    return process.Playback()->state == PlaybackState::kFinished;
+  }));
+  EXPECT_GT(most, 1);
+  EXPECT_LT(most, 45) << "30 Hz";
+  EXPECT_EQ(process.Playback()->frames_per_second, 0) << "at rest";
+}
+
+TEST(MappingProcess, WorksOutTheTimesOfTheRunWhileTheyAreWatched) {
+  FakeSourceOptions options = Small();
+  options.recorded = true;
+  MappingProcess process(Opener(options), std::nullopt, {});
+  ASSERT_TRUE(Shows(process, 0));
+  EXPECT_EQ(process.Timings(), nullptr);
+  WatchCommand watch;
+  watch.timings = true;
+  process.Post(watch);
+  ASSERT_TRUE(WaitFor([&] { return process.Timings() != nullptr; }));
+  EXPECT_EQ(process.Timings()->frames, 30) << "all, though one was shown";
 }
 
 TEST(MappingProcess, SeeksAheadByMappingTowardsTheFrame) {

@@ -182,13 +182,13 @@ class WhatIfPanel : public Panel {
     return std::abs(std::remainder(turned, period));
   }
 
-  static void NameText(const FrameContext& context, const ObjectReport* object) {
+  static void NameText(const FrameContext& context, const ObjectLooks* looks,
+                       const ObjectReport* object) {
     if (object == nullptr) return DimText("missing");
     const ModelView* model = context.Model(object->label);
-    ImGui::PushStyleColor(ImGuiCol_Text, ObjectColor(object->id));
+    Chip(context, ColorOfLook(FrameContext::LookOf(looks, object->id)));
     ImGui::Text("#%d %s", object->id.value,
                 model != nullptr ? model->name.c_str() : object->category.c_str());
-    ImGui::PopStyleColor();
   }
 
   static void DrawObjects(const FrameContext& context, const OtherRun& other, CommandSink& sink) {
@@ -214,9 +214,9 @@ class WhatIfPanel : public Panel {
         sink.Post(SelectObjectCommand{object->id});
       LogItem(context, name);
       ImGui::SameLine(0, 0);
-      NameText(context, pair.a);
+      NameText(context, context.first_looks.get(), pair.a);
       ImGui::TableNextColumn();
-      NameText(context, pair.b);
+      NameText(context, context.other->looks.get(), pair.b);
       ImGui::TableNextColumn();
       if (pair.a != nullptr && pair.b != nullptr)
         ImGui::Text("%.1f cm  %.0f\u00b0", 100 * pair.distance_m, Turned(context, pair));

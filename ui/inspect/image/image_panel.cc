@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 #include <opencv2/imgproc.hpp>
 
@@ -19,10 +20,10 @@
 namespace plumbline {
 namespace {
 
-ImU32 FateColor(const ProposalReport& proposal) {
+ImU32 FateColor(const FrameContext& context, const ProposalReport& proposal) {
   switch (proposal.fate) {
     case ProposalFate::kExplained:
-      return ObjectColor(proposal.object);
+      return context.ColorOf(proposal.object);
     case ProposalFate::kSpawned:
       return IM_COL32_WHITE;
     case ProposalFate::kUnknownCategory:
@@ -38,6 +39,16 @@ ImU32 FateColor(const ProposalReport& proposal) {
 bool IsWeak(const ProposalReport& proposal) {
   return proposal.fate == ProposalFate::kLowScore ||
          proposal.fate == ProposalFate::kUnknownCategory;
+}
+
+/// Whether a proposal is drawn while only confirmed objects are asked for: if one of them explains
+/// it.
+bool IsOfShownObject(const FrameContext& context, const ProposalReport& proposal) {
+  if (!context.confirmed_only) return true;
+  for (const ObjectReport& object : context.snapshot->report.objects) {
+    if (object.id == proposal.object) return context.Shows(object);
+  }
+  return false;
 }
 
 class ImagePanel : public Panel {
@@ -70,13 +81,15 @@ class ImagePanel : public Panel {
     ImGui::SameLine();
     Toggle(context, "image.weak", "Weak", weak_,
            "Also the proposals that were not used: of categories without a model (light grey) and "
-           "of low score (dark grey).");
+           "of low score (dark grey). Point at a box's edge for what it is.");
     ImGui::SameLine();
     Toggle(context, "image.outlines", "Outlines", outlines_,
            "Outline of each object's mean state, in its colour.");
     ImGui::SameLine();
-    Toggle(context, "image.names", "Names", names_,
-           "Number and most likely model of each object; of tentative ones the number alone.");
+    Toggle(
+        context, "image.names", "Names", names_,
+        "Number and most likely model of each object, as far as there is room; of tentative ones "
+        "the number alone. Point at an object for its name.");
     ImGui::SameLine();
     Toggle(context, "image.particles", "Particles", particles_,
            "Centres of the selected object's hypotheses.");
@@ -213,8 +226,8 @@ class ImagePanel : public Panel {
       const ImVec2 low = canvas.ToScreen(proposal.box.x0 - 0.5f, proposal.box.y0 - 0.5f);
       const ImVec2 high = canvas.ToScreen(proposal.box.x1 + 0.5f, proposal.box.y1 + 0.5f);
       const bool weak = IsWeak(proposal);
-      if (weak && !weak_) continue;
-      const ImU32 color = FateColor(proposal);
+      if ((weak && !weak_) || !IsOfShownObject(context, proposal)) continue;
+      const ImU32 color = FateColor(context, proposal);
       canvas.draw().AddRect(low, high, IM_COL32(0, 0, 0, 130), 0, 0,
                             context.Scaled(weak ? 2.0 : 3.0));
       canvas.draw().AddRect(low, high, color, 0, 0, context.Scaled(weak ? 1.0 : 1.5));
@@ -233,7 +246,7 @@ class ImagePanel : public Panel {
                       PictureLabels& labels) const {
     std::set<ObjectId> labelled;  // proposals come by falling score: the first is the best
     for (const ProposalReport& proposal : context.snapshot->report.proposals) {
-      if (IsWeak(proposal) && !weak_) continue;
+      if (IsWeak(proposal) || !IsOfShownObject(context, proposal)) continue;
       if (proposal.object.value > 0 && !labelled.insert(proposal.object).second) continue;
       const std::string text = fmt::format("{} {:.2f}", proposal.category, proposal.score);
       const ImVec2 size = labels.SizeOf(text);
@@ -244,28 +257,56 @@ class ImagePanel : public Panel {
                   {low.x, high.y + size.y},
                   {high.x - size.x, high.y + size.y},
                   {low.x, low.y + size.y}},
-                 FateColor(proposal), text);
+                 FateColor(context, proposal), text, PictureLabels::Need::kIfFree);
     }
   }
 
+  /// The selected object's name, then those of confirmed ones, the larger first, then the numbers
+  /// of the others: what comes late has less room.
   static void LabelObjects(const FrameContext& context, const ImageCanvas& canvas,
                            PictureLabels& labels) {
+    std::vector<const ObjectReport*> named;
     for (const ObjectReport& object : context.snapshot->report.objects) {
-      if (object.visible_box.empty() || object.state == ObjectState::kRetired) continue;
-      const ModelView* model = context.Model(object.label);
-      const bool brief = object.state == ObjectState::kTentative &&
-                         object.id != context.selection.object;  // there may be many
-      const std::string text = brief
-                                   ? fmt::format("#{}", object.id.value)
-                                   : fmt::format("#{} {}", object.id.value,
-                                                 model != nullptr ? model->name : object.category);
-      const ImVec2 size = labels.SizeOf(text);
-      const ImVec2 center =
-          canvas.ToScreen(object.visible_box.center_x(), object.visible_box.center_y());
-      const float x = center.x - 0.5f * size.x, y = center.y + 0.5f * size.y;
-      labels.Add({{x, y}, {x, y + 1.2f * size.y}, {x, y - 1.2f * size.y}, {x, y + 2.4f * size.y}},
-                 ObjectColor(object.id), text);
+      if (!object.visible_box.empty() && object.state != ObjectState::kRetired &&
+          context.Shows(object))
+        named.push_back(&object);
     }
+    const auto rank = [&](const ObjectReport* object) {
+      return std::tuple(object->id != context.selection.object,
+                        object->state != ObjectState::kConfirmed,
+                        -object->visible_box.width() * object->visible_box.height());
+    };
+    std::stable_sort(named.begin(), named.end(), [&](const ObjectReport* a, const ObjectReport* b) {
+      return rank(a) < rank(b);
+    });
+    for (const ObjectReport* object : named) LabelObject(context, canvas, *object, labels);
+  }
+
+  static void LabelObject(const FrameContext& context, const ImageCanvas& canvas,
+                          const ObjectReport& object, PictureLabels& labels) {
+    const bool selected = object.id == context.selection.object;
+    const ModelView* model = context.Model(object.label);
+    std::string text = fmt::format("#{}", object.id.value);
+    if (selected || object.state == ObjectState::kConfirmed)
+      text += " " + (model != nullptr ? model->name : object.category);
+    const ImVec2 size = labels.SizeOf(text);
+    const Box2& box = object.visible_box;
+    const ImVec2 center = canvas.ToScreen(box.center_x(), box.center_y());
+    const ImVec2 low = canvas.ToScreen(box.x0, box.y0), high = canvas.ToScreen(box.x1, box.y1);
+    const float x = center.x - 0.5f * size.x, y = center.y + 0.5f * size.y;
+    labels.Add({{x, y},
+                {x, y + 1.1f * size.y},
+                {x, y - 1.1f * size.y},
+                {x, y + 2.2f * size.y},
+                {x, y - 2.2f * size.y},
+                {low.x, y},
+                {high.x - size.x, y},
+                {low.x, high.y},
+                {high.x - size.x, high.y},
+                {low.x, low.y + size.y},
+                {high.x - size.x, low.y + size.y}},
+               context.ColorOf(object.id), text,
+               selected ? PictureLabels::Need::kAlways : PictureLabels::Need::kIfFree);
   }
 
   bool proposals_ = true, weak_ = false, outlines_ = true, names_ = true, particles_ = false,

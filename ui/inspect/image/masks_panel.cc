@@ -18,8 +18,11 @@ class MasksPanel : public Panel {
     const MapSnapshot& snapshot = *context.snapshot;
     if (snapshot.image.empty())
       return EmptyState(context, "No image", "This frame came without an image.");
-    const ImTextureID texture = context.textures->Get("masks", context.snapshot_version, [&] {
-      return MaskPicture(snapshot.image, snapshot.depth, snapshot.id, RangeOf(snapshot.depth));
+    // Both versions only grow.
+    const std::uint64_t version = context.snapshot_version + context.looks_version;
+    const ImTextureID texture = context.textures->Get("masks", version, [&] {
+      return MaskPicture(snapshot.image, snapshot.depth, snapshot.id, RangeOf(snapshot.depth),
+                         context.looks != nullptr ? *context.looks : ObjectLooks());
     });
     const ImageCanvas canvas(context, "masks.view", texture, context.sequence->image_width,
                              context.sequence->image_height);

@@ -45,6 +45,7 @@ class OtherImagePanel : public Panel {
     shown.sequence = other.sequence;
     shown.snapshot = other.snapshot;
     shown.playback = other.playback;
+    shown.looks = other.looks;
     shown.snapshot_version = other.version;
     shown.probe = nullptr;
     image_->Draw(shown, sink);

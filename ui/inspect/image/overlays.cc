@@ -22,11 +22,11 @@ std::optional<ImVec2> Project(const SequenceView& sequence, const Eigen::Isometr
                          static_cast<float>(sequence.fy * p.y() / p.z() + sequence.cy));
 }
 
-bool IsTentative(const FrameContext& context, ObjectId id) {
+const ObjectReport* ObjectOf(const FrameContext& context, ObjectId id) {
   for (const ObjectReport& object : context.snapshot->report.objects) {
-    if (object.id == id) return object.state == ObjectState::kTentative;
+    if (object.id == id) return &object;
   }
-  return false;
+  return nullptr;
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ int DrawParticleOverlay(const FrameContext& context, const ImageCanvas& canvas,
   double heaviest = -1e9;
   for (const Particle& p : *object.particles) heaviest = std::max<double>(heaviest, p.log_weight);
   const double needle_m = NeedleLength(context.Model(object.label));
-  const ImU32 color = ObjectColor(object.id);
+  const ImU32 color = context.ColorOf(object.id);
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   const float radius = context.Scaled(overlay.radius_px);
   int nearest = -1;
@@ -77,20 +77,26 @@ void DrawOutlineOverlay(const FrameContext& context, const ImageCanvas& canvas,
   std::vector<ImVec2> points;
   for (const OutlineView& outline : context.snapshot->outlines) {
     if (overlay.only.value > 0 && outline.object != overlay.only) continue;
+    const ObjectReport* object = ObjectOf(context, outline.object);
+    if (object != nullptr && !context.Shows(*object)) continue;
     const bool selected = outline.object == context.selection.object;
-    const bool tentative = IsTentative(context, outline.object) && !selected;
+    const bool tentative =
+        object != nullptr && object->state == ObjectState::kTentative && !selected;
     const float width = context.Scaled(overlay.width_px * (selected ? 1.6 : tentative ? 0.6 : 1.0));
-    const double alpha = overlay.alpha * (tentative ? 0.7 : 1.0);
+    const double alpha = overlay.alpha * (tentative ? 0.3 + GhostShare(object->log_evidence) : 1.0);
+    const bool dashed = context.LookOf(outline.object).dashed;
     for (const auto& contour : outline.contours) {
       points.clear();
       for (const Eigen::Vector2f& p : contour) points.push_back(canvas.ToScreen(p));
+      if (points.empty()) continue;
+      points.push_back(points.front());
       const int count = static_cast<int>(points.size());
       if (overlay.shadow && !tentative) {
-        canvas.draw().AddPolyline(points.data(), count, IM_COL32(0, 0, 0, 140), ImDrawFlags_Closed,
+        canvas.draw().AddPolyline(points.data(), count, IM_COL32(0, 0, 0, 140), 0,
                                   width + context.Scaled(2));
       }
-      canvas.draw().AddPolyline(points.data(), count, WithAlpha(ObjectColor(outline.object), alpha),
-                                ImDrawFlags_Closed, width);
+      Polyline(context, canvas.draw(), points, WithAlpha(context.ColorOf(outline.object), alpha),
+               width, dashed);
     }
   }
 }
@@ -166,6 +172,11 @@ void DrawPixelValue(const FrameContext& context, const ImageCanvas& canvas) {
   if (!depth.empty()) {
     const float z = depth.at<float>(y * depth.rows / height, x * depth.cols / width);
     if (z > 0) text += fmt::format("   {:.2f} m", z);
+  }
+  if (const ObjectReport* object = ObjectOf(context, ObjectAt(context, *pixel))) {
+    const ModelView* model = context.Model(object->label);
+    text += fmt::format("   #{} {}", object->id.value,
+                        model != nullptr ? model->name : object->category);
   }
   PictureLabels labels(context, canvas.low(), canvas.high());
   labels.Add({canvas.low()}, colors::kOnPicture, text);

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/geometry/angles.h"
+#include "engine/geometry/angle_text.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/image_canvas.h"
@@ -52,7 +52,7 @@ class ParticlesPanel : public Panel {
     const int nearest = DrawParticleOverlay(context, canvas, *object, {needles_, 1.75});
     DrawParticleOutline(context, canvas);
     PictureLabels(context, canvas.low(), canvas.high())
-        .Add({{canvas.low().x, canvas.high().y}}, ObjectColor(object->id),
+        .Add({{canvas.low().x, canvas.high().y}}, context.ColorOf(object->id),
              fmt::format("#{}  {} particles", object->id.value,
                          object->particles == nullptr ? 0 : object->particles->size()));
     if (nearest >= 0) sink.Post(HoverParticleCommand{nearest});
@@ -102,7 +102,8 @@ class ParticlesPanel : public Panel {
     DimText("weight %.4f%s", std::exp(particle.log_weight), RankOf(context, index).c_str());
     DimText("comes from particle %d of the frame before", int{particle.ancestor});
     DimText("distance %.2f m", std::exp(particle.rho));
-    DimText("azimuth %.0f\u00b0", particle.azimuth * kDegPerRad);
+    const bool round = model != nullptr && model->any_azimuth;
+    DimText("%s", round ? "any azimuth" : ("azimuth " + AngleText(particle.azimuth)).c_str());
     DimText("\u03a6 detector %.2f   \u03a6 edges %.2f", particle.phi_cnn, particle.phi_edge);
     ImGui::EndTooltip();
   }

@@ -167,30 +167,45 @@ const char* ColoringName(SceneColoring coloring) {
   return kNames[static_cast<std::size_t>(coloring)];
 }
 
-std::vector<std::pair<ObjectId, ImU32>> ColorsOf(const FrameContext& context,
-                                                 SceneColoring coloring) {
-  std::vector<std::pair<ObjectId, ImU32>> colored;
-  if (coloring == SceneColoring::kIdentity || context.snapshot == nullptr) return colored;
+std::vector<SceneObject> SceneObjectsOf(const FrameContext& context, SceneColoring coloring,
+                                        double opacity) {
+  std::vector<SceneObject> objects;
+  if (context.snapshot == nullptr) return objects;
   const FrameReport& report = context.snapshot->report;
   std::map<ObjectId, float> errors;
-  for (const auto& frame : context.playback->history->frames) {
-    if (frame == nullptr || frame->frame != report.frame) continue;
-    for (const ObjectSample& sample : frame->objects) {
-      if (sample.error) errors[sample.id] = sample.error->translation_m;
+  if (coloring == SceneColoring::kError) {
+    for (const auto& frame : context.shown_playback().history->frames) {
+      if (frame == nullptr || frame->frame != report.frame) continue;
+      for (const ObjectSample& sample : frame->objects) {
+        if (sample.error) errors[sample.id] = sample.error->translation_m;
+      }
     }
   }
   for (const ObjectReport& object : report.objects) {
-    ImU32 color = StateColor(object.state);
-    if (coloring == SceneColoring::kError) {
-      const auto error = errors.find(object.id);
-      color = error == errors.end() ? colors::kFaint
-                                    : Mixed(colors::kGood, colors::kBad,
-                                            std::min(1.0, error->second / kWorstError_m));
+    if (object.state == ObjectState::kRetired || !context.Shows(object)) continue;
+    SceneObject drawn{object.id, context.ColorOf(object.id), static_cast<float>(opacity)};
+    switch (coloring) {
+      case SceneColoring::kIdentity:
+        break;
+      case SceneColoring::kState:
+        drawn.color = StateColor(object.state);
+        break;
+      case SceneColoring::kError: {
+        const auto error = errors.find(object.id);
+        drawn.color = error == errors.end() ? colors::kFaint
+                                            : Mixed(colors::kGood, colors::kBad,
+                                                    std::min(1.0, error->second / kWorstError_m));
+        break;
+      }
+      case SceneColoring::kOnTruth:
+        drawn.color = colors::kTruth;
+        break;
     }
-    if (coloring == SceneColoring::kOnTruth) color = colors::kTruth;
-    colored.emplace_back(object.id, color);
+    if (object.state == ObjectState::kTentative)
+      drawn.opacity *= static_cast<float>(GhostShare(object.log_evidence));
+    objects.push_back(drawn);
   }
-  return colored;
+  return objects;
 }
 
 SceneProjection::SceneProjection(const FrameContext& context, const SceneCamera& camera, ImVec2 low,
@@ -243,7 +258,7 @@ void DrawSceneOverlay(const FrameContext& context, const SceneProjection& projec
     if (!shown) continue;
     if (overlay.spread)
       DrawSpread(context, project, CenterOf(context, object),
-                 object.covariance.topLeftCorner<3, 3>(), ObjectColor(object.id));
+                 object.covariance.topLeftCorner<3, 3>(), context.ColorOf(object.id));
     if (const auto at = project(CenterOf(context, object))) centers[object.id] = *at;
   }
   PictureLabels labels(context, low, high);
@@ -273,7 +288,7 @@ void DrawSceneOverlay(const FrameContext& context, const SceneProjection& projec
                   {x, y - 2 * step},
                   {x, y + 2 * step},
                   {c.x, y - 3 * step}},
-                 ObjectColor(object.id), text);
+                 context.ColorOf(object.id), text);
     }
   }
   DrawTruths(context, project, overlay.truth_names, low, high, labels);

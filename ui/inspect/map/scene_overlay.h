@@ -17,9 +17,11 @@ namespace plumbline {
 /// What the colours of the models in the map mean.
 enum class SceneColoring { kIdentity, kState, kError, kOnTruth };
 const char* ColoringName(SceneColoring coloring);
-/// Colours of the objects of this frame; empty for identity.
-std::vector<std::pair<ObjectId, ImU32>> ColorsOf(const FrameContext& context,
-                                                 SceneColoring coloring);
+/// How the objects of this frame are drawn.
+/// @param opacity  Of confirmed ones; tentative ones are the fainter, the less likely they are
+/// there.
+std::vector<SceneObject> SceneObjectsOf(const FrameContext& context, SceneColoring coloring,
+                                        double opacity);
 
 /// Points of the world on the picture of the 3-D view.
 class SceneProjection {

@@ -23,7 +23,8 @@ struct LayerToggle {
 };
 constexpr LayerToggle kLayers[] = {
     {"models", "Models", &SceneLayers::models,
-     "Mean states of the objects in their colours; tentative ones are translucent."},
+     "Mean states of the objects in their colours; tentative ones are the fainter, the less likely "
+     "they are there."},
     {"particles", "Particles", &SceneLayers::particles,
      "Hypotheses of the selected object: centre and front."},
     {"scan", "Scan", &SceneLayers::scan,
@@ -67,7 +68,8 @@ class ScenePanel : public Panel {
     const float gap = context.Scaled(3), room = ImGui::GetContentRegionAvail().x;
     const float views =
         ToggleWidth(context, "Follow") + ToggleWidth(context, "Through") + context.Scaled(17);
-    float layers = 0, overlays = ToggleWidth(context, ColorLabel().c_str()) + gap;
+    float layers = 0, overlays = ToggleWidth(context, ColorLabel().c_str()) +
+                                 ToggleWidth(context, OpacityLabel().c_str()) + 2 * gap;
     for (const LayerToggle& layer : kLayers) {
       if (Offered(context, layer)) layers += ToggleWidth(context, layer.label) + gap;
     }
@@ -107,10 +109,10 @@ class ScenePanel : public Panel {
     }
     SceneLayers layers = layers_;
     layers.truth_solid = coloring_ == SceneColoring::kOnTruth;
-    context.scene->SetContent({context.sequence, context.snapshot, context.snapshot_version,
-                               context.selection.object, context.selection.particle, layers,
-                               context.follow, context.look_through, context.light,
-                               ColorsOf(context, coloring_)});
+    context.scene->SetContent(
+        {context.sequence, context.snapshot, context.snapshot_version, context.selection.object,
+         context.selection.particle, layers, context.follow, context.look_through, context.light,
+         SceneObjectsOf(context, coloring_, opacity_), context.ColorOf(context.selection.object)});
     const ImVec2 low = ImGui::GetCursorScreenPos();
     const ImVec2 size = ImGui::GetContentRegionAvail();
     const int width = std::max(8, static_cast<int>(size.x)),
@@ -134,6 +136,7 @@ class ScenePanel : public Panel {
     nlohmann::json json;
     for (const OverlayToggle& toggle : kOverlays) json[toggle.name] = overlay_.*toggle.part;
     json["color"] = ColoringName(coloring_);
+    json["opacity"] = opacity_;
     for (const LayerToggle& layer : kLayers) json[layer.name] = layers_.*layer.layer;
     return json;
   }
@@ -145,6 +148,7 @@ class ScenePanel : public Panel {
       if (json.value("color", std::string(ColoringName(coloring_))) == ColoringName(coloring))
         coloring_ = coloring;
     }
+    opacity_ = std::clamp(json.value("opacity", opacity_), 0.1, 1.0);
     for (const LayerToggle& layer : kLayers)
       layers_.*layer.layer = json.value(layer.name, layers_.*layer.layer);
   }
@@ -183,8 +187,15 @@ class ScenePanel : public Panel {
                "estimates on "
                "the truth in grey. A click goes to the next."))
       coloring_ = static_cast<SceneColoring>((static_cast<int>(coloring_) + 1) % 4);
+    if (!below_one_another) ImGui::SameLine();
+    bool thin = opacity_ < 1;
+    if (Toggle(context, "scene.opacity", OpacityLabel().c_str(), thin,
+               "How solid the models are. A click goes to the next: 100, 60, 30 %. Tentative ones "
+               "are fainter, the less likely they are there."))
+      opacity_ = opacity_ > 0.9 ? 0.6 : opacity_ > 0.5 ? 0.3 : 1.0;
   }
 
+  std::string OpacityLabel() const { return fmt::format("Solid: {:.0f} %", 100 * opacity_); }
   std::string ColorLabel() const { return fmt::format("Colour: {}", ColoringName(coloring_)); }
 
   void DrawOverlay(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink) {
@@ -225,6 +236,7 @@ class ScenePanel : public Panel {
   SceneLayers layers_;
   SceneOverlay overlay_;
   SceneColoring coloring_ = SceneColoring::kIdentity;
+  double opacity_ = 1;
   std::vector<ObjectRelation> relations_;  ///< The newest that are known.
 };
 

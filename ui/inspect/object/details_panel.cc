@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/geometry/angles.h"
+#include "engine/geometry/angle_text.h"
 #include "engine/geometry/gravity.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
@@ -24,6 +24,11 @@ void Fact(const FrameContext& context, const char* name, const std::string& valu
   ImGui::TextUnformatted(value.c_str());
 }
 
+std::string PlaceText(const Eigen::Vector3d& p) {
+  return fmt::format("{}  {}  {} m", NumberText(p.x(), 2), NumberText(p.y(), 2),
+                     NumberText(p.z(), 2));
+}
+
 class DetailsPanel : public Panel {
  public:
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
@@ -37,7 +42,7 @@ class DetailsPanel : public Panel {
     }
   }
 
-  void Draw(const FrameContext& context, CommandSink&) override {
+  void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
     const ObjectReport* object = context.SelectedObject();
     if (object == nullptr) {
@@ -59,7 +64,7 @@ class DetailsPanel : public Panel {
       DrawFacts(context, *object);
       ImGui::TableNextColumn();
       DrawLabels(context, *object);
-      DrawModes(context, *object);
+      DrawModes(context, *object, sink);
       ImGui::EndTable();
     }
     ImGui::EndChild();
@@ -72,25 +77,36 @@ class DetailsPanel : public Panel {
     const UprightFrame upright(-context.sequence->up_in_world);
     const Eigen::Vector3d p = object.world_from_object.translation();
     ImGui::TableNextColumn();
-    ImGui::PushStyleColor(ImGuiCol_Text, ObjectColor(object.id));
+    Chip(context, object.id);
     ImGui::Text("#%d", object.id.value);
-    ImGui::PopStyleColor();
     ImGui::TableNextColumn();
     ImGui::TextUnformatted(object.category.c_str());
-    Fact(context, "position", fmt::format("{:.2f}  {:.2f}  {:.2f} m", p.x(), p.y(), p.z()),
-         "Origin of the model in the world: x, y, z.");
-    Fact(context, "spread",
+    const bool several = object.modes.size() > 1;
+    const ObjectSpread* spread = context.SpreadOf(object.id);
+    Fact(context, "position", PlaceText(p),
+         "Origin of the model in the world: x, y, z. Of several modes, the heaviest one's.");
+    if (several && spread != nullptr)
+      Fact(
+          context, "spread",
+          fmt::format("\u00b1 {:.1f} cm{}", 100 * spread->position_std_m,
+                      spread->azimuth_std_rad ? fmt::format(", \u00b1 {:.0f}\u00b0",
+                                                            kDegPerRad * *spread->azimuth_std_rad)
+                                              : ""),
+          "Standard deviation of all hypotheses: of the position (root of the sum over three axes) "
+          "and of the azimuth.");
+    Fact(context, several ? "of the mode" : "spread",
          fmt::format("\u00b1 {:.1f}  {:.1f}  {:.1f} cm", 100 * std::sqrt(object.covariance(0, 0)),
                      100 * std::sqrt(object.covariance(1, 1)),
                      100 * std::sqrt(object.covariance(2, 2))),
-         "Standard deviation along the world's x, y, z.");
+         several ? "Standard deviation of the heaviest mode along the world's x, y, z."
+                 : "Standard deviation along the world's x, y, z.");
     const ModelView* model = context.Model(object.label);
     if (model != nullptr && model->any_azimuth) {
       Fact(context, "azimuth", "round", "The model looks the same from all sides.");
     } else {
       Fact(context, "azimuth",
-           fmt::format("{:.0f}\u00b0 \u00b1 {:.1f}\u00b0",
-                       kDegPerRad * upright.Azimuth(object.world_from_object.linear()),
+           fmt::format("{} \u00b1 {:.1f}\u00b0",
+                       AngleText(upright.Azimuth(object.world_from_object.linear())),
                        kDegPerRad * std::sqrt(std::max(0.0, object.covariance(3, 3)))),
            "Angle about the vertical from the world's +x to the object's front.");
     }
@@ -159,7 +175,7 @@ class DetailsPanel : public Panel {
       const ModelView* model = context.Model(label.label);
       const float top = ImGui::GetCursorPosY();
       ImGui::SetCursorPosY(top + 0.25f * ImGui::GetTextLineHeight());
-      Bar(bar, label.probability, ObjectColor(object.id));
+      Bar(bar, label.probability, context.ColorOf(object.id));
       ImGui::SameLine();
       ImGui::SetCursorPosY(top);
       ImGui::Text("%3.0f %%  %s", 100 * label.probability,
@@ -167,20 +183,44 @@ class DetailsPanel : public Panel {
     }
   }
 
-  static void DrawModes(const FrameContext& context, const ObjectReport& object) {
+  static void DrawModes(const FrameContext& context, const ObjectReport& object,
+                        CommandSink& sink) {
     ImGui::Dummy({0, context.Scaled(2)});
     DimText(object.modes.size() > 1 ? "%zu separate places" : "One place", object.modes.size());
     Tooltip(context,
             "Clearly separate groups of hypotheses, for example a chair and the same chair turned "
             "by 180 degrees. "
             "They are never averaged.");
+    if (object.modes.size() < 2) return;  // all is said beside
     const UprightFrame upright(-context.sequence->up_in_world);
-    for (const PoseMode& mode : object.modes) {
-      ImGui::Text("%3.0f %%", 100 * mode.weight);
-      ImGui::SameLine();
-      DimText("azimuth %.0f\u00b0 \u00b1 %.1f\u00b0,  \u00b1 %.1f cm",
-              kDegPerRad * upright.Azimuth(mode.world_from_object.linear()),
-              kDegPerRad * mode.azimuth_std_rad, 100 * mode.position_std_m);
+    const float line = ImGui::GetTextLineHeight();
+    for (std::size_t i = 0; i < object.modes.size(); ++i) {
+      const PoseMode& mode = object.modes[i];
+      const std::string name = fmt::format("details.mode.{}", i);
+      const ImVec2 at = ImGui::GetCursorScreenPos();
+      if (ImGui::Selectable(("##" + name).c_str(), false, 0, {0, 2 * line}))
+        sink.Post(FocusModeCommand{static_cast<int>(i)});
+      LogItem(context, name);
+      Tooltip(context, "A click turns the map to it and marks the hypothesis nearest to it.");
+      const ModelView* model = context.Model(mode.label);
+      const std::string turned =
+          model != nullptr && model->any_azimuth
+              ? std::string("any azimuth")
+              : fmt::format("azimuth {} \u00b1 {:.1f}\u00b0",
+                            AngleText(upright.Azimuth(mode.world_from_object.linear())),
+                            kDegPerRad * mode.azimuth_std_rad);
+      const std::string shape = mode.label == object.label ? ""
+                                : model != nullptr         ? ", " + model->name
+                                                           : ", ?";
+      ImDrawList& draw = *ImGui::GetWindowDrawList();
+      const float indent = ImGui::CalcTextSize("100 %  ").x;
+      draw.AddText(at, colors::kText, fmt::format("{:.0f} %", 100 * mode.weight).c_str());
+      draw.AddText(
+          {at.x + indent, at.y}, colors::kText,
+          fmt::format("{} \u00b1 {:.1f} cm", PlaceText(mode.world_from_object.translation()),
+                      100 * mode.position_std_m)
+              .c_str());
+      draw.AddText({at.x + indent, at.y + line}, colors::kDimText, (turned + shape).c_str());
     }
   }
 };

@@ -79,7 +79,7 @@ void DrawMap(const FrameContext& context, const ProbeView& probe, const Likeliho
     }
   };
   draw.PushClipRect(low, high, true);
-  cross(place(0, 0), ObjectColor(probe.object));
+  cross(place(0, 0), context.ColorOf(probe.object));
   if (map.truth) cross(place(map.truth->x(), map.truth->y()), colors::kTruth);
   draw.PopClipRect();
   Words(context, corner, 0, colors::kDimText, fmt::format("{} [{}]", map.y_parameter, map.y_unit));

@@ -34,8 +34,9 @@ constexpr ObjectColumn kObjectColumns[] = {
      "Tentative until the evidence suffices, then confirmed; retired when it speaks against the "
      "object."},
     {"P(there)", 4.6f, "Probability that the object exists, from its accumulated evidence."},
-    {"Position", 5.2f, "Standard deviation of the position: root of the sum over three axes."},
-    {"Azimuth", 4.6f, "Standard deviation of the azimuth about up."},
+    {"Position", 5.2f,
+     "Standard deviation of the position, of all hypotheses: root of the sum over three axes."},
+    {"Azimuth", 4.6f, "Standard deviation of the azimuth about up, of all hypotheses."},
     {"Visible", 4.2f,
      "Share of the mean contour that shows in this image. Dim: not updated in this frame."},
     {"\u03a6 det", 3.6f, "Detector term of the score at the mean state, 0 to 1."},
@@ -86,8 +87,9 @@ class ObjectsPanel : public Panel {
     if (ImGui::BeginTable("objects.table", static_cast<int>(std::size(kObjectColumns)), flags, room,
                           scrolls ? context.Scaled(kNarrowest) : 0.0f)) {
       DrawHeaders(context);
-      for (const ObjectReport& object : context.snapshot->report.objects)
-        DrawRow(context, object, sink);
+      for (const ObjectReport& object : context.snapshot->report.objects) {
+        if (context.Shows(object)) DrawRow(context, object, sink);
+      }
       ImGui::EndTable();
     }
     if (missed) DrawMissed(context, sink);
@@ -128,11 +130,8 @@ class ObjectsPanel : public Panel {
       if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) sink.Post(FocusSelectionCommand{});
     }
     LogItem(context, name);
-    const float size = ImGui::GetTextLineHeight();
-    ImGui::GetWindowDrawList()->AddRectFilled({cursor.x, cursor.y + 0.12f * size},
-                                              {cursor.x + 0.76f * size, cursor.y + 0.88f * size},
-                                              ObjectColor(object.id), 0.2f * size);
-    ImGui::SameLine(1.3f * size);
+    ImGui::SetCursorScreenPos(cursor);
+    Chip(context, object.id);
     ImGui::Text("#%d", object.id.value);
     DrawCells(context, object);
   }
@@ -218,8 +217,7 @@ class ObjectsPanel : public Panel {
     const double label =
         object.label_probability.empty() ? 0 : object.label_probability.front().probability;
     const double there = 1 / (1 + std::exp(-object.log_evidence));
-    const double position_std_m = std::sqrt(object.covariance.topLeftCorner<3, 3>().trace());
-    const double azimuth_std_rad = std::sqrt(std::max(0.0, object.covariance(3, 3)));
+    const ObjectSpread* spread = context.SpreadOf(object.id);
     ImGui::TableNextColumn();
     ImGui::TextUnformatted(object.category.c_str());
     ImGui::TableNextColumn();
@@ -241,13 +239,18 @@ class ObjectsPanel : public Panel {
     ImGui::TableNextColumn();
     TextRight(colors::kText, fmt::format("{:.0f} %", 100 * there));
     ImGui::TableNextColumn();
-    TextRight(colors::kText, fmt::format("\u00b1 {:.1f} cm", 100 * position_std_m));
+    TextRight(colors::kText, spread == nullptr
+                                 ? ".."
+                                 : fmt::format("\u00b1 {:.1f} cm", 100 * spread->position_std_m));
     ImGui::TableNextColumn();
     if (model != nullptr && model->any_azimuth) {
       TextRight(colors::kFaint, "round");
       Tooltip(context, "The model looks the same from all sides.");
     } else {
-      TextRight(colors::kText, fmt::format("\u00b1 {:.1f}\u00b0", kDegPerRad * azimuth_std_rad));
+      TextRight(colors::kText,
+                spread == nullptr || !spread->azimuth_std_rad
+                    ? ".."
+                    : fmt::format("\u00b1 {:.1f}\u00b0", kDegPerRad * *spread->azimuth_std_rad));
     }
     const ImU32 seen = object.updated ? colors::kText : colors::kFaint;
     ImGui::TableNextColumn();

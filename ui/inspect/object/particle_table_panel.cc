@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "engine/geometry/angles.h"
+#include "engine/geometry/angle_text.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
@@ -31,7 +31,7 @@ constexpr ParticleColumn kParticleColumns[] = {
      [](const Particle& p) { return std::exp(double{p.rho}); }},
     {"x", "Bearing to the right, X/Z.", [](const Particle& p) { return double{p.x_c}; }},
     {"y", "Bearing down, Y/Z.", [](const Particle& p) { return double{p.y_c}; }},
-    {"Azimuth", "About up [\u00b0].", [](const Particle& p) { return kDegPerRad * p.azimuth; }},
+    {"Azimuth", "About up.", [](const Particle& p) { return kDegPerRad * p.azimuth; }},
     {"Model", "Its shape.", [](const Particle& p) { return double(p.label); }},
     {"From", "The particle of the last updated frame that it comes from.",
      [](const Particle& p) { return double(p.ancestor); }},
@@ -130,10 +130,13 @@ class ParticleTablePanel : public Panel {
           const ModelView* model = context.Model({particle.label});
           if (std::string_view(kParticleColumns[c].name) == "Model") {
             ImGui::TextUnformatted(model != nullptr ? model->name.c_str() : "?");
+          } else if (std::string_view(kParticleColumns[c].name) == "Azimuth") {
+            const bool round = model != nullptr && model->any_azimuth;
+            ImGui::TextUnformatted(round ? "any" : AngleText(particle.azimuth, 1).c_str());
           } else if (c == kRank || std::string_view(kParticleColumns[c].name) == "From") {
             ImGui::Text("%.0f", value);
           } else {
-            ImGui::Text("%.2f", value);
+            ImGui::TextUnformatted(NumberText(value, 2).c_str());
           }
         }
       }

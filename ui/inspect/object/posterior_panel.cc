@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/angle_text.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/object_history.h"
 #include "ui/common/waiting.h"
@@ -86,6 +87,7 @@ class PosteriorPanel : public Panel {
     if (version_ == context.snapshot_version && object_ == object.id) return;
     version_ = context.snapshot_version;
     object_ = object.id;
+    label_ = object.label;
     marginals_ = MarginalsOf(context, object);
   }
 
@@ -110,7 +112,7 @@ class PosteriorPanel : public Panel {
     const auto& share = marginals_.share[axis];
     const double tallest = *std::max_element(std::begin(share), std::end(share));
     const float width = size.x / kMarginalBins;
-    const ImU32 color = ObjectColor(object_);
+    const ImU32 color = context.ColorOf(object_);
     for (int i = 0; i < kMarginalBins; ++i) {
       const auto tall = static_cast<float>(share[i] / tallest) * (high.y - low.y - 2);
       draw.AddRectFilled({low.x + width * static_cast<float>(i), high.y - tall},
@@ -127,22 +129,25 @@ class PosteriorPanel : public Panel {
       if (x >= low.x && x <= high.x)
         draw.AddLine({x, low.y}, {x, high.y}, ink, context.Scaled(1.5));
     };
-    line(marginals_.mean[axis], colors::kText);
-    if (marginals_.truth) line(marginals_.truth->value[axis], colors::kTruth);
     const auto number = [&](double v) {
-      return axis == kDepthAxis ? fmt::format("{:.2f} m", std::exp(v))
-                                : fmt::format("{:.1f}{}", v, kParameterAxes[axis].unit);
+      if (axis == kDepthAxis) return fmt::format("{:.2f} m", std::exp(v));
+      if (axis == kAzimuthAxis) return AngleText(kRadPerDeg * v, 1);
+      return NumberText(v, 1) + kParameterAxes[axis].unit;
     };
+    const ModelView* model = context.Model(label_);
+    const bool any = axis == kAzimuthAxis && model != nullptr && model->any_azimuth;
+    if (!any) line(marginals_.mean[axis], colors::kText);
+    if (marginals_.truth && !any) line(marginals_.truth->value[axis], colors::kTruth);
     const std::string spread =
         axis == kDepthAxis
             ? fmt::format("{:.1f} %", 100 * marginals_.std[axis])
             : fmt::format("{:.1f}{}", marginals_.std[axis], kParameterAxes[axis].unit);
     Words(context, corner, 0, colors::kDimText, kParameterAxes[axis].name);
     Words(context, {high.x, corner.y}, 1, colors::kText,
-          fmt::format("{} \u00b1 {}", number(marginals_.mean[axis]), spread));
+          any ? "any" : fmt::format("{} \u00b1 {}", number(marginals_.mean[axis]), spread));
     Words(context, {low.x, high.y}, 0, colors::kFaint, number(marginals_.low[axis]));
     Words(context, {high.x, high.y}, 1, colors::kFaint, number(marginals_.high[axis]));
-    if (marginals_.truth)
+    if (marginals_.truth && !any)
       Words(context, {0.5f * (low.x + high.x), high.y}, 0.5f, colors::kTruth,
             "truth " + number(marginals_.truth->value[axis]));
     ImGui::SetCursorScreenPos(corner);
@@ -154,6 +159,7 @@ class PosteriorPanel : public Panel {
 
   std::uint64_t version_ = 0;
   ObjectId object_;
+  ModelId label_;
   /// Of that object; never null.
   std::shared_ptr<const ObjectHistory> history_ = std::make_shared<const ObjectHistory>();
   Marginals marginals_{};

@@ -52,19 +52,19 @@ class RelationsPanel : public Panel {
     const std::string name = fmt::format("relations.row.{}", index);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    ImGui::PushStyleColor(ImGuiCol_Text, ObjectColor(relation.a));
-    if (ImGui::Selectable((NameOf(context, relation.a) + "##" + name).c_str(),
-                          relation.a == context.selection.object,
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    if (ImGui::Selectable(("##" + name).c_str(), relation.a == context.selection.object,
                           ImGuiSelectableFlags_SpanAllColumns))
       sink.Post(SelectObjectCommand{relation.a});
-    ImGui::PopStyleColor();
     LogItem(context, name);
+    ImGui::SetCursorScreenPos(corner);
+    Chip(context, relation.a);
+    ImGui::TextUnformatted(NameOf(context, relation.a).c_str());
     ImGui::TableNextColumn();
     DimText("%s", RelationName(relation.kind));
     ImGui::TableNextColumn();
-    ImGui::PushStyleColor(ImGuiCol_Text, ObjectColor(relation.b));
+    Chip(context, relation.b);
     ImGui::TextUnformatted(NameOf(context, relation.b).c_str());
-    ImGui::PopStyleColor();
     ImGui::TableNextColumn();
     const std::string value = relation.kind == RelationKind::kHides
                                   ? fmt::format("{:.0f} %", 100 * relation.value)

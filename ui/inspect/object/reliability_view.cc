@@ -70,10 +70,16 @@ const Reliability* OfObject(const ObjectHistory& history, ObjectId object) {
   return nullptr;
 }
 
-/// A row of the table of all objects.
-void Row(const std::string& name, ImU32 color, const Reliability& of) {
+/// A row of the table; of no object: of all together.
+void Row(const FrameContext& context, ObjectId object, const Reliability& of) {
   ImGui::TableNextRow();
-  Cell(color, name);
+  if (object.value > 0) {
+    ImGui::TableNextColumn();
+    Chip(context, object);
+    ImGui::Text("#%d", object.value);
+  } else {
+    Cell(colors::kText, "all");
+  }
   Cell(colors::kText, Share(of.within_50, of.poses));
   Cell(colors::kText, Share(of.within_95, of.poses));
   const bool beyond = of.objects > 0 && of.nees > of.nees_high;
@@ -95,14 +101,14 @@ void DrawTable(const FrameContext& context, const ObjectHistory& history) {
     Cell(colors::kFaint, title);
     Tooltip(context, title == std::string_view("NEES") ? kNeesHelp : kCoverageHelp);
   }
-  Row("all", colors::kText, run.all);
+  Row(context, {}, run.all);
   std::vector<RunReliability::OfObject> objects = run.objects;
   std::stable_sort(objects.begin(), objects.end(),
                    [](const RunReliability::OfObject& a, const RunReliability::OfObject& b) {
                      return a.reliability.nees > b.reliability.nees;
                    });
   for (const RunReliability::OfObject& of : objects) {
-    Row(fmt::format("#{}", of.object.value), ObjectColor(of.object), of.reliability);
+    Row(context, of.object, of.reliability);
     if (of.object == history.object)
       ImGui::TableSetBgColor(ImGuiTableBgTarget_RowBg0, colors::kControl);
   }

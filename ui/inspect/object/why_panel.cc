@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/geometry/angles.h"
+#include "engine/geometry/angle_text.h"
 #include "ui/common/waiting.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
@@ -16,10 +16,6 @@
 
 namespace plumbline {
 namespace {
-
-ImU32 ColorOf(const ProbedHypothesis& hypothesis, ObjectId object) {
-  return hypothesis.is_truth || object.value <= 0 ? colors::kTruth : ObjectColor(object);
-}
 
 class WhyPanel : public Panel {
  public:
@@ -180,18 +176,26 @@ class WhyPanel : public Panel {
     ImGui::TableNextColumn();
     const std::string name = fmt::format("why.row.{}", index);
     const bool selected = context.selection.hypothesis == static_cast<int>(index);
-    ImGui::PushStyleColor(ImGuiCol_Text, ColorOf(h, probe.object));
-    if (ImGui::Selectable((h.name + "##" + name).c_str(), selected,
-                          ImGuiSelectableFlags_SpanAllColumns))
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    if (ImGui::Selectable(("##" + name).c_str(), selected, ImGuiSelectableFlags_SpanAllColumns))
       sink.Post(SelectHypothesisCommand{static_cast<int>(index)});
-    ImGui::PopStyleColor();
     LogItem(context, name);
+    ImGui::SetCursorScreenPos(corner);
+    if (h.is_truth || probe.object.value <= 0)
+      Chip(context, colors::kTruth);
+    else
+      Chip(context, probe.object);
+    ImGui::TextUnformatted(h.name.c_str());
     const ModelView* model = context.Model(h.label);
     ImGui::TableNextColumn();
     ImGui::TextUnformatted(model != nullptr ? model->name.c_str() : "?");
     ImGui::TableNextColumn();
     if (h.from_truth_m && !h.is_truth)
-      ImGui::Text("%.0f cm, %.0f\u00b0", 100 * *h.from_truth_m, kDegPerRad * *h.from_truth_rad);
+      ImGui::TextUnformatted(
+          model != nullptr && model->any_azimuth
+              ? fmt::format("{:.0f} cm", 100 * *h.from_truth_m).c_str()
+              : fmt::format("{:.0f} cm, {}", 100 * *h.from_truth_m, AngleText(*h.from_truth_rad))
+                    .c_str());
     ImGui::TableNextColumn();
     ImGui::Text("%.2f", h.phi_cnn);
     ImGui::TableNextColumn();
@@ -246,7 +250,7 @@ class WhyPanel : public Panel {
     const auto y_of = [&](double value) {
       return high.y - (static_cast<float>(value) - min) / (max - min) * (high.y - low.y);
     };
-    const ImU32 middle = probe.truth.empty() ? ObjectColor(probe.object) : colors::kTruth;
+    const ImU32 middle = probe.truth.empty() ? context.ColorOf(probe.object) : colors::kTruth;
     draw.AddLine({x_of(0), low.y}, {x_of(0), high.y}, WithAlpha(middle, 0.7));
     if (slice.truth && *slice.truth >= first && *slice.truth <= last)
       draw.AddLine({x_of(*slice.truth), low.y}, {x_of(*slice.truth), high.y}, colors::kTruth,

@@ -160,7 +160,7 @@ void TimelineControls::DrawBookmarks(const FrameContext& context, CommandSink& s
 void TimelineControls::DrawChoices(const FrameContext& context, CommandSink& sink) {
   const float width = context.Scaled(130), plot_width = context.Scaled(150);
   const std::string value = ValueNow(context, PlottedQuantities()[plot_]);
-  const float value_width = context.Scaled(90);
+  const float value_width = context.Scaled(105);
   ImGui::SameLine(0, context.Scaled(12));
   ImGui::SetCursorPosY(ImGui::GetCursorPosY() - context.Scaled(1));
   const float labels = ImGui::CalcTextSize("Speed").x + ImGui::CalcTextSize("Plot").x;
@@ -171,9 +171,13 @@ void TimelineControls::DrawChoices(const FrameContext& context, CommandSink& sin
     DrawPlotChoice(context, plot_width);
     ImGui::SameLine(0, context.Scaled(8));
     const float x = ImGui::GetCursorPosX();
-    ImGui::PushStyleColor(ImGuiCol_Text, ObjectColor(context.selection.object));
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float down = ImGui::GetStyle().FramePadding.y;  // to the line of the text beside
+    const float chip = value.empty() ? 0.0f
+                                     : DrawChip(context, *ImGui::GetWindowDrawList(),
+                                                {at.x, at.y + down}, context.selection.object);
+    ImGui::SetCursorScreenPos({at.x + chip, at.y});
     ImGui::TextUnformatted(value.c_str());
-    ImGui::PopStyleColor();
     ImGui::SameLine();
     ImGui::SetCursorPosX(x + value_width);
     ImGui::AlignTextToFramePadding();

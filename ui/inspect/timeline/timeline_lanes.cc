@@ -198,14 +198,17 @@ void TimelineLanes::DrawLane(const FrameContext& context, const TimeAxis& axis,
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float height = context.Scaled(kLaneHeight), mark = 0.3f * height;
   const bool all = lane.id.value <= 0;
-  const ImU32 color = all ? colors::kFaint : ObjectColor(lane.id);
+  const ImU32 color = all ? colors::kFaint : context.ColorOf(lane.id);
   if (!all && lane.id == context.selection.object)
     draw.AddRectFilled({label_x, y - 0.5f * height}, {axis.x1, y + 0.5f * height},
                        colors::kControl);
   const int end = lane.ended >= 0 ? lane.ended : context.shown_playback().newest_mapped_frame;
   const auto line = [&](int from, int to, float width, double alpha) {
     const float a = std::max(axis.XOf(from), axis.x0), b = std::min(axis.XOf(to), axis.x1);
-    if (b > a) draw.AddLine({a, y}, {b, y}, WithAlpha(color, alpha), context.Scaled(width));
+    if (b <= a) return;
+    const ImVec2 ends[] = {{a, y}, {b, y}};
+    Polyline(context, draw, ends, WithAlpha(color, alpha), context.Scaled(width),
+             !all && context.LookOf(lane.id).dashed);
   };
   if (!all) {
     line(lane.spawned, lane.confirmed >= 0 ? std::min(lane.confirmed, end) : end, 2, 0.8);
@@ -219,8 +222,10 @@ void TimelineLanes::DrawLane(const FrameContext& context, const TimeAxis& axis,
   }
   const ImFont* font = context.fonts.small;
   const ImVec4 clip(label_x, y - height, axis.x0 - context.Scaled(14), y + height);
-  draw.AddText(font, font->FontSize, {label_x, y - 0.5f * font->FontSize}, color, lane.name.c_str(),
-               nullptr, 0, &clip);
+  float x = label_x;
+  if (!all) x += DrawChip(context, draw, {x, y - 0.5f * font->FontSize}, lane.id);
+  draw.AddText(font, font->FontSize, {x, y - 0.5f * font->FontSize},
+               all ? colors::kFaint : colors::kText, lane.name.c_str(), nullptr, 0, &clip);
 }
 
 void TimelineLanes::DrawTruthLane(const FrameContext& context, const TimeAxis& axis,
@@ -245,10 +250,12 @@ void TimelineLanes::DrawTruthLane(const FrameContext& context, const TimeAxis& a
         break;
       }
       case Kind::kTentative:
-        draw.AddLine({a, y}, {b, y}, WithAlpha(ObjectColor(span.object), 0.9), context.Scaled(3));
+        draw.AddLine({a, y}, {b, y}, WithAlpha(context.ColorOf(span.object), 0.9),
+                     context.Scaled(3));
         break;
       case Kind::kConfirmed:
-        draw.AddLine({a, y}, {b, y}, WithAlpha(ObjectColor(span.object), 0.75), context.Scaled(7));
+        draw.AddLine({a, y}, {b, y}, WithAlpha(context.ColorOf(span.object), 0.75),
+                     context.Scaled(7));
         break;
     }
   }

@@ -18,10 +18,14 @@ constexpr const char* kNeedsTruth = "needs ground truth: no object is within 1 m
 using Sample = ObjectSample;
 
 constexpr PlottedQuantity kQuantities[] = {
-    {"position", "Position spread", "cm", "Standard deviation of the position.",
+    {"position", "Position spread", "cm", "Standard deviation of the position over all modes.",
      [](const Sample& s) -> std::optional<float> { return 100 * s.position_std_m; }, ""},
-    {"azimuth", "Azimuth spread", "\u00b0", "Standard deviation of the azimuth.",
-     [](const Sample& s) -> std::optional<float> { return kDegPerRad * s.azimuth_std_rad; }, ""},
+    {"azimuth", "Azimuth spread", "\u00b0",
+     "Standard deviation of the azimuth over all modes; round shapes have none.",
+     [](const Sample& s) -> std::optional<float> {
+       return s.round ? std::nullopt : std::optional<float>(kDegPerRad * s.azimuth_std_rad);
+     },
+     "all shapes are round"},
     {"error", "Error of position", "cm",
      "Distance of the mean from the nearest true object of its category.",
      [](const Sample& s) -> std::optional<float> {
@@ -31,7 +35,8 @@ constexpr PlottedQuantity kQuantities[] = {
     {"turned", "Error of azimuth", "\u00b0",
      "Angle from the nearest true object of its category, modulo its symmetry.",
      [](const Sample& s) -> std::optional<float> {
-       return s.error ? std::optional(kDegPerRad * s.error->azimuth_rad) : std::nullopt;
+       return s.error && !s.round ? std::optional<float>(kDegPerRad * s.error->azimuth_rad)
+                                  : std::nullopt;
      },
      kNeedsTruth},
     {"cnn", "\u03a6 detector", "", "Detector term of the score at the mean.",
@@ -149,17 +154,20 @@ void DrawPlot(const FrameContext& context, const TimeAxis& axis, float label_x, 
   std::vector<ImVec2> points;
   const auto draw_curve = [&](ObjectId id, const Curve& curve, bool selected) {
     points.clear();
-    const ImU32 color = WithAlpha(ObjectColor(id), selected ? 1.0 : curve.confirmed ? 0.5 : 0.25);
+    const ImU32 color = WithAlpha(context.ColorOf(id), selected          ? 1.0
+                                                       : curve.confirmed ? 0.5
+                                                                         : 0.25);
     const float width = context.Scaled(selected ? 2.0 : 1.0);
+    const bool dashed = context.LookOf(id).dashed;
     const float gap = std::max(3.0f, 2.5f * (axis.XOf(1) - axis.XOf(0)));
     for (const ImVec2& point : curve.points) {
       if (!points.empty() && point.x - points.back().x > gap) {
-        draw.AddPolyline(points.data(), static_cast<int>(points.size()), color, 0, width);
+        Polyline(context, draw, points, color, width, dashed);
         points.clear();
       }
       points.emplace_back(point.x, y_of(point.y));
     }
-    draw.AddPolyline(points.data(), static_cast<int>(points.size()), color, 0, width);
+    Polyline(context, draw, points, color, width, dashed);
   };
   for (const auto& [id, curve] : curves) {
     if (id != context.selection.object) draw_curve(id, curve, false);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
@@ -19,28 +18,60 @@ namespace {
 class TimingsPanel : public Panel {
  public:
   void DrawHeader(const FrameContext& context, CommandSink&) override {
-    AlignRight(ToggleWidth(context, "Over time"));
-    Toggle(context, "timings.over_time", "Over time", over_time_,
-           "The stages of all frames so far, one upon the other.");
+    AlignRight(ToggleWidth(context, "Whole run") + ToggleWidth(context, "Over time") +
+               context.Scaled(3));
+    const bool changed = Toggle(context, "timings.whole_run", "Whole run", whole_run_,
+                                "Mean, median, 95 % and worst of each stage over all frames, and "
+                                "the slowest frames.");
+    if (changed) over_time_ = false;
+    ImGui::SameLine();
+    if (Toggle(context, "timings.over_time", "Over time", over_time_,
+               "The stages of all frames so far, one upon the other; a click goes to the frame."))
+      whole_run_ = false;
   }
 
-  void Draw(const FrameContext& context, CommandSink&) override {
+  void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
-    Remember(context);
+    sink.Post(NeedCommand{NeedCommand::What::kTimings, {}});
     ImGui::PushFont(context.fonts.small);
     DrawRates(context);
-    if (over_time_) {
-      DrawTimingsPlot(context);
-      return ImGui::PopFont();
+    if (over_time_)
+      DrawTimingsPlot(context, sink);
+    else if (whole_run_)
+      DrawWholeRun(context, sink);
+    else
+      DrawFrame(context);
+    ImGui::PopFont();
+  }
+
+  nlohmann::json SaveState() const override {
+    return {{"over_time", over_time_}, {"whole_run", whole_run_}};
+  }
+  void LoadState(const nlohmann::json& json) override {
+    over_time_ = json.value("over_time", over_time_);
+    whole_run_ = json.value("whole_run", whole_run_);
+  }
+
+ private:
+  /// Of a stage over the run; 0 while it is not known.
+  static double MeanOf(const FrameContext& context, const std::string& stage) {
+    if (context.timings == nullptr) return 0;
+    for (const StageStatistics& of : context.timings->stages) {
+      if (of.stage == stage) return of.mean_ms;
     }
+    return 0;
+  }
+
+  static void DrawFrame(const FrameContext& context) {
     ImGui::BeginChild("timings.scroll", ImGui::GetContentRegionAvail());
     const auto& timings = context.snapshot->report.timings;
     double total = 0, longest = 1;
     for (const StageTiming& timing : timings) {
       total += timing.milliseconds;
-      longest = std::max({longest, timing.milliseconds, means_[timing.stage]});
+      longest = std::max({longest, timing.milliseconds, MeanOf(context, timing.stage)});
     }
-    const bool wide = ImGui::GetContentRegionAvail().x > context.Scaled(240);
+    const bool wide =
+        context.timings != nullptr && ImGui::GetContentRegionAvail().x > context.Scaled(240);
     ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(4), context.Scaled(2)});
     if (ImGui::BeginTable("timings.table", wide ? 4 : 3, ImGuiTableFlags_SizingFixedFit)) {
       ImGui::TableSetupColumn("stage");
@@ -48,11 +79,11 @@ class TimingsPanel : public Panel {
       ImGui::TableSetupColumn("now");
       if (wide) ImGui::TableSetupColumn("mean");
       for (const StageTiming& timing : timings) {
-        Row(context, timing.stage, timing.milliseconds, wide ? means_[timing.stage] : -1, longest,
-            StageColor(static_cast<std::size_t>(&timing - timings.data())),
+        Row(context, timing.stage, timing.milliseconds, wide ? MeanOf(context, timing.stage) : -1,
+            longest, StageColor(static_cast<std::size_t>(&timing - timings.data())),
             NetworkOf(context, timing.stage));
       }
-      Row(context, "frame", total, wide ? mean_total_ : -1, 0, colors::kText,
+      Row(context, "frame", total, wide ? context.timings->all.mean_ms : -1, 0, colors::kText,
           "The work of all stages. Edges and boxes are found ahead, at the same time, so that a "
           "frame\n"
           "may come sooner.");
@@ -63,15 +94,62 @@ class TimingsPanel : public Panel {
     }
     ImGui::PopStyleVar();
     ImGui::EndChild();
-    ImGui::PopFont();
   }
 
-  nlohmann::json SaveState() const override { return {{"over_time", over_time_}}; }
-  void LoadState(const nlohmann::json& json) override {
-    over_time_ = json.value("over_time", over_time_);
+  static void Cell(ImU32 color, const std::string& text) {
+    ImGui::TableNextColumn();
+    const float width = ImGui::CalcTextSize("00000.0").x;
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + width - ImGui::CalcTextSize(text.c_str()).x);
+    ImGui::PushStyleColor(ImGuiCol_Text, color);
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopStyleColor();
   }
 
- private:
+  static void StatisticsRow(const FrameContext& context, const StageStatistics& of,
+                            CommandSink& sink) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    const std::string name = "timings.stage." + of.stage;
+    if (ImGui::Selectable((of.stage + "##" + name).c_str(), false,
+                          ImGuiSelectableFlags_SpanAllColumns))
+      sink.Post(SeekCommand{of.worst_frame});
+    LogItem(context, name);
+    Tooltip(context, fmt::format("Longest in frame {}; a click goes there.", of.worst_frame));
+    for (const double ms : {of.mean_ms, of.median_ms, of.most_of_95_ms, of.worst_ms})
+      Cell(ms == of.worst_ms ? colors::kWarning : colors::kText, fmt::format("{:.1f}", ms));
+  }
+
+  static void DrawWholeRun(const FrameContext& context, CommandSink& sink) {
+    const TimingStatistics* statistics = context.timings.get();
+    if (statistics == nullptr || statistics->frames == 0)
+      return EmptyState(context, "No times yet", "They are being read.");
+    ImGui::BeginChild("timings.scroll", ImGui::GetContentRegionAvail());
+    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(4), context.Scaled(2)});
+    DimText("%d frames, in ms", statistics->frames);
+    if (ImGui::BeginTable("timings.statistics", 5, ImGuiTableFlags_SizingFixedFit)) {
+      ImGui::TableSetupColumn("stage", ImGuiTableColumnFlags_WidthStretch);
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      for (const char* title : {"mean", "median", "95 %", "worst"}) Cell(colors::kFaint, title);
+      for (const StageStatistics& of : statistics->stages) StatisticsRow(context, of, sink);
+      StatisticsRow(context, statistics->all, sink);
+      ImGui::EndTable();
+    }
+    DimText("Slowest frames");
+    for (std::size_t i = 0; i < statistics->slowest.size(); ++i) {
+      const TimingStatistics::SlowFrame& slow = statistics->slowest[i];
+      const std::string name = fmt::format("timings.slow.{}", i);
+      const std::string text =
+          fmt::format("frame {}: {:.0f} ms, of which {} {:.0f}##{}", slow.frame, slow.total_ms,
+                      slow.stage, slow.stage_ms, name);
+      if (ImGui::Selectable(text.c_str(), slow.frame == context.playback->frame))
+        sink.Post(SeekCommand{slow.frame});
+      LogItem(context, name);
+    }
+    ImGui::PopStyleVar();
+    ImGui::EndChild();
+  }
+
   /// Hypotheses a second, and frames that were not used.
   static void DrawRates(const FrameContext& context) {
     double update_ms = 0;
@@ -107,23 +185,6 @@ class TimingsPanel : public Panel {
     ImGui::SameLine(0, context.Scaled(12));
     DimText("%d passed over", context.playback->live->passed_over);
     Tooltip(context, "Frames that came by the clock while the mapper was busy.");
-  }
-
-  void Remember(const FrameContext& context) {
-    if (version_ == context.snapshot_version) return;
-    version_ = context.snapshot_version;
-    if (source_version_ != context.source_version) {  // another run
-      source_version_ = context.source_version;
-      means_.clear();
-      mean_total_ = 0;
-    }
-    double total = 0;
-    for (const StageTiming& timing : context.snapshot->report.timings) {
-      total += timing.milliseconds;
-      const auto [entry, is_new] = means_.emplace(timing.stage, timing.milliseconds);
-      if (!is_new) entry->second += kShare * (timing.milliseconds - entry->second);
-    }
-    mean_total_ = mean_total_ == 0 ? total : mean_total_ + kShare * (total - mean_total_);
   }
 
   /// Which network a stage waits for; "": none.
@@ -167,14 +228,10 @@ class TimingsPanel : public Panel {
     if (mean < 0) return;
     ImGui::TableNextColumn();
     number(mean, colors::kFaint);
-    Tooltip(context, "Running mean over about 30 frames.");
+    Tooltip(context, "Mean over all frames of the run.");
   }
 
-  static constexpr double kShare = 1.0 / 30;
-  bool over_time_ = false;
-  std::map<std::string, double> means_;
-  double mean_total_ = 0;
-  std::uint64_t version_ = 0, source_version_ = 0;
+  bool over_time_ = false, whole_run_ = false;  ///< If both, the former shows.
 };
 
 }  // namespace

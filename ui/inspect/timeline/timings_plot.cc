@@ -16,7 +16,9 @@ namespace {
 
 /// Means over the frames that fall into one column of the picture.
 struct Column {
-  int first_frame = 0, frames = 0;
+  int first_frame = 0, last_frame = 0, frames = 0;
+  int slowest_frame = 0;
+  double slowest_ms = -1;
   std::map<std::string, double> sum_ms;
   double total_ms() const {
     double sum = 0;
@@ -35,6 +37,13 @@ std::vector<Column> ColumnsOf(const RunHistory& history, std::size_t most,
     if (frame == nullptr || frame->skipped) continue;
     Column& column = columns[i / per_column];
     if (column.frames++ == 0) column.first_frame = frame->frame;
+    column.last_frame = frame->frame;
+    double total_ms = 0;
+    for (const StageTiming& timing : frame->timings) total_ms += timing.milliseconds;
+    if (total_ms > column.slowest_ms) {
+      column.slowest_ms = total_ms;
+      column.slowest_frame = frame->frame;
+    }
     for (const StageTiming& timing : frame->timings) {
       if (std::find(stages.begin(), stages.end(), timing.stage) == stages.end())
         stages.push_back(timing.stage);
@@ -59,8 +68,8 @@ void Hint(const Column& column, const std::vector<std::string>& stages) {
   if (column.frames == 1)
     ImGui::Text("Frame %d: %.1f ms", column.first_frame, column.total_ms());
   else
-    ImGui::Text("Frames %d and on (%d): %.1f ms", column.first_frame, column.frames,
-                column.total_ms());
+    ImGui::Text("Frames %d to %d: mean %.1f ms, most %.1f ms in frame %d", column.first_frame,
+                column.last_frame, column.total_ms(), column.slowest_ms, column.slowest_frame);
   for (std::size_t i = stages.size(); i-- > 0;) {
     const auto found = column.sum_ms.find(stages[i]);
     if (found == column.sum_ms.end()) continue;
@@ -73,9 +82,9 @@ void Hint(const Column& column, const std::vector<std::string>& stages) {
 
 }  // namespace
 
-ImU32 StageColor(std::size_t index) { return ObjectColor({static_cast<int>(index) + 1}); }
+ImU32 StageColor(std::size_t index) { return SeriesColor(index); }
 
-void DrawTimingsPlot(const FrameContext& context) {
+void DrawTimingsPlot(const FrameContext& context, CommandSink& sink) {
   const ImVec2 corner = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
   const float font = ImGui::GetTextLineHeight();
   if (room.x < 60 || room.y < 2.5f * font) return;
@@ -101,16 +110,20 @@ void DrawTimingsPlot(const FrameContext& context) {
       draw.AddRectFilled({x0, y - tall}, {x0 + std::max(1.0f, width), y}, StageColor(i));
       y -= tall;
     }
+    if (columns[c].frames > 1) {  // what the mean hides
+      const float y_most =
+          high.y - static_cast<float>(columns[c].slowest_ms / ceiling) * (high.y - low.y);
+      draw.AddLine({x0, y}, {x0, y_most}, WithAlpha(colors::kDimText, 0.6));
+    }
     if (columns[c].frames > 0 && columns[c].first_frame <= context.playback->frame &&
-        context.playback->frame < columns[c].first_frame + columns[c].frames)
+        context.playback->frame <= columns[c].last_frame)
       draw.AddLine({x0, low.y}, {x0, high.y}, colors::kText, context.Scaled(1.5));
   }
   draw.PopClipRect();
   draw.AddText({low.x + 3, low.y}, colors::kDimText, fmt::format("{:.0f} ms", ceiling).c_str());
   draw.AddText({low.x, high.y}, colors::kFaint,
                fmt::format("frame {}", columns.front().first_frame).c_str());
-  const std::string last =
-      fmt::format("{}", columns.back().first_frame + columns.back().frames - 1);
+  const std::string last = fmt::format("{}", columns.back().last_frame);
   draw.AddText({high.x - ImGui::CalcTextSize(last.c_str()).x, high.y}, colors::kFaint,
                last.c_str());
   ImGui::InvisibleButton("timings.plot", {room.x, room.y});
@@ -118,7 +131,9 @@ void DrawTimingsPlot(const FrameContext& context) {
   if (!ImGui::IsItemHovered()) return;
   const auto c = static_cast<std::size_t>(std::clamp((ImGui::GetIO().MousePos.x - low.x) / width,
                                                      0.0f, static_cast<float>(columns.size() - 1)));
-  if (columns[c].frames > 0) Hint(columns[c], stages);
+  if (columns[c].frames == 0) return;
+  Hint(columns[c], stages);
+  if (ImGui::IsItemClicked()) sink.Post(SeekCommand{columns[c].slowest_frame});
 }
 
 }  // namespace plumbline
