@@ -22,10 +22,10 @@ bool FrameContext::Shows(const ObjectReport& object) const {
          object.id == selection.object;
 }
 
-ObjectLook FrameContext::LookOf(const ObjectLooks* looks, ObjectId id) {
-  if (looks == nullptr) return {};
-  const auto found = looks->find(id);
-  return found != looks->end() ? found->second : ObjectLook{};
+ObjectLook FrameContext::LookOf(const ObjectLooks* run, ObjectId id) {
+  if (run == nullptr) return {};
+  const auto found = run->find(id);
+  return found != run->end() ? found->second : ObjectLook{};
 }
 
 const ObjectSpread* FrameContext::SpreadOf(ObjectId object) const {

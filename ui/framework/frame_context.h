@@ -186,7 +186,7 @@ struct FrameContext {
   }
   ObjectLook LookOf(ObjectId id) const { return LookOf(looks.get(), id); }
   /// In either of two runs.
-  static ObjectLook LookOf(const ObjectLooks* looks, ObjectId id);
+  static ObjectLook LookOf(const ObjectLooks* run, ObjectId id);
   /// Whether views draw an object: not if it is unconfirmed and only confirmed ones are asked for.
   bool Shows(const ObjectReport& object) const;
   ImU32 ColorOf(ObjectId id) const { return ColorOfLook(LookOf(id)); }

@@ -154,8 +154,8 @@ void DrawTruths(const FrameContext& context, const SceneProjection& project, boo
     if (!at || at->x < low.x || at->x > high.x || at->y < low.y || at->y > high.y) continue;
     const ImVec2 size = labels.SizeOf(truth.id);
     const float x = at->x - 0.5f * size.x, y = at->y + 0.5f * size.y;
-    labels.Add({{x, y}, {x, y + 1.15f * size.y}, {x, y - 1.15f * size.y}}, colors::kTruth,
-               truth.id);
+    labels.Add({{x, y}, {x, y + 1.15f * size.y}, {x, y - 1.15f * size.y}}, colors::kTruth, truth.id,
+               PictureLabels::Need::kIfFree);
     context.widgets->Add("scene.truth." + truth.id, {at->x - 2, at->y - 2}, {at->x + 2, at->y + 2});
   }
 }
@@ -288,7 +288,9 @@ void DrawSceneOverlay(const FrameContext& context, const SceneProjection& projec
                   {x, y - 2 * step},
                   {x, y + 2 * step},
                   {c.x, y - 3 * step}},
-                 context.ColorOf(object.id), text);
+                 context.ColorOf(object.id), text,
+                 object.id == context.selection.object ? PictureLabels::Need::kAlways
+                                                       : PictureLabels::Need::kIfFree);
     }
   }
   DrawTruths(context, project, overlay.truth_names, low, high, labels);
