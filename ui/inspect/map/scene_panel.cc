@@ -59,6 +59,12 @@ constexpr OverlayToggle kOverlays[] = {
      "no confirmed object explains them."},
     {"links", "Links", &SceneOverlay::links,
      "Relations: green stands on, yellow hides from the camera, blue is nearest to."},
+    {"parallel", "Parallel", &SceneOverlay::parallel,
+     "Without perspective: equal lengths look equal, near and far. With the views from the axes (1 "
+     "to 5), a plan and its elevations."},
+    {"tape", "Tape", &SceneOverlay::tape,
+     "Measures: click two points of models, scan or floor. A third begins anew; select in other "
+     "panels meanwhile."},
 };
 
 class ScenePanel : public Panel {
@@ -109,8 +115,8 @@ class ScenePanel : public Panel {
     layers.truth_solid = coloring_ == SceneColoring::kOnTruth;
     context.scene->SetContent({context.sequence, context.snapshot, context.snapshot_version,
                                context.selection.object, context.selection.particle, layers,
-                               context.follow, context.look_through, context.light,
-                               ColorsOf(context, coloring_)});
+                               context.follow, context.look_through, overlay_.parallel,
+                               context.light, ColorsOf(context, coloring_)});
     const ImVec2 low = ImGui::GetCursorScreenPos();
     const ImVec2 size = ImGui::GetContentRegionAvail();
     const int width = std::max(8, static_cast<int>(size.x)),
@@ -196,6 +202,8 @@ class ScenePanel : public Panel {
     SceneOverlay overlay = overlay_;
     overlay.truth_names = overlay.names && layers_.truth;
     DrawSceneOverlay(context, project, low, high, overlay, relations_);
+    if (!overlay_.tape) tape_ = {};
+    if (overlay_.tape) DrawTape(context, project, low, high, tape_);
   }
 
   /// True while the view moves.
@@ -204,6 +212,10 @@ class ScenePanel : public Panel {
     const bool moving = MoveView(scene, low, false);
     if (!WasClicked() || ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) return moving;
     const ImVec2 mouse = ImGui::GetIO().MousePos;
+    if (overlay_.tape) {
+      if (const auto point = scene.PointAt(mouse.x - low.x, mouse.y - low.y)) tape_.Add(*point);
+      return moving;
+    }
     std::string truth;
     if (layers_.truth && context.snapshot != nullptr)
       truth = TruthNear(context, SceneProjection(context, scene.camera(), low, high), mouse);
@@ -224,6 +236,7 @@ class ScenePanel : public Panel {
 
   SceneLayers layers_;
   SceneOverlay overlay_;
+  Tape tape_;
   SceneColoring coloring_ = SceneColoring::kIdentity;
   std::vector<ObjectRelation> relations_;  ///< The newest that are known.
 };
