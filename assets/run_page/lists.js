@@ -20,9 +20,21 @@ class ObjectList {
     }
     return ids.sort((a, b) => a - b);
   }
+  /** Rows of the true objects that no confirmed object of this frame stands for. */
+  missing() {
+    if (!this.page.on.truth) return [];
+    const confirmed = [...this.page.step.objects.values()].filter((object) => object.state === 1);
+    const claimed = new Set(confirmed.map((object) => object.error?.truth));
+    return run.truth.filter((truth) => !claimed.has(truth.id)).map((truth) => {
+      const name = make("td", { title: truth.label == null ? "" : modelName(truth.label) }, dot(kTruthColor), truth.id);
+      const row = make("tr", { className: "tentative", title: "A true object; a click centres the map there" }, name, make("td", { textContent: "true, not mapped", colSpan: 4 }));
+      row.onclick = () => this.page.map.look(this.page.map.extentOf(truth).middle);
+      return row;
+    });
+  }
   draw() {
     const { step, selected } = this.page;
-    this.body.replaceChildren(...this.rows().map((id) => {
+    this.body.replaceChildren(...this.missing(), ...this.rows().map((id) => {
       const object = step.objects.get(id);
       const here = object && object.state !== 2;
       const row = make("tr", { tabIndex: 0, className: here ? (object.state === 0 ? "tentative" : "") : "absent" });

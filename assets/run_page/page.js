@@ -12,6 +12,7 @@ const kLegend = [
   "Boxes are those of the detector, in the colour of the object that explains them; white ones spawned an object, red dashed ones had no plausible place for a model.",
   "Map: drag to turn, with the right button (or Shift, or two fingers) to move; wheel or pinch to zoom; a double click on an object sets the centre. The orange line is the camera's path.",
   "Timeline: thin lines are tentative, thick ones confirmed objects, pale where they are hidden; triangles mark events. Drag to go there.",
+  "Truth also lists the true objects that no confirmed object of the frame stands for.",
   "Spread is a standard deviation. Errors are from the nearest true object of the category.",
   "The address of this page follows frame and object, so it can be kept or sent with the file.",
 ];
@@ -102,7 +103,7 @@ class Page {
     while (index + 1 < steps.length && steps[index + 1].time <= time) ++index;
     const next = steps[index];
     // A frame waits for its image; the clock then waits with it.
-    if (next.picture && !pictures.get(next, null)) this.clock = { at: now, time: this.step.time };
+    if (pictures.awaited(next)) this.clock = { at: now, time: this.step.time };
     else this.go(index);
     if (this.index === steps.length - 1) return this.play(false);
     requestAnimationFrame((later) => this.tick(later));

@@ -125,6 +125,10 @@ const pictures = {
     if (!complete && ready) image.onload = ready;
     return complete ? image : null;
   },
+  /** Whether the image is still on its way; one that cannot be decoded is not. */
+  awaited(step) {
+    return Boolean(step.picture) && !this.get(step) && !this.kept.get(step.index).complete;
+  },
 };
 
 const plateBox = (context, text, x, y, { size, bold, color }) => {

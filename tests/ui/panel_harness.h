@@ -60,6 +60,11 @@ class CountingScene : public SceneSurface {
   void FocusAt(double, double) override { ++focused; }
   void FocusObject(ObjectId) override {}
   void FocusPlace(const Eigen::Vector3d&, double) override {}
+  /// Metres for pixels.
+  std::optional<Eigen::Vector3d> PointAt(double x_px, double y_px) override {
+    points_asked.emplace_back(x_px, y_px, 0);
+    return points_asked.back();
+  }
   void Reset() override {}
   void SetDirection(double, double) override {}
   std::optional<ObjectId> Pick(double, double) override { return ObjectId{2}; }
@@ -71,6 +76,7 @@ class CountingScene : public SceneSurface {
   SceneContent content;
   double orbit_x = 0, orbit_y = 0, pan_x = 0, pan_y = 0, zoomed = 0;
   int focused = 0;
+  std::vector<Eigen::Vector3d> points_asked;
   bool interacting = false;
 };
 

@@ -5,6 +5,7 @@
 #include "engine/snapshot/frame_analysis.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/inspect/inspect_bar.h"
+#include "ui/inspect/map/scene_overlay.h"
 #include "ui/inspect/panel_table.h"
 
 #include <cmath>
@@ -244,6 +245,32 @@ TEST(ScenePanel, SelectsWhatIsClicked) {
   harness.Click(*panel, "scene.view");
   ASSERT_NE(harness.sink.Last<SelectObjectCommand>(), nullptr);
   EXPECT_EQ(harness.sink.Last<SelectObjectCommand>()->object, ObjectId{2});
+}
+
+TEST(ScenePanel, MeasuresBetweenTwoClicks) {
+  EXPECT_EQ(TapeReading({1, 1, 0.5}, {4, 5, 0.25}, {0, 0, 1}), "5.006 m\n5.000 across, 0.250 down");
+  Tape tape;
+  for (int i = 0; i < 3; ++i) tape.Add(Eigen::Vector3d(i, 0, 0));
+  ASSERT_EQ(tape.points.size(), 1u) << "a third point begins anew";
+  EXPECT_EQ(tape.points[0].x(), 2);
+
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("scene");
+  harness.ShowFrame(20);
+  panel->LoadState({{"tape", true}, {"parallel", true}});
+  harness.Click(*panel, "scene.view", 0.25f, 0.5f);
+  const int with_one = harness.vertices;
+  harness.Click(*panel, "scene.view", 0.5f, 0.5f);
+  ASSERT_EQ(harness.scene.points_asked.size(), 2u);
+  EXPECT_NEAR(harness.scene.points_asked[1].x() - harness.scene.points_asked[0].x(),
+              0.25 * harness.size.x, 8);
+  EXPECT_NE(harness.vertices, with_one);
+  EXPECT_EQ(harness.sink.Last<SelectObjectCommand>(), nullptr) << "a click measures";
+  EXPECT_TRUE(harness.scene.content.parallel);
+  EXPECT_TRUE(panel->SaveState().at("tape").get<bool>());
+  panel->LoadState({{"tape", false}});
+  harness.Click(*panel, "scene.view");
+  EXPECT_NE(harness.sink.Last<SelectObjectCommand>(), nullptr);
 }
 
 TEST(ScenePanel, PassesItsLayersOn) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/LU>
@@ -52,6 +53,39 @@ TEST(TurntableCamera, PansByTheHeightOfThePicture) {
   camera.Pan(0, 1);
   const double height_m = 2 * 3 * std::tan(0.5 * TurntableCamera::kViewAngle);
   EXPECT_NEAR((camera.focus_in_world() - Vector3d(0, 0, height_m)).norm(), 0, 1e-12);
+}
+
+TEST(TurntableCamera, FramesPointsTightlyFromEverywhere) {
+  // A long, flat box off the origin.
+  std::vector<Vector3d> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.emplace_back(3 + 2.0 * (i & 1), -1 + 0.8 * (i >> 1 & 1), 0.4 * (i >> 2));
+  const double margin = 1.1, tangent = std::tan(0.5 * TurntableCamera::kViewAngle);
+  for (const bool parallel : {false, true}) {
+    for (const double aspect : {0.5, 1.0, 2.4}) {
+      for (double azimuth = 0; azimuth < 6; azimuth += 0.7) {
+        TurntableCamera camera;
+        camera.SetParallel(parallel);
+        camera.SetDirection(azimuth, 0.3 * azimuth - 0.6);
+        camera.Frame(corners, aspect);
+        double reach = 0;  // 1 is the edge of the picture
+        Eigen::Vector2d low(9, 9), high(-9, -9);
+        for (const Vector3d& corner : corners) {
+          const Vector3d p = camera.view_from_world() * (corner - camera.eye_in_world());
+          const double depth = parallel ? camera.distance_m() : -p.z();
+          ASSERT_GT(depth, 0);
+          const Eigen::Vector2d at =
+              p.head<2>().cwiseQuotient(Eigen::Vector2d(aspect * tangent * depth, tangent * depth));
+          low = low.cwiseMin(at);
+          high = high.cwiseMax(at);
+          reach = std::max(reach, at.cwiseAbs().maxCoeff());
+        }
+        EXPECT_NEAR(reach, 1 / margin, 1e-9) << azimuth << ", " << aspect << ", " << parallel;
+        const int full = (high - low)[0] > (high - low)[1] ? 0 : 1;
+        EXPECT_NEAR(low[full], -high[full], 1e-9) << "in the middle";
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -122,6 +122,54 @@ TEST_F(Window, KeepsEveryControlInsideTheWindow) {
   }
 }
 
+TEST_F(Window, MeasuresInAViewWithoutPerspective) {
+  // The first click beside an open menu closes it, and does nothing else.
+  ASSERT_EQ(Run(R"(
+      {"key": "right", "shift": true},
+      {"wait_for": {"frame": 10}},
+      {"wait_frames": 2},
+      {"click": "scene.layers"}, {"wait_frames": 2},
+      {"click": "scene.parallel"},
+      {"click": "scene.tape"},
+      {"click": "objects.row.3"}, {"wait_frames": 2},
+      {"click": "objects.row.3"},
+      {"key": "f"},
+      {"wait_frames": 3},
+      {"dump_state": "framed.json"},
+      {"screenshot": "before.png", "of": "scene.view"},
+      {"click": "scene.view", "at": [0.4, 0.5]}, {"wait_frames": 2},
+      {"click": "scene.view", "at": [0.6, 0.5]}, {"wait_frames": 3},
+      {"screenshot": "measured.png", "of": "scene.view"},
+      {"click": "scene.layers"}, {"wait_frames": 2},
+      {"click": "scene.tape"},
+      {"click": "objects.row.2"}, {"wait_frames": 2},
+      {"click": "objects.row.2"}, {"wait_frames": 2},
+      {"dump_state": "other.json"},
+      {"click": "scene.view", "at": [0.5, 0.5]}, {"wait_frames": 2},
+      {"dump_state": "picked.json"})"),
+            0)
+      << ReadFile(File("errors.txt")).value();
+  EXPECT_EQ(State("framed.json")["camera"]["parallel"], true);
+  EXPECT_EQ(State("other.json")["selected_object"], 2);
+  EXPECT_EQ(State("picked.json")["selected_object"], 3) << "what is framed is in the middle";
+  const cv::Mat before = cv::imread(File("before.png")),
+                measured = cv::imread(File("measured.png"));
+  ASSERT_EQ(before.size(), measured.size());
+  // The tape lies between the two clicks, which are level; beyond them nothing changed.
+  cv::Mat differs;
+  cv::absdiff(before, measured, differs);
+  cv::reduce(differs.reshape(1), differs, 0, cv::REDUCE_MAX);
+  differs = differs.reshape(3);
+  const auto changed = [&](double x) {
+    const auto at = static_cast<int>(x * differs.cols);
+    return cv::norm(differs.colRange(at, at + 3), cv::NORM_INF) > 60;
+  };
+  EXPECT_TRUE(changed(0.4));
+  EXPECT_TRUE(changed(0.6));
+  EXPECT_FALSE(changed(0.05));
+  EXPECT_FALSE(changed(0.95));
+}
+
 TEST_F(Window, LooksFromTheAxesAndThroughTheCamera) {
   ASSERT_EQ(Run(R"(
       {"key": "4"},

@@ -48,6 +48,7 @@ struct SceneContent {
   SceneLayers layers;
   bool follow = false;
   bool look_through = false;  ///< From the camera of the sequence, its image behind everything.
+  bool parallel = false;      ///< Without perspective; not where it looks through the camera.
   bool light = false;         ///< Theme
   std::vector<SceneObject> objects;  ///< Those of the frame that are drawn.
   ImU32 particle_color = 0;
@@ -60,6 +61,8 @@ struct SceneCamera {
   Eigen::Matrix3d view_from_world =
       Eigen::Matrix3d::Identity();  ///< x right, y up, z to the viewer
   double view_angle_rad = 0.7;      ///< From the lower edge to the upper.
+  /// Without perspective: what is at the focus is as large as with it.
+  bool parallel = false;
 };
 
 /// The 3-D view as the panels know it; ui/scene implements it. Pixels count from the top left of
@@ -78,6 +81,8 @@ class SceneSurface {
   virtual void FocusObject(ObjectId object) = 0;
   /// Looks at a place of the world, so that what is `size_m` large there fits.
   virtual void FocusPlace(const Eigen::Vector3d& in_world, double size_m) = 0;
+  /// What is seen at a pixel, in world: a model, the scan, else the floor.
+  virtual std::optional<Eigen::Vector3d> PointAt(double x_px, double y_px) = 0;
   virtual void Reset() = 0;
   /// Azimuth and elevation of the eye as seen from the focus.
   virtual void SetDirection(double azimuth_rad, double elevation_rad) = 0;

@@ -2,6 +2,7 @@
 #include "ui/scene/map_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -39,8 +40,8 @@ class MapScene : public SceneSurface {
         content.selected != content_.selected || content.layers != content_.layers ||
         content.selected_particle != content_.selected_particle ||
         content.follow != content_.follow || content.look_through != content_.look_through ||
-        content.light != content_.light || content.objects != content_.objects ||
-        content.particle_color != content_.particle_color;
+        content.parallel != content_.parallel || content.light != content_.light ||
+        content.objects != content_.objects || content.particle_color != content_.particle_color;
     if (!changed) return;
     const bool new_follow = content.follow && !content_.follow;
     content_ = content;
@@ -51,6 +52,7 @@ class MapScene : public SceneSurface {
       camera_ = TurntableCamera(content.sequence->up_in_world);
       Reset();
     }
+    camera_.SetParallel(content.parallel);
     view_.SetBackground(content.light);
     actors_.SetSnapshot(content);
     if (content.follow) Follow(new_follow);
@@ -83,9 +85,17 @@ class MapScene : public SceneSurface {
 
   void FocusAt(double x_px, double y_px) override {
     if (const auto point = WorldAt(x_px, y_px)) {
-      camera_.LookAt(*point, 0.8 * (camera_.eye_in_world() - *point).norm());
+      const double away_m =
+          camera_.parallel() ? camera_.distance_m() : (camera_.eye_in_world() - *point).norm();
+      camera_.LookAt(*point, 0.8 * away_m);
       dirty_ = true;
     }
+  }
+
+  std::optional<Vector3d> PointAt(double x_px, double y_px) override {
+    if (content_.sequence == nullptr) return std::nullopt;
+    if (const auto point = WorldAt(x_px, y_px)) return point;
+    return FloorAt(x_px, y_px);
   }
 
   void FocusObject(ObjectId object) override {
@@ -94,8 +104,16 @@ class MapScene : public SceneSurface {
       const auto label = static_cast<std::size_t>(report.label.value);
       if (report.id != object || label >= content_.sequence->models.size()) continue;
       const ModelView& model = content_.sequence->models[label];
-      const double size = model.mesh != nullptr ? BoundingBox(*model.mesh).diagonal().norm() : 1.0;
-      FocusPlace(report.world_from_object * (report.scale * model.center), size);
+      const Eigen::AlignedBox3d box =
+          model.mesh != nullptr
+              ? Scaled(BoundingBox(*model.mesh), report.scale)
+              : Eigen::AlignedBox3d(Vector3d::Constant(-0.3), Vector3d::Constant(0.3));
+      std::array<Vector3d, 8> corners;
+      for (int i = 0; i < 8; ++i)
+        corners[static_cast<std::size_t>(i)] =
+            report.world_from_object * box.corner(Eigen::AlignedBox3d::CornerType(i));
+      camera_.Frame(corners, static_cast<double>(view_.width()) / std::max(1, view_.height()));
+      dirty_ = true;
     }
   }
 
@@ -134,8 +152,9 @@ class MapScene : public SceneSurface {
   }
 
   SceneCamera camera() const override {
-    return {camera_.focus_in_world(), camera_.azimuth_rad(), camera_.elevation_rad(),
-            camera_.distance_m(), camera_.view_from_world()};
+    return {camera_.focus_in_world(), camera_.azimuth_rad(),     camera_.elevation_rad(),
+            camera_.distance_m(),     camera_.view_from_world(), TurntableCamera::kViewAngle,
+            camera_.parallel()};
   }
   double last_render_ms() const override { return render_ms_; }
   int renders() const override { return renders_; }
@@ -151,6 +170,7 @@ class MapScene : public SceneSurface {
     camera.SetPosition(eye.x(), eye.y(), eye.z());
     camera.SetFocalPoint(ahead.x(), ahead.y(), ahead.z());
     camera.SetViewUp(up.x(), up.y(), up.z());
+    camera.ParallelProjectionOff();
     const double image_aspect = static_cast<double>(sequence.image_width) / sequence.image_height;
     const double view_aspect = static_cast<double>(view_.width()) / view_.height();
     const double half_height =
@@ -191,6 +211,25 @@ class MapScene : public SceneSurface {
     view_.front()->GetWorldPoint(point);
     if (point[3] == 0) return std::nullopt;
     return Vector3d(point[0] / point[3], point[1] / point[3], point[2] / point[3]);
+  }
+
+  /// Where the line of sight of a pixel meets the floor.
+  std::optional<Vector3d> FloorAt(double x_px, double y_px) {
+    if (!content_.sequence->floor_height_m) return std::nullopt;
+    const auto at = [&](double depth) {
+      double point[4];
+      view_.front()->SetDisplayPoint(x_px, view_.height() - 1 - y_px, depth);
+      view_.front()->DisplayToWorld();
+      view_.front()->GetWorldPoint(point);
+      return Vector3d(Vector3d(point[0], point[1], point[2]) / point[3]);
+    };
+    const Vector3d near = at(0), ray = at(1) - near;
+    const Vector3d& up = content_.sequence->up_in_world;
+    const double fall = ray.dot(up);
+    if (std::abs(fall) < 1e-9) return std::nullopt;
+    const double share = (*content_.sequence->floor_height_m - near.dot(up)) / fall;
+    if (share < 0 || share > 1) return std::nullopt;
+    return Vector3d(near + share * ray);
   }
 
   std::optional<Vector3d> ScanAt(int x, int y) {

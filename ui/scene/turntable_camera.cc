@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
 
 #include "engine/geometry/gravity.h"
 
@@ -36,6 +39,31 @@ void TurntableCamera::Zoom(double factor) {
 void TurntableCamera::LookAt(const Eigen::Vector3d& focus_in_world, double distance_m) {
   focus_in_world_ = focus_in_world;
   distance_m_ = std::clamp(distance_m, 0.05, 500.0);
+}
+
+void TurntableCamera::Frame(std::span<const Eigen::Vector3d> points_in_world, double aspect) {
+  constexpr double kMargin = 1.1;
+  const double half_height = std::tan(0.5 * kViewAngle) / kMargin;
+  const Eigen::Array2d half(aspect * half_height, half_height);
+  const Eigen::Matrix3d view = view_from_world();
+  // Both sides of the picture are met by a point each: in each direction, the lines of sight at its
+  // two edges cross at the eye. Of the two distances the larger one serves.
+  Eigen::AlignedBox3d box;
+  Eigen::Array2d low, high;
+  low.setConstant(std::numeric_limits<double>::max());
+  high = -low;
+  for (const Eigen::Vector3d& point : points_in_world) {
+    const Eigen::Vector3d p = view * point;
+    const double depth = parallel_ ? 0 : p.z();
+    low = low.min(p.head<2>().array() - depth * half);
+    high = high.max(p.head<2>().array() + depth * half);
+    box.extend(p);
+  }
+  const double eye_z = ((high - low) / (2 * half)).maxCoeff();
+  const Eigen::Array2d middle = 0.5 * (low + high);
+  const double focus_z = parallel_ ? box.center().z() : std::min(box.center().z(), eye_z - 0.05);
+  LookAt(view.transpose() * Eigen::Vector3d(middle.x(), middle.y(), focus_z),
+         parallel_ ? eye_z : eye_z - focus_z);
 }
 
 Eigen::Matrix3d TurntableCamera::view_from_world() const {

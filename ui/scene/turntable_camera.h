@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+
 #include <Eigen/Core>
 
 namespace plumbline {
@@ -22,10 +24,18 @@ class TurntableCamera {
   void Zoom(double factor);
   void LookAt(const Eigen::Vector3d& focus_in_world, double distance_m);
   void SetDirection(double azimuth_rad, double elevation_rad);
+  /// Moves, without turning, so that the points fill the picture but for a small margin.
+  /// @param points_in_world  At least one.
+  /// @param aspect           Width of the picture by its height.
+  void Frame(std::span<const Eigen::Vector3d> points_in_world, double aspect);
   void MoveFocus(const Eigen::Vector3d& focus_in_world) { focus_in_world_ = focus_in_world; }
 
   const Eigen::Vector3d& focus_in_world() const { return focus_in_world_; }
   Eigen::Vector3d eye_in_world() const;
+  /// What is in front of it at any distance has its own size: distance_m() then only says how much
+  /// is seen, as much as the perspective view sees about the focus.
+  bool parallel() const { return parallel_; }
+  void SetParallel(bool parallel) { parallel_ = parallel; }
   double azimuth_rad() const { return azimuth_rad_; }
   double elevation_rad() const { return elevation_rad_; }
   double distance_m() const { return distance_m_; }
@@ -38,6 +48,7 @@ class TurntableCamera {
   Eigen::Matrix3d world_from_upright_;  // columns h, up x h, up
   Eigen::Vector3d focus_in_world_{0, 0, 0};
   double azimuth_rad_ = 0.8, elevation_rad_ = 0.6, distance_m_ = 5;
+  bool parallel_ = false;
 };
 
 }  // namespace plumbline

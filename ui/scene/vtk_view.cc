@@ -3,6 +3,7 @@
 
 #include <epoxy/gl.h>
 
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 
@@ -68,14 +69,18 @@ bool VtkView::Resize(int width, int height) {
 
 void VtkView::SetCamera(const TurntableCamera& turntable, double near_m, double far_m) {
   vtkCamera& camera = *front_->GetActiveCamera();
-  const Eigen::Vector3d eye = turntable.eye_in_world();
   const Eigen::Matrix3d view = turntable.view_from_world();
+  // Without perspective the distance changes nothing but what would be behind the eye.
+  const double back_m = turntable.parallel() ? far_m : 0;
+  const Eigen::Vector3d eye = turntable.eye_in_world() + back_m * view.row(2).transpose();
+  camera.SetParallelProjection(turntable.parallel());
+  camera.SetParallelScale(turntable.distance_m() * std::tan(0.5 * TurntableCamera::kViewAngle));
   camera.SetPosition(eye.x(), eye.y(), eye.z());
   camera.SetFocalPoint(turntable.focus_in_world().data());
   camera.SetViewUp(view(1, 0), view(1, 1), view(1, 2));
   camera.SetViewAngle(TurntableCamera::kViewAngle * 180 / std::numbers::pi);
   camera.SetWindowCenter(0, 0);
-  camera.SetClippingRange(near_m, far_m);
+  camera.SetClippingRange(near_m, far_m + back_m);
 }
 
 double VtkView::Render() {

@@ -245,6 +245,7 @@ void InspectWorkspace::AddState(const FrameContext& context, nlohmann::json& sta
         {{"azimuth_deg", camera.azimuth_rad * kDegPerRad},
          {"elevation_deg", camera.elevation_rad * kDegPerRad},
          {"distance_m", camera.distance_m},
+         {"parallel", camera.parallel},
          {"focus",
           {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}}}},
        {"layout", RatiosToJson(ratios_)},

@@ -231,15 +231,63 @@ SceneProjection::SceneProjection(const FrameContext& context, const SceneCamera&
   const Eigen::Vector3d eye =
       camera.focus_in_world + camera.distance_m * camera.view_from_world.row(2).transpose();
   view_from_world_.translation() = -(view_from_world_.linear() * eye);
-  focal_.setConstant(0.5 * height / std::tan(0.5 * camera.view_angle_rad));
+  parallel_ = camera.parallel;
+  focal_.setConstant(0.5 * height / std::tan(0.5 * camera.view_angle_rad) /
+                     (parallel_ ? camera.distance_m : 1.0));
   middle_ = Eigen::Vector2d(0.5 * (low.x + high.x), 0.5 * (low.y + high.y));
 }
 
 std::optional<ImVec2> SceneProjection::operator()(const Eigen::Vector3d& point_in_world) const {
   const Eigen::Vector3d p = view_from_world_ * point_in_world;
-  if (p.z() < kNear_m) return std::nullopt;
-  return ImVec2(static_cast<float>(middle_.x() + focal_.x() * p.x() / p.z()),
-                static_cast<float>(middle_.y() + focal_.y() * p.y() / p.z()));
+  if (!parallel_ && p.z() < kNear_m) return std::nullopt;
+  const double depth = parallel_ ? 1 : p.z();
+  return ImVec2(static_cast<float>(middle_.x() + focal_.x() * p.x() / depth),
+                static_cast<float>(middle_.y() + focal_.y() * p.y() / depth));
+}
+
+void Tape::Add(const Eigen::Vector3d& point_in_world) {
+  if (points.size() == 2) points.clear();
+  points.push_back(point_in_world);
+}
+
+std::string TapeReading(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                        const Eigen::Vector3d& up_in_world) {
+  const double up_m = (b - a).dot(up_in_world);
+  const double across_m = (b - a - up_m * up_in_world).norm();
+  return fmt::format("{:.3f} m\n{:.3f} across, {:.3f} {}", (b - a).norm(), across_m, std::abs(up_m),
+                     up_m < 0 ? "down" : "up");
+}
+
+void DrawTape(const FrameContext& context, const SceneProjection& project, ImVec2 low, ImVec2 high,
+              const Tape& tape) {
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.PushClipRect(low, high, true);
+  std::vector<ImVec2> ends;
+  for (const Eigen::Vector3d& point : tape.points) {
+    if (const auto at = project(point)) ends.push_back(*at);
+  }
+  const bool whole = ends.size() == 2;
+  if (whole) {
+    draw.AddLine(ends[0], ends[1], IM_COL32(0, 0, 0, 160), context.Scaled(4));
+    draw.AddLine(ends[0], ends[1], colors::kOnPicture, context.Scaled(2));
+  }
+  for (const ImVec2& end : ends) {
+    draw.AddCircleFilled(end, context.Scaled(4.5f), IM_COL32(0, 0, 0, 160));
+    draw.AddCircleFilled(end, context.Scaled(3), colors::kOnPicture);
+  }
+  PictureLabels labels(context, low, high);
+  const std::string text =
+      whole ? TapeReading(tape.points[0], tape.points[1], context.sequence->up_in_world)
+      : tape.points.empty() ? "Click two points."
+                            : "Click the other point.";
+  const ImVec2 size = labels.SizeOf(text);
+  const ImVec2 middle = whole
+                            ? ImVec2(0.5f * (ends[0].x + ends[1].x), 0.5f * (ends[0].y + ends[1].y))
+                            : ImVec2(0.5f * (low.x + high.x), low.y + 2 * size.y);
+  const float x = middle.x - 0.5f * size.x;
+  labels.Add({{x, middle.y - context.Scaled(10)}, {x, middle.y + 1.5f * size.y}},
+             colors::kOnPicture, text);
+  draw.PopClipRect();
 }
 
 void DrawSceneOverlay(const FrameContext& context, const SceneProjection& project, ImVec2 low,

@@ -33,6 +33,7 @@ class SceneProjection {
   const FrameContext& context_;
   Eigen::Isometry3d view_from_world_ = Eigen::Isometry3d::Identity();  ///< z ahead, y down
   Eigen::Vector2d focal_, middle_;
+  bool parallel_ = false;  ///< `focal_` is then pixels a metre.
 };
 
 struct SceneOverlay {
@@ -41,7 +42,25 @@ struct SceneOverlay {
   bool links = false;
   bool points = true;        ///< Of the visual-inertial filter, found up to this frame.
   bool truth_names = false;  ///< Of all true instances; the selected one has its name anyway.
+  bool parallel = false;     ///< The view has no perspective.
+  bool tape = false;         ///< Clicks measure.
 };
+
+/// Two points in world; the tape lies between them.
+struct Tape {
+  std::vector<Eigen::Vector3d> points;  ///< Two at most.
+
+  /// A third point begins anew.
+  void Add(const Eigen::Vector3d& point_in_world);
+};
+
+/// What a tape between two points says: "1.414 m", and below how far that is across and up.
+std::string TapeReading(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                        const Eigen::Vector3d& up_in_world);
+
+/// The tape over the 3-D view.
+void DrawTape(const FrameContext& context, const SceneProjection& project, ImVec2 low, ImVec2 high,
+              const Tape& tape);
 
 /// Names, ellipsoids (of the camera, too, where its pose is estimated), points, relations and the
 /// true instance that is selected, over the 3-D view.

@@ -60,6 +60,12 @@ constexpr OverlayToggle kOverlays[] = {
      "no confirmed object explains them."},
     {"links", "Links", &SceneOverlay::links,
      "Relations: green stands on, yellow hides from the camera, blue is nearest to."},
+    {"parallel", "Parallel", &SceneOverlay::parallel,
+     "Without perspective: equal lengths look equal, near and far. With the views from the axes (1 "
+     "to 5), a plan and its elevations."},
+    {"tape", "Tape", &SceneOverlay::tape,
+     "Measures: click two points of models, scan or floor. A third begins anew; select in other "
+     "panels meanwhile."},
 };
 
 class ScenePanel : public Panel {
@@ -109,10 +115,11 @@ class ScenePanel : public Panel {
     }
     SceneLayers layers = layers_;
     layers.truth_solid = coloring_ == SceneColoring::kOnTruth;
-    context.scene->SetContent(
-        {context.sequence, context.snapshot, context.snapshot_version, context.selection.object,
-         context.selection.particle, layers, context.follow, context.look_through, context.light,
-         SceneObjectsOf(context, coloring_, opacity_), context.ColorOf(context.selection.object)});
+    context.scene->SetContent({context.sequence, context.snapshot, context.snapshot_version,
+                               context.selection.object, context.selection.particle, layers,
+                               context.follow, context.look_through, overlay_.parallel,
+                               context.light, SceneObjectsOf(context, coloring_, opacity_),
+                               context.ColorOf(context.selection.object)});
     const ImVec2 low = ImGui::GetCursorScreenPos();
     const ImVec2 size = ImGui::GetContentRegionAvail();
     const int width = std::max(8, static_cast<int>(size.x)),
@@ -207,6 +214,8 @@ class ScenePanel : public Panel {
     SceneOverlay overlay = overlay_;
     overlay.truth_names = overlay.names && layers_.truth;
     DrawSceneOverlay(context, project, low, high, overlay, relations_);
+    if (!overlay_.tape) tape_ = {};
+    if (overlay_.tape) DrawTape(context, project, low, high, tape_);
   }
 
   /// True while the view moves.
@@ -215,6 +224,10 @@ class ScenePanel : public Panel {
     const bool moving = MoveView(scene, low, false);
     if (!WasClicked() || ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) return moving;
     const ImVec2 mouse = ImGui::GetIO().MousePos;
+    if (overlay_.tape) {
+      if (const auto point = scene.PointAt(mouse.x - low.x, mouse.y - low.y)) tape_.Add(*point);
+      return moving;
+    }
     std::string truth;
     if (layers_.truth && context.snapshot != nullptr)
       truth = TruthNear(context, SceneProjection(context, scene.camera(), low, high), mouse);
@@ -235,6 +248,7 @@ class ScenePanel : public Panel {
 
   SceneLayers layers_;
   SceneOverlay overlay_;
+  Tape tape_;
   SceneColoring coloring_ = SceneColoring::kIdentity;
   double opacity_ = 1;
   std::vector<ObjectRelation> relations_;  ///< The newest that are known.
