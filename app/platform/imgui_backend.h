@@ -22,6 +22,7 @@ class ImGuiBackend {
 
  private:
   PlatformWindow& window_;
+  double input_time_s_ = 0;
 };
 
 }  // namespace plumbline

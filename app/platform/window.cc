@@ -60,24 +60,33 @@ PlatformWindow::~PlatformWindow() {
 }
 
 void PlatformWindow::InstallCallbacks() {
-  // ImGui's backend, installed later, calls these in turn.
-  glfwSetCursorPosCallback(window_,
-                           [](GLFWwindow* w, double, double) { Self(w).activity_ = true; });
-  glfwSetMouseButtonCallback(window_,
-                             [](GLFWwindow* w, int, int, int) { Self(w).activity_ = true; });
-  glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double) { Self(w).activity_ = true; });
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
+    Self(w).activity_ = true;
+    Self(w).input_.AddMove(cv::Point2d(x, y), glfwGetTime());
+  });
+  glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int) {
+    Self(w).activity_ = true;
+    Self(w).input_.AddButton(button, action == GLFW_PRESS, glfwGetTime());
+  });
+  glfwSetScrollCallback(window_, [](GLFWwindow* w, double x, double y) {
+    Self(w).activity_ = true;
+    Self(w).input_.AddWheel({x, y}, glfwGetTime());
+  });
   glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
     Self(w).activity_ = true;
-    if (key < 0 || action == GLFW_REPEAT) return;
-    Self(w).key_events_.push_back({key, action == GLFW_PRESS});
+    if (action != GLFW_REPEAT) Self(w).input_.AddKey(key, action == GLFW_PRESS, glfwGetTime());
   });
-  glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned int) { Self(w).activity_ = true; });
-  glfwSetCursorEnterCallback(window_, [](GLFWwindow* w, int) { Self(w).activity_ = true; });
+  glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned int character) {
+    Self(w).activity_ = true;
+    Self(w).input_.AddCharacter(character, glfwGetTime());
+  });
+  glfwSetCursorEnterCallback(window_, [](GLFWwindow* w, int entered) {
+    Self(w).activity_ = true;
+    if (entered == GLFW_FALSE) Self(w).input_.AddMove(std::nullopt, glfwGetTime());
+  });
   glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int focused) {
     Self(w).activity_ = true;
-    if (focused == GLFW_TRUE) return;
-    Self(w).key_events_.clear();  // what is held now will be let go elsewhere
-    Self(w).keys_.reset();
+    if (focused == GLFW_FALSE) Self(w).input_.LetGo(glfwGetTime());
   });
   glfwSetFramebufferSizeCallback(window_,
                                  [](GLFWwindow* w, int, int) { Self(w).activity_ = true; });
@@ -89,32 +98,23 @@ void PlatformWindow::InstallCallbacks() {
 }
 
 void PlatformWindow::TakeEvents(double timeout_s) {
+  blind_s_ = glfwGetTime() - looked_s_;
   if (timeout_s > 0) {
     glfwWaitEventsTimeout(timeout_s);
   } else {
     glfwPollEvents();
   }
+  looked_s_ = glfwGetTime();
 }
 
-const std::bitset<512>& PlatformWindow::NextKeys() {
-  std::bitset<512> changed;
-  bool released = false, pressed = false;
-  while (!key_events_.empty()) {
-    const KeyEvent event = key_events_.front();
-    const auto key = static_cast<std::size_t>(event.key);
-    // A chord must be seen whole before any of its keys goes up, and go up before the next comes.
-    if (changed[key] || (event.down ? released : pressed)) break;
-    (event.down ? pressed : released) = true;
-    changed.set(key);
-    keys_.set(key, event.down);
-    key_events_.pop_front();
-  }
-  return keys_;
+const WindowInput& PlatformWindow::NextInput(bool typing) {
+  return input_.Next(typing, glfwGetTime());
 }
 
 void PlatformWindow::Wake() { glfwPostEmptyEvent(); }
 bool PlatformWindow::TakeActivity() { return std::exchange(activity_, false); }
 bool PlatformWindow::ShouldClose() const { return glfwWindowShouldClose(window_) != 0; }
+void PlatformWindow::StayOpen() { glfwSetWindowShouldClose(window_, GLFW_FALSE); }
 void PlatformWindow::Drop(std::vector<std::string> files) {
   activity_ = true;
   dropped_ = std::move(files);

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <bitset>
-#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
+#include "app/platform/input_queue.h"
 #include "engine/base/result.h"
 
 struct GLFWwindow;
@@ -33,11 +32,15 @@ class PlatformWindow {
   /// Whether anything happened since the last call.
   bool TakeActivity();
   bool ShouldClose() const;
-  /// Keys that are down in the next window frame, by GLFW's numbers. A key that went down and up
-  /// between two frames is down in one of them: however slow the window, no key is lost.
-  const std::bitset<512>& NextKeys();
-  /// Whether NextKeys has more to tell.
-  bool HasKeys() const { return !key_events_.empty(); }
+  /// Nobody has asked to close it.
+  void StayOpen();
+  /// What the next window frame gets of what the user did.
+  /// @param typing  Text is being typed.
+  const WindowInput& NextInput(bool typing);
+  /// How long nobody looked for events before the last were taken: their times are as uncertain.
+  double blind_s() const { return blind_s_; }
+  /// Whether NextInput has more to tell.
+  bool HasInput() const { return !input_.empty(); }
   /// What the desktop tells as files are dropped onto the window; scripts do, too.
   void Drop(std::vector<std::string> files);
   /// Files that were dropped onto the window since the last call.
@@ -66,13 +69,9 @@ class PlatformWindow {
 
   GLFWwindow* window_;
   cv::Rect windowed_;  ///< Where it was before it filled the screen; empty: it does not.
-  struct KeyEvent {
-    int key;
-    bool down;
-  };
   bool activity_ = true;
-  std::deque<KeyEvent> key_events_;
-  std::bitset<512> keys_;
+  InputQueue input_;
+  double looked_s_ = 0, blind_s_ = 0;
   std::vector<std::string> dropped_;
 };
 

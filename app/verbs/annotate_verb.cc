@@ -11,11 +11,11 @@
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
 #include "engine/annotation/annotation_check.h"
-#include "engine/annotation/annotation_export.h"
 #include "engine/annotation/annotation_project.h"
 #include "engine/annotation/bop_files.h"
 #include "engine/annotation/crop_cut.h"
 #include "engine/annotation/crop_models.h"
+#include "engine/annotation/staged_export.h"
 #include "engine/base/files.h"
 #include "engine/base/log.h"
 #include "engine/models/mesh_file.h"
@@ -193,13 +193,17 @@ Status Export(const AnnotateArguments& arguments) {
   const ExchangeInputs inputs = opened->View(std::move(*frames));
   const AnnotationDocument& document = (*project)->document();
   ConsoleWork work;
-  const Status status = ExportAnnotation(
+  const auto staged = StagedExport::Write(
       document, inputs, (*project)->Resolve(document.scan),
       {arguments.format, arguments.path, FrameOf(arguments.frame)}, work.context());
-  if (status.ok()) {
-    std::printf("%s: %zu instances\n", arguments.path.c_str(), document.instances.size());
-  }
-  return status;
+  if (!staged) return staged.error();
+  const std::vector<std::string> differences = (*staged)->Differences();
+  const auto kept = (*staged)->Take();
+  if (!kept) return kept.error();
+  std::printf("%s: %zu instances\n", arguments.path.c_str(), document.instances.size());
+  for (const std::string& difference : differences) std::printf("  %s\n", difference.c_str());
+  if (!kept->empty()) std::printf("  what was there is kept as %s\n", kept->c_str());
+  return {};
 }
 
 nlohmann::json FindingsToJson(const std::vector<AnnotationFinding>& findings) {

@@ -19,6 +19,8 @@ struct GuiArguments {
   std::string path, sequence, out, compare;
   std::optional<int> frame;
   bool demo = false;
+  std::string state_file;
+  double least_frame_ms = 0;
 };
 
 /// What is played live is a sequence, from its first frame on.
@@ -50,6 +52,8 @@ Status Gui(GuiArguments& arguments) {
   options.inspect.program_version = PLUMBLINE_VERSION;
   options.inspect.present = arguments.demo;
   options.start_frame = arguments.frame;
+  options.state_file = arguments.state_file;
+  options.least_frame_ms = arguments.least_frame_ms;
   auto application = Application::Create(std::move(options));
   if (!application.ok()) return application.error();
   return (*application)->Run();
@@ -81,6 +85,9 @@ void AddGuiVerb(CLI::App& app, VerbFunction& chosen) {
       "--sequence", arguments->sequence,
       "Where the sequence of a run file is now, or the sequence that belongs to a scan");
   arguments->window.AddTo(*verb);
+  // For tests with real input; --help does not list them.
+  verb->add_option("--state", arguments->state_file)->group("");
+  verb->add_option("--frame-ms", arguments->least_frame_ms)->group("");
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Gui(*arguments); }; });
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cfloat>
+#include <thread>
 #include <utility>
 
 #include "engine/base/log.h"
@@ -141,21 +142,37 @@ void Application::SetUiScale(double scale) {
 bool Application::NeedsFrame() {
   const bool note_ended = !note_.empty() && std::chrono::steady_clock::now() > note_until_;
   if (note_ended) note_.clear();
-  if (window_->TakeActivity() || window_->HasKeys() || published_.exchange(false) || note_ended ||
+  if (window_->TakeActivity() || window_->HasInput() || published_.exchange(false) || note_ended ||
       shown().Moves(context_))
     settle_frames_ = kSettleFrames;
   if (script_ || wanted_screenshot_) return true;
   return settle_frames_-- > 0;
 }
 
+bool Application::Closes() {
+  if (!quit_ && !window_->ShouldClose()) return false;
+  for (const Workspace* workspace : workspaces()) {
+    const std::string lost = workspace->WouldBeLost(context_);
+    if (lost.empty() || note_ == lost) continue;
+    quit_ = false;
+    window_->StayOpen();
+    Note(lost);
+    return false;
+  }
+  return true;
+}
+
 Status Application::Run() {
-  while (!quit_ && !window_->ShouldClose()) {
+  while (!Closes()) {
     const Pace pace = shown().pace(context_);
     window_->TakeEvents(script_ ? 0 : settle_frames_ > 0 ? pace.shortest_s : pace.longest_s);
     for (const std::string& file : window_->TakeDroppedFiles()) wanted_path_ = file;
     if (wanted_path_) Open(*std::exchange(wanted_path_, std::nullopt), std::nullopt);
     if (!NeedsFrame()) continue;
+    const Stopwatch watch;
     DrawFrame();
+    if (const double rest_ms = options_.least_frame_ms - watch.Milliseconds(); rest_ms > 0)
+      std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(rest_ms));
     if (!options_.state_file.empty()) WriteStateFile();
     if (script_ && (!script_status_.ok() || script_->done())) break;
   }

@@ -34,11 +34,12 @@ struct ApplicationOptions {
   bool light = false;           ///< Theme, unless the settings say otherwise.
   bool ignore_pointer = false;  ///< Nobody holds the mouse: a film must not show its tooltips.
   int width = 1600, height = 1000;
-  std::optional<double> ui_scale;    ///< Else as the desktop wishes, or as it was left.
-  std::filesystem::path settings;    ///< Where layout and switches are kept; empty: nowhere.
-  std::filesystem::path script;      ///< Drives the window and ends it; empty: the user does.
-  std::filesystem::path state_file;  ///< Gets State() whenever it has changed; empty: none. For
-                                     ///< tests with real input.
+  std::optional<double> ui_scale;  ///< Else as the desktop wishes, or as it was left.
+  std::filesystem::path settings;  ///< Where layout and switches are kept; empty: nowhere.
+  std::filesystem::path script;    ///< Drives the window and ends it; empty: the user does.
+  // For tests with real input:
+  std::filesystem::path state_file;  ///< Gets State() whenever it has changed; empty: none.
+  double least_frame_ms = 0;         ///< A frame takes at least so long, as on a slow machine.
 };
 
 /// Owns the window, its workspaces and the settings, and runs the frame loop. The main thread only:
@@ -82,6 +83,8 @@ class Application : public CommandSink {
   Result<std::string> SaveScreenshot(const std::string& file, const std::string& of = "");
   void WriteStateFile();
   bool NeedsFrame();
+  /// The user has said so and, where something would be lost, has said so again.
+  bool Closes();
   void Note(std::string text);
 
   ApplicationOptions options_;

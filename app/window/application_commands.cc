@@ -32,6 +32,7 @@ void Application::Handle(const WindowCommand& command) {
                         [&](const ShowPaletteCommand& c) {
                           palette_ = {};
                           palette_.open = c.show;
+                          palette_.within = c.within;
                         },
                         [&](const ScreenshotCommand& c) {
                           wanted_screenshot_ = c;

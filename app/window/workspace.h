@@ -62,6 +62,8 @@ class Workspace {
   }
   /// Keys that its actions do not tell of by themselves, such as those that are held.
   virtual void WatchKeys(const FrameContext&, CommandSink&) {}
+  /// What would be lost if the window were closed now, and what to do about it; "": nothing.
+  virtual std::string WouldBeLost(const FrameContext&) const { return {}; }
   /// While it shows: what becomes of its 3-D view.
   virtual void Handle(const ViewCommand& command, FrameContext& context) = 0;
 

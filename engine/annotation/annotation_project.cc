@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/annotation/annotation_project.h"
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "engine/base/files.h"
+#include "engine/base/log.h"
 #include "engine/dataset/json_fields.h"
 
 namespace plumbline {
@@ -105,8 +107,62 @@ Status AnnotationProject::Load(Access access) {
   Result<AnnotationDocument> document = DocumentFromJson(*json);
   if (!document) return About(file_, document.error());
   document_ = std::move(*document);
-
+  if (access == Access::kWrite) LoadHistory(*content);
   return LoadJournal(*content, json->value("saved", nlohmann::json::object()), access);
+}
+
+/// The one that was written with this content; of another version of the project, it is of no use.
+void AnnotationProject::LoadHistory(const std::string& content) {
+  for (const path& file : {HistoryFile(), path(HistoryFile().string() + ".new")}) {
+    Result<nlohmann::json> json = ReadJson(file);
+    if (!json.ok() || TextFromJson(*json, "base") != HashHex(content)) continue;
+    const auto check = TextFromJson(*json, "check");
+    json->erase("check");
+    if (check != HashHex(JsonText(*json))) continue;
+    const auto steps_of = [&](const char* key) {
+      std::vector<Step> steps;
+      for (const nlohmann::json& step : (*json)[key]) {
+        Result<Edit> edit = EditFromJson(step.value("edit", nlohmann::json()));
+        // The last ones are undone first: one that a newer version wrote hides those before it.
+        if (edit.ok())
+          steps.push_back({std::move(*edit), TextFromJson(step, "label").value_or("")});
+        else
+          steps.clear();
+      }
+      return steps;
+    };
+    undo_ = steps_of("undo");
+    redo_ = steps_of("redo");
+    break;
+  }
+  saved_depth_ = least_depth_ = undo_.size();
+}
+
+Status AnnotationProject::WriteProject(const std::string& content) {
+  nlohmann::json json = {{"plumbline_undo", 1},
+                         {"base", HashHex(content)},
+                         {"undo", nlohmann::json::array()},
+                         {"redo", nlohmann::json::array()}};
+  for (const auto& [key, steps] : {std::pair("undo", &undo_), std::pair("redo", &redo_)}) {
+    for (const Step& step : *steps) {
+      json[key].push_back({{"label", step.label}, {"edit", EditToJson(step.edit)}});
+    }
+  }
+  json["check"] = HashHex(JsonText(json));
+  // The old one stays until the project is replaced: a process may end in between.
+  const path next = HistoryFile().string() + ".new";
+  const Status kept = WriteFileAtomically(next, JsonText(json) + "\n");
+  Status written = WriteFileAtomically(file_, content);
+  std::error_code ignored;
+  if (!written.ok() && kept.ok()) {
+    // Where there is room for one of them, it is the project's.
+    std::filesystem::remove(next, ignored);
+    return WriteFileAtomically(file_, content);
+  }
+  if (written.ok() && kept.ok()) std::filesystem::rename(next, HistoryFile(), ignored);
+  if (!kept.ok())
+    log::warn("undo will not reach behind this save of the project: {}", kept.error().message);
+  return written;
 }
 
 Status AnnotationProject::LoadJournal(const std::string& content, const nlohmann::json& saved,
@@ -156,7 +212,10 @@ Result<AnnotationProject::Replayed> AnnotationProject::Replay(const JournalConte
   std::string first_problem;
   for (const JournalLine& line : journal.lines) {
     if (line.number <= num_saved) continue;
+    left_saved_ = left_saved_ || (line.kind.value_or(EditKind::kDo) == EditKind::kDo &&
+                                  undo_.size() < saved_depth_);
     Result<JournalRecord> repeated = Repeat(line);
+    least_depth_ = std::min(least_depth_, undo_.size());
     if (repeated) {
       replayed.done.push_back(std::move(*repeated));
       continue;
@@ -271,6 +330,16 @@ Status AnnotationProject::Redo() {
   return {};
 }
 
+Result<bool> AnnotationProject::UndoRecovered() {
+  while (undo_.size() > least_depth_) {
+    if (const Status done = Undo(); !done.ok()) return done.error();
+  }
+  while (!left_saved_ && undo_.size() < saved_depth_ && !redo_.empty()) {
+    if (const Status done = Redo(); !done.ok()) return done.error();
+  }
+  return undo_.size() == saved_depth_ && !left_saved_;
+}
+
 std::optional<std::string> AnnotationProject::UndoLabel() const {
   return undo_.empty() ? std::nullopt : std::optional(undo_.back().label);
 }
@@ -299,9 +368,7 @@ Status AnnotationProject::Save() {
     return Error{ErrorCode::kInvalidInput,
                  "'" + file_.string() + "' is open for reading only; save it under another name"};
   }
-  if (const Status written = WriteFileAtomically(file_, FileContent()); !written.ok()) {
-    return written;
-  }
+  if (const Status written = WriteProject(FileContent()); !written.ok()) return written;
   journal_.DropWaiting();
   journal_problem_.reset();
   modified_ = false;
@@ -321,14 +388,19 @@ Status AnnotationProject::SaveAs(const path& file) {
   }
   std::swap(moved, document_);
   const std::string content = FileContent();
-  if (const Status written = WriteFileAtomically(file, content); !written.ok()) {
+  const path before = std::exchange(file_, file);
+  const auto move_steps = [&](const path& old_folder, const path& new_folder) {
+    for (std::vector<Step>* steps : {&undo_, &redo_}) {
+      for (Step& step : *steps) MoveInputs(step.edit, old_folder, new_folder);
+    }
+  };
+  move_steps(from, to);
+  if (const Status written = WriteProject(content); !written.ok()) {
+    move_steps(to, from);
+    file_ = before;
     std::swap(moved, document_);
     return written;
   }
-  for (std::vector<Step>* steps : {&undo_, &redo_}) {
-    for (Step& step : *steps) MoveInputs(step.edit, from, to);
-  }
-  file_ = file;
   lock_ = std::move(*lock);
   modified_ = false;
   const Status started = StartJournal(content);

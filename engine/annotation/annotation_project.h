@@ -16,8 +16,8 @@ namespace plumbline {
 /// An annotation document in a file, with everything that keeps work from being lost: each edit is
 /// in the journal beside the file (FILE.journal) before `Apply` returns, saving is atomic, a
 /// project whose process was killed opens with all its edits, edits that cannot be read or repeated
-/// are kept beside it (FILE.journal.unreadable-*), and only one process at a time may change it
-/// (FILE.lock). Not thread-safe.
+/// are kept beside it (FILE.journal.unreadable-*), what can be undone and redone is kept with what
+/// is saved (FILE.undo), and only one process at a time may change it (FILE.lock). Not thread-safe.
 class AnnotationProject {
  public:
   enum class Access { kWrite, kRead };
@@ -48,6 +48,10 @@ class AnnotationProject {
   std::optional<std::string> RedoLabel() const;
   /// Names of models whose crops undo or redo would bring back.
   std::vector<std::string> ForgottenModels() const;
+
+  /// Undoes what the last process had not saved; redo restores it. False if some of it has to
+  /// stay: it undid what was saved and went on from there.
+  Result<bool> UndoRecovered();
 
   /// Errors: kIo; nothing is lost by it.
   Status Save();
@@ -81,7 +85,11 @@ class AnnotationProject {
   Status Do(EditKind kind, const Edit& edit, const std::string& label);
   void Write(EditKind kind, const Edit& edit, const std::string& label);
   std::filesystem::path JournalFile() const { return file_.string() + ".journal"; }
+  std::filesystem::path HistoryFile() const { return file_.string() + ".undo"; }
   std::string FileContent() const;
+  /// Writes the project's file, with what can be undone and redone beside it.
+  Status WriteProject(const std::string& content);
+  void LoadHistory(const std::string& content);
 
   std::filesystem::path file_;
   std::unique_ptr<FileLock> lock_;
@@ -91,6 +99,9 @@ class AnnotationProject {
   std::vector<Step> undo_, redo_;
   std::vector<std::string> warnings_;
   std::size_t num_recovered_ = 0;
+  // Steps that can be undone: as it was saved, and the fewest while edits were repeated.
+  std::size_t saved_depth_ = 0, least_depth_ = 0;
+  bool left_saved_ = false;  ///< What was repeated undid saved steps and went another way.
   bool modified_ = false;
 };
 

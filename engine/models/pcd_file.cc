@@ -255,7 +255,8 @@ TriangleMesh ToCloud(const PcdHeader& header, const std::array<const Field*, 3>&
 
 }  // namespace
 
-Result<TriangleMesh> ParsePcd(std::string_view bytes, const std::filesystem::path& file) {
+Result<TriangleMesh> ParsePcd(std::string_view bytes, const std::filesystem::path& file,
+                              std::size_t* num_left_out) {
   const auto corrupt = [&file](const std::string& what) {
     return Error{ErrorCode::kCorrupt, "'" + file.string() + "' is damaged: " + what};
   };
@@ -288,6 +289,7 @@ Result<TriangleMesh> ParsePcd(std::string_view bytes, const std::filesystem::pat
                                               "'; save it as ascii, binary or binary_compressed"};
   }
   if (cloud.vertices.empty()) return corrupt("it holds no points");
+  if (num_left_out != nullptr) *num_left_out = header.points - cloud.vertices.size();
   return cloud;
 }
 

@@ -255,8 +255,9 @@ bool ReadRow(Source& source, const Element& element, std::size_t kept_list,
   return true;
 }
 
+/// @param is_cloud  Nothing refers to a vertex by its number, so that it may be left out.
 template <typename Source>
-std::optional<std::string> ReadVertices(Source& source, const Element& element,
+std::optional<std::string> ReadVertices(Source& source, const Element& element, bool is_cloud,
                                         TriangleMesh& mesh) {
   const VertexLayout layout = LayoutOf(element);
   if (!layout.position) return "its vertices have no x, y and z";
@@ -273,8 +274,12 @@ std::optional<std::string> ReadVertices(Source& source, const Element& element,
     if (!ReadRow(source, element, element.properties.size(), row, unused)) {
       return "it ends within vertex " + std::to_string(i) + " of " + std::to_string(element.count);
     }
-    mesh.vertices.push_back(vector(*layout.position));
-    if (!mesh.vertices.back().allFinite()) return "vertex " + std::to_string(i) + " is not finite";
+    const Eigen::Vector3f point = vector(*layout.position);
+    if (!point.allFinite()) {
+      if (is_cloud) continue;
+      return "vertex " + std::to_string(i) + " is not finite";
+    }
+    mesh.vertices.push_back(point);
     if (layout.normal) mesh.normals.push_back(vector(*layout.normal));
     if (layout.color) {
       std::array<std::uint8_t, 3> color;
@@ -325,12 +330,21 @@ std::optional<std::string> ReadFaces(Source& source, const Element& element, Tri
   return std::nullopt;
 }
 
+std::size_t CountOf(const PlyHeader& header, std::string_view element) {
+  std::size_t count = 0;
+  for (const Element& other : header.elements) {
+    if (other.name == element) count += other.count;
+  }
+  return count;
+}
+
 template <typename Source>
 std::optional<std::string> ReadBody(Source source, const PlyHeader& header, TriangleMesh& mesh) {
+  const bool is_cloud = CountOf(header, "face") == 0;
   for (const Element& element : header.elements) {
     std::optional<std::string> problem;
     if (element.name == "vertex") {
-      problem = ReadVertices(source, element, mesh);
+      problem = ReadVertices(source, element, is_cloud, mesh);
     } else if (element.name == "face" && element.count > 0) {
       problem = ReadFaces(source, element, mesh);
     } else {
@@ -362,7 +376,8 @@ std::optional<std::string> ReadBody(std::string_view body, const PlyHeader& head
 
 }  // namespace
 
-Result<TriangleMesh> ParsePly(std::string_view bytes, const std::filesystem::path& file) {
+Result<TriangleMesh> ParsePly(std::string_view bytes, const std::filesystem::path& file,
+                              std::size_t* num_left_out) {
   Result<PlyHeader> header = ParseHeader(bytes, file);
   if (!header.ok()) return header.error();
   for (const Element& element : header->elements) {
@@ -379,6 +394,7 @@ Result<TriangleMesh> ParsePly(std::string_view bytes, const std::filesystem::pat
   if (const auto problem = ReadBody(bytes.substr(header->size), *header, mesh))
     return Corrupt(file, *problem);
   if (mesh.vertices.empty()) return Corrupt(file, "it holds no vertices");
+  if (num_left_out != nullptr) *num_left_out = CountOf(*header, "vertex") - mesh.vertices.size();
   if (!std::all_of(mesh.normals.begin(), mesh.normals.end(),
                    [](const auto& n) { return n.allFinite(); })) {
     log::warn("'{}': some normals are not finite; normals are left out", file.string());

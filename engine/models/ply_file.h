@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string_view>
 
@@ -11,9 +12,13 @@ namespace plumbline {
 
 /// Reads the bytes of a PLY file: ascii or binary of either order, vertices with any of position,
 /// normal, colour and texture coordinate (other properties and elements are skipped), faces as
-/// lists of any integer type; polygons are cut into fans. `file` is only for messages. Errors:
-/// kCorrupt (truncated, no position, non-finite vertices, indices out of range), kUnsupported
-/// (triangle strips).
-Result<TriangleMesh> ParsePly(std::string_view bytes, const std::filesystem::path& file);
+/// lists of any integer type; polygons are cut into fans. Points of a cloud that are not finite are
+/// left out.
+/// @param file          Only for messages.
+/// @param num_left_out  If given, how many.
+/// Errors: kCorrupt (truncated, no position, non-finite vertices of a mesh, indices out of range),
+/// kUnsupported (triangle strips).
+Result<TriangleMesh> ParsePly(std::string_view bytes, const std::filesystem::path& file,
+                              std::size_t* num_left_out = nullptr);
 
 }  // namespace plumbline

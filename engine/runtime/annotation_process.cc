@@ -43,6 +43,7 @@ void AnnotationProcess::Run() {
     auto session = AnnotationSession::Open(choice_);
     if (!session.ok()) return Fail(session.error().message);
     Loop(**session);
+    (*session)->Close();
   } catch (const std::exception& error) {
     Fail(std::string("This is a bug in Plumbline; every edit before it is in the journal: ") +
          error.what());

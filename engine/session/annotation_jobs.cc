@@ -13,6 +13,7 @@
 #include "engine/geometry/gravity.h"
 #include "engine/geometry/vertex_clustering.h"
 #include "engine/models/mesh_file.h"
+#include "engine/models/scan_file.h"
 #include "engine/registration/model_refinement.h"
 #include "engine/render/small_picture.h"
 
@@ -90,13 +91,32 @@ void Show(const PlacementTask& task, const ModelRefinement& now, RefinementView&
 }  // namespace
 
 Result<AnnotationScan> ReadAnnotationScan(const std::filesystem::path& file) {
-  auto mesh = ReadMesh(file);
-  if (!mesh) return mesh.error();
+  auto read = ReadScan(file);
+  if (!read) return read.error();
   AnnotationScan scan;
-  scan.full = std::make_shared<const TriangleMesh>(std::move(*mesh));
+  scan.num_left_out = read->num_left_out;
+  scan.doubted_size_m = TooLargeForMetres(read->mesh);
+  scan.full = std::make_shared<const TriangleMesh>(std::move(read->mesh));
   scan.fine = std::make_shared<const TriangleMesh>(ClusterToAbout(*scan.full, kFineVertices));
   scan.coarse = std::make_shared<const TriangleMesh>(ClusterToAbout(*scan.fine, kCoarseVertices));
   return scan;
+}
+
+Result<std::filesystem::path> WriteScanInMetres(const TriangleMesh& scan, double factor,
+                                                const std::filesystem::path& file,
+                                                const std::filesystem::path& fallback) {
+  const TriangleMesh metric = Scaled(scan, factor);
+  Status written;
+  for (const std::filesystem::path& folder : {file.parent_path(), fallback}) {
+    const std::string stem = file.stem().string() + "-metres";
+    std::filesystem::path copy = folder / (stem + ".ply");
+    std::error_code ignored;
+    for (int i = 2; std::filesystem::exists(copy, ignored); ++i)
+      copy = folder / (stem + "-" + std::to_string(i) + ".ply");
+    written = WritePly(copy, metric);
+    if (written.ok()) return copy;
+  }
+  return written.error();
 }
 
 void FindPlacements(const PlacementTask& task, const WorkContext& work, PlacementView& placement) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,10 +26,18 @@ namespace plumbline {
 struct AnnotationScan {
   std::shared_ptr<const TriangleMesh> full, fine, coarse;
   std::shared_ptr<const ScanTarget> target;
+  std::size_t num_left_out = 0;          ///< Points of the file that are not finite.
+  std::optional<double> doubted_size_m;  ///< As of TooLargeForMetres.
 };
 
 /// Errors: of ReadMesh.
 Result<AnnotationScan> ReadAnnotationScan(const std::filesystem::path& file);
+
+/// Writes the scan times `factor` beside its file, or into `fallback` where that cannot be written,
+/// under a name that is free. The name. Errors: kIo.
+Result<std::filesystem::path> WriteScanInMetres(const TriangleMesh& scan, double factor,
+                                                const std::filesystem::path& file,
+                                                const std::filesystem::path& fallback);
 
 /// A model where it may go.
 struct PlacementTask {

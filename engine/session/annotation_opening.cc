@@ -31,16 +31,6 @@ path FolderOf(const path& file) {
   return std::filesystem::absolute(file, ignored).lexically_normal().parent_path();
 }
 
-/// Relative where that is short, so that the folder can be moved.
-std::string Named(const path& file, const path& project) {
-  if (file.empty()) return "";
-  std::error_code error;
-  const path absolute = std::filesystem::absolute(file, error).lexically_normal();
-  const path relative = absolute.lexically_relative(FolderOf(project));
-  const bool near = !relative.empty() && *relative.begin() != "..";
-  return near ? relative.string() : absolute.string();
-}
-
 /// Files that cannot be kept beside the scan.
 path DataFolder() {
   const char* data = std::getenv("XDG_DATA_HOME");
@@ -110,9 +100,9 @@ Result<OpenedAnnotation> Make(const AnnotationChoice& choice, const path& file) 
   }
   if (models.empty()) models = IfExists(folder / "models").empty() ? path() : folder / "models";
   AnnotationDocument document;
-  document.scan = Named(choice.path, file);
-  document.models = Named(models, file);
-  document.sequence = Named(sequence, file);
+  document.scan = NameInProject(choice.path, file);
+  document.models = NameInProject(models, file);
+  document.sequence = NameInProject(sequence, file);
   if (!sequence.empty()) TakeFromSequence(sequence, document);
   auto project = AnnotationProject::Create(file, std::move(document));
   if (!project) return project.error();
@@ -126,8 +116,8 @@ Status TakeChoices(const AnnotationChoice& choice, OpenedAnnotation& opened) {
   const AnnotationDocument& document = opened.project->document();
   const path& file = opened.project->file();
   SetInputs inputs{document.scan, document.models, document.sequence};
-  if (!choice.models.empty()) inputs.models = Named(choice.models, file);
-  if (!choice.sequence.empty()) inputs.sequence = Named(choice.sequence, file);
+  if (!choice.models.empty()) inputs.models = NameInProject(choice.models, file);
+  if (!choice.sequence.empty()) inputs.sequence = NameInProject(choice.sequence, file);
   const bool same = inputs.models == document.models && inputs.sequence == document.sequence;
   return same ? Status() : opened.project->Apply(inputs);
 }
@@ -141,6 +131,15 @@ bool IsForAnnotation(const path& file) {
   if (ending != ".json") return false;
   const auto json = ReadJson(file);
   return json.ok() && json->is_object() && json->contains("plumbline_annotation");
+}
+
+std::string NameInProject(const path& file, const path& project) {
+  if (file.empty()) return "";
+  std::error_code error;
+  const path absolute = std::filesystem::absolute(file, error).lexically_normal();
+  const path relative = absolute.lexically_relative(FolderOf(project));
+  const bool near = !relative.empty() && *relative.begin() != "..";
+  return near ? relative.string() : absolute.string();
 }
 
 path ProjectFileOf(const path& scan) {

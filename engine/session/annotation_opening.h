@@ -24,6 +24,9 @@ bool IsForAnnotation(const std::filesystem::path& path);
 /// Where the project of a scan is kept: SCAN.annotation.json beside it.
 std::filesystem::path ProjectFileOf(const std::filesystem::path& scan);
 
+/// A file as a project names it: relative where that is short, so that the folder can be moved.
+std::string NameInProject(const std::filesystem::path& file, const std::filesystem::path& project);
+
 struct OpenedAnnotation {
   std::unique_ptr<AnnotationProject> project;
   std::vector<std::string> notices;  ///< What the user must know: recovered edits, a lock.

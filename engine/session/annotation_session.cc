@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/base/log.h"
 #include "engine/geometry/gravity.h"
 
 namespace plumbline {
@@ -43,6 +44,12 @@ AnnotationSession::AnnotationSession(OpenedAnnotation opened, const AnnotationCh
   view_.gravity_known =
       document.floor_in_scan.has_value() || document.gravity_in_scan != Eigen::Vector3d(0, 0, -1);
   QueueLoading();
+}
+
+void AnnotationSession::Close() {
+  if (view_.read_only || !project_->modified()) return;
+  if (const Status saved = project_->Save(); !saved.ok())
+    log::error("the project was not saved at the end: {}", saved.error().message);
 }
 
 std::optional<AnnotationSession::Job> AnnotationSession::TakeJob() {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/annotation/crop_cut.h"
+#include "engine/annotation/staged_export.h"
 #include "engine/base/progress.h"
 #include "engine/dataset/sequence.h"
 #include "engine/models/model_database.h"
@@ -47,6 +48,9 @@ class AnnotationSession {
   void Apply(const AnnotationCommand& command, std::uint64_t number = 0);
   /// The next long work, if any; one at a time is meant to run.
   std::optional<Job> TakeJob();
+  /// At the end: the project's file gets what is only in the journal, so that nothing has to be
+  /// recovered. What cannot be saved stays in the journal.
+  void Close();
   /// Whether the job that runs is no longer wanted; asked once.
   bool TakeCancel() { return std::exchange(cancel_, false); }
   AnnotationSnapshot Snapshot() const;
@@ -75,6 +79,8 @@ class AnnotationSession {
   void On(const SaveProjectCommand& command);
   void On(const DropRecoveredCommand& command);
   void On(const ExportCommand& command);
+  void On(const AnswerExportCommand& command);
+  void On(const SetScanUnitCommand& command);
   void On(const SetAnnotatorCommand& command);
   void On(const ImportDraftsCommand& command);
   void On(const DismissNoticesCommand& command);
@@ -88,7 +94,12 @@ class AnnotationSession {
   void FollowCrops();
 
   void QueueLoading();
+  void QueueScan();
+  /// Reads the scan that the project names now, if it is another one.
+  void FollowScan();
+  void TakeScan(const AnnotationScan& scan);
   void QueueModels();
+  void WarnOfLargeModels(const std::vector<AnnotationModel>& models);
   void QueueThumbnails();
   void QueueTarget();
   void QueueOutlines();
@@ -125,6 +136,8 @@ class AnnotationSession {
   std::uint64_t command_ = 0;    ///< Number of the one that is carried out.
   std::uint64_t proposals_ = 0;  ///< An update of an older proposal is dropped.
   AnnotationScan scan_;
+  std::filesystem::path scan_file_;       ///< That was read, or is being read.
+  std::shared_ptr<StagedExport> staged_;  ///< Waits for an answer.
   std::shared_ptr<const ModelDatabase> models_;
   std::shared_ptr<const Sequence> sequence_;
   std::map<int, std::shared_ptr<const ModelSurface>> surfaces_;

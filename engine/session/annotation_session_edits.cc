@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "engine/annotation/annotation_export.h"
 #include "engine/session/annotation_session.h"
 #include "engine/session/run_drafts.h"
 
@@ -18,6 +17,14 @@ std::string WhatWasExported(const AnnotationDocument& document, const ExportRequ
   if (request.format == "visma" && fragments > 0)
     what += " and " + std::to_string(fragments) + " fragments";
   return what + " written to " + request.out.string();
+}
+
+/// Puts an export into its place.
+ExportView Taken(StagedExport& staged, const std::string& what) {
+  const auto kept = staged.Take();
+  if (!kept) return {false, kept.error().message, ""};
+  const bool replaced = !kept->empty();
+  return {false, "", what + (replaced ? "; what was there is kept as " + kept->string() : "")};
 }
 
 }  // namespace
@@ -72,6 +79,7 @@ void AnnotationSession::On(const UndoCommand&) {
   const Status done = project_->Undo();
   done.ok() ? Answer("Undone: " + label.value_or("")) : Refuse(done.error().message);
   FollowCrops();
+  FollowScan();
 }
 
 void AnnotationSession::On(const RedoCommand&) {
@@ -80,17 +88,19 @@ void AnnotationSession::On(const RedoCommand&) {
   const Status done = project_->Redo();
   done.ok() ? Answer("Done again: " + label.value_or("")) : Refuse(done.error().message);
   FollowCrops();
+  FollowScan();
 }
 
 void AnnotationSession::On(const DropRecoveredCommand&) {
   DropProposals();
-  const std::size_t count = std::exchange(view_.num_recovered, 0);
-  for (std::size_t i = 0; i < count && project_->UndoLabel(); ++i) {
-    if (const Status done = project_->Undo(); !done.ok()) return Refuse(done.error().message);
-  }
-  view_.notices.clear();
-  Answer("Undone; Redo restores it");
+  view_.num_recovered = 0;
+  const auto undone = project_->UndoRecovered();
   FollowCrops();
+  FollowScan();
+  if (!undone) return Refuse(undone.error().message);
+  view_.notices.clear();
+  Answer(*undone ? "Undone; Redo restores it"
+                 : "Undone; but they had undone edits that were saved, and these stay undone");
 }
 
 void AnnotationSession::On(const SaveProjectCommand& command) {
@@ -111,6 +121,7 @@ void AnnotationSession::On(const DismissNoticesCommand&) {
 void AnnotationSession::On(const ExportCommand& command) {
   const AnnotationDocument& document = project_->document();
   view_.exported = ExportView{};
+  staged_.reset();
   const auto refuse = [&](const std::string& why) {
     view_.exported = ExportView{false, why, ""};
     Refuse(why);
@@ -132,16 +143,65 @@ void AnnotationSession::On(const ExportCommand& command) {
        [document, request, frames, models = models_, sequence = sequence_,
         scan = project_->Resolve(document.scan)](const WorkContext& work, const auto&) -> Update {
          const ExchangeInputs inputs{models.get(), sequence.get(), frames};
-         const Status written = ExportAnnotation(document, inputs, scan, request, work);
+         auto written = StagedExport::Write(document, inputs, scan, request, work);
+         std::shared_ptr<StagedExport> waits;
          ExportView view{false, "", ""};
-         if (written.ok()) {
+         if (!written.ok()) {
+           view.problem = written.error().message;
+         } else if ((*written)->replaces()) {
+           waits = std::move(*written);
+           view.asks = true;
+           view.out = waits->out().string();
+           view.differences = waits->Differences();
            view.done = WhatWasExported(document, request);
          } else {
-           view.problem = written.error().message;
+           view = Taken(**written, WhatWasExported(document, request));
          }
-         return [view](AnnotationSession& session) {
+         return [view, waits](AnnotationSession& session) {
            session.view_.exported = view;
+           session.staged_ = waits;
+           if (view.asks) return session.Answer(view.out + " is there already, and differs.");
            session.Answer(view.problem.empty() ? view.done : view.problem, !view.problem.empty());
+         };
+       }});
+}
+
+void AnnotationSession::On(const AnswerExportCommand& command) {
+  const auto staged = std::exchange(staged_, nullptr);
+  if (staged == nullptr) return;
+  if (!command.replace) {
+    view_.exported.reset();
+    return Answer("Nothing was exported; " + staged->out().string() + " is as it was.");
+  }
+  view_.exported = Taken(*staged, view_.exported->done);
+  const std::string& problem = view_.exported->problem;
+  Answer(problem.empty() ? view_.exported->done : problem, !problem.empty());
+}
+
+void AnnotationSession::On(const SetScanUnitCommand& command) {
+  if (command.metres_per_unit == 1) return view_.doubted_size_m.reset();
+  if (!project_->document().instances.empty())
+    return Refuse("Objects have been placed in this scan, so its unit stays as it is.");
+  if (scan_.full == nullptr) return Refuse("The scan has not been read yet.");
+  view_.doubted_size_m.reset();
+  jobs_.push_back(
+      {"Making a copy in metres", false,
+       [full = scan_.full, factor = command.metres_per_unit, file = scan_file_,
+        folder = project_->file().parent_path()](const WorkContext&, const auto&) -> Update {
+         const auto copy = WriteScanInMetres(*full, factor, file, folder);
+         return [copy, factor](AnnotationSession& session) {
+           if (!copy) return session.Refuse(copy.error().message);
+           const AnnotationDocument& document = session.project_->document();
+           EditGroup group{"Take the scan in metres", {}};
+           group.edits.push_back(SetInputs{NameInProject(*copy, session.project_->file()),
+                                           document.models, document.sequence});
+           if (auto floor = document.floor_in_scan; floor && document.sequence.empty()) {
+             (*floor)[3] *= factor;
+             group.edits.push_back(SetGravity{document.gravity_in_scan, floor});
+           }
+           if (!session.Edit(group)) return;
+           session.FollowScan();
+           session.Answer("The scan in metres is " + copy->string());
          };
        }});
 }

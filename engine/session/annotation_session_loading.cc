@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of the session that reads what the project names.
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "engine/annotation/crop_models.h"
@@ -32,25 +34,48 @@ void AnnotationSession::QueueLoading() {
     if (!synced) view_.notices.push_back("Models of crops: " + synced.error().message);
   }
   QueueModels();
-  const auto file = project_->Resolve(document.scan);
+  QueueScan();
+}
+
+void AnnotationSession::FollowScan() {
+  if (project_->Resolve(project_->document().scan) == scan_file_) return;
+  view_.ready_to_align = false;
+  view_.doubted_size_m.reset();
+  QueueScan();
+}
+
+void AnnotationSession::QueueScan() {
+  const auto file = scan_file_ = project_->Resolve(project_->document().scan);
   if (file.empty()) return;
   view_.scan_name = file.filename().string();
   jobs_.push_back({"Reading the scan", false, [file](const WorkContext&, const auto&) -> Update {
                      auto read = ReadAnnotationScan(file);
-                     return [read = std::move(read)](AnnotationSession& session) {
+                     return [read = std::move(read), file](AnnotationSession& session) {
+                       if (file != session.scan_file_) return;  // another one is wanted by now
                        if (!read) {
                          session.view_.notices.push_back("The scan cannot be shown: " +
                                                          read.error().message);
                          return session.QueueOutlines();
                        }
-                       session.scan_ = *read;
-                       session.view_.scan = read->fine;
-                       session.view_.scan_coarse = read->coarse;
-                       session.view_.scan_points = read->full->vertices.size();
-                       session.QueueTarget();
-                       session.QueueOutlines();
+                       session.TakeScan(*read);
                      };
                    }});
+}
+
+void AnnotationSession::TakeScan(const AnnotationScan& scan) {
+  scan_ = scan;
+  view_.scan = scan.fine;
+  view_.scan_coarse = scan.coarse;
+  view_.scan_points = scan.full->vertices.size();
+  if (scan.num_left_out > 0) {
+    view_.notices.push_back(fmt::format("{} of {} points of {} are not finite and were left out.",
+                                        scan.num_left_out, scan.num_left_out + view_.scan_points,
+                                        view_.scan_name));
+  }
+  // Where objects have been placed, somebody has found that it is right as it is.
+  if (project_->document().instances.empty()) view_.doubted_size_m = scan.doubted_size_m;
+  QueueTarget();
+  QueueOutlines();
 }
 
 void AnnotationSession::QueueTarget() {
@@ -91,6 +116,7 @@ void AnnotationSession::QueueModels() {
                                 model.symmetry.order,
                                 {}});
            }
+           session.WarnOfLargeModels(*models);
            session.view_.models = std::move(models);
            ++session.view_.models_version;
            session.QueueThumbnails();
@@ -99,6 +125,19 @@ void AnnotationSession::QueueModels() {
            }
          };
        }});
+}
+
+void AnnotationSession::WarnOfLargeModels(const std::vector<AnnotationModel>& models) {
+  constexpr float kLargest_m = 30;
+  for (const AnnotationModel& model : models) {
+    const float size_m = model.bounds.sizes().maxCoeff();
+    if (size_m < kLargest_m) continue;
+    view_.notices.push_back(
+        fmt::format("The model '{}' is {:.0f} m large, as if millimetres had been taken for "
+                    "metres: build the database again with 'plumbline models build --unit mm'.",
+                    model.name, size_m));
+    return;
+  }
 }
 
 void AnnotationSession::QueueThumbnails() {

@@ -89,12 +89,21 @@ struct SaveProjectCommand {
 };
 /// Takes back what was recovered from a process that was killed; Redo brings it again.
 struct DropRecoveredCommand {};
-/// Writes the annotations in another format.
+/// What the numbers of the scan's file are, if they are no metres: a copy in metres takes its
+/// place. 1: they are metres.
+struct SetScanUnitCommand {
+  double metres_per_unit = 1;
+};
+/// Writes the annotations in another format; asks first where that would replace something else.
 struct ExportCommand {
   std::string format;          ///< Of kExportFormats.
   std::string out;             ///< A file or a folder.
   std::string frame = "scan";  ///< or "level", "world"
   int every = 1;               ///< Every Nth frame of the sequence is written, N > 0.
+};
+/// Whether an export may replace what it asked about.
+struct AnswerExportCommand {
+  bool replace = false;
 };
 struct SetAnnotatorCommand {
   std::string name;
@@ -145,14 +154,13 @@ struct AlignSequenceCommand {
 };
 
 /// For the process that annotates.
-using AnnotationCommand =
-    std::variant<SelectInstanceCommand, FindFloorCommand, TypeGravityCommand, PlaceModelCommand,
-                 PlaceAgainCommand, RefineInstanceCommand, RefineByImagesCommand,
-                 PreviewPoseCommand, AcceptProposalCommand, CancelProposalCommand,
-                 SetInstancePoseCommand, ChangeInstanceCommand, RemoveInstanceCommand,
-                 DuplicateInstanceCommand, UndoCommand, RedoCommand, SaveProjectCommand,
-                 SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand, ShowFrameCommand,
-                 AddPairCommand, RemovePairCommand, AlignSequenceCommand, ShowBoxCommand,
-                 DropRecoveredCommand, ExportCommand, ProposeCropCommand>;
+using AnnotationCommand = std::variant<
+    SelectInstanceCommand, FindFloorCommand, TypeGravityCommand, PlaceModelCommand,
+    PlaceAgainCommand, RefineInstanceCommand, RefineByImagesCommand, PreviewPoseCommand,
+    AcceptProposalCommand, CancelProposalCommand, SetInstancePoseCommand, ChangeInstanceCommand,
+    RemoveInstanceCommand, DuplicateInstanceCommand, UndoCommand, RedoCommand, SaveProjectCommand,
+    SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand, ShowFrameCommand,
+    AddPairCommand, RemovePairCommand, AlignSequenceCommand, ShowBoxCommand, DropRecoveredCommand,
+    ExportCommand, AnswerExportCommand, SetScanUnitCommand, ProposeCropCommand>;
 
 }  // namespace plumbline

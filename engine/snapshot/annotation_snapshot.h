@@ -173,6 +173,9 @@ struct ExportView {
   bool running = true;
   std::string problem;  ///< Why nothing was written.
   std::string done;     ///< What was written, and where.
+  bool asks = false;    ///< It would replace something else, and waits for an answer.
+  std::string out;      ///< What it would replace, ...
+  std::vector<std::string> differences;  ///< ... and how that differs.
 };
 
 /// What became of a command.
@@ -204,6 +207,8 @@ struct AnnotationSnapshot {
   /// Made coarse enough to draw, and coarser for machines without a GPU; null until it is read.
   std::shared_ptr<const TriangleMesh> scan, scan_coarse;
   std::size_t scan_points = 0;  ///< Of the file.
+  /// What the scan would span if its unit were the metre, where that is more than any room.
+  std::optional<double> doubted_size_m;
   bool ready_to_align = false;
   Eigen::Isometry3d level_from_scan = Eigen::Isometry3d::Identity();
   bool floor_known = false, gravity_known = false;

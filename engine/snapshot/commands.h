@@ -250,6 +250,7 @@ struct SetThemeCommand {
 };
 struct ShowPaletteCommand {
   bool show = true;
+  std::string within;  ///< Only what has these words is offered.
 };
 /// Writes the window as PNG; "" chooses a name in the working folder.
 struct ScreenshotCommand {

@@ -122,5 +122,115 @@ TEST(AnnotateShortcuts, KeysOfTheSelectedObject) {
   EXPECT_TRUE(harness.sink.commands.empty());
 }
 
+TEST(AnnotateShortcuts, TabWalksThroughTheObjectsAndComesRound) {
+  AnnotateHarness harness;
+  const auto selects = [&](bool back) {
+    harness.Press(keys::kTab, false, back);
+    const auto* command = harness.sink.Last<SelectInstanceCommand>();
+    return command == nullptr ? "" : harness.snapshot().selected = command->id;
+  };
+  EXPECT_EQ(selects(false), "table_0");
+  EXPECT_EQ(selects(false), "armchair_0");
+  EXPECT_EQ(selects(true), "table_0");
+  harness.snapshot().selected.clear();
+  EXPECT_EQ(selects(false), "armchair_0") << "the first";
+  harness.snapshot().selected.clear();
+  EXPECT_EQ(selects(true), "table_0") << "the last";
+  harness.snapshot().instances.clear();
+  harness.sink.commands.clear();
+  harness.Press(keys::kTab);
+  EXPECT_TRUE(harness.sink.commands.empty());
+}
+
+TEST(AnnotateShortcuts, AModelIsChosenByItsLettersAndEnterPutsItIntoTheMiddle) {
+  AnnotateHarness harness;
+  harness.Press(keys::kM);
+  ASSERT_NE(harness.sink.Last<ShowPaletteCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<ShowPaletteCommand>()->within, "Place");
+  ChooseModel(harness.context, "table", harness.sink);
+  harness.view.view_px = {400, 200};
+  for (const int enter : {keys::kEnter, keys::kPadEnter}) {
+    harness.sink.commands.clear();
+    harness.Press(enter);
+    const auto* place = harness.sink.Last<PlaceModelCommand>();
+    ASSERT_NE(place, nullptr);
+    EXPECT_EQ(place->model, "table");
+    EXPECT_NEAR(place->point_in_scan.x(), 2, 1e-9);
+    EXPECT_NEAR(place->point_in_scan.y(), -1, 1e-9);
+  }
+}
+
+TEST(AnnotateActions, EveryOneIsOfferedByWordsWhenItCanBeDoneAndOnlyThen) {
+  AnnotateHarness harness;
+  const auto actions = AnnotateActions();
+  const auto offered = [&](const std::string& text) {
+    for (const ActionGroup& group : actions) {
+      for (const Action& action : group.actions) {
+        const bool on = action.run && action.is_on && action.is_offered(harness.context) &&
+                        action.is_on(harness.context);
+        if ((on ? action.text_when_on : action.text) == text)
+          return !action.is_offered || action.is_offered(harness.context);
+      }
+    }
+    ADD_FAILURE() << "there is no action '" << text << "'";
+    return false;
+  };
+  for (const char* text : {"Put it onto the floor",
+                           "Refine: align it to the scan",
+                           "Try all azimuths",
+                           "Refine by images: align its outline to their edges",
+                           "Hide it",
+                           "Lock it",
+                           "Delete it",
+                           "Duplicate it",
+                           "Copy its pose",
+                           "Mark it as coarse",
+                           "Find the floor",
+                           "Undo",
+                           "Redo",
+                           "Save",
+                           "Export",
+                           "Cut an object out of the scan",
+                           "Register the sequence",
+                           "Hide the scan",
+                           "Show the path of the cameras",
+                           "Unlock the tilt"})
+    EXPECT_TRUE(offered(text)) << text;
+  EXPECT_FALSE(offered("Accept"));
+  EXPECT_FALSE(offered("Paste the pose"));
+  harness.snapshot().instances[0].hidden = harness.snapshot().instances[0].locked = true;
+  EXPECT_TRUE(offered("Show it"));
+  EXPECT_TRUE(offered("Unlock it"));
+  EXPECT_FALSE(offered("Delete it")) << "it is locked";
+  harness.snapshot().placement = MadeUpPlacement();
+  EXPECT_TRUE(offered("Accept"));
+  EXPECT_FALSE(offered("Select the next object"));
+  harness.context.annotation = nullptr;
+  for (const ActionGroup& group : actions) {
+    for (const Action& action : group.actions) {
+      EXPECT_FALSE(action.run && action.is_offered(harness.context)) << action.text;
+    }
+  }
+}
+
+TEST(AnnotateActions, SwitchAndOpenWhatButtonsDo) {
+  AnnotateHarness harness;
+  harness.Press(keys::kE, true);
+  EXPECT_TRUE(harness.view.open_export);
+  harness.Press(keys::kS, true, true);
+  EXPECT_TRUE(harness.view.open_more);
+  harness.Press(keys::kK);
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->set.fine, false);
+  harness.Press(keys::kC, true);
+  harness.snapshot().selected = "table_0";
+  harness.Press(keys::kV, true);
+  ASSERT_NE(harness.sink.Last<SetInstancePoseCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SetInstancePoseCommand>()->id, "table_0");
+  harness.Press(keys::kDelete);
+  EXPECT_EQ(harness.sink.Last<RemoveInstanceCommand>()->id, "table_0");
+  harness.Press(keys::kEscape);
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, "");
+}
+
 }  // namespace
 }  // namespace plumbline

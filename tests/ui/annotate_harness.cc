@@ -64,6 +64,7 @@ AnnotateHarness::AnnotateHarness() {
   ImGuiIO& io = ImGui::GetIO();
   io.KeyMap[ImGuiKey_Escape] = keys::kEscape;
   io.KeyMap[ImGuiKey_Enter] = keys::kEnter;
+  io.KeyMap[ImGuiKey_Tab] = keys::kTab;
   io.KeyMap[ImGuiKey_A] = keys::kA;
   io.KeyMap[ImGuiKey_Delete] = keys::kDelete;
   AnnotationSnapshot& s = *snapshot_;
@@ -109,7 +110,8 @@ std::string AnnotateHarness::Text(Panel& panel) {
   return text == nullptr ? "" : text;
 }
 
-void AnnotateHarness::Type(Panel& panel, const std::string& widget, const std::string& text) {
+void AnnotateHarness::Type(Panel& panel, const std::string& widget, const std::string& text,
+                           int leave_by) {
   Click(panel, widget);
   ImGuiIO& io = ImGui::GetIO();
   io.KeyCtrl = io.KeysDown[keys::kA] = true;  // all of it
@@ -118,9 +120,9 @@ void AnnotateHarness::Type(Panel& panel, const std::string& widget, const std::s
   Draw(panel);
   io.AddInputCharactersUTF8(text.c_str());
   Draw(panel, 2);
-  io.KeysDown[keys::kEnter] = true;
+  io.KeysDown[leave_by] = true;
   Draw(panel);
-  io.KeysDown[keys::kEnter] = false;
+  io.KeysDown[leave_by] = false;
   Draw(panel, 2);
 }
 
@@ -131,6 +133,7 @@ void AnnotateHarness::Press(int key, bool control, bool shift) {
     io.KeyCtrl = down && control;
     io.KeyShift = down && shift;
     ImGui::NewFrame();
+    RunKeys(actions_, context, sink);
     PostAnnotateShortcuts(context, sink);
     ImGui::Render();
   }

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "tests/ui/panel_harness.h"
+#include "ui/annotate/annotate_actions.h"
+#include "ui/framework/actions.h"
 #include "ui/framework/annotate_view.h"
 
 namespace plumbline {
@@ -64,7 +66,8 @@ class AnnotateHarness : public PanelHarness {
   /// Everything that the panel writes as text in one frame, its title included.
   std::string Text(Panel& panel);
   /// Clicks into a field, which selects what is in it where it does so, types and leaves it.
-  void Type(Panel& panel, const std::string& widget, const std::string& text);
+  void Type(Panel& panel, const std::string& widget, const std::string& text,
+            int leave_by = keys::kEnter);
   /// Presses a key and lets it go, as the workspace hears it.
   void Press(int key, bool control = false, bool shift = false);
 
@@ -72,6 +75,7 @@ class AnnotateHarness : public PanelHarness {
   FlatAnnotateSurface surface;
 
  private:
+  std::vector<ActionGroup> actions_ = AnnotateActions();
   std::shared_ptr<AnnotationSnapshot> snapshot_ = std::make_shared<AnnotationSnapshot>();
 };
 

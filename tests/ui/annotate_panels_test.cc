@@ -103,6 +103,20 @@ void FillEverything(AnnotationSnapshot& snapshot) {
   snapshot.journal_problem = "no room";
 }
 
+/// The bar over the workspace, as if it were a panel.
+class ProjectBar : public Panel {
+ public:
+  ProjectBar() {
+    PanelInfo info;
+    info.id = "project_bar";
+    set_info(info);
+  }
+  void Draw(const FrameContext& context, CommandSink& sink) override {
+    const ImVec2 low = ImGui::GetCursorScreenPos();
+    DrawProjectBar(context, {low, {low.x + 1060, low.y + 40}}, sink);
+  }
+};
+
 TEST(AnnotatePanels, DrawInEveryStateOfAProject) {
   const std::vector<std::function<void(AnnotationSnapshot&)>> states = {
       [](AnnotationSnapshot& s) { s = AnnotationSnapshot(); },
@@ -161,6 +175,97 @@ TEST(AnnotateScenePanel, AClickDoesWhatTheToolSays) {
   EXPECT_FALSE(harness.sink.Last<PlaceModelCommand>()->on_floor);
 }
 
+TEST(AnnotateScenePanel, AClickCountsWhereTheButtonWentDownHoweverTheHandTrembles) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.size = {900, 500};
+  harness.view.tool = AnnotateTool::kFloor;
+  harness.JumpAndClick(*panel, "annotate.view", {0.7f, 0.4f}, {2, -3});
+  ASSERT_NE(harness.sink.Last<FindFloorCommand>(), nullptr);
+  const auto& rect = *harness.widgets.Find("annotate.view");
+  const Eigen::Vector3d seed = harness.sink.Last<FindFloorCommand>()->seed_in_scan.value();
+  EXPECT_NEAR(seed.x(), 0.7 * (rect.high.x - rect.low.x) / 100, 0.012);
+  EXPECT_NEAR(seed.y(), -0.4 * (rect.high.y - rect.low.y) / 100, 0.012);
+  EXPECT_EQ(harness.surface.orbited, 0);
+  harness.sink.commands.clear();
+  harness.JumpAndClick(*panel, "annotate.view", {0.7f, 0.4f}, {0, 5});
+  EXPECT_EQ(harness.sink.Last<FindFloorCommand>(), nullptr) << "a drag";
+}
+
+TEST(AnnotateScenePanel, ARightClickOffersWhatCanBeDoneWithTheObjectUnderTheMouse) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.size = {900, 500};
+  harness.surface.under_mouse = "table_0";
+  harness.JumpAndClick(*panel, "annotate.view", {0.5f, 0.5f}, {1, 1}, 1);
+  ASSERT_NE(harness.sink.Last<SelectInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, "table_0");
+  harness.snapshot().selected = "table_0";
+  harness.Draw(*panel, 2);
+  EXPECT_EQ(harness.widgets.Find("menu.Hide the scan"), nullptr) << "it is about the object";
+  harness.Click(*panel, "menu.Delete it");
+  ASSERT_NE(harness.sink.Last<RemoveInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<RemoveInstanceCommand>()->id, "table_0");
+  harness.Draw(*panel, 2);
+  EXPECT_EQ(harness.widgets.Find("menu.Delete it"), nullptr) << "the menu is gone";
+  harness.surface.under_mouse.clear();
+  harness.snapshot().selected.clear();
+  harness.JumpAndClick(*panel, "annotate.view", {0.5f, 0.5f}, {0, 0}, 1);
+  harness.Draw(*panel, 2);
+  EXPECT_NE(harness.widgets.Find("menu.Show the scan"), nullptr);
+}
+
+TEST(AnnotateExport, AsksBeforeItReplacesAndPassesTheAnswerOn) {
+  AnnotateHarness harness;
+  harness.size = {1100, 640};
+  ProjectBar bar;
+  harness.snapshot().project_file = "made_up.json";
+  ExportView exported{false, "", "2 objects written"};
+  exported.asks = true;
+  exported.out = "/data/ground_truth.json";
+  exported.differences = {"1 object would be gone: chair_3."};
+  harness.snapshot().exported = exported;
+  harness.Click(bar, "project.export");
+  harness.Click(bar, "export.write");
+  EXPECT_TRUE(harness.sink.commands.empty()) << "not while it asks";
+  harness.Click(bar, "export.leave");
+  ASSERT_NE(harness.sink.Last<AnswerExportCommand>(), nullptr);
+  EXPECT_FALSE(harness.sink.Last<AnswerExportCommand>()->replace);
+  harness.Click(bar, "export.replace");
+  EXPECT_TRUE(harness.sink.Last<AnswerExportCommand>()->replace);
+}
+
+TEST(AnnotateProjectBar, ButtonsStayWhereTheyAreWhateverTheySay) {
+  AnnotateHarness harness;
+  harness.size = {1100, 420};
+  ProjectBar bar;
+  harness.snapshot().project_file = "made_up.json";
+  harness.Draw(bar, 2);
+  const float before = harness.widgets.Find("project.export")->low.x;
+  harness.snapshot().undo_label = "Move a_chair_with_a_very_long_name_indeed_0";
+  harness.snapshot().redo_label = "Add";
+  harness.snapshot().modified = true;
+  harness.Draw(bar, 2);
+  EXPECT_EQ(harness.widgets.Find("project.export")->low.x, before);
+  harness.snapshot().journal_problem = "no room";
+  harness.Draw(bar, 2);
+  EXPECT_EQ(harness.widgets.Find("project.export")->low.x, before);
+}
+
+TEST(AnnotateBanners, AskForTheUnitOfAScanThatIsTooLarge) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.size = {900, 500};
+  harness.snapshot().instances.clear();
+  harness.snapshot().doubted_size_m = 5230;
+  harness.Draw(*panel, 2);
+  harness.Click(*panel, "annotate.unit.mm");
+  ASSERT_NE(harness.sink.Last<SetScanUnitCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SetScanUnitCommand>()->metres_per_unit, 0.001);
+  harness.Click(*panel, "annotate.unit.m");
+  EXPECT_EQ(harness.sink.Last<SetScanUnitCommand>()->metres_per_unit, 1);
+}
+
 TEST(AnnotateScenePanel, AModelGoesOntoTheFloorWhereTheScanHasAHole) {
   AnnotateHarness harness;
   const auto panel = MakeAnnotatePanel("annotate_scene");
@@ -215,6 +320,17 @@ TEST_F(GizmoTest, AClickOnAPoseThatIsOnItsWayIsNoEdit) {
   EXPECT_GT(harness_.sink.Last<SetInstancePoseCommand>()->scan_from_object.translation().x(),
             pose.translation().x() + 0.5)
       << "goes on from where it is shown";
+}
+
+TEST_F(GizmoTest, ATremblingClickMovesNothing) {
+  harness_.JumpAndClick(*panel_, "annotate.view", {0.5f, 0.9f}, {3, 1});
+  EXPECT_EQ(harness_.sink.Last<SetInstancePoseCommand>(), nullptr);
+  EXPECT_FALSE(harness_.view.pending.has_value());
+  harness_.JumpAndClick(*panel_, "annotate.view", {0.5f, 0.9f}, {5, 0});
+  ASSERT_NE(harness_.sink.Last<SetInstancePoseCommand>(), nullptr);
+  EXPECT_NEAR(harness_.sink.Last<SetInstancePoseCommand>()->scan_from_object.translation().x(),
+              1.05, 1e-6)
+      << "a drag counts from where it began";
 }
 
 TEST_F(GizmoTest, WhatIsLockedStays) {
@@ -320,20 +436,6 @@ TEST(AnnotateFloorPanel, FindsPicksAndTypes) {
   EXPECT_TRUE(harness.sink.commands.empty()) << "not before the scan is prepared";
 }
 
-/// The bar over the workspace, as if it were a panel.
-class ProjectBar : public Panel {
- public:
-  ProjectBar() {
-    PanelInfo info;
-    info.id = "project_bar";
-    set_info(info);
-  }
-  void Draw(const FrameContext& context, CommandSink& sink) override {
-    const ImVec2 low = ImGui::GetCursorScreenPos();
-    DrawProjectBar(context, {low, {low.x + 1060, low.y + 40}}, sink);
-  }
-};
-
 TEST(AnnotateProjectBar, ExportsFragmentsWithoutObjectsButNotNothing) {
   AnnotateHarness harness;
   harness.size = {1100, 420};
@@ -415,6 +517,34 @@ TEST(AnnotateInstancePanel, TypedNumbersMoveTheObjectOnceTheyAreLeft) {
   EXPECT_NEAR(moved->scan_from_object.linear()(1, 0), 1, 1e-9);
 }
 
+TEST(AnnotateInstancePanel, ANumberCountsHoweverItsFieldIsLeft) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_instance");
+  harness.Type(*panel, "instance.x", "2.5", keys::kTab);
+  const auto* moved = harness.sink.Last<SetInstancePoseCommand>();
+  ASSERT_NE(moved, nullptr);
+  EXPECT_NEAR(moved->scan_from_object.translation().x(), 2.5, 1e-9);
+  // Tab has gone to the next field; a click on one above leaves that.
+  ImGui::GetIO().AddInputCharactersUTF8("-3.25");
+  harness.Draw(*panel, 2);
+  harness.Click(*panel, "instance.name");
+  ASSERT_EQ(harness.sink.commands.size(), 2u);
+  moved = harness.sink.Last<SetInstancePoseCommand>();
+  EXPECT_NEAR(moved->scan_from_object.translation().x(), 2.5, 1e-9) << "kept, though on its way";
+  EXPECT_NEAR(moved->scan_from_object.translation().y(), -3.25, 1e-9);
+}
+
+TEST(AnnotateInstancePanel, WhatIsGivenUpOrSaysNothingNewIsNoEdit) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_instance");
+  harness.Type(*panel, "instance.x", "2.5", keys::kEscape);
+  harness.snapshot().instances[0].scan_from_object.translation().x() = 1.00001;
+  harness.Type(*panel, "instance.x", "1.00", keys::kTab);
+  harness.Type(*panel, "instance.x", "nan", keys::kTab);
+  harness.Type(*panel, "instance.x", "", keys::kTab);
+  EXPECT_TRUE(harness.sink.commands.empty());
+}
+
 TEST(AnnotateInstancePanel, ItsButtonsAskForTheirCommands) {
   AnnotateHarness harness;
   const auto panel = MakeAnnotatePanel("annotate_instance");
@@ -476,7 +606,7 @@ TEST(AnnotateCropPanel, ProposesTheBoxAndTakesWhatIsReady) {
   EXPECT_EQ(harness.widgets.Find("crop.cut"), nullptr) << "there is nothing to cut yet";
   harness.view.crop_box = LevelBox{{1, -1, 0.5}, {0.7, 0.7, 1}, 0};
   harness.Type(*panel, "crop.name", "stool");
-  harness.Type(*panel, "crop.size_z", "2");
+  harness.Type(*panel, "crop.size_z", "2", keys::kTab);
   EXPECT_NEAR(harness.view.crop_box->center.z(), 1, 1e-9) << "its bottom stays";
   harness.Click(*panel, "crop.fragment");
   harness.Click(*panel, "crop.cut");

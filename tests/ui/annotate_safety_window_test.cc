@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "engine/annotation/annotation_project.h"
+#include "engine/models/mesh_file.h"
 #include "tests/ui/annotate_window_fixture.h"
 
 namespace plumbline {
@@ -13,21 +14,27 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-TEST_F(AnnotateWindow, SaysWhatItRecoveredAndWhatIsWrong) {
-  ASSERT_EQ(Run(std::string(kFloor) + R"({"wait_frames": 2})"), 0) << Errors();  // not saved
-  ASSERT_EQ(Run(R"(
-      {"dump_state": "recovered.json"},
-      {"screenshot": "recovered.png"},
-      {"click": "annotate.dismiss"},
-      {"wait_frames": 5},
-      {"dump_state": "dismissed.json"})"),
+TEST_F(AnnotateWindow, SavesAsItIsQuitSoThatNothingIsRecoveredAndUndoGoesOn) {
+  ASSERT_EQ(Run(std::string(kFloor) + R"({"dump_state": "before.json"},
+      {"key": "q", "control": true}, {"wait_frames": 2})"),
             0)
       << Errors();
-  const json notices = State("recovered.json")["notices"];
-  ASSERT_EQ(notices.size(), 1u);
-  EXPECT_THAT(notices[0].get<std::string>(), HasSubstr("1 edit recovered"));
-  EXPECT_EQ(State("recovered.json")["undo"], "Set gravity");
-  EXPECT_EQ(State("dismissed.json")["notices"], json::array());
+  EXPECT_EQ(State("before.json")["modified"], true);
+  ASSERT_EQ(Run(R"(
+      {"dump_state": "again.json"},
+      {"key": "z", "control": true},
+      {"wait_for": {"annotate.floor_known": false, "annotate.redo": "Set gravity"}},
+      {"key": "y", "control": true},
+      {"wait_for": {"annotate.floor_known": true}})"),
+            0)
+      << Errors();
+  EXPECT_EQ(State("again.json")["notices"], json::array());
+  EXPECT_EQ(State("again.json")["recovered"], 0);
+  EXPECT_EQ(State("again.json")["modified"], false);
+  EXPECT_EQ(State("again.json")["undo"], "Set gravity");
+}
+
+TEST_F(AnnotateWindow, SaysWhatIsWrongWithAScan) {
   std::ofstream(File("broken.ply")) << "ply\nformat nonsense\n";
   ASSERT_EQ(Run(R"({"wait_for": {"annotate.state": "ready", "annotate.busy": ""}},
       {"wait_frames": 10}, {"dump_state": "broken.json"})",
@@ -73,8 +80,19 @@ TEST_F(AnnotateWindow, OffersWhatAKilledWindowHadDoneAndKeepsItOrTakesItBack) {
   EXPECT_THAT(State("offered.json")["notices"][0].get<std::string>(),
               HasSubstr("2 edits recovered"));
   EXPECT_EQ(State("offered.json")["instances"], State("placed.json")["instances"]);
+  {
+    // As a process leaves it that ends without saving.
+    auto project = AnnotationProject::Open(File("scan.annotation.json"));
+    ASSERT_TRUE(project.ok()) << project.error().message;
+    EXPECT_EQ((*project)->num_recovered(), 0u) << "saved as the window was closed";
+    ChangeInstance change;
+    change.id = "armchair_0";
+    change.set.note = "mine";
+    ASSERT_TRUE((*project)->Apply(change).ok());
+  }
   ASSERT_EQ(Run(R"(
-      {"wait_for": {"annotate.recovered": {"min": 2}}},
+      {"wait_for": {"annotate.recovered": 1}},
+      {"screenshot": "kept.png"},
       {"click": "annotate.recover_save"},
       {"wait_for": {"annotate.modified": false, "annotate.recovered": 0}},
       {"wait_frames": 3},
@@ -82,7 +100,8 @@ TEST_F(AnnotateWindow, OffersWhatAKilledWindowHadDoneAndKeepsItOrTakesItBack) {
             0)
       << Errors();
   EXPECT_EQ(State("saved.json")["notices"], json::array());
-  EXPECT_EQ(State("saved.json")["instances"].size(), 1u);
+  ASSERT_EQ(State("saved.json")["instances"].size(), 1u);
+  EXPECT_EQ(State("saved.json")["instances"][0]["note"], "mine");
 }
 
 TEST_F(AnnotateWindow, OnAFullDiskItShowsABannerGoesOnAndSavesElsewhere) {
@@ -104,6 +123,9 @@ TEST_F(AnnotateWindow, OnAFullDiskItShowsABannerGoesOnAndSavesElsewhere) {
       {"screenshot": "full.png"},
       {"key": "d"},
       {"wait_frames": 5},
+      {"key": "q", "control": true},
+      {"wait_frames": 5},
+      {"screenshot": "stays.png"},
       {"click": "annotate.elsewhere"},
       {"text": "rescued.json"},
       {"click": "annotate.save_elsewhere"},
@@ -228,6 +250,52 @@ TEST_F(AnnotateWindow, ExportsFromTheSheetAndRefusesInOneSentence) {
   EXPECT_TRUE(std::filesystem::exists(File("ground_truth.json")));
   EXPECT_TRUE(std::filesystem::exists(File("fragments/alignment.json")));
   EXPECT_THAT(State("refused.json")["exported"].get<std::string>(), HasSubstr("needs a sequence"));
+}
+
+TEST_F(AnnotateWindow, AnExportAsksBeforeItReplacesWhatIsThereAndKeepsIt) {
+  std::ofstream(File("ground_truth.json")) << R"({"gravity_in_world": [0, 0, -1], "instances": [
+      {"id": "sofa_0", "model": "sofa", "category": "couch", "quality": "fine",
+       "world_from_object": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}]})";
+  const std::string before = ReadFile(File("ground_truth.json")).value();
+  ASSERT_EQ(Run(std::string(kFloor) + kPlaceArmchair + R"(
+      {"key": "enter"},
+      {"wait_for": {"annotate.instances": 1}},
+      {"key": "escape"},
+      {"key": "e", "control": true},
+      {"wait_frames": 3},
+      {"click": "export.write"},
+      {"wait_for": {"annotate.exported": "asks"}},
+      {"wait_frames": 3},
+      {"dump_state": "asks.json"},
+      {"screenshot": "asks.png"},
+      {"click": "export.replace"},
+      {"wait_for": {"annotate.exported": "done"}},
+      {"wait_frames": 3},
+      {"screenshot": "replaced.png"})"),
+            0)
+      << Errors();
+  const json differences = State("asks.json")["differences"];
+  ASSERT_EQ(differences.size(), 2u);
+  EXPECT_EQ(differences[0], "1 object would be gone: sofa_0.");
+  EXPECT_EQ(differences[1], "1 object would be new: armchair_0.");
+  EXPECT_EQ(ReadFile(File("ground_truth.json.bak")).value(), before);
+  EXPECT_NE(ReadFile(File("ground_truth.json")).value(), before);
+}
+
+TEST_F(AnnotateWindow, AScanInMillimetresIsToldAndCopied) {
+  ASSERT_TRUE(WritePly(scene_.scan, Scaled(ReadMesh(scene_.scan).value(), 1000)).ok());
+  ASSERT_EQ(Run(R"(
+      {"wait_for": {"annotate.doubted_size_m": {"min": 1000}}},
+      {"wait_frames": 3},
+      {"screenshot": "unit.png"},
+      {"click": "annotate.unit.mm"},
+      {"wait_for": {"annotate.doubted_size_m": 0, "annotate.aligns": true, "annotate.busy": "",
+                    "annotate.undo": "Take the scan in metres"}},
+      {"wait_frames": 3},
+      {"screenshot": "metres.png"})"),
+            0)
+      << Errors();
+  EXPECT_TRUE(std::filesystem::exists(File("scan-metres.ply")));
 }
 
 }  // namespace

@@ -412,6 +412,60 @@ TEST_F(AnnotateWindow, CutsAFragmentOutByALineAndSaysWhatCannotBeCut) {
   EXPECT_NE(State("taken.json")["undo"], "Set gravity");
 }
 
+TEST_F(AnnotateWindow, FromTheFloorToTheCopyWithoutAMouse) {
+  ASSERT_EQ(Run(R"(
+      {"key": "p", "control": true},
+      {"wait_for": {"palette": true}},
+      {"wait_frames": 3},
+      {"text": "find the floor"},
+      {"key": "enter"},
+      {"wait_for": {"annotate.proposal": "floor"}},
+      {"key": "enter"},
+      {"wait_for": {"annotate.floor_known": true}},
+      {"key": "pad7"},
+      {"wait_frames": 3},
+      {"dump_state": "above.json"},
+      {"key": "p", "control": true},
+      {"wait_frames": 4},
+      {"dump_state": "palette.json"},
+      {"screenshot": "palette.png"},
+      {"key": "escape"},
+      {"wait_for": {"palette": false}},
+      {"key": "m"},
+      {"wait_for": {"palette": true}},
+      {"wait_frames": 3},
+      {"text": "armch"},
+      {"wait_frames": 2},
+      {"screenshot": "models.png"},
+      {"key": "enter"},
+      {"wait_for": {"annotate.tool": "place"}},
+      {"key": "padenter"},
+      {"wait_for": {"annotate.proposal": "placement", "annotate.running": false}},
+      {"key": "enter"},
+      {"wait_for": {"annotate.instances": 1, "annotate.selected": "armchair_0"}},
+      {"key": "escape", "times": 2},
+      {"wait_for": {"annotate.tool": "select", "annotate.selected": ""}},
+      {"key": "tab"},
+      {"wait_for": {"annotate.selected": "armchair_0"}},
+      {"key": "d", "control": true},
+      {"wait_for": {"annotate.selected": "armchair_1"}},
+      {"key": "tab"},
+      {"wait_for": {"annotate.selected": "armchair_0"}},
+      {"key": "tab", "shift": true},
+      {"wait_for": {"annotate.selected": "armchair_1"}},
+      {"click": "annotate.view", "at": [0.05, 0.95], "button": "right"},
+      {"wait_frames": 4},
+      {"screenshot": "menu.png"},
+      {"key": "escape"},
+      {"wait_frames": 2},
+      {"key": "delete"},
+      {"wait_for": {"annotate.instances": 1}})"),
+            0)
+      << Errors();
+  const json eye = State("above.json")["eye_in_level"];
+  EXPECT_GT(eye[2].get<double>(), 2 * std::hypot(eye[0].get<double>(), eye[1].get<double>()));
+}
+
 TEST_F(AnnotateWindow, KeepsEveryControlInsideAndSwitchesToInspectAndBack) {
   for (const auto& [width, height] : {std::pair{1024, 700}, {1600, 1000}}) {
     ASSERT_EQ(Run(R"(

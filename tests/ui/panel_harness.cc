@@ -112,6 +112,19 @@ void PanelHarness::Drag(Panel& panel, const std::string& widget, ImVec2 from, Im
   Draw(panel);
 }
 
+void PanelHarness::JumpAndClick(Panel& panel, const std::string& widget, ImVec2 share,
+                                ImVec2 tremor_px, int button) {
+  Point(panel, widget, 0.1f, 0.1f);
+  ImGuiIO& io = ImGui::GetIO();
+  io.MousePos = At(widget, share.x, share.y);
+  io.MouseDown[button] = true;
+  Draw(panel);
+  io.MousePos = {io.MousePos.x + tremor_px.x, io.MousePos.y + tremor_px.y};
+  Draw(panel);
+  io.MouseDown[button] = false;
+  Draw(panel, 2);
+}
+
 void PanelHarness::Wheel(Panel& panel, const std::string& widget, float notches) {
   Point(panel, widget);
   ImGui::GetIO().MouseWheel = notches;

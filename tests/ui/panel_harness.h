@@ -97,6 +97,10 @@ class PanelHarness {
   void Point(Panel& panel, const std::string& widget, float x = 0.5f, float y = 0.5f);
   void Click(Panel& panel, const std::string& widget, float x = 0.5f, float y = 0.5f);
   void Drag(Panel& panel, const std::string& widget, ImVec2 from, ImVec2 to, int button);
+  /// The mouse jumps there and is pressed in the same frame, moves by so many pixels, and is let
+  /// go.
+  void JumpAndClick(Panel& panel, const std::string& widget, ImVec2 share, ImVec2 tremor_px,
+                    int button = 0);
   void Wheel(Panel& panel, const std::string& widget, float notches);
 
   FrameContext context;

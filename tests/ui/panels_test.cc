@@ -238,6 +238,35 @@ TEST(ScenePanel, TurnsByLeftMovesByRightAndZoomsByWheel) {
   EXPECT_EQ(harness.scene.zoomed, 2);
 }
 
+TEST(ScenePanel, AClickThatTremblesOrFollowsAJumpSelectsAndTurnsNothing) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("scene");
+  harness.ShowFrame(20);
+  for (const int button : {0, 1, 2})
+    harness.JumpAndClick(*panel, "scene.view", {0.6f, 0.6f}, {2, -3}, button);
+  EXPECT_EQ(harness.scene.orbit_x, 0);
+  EXPECT_EQ(harness.scene.orbit_y, 0);
+  EXPECT_EQ(harness.scene.pan_x, 0);
+  EXPECT_NE(harness.sink.Last<SelectObjectCommand>(), nullptr);
+  harness.sink.commands.clear();
+  harness.JumpAndClick(*panel, "scene.view", {0.6f, 0.6f}, {5, 0});
+  EXPECT_EQ(harness.sink.Last<SelectObjectCommand>(), nullptr) << "a drag";
+  EXPECT_EQ(harness.scene.orbit_x, 5) << "by the drag alone, not by the jump";
+}
+
+TEST(ScenePanel, TheWheelKeepsWhatIsUnderTheMouse) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("scene");
+  harness.ShowFrame(20);
+  harness.Point(*panel, "scene.view", 0.75f, 0.5f);
+  const auto rect = *harness.widgets.Find("scene.view");
+  ImGui::GetIO().MouseWheel = 1;
+  harness.Draw(*panel);
+  EXPECT_EQ(harness.scene.zoomed, 1);
+  // A quarter of the view from its middle, which grows to 1 / 0.88 of it.
+  EXPECT_NEAR(harness.scene.pan_x, -0.25 * (rect.high.x - rect.low.x) * (1 / 0.88 - 1), 0.5);
+}
+
 TEST(ScenePanel, SelectsWhatIsClicked) {
   PanelHarness harness;
   const auto panel = MakeInspectPanel("scene");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The way from the X server through GLFW to the panels, with real events that xdotool sends. What
-// each control does is tested by scripts in window_test.cc; here only that events arrive.
+// each control does is tested by scripts in window_test.cc; here only that events arrive, and that
+// they do what was meant however long a frame of the window takes.
 
 #include <signal.h>
 #include <sys/wait.h>
@@ -10,12 +11,14 @@
 #include <cstdlib>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "app/platform/virtual_display.h"
 #include "engine/base/files.h"
+#include "tests/support/annotation_walk.h"
 #include "tests/support/test_data.h"
 
 namespace plumbline {
@@ -32,20 +35,26 @@ class RealInput : public testing::Test {
     auto display = VirtualDisplay::Start(1280, 900);
     if (!display.ok()) GTEST_SKIP() << display.error().message;
     display_ = std::move(display).value();
-    window_ = fork();
-    if (window_ == 0) {
-      setenv("DISPLAY", display_->name().c_str(), 1);
-      const std::string program = (ProgramFile().parent_path() / "fake_window").string();
-      execl(program.c_str(), "fake_window", "--frames", "60", "--image", "240", "125", "--size",
-            "1200", "800", "--state", state_file_.c_str(), static_cast<char*>(nullptr));
-      _exit(127);
-    }
   }
   void TearDown() override {
     if (window_ > 0) {
       kill(window_, SIGKILL);
       waitpid(window_, nullptr, 0);
     }
+  }
+
+  /// In the temporary folder.
+  void Start(const std::filesystem::path& program, std::vector<std::string> arguments) {
+    window_ = fork();
+    if (window_ != 0) return;
+    setenv("DISPLAY", display_->name().c_str(), 1);
+    setenv("XDG_CONFIG_HOME", folder_.path().c_str(), 1);
+    arguments.insert(arguments.begin(), program.string());
+    std::vector<char*> words;
+    for (std::string& argument : arguments) words.push_back(argument.data());
+    words.push_back(nullptr);
+    if (chdir(folder_.path().c_str()) == 0) execv(program.c_str(), words.data());
+    _exit(127);
   }
 
   json State() const {
@@ -83,6 +92,9 @@ class RealInput : public testing::Test {
 };
 
 TEST_F(RealInput, ReachesTheWindowByKeyboardAndMouse) {
+  Start(
+      ProgramFile().parent_path() / "fake_window",
+      {"--frames", "60", "--image", "240", "125", "--size", "1200", "800", "--state", state_file_});
   ASSERT_TRUE(Comes([](const json& s) { return s["frame"] == 0; })) << "the window did not come up";
   Do("key Right");
   EXPECT_TRUE(Comes([](const json& s) { return s["frame"] == 1; }));
@@ -115,6 +127,138 @@ TEST_F(RealInput, ReachesTheWindowByKeyboardAndMouse) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
   window_ = -1;
 }
+
+/// `plumbline gui` on a scan, at 60 frames a second and at 5.
+class RealAnnotation : public RealInput, public testing::WithParamInterface<int> {
+ protected:
+  void SetUp() override {
+    RealInput::SetUp();
+    if (display_ == nullptr) return;
+    scene_ = MakeAnnotationScene(folder_.path());
+    Start(ProgramFile(), {"gui", "scan.ply", "--size", "1200x800", "--state", state_file_,
+                          "--frame-ms", std::to_string(GetParam())});
+    ASSERT_TRUE(Comes([](const json& s) {
+      return s.value("annotate.aligns", false) && s["annotate.models"] == 5 &&
+             s["annotate.busy"] == "";
+    })) << "the window did not come up";
+    Do("key 5");  // from above: the middle of the view is the origin of the floor
+    Rest();
+  }
+  /// Until what was done has been drawn, with the frames that ImGui takes to come to rest.
+  void Rest() const {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200 + 6 * GetParam()));
+  }
+  /// The floor, and an armchair on it.
+  void PlaceArmchair() {
+    Do(MouseTo("annotate.tool.floor") + " click 1");
+    ASSERT_TRUE(Comes([](const json& s) { return s["annotate.tool"] == "floor"; }));
+    Do(MouseTo("annotate.view", 0.5, 0.75) + " click 1");
+    ASSERT_TRUE(Comes([](const json& s) { return s["annotate.proposal"] == "floor"; }));
+    Do("key Return");
+    ASSERT_TRUE(Comes([](const json& s) { return s["annotate.floor_known"] == true; }));
+    Do("key 5");
+    Rest();
+    Do(MouseTo("annotate_models.armchair") + " click 1");
+    ASSERT_TRUE(Comes([](const json& s) { return s["annotate.tool"] == "place"; }));
+    eye_ = Eye();
+    Do(MouseTo("annotate.view", 0.59, 0.43) + " click 1");
+    ASSERT_TRUE(Comes([](const json& s) {
+      return s["annotate.proposal"] == "placement" && s["annotate.running"] == false;
+    })) << "the click was lost, or was taken for a drag";
+    Do("key Return");
+    ASSERT_TRUE(Comes([](const json& s) { return s["annotate.instances"] == 1; }));
+    Do("key Escape");
+    ASSERT_TRUE(Comes([](const json& s) { return s["annotate.tool"] == "select"; }));
+  }
+  void AClickAfterAJumpLandsWhereItIsAndTurnsNothing();
+  void ATremblingHandClicksAndAQuickDragMovesAllTheWay();
+  void NumbersTypedAndLeftByTabCountOnceEach();
+  void ADoubleClickTurnsTheViewAboutThatPoint();
+  json Eye() const { return State()["annotate"]["eye_in_level"]; }
+  Eigen::Vector3d Place() const {
+    const json pose = State()["annotate"]["instances"][0]["scan_from_object"];
+    return Eigen::Vector3d(pose[0][3].get<double>(), pose[1][3].get<double>(),
+                           pose[2][3].get<double>());
+  }
+
+  AnnotationScene scene_;
+  json eye_;
+};
+
+void RealAnnotation::AClickAfterAJumpLandsWhereItIsAndTurnsNothing() {
+  EXPECT_EQ(Eye(), eye_) << "the view has turned";
+  EXPECT_LT((Place() - scene_.scan_from_armchair.translation()).norm(), 0.01);
+  // On the object, off it, and on it again, each at once.
+  for (const bool on : {false, true, false}) {
+    Do(on ? MouseTo("annotate.view", 0.59, 0.43) + " click 1"
+          : MouseTo("annotate.view", 0.05, 0.9) + " click 1");
+    EXPECT_TRUE(Comes([&](const json& s) {
+      return s["annotate.selected"] == (on ? "armchair_0" : "");
+    })) << on;
+  }
+  EXPECT_EQ(Eye(), eye_);
+}
+
+void RealAnnotation::ATremblingHandClicksAndAQuickDragMovesAllTheWay() {
+  const Eigen::Vector3d before = Place();
+  const json eye = Eye();
+  Do(MouseTo("annotate.view", 0.05, 0.9) +
+     " mousedown 1 mousemove_relative 1 1 mousemove_relative 1 1 mouseup 1");
+  EXPECT_TRUE(Comes([](const json& s) { return s["annotate.selected"] == ""; }));
+  Do(MouseTo("annotate.view", 0.59, 0.43) + " mousedown 1 mousemove_relative 2 1 mouseup 1");
+  EXPECT_TRUE(Comes([](const json& s) { return s["annotate.selected"] == "armchair_0"; }));
+  Do(MouseTo("annotate.view", 0.59, 0.43) + " mousedown 1 mousemove_relative -- -2 1 mouseup 1");
+  Rest();
+  EXPECT_EQ(State()["annotate.undo"], "Add armchair_0") << "it was not moved";
+  EXPECT_EQ(Eye(), eye);
+  // A drag that is over before the next frame.
+  Do(MouseTo("annotate.view", 0.59, 0.43) + " mousedown 1 mousemove_relative 60 0 mouseup 1");
+  EXPECT_TRUE(Comes([](const json& s) { return s["annotate.undo"] == "Move armchair_0"; }));
+  EXPECT_GT(Place().x(), before.x() + 0.1);
+  EXPECT_EQ(Eye(), eye);
+  Do(MouseTo("annotate.view", 0.05, 0.9) + " mousedown 1 mousemove_relative 80 0 mouseup 1");
+  EXPECT_TRUE(Comes([&](const json& s) { return s["annotate"]["eye_in_level"] != eye; }))
+      << "beside it, the same drag turns the view";
+}
+
+void RealAnnotation::NumbersTypedAndLeftByTabCountOnceEach() {
+  const Eigen::Vector3d before = Place();
+  Do(MouseTo("instance.x") + " click 1");
+  Rest();
+  Do("type --delay 1 1.25");
+  Do("key --delay 1 Tab");
+  Do("type --delay 1 -- -0.5");
+  Do("key --delay 1 Tab");
+  Do("key --delay 1 Tab");  // the height as it is
+  EXPECT_TRUE(Comes([&](const json&) {
+    return (Place() - Eigen::Vector3d(1.25, -0.5, 0)).norm() < 1e-6;
+  })) << Place().transpose();
+  Rest();
+  Do("key Escape");
+  Rest();
+  Do("key ctrl+z");
+  Do("key ctrl+z");
+  EXPECT_TRUE(Comes([&](const json&) { return (Place() - before).norm() < 1e-9; }))
+      << "two numbers are two edits";
+}
+
+void RealAnnotation::ADoubleClickTurnsTheViewAboutThatPoint() {
+  const json eye = Eye();
+  Do(MouseTo("annotate.view", 0.6, 0.4) + " click --repeat 2 --delay 60 1");
+  EXPECT_TRUE(Comes([&](const json& s) { return s["annotate"]["eye_in_level"] != eye; }));
+}
+
+TEST_P(RealAnnotation, DoesWhatHandsMeanHoweverLongAFrameTakes) {
+  PlaceArmchair();
+  if (HasFatalFailure()) return;
+  AClickAfterAJumpLandsWhereItIsAndTurnsNothing();
+  Do(MouseTo("annotate.view", 0.59, 0.43) + " click 1");
+  ATremblingHandClicksAndAQuickDragMovesAllTheWay();
+  NumbersTypedAndLeftByTabCountOnceEach();
+  ADoubleClickTurnsTheViewAboutThatPoint();
+}
+
+INSTANTIATE_TEST_SUITE_P(FrameMs, RealAnnotation, testing::Values(16, 200));
 
 }  // namespace
 }  // namespace plumbline

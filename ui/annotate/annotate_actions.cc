@@ -79,107 +79,369 @@ void PostNudges(const FrameContext& context, const AnnotatedInstance& instance, 
   }
 }
 
-/// Keys that answer a proposal; true if there is one.
-bool PostAnswer(const FrameContext& context, CommandSink& sink) {
-  const AnnotationSnapshot& snapshot = *context.annotation;
-  AnnotateView& view = *context.annotate;
-  if (ImGui::IsKeyPressed(keys::kEscape, false)) {
-    if (view.tool == AnnotateTool::kCut && (!view.lasso.empty() || view.crop_box)) {
-      DropCut(context, sink);
-    } else if (snapshot.HasProposal()) {
-      sink.Post(CancelProposalCommand{});
-    } else if (view.tool != AnnotateTool::kSelect) {
-      view.tool = AnnotateTool::kSelect;
-    } else {
-      sink.Post(SelectInstanceCommand{});
-    }
-    return true;
-  }
-  const bool cut_now = view.crop_by_line ? !view.lasso_closed : !snapshot.crop;
-  if (view.tool == AnnotateTool::kCut && cut_now && ImGui::IsKeyPressed(keys::kEnter, false)) {
-    ProposeCrop(context, sink);
-    return true;
-  }
-  if (view.tool == AnnotateTool::kCut && view.crop_box) NudgeBox(context, *view.crop_box);
-  if (!snapshot.HasProposal()) return false;
-  if (ImGui::IsKeyPressed(keys::kEnter, false)) {
-    if (snapshot.floor) {
-      view.tool = AnnotateTool::kSelect;
-      view.reset = true;
-    }
-    const auto ready = [](const auto& proposal) {
-      return proposal && !proposal->running && proposal->problem.empty();
-    };
-    if (ready(snapshot.sequence_alignment) || ready(snapshot.crop))
-      view.tool = AnnotateTool::kSelect;
-    AcceptProposal(context, view.candidate, sink);
-  }
-  if (snapshot.placement) {
-    const int count = static_cast<int>(snapshot.placement->candidates.size());
-    if (ImGui::IsKeyPressed(keys::kDown)) view.candidate = std::min(view.candidate + 1, count - 1);
-    if (ImGui::IsKeyPressed(keys::kUp)) view.candidate = std::max(view.candidate - 1, 0);
-  }
-  return true;
+bool IsOpen(const FrameContext& context) {
+  return context.annotation != nullptr && context.annotate_scene != nullptr;
+}
+/// Nothing is being decided: keys are for the selected object.
+bool IsFree(const FrameContext& context) {
+  return IsOpen(context) && !context.annotation->HasProposal() &&
+         context.annotate->tool != AnnotateTool::kCut;
+}
+bool HasSelection(const FrameContext& context) {
+  return IsFree(context) && context.annotation->Selected() != nullptr;
+}
+bool CanEdit(const FrameContext& context) {
+  return HasSelection(context) && Editable(context, context.annotation->Selected());
+}
+bool CutsNow(const FrameContext& context) {
+  const AnnotateView& view = *context.annotate;
+  return view.tool == AnnotateTool::kCut &&
+         (view.crop_by_line ? !view.lasso_closed : !context.annotation->crop);
+}
+bool CanAccept(const FrameContext& context) {
+  if (!IsOpen(context)) return false;
+  const AnnotateTool tool = context.annotate->tool;
+  return context.annotation->HasProposal() || tool == AnnotateTool::kPlace || CutsNow(context);
 }
 
-void PostControlKeys(const FrameContext& context, const AnnotatedInstance* instance,
-                     CommandSink& sink) {
-  const ImGuiIO& io = ImGui::GetIO();
+/// What Enter says: cut out, take what is proposed, or put the chosen model into the middle.
+void Accept(const FrameContext& context, CommandSink& sink) {
+  const AnnotationSnapshot& snapshot = *context.annotation;
   AnnotateView& view = *context.annotate;
-  const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
-  if (pressed(keys::kZ)) {
-    if (io.KeyShift) {
-      sink.Post(RedoCommand{});
-    } else {
-      sink.Post(UndoCommand{});
-    }
+  if (CutsNow(context)) return ProposeCrop(context, sink);
+  if (!snapshot.HasProposal())
+    return PlaceChosenModel(context, 0.5 * view.view_px.x(), 0.5 * view.view_px.y(), sink);
+  if (snapshot.floor) {
+    view.tool = AnnotateTool::kSelect;
+    view.reset = true;
   }
-  if (pressed(keys::kY)) sink.Post(RedoCommand{});
-  if (pressed(keys::kS)) sink.Post(SaveProjectCommand{});
-  if (instance == nullptr) return;
-  if (pressed(keys::kC)) view.copied = instance->scan_from_object;
-  if (pressed(keys::kV) && view.copied && Editable(context, instance))
-    sink.Post(SetInstancePoseCommand{instance->id, *view.copied});
-  if (pressed(keys::kD)) Duplicate(context, sink);
+  const auto ready = [](const auto& proposal) {
+    return proposal && !proposal->running && proposal->problem.empty();
+  };
+  if (ready(snapshot.sequence_alignment) || ready(snapshot.crop)) view.tool = AnnotateTool::kSelect;
+  AcceptProposal(context, view.candidate, sink);
+}
+
+/// What Esc says: a step back.
+void StepBack(const FrameContext& context, CommandSink& sink) {
+  AnnotateView& view = *context.annotate;
+  if (view.tool == AnnotateTool::kCut && (!view.lasso.empty() || view.crop_box)) {
+    DropCut(context, sink);
+  } else if (context.annotation->HasProposal()) {
+    sink.Post(CancelProposalCommand{});
+  } else if (view.tool != AnnotateTool::kSelect) {
+    view.tool = AnnotateTool::kSelect;
+  } else {
+    sink.Post(SelectInstanceCommand{});
+  }
+}
+
+void SelectBy(const FrameContext& context, int step, CommandSink& sink) {
+  const auto& instances = context.annotation->instances;
+  if (instances.empty()) return;
+  const auto count = static_cast<int>(instances.size());
+  int at = step > 0 ? -1 : count;
+  for (int i = 0; i < count; ++i) {
+    if (instances[static_cast<std::size_t>(i)].id == context.annotation->selected) at = i;
+  }
+  const int next = ((at + step) % count + count) % count;
+  sink.Post(SelectInstanceCommand{instances[static_cast<std::size_t>(next)].id});
+}
+
+using Run = std::function<void(const FrameContext&, CommandSink&)>;
+
+/// Does something with the selected object.
+Run WithSelected(void (*run)(const FrameContext&, const AnnotatedInstance&, CommandSink&)) {
+  return [run](const FrameContext& context, CommandSink& sink) {
+    run(context, *context.annotation->Selected(), sink);
+  };
+}
+
+/// Changes one value of the selected object.
+template <typename Set>
+Run Changes(Set set) {
+  return [set](const FrameContext& context, CommandSink& sink) {
+    const AnnotatedInstance& instance = *context.annotation->Selected();
+    ChangeInstanceCommand change;
+    change.id = instance.id;
+    set(instance, change.set);
+    sink.Post(change);
+  };
+}
+
+Run TakesTool(AnnotateTool tool) {
+  return [tool](const FrameContext& context, CommandSink& sink) {
+    context.annotate->tool = tool;
+    sink.Post(CancelProposalCommand{});
+  };
+}
+
+Run Turns(bool AnnotateView::*value) {
+  return [value](const FrameContext& context, CommandSink&) {
+    context.annotate->*value = !(context.annotate->*value);
+  };
+}
+
+std::function<bool(const FrameContext&)> Is(bool AnnotateView::*value) {
+  return [value](const FrameContext& context) {
+    return context.annotate != nullptr && context.annotate->*value;
+  };
+}
+
+/// A row of the help sheet for keys that are watched.
+Action Watched(std::vector<KeyStroke> strokes, const char* help_keys, const char* help) {
+  return {.keys = std::move(strokes), .help_keys = help_keys, .help = help};
+}
+
+ActionGroup MoveActions() {
+  using namespace keys;
+  return {
+      "Move",
+      {Watched({{kW}, {kA}, {kS}, {kD}, {kW, true}, {kA, true}, {kS, true}, {kD, true}}, "W A S D",
+               "Move it along the floor by 5 mm (Shift: 5 cm)"),
+       Watched({{kQ}, {kE}, {kQ, true}, {kE, true}}, "Q  E",
+               "Lower or raise it by 5 mm (Shift: 5 cm)"),
+       Watched({{kZ}, {kX}, {kZ, true}, {kX, true}}, "Z  X",
+               "Turn it by 0.5\u00b0 (Shift: 5\u00b0)"),
+       {.text = "Put it onto the floor",
+        .keys = {{kG}},
+        .run = WithSelected([](const FrameContext& context, const AnnotatedInstance& instance,
+                               CommandSink& sink) {
+          const LevelPose pose = ReadPose(*context.annotation, instance.scan_from_object);
+          sink.Post(SetInstancePoseCommand{
+              instance.id, Moved(*context.annotation, instance.scan_from_object, {0, 0, -pose.z})});
+        }),
+        .help_keys = "G",
+        .help = "Onto the floor",
+        .is_offered = CanEdit}}};
+}
+
+ActionGroup AlignActions() {
+  using namespace keys;
+  return {"Align",
+          {{.text = "Refine: align it to the scan",
+            .keys = {{kI}},
+            .run = WithSelected([](const FrameContext& context, const AnnotatedInstance& instance,
+                                   CommandSink& sink) {
+              sink.Post(RefineInstanceCommand{instance.id, context.annotate->on_floor});
+            }),
+            .help_keys = "I",
+            .help = "Refine: align it to the scan (Shift: to the images)",
+            .is_offered = CanEdit},
+           {.text = "Refine by images: align its outline to their edges",
+            .keys = {{kI, true}},
+            .run = WithSelected([](const FrameContext& context, const AnnotatedInstance& instance,
+                                   CommandSink& sink) {
+              sink.Post(RefineByImagesCommand{instance.id, context.annotate->on_floor});
+            }),
+            .is_offered =
+                [](const FrameContext& context) {
+                  return CanEdit(context) && context.annotation->has_sequence;
+                }},
+           {.text = "Try all azimuths",
+            .keys = {{kT}},
+            .run = PlaceAgain,
+            .help_keys = "T",
+            .help = "Try all azimuths",
+            .is_offered = CanEdit},
+           {.text = "Accept",
+            .keys = {{kEnter}, {kPadEnter}},
+            .run = Accept,
+            .help_keys = "Enter  Esc",
+            .help = "Accept or discard; place the chosen model in the middle of the view",
+            .is_offered = CanAccept},
+           {.text = "Discard, or a step back",
+            .keys = {{kEscape}},
+            .run = StepBack,
+            .is_offered = IsOpen},
+           Watched({{kUp}, {kDown}}, "\u2191  \u2193", "Previous or next candidate")}};
+}
+
+ActionGroup EditActions() {
+  using namespace keys;
+  return {
+      "Edit",
+      {{.text = "Select the next object",
+        .keys = {{kTab}},
+        .run = [](const FrameContext& context, CommandSink& sink) { SelectBy(context, 1, sink); },
+        .help_keys = "Tab",
+        .help = "Select the next object (Shift: the previous one)",
+        .is_offered = IsFree},
+       {.text = "Select the previous object",
+        .keys = {{kTab, true}},
+        .run = [](const FrameContext& context, CommandSink& sink) { SelectBy(context, -1, sink); },
+        .is_offered = IsFree},
+       {.text = "Hide it",
+        .keys = {{kH}},
+        .run = Changes([](const AnnotatedInstance& instance, InstanceChange& set) {
+          set.hidden = !instance.hidden;
+        }),
+        .help_keys = "H  L  K",
+        .help = "Hide it, lock it, mark it as coarse or fine",
+        .text_when_on = "Show it",
+        .is_on = [](const FrameContext& c) { return c.annotation->Selected()->hidden; },
+        .is_offered = HasSelection},
+       {.text = "Lock it",
+        .keys = {{kL}},
+        .run = Changes([](const AnnotatedInstance& instance, InstanceChange& set) {
+          set.locked = !instance.locked;
+        }),
+        .text_when_on = "Unlock it",
+        .is_on = [](const FrameContext& c) { return c.annotation->Selected()->locked; },
+        .is_offered = HasSelection},
+       {.text = "Mark it as coarse",
+        .keys = {{kK}},
+        .run = Changes([](const AnnotatedInstance& instance, InstanceChange& set) {
+          set.fine = !instance.fine;
+        }),
+        .text_when_on = "Mark it as fine",
+        .is_on = [](const FrameContext& c) { return !c.annotation->Selected()->fine; },
+        .is_offered = HasSelection},
+       {.text = "Delete it",
+        .keys = {{kDelete}},
+        .run =
+            WithSelected([](const FrameContext&, const AnnotatedInstance& instance,
+                            CommandSink& sink) { sink.Post(RemoveInstanceCommand{instance.id}); }),
+        .help_keys = "Del",
+        .help = "Delete it",
+        .is_offered = CanEdit},
+       {.text = "Duplicate it",
+        .keys = {{kD, false, true}},
+        .run = Duplicate,
+        .help_keys = "Ctrl + D",
+        .help = "Duplicate it",
+        .is_offered = HasSelection},
+       {.text = "Copy its pose",
+        .keys = {{kC, false, true}},
+        .run = WithSelected(
+            [](const FrameContext& context, const AnnotatedInstance& instance, CommandSink&) {
+              context.annotate->copied = instance.scan_from_object;
+            }),
+        .help_keys = "Ctrl + C  V",
+        .help = "Copy, paste the pose",
+        .is_offered = HasSelection},
+       {.text = "Paste the pose",
+        .keys = {{kV, false, true}},
+        .run = WithSelected(
+            [](const FrameContext& context, const AnnotatedInstance& instance, CommandSink& sink) {
+              sink.Post(SetInstancePoseCommand{instance.id, *context.annotate->copied});
+            }),
+        .is_offered = [](const FrameContext& context) {
+          return CanEdit(context) && context.annotate->copied.has_value();
+        }}}};
+}
+
+ActionGroup ToolActions() {
+  using namespace keys;
+  return {
+      "Place",
+      {{.text = "Choose a model by its letters",
+        .keys = {{kM}},
+        .run = Posts(ShowPaletteCommand{true, "Place"}),
+        .help_keys = "M",
+        .help = "Choose a model to place: type some of its letters",
+        .is_offered =
+            [](const FrameContext& context) {
+              return IsOpen(context) && !context.annotation->models->empty();
+            }},
+       {.text = "Click on the floor", .run = TakesTool(AnnotateTool::kFloor), .is_offered = IsOpen},
+       {.text = "Find the floor",
+        .run = Posts(FindFloorCommand{}),
+        .is_offered =
+            [](const FrameContext& context) {
+              return IsFree(context) && context.annotation->ready_to_align;
+            }},
+       {.text = "Cut an object out of the scan",
+        .run = TakesTool(AnnotateTool::kCut),
+        .is_offered = IsOpen},
+       {.text = "Register the sequence",
+        .run = TakesTool(AnnotateTool::kSequence),
+        .is_offered = [](const FrameContext& context) {
+          return IsOpen(context) && context.annotation->has_sequence;
+        }}}};
+}
+
+ActionGroup ProjectActions() {
+  using namespace keys;
+  const auto can_write = [](const FrameContext& context) {
+    return IsOpen(context) && !context.annotation->read_only;
+  };
+  return {"Project",
+          {{.text = "Undo",
+            .keys = {{kZ, false, true}},
+            .run = Posts(UndoCommand{}),
+            .help_keys = "Ctrl + Z  Y",
+            .help = "Undo, redo",
+            .is_offered = IsOpen},
+           {.text = "Redo",
+            .keys = {{kY, false, true}, {kZ, true, true}},
+            .run = Posts(RedoCommand{}),
+            .is_offered = IsOpen},
+           {.text = "Save",
+            .keys = {{kS, false, true}},
+            .run = Posts(SaveProjectCommand{}),
+            .help_keys = "Ctrl + S",
+            .help = "Save",
+            .is_offered = can_write},
+           {.text = "Export",
+            .keys = {{kE, false, true}},
+            .run = Turns(&AnnotateView::open_export),
+            .help_keys = "Ctrl + E",
+            .help = "Export",
+            .is_offered = IsOpen},
+           {.text = "Save as, drafts of a run, annotator",
+            .keys = {{kS, true, true}},
+            .run = Turns(&AnnotateView::open_more),
+            .is_offered = IsOpen}}};
+}
+
+ActionGroup LayerActions() {
+  const auto layer = [](const char* show, const char* hide, bool AnnotateView::*value) {
+    return Action{.text = show,
+                  .run = Turns(value),
+                  .text_when_on = hide,
+                  .is_on = Is(value),
+                  .is_offered = IsOpen};
+  };
+  return {"Layers",
+          {layer("Show the scan", "Hide the scan", &AnnotateView::scan),
+           layer("Show the models", "Hide the models", &AnnotateView::models),
+           layer("Show the grid", "Hide the grid", &AnnotateView::grid),
+           layer("Show the path of the cameras", "Hide the path of the cameras",
+                 &AnnotateView::cameras),
+           layer("Unlock the tilt", "Lock the tilt", &AnnotateView::tilt),
+           layer("Keep on the floor what stands on it", "Let what stands on the floor rise",
+                 &AnnotateView::on_floor)}};
 }
 
 }  // namespace
 
 std::vector<ActionGroup> AnnotateActions() {
-  const auto watched = [](std::vector<KeyStroke> strokes, const char* help_keys, const char* help) {
-    return Action{.keys = std::move(strokes), .help_keys = help_keys, .help = help};
-  };
-  return {
-      {"Move",
-       {watched({{keys::kW},
-                 {keys::kA},
-                 {keys::kS},
-                 {keys::kD},
-                 {keys::kW, true},
-                 {keys::kA, true},
-                 {keys::kS, true},
-                 {keys::kD, true}},
-                "W A S D", "Move it along the floor by 5 mm (Shift: 5 cm)"),
-        watched({{keys::kQ}, {keys::kE}, {keys::kQ, true}, {keys::kE, true}}, "Q  E",
-                "Lower or raise it by 5 mm (Shift: 5 cm)"),
-        watched({{keys::kZ}, {keys::kX}, {keys::kZ, true}, {keys::kX, true}}, "Z  X",
-                "Turn it by 0.5\u00b0 (Shift: 5\u00b0)"),
-        watched({{keys::kG}}, "G", "Onto the floor")}},
-      {"Align",
-       {watched({{keys::kI}, {keys::kI, true}}, "I",
-                "Refine: align it to the scan (Shift: to the images)"),
-        watched({{keys::kT}}, "T", "Try all azimuths"),
-        watched({{keys::kEnter}, {keys::kEscape}}, "Enter  Esc", "Accept or discard the proposal"),
-        watched({{keys::kUp}, {keys::kDown}}, "\u2191  \u2193", "Previous or next candidate")}},
-      {"Edit",
-       {watched({{keys::kH}, {keys::kL}}, "H  L", "Hide, lock it"),
-        watched({{keys::kDelete}}, "Del", "Remove it"),
-        watched({{keys::kD, false, true}}, "Ctrl + D", "Duplicate it"),
-        watched({{keys::kC, false, true}, {keys::kV, false, true}}, "Ctrl + C  V",
-                "Copy, paste the pose"),
-        watched({{keys::kZ, false, true}, {keys::kY, false, true}, {keys::kZ, true, true}},
-                "Ctrl + Z  Y", "Undo, redo"),
-        watched({{keys::kS, false, true}}, "Ctrl + S", "Save")}}};
+  return {MoveActions(), AlignActions(),   EditActions(),
+          ToolActions(), ProjectActions(), LayerActions()};
+}
+
+std::optional<Eigen::Vector3d> PlaceAt(const FrameContext& context, double x_px, double y_px) {
+  AnnotateSurface& scene = *context.annotate_scene;
+  if (const auto point = scene.PickScan(x_px, y_px)) return point;
+  const SightLine sight = scene.Sight(x_px, y_px);
+  if (!context.annotation->floor_known || sight.direction.z() > -0.05) return std::nullopt;
+  return Eigen::Vector3d(sight.eye - sight.eye.z() / sight.direction.z() * sight.direction);
+}
+
+void PlaceChosenModel(const FrameContext& context, double x_px, double y_px, CommandSink& sink) {
+  AnnotateView& view = *context.annotate;
+  const auto point = PlaceAt(context, x_px, y_px);
+  if (!point || view.model.empty()) return;
+  view.candidate = 0;
+  sink.Post(PlaceModelCommand{view.model, context.annotation->level_from_scan.inverse() * *point,
+                              context.annotate_scene->camera().azimuth_rad, view.on_floor});
+}
+
+void ChooseModel(const FrameContext& context, const std::string& model, CommandSink& sink) {
+  context.annotate->model = model;
+  context.annotate->tool = AnnotateTool::kPlace;
+  sink.Post(CancelProposalCommand{});
 }
 
 void NotePosted(const AnnotationCommand& command, std::optional<std::uint64_t> number,
@@ -269,38 +531,18 @@ void Duplicate(const FrameContext& context, CommandSink& sink) {
 }
 
 void PostAnnotateShortcuts(const FrameContext& context, CommandSink& sink) {
-  if (context.annotation == nullptr || context.annotate_scene == nullptr) return;
+  if (!IsOpen(context)) return;
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantTextInput || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId)) return;
-  const AnnotatedInstance* instance = context.annotation->Selected();
-  if (io.KeyCtrl) return PostControlKeys(context, instance, sink);
-  if (PostAnswer(context, sink)) return;
-  if (instance == nullptr || context.annotate->tool == AnnotateTool::kCut) return;
-  if (Editable(context, instance)) {
-    PostNudges(context, *instance, sink);
-    const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
-    if (pressed(keys::kG)) {
-      const LevelPose pose = ReadPose(*context.annotation, instance->scan_from_object);
-      sink.Post(SetInstancePoseCommand{
-          instance->id, Moved(*context.annotation, instance->scan_from_object, {0, 0, -pose.z})});
-    }
-    if (pressed(keys::kI) && io.KeyShift) {
-      sink.Post(RefineByImagesCommand{instance->id, context.annotate->on_floor});
-    } else if (pressed(keys::kI)) {
-      sink.Post(RefineInstanceCommand{instance->id, context.annotate->on_floor});
-    }
-    if (pressed(keys::kT)) PlaceAgain(context, sink);
-    if (pressed(keys::kDelete)) sink.Post(RemoveInstanceCommand{instance->id});
+  if (io.KeyCtrl) return;
+  AnnotateView& view = *context.annotate;
+  if (view.tool == AnnotateTool::kCut && view.crop_box) NudgeBox(context, *view.crop_box);
+  if (const auto& placement = context.annotation->placement) {
+    const int count = static_cast<int>(placement->candidates.size());
+    if (ImGui::IsKeyPressed(keys::kDown)) view.candidate = std::min(view.candidate + 1, count - 1);
+    if (ImGui::IsKeyPressed(keys::kUp)) view.candidate = std::max(view.candidate - 1, 0);
   }
-  ChangeInstanceCommand change;
-  change.id = instance->id;
-  if (ImGui::IsKeyPressed(keys::kH, false)) {
-    change.set.hidden = !instance->hidden;
-    sink.Post(change);
-  } else if (ImGui::IsKeyPressed(keys::kL, false)) {
-    change.set.locked = !instance->locked;
-    sink.Post(change);
-  }
+  if (CanEdit(context)) PostNudges(context, *context.annotation->Selected(), sink);
 }
 
 }  // namespace plumbline

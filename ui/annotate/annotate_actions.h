@@ -4,7 +4,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "engine/snapshot/commands.h"
 #include "ui/framework/actions.h"
@@ -32,13 +35,19 @@ void PlaceAgain(const FrameContext& context, CommandSink& sink);
 void ProposeCrop(const FrameContext& context, CommandSink& sink);
 /// Forgets box, line and what would have been cut out by them.
 void DropCut(const FrameContext& context, CommandSink& sink);
+/// Where a model would stand, in the level frame: on the scan or, where it has a hole, on the floor
+/// if that is known. Pixels of the view.
+std::optional<Eigen::Vector3d> PlaceAt(const FrameContext& context, double x_px, double y_px);
+void PlaceChosenModel(const FrameContext& context, double x_px, double y_px, CommandSink& sink);
+/// The next click, or Enter, places it.
+void ChooseModel(const FrameContext& context, const std::string& model, CommandSink& sink);
 /// A copy of the selected object beside it.
 void Duplicate(const FrameContext& context, CommandSink& sink);
 
-/// Its keys, which PostAnnotateShortcuts watches, with the rows of the help sheet.
+/// Its part of keyboard, palette and help sheet.
 std::vector<ActionGroup> AnnotateActions();
-/// What the keys that went down in this ImGui frame ask for. Nudges are shown at once and become
-/// one edit when the keys are let go.
+/// What the keys ask for that are held, or walk through candidates. Nudges are shown at once and
+/// become one edit when the keys are let go.
 void PostAnnotateShortcuts(const FrameContext& context, CommandSink& sink);
 
 }  // namespace plumbline

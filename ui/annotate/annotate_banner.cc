@@ -73,6 +73,32 @@ void DrawDiskProblem(const FrameContext& context, float x, float& y, float width
   EndSheet(context, "annotate.disk", y);
 }
 
+/// Metres are asked for where no room can be meant.
+void DrawUnitQuestion(const FrameContext& context, float x, float& y, float width,
+                      CommandSink& sink) {
+  const AnnotationSnapshot& snapshot = *context.annotation;
+  if (!snapshot.doubted_size_m || !snapshot.instances.empty()) return;
+  BeginSheet(context, "annotate.unit", x, y, width, colors::kWarning);
+  ImGui::TextWrapped(
+      "%s spans %.0f in the unit of its file. If that were metres, it would be larger than any "
+      "room, and models would be lost in it. Which unit is it?",
+      snapshot.scan_name.c_str(), *snapshot.doubted_size_m);
+  ImGui::Dummy({0, context.Scaled(2)});
+  const auto unit = [&](const char* name, const char* label, double metres, const char* help) {
+    if (Button(context, name, label, help)) sink.Post(SetScanUnitCommand{metres});
+    ImGui::SameLine(0, context.Scaled(6));
+  };
+  const char* copies =
+      "Writes a copy in metres beside the scan and goes on with that. Undo goes back to this one.";
+  ImGui::BeginDisabled(snapshot.read_only);
+  unit("annotate.unit.mm", "Millimetres", 0.001, copies);
+  unit("annotate.unit.cm", "Centimetres", 0.01, copies);
+  ImGui::EndDisabled();
+  unit("annotate.unit.m", "Metres, as it is", 1, "It stays as it is.");
+  ImGui::NewLine();
+  EndSheet(context, "annotate.unit", y);
+}
+
 void DrawNotices(const FrameContext& context, float x, float& y, float width, CommandSink& sink) {
   const AnnotationSnapshot& snapshot = *context.annotation;
   if (snapshot.notices.empty()) return;
@@ -106,6 +132,7 @@ void DrawAnnotateBanners(const FrameContext& context, ImVec2 low, ImVec2 high, C
   const float x = 0.5f * (low.x + high.x - width);
   float y = low.y + context.Scaled(10);
   DrawDiskProblem(context, x, y, width, sink);
+  DrawUnitQuestion(context, x, y, width, sink);
   DrawNotices(context, x, y, width, sink);
 }
 

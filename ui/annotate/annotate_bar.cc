@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <utility>
 
 #include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
@@ -9,6 +10,8 @@
 
 namespace plumbline {
 namespace {
+
+constexpr double kSteadyWidth = 150;
 
 std::string Capitalised(const char* word, const std::optional<std::string>& label) {
   return label ? std::string(word) + ": " + *label : std::string(word);
@@ -20,6 +23,29 @@ bool BarButton(const FrameContext& context, const char* name, const char* label,
   ImGui::BeginDisabled(!enabled);
   const bool clicked = Button(context, name, label, tooltip);
   ImGui::EndDisabled();
+  return clicked && enabled;
+}
+
+/// The same, as wide whatever it says: buttons stay where they are. The tooltip tells what does
+/// not fit.
+bool SteadyButton(const FrameContext& context, const char* name, std::string label, bool enabled,
+                  const std::string& tooltip) {
+  const ImVec2 size(context.Scaled(kSteadyWidth), 0);
+  const float room = size.x - 2 * ImGui::GetStyle().FramePadding.x;
+  if (ImGui::CalcTextSize(label.c_str()).x > room) {
+    constexpr const char* kMore = "\u2026";
+    const auto is_inner_byte = [](char c) { return (c & 0xC0) == 0x80; };  // of UTF-8
+    while (!label.empty() && ImGui::CalcTextSize((label + kMore).c_str()).x > room) {
+      while (is_inner_byte(label.back())) label.pop_back();
+      label.pop_back();
+    }
+    label += kMore;
+  }
+  ImGui::BeginDisabled(!enabled);
+  const bool clicked = ImGui::Button((label + "###" + name).c_str(), size);
+  ImGui::EndDisabled();
+  LogItem(context, name);
+  Tooltip(context, tooltip);
   return clicked && enabled;
 }
 
@@ -35,6 +61,29 @@ bool PathField(const FrameContext& context, const char* name, const char* hint, 
   ImGui::SameLine(0, context.Scaled(6));
   const bool clicked = Button(context, name, button, help);
   return (entered || clicked) && *text != '\0';
+}
+
+/// Where the edits are, in one truth: on the disk they always are.
+struct SavedState {
+  const char* label;
+  ImU32 color;
+  std::string help;
+};
+
+SavedState SavedStateOf(const AnnotationSnapshot& snapshot) {
+  if (snapshot.read_only)
+    return {"read only", colors::kWarning, "Somebody else has it open; Save as makes a copy."};
+  if (!snapshot.journal_problem.empty()) {
+    return {"NOT ON DISK", colors::kBad,
+            "Edits cannot be written to disk: " + snapshot.journal_problem +
+                ". They are kept in memory; Save as puts them elsewhere."};
+  }
+  if (snapshot.modified) {
+    return {"kept", colors::kDimText,
+            "Every edit is on disk, in the journal beside the project. The project's file gets "
+            "them when you save (Ctrl + S), open something else or quit."};
+  }
+  return {"saved", colors::kFaint, "The project's file has every edit."};
 }
 
 void DrawMore(const FrameContext& context, CommandSink& sink) {
@@ -94,42 +143,36 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
   Tooltip(context, snapshot.project_file);
   ImGui::SameLine(0, context.Scaled(8));
   ImGui::AlignTextToFramePadding();
-  const bool unsafe = !snapshot.journal_problem.empty();
-  ImGui::PushStyleColor(ImGuiCol_Text, unsafe              ? colors::kBad
-                                       : snapshot.modified ? colors::kWarning
-                                                           : colors::kFaint);
-  ImGui::TextUnformatted(snapshot.read_only  ? "read only"
-                         : unsafe            ? "NOT SAFE ON DISK"
-                         : snapshot.modified ? "not saved"
-                                             : "saved");
+  const SavedState state = SavedStateOf(snapshot);
+  const float after_state = ImGui::GetCursorPosX() + ImGui::CalcTextSize("NOT ON DISK").x;
+  ImGui::PushStyleColor(ImGuiCol_Text, state.color);
+  ImGui::TextUnformatted(state.label);
   ImGui::PopStyleColor();
   LogItem(context, "project.state");
-  Tooltip(context, unsafe ? "Edits cannot be written to disk: " + snapshot.journal_problem +
-                                ". They are kept in memory; Save as puts them elsewhere."
-                          : "Every edit is in the journal beside the project at once; what is not "
-                            "saved comes back after a crash.");
-  ImGui::SameLine(0, context.Scaled(18));
+  Tooltip(context, state.help);
+  ImGui::SameLine(after_state + context.Scaled(14));
   if (BarButton(context, "project.save", "Save", snapshot.modified && !snapshot.read_only,
                 "Writes the project (Ctrl + S)")) {
     sink.Post(SaveProjectCommand{});
   }
   ImGui::SameLine(0, context.Scaled(6));
   const std::string undo = Capitalised("Undo", snapshot.undo_label);
-  if (BarButton(context, "project.undo", undo.c_str(), snapshot.undo_label.has_value(),
-                "Undoes the last edit (Ctrl + Z)")) {
+  if (SteadyButton(context, "project.undo", undo, snapshot.undo_label.has_value(),
+                   undo + " (Ctrl + Z)")) {
     sink.Post(UndoCommand{});
   }
   ImGui::SameLine(0, context.Scaled(6));
   const std::string redo = Capitalised("Redo", snapshot.redo_label);
-  if (BarButton(context, "project.redo", redo.c_str(), snapshot.redo_label.has_value(),
-                "Redoes the edit that was undone (Ctrl + Shift + Z, Ctrl + Y)")) {
+  if (SteadyButton(context, "project.redo", redo, snapshot.redo_label.has_value(),
+                   redo + " (Ctrl + Shift + Z, Ctrl + Y)")) {
     sink.Post(RedoCommand{});
   }
   ImGui::SameLine(0, context.Scaled(6));
   const bool has_content = !snapshot.instances.empty() || snapshot.num_fragments > 0;
   if (BarButton(context, "project.export", "Export", has_content,
-                has_content ? "Writes the annotations in other formats"
-                            : "There is nothing to export yet: place an object or cut one out")) {
+                has_content ? "Writes the annotations in other formats (Ctrl + E)"
+                            : "There is nothing to export yet: place an object or cut one out") ||
+      (std::exchange(context.annotate->open_export, false) && has_content)) {
     ImGui::OpenPopup("project.export");
   }
   ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});
@@ -139,8 +182,10 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
     ImGui::EndPopup();
   }
   ImGui::SameLine(0, context.Scaled(6));
-  if (Button(context, "project.more", "More", "Save as, drafts from a run, your name."))
+  if (Button(context, "project.more", "More", "Save as, drafts from a run, your name.") ||
+      std::exchange(context.annotate->open_more, false)) {
     ImGui::OpenPopup("project.more");
+  }
   ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});
   if (ImGui::BeginPopup("project.more")) {
     DrawMore(context, sink);

@@ -10,6 +10,7 @@
 #include "engine/geometry/gravity.h"
 #include "ui/annotate/annotate_pose.h"
 #include "ui/annotate/scene_geometry.h"
+#include "ui/framework/mouse_drag.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -125,7 +126,7 @@ bool CropBoxHandles::Handle(const FrameContext& context, ImVec2 low) {
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   if (dragged_ != kNone) {
     if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
-      view.crop_box = Dragged(context, low);
+      if (WasDragged(ImGuiMouseButton_Left)) view.crop_box = Dragged(context, low);
     } else {
       dragged_ = kNone;
     }

@@ -9,6 +9,7 @@
 #include "ui/annotate/annotate_actions.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_pose.h"
+#include "ui/annotate/number_field.h"
 #include "ui/annotate/proposal_buttons.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
@@ -109,20 +110,15 @@ class AnnotateCropPanel : public Panel {
     text = typed;
   }
 
-  /// Numbers of the box that can be typed; they count when they are left.
-  static void DrawBox(const FrameContext& context, LevelBox& box) {
+  /// Numbers of the box that can be typed.
+  void DrawBox(const FrameContext& context, LevelBox& box) {
     const float width = context.Scaled(56);
     const auto number = [&](const char* name, double value, const char* format,
                             const char* help) -> std::optional<double> {
       ImGui::SetNextItemWidth(width);
-      double typed = value;
-      ImGui::InputDouble((std::string("##") + name).c_str(), &typed, 0, 0, format,
-                         ImGuiInputTextFlags_AutoSelectAll);
-      const bool done = ImGui::IsItemDeactivatedAfterEdit() && std::isfinite(typed);
-      LogItem(context, name);
-      Tooltip(context, help);
+      const auto typed = numbers_.Draw(context, name, value, format, help);
       ImGui::SameLine(0, context.Scaled(4));
-      return done ? std::optional(typed) : std::nullopt;
+      return typed;
     };
     const auto label = [&](const char* text) {
       ImGui::AlignTextToFramePadding();
@@ -207,6 +203,8 @@ class AnnotateCropPanel : public Panel {
       ProposeCrop(context, sink);
     }
   }
+
+  NumberFields numbers_;
 };
 
 }  // namespace

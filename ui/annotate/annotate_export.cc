@@ -11,7 +11,8 @@
 namespace plumbline {
 namespace {
 
-constexpr double kSheetWidth = 470, kExportLabelWidth = 84;
+constexpr double kSheetWidth = 470, kSheetHeight = 318, kAskingHeight = 520;
+constexpr double kExportLabelWidth = 84;
 
 void Label(const FrameContext& context, const char* text) {
   ImGui::AlignTextToFramePadding();
@@ -62,10 +63,27 @@ void DrawFrames(const FrameContext& context, const ExportFormat& format) {
   ImGui::NewLine();
 }
 
-void DrawResult(const AnnotationSnapshot& snapshot) {
+/// What would be replaced, and whether it may be.
+void DrawQuestion(const FrameContext& context, const ExportView& exported, CommandSink& sink) {
+  WrappedText(colors::kWarning, exported.out + " is there already, and differs:");
+  for (const std::string& difference : exported.differences) WrappedText(colors::kText, difference);
+  ImGui::Dummy({0, context.Scaled(2)});
+  if (Button(context, "export.replace", "Replace it",
+             "What is there is kept beside it, as .bak.")) {
+    sink.Post(AnswerExportCommand{true});
+  }
+  ImGui::SameLine(0, context.Scaled(6));
+  if (Button(context, "export.leave", "Leave it", "Nothing is written.")) {
+    sink.Post(AnswerExportCommand{false});
+  }
+}
+
+void DrawResult(const FrameContext& context, CommandSink& sink) {
+  const AnnotationSnapshot& snapshot = *context.annotation;
   if (!snapshot.exported) return;
   const ExportView& exported = *snapshot.exported;
   if (exported.running) return DimText("writing ...");
+  if (exported.asks) return DrawQuestion(context, exported, sink);
   const bool good = exported.problem.empty();
   WrappedText(good ? colors::kGood : colors::kBad, good ? exported.done : exported.problem);
 }
@@ -75,7 +93,9 @@ void DrawResult(const AnnotationSnapshot& snapshot) {
 void DrawExport(const FrameContext& context, CommandSink& sink) {
   AnnotateView& view = *context.annotate;
   const AnnotationSnapshot& snapshot = *context.annotation;
-  ImGui::BeginChild("export", {context.Scaled(kSheetWidth), context.Scaled(318)});
+  const bool asks = snapshot.exported && snapshot.exported->asks;
+  ImGui::BeginChild(
+      "export", {context.Scaled(kSheetWidth), context.Scaled(asks ? kAskingHeight : kSheetHeight)});
   for (std::size_t i = 0; i < kExportFormats.size(); ++i) {
     bool on = view.export_format == i;
     if (Toggle(context, std::string("export.") + kExportFormats[i].name, kExportFormats[i].title,
@@ -112,10 +132,13 @@ void DrawExport(const FrameContext& context, CommandSink& sink) {
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
   ImGui::InputText("##export.out", path, sizeof(path));
   LogItem(context, "export.out");
-  Tooltip(context, "A file, or a folder for VISMA and BOP. Existing files are overwritten.");
+  Tooltip(context,
+          "A file, or a folder for VISMA and BOP. Where something else is there already, you are "
+          "asked, "
+          "and what is replaced is kept.");
   view.export_out = path;
   ImGui::Dummy({0, context.Scaled(4)});
-  const bool writing = snapshot.exported && snapshot.exported->running;
+  const bool writing = snapshot.exported && (snapshot.exported->running || asks);
   ImGui::BeginDisabled(writing);
   ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
   if (Button(context, "export.write", "Export", "Writes it now. The project does not change.")) {
@@ -126,7 +149,7 @@ void DrawExport(const FrameContext& context, CommandSink& sink) {
   ImGui::EndDisabled();
   ImGui::SameLine();
   if (Button(context, "export.close", "Close", "Esc closes it too.")) ImGui::CloseCurrentPopup();
-  DrawResult(snapshot);
+  DrawResult(context, sink);
   ImGui::EndChild();
 }
 

@@ -10,6 +10,7 @@
 
 #include "ui/annotate/annotate_pose.h"
 #include "ui/annotate/scene_geometry.h"
+#include "ui/framework/mouse_drag.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -170,13 +171,11 @@ bool AnnotateGizmo::Handle(const FrameContext& context, ImVec2 low, CommandSink&
     }
     return true;
   }
-  const ImVec2 mouse = ImGui::GetIO().MousePos;
-  const bool moved = mouse.x != grabbed_at_.x || mouse.y != grabbed_at_.y;
   if (selected == nullptr || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) {
     view.pending.reset();
     dragged_ = Grip::kNone;
   } else if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
-    moved_ = moved_ || moved;
+    moved_ = moved_ || WasDragged(ImGuiMouseButton_Left);
     if (moved_) view.pending = PendingPose{selected->id, PoseAt(context, low), std::nullopt};
   } else {
     // Shown until the snapshot has it.

@@ -8,6 +8,7 @@
 #include "ui/annotate/annotate_actions.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_pose.h"
+#include "ui/annotate/number_field.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
 
@@ -73,8 +74,7 @@ class AnnotateInstancePanel : public Panel {
     }
   }
 
-  static void DrawPose(const FrameContext& context, const AnnotatedInstance& instance,
-                       CommandSink& sink) {
+  void DrawPose(const FrameContext& context, const AnnotatedInstance& instance, CommandSink& sink) {
     const AnnotationSnapshot& snapshot = *context.annotation;
     const auto& pending = context.annotate->pending;
     const Eigen::Isometry3d& pose = pending && pending->id == instance.id
@@ -82,7 +82,6 @@ class AnnotateInstancePanel : public Panel {
                                         : instance.scan_from_object;
     const LevelPose level = ReadPose(snapshot, pose);
     const float unit = context.Scaled(76);
-    // A typed number becomes an edit when it is left, not at every digit.
     const auto number = [&](const char* name, const char* label, const char* suffix, double value,
                             const char* format, const char* help) -> std::optional<double> {
       ImGui::AlignTextToFramePadding();
@@ -90,17 +89,15 @@ class AnnotateInstancePanel : public Panel {
       ImGui::SameLine(unit);
       ImGui::SetNextItemWidth(std::min(
           context.Scaled(104), ImGui::GetContentRegionAvail().x - context.Scaled(kBesideNumber)));
-      double typed = std::abs(value) < kShown ? 0 : value;  // no "-0.0000"
-      ImGui::InputDouble((std::string("##") + name).c_str(), &typed, 0, 0, format,
-                         ImGuiInputTextFlags_AutoSelectAll);
-      const bool done = ImGui::IsItemDeactivatedAfterEdit();
-      LogItem(context, name);
-      Tooltip(context, help);
+      const double shown = std::abs(value) < kShown ? 0 : value;  // no "-0.0000"
+      const auto typed = numbers_.Draw(context, name, shown, format, help);
       ImGui::SameLine(0, context.Scaled(6));
       DimText("%s", suffix);
-      return done ? std::optional(typed) : std::nullopt;
+      return typed;
     };
     const auto post = [&](const Eigen::Isometry3d& changed) {
+      // Shown until the project has it: the next number that is typed goes on from there.
+      context.annotate->pending = PendingPose{instance.id, changed, std::nullopt};
       sink.Post(SetInstancePoseCommand{instance.id, changed});
     };
     if (const auto x = number("instance.x", "x", "m", level.x, "%.4f", "In the level frame."))
@@ -222,6 +219,7 @@ class AnnotateInstancePanel : public Panel {
     sink.Post(change);
   }
 
+  NumberFields numbers_;
   std::string shown_id_, shown_note_;  ///< That were put into the fields.
   char name_[256] = "", note_[4096] = "";
 };

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cstring>
 
+#include "ui/annotate/annotate_actions.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
@@ -84,9 +85,8 @@ class AnnotateModelsPanel : public Panel {
     const ImVec2 size(width, picture + font.FontSize + context.Scaled(8));
     if (ImGui::InvisibleButton(name.c_str(), size)) {
       const bool was = view.tool == AnnotateTool::kPlace && view.model == model.name;
-      view.tool = was ? AnnotateTool::kSelect : AnnotateTool::kPlace;
-      view.model = model.name;
-      sink.Post(CancelProposalCommand{});
+      ChooseModel(context, model.name, sink);
+      if (was) view.tool = AnnotateTool::kSelect;
     }
     LogItem(context, name);
     const Eigen::Vector3f extent = model.bounds.sizes();

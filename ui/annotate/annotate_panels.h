@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "ui/framework/actions.h"
 #include "ui/framework/layout.h"
 #include "ui/framework/panel.h"
 
@@ -40,6 +41,11 @@ std::unique_ptr<Panel> MakeAnnotatePanel(std::string_view id);
 void DrawAnnotateBanners(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink);
 /// The sheet that writes other formats.
 void DrawExport(const FrameContext& context, CommandSink& sink);
+
+/// What a right click offers: what can be done with the selected object or, without one, in the
+/// scan.
+void DrawAnnotateMenu(const FrameContext& context, std::span<const ActionGroup> groups,
+                      CommandSink& sink);
 
 /// What is open, and what can be done with it as a whole: save, undo, redo. Right of the tabs.
 void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, CommandSink& sink);

@@ -49,15 +49,16 @@ class AnnotateScenePanel : public Panel {
          "A click selects an object (Esc comes back here).");
     tool(AnnotateTool::kFloor, "annotate.tool.floor", "Floor",
          "A click on the floor finds the whole floor, and with it the direction of gravity.");
-    if (!view.model.empty()) {
-      tool(AnnotateTool::kPlace, "annotate.tool.place", "Place",
-           "A click puts the chosen model there.");
-    }
-    if (context.annotation->has_sequence) {
-      tool(AnnotateTool::kSequence, "annotate.tool.sequence", "Sequence",
-           "Where the sequence is in the scan: register it by pairs of points, by the points of "
-           "its map or by its objects.");
-    }
+    // They stay where they are, whatever can be done now.
+    ImGui::BeginDisabled(view.model.empty());
+    tool(AnnotateTool::kPlace, "annotate.tool.place", "Place",
+         "A click puts the chosen model there. M, or a click on a model, chooses one.");
+    ImGui::EndDisabled();
+    ImGui::BeginDisabled(!context.annotation->has_sequence);
+    tool(AnnotateTool::kSequence, "annotate.tool.sequence", "Sequence",
+         "Where the sequence is in the scan: register it by pairs of points, by the points of "
+         "its map or by its objects.");
+    ImGui::EndDisabled();
     tool(AnnotateTool::kCut, "annotate.tool.cut", "Cut out",
          "An object of the scan becomes a model of the database or a VISMA fragment.");
     float width = 0;
@@ -102,7 +103,13 @@ class AnnotateScenePanel : public Panel {
     view.view_px = {static_cast<double>(width), static_cast<double>(height)};
     const bool lassoes = view.tool == AnnotateTool::kCut && view.crop_by_line;
     const bool moving = MoveView(scene, low, held || lassoes);
-    if (!held && WasClicked()) Click(context, low, sink);
+    if (const auto at = ClickedAt(); at && !held)
+      Click(context, {at->x - low.x, at->y - low.y}, sink);
+    if (const auto at = ClickedAt(ImGuiMouseButton_Right)) {
+      const std::string id = scene.PickInstance(at->x - low.x, at->y - low.y);
+      if (!id.empty()) sink.Post(SelectInstanceCommand{id});
+      ImGui::OpenPopup("annotate.menu");
+    }
     const auto box = lassoes ? DragBox(context, low, sink) : std::nullopt;
     ShowBox(context, sink);
     ForgetLasso(context);
@@ -117,41 +124,33 @@ class AnnotateScenePanel : public Panel {
     DrawLasso(context, low, box);
     DrawLabels(context, low, high);
     DrawAnnotateBanners(context, low, high, sink);
+    if (ImGui::BeginPopup("annotate.menu")) {
+      DrawAnnotateMenu(context, actions_, sink);
+      if (ImGui::IsKeyPressed(keys::kEscape, false)) ImGui::CloseCurrentPopup();
+      ImGui::EndPopup();
+    }
   }
 
  private:
-  /// Where a model would stand: on the scan or, where it has a hole, on the floor if that is known.
-  static std::optional<Eigen::Vector3d> PlaceAt(const FrameContext& context, double x, double y) {
-    const AnnotateSurface& scene = *context.annotate_scene;
-    if (const auto point = context.annotate_scene->PickScan(x, y)) return point;
-    const SightLine sight = scene.Sight(x, y);
-    if (!context.annotation->floor_known || sight.direction.z() > -0.05) return std::nullopt;
-    return Eigen::Vector3d(sight.eye - sight.eye.z() / sight.direction.z() * sight.direction);
-  }
-
-  static void Click(const FrameContext& context, ImVec2 low, CommandSink& sink) {
+  static void Click(const FrameContext& context, ImVec2 at, CommandSink& sink) {
     AnnotateView& view = *context.annotate;
     AnnotateSurface& scene = *context.annotate_scene;
-    const ImVec2 mouse = ImGui::GetIO().MousePos;
-    const double x = mouse.x - low.x, y = mouse.y - low.y;
+    const double x = at.x, y = at.y;
     if (view.tool == AnnotateTool::kSelect) {
       sink.Post(SelectInstanceCommand{scene.PickInstance(x, y)});
       return;
     }
     const bool cuts = view.tool == AnnotateTool::kCut;
     if (cuts && view.crop_by_line) return AddCorner(context, {x, y}, sink);
-    const auto point =
-        view.tool == AnnotateTool::kPlace ? PlaceAt(context, x, y) : scene.PickScan(x, y);
+    if (view.tool == AnnotateTool::kPlace) return PlaceChosenModel(context, x, y, sink);
+    const auto point = scene.PickScan(x, y);
     if (!point) return;
     if (cuts) return PutBox(context, *point);
     const Eigen::Vector3d in_scan = context.annotation->level_from_scan.inverse() * *point;
     if (view.tool == AnnotateTool::kFloor) {
       sink.Post(FindFloorCommand{in_scan});
-    } else if (view.tool == AnnotateTool::kSequence) {
-      Pick(context, in_scan, sink);
     } else {
-      view.candidate = 0;
-      sink.Post(PlaceModelCommand{view.model, in_scan, scene.camera().azimuth_rad, view.on_floor});
+      Pick(context, in_scan, sink);
     }
   }
 
@@ -335,7 +334,7 @@ class AnnotateScenePanel : public Panel {
                                : "Click a point that you know again in a frame.";
     }
     if (view.tool == AnnotateTool::kPlace) {
-      return "Click where the " + view.model + " stands. Esc stops.";
+      return "Click where the " + view.model + " stands (Enter: here in the middle). Esc stops.";
     }
     return "";
   }
@@ -354,6 +353,7 @@ class AnnotateScenePanel : public Panel {
                colors::kOnPicture, hint);
   }
 
+  std::vector<ActionGroup> actions_ = AnnotateActions();
   AnnotateGizmo gizmo_;
   CropBoxHandles crop_box_;
   std::optional<LevelBox> shown_box_;

@@ -30,6 +30,12 @@ bool Fits(const std::string& text, const std::string& query) {
   return true;
 }
 
+std::string HintOf(const FrameContext& context, const PaletteState& state) {
+  if (!state.within.empty()) return state.within + " ...";
+  const bool frames = context.workspace == WorkspaceId::kInspect;
+  return frames ? "What to do? A number goes to that frame" : "What to do?";
+}
+
 /// The first of `all` that fit, after what comes at once.
 std::vector<PaletteEntry> Fitting(std::vector<PaletteEntry> all, std::vector<PaletteEntry> at_once,
                                   const std::string& query) {
@@ -83,12 +89,13 @@ void DrawPalette(const FrameContext& context, PaletteState& state, std::vector<P
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   const std::string before = state.query;
   const bool entered =
-      ImGui::InputTextWithHint("##palette", "What to do? A number goes to that frame", state.query,
+      ImGui::InputTextWithHint("##palette", HintOf(context, state).c_str(), state.query,
                                sizeof(state.query), ImGuiInputTextFlags_EnterReturnsTrue);
   LogItem(context, "palette.query");
   if (before != state.query) state.chosen = 0;
   const std::vector<PaletteEntry> entries =
-      Fitting(std::move(all), at_once(state.query), state.query);
+      state.within.empty() ? Fitting(std::move(all), at_once(state.query), state.query)
+                           : Fitting(std::move(all), {}, state.within + " " + state.query);
   const auto last = static_cast<int>(entries.size()) - 1;
   if (ImGui::IsKeyPressed(keys::kDown)) ++state.chosen;
   if (ImGui::IsKeyPressed(keys::kUp)) --state.chosen;

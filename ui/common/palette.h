@@ -34,6 +34,7 @@ struct PaletteState {
   bool open = false;
   char query[128] = "";
   int chosen = 0;
+  std::string within;  ///< Only what has these words is offered.
 };
 
 /// Over everything else: a field, and what fits. Words may be given in any order, in part. Up and

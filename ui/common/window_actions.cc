@@ -13,17 +13,21 @@ struct AxisView {
   char key;
   const char* name;
   double azimuth_deg, elevation_deg;
+  KeyStroke pad;  ///< Of the number pad, as Blender has them.
 };
-constexpr AxisView kAxisViews[] = {{'1', "the front (-y)", -90, 0}, {'2', "the back (+y)", 90, 0},
-                                   {'3', "the left (-x)", 180, 0},  {'4', "the right (+x)", 0, 0},
-                                   {'5', "above", -90, 89.9},       {'6', "an angle", -55, 35}};
+constexpr AxisView kAxisViews[] = {{'1', "the front (-y)", -90, 0, {keys::kPad1}},
+                                   {'2', "the back (+y)", 90, 0, {keys::kPad1, false, true}},
+                                   {'3', "the left (-x)", 180, 0, {keys::kPad3, false, true}},
+                                   {'4', "the right (+x)", 0, 0, {keys::kPad3}},
+                                   {'5', "above", -90, 89.9, {keys::kPad7}},
+                                   {'6', "an angle", -55, 35, {keys::kPad0}}};
 
 }  // namespace
 
 ActionGroup ViewActions() {
   ActionGroup group{"View", {}};
-  group.actions = {{.text = "Frame the selected object in the map",
-                    .keys = {{keys::kF}},
+  group.actions = {{.text = "Frame the selected object in 3-D",
+                    .keys = {{keys::kF}, {keys::kPadPoint}},
                     .run = Posts(FocusSelectionCommand{}),
                     .help_keys = "F",
                     .help = "Frame the selected object in 3-D"},
@@ -35,12 +39,14 @@ ActionGroup ViewActions() {
   for (const AxisView& view : kAxisViews) {
     const bool first = view.key == kAxisViews[0].key;
     group.actions.push_back(
-        {.text = std::string("Map: from ") + view.name,
-         .keys = {{view.key}},
+        {.text = std::string("View from ") + view.name,
+         .keys = {{view.key}, view.pad},
          .run = Posts(
              ViewDirectionCommand{kRadPerDeg * view.azimuth_deg, kRadPerDeg * view.elevation_deg}),
          .help_keys = first ? "1 .. 6" : "",
-         .help = first ? "View the map from front, back, left, right, above or obliquely" : ""});
+         .help = first ? "View from front, back, left, right, above or obliquely (number pad: 1, "
+                         "3, 7, with Ctrl the other side)"
+                       : ""});
   }
   return group;
 }

@@ -9,13 +9,15 @@ namespace {
 
 const std::map<std::string_view, int>& KeyNames() {
   static const std::map<std::string_view, int> kNames = {
-      {"space", keys::kSpace},   {"left", keys::kLeft},     {"right", keys::kRight},
-      {"enter", keys::kEnter},   {"up", keys::kUp},         {"down", keys::kDown},
-      {"delete", keys::kDelete}, {"home", keys::kHome},     {"end", keys::kEnd},
-      {"escape", keys::kEscape}, {"f1", keys::kF1},         {"f5", keys::kF5},
-      {"f12", keys::kF12},       {"[", keys::kLeftBracket}, {"]", keys::kRightBracket},
-      {"/", keys::kSlash},       {",", keys::kComma},       {".", keys::kPeriod},
-      {"=", keys::kEqual},       {"-", keys::kMinus}};
+      {"space", keys::kSpace},    {"left", keys::kLeft},     {"right", keys::kRight},
+      {"enter", keys::kEnter},    {"up", keys::kUp},         {"down", keys::kDown},
+      {"delete", keys::kDelete},  {"home", keys::kHome},     {"end", keys::kEnd},
+      {"escape", keys::kEscape},  {"f1", keys::kF1},         {"f5", keys::kF5},
+      {"tab", keys::kTab},        {"f12", keys::kF12},       {"[", keys::kLeftBracket},
+      {"]", keys::kRightBracket}, {"/", keys::kSlash},       {",", keys::kComma},
+      {".", keys::kPeriod},       {"=", keys::kEqual},       {"-", keys::kMinus},
+      {"pad0", keys::kPad0},      {"pad1", keys::kPad1},     {"pad3", keys::kPad3},
+      {"pad7", keys::kPad7},      {"pad.", keys::kPadPoint}, {"padenter", keys::kPadEnter}};
   return kNames;
 }
 

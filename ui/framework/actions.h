@@ -16,11 +16,13 @@ namespace plumbline {
 namespace keys {
 inline constexpr int kSpace = 32, kComma = 44, kMinus = 45, kPeriod = 46, kSlash = 47, kEqual = 61;
 inline constexpr int kA = 65, kB = 66, kC = 67, kD = 68, kE = 69, kF = 70, kG = 71, kH = 72,
-                     kI = 73, kL = 76, kM = 77, kN = 78, kO = 79, kP = 80, kQ = 81, kR = 82,
-                     kS = 83, kT = 84, kV = 86, kW = 87, kX = 88, kY = 89, kZ = 90,
+                     kI = 73, kK = 75, kL = 76, kM = 77, kN = 78, kO = 79, kP = 80, kQ = 81,
+                     kR = 82, kS = 83, kT = 84, kV = 86, kW = 87, kX = 88, kY = 89, kZ = 90,
                      kLeftBracket = 91, kRightBracket = 93;
-inline constexpr int kEscape = 256, kDelete = 261, kUp = 265, kDown = 264, kEnter = 257,
+inline constexpr int kEscape = 256, kTab = 258, kDelete = 261, kUp = 265, kDown = 264, kEnter = 257,
                      kRight = 262, kLeft = 263, kHome = 268, kEnd = 269;
+inline constexpr int kPad0 = 320, kPad1 = 321, kPad3 = 323, kPad7 = 327, kPadPoint = 330,
+                     kPadEnter = 335;
 inline constexpr int kF1 = 290, kF5 = 294, kF12 = 301;
 }  // namespace keys
 

@@ -66,10 +66,11 @@ struct AnnotateView {
   std::size_t export_format = 0;             ///< In kExportFormats.
   std::string export_frame = "scan", export_out;
   int export_every = 1;
-  bool focus = false;                        ///< In this frame: the view turns to the selection.
-  std::optional<Eigen::Vector3d> look_from;  ///< In this frame: the view looks at the selection
-                                             ///< from this point of the scan.
-  bool reset = false;                        ///< In this frame: the view shows everything.
+  bool focus = false;                           ///< In this frame: the view turns to the selection.
+  std::optional<Eigen::Vector3d> look_from;     ///< In this frame: the view looks at the selection
+                                                ///< from this point of the scan.
+  bool reset = false;                           ///< In this frame: the view shows everything.
+  bool open_export = false, open_more = false;  ///< In this frame: the sheet opens.
 };
 
 /// What the 3-D view of the Annotate workspace shows.

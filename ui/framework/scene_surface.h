@@ -14,6 +14,9 @@
 
 namespace plumbline {
 
+/// Of a scene's distance, by one notch of the wheel.
+inline constexpr double kZoomPerNotch = 0.88;
+
 struct MapSnapshot;
 struct SequenceView;
 

@@ -90,7 +90,7 @@ class AnnotateScene : public AnnotateSurface {
     dirty_ = true;
   }
   void Zoom(double notches) override {
-    camera_.Zoom(std::pow(0.88, notches));
+    camera_.Zoom(std::pow(kZoomPerNotch, notches));
     dirty_ = true;
   }
   void FocusAt(double x_px, double y_px) override {

@@ -79,7 +79,7 @@ class MapScene : public SceneSurface {
     dirty_ = true;
   }
   void Zoom(double notches) override {
-    camera_.Zoom(std::pow(0.88, notches));
+    camera_.Zoom(std::pow(kZoomPerNotch, notches));
     dirty_ = true;
   }
 

@@ -153,6 +153,24 @@ StatusLine AnnotateWorkspace::status_line(const FrameContext& context) const {
   return line;
 }
 
+void AnnotateWorkspace::AddPaletteEntries(const FrameContext& context,
+                                          std::vector<PaletteEntry>& entries) const {
+  if (context.annotation == nullptr) return;
+  for (const AnnotationModel& model : *context.annotation->models) {
+    entries.push_back(
+        {"Place " + model.name, model.category,
+         [&context, name = model.name](CommandSink& sink) { ChooseModel(context, name, sink); }});
+  }
+  for (const AnnotatedInstance& instance : context.annotation->instances)
+    entries.push_back(EntryFor("Select " + instance.id, SelectInstanceCommand{instance.id}));
+}
+
+std::string AnnotateWorkspace::WouldBeLost(const FrameContext& context) const {
+  if (context.annotation == nullptr || context.annotation->journal_problem.empty()) return {};
+  return "Edits that are not on disk would be lost: save them elsewhere, or quit again to give "
+         "them up.";
+}
+
 void AnnotateWorkspace::WatchKeys(const FrameContext& context, CommandSink& sink) {
   PostAnnotateShortcuts(context, sink);
 }
@@ -217,8 +235,11 @@ void AnnotateWorkspace::AddState(const FrameContext& context, nlohmann::json& st
                                      {"note", instance.note},
                                      {"scan_from_object", MatrixOf(instance.scan_from_object)}});
   }
+  annotate["doubted_size_m"] = snapshot.doubted_size_m.value_or(0);
+  if (snapshot.exported) annotate["differences"] = snapshot.exported->differences;
   annotate["exported"] = !snapshot.exported                   ? ""
                          : snapshot.exported->running         ? "running"
+                         : snapshot.exported->asks            ? "asks"
                          : snapshot.exported->problem.empty() ? "done"
                                                               : snapshot.exported->problem;
   if (snapshot.box) annotate["box_points"] = snapshot.box->points->size();
@@ -289,7 +310,7 @@ void AnnotateWorkspace::AddState(const FrameContext& context, nlohmann::json& st
   // Flat names, so that scripts can wait for them.
   for (const char* key :
        {"state", "busy", "modified", "read_only", "undo", "redo", "aligns", "floor_known",
-        "selected", "tool", "proposal", "candidate", "exported", "recovered"}) {
+        "selected", "tool", "proposal", "candidate", "exported", "recovered", "doubted_size_m"}) {
     state[std::string("annotate.") + key] = annotate[key];
   }
   state["annotate.unsafe"] = !snapshot.journal_problem.empty();

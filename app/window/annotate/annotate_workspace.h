@@ -32,6 +32,9 @@ class AnnotateWorkspace : public Workspace {
   void DrawBar(const FrameContext& context, const LayoutRect& rect, CommandSink& sink) override;
   StatusLine status_line(const FrameContext& context) const override;
   const std::vector<ActionGroup>& actions() const override { return actions_; }
+  void AddPaletteEntries(const FrameContext& context,
+                         std::vector<PaletteEntry>& entries) const override;
+  std::string WouldBeLost(const FrameContext& context) const override;
   void WatchKeys(const FrameContext& context, CommandSink& sink) override;
   void Handle(const ViewCommand& command, FrameContext& context) override;
   void Handle(const AnnotationCommand& command);

@@ -117,6 +117,94 @@ TEST_F(AnnotationProjectTest, UndoingPastTheLastSaveSurvivesAKill) {
   EXPECT_EQ(Text(*Open()), five);
 }
 
+TEST_F(AnnotationProjectTest, UndoAndRedoReachBehindASaveAndTheNextStart) {
+  auto project = Create();
+  std::vector<std::string> states = {Text(*project)};
+  for (int i = 0; i < 12; ++i) {
+    Edit(*project, 1);
+    states.push_back(Text(*project));
+    if (i == 5) {
+      ASSERT_TRUE(project->Save().ok());
+    }
+  }
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(project->Undo().ok());
+  ASSERT_TRUE(project->Save().ok());
+  project.reset();
+  project = Open();
+  EXPECT_EQ(project->num_recovered(), 0u);
+  for (int i = 9; i > 2; --i) {
+    EXPECT_EQ(Text(*project), states[static_cast<std::size_t>(i)]) << i;
+    ASSERT_TRUE(project->Undo().ok());
+  }
+  // Saved in the middle of it, and killed after another step.
+  ASSERT_TRUE(project->Save().ok());
+  ASSERT_TRUE(project->Redo().ok());
+  KillHere(std::move(project));
+  project = Open();
+  EXPECT_EQ(project->num_recovered(), 1u);
+  for (int i = 3; i < 12; ++i) {
+    EXPECT_EQ(Text(*project), states[static_cast<std::size_t>(i)]) << i;
+    ASSERT_TRUE(project->Redo().ok()) << i;
+  }
+  EXPECT_EQ(Text(*project), states[12]);
+  while (project->UndoLabel()) ASSERT_TRUE(project->Undo().ok());
+  EXPECT_EQ(Text(*project), states[0]);
+}
+
+TEST_F(AnnotationProjectTest, AnUndoHistoryOfAnotherVersionIsNotUsed) {
+  auto project = Create();
+  Edit(*project, 4);
+  ASSERT_TRUE(project->Save().ok());
+  project.reset();
+  const std::string old = *ReadFile(file_.string() + ".undo");
+  project = Open();
+  Edit(*project, 2);
+  ASSERT_TRUE(project->Save().ok());
+  const std::string text = Text(*project);
+  project.reset();
+  ASSERT_TRUE(WriteFileAtomically(file_.string() + ".undo", old).ok());
+  project = Open();
+  EXPECT_FALSE(project->UndoLabel().has_value());
+  EXPECT_EQ(Text(*project), text);
+  project.reset();
+  for (const char* damaged : {"", "{", "[3]", "{\"base\": 4}"}) {
+    ASSERT_TRUE(WriteFileAtomically(file_.string() + ".undo", damaged).ok());
+    EXPECT_EQ(Text(*Open()), text) << damaged;
+  }
+}
+
+TEST_F(AnnotationProjectTest, WhatWasRecoveredIsUndoneDownToWhatWasSavedAndNoFarther) {
+  auto project = Create();
+  Edit(*project, 5);
+  ASSERT_TRUE(project->Save().ok());
+  const std::string saved = Text(*project);
+  Edit(*project, 2);
+  ASSERT_TRUE(project->Undo().ok());
+  ASSERT_TRUE(project->Redo().ok());
+  KillHere(std::move(project));
+  project = Open();
+  EXPECT_EQ(project->num_recovered(), 4u);
+  EXPECT_EQ(project->UndoRecovered().value(), true);
+  EXPECT_EQ(Text(*project), saved);
+  ASSERT_TRUE(project->Save().ok());
+  // Saved steps that were undone come back.
+  ASSERT_TRUE(project->Undo().ok());
+  ASSERT_TRUE(project->Undo().ok());
+  KillHere(std::move(project));
+  project = Open();
+  EXPECT_EQ(project->UndoRecovered().value(), true);
+  EXPECT_EQ(Text(*project), saved);
+  // Unless the work went on from there.
+  ASSERT_TRUE(project->Save().ok());
+  ASSERT_TRUE(project->Undo().ok());
+  const std::string undone = Text(*project);
+  Edit(*project, 2);
+  KillHere(std::move(project));
+  project = Open();
+  EXPECT_EQ(project->UndoRecovered().value(), false);
+  EXPECT_EQ(Text(*project), undone);
+}
+
 TEST_F(AnnotationProjectTest, ATornLineEndsTheJournalAndNothingElse) {
   auto project = Create();
   Edit(*project, 6);

@@ -4,7 +4,9 @@
 
 #include <sys/resource.h>
 
+#include <cmath>
 #include <csignal>
+#include <fstream>
 
 #include "engine/base/files.h"
 #include "engine/dataset/ground_truth.h"
@@ -189,6 +191,128 @@ TEST_F(AnnotationSessionTest, WhatWasRecoveredCanBeTakenBackAtOnce) {
   Do(*session, RedoCommand{});
   Do(*session, RedoCommand{});
   EXPECT_EQ(session->Snapshot().instances.size(), 1u);
+}
+
+TEST_F(AnnotationSessionTest, AnExportAsksBeforeItReplacesSomethingElseAndKeepsIt) {
+  const auto session = WithArmchair();
+  const std::filesystem::path out = folder_.path() / "ground_truth.json";
+  const auto exported = [&] { return session->Snapshot().exported.value(); };
+  const auto files = [&] {
+    std::string names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+      const std::string name = entry.path().filename().string();
+      if (name.find("ground_truth") != std::string::npos) names += name + " ";
+    }
+    return names;
+  };
+  Do(*session, ExportCommand{"ground_truth", out.string()});
+  EXPECT_FALSE(exported().asks) << "there was nothing";
+  const std::string first = *ReadFile(out);
+  Do(*session, ExportCommand{"ground_truth", out.string()});
+  EXPECT_FALSE(exported().asks) << "it is the same";
+  Eigen::Isometry3d moved = session->Snapshot().instances[0].scan_from_object;
+  moved.translation() += Eigen::Vector3d(0.03, 0, 0);
+  Do(*session, SetInstancePoseCommand{"armchair_0", moved});
+  Do(*session, DuplicateInstanceCommand{"armchair_0", moved});
+  Do(*session, ExportCommand{"ground_truth", out.string()});
+  ASSERT_TRUE(exported().asks);
+  ASSERT_EQ(exported().differences.size(), 2u);
+  EXPECT_EQ(exported().differences[0],
+            "1 object would be moved: armchair_0 by 3.0 cm and 0.0\u00b0.");
+  EXPECT_EQ(exported().differences[1], "1 object would be new: armchair_1.");
+  EXPECT_EQ(*ReadFile(out), first) << "nothing is replaced before the answer";
+  Do(*session, AnswerExportCommand{false});
+  EXPECT_EQ(*ReadFile(out), first);
+  EXPECT_EQ(files(), "ground_truth.json ") << "nothing is left behind";
+  Do(*session, AnswerExportCommand{true});
+  EXPECT_EQ(*ReadFile(out), first) << "there is no question any more";
+  Do(*session, ExportCommand{"ground_truth", out.string()});
+  Do(*session, AnswerExportCommand{true});
+  EXPECT_THAT(exported().done, HasSubstr("ground_truth.json.bak"));
+  EXPECT_EQ(*ReadFile(out.string() + ".bak"), first);
+  EXPECT_EQ(ReadGroundTruth(out).value().instances.size(), 2u);
+  Do(*session, RemoveInstanceCommand{"armchair_1"});
+  Do(*session, ExportCommand{"ground_truth", out.string()});
+  EXPECT_EQ(exported().differences[0], "1 object would be gone: armchair_1.");
+  Do(*session, AnswerExportCommand{true});
+  EXPECT_EQ(*ReadFile(out.string() + ".bak"), first) << "each has a name of its own";
+  EXPECT_TRUE(exists(out.string() + ".bak-2"));
+  std::ofstream(out) << "notes of mine";
+  Do(*session, ExportCommand{"ground_truth", out.string()});
+  EXPECT_THAT(exported().differences[0], HasSubstr("no ground truth that can be read"));
+}
+
+TEST_F(AnnotationSessionTest, AnExportIntoAFolderAsksAboutTheFilesThatItWouldReplace) {
+  const auto session = WithArmchair();
+  const std::filesystem::path out = folder_.path() / "fragments";
+  Do(*session, ExportCommand{"visma", out.string()});
+  EXPECT_FALSE(session->Snapshot().exported->asks);
+  std::ofstream(out / "objects.json") << "mine";
+  std::ofstream(out / "readme") << "mine";
+  Do(*session, ExportCommand{"visma", out.string()});
+  ASSERT_TRUE(session->Snapshot().exported->asks);
+  EXPECT_EQ(session->Snapshot().exported->differences[0],
+            "1 file would be replaced: objects.json.");
+  Do(*session, AnswerExportCommand{true});
+  EXPECT_EQ(*ReadFile(out.string() + ".bak/objects.json"), "mine");
+  EXPECT_EQ(*ReadFile(out / "readme"), "mine");
+  EXPECT_NE(*ReadFile(out / "objects.json"), "mine");
+  std::ofstream(folder_.path() / "file") << "mine";
+  Do(*session, ExportCommand{"visma", (folder_.path() / "file").string()});
+  EXPECT_THAT(session->Snapshot().exported->problem, HasSubstr("needs a folder"));
+}
+
+TEST_F(AnnotationSessionTest, AtItsEndItSavesSoThatOnlyACrashLeavesSomethingToRecover) {
+  {
+    const auto session = WithArmchair();
+    session->Close();
+  }
+  const auto session = Open();
+  EXPECT_EQ(session->Snapshot().num_recovered, 0u);
+  EXPECT_FALSE(session->Snapshot().modified);
+  EXPECT_TRUE(session->Snapshot().notices.empty());
+  ASSERT_EQ(session->Snapshot().instances.size(), 1u);
+  Do(*session, UndoCommand{});
+  EXPECT_TRUE(session->Snapshot().instances.empty()) << "undo goes on where it was";
+}
+
+TEST_F(AnnotationSessionTest, AScanInMillimetresIsAskedAboutAndACopyInMetresIsAnEdit) {
+  const TriangleMesh scan = ReadMesh(scene_.scan).value();
+  ASSERT_TRUE(WritePly(scene_.scan, Scaled(scan, 1000)).ok());
+  const auto session = Open();
+  ASSERT_TRUE(session->Snapshot().doubted_size_m.has_value());
+  EXPECT_GT(*session->Snapshot().doubted_size_m, 1000);
+  Do(*session, SetScanUnitCommand{0.001});
+  EXPECT_FALSE(session->Snapshot().doubted_size_m.has_value());
+  EXPECT_EQ(session->Snapshot().scan_name, "scan-metres.ply");
+  EXPECT_TRUE(session->Snapshot().ready_to_align);
+  EXPECT_LT(BoundingBox(*session->Snapshot().scan).sizes().maxCoeff(), 10);
+  Do(*session, UndoCommand{});
+  EXPECT_EQ(session->Snapshot().scan_name, "scan.ply");
+  EXPECT_TRUE(session->Snapshot().doubted_size_m.has_value());
+  Do(*session, SetScanUnitCommand{1});
+  EXPECT_FALSE(session->Snapshot().doubted_size_m.has_value()) << "it is as it should be";
+  Do(*session, RedoCommand{});
+  EXPECT_EQ(session->Snapshot().scan_name, "scan-metres.ply");
+  // In metres, the armchair is found.
+  Do(*session, FindFloorCommand{scene_.scan_from_armchair * Eigen::Vector3d(0.5, 0.5, 0)});
+  Do(*session, AcceptProposalCommand{});
+  Do(*session, PlaceModelCommand{"armchair", scene_.scan_from_armchair.translation()});
+  Do(*session, AcceptProposalCommand{});
+  EXPECT_THAT(session->Snapshot().instances[0].scan_from_object,
+              IsometryNear(scene_.scan_from_armchair, 0.3, 0.005));
+}
+
+TEST_F(AnnotationSessionTest, PointsThatAreNoneAreLeftOutAndCounted) {
+  TriangleMesh scan = ReadMesh(scene_.scan).value();
+  const std::size_t count = scan.vertices.size();
+  for (const std::size_t i : {3u, 70u, 71u}) scan.vertices[i].setConstant(NAN);
+  ASSERT_TRUE(WritePly(scene_.scan, scan).ok());
+  const auto session = Open();
+  EXPECT_EQ(session->Snapshot().scan_points, count - 3);
+  ASSERT_EQ(session->Snapshot().notices.size(), 1u);
+  EXPECT_THAT(session->Snapshot().notices[0],
+              HasSubstr("3 of " + std::to_string(count) + " points of scan.ply are not finite"));
 }
 
 }  // namespace

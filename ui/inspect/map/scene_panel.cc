@@ -222,16 +222,17 @@ class ScenePanel : public Panel {
   bool HandleMouse(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink) {
     SceneSurface& scene = *context.scene;
     const bool moving = MoveView(scene, low, false);
-    if (!WasClicked() || ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) return moving;
-    const ImVec2 mouse = ImGui::GetIO().MousePos;
+    const auto clicked = ClickedAt();
+    if (!clicked || ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) return moving;
     if (overlay_.tape) {
-      if (const auto point = scene.PointAt(mouse.x - low.x, mouse.y - low.y)) tape_.Add(*point);
+      if (const auto point = scene.PointAt(clicked->x - low.x, clicked->y - low.y))
+        tape_.Add(*point);
       return moving;
     }
     std::string truth;
     if (layers_.truth && context.snapshot != nullptr)
-      truth = TruthNear(context, SceneProjection(context, scene.camera(), low, high), mouse);
-    if (const auto object = scene.Pick(mouse.x - low.x, mouse.y - low.y))
+      truth = TruthNear(context, SceneProjection(context, scene.camera(), low, high), *clicked);
+    if (const auto object = scene.Pick(clicked->x - low.x, clicked->y - low.y))
       sink.Post(SelectObjectCommand{*object});
     else if (!truth.empty())
       sink.Post(SelectTruthCommand{truth});
