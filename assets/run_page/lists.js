@@ -6,7 +6,7 @@ class ObjectList {
     this.page = page;
     this.withTruth = run.truth.length > 0;
     const heads = ["object", "P(there)", "spread", ...(this.withTruth ? ["error"] : []), "seen"];
-    const titles = ["", "Probability that the object exists", "Standard deviation of its position", ...(this.withTruth ? ["From the nearest true object of its category"] : []), "How much of its outline shows"];
+    const titles = ["", "Probability that the object exists", "Standard deviation of its position", ...(this.withTruth ? ["From the true object that it stands for"] : []), "How much of its outline shows"];
     const head = make("tr", {}, ...heads.map((text, i) => make("th", { textContent: text, title: titles[i], scope: "col" })));
     this.body = make("tbody");
     table.append(make("thead", {}, head), this.body);
@@ -113,7 +113,7 @@ class Details {
       fact("off the truth", isRound(object.label) ? inCm(distance) : `${inCm(distance)}, ${inDegrees(azimuth)}`, distance < 0.05 ? "good" : distance > 0.2 ? "bad" : "");
       fact("true object", `${truth}, ${right ? "right shape" : "another shape"}`, right ? "" : "bad");
     } else if (run.truth.length) {
-      fact("off the truth", "none of its category within 1 m", "bad");
+      fact("off the truth", "it stands for no true object", "bad");
     }
     parts.push(list);
     if (object.labels.length) {

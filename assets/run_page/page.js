@@ -13,7 +13,7 @@ const kLegend = [
   "Map: drag to turn, with the right button (or Shift, or two fingers) to move; wheel or pinch to zoom; a double click on an object sets the centre. The orange line is the camera's path.",
   "Timeline: thin lines are tentative, thick ones confirmed objects, pale where they are hidden; triangles mark events. Drag to go there.",
   "Truth also lists the true objects that no confirmed object of the frame stands for.",
-  "Spread is a standard deviation. Errors are from the nearest true object of the category.",
+  "Spread is a standard deviation. Errors are from the true object that an object stands for: they are paired one to one, within a metre.",
   "The address of this page follows frame and object, so it can be kept or sent with the file.",
 ];
 
