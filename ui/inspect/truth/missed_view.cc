@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "engine/geometry/angles.h"
-#include "engine/mapping/map_report.h"
+#include "engine/snapshot/map_snapshot.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {

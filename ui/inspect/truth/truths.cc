@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/mapping/map_report.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
