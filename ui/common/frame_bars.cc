@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "ui/framework/widgets.h"
@@ -51,9 +52,27 @@ void DrawKeyRows(const FrameContext& context, std::span<const ActionGroup> group
       }
       ImGui::TextUnformatted(action.help_keys.c_str());
       ImGui::TableNextColumn();
+      ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + context.Scaled(380));
       DimText("%s", action.help.c_str());
+      ImGui::PopTextWrapPos();
     }
   }
+}
+
+/// How many of the groups stand left of the mouse's `mouse_rows` and the rest, so that both columns
+/// are about as high.
+std::size_t GroupsOfLeftColumn(std::span<const ActionGroup> groups, std::size_t mouse_rows) {
+  const auto rows = [](const ActionGroup& group) {
+    const auto told = std::count_if(group.actions.begin(), group.actions.end(),
+                                    [](const Action& action) { return !action.help.empty(); });
+    return static_cast<std::size_t>(told > 0 ? told + 1 : 0);
+  };
+  std::size_t all = mouse_rows;
+  for (const ActionGroup& group : groups) all += rows(group);
+  std::size_t left = 0, high = 0;
+  while (left < groups.size() && 2 * (high + rows(groups[left])) <= all + 4)
+    high += rows(groups[left++]);
+  return left;
 }
 
 }  // namespace
@@ -115,6 +134,7 @@ void DrawHelpSheet(const FrameContext& context, std::span<const ActionGroup> gro
                                        {"Double click", "Turn about a point; show the whole image"},
                                        {"Click", "Select an object"},
                                        {"Click on an image's title", "Choose what it shows"},
+                                       {"Double click on a title", "Fill the window, and back"},
                                        {"Right click on a title", "Save the panel as PNG"}};
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.5f * display.x, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
@@ -128,10 +148,13 @@ void DrawHelpSheet(const FrameContext& context, std::span<const ActionGroup> gro
   ImGui::PushFont(context.fonts.strong);
   ImGui::TextUnformatted("Keys and mouse");
   ImGui::PopFont();
-  ImGui::Dummy({0, context.Scaled(4)});
+  ImGui::SameLine(0, context.Scaled(24));
+  if (Button(context, "help.close", "Close", "Esc closes it too."))
+    sink.Post(ShowHelpCommand{false});
   constexpr auto kFlags = ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_NoHostExtendX;
+  const std::size_t left = GroupsOfLeftColumn(groups, std::size(kMouse) + 1);
   if (ImGui::BeginTable("help.table", 2, kFlags)) {
-    DrawKeyRows(context, groups);
+    DrawKeyRows(context, groups.first(left));
     ImGui::EndTable();
   }
   ImGui::SameLine(0, context.Scaled(36));
@@ -146,11 +169,9 @@ void DrawHelpSheet(const FrameContext& context, std::span<const ActionGroup> gro
       ImGui::TableNextColumn();
       DimText("%s", row[1]);
     }
+    DrawKeyRows(context, groups.subspan(left));
     ImGui::EndTable();
   }
-  ImGui::Dummy({0, context.Scaled(4)});
-  if (Button(context, "help.close", "Close", "Esc closes it too."))
-    sink.Post(ShowHelpCommand{false});
   ImGui::End();
   ImGui::PopStyleColor();
   ImGui::PopStyleVar(2);

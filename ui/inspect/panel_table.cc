@@ -182,8 +182,7 @@ ActionGroup PanelActions() {
                                                                       : std::string()});
            },
        .help_keys = "M",
-       .help = "The panel under the mouse fills the window, and back (or a double click on its "
-               "title)",
+       .help = "The panel under the mouse fills the window, and back",
        .text_when_on = "Panels: bring all back",
        .is_on = [](const FrameContext& context) { return !context.maximized.empty(); }});
   group.actions.push_back(

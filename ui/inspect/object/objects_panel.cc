@@ -60,7 +60,9 @@ class ObjectsPanel : public Panel {
       confirmed += object.state == ObjectState::kConfirmed;
       tentative += object.state == ObjectState::kTentative;
     }
-    const std::string text = fmt::format("{} confirmed, {} tentative", confirmed, tentative);
+    std::string text = fmt::format("{} confirmed, {} tentative", confirmed, tentative);
+    if (context.truths != nullptr && context.truths->missed > 0)
+      text += fmt::format(", {} missed", context.truths->missed);
     AlignRight(
         context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, text.c_str()).x);
     ImGui::SetCursorPosY(ImGui::GetCursorPosY() + context.Scaled(3));
@@ -69,7 +71,10 @@ class ObjectsPanel : public Panel {
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
-    const bool missed = context.truths != nullptr && context.truths->missed > 0;
+    // Where there is hardly room for the objects, the heading alone tells of missed ones.
+    const float least_room = 5 * (context.fonts.small->FontSize + context.Scaled(7));
+    const bool missed = context.truths != nullptr && context.truths->missed > 0 &&
+                        ImGui::GetContentRegionAvail().y > least_room;
     if (context.snapshot->report.objects.empty() && !missed) {
       return EmptyState(
           context, "No objects yet",
