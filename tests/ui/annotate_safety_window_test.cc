@@ -253,7 +253,7 @@ TEST_F(AnnotateWindow, ExportsFromTheSheetAndRefusesInOneSentence) {
 }
 
 TEST_F(AnnotateWindow, AnExportAsksBeforeItReplacesWhatIsThereAndKeepsIt) {
-  std::ofstream(File("ground_truth.json")) << R"({"gravity_in_world": [0, 0, -1], "instances": [
+  std::ofstream(File("ground_truth.json")) << R"({"gravity": [0, 0, -1], "instances": [
       {"id": "sofa_0", "model": "sofa", "category": "couch", "quality": "fine",
        "world_from_object": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}]})";
   const std::string before = ReadFile(File("ground_truth.json")).value();

@@ -178,7 +178,8 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
   ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});
   if (ImGui::BeginPopup("project.export")) {
     DrawExport(context, sink);
-    if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
+    // As it goes up: while it goes down the sheet is open, and the key does nothing else.
+    if (ImGui::IsKeyReleased(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
     ImGui::EndPopup();
   }
   ImGui::SameLine(0, context.Scaled(6));
@@ -189,7 +190,8 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
   ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});
   if (ImGui::BeginPopup("project.more")) {
     DrawMore(context, sink);
-    if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
+    // As it goes up: while it goes down the sheet is open, and the key does nothing else.
+    if (ImGui::IsKeyReleased(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
     ImGui::EndPopup();
   }
   ImGui::PopClipRect();

@@ -126,7 +126,8 @@ class AnnotateScenePanel : public Panel {
     DrawAnnotateBanners(context, low, high, sink);
     if (ImGui::BeginPopup("annotate.menu")) {
       DrawAnnotateMenu(context, actions_, sink);
-      if (ImGui::IsKeyPressed(keys::kEscape, false)) ImGui::CloseCurrentPopup();
+      // As it goes up: while it goes down the menu is open, and the key does nothing else.
+      if (ImGui::IsKeyReleased(keys::kEscape)) ImGui::CloseCurrentPopup();
       ImGui::EndPopup();
     }
   }
