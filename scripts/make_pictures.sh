@@ -228,6 +228,7 @@ JSON
 cat >"$work/missed.json" <<'JSON'
 {"steps": [
   {"wait_for": {"frame": 40, "seeking": false, "missed": {"min": 1}}, "timeout_s": 600},
+  {"click": "objects.missed"},
   {"click": "objects.truth.chair_2", "at": [0.3, 0.5]},
   {"click": "image.truth"},
   {"hover": "panel.image", "at": [0.02, 0.99]},

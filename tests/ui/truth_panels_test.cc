@@ -87,7 +87,12 @@ TEST(ObjectsPanel, ListsWhatWasMissedAndSelectsIt) {
   harness.ShowFrame(12);
   harness.Draw(*panel, 2);
   EXPECT_EQ(harness.widgets.Find("objects.truth.chair_B"), nullptr);
+  EXPECT_EQ(harness.widgets.Find("objects.missed"), nullptr);
   harness.context.truths = OneMissed();
+  harness.Draw(*panel, 2);
+  EXPECT_NE(harness.widgets.Find("objects.row.1"), nullptr) << "objects come first";
+  harness.Click(*panel, "objects.missed");
+  EXPECT_EQ(harness.widgets.Find("objects.row.1"), nullptr);
   harness.Click(*panel, "objects.truth.chair_B");
   EXPECT_EQ(harness.widgets.Find("objects.truth.sofa"), nullptr) << "it was found";
   ASSERT_NE(harness.sink.Last<SelectTruthCommand>(), nullptr);

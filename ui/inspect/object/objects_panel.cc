@@ -60,36 +60,56 @@ class ObjectsPanel : public Panel {
       confirmed += object.state == ObjectState::kConfirmed;
       tentative += object.state == ObjectState::kTentative;
     }
-    std::string text = fmt::format("{} confirmed, {} tentative", confirmed, tentative);
-    if (context.truths != nullptr && context.truths->missed > 0)
-      text += fmt::format(", {} missed", context.truths->missed);
-    AlignRight(
-        context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, text.c_str()).x);
+    const std::string text = fmt::format("{} confirmed, {} tentative", confirmed, tentative);
+    const float width =
+        context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, text.c_str()).x;
+    if (AnyMissed(context)) {
+      const std::string label = fmt::format("{} missed", context.truths->missed);
+      AlignRight(width + ToggleWidth(context, label.c_str()) + context.Scaled(8));
+      Toggle(context, "objects.missed", label.c_str(), missed_,
+             "The true objects that the run, as far as it goes, has not found, and why. A click on "
+             "one tells more under 'Why here?'.");
+      ImGui::SameLine(0, context.Scaled(8));
+    } else {
+      AlignRight(width);
+    }
     ImGui::SetCursorPosY(ImGui::GetCursorPosY() + context.Scaled(3));
     SmallText(context, colors::kDimText, "%s", text.c_str());
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
     if (DrawWaiting(context)) return;
-    // Where there is hardly room for the objects, the heading alone tells of missed ones.
-    const float least_room = 5 * (context.fonts.small->FontSize + context.Scaled(7));
-    const bool missed = context.truths != nullptr && context.truths->missed > 0 &&
-                        ImGui::GetContentRegionAvail().y > least_room;
-    if (context.snapshot->report.objects.empty() && !missed) {
+    const bool shows_missed = missed_ && AnyMissed(context);
+    if (context.snapshot->report.objects.empty() && !shows_missed) {
       return EmptyState(
           context, "No objects yet",
           "The first are spawned from the detector's proposals: press Space to play on.");
     }
     ImGui::PushFont(context.fonts.small);
+    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(3.5)});
+    if (shows_missed)
+      DrawMissed(context, sink);
+    else
+      DrawObjects(context, sink);
+    ImGui::PopStyleVar();
+    ImGui::PopFont();
+  }
+
+  nlohmann::json SaveState() const override { return {{"missed", missed_}}; }
+  void LoadState(const nlohmann::json& json) override { missed_ = json.value("missed", missed_); }
+
+ private:
+  static bool AnyMissed(const FrameContext& context) {
+    return context.truths != nullptr && context.truths->missed > 0;
+  }
+
+  static void DrawObjects(const FrameContext& context, CommandSink& sink) {
     const bool scrolls = ImGui::GetContentRegionAvail().x < context.Scaled(kNarrowest);
     const ImGuiTableFlags flags =
         (scrolls ? ImGuiTableFlags_ScrollX : 0) | ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
         ImGuiTableFlags_Resizable | ImGuiTableFlags_Hideable | ImGuiTableFlags_NoBordersInBody;
-    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(3.5)});
-    ImVec2 room = ImGui::GetContentRegionAvail();
-    const float missed_height = missed ? MissedHeight(context, room.y) : 0;
-    room.y -= missed_height;
-    if (ImGui::BeginTable("objects.table", static_cast<int>(std::size(kObjectColumns)), flags, room,
+    if (ImGui::BeginTable("objects.table", static_cast<int>(std::size(kObjectColumns)), flags,
+                          ImGui::GetContentRegionAvail(),
                           scrolls ? context.Scaled(kNarrowest) : 0.0f)) {
       DrawHeaders(context);
       for (const ObjectReport& object : context.snapshot->report.objects) {
@@ -97,12 +117,8 @@ class ObjectsPanel : public Panel {
       }
       ImGui::EndTable();
     }
-    if (missed) DrawMissed(context, sink);
-    ImGui::PopStyleVar();
-    ImGui::PopFont();
   }
 
- private:
   static void DrawHeaders(const FrameContext& context) {
     ImGui::TableSetupScrollFreeze(1, 1);
     const float unit = context.fonts.small->FontSize;
@@ -139,12 +155,6 @@ class ObjectsPanel : public Panel {
     Chip(context, object.id);
     ImGui::Text("#%d", object.id.value);
     DrawCells(context, object);
-  }
-
-  /// Of the table of missed ones: as high as it has to be, at most so much that both show.
-  static float MissedHeight(const FrameContext& context, float room) {
-    const float row = ImGui::GetTextLineHeight() + context.Scaled(7);
-    return std::min(row * (1.5f + static_cast<float>(context.truths->missed)), 0.45f * room);
   }
 
   /// The true objects that the run, as far as it goes, has not found.
@@ -265,6 +275,8 @@ class ObjectsPanel : public Panel {
     ImGui::TableNextColumn();
     TextRight(seen, fmt::format("{:.2f}", object.phi_edge));
   }
+
+  bool missed_ = false;  ///< Shows those instead.
 };
 
 }  // namespace
