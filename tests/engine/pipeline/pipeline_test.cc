@@ -142,7 +142,7 @@ TEST_F(PipelineTest, LiveItPassesOverWhatItHasNoTimeForAndEndsWithTheLastFrame) 
   EXPECT_EQ(pipeline->num_selected(), 29);
   const std::vector<FrameReport> run = Rest(*pipeline);
   const LiveReport live = *pipeline->live();
-  EXPECT_EQ(run.front().frame, 3);
+  EXPECT_GE(run.front().frame, 3) << "the newest at the time of the first question";
   EXPECT_EQ(run.back().frame, 59);
   EXPECT_LT(run.size(), 29u) << "29 frames in 56 ms";
   EXPECT_EQ(live.done, static_cast<int>(run.size()));
@@ -391,7 +391,9 @@ TEST_F(PipelineTest, WithoutPosesOrImagesItSaysWhatToDo) {
   };
   const std::filesystem::path bare = Copy("bare");
   std::filesystem::remove(bare / "trajectory.txt");
-  EXPECT_THAT(refusal(bare, "dataset"), HasSubstr("has no camera poses; give a trajectory"));
+  EXPECT_THAT(
+      refusal(bare, "dataset"),
+      HasSubstr("has no camera poses; find them from images and IMU with --poses vio, or give a "));
   EXPECT_THAT(refusal(bare, "nowhere.txt"), HasSubstr("nowhere.txt"));
   const std::filesystem::path other = folder_->path() / "other_clock.txt";
   WriteText(other, "5000 0 0 0 0 0 0 1\n");
