@@ -99,8 +99,10 @@ std::size_t TabsThatFit(const FrameContext& context, std::span<Panel* const> tab
 void MaximizeByDoubleClick(const FrameContext& context, const Panel& panel, CommandSink& sink) {
   const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
   constexpr ImGuiHoveredFlags kThroughMenu = ImGuiHoveredFlags_AllowWhenBlockedByPopup;
-  if (context.bare || !ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left) ||
-      !ImGui::IsMouseHoveringRect(low, high) || !ImGui::IsWindowHovered(kThroughMenu))
+  // The fourth of four quick clicks is the second of two.
+  const int clicks = ImGui::GetMouseClickedCount(ImGuiMouseButton_Left);
+  if (context.bare || clicks == 0 || clicks % 2 != 0 || !ImGui::IsMouseHoveringRect(low, high) ||
+      !ImGui::IsWindowHovered(kThroughMenu))
     return;
   sink.Post(MaximizePanelCommand{panel.id()});
 }
