@@ -20,7 +20,7 @@ namespace plumbline {
 
 enum class ProposalFate : std::uint8_t;  // mapping/map_report.h
 
-/// How far an estimate is from the true instance of its category that is nearest to it.
+/// How far an estimate is from the true instance that it is compared with, one to one.
 struct TruthError {
   std::string truth;           ///< Its id.
   bool model_correct = false;  ///< The most likely shape is the true one.
