@@ -9,6 +9,7 @@
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
 #include "engine/annotation/check_frames.h"
+#include "engine/annotation/joint_refinement.h"
 #include "engine/annotation/outline_scene.h"
 #include "engine/base/log.h"
 #include "engine/dataset/json_fields.h"
@@ -70,61 +71,112 @@ class ProjectImages {
 
 // Refining.
 
-const char* StopName(RefinementStop stop) {
-  switch (stop) {
-    case RefinementStop::kConverged:
-      return "converged";
-    case RefinementStop::kMoving:
-      return "still moving";
-    case RefinementStop::kNoBetter:
-      return "no better place";
+using By = JointRefinement::By;
+
+const char* NameOf(By by) {
+  switch (by) {
+    case By::kBoth:
+      return "both";
+    case By::kScan:
+      return "scan";
+    case By::kImages:
+      return "images";
+    case By::kNothing:
+      break;
   }
-  return "";
+  return "nothing";
 }
 
-double AzimuthSigma(const ImageRefinement& refined, const Eigen::Vector3d& up) {
-  return std::sqrt(up.dot(refined.covariance.bottomRightCorner<3, 3>() * up));
+double AzimuthSigma(const PoseCovariance& covariance, const Eigen::Vector3d& up) {
+  return std::sqrt(up.dot(covariance.bottomRightCorner<3, 3>() * up));
+}
+
+nlohmann::json ToJson(const PoseChange& change) {
+  return {{"azimuth_deg", kDegPerRad * change.azimuth_rad},
+          {"horizontal_m", change.horizontal_m},
+          {"height_m", change.height_m}};
 }
 
 /// Rows and columns of the covariance: x, y, z [m], azimuth [rad].
-nlohmann::json ToJson(const std::string& id, const ImageRefinement& refined,
-                      const Eigen::Vector3d& up) {
+nlohmann::json ToJson(const JudgedPose& pose, const JudgedPose& before, const Eigen::Vector3d& up) {
   Eigen::Matrix<double, 4, 6> select = Eigen::Matrix<double, 4, 6>::Zero();
   select.topLeftCorner<3, 3>().setIdentity();
   select.bottomRightCorner<1, 3>() = up.transpose();
-  const Eigen::Matrix4d covariance = select * refined.covariance * select.transpose();
+  const Eigen::Matrix4d covariance = select * pose.estimate.covariance * select.transpose();
   nlohmann::json rows = nlohmann::json::array();
   for (const auto& row : covariance.rowwise()) {
     rows.push_back(std::vector<double>(row.begin(), row.end()));
   }
-  return {{"id", id},
-          {"images", refined.images},
-          {"result", StopName(refined.stop)},
-          {"azimuth_deg", kDegPerRad * refined.azimuth_rad},
-          {"horizontal_m", refined.horizontal_m},
-          {"height_m", refined.height_m},
-          {"agreement_before", refined.agreement_before},
-          {"agreement_after", refined.agreement_after},
-          {"offset_before_px", refined.offset_before_px},
-          {"offset_after_px", refined.offset_after_px},
-          {"covariance", rows},
-          {"scan_from_object", IsometryToJson(refined.scan_from_object)}};
+  nlohmann::json json = ToJson(pose.change);
+  json.update({{"result", pose.converged ? "converged" : "still moving"},
+               {"agreement_before", before.agreement},
+               {"agreement_after", pose.agreement},
+               {"offset_before_px", before.offset_px},
+               {"offset_after_px", pose.offset_px},
+               {"fitness_before", before.fitness},
+               {"fitness_after", pose.fitness},
+               {"covariance", rows},
+               {"scan_from_object", IsometryToJson(pose.estimate.scan_from_object)}});
+  if (pose.agreement_held_out && before.agreement_held_out) {
+    json["held_out_before"] = *before.agreement_held_out;
+    json["held_out_after"] = *pose.agreement_held_out;
+  }
+  return json;
+}
+
+nlohmann::json ToJson(const std::string& id, const JointRefinement& refined, By taken,
+                      std::size_t images, std::size_t held_out, const Eigen::Vector3d& up) {
+  nlohmann::json json = ToJson(*refined.Of(taken), refined.before, up);
+  json.update({{"id", id}, {"images", images}, {"held_out", held_out}, {"by", NameOf(taken)}});
+  if (!refined.scan_problem.empty()) json["scan_problem"] = refined.scan_problem;
+  if (!refined.images_problem.empty()) json["images_problem"] = refined.images_problem;
+  if (!refined.together) return json;
+  for (const By by : {By::kScan, By::kImages, By::kBoth}) {
+    if (by != taken) json[std::string("by_") + NameOf(by)] = ToJson(*refined.Of(by), refined.before, up);
+  }
+  json["apart"] = ToJson(refined.apart);
+  json["apart"].update({{"expected_azimuth_deg", kDegPerRad * refined.apart_expected.azimuth_rad},
+                        {"expected_horizontal_m", refined.apart_expected.horizontal_m},
+                        {"expected_height_m", refined.apart_expected.height_m},
+                        {"conflict", refined.conflict},
+                        {"contradict", refined.Contradict()}});
+  return json;
 }
 
 void PrintHead() {
-  std::printf("%-16s %6s  %9s %10s %8s  %13s  %13s  %s\n", "instance", "images", "azimuth",
-              "horizontal", "height", "agreement", "offset [px]", "sigma");
+  std::printf("%-16s %-6s %9s %10s %8s  %13s  %13s  %13s  %-16s %s\n", "instance", "by", "azimuth",
+              "horizontal", "height", "fits", "on edges", "other images", "sigma",
+              "scan to images");
 }
 
-void PrintRow(const std::string& id, const ImageRefinement& refined, const Eigen::Vector3d& up) {
+std::string Arrow(std::optional<double> before, std::optional<double> after) {
+  if (!before || !after) return "-";
+  char text[64];
+  std::snprintf(text, sizeof(text), "%4.2f -> %4.2f", *before, *after);
+  return text;
+}
+
+void PrintRow(const std::string& id, const JointRefinement& refined, By taken, bool scan,
+              bool images, const Eigen::Vector3d& up) {
+  const JudgedPose &pose = *refined.Of(taken), &before = refined.before;
+  const auto given = [](bool there, double value) {
+    return there ? std::optional<double>(value) : std::nullopt;
+  };
   std::printf(
-      "%-16s %6d  %+5.2f deg %7.1f mm %+5.1f mm  %4.2f -> %4.2f  %5.1f -> %4.1f  "
-      "%.1f mm %.2f deg  %s\n",
-      id.c_str(), refined.images, kDegPerRad * refined.azimuth_rad, 1e3 * refined.horizontal_m,
-      1e3 * refined.height_m, refined.agreement_before, refined.agreement_after,
-      refined.offset_before_px, refined.offset_after_px,
-      1e3 * std::sqrt(refined.covariance.topLeftCorner<3, 3>().trace()),
-      kDegPerRad * AzimuthSigma(refined, up), StopName(refined.stop));
+      "%-16s %-6s %+5.2f deg %7.1f mm %+5.1f mm  %13s  %13s  %13s  %4.1f mm %.2f deg", id.c_str(),
+      NameOf(taken), kDegPerRad * pose.change.azimuth_rad, 1e3 * pose.change.horizontal_m,
+      1e3 * pose.change.height_m,
+      Arrow(given(scan, before.fitness), given(scan, pose.fitness)).c_str(),
+      Arrow(given(images, before.agreement), given(images, pose.agreement)).c_str(),
+      Arrow(before.agreement_held_out, pose.agreement_held_out).c_str(),
+      1e3 * std::sqrt(pose.estimate.covariance.topLeftCorner<3, 3>().trace()),
+      kDegPerRad * AzimuthSigma(pose.estimate.covariance, up));
+  if (refined.together) {
+    std::printf("  %.1f mm %+.1f mm %+.2f deg%s", 1e3 * refined.apart.horizontal_m,
+                1e3 * refined.apart.height_m, kDegPerRad * refined.apart.azimuth_rad,
+                refined.Contradict() ? ": contradict each other" : "");
+  }
+  std::printf("\n");
 }
 
 /// Those asked for, or all that are not locked.
@@ -169,6 +221,18 @@ void AddRefineOptions(CLI::App& command, RefineArguments& arguments) {
       .add_option("--instance", arguments.instances,
                   "Only this one (may be given several times); else all that are not locked")
       ->type_name("ID");
+  command
+      .add_option("--by", arguments.by,
+                  "both: scan and images together, weighted by their covariances (where there is "
+                  "but one, that one); or one of them alone")
+      ->check(CLI::IsMember({"both", "scan", "images"}))
+      ->capture_default_str();
+  command
+      .add_option("--camera-std", arguments.camera_std_cm,
+                  "By how much all cameras together may be off in the scan, along each axis [cm]; "
+                  "0 for synthetic sequences")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
   command
       .add_option("--max-shift", arguments.options.max_shift_m,
                   "How far it may move across and along gravity [m]")
@@ -225,54 +289,110 @@ Result<nlohmann::json> CheckByImages(const AnnotationProject& project, const Ope
   return json;
 }
 
-Status RefineByImages(const std::string& project_file, const ImageArguments& images,
-                      const RefineArguments& arguments, const std::string& json_file) {
+/// What `--by` asks for, of what was found; nothing if that was not found.
+By TakenBy(const std::string& by, const JointRefinement& refined) {
+  const By asked = by == "scan" ? By::kScan : by == "images" ? By::kImages : refined.best;
+  return refined.Of(asked) != nullptr ? asked : By::kNothing;
+}
+
+Status RefineInstances(const std::string& project_file, const ImageArguments& images,
+                       const RefineArguments& arguments, const std::string& json_file) {
   const auto project = OpenProject(project_file, AnnotationProject::Access::kWrite);
   if (!project) return project.error();
   const auto inputs = OpenInputs(**project);
   if (!inputs) return inputs.error();
-  if (!inputs->sequence || !inputs->models) {
-    return Error{ErrorCode::kInvalidInput, "'" + project_file + "' names no " +
-                                               (inputs->models ? "sequence" : "model database") +
-                                               "; add it with an edit 'inputs'"};
+  const AnnotationDocument& document = (*project)->document();
+  const bool by_images = arguments.by != "scan" && inputs->sequence != nullptr;
+  const bool by_scan = arguments.by != "images" && !document.scan.empty();
+  if (!inputs->models || (!by_images && !by_scan)) {
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + project_file + "' names no " +
+                     (!inputs->models             ? "model database"
+                      : arguments.by == "images"  ? "sequence"
+                      : arguments.by == "scan"    ? "scan"
+                                                  : "scan and no sequence") +
+                     "; add it with an edit 'inputs'"};
   }
-  const auto chosen = Chosen((*project)->document(), arguments.instances);
+  const auto chosen = Chosen(document, arguments.instances);
   if (!chosen) return chosen.error();
-  ImageRefinementOptions options = arguments.options;
-  options.motion = MotionWith(arguments.dof);
-  const Eigen::Vector3d up = -(*project)->document().gravity_in_scan.normalized();
+  std::shared_ptr<const ScanTarget> target;
+  if (by_scan) {
+    auto mesh = ReadMesh((*project)->Resolve(document.scan));
+    if (!mesh) return mesh.error();
+    auto prepared = ScanTarget::Prepare(*mesh);
+    if (!prepared) return prepared.error();
+    target = std::move(*prepared);
+  }
+  JointRefinementOptions options{MotionWith(arguments.dof), arguments.options};
+  options.images.camera_std_m = arguments.camera_std_cm / 100;
+  // As usual, in proportion.
+  options.images.camera_turn_std_deg =
+      kUsualCameraTurnStd_deg * options.images.camera_std_m / kUsualCameraStd_m;
+  const Eigen::Vector3d up = -document.gravity_in_scan.normalized();
   const bool quiet = json_file == "-";
   ConsoleWork work;
   ProjectImages views(**project, *inputs, images);
-  EditGroup group{"Refine by images", {}};
+  EditGroup group{"Refine", {}};
   nlohmann::json json = nlohmann::json::array();
   Status status;
   if (!quiet) PrintHead();
+  const auto refine = [&](const AnnotatedInstance& instance) -> Result<nlohmann::json> {
+    RefinementEvidence evidence;
+    ProjectImages::View view;
+    HeldOutImages apart;
+    if (by_images) {
+      auto found = views.Of(instance, work.context());
+      if (!found) return found.error();
+      view = std::move(*found);
+      apart = HoldOutEveryThird(view.images);
+      evidence.images = apart.used.get();
+      evidence.held_out = apart.held_out.get();
+      evidence.outline = view.model.get();
+      evidence.occluders = view.occluders;
+    }
+    std::shared_ptr<const ModelSurface> surface;
+    if (target != nullptr) {
+      const auto id = inputs->models->Find(instance.model);
+      if (!id) return Error{ErrorCode::kNotFound, "there is no model '" + instance.model + "'"};
+      auto prepared = ModelSurface::Prepare(inputs->models->model(*id).mesh);
+      if (!prepared) return prepared.error();
+      surface = std::move(*prepared);
+      evidence.scan = target.get();
+      evidence.surface = surface.get();
+    }
+    if (by_images && apart.used == nullptr && !by_scan) {
+      return Error{ErrorCode::kDegenerate, "no image shows it"};
+    }
+    const auto refined = RefineJointly(evidence, instance.scan_from_object, up, options, {},
+                                       work.context());
+    if (!refined) return refined.error();
+    const By taken = TakenBy(arguments.by, *refined);
+    if (taken == By::kNothing) {
+      return Error{ErrorCode::kDegenerate,
+                   arguments.by == "scan" ? refined->scan_problem : refined->images_problem};
+    }
+    if (!quiet) {
+      PrintRow(instance.id, *refined, taken, target != nullptr, apart.used != nullptr, up);
+    }
+    ChangeInstance change;
+    change.id = instance.id;
+    change.set.scan_from_object = refined->Of(taken)->estimate.scan_from_object;
+    group.edits.push_back(change);
+    const auto count = [](const auto& some) { return some ? some->images().size() : 0; };
+    return ToJson(instance.id, *refined, taken, count(apart.used), count(apart.held_out), up);
+  };
   for (const AnnotatedInstance* instance : *chosen) {
-    const auto view = views.Of(*instance, work.context());
-    const auto refined =
-        !view          ? Result<ImageRefinement>(view.error())
-        : view->images ? RefineByImages(*view->images, *view->model, instance->scan_from_object, up,
-                                        view->occluders, options, work.context())
-                       : Error{ErrorCode::kDegenerate, "no image shows it"};
+    const auto refined = refine(*instance);
     if (!refined && refined.error().code == ErrorCode::kCancelled) {
       status = refined.error();  // What is done is kept.
       break;
     }
-    if (!refined) {
-      if (!quiet) {
-        std::printf("%-16s %6d  %s\n", instance->id.c_str(), 0, refined.error().message.c_str());
-      }
-      json.push_back({{"id", instance->id}, {"images", 0}, {"problem", refined.error().message}});
+    if (refined) {
+      json.push_back(*refined);
       continue;
     }
-    if (!quiet) PrintRow(instance->id, *refined, up);
-    json.push_back(ToJson(instance->id, *refined, up));
-    if (refined->stop == RefinementStop::kNoBetter) continue;
-    ChangeInstance change;
-    change.id = instance->id;
-    change.set.scan_from_object = refined->scan_from_object;
-    group.edits.push_back(change);
+    if (!quiet) std::printf("%-16s %s\n", instance->id.c_str(), refined.error().message.c_str());
+    json.push_back({{"id", instance->id}, {"images", 0}, {"problem", refined.error().message}});
   }
   const std::size_t moved = group.edits.size();
   if (moved > 0) {

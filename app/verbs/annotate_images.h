@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/verbs/annotation_inputs.h"
-#include "engine/annotation/image_refinement.h"
+#include "engine/annotation/joint_refinement.h"
 
 namespace plumbline {
 
@@ -21,7 +21,9 @@ void AddImageOptions(CLI::App& command, ImageArguments& arguments, const char* l
 
 struct RefineArguments {
   std::vector<std::string> instances;  ///< All that are not locked where there are none.
+  std::string by = "both";  ///< or "scan", "images"
   int dof = 4;
+  double camera_std_cm = 100 * kUsualCameraStd_m;
   ImageRefinementOptions options;
 };
 void AddRefineOptions(CLI::App& command, RefineArguments& arguments);
@@ -32,7 +34,7 @@ Result<nlohmann::json> CheckByImages(const AnnotationProject& project, const Ope
                                      const ImageArguments& arguments, bool quiet);
 
 /// `annotate refine`.
-Status RefineByImages(const std::string& project, const ImageArguments& images,
-                      const RefineArguments& arguments, const std::string& json_file);
+Status RefineInstances(const std::string& project, const ImageArguments& images,
+                       const RefineArguments& arguments, const std::string& json_file);
 
 }  // namespace plumbline

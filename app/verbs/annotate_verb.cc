@@ -253,7 +253,7 @@ Status Check(const AnnotateArguments& arguments) {
 }
 
 Status Refine(const AnnotateArguments& arguments) {
-  return RefineByImages(arguments.project, arguments.images, arguments.refine, arguments.json);
+  return RefineInstances(arguments.project, arguments.images, arguments.refine, arguments.json);
 }
 
 Status Register(const AnnotateArguments& arguments) {

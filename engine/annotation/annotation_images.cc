@@ -63,4 +63,14 @@ std::shared_ptr<const AnnotationImages> AnnotationImages::FromImages(
   return result;
 }
 
+HeldOutImages HoldOutEveryThird(const std::shared_ptr<const AnnotationImages>& images) {
+  if (images == nullptr || images->images().size() < 3) return {images, nullptr};
+  std::vector<AnnotationImage> used, held_out;
+  for (std::size_t i = 0; i < images->images().size(); ++i) {
+    (i % 3 == 2 ? held_out : used).push_back(images->images()[i]);
+  }
+  return {AnnotationImages::FromImages(images->camera(), std::move(used)),
+          AnnotationImages::FromImages(images->camera(), std::move(held_out))};
+}
+
 }  // namespace plumbline

@@ -74,4 +74,14 @@ double MeanAgreement(const std::vector<ImageCheck>& checks) {
   return all > 0 ? sum / all : 0;
 }
 
+double MedianOffset(const std::vector<ImageCheck>& checks) {
+  std::vector<double> offsets;
+  for (const ImageCheck& check : checks) {
+    if (check.visible_px > 0) offsets.push_back(check.median_offset_px);
+  }
+  if (offsets.empty()) return 0;
+  std::sort(offsets.begin(), offsets.end());
+  return offsets[offsets.size() / 2];
+}
+
 }  // namespace plumbline

@@ -36,5 +36,7 @@ std::vector<ImageCheck> CheckImages(const AnnotationImages& images, const Outlin
 
 /// Mean agreement, weighted by visible length; 0 without any.
 double MeanAgreement(const std::vector<ImageCheck>& checks);
+/// Median of the images' medians [px]; 0 without any.
+double MedianOffset(const std::vector<ImageCheck>& checks);
 
 }  // namespace plumbline

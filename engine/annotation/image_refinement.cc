@@ -17,6 +17,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/annotation/outline_equations.h"
+#include "engine/geometry/angles.h"
 #include "engine/vision/oriented_table.h"
 
 namespace plumbline {
@@ -317,6 +318,9 @@ PoseCovariance Refiner::Covariance(const std::vector<EquationsByPart>& equations
   of_free += outward * outward.transpose();
   of_free += Jackknife(by_image, scale, information, free_);
   of_free += Jackknife(by_part, scale, information, free_);
+  PoseMove cameras = PoseMove::Constant(std::pow(options_.camera_std_m, 2));
+  cameras[3] = std::pow(options_.camera_turn_std_deg * kRadPerDeg, 2);
+  of_free += free_.RestrictForm(cameras.asDiagonal());
   const Eigen::Matrix4d of_move = free_.ExpandCovariance(of_free);
   Eigen::Matrix<double, 6, 4> pose_from_move = Eigen::Matrix<double, 6, 4>::Zero();
   pose_from_move.topLeftCorner<3, 3>().setIdentity();
@@ -324,16 +328,6 @@ PoseCovariance Refiner::Covariance(const std::vector<EquationsByPart>& equations
       -motion_.up().cross(motion_.At(move).linear() * motion_.middle());
   pose_from_move.bottomRightCorner<3, 1>() = motion_.up();
   return pose_from_move * of_move * pose_from_move.transpose();
-}
-
-double MedianOffset(const std::vector<ImageCheck>& checks) {
-  std::vector<double> offsets;
-  for (const ImageCheck& check : checks) {
-    if (check.visible_px > 0) offsets.push_back(check.median_offset_px);
-  }
-  if (offsets.empty()) return 0;
-  std::sort(offsets.begin(), offsets.end());
-  return offsets[offsets.size() / 2];
 }
 
 void Refiner::Describe(const std::vector<ImageCheck>& before, const PoseMove& move,

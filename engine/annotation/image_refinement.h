@@ -17,6 +17,9 @@ struct ImageRefinementOptions {
   int starts = 6;              ///< Best places of a coarse search that are refined, >= 1.
   int coarse_samples = 600;    ///< Places that it tries, >= 0.
   double min_visible_px = 60;  ///< Outline that the images must show at the start.
+  /// By how much all cameras together may be off in the scan, standard deviations along each axis
+  /// and about up, >= 0: no residual shows it, and it counts in the covariance.
+  double camera_std_m = 0, camera_turn_std_deg = 0;
 };
 
 enum class RefinementStop {

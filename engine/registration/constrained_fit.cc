@@ -232,6 +232,55 @@ double ConstrainedPose::DesignEffect(std::span<const PointPair> pairs, double pa
   return std::isfinite(effect) ? std::max(1.0, effect) : 1;
 }
 
+PoseCovariance ConstrainedPose::WidenedByParts(std::span<const PointPair> pairs,
+                                               const PoseCovariance& covariance) const {
+  struct Part {
+    Normal information = Normal::Zero();
+    Eigen::Matrix<double, 6, 1> pull = Eigen::Matrix<double, 6, 1>::Zero();
+    int pairs = 0;
+  };
+  std::array<Part, 8> parts;
+  const Eigen::Vector3d middle = Means(pairs).model;
+  Normal information = Normal::Zero();
+  for (const PointPair& pair : pairs) {
+    const Eigen::Vector3d from_middle = pair.in_model - middle;
+    Part& part = parts[static_cast<std::size_t>((from_middle.x() > 0) + 2 * (from_middle.y() > 0) +
+                                                4 * (from_middle.z() > 0))];
+    const Eigen::Matrix<double, 6, 1> row = Row(pair, scan_from_model_);
+    const double distance =
+        pair.normal_in_scan.dot(scan_from_model_ * pair.in_model - pair.in_scan);
+    part.information.noalias() += pair.weight * row * row.transpose();
+    part.pull += pair.weight * distance * row;
+    ++part.pairs;
+  }
+  for (const Part& part : parts) information += part.information;
+  const Subspace free = FreeDirections();
+  const Eigen::MatrixXd all = free.RestrictForm(information);
+  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(free.size(), free.size());
+  int used = 0;
+  for (const Part& part : parts) {
+    if (part.pairs == 0) continue;
+    ++used;
+    Eigen::MatrixXd others = all - free.RestrictForm(part.information);
+    others.diagonal().array() += 1e-6 * all.trace() + 1e-12;
+    const Eigen::VectorXd moved = SolveSymmetric(others, free.RestrictGradient(part.pull));
+    scatter += moved * moved.transpose();
+  }
+  if (used < 2) return covariance;
+  scatter *= (used - 1.0) / used;
+  // In the coordinates in which the covariance is one, the larger of both along each axis.
+  const auto [values, vectors] = EigenOf(free.RestrictForm(covariance));
+  const Eigen::VectorXd deviations = values.cwiseMax(1e-18).cwiseSqrt();
+  const Subspace axes(vectors);
+  Eigen::MatrixXd relative = axes.RestrictForm(scatter);
+  relative = relative.cwiseQuotient(Eigen::MatrixXd(deviations * deviations.transpose()));
+  const auto [ratios, directions] = EigenOf(relative);
+  Eigen::MatrixXd widened =
+      Subspace(directions).ExpandCovariance(ratios.cwiseMax(1.0).asDiagonal());
+  widened = widened.cwiseProduct(Eigen::MatrixXd(deviations * deviations.transpose()));
+  return free.ExpandCovariance(axes.ExpandCovariance(widened));
+}
+
 PoseDeviations DeviationsOf(const PoseCovariance& covariance, const Eigen::Vector3d& up_in_scan) {
   constexpr double kRounding_m = 1e-9;
   const auto root = [](double variance) { return std::sqrt(std::max(0.0, variance)); };

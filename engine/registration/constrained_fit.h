@@ -82,6 +82,12 @@ class ConstrainedPose {
   /// samples; docs/algorithms/registration.md).
   double DesignEffect(std::span<const PointPair> pairs, double patch_m) const;
 
+  /// `covariance`, as of PlaneCovariance, widened in every direction to what the pose would move by
+  /// if an eighth of the surface was left out, each in turn (the jackknife over octants about the
+  /// middle of the pairs): where few patches decide, none of the residuals shows that one is wrong.
+  PoseCovariance WidenedByParts(std::span<const PointPair> pairs,
+                                const PoseCovariance& covariance) const;
+
  private:
   using Normal = Eigen::Matrix<double, 6, 6>;
 
