@@ -71,20 +71,16 @@ class ProjectImages {
 
 // Refining.
 
-using By = JointRefinement::By;
-
-const char* NameOf(By by) {
+const char* NameOf(RefineBy by) {
   switch (by) {
-    case By::kBoth:
-      return "both";
-    case By::kScan:
+    case RefineBy::kScan:
       return "scan";
-    case By::kImages:
+    case RefineBy::kImages:
       return "images";
-    case By::kNothing:
+    case RefineBy::kBoth:
       break;
   }
-  return "nothing";
+  return "both";
 }
 
 double AzimuthSigma(const PoseCovariance& covariance, const Eigen::Vector3d& up) {
@@ -124,14 +120,14 @@ nlohmann::json ToJson(const JudgedPose& pose, const JudgedPose& before, const Ei
   return json;
 }
 
-nlohmann::json ToJson(const std::string& id, const JointRefinement& refined, By taken,
+nlohmann::json ToJson(const std::string& id, const JointRefinement& refined, RefineBy taken,
                       std::size_t images, std::size_t held_out, const Eigen::Vector3d& up) {
   nlohmann::json json = ToJson(*refined.Of(taken), refined.before, up);
   json.update({{"id", id}, {"images", images}, {"held_out", held_out}, {"by", NameOf(taken)}});
   if (!refined.scan_problem.empty()) json["scan_problem"] = refined.scan_problem;
   if (!refined.images_problem.empty()) json["images_problem"] = refined.images_problem;
   if (!refined.together) return json;
-  for (const By by : {By::kScan, By::kImages, By::kBoth}) {
+  for (const RefineBy by : {RefineBy::kScan, RefineBy::kImages, RefineBy::kBoth}) {
     if (by != taken) json[std::string("by_") + NameOf(by)] = ToJson(*refined.Of(by), refined.before, up);
   }
   json["apart"] = ToJson(refined.apart);
@@ -156,7 +152,7 @@ std::string Arrow(std::optional<double> before, std::optional<double> after) {
   return text;
 }
 
-void PrintRow(const std::string& id, const JointRefinement& refined, By taken, bool scan,
+void PrintRow(const std::string& id, const JointRefinement& refined, RefineBy taken, bool scan,
               bool images, const Eigen::Vector3d& up) {
   const JudgedPose &pose = *refined.Of(taken), &before = refined.before;
   const auto given = [](bool there, double value) {
@@ -289,10 +285,9 @@ Result<nlohmann::json> CheckByImages(const AnnotationProject& project, const Ope
   return json;
 }
 
-/// What `--by` asks for, of what was found; nothing if that was not found.
-By TakenBy(const std::string& by, const JointRefinement& refined) {
-  const By asked = by == "scan" ? By::kScan : by == "images" ? By::kImages : refined.best;
-  return refined.Of(asked) != nullptr ? asked : By::kNothing;
+/// What `--by` asks for, of what was found; the best of it for both.
+RefineBy TakenBy(const std::string& by, const JointRefinement& refined) {
+  return by == "scan" ? RefineBy::kScan : by == "images" ? RefineBy::kImages : refined.best;
 }
 
 Status RefineInstances(const std::string& project_file, const ImageArguments& images,
@@ -366,8 +361,8 @@ Status RefineInstances(const std::string& project_file, const ImageArguments& im
     const auto refined = RefineJointly(evidence, instance.scan_from_object, up, options, {},
                                        work.context());
     if (!refined) return refined.error();
-    const By taken = TakenBy(arguments.by, *refined);
-    if (taken == By::kNothing) {
+    const RefineBy taken = TakenBy(arguments.by, *refined);
+    if (refined->Of(taken) == nullptr) {
       return Error{ErrorCode::kDegenerate,
                    arguments.by == "scan" ? refined->scan_problem : refined->images_problem};
     }

@@ -192,6 +192,9 @@ Status Export(const AnnotateArguments& arguments) {
   if (!frames) return frames.error();
   const ExchangeInputs inputs = opened->View(std::move(*frames));
   const AnnotationDocument& document = (*project)->document();
+  for (const AnnotationFinding& finding : CheckAnnotations(document, inputs)) {
+    if (finding.IsError()) log::warn("{} ('plumbline annotate check')", finding.sentence);
+  }
   ConsoleWork work;
   const auto staged = StagedExport::Write(
       document, inputs, (*project)->Resolve(document.scan),
@@ -232,7 +235,7 @@ Status Check(const AnnotateArguments& arguments) {
     scan = std::move(*read);
     view.scan = &scan;
   }
-  const auto findings = CheckAnnotations(document, view, arguments.check);
+  auto findings = CheckAnnotations(document, view, arguments.check);
   const bool quiet = arguments.json == "-";
   for (const AnnotationFinding& finding : findings) {
     if (!quiet) std::printf("%-16s %s\n", finding.kind.c_str(), finding.sentence.c_str());
@@ -242,6 +245,13 @@ Status Check(const AnnotateArguments& arguments) {
     auto checked = CheckByImages(**project, *inputs, arguments.images, quiet);
     if (!checked) return checked.error();
     agreement = std::move(*checked);
+    for (const nlohmann::json& row : agreement) {
+      if (row.contains("problem")) continue;
+      const auto low = CheckAgreement(row["id"], row["agreement"], row["images"], arguments.check);
+      if (!low) continue;
+      if (!quiet) std::printf("%-16s %s\n", low->kind.c_str(), low->sentence.c_str());
+      findings.push_back(*low);
+    }
   }
   if (!quiet) {
     std::printf("%s: %zu instances, %zu findings\n", arguments.project.c_str(),
@@ -343,8 +353,8 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
 
   CLI::App* check = AddCommand(*verb, "check",
                                "Report tilted, floating, sunk, interpenetrating and duplicate "
-                               "objects, unknown models and missing frames, and how well the "
-                               "outlines lie on the edges of the images",
+                               "objects, drafts on top of others, unknown models and missing "
+                               "frames, and how well the outlines lie on the edges of the images",
                                arguments, chosen, Check);
   check->add_option("--tilt", arguments->check.tilt_deg, "Largest tilt [degrees]")
       ->capture_default_str();
@@ -354,12 +364,16 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
       ->capture_default_str();
   check->add_option("--overlap", arguments->check.overlap_m, "Deepest overlap [m]")
       ->capture_default_str();
+  check
+      ->add_option("--agreement", arguments->check.agreement,
+                   "Least agreement with the images, 0 to 1")
+      ->capture_default_str();
   AddImageOptions(*check, arguments->images, "0: do not look at the images");
   AddJson(*check, arguments);
 
   CLI::App* refine = AddCommand(*verb, "refine",
-                                "Move objects so that their outlines lie on the edges of the "
-                                "sequence's images, upright, and save; one step to undo",
+                                "Align objects with the scan and with the edges in the sequence's "
+                                "images together, upright, and save; one step to undo",
                                 arguments, chosen, Refine);
   AddImageOptions(*refine, arguments->images, "at least 1");
   AddRefineOptions(*refine, arguments->refine);

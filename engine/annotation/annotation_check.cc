@@ -114,6 +114,16 @@ class Checker {
            Sentence("%s is %.3f m from %s and of the same model", a.id, apart_m, b.id)});
       return;
     }
+    if (a.category == b.category && IsDraft(a) != IsDraft(b) && apart_m < options_.draft_m) {
+      const AnnotatedInstance &draft = IsDraft(a) ? a : b, &placed = IsDraft(a) ? b : a;
+      findings_.push_back({"draft_on_object",
+                           {draft.id, placed.id},
+                           apart_m,
+                           "m",
+                           Sentence("the draft %s stands %.3f m from %s, which is placed already",
+                                    draft.id, apart_m, placed.id)});
+      return;
+    }
     if (!model_a || !model_b ||
         apart_m > 0.5 * (model_a->bounds.diagonal().norm() + model_b->bounds.diagonal().norm())) {
       return;
@@ -195,6 +205,20 @@ class Checker {
 };
 
 }  // namespace
+
+bool IsDraft(const AnnotatedInstance& instance) {
+  return !instance.fine && instance.note.starts_with(kDraftNote);
+}
+
+std::optional<AnnotationFinding> CheckAgreement(const std::string& instance, double agreement,
+                                                std::size_t images,
+                                                const AnnotationCheckOptions& options) {
+  if (agreement >= options.agreement) return std::nullopt;
+  char text[256];
+  std::snprintf(text, sizeof(text), "%.0f %% of the outline of %s lies on edges, in %zu images",
+                100 * agreement, instance.c_str(), images);
+  return AnnotationFinding{"low_agreement", {instance}, agreement, "", text};
+}
 
 std::vector<AnnotationFinding> CheckAnnotations(const AnnotationDocument& document,
                                                 const ExchangeInputs& inputs,

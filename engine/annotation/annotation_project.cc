@@ -289,6 +289,7 @@ std::filesystem::path AnnotationProject::Resolve(const std::string& relative) co
 /// Changes the document and remembers the way back. What was undone or redone stays on its stack,
 /// and the journal is not told.
 Status AnnotationProject::Do(EditKind kind, const Edit& edit, const std::string& label) {
+  ++revision_;
   Result<Edit> back = ApplyEdit(edit, document_);
   if (!back) return back.error();
   modified_ = true;

@@ -58,6 +58,8 @@ class AnnotationProject {
   /// Goes on in another file, which is overwritten; relative paths are made to fit.
   Status SaveAs(const std::filesystem::path& file);
   bool modified() const { return modified_; }
+  /// Changes with the document.
+  std::uint64_t revision() const { return revision_; }
 
   /// Why edits are not safe on the disk at the moment, if so: it is full or read-only.
   const std::optional<Error>& journal_problem() const { return journal_problem_; }
@@ -103,6 +105,7 @@ class AnnotationProject {
   std::size_t saved_depth_ = 0, least_depth_ = 0;
   bool left_saved_ = false;  ///< What was repeated undid saved steps and went another way.
   bool modified_ = false;
+  std::uint64_t revision_ = 1;
 };
 
 }  // namespace plumbline

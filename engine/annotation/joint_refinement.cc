@@ -76,9 +76,9 @@ class JointRefiner {
     if (result.by_scan && result.by_images) {
       Fuse(result);
     } else if (result.by_scan) {
-      result.best = JointRefinement::By::kScan;
+      result.best = RefineBy::kScan;
     } else if (result.by_images) {
-      result.best = JointRefinement::By::kImages;
+      result.best = RefineBy::kImages;
     } else {
       return Error{ErrorCode::kDegenerate, evidence_.scan == nullptr     ? result.images_problem
                                            : evidence_.images == nullptr ? result.scan_problem
@@ -154,7 +154,6 @@ class JointRefiner {
   }
 
   void Fuse(JointRefinement& result) const {
-    using By = JointRefinement::By;
     const Eigen::Vector3d middle = evidence_.outline->center().cast<double>();
     FusedPose fused = FusePoses(result.by_scan->estimate, result.by_images->estimate, up_,
                                       options_.motion, middle);
@@ -171,13 +170,13 @@ class JointRefiner {
     }
     result.together = Judged(fused.together);
     result.together->converged = result.by_scan->converged && result.by_images->converged;
-    result.best = By::kBoth;
+    result.best = RefineBy::kBoth;
     if (!result.Contradict()) return;
     const auto held_out = [](const JudgedPose& pose) {
       return pose.agreement_held_out.value_or(pose.agreement);
     };
     double best = held_out(*result.together) + kClearlyBetter;
-    for (const By by : {By::kScan, By::kImages}) {
+    for (const RefineBy by : {RefineBy::kScan, RefineBy::kImages}) {
       const double alone = held_out(*result.Of(by));
       if (alone <= best) continue;
       best = alone;
@@ -230,12 +229,11 @@ FusedPose FusePoses(const KnownPose& first, const KnownPose& second,
   return fused;
 }
 
-const JudgedPose* JointRefinement::Of(By by) const {
-  const std::optional<JudgedPose>* found = by == By::kScan     ? &by_scan
-                                           : by == By::kImages ? &by_images
-                                           : by == By::kBoth   ? &together
-                                                               : nullptr;
-  return found != nullptr && *found ? &**found : nullptr;
+const JudgedPose* JointRefinement::Of(RefineBy by) const {
+  const std::optional<JudgedPose>& found = by == RefineBy::kScan     ? by_scan
+                                           : by == RefineBy::kImages ? by_images
+                                                                     : together;
+  return found ? &*found : nullptr;
 }
 
 Result<JointRefinement> RefineJointly(const RefinementEvidence& evidence,

@@ -11,6 +11,7 @@
 #include "engine/annotation/image_refinement.h"
 #include "engine/annotation/occluders.h"
 #include "engine/annotation/outline_model.h"
+#include "engine/annotation/refine_by.h"
 #include "engine/base/progress.h"
 #include "engine/registration/model_refinement.h"
 #include "engine/registration/model_surface.h"
@@ -76,10 +77,10 @@ struct JointRefinement {
   double conflict = 1;
   bool Contradict() const { return conflict > kContradiction; }
 
-  enum class By { kNothing, kScan, kImages, kBoth };
   /// Both together; where they contradict each other, what agrees best with the images held out.
-  By best = By::kNothing;
-  const JudgedPose* Of(By by) const;
+  RefineBy best = RefineBy::kBoth;
+  /// Null if that found nothing.
+  const JudgedPose* Of(RefineBy by) const;
 };
 
 /// By how much the cameras of a sequence are usually off in a scan: 1 cm and 0.3 degrees, what smooth

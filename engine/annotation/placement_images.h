@@ -34,6 +34,8 @@ class PlacementImages {
                                                const Eigen::Isometry3d& start,
                                                const WorkContext& work);
 
+  const std::shared_ptr<const OutlineModel>& model() const { return model_; }
+  const std::shared_ptr<const AnnotationImages>& images() const { return images_; }
   int size() const { return static_cast<int>(images_->images().size()); }
   /// As of MeanAgreement.
   double Agreement(const Eigen::Isometry3d& scan_from_object) const;

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/annotation/annotation_images.h"
-#include "engine/annotation/image_refinement.h"
 #include "engine/annotation/outline_scene.h"
 #include "engine/base/progress.h"
+#include "engine/session/annotation_jobs.h"
 #include "engine/snapshot/annotation_snapshot.h"
 
 namespace plumbline {
@@ -16,10 +19,13 @@ namespace plumbline {
 /// Key frames that show one instance.
 struct InstanceImages {
   std::string instance, model_name;
+  std::uint64_t placement = 0;  ///< PlacementView::asked_by, if they are for its candidates.
   Eigen::Isometry3d chosen_for = Eigen::Isometry3d::Identity();  ///< Pose they were chosen for.
   std::optional<Eigen::Isometry3d> scan_from_world;  ///< By which the cameras were placed.
   std::shared_ptr<const OutlineModel> model;
-  std::shared_ptr<const AnnotationImages> images;  ///< Null: no frame shows it.
+  /// All, those that are refined on first, then those held out; null: no frame shows it.
+  std::shared_ptr<const AnnotationImages> images;
+  HeldOutImages apart;
 
   /// Whether they still suit the instance: it has neither gone far from where it was when they were
   /// chosen nor become another model, and the cameras are where they were.
@@ -35,13 +41,30 @@ Result<InstanceImages> ReadInstanceImages(const std::shared_ptr<const Sequence>&
                                           const std::string& instance, OutlineScene& scene,
                                           const WorkContext& work);
 
-/// The outline of a pose in all of them; some tens of milliseconds.
+/// The outline of a pose in all of them; some tens of milliseconds. `others` are drawn beside it.
+struct ComparedPose {
+  std::optional<RefineBy> by;  ///< Nothing: where it is placed.
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+};
 ImageChecksView CheckPose(const InstanceImages& images, const Eigen::Isometry3d& scan_from_object,
-                          const Occluders& occluders);
+                          const std::vector<ComparedPose>& others, const Occluders& occluders);
 
-/// Aligns the outline with the edges of all images. What went wrong is in `problem`.
-void RefineInImages(const InstanceImages& images, const Occluders& occluders,
-                    const Eigen::Vector3d& up_in_scan, FreeMotion motion, const WorkContext& work,
+/// What an instance is refined by.
+struct RefinementTask {
+  RefineBy by = RefineBy::kBoth;
+  std::optional<PlacementTask> scan;             ///< Nothing: there is none.
+  std::shared_ptr<const InstanceImages> images;  ///< Null: there are none.
+  Occluders occluders;
+  Eigen::Vector3d up_in_scan{0, 0, 1};
+  FreeMotion motion = FreeMotion::kAzimuthAndTranslation;
+};
+
+/// Refines from where `refinement` is, a step on the scan at a time, each told to `step`; at most a
+/// step in `pace_ms`, so that people can follow. What went wrong is in `problem`.
+void RefineInstance(const RefinementTask& task, const WorkContext& work, int pace_ms,
+                    const std::function<void(const RefinementView&)>& step,
                     RefinementView& refinement);
+/// Proposes one of the poses that were found.
+void ProposePose(const RefinedPose& pose, const PlacementTask* scan, RefinementView& refinement);
 
 }  // namespace plumbline

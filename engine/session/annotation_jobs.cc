@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <thread>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -14,7 +13,6 @@
 #include "engine/geometry/vertex_clustering.h"
 #include "engine/models/mesh_file.h"
 #include "engine/models/scan_file.h"
-#include "engine/registration/model_refinement.h"
 #include "engine/render/small_picture.h"
 
 namespace plumbline {
@@ -22,7 +20,6 @@ namespace {
 
 constexpr std::size_t kFineVertices = 400'000, kCoarseVertices = 140'000;
 constexpr int kPictureWidth = 208, kPictureHeight = 156;
-constexpr double kResidualReach_m = 0.1;
 constexpr std::size_t kShownFloorPoints = 12'000;
 
 /// The vertices around a ball, with their colours.
@@ -68,24 +65,6 @@ void PutBestFirst(PlacementView& placement) {
   std::rotate(first, first + static_cast<std::ptrdiff_t>(best),
               first + static_cast<std::ptrdiff_t>(best) + 1);
   placement.by_images = true;
-}
-
-void Show(const PlacementTask& task, const ModelRefinement& now, RefinementView& view) {
-  view.iteration = now.iterations;
-  view.converged = now.converged;
-  view.scan_from_object = now.scan_from_model;
-  view.fitness = now.fit.fitness;
-  view.rmse_m = now.fit.rmse_m;
-  view.fitness_before = now.before.fitness;
-  view.rmse_before_m = now.before.rmse_m;
-  const PoseChange change =
-      ChangeBetween(task.scan_from_object, now.scan_from_model, task.up_in_scan);
-  view.azimuth_rad = change.azimuth_rad;
-  view.horizontal_m = change.horizontal_m;
-  view.height_m = change.height_m;
-  view.tilt_rad = change.tilt_rad;
-  view.residuals_m = std::make_shared<const std::vector<float>>(
-      DistancesToScan(*task.target, task.mesh->vertices, now.scan_from_model, kResidualReach_m));
 }
 
 }  // namespace
@@ -165,11 +144,13 @@ void AddPictures(const PlacementTask& task, PlacementView& placement) {
 
 void ComparePlacements(const PlacementQuestion& question, const Eigen::Isometry3d& start,
                        const WorkContext& work,
+                       const std::function<void(const PlacementImages&)>& chosen,
                        const std::function<void(const PlacementView&)>& changed,
                        PlacementView& placement) {
   if (placement.candidates.empty()) return;
   const auto images = PlacementImages::Choose(question, start, work);
   if (!images) return;
+  chosen(*images);
   for (PlacementCandidate& candidate : placement.candidates) {
     if (work.stop.stop_requested()) return;
     candidate.agreement = images->Agreement(candidate.scan_from_object);
@@ -191,36 +172,6 @@ void ComparePlacements(const PlacementQuestion& question, const Eigen::Isometry3
   candidate.id = static_cast<int>(placement.candidates.size());
   placement.candidates.push_back(std::move(candidate));
   PutBestFirst(placement);
-}
-
-void SetDeviations(const PoseCovariance& covariance, const Eigen::Vector3d& up_in_scan,
-                   RefinementView& refinement) {
-  const PoseDeviations deviations = DeviationsOf(covariance, up_in_scan);
-  refinement.height_std_m = deviations.height_m;
-  refinement.horizontal_std_m = deviations.horizontal_m;
-  refinement.azimuth_std_rad = deviations.azimuth_rad;
-}
-
-void Refine(const PlacementTask& task, const WorkContext& work, int pace_ms,
-            const std::function<void(const RefinementView&)>& step, RefinementView& refinement) {
-  const auto told = [&](const ModelRefinement& now) {
-    Show(task, now, refinement);
-    step(refinement);
-    std::this_thread::sleep_for(std::chrono::milliseconds(pace_ms));
-  };
-  const auto refined = RefineModel(
-      *task.target, *task.surface, task.scan_from_object, task.up_in_scan,
-      task.floor_in_scan ? FreeMotion::kAzimuthAndHorizontal : FreeMotion::kAzimuthAndTranslation,
-      told, work);
-  if (!refined && refined.error().code == ErrorCode::kCancelled) return;
-  refinement.running = false;
-  if (!refined) {
-    refinement.problem = "There is no scan around this object to align it to.";
-    ModelRefinement none;
-    none.scan_from_model = task.scan_from_object;
-    return Show(task, none, refinement);
-  }
-  SetDeviations(refined->covariance, task.up_in_scan, refinement);
 }
 
 void ShowFloorPoints(const ScanTarget& target, FloorProposal& proposal) {

@@ -58,24 +58,16 @@ void FindPlacements(const PlacementTask& task, const WorkContext& work, Placemen
 
 /// Gives each candidate its agreement with the same few key frames. Where none agrees, the images
 /// alone are searched around `start`, and what convinces is added. Where the images clearly prefer
-/// a candidate to the first, it becomes the first. `changed` is called when there is something new
-/// to see. Without a frame that shows the place nothing changes.
+/// a candidate to the first, it becomes the first. `chosen` is told the frames, `changed` when there
+/// is something new to see. Without a frame that shows the place nothing changes.
 void ComparePlacements(const PlacementQuestion& question, const Eigen::Isometry3d& start,
                        const WorkContext& work,
+                       const std::function<void(const PlacementImages&)>& chosen,
                        const std::function<void(const PlacementView&)>& changed,
                        PlacementView& placement);
 
 /// Draws the candidates that have no picture yet.
 void AddPictures(const PlacementTask& task, PlacementView& placement);
-
-/// How sure azimuth, place and height are. `covariance`: as of PoseCovariance.
-void SetDeviations(const PoseCovariance& covariance, const Eigen::Vector3d& up_in_scan,
-                   RefinementView& refinement);
-
-/// Aligns from the start, a step at a time, each told to `step`; at most a step in `pace_ms`, so
-/// that people can follow. What stands on a known floor keeps its height.
-void Refine(const PlacementTask& task, const WorkContext& work, int pace_ms,
-            const std::function<void(const RefinementView&)>& step, RefinementView& refinement);
 
 /// The plane around a seed or by itself, as a proposal. Errors: kDegenerate.
 Result<FloorProposal> ProposeFloor(const ScanTarget& target,

@@ -56,6 +56,7 @@ std::optional<AnnotationSession::Job> AnnotationSession::TakeJob() {
   if (frame_wanted_) return FrameJob(*std::exchange(frame_wanted_, std::nullopt));
   if (jobs_.empty() && std::exchange(check_wanted_, false)) return CheckJob();
   if (jobs_.empty() && std::exchange(images_wanted_, false)) return ImagesJob();
+  if (jobs_.empty() && AuditDue()) return AuditJob();
   if (jobs_.empty()) return std::nullopt;
   Job job = std::move(jobs_.front());
   jobs_.pop_front();
@@ -69,7 +70,9 @@ void AnnotationSession::Apply(const AnnotationCommand& command, std::uint64_t nu
   std::visit([this](const auto& c) { On(c); }, command);
   const bool refused = view_.refused && view_.answer_number != answers;
   if (number > 0) view_.last_command = {number, refused ? view_.answer : ""};
-  if (!std::holds_alternative<PreviewPoseCommand>(command)) {
+  const bool previews = std::holds_alternative<PreviewPoseCommand>(command) ||
+                        std::holds_alternative<ChooseRefinementCommand>(command);
+  if (!previews) {
     preview_.reset();
     checked_.reset();  // what hides it may have changed
   }

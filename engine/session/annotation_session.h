@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/annotation/annotation_check.h"
 #include "engine/annotation/crop_cut.h"
 #include "engine/annotation/staged_export.h"
 #include "engine/base/progress.h"
@@ -66,7 +67,7 @@ class AnnotationSession {
   void On(const PlaceModelCommand& command);
   void On(const PlaceAgainCommand& command);
   void On(const RefineInstanceCommand& command);
-  void On(const RefineByImagesCommand& command);
+  void On(const ChooseRefinementCommand& command);
   void On(const PreviewPoseCommand& command);
   void On(const AcceptProposalCommand& command);
   void On(const CancelProposalCommand& command);
@@ -79,6 +80,7 @@ class AnnotationSession {
   void On(const SaveProjectCommand& command);
   void On(const DropRecoveredCommand& command);
   void On(const ExportCommand& command);
+  void On(const CompareAllCommand& command);
   void On(const AnswerExportCommand& command);
   void On(const SetScanUnitCommand& command);
   void On(const SetAnnotatorCommand& command);
@@ -106,7 +108,15 @@ class AnnotationSession {
   /// Asks for the images of the selected object, or for its outline in them, if they are not those
   /// of where it is now.
   void WantChecks();
+  Eigen::Isometry3d JudgedPoseNow() const;
+  std::vector<ComparedPose> ComparedPoses() const;
+  void TakeImages(const PlacementQuestion& question, std::uint64_t asked_by,
+                  const PlacementImages& chosen);
   Job ImagesJob();
+  bool AuditDue() const;
+  Job AuditJob();
+  void MakeChecklist();
+  std::vector<AnnotationFinding> AgreementFindings() const;
   Job CheckJob();
   Job FrameJob(int frame);
   void SetChange(SequenceAlignmentView& view) const;
@@ -143,9 +153,18 @@ class AnnotationSession {
   std::map<int, std::shared_ptr<const ModelSurface>> surfaces_;
   std::shared_ptr<OutlineScene> outlines_;  ///< Of jobs alone; null until it is ready.
   std::shared_ptr<const InstanceImages> images_;
-  std::optional<Eigen::Isometry3d> preview_;  ///< Of the selected object.
+  std::optional<PlacementTask> refined_on_scan_;  ///< Of `view_.refinement`.
+  std::optional<Eigen::Isometry3d> preview_;  ///< Of the selected object, or a candidate.
   std::optional<Eigen::Isometry3d> checked_;  ///< The last pose that was checked.
   bool images_wanted_ = false, check_wanted_ = false;
+  std::vector<AnnotationFinding> findings_;  ///< Of the project as it was audited.
+  std::uint64_t audited_ = 0, audited_models_ = 0;
+  struct Compared {
+    Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+    double agreement = 0;
+    std::size_t images = 0;
+  };
+  std::map<std::string, Compared> compared_;  ///< With the images, by instance.
   std::vector<Eigen::Vector3d> cameras_in_world_;
   std::shared_ptr<const PreparedCrop> prepared_crop_;
   std::optional<int> frame_wanted_;

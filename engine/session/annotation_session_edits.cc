@@ -138,11 +138,28 @@ void AnnotationSession::On(const ExportCommand& command) {
        i += std::max(1, command.every)) {
     frames.push_back(i);
   }
+  std::vector<std::string> low;
+  for (const AnnotationFinding& finding : AgreementFindings()) low.push_back(finding.sentence);
   jobs_.push_back(
       {"Exporting", false,
-       [document, request, frames, models = models_, sequence = sequence_,
-        scan = project_->Resolve(document.scan)](const WorkContext& work, const auto&) -> Update {
+       [document, request, frames, low, despite = command.despite_findings, models = models_,
+        sequence = sequence_, scan = project_->Resolve(document.scan)](const WorkContext& work, const auto&) -> Update {
          const ExchangeInputs inputs{models.get(), sequence.get(), frames};
+         if (!despite) {
+           std::vector<std::string> open = low;
+           for (const AnnotationFinding& finding : CheckAnnotations(document, inputs)) {
+             if (finding.IsError()) open.push_back(finding.sentence);
+           }
+           if (!open.empty()) {
+             return [open](AnnotationSession& session) {
+               ExportView asking{false, "", ""};
+               asking.open_findings = open;
+               session.view_.exported = asking;
+               session.Answer("Nothing was written: " + std::to_string(open.size()) +
+                              " findings are open.");
+             };
+           }
+         }
          auto written = StagedExport::Write(document, inputs, scan, request, work);
          std::shared_ptr<StagedExport> waits;
          ExportView view{false, "", ""};

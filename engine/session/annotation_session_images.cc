@@ -24,15 +24,24 @@ void AnnotationSession::QueueOutlines() {
 }
 
 void AnnotationSession::WantChecks() {
-  const AnnotatedInstance* selected = project_->document().Find(view_.selected);
   if (outlines_ == nullptr) return;
+  const auto& placement = view_.placement;
+  if (placement && !placement->candidates.empty()) {
+    // Their key frames come with the comparison of the candidates.
+    images_wanted_ = false;
+    const bool known = images_ != nullptr && images_->placement == placement->asked_by;
+    if (!known) view_.checks = ImageChecksView{placement->instance};
+    check_wanted_ = known && (!checked_ || checked_->matrix() != JudgedPoseNow().matrix());
+    return;
+  }
+  const AnnotatedInstance* selected = project_->document().Find(view_.selected);
   if (selected == nullptr) {
     view_.checks.reset();
     images_wanted_ = check_wanted_ = false;
     return;
   }
-  const Eigen::Isometry3d pose = preview_.value_or(selected->scan_from_object);
-  const bool other = images_ == nullptr || images_->instance != selected->id;
+  const bool other =
+      images_ == nullptr || images_->placement > 0 || images_->instance != selected->id;
   if (other || (!preview_ && !images_->Suit(project_->document(), *selected))) {
     if (!view_.checks || view_.checks->instance != selected->id) {
       view_.checks = ImageChecksView{selected->id};
@@ -41,8 +50,35 @@ void AnnotationSession::WantChecks() {
     check_wanted_ = false;
   } else {
     images_wanted_ = false;
-    if (!checked_ || checked_->matrix() != pose.matrix()) check_wanted_ = true;
+    if (!checked_ || checked_->matrix() != JudgedPoseNow().matrix()) check_wanted_ = true;
   }
+}
+
+/// That the images are to show: of a candidate, a proposal, a drag, or where the object is placed.
+Eigen::Isometry3d AnnotationSession::JudgedPoseNow() const {
+  if (preview_) return *preview_;
+  const auto& placement = view_.placement;
+  if (placement && !placement->candidates.empty()) {
+    return placement->candidates.front().scan_from_object;
+  }
+  return PoseOf(view_.selected);
+}
+
+/// Where the object is placed, if that is not what is judged, and what contradicts a refinement.
+std::vector<ComparedPose> AnnotationSession::ComparedPoses() const {
+  std::vector<ComparedPose> compared;
+  const std::string& id = view_.placement ? view_.placement->instance : view_.selected;
+  const Eigen::Isometry3d judged = JudgedPoseNow();
+  const AnnotatedInstance* placed = project_->document().Find(id);
+  if (placed != nullptr && placed->scan_from_object.matrix() != judged.matrix()) {
+    compared.push_back({std::nullopt, placed->scan_from_object});
+  }
+  if (!view_.refinement || !view_.refinement->contradict) return compared;
+  for (const RefinedPose& found : view_.refinement->found) {
+    if (found.by == RefineBy::kBoth || found.by == view_.refinement->by) continue;
+    compared.push_back({found.by, found.scan_from_object});
+  }
+  return compared;
 }
 
 AnnotationSession::Job AnnotationSession::ImagesJob() {
@@ -65,14 +101,15 @@ AnnotationSession::Job AnnotationSession::ImagesJob() {
 }
 
 AnnotationSession::Job AnnotationSession::CheckJob() {
-  const Eigen::Isometry3d pose = preview_.value_or(PoseOf(view_.selected));
+  const Eigen::Isometry3d pose = JudgedPoseNow();
   checked_ = pose;
   return {"", false,
-          [images = images_, outlines = outlines_, document = project_->document(), pose](
-              const WorkContext&, const auto&) -> Update {
-            auto view = CheckPose(*images, pose, outlines->OccludersOf(document, images->instance));
-            return [view = std::move(view)](AnnotationSession& session) {
-              if (session.view_.selected == view.instance) session.view_.checks = view;
+          [images = images_, outlines = outlines_, document = project_->document(), pose,
+           others = ComparedPoses()](const WorkContext&, const auto&) -> Update {
+            auto view = CheckPose(*images, pose, others,
+                                  outlines->OccludersOf(document, images->instance));
+            return [view = std::move(view), images](AnnotationSession& session) {
+              if (session.images_ == images) session.view_.checks = view;
             };
           }};
 }
@@ -83,40 +120,98 @@ Eigen::Isometry3d AnnotationSession::PoseOf(const std::string& id) const {
 }
 
 void AnnotationSession::On(const PreviewPoseCommand& command) {
-  if (command.id == view_.selected) preview_ = command.scan_from_object;
+  if (view_.placement ? command.id == view_.placement->instance : command.id == view_.selected) {
+    preview_ = command.scan_from_object;
+  }
 }
 
-void AnnotationSession::On(const RefineByImagesCommand& command) {
+/// The key frames in which candidates are compared show them, too.
+void AnnotationSession::TakeImages(const PlacementQuestion& question, std::uint64_t asked_by,
+                                   const PlacementImages& chosen) {
+  auto images = std::make_shared<InstanceImages>();
+  images->instance = question.instance;
+  images->model_name = question.model;
+  images->placement = asked_by;
+  images->model = chosen.model();
+  images->images = images->apart.used = chosen.images();
+  images_ = std::move(images);
+  ++view_.images_number;
+  checked_.reset();
+  WantChecks();
+}
+
+void AnnotationSession::On(const RefineInstanceCommand& command) {
   const AnnotatedInstance* instance = project_->document().Find(command.id);
-  if (instance == nullptr) return Refuse("Select an object first.");
+  if (instance == nullptr || models_ == nullptr) return Refuse("Select an object first.");
   if (instance->locked) return Refuse("'" + command.id + "' is locked; unlock it first.");
-  if (images_ == nullptr || images_->instance != command.id) {
-    return Refuse("The key frames are still being chosen.");
-  }
   const auto id = models_->Find(instance->model);
+  RefinementTask task;
+  task.by = command.by;
+  task.up_in_scan = up_in_scan();
+  const bool by_images = command.by != RefineBy::kScan && sequence_ != nullptr;
+  if (command.by == RefineBy::kImages && !by_images) return Refuse("There is no sequence.");
+  if (command.by != RefineBy::kImages && (scan_.target != nullptr || !by_images)) {
+    task.scan = TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor);
+    if (!task.scan) return;
+  }
+  if (by_images && outlines_ == nullptr) return Refuse("The outlines are still being prepared.");
   const bool floor_bound = command.on_floor && id &&
                            models_->model(*id).support == Support::kFloor &&
                            project_->document().floor_in_scan.has_value();
+  if (floor_bound) task.motion = FreeMotion::kAzimuthAndHorizontal;
   DropProposals();
   RefinementView refinement;
   refinement.instance = command.id;
-  refinement.by_images = true;
+  refinement.by = command.by;
   refinement.scan_from_object = instance->scan_from_object;
+  refinement.has_scan = task.scan.has_value();
+  refinement.has_images = by_images;
   view_.refinement = refinement;
-  const FreeMotion motion =
-      floor_bound ? FreeMotion::kAzimuthAndHorizontal : FreeMotion::kAzimuthAndTranslation;
-  Propose({"Refining " + command.id + " by its images", true,
-           [images = images_, outlines = outlines_, document = project_->document(), refinement,
-            motion, up = up_in_scan()](const WorkContext& work, const auto&) -> Update {
+  const bool chosen = images_ != nullptr && images_->placement == 0 &&
+                      images_->instance == command.id &&
+                      images_->Suit(project_->document(), *instance);
+  if (chosen) task.images = images_;
+  refined_on_scan_ = task.scan;
+  Propose({"Refining " + command.id, true,
+           [task, refinement, by_images, pace = refine_pace_ms_, sequence = sequence_,
+            outlines = outlines_, document = project_->document()](
+               const WorkContext& work, const auto& emit) mutable -> Update {
+             if (by_images) {
+               task.occluders = outlines->OccludersOf(document, refinement.instance);
+               if (task.images == nullptr) {
+                 const auto read =
+                     ReadInstanceImages(sequence, document, refinement.instance, *outlines, work);
+                 if (read) task.images = std::make_shared<const InstanceImages>(*read);
+               }
+             }
              RefinementView now = refinement;
-             const Occluders hides = outlines->OccludersOf(document, now.instance);
-             RefineInImages(*images, hides, up, motion, work, now);
-             return [now](AnnotationSession& session) {
+             const auto step = [&](const RefinementView& view) {
+               emit([view](AnnotationSession& session) { session.view_.refinement = view; });
+             };
+             RefineInstance(task, work, pace, step, now);
+             return [now, images = task.images](AnnotationSession& session) {
+               if (images != nullptr && images != session.images_) {
+                 session.images_ = images;
+                 ++session.view_.images_number;
+               }
                session.view_.refinement = now;
                session.preview_ = now.scan_from_object;
+               session.checked_.reset();
                session.WantChecks();
              };
            }});
+}
+
+void AnnotationSession::On(const ChooseRefinementCommand& command) {
+  if (!view_.refinement || view_.refinement->running) return;
+  for (const RefinedPose& found : view_.refinement->found) {
+    if (found.by != command.by) continue;
+    const RefinedPose chosen = found;
+    ProposePose(chosen, refined_on_scan_ ? &*refined_on_scan_ : nullptr, *view_.refinement);
+    ++view_.proposal_number;
+    preview_ = chosen.scan_from_object;
+    return;
+  }
 }
 
 }  // namespace plumbline

@@ -15,6 +15,7 @@ void AnnotationSession::DropProposals() {
   view_.refinement.reset();
   view_.sequence_alignment.reset();
   view_.crop.reset();
+  view_.checklist.comparing = false;
   prepared_crop_.reset();
   ++view_.proposal_number;
   ++proposals_;
@@ -136,7 +137,13 @@ void AnnotationSession::QueuePlacement(PlacementTask task, int model, std::strin
              };
              if (images) {
                show(found);  // nobody waits for the images
-               ComparePlacements(*images, task.scan_from_object, work, show, found);
+               const auto chosen = [&](const PlacementImages& frames) {
+                 emit([frames, question = *images,
+                       asked_by = placement.asked_by](AnnotationSession& session) {
+                   session.TakeImages(question, asked_by, frames);
+                 });
+               };
+               ComparePlacements(*images, task.scan_from_object, work, chosen, show, found);
                AddPictures(task, found);
              }
              return [found](AnnotationSession& session) { session.view_.placement = found; };
@@ -168,34 +175,6 @@ void AnnotationSession::On(const PlaceAgainCommand& command) {
   if (!task) return;
   task->view_azimuth_rad = command.view_azimuth_rad;
   QueuePlacement(std::move(*task), id->value, command.id);
-}
-
-void AnnotationSession::On(const RefineInstanceCommand& command) {
-  const AnnotatedInstance* instance = project_->document().Find(command.id);
-  if (instance == nullptr || models_ == nullptr) return Refuse("Select an object first.");
-  if (instance->locked) return Refuse("'" + command.id + "' is locked; unlock it first.");
-  const auto id = models_->Find(instance->model);
-  const auto task = TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor);
-  if (!task) return;
-  DropProposals();
-  RefinementView refinement;
-  refinement.instance = command.id;
-  refinement.scan_from_object = instance->scan_from_object;
-  view_.refinement = refinement;
-  Propose({"Refining " + command.id, true,
-           [task = *task, refinement, pace = refine_pace_ms_](const WorkContext& work,
-                                                              const auto& emit) -> Update {
-             RefinementView now = refinement;
-             const auto step = [&](const RefinementView& view) {
-               emit([view](AnnotationSession& session) { session.view_.refinement = view; });
-             };
-             Refine(task, work, pace, step, now);
-             return [now](AnnotationSession& session) {
-               session.view_.refinement = now;
-               session.preview_ = now.scan_from_object;
-               session.WantChecks();
-             };
-           }});
 }
 
 void AnnotationSession::On(const AcceptProposalCommand& command) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/session/run_drafts.h"
 
+#include "engine/annotation/annotation_check.h"
 #include "engine/recording/run_summary.h"
 
 namespace plumbline {
@@ -22,7 +23,7 @@ Result<std::vector<AnnotatedInstance>> DraftsOfRun(const AnnotationDocument& doc
     draft.category = estimate.category;
     draft.scan_from_object = scan_from_world * estimate.world_from_object;
     draft.fine = false;
-    draft.note = "draft: object " + estimate.id + " of " + run.filename().string();
+    draft.note = std::string(kDraftNote) + "object " + estimate.id + " of " + run.filename().string();
     known.instances.push_back(draft);
     drafts.push_back(std::move(draft));
   }

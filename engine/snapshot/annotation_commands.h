@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/annotation/annotated_instance.h"
+#include "engine/annotation/refine_by.h"
 
 namespace plumbline {
 
@@ -42,19 +43,20 @@ struct PlaceAgainCommand {
   double view_azimuth_rad = 0;
   bool on_floor = true;
 };
-/// Aligns an instance from exactly where it is.
+/// Aligns an instance from exactly where it is, to the scan and to the edges of its key frames.
 struct RefineInstanceCommand {
   std::string id;
   bool on_floor = true;  ///< The height stays.
+  RefineBy by = RefineBy::kBoth;
 };
-/// Aligns an instance to the edges of its key frames.
-struct RefineByImagesCommand {
-  std::string id;
-  bool on_floor = true;  ///< The height stays.
+/// Of what the refinement found, proposes another one.
+struct ChooseRefinementCommand {
+  RefineBy by = RefineBy::kBoth;
 };
-/// An instance on its way, to be checked in the images; the project does not change.
+/// An instance on its way, or a candidate that is looked at, to be checked in the images; the
+/// project does not change.
 struct PreviewPoseCommand {
-  std::string id;
+  std::string id;  ///< That of PlacementView for a candidate.
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
 };
 /// Takes the floor, the placement's candidate or the refinement that is proposed.
@@ -100,7 +102,10 @@ struct ExportCommand {
   std::string out;             ///< A file or a folder.
   std::string frame = "scan";  ///< or "level", "world"
   int every = 1;               ///< Every Nth frame of the sequence is written, N > 0.
+  bool despite_findings = false;  ///< Else it asks first where errors are open.
 };
+/// Compares every object with its images, for the checklist; seconds each.
+struct CompareAllCommand {};
 /// Whether an export may replace what it asked about.
 struct AnswerExportCommand {
   bool replace = false;
@@ -156,11 +161,11 @@ struct AlignSequenceCommand {
 /// For the process that annotates.
 using AnnotationCommand = std::variant<
     SelectInstanceCommand, FindFloorCommand, TypeGravityCommand, PlaceModelCommand,
-    PlaceAgainCommand, RefineInstanceCommand, RefineByImagesCommand, PreviewPoseCommand,
+    PlaceAgainCommand, RefineInstanceCommand, ChooseRefinementCommand, PreviewPoseCommand,
     AcceptProposalCommand, CancelProposalCommand, SetInstancePoseCommand, ChangeInstanceCommand,
     RemoveInstanceCommand, DuplicateInstanceCommand, UndoCommand, RedoCommand, SaveProjectCommand,
     SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand, ShowFrameCommand,
     AddPairCommand, RemovePairCommand, AlignSequenceCommand, ShowBoxCommand, DropRecoveredCommand,
-    ExportCommand, AnswerExportCommand, SetScanUnitCommand, ProposeCropCommand>;
+    ExportCommand, CompareAllCommand, AnswerExportCommand, SetScanUnitCommand, ProposeCropCommand>;
 
 }  // namespace plumbline

@@ -17,6 +17,7 @@
 #include <opencv2/core.hpp>
 
 #include "engine/annotation/annotated_instance.h"
+#include "engine/annotation/refine_by.h"
 #include "engine/geometry/mesh.h"
 
 namespace plumbline {
@@ -72,19 +73,31 @@ struct PlacementView {
   bool searching = false;                      ///< In the images, because none agrees with them.
 };
 
-/// An alignment that starts from where an instance is.
-struct RefinementView {
-  std::string instance;
-  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();  ///< So far.
-  bool running = true, converged = false;
-  int iteration = 0;
-  double fitness = 0, rmse_m = 0, fitness_before = 0, rmse_before_m = 0;
+/// A pose that a refinement found.
+struct RefinedPose {
+  RefineBy by = RefineBy::kBoth;
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+  bool converged = false;
   double azimuth_rad = 0, horizontal_m = 0, height_m = 0, tilt_rad = 0;  ///< Changes.
   double azimuth_std_rad = 0, horizontal_std_m = 0, height_std_m = 0;    ///< 0: not free.
-  bool by_images = false;                      ///< Aligned to the edges of images, not to the scan.
-  double agreement = 0, agreement_before = 0;  ///< By images: as of ImageChecksView.
-  double offset_px = 0, offset_before_px = 0;  ///< By images: median.
-  std::string problem;
+  double fitness = 0, rmse_m = 0;          ///< With the scan, where there is one.
+  double agreement = 0, offset_px = 0;     ///< In the images refined on, as of ImageChecksView.
+  std::optional<double> agreement_held_out;  ///< In images that were not refined on.
+};
+
+/// An alignment that starts from where an instance is; as a pose, the one that is proposed.
+struct RefinementView : RefinedPose {
+  std::string instance;
+  bool running = true;
+  int iteration = 0;  ///< On the scan.
+  bool has_scan = false, has_images = false;
+  RefinedPose before;
+  std::vector<RefinedPose> found;  ///< Together, by the scan, by the images; those that there are.
+  RefinedPose apart;               ///< From the scan's to the images', as changes; deviations as
+                                   ///< both expect. Where both were found.
+  bool contradict = false;         ///< They are farther apart than both allow.
+  std::string problem;             ///< Why nothing was found.
+  std::string one_problem;         ///< Why scan or images found nothing.
   /// Of every vertex of the model: distance of the nearest scan point; negative: none within 10 cm.
   std::shared_ptr<const std::vector<float>> residuals_m;
 };
@@ -96,12 +109,21 @@ struct OutlineLine {
   std::vector<Eigen::Vector2f> pixels;
 };
 
-/// How the selected object lies in one key frame.
+/// What can be seen of the outline of another pose than the one that is judged.
+struct OtherOutline {
+  std::optional<RefineBy> by;  ///< Nothing: where it is placed.
+  std::vector<std::vector<Eigen::Vector2f>> lines;
+};
+
+/// How the object that is judged lies in one key frame.
 struct ImageCheckView {
   int frame = 0;
   cv::Mat image;  ///< CV_8UC3 BGR
   Eigen::Isometry3d scan_from_cam = Eigen::Isometry3d::Identity();
   std::vector<OutlineLine> lines;
+  /// For comparison: where it is placed, and other results of a refinement that contradict.
+  std::vector<OtherOutline> others;
+  bool held_out = false;        ///< A refinement does not look at it.
   double agreement = 0;         ///< Share of the visible outline that lies on edges, beyond chance.
   double median_offset_px = 0;  ///< Of the edges from the outline.
   double visible_px = 0;
@@ -168,6 +190,26 @@ struct BoxView {
   Eigen::AlignedBox3d bounds;
 };
 
+/// Something in the project that is probably wrong, as of AnnotationFinding.
+struct FindingView {
+  std::string kind, sentence;
+  std::vector<std::string> instances;
+  bool error = true;  ///< An object is wrong; else it is only worth knowing.
+};
+
+/// What is probably wrong, as the project is now.
+struct ChecklistView {
+  std::vector<FindingView> findings;  ///< Errors first.
+  bool comparing = false;             ///< All objects with their images, ...
+  int compared = 0, to_compare = 0;   ///< ... so far, and in all.
+
+  int NumErrors() const {
+    int errors = 0;
+    for (const FindingView& finding : findings) errors += finding.error;
+    return errors;
+  }
+};
+
 /// The last export.
 struct ExportView {
   bool running = true;
@@ -176,6 +218,8 @@ struct ExportView {
   bool asks = false;    ///< It would replace something else, and waits for an answer.
   std::string out;      ///< What it would replace, ...
   std::vector<std::string> differences;  ///< ... and how that differs.
+  /// Errors that are open: nothing was written, and it waits for an answer.
+  std::vector<std::string> open_findings;
 };
 
 /// What became of a command.
@@ -230,6 +274,7 @@ struct AnnotationSnapshot {
   std::optional<CropView> crop;
   std::optional<BoxView> box;  ///< Of the box that is being drawn.
   std::optional<ExportView> exported;
+  ChecklistView checklist;
   std::uint64_t proposal_number = 0;  ///< Changes with the five above.
 
   bool has_sequence = false, sequence_registered = false;
@@ -238,7 +283,8 @@ struct AnnotationSnapshot {
   std::optional<FrameView> frame;
   std::uint64_t frame_number = 0;  ///< Changes with the image of `frame`.
   std::vector<PairView> pairs;
-  std::optional<ImageChecksView> checks;  ///< Of the selected object.
+  /// Of the candidate that is looked at, else of the selected object.
+  std::optional<ImageChecksView> checks;
   std::uint64_t images_number = 0;        ///< Changes with the images (not the lines) of `checks`.
 
   /// Null if there is none of that id.

@@ -111,7 +111,7 @@ TEST(AnnotateShortcuts, KeysOfTheSelectedObject) {
   harness.Press(keys::kI);
   EXPECT_EQ(harness.sink.Last<RefineInstanceCommand>()->id, "armchair_0");
   harness.Press(keys::kI, false, true);
-  EXPECT_EQ(harness.sink.Last<RefineByImagesCommand>()->id, "armchair_0");
+  EXPECT_EQ(harness.sink.Last<RefineInstanceCommand>()->by, RefineBy::kImages);
   harness.Press(keys::kZ, true);
   EXPECT_NE(harness.sink.Last<UndoCommand>(), nullptr);
   harness.Press(keys::kZ, true, true);
@@ -176,9 +176,10 @@ TEST(AnnotateActions, EveryOneIsOfferedByWordsWhenItCanBeDoneAndOnlyThen) {
     return false;
   };
   for (const char* text : {"Put it onto the floor",
-                           "Refine: align it to the scan",
+                           "Refine: align it to scan and images together",
                            "Try all azimuths",
-                           "Refine by images: align its outline to their edges",
+                           "Refine by the images alone: align its outline to their edges",
+                           "Refine by the scan alone", "Go to the next finding",
                            "Hide it",
                            "Lock it",
                            "Delete it",

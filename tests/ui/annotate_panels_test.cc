@@ -32,12 +32,13 @@ RefinementView MadeUpRefinement() {
   refinement.converged = true;
   refinement.iteration = 12;
   refinement.fitness = 0.8;
-  refinement.fitness_before = 0.5;
+  refinement.has_scan = true;
+  refinement.before.fitness = 0.5;
   refinement.azimuth_rad = 0.1;
   refinement.azimuth_std_rad = 0.01;
   refinement.horizontal_m = 0.02;
   refinement.rmse_m = 0.003;
-  refinement.rmse_before_m = 0.009;
+  refinement.before.rmse_m = 0.009;
   return refinement;
 }
 
@@ -489,18 +490,48 @@ TEST(AnnotateRefinementPanel, SaysWhatMovedAndBetweenWhat) {
   const auto panel = MakeAnnotatePanel("annotate_refinement");
   harness.snapshot().refinement = MadeUpRefinement();
   std::string text = harness.Text(*panel);
-  for (const char* part : {"armchair_0", "converged after 12 iterations", "+5.73", "20.0 mm",
+  for (const char* part : {"armchair_0", "converged", "+5.73", "20.0 mm",
                            "kept", "80 %", "was 50 %", "3.0 mm rms", "was 9.0"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
-  harness.snapshot().refinement->by_images = true;
+  RefinementView& refinement = *harness.snapshot().refinement;
+  refinement.has_images = true;
+  refinement.has_scan = false;
+  refinement.agreement_held_out = 0.61;
+  refinement.before.agreement_held_out = 0.33;
   text = harness.Text(*panel);
   EXPECT_THAT(text, HasSubstr("On edges"));
+  EXPECT_THAT(text, HasSubstr("61 %"));
+  EXPECT_THAT(text, HasSubstr("was 33 %"));
   EXPECT_THAT(text, Not(HasSubstr("mm rms")));
   harness.Click(*panel, "proposal.accept");
   EXPECT_NE(harness.sink.Last<AcceptProposalCommand>(), nullptr);
   harness.Click(*panel, "proposal.cancel");
   EXPECT_NE(harness.sink.Last<CancelProposalCommand>(), nullptr);
+}
+
+TEST(AnnotateRefinementPanel, OffersEachAloneAndSaysByHowMuchTheyDisagree) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_refinement");
+  RefinementView refinement = MadeUpRefinement();
+  for (const RefineBy by : {RefineBy::kBoth, RefineBy::kScan, RefineBy::kImages}) {
+    RefinedPose found;
+    found.by = by;
+    found.horizontal_m = by == RefineBy::kImages ? 0.042 : 0.003;
+    found.agreement_held_out = 0.57;
+    refinement.found.push_back(found);
+  }
+  refinement.apart.horizontal_m = 0.039;
+  refinement.apart.horizontal_std_m = 0.012;
+  refinement.contradict = true;
+  harness.snapshot().refinement = refinement;
+  const std::string text = harness.Text(*panel);
+  for (const char* part : {"Together", "By the scan", "By the images", "42 mm", "other images 57 %",
+                           "39 mm", "12 mm", "contradict each other"}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
+  harness.Click(*panel, "refined.images");
+  EXPECT_EQ(harness.sink.Last<ChooseRefinementCommand>()->by, RefineBy::kImages);
 }
 
 TEST(AnnotateInstancePanel, TypedNumbersMoveTheObjectOnceTheyAreLeft) {
@@ -551,8 +582,12 @@ TEST(AnnotateInstancePanel, ItsButtonsAskForTheirCommands) {
   harness.Click(*panel, "instance.refine");
   EXPECT_EQ(harness.sink.Last<RefineInstanceCommand>()->id, "armchair_0");
   harness.Click(*panel, "instance.on_floor", 0.1f);
+  EXPECT_EQ(harness.sink.Last<RefineInstanceCommand>()->by, RefineBy::kBoth);
   harness.Click(*panel, "instance.by_images");
-  EXPECT_FALSE(harness.sink.Last<RefineByImagesCommand>()->on_floor);
+  EXPECT_FALSE(harness.sink.Last<RefineInstanceCommand>()->on_floor);
+  EXPECT_EQ(harness.sink.Last<RefineInstanceCommand>()->by, RefineBy::kImages);
+  harness.Click(*panel, "instance.by_scan");
+  EXPECT_EQ(harness.sink.Last<RefineInstanceCommand>()->by, RefineBy::kScan);
   harness.Click(*panel, "instance.again");
   EXPECT_EQ(harness.sink.Last<PlaceAgainCommand>()->id, "armchair_0");
   harness.Click(*panel, "instance.duplicate");

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "ui/annotate/annotate_crop_box.h"
+#include "ui/annotate/annotate_findings.h"
 #include "ui/annotate/annotate_pose.h"
 #include "ui/framework/annotate_view.h"
 
@@ -92,6 +93,10 @@ bool HasSelection(const FrameContext& context) {
 }
 bool CanEdit(const FrameContext& context) {
   return HasSelection(context) && Editable(context, context.annotation->Selected());
+}
+/// Both can refine it, and either alone.
+bool CanEditWithImages(const FrameContext& context) {
+  return CanEdit(context) && context.annotation->has_sequence;
 }
 bool CutsNow(const FrameContext& context) {
   const AnnotateView& view = *context.annotate;
@@ -219,25 +224,30 @@ ActionGroup MoveActions() {
 ActionGroup AlignActions() {
   using namespace keys;
   return {"Align",
-          {{.text = "Refine: align it to the scan",
+          {{.text = "Refine: align it to scan and images together",
             .keys = {{kI}},
             .run = WithSelected([](const FrameContext& context, const AnnotatedInstance& instance,
                                    CommandSink& sink) {
               sink.Post(RefineInstanceCommand{instance.id, context.annotate->on_floor});
             }),
             .help_keys = "I",
-            .help = "Refine: align it to the scan (Shift: to the images)",
+            .help = "Refine: align it to scan and images together (Shift: to the images alone)",
             .is_offered = CanEdit},
-           {.text = "Refine by images: align its outline to their edges",
+           {.text = "Refine by the images alone: align its outline to their edges",
             .keys = {{kI, true}},
             .run = WithSelected([](const FrameContext& context, const AnnotatedInstance& instance,
                                    CommandSink& sink) {
-              sink.Post(RefineByImagesCommand{instance.id, context.annotate->on_floor});
+              sink.Post(RefineInstanceCommand{instance.id, context.annotate->on_floor,
+                                              RefineBy::kImages});
             }),
-            .is_offered =
-                [](const FrameContext& context) {
-                  return CanEdit(context) && context.annotation->has_sequence;
-                }},
+            .is_offered = CanEditWithImages},
+           {.text = "Refine by the scan alone",
+            .run = WithSelected([](const FrameContext& context, const AnnotatedInstance& instance,
+                                   CommandSink& sink) {
+              sink.Post(RefineInstanceCommand{instance.id, context.annotate->on_floor,
+                                              RefineBy::kScan});
+            }),
+            .is_offered = CanEditWithImages},
            {.text = "Try all azimuths",
             .keys = {{kT}},
             .run = PlaceAgain,
@@ -270,6 +280,18 @@ ActionGroup EditActions() {
        {.text = "Select the previous object",
         .keys = {{kTab, true}},
         .run = [](const FrameContext& context, CommandSink& sink) { SelectBy(context, -1, sink); },
+        .is_offered = IsFree},
+       {.text = "Go to the next finding",
+        .keys = {{kN}},
+        .run =
+            [](const FrameContext& context, CommandSink& sink) { WalkFindings(context, 1, sink); },
+        .help_keys = "N",
+        .help = "Show what is probably wrong, one after another (Shift: back)",
+        .is_offered = IsFree},
+       {.text = "Go to the finding before",
+        .keys = {{kN, true}},
+        .run =
+            [](const FrameContext& context, CommandSink& sink) { WalkFindings(context, -1, sink); },
         .is_offered = IsFree},
        {.text = "Hide it",
         .keys = {{kH}},

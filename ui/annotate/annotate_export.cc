@@ -78,12 +78,40 @@ void DrawQuestion(const FrameContext& context, const ExportView& exported, Comma
   }
 }
 
-void DrawResult(const FrameContext& context, CommandSink& sink) {
+/// What is open, and whether it is written all the same.
+void DrawOpenFindings(const FrameContext& context, const ExportView& exported,
+                      const ExportCommand& command, CommandSink& sink) {
+  constexpr std::size_t kListed = 6;
+  const std::size_t count = exported.open_findings.size();
+  WrappedText(colors::kWarning, count == 1 ? "Nothing was written yet. A finding is open:"
+                                           : "Nothing was written yet. " + std::to_string(count) +
+                                                 " findings are open:");
+  for (std::size_t i = 0; i < std::min(count, kListed); ++i) {
+    WrappedText(colors::kText, exported.open_findings[i]);
+  }
+  if (count > kListed) DimText("and %zu more", count - kListed);
+  ImGui::Dummy({0, context.Scaled(2)});
+  if (Button(context, "export.look", "Look at them", "Shows the list, to walk through.")) {
+    context.annotate->check = true;
+    ImGui::CloseCurrentPopup();
+  }
+  ImGui::SameLine(0, context.Scaled(6));
+  if (Button(context, "export.anyway", "Export anyway", "They are written as they are.")) {
+    ExportCommand despite = command;
+    despite.despite_findings = true;
+    sink.Post(despite);
+  }
+}
+
+void DrawResult(const FrameContext& context, const ExportCommand& command, CommandSink& sink) {
   const AnnotationSnapshot& snapshot = *context.annotation;
   if (!snapshot.exported) return;
   const ExportView& exported = *snapshot.exported;
   if (exported.running) return DimText("writing ...");
   if (exported.asks) return DrawQuestion(context, exported, sink);
+  if (!exported.open_findings.empty()) {
+    return DrawOpenFindings(context, exported, command, sink);
+  }
   const bool good = exported.problem.empty();
   WrappedText(good ? colors::kGood : colors::kBad, good ? exported.done : exported.problem);
 }
@@ -93,7 +121,8 @@ void DrawResult(const FrameContext& context, CommandSink& sink) {
 void DrawExport(const FrameContext& context, CommandSink& sink) {
   AnnotateView& view = *context.annotate;
   const AnnotationSnapshot& snapshot = *context.annotation;
-  const bool asks = snapshot.exported && snapshot.exported->asks;
+  const bool asks = snapshot.exported &&
+                    (snapshot.exported->asks || !snapshot.exported->open_findings.empty());
   ImGui::BeginChild(
       "export", {context.Scaled(kSheetWidth), context.Scaled(asks ? kAskingHeight : kSheetHeight)});
   for (std::size_t i = 0; i < kExportFormats.size(); ++i) {
@@ -138,18 +167,19 @@ void DrawExport(const FrameContext& context, CommandSink& sink) {
           "and what is replaced is kept.");
   view.export_out = path;
   ImGui::Dummy({0, context.Scaled(4)});
-  const bool writing = snapshot.exported && (snapshot.exported->running || asks);
+  const ExportCommand command{format.name, path, format.level ? view.export_frame : "scan",
+                              view.export_every};
+  const bool writing = snapshot.exported && (snapshot.exported->running || snapshot.exported->asks);
   ImGui::BeginDisabled(writing);
   ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
   if (Button(context, "export.write", "Export", "Writes it now. The project does not change.")) {
-    sink.Post(ExportCommand{format.name, path, format.level ? view.export_frame : "scan",
-                            view.export_every});
+    sink.Post(command);
   }
   ImGui::PopStyleColor();
   ImGui::EndDisabled();
   ImGui::SameLine();
   if (Button(context, "export.close", "Close", "Esc closes it too.")) ImGui::CloseCurrentPopup();
-  DrawResult(context, sink);
+  DrawResult(context, command, sink);
   ImGui::EndChild();
 }
 

@@ -55,6 +55,31 @@ Part PartOf(const ImageCheckView& check, float aspect) {
   return {x, y, width, height};
 }
 
+/// So that the pictures are about as wide as they are high.
+int BestRows(int count, ImVec2 room) {
+  int best = 1;
+  double least = 1e9;
+  for (int rows = 1; rows <= std::min(count, 4); ++rows) {
+    const int columns = (count + rows - 1) / rows;
+    const double aspect = room.x / columns / std::max(1.0, static_cast<double>(room.y) / rows);
+    const double off = std::abs(std::log(aspect / 1.1));
+    if (off >= least) continue;
+    least = off;
+    best = rows;
+  }
+  return best;
+}
+
+struct OtherStyle {
+  ImU32 color;
+  const char* name;
+};
+OtherStyle StyleOf(const OtherOutline& other) {
+  if (!other.by) return {IM_COL32(255, 255, 255, 190), "where it is placed"};
+  return *other.by == RefineBy::kScan ? OtherStyle{IM_COL32(90, 190, 255, 255), "by the scan"}
+                                      : OtherStyle{IM_COL32(255, 150, 60, 255), "by the images"};
+}
+
 class AnnotateImagesPanel : public Panel {
  public:
   void DrawHeader(const FrameContext& context, CommandSink&) override {
@@ -64,6 +89,17 @@ class AnnotateImagesPanel : public Panel {
     SmallText(context, ScoreColor(checks->agreement), "%.0f %% of the outline on edges",
               100 * checks->agreement);
     Tooltip(context, "Above chance level; mean over the images.");
+    for (const OtherOutline& other : checks->images.front().others) {
+      const OtherStyle style = StyleOf(other);
+      ImGui::SameLine(0, context.Scaled(10));
+      SmallText(context, colors::kDimText, "\u2014");
+      const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+      const float y = std::round(0.5f * (low.y + high.y));
+      ImGui::GetWindowDrawList()->AddRectFilled({low.x, y - context.Scaled(1.5)},
+                                                {high.x, y + context.Scaled(1.5)}, style.color);
+      ImGui::SameLine(0, context.Scaled(4));
+      SmallText(context, colors::kDimText, "%s", style.name);
+    }
   }
 
   void Draw(const FrameContext& context, CommandSink&) override {
@@ -77,14 +113,21 @@ class AnnotateImagesPanel : public Panel {
       return EmptyState(context, checks->running ? "Choosing key frames" : "No images",
                         checks->problem.c_str());
     }
-    const auto count = static_cast<float>(checks->images.size());
+    const int count = static_cast<int>(checks->images.size());
     const float gap = context.Scaled(6);
     const ImVec2 room = ImGui::GetContentRegionAvail();
-    const ImVec2 size(std::floor((room.x - gap * (count - 1)) / count), room.y);
-    for (std::size_t i = 0; i < checks->images.size(); ++i) {
-      if (i > 0) ImGui::SameLine(0, gap);
-      DrawImage(context, checks->images[i], i, size);
+    const int rows = BestRows(count, room), columns = (count + rows - 1) / rows;
+    const auto share = [&](float all, int parts) {
+      return std::floor((all - gap * static_cast<float>(parts - 1)) / static_cast<float>(parts));
+    };
+    const ImVec2 size(share(room.x, columns), share(room.y, rows));
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {gap, gap});
+    for (int i = 0; i < count; ++i) {
+      if (i % columns > 0) ImGui::SameLine(0, gap);
+      const auto k = static_cast<std::size_t>(i);
+      DrawImage(context, checks->images[k], k, size);
     }
+    ImGui::PopStyleVar();
   }
 
  private:
@@ -117,8 +160,9 @@ class AnnotateImagesPanel : public Panel {
     LogItem(context, name);
     Tooltip(context,
             fmt::format("Frame {}: {:.0f} % of the visible outline on edges, median {:.1f} "
-                        "px off. Click: look from there.",
-                        check.frame, 100 * check.agreement, check.median_offset_px));
+                        "px off.{} Click: look from there.",
+                        check.frame, 100 * check.agreement, check.median_offset_px,
+                        check.held_out ? " Refining does not look at it: it judges." : ""));
     const Part part = Shown(context, check, index, size.x / size.y);
     const auto columns = static_cast<float>(check.image.cols),
                rows = static_cast<float>(check.image.rows);
@@ -132,12 +176,23 @@ class AnnotateImagesPanel : public Panel {
     }
     draw.PushClipRect(low, high, true);
     const float scale = size.x / part.width;
-    for (const OutlineLine& line : check.lines) {
+    const auto on_screen = [&](const std::vector<Eigen::Vector2f>& pixels) {
       std::vector<ImVec2> points;
-      for (const Eigen::Vector2f& p : line.pixels) {
+      for (const Eigen::Vector2f& p : pixels) {
         points.emplace_back(low.x + (p.x() - part.x0 + 0.5f) * scale,
                             low.y + (p.y() - part.y0 + 0.5f) * scale);
       }
+      return points;
+    };
+    for (const OtherOutline& other : check.others) {
+      for (const auto& line : other.lines) {
+        const std::vector<ImVec2> points = on_screen(line);
+        draw.AddPolyline(points.data(), static_cast<int>(points.size()), StyleOf(other).color, 0,
+                         context.Scaled(1.2));
+      }
+    }
+    for (const OutlineLine& line : check.lines) {
+      const std::vector<ImVec2> points = on_screen(line.pixels);
       if (line.hidden) {
         DrawDashed(draw, points, context.Scaled(kDash_px));
       } else {
@@ -153,7 +208,8 @@ class AnnotateImagesPanel : public Panel {
     draw.PopClipRect();
     PictureLabels labels(context, low, high);
     labels.Add({{low.x + context.Scaled(4), low.y + context.Scaled(22)}}, colors::kOnPicture,
-               fmt::format("{}   {:.0f} %", check.frame, 100 * check.agreement));
+               fmt::format("{}   {:.0f} %{}", check.frame, 100 * check.agreement,
+                           check.held_out ? "   held out" : ""));
   }
 
   static void DrawDashed(ImDrawList& draw, const std::vector<ImVec2>& points, float dash) {

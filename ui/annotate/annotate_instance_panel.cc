@@ -140,23 +140,29 @@ class AnnotateInstancePanel : public Panel {
                           CommandSink& sink) {
     AnnotateView& view = *context.annotate;
     ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
+    const bool images = context.annotation->has_sequence;
     if (Button(context, "instance.refine", "Refine",
-               "Aligns it to the scan from where it is (I).")) {
+               images ? "Aligns it from where it is, to the scan and to the edges of its key frames "
+                        "together, each as far as it can be trusted (I)."
+                      : "Aligns it to the scan from where it is (I).")) {
       sink.Post(RefineInstanceCommand{instance.id, view.on_floor});
     }
     ImGui::PopStyleColor();
+    if (images) {
+      NextInRow(context, "By scan");
+      if (Button(context, "instance.by_scan", "By scan", "Aligns it to the scan alone.")) {
+        sink.Post(RefineInstanceCommand{instance.id, view.on_floor, RefineBy::kScan});
+      }
+      NextInRow(context, "By images");
+      if (Button(context, "instance.by_images", "By images",
+                 "Aligns its outline to the edges of its key frames alone (Shift + I).")) {
+        sink.Post(RefineInstanceCommand{instance.id, view.on_floor, RefineBy::kImages});
+      }
+    }
     NextInRow(context, "Try azimuths");
     if (Button(context, "instance.again", "Try azimuths",
                "Try all orientations again and choose (T).")) {
       PlaceAgain(context, sink);
-    }
-    if (context.annotation->has_sequence) {
-      NextInRow(context, "By images");
-      if (Button(context, "instance.by_images", "By images",
-                 "Aligns its outline to the edges of all key frames at once: for what the scan "
-                 "does not show (Shift + I).")) {
-        sink.Post(RefineByImagesCommand{instance.id, view.on_floor});
-      }
     }
     NextInRow(context, "On floor xxxx");  // with its box
     ImGui::Checkbox("On floor", &view.on_floor);

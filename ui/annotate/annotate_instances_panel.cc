@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "ui/annotate/annotate_findings.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
@@ -14,14 +15,24 @@ class AnnotateInstancesPanel : public Panel {
     if (context.annotation == nullptr) return;
     const std::size_t count = context.annotation->instances.size();
     const std::string text = fmt::format("{} object{}", count, count == 1 ? "" : "s");
+    const int errors = context.annotation->checklist.NumErrors();
+    const std::string check = errors > 0 ? fmt::format("Check {}", errors) : "Check";
+    const float gap = context.Scaled(8);
     AlignRight(
-        context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, text.c_str()).x);
-    ImGui::SetCursorPosY(ImGui::GetCursorPosY() + context.Scaled(3));
-    SmallText(context, colors::kDimText, "%s", text.c_str());
+        context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, text.c_str()).x +
+        gap + ToggleWidth(context, check.c_str()));
+    const float top = ImGui::GetCursorPosY();
+    ImGui::SetCursorPosY(top + context.Scaled(3));
+    SmallText(context, errors > 0 ? colors::kWarning : colors::kDimText, "%s", text.c_str());
+    ImGui::SameLine(0, gap);
+    ImGui::SetCursorPosY(top);
+    Toggle(context, "annotate_instances.check", check.c_str(), context.annotate->check,
+           "What is probably wrong, as a list to walk through (N, Shift + N).");
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {
     const AnnotationSnapshot& snapshot = *context.annotation;
+    if (context.annotate->check) return DrawFindings(context, sink);
     if (snapshot.instances.empty()) {
       return EmptyState(context, "Nothing is placed yet",
                         "Click a model above, then click in the scan where it stands.");

@@ -14,51 +14,58 @@
 namespace plumbline {
 namespace {
 
+const char* NameOf(RefineBy by) {
+  switch (by) {
+    case RefineBy::kScan:
+      return "By the scan";
+    case RefineBy::kImages:
+      return "By the images";
+    case RefineBy::kBoth:
+      break;
+  }
+  return "Together";
+}
+
+const char* KeyOf(RefineBy by) {
+  return by == RefineBy::kScan     ? "refined.scan"
+         : by == RefineBy::kImages ? "refined.images"
+                                   : "refined.both";
+}
+
+double Distance(const RefinedPose& pose) { return std::hypot(pose.horizontal_m, pose.height_m); }
+
+std::string Millimetres(double meters) {
+  return fmt::format("{:.1f} mm", 1000 * (std::abs(meters) < 5e-5 ? 0.0 : meters));
+}
+
 class AnnotateRefinementPanel : public Panel {
  public:
   void Draw(const FrameContext& context, CommandSink& sink) override {
     if (!context.annotation->refinement) {
-      return EmptyState(context, "Nothing is being refined",
-                        "Select an object, then Refine or By images.");
+      return EmptyState(context, "Nothing is being refined", "Select an object, then Refine.");
     }
     const RefinementView& refinement = *context.annotation->refinement;
     ImGui::BeginChild("refinement", {0, 0});
     ImGui::TextUnformatted(refinement.instance.c_str());
     ImGui::SameLine();
-    DimText("%s", !refinement.problem.empty()                  ? ""
-                  : refinement.running && refinement.by_images ? "trying places in all images ..."
-                  : refinement.running
-                      ? fmt::format("iteration {} ...", refinement.iteration).c_str()
-                  : refinement.converged
-                      ? fmt::format("converged after {} iterations", refinement.iteration).c_str()
-                      : fmt::format("stopped after {} iterations", refinement.iteration).c_str());
-    if (!refinement.problem.empty()) {
-      WrappedText(colors::kWarning, refinement.problem);
+    DimText("%s", StateOf(refinement).c_str());
+    if (!refinement.problem.empty()) WrappedText(colors::kWarning, refinement.problem + ".");
+    if (!refinement.one_problem.empty()) {
+      WrappedText(colors::kWarning, std::string(refinement.has_scan && refinement.has_images &&
+                                                        refinement.by == RefineBy::kScan
+                                                    ? "Not by the images: "
+                                                    : "Not by the scan: ") +
+                                        refinement.one_problem + ".");
     }
     ImGui::Dummy({0, context.Scaled(2)});
+    if (refinement.found.size() > 1) DrawChoices(context, refinement, sink);
     if (ImGui::BeginTable("refinement.table", 3, ImGuiTableFlags_SizingFixedFit)) {
-      TableRow(
-          "Azimuth", fmt::format("{:+.2f}\u00b0", refinement.azimuth_rad * kDegreesPerRadian),
-          refinement.azimuth_std_rad > 0
-              ? fmt::format("\u00b1 {:.2f}\u00b0", refinement.azimuth_std_rad * kDegreesPerRadian)
-              : "");
-      TableRow("Along the floor", fmt::format("{:.1f} mm", 1000 * refinement.horizontal_m),
-               refinement.horizontal_std_m > 0
-                   ? fmt::format("\u00b1 {:.1f} mm", 1000 * refinement.horizontal_std_m)
-                   : "");
-      TableRow(
-          "Height",
-          fmt::format("{:+.1f} mm",
-                      1000 * (std::abs(refinement.height_m) < 5e-5 ? 0.0 : refinement.height_m)),
-          refinement.height_std_m > 0
-              ? fmt::format("\u00b1 {:.1f} mm", 1000 * refinement.height_std_m)
-          : refinement.running ? ""
-                               : "kept");
+      DrawChange(refinement, refinement.running);
       DrawFit(refinement);
       ImGui::EndTable();
     }
     ImGui::Dummy({0, context.Scaled(4)});
-    if (!refinement.by_images) DrawLegend(context);
+    if (refinement.has_scan) DrawLegend(context);
     ImGui::Dummy({0, context.Scaled(6)});
     const ProposalAnswer answer =
         DrawProposalButtons(context, "Accept", "Enter accepts it too, as one edit.", true,
@@ -69,18 +76,85 @@ class AnnotateRefinementPanel : public Panel {
   }
 
  private:
-  static void DrawFit(const RefinementView& refinement) {
-    if (refinement.by_images) {
-      TableRow("On edges", fmt::format("{:.0f} %", 100 * refinement.agreement),
-               fmt::format("was {:.0f} %", 100 * refinement.agreement_before));
-      TableRow("Edges are off by", fmt::format("{:.1f} px", refinement.offset_px),
-               fmt::format("was {:.1f}", refinement.offset_before_px));
-      return;
+  static std::string StateOf(const RefinementView& refinement) {
+    if (!refinement.problem.empty()) return "";
+    if (!refinement.running) return refinement.converged ? "converged" : "stopped while it moved";
+    if (!refinement.has_scan) return "trying places in all images ...";
+    return fmt::format("iteration {} on the scan ...", refinement.iteration);
+  }
+
+  /// What was found, one line each; a click proposes it.
+  static void DrawChoices(const FrameContext& context, const RefinementView& refinement,
+                          CommandSink& sink) {
+    for (const RefinedPose& found : refinement.found) {
+      const bool chosen = found.by == refinement.by;
+      if (ImGui::RadioButton(NameOf(found.by), chosen) && !chosen) {
+        sink.Post(ChooseRefinementCommand{found.by});
+      }
+      LogItem(context, KeyOf(found.by));
+      Tooltip(context,
+              found.by == RefineBy::kBoth
+                  ? "Both results, weighted by their covariances; in the images a shared error of "
+                    "the cameras of 1 cm and 0.3\u00b0 is counted in."
+              : found.by == RefineBy::kScan ? "The scan alone."
+                                            : "The edges in its key frames alone.");
+      ImGui::SameLine(context.Scaled(122));
+      ImGui::AlignTextToFramePadding();
+      SmallText(context, chosen ? colors::kText : colors::kDimText,
+                "%.0f mm, %+.1f\u00b0   other images %s", 1000 * Distance(found),
+                found.azimuth_rad * kDegreesPerRadian,
+                found.agreement_held_out
+                    ? fmt::format("{:.0f} %", 100 * *found.agreement_held_out).c_str()
+                    : "-");
     }
-    TableRow("Fits", fmt::format("{:.0f} %", 100 * refinement.fitness),
-             fmt::format("was {:.0f} %", 100 * refinement.fitness_before));
-    TableRow("Distance", fmt::format("{:.1f} mm rms", 1000 * refinement.rmse_m),
-             fmt::format("was {:.1f}", 1000 * refinement.rmse_before_m));
+    const RefinedPose &apart = refinement.apart, &expected = refinement.apart;
+    const std::string how =
+        fmt::format("Scan and images are {:.0f} mm and {:.1f}\u00b0 apart, where {:.0f} mm and "
+                    "{:.1f}\u00b0 are expected",
+                    1000 * Distance(apart), std::abs(apart.azimuth_rad) * kDegreesPerRadian,
+                    1000 * std::hypot(expected.horizontal_std_m, expected.height_std_m),
+                    expected.azimuth_std_rad * kDegreesPerRadian);
+    if (refinement.contradict) {
+      WrappedText(colors::kWarning,
+                  how + ": they contradict each other. Look at all outlines in the images.");
+    } else {
+      WrappedText(colors::kDimText, how + ".");
+    }
+    ImGui::Dummy({0, context.Scaled(3)});
+  }
+
+  static void DrawChange(const RefinedPose& pose, bool running) {
+    TableRow("Azimuth", fmt::format("{:+.2f}\u00b0", pose.azimuth_rad * kDegreesPerRadian),
+             pose.azimuth_std_rad > 0
+                 ? fmt::format("\u00b1 {:.2f}\u00b0", pose.azimuth_std_rad * kDegreesPerRadian)
+                 : "");
+    TableRow(
+        "Along the floor", Millimetres(pose.horizontal_m),
+        pose.horizontal_std_m > 0 ? "\u00b1 " + Millimetres(pose.horizontal_std_m) : "");
+    TableRow("Height", (pose.height_m >= 5e-5 ? "+" : "") + Millimetres(pose.height_m),
+             pose.height_std_m > 0 ? "\u00b1 " + Millimetres(pose.height_std_m)
+             : running             ? ""
+                                   : "kept");
+  }
+
+  static void DrawFit(const RefinementView& refinement) {
+    const RefinedPose& before = refinement.before;
+    const bool done = !refinement.running && refinement.problem.empty();
+    const auto was = [&](const std::string& text) { return done ? "was " + text : std::string(); };
+    const auto percent = [](double share) { return fmt::format("{:.0f} %", 100 * share); };
+    if (refinement.has_scan) {
+      TableRow("Fits the scan", percent(refinement.fitness), was(percent(before.fitness)));
+      TableRow("Distance", fmt::format("{:.1f} mm rms", 1000 * refinement.rmse_m),
+               was(fmt::format("{:.1f}", 1000 * before.rmse_m)));
+    }
+    if (!refinement.has_images || !done) return;
+    TableRow("On edges", percent(refinement.agreement), was(percent(before.agreement)));
+    if (refinement.agreement_held_out && before.agreement_held_out) {
+      TableRow("In other images", percent(*refinement.agreement_held_out),
+               was(percent(*before.agreement_held_out)));
+    }
+    TableRow("Edges are off by", fmt::format("{:.1f} px", refinement.offset_px),
+             was(fmt::format("{:.1f}", before.offset_px)));
   }
 
   static void DrawLegend(const FrameContext& context) {

@@ -82,6 +82,10 @@ class AnnotateScenePanel : public Panel {
     scene.SetContent({context.annotation, context.annotation_version, view.pending, ghost_,
                       view.candidate, view.scan, view.models, view.grid, view.cameras,
                       context.light});
+    if (!view.focus_on.empty() && context.annotation->selected == view.focus_on) {
+      view.focus = true;
+      view.focus_on.clear();
+    }
     if (view.focus) scene.FocusOn(context.annotation->selected);
     if (view.reset) scene.Reset();
     if (view.look_from) {

@@ -120,16 +120,23 @@ void AnnotateWorkspace::Draw(FrameContext& context, const LayoutRect& rect, Comm
     DrawPanel(context, {{left_x + gap, images_y + gap}, {right_x, room.high.y}},
               picks ? *frame_ : *images_, sink);
   }
-  Preview();
+  Preview(context);
   DrawPanel(context, {{right_x + gap, room.low.y}, room.high}, TaskPanel(context), sink);
 }
 
-void AnnotateWorkspace::Preview() {
-  const bool same = view_.pending.has_value() == previewed_.has_value() &&
-                    (!previewed_ || view_.pending->scan_from_object.matrix() ==
-                                        previewed_->scan_from_object.matrix());
+void AnnotateWorkspace::Preview(const FrameContext& context) {
+  std::optional<PendingPose> judged = view_.pending;
+  if (const auto& placement = context.annotation->placement; placement && !judged) {
+    const auto index = static_cast<std::size_t>(std::max(0, view_.candidate));
+    if (index < placement->candidates.size()) {
+      judged = PendingPose{placement->instance, placement->candidates[index].scan_from_object, {}};
+    }
+  }
+  const bool same =
+      judged.has_value() == previewed_.has_value() &&
+      (!previewed_ || judged->scan_from_object.matrix() == previewed_->scan_from_object.matrix());
   if (same) return;
-  previewed_ = view_.pending;
+  previewed_ = judged;
   if (previewed_) process_->Post(PreviewPoseCommand{previewed_->id, previewed_->scan_from_object});
 }
 
@@ -236,10 +243,18 @@ void AnnotateWorkspace::AddState(const FrameContext& context, nlohmann::json& st
                                      {"scan_from_object", MatrixOf(instance.scan_from_object)}});
   }
   annotate["doubted_size_m"] = snapshot.doubted_size_m.value_or(0);
+  annotate["findings"] = nlohmann::json::array();
+  for (const FindingView& finding : snapshot.checklist.findings) {
+    annotate["findings"].push_back(
+        {{"kind", finding.kind}, {"instances", finding.instances}, {"sentence", finding.sentence}});
+  }
+  state["annotate.findings"] = snapshot.checklist.findings.size();
+  state["annotate.comparing"] = snapshot.checklist.comparing;
   if (snapshot.exported) annotate["differences"] = snapshot.exported->differences;
   annotate["exported"] = !snapshot.exported                   ? ""
                          : snapshot.exported->running         ? "running"
                          : snapshot.exported->asks            ? "asks"
+                         : !snapshot.exported->open_findings.empty() ? "findings"
                          : snapshot.exported->problem.empty() ? "done"
                                                               : snapshot.exported->problem;
   if (snapshot.box) annotate["box_points"] = snapshot.box->points->size();
@@ -282,6 +297,9 @@ void AnnotateWorkspace::AddState(const FrameContext& context, nlohmann::json& st
                               {"height_std_m", refinement->height_std_m},
                               {"fitness", refinement->fitness},
                               {"agreement", refinement->agreement},
+                              {"found", refinement->found.size()},
+                              {"contradict", refinement->contradict},
+                              {"held_out", refinement->agreement_held_out.value_or(-1)},
                               {"problem", refinement->problem}};
   }
   for (const PairView& pair : snapshot.pairs) {

@@ -44,7 +44,7 @@ class AnnotateWorkspace : public Workspace {
 
  private:
   /// Has the images follow a pose that is on its way.
-  void Preview();
+  void Preview(const FrameContext& context);
   /// What is to be decided now, else the selected object.
   Panel& TaskPanel(const FrameContext& context);
 

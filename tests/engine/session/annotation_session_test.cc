@@ -185,7 +185,7 @@ TEST_F(AnnotationSessionTest, RefinesFromWhereItIsAndSaysWhatChanged) {
   EXPECT_NEAR(refinement.azimuth_rad, -0.06, 0.002);
   EXPECT_NEAR(refinement.horizontal_m, std::hypot(0.03, 0.02), 0.001);
   EXPECT_NEAR(refinement.height_m, 0, 1e-9);
-  EXPECT_LT(refinement.rmse_m, refinement.rmse_before_m);
+  EXPECT_LT(refinement.rmse_m, refinement.before.rmse_m);
   EXPECT_GT(refinement.iteration, 5) << "told step by step";
   ASSERT_NE(refinement.residuals_m, nullptr);
   EXPECT_EQ(refinement.residuals_m->size(), snapshot.Model(1)->mesh->vertices.size());
@@ -316,7 +316,10 @@ TEST_F(AnnotationSessionTest, ChecksTheSelectedObjectInImagesFromAllSidesAsItMov
   const auto session = WithArmchair();
   AnnotationSnapshot snapshot = session->Snapshot();
   ASSERT_TRUE(snapshot.checks.has_value()) << snapshot.answer;
-  EXPECT_EQ(snapshot.checks->images.size(), 6u);
+  ASSERT_EQ(snapshot.checks->images.size(), 9u);
+  EXPECT_EQ(std::count_if(snapshot.checks->images.begin(), snapshot.checks->images.end(),
+                          [](const ImageCheckView& image) { return image.held_out; }),
+            3);
   EXPECT_GT(snapshot.checks->agreement, 0.8);
   const Eigen::Isometry3d placed = snapshot.instances[0].scan_from_object;
   const Eigen::Isometry3d moved = placed * Eigen::Translation3d(0.06, 0.02, 0);
@@ -327,7 +330,7 @@ TEST_F(AnnotationSessionTest, ChecksTheSelectedObjectInImagesFromAllSidesAsItMov
   EXPECT_EQ(snapshot.images_number, images) << "the same images";
   EXPECT_EQ(snapshot.instances[0].scan_from_object.matrix(), placed.matrix()) << "only looked at";
   Do(*session, SetInstancePoseCommand{"armchair_0", moved});
-  Do(*session, RefineByImagesCommand{"armchair_0"});
+  Do(*session, RefineInstanceCommand{"armchair_0", true, RefineBy::kImages});
   snapshot = session->Snapshot();
   ASSERT_TRUE(snapshot.refinement.has_value());
   EXPECT_EQ(snapshot.refinement->problem, "");
@@ -335,8 +338,73 @@ TEST_F(AnnotationSessionTest, ChecksTheSelectedObjectInImagesFromAllSidesAsItMov
               IsometryNear(scene_.scan_from_armchair, 0.3, 0.004));
   EXPECT_GT(snapshot.checks->agreement, 0.8) << "of what is proposed";
   EXPECT_EQ(snapshot.refinement->height_std_m, 0) << "it stays on the floor";
+  EXPECT_GT(snapshot.refinement->horizontal_std_m, 0.01) << "the cameras may all be off";
+  EXPECT_GT(snapshot.refinement->agreement_held_out.value(), 0.8);
+  EXPECT_LT(snapshot.refinement->before.agreement_held_out.value(), 0.5);
   Do(*session, CancelProposalCommand{});
   EXPECT_LT(session->Snapshot().checks->agreement, 0.5);
+}
+
+TEST_F(AnnotationSessionTest, RefinesByScanAndImagesTogetherAndOffersEachAlone) {
+  sequence_ = folder_.path() / "walk";
+  WriteAnnotationWalk(scene_, sequence_);
+  const auto session = WithArmchair();
+  const Eigen::Isometry3d placed = session->Snapshot().instances[0].scan_from_object;
+  const Eigen::Isometry3d moved = placed * Eigen::Translation3d(0.03, 0.02, 0);
+  Do(*session, SetInstancePoseCommand{"armchair_0", moved});
+  Do(*session, RefineInstanceCommand{"armchair_0"});
+  AnnotationSnapshot snapshot = session->Snapshot();
+  ASSERT_TRUE(snapshot.refinement.has_value());
+  ASSERT_EQ(snapshot.refinement->found.size(), 3u) << snapshot.refinement->one_problem;
+  EXPECT_EQ(snapshot.refinement->by, RefineBy::kBoth);
+  EXPECT_FALSE(snapshot.refinement->contradict);
+  EXPECT_THAT(snapshot.refinement->scan_from_object,
+              IsometryNear(scene_.scan_from_armchair, 0.3, 0.004));
+  EXPECT_GT(snapshot.refinement->fitness, snapshot.refinement->before.fitness);
+  EXPECT_GT(snapshot.checks->agreement, 0.8) << "of what is proposed";
+  ASSERT_EQ(snapshot.checks->images[0].others.size(), 1u) << "where it is placed, beside it";
+  EXPECT_FALSE(snapshot.checks->images[0].others[0].by.has_value());
+  const std::uint64_t number = snapshot.proposal_number;
+  Do(*session, ChooseRefinementCommand{RefineBy::kImages});
+  snapshot = session->Snapshot();
+  EXPECT_EQ(snapshot.refinement->by, RefineBy::kImages);
+  EXPECT_EQ(snapshot.refinement->scan_from_object.matrix(),
+            snapshot.refinement->found[2].scan_from_object.matrix());
+  EXPECT_NE(snapshot.proposal_number, number);
+  Do(*session, AcceptProposalCommand{});
+  EXPECT_EQ(session->Snapshot().instances[0].scan_from_object.matrix(),
+            snapshot.refinement->scan_from_object.matrix());
+}
+
+TEST_F(AnnotationSessionTest, ShowsTheCandidateThatIsJudgedBesideWhatIsPlaced) {
+  sequence_ = folder_.path() / "walk";
+  WriteAnnotationWalk(scene_, sequence_);
+  const auto session = WithArmchair();
+  Do(*session, PlaceAgainCommand{"armchair_0"});
+  AnnotationSnapshot snapshot = session->Snapshot();
+  ASSERT_TRUE(snapshot.placement.has_value());
+  ASSERT_FALSE(snapshot.placement->candidates.empty());
+  ASSERT_TRUE(snapshot.checks.has_value());
+  ASSERT_FALSE(snapshot.checks->images.empty());
+  EXPECT_GT(snapshot.checks->agreement, 0.8) << "of the first candidate";
+  const Eigen::Isometry3d turned =
+      snapshot.instances[0].scan_from_object * Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitZ());
+  Do(*session, PreviewPoseCommand{"armchair_0", turned});
+  snapshot = session->Snapshot();
+  EXPECT_LT(snapshot.checks->agreement, 0.5) << "of the one that is looked at";
+  ASSERT_EQ(snapshot.checks->images[0].others.size(), 1u);
+  EXPECT_FALSE(snapshot.checks->images[0].others[0].lines.empty());
+  // A new one has no place yet, and is shown all the same.
+  Do(*session, CancelProposalCommand{});
+  Do(*session, RemoveInstanceCommand{"armchair_0"});
+  Do(*session,
+     PlaceModelCommand{"armchair", scene_.scan_from_armchair * Eigen::Vector3d(0.1, 0.08, 0.4)});
+  snapshot = session->Snapshot();
+  ASSERT_TRUE(snapshot.checks.has_value());
+  EXPECT_EQ(snapshot.checks->instance, "");
+  ASSERT_FALSE(snapshot.checks->images.empty());
+  EXPECT_GT(snapshot.checks->agreement, 0.8);
+  EXPECT_TRUE(snapshot.checks->images[0].others.empty());
 }
 
 TEST_F(AnnotationSessionTest, RegistersASequenceOfAnotherFrameByPairsAndUndoesIt) {
