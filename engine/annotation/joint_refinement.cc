@@ -14,6 +14,7 @@ namespace {
 /// Beyond this a place between two results is a place where neither saw anything.
 constexpr double kBetween_m = 0.05, kBetween_rad = 5 / kDegPerRad;
 constexpr double kWithin_m = 0.02;  // As of AlignmentFit.
+constexpr double kRoundWithin_m = 0.01;
 constexpr int kFineIterations = 40;
 constexpr double kClearlyBetter = 0.1;  // Of agreement, as for placements.
 
@@ -65,6 +66,7 @@ class JointRefiner {
     if (evidence_.scan != nullptr) {
       crop_ = CropScan(*evidence_.scan, *evidence_.surface, start_, up_,
                        options_.images.max_shift_m);
+      is_round_ = evidence_.surface->SymmetryOrder(kRoundWithin_m) == 0;
     }
   }
 
@@ -116,6 +118,27 @@ class JointRefiner {
     return judged;
   }
 
+  /// What is round keeps the azimuth that it had: neither scan nor images show it, whatever their
+  /// residuals say.
+  KnownPose WithoutAzimuth(KnownPose known) const {
+    if (!is_round_) return known;
+    Eigen::Isometry3d& pose = known.scan_from_object;
+    const Eigen::Vector3d axis = pose * evidence_.surface->middle();
+    const UprightFrame upright(-up_);
+    const double turn =
+        WrapAngle(upright.Azimuth(start_.linear()) - upright.Azimuth(pose.linear()));
+    pose.linear() = Eigen::AngleAxisd(turn, up_) * pose.linear();
+    pose.translation() = axis - pose.linear() * evidence_.surface->middle();
+    Eigen::Matrix4d about_axis =
+        MoveFromPose(pose, up_, evidence_.surface->middle()) * known.covariance *
+        MoveFromPose(pose, up_, evidence_.surface->middle()).transpose();
+    about_axis.row(3).setZero();
+    about_axis.col(3).setZero();
+    about_axis(3, 3) = 1;
+    known.covariance = PoseCovarianceOf(about_axis, pose, up_, evidence_.surface->middle());
+    return known;
+  }
+
   /// A failure only if it was stopped or asked for wrongly.
   Status RefineByScan(const std::function<void(const ModelRefinement&)>& step,
                       JointRefinement& result) {
@@ -131,7 +154,7 @@ class JointRefiner {
       result.scan_problem = refined.error().message;
       return {};
     }
-    result.by_scan = Judged({refined->scan_from_model, refined->covariance});
+    result.by_scan = Judged(WithoutAzimuth({refined->scan_from_model, refined->covariance}));
     result.by_scan->converged = refined->converged;
     return {};
   }
@@ -148,7 +171,7 @@ class JointRefiner {
           refined ? "no place nearby agrees better with the images" : refined.error().message;
       return {};
     }
-    result.by_images = Judged({refined->scan_from_object, refined->covariance});
+    result.by_images = Judged(WithoutAzimuth({refined->scan_from_object, refined->covariance}));
     result.by_images->converged = refined->stop == RefinementStop::kConverged;
     return {};
   }
@@ -165,8 +188,8 @@ class JointRefiner {
       ConstrainedPose near(result.by_images->estimate.scan_from_object, up_, options_.motion);
       const FineAlignment fine = AlignFinely(crop_, *evidence_.surface, IcpResidual::kPointToPlane,
                                              kFineIterations, near);
-      fused = FusePoses({near.scan_from_model(), fine.covariance}, result.by_images->estimate, up_,
-                        options_.motion, middle);
+      fused = FusePoses(WithoutAzimuth({near.scan_from_model(), fine.covariance}),
+                        result.by_images->estimate, up_, options_.motion, middle);
     }
     result.together = Judged(fused.together);
     result.together->converged = result.by_scan->converged && result.by_images->converged;
@@ -190,6 +213,7 @@ class JointRefiner {
   const JointRefinementOptions& options_;
   const WorkContext& work_;
   AlignmentCrop crop_;
+  bool is_round_ = false;
 };
 
 }  // namespace

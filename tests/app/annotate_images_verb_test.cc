@@ -98,7 +98,7 @@ TEST_F(AnnotateImages, NeedsASequence) {
   Write("inputs.json", R"([{"edit": "inputs", "scan": "", "models": "models", "sequence": ""}])");
   ASSERT_EQ(Run("apply room.json inputs.json"), 0);
   EXPECT_EQ(Run("refine room.json"), 1);
-  EXPECT_THAT(Output(), testing::HasSubstr("names no sequence"));
+  EXPECT_THAT(Output(), testing::HasSubstr("names no scan and no sequence"));
   EXPECT_EQ(Run("check room.json"), 0);
 }
 

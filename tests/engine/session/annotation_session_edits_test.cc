@@ -215,6 +215,12 @@ TEST_F(AnnotationSessionTest, AnExportAsksBeforeItReplacesSomethingElseAndKeepsI
   Do(*session, SetInstancePoseCommand{"armchair_0", moved});
   Do(*session, DuplicateInstanceCommand{"armchair_0", moved});
   Do(*session, ExportCommand{"ground_truth", out.string()});
+  ASSERT_EQ(exported().open_findings.size(), 1u) << "two in one place";
+  EXPECT_THAT(exported().open_findings[0], HasSubstr("armchair_1 is 0.000 m from armchair_0"));
+  EXPECT_EQ(*ReadFile(out), first) << "nothing is written while errors are open";
+  ExportCommand despite{"ground_truth", out.string()};
+  despite.despite_findings = true;
+  Do(*session, despite);
   ASSERT_TRUE(exported().asks);
   ASSERT_EQ(exported().differences.size(), 2u);
   EXPECT_EQ(exported().differences[0],
