@@ -7,6 +7,7 @@
 
 #include "app/verbs/annotate_agree.h"
 #include "app/verbs/annotate_images.h"
+#include "app/verbs/annotate_queue.h"
 #include "app/verbs/annotate_register.h"
 #include "app/verbs/annotation_inputs.h"
 #include "app/verbs/console_work.h"
@@ -263,6 +264,10 @@ Status AgreeWithSecond(const AnnotateArguments& arguments) {
   return Agree(arguments.project, arguments.second, arguments.json);
 }
 
+Status Queue(const AnnotateArguments& arguments) {
+  return ShowQueue(arguments.project, arguments.json);
+}
+
 Status Refine(const AnnotateArguments& arguments) {
   return RefineByImages(arguments.project, arguments.images, arguments.refine, arguments.json);
 }
@@ -400,6 +405,14 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
       ->type_name("SECOND.json");
   AddSecondOptions(*agree, arguments->second);
   AddJson(*agree, arguments);
+
+  CLI::App* queue = verb->add_subcommand(
+      "queue", "List the scans and projects of a folder: how far each is, who, how long");
+  queue->add_option("folder", arguments->project, "Its subfolders count, too")
+      ->required()
+      ->type_name("FOLDER");
+  queue->callback([arguments, &chosen] { chosen = [arguments] { return Queue(*arguments); }; });
+  AddJson(*queue, arguments);
 }
 
 }  // namespace plumbline

@@ -64,8 +64,14 @@ std::string OtherChange(const GroundTruthInstance& before, const GroundTruthInst
   if (before.scale != after.scale)
     changes.push_back(fmt::format("scale {:g} instead of {:g}", after.scale, before.scale));
   const bool told = before.position_std_m || before.azimuth_std_rad;
-  if (told && !after.position_std_m && !after.azimuth_std_rad)
-    changes.emplace_back("how well it is known is not told any more");
+  const bool tells = after.position_std_m || after.azimuth_std_rad;
+  if (told && !tells) changes.emplace_back("how well it is known is not told any more");
+  if (tells && (before.position_std_m != after.position_std_m ||
+                before.azimuth_std_rad != after.azimuth_std_rad)) {
+    const TruthDeviation known = DeviationOf(after);
+    changes.push_back(fmt::format("known to {:.1f} cm and {:.1f}\u00b0", 100 * known.position_m,
+                                  known.azimuth_rad * kDegPerRad));
+  }
   std::string text;
   for (const std::string& change : changes) text += (text.empty() ? "" : ", ") + change;
   return text;

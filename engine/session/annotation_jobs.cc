@@ -208,10 +208,11 @@ void Refine(const PlacementTask& task, const WorkContext& work, int pace_ms,
     step(refinement);
     std::this_thread::sleep_for(std::chrono::milliseconds(pace_ms));
   };
-  const auto refined = RefineModel(
-      *task.target, *task.surface, task.scan_from_object, task.up_in_scan,
-      task.floor_in_scan ? FreeMotion::kAzimuthAndHorizontal : FreeMotion::kAzimuthAndTranslation,
-      told, work);
+  const FreeMotion motion = task.may_tilt        ? FreeMotion::kRigid
+                            : task.floor_in_scan ? FreeMotion::kAzimuthAndHorizontal
+                                                 : FreeMotion::kAzimuthAndTranslation;
+  const auto refined = RefineModel(*task.target, *task.surface, task.scan_from_object,
+                                   task.up_in_scan, motion, told, work);
   if (!refined && refined.error().code == ErrorCode::kCancelled) return;
   refinement.running = false;
   if (!refined) {

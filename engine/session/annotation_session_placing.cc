@@ -175,8 +175,9 @@ void AnnotationSession::On(const RefineInstanceCommand& command) {
   if (instance == nullptr || models_ == nullptr) return Refuse("Select an object first.");
   if (instance->locked) return Refuse("'" + command.id + "' is locked; unlock it first.");
   const auto id = models_->Find(instance->model);
-  const auto task = TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor);
+  auto task = TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor);
   if (!task) return;
+  task->may_tilt = instance->may_tilt;
   DropProposals();
   RefinementView refinement;
   refinement.instance = command.id;
@@ -223,8 +224,9 @@ void AnnotationSession::On(const AcceptProposalCommand& command) {
       instance.scan_from_object = pose;
       instance.annotator = view_.annotator;
       instance.fine = placement->problem.empty();
-      instance.seconds_spent = SpentSinceLastEdit();
+      instance.seconds_spent = work_time_.ToWrite(WorkTime::kNext);
       if (!Edit(AddInstance{instance, std::nullopt})) return;
+      work_time_.Forget(WorkTime::kNext);
       view_.selected = instance.id;
     } else {
       On(SetInstancePoseCommand{placement->instance, pose});

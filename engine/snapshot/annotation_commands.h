@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/annotation/annotated_instance.h"
+#include "engine/annotation/project_state.h"
 
 namespace plumbline {
 
@@ -76,10 +77,9 @@ struct ChangeInstanceCommand {
 struct RemoveInstanceCommand {
   std::string id;
 };
-/// The copy gets an id of its own and is selected.
+/// The copy gets an id of its own, stands beside it on a free side, and is selected.
 struct DuplicateInstanceCommand {
   std::string id;
-  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();  ///< Of the copy.
 };
 struct UndoCommand {};
 struct RedoCommand {};
@@ -104,6 +104,20 @@ struct ExportCommand {
 /// Whether an export may replace what it asked about.
 struct AnswerExportCommand {
   bool replace = false;
+};
+/// Somebody is at work: the time since the last one counts for the selected object or, while a
+/// model is chosen to be placed, for the next one.
+struct ActivityCommand {
+  bool placing = false;
+};
+/// How far the work is, as the annotator says.
+struct SetStageCommand {
+  WorkStage stage = WorkStage::kInWork;
+  std::string note;
+};
+/// Reads the scans and projects of a folder; "": of the one that was chosen last.
+struct ListQueueCommand {
+  std::string folder;
 };
 struct SetAnnotatorCommand {
   std::string name;
@@ -154,13 +168,15 @@ struct AlignSequenceCommand {
 };
 
 /// For the process that annotates.
-using AnnotationCommand = std::variant<
-    SelectInstanceCommand, FindFloorCommand, TypeGravityCommand, PlaceModelCommand,
-    PlaceAgainCommand, RefineInstanceCommand, RefineByImagesCommand, PreviewPoseCommand,
-    AcceptProposalCommand, CancelProposalCommand, SetInstancePoseCommand, ChangeInstanceCommand,
-    RemoveInstanceCommand, DuplicateInstanceCommand, UndoCommand, RedoCommand, SaveProjectCommand,
-    SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand, ShowFrameCommand,
-    AddPairCommand, RemovePairCommand, AlignSequenceCommand, ShowBoxCommand, DropRecoveredCommand,
-    ExportCommand, AnswerExportCommand, SetScanUnitCommand, ProposeCropCommand>;
+using AnnotationCommand =
+    std::variant<SelectInstanceCommand, FindFloorCommand, TypeGravityCommand, PlaceModelCommand,
+                 PlaceAgainCommand, RefineInstanceCommand, RefineByImagesCommand,
+                 PreviewPoseCommand, AcceptProposalCommand, CancelProposalCommand,
+                 SetInstancePoseCommand, ChangeInstanceCommand, RemoveInstanceCommand,
+                 DuplicateInstanceCommand, UndoCommand, RedoCommand, SaveProjectCommand,
+                 SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand, ShowFrameCommand,
+                 AddPairCommand, RemovePairCommand, AlignSequenceCommand, ShowBoxCommand,
+                 DropRecoveredCommand, ExportCommand, AnswerExportCommand, SetScanUnitCommand,
+                 ProposeCropCommand, ActivityCommand, SetStageCommand, ListQueueCommand>;
 
 }  // namespace plumbline

@@ -137,8 +137,10 @@ TEST_F(TwoAnnotators, AreComparedObjectByObject) {
 }
 
 TEST_F(TwoAnnotators, SayHowWellTheTruthIsKnown) {
+  ASSERT_EQ(Run("export ada.json --format ground_truth --out truth.json"), 0) << Output();
   ASSERT_EQ(Run("export ada.json --format ground_truth --out truth.json --second grace.json"), 0)
       << Output();
+  EXPECT_THAT(Output(), testing::HasSubstr("chair_0 (known to 2.0 cm and 0.0"));
   const nlohmann::json instances = Json("truth.json")["instances"];
   ASSERT_EQ(instances.size(), 3u);
   EXPECT_NEAR(instances[0]["position_std_m"], 0.02, 1e-9) << "pooled";
@@ -146,6 +148,26 @@ TEST_F(TwoAnnotators, SayHowWellTheTruthIsKnown) {
   EXPECT_NEAR(instances[0]["azimuth_std_deg"], 0, 1e-9);
   EXPECT_EQ(Run("export ada.json --format visma --out visma --second grace.json"), 1);
   EXPECT_THAT(Output(), testing::HasSubstr("cannot say how well a pose is known"));
+}
+
+TEST_F(AnnotateVerb, ListsTheScansOfAFolder) {
+  Write("edits.json", R"([{"edit": "state", "state": {"stage": "to review", "annotator": "Ada",
+      "note": "all chairs"}}, {"edit": "change", "id": "chair_0", "seconds_spent": 90}])");
+  ASSERT_EQ(Run("apply room.json edits.json"), 0) << Output();
+  ASSERT_TRUE(WritePly(folder_.path() / "hall.ply", MakeChair(true)).ok());
+  ASSERT_EQ(Run("queue . --json queue.json"), 0) << Output();
+  EXPECT_THAT(Output(),
+              testing::HasSubstr("room.json  to review       2     1.5  Ada: all chairs"));
+  const nlohmann::json queue = Json("queue.json");
+  ASSERT_EQ(queue.size(), 2u) << "models are no scans";
+  EXPECT_EQ(queue[0]["name"], "hall.ply");
+  EXPECT_EQ(queue[0]["state"], "new");
+  EXPECT_EQ(queue[1]["seconds"], 90);
+  Write("edits.json", R"([{"edit": "state", "state": {"stage": "done", "annotator": "Ada",
+      "reviewer": "Ada"}}])");
+  EXPECT_EQ(Run("apply room.json edits.json"), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("a second person reviews it"));
+  EXPECT_EQ(Run("queue none"), 1);
 }
 
 TEST_F(AnnotateVerb, TakesTheObjectsOfARunAsDrafts) {

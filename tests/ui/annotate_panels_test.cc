@@ -151,6 +151,66 @@ TEST(AnnotatePanels, DrawInEveryStateOfAProject) {
   }
 }
 
+/// The sheet, as if it were a panel.
+class QueueSheet : public Panel {
+ public:
+  QueueSheet() {
+    PanelInfo info;
+    info.id = "queue_sheet";
+    set_info(info);
+  }
+  void Draw(const FrameContext& context, CommandSink& sink) override { DrawQueue(context, sink); }
+};
+
+TEST(AnnotateQueue, HandsOverAndLetsSomebodyElseJudge) {
+  AnnotateHarness harness;
+  QueueSheet sheet;
+  harness.size = {720, 480};
+  harness.snapshot().annotator = "Ada";
+  harness.snapshot().stage = WorkStage::kInWork;
+  harness.Type(sheet, "queue.note", "mind the lamp");
+  harness.Click(sheet, "queue.hand_over");
+  ASSERT_NE(harness.sink.Last<SetStageCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SetStageCommand>()->stage, WorkStage::kToReview);
+  EXPECT_EQ(harness.sink.Last<SetStageCommand>()->note, "mind the lamp");
+  harness.snapshot().stage = WorkStage::kToReview;
+  harness.snapshot().project_state = ProjectState{WorkStage::kToReview, "Ada", "", "mind the lamp"};
+  const std::string own = harness.Text(sheet);
+  EXPECT_THAT(own, HasSubstr("handed over by Ada"));
+  EXPECT_THAT(own, HasSubstr("somebody else reviews it"));
+  EXPECT_EQ(harness.widgets.Find("queue.done"), nullptr);
+  harness.snapshot().annotator = "Grace";
+  harness.Click(sheet, "queue.done");
+  EXPECT_EQ(harness.sink.Last<SetStageCommand>()->stage, WorkStage::kDone);
+  harness.Click(sheet, "queue.back");
+  EXPECT_EQ(harness.sink.Last<SetStageCommand>()->stage, WorkStage::kInWork);
+}
+
+TEST(AnnotateQueue, ListsTheFolderAndOpensWhatIsClicked) {
+  AnnotateHarness harness;
+  QueueSheet sheet;
+  harness.size = {720, 480};
+  AnnotationQueueView queue;
+  queue.folder = "/scans";
+  queue.entries = {{"a.ply", "/scans/a.ply"},
+                   {"b.json", "/scans/b.json", WorkStage::kDone, {"Ada"}, "Grace", "", 7, 840, ""},
+                   {"c.json", "/scans/c.json", WorkStage::kNew, {}, "", "", 0, 0, "is damaged"}};
+  queue.open = 1;
+  harness.snapshot().queue = queue;
+  const std::string text = harness.Text(sheet);
+  EXPECT_THAT(text, HasSubstr("Ada; reviewed by Grace"));
+  EXPECT_THAT(text, HasSubstr("14 min"));
+  EXPECT_THAT(text, HasSubstr("cannot be read"));
+  EXPECT_THAT(text, HasSubstr("2 new, 1 done; 7 objects in 14 min"));
+  harness.Click(sheet, "queue.row.b.json", 0.1f);
+  EXPECT_EQ(harness.sink.Last<OpenCommand>(), nullptr) << "it is open";
+  harness.Click(sheet, "queue.row.a.ply", 0.1f);
+  ASSERT_NE(harness.sink.Last<OpenCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<OpenCommand>()->path, "/scans/a.ply");
+  harness.Type(sheet, "queue.folder", "/more");
+  EXPECT_EQ(harness.sink.Last<ListQueueCommand>()->folder, "/more");
+}
+
 TEST(AnnotateScenePanel, AClickDoesWhatTheToolSays) {
   AnnotateHarness harness;
   const auto panel = MakeAnnotatePanel("annotate_scene");
@@ -556,11 +616,16 @@ TEST(AnnotateInstancePanel, ItsButtonsAskForTheirCommands) {
   harness.Click(*panel, "instance.again");
   EXPECT_EQ(harness.sink.Last<PlaceAgainCommand>()->id, "armchair_0");
   harness.Click(*panel, "instance.duplicate");
-  EXPECT_GT(harness.sink.Last<DuplicateInstanceCommand>()->scan_from_object.translation().x(), 1.5)
-      << "beside it";
+  EXPECT_EQ(harness.sink.Last<DuplicateInstanceCommand>()->id, "armchair_0");
   harness.Click(*panel, "instance.copy");
   ASSERT_TRUE(harness.view.copied.has_value());
   harness.snapshot().selected = "table_0";
+  harness.Press(keys::kV, true);
+  EXPECT_EQ(harness.sink.Last<DuplicateInstanceCommand>()->id, "armchair_0")
+      << "beside what was copied, whatever is selected";
+  harness.Click(*panel, "instance.tilt");
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->id, "table_0");
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->set.may_tilt, true);
   harness.Click(*panel, "instance.paste");
   EXPECT_EQ(harness.sink.Last<SetInstancePoseCommand>()->id, "table_0");
   EXPECT_EQ(harness.sink.Last<SetInstancePoseCommand>()->scan_from_object.translation().x(), 1);
