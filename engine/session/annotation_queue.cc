@@ -137,7 +137,9 @@ Result<std::vector<QueueEntry>> ReadQueue(const path& folder) {
 bool IsQueue(const path& folder) {
   std::error_code error;
   if (!std::filesystem::is_directory(folder, error) || error) return false;
-  if (Has(folder, "camera.json") || Has(folder, "mav0") || Has(folder, "models.json")) return false;
+  for (const char* other : {"camera.json", "mav0", "cam0", "models.json"}) {
+    if (Has(folder, other)) return false;  // a sequence (EuRoC's may hold a scan), or models
+  }
   const Found found = Look(folder);
   return !found.scans.empty() || !found.projects.empty();
 }

@@ -4,6 +4,8 @@
 
 #include "ui/annotate/annotate_panels.h"
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numbers>
 
@@ -393,6 +395,26 @@ TEST_F(GizmoTest, ATremblingClickMovesNothing) {
       << "a drag counts from where it began";
 }
 
+TEST_F(GizmoTest, OnlyWhatMayTiltHasRingsThatTiltIt) {
+  harness_.Draw(*panel_, 2);
+  const auto& rect = *harness_.widgets.Find("annotate.view");
+  const AnnotatedInstance& chair = harness_.snapshot().instances[0];
+  const Eigen::Vector3d foot =
+      (harness_.snapshot().level_from_scan * chair.scan_from_object).translation();
+  // Seen from above, the ring about x is a line through the foot along y.
+  const auto x = static_cast<float>(100 * foot.x()) / (rect.high.x - rect.low.x);
+  const auto y = static_cast<float>(20 - 100 * foot.y()) / (rect.high.y - rect.low.y);
+  const auto tilt_rad = [&] {
+    harness_.Drag(*panel_, "annotate.view", {x, y}, {x + 0.05f, y}, 0);
+    const auto* moved = harness_.sink.Last<SetInstancePoseCommand>();
+    return moved == nullptr ? -1 : std::acos(std::min(1.0, moved->scan_from_object.linear()(2, 2)));
+  };
+  EXPECT_NEAR(tilt_rad(), 0, 1e-6) << "moved along the floor";
+  harness_.view.pending.reset();
+  harness_.snapshot().instances[0].may_tilt = true;
+  EXPECT_GT(tilt_rad(), 0.1);
+}
+
 TEST_F(GizmoTest, WhatIsLockedStays) {
   harness_.snapshot().instances[0].locked = true;
   Drag(0.5f, 0.6f);
@@ -553,6 +575,9 @@ TEST(AnnotateRefinementPanel, SaysWhatMovedAndBetweenWhat) {
                            "kept", "80 %", "was 50 %", "3.0 mm rms", "was 9.0"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
+  EXPECT_THAT(text, Not(HasSubstr("Tilt")));
+  harness.snapshot().refinement->tilt_rad = 0.0175;
+  EXPECT_THAT(harness.Text(*panel), HasSubstr("1.00\u00b0"));
   harness.snapshot().refinement->by_images = true;
   text = harness.Text(*panel);
   EXPECT_THAT(text, HasSubstr("On edges"));

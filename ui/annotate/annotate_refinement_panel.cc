@@ -14,6 +14,8 @@
 namespace plumbline {
 namespace {
 
+constexpr double kShownTilt_rad = 1e-4;  ///< Less is rounding: what is locked keeps its tilt.
+
 class AnnotateRefinementPanel : public Panel {
  public:
   void Draw(const FrameContext& context, CommandSink& sink) override {
@@ -54,6 +56,10 @@ class AnnotateRefinementPanel : public Panel {
               ? fmt::format("\u00b1 {:.1f} mm", 1000 * refinement.height_std_m)
           : refinement.running ? ""
                                : "kept");
+      if (refinement.tilt_rad > kShownTilt_rad) {
+        TableRow("Tilt", fmt::format("{:.2f}\u00b0", refinement.tilt_rad * kDegreesPerRadian),
+                 "unlocked");
+      }
       DrawFit(refinement);
       ImGui::EndTable();
     }

@@ -98,6 +98,28 @@ TEST_F(TimeSpent, UndoTakesNoTimeBack) {
   EXPECT_DOUBLE_EQ(SavedSpent("armchair_0"), spent);
 }
 
+TEST_F(TimeSpent, GoesWithTheObjectThatIsWorkedOnInsteadAndWithItsNewName) {
+  Place("armchair", scene_.scan_from_armchair);
+  After(0, ActivityCommand{true});  // the model is still chosen, ...
+  const double before = ShownSpent("armchair_0");
+  WorkFor(6, true);
+  Nudge("armchair_0");  // ... but the last one is moved
+  EXPECT_DOUBLE_EQ(SavedSpent("armchair_0"), before + 6);
+  WorkFor(4, true);
+  After(0, ActivityCommand{});  // Esc: nothing is placed
+  EXPECT_DOUBLE_EQ(ShownSpent("armchair_0"), before + 10) << "it is selected";
+  ChangeInstanceCommand rename;
+  rename.id = "armchair_0";
+  rename.set.id = "seat";
+  After(0, rename);
+  EXPECT_DOUBLE_EQ(SavedSpent("seat"), before + 10);
+  WorkFor(4);
+  After(0, RemoveInstanceCommand{"seat"});
+  EXPECT_EQ(session_->Snapshot().undo_label, "Remove seat");
+  After(0, UndoCommand{});
+  EXPECT_DOUBLE_EQ(ShownSpent("seat"), before + 10);
+}
+
 TEST_F(AnnotationSessionTest, AnotherPersonReviewsAndSaysSo) {
   const auto session = WithArmchair();
   EXPECT_EQ(session->Snapshot().stage, WorkStage::kInWork);
@@ -156,6 +178,8 @@ TEST_F(Queue, ListsScansAndProjectsWithTheirState) {
   EXPECT_EQ(FirstToDo(entries), 3u);
   EXPECT_TRUE(IsQueue(folder_.path()));
   EXPECT_FALSE(IsQueue(scene_.models));
+  std::filesystem::create_directories(folder_.path() / "cam0");
+  EXPECT_FALSE(IsQueue(folder_.path())) << "a sequence of EuRoC may come with a scan";
   EXPECT_FALSE(ReadQueue(folder_.path() / "none").ok());
 }
 
