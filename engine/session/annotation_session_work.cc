@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of the session that knows of the work itself: how long, how far, what comes next.
-#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "engine/session/annotation_queue.h"
@@ -24,7 +24,7 @@ Edit AnnotationSession::WithTimeSpent(const plumbline::Edit& edit) const {
   for (const AnnotatedInstance& instance : project_->document().instances) {
     const double seconds = work_time_.ToWrite(instance.id);
     if (seconds <= 0 || (removal != nullptr && removal->id == instance.id)) continue;
-    const double spent = instance.seconds_spent + seconds;
+    const double spent = std::round(10 * (instance.seconds_spent + seconds)) / 10;
     if (change != nullptr && change->id == instance.id) {
       std::get<ChangeInstance>(main).set.seconds_spent = spent;
       continue;

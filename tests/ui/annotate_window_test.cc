@@ -230,7 +230,7 @@ TEST_F(AnnotateWindow, CountsTheTimeThatSomebodyWorksOnAnObject) {
             0)
       << Errors();
   const auto spent = [&](const char* file) {
-    return State(file)["instances"][0]["seconds_spent"].get<double>();
+    return State(file)["seconds_spent"]["armchair_0"].get<double>();
   };
   EXPECT_GT(spent("looked.json"), spent("placed.json") + 1) << "the view alone was turned";
 }

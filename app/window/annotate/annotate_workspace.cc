@@ -255,6 +255,7 @@ void AnnotateWorkspace::AddState(const FrameContext& context, nlohmann::json& st
                              {"instances", nlohmann::json::array()}};
   if (scene_ != nullptr) annotate["eye_in_level"] = VectorOf(scene_->Sight(0, 0).eye);
   for (const AnnotatedInstance& instance : snapshot.instances) {
+    annotate["seconds_spent"][instance.id] = instance.seconds_spent;
     annotate["instances"].push_back({{"id", instance.id},
                                      {"model", instance.model},
                                      {"quality", instance.fine ? "fine" : "coarse"},
@@ -262,7 +263,6 @@ void AnnotateWorkspace::AddState(const FrameContext& context, nlohmann::json& st
                                      {"locked", instance.locked},
                                      {"note", instance.note},
                                      {"may_tilt", instance.may_tilt},
-                                     {"seconds_spent", instance.seconds_spent},
                                      {"scan_from_object", MatrixOf(instance.scan_from_object)}});
   }
   annotate["stage"] = NameOf(snapshot.stage);

@@ -72,6 +72,18 @@ TEST_F(TimeSpent, IsThatDuringWhichTheObjectWasPlacedSelectedOrRefined) {
   EXPECT_EQ(session_->Snapshot().undo_label, "Move table_0");
 }
 
+TEST_F(TimeSpent, IsWrittenInTenthsHoweverManyAddUp) {
+  Place("armchair", scene_.scan_from_armchair);
+  After(0, ActivityCommand{});
+  for (int i = 0; i < 20; ++i) {
+    WorkFor(0.17);
+    Nudge("armchair_0");
+  }
+  const std::string text = nlohmann::json(SavedSpent("armchair_0")).dump();
+  EXPECT_LE(text.size() - text.find('.'), 2u) << text;
+  EXPECT_NEAR(SavedSpent("armchair_0"), 3 + 20 * 0.17, 0.1 + 1e-6) << "and none is lost";
+}
+
 TEST_F(TimeSpent, PausesDoNotCount) {
   Place("armchair", scene_.scan_from_armchair);
   After(0, ActivityCommand{});
