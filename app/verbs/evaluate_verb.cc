@@ -69,9 +69,11 @@ std::string SizeInWords(const MatchedObject& object) {
 /// How well the truth itself is known, where its file says so.
 std::string TruthInWords(const GroundTruthInstance& truth) {
   if (!truth.position_std_m && !truth.azimuth_std_rad) return "";
-  const TruthDeviation known = DeviationOf(truth);
-  return "  truth +-" + Number("%.1f cm", 100 * known.position_m) +
-         Number(" %.1f deg", Degrees(known.azimuth_rad));
+  std::string text = "  truth +-";
+  if (truth.position_std_m) text += Number("%.1f cm", 100 * *truth.position_std_m);
+  if (truth.azimuth_std_rad)
+    text += (truth.position_std_m ? " " : "") + Number("%.1f deg", Degrees(*truth.azimuth_std_rad));
+  return text;
 }
 
 /// @param truths  Why instances are missed; null: not known.

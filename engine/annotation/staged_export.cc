@@ -68,9 +68,11 @@ std::string OtherChange(const GroundTruthInstance& before, const GroundTruthInst
   if (told && !tells) changes.emplace_back("how well it is known is not told any more");
   if (tells && (before.position_std_m != after.position_std_m ||
                 before.azimuth_std_rad != after.azimuth_std_rad)) {
-    const TruthDeviation known = DeviationOf(after);
-    changes.push_back(fmt::format("known to {:.1f} cm and {:.1f}\u00b0", 100 * known.position_m,
-                                  known.azimuth_rad * kDegPerRad));
+    std::string known;
+    if (after.position_std_m) known = fmt::format(" {:.1f} cm", 100 * *after.position_std_m);
+    if (after.azimuth_std_rad)
+      known += fmt::format(" {:.1f}\u00b0", *after.azimuth_std_rad * kDegPerRad);
+    changes.push_back("known to" + known);
   }
   std::string text;
   for (const std::string& change : changes) text += (text.empty() ? "" : ", ") + change;

@@ -140,7 +140,7 @@ TEST_F(TwoAnnotators, SayHowWellTheTruthIsKnown) {
   ASSERT_EQ(Run("export ada.json --format ground_truth --out truth.json"), 0) << Output();
   ASSERT_EQ(Run("export ada.json --format ground_truth --out truth.json --second grace.json"), 0)
       << Output();
-  EXPECT_THAT(Output(), testing::HasSubstr("chair_0 (known to 2.0 cm and 0.0"));
+  EXPECT_THAT(Output(), testing::HasSubstr("chair_0 (known to 2.0 cm 0.0"));
   const nlohmann::json instances = Json("truth.json")["instances"];
   ASSERT_EQ(instances.size(), 3u);
   EXPECT_NEAR(instances[0]["position_std_m"], 0.02, 1e-9) << "pooled";

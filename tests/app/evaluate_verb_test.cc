@@ -75,9 +75,12 @@ class EvaluateVerb : public testing::Test {
 };
 
 TEST_F(EvaluateVerb, TellsHowWellTheTruthItselfIsKnown) {
+  std::filesystem::rename(folder_.path() / "truth.json", folder_.path() / "usual.json");
   Write("truth.json", R"({"gravity": [0, 0, -1], "instances": [
       {"id": "a", "model": "wedge", "category": "chair", "position_std_m": 0.008,
        "azimuth_std_deg": 0.7, "world_from_object": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
+  const ProgramRun usual = Run("evaluate run.plb --ground-truth usual.json --models models");
+  EXPECT_THAT(usual.output, testing::Not(HasSubstr("truth +-"))) << "its file does not say";
   const ProgramRun outcome =
       Run("evaluate run.plb --ground-truth truth.json --models models --json result.json");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
