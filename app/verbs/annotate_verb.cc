@@ -5,7 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/verbs/annotate_agree.h"
 #include "app/verbs/annotate_images.h"
+#include "app/verbs/annotate_queue.h"
 #include "app/verbs/annotate_register.h"
 #include "app/verbs/annotation_inputs.h"
 #include "app/verbs/console_work.h"
@@ -32,6 +34,7 @@ struct AnnotateArguments {
   ImageArguments images;
   RefineArguments refine;
   RegisterArguments registration;
+  SecondArguments second;
 };
 
 Result<std::vector<int>> FramesOf(const OpenedInputs& inputs, const std::string& range) {
@@ -178,11 +181,6 @@ Status Import(const AnnotateArguments& arguments) {
 
 // Writing.
 
-PoseFrame FrameOf(const std::string& name) {
-  if (name == "level") return PoseFrame::kLevel;
-  return name == "world" ? PoseFrame::kWorld : PoseFrame::kScan;
-}
-
 Status Export(const AnnotateArguments& arguments) {
   const auto project = OpenProject(arguments.project, AnnotationProject::Access::kRead);
   if (!project) return project.error();
@@ -195,10 +193,20 @@ Status Export(const AnnotateArguments& arguments) {
   for (const AnnotationFinding& finding : CheckAnnotations(document, inputs)) {
     if (finding.IsError()) log::warn("{} ('plumbline annotate check')", finding.sentence);
   }
+  ExportRequest request{arguments.format, arguments.path, FrameOf(arguments.frame)};
+  if (!arguments.second.file.empty()) {
+    if (arguments.format != "ground_truth") {
+      return Error{ErrorCode::kInvalidInput, "--second goes with --format ground_truth: '" +
+                                                 arguments.format +
+                                                 "' cannot say how well a pose is known"};
+    }
+    const auto agreement = CompareWithSecond(**project, opened->models.get(), arguments.second);
+    if (!agreement) return agreement.error();
+    request.deviations = DeviationsOf(**project, *agreement);
+  }
   ConsoleWork work;
-  const auto staged = StagedExport::Write(
-      document, inputs, (*project)->Resolve(document.scan),
-      {arguments.format, arguments.path, FrameOf(arguments.frame)}, work.context());
+  const auto staged = StagedExport::Write(document, inputs, (*project)->Resolve(document.scan),
+                                          request, work.context());
   if (!staged) return staged.error();
   const std::vector<std::string> differences = (*staged)->Differences();
   const auto kept = (*staged)->Take();
@@ -260,6 +268,14 @@ Status Check(const AnnotateArguments& arguments) {
   if (arguments.json.empty()) return {};
   return WriteJsonResult(arguments.json,
                          {{"findings", FindingsToJson(findings)}, {"images", agreement}});
+}
+
+Status AgreeWithSecond(const AnnotateArguments& arguments) {
+  return Agree(arguments.project, arguments.second, arguments.json);
+}
+
+Status Queue(const AnnotateArguments& arguments) {
+  return ShowQueue(arguments.project, arguments.json);
 }
 
 Status Refine(const AnnotateArguments& arguments) {
@@ -350,6 +366,12 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
       ->add_option("--frames", arguments->frames,
                    "Of bop and poses: which frames of the sequence (B excluded)")
       ->type_name("A:B[:S]");
+  write
+      ->add_option("--second", arguments->second.file,
+                   "Of ground_truth: what another annotator placed in the same scan (a project or "
+                   "a ground truth); how well the poses are known by that is written beside them")
+      ->type_name("SECOND.json");
+  AddSecondOptions(*write, arguments->second);
 
   CLI::App* check = AddCommand(*verb, "check",
                                "Report tilted, floating, sunk, interpenetrating and duplicate "
@@ -385,6 +407,26 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
                                       arguments, chosen, Register);
   AddRegisterOptions(*registration, arguments->registration);
   AddJson(*registration, arguments);
+
+  CLI::App* agree = AddCommand(*verb, "agree",
+                               "Compare what two annotators placed in the same scan, object by "
+                               "object; how well one annotator's poses are known",
+                               arguments, chosen, AgreeWithSecond);
+  agree
+      ->add_option("second", arguments->second.file,
+                   "The other one's project, or a ground truth of the scan")
+      ->required()
+      ->type_name("SECOND.json");
+  AddSecondOptions(*agree, arguments->second);
+  AddJson(*agree, arguments);
+
+  CLI::App* queue = verb->add_subcommand(
+      "queue", "List the scans and projects of a folder: how far each is, who, how long");
+  queue->add_option("folder", arguments->project, "Its subfolders count, too")
+      ->required()
+      ->type_name("FOLDER");
+  queue->callback([arguments, &chosen] { chosen = [arguments] { return Queue(*arguments); }; });
+  AddJson(*queue, arguments);
 }
 
 }  // namespace plumbline

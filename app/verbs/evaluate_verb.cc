@@ -66,6 +66,16 @@ std::string SizeInWords(const MatchedObject& object) {
   return text + Number(" %% (true %+.1f %%)", 100 * (object.truth.scale - 1));
 }
 
+/// How well the truth itself is known, where its file says so.
+std::string TruthInWords(const GroundTruthInstance& truth) {
+  if (!truth.position_std_m && !truth.azimuth_std_rad) return "";
+  std::string text = "  truth +-";
+  if (truth.position_std_m) text += Number("%.1f cm", 100 * *truth.position_std_m);
+  if (truth.azimuth_std_rad)
+    text += (truth.position_std_m ? " " : "") + Number("%.1f deg", Degrees(*truth.azimuth_std_rad));
+  return text;
+}
+
 /// @param truths  Why instances are missed; null: not known.
 void PrintObjects(const MapEvaluation& evaluation, const TruthsView* truths) {
   std::printf("%-6s %-18s %-18s %7s %7s %8s %8s %6s %7s %8s\n", "object", "model", "ground truth",
@@ -76,12 +86,13 @@ void PrintObjects(const MapEvaluation& evaluation, const TruthsView* truths) {
     const PoseError& pose = object.pose;
     const std::optional<double> azimuth =
         pose.azimuth_rad ? std::optional(Degrees(*pose.azimuth_rad)) : std::nullopt;
-    std::printf("%-6s %-18s %-18s %7.1f %7.1f %8.2f %8s %6.2f %+7.1f %8.2f%s%s%s\n",
+    std::printf("%-6s %-18s %-18s %7.1f %7.1f %8.2f %8s %6.2f %+7.1f %8.2f%s%s%s%s\n",
                 object.estimate.id.c_str(), object.estimate.model.c_str(), object.truth.id.c_str(),
                 100 * pose.translation_m, 100 * object.centre_m, Degrees(pose.rotation_rad),
                 Number("%+.2f", azimuth).c_str(), Degrees(pose.tilt_rad), 100 * pose.height_m,
                 100 * object.surface.mean_m, object.truth.fine ? "" : "  coarse",
-                object.model_correct ? "" : "  WRONG MODEL", SizeInWords(object).c_str());
+                object.model_correct ? "" : "  WRONG MODEL", SizeInWords(object).c_str(),
+                TruthInWords(object.truth).c_str());
   }
   for (const SpuriousObject& object : evaluation.spurious) {
     std::printf("%-6s %-18s %-18s %59s\n", object.estimate.id.c_str(),

@@ -69,8 +69,8 @@ void AddGuiVerb(CLI::App& app, VerbFunction& chosen) {
                                       "scan");
   verb->add_option(
       "path", arguments->path,
-      "Folder of a sequence, a run file (.plb), a scan (.ply, .pcd, .obj), or an annotation "
-      "project (.json); without one the window asks");
+      "Folder of a sequence, a run file (.plb), a scan (.ply, .pcd, .obj), an annotation project "
+      "(.json), or a folder of scans to annotate; without one the window asks");
   verb->add_option("--frame", arguments->frame, "Frame to show first; the mapper goes up to it");
   verb->add_flag("--demo", arguments->demo,
                  "Full screen, one view after the other with captions, until any key");

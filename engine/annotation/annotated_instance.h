@@ -41,6 +41,7 @@ struct InstanceFields {
   Field<bool> hidden = Initially<Field>(false);  ///< In the window only.
   Field<bool> locked =
       Initially<Field>(false);  ///< Refuses changes of pose and model, and removal.
+  Field<bool> may_tilt = Initially<Field>(false);  ///< It does not stand upright, and is meant so.
 };
 using AnnotatedInstance = InstanceFields<std::type_identity_t>;
 /// What is set changes, the rest stays; `id` renames it.
@@ -68,6 +69,7 @@ void VisitInstance(Visitor&& visit, Instances&&... of) {
   visit(InstanceField{"note"}, of.note...);
   visit(InstanceField{"hidden"}, of.hidden...);
   visit(InstanceField{"locked"}, of.locked...);
+  visit(InstanceField{"may_tilt"}, of.may_tilt...);
 }
 
 /// Returns the change that takes it back exactly.

@@ -57,7 +57,7 @@ class Checker {
   void CheckAlone(const AnnotatedInstance& instance) {
     const UprightFrame upright(document_.gravity_in_scan);
     const double tilt_deg = kDegPerRad * upright.Tilt(instance.scan_from_object.linear());
-    if (tilt_deg > options_.tilt_deg) {
+    if (tilt_deg > options_.tilt_deg && !instance.may_tilt) {
       findings_.push_back({"tilted",
                            {instance.id},
                            tilt_deg,

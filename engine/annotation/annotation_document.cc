@@ -36,6 +36,11 @@ int AnnotationDocument::NumFragments() const {
   }));
 }
 
+WorkStage AnnotationDocument::Stage() const {
+  if (state) return state->stage;
+  return instances.empty() && crops.empty() ? WorkStage::kNew : WorkStage::kInWork;
+}
+
 Eigen::Isometry3d AnnotationDocument::LevelFromScan() const {
   Eigen::Isometry3d level_from_scan = Eigen::Isometry3d::Identity();
   level_from_scan.linear() = UprightFrame(gravity_in_scan).upright_rotation().transpose();
@@ -81,6 +86,7 @@ nlohmann::json DocumentToJson(const AnnotationDocument& document) {
   }
   for (const Crop& crop : document.crops) json["crops"].push_back(CropToJson(crop));
   for (const FramePick& pair : document.pairs) json["pairs"].push_back(PairToJson(pair));
+  if (document.state) json["state"] = StateToJson(*document.state);
   return json;
 }
 
@@ -140,6 +146,11 @@ Result<AnnotationDocument> DocumentFromJson(const nlohmann::json& json) {
     const Result<FramePick> pair = PairFromJson(entry);
     if (!pair) return pair.error();
     document.pairs.push_back(*pair);
+  }
+  if (json.contains("state")) {
+    Result<ProjectState> state = StateFromJson(json["state"]);
+    if (!state) return state.error();
+    document.state = std::move(*state);
   }
   return document;
 }

@@ -11,6 +11,7 @@
 
 #include "engine/annotation/annotated_instance.h"
 #include "engine/annotation/crop.h"
+#include "engine/annotation/project_state.h"
 #include "engine/base/result.h"
 
 namespace plumbline {
@@ -33,13 +34,16 @@ struct AnnotationDocument {
   /// Where the sequence's world is in the scan; nothing where both share a frame.
   std::optional<Eigen::Isometry3d> scan_from_world;
   std::vector<AnnotatedInstance> instances;
-  std::vector<Crop> crops;       ///< What was cut out of the scan.
-  std::vector<FramePick> pairs;  ///< That the sequence is registered by.
+  std::vector<Crop> crops;            ///< What was cut out of the scan.
+  std::vector<FramePick> pairs;       ///< That the sequence is registered by.
+  std::optional<ProjectState> state;  ///< Nothing: nobody said how far it is.
 
   const AnnotatedInstance* Find(const std::string& id) const;
   const Crop* FindCrop(const std::string& id) const;
   /// Crops that are no model but a part of the scan, as VISMA keeps them.
   int NumFragments() const;
+  /// Where nobody said it: new, or in work once there is something in it.
+  WorkStage Stage() const;
   /// The scan turned z-up with the floor (if known) at z = 0.
   Eigen::Isometry3d LevelFromScan() const;
 };

@@ -152,6 +152,13 @@ Result<Edit> Apply(const RemovePair& edit, AnnotationDocument& document) {
   return Edit(back);
 }
 
+Result<Edit> Apply(const SetState& edit, AnnotationDocument& document) {
+  if (edit.state) {
+    if (const Status good = CheckState(*edit.state); !good.ok()) return good.error();
+  }
+  return Edit(SetState{std::exchange(document.state, edit.state)});
+}
+
 Result<Edit> Apply(const EditGroup& group, AnnotationDocument& document) {
   AnnotationDocument changed = document;
   EditGroup back{group.label, {}};
@@ -183,6 +190,17 @@ std::string Describe(const AddPair& edit) {
 }
 std::string Describe(const RemovePair& edit) {
   return "Remove pair " + std::to_string(edit.index + 1);
+}
+std::string Describe(const SetState& edit) {
+  if (!edit.state) return "Forget how far it is";
+  switch (edit.state->stage) {
+    case WorkStage::kToReview:
+      return "Hand it over for review";
+    case WorkStage::kDone:
+      return "Say that it is done";
+    default:
+      return "Take it back to work";
+  }
 }
 std::string Describe(const EditGroup& group) { return group.label; }
 

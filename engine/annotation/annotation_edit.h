@@ -60,10 +60,15 @@ struct RemovePair {
   std::size_t index = 0;
 };
 
+/// How far the work is, and who says so; nothing: nobody does.
+struct SetState {
+  std::optional<ProjectState> state;
+};
+
 struct EditGroup;
 using Edit =
     std::variant<AddInstance, RemoveInstance, ChangeInstance, SetGravity, SetSceneAlignment,
-                 SetInputs, AddCrop, RemoveCrop, AddPair, RemovePair, EditGroup>;
+                 SetInputs, AddCrop, RemoveCrop, AddPair, RemovePair, SetState, EditGroup>;
 
 /// Several edits that are done and undone as one: an import, the acceptance of a run's drafts.
 struct EditGroup {
@@ -84,7 +89,7 @@ Result<Edit> ApplyEdit(const Edit& edit, AnnotationDocument& document);
 std::string DescribeEdit(const Edit& edit);
 
 /// {"edit": "add"|"remove"|"change"|"gravity"|"scene_alignment"|"inputs"|"crop"|
-/// "remove_crop"|"pair"|"remove_pair"|"group", ...}; the rest of
+/// "remove_crop"|"pair"|"remove_pair"|"state"|"group", ...}; the rest of
 /// the keys as in the project file.
 nlohmann::json EditToJson(const Edit& edit);
 /// Errors: kInvalidInput.

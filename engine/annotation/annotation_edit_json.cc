@@ -63,6 +63,12 @@ nlohmann::json ToJson(const RemovePair& edit) {
   return {{"edit", "remove_pair"}, {"index", edit.index}};
 }
 
+nlohmann::json ToJson(const SetState& edit) {
+  nlohmann::json result = {{"edit", "state"}};
+  if (edit.state) result["state"] = StateToJson(*edit.state);
+  return result;
+}
+
 nlohmann::json ToJson(const EditGroup& group) {
   nlohmann::json result = {
       {"edit", "group"}, {"label", group.label}, {"edits", nlohmann::json::array()}};
@@ -155,6 +161,12 @@ Result<Edit> EditFromJson(const nlohmann::json& source) {
     if (!pose) return InvalidInput("'scan_from_world' is not a 4x4 rigid transform");
     return Edit(SetSceneAlignment{*pose});
   }
+  if (kind == "state") {
+    if (!source.contains("state")) return Edit(SetState{});
+    Result<ProjectState> state = StateFromJson(source["state"]);
+    if (!state) return state.error();
+    return Edit(SetState{std::move(*state)});
+  }
   if (kind == "inputs") {
     return Edit(SetInputs{TextFromJson(source, "scan").value_or(""),
                           TextFromJson(source, "models").value_or(""),
@@ -171,7 +183,7 @@ Result<Edit> EditFromJson(const nlohmann::json& source) {
   }
   return InvalidInput(
       "an edit needs 'edit': add, remove, change, gravity, scene_alignment, inputs, crop, "
-      "remove_crop, pair, remove_pair or group, not '" +
+      "remove_crop, pair, remove_pair, state or group, not '" +
       kind + "'");
 }
 

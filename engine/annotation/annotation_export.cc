@@ -71,7 +71,14 @@ Status ExportAnnotation(const AnnotationDocument& document, const ExchangeInputs
     std::filesystem::create_directories(request.out.parent_path(), ignored);
   }
   if (request.format == "ground_truth") {
-    return WriteGroundTruthOf(document, request.frame, request.out);
+    GroundTruth truth = GroundTruthOf(document, request.frame);
+    for (GroundTruthInstance& instance : truth.instances) {
+      const auto known = request.deviations.find(instance.id);
+      if (known == request.deviations.end()) continue;
+      instance.position_std_m = known->second.position_std_m;
+      instance.azimuth_std_rad = known->second.azimuth_std_rad;
+    }
+    return WriteGroundTruth(request.out, truth);
   }
   if (request.format == "labelfusion") return WriteLabelFusion(document, inputs, request.out);
   if (request.format == "poses") return WriteFramePoses(document, inputs, request.out);

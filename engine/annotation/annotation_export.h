@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 
 #include "engine/annotation/pose_exchange.h"
@@ -9,11 +11,17 @@
 
 namespace plumbline {
 
+/// How well a pose is known: one standard deviation, as of GroundTruthInstance.
+struct PoseDeviation {
+  std::optional<double> position_std_m, azimuth_std_rad;
+};
+
 /// What to write, and where.
 struct ExportRequest {
   std::string format;         ///< ground_truth, visma, bop, labelfusion or poses
   std::filesystem::path out;  ///< A file, or a folder of visma and bop.
   PoseFrame frame = PoseFrame::kScan;
+  std::map<std::string, PoseDeviation> deviations = {};  ///< By id; of ground_truth alone.
 };
 
 /// The same annotations in another frame of the scan; nothing stays behind.

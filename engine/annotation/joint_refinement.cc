@@ -66,7 +66,8 @@ class JointRefiner {
     if (evidence_.scan != nullptr) {
       crop_ = CropScan(*evidence_.scan, *evidence_.surface, start_, up_,
                        options_.images.max_shift_m);
-      is_round_ = evidence_.surface->SymmetryOrder(kRoundWithin_m) == 0;
+      is_round_ = options_.motion != FreeMotion::kRigid &&
+                  evidence_.surface->SymmetryOrder(kRoundWithin_m) == 0;
     }
   }
 

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/files.h"
-#include "engine/dataset/ground_truth.h"
 #include "engine/dataset/json_fields.h"
 
 namespace plumbline {
@@ -19,20 +18,6 @@ Error NeedsSequence(const char* what) {
   return {ErrorCode::kInvalidInput, std::string(what) +
                                         " holds poses in cameras: the project needs a sequence "
                                         "(edit 'inputs') with camera poses"};
-}
-
-Result<Eigen::Isometry3d> TargetFromScan(const AnnotationDocument& document, PoseFrame frame) {
-  switch (frame) {
-    case PoseFrame::kScan:
-      break;
-    case PoseFrame::kLevel:
-      return document.LevelFromScan();
-    case PoseFrame::kWorld:
-      // Without an alignment both share a frame.
-      if (document.scan_from_world) return document.scan_from_world->inverse();
-      break;
-  }
-  return Eigen::Isometry3d(Eigen::Isometry3d::Identity());
 }
 
 }  // namespace
@@ -54,17 +39,34 @@ std::optional<std::string> MetreWarning(const std::vector<Eigen::Vector3d>& tran
          "these millimetres?";
 }
 
-Status WriteGroundTruthOf(const AnnotationDocument& document, PoseFrame frame,
-                          const std::filesystem::path& file) {
-  const Result<Eigen::Isometry3d> target_from_scan = TargetFromScan(document, frame);
-  if (!target_from_scan) return target_from_scan.error();
+Eigen::Isometry3d TargetFromScan(const AnnotationDocument& document, PoseFrame frame) {
+  switch (frame) {
+    case PoseFrame::kScan:
+      break;
+    case PoseFrame::kLevel:
+      return document.LevelFromScan();
+    case PoseFrame::kWorld:
+      // Without an alignment both share a frame.
+      if (document.scan_from_world) return document.scan_from_world->inverse();
+      break;
+  }
+  return Eigen::Isometry3d::Identity();
+}
+
+GroundTruth GroundTruthOf(const AnnotationDocument& document, PoseFrame frame) {
+  const Eigen::Isometry3d target_from_scan = TargetFromScan(document, frame);
   GroundTruth truth;
-  truth.gravity_in_world = target_from_scan->linear() * document.gravity_in_scan;
+  truth.gravity_in_world = target_from_scan.linear() * document.gravity_in_scan;
   for (const AnnotatedInstance& instance : document.instances) {
     truth.instances.push_back({instance.id, instance.model, instance.category,
-                               *target_from_scan * instance.scan_from_object, instance.fine});
+                               target_from_scan * instance.scan_from_object, instance.fine});
   }
-  return WriteGroundTruth(file, truth);
+  return truth;
+}
+
+Status WriteGroundTruthOf(const AnnotationDocument& document, PoseFrame frame,
+                          const std::filesystem::path& file) {
+  return WriteGroundTruth(file, GroundTruthOf(document, frame));
 }
 
 Result<ImportedPoses> ReadGroundTruthPoses(const std::filesystem::path& file) {

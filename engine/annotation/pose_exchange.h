@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/annotation/annotation_document.h"
+#include "engine/dataset/ground_truth.h"
 #include "engine/dataset/sequence.h"
 #include "engine/models/model_database.h"
 
@@ -38,6 +39,8 @@ std::optional<std::string> MetreWarning(const std::vector<Eigen::Vector3d>& tran
 
 /// ground_truth.json. `frame`: in which frame the poses are written.
 enum class PoseFrame { kScan, kLevel, kWorld };
+Eigen::Isometry3d TargetFromScan(const AnnotationDocument& document, PoseFrame frame);
+GroundTruth GroundTruthOf(const AnnotationDocument& document, PoseFrame frame);
 Status WriteGroundTruthOf(const AnnotationDocument& document, PoseFrame frame,
                           const std::filesystem::path& file);
 Result<ImportedPoses> ReadGroundTruthPoses(const std::filesystem::path& file);

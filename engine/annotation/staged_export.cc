@@ -64,8 +64,16 @@ std::string OtherChange(const GroundTruthInstance& before, const GroundTruthInst
   if (before.scale != after.scale)
     changes.push_back(fmt::format("scale {:g} instead of {:g}", after.scale, before.scale));
   const bool told = before.position_std_m || before.azimuth_std_rad;
-  if (told && !after.position_std_m && !after.azimuth_std_rad)
-    changes.emplace_back("how well it is known is not told any more");
+  const bool tells = after.position_std_m || after.azimuth_std_rad;
+  if (told && !tells) changes.emplace_back("how well it is known is not told any more");
+  if (tells && (before.position_std_m != after.position_std_m ||
+                before.azimuth_std_rad != after.azimuth_std_rad)) {
+    std::string known;
+    if (after.position_std_m) known = fmt::format(" {:.1f} cm", 100 * *after.position_std_m);
+    if (after.azimuth_std_rad)
+      known += fmt::format(" {:.1f}\u00b0", *after.azimuth_std_rad * kDegPerRad);
+    changes.push_back("known to" + known);
+  }
   std::string text;
   for (const std::string& change : changes) text += (text.empty() ? "" : ", ") + change;
   return text;

@@ -50,6 +50,9 @@ nlohmann::json ToJson(const MatchedObject& object) {
     json["scale_std"] = *object.estimate.scale_std;
   }
   if (object.truth.scale != 1) json["true_scale"] = object.truth.scale;
+  const TruthDeviation known = DeviationOf(object.truth);
+  json["truth_position_std_m"] = known.position_m;
+  json["truth_azimuth_std_deg"] = Degrees(known.azimuth_rad);
   return json;
 }
 

@@ -47,7 +47,7 @@ struct PlacementTask {
   std::shared_ptr<const TriangleMesh> mesh;
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
   Eigen::Vector3d up_in_scan{0, 0, 1};
-  bool stands = false;  ///< On the level surface below it, which the scan shows or the floor is.
+  bool stands = false;    ///< On the level surface below it, which the scan shows or the floor is.
   std::optional<Eigen::Vector4d> floor_in_scan;  ///< As of AlignOptions.
   double view_azimuth_rad = 0;
 };

@@ -11,6 +11,7 @@
 
 #include "engine/base/files.h"
 #include "engine/dataset/sequence.h"
+#include "engine/session/annotation_queue.h"
 
 namespace plumbline {
 namespace {
@@ -39,6 +40,12 @@ path DataFolder() {
                     : home != nullptr && *home != '\0' ? path(home) / ".local" / "share"
                                                        : std::filesystem::temp_directory_path();
   return base / "plumbline" / "annotations";
+}
+
+/// Where it is kept if it cannot be beside its scan.
+path ElsewhereOf(const path& scan) {
+  return DataFolder() / (scan.stem().string() + "-" +
+                         HashHex(FolderOf(scan).string()).substr(0, 8) + ".annotation.json");
 }
 
 std::string Counted(std::size_t count, const char* one, const char* many) {
@@ -146,8 +153,25 @@ path ProjectFileOf(const path& scan) {
   return FolderOf(scan) / (scan.stem().string() + ".annotation.json");
 }
 
+path ExistingProjectOf(const path& scan) {
+  const path beside = IfExists(ProjectFileOf(scan));
+  return beside.empty() ? IfExists(ElsewhereOf(scan)) : beside;
+}
+
 Result<OpenedAnnotation> OpenAnnotation(const AnnotationChoice& choice) {
   std::error_code ignored;
+  if (std::filesystem::is_directory(choice.path, ignored)) {
+    const auto entries = ReadQueue(choice.path);
+    if (!entries) return entries.error();
+    const auto first = FirstToDo(*entries);
+    if (!first) {
+      return Error{ErrorCode::kNotFound, "the folder '" + choice.path.string() +
+                                             "' holds no scans and no annotation projects"};
+    }
+    AnnotationChoice chosen = choice;
+    chosen.path = (*entries)[*first].path;
+    return OpenAnnotation(chosen);
+  }
   if (!std::filesystem::exists(choice.path, ignored)) {
     return Error{ErrorCode::kNotFound, "there is no '" + choice.path.string() + "'"};
   }
@@ -158,11 +182,8 @@ Result<OpenedAnnotation> OpenAnnotation(const AnnotationChoice& choice) {
     return opened;
   }
   const path beside = ProjectFileOf(choice.path);
-  const path elsewhere =
-      DataFolder() / (choice.path.stem().string() + "-" +
-                      HashHex(FolderOf(choice.path).string()).substr(0, 8) + ".annotation.json");
-  for (const path& file : {beside, elsewhere}) {
-    if (!std::filesystem::exists(file, ignored)) continue;
+  const path elsewhere = ElsewhereOf(choice.path);
+  if (const path file = ExistingProjectOf(choice.path); !file.empty()) {
     auto opened = OpenExisting(file);
     if (!opened) return opened;
     if (const Status taken = TakeChoices(choice, *opened); !taken.ok()) return taken.error();

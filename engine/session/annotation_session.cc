@@ -8,13 +8,10 @@
 
 #include "engine/base/log.h"
 #include "engine/geometry/gravity.h"
+#include "engine/session/annotation_queue.h"
 
 namespace plumbline {
-namespace {
-
-constexpr double kLongestPause_s = 90;  ///< Longer pauses are not time spent.
-
-}  // namespace
+namespace {}  // namespace
 
 double AnnotationSession::SteadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -34,7 +31,7 @@ AnnotationSession::AnnotationSession(OpenedAnnotation opened, const AnnotationCh
     : project_(std::move(opened.project)),
       clock_(std::move(clock)),
       refine_pace_ms_(refine_pace_ms),
-      last_edit_s_(clock_()) {
+      work_time_(clock_()) {
   view_.state = AnnotationSnapshot::State::kReady;
   view_.read_only = opened.read_only;
   view_.notices = std::move(opened.notices);
@@ -44,6 +41,9 @@ AnnotationSession::AnnotationSession(OpenedAnnotation opened, const AnnotationCh
   view_.gravity_known =
       document.floor_in_scan.has_value() || document.gravity_in_scan != Eigen::Vector3d(0, 0, -1);
   QueueLoading();
+  std::error_code ignored;
+  queue_folder_ = std::filesystem::is_directory(choice.path, ignored) ? choice.path : choice.queue;
+  if (!queue_folder_.empty()) On(ListQueueCommand{});
 }
 
 void AnnotationSession::Close() {
@@ -66,12 +66,14 @@ std::optional<AnnotationSession::Job> AnnotationSession::TakeJob() {
 void AnnotationSession::Apply(const AnnotationCommand& command, std::uint64_t number) {
   const std::uint64_t answers = view_.answer_number;
   command_ = number;
+  work_time_.NoteInput(clock_(), WorkedOn());
   // Every kind has an On of its own: one that is forgotten does not compile.
   std::visit([this](const auto& c) { On(c); }, command);
   const bool refused = view_.refused && view_.answer_number != answers;
   if (number > 0) view_.last_command = {number, refused ? view_.answer : ""};
   const bool previews = std::holds_alternative<PreviewPoseCommand>(command) ||
-                        std::holds_alternative<ChooseRefinementCommand>(command);
+                        std::holds_alternative<ChooseRefinementCommand>(command) ||
+                        std::holds_alternative<ActivityCommand>(command);
   if (!previews) {
     preview_.reset();
     checked_.reset();  // what hides it may have changed
@@ -86,21 +88,16 @@ void AnnotationSession::Answer(std::string text, bool refused) {
 }
 
 bool AnnotationSession::Edit(const plumbline::Edit& edit) {
-  const Status done = project_->Apply(edit);
+  const std::vector<AnnotatedInstance> before = project_->document().instances;
+  const Status done = project_->Apply(WithTimeSpent(edit));
   if (done.ok()) {
     view_.num_recovered = 0;  // they are not the last ones any more
+    for (const AnnotatedInstance& instance : before)
+      work_time_.Written(instance.id, work_time_.ToWrite(instance.id));
     return true;
   }
   Refuse(done.error().message);
   return false;
-}
-
-/// Counted with the edit that it led to.
-double AnnotationSession::SpentSinceLastEdit() {
-  const double now = clock_();
-  const double spent = std::min(now - last_edit_s_, kLongestPause_s);
-  last_edit_s_ = now;
-  return std::round(10 * spent) / 10;
 }
 
 std::string AnnotationSession::FreeId(const std::string& model) const {
@@ -126,6 +123,12 @@ AnnotationSnapshot AnnotationSession::Snapshot() const {
   snapshot.gravity_known = view_.gravity_known || snapshot.floor_known;
   snapshot.instances = document.instances;
   snapshot.num_fragments = document.NumFragments();
+  for (AnnotatedInstance& instance : snapshot.instances)
+    instance.seconds_spent += work_time_.Of(instance.id);
+  snapshot.stage = document.Stage();
+  snapshot.project_state = document.state;
+  if (auto& queue = snapshot.queue; queue && queue->open)
+    DescribeWork(document, queue->entries[*queue->open]);
   if (snapshot.Selected() == nullptr) snapshot.selected.clear();
   return snapshot;
 }

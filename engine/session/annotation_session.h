@@ -19,6 +19,7 @@
 #include "engine/session/annotation_jobs.h"
 #include "engine/session/annotation_opening.h"
 #include "engine/session/sequence_registration.h"
+#include "engine/session/work_time.h"
 #include "engine/snapshot/annotation_commands.h"
 #include "engine/snapshot/annotation_snapshot.h"
 
@@ -92,6 +93,9 @@ class AnnotationSession {
   void On(const AlignSequenceCommand& command);
   void On(const ShowBoxCommand& command);
   void On(const ProposeCropCommand& command);
+  void On(const ActivityCommand& command);
+  void On(const SetStageCommand& command);
+  void On(const ListQueueCommand& command);
   bool TakeCrop();
   void FollowCrops();
 
@@ -130,7 +134,12 @@ class AnnotationSession {
   bool Edit(const plumbline::Edit& edit);
   void Answer(std::string text, bool refused = false);
   void Refuse(const std::string& text) { Answer(text, true); }
-  double SpentSinceLastEdit();
+  /// On what somebody works now, as WorkTime counts it.
+  std::optional<std::string> WorkedOn() const;
+  /// The edit together with the time that was spent on objects meanwhile.
+  plumbline::Edit WithTimeSpent(const plumbline::Edit& edit) const;
+  /// Undo and redo take no time back that was spent.
+  void KeepTimeSpent(const std::vector<AnnotatedInstance>& before);
   Eigen::Isometry3d PoseOf(const std::string& id) const;
   std::string FreeId(const std::string& model) const;
   Eigen::Vector3d up_in_scan() const { return -project_->document().gravity_in_scan; }
@@ -139,7 +148,9 @@ class AnnotationSession {
   std::unique_ptr<AnnotationProject> project_;
   Clock clock_;
   int refine_pace_ms_;
-  double last_edit_s_;
+  WorkTime work_time_;
+  bool placing_ = false;  ///< A model is chosen to be placed.
+  std::filesystem::path queue_folder_;
   AnnotationSnapshot view_;  ///< All but what the project says.
   std::deque<Job> jobs_;
   bool cancel_ = false;

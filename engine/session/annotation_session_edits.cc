@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/session/annotation_session.h"
+#include "engine/session/place_beside.h"
 #include "engine/session/run_drafts.h"
 
 namespace plumbline {
@@ -38,10 +39,10 @@ void AnnotationSession::On(const SetInstancePoseCommand& command) {
   const AnnotatedInstance* instance = project_->document().Find(command.id);
   if (instance == nullptr) return Refuse("There is no object '" + command.id + "'.");
   if (view_.refinement) DropProposals();
+  work_time_.GiveNextTo(command.id);
   ChangeInstance edit;
   edit.id = command.id;
   edit.set.scan_from_object = command.scan_from_object;
-  edit.set.seconds_spent = instance->seconds_spent + SpentSinceLastEdit();
   Edit(edit);
 }
 
@@ -58,7 +59,9 @@ void AnnotationSession::On(const ChangeInstanceCommand& command) {
 
 void AnnotationSession::On(const RemoveInstanceCommand& command) {
   DropProposals();
-  if (Edit(RemoveInstance{command.id}) && view_.selected == command.id) view_.selected.clear();
+  if (!Edit(RemoveInstance{command.id})) return;
+  work_time_.Forget(command.id);
+  if (view_.selected == command.id) view_.selected.clear();
 }
 
 void AnnotationSession::On(const DuplicateInstanceCommand& command) {
@@ -66,17 +69,20 @@ void AnnotationSession::On(const DuplicateInstanceCommand& command) {
   if (instance == nullptr) return Refuse("Select an object first.");
   AnnotatedInstance copy = *instance;
   copy.id = FreeId(copy.model);
-  copy.scan_from_object = command.scan_from_object;
+  copy.scan_from_object = PlaceBeside(*instance, project_->document(), models_.get());
   copy.annotator = view_.annotator;
   copy.locked = copy.hidden = false;
-  copy.seconds_spent = SpentSinceLastEdit();
+  copy.seconds_spent = 0;
+  DropProposals();
   if (Edit(AddInstance{copy, std::nullopt})) view_.selected = copy.id;
 }
 
 void AnnotationSession::On(const UndoCommand&) {
   DropProposals();
   const auto label = project_->UndoLabel();
+  const auto before = project_->document().instances;
   const Status done = project_->Undo();
+  KeepTimeSpent(before);
   done.ok() ? Answer("Undone: " + label.value_or("")) : Refuse(done.error().message);
   FollowCrops();
   FollowScan();
@@ -85,7 +91,9 @@ void AnnotationSession::On(const UndoCommand&) {
 void AnnotationSession::On(const RedoCommand&) {
   DropProposals();
   const auto label = project_->RedoLabel();
+  const auto before = project_->document().instances;
   const Status done = project_->Redo();
+  KeepTimeSpent(before);
   done.ok() ? Answer("Done again: " + label.value_or("")) : Refuse(done.error().message);
   FollowCrops();
   FollowScan();

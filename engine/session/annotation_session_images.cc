@@ -148,7 +148,10 @@ void AnnotationSession::On(const RefineInstanceCommand& command) {
   RefinementTask task;
   task.by = command.by;
   task.up_in_scan = up_in_scan();
-  const bool by_images = command.by != RefineBy::kScan && sequence_ != nullptr;
+  // The images cannot tell how something is tilted.
+  const bool tilts =
+      instance->may_tilt && scan_.target != nullptr && command.by != RefineBy::kImages;
+  const bool by_images = command.by != RefineBy::kScan && sequence_ != nullptr && !tilts;
   if (command.by == RefineBy::kImages && !by_images) return Refuse("There is no sequence.");
   if (command.by != RefineBy::kImages && (scan_.target != nullptr || !by_images)) {
     task.scan = TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor);
@@ -158,7 +161,11 @@ void AnnotationSession::On(const RefineInstanceCommand& command) {
   const bool floor_bound = command.on_floor && id &&
                            models_->model(*id).support == Support::kFloor &&
                            project_->document().floor_in_scan.has_value();
-  if (floor_bound) task.motion = FreeMotion::kAzimuthAndHorizontal;
+  if (tilts) {
+    task.motion = FreeMotion::kRigid;
+  } else if (floor_bound) {
+    task.motion = FreeMotion::kAzimuthAndHorizontal;
+  }
   DropProposals();
   RefinementView refinement;
   refinement.instance = command.id;

@@ -202,8 +202,9 @@ void AnnotationSession::On(const AcceptProposalCommand& command) {
       instance.scan_from_object = pose;
       instance.annotator = view_.annotator;
       instance.fine = placement->problem.empty();
-      instance.seconds_spent = SpentSinceLastEdit();
+      instance.seconds_spent = work_time_.ToWrite(WorkTime::kNext);
       if (!Edit(AddInstance{instance, std::nullopt})) return;
+      work_time_.Forget(WorkTime::kNext);
       view_.selected = instance.id;
     } else {
       On(SetInstancePoseCommand{placement->instance, pose});

@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/annotation/annotated_instance.h"
+#include "engine/annotation/project_state.h"
 #include "engine/annotation/refine_by.h"
 
 namespace plumbline {
@@ -78,10 +79,9 @@ struct ChangeInstanceCommand {
 struct RemoveInstanceCommand {
   std::string id;
 };
-/// The copy gets an id of its own and is selected.
+/// The copy gets an id of its own, stands beside it on a free side, and is selected.
 struct DuplicateInstanceCommand {
   std::string id;
-  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();  ///< Of the copy.
 };
 struct UndoCommand {};
 struct RedoCommand {};
@@ -109,6 +109,20 @@ struct CompareAllCommand {};
 /// Whether an export may replace what it asked about.
 struct AnswerExportCommand {
   bool replace = false;
+};
+/// Somebody is at work: the time since the last one counts for the selected object or, while a
+/// model is chosen to be placed, for the next one.
+struct ActivityCommand {
+  bool placing = false;
+};
+/// How far the work is, as the annotator says.
+struct SetStageCommand {
+  WorkStage stage = WorkStage::kInWork;
+  std::string note;
+};
+/// Reads the scans and projects of a folder; "": of the one that was chosen last.
+struct ListQueueCommand {
+  std::string folder;
 };
 struct SetAnnotatorCommand {
   std::string name;
@@ -166,6 +180,7 @@ using AnnotationCommand = std::variant<
     RemoveInstanceCommand, DuplicateInstanceCommand, UndoCommand, RedoCommand, SaveProjectCommand,
     SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand, ShowFrameCommand,
     AddPairCommand, RemovePairCommand, AlignSequenceCommand, ShowBoxCommand, DropRecoveredCommand,
-    ExportCommand, CompareAllCommand, AnswerExportCommand, SetScanUnitCommand, ProposeCropCommand>;
+    ExportCommand, CompareAllCommand, AnswerExportCommand, SetScanUnitCommand, ProposeCropCommand,
+    ActivityCommand, SetStageCommand, ListQueueCommand>;
 
 }  // namespace plumbline

@@ -19,6 +19,7 @@
 #include "engine/annotation/annotated_instance.h"
 #include "engine/annotation/refine_by.h"
 #include "engine/geometry/mesh.h"
+#include "engine/snapshot/annotation_queue_view.h"
 
 namespace plumbline {
 
@@ -247,6 +248,9 @@ struct AnnotationSnapshot {
   std::uint64_t answer_number = 0;   ///< Counts the answers.
   std::optional<std::string> undo_label, redo_label;
   std::string annotator;
+  WorkStage stage = WorkStage::kNew;
+  std::optional<ProjectState> project_state;  ///< What people said of it.
+  std::optional<AnnotationQueueView> queue;   ///< Once it was asked for.
 
   /// Made coarse enough to draw, and coarser for machines without a GPU; null until it is read.
   std::shared_ptr<const TriangleMesh> scan, scan_coarse;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands of `annotate` as a script meets them.
 
+#include <cmath>
+
 #include "engine/models/mesh_file.h"
 #include "tests/app/annotate_command.h"
 #include "tests/support/furniture_models.h"
@@ -91,6 +93,81 @@ TEST_F(AnnotateVerb, WhatIsExportedIsReadAgain) {
       }
     }
   }
+}
+
+/// Three chairs each, of which two stand apart by 2 cm and one by 4; the second has one more.
+class TwoAnnotators : public AnnotateVerb {
+ protected:
+  void SetUp() override {
+    AnnotateVerb::SetUp();
+    const auto project = [&](const std::string& name, const std::vector<double>& xs) {
+      nlohmann::json edits = {
+          {{"edit", "inputs"}, {"scan", ""}, {"models", "models"}, {"sequence", ""}},
+          {{"edit", "gravity"}, {"gravity", {0, 0, -1}}, {"floor", {0, 0, 1, 0}}}};
+      for (std::size_t i = 0; i < xs.size(); ++i) {
+        const nlohmann::json pose = {{1, 0, 0, xs[i]}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+        edits.push_back({{"edit", "add"},
+                         {"instance",
+                          {{"id", "chair_" + std::to_string(i)},
+                           {"model", "chair"},
+                           {"category", "chair"},
+                           {"scan_from_object", pose}}}});
+      }
+      Write("edits.json", edits.dump());
+      ASSERT_EQ(Run("apply " + name + " edits.json --create"), 0) << Output();
+    };
+    project("ada.json", {0, 2, 4});
+    project("grace.json", {0.02, 2.02, 3.96, 9});
+  }
+};
+
+TEST_F(TwoAnnotators, AreComparedObjectByObject) {
+  ASSERT_EQ(Run("agree ada.json grace.json --json agreement.json"), 0) << Output();
+  EXPECT_THAT(Output(), testing::HasSubstr("chair_3            only in the second"));
+  const nlohmann::json json = Json("agreement.json");
+  ASSERT_EQ(json["objects"].size(), 3u);
+  EXPECT_NEAR(json["objects"][2]["horizontal_m"], 0.04, 1e-12);
+  EXPECT_EQ(json["only_in_second"], nlohmann::json::array({"chair_3"}));
+  // Of both horizontal coordinates: sqrt((0.02^2 + 0.02^2 + 0.04^2) / (4 * 3)).
+  EXPECT_NEAR(json["all"]["horizontal_std_m"], 0.0141421356, 1e-9);
+  EXPECT_NEAR(json["all"]["position_std_m"], 0.02, 1e-12);
+  ASSERT_EQ(Run("export grace.json --format ground_truth --frame level --out level.json"), 0);
+  ASSERT_EQ(Run("agree ada.json level.json --second-frame level --json again.json"), 0) << Output();
+  EXPECT_EQ(Json("again.json")["all"], json["all"]);
+}
+
+TEST_F(TwoAnnotators, SayHowWellTheTruthIsKnown) {
+  ASSERT_EQ(Run("export ada.json --format ground_truth --out truth.json"), 0) << Output();
+  ASSERT_EQ(Run("export ada.json --format ground_truth --out truth.json --second grace.json"), 0)
+      << Output();
+  EXPECT_THAT(Output(), testing::HasSubstr("chair_0 (known to 2.0 cm 0.0"));
+  const nlohmann::json instances = Json("truth.json")["instances"];
+  ASSERT_EQ(instances.size(), 3u);
+  EXPECT_NEAR(instances[0]["position_std_m"], 0.02, 1e-9) << "pooled";
+  EXPECT_NEAR(instances[2]["position_std_m"], 0.04 / std::sqrt(2), 1e-9) << "its own";
+  EXPECT_NEAR(instances[0]["azimuth_std_deg"], 0, 1e-9);
+  EXPECT_EQ(Run("export ada.json --format visma --out visma --second grace.json"), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("cannot say how well a pose is known"));
+}
+
+TEST_F(AnnotateVerb, ListsTheScansOfAFolder) {
+  Write("edits.json", R"([{"edit": "state", "state": {"stage": "to review", "annotator": "Ada",
+      "note": "all chairs"}}, {"edit": "change", "id": "chair_0", "seconds_spent": 90}])");
+  ASSERT_EQ(Run("apply room.json edits.json"), 0) << Output();
+  ASSERT_TRUE(WritePly(folder_.path() / "hall.ply", MakeChair(true)).ok());
+  ASSERT_EQ(Run("queue . --json queue.json"), 0) << Output();
+  EXPECT_THAT(Output(),
+              testing::HasSubstr("room.json  to review       2     1.5  Ada: all chairs"));
+  const nlohmann::json queue = Json("queue.json");
+  ASSERT_EQ(queue.size(), 2u) << "models are no scans";
+  EXPECT_EQ(queue[0]["name"], "hall.ply");
+  EXPECT_EQ(queue[0]["state"], "new");
+  EXPECT_EQ(queue[1]["seconds"], 90);
+  Write("edits.json", R"([{"edit": "state", "state": {"stage": "done", "annotator": "Ada",
+      "reviewer": "Ada"}}])");
+  EXPECT_EQ(Run("apply room.json edits.json"), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("a second person reviews it"));
+  EXPECT_EQ(Run("queue none"), 1);
 }
 
 TEST_F(AnnotateVerb, TakesTheObjectsOfARunAsDrafts) {

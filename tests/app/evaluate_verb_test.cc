@@ -74,6 +74,22 @@ class EvaluateVerb : public testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(EvaluateVerb, TellsHowWellTheTruthItselfIsKnown) {
+  std::filesystem::rename(folder_.path() / "truth.json", folder_.path() / "usual.json");
+  Write("truth.json", R"({"gravity": [0, 0, -1], "instances": [
+      {"id": "a", "model": "wedge", "category": "chair", "position_std_m": 0.008,
+       "azimuth_std_deg": 0.7, "world_from_object": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
+  const ProgramRun usual = Run("evaluate run.plb --ground-truth usual.json --models models");
+  EXPECT_THAT(usual.output, testing::Not(HasSubstr("truth +-"))) << "its file does not say";
+  const ProgramRun outcome =
+      Run("evaluate run.plb --ground-truth truth.json --models models --json result.json");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("truth +-0.8 cm 0.7 deg"));
+  const nlohmann::json object = ReadJson(folder_.path() / "result.json").value()["objects"][0];
+  EXPECT_DOUBLE_EQ(object["truth_position_std_m"], 0.008);
+  EXPECT_NEAR(object["truth_azimuth_std_deg"], 0.7, 1e-12);
+}
+
 TEST_F(EvaluateVerb, JudgesARunFile) {
   const ProgramRun outcome =
       Run("evaluate run.plb --ground-truth truth.json --models models --json result.json");

@@ -54,7 +54,8 @@ bool MayUseSibling(std::string_view module, std::string_view sibling) {
 bool IsOptionsHeader(std::string_view file) { return EndsWith(file, "_options.h"); }
 bool IsReportHeader(std::string_view file) { return EndsWith(file, "_report.h"); }
 bool IsInstanceHeader(std::string_view file) {
-  return file == "engine/annotation/annotated_instance.h";
+  return file == "engine/annotation/annotated_instance.h" ||
+         file == "engine/annotation/project_state.h";
 }
 
 /// Private to engine/render: the only headers of the engine with OpenGL in them.

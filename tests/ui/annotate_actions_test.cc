@@ -184,7 +184,9 @@ TEST(AnnotateActions, EveryOneIsOfferedByWordsWhenItCanBeDoneAndOnlyThen) {
                            "Lock it",
                            "Delete it",
                            "Duplicate it",
-                           "Copy its pose",
+                           "Copy it",
+                           "Unlock its tilt",
+                           "Queue: the scans of a folder, and how far each is",
                            "Mark it as coarse",
                            "Find the floor",
                            "Undo",
@@ -194,11 +196,11 @@ TEST(AnnotateActions, EveryOneIsOfferedByWordsWhenItCanBeDoneAndOnlyThen) {
                            "Cut an object out of the scan",
                            "Register the sequence",
                            "Hide the scan",
-                           "Show the path of the cameras",
-                           "Unlock the tilt"})
+                           "Show the path of the cameras"})
     EXPECT_TRUE(offered(text)) << text;
   EXPECT_FALSE(offered("Accept"));
   EXPECT_FALSE(offered("Paste the pose"));
+  EXPECT_FALSE(offered("Paste a copy beside the copied object"));
   harness.snapshot().instances[0].hidden = harness.snapshot().instances[0].locked = true;
   EXPECT_TRUE(offered("Show it"));
   EXPECT_TRUE(offered("Unlock it"));
@@ -220,11 +222,16 @@ TEST(AnnotateActions, SwitchAndOpenWhatButtonsDo) {
   EXPECT_TRUE(harness.view.open_export);
   harness.Press(keys::kS, true, true);
   EXPECT_TRUE(harness.view.open_more);
+  harness.Press(keys::kO, true);
+  EXPECT_TRUE(harness.view.open_queue);
   harness.Press(keys::kK);
   EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->set.fine, false);
   harness.Press(keys::kC, true);
   harness.snapshot().selected = "table_0";
   harness.Press(keys::kV, true);
+  ASSERT_NE(harness.sink.Last<DuplicateInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<DuplicateInstanceCommand>()->id, "armchair_0");
+  harness.Press(keys::kV, true, true);
   ASSERT_NE(harness.sink.Last<SetInstancePoseCommand>(), nullptr);
   EXPECT_EQ(harness.sink.Last<SetInstancePoseCommand>()->id, "table_0");
   harness.Press(keys::kDelete);

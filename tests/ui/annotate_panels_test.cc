@@ -4,6 +4,8 @@
 
 #include "ui/annotate/annotate_panels.h"
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numbers>
 
@@ -150,6 +152,66 @@ TEST(AnnotatePanels, DrawInEveryStateOfAProject) {
       }
     }
   }
+}
+
+/// The sheet, as if it were a panel.
+class QueueSheet : public Panel {
+ public:
+  QueueSheet() {
+    PanelInfo info;
+    info.id = "queue_sheet";
+    set_info(info);
+  }
+  void Draw(const FrameContext& context, CommandSink& sink) override { DrawQueue(context, sink); }
+};
+
+TEST(AnnotateQueue, HandsOverAndLetsSomebodyElseJudge) {
+  AnnotateHarness harness;
+  QueueSheet sheet;
+  harness.size = {720, 480};
+  harness.snapshot().annotator = "Ada";
+  harness.snapshot().stage = WorkStage::kInWork;
+  harness.Type(sheet, "queue.note", "mind the lamp");
+  harness.Click(sheet, "queue.hand_over");
+  ASSERT_NE(harness.sink.Last<SetStageCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SetStageCommand>()->stage, WorkStage::kToReview);
+  EXPECT_EQ(harness.sink.Last<SetStageCommand>()->note, "mind the lamp");
+  harness.snapshot().stage = WorkStage::kToReview;
+  harness.snapshot().project_state = ProjectState{WorkStage::kToReview, "Ada", "", "mind the lamp"};
+  const std::string own = harness.Text(sheet);
+  EXPECT_THAT(own, HasSubstr("handed over by Ada"));
+  EXPECT_THAT(own, HasSubstr("somebody else reviews it"));
+  EXPECT_EQ(harness.widgets.Find("queue.done"), nullptr);
+  harness.snapshot().annotator = "Grace";
+  harness.Click(sheet, "queue.done");
+  EXPECT_EQ(harness.sink.Last<SetStageCommand>()->stage, WorkStage::kDone);
+  harness.Click(sheet, "queue.back");
+  EXPECT_EQ(harness.sink.Last<SetStageCommand>()->stage, WorkStage::kInWork);
+}
+
+TEST(AnnotateQueue, ListsTheFolderAndOpensWhatIsClicked) {
+  AnnotateHarness harness;
+  QueueSheet sheet;
+  harness.size = {720, 480};
+  AnnotationQueueView queue;
+  queue.folder = "/scans";
+  queue.entries = {{"a.ply", "/scans/a.ply"},
+                   {"b.json", "/scans/b.json", WorkStage::kDone, {"Ada"}, "Grace", "", 7, 840, ""},
+                   {"c.json", "/scans/c.json", WorkStage::kNew, {}, "", "", 0, 0, "is damaged"}};
+  queue.open = 1;
+  harness.snapshot().queue = queue;
+  const std::string text = harness.Text(sheet);
+  EXPECT_THAT(text, HasSubstr("Ada; reviewed by Grace"));
+  EXPECT_THAT(text, HasSubstr("14 min"));
+  EXPECT_THAT(text, HasSubstr("cannot be read"));
+  EXPECT_THAT(text, HasSubstr("2 new, 1 done; 7 objects in 14 min"));
+  harness.Click(sheet, "queue.row.b.json", 0.1f);
+  EXPECT_EQ(harness.sink.Last<OpenCommand>(), nullptr) << "it is open";
+  harness.Click(sheet, "queue.row.a.ply", 0.1f);
+  ASSERT_NE(harness.sink.Last<OpenCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<OpenCommand>()->path, "/scans/a.ply");
+  harness.Type(sheet, "queue.folder", "/more");
+  EXPECT_EQ(harness.sink.Last<ListQueueCommand>()->folder, "/more");
 }
 
 TEST(AnnotateScenePanel, AClickDoesWhatTheToolSays) {
@@ -334,6 +396,26 @@ TEST_F(GizmoTest, ATremblingClickMovesNothing) {
       << "a drag counts from where it began";
 }
 
+TEST_F(GizmoTest, OnlyWhatMayTiltHasRingsThatTiltIt) {
+  harness_.Draw(*panel_, 2);
+  const auto& rect = *harness_.widgets.Find("annotate.view");
+  const AnnotatedInstance& chair = harness_.snapshot().instances[0];
+  const Eigen::Vector3d foot =
+      (harness_.snapshot().level_from_scan * chair.scan_from_object).translation();
+  // Seen from above, the ring about x is a line through the foot along y.
+  const auto x = static_cast<float>(100 * foot.x()) / (rect.high.x - rect.low.x);
+  const auto y = static_cast<float>(20 - 100 * foot.y()) / (rect.high.y - rect.low.y);
+  const auto tilt_rad = [&] {
+    harness_.Drag(*panel_, "annotate.view", {x, y}, {x + 0.05f, y}, 0);
+    const auto* moved = harness_.sink.Last<SetInstancePoseCommand>();
+    return moved == nullptr ? -1 : std::acos(std::min(1.0, moved->scan_from_object.linear()(2, 2)));
+  };
+  EXPECT_NEAR(tilt_rad(), 0, 1e-6) << "moved along the floor";
+  harness_.view.pending.reset();
+  harness_.snapshot().instances[0].may_tilt = true;
+  EXPECT_GT(tilt_rad(), 0.1);
+}
+
 TEST_F(GizmoTest, WhatIsLockedStays) {
   harness_.snapshot().instances[0].locked = true;
   Drag(0.5f, 0.6f);
@@ -494,6 +576,9 @@ TEST(AnnotateRefinementPanel, SaysWhatMovedAndBetweenWhat) {
                            "kept", "80 %", "was 50 %", "3.0 mm rms", "was 9.0"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
+  EXPECT_THAT(text, Not(HasSubstr("Tilt")));
+  harness.snapshot().refinement->tilt_rad = 0.0175;
+  EXPECT_THAT(harness.Text(*panel), HasSubstr("1.00\u00b0"));
   RefinementView& refinement = *harness.snapshot().refinement;
   refinement.has_images = true;
   refinement.has_scan = false;
@@ -591,11 +676,16 @@ TEST(AnnotateInstancePanel, ItsButtonsAskForTheirCommands) {
   harness.Click(*panel, "instance.again");
   EXPECT_EQ(harness.sink.Last<PlaceAgainCommand>()->id, "armchair_0");
   harness.Click(*panel, "instance.duplicate");
-  EXPECT_GT(harness.sink.Last<DuplicateInstanceCommand>()->scan_from_object.translation().x(), 1.5)
-      << "beside it";
+  EXPECT_EQ(harness.sink.Last<DuplicateInstanceCommand>()->id, "armchair_0");
   harness.Click(*panel, "instance.copy");
   ASSERT_TRUE(harness.view.copied.has_value());
   harness.snapshot().selected = "table_0";
+  harness.Press(keys::kV, true);
+  EXPECT_EQ(harness.sink.Last<DuplicateInstanceCommand>()->id, "armchair_0")
+      << "beside what was copied, whatever is selected";
+  harness.Click(*panel, "instance.tilt");
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->id, "table_0");
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->set.may_tilt, true);
   harness.Click(*panel, "instance.paste");
   EXPECT_EQ(harness.sink.Last<SetInstancePoseCommand>()->id, "table_0");
   EXPECT_EQ(harness.sink.Last<SetInstancePoseCommand>()->scan_from_object.translation().x(), 1);

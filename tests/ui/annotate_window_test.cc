@@ -150,7 +150,7 @@ TEST_F(AnnotateWindow, SnapsCopiesDuplicatesRenamesHidesLocksAndSearches) {
       {"wait_for": {"annotate.instances": 2, "annotate.selected": "armchair_1"}},
       {"wait_frames": 3},
       {"dump_state": "copy.json"},
-      {"key": "v", "control": true},
+      {"key": "v", "control": true, "shift": true},
       {"wait_for": {"annotate.undo": "Move armchair_1"}},
       {"wait_frames": 5},
       {"dump_state": "pasted.json"},
@@ -188,6 +188,51 @@ TEST_F(AnnotateWindow, SnapsCopiesDuplicatesRenamesHidesLocksAndSearches) {
   const json widgets = ReadJson(File("found.json")).value()["widgets"];
   EXPECT_TRUE(widgets.contains("annotate_models.table"));
   EXPECT_FALSE(widgets.contains("annotate_models.armchair"));
+}
+
+TEST_F(AnnotateWindow, AFolderOfScansIsDoneOneAfterTheOther) {
+  std::filesystem::copy_file(scene_.scan, folder_.path() / "attic.ply");
+  ASSERT_EQ(Run(R"(
+      {"wait_for": {"annotate.queue": 2, "annotate.aligns": true, "annotate.busy": ""}},
+      {"wait_frames": 5},
+      {"dump_state": "first.json"},
+      {"click": "queue.row.scan.ply", "at": [0.1, 0.5]},
+      {"wait_frames": 5},
+      {"wait_for": {"annotate.queue": 2, "annotate.aligns": true, "annotate.busy": "",
+                    "annotate.stage": "new"}},
+      {"key": "o", "control": true},
+      {"wait_frames": 5},
+      {"click": "queue.hand_over"},
+      {"wait_for": {"annotate.stage": "to review"}},
+      {"key": "escape"},
+      {"wait_frames": 3},
+      {"dump_state": "second.json"},
+      {"key": "z", "control": true},
+      {"wait_for": {"annotate.stage": "new"}})",
+                ".", false, "--annotator Ada"),
+            0)
+      << Errors();
+  EXPECT_EQ(State("first.json")["project"], "attic.annotation.json");
+  EXPECT_EQ(State("second.json")["project"], "scan.annotation.json");
+  EXPECT_EQ(State("second.json")["undo"], "Hand it over for review");
+}
+
+TEST_F(AnnotateWindow, CountsTheTimeThatSomebodyWorksOnAnObject) {
+  ASSERT_EQ(Run(std::string(kFloor) + kPlaceArmchair + R"(
+      {"key": "enter"},
+      {"wait_for": {"annotate.instances": 1}},
+      {"key": "escape"},
+      {"wait_frames": 3},
+      {"dump_state": "placed.json"},
+      {"key": "f", "times": 150},
+      {"wait_frames": 8},
+      {"dump_state": "looked.json"})"),
+            0)
+      << Errors();
+  const auto spent = [&](const char* file) {
+    return State(file)["seconds_spent"]["armchair_0"].get<double>();
+  };
+  EXPECT_GT(spent("looked.json"), spent("placed.json") + 1) << "the view alone was turned";
 }
 
 TEST_F(AnnotateWindow, ShowsTheOutlineInImagesWhileItMovesAndRefinesByThem) {

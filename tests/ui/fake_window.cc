@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The window on made-up frames: fake_window [--script FILE] [--settings FILE] [--size W H]
 // [--frames N] [--state FILE] [--film OUT --layout NAME]
-// [--open PATH] [--sequence FOLDER] [--slow MS] [--fail FRAME] [--recorded]. Tests drive it; it
-// needs a display.
+// [--open PATH] [--sequence FOLDER] [--annotator NAME] [--slow MS] [--fail FRAME] [--recorded].
+// Tests drive it; it needs a display.
 
 #include <cstdlib>
 #include <fstream>
@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
     if (option == "--script") options.script = next();
     if (option == "--open") options.path = next();
     if (option == "--sequence") options.annotation.sequence = next();
+    if (option == "--annotator") options.annotation.annotator = next();
     if (option == "--settings") options.settings = next();
     if (option == "--film") film = next();
     if (option == "--layout") options.inspect.layout = *plumbline::FindRenderLayout(next());

@@ -333,17 +333,33 @@ ActionGroup EditActions() {
         .help_keys = "Ctrl + D",
         .help = "Duplicate it",
         .is_offered = HasSelection},
-       {.text = "Copy its pose",
+       {.text = "Unlock its tilt",
+        .run = Changes([](const AnnotatedInstance& instance, InstanceChange& set) {
+          set.may_tilt = !instance.may_tilt;
+        }),
+        .text_when_on = "Lock its tilt",
+        .is_on = [](const FrameContext& c) { return c.annotation->Selected()->may_tilt; },
+        .is_offered = CanEdit},
+       {.text = "Copy it",
         .keys = {{kC, false, true}},
-        .run = WithSelected(
-            [](const FrameContext& context, const AnnotatedInstance& instance, CommandSink&) {
-              context.annotate->copied = instance.scan_from_object;
-            }),
+        .run = WithSelected([](const FrameContext& context, const AnnotatedInstance& instance,
+                               CommandSink&) { CopyInstance(context, instance); }),
         .help_keys = "Ctrl + C  V",
-        .help = "Copy, paste the pose",
+        .help = "Copy it; paste a copy beside it (Shift: its pose onto the selected object)",
         .is_offered = HasSelection},
-       {.text = "Paste the pose",
+       {.text = "Paste a copy beside the copied object",
         .keys = {{kV, false, true}},
+        .run =
+            [](const FrameContext& context, CommandSink& sink) {
+              sink.Post(DuplicateInstanceCommand{context.annotate->copied_id});
+            },
+        .is_offered =
+            [](const FrameContext& context) {
+              return IsFree(context) && !context.annotation->read_only &&
+                     context.annotation->Find(context.annotate->copied_id) != nullptr;
+            }},
+       {.text = "Paste the pose",
+        .keys = {{kV, true, true}},
         .run = WithSelected(
             [](const FrameContext& context, const AnnotatedInstance& instance, CommandSink& sink) {
               sink.Post(SetInstancePoseCommand{instance.id, *context.annotate->copied});
@@ -411,6 +427,12 @@ ActionGroup ProjectActions() {
             .help_keys = "Ctrl + E",
             .help = "Export",
             .is_offered = IsOpen},
+           {.text = "Queue: the scans of a folder, and how far each is",
+            .keys = {{kO, false, true}},
+            .run = Turns(&AnnotateView::open_queue),
+            .help_keys = "Ctrl + O",
+            .help = "Queue of scans; hand over for review",
+            .is_offered = IsOpen},
            {.text = "Save as, drafts of a run, annotator",
             .keys = {{kS, true, true}},
             .run = Turns(&AnnotateView::open_more),
@@ -431,7 +453,6 @@ ActionGroup LayerActions() {
            layer("Show the grid", "Hide the grid", &AnnotateView::grid),
            layer("Show the path of the cameras", "Hide the path of the cameras",
                  &AnnotateView::cameras),
-           layer("Unlock the tilt", "Lock the tilt", &AnnotateView::tilt),
            layer("Keep on the floor what stands on it", "Let what stands on the floor rise",
                  &AnnotateView::on_floor)}};
 }
@@ -543,13 +564,13 @@ void DropCut(const FrameContext& context, CommandSink& sink) {
 }
 
 void Duplicate(const FrameContext& context, CommandSink& sink) {
-  const AnnotationSnapshot& snapshot = *context.annotation;
-  const AnnotatedInstance* instance = snapshot.Selected();
-  if (instance == nullptr) return;
-  const AnnotationModel* model = snapshot.ModelOf(*instance);
-  const double beside = model != nullptr ? 1.1 * model->bounds.sizes().head<2>().maxCoeff() : 0.5;
-  sink.Post(DuplicateInstanceCommand{instance->id,
-                                     Moved(snapshot, instance->scan_from_object, {beside, 0, 0})});
+  if (const AnnotatedInstance* instance = context.annotation->Selected())
+    sink.Post(DuplicateInstanceCommand{instance->id});
+}
+
+void CopyInstance(const FrameContext& context, const AnnotatedInstance& instance) {
+  context.annotate->copied = instance.scan_from_object;
+  context.annotate->copied_id = instance.id;
 }
 
 void PostAnnotateShortcuts(const FrameContext& context, CommandSink& sink) {

@@ -43,6 +43,8 @@ void PlaceChosenModel(const FrameContext& context, double x_px, double y_px, Com
 void ChooseModel(const FrameContext& context, const std::string& model, CommandSink& sink);
 /// A copy of the selected object beside it.
 void Duplicate(const FrameContext& context, CommandSink& sink);
+/// Remembers an object and its pose, to be pasted.
+void CopyInstance(const FrameContext& context, const AnnotatedInstance& instance);
 
 /// Its part of keyboard, palette and help sheet.
 std::vector<ActionGroup> AnnotateActions();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -11,7 +12,8 @@
 namespace plumbline {
 namespace {
 
-constexpr double kSteadyWidth = 150;
+constexpr double kSteadyWidth = 150, kNarrowWidth = 84;
+constexpr double kNarrowBar = 820;  ///< Below it, undo and redo leave their room to the others.
 
 std::string Capitalised(const char* word, const std::optional<std::string>& label) {
   return label ? std::string(word) + ": " + *label : std::string(word);
@@ -28,9 +30,9 @@ bool BarButton(const FrameContext& context, const char* name, const char* label,
 
 /// The same, as wide whatever it says: buttons stay where they are. The tooltip tells what does
 /// not fit.
-bool SteadyButton(const FrameContext& context, const char* name, std::string label, bool enabled,
-                  const std::string& tooltip) {
-  const ImVec2 size(context.Scaled(kSteadyWidth), 0);
+bool SteadyButton(const FrameContext& context, const char* name, std::string label, float width,
+                  bool enabled, const std::string& tooltip) {
+  const ImVec2 size(width, 0);
   const float room = size.x - 2 * ImGui::GetStyle().FramePadding.x;
   if (ImGui::CalcTextSize(label.c_str()).x > room) {
     constexpr const char* kMore = "\u2026";
@@ -156,14 +158,16 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
     sink.Post(SaveProjectCommand{});
   }
   ImGui::SameLine(0, context.Scaled(6));
+  const bool narrow = rect.width() < context.Scaled(kNarrowBar);
+  const float steady = context.Scaled(narrow ? kNarrowWidth : kSteadyWidth);
   const std::string undo = Capitalised("Undo", snapshot.undo_label);
-  if (SteadyButton(context, "project.undo", undo, snapshot.undo_label.has_value(),
+  if (SteadyButton(context, "project.undo", undo, steady, snapshot.undo_label.has_value(),
                    undo + " (Ctrl + Z)")) {
     sink.Post(UndoCommand{});
   }
   ImGui::SameLine(0, context.Scaled(6));
   const std::string redo = Capitalised("Redo", snapshot.redo_label);
-  if (SteadyButton(context, "project.redo", redo, snapshot.redo_label.has_value(),
+  if (SteadyButton(context, "project.redo", redo, steady, snapshot.redo_label.has_value(),
                    redo + " (Ctrl + Shift + Z, Ctrl + Y)")) {
     sink.Post(RedoCommand{});
   }
@@ -178,6 +182,23 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
   ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});
   if (ImGui::BeginPopup("project.export")) {
     DrawExport(context, sink);
+    // As it goes up: while it goes down the sheet is open, and the key does nothing else.
+    if (ImGui::IsKeyReleased(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
+    ImGui::EndPopup();
+  }
+  ImGui::SameLine(0, context.Scaled(6));
+  if (Button(context, "project.queue", "Queue",
+             "The scans of a folder and how far each is; hand this one over for review, or say "
+             "that it is done (Ctrl + O).") ||
+      std::exchange(context.annotate->open_queue, false)) {
+    ImGui::OpenPopup("project.queue");
+    sink.Post(ListQueueCommand{});
+  }
+  const float end = ImGui::GetIO().DisplaySize.x - context.Scaled(8);
+  ImGui::SetNextWindowPos(
+      {std::min(ImGui::GetItemRectMin().x, end - QueueWidth(context)), rect.high.y});
+  if (ImGui::BeginPopup("project.queue")) {
+    DrawQueue(context, sink);
     // As it goes up: while it goes down the sheet is open, and the key does nothing else.
     if (ImGui::IsKeyReleased(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
     ImGui::EndPopup();

@@ -101,7 +101,7 @@ AnnotateGizmo::Grip AnnotateGizmo::GripAt(const FrameContext& context, ImVec2 lo
   const auto arrow = Arrow(context, low, *subject);
   if (arrow && DistanceToLine(mouse, arrow->first, arrow->second) < reach) return Grip::kArrow;
   if (DistanceTo(Ring(context, low, *subject, 2), mouse) < reach) return Grip::kRing;
-  if (context.annotate->tilt) {
+  if (subject->instance->may_tilt) {
     if (DistanceTo(Ring(context, low, *subject, 0), mouse) < reach) return Grip::kTiltX;
     if (DistanceTo(Ring(context, low, *subject, 1), mouse) < reach) return Grip::kTiltY;
   }
@@ -200,7 +200,7 @@ void AnnotateGizmo::Draw(const FrameContext& context, ImVec2 low, ImVec2 high) c
                      0, context.Scaled(active == grip ? 4 : 2.5));
   };
   line(Ring(context, low, *subject, 2), kGizmoRingColor, Grip::kRing);
-  if (context.annotate->tilt) {
+  if (subject->instance->may_tilt) {
     line(Ring(context, low, *subject, 0), kTiltXColor, Grip::kTiltX);
     line(Ring(context, low, *subject, 1), kTiltYColor, Grip::kTiltY);
   }

@@ -125,9 +125,15 @@ class AnnotateInstancePanel : public Panel {
     ImGui::AlignTextToFramePadding();
     ImGui::Text("%.2f\u00b0", tilt_rad * kDegreesPerRadian);
     ImGui::SameLine(context.Scaled(146));
-    Toggle(context, "instance.tilt", context.annotate->tilt ? "unlocked" : "locked",
-           context.annotate->tilt,
-           "Upright is what keeps poses true. Unlocked, two more rings tilt the object.");
+    bool may_tilt = instance.may_tilt;
+    if (Toggle(context, "instance.tilt", may_tilt ? "unlocked" : "locked", may_tilt,
+               "Upright is what keeps poses true. Unlocked, for this object alone, two more rings "
+               "tilt it, Refine may tilt it, and Check does not call it tilted.")) {
+      ChangeInstanceCommand change;
+      change.id = instance.id;
+      change.set.may_tilt = may_tilt;
+      sink.Post(change);
+    }
     if (tilt_rad < 1e-5) return;
     ImGui::SameLine();
     if (Button(context, "instance.upright", "Upright", "Removes the tilt.")) {
@@ -172,14 +178,18 @@ class AnnotateInstancePanel : public Panel {
         "What stands on the floor, by its model, is placed standing: on the floor exactly, once "
         "that is known, else on what the scan shows below it. While it is refined it keeps its "
         "height.");
-    if (Button(context, "instance.duplicate", "Duplicate", "A copy beside it (Ctrl + D)."))
+    if (Button(context, "instance.duplicate", "Duplicate",
+               "A copy beside it, on a free side (Ctrl + D)."))
       Duplicate(context, sink);
-    NextInRow(context, "Copy pose");
-    if (Button(context, "instance.copy", "Copy pose", "Ctrl + C"))
-      view.copied = instance.scan_from_object;
-    NextInRow(context, "Paste");
+    NextInRow(context, "Copy");
+    if (Button(context, "instance.copy", "Copy", "The object and its pose (Ctrl + C).")) {
+      CopyInstance(context, instance);
+    }
+    NextInRow(context, "Paste pose");
     ImGui::BeginDisabled(!view.copied);
-    if (Button(context, "instance.paste", "Paste", "Ctrl + V: this object takes the copied pose."))
+    if (Button(context, "instance.paste", "Paste pose",
+               "This object takes the copied pose (Ctrl + Shift + V). Ctrl + V puts a copy beside "
+               "the copied object."))
       sink.Post(SetInstancePoseCommand{instance.id, *view.copied});
     ImGui::EndDisabled();
     NextInRow(context, "Delete");

@@ -39,6 +39,9 @@ std::unique_ptr<Panel> MakeAnnotatePanel(std::string_view id);
 
 /// What the user must know, over the top of the 3-D view: edits that cannot be written, notices.
 void DrawAnnotateBanners(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink);
+/// The sheet of the scans that wait, and of how far the project is.
+void DrawQueue(const FrameContext& context, CommandSink& sink);
+float QueueWidth(const FrameContext& context);  ///< Of that sheet, with its edges.
 /// The sheet that writes other formats.
 void DrawExport(const FrameContext& context, CommandSink& sink);
 

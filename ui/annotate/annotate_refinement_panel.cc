@@ -14,6 +14,8 @@
 namespace plumbline {
 namespace {
 
+constexpr double kShownTilt_rad = 1e-4;  ///< Less is rounding: what is locked keeps its tilt.
+
 const char* NameOf(RefineBy by) {
   switch (by) {
     case RefineBy::kScan:
@@ -61,6 +63,10 @@ class AnnotateRefinementPanel : public Panel {
     if (refinement.found.size() > 1) DrawChoices(context, refinement, sink);
     if (ImGui::BeginTable("refinement.table", 3, ImGuiTableFlags_SizingFixedFit)) {
       DrawChange(refinement, refinement.running);
+      if (refinement.tilt_rad > kShownTilt_rad) {
+        TableRow("Tilt", fmt::format("{:.2f}\u00b0", refinement.tilt_rad * kDegreesPerRadian),
+                 "unlocked");
+      }
       DrawFit(refinement);
       ImGui::EndTable();
     }

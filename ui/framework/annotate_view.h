@@ -47,11 +47,11 @@ struct AnnotateView {
   std::string model;     ///< The one that is to be placed.
   int candidate = 0;     ///< Of the placement that is shown.
   bool on_floor = true;  ///< What stands on the floor stays on it.
-  bool tilt = false;     ///< The gizmo may tilt.
   bool scan = true, models = true, grid = true, cameras = false;
   std::optional<PendingPose> pending;
   bool nudged = false;                          ///< `pending` comes from keys that are still held.
-  std::optional<Eigen::Isometry3d> copied;      ///< Pose in the scan's frame.
+  std::optional<Eigen::Isometry3d> copied;      ///< Pose in the scan's frame, ...
+  std::string copied_id;                        ///< ... and of which object.
   std::optional<Eigen::Vector3d> pick_in_scan;  ///< Half a pair: the frame's half is missing, ...
   std::optional<Eigen::Vector2d> pick_pixel;    ///< ... or the scan's. Of the frame that is shown.
   bool crop_by_line = false;                    ///< Else by a box.
@@ -69,11 +69,13 @@ struct AnnotateView {
   bool check = false;                           ///< The list of findings instead of the objects.
   int finding = -1;                             ///< The last one that was looked at.
   std::string focus_on;                         ///< The view turns to it as soon as it is selected.
-  bool focus = false;                           ///< In this frame: the view turns to the selection.
-  std::optional<Eigen::Vector3d> look_from;     ///< In this frame: the view looks at the selection
-                                                ///< from this point of the scan.
-  bool reset = false;                           ///< In this frame: the view shows everything.
-  bool open_export = false, open_more = false;  ///< In this frame: the sheet opens.
+  bool focus = false;                        ///< In this frame: the view turns to the selection.
+  std::optional<Eigen::Vector3d> look_from;  ///< In this frame: the view looks at the selection
+                                             ///< from this point of the scan.
+  bool reset = false;                        ///< In this frame: the view shows everything.
+  bool open_export = false, open_more = false,
+       open_queue = false;               ///< In this frame: the sheet opens.
+  std::string queue_folder, stage_note;  ///< That are being typed.
 };
 
 /// What the 3-D view of the Annotate workspace shows.

@@ -7,6 +7,7 @@
 
 #include "engine/base/overloaded.h"
 #include "engine/geometry/angles.h"
+#include "engine/session/annotation_queue.h"
 #include "ui/annotate/annotate_actions.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/framework/widgets.h"
@@ -64,7 +65,9 @@ AnnotateWorkspace::AnnotateWorkspace(AnnotationChoice defaults, bool software_gl
 
 AnnotateWorkspace::~AnnotateWorkspace() = default;
 
-bool AnnotateWorkspace::Takes(const std::string& path) const { return IsForAnnotation(path); }
+bool AnnotateWorkspace::Takes(const std::string& path) const {
+  return IsForAnnotation(path) || IsQueue(path);
+}
 
 void AnnotateWorkspace::Open(const std::string& path, std::optional<int>, FrameContext& context) {
   process_.reset();
@@ -73,6 +76,12 @@ void AnnotateWorkspace::Open(const std::string& path, std::optional<int>, FrameC
   scene_ = CreateAnnotateScene(software_gl_);
   context.annotate = &view_;
   context.annotate_scene = scene_.get();
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    defaults_.queue = path;  // what is opened from the list belongs to it, too
+    view_.open_queue = true;
+  }
+  told_placing_ = false;
   AnnotationChoice choice = defaults_;
   choice.path = source_ = path;
   process_ = std::make_unique<AnnotationProcess>(std::move(choice), wake_);
@@ -121,7 +130,26 @@ void AnnotateWorkspace::Draw(FrameContext& context, const LayoutRect& rect, Comm
               picks ? *frame_ : *images_, sink);
   }
   Preview(context);
+  NoteActivity();
   DrawPanel(context, {{right_x + gap, room.low.y}, room.high}, TaskPanel(context), sink);
+}
+
+void AnnotateWorkspace::NoteActivity() {
+  constexpr double kTellEvery_s = 2;
+  const ImGuiIO& io = ImGui::GetIO();
+  const bool buttons =
+      std::any_of(std::begin(io.MouseDown), std::end(io.MouseDown), [](bool down) { return down; });
+  const bool pressed =
+      std::any_of(std::begin(io.KeysDown), std::end(io.KeysDown), [](bool down) { return down; });
+  const bool input = io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || io.MouseWheel != 0 ||
+                     buttons || pressed || !io.InputQueueCharacters.empty();
+  const bool placing = view_.tool == AnnotateTool::kPlace;
+  const double now_s = ImGui::GetTime();
+  const bool due = input && now_s - activity_s_ >= kTellEvery_s;
+  if (!due && placing == told_placing_) return;
+  activity_s_ = now_s;
+  told_placing_ = placing;
+  process_->Post(ActivityCommand{placing});
 }
 
 void AnnotateWorkspace::Preview(const FrameContext& context) {
@@ -234,14 +262,18 @@ void AnnotateWorkspace::AddState(const FrameContext& context, nlohmann::json& st
                              {"instances", nlohmann::json::array()}};
   if (scene_ != nullptr) annotate["eye_in_level"] = VectorOf(scene_->Sight(0, 0).eye);
   for (const AnnotatedInstance& instance : snapshot.instances) {
+    annotate["seconds_spent"][instance.id] = instance.seconds_spent;
     annotate["instances"].push_back({{"id", instance.id},
                                      {"model", instance.model},
                                      {"quality", instance.fine ? "fine" : "coarse"},
                                      {"hidden", instance.hidden},
                                      {"locked", instance.locked},
                                      {"note", instance.note},
+                                     {"may_tilt", instance.may_tilt},
                                      {"scan_from_object", MatrixOf(instance.scan_from_object)}});
   }
+  annotate["stage"] = NameOf(snapshot.stage);
+  state["annotate.queue"] = snapshot.queue ? snapshot.queue->entries.size() : 0;
   annotate["doubted_size_m"] = snapshot.doubted_size_m.value_or(0);
   annotate["findings"] = nlohmann::json::array();
   for (const FindingView& finding : snapshot.checklist.findings) {
@@ -326,9 +358,9 @@ void AnnotateWorkspace::AddState(const FrameContext& context, nlohmann::json& st
       snapshot.frame && !snapshot.frame->image.empty() ? snapshot.frame->frame : -1;
   state["annotate.registered"] = snapshot.sequence_registered;
   // Flat names, so that scripts can wait for them.
-  for (const char* key :
-       {"state", "busy", "modified", "read_only", "undo", "redo", "aligns", "floor_known",
-        "selected", "tool", "proposal", "candidate", "exported", "recovered", "doubted_size_m"}) {
+  for (const char* key : {"state", "busy", "modified", "read_only", "undo", "redo", "aligns",
+                          "floor_known", "selected", "tool", "proposal", "candidate", "exported",
+                          "recovered", "doubted_size_m", "stage"}) {
     state[std::string("annotate.") + key] = annotate[key];
   }
   state["annotate.unsafe"] = !snapshot.journal_problem.empty();

@@ -45,6 +45,8 @@ class AnnotateWorkspace : public Workspace {
  private:
   /// Has the images follow a pose that is on its way.
   void Preview(const FrameContext& context);
+  /// Tells that somebody is at work, so that the time is counted.
+  void NoteActivity();
   /// What is to be decided now, else the selected object.
   Panel& TaskPanel(const FrameContext& context);
 
@@ -54,6 +56,8 @@ class AnnotateWorkspace : public Workspace {
   std::function<void()> wake_;
   AnnotateView view_;
   std::optional<PendingPose> previewed_;
+  double activity_s_ = 0;  ///< When it was told last, by ImGui's clock.
+  bool told_placing_ = false;
   std::unique_ptr<AnnotateSurface> scene_;
   std::vector<ActionGroup> actions_;
   std::unique_ptr<Panel> scene_panel_, models_, instances_, floor_, candidates_, refinement_,

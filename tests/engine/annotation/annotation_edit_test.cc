@@ -61,16 +61,55 @@ TEST(AnnotationEdit, RefusesWhatMakesNoSenseAndLeavesTheDocument) {
   skewed.set.scan_from_object = Eigen::Isometry3d::Identity();
   skewed.set.scan_from_object->linear() *= 1.1;
   negative.set.seconds_spent = -1;
-  const std::vector<Edit> wrong = {AddInstance{RandomInstance("a", random), {}},
-                                   AddInstance{RandomInstance("", random), {}}, RemoveInstance{"c"},
-                                   taken, skewed, negative, nobody, SetGravity{{0, 0, -2}, {}},
-                                   SetGravity{{0, 0, -1}, Eigen::Vector4d(1, 0, 0, 0)},
-                                   // The first of the two is good: neither may stay.
-                                   EditGroup{"both", {RemoveInstance{"b"}, RemoveInstance{"b"}}}};
+  const std::vector<Edit> wrong = {
+      AddInstance{RandomInstance("a", random), {}}, AddInstance{RandomInstance("", random), {}},
+      RemoveInstance{"c"}, taken, skewed, negative, nobody, SetGravity{{0, 0, -2}, {}},
+      SetGravity{{0, 0, -1}, Eigen::Vector4d(1, 0, 0, 0)},
+      SetState{ProjectState{WorkStage::kNew, "Ada"}}, SetState{ProjectState{WorkStage::kDone, ""}},
+      SetState{ProjectState{WorkStage::kDone, "Ada", "Ada"}},
+      // The first of the two is good: neither may stay.
+      EditGroup{"both", {RemoveInstance{"b"}, RemoveInstance{"b"}}}};
   for (const Edit& edit : wrong) {
     EXPECT_FALSE(ApplyEdit(edit, document).ok()) << DescribeEdit(edit);
     EXPECT_EQ(Text(document), before);
   }
+}
+
+TEST(AnnotationEdit, HowFarTheWorkIsGoesThroughUndoAndTheFile) {
+  AnnotationDocument document;
+  EXPECT_EQ(document.Stage(), WorkStage::kNew);
+  Random random({.seed = 6});
+  ASSERT_TRUE(ApplyEdit(AddInstance{RandomInstance("a", random), {}}, document).ok());
+  EXPECT_EQ(document.Stage(), WorkStage::kInWork) << "also of a project that knows no states";
+  const std::string before = Text(document);
+  EXPECT_EQ(before.find("state"), std::string::npos);
+  const auto back =
+      ApplyEdit(SetState{ProjectState{WorkStage::kDone, "Ada", "Grace", "good"}}, document);
+  ASSERT_TRUE(back.ok());
+  const auto read = DocumentFromJson(nlohmann::json::parse(Text(document)));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->state, document.state);
+  EXPECT_EQ(read->Stage(), WorkStage::kDone);
+  ASSERT_TRUE(ApplyEdit(*back, document).ok());
+  EXPECT_EQ(Text(document), before);
+}
+
+TEST(ProjectState, ASecondPersonReviews) {
+  using enum WorkStage;
+  EXPECT_FALSE(NextState({}, kToReview, "", "").ok()) << "by whom?";
+  const auto handed_over = NextState({}, kToReview, "Ada", "all but the lamp");
+  ASSERT_TRUE(handed_over.ok());
+  EXPECT_EQ(*handed_over, (ProjectState{kToReview, "Ada", "", "all but the lamp"}));
+  EXPECT_FALSE(NextState(*handed_over, kDone, "Ada", "").ok()) << "her own";
+  EXPECT_EQ(NextState(*handed_over, kInWork, "Ada", "").value(), (ProjectState{kInWork, "Ada"}));
+  EXPECT_EQ(NextState(*handed_over, kDone, "Grace", "").value(),
+            (ProjectState{kDone, "Ada", "Grace"}));
+  const auto sent_back = NextState(*handed_over, kInWork, "Grace", "chair_2 floats");
+  EXPECT_EQ(*sent_back, (ProjectState{kInWork, "Ada", "Grace", "chair_2 floats"}));
+  EXPECT_EQ(NextState(*sent_back, kToReview, "Ada", "").value(), (ProjectState{kToReview, "Ada"}));
+  EXPECT_EQ(NextState({}, kDone, "Ada", "").value(), (ProjectState{kDone, "Ada"}))
+      << "nobody reviewed it";
+  EXPECT_FALSE(NextState(*handed_over, kToReview, "Grace", "").ok()) << "it is that already";
 }
 
 TEST(AnnotationEdit, ALockedInstanceStaysWhereItIs) {

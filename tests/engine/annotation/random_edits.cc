@@ -20,7 +20,7 @@ Edit Change(const AnnotationDocument& document, Random& random) {
   ChangeInstance edit;
   edit.id = chosen.id;
   if (chosen.locked) edit.set.locked = false;
-  switch (random.Index(6)) {
+  switch (random.Index(7)) {
     case 0:
       edit.set.id = FreeName(document, random);
       break;
@@ -34,6 +34,9 @@ Edit Change(const AnnotationDocument& document, Random& random) {
       break;
     case 3:
       edit.set.locked = true;
+      break;
+    case 4:
+      edit.set.may_tilt = !chosen.may_tilt;
       break;
     default:
       edit.set.scan_from_object = RandomPose(random);
@@ -117,6 +120,11 @@ Edit RandomEdit(const AnnotationDocument& document, Random& random) {
   if (kind == 5) return SetInputs{"scan.ply", "models", "walk" + std::to_string(random.Index(9))};
   if (kind == 7) return AddOrRemoveCrop(document, random);
   if (kind == 8) return AddOrRemovePair(document, random);
+  if (kind == 9) {
+    ProjectState state{static_cast<WorkStage>(1 + random.Index(3)), "Ada", "", "note"};
+    if (random.Index(2) == 0) state.reviewer = "Grace";
+    return SetState{state};
+  }
   if (kind == 6) {
     EditGroup group{"Two at once", {}};
     group.edits.push_back(

@@ -270,7 +270,8 @@ TEST(EvaluateMap, WritesTheKeysOfTheDesign) {
   const nlohmann::json& object = json["objects"][0];
   for (const char* key :
        {"id", "model", "ground_truth", "quality", "model_correct", "translation_m", "rotation_deg",
-        "azimuth_deg", "tilt_deg", "height_m", "centre_m", "surface_mean_m"}) {
+        "azimuth_deg", "tilt_deg", "height_m", "centre_m", "surface_mean_m", "truth_position_std_m",
+        "truth_azimuth_std_deg"}) {
     EXPECT_TRUE(object.contains(key)) << key;
   }
   EXPECT_EQ(object["ground_truth"], "chair_A");

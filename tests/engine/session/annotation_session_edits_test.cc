@@ -161,7 +161,7 @@ TEST_F(AnnotationSessionTest, OnAFullDiskItSaysSoGoesOnAndSavesElsewhere) {
   full.rlim_cur =
       std::filesystem::file_size(scene_.scan.parent_path() / "scan.annotation.json.journal") + 20;
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
-  Do(*session, DuplicateInstanceCommand{"armchair_0", Eigen::Isometry3d::Identity()});
+  Do(*session, DuplicateInstanceCommand{"armchair_0"});
   const std::string problem = session->Snapshot().journal_problem;
   const std::size_t count = session->Snapshot().instances.size();
   Do(*session, SaveProjectCommand{});
@@ -213,7 +213,7 @@ TEST_F(AnnotationSessionTest, AnExportAsksBeforeItReplacesSomethingElseAndKeepsI
   Eigen::Isometry3d moved = session->Snapshot().instances[0].scan_from_object;
   moved.translation() += Eigen::Vector3d(0.03, 0, 0);
   Do(*session, SetInstancePoseCommand{"armchair_0", moved});
-  Do(*session, DuplicateInstanceCommand{"armchair_0", moved});
+  Do(*session, DuplicateInstanceCommand{"armchair_0"});
   Do(*session, ExportCommand{"ground_truth", out.string()});
   ASSERT_EQ(exported().open_findings.size(), 1u) << "two in one place";
   EXPECT_THAT(exported().open_findings[0], HasSubstr("armchair_1 is 0.000 m from armchair_0"));

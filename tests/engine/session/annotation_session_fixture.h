@@ -37,7 +37,7 @@ class AnnotationSessionTest : public testing::Test {
     choice.path = path.empty() ? scene_.scan : std::move(path);
     choice.annotator = "Ada";
     auto session = AnnotationSession::Open(
-        choice, [this] { return seconds_ += 2; }, 0);
+        choice, [this] { return seconds_ += tick_s_; }, 0);
     EXPECT_TRUE(session.ok()) << session.error().message;
     RunJobs(**session);
     return std::move(*session);
@@ -81,7 +81,7 @@ class AnnotationSessionTest : public testing::Test {
 
   TemporaryFolder folder_;
   AnnotationScene scene_ = MakeAnnotationScene(folder_.path(), ScanFromLevel());
-  double seconds_ = 0;
+  double seconds_ = 0, tick_s_ = 2;  ///< The session's clock, and by how much it goes on when read.
   std::filesystem::path sequence_;
 };
 

@@ -200,8 +200,6 @@ TEST_F(AnnotationSessionTest, RefinesFromWhereItIsAndSaysWhatChanged) {
 TEST_F(AnnotationSessionTest, EveryEditCanBeUndoneAndRedone) {
   const auto session = WithArmchair();
   const auto document = DocumentToJsonText(session->project());
-  Eigen::Isometry3d beside = session->Snapshot().instances[0].scan_from_object;
-  beside.translation().x() += 0.7;
   ChangeInstanceCommand change;
   change.id = "armchair_0";
   change.set.id = "the chair";
@@ -209,7 +207,7 @@ TEST_F(AnnotationSessionTest, EveryEditCanBeUndoneAndRedone) {
   change.set.fine = false;
   Do(*session, change);
   EXPECT_EQ(session->Snapshot().selected, "the chair");
-  Do(*session, DuplicateInstanceCommand{"the chair", beside});
+  Do(*session, DuplicateInstanceCommand{"the chair"});
   EXPECT_EQ(session->Snapshot().selected, "armchair_0");
   Do(*session, RemoveInstanceCommand{"the chair"});
   EXPECT_EQ(session->Snapshot().instances.size(), 1u);
