@@ -10,7 +10,8 @@
 
 namespace plumbline {
 
-std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId also) {
+std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId also,
+                                bool confirmed_only) {
   std::map<ObjectId, ObjectLane> by_id;
   ObjectLane others;
   for (const FrameEvent& event : events) {
@@ -36,7 +37,7 @@ std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId 
       others.events.insert(others.events.end(), lane.events.begin(), lane.events.end());
     }
   }
-  if (!others.events.empty()) lanes.push_back(std::move(others));
+  if (!others.events.empty() && !confirmed_only) lanes.push_back(std::move(others));
   return lanes;
 }
 
@@ -70,11 +71,13 @@ TruthLane TruthLaneOf(const RunHistory& history, const std::string& id, std::siz
 void TimelineLanes::Update(const FrameContext& context, bool all_truths) {
   UpdateTruths(context, all_truths);
   const PlaybackView& playback = context.shown_playback();
-  const bool changed = events_ != playback.events || lane_for_ != context.selection.object;
+  const bool changed = events_ != playback.events || lane_for_ != context.selection.object ||
+                       confirmed_only_ != context.confirmed_only;
   if (changed) {
     events_ = playback.events;
     lane_for_ = context.selection.object;
-    lanes_ = LanesOf(*events_, lane_for_);
+    confirmed_only_ = context.confirmed_only;
+    lanes_ = LanesOf(*events_, lane_for_, confirmed_only_);
   }
   if (!changed && history_ == playback.history) return;
   history_ = playback.history;

@@ -90,6 +90,10 @@ std::map<ObjectId, Curve> CurvesOf(const FrameContext& context, const TimeAxis& 
       curve.points.emplace_back(x, *value);
     }
   }
+  if (context.confirmed_only)
+    std::erase_if(curves, [&](const auto& entry) {
+      return !entry.second.confirmed && entry.first != context.selection.object;
+    });
   return curves;
 }
 
