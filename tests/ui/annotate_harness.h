@@ -82,4 +82,11 @@ class AnnotateHarness : public PanelHarness {
 /// Two candidates of a placement of the first model.
 PlacementView MadeUpPlacement();
 
+// Proposals that could be there.
+RefinementView MadeUpRefinement();
+FloorProposal MadeUpFloor();
+ImageChecksView MadeUpChecks();
+SequenceAlignmentView MadeUpAlignment();
+CropView MadeUpCrop();
+
 }  // namespace plumbline

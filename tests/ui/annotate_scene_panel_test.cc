@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// The 3-D view of the Annotate workspace and its handles without a display.
+
+#include "ui/annotate/annotate_panels.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/ui/annotate_harness.h"
+
+namespace plumbline {
+namespace {
+
+TEST(AnnotateScenePanel, AClickDoesWhatTheToolSays) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.size = {900, 500};
+  harness.surface.under_mouse = "table_0";
+  harness.Click(*panel, "annotate.view");
+  ASSERT_NE(harness.sink.Last<SelectInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, "table_0");
+  harness.Click(*panel, "annotate.tool.floor");
+  EXPECT_EQ(harness.view.tool, AnnotateTool::kFloor);
+  harness.Click(*panel, "annotate.view", 0.25f, 0.5f);
+  ASSERT_NE(harness.sink.Last<FindFloorCommand>(), nullptr);
+  const auto& rect = *harness.widgets.Find("annotate.view");
+  const Eigen::Vector3d seed = harness.sink.Last<FindFloorCommand>()->seed_in_scan.value();
+  EXPECT_NEAR(seed.x(), 0.25 * (rect.high.x - rect.low.x) / 100, 0.02);
+  harness.view.tool = AnnotateTool::kPlace;
+  harness.view.model = "table";
+  harness.view.on_floor = false;
+  harness.Click(*panel, "annotate.view", 0.6f, 0.5f);
+  ASSERT_NE(harness.sink.Last<PlaceModelCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<PlaceModelCommand>()->model, "table");
+  EXPECT_FALSE(harness.sink.Last<PlaceModelCommand>()->on_floor);
+}
+
+TEST(AnnotateScenePanel, AClickCountsWhereTheButtonWentDownHoweverTheHandTrembles) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.size = {900, 500};
+  harness.view.tool = AnnotateTool::kFloor;
+  harness.JumpAndClick(*panel, "annotate.view", {0.7f, 0.4f}, {2, -3});
+  ASSERT_NE(harness.sink.Last<FindFloorCommand>(), nullptr);
+  const auto& rect = *harness.widgets.Find("annotate.view");
+  const Eigen::Vector3d seed = harness.sink.Last<FindFloorCommand>()->seed_in_scan.value();
+  EXPECT_NEAR(seed.x(), 0.7 * (rect.high.x - rect.low.x) / 100, 0.012);
+  EXPECT_NEAR(seed.y(), -0.4 * (rect.high.y - rect.low.y) / 100, 0.012);
+  EXPECT_EQ(harness.surface.orbited, 0);
+  harness.sink.commands.clear();
+  harness.JumpAndClick(*panel, "annotate.view", {0.7f, 0.4f}, {0, 5});
+  EXPECT_EQ(harness.sink.Last<FindFloorCommand>(), nullptr) << "a drag";
+}
+
+TEST(AnnotateScenePanel, ARightClickOffersWhatCanBeDoneWithTheObjectUnderTheMouse) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.size = {900, 500};
+  harness.surface.under_mouse = "table_0";
+  harness.JumpAndClick(*panel, "annotate.view", {0.5f, 0.5f}, {1, 1}, 1);
+  ASSERT_NE(harness.sink.Last<SelectInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, "table_0");
+  harness.snapshot().selected = "table_0";
+  harness.Draw(*panel, 2);
+  EXPECT_EQ(harness.widgets.Find("menu.Hide the scan"), nullptr) << "it is about the object";
+  harness.Click(*panel, "menu.Delete it");
+  ASSERT_NE(harness.sink.Last<RemoveInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<RemoveInstanceCommand>()->id, "table_0");
+  harness.Draw(*panel, 2);
+  EXPECT_EQ(harness.widgets.Find("menu.Delete it"), nullptr) << "the menu is gone";
+  harness.surface.under_mouse.clear();
+  harness.snapshot().selected.clear();
+  harness.JumpAndClick(*panel, "annotate.view", {0.5f, 0.5f}, {0, 0}, 1);
+  harness.Draw(*panel, 2);
+  EXPECT_NE(harness.widgets.Find("menu.Show the scan"), nullptr);
+}
+
+TEST(AnnotateScenePanel, AModelGoesOntoTheFloorWhereTheScanHasAHole) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.size = {900, 500};
+  harness.surface.empty = true;
+  harness.view.tool = AnnotateTool::kPlace;
+  harness.view.model = "table";
+  harness.snapshot().floor_known = false;
+  harness.Click(*panel, "annotate.view", 0.6f, 0.5f);
+  EXPECT_EQ(harness.sink.Last<PlaceModelCommand>(), nullptr);
+  harness.snapshot().floor_known = true;
+  harness.Click(*panel, "annotate.view", 0.6f, 0.5f);
+  ASSERT_NE(harness.sink.Last<PlaceModelCommand>(), nullptr);
+  EXPECT_NEAR(harness.sink.Last<PlaceModelCommand>()->point_in_scan.z(), 0, 1e-12);
+}
+
+/// The armchair at 100 pixels a metre, under the mouse everywhere.
+class GizmoTest : public testing::Test {
+ protected:
+  GizmoTest() {
+    harness_.size = {900, 500};
+    harness_.surface.under_mouse = "armchair_0";
+  }
+  void Drag(float from, float to) {
+    harness_.Drag(*panel_, "annotate.view", {from, 0.9f}, {to, 0.9f}, 0);
+  }
+  AnnotateHarness harness_;
+  std::unique_ptr<Panel> panel_ = MakeAnnotatePanel("annotate_scene");
+};
+
+TEST_F(GizmoTest, DraggingMovesAlongTheFloorAndIsOneEditAtTheEnd) {
+  Drag(0.5f, 0.6f);
+  const auto* moved = harness_.sink.Last<SetInstancePoseCommand>();
+  ASSERT_NE(moved, nullptr);
+  EXPECT_EQ(moved->id, "armchair_0");
+  const auto& rect = *harness_.widgets.Find("annotate.view");
+  EXPECT_NEAR(moved->scan_from_object.translation().x(), 1 + 0.1 * (rect.high.x - rect.low.x) / 100,
+              0.02);
+  EXPECT_EQ(moved->scan_from_object.translation().z(), 0);
+  ASSERT_TRUE(harness_.view.pending.has_value()) << "shown until the project has it";
+  EXPECT_EQ(harness_.surface.orbited, 0) << "the view stays";
+}
+
+TEST_F(GizmoTest, AClickOnAPoseThatIsOnItsWayIsNoEdit) {
+  Drag(0.5f, 0.6f);
+  const Eigen::Isometry3d pose = harness_.view.pending->scan_from_object;
+  const std::size_t commands = harness_.sink.commands.size();
+  harness_.Click(*panel_, "annotate.view", 0.6f, 0.9f);
+  EXPECT_EQ(harness_.sink.commands.size(), commands);
+  EXPECT_EQ(harness_.view.pending->scan_from_object.matrix(), pose.matrix());
+  Drag(0.6f, 0.7f);
+  EXPECT_GT(harness_.sink.Last<SetInstancePoseCommand>()->scan_from_object.translation().x(),
+            pose.translation().x() + 0.5)
+      << "goes on from where it is shown";
+}
+
+TEST_F(GizmoTest, ATremblingClickMovesNothing) {
+  harness_.JumpAndClick(*panel_, "annotate.view", {0.5f, 0.9f}, {3, 1});
+  EXPECT_EQ(harness_.sink.Last<SetInstancePoseCommand>(), nullptr);
+  EXPECT_FALSE(harness_.view.pending.has_value());
+  harness_.JumpAndClick(*panel_, "annotate.view", {0.5f, 0.9f}, {5, 0});
+  ASSERT_NE(harness_.sink.Last<SetInstancePoseCommand>(), nullptr);
+  EXPECT_NEAR(harness_.sink.Last<SetInstancePoseCommand>()->scan_from_object.translation().x(),
+              1.05, 1e-6)
+      << "a drag counts from where it began";
+}
+
+TEST_F(GizmoTest, WhatIsLockedStays) {
+  harness_.snapshot().instances[0].locked = true;
+  Drag(0.5f, 0.6f);
+  EXPECT_EQ(harness_.sink.Last<SetInstancePoseCommand>(), nullptr);
+  EXPECT_NE(harness_.surface.orbited, 0);
+}
+
+TEST(AnnotateScenePanel, ABoxComesToStandWhereItIsClickedAndIsCounted) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.size = {900, 500};
+  harness.view.tool = AnnotateTool::kCut;
+  harness.Click(*panel, "annotate.view");
+  ASSERT_TRUE(harness.view.crop_box.has_value());
+  harness.Draw(*panel);
+  ASSERT_NE(harness.sink.Last<ShowBoxCommand>(), nullptr);
+  EXPECT_TRUE(harness.sink.Last<ShowBoxCommand>()->box.has_value());
+  harness.Click(*panel, "annotate.tool.select");
+  harness.Draw(*panel);
+  EXPECT_FALSE(harness.sink.Last<ShowBoxCommand>()->box.has_value()) << "gone with the tool";
+}
+
+}  // namespace
+}  // namespace plumbline
