@@ -13,6 +13,7 @@
 
 #include "engine/snapshot/annotation_snapshot.h"
 #include "ui/framework/scene_surface.h"
+#include "ui/framework/sight_line.h"
 
 namespace plumbline {
 
@@ -84,11 +85,6 @@ struct AnnotateContent {
   bool light = false;
 };
 
-/// A line of sight in the level frame (z up, floor at 0).
-struct SightLine {
-  Eigen::Vector3d eye{0, 0, 0}, direction{0, 0, -1};  ///< Unit direction.
-};
-
 /// The 3-D view of the Annotate workspace as the panels know it; ui/scene implements it. It shows
 /// the level frame. Pixels count from the top left of the view.
 class AnnotateSurface {
@@ -109,6 +105,7 @@ class AnnotateSurface {
   virtual std::string PickInstance(double x_px, double y_px) = 0;
   /// The point of the scan under a pixel, in the level frame.
   virtual std::optional<Eigen::Vector3d> PickScan(double x_px, double y_px) = 0;
+  /// In the level frame (z up, floor at 0).
   virtual SightLine Sight(double x_px, double y_px) const = 0;
   /// Pixel of a point of the level frame; nothing behind the eye.
   virtual std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& in_level) const = 0;
