@@ -141,7 +141,8 @@ void DrawExport(const FrameContext& context, CommandSink& sink) {
   const bool writing = snapshot.exported && (snapshot.exported->running || asks);
   ImGui::BeginDisabled(writing);
   ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-  if (Button(context, "export.write", "Export", "Writes it now. The project does not change.")) {
+  if (Button(context, "export.write", "Export",
+             asks ? "" : "Writes it now. The project does not change.")) {
     sink.Post(ExportCommand{format.name, path, format.level ? view.export_frame : "scan",
                             view.export_every});
   }
