@@ -74,7 +74,8 @@ TEST(AnnotatePanels, DrawInEveryStateOfAProject) {
       states[i](harness.snapshot());
       harness.Draw(*panel, 3);
       EXPECT_GT(harness.vertices, 0);
-      const bool asks = std::string(panel->id()) == "annotate_frame";  // for its first frame
+      const std::string id = panel->id();
+      const bool asks = id == "annotate_frame" || id == "annotate_masks";  // for the first frame
       EXPECT_TRUE(asks || harness.sink.commands.empty()) << "nobody asked for anything";
       for (const ImVec2 size : {ImVec2(12, 12), ImVec2(90, 700), ImVec2(900, 60)}) {
         harness.size = size;

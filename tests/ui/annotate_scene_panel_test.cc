@@ -2,6 +2,9 @@
 // The 3-D view of the Annotate workspace and its handles without a display.
 
 #include "ui/annotate/annotate_panels.h"
+#include "ui/annotate/annotate_view_menu.h"
+
+#include <algorithm>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -162,6 +165,95 @@ TEST(AnnotateScenePanel, ABoxComesToStandWhereItIsClickedAndIsCounted) {
   harness.Click(*panel, "annotate.tool.select");
   harness.Draw(*panel);
   EXPECT_FALSE(harness.sink.Last<ShowBoxCommand>()->box.has_value()) << "gone with the tool";
+}
+
+TEST(AnnotateViewMenu, ChoosesWhatTheColoursOfTheScanMean) {
+  AnnotateHarness harness;
+  harness.size = {1100, 500};
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  auto scan = std::make_shared<TriangleMesh>();
+  scan->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  harness.snapshot().scan = scan;
+  harness.Click(*panel, "annotate.looks");
+  harness.Draw(*panel, 2);
+  ASSERT_NE(harness.widgets.Find("looks.points"), nullptr) << "a cloud has points";
+  harness.Click(*panel, "looks.own");
+  EXPECT_FALSE(harness.surface.content.scan_look.coloring) << "it has none";
+  harness.Click(*panel, "looks.height");
+  EXPECT_EQ(harness.surface.content.scan_look.coloring, ScanColoring::kHeight);
+  auto mesh = std::make_shared<TriangleMesh>(*scan);
+  mesh->triangles = {{0, 1, 2}};
+  harness.snapshot().scan = mesh;
+  harness.Click(*panel, "looks.normal");
+  EXPECT_EQ(harness.surface.content.scan_look.coloring, ScanColoring::kNormal);
+  EXPECT_EQ(harness.widgets.Find("looks.points"), nullptr) << "a mesh has none";
+}
+
+TEST(AnnotateViewMenu, KeepsViewsGoesThereAndForgetsThem) {
+  AnnotateHarness harness;
+  harness.size = {1100, 500};
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.surface.view.distance_m = 4;
+  harness.Click(*panel, "annotate.looks");
+  harness.Click(*panel, "looks.keep");
+  ASSERT_EQ(harness.view.saved_views.size(), 1u);
+  EXPECT_EQ(harness.view.saved_views[0].name, "View 1");
+  harness.surface.view.distance_m = 7;
+  harness.view.view_name = "from the door";
+  harness.Click(*panel, "looks.keep");
+  ASSERT_EQ(harness.view.saved_views.size(), 2u);
+  EXPECT_EQ(harness.view.saved_views[1].name, "from the door");
+  EXPECT_EQ(SavedViewsFromJson(ToJson(harness.view.saved_views))[1].camera.distance_m, 7);
+  harness.Click(*panel, "looks.view.0");
+  EXPECT_EQ(harness.surface.view.distance_m, 4);
+  std::vector<PaletteEntry> entries;
+  AddViewEntries(harness.context, entries);
+  const auto door = std::find_if(entries.begin(), entries.end(), [](const PaletteEntry& entry) {
+    return entry.text == "View: from the door";
+  });
+  ASSERT_NE(door, entries.end());
+  door->run(harness.sink);
+  EXPECT_EQ(harness.surface.view.distance_m, 7);
+  harness.Click(*panel, "annotate.looks");
+  harness.Click(*panel, "looks.forget.1");
+  EXPECT_EQ(harness.view.saved_views.size(), 1u);
+}
+
+TEST(AnnotateViewMenu, LeavesOutWhatSettingsDoNotSayProperly) {
+  EXPECT_TRUE(SavedViewsFromJson({{{"name", "no place"}}, 3, {{"focus", {1, 2, 3}}}}).empty());
+  EXPECT_EQ(ScanLookFromJson({{"point_px", 900}, {"coloring", "smell"}}),
+            (ScanLook{std::nullopt, 8}));
+}
+
+TEST(AnnotateMasksPanel, AsksAgainOnceSomethingHasMovedAndSelectsWhatIsClicked) {
+  AnnotateHarness harness;
+  harness.size = {640, 420};
+  const auto panel = MakeAnnotatePanel("annotate_masks");
+  harness.Draw(*panel, 3);
+  ASSERT_NE(harness.sink.Last<ShowFrameCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.commands.size(), 1u) << "once";
+  FrameView frame{3, cv::Mat(90, 160, CV_8UC3, cv::Scalar(60, 60, 60)), ""};
+  frame.instances = cv::Mat::zeros(90, 160, CV_16U);
+  frame.instances.colRange(0, 80).setTo(1);
+  harness.snapshot().frame = frame;
+  harness.snapshot().frame_size = {160, 90};
+  harness.Draw(*panel, 3);
+  harness.sink.commands.clear();
+  harness.Draw(*panel, 3);
+  EXPECT_TRUE(harness.sink.commands.empty());
+  harness.snapshot().instances[0].scan_from_object.translation().x() += 0.1;
+  harness.Draw(*panel, 3);
+  ASSERT_NE(harness.sink.Last<ShowFrameCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<ShowFrameCommand>()->frame, 3);
+  EXPECT_EQ(harness.sink.commands.size(), 1u);
+  harness.Click(*panel, "masks.view", 0.2f);
+  ASSERT_NE(harness.sink.Last<SelectInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, harness.snapshot().instances[0].id);
+  harness.Click(*panel, "masks.view", 0.8f);
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, "") << "nothing is there";
+  harness.view.masks = true;
+  harness.Click(*panel, "masks.close");
+  EXPECT_FALSE(harness.view.masks);
 }
 
 }  // namespace

@@ -43,6 +43,8 @@ class AnnotateWorkspace : public Workspace {
   void LoadSettings(const nlohmann::json& settings, FrameContext& context) override;
 
  private:
+  /// Remembers the views of what is open.
+  void KeepViews();
   /// Has the images follow a pose that is on its way.
   void Preview();
   /// What is to be decided now, else the selected object.
@@ -53,11 +55,12 @@ class AnnotateWorkspace : public Workspace {
   bool software_gl_;
   std::function<void()> wake_;
   AnnotateView view_;
+  nlohmann::json kept_views_ = nlohmann::json::object();  ///< By what was opened.
   std::optional<PendingPose> previewed_;
   std::unique_ptr<AnnotateSurface> scene_;
   std::vector<ActionGroup> actions_;
   std::unique_ptr<Panel> scene_panel_, models_, instances_, floor_, candidates_, refinement_,
-      images_, instance_, sequence_, frame_, crop_;
+      images_, instance_, sequence_, frame_, masks_, crop_;
   double left_ = 0.19, right_ = 0.77, models_share_ = 0.55, images_share_ = 0.76;  ///< Of the room.
   std::unique_ptr<AnnotationProcess> process_;  ///< Last: its thread wakes the window.
 };
