@@ -445,20 +445,5 @@ TEST_F(AnnotationSessionTest, RegistersASequenceByTheObjectsOfARunAndSaysHowFarE
               IsometryNear(world_from_scan.inverse(), 0.1, 1e-3));
 }
 
-TEST_F(AnnotationSessionTest, AFrameComesWithTheMasksOfWhatIsPlaced) {
-  auto session = WithArmchair();
-  const auto pixels = [&] {
-    const FrameView frame = *session->Snapshot().frame;
-    EXPECT_EQ(frame.masks_problem, "");
-    EXPECT_EQ(frame.instances.size(), frame.image.size());
-    return cv::countNonZero(frame.instances);
-  };
-  Do(*session, ShowFrameCommand{7});
-  EXPECT_GT(pixels(), 100);
-  Do(*session, RemoveInstanceCommand{session->Snapshot().instances.at(0).id});
-  Do(*session, ShowFrameCommand{7});
-  EXPECT_EQ(pixels(), 0) << "asked again, it is worked out again";
-}
-
 }  // namespace
 }  // namespace plumbline
