@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "app/verbs/evaluate_runs.h"
 #include "app/verbs/evaluate_trajectory.h"
 #include "app/verbs/verb.h"
 #include "engine/analysis/history.h"
@@ -25,6 +26,7 @@ namespace plumbline {
 namespace {
 
 struct EvaluateArguments {
+  std::vector<std::string> runs;  ///< As they were named: several, or a folder, are compared.
   std::string run, ground_truth, models, scene, json;
   std::string trajectory, reference;  ///< Instead of a run.
   ///< Empty: "yaw" of a trajectory; of a map "trajectory" where it has own poses, else "none".
@@ -360,7 +362,7 @@ VerbFunction ChooseEvaluation(EvaluateArguments arguments) {
   };
   if (of_trajectory) {
     if (arguments.reference.empty()) throw CLI::RequiredError("--reference");
-    if (!arguments.run.empty())
+    if (!arguments.runs.empty())
       throw CLI::ValidationError("--trajectory", "give either a run or a trajectory");
     if (!arguments.ground_truth.empty())
       throw CLI::ValidationError("--ground-truth", "a trajectory is compared with --reference");
@@ -370,7 +372,17 @@ VerbFunction ChooseEvaluation(EvaluateArguments arguments) {
           {arguments.trajectory, arguments.reference, arguments.align, arguments.json});
     };
   }
-  if (arguments.run.empty()) throw CLI::RequiredError("a run, or --trajectory");
+  if (arguments.runs.empty()) throw CLI::RequiredError("a run, or --trajectory");
+  if (arguments.runs.size() > 1 || std::filesystem::is_directory(arguments.runs.front())) {
+    if (!arguments.align.empty() || !arguments.scene.empty())
+      throw CLI::ValidationError(arguments.align.empty() ? "--scene" : "--align",
+                                 "of several runs only what they missed is told; give one run");
+    return [arguments] {
+      return EvaluateRuns({arguments.runs, arguments.ground_truth, arguments.models,
+                           arguments.options.ignored_categories, arguments.json});
+    };
+  }
+  arguments.run = arguments.runs.front();
   if (arguments.ground_truth.empty()) throw CLI::RequiredError("--ground-truth");
   if (arguments.models.empty()) throw CLI::RequiredError("--models");
   check_align({"none", "trajectory", "objects", "icp", "icp4"});
@@ -384,9 +396,11 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
   CLI::App* verb = app.add_subcommand(
       "evaluate",
       "Evaluate the map of a run (surface error, pose errors, missed and spurious objects), or a "
-      "trajectory");
-  verb->add_option("run", arguments->run, "A run file, or the JSON that 'run --json' wrote")
-      ->type_name("RUN.plb|RUN.json");
+      "trajectory; of several runs, or a folder of them, which found which object and why not");
+  verb->add_option("run", arguments->runs,
+                   "A run file, or the JSON that 'run --json' wrote; several run files or folders "
+                   "of them: a table of what each found")
+      ->type_name("RUN.plb|RUN.json|DIR");
   verb->add_option("--ground-truth", arguments->ground_truth,
                    "Ground truth: objects and their poses")
       ->type_name("FILE");

@@ -155,6 +155,8 @@ class BopImage {
   }
 
   const nlohmann::json& truth() const { return truth_; }
+  /// Place of the instance that shows + 1, CV_16U.
+  cv::Mat Visible() const { return RayCast(camera_, meshes_, instances_, {}).id; }
 
   /// Writes the masks and returns what scene_gt_info says.
   Result<nlohmann::json> WriteMasks(const std::filesystem::path& scene, int frame) const {
@@ -210,6 +212,18 @@ Result<std::set<int>> UsedModels(const AnnotationDocument& document, const Excha
 }
 
 }  // namespace
+
+Result<cv::Mat> VisibleInstances(const AnnotationDocument& document, const ExchangeInputs& inputs,
+                                 int frame) {
+  const Result<std::set<int>> used = UsedModels(document, inputs);
+  if (!used) return used.error();
+  const auto scan_from_cam = ScanFromCam(document, *inputs.sequence, frame);
+  if (!scan_from_cam) {
+    return Error{ErrorCode::kNotFound,
+                 "frame " + std::to_string(frame) + " of the sequence has no camera pose"};
+  }
+  return BopImage(document, inputs, *scan_from_cam).Visible();
+}
 
 Status WriteBop(const AnnotationDocument& document, const ExchangeInputs& inputs,
                 const std::filesystem::path& folder, const WorkContext& context) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/annotation/bop_files.h"
 #include "engine/session/annotation_session.h"
 
 namespace plumbline {
@@ -10,21 +11,31 @@ namespace plumbline {
 void AnnotationSession::On(const ShowFrameCommand& command) {
   if (sequence_ == nullptr) return Refuse("The project has no sequence.");
   const int frame = std::clamp(command.frame, 0, sequence_->num_frames() - 1);
-  if (view_.frame && view_.frame->frame == frame) return;
   FrameView shown;
   shown.frame = frame;
-  if (view_.frame) shown.image = view_.frame->image;  // the one before, until this one is there
+  if (view_.frame) {  // the one before, until this one is there
+    shown.image = view_.frame->image;
+    shown.instances = view_.frame->instances;
+  }
   view_.frame = shown;
   frame_wanted_ = frame;
 }
 
 AnnotationSession::Job AnnotationSession::FrameJob(int frame) {
-  return {"", false, [sequence = sequence_, frame](const WorkContext&, const auto&) -> Update {
+  return {"", false,
+          [sequence = sequence_, models = models_, document = project_->document(), frame](
+              const WorkContext&, const auto&) -> Update {
             const auto read = sequence->ReadFrame(frame);
-            return [read, frame](AnnotationSession& session) {
+            ExchangeInputs inputs;
+            inputs.sequence = sequence.get();
+            inputs.models = models.get();
+            const auto instances = VisibleInstances(document, inputs, frame);
+            return [read, instances, frame](AnnotationSession& session) {
               if (!session.view_.frame || session.view_.frame->frame != frame) return;
               session.view_.frame->image = read ? read->image : cv::Mat();
               session.view_.frame->problem = read ? "" : read.error().message;
+              session.view_.frame->instances = instances ? *instances : cv::Mat();
+              session.view_.frame->masks_problem = instances ? "" : instances.error().message;
               ++session.view_.frame_number;
             };
           }};

@@ -143,6 +143,10 @@ struct FrameView {
   int frame = 0;
   cv::Mat image;  ///< CV_8UC3 BGR; empty while it is read.
   std::string problem;
+  /// Of each pixel the place of the placed object that shows there + 1, as exported masks have it;
+  /// CV_16U, as large as the image. Empty if `masks_problem` says why.
+  cv::Mat instances;
+  std::string masks_problem;
 };
 
 /// The same point in the scan and in a frame.

@@ -213,5 +213,43 @@ TEST_F(EvaluateVerb, EndsWithTwoOnWrongUsage) {
   EXPECT_EQ(Run("export run.plb --format docx --out map").exit_code, 2);
 }
 
+TEST_F(EvaluateVerb, ComparesWhatTheRunsOfAFolderMissed) {
+  const auto runs = folder_.path() / "runs";
+  std::filesystem::create_directory(runs);
+  std::filesystem::rename(folder_.path() / "run.plb", runs / "near.plb");
+  WriteRun(1.5);
+  std::filesystem::rename(folder_.path() / "run.plb", runs / "off.plb");
+  Write("runs/broken.plb", "no run");
+  const ProgramRun outcome =
+      Run("evaluate runs --ground-truth truth.json --models models --json missed.json");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("found in"));
+  EXPECT_THAT(outcome.output, HasSubstr("broken.plb")) << "what is left out is named";
+  EXPECT_THAT(outcome.output, HasSubstr("2 runs, 3 instances missed"));
+  const auto json =
+      nlohmann::json::parse(ReadFile(folder_.path() / "missed.json").value(), nullptr, false);
+  ASSERT_EQ(json["scenes"].size(), 1u);
+  const auto& truths = json["scenes"][0]["truths"];
+  ASSERT_EQ(truths.size(), 2u);
+  EXPECT_EQ(truths[0]["id"], "a");
+  EXPECT_EQ(truths[0]["runs"]["near"]["found"], true);
+  EXPECT_EQ(truths[0]["runs"]["off"]["found"], false);
+  EXPECT_TRUE(truths[0]["runs"]["off"]["why"].contains("text"));
+  EXPECT_EQ(truths[1]["found_in"], 0);
+}
+
+TEST_F(EvaluateVerb, SaysWhatItCannotCompare) {
+  std::filesystem::create_directory(folder_.path() / "none");
+  const ProgramRun empty = Run("evaluate none --ground-truth truth.json --models models");
+  EXPECT_NE(empty.exit_code, 0);
+  EXPECT_THAT(empty.output, HasSubstr("has no run"));
+  const ProgramRun lost = Run("evaluate run.plb lost.plb --ground-truth truth.json");
+  EXPECT_NE(lost.exit_code, 0);
+  EXPECT_THAT(lost.output, HasSubstr("lost.plb"));
+  const ProgramRun aligned = Run("evaluate run.plb run.plb --align icp");
+  EXPECT_NE(aligned.exit_code, 0);
+  EXPECT_THAT(aligned.output, HasSubstr("give one run"));
+}
+
 }  // namespace
 }  // namespace plumbline

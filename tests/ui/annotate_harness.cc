@@ -139,4 +139,68 @@ void AnnotateHarness::Press(int key, bool control, bool shift) {
   }
 }
 
+RefinementView MadeUpRefinement() {
+  RefinementView refinement;
+  refinement.instance = "armchair_0";
+  refinement.running = false;
+  refinement.converged = true;
+  refinement.iteration = 12;
+  refinement.fitness = 0.8;
+  refinement.has_scan = true;
+  refinement.before.fitness = 0.5;
+  refinement.azimuth_rad = 0.1;
+  refinement.azimuth_std_rad = 0.01;
+  refinement.horizontal_m = 0.02;
+  refinement.rmse_m = 0.003;
+  refinement.before.rmse_m = 0.009;
+  return refinement;
+}
+
+FloorProposal MadeUpFloor() {
+  FloorProposal floor;
+  floor.source = "picked";
+  floor.offset_m = -0.25;
+  floor.inliers = floor.outliers = std::make_shared<const std::vector<Eigen::Vector3f>>();
+  floor.num_inliers = 4321;
+  floor.turn_rad = 0.02;
+  return floor;
+}
+
+ImageChecksView MadeUpChecks() {
+  ImageChecksView checks;
+  checks.instance = "armchair_0";
+  checks.running = false;
+  checks.agreement = 0.42;
+  for (int i = 0; i < 2; ++i) {
+    ImageCheckView check;
+    check.frame = 10 * (i + 1);
+    check.image = cv::Mat(90, 160, CV_8UC3, cv::Scalar(60, 60, 60));
+    check.scan_from_cam.translation() = Eigen::Vector3d(i, 2, 3);
+    check.lines = {{false, false, {{10, 10}, {60, 60}}}, {true, true, {{20, 10}, {60, 20}}}};
+    check.agreement = 0.4;
+    checks.images.push_back(check);
+  }
+  return checks;
+}
+
+SequenceAlignmentView MadeUpAlignment() {
+  SequenceAlignmentView alignment;
+  alignment.how = "objects";
+  alignment.running = false;
+  alignment.turn_rad = 0.5;
+  alignment.shift_m = 0.123;
+  alignment.rmse_m = 0.02;
+  alignment.residuals = {{"table 2", 0.015}, {"chair 4", -1}};
+  return alignment;
+}
+
+CropView MadeUpCrop() {
+  CropView crop{"stool"};
+  crop.running = false;
+  crop.size_m = {0.4, 0.5, 0.6};
+  crop.num_faces = 900;
+  crop.points = std::make_shared<const std::vector<Eigen::Vector3f>>(7);
+  return crop;
+}
+
 }  // namespace plumbline

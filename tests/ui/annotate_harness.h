@@ -42,12 +42,14 @@ class FlatAnnotateSurface : public AnnotateSurface {
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& in_level) const override {
     return Eigen::Vector2d(kPixelsPerMetre * in_level.x(), -kPixelsPerMetre * in_level.y());
   }
-  SceneCamera camera() const override { return {}; }
+  void SetCamera(const SceneCamera& camera) override { view = camera; }
+  SceneCamera camera() const override { return view; }
   double last_render_ms() const override { return 0; }
   int renders() const override { return 0; }
   double grid_step_m() const override { return 0.5; }
 
   AnnotateContent content;
+  SceneCamera view;
   std::string under_mouse, focused;
   bool empty = false;  ///< No scan under any pixel.
   double orbited = 0, zoomed = 0;
@@ -81,5 +83,12 @@ class AnnotateHarness : public PanelHarness {
 
 /// Two candidates of a placement of the first model.
 PlacementView MadeUpPlacement();
+
+// Proposals that could be there.
+RefinementView MadeUpRefinement();
+FloorProposal MadeUpFloor();
+ImageChecksView MadeUpChecks();
+SequenceAlignmentView MadeUpAlignment();
+CropView MadeUpCrop();
 
 }  // namespace plumbline

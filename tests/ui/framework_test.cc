@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
+#include <imgui_internal.h>
 
 #include "tests/ui/panel_harness.h"
 #include "ui/framework/actions.h"
@@ -135,6 +138,85 @@ TEST(Button, IsPressedThoughItsLabelChangesUnderTheMouse) {
   CountingButton panel;
   harness.Click(panel, "counting");
   EXPECT_EQ(panel.clicks, 1);
+}
+
+/// A button, maybe with a dialog below it.
+class ExplainedButton : public Panel {
+ public:
+  ExplainedButton() {
+    PanelInfo info;
+    info.id = "explained";
+    set_info(info);
+  }
+  void Draw(const FrameContext& context, CommandSink&) override {
+    ImGui::SetCursorScreenPos(at);
+    Button(context, "explained.button", "Export", "Writes it now. The project does not change.");
+    if (!dialog) return;
+    ImGui::SetNextWindowPos({at.x - 50, at.y + 40});
+    ImGui::SetNextWindowSize({400, 200});
+    ImGui::Begin("a dialog", nullptr, ImGuiWindowFlags_NoDecoration);
+    ImGui::End();
+  }
+  ImVec2 at{100, 100};
+  bool dialog = false;
+};
+
+ImRect TooltipRect() {
+  const ImGuiWindow* tooltip = ImGui::FindWindowByName("##Tooltip_00");
+  return tooltip != nullptr && tooltip->WasActive ? tooltip->Rect() : ImRect();
+}
+
+TEST(Tooltip, KeepsOffWhatItExplainsAndOffDialogs) {
+  for (const ImVec2 at : {ImVec2(100, 100), ImVec2(100, 740), ImVec2(900, 400), ImVec2(900, 740)}) {
+    SCOPED_TRACE(std::to_string(at.x) + " " + std::to_string(at.y));
+    PanelHarness harness;
+    harness.size = {960, 760};
+    ExplainedButton panel;
+    panel.at = at;
+    harness.Point(panel, "explained.button");
+    harness.Draw(panel, 3);
+    const WidgetLog::Rect* button = harness.widgets.Find("explained.button");
+    const ImRect tooltip = TooltipRect();
+    EXPECT_GT(tooltip.GetArea(), 100);
+    EXPECT_FALSE(tooltip.Overlaps({button->low, button->high}));
+    EXPECT_TRUE(ImRect({0, 0}, ImGui::GetIO().DisplaySize).Contains(tooltip));
+  }
+  PanelHarness harness;
+  harness.size = {960, 760};
+  ExplainedButton panel;
+  panel.at = {300, 300};
+  panel.dialog = true;
+  harness.Point(panel, "explained.button");
+  harness.Draw(panel, 3);
+  const ImRect tooltip = TooltipRect(), dialog = ImGui::FindWindowByName("a dialog")->Rect();
+  EXPECT_GT(tooltip.GetArea(), 100);
+  EXPECT_FALSE(tooltip.Overlaps(dialog));
+}
+
+TEST(Theme, ColoursOfTheDataCanBeReadOnPanelsOfBothThemes) {
+  PanelHarness harness;
+  for (const bool light : {false, true}) {
+    ApplyTheme(1.0, light);
+    for (int color = -1; color < static_cast<int>(kLookColors.size()); ++color) {
+      const ImU32 ink = ColorOfLook({color, false}), shown = OnPanel(ink);
+      EXPECT_GE(ContrastOf(shown, colors::kPanel), light ? 3.0 : 2.5) << color;
+      EXPECT_GE(ContrastOf(shown, colors::kInset), light ? 3.0 : 2.5) << color;
+      const ImVec4 a = ImGui::ColorConvertU32ToFloat4(ink),
+                   b = ImGui::ColorConvertU32ToFloat4(shown);
+      float hue_a = 0, hue_b = 0, saturation = 0, value = 0;
+      ImGui::ColorConvertRGBtoHSV(a.x, a.y, a.z, hue_a, saturation, value);
+      ImGui::ColorConvertRGBtoHSV(b.x, b.y, b.z, hue_b, saturation, value);
+      const float apart = std::abs(hue_a - hue_b);
+      if (color >= 0) {
+        EXPECT_LT(std::min(apart, 1 - apart), 0.04f) << color;
+      }
+      if (!light) {
+        EXPECT_EQ(shown, ink) << "dark panels show them as they are";
+      }
+    }
+    EXPECT_GE(ContrastOf(OnPanel(colors::kTruth), colors::kPanel), 3.0);
+  }
+  ApplyTheme(1.0, false);
 }
 
 TEST(Layout, FillsTheWindowWithoutOverlap) {

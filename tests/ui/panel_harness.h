@@ -67,13 +67,18 @@ class CountingScene : public SceneSurface {
   }
   void Reset() override {}
   void SetDirection(double, double) override {}
+  void SetCamera(const SceneCamera& camera) override { view = camera; }
   std::optional<ObjectId> Pick(double, double) override { return ObjectId{2}; }
-  SceneCamera camera() const override { return {}; }
+  Eigen::AlignedBox3d bounds_in_world() const override {
+    return {Eigen::Vector3d(-2, -2, 0), Eigen::Vector3d(2, 2, 2)};
+  }
+  SceneCamera camera() const override { return view; }
   double last_render_ms() const override { return 0; }
   int renders() const override { return 0; }
   double grid_step_m() const override { return 0.5; }
 
   SceneContent content;
+  SceneCamera view;
   double orbit_x = 0, orbit_y = 0, pan_x = 0, pan_y = 0, zoomed = 0;
   int focused = 0;
   std::vector<Eigen::Vector3d> points_asked;

@@ -260,14 +260,20 @@ TEST_F(Window, FindsActionsInThePalette) {
 TEST_F(Window, PresentsUntilAKeyAndLeavesEverythingAsItWas) {
   ASSERT_EQ(Run(R"(
       {"click": "scene.scan"},
-      {"wait_frames": 2},
+      {"key": "right", "times": 9},
+      {"wait_for": {"frame": 9}},
+      {"drag": "scene.view", "from": [0.5, 0.5], "to": [0.6, 0.55]},
+      {"wheel": "scene.view", "amount": 2},
+      {"wheel": "image.view", "amount": 3},
+      {"wait_frames": 4},
       {"dump_state": "before.json"},
       {"key": "f5"},
       {"wait_for": {"presenting": true, "state": "playing", "loop": true}},
       {"wait_for": {"shot": 1}, "timeout_s": 20},
       {"dump_state": "during.json"},
       {"key": "space"},
-      {"wait_for": {"presenting": false, "state": "paused"}},
+      {"wait_for": {"presenting": false, "state": "paused", "frame": 9}},
+      {"wait_frames": 4},
       {"dump_state": "after.json"})"),
             0);
   const json before = State("before.json"), during = State("during.json"),
@@ -277,6 +283,23 @@ TEST_F(Window, PresentsUntilAKeyAndLeavesEverythingAsItWas) {
   EXPECT_EQ(after["panels"], before["panels"]);
   EXPECT_EQ(after["loop"], false);
   EXPECT_EQ(after["window"], before["window"]);
+  for (const char* what : {"frame", "camera", "image_zoom", "selected_object", "layout", "follow",
+                           "look_through", "maximized", "confirmed_only"})
+    EXPECT_EQ(after[what], before[what]) << what;
+}
+
+TEST_F(Window, PausesForTheQuestionWhatIf) {
+  ASSERT_EQ(Run(R"(
+      {"key": "space"},
+      {"wait_for": {"state": "playing"}},
+      {"click": "what_if.title"},
+      {"wait_frames": 2},
+      {"click": "what_if.fork"},
+      {"wait_for": {"fork_sheet": true, "state": "paused"}},
+      {"key": "escape"},
+      {"wait_for": {"fork_sheet": false, "state": "paused"}})"),
+            0)
+      << ReadFile(File("errors.txt")).value();
 }
 
 TEST_F(Window, OpenedForTheDemoModeEndsWithItByAnyKey) {

@@ -172,7 +172,8 @@ void DrawExport(const FrameContext& context, CommandSink& sink) {
   const bool writing = snapshot.exported && (snapshot.exported->running || snapshot.exported->asks);
   ImGui::BeginDisabled(writing);
   ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
-  if (Button(context, "export.write", "Export", "Writes it now. The project does not change.")) {
+  if (Button(context, "export.write", "Export",
+             asks ? "" : "Writes it now. The project does not change.")) {
     sink.Post(command);
   }
   ImGui::PopStyleColor();

@@ -26,6 +26,10 @@ constexpr AnnotatePanelEntry kPanels[] = {
       "moves, double click shows all. Crosses: what was clicked; circles: where the scan's points "
       "are seen by the registration."},
      MakeAnnotateFramePanel},
+    {{"annotate_masks", "Masks",
+      "Which object shows at which pixel of a frame, as 'export --format bop' writes it; hidden "
+      "objects count, too. A click selects one. Wheel zooms, dragging moves."},
+     MakeAnnotateMasksPanel},
     {{"annotate_floor", "Floor and gravity",
       "The direction of gravity. Everything that is placed stands upright with respect to it."},
      MakeAnnotateFloorPanel},

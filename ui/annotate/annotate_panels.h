@@ -28,6 +28,9 @@ std::unique_ptr<Panel> MakeAnnotateSequencePanel();
 /// Stands in the place of the images while a sequence is registered.
 std::unique_ptr<Panel> MakeAnnotateFramePanel();
 
+/// Stands there while the masks of a frame are looked at.
+std::unique_ptr<Panel> MakeAnnotateMasksPanel();
+
 /// All panels of the workspace, as InspectPanels is for the other one.
 struct AnnotatePanelEntry {
   PanelInfo info;

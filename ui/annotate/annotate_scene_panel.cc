@@ -8,6 +8,7 @@
 #include "ui/annotate/annotate_crop_box.h"
 #include "ui/annotate/annotate_gizmo.h"
 #include "ui/annotate/annotate_panels.h"
+#include "ui/annotate/annotate_view_menu.h"
 #include "ui/common/scene_mouse.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
@@ -31,6 +32,8 @@ constexpr LayerToggle kLayers[] = {
     {"grid", "Grid", &AnnotateView::grid, "Grid at height 0: the floor, once it is known."},
     {"cameras", "Path", &AnnotateView::cameras, "Where the cameras of the sequence were."},
 };
+
+constexpr const char* kViewMenu = "View";
 
 class AnnotateScenePanel : public Panel {
  public:
@@ -65,11 +68,21 @@ class AnnotateScenePanel : public Panel {
     for (const LayerToggle& layer : kLayers) {
       width += ToggleWidth(context, layer.label) + context.Scaled(3);
     }
+    width += ToggleWidth(context, kViewMenu) + context.Scaled(3);
     AlignRight(width);
     for (const LayerToggle& layer : kLayers) {
       Toggle(context, std::string("annotate.layer.") + layer.name, layer.label, view.*layer.layer,
              layer.tooltip);
       ImGui::SameLine();
+    }
+    bool open = false;
+    if (Toggle(context, "annotate.looks", kViewMenu, open,
+               "Colours and points of the scan; views to come back to."))
+      ImGui::OpenPopup("annotate.looks");
+    if (ImGui::BeginPopup("annotate.looks")) {
+      DrawViewMenu(context);
+      if (ImGui::IsKeyReleased(keys::kEscape)) ImGui::CloseCurrentPopup();
+      ImGui::EndPopup();
     }
   }
 
@@ -81,7 +94,7 @@ class AnnotateScenePanel : public Panel {
     AnnotateSurface& scene = *context.annotate_scene;
     scene.SetContent({context.annotation, context.annotation_version, view.pending, ghost_,
                       view.candidate, view.scan, view.models, view.grid, view.cameras,
-                      context.light});
+                      context.light, view.scan_look});
     if (!view.focus_on.empty() && context.annotation->selected == view.focus_on) {
       view.focus = true;
       view.focus_on.clear();

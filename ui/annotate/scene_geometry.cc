@@ -39,13 +39,6 @@ std::optional<Vector3d> OnPlane(const SightLine& sight, const Vector3d& point,
   return Vector3d(sight.eye + along * sight.direction);
 }
 
-double AlongAxisNear(const SightLine& sight, const Vector3d& origin, const Vector3d& axis) {
-  const Vector3d to = origin - sight.eye;
-  const double slope = axis.dot(sight.direction), across = 1 - slope * slope;
-  if (across < 1e-3) return 0;
-  return (slope * sight.direction.dot(to) - axis.dot(to)) / across;
-}
-
 void LogRect(const FrameContext& context, std::string name, ImVec2 middle, float half) {
   if (context.widgets == nullptr) return;
   context.widgets->Add(std::move(name), {middle.x - half, middle.y - half},

@@ -27,11 +27,6 @@ double DistanceToLine(ImVec2 point, ImVec2 a, ImVec2 b);
 std::optional<Eigen::Vector3d> OnPlane(const SightLine& sight, const Eigen::Vector3d& point,
                                        const Eigen::Vector3d& normal);
 
-/// How far along an axis from `origin` its nearest point to a line of sight is [m]; 0 where they
-/// are nearly parallel.
-double AlongAxisNear(const SightLine& sight, const Eigen::Vector3d& origin,
-                     const Eigen::Vector3d& axis);
-
 /// So that scripts and tests find what is drawn and is no widget.
 void LogRect(const FrameContext& context, std::string name, ImVec2 middle, float half_size);
 

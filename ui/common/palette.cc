@@ -36,12 +36,23 @@ std::string HintOf(const FrameContext& context, const PaletteState& state) {
   return frames ? "What to do? A number goes to that frame" : "What to do?";
 }
 
-/// The first of `all` that fit, after what comes at once.
+/// 0: it is the whole text; 1: the text begins with it; 2: its words are somewhere in the text.
+int RankOf(const std::string& text, const std::string& query) {
+  const std::string whole = Lower(text), typed = Lower(query);
+  return whole == typed ? 0 : whole.starts_with(typed) ? 1 : 2;
+}
+
+/// The first of `all` that fit, after what comes at once; what was typed in full is not hidden
+/// behind what only contains it.
 std::vector<PaletteEntry> Fitting(std::vector<PaletteEntry> all, std::vector<PaletteEntry> at_once,
                                   const std::string& query) {
+  std::erase_if(all, [&](const PaletteEntry& entry) { return !Fits(entry.text, query); });
+  std::stable_sort(all.begin(), all.end(), [&](const PaletteEntry& a, const PaletteEntry& b) {
+    return RankOf(a.text, query) < RankOf(b.text, query);
+  });
   for (PaletteEntry& entry : all) {
     if (at_once.size() >= kMostEntries) break;
-    if (Fits(entry.text, query)) at_once.push_back(std::move(entry));
+    at_once.push_back(std::move(entry));
   }
   return at_once;
 }

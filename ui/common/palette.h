@@ -37,8 +37,9 @@ struct PaletteState {
   std::string within;  ///< Only what has these words is offered.
 };
 
-/// Over everything else: a field, and what fits. Words may be given in any order, in part. Up and
-/// down choose, Enter does it, Esc closes.
+/// Over everything else: a field, and what fits. Words may be given in any order, in part; what is
+/// typed in full comes first, then what begins so. Up and down choose, Enter does it, Esc closes.
+/// Enter is about what is typed by then, be it drawn or not.
 /// @param at_once  What the query stands for by itself, such as a frame's number; comes first.
 void DrawPalette(const FrameContext& context, PaletteState& state, std::vector<PaletteEntry> all,
                  const std::function<std::vector<PaletteEntry>(const std::string& query)>& at_once,

@@ -13,6 +13,7 @@
 
 #include "engine/snapshot/annotation_snapshot.h"
 #include "ui/framework/scene_surface.h"
+#include "ui/framework/sight_line.h"
 
 namespace plumbline {
 
@@ -41,6 +42,22 @@ struct GhostModel {
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
 };
 
+/// What the colours of the scan mean: its own, how high it is there, how its surface is turned.
+enum class ScanColoring { kOwn, kHeight, kNormal };
+
+/// How the scan is drawn.
+struct ScanLook {
+  std::optional<ScanColoring> coloring;  ///< Nothing: its own, or height where it has none.
+  float point_px = 1.5f;                 ///< Of a scan without triangles.
+  bool operator==(const ScanLook&) const = default;
+};
+
+/// A view to come back to.
+struct SavedView {
+  std::string name;
+  SceneCamera camera;
+};
+
 /// What the panels of the Annotate workspace share, besides the snapshot.
 struct AnnotateView {
   AnnotateTool tool = AnnotateTool::kSelect;
@@ -48,6 +65,10 @@ struct AnnotateView {
   int candidate = 0;     ///< Of the placement that is shown.
   bool on_floor = true;  ///< What stands on the floor stays on it.
   bool scan = true, models = true, grid = true, cameras = false;
+  bool masks = false;  ///< The masks of a frame stand in the place of the images.
+  ScanLook scan_look;
+  std::vector<SavedView> saved_views;
+  std::string view_name;  ///< That is being typed, for the next one.
   std::optional<PendingPose> pending;
   bool nudged = false;                          ///< `pending` comes from keys that are still held.
   std::optional<Eigen::Isometry3d> copied;      ///< Pose in the scan's frame, ...
@@ -87,11 +108,7 @@ struct AnnotateContent {
   int candidate = 0;
   bool scan = true, models = true, grid = true, cameras = false;
   bool light = false;
-};
-
-/// A line of sight in the level frame (z up, floor at 0).
-struct SightLine {
-  Eigen::Vector3d eye{0, 0, 0}, direction{0, 0, -1};  ///< Unit direction.
+  ScanLook scan_look;
 };
 
 /// The 3-D view of the Annotate workspace as the panels know it; ui/scene implements it. It shows
@@ -110,10 +127,13 @@ class AnnotateSurface {
   virtual void LookAtFrom(const std::string& instance, const Eigen::Vector3d& eye_in_level) = 0;
   virtual void Reset() = 0;
   virtual void SetDirection(double azimuth_rad, double elevation_rad) = 0;
+  /// Focus, direction and distance.
+  virtual void SetCamera(const SceneCamera& camera) = 0;
   /// Id of the instance under a pixel; "" if there is none.
   virtual std::string PickInstance(double x_px, double y_px) = 0;
   /// The point of the scan under a pixel, in the level frame.
   virtual std::optional<Eigen::Vector3d> PickScan(double x_px, double y_px) = 0;
+  /// In the level frame (z up, floor at 0).
   virtual SightLine Sight(double x_px, double y_px) const = 0;
   /// Pixel of a point of the level frame; nothing behind the eye.
   virtual std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& in_level) const = 0;

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
 
 #include "engine/base/options.h"
+#include "ui/framework/option_name.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -46,47 +48,67 @@ void DrawOptionField(const std::string& id, const FieldInfo& info, T& field) {
   }
 }
 
-/// All fields of `options` that fit `filter`, in two columns, each with its unit and an explanation
-/// under the mouse; those that differ from `before` are marked. Fields are named `name`.FIELD.
+/// One field with its name, its unit, and an explanation under the mouse.
+/// @param changed  Marked, and told what it was: `before`.
+template <typename T>
+void DrawNamedOption(const FrameContext& context, const std::string& id, const FieldInfo& info,
+                     std::string_view name, bool changed, const std::string& before, T& field) {
+  ImGui::TableNextColumn();
+  ImGui::SetNextItemWidth(context.Scaled(96));
+  DrawOptionField("##" + id, info, field);
+  LogItem(context, id);
+  std::string help = fmt::format("{}: {}", info.name, info.help);
+  if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>)
+    help += fmt::format("\n{:g} to {:g}{}{}", info.min, info.max, info.unit.empty() ? "" : " ",
+                        info.unit);
+  if (changed) help += "\nThe run has " + before + ".";
+  Tooltip(context, help);
+  ImGui::SameLine(0, context.Scaled(8));
+  ImGui::AlignTextToFramePadding();
+  ImGui::PushStyleColor(ImGuiCol_Text, changed ? colors::kAccent : colors::kText);
+  ImGui::TextUnformatted(name.data(), name.data() + name.size());
+  ImGui::PopStyleColor();
+  Tooltip(context, help);
+  if (info.unit.empty()) return;
+  ImGui::SameLine(0, context.Scaled(6));
+  SmallText(context, colors::kFaint, "%s", std::string(info.unit).c_str());
+}
+
+/// All fields of `options` that fit `filter` by name, key or explanation, in two columns under the
+/// headings of their groups; those that differ from `before` are marked. Fields are named
+/// `name`.KEY.
+/// @param names  Of every field, groups in one piece.
 template <typename Options>
 void DrawOptionsForm(const FrameContext& context, const std::string& name, std::string_view filter,
-                     const Options& before, Options& options) {
-  const nlohmann::json old = OptionsToJson(before);
-  if (!ImGui::BeginTable(name.c_str(), 2, ImGuiTableFlags_SizingStretchSame)) return;
+                     std::span<const OptionName> names, const Options& before, Options& options) {
+  const nlohmann::json old = OptionsToJson(before), now = OptionsToJson(options);
   int shown = 0;
-  VisitFields(options, [&](auto& field, const FieldInfo& info) {
-    if (!HasLetters(info.name, filter) && !HasLetters(info.help, filter)) return;
-    ++shown;
-    ImGui::TableNextColumn();
-    const std::string key(info.name), id = "##" + name + "." + key;
-    nlohmann::json now;
-    if constexpr (std::is_enum_v<std::remove_reference_t<decltype(field)>>)
-      now = EnumNames<std::remove_reference_t<decltype(field)>>::names[static_cast<std::size_t>(
-          field)];
-    else
-      now = field;
-    const bool changed = now != old.at(key);
-    ImGui::SetNextItemWidth(context.Scaled(128));
-    DrawOptionField(id, info, field);
-    LogItem(context, name + "." + key);
-    std::string help(info.help);
-    if constexpr (std::is_arithmetic_v<std::remove_reference_t<decltype(field)>> &&
-                  !std::is_same_v<std::remove_reference_t<decltype(field)>, bool>)
-      help += fmt::format("\n{:g} to {:g}{}{}", info.min, info.max, info.unit.empty() ? "" : " ",
-                          info.unit);
-    if (changed) help += "\nThe run has " + old.at(key).dump() + ".";
-    Tooltip(context, help);
-    ImGui::SameLine(0, context.Scaled(8));
-    ImGui::AlignTextToFramePadding();
-    ImGui::PushStyleColor(ImGuiCol_Text, changed ? colors::kAccent : colors::kText);
-    ImGui::TextUnformatted(key.c_str());
-    ImGui::PopStyleColor();
-    Tooltip(context, help);
-    if (info.unit.empty()) return;
-    ImGui::SameLine(0, context.Scaled(6));
-    SmallText(context, colors::kFaint, "%s", std::string(info.unit).c_str());
-  });
-  ImGui::EndTable();
+  for (std::size_t first = 0, end = 0; first < names.size(); first = end) {
+    while (end < names.size() && names[end].group == names[first].group) ++end;
+    bool open = false;  // the group's heading is there
+    for (const OptionName& entry : names.subspan(first, end - first)) {
+      VisitFields(options, [&](auto& field, const FieldInfo& info) {
+        if (info.name != entry.key) return;
+        if (!HasLetters(entry.name, filter) && !HasLetters(info.name, filter) &&
+            !HasLetters(info.help, filter) && !HasLetters(entry.group, filter))
+          return;
+        const std::string key(info.name);
+        if (!open) {
+          if (shown > 0) ImGui::Dummy({0, context.Scaled(6)});
+          ImGui::PushFont(context.fonts.strong);
+          ImGui::TextUnformatted(entry.group.data(), entry.group.data() + entry.group.size());
+          ImGui::PopFont();
+          open = ImGui::BeginTable((name + std::to_string(first)).c_str(), 2,
+                                   ImGuiTableFlags_SizingStretchSame);
+        }
+        ++shown;
+        if (open)
+          DrawNamedOption(context, name + "." + key, info, entry.name, now.at(key) != old.at(key),
+                          old.at(key).dump(), field);
+      });
+    }
+    if (open) ImGui::EndTable();
+  }
   if (shown == 0) DimText("No option fits.");
 }
 

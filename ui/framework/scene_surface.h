@@ -9,6 +9,7 @@
 
 #include <imgui.h>
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "engine/base/ids.h"
 
@@ -42,6 +43,19 @@ struct SceneObject {
   bool operator==(const SceneObject&) const = default;
 };
 
+/// An upright box: nothing outside of it is drawn, but for grid and camera.
+struct ClipBox {
+  Eigen::Matrix3d world_from_upright = Eigen::Matrix3d::Identity();
+  Eigen::AlignedBox3d in_upright;
+  bool Holds(const Eigen::Vector3d& point_in_world) const {
+    return in_upright.contains(Eigen::Vector3d(world_from_upright.transpose() * point_in_world));
+  }
+  bool operator==(const ClipBox& other) const {
+    return world_from_upright == other.world_from_upright &&
+           in_upright.min() == other.in_upright.min() && in_upright.max() == other.in_upright.max();
+  }
+};
+
 struct SceneContent {
   std::shared_ptr<const SequenceView> sequence;
   std::shared_ptr<const MapSnapshot> snapshot;
@@ -55,6 +69,7 @@ struct SceneContent {
   bool light = false;         ///< Theme
   std::vector<SceneObject> objects;  ///< Those of the frame that are drawn.
   ImU32 particle_color = 0;
+  std::optional<ClipBox> clip;
 };
 
 /// A turntable camera about `focus`, in numbers.
@@ -89,7 +104,11 @@ class SceneSurface {
   virtual void Reset() = 0;
   /// Azimuth and elevation of the eye as seen from the focus.
   virtual void SetDirection(double azimuth_rad, double elevation_rad) = 0;
+  /// Focus, direction and distance.
+  virtual void SetCamera(const SceneCamera& camera) = 0;
   virtual std::optional<ObjectId> Pick(double x_px, double y_px) = 0;
+  /// Of scan, path and truth; empty before a sequence is there.
+  virtual Eigen::AlignedBox3d bounds_in_world() const = 0;
   virtual SceneCamera camera() const = 0;
   virtual double last_render_ms() const = 0;
   virtual int renders() const = 0;

@@ -40,13 +40,15 @@ std::string TextFontFile(int weight) {
   return "";
 }
 
-ImFont* AddFont(const std::string& file, double pixels) {
+/// @param latin_only  A large font would fill the texture with letters that nothing needs.
+ImFont* AddFont(const std::string& file, double pixels, bool latin_only = false) {
+  static constexpr ImWchar kLatin[] = {0x20, 0xFF, 0};
   static constexpr ImWchar kRanges[] = {0x20,   0xFF,   0x370,  0x3FF,  0x2010, 0x2030, 0x2070,
                                         0x209F, 0x2190, 0x2193, 0x2212, 0x2212, 0};
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   if (!file.empty()) {
-    ImFont* font =
-        atlas.AddFontFromFileTTF(file.c_str(), static_cast<float>(pixels), nullptr, kRanges);
+    ImFont* font = atlas.AddFontFromFileTTF(file.c_str(), static_cast<float>(pixels), nullptr,
+                                            latin_only ? kLatin : kRanges);
     if (font != nullptr) return font;
   }
   ImFontConfig config;
@@ -139,6 +141,48 @@ ImU32 ColorOfLook(const ObjectLook& look) {
 
 ImU32 SeriesColor(std::size_t index) { return ColorOfLook({static_cast<int>(index)}); }
 
+namespace {
+
+/// Red, green and blue, from 0 to 1, proportional to light.
+cv::Vec3d LinearOf(ImU32 color) {
+  const cv::Vec3b bgr = BgrOf(color);
+  cv::Vec3d linear;
+  for (int c = 0; c < 3; ++c) {
+    const double value = bgr[2 - c] / 255.0;
+    linear[c] = value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+  }
+  return linear;
+}
+
+double LuminanceOf(const cv::Vec3d& linear) {
+  return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+}
+
+}  // namespace
+
+double ContrastOf(ImU32 a, ImU32 b) {
+  const auto [low, high] = std::minmax({LuminanceOf(LinearOf(a)), LuminanceOf(LinearOf(b))});
+  return (high + 0.05) / (low + 0.05);
+}
+
+ImU32 OnPanel(ImU32 color) {
+  constexpr double kLeast = 3.1;  // a little more than 3, for rounding
+  // Plots lie on insets, which are a little darker.
+  const double panel =
+      std::min(LuminanceOf(LinearOf(colors::kPanel)), LuminanceOf(LinearOf(colors::kInset)));
+  const double ink = LuminanceOf(LinearOf(color));
+  const double most = (panel + 0.05) / kLeast - 0.05;
+  if (panel < 0.5 || ink <= most) return color;
+  // One factor for all three keeps the hue.
+  const cv::Vec3d dark = LinearOf(color) * (most / ink);
+  cv::Vec3d srgb;
+  for (int c = 0; c < 3; ++c)
+    srgb[c] = dark[c] <= 0.0031308 ? 12.92 * dark[c] : 1.055 * std::pow(dark[c], 1 / 2.4) - 0.055;
+  const ImVec4 value(static_cast<float>(srgb[0]), static_cast<float>(srgb[1]),
+                     static_cast<float>(srgb[2]), ImGui::ColorConvertU32ToFloat4(color).w);
+  return ImGui::ColorConvertFloat4ToU32(value);
+}
+
 ImU32 WithAlpha(ImU32 color, double alpha) {
   return (color & ~IM_COL32_A_MASK) |
          (static_cast<ImU32>(std::clamp(alpha, 0.0, 1.0) * 255.0 + 0.5) << IM_COL32_A_SHIFT);
@@ -182,7 +226,7 @@ ImU32 EventColor(EventKind kind) {
     case EventKind::kConfirmed:
       return colors::kGood;
     case EventKind::kMerged:
-      return IM_COL32(190, 150, 240, 255);
+      return OnPanel(IM_COL32(190, 150, 240, 255));
     case EventKind::kRetired:
       return colors::kDimText;
     case EventKind::kLabelChanged:
@@ -190,7 +234,7 @@ ImU32 EventColor(EventKind kind) {
     case EventKind::kFrameSkipped:
       return colors::kBad;
     case EventKind::kOptionsChanged:
-      return IM_COL32(236, 122, 190, 255);
+      return OnPanel(IM_COL32(236, 122, 190, 255));
   }
   return colors::kDimText;
 }
@@ -233,8 +277,9 @@ Fonts ApplyTheme(double scale, bool light) {
   fonts.strong = AddFont(medium, 15.0 * scale);
   fonts.small = AddFont(regular, 13.0 * scale);
   fonts.title = AddFont(medium, 21.0 * scale);
+  fonts.caption = AddFont(medium, 40.0 * scale, true);
   atlas.Build();
-  for (ImFont* font : {fonts.text, fonts.strong, fonts.small, fonts.title})
+  for (ImFont* font : {fonts.text, fonts.strong, fonts.small, fonts.title, fonts.caption})
     MakeDigitsTabular(*font);
   return fonts;
 }

@@ -43,6 +43,12 @@ inline constexpr ImU32 kOnPictureDim = IM_COL32(160, 170, 182, 255);
 ImU32 ColorOfLook(const ObjectLook& look);
 /// For things that are counted: stages, shapes, axes, annotated instances; from 0.
 ImU32 SeriesColor(std::size_t index);
+/// Relative luminance of the lighter by the darker, from 1 to 21 (WCAG 2).
+double ContrastOf(ImU32 a, ImU32 b);
+/// A colour of the data as text, lines and bars on panels have it: itself on dark panels; of the
+/// same hue, but darker, where it would stand off light ones, or the ground of their plots, by less
+/// than 3 to 1.
+ImU32 OnPanel(ImU32 color);
 ImU32 WithAlpha(ImU32 color, double alpha);
 /// Blends towards `other` by `share`.
 ImU32 Mixed(ImU32 color, ImU32 other, double share);
@@ -60,6 +66,7 @@ struct Fonts {
   ImFont* strong = nullptr;
   ImFont* small = nullptr;
   ImFont* title = nullptr;
+  ImFont* caption = nullptr;  ///< For a projector.
 };
 
 /// Sets colours and style and loads the fonts (Inter, else DejaVu Sans, found through fontconfig;

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <cstdarg>
 #include <limits>
+#include <optional>
+
+#include <imgui_internal.h>
 
 namespace plumbline {
 namespace {
@@ -68,11 +71,61 @@ void LogItem(const FrameContext& context, const std::string& name) {
   }
 }
 
+namespace {
+
+/// Sheets and menus over the window that is being drawn.
+std::vector<ImRect> DialogsAbove() {
+  const ImGuiContext& state = *ImGui::GetCurrentContext();
+  const ImGuiWindow* mine = ImGui::GetCurrentWindowRead()->RootWindow;
+  std::vector<ImRect> dialogs;
+  bool above = false;  // windows are listed from the back to the front
+  for (const ImGuiWindow* window : state.Windows) {
+    const bool own =
+        window->RootWindow == window &&
+        (window->Flags & (ImGuiWindowFlags_Tooltip | ImGuiWindowFlags_ChildWindow)) == 0;
+    if (above && own && window->WasActive && !window->Hidden) dialogs.push_back(window->Rect());
+    above = above || window == mine;
+  }
+  return dialogs;
+}
+
+/// Where a tooltip of this size explains the last item without lying over it or over a dialog:
+/// below, above or beside it. Nothing if there is no such place.
+std::optional<ImVec2> PlaceOfTooltip(const FrameContext& context, ImVec2 size) {
+  const ImRect item(ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  const float gap = context.Scaled(5);
+  const std::vector<ImRect> dialogs = DialogsAbove();
+  const float x = std::max(gap, std::min(item.Min.x, display.x - size.x - gap));
+  const float y = std::max(gap, std::min(item.Min.y, display.y - size.y - gap));
+  for (const ImVec2 low : {ImVec2(x, item.Max.y + gap), ImVec2(x, item.Min.y - gap - size.y),
+                           ImVec2(item.Max.x + gap, y), ImVec2(item.Min.x - gap - size.x, y)}) {
+    const ImRect place(low, {low.x + size.x, low.y + size.y});
+    const bool inside = low.x >= 0 && low.y >= 0 && place.Max.x <= display.x &&
+                        place.Max.y <= display.y && !place.Overlaps(item);
+    const bool free = std::none_of(dialogs.begin(), dialogs.end(),
+                                   [&](const ImRect& other) { return place.Overlaps(other); });
+    if (inside && free) return low;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 void Tooltip(const FrameContext& context, const std::string& text) {
   if (text.empty() || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  const float wrap = context.Scaled(380);
+  // What is large, such as a picture, is explained beside the mouse.
+  if (ImGui::GetItemRectSize().y < context.Scaled(64)) {
+    const ImVec2 words = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
+    const auto low = PlaceOfTooltip(
+        context, {words.x + 2 * context.Scaled(10), words.y + 2 * context.Scaled(7)});
+    if (!low) return;
+    ImGui::SetNextWindowPos(*low);
+  }
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {context.Scaled(10), context.Scaled(7)});
   ImGui::BeginTooltip();
-  ImGui::PushTextWrapPos(context.Scaled(380));
+  ImGui::PushTextWrapPos(wrap);
   ImGui::TextUnformatted(text.c_str());
   ImGui::PopTextWrapPos();
   ImGui::EndTooltip();
@@ -181,7 +234,7 @@ float PaintChip(const FrameContext& context, ImDrawList& draw, ImVec2 low, float
   const float side = std::round(0.72f * line), top = low.y + std::round(0.5f * (line - side));
   const ImVec2 a(low.x, top), b(low.x + side, top + side);
   draw.AddRectFilled(a, b, color, 0.2f * side);
-  const ImU32 edge = Mixed(color, IM_COL32_BLACK, 0.45);
+  const ImU32 edge = Mixed(OnPanel(color), IM_COL32_BLACK, 0.45);
   if (halved) draw.AddTriangleFilled({a.x, b.y}, b, {b.x, a.y}, edge);
   if (context.light) draw.AddRect(a, b, edge, 0.2f * side);
   return side + std::round(0.35f * line);

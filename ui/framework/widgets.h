@@ -19,7 +19,7 @@ enum class Icon { kPlay, kPause, kStepBack, kStepForward, kFirst, kLast, kHelp, 
 
 /// Remembers the last ImGui item under `name`.
 void LogItem(const FrameContext& context, const std::string& name);
-/// Tooltip of the last item, after a short rest of the mouse.
+/// Tooltip of the last item, below, above or beside it, and never over a dialog.
 void Tooltip(const FrameContext& context, const std::string& text);
 
 /// Known to ImGui by its name: the label may change while the mouse is down on it.

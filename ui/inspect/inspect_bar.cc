@@ -118,8 +118,8 @@ void DrawConfirmedOnly(const FrameContext& context, const LayoutRect& bar, Comma
   if (context.sequence == nullptr || !StartSwitch(context, bar, "Confirmed only")) return;
   bool on = context.confirmed_only;
   if (Toggle(context, "top.confirmed", "Confirmed only", on,
-             "Images, map and lists leave out objects that are not confirmed, but for the selected "
-             "one (C)."))
+             "All views leave out objects that are not confirmed (the timeline: those that never "
+             "were), but for the selected one (C)."))
     sink.Post(ConfirmedOnlyCommand{on});
 }
 

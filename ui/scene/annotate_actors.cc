@@ -108,7 +108,9 @@ bool AnnotateActors::SetScan(const AnnotationSnapshot& snapshot) {
   const Vector3d up_in_scan = level_from_scan_.linear().row(2).transpose();
   side_ = scan_->triangles.empty() ? 0 : SideTowards(*scan_, eye_in_scan);
   scan_fine_ = ScanActor(*scan_, up_in_scan, eye_in_scan);
-  scan_coarse_ = ScanActor(ClusterToAbout(*scan_, kVerticesWhileMoving), up_in_scan, eye_in_scan);
+  scan_few_ = ClusterToAbout(*scan_, kVerticesWhileMoving);
+  scan_coarse_ = ScanActor(scan_few_, up_in_scan, eye_in_scan);
+  scan_look_.reset();
   for (vtkActor* actor : {scan_fine_.Get(), scan_coarse_.Get()}) {
     SetPose(*actor, level_from_scan_);
     ground_->AddActor(actor);
@@ -116,6 +118,20 @@ bool AnnotateActors::SetScan(const AnnotationSnapshot& snapshot) {
   SetCoarse(coarse_);
   BuildGrid();
   return true;
+}
+
+void AnnotateActors::SetScanLook(const ScanLook& look) {
+  if (scan_fine_ == nullptr || look == scan_look_) return;
+  const ScanColoring coloring =
+      look.coloring.value_or(HasColors(*scan_) ? ScanColoring::kOwn : ScanColoring::kHeight);
+  const Vector3d up_in_scan = level_from_scan_.linear().row(2).transpose();
+  if (!scan_look_ || scan_look_->coloring != look.coloring) {
+    ColorScan(*scan_fine_, ScanColors(*scan_, up_in_scan, coloring));
+    ColorScan(*scan_coarse_, ScanColors(scan_few_, up_in_scan, coloring));
+  }
+  for (vtkActor* actor : {scan_fine_.Get(), scan_coarse_.Get()})
+    actor->GetProperty()->SetPointSize(look.point_px);
+  scan_look_ = look;
 }
 
 void AnnotateActors::BuildGrid() {

@@ -26,6 +26,8 @@ class AnnotateActors {
 
   /// Takes the scan and where level is; true if either changed.
   bool SetScan(const AnnotationSnapshot& snapshot);
+  /// Colours and points of the scan.
+  void SetScanLook(const ScanLook& look);
   void Update(const AnnotateContent& content);
   void SetCoarse(bool coarse);
 
@@ -63,6 +65,8 @@ class AnnotateActors {
   bool software_gl_;
   bool coarse_ = false, scan_shown_ = true;
   std::shared_ptr<const TriangleMesh> scan_;
+  TriangleMesh scan_few_;              ///< The same while the view moves.
+  std::optional<ScanLook> scan_look_;  ///< Of the actors; nothing: they are new.
   Eigen::Isometry3d level_from_scan_ = Eigen::Isometry3d::Identity();
   int side_ = 0;
   Eigen::AlignedBox3d bounds_;

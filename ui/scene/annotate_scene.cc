@@ -47,7 +47,7 @@ class AnnotateScene : public AnnotateSurface {
         Same(content.ghost, content_.ghost) && content.candidate == content_.candidate &&
         content.scan == content_.scan && content.models == content_.models &&
         content.grid == content_.grid && content.cameras == content_.cameras &&
-        content.light == content_.light) {
+        content.light == content_.light && content.scan_look == content_.scan_look) {
       return;
     }
     content_ = content;
@@ -59,6 +59,7 @@ class AnnotateScene : public AnnotateSurface {
       picker_.reset();
       Reset();
     }
+    actors_.SetScanLook(content.scan_look);
     actors_.Update(content);
   }
 
@@ -97,6 +98,11 @@ class AnnotateScene : public AnnotateSurface {
     const auto point = PickScan(x_px, y_px);
     if (!point) return;
     camera_.LookAt(*point, 0.8 * (camera_.eye_in_world() - *point).norm());
+    dirty_ = true;
+  }
+  void SetCamera(const SceneCamera& camera) override {
+    camera_.LookAt(camera.focus_in_world, camera.distance_m);
+    camera_.SetDirection(camera.azimuth_rad, camera.elevation_rad);
     dirty_ = true;
   }
   void FocusOn(const std::string& instance) override {

@@ -41,7 +41,8 @@ class MapScene : public SceneSurface {
         content.selected_particle != content_.selected_particle ||
         content.follow != content_.follow || content.look_through != content_.look_through ||
         content.parallel != content_.parallel || content.light != content_.light ||
-        content.objects != content_.objects || content.particle_color != content_.particle_color;
+        content.objects != content_.objects || content.particle_color != content_.particle_color ||
+        content.clip != content_.clip;
     if (!changed) return;
     const bool new_follow = content.follow && !content_.follow;
     content_ = content;
@@ -137,6 +138,12 @@ class MapScene : public SceneSurface {
     dirty_ = true;
   }
 
+  void SetCamera(const SceneCamera& camera) override {
+    camera_.LookAt(camera.focus_in_world, camera.distance_m);
+    camera_.SetDirection(camera.azimuth_rad, camera.elevation_rad);
+    dirty_ = true;
+  }
+
   std::optional<ObjectId> Pick(double x_px, double y_px) override {
     view_.window()->GetState()->Reset();
     vtkNew<vtkCellPicker> picker;
@@ -151,6 +158,7 @@ class MapScene : public SceneSurface {
     return std::nullopt;
   }
 
+  Eigen::AlignedBox3d bounds_in_world() const override { return actors_.bounds(); }
   SceneCamera camera() const override {
     return {camera_.focus_in_world(), camera_.azimuth_rad(),     camera_.elevation_rad(),
             camera_.distance_m(),     camera_.view_from_world(), TurntableCamera::kViewAngle,

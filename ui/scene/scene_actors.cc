@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <vtkActorCollection.h>
 #include <vtkCellData.h>
+#include <vtkPlane.h>
 #include <vtkPlaneSource.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
@@ -235,6 +237,35 @@ void SceneActors::SetSnapshot(const SceneContent& content) {
   UpdateCamera(content);
   UpdateTrajectory(content);
   UpdateParticles(content);
+  Clip(content);
+}
+
+/// The grid and the camera stay: they tell where the rest is.
+void SceneActors::Clip(const SceneContent& content) {
+  if (content.clip) {
+    const ClipBox& box = *content.clip;
+    while (clip_planes_->GetNumberOfItems() < 6) clip_planes_->AddItem(vtkNew<vtkPlane>());
+    for (int side = 0; side < 6; ++side) {
+      const int axis = side / 2;
+      const bool lower = side % 2 == 0;
+      const Vector3d inward = (lower ? 1 : -1) * box.world_from_upright.col(axis);
+      const Vector3d corner =
+          box.world_from_upright * (lower ? box.in_upright.min() : box.in_upright.max());
+      vtkPlane& plane = *clip_planes_->GetItem(side);
+      plane.SetOrigin(corner.x(), corner.y(), corner.z());
+      plane.SetNormal(inward.x(), inward.y(), inward.z());
+    }
+  }
+  for (vtkRenderer* layer : {ground_, renderer_}) {
+    vtkActorCollection* actors = layer->GetActors();
+    actors->InitTraversal();
+    while (vtkActor* actor = actors->GetNextActor()) {
+      const bool stays = actor == grid_ || actor == grid_major_ || actor == camera_.lines ||
+                         actor == camera_.picture;
+      actor->GetMapper()->SetClippingPlanes(
+          content.clip && !stays ? clip_planes_.Get() : static_cast<vtkPlaneCollection*>(nullptr));
+    }
+  }
 }
 
 void SceneActors::SetCoarse(bool coarse) {

@@ -6,6 +6,7 @@
 
 #include <vtkActor.h>
 #include <vtkNew.h>
+#include <vtkPlaneCollection.h>
 #include <vtkPolyData.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
@@ -65,6 +66,7 @@ class SceneActors {
   void UpdateCamera(const SceneContent& content);
   void UpdateTrajectory(const SceneContent& content);
   void UpdateParticles(const SceneContent& content);
+  void Clip(const SceneContent& content);
   ObjectActors& ActorsOf(const ObjectReport& object);
 
   vtkRenderer* ground_;
@@ -82,6 +84,7 @@ class SceneActors {
   CameraActors camera_;
   std::map<ObjectId, ObjectActors> objects_;
   bool scan_shown_ = true;
+  vtkNew<vtkPlaneCollection> clip_planes_;  ///< The sides of the clip box.
 };
 
 }  // namespace plumbline

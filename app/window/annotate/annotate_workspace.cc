@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "engine/base/overloaded.h"
@@ -10,6 +11,7 @@
 #include "engine/session/annotation_queue.h"
 #include "ui/annotate/annotate_actions.h"
 #include "ui/annotate/annotate_panels.h"
+#include "ui/annotate/annotate_view_menu.h"
 #include "ui/framework/widgets.h"
 #include "ui/scene/annotate_scene.h"
 
@@ -26,6 +28,11 @@ nlohmann::json MatrixOf(const Eigen::Isometry3d& pose) {
 }
 
 nlohmann::json VectorOf(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// Under which the views of what was opened are kept.
+std::string KeyOf(const std::string& source) {
+  return std::filesystem::absolute(source).lexically_normal().string();
+}
 
 const char* NameOf(AnnotateTool tool) {
   switch (tool) {
@@ -61,6 +68,7 @@ AnnotateWorkspace::AnnotateWorkspace(AnnotationChoice defaults, bool software_gl
       instance_(MakeAnnotatePanel("annotate_instance")),
       sequence_(MakeAnnotatePanel("annotate_sequence")),
       frame_(MakeAnnotatePanel("annotate_frame")),
+      masks_(MakeAnnotatePanel("annotate_masks")),
       crop_(MakeAnnotatePanel("annotate_crop")) {}
 
 AnnotateWorkspace::~AnnotateWorkspace() = default;
@@ -71,7 +79,10 @@ bool AnnotateWorkspace::Takes(const std::string& path) const {
 
 void AnnotateWorkspace::Open(const std::string& path, std::optional<int>, FrameContext& context) {
   process_.reset();
+  KeepViews();
+  const ScanLook look = view_.scan_look;
   view_ = {};
+  view_.scan_look = look;
   // Made anew: a scene remembers its camera and its actors.
   scene_ = CreateAnnotateScene(software_gl_);
   context.annotate = &view_;
@@ -84,8 +95,18 @@ void AnnotateWorkspace::Open(const std::string& path, std::optional<int>, FrameC
   told_placing_ = false;
   AnnotationChoice choice = defaults_;
   choice.path = source_ = path;
+  view_.saved_views =
+      SavedViewsFromJson(kept_views_.value(KeyOf(source_), nlohmann::json::array()));
   process_ = std::make_unique<AnnotationProcess>(std::move(choice), wake_);
   ReadSlots(context);
+}
+
+void AnnotateWorkspace::KeepViews() {
+  if (source_.empty()) return;
+  if (view_.saved_views.empty())
+    kept_views_.erase(KeyOf(source_));
+  else
+    kept_views_[KeyOf(source_)] = ToJson(view_.saved_views);
 }
 
 void AnnotateWorkspace::ReadSlots(FrameContext& context) {
@@ -127,7 +148,10 @@ void AnnotateWorkspace::Draw(FrameContext& context, const LayoutRect& rect, Comm
   DrawPanel(context, {{left_x + gap, room.low.y}, {right_x, images_y}}, *scene_panel_, sink);
   if (images) {
     DrawPanel(context, {{left_x + gap, images_y + gap}, {right_x, room.high.y}},
-              picks ? *frame_ : *images_, sink);
+              picks         ? *frame_
+              : view_.masks ? *masks_
+                            : *images_,
+              sink);
   }
   Preview(context);
   NoteActivity();
@@ -198,6 +222,7 @@ void AnnotateWorkspace::AddPaletteEntries(const FrameContext& context,
   }
   for (const AnnotatedInstance& instance : context.annotation->instances)
     entries.push_back(EntryFor("Select " + instance.id, SelectInstanceCommand{instance.id}));
+  AddViewEntries(context, entries);
 }
 
 std::string AnnotateWorkspace::WouldBeLost(const FrameContext& context) const {
@@ -253,6 +278,8 @@ void AnnotateWorkspace::AddState(const FrameContext& context, nlohmann::json& st
                              {"selected", snapshot.selected},
                              {"tool", NameOf(view_.tool)},
                              {"candidate", view_.candidate},
+                             {"views", view_.saved_views.size()},
+                             {"scan_look", ToJson(view_.scan_look)},
                              {"proposal", snapshot.floor                ? "floor"
                                           : snapshot.placement          ? "placement"
                                           : snapshot.refinement         ? "refinement"
@@ -379,7 +406,14 @@ void AnnotateWorkspace::SaveSettings(const FrameContext&, nlohmann::json& settin
   settings["annotate"] = {{"left", left_},
                           {"right", right_},
                           {"models", models_share_},
+                          {"scan_look", ToJson(view_.scan_look)},
                           {"annotator", defaults_.annotator}};
+  nlohmann::json views = kept_views_;
+  if (!view_.saved_views.empty())
+    views[KeyOf(source_)] = ToJson(view_.saved_views);
+  else if (!source_.empty())
+    views.erase(KeyOf(source_));
+  settings["annotate"]["views"] = std::move(views);
 }
 
 void AnnotateWorkspace::LoadSettings(const nlohmann::json& settings, FrameContext&) {
@@ -388,6 +422,8 @@ void AnnotateWorkspace::LoadSettings(const nlohmann::json& settings, FrameContex
   right_ = std::clamp(own.value("right", right_), 0.55, 0.9);
   models_share_ = std::clamp(own.value("models", models_share_), 0.15, 0.85);
   defaults_.annotator = own.value("annotator", defaults_.annotator);
+  view_.scan_look = ScanLookFromJson(own.value("scan_look", nlohmann::json::object()));
+  kept_views_ = own.value("views", nlohmann::json::object());
 }
 
 }  // namespace plumbline

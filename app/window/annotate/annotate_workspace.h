@@ -43,6 +43,8 @@ class AnnotateWorkspace : public Workspace {
   void LoadSettings(const nlohmann::json& settings, FrameContext& context) override;
 
  private:
+  /// Remembers the views of what is open.
+  void KeepViews();
   /// Has the images follow a pose that is on its way.
   void Preview(const FrameContext& context);
   /// Tells that somebody is at work, so that the time is counted.
@@ -55,13 +57,14 @@ class AnnotateWorkspace : public Workspace {
   bool software_gl_;
   std::function<void()> wake_;
   AnnotateView view_;
+  nlohmann::json kept_views_ = nlohmann::json::object();  ///< By what was opened.
   std::optional<PendingPose> previewed_;
   double activity_s_ = 0;  ///< When it was told last, by ImGui's clock.
   bool told_placing_ = false;
   std::unique_ptr<AnnotateSurface> scene_;
   std::vector<ActionGroup> actions_;
   std::unique_ptr<Panel> scene_panel_, models_, instances_, floor_, candidates_, refinement_,
-      images_, instance_, sequence_, frame_, crop_;
+      images_, instance_, sequence_, frame_, masks_, crop_;
   double left_ = 0.19, right_ = 0.77, models_share_ = 0.55, images_share_ = 0.76;  ///< Of the room.
   std::unique_ptr<AnnotationProcess> process_;  ///< Last: its thread wakes the window.
 };

@@ -327,6 +327,9 @@ void InspectWorkspace::Handle(const InspectCommand& command, FrameContext& conte
           },
           [&](const PresentCommand& c) { Present(c.on, context); },
           [&](const AskForkCommand& c) {
+            // The frame that it forks from stays the one that shows.
+            if (c.show && context.playback->state == PlaybackState::kPlaying)
+              window_.Post(PauseCommand{});
             what_if_->OfferFork(context);
             fork_sheet_.Open(context, c.show);
           },

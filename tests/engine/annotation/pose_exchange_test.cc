@@ -205,6 +205,15 @@ TEST_F(PoseExchange, BopHasMasksAndSymmetriesInMillimetres) {
   EXPECT_EQ(info[1]["px_count_all"].get<int>(), 0);
   EXPECT_TRUE(std::filesystem::exists(scene / "mask_visib" / "000000_000000.png"));
   EXPECT_TRUE(std::filesystem::exists(scene / "rgb" / "000000.png"));
+  const auto shown = VisibleInstances(document_, inputs, 0);
+  ASSERT_TRUE(shown.ok()) << shown.error().message;
+  const cv::Mat first = *shown == 1;
+  EXPECT_EQ(cv::countNonZero(first), info[0]["px_count_visib"].get<int>()) << "as it is previewed";
+  EXPECT_EQ(cv::countNonZero(*shown == 2), 0);
+  document_.instances[0].model = "nothing known";
+  EXPECT_THAT(VisibleInstances(document_, inputs, 0).error().message,
+              testing::HasSubstr("is not in the database"));
+  document_.instances[0].model = "table";
   const nlohmann::json models =
       ReadJson(folder_.path() / "bop" / "models" / "models_info.json").value();
   const auto table = models[std::to_string(models_->Find("table")->value + 1)];

@@ -11,6 +11,7 @@
 #include "ui/framework/actions.h"
 #include "ui/framework/options_form.h"
 #include "ui/framework/widgets.h"
+#include "ui/inspect/compare/option_names.h"
 
 namespace plumbline {
 namespace {
@@ -152,7 +153,7 @@ void ForkSheet::DrawFilter(const FrameContext& context) {
   ImGui::SetNextItemWidth(-1);
   ImGui::InputTextWithHint("##fork.filter", "find an option", filter_, sizeof(filter_));
   LogItem(context, "fork.filter");
-  Tooltip(context, "Shows the options whose name or description contains this text.");
+  Tooltip(context, "Shows the options whose name, key or description contains this text.");
   ImGui::Dummy({0, context.Scaled(4)});
 }
 
@@ -161,7 +162,7 @@ void ForkSheet::DrawOptions(const FrameContext& context) {
   ImGui::PushStyleColor(ImGuiCol_ChildBg, colors::kPanel);
   ImGui::BeginChild("fork.options", {0, ImGui::GetContentRegionAvail().y - below}, false,
                     ImGuiWindowFlags_AlwaysUseWindowPadding);
-  DrawOptionsForm(context, "fork.option", filter_, before_, options_);
+  DrawOptionsForm(context, "fork.option", filter_, MapperOptionNames(), before_, options_);
   ImGui::EndChild();
   ImGui::PopStyleColor();
 }

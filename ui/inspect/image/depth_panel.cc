@@ -10,6 +10,7 @@
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/pictures.h"
 #include "ui/framework/widgets.h"
+#include "ui/inspect/image/overlays.h"
 
 namespace plumbline {
 namespace {
@@ -50,11 +51,16 @@ class DepthPanel : public Panel {
     if (snapshot.depth.empty()) {
       return EmptyState(context, "No Z-buffer", "Shown once the map holds an object.");
     }
-    const DepthRange range = RangeOf(snapshot.depth);
+    const std::vector<ObjectId> left_out = LeftOut(context);
+    const cv::Mat shown = WithoutObjects(snapshot.depth, snapshot.id, left_out);
+    const DepthRange range = RangeOf(shown);
+    if (range.empty() && !RangeOf(snapshot.depth).empty())
+      return EmptyState(context, "No confirmed object in view",
+                        "'Confirmed only' in the top bar (C) leaves out the others.");
     if (range.empty())
       return EmptyState(context, "No object in view", "Keep playing until one is found.");
-    const ImTextureID texture = context.textures->Get(
-        "depth", context.snapshot_version, [&] { return DepthPicture(snapshot.depth, range); });
+    const ImTextureID texture = context.textures->Get("depth", VersionOfShown(context, left_out),
+                                                      [&] { return DepthPicture(shown, range); });
     const ImageCanvas canvas(context, "depth.view", texture, snapshot.depth.cols,
                              snapshot.depth.rows);
     DrawScale(context, canvas, range);
@@ -62,8 +68,8 @@ class DepthPanel : public Panel {
     if (!pixel) return;
     const int x = static_cast<int>(pixel->x() + 0.5f), y = static_cast<int>(pixel->y() + 0.5f);
     if (x < 0 || y < 0 || x >= snapshot.depth.cols || y >= snapshot.depth.rows) return;
-    const float depth = snapshot.depth.at<float>(y, x);
-    const int id = snapshot.id.empty() ? 0 : snapshot.id.at<std::uint16_t>(y, x);
+    const float depth = shown.at<float>(y, x);
+    const int id = snapshot.id.empty() || depth <= 0 ? 0 : snapshot.id.at<std::uint16_t>(y, x);
     if (depth > 0) ImGui::SetTooltip("%.2f m, object #%d", depth, id);
     if (canvas.clicked()) sink.Post(SelectObjectCommand{id > 0 ? ObjectId{id} : ObjectId{}});
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ui/inspect/image/edge_difference.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -22,12 +23,13 @@ cv::Mat DistanceTo(const cv::Mat& mask) {
 
 }  // namespace
 
-cv::Mat EdgeDifferencePicture(const MapSnapshot& snapshot) {
+cv::Mat EdgeDifferencePicture(const MapSnapshot& snapshot, const std::vector<ObjectId>& left_out) {
   const cv::Mat& probability = snapshot.edge_probability;
   if (probability.empty()) return {};
   const cv::Mat edges = probability >= kWeakest;
   cv::Mat contour = cv::Mat::zeros(probability.size(), CV_8U);
   for (const OutlineView& outline : snapshot.outlines) {
+    if (std::find(left_out.begin(), left_out.end(), outline.object) != left_out.end()) continue;
     for (const auto& points : outline.contours) {
       std::vector<cv::Point> line;
       for (const Eigen::Vector2f& p : points) line.emplace_back(cvRound(p.x()), cvRound(p.y()));

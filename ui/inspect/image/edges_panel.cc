@@ -77,8 +77,11 @@ class EdgesPanel : public Panel {
                         static_cast<float>(snapshot.edge_probability.cols);
     const bool thick = shown < 0.6f;
     const char* name = difference_ ? "edges, expected" : thick ? "edges, thick" : "edges";
-    const ImTextureID texture = context.textures->Get(name, context.snapshot_version, [&] {
-      return difference_ ? EdgeDifferencePicture(snapshot)
+    const std::vector<ObjectId> left_out = LeftOut(context);
+    const std::uint64_t version =
+        difference_ ? VersionOfShown(context, left_out) : context.snapshot_version;
+    const ImTextureID texture = context.textures->Get(name, version, [&] {
+      return difference_ ? EdgeDifferencePicture(snapshot, left_out)
                          : EdgePicture(snapshot.edge_probability, snapshot.edge_angle, thick);
     });
     const ImageCanvas canvas(context, "edges.view", texture, snapshot.edge_probability.cols,

@@ -18,11 +18,12 @@ class MasksPanel : public Panel {
     const MapSnapshot& snapshot = *context.snapshot;
     if (snapshot.image.empty())
       return EmptyState(context, "No image", "This frame came without an image.");
-    // Both versions only grow.
-    const std::uint64_t version = context.snapshot_version + context.looks_version;
+    const std::vector<ObjectId> left_out = LeftOut(context);
+    const std::uint64_t version = VersionOfShown(context, left_out);
     const ImTextureID texture = context.textures->Get("masks", version, [&] {
-      return MaskPicture(snapshot.image, snapshot.depth, snapshot.id, RangeOf(snapshot.depth),
-                         context.looks != nullptr ? *context.looks : ObjectLooks());
+      const cv::Mat depth = WithoutObjects(snapshot.depth, snapshot.id, left_out);
+      return MaskPicture(snapshot.image, depth, WithoutObjects(snapshot.id, snapshot.id, left_out),
+                         RangeOf(depth), context.looks != nullptr ? *context.looks : ObjectLooks());
     });
     const ImageCanvas canvas(context, "masks.view", texture, context.sequence->image_width,
                              context.sequence->image_height);

@@ -29,7 +29,62 @@ const ObjectReport* ObjectOf(const FrameContext& context, ObjectId id) {
   return nullptr;
 }
 
+/// 0 where there is none.
+int IdAt(const FrameContext& context, const Eigen::Vector2f& pixel) {
+  const cv::Mat& id = context.snapshot->id;
+  if (id.empty()) return 0;
+  const auto map = [](float value, int from, int to) {
+    return static_cast<int>(
+        std::floor((value + 0.5f) * static_cast<float>(to) / static_cast<float>(from)));
+  };
+  const int x = map(pixel.x(), context.sequence->image_width, id.cols);
+  const int y = map(pixel.y(), context.sequence->image_height, id.rows);
+  if (x < 0 || y < 0 || x >= id.cols || y >= id.rows) return 0;
+  return id.at<std::uint16_t>(y, x);
+}
+
 }  // namespace
+
+std::vector<ObjectId> LeftOut(const FrameContext& context) {
+  std::vector<ObjectId> ids;
+  if (!context.confirmed_only) return ids;
+  for (const ObjectReport& object : context.snapshot->report.objects) {
+    if (!context.Shows(object)) ids.push_back(object.id);
+  }
+  return ids;
+}
+
+std::uint64_t VersionOfShown(const FrameContext& context, const std::vector<ObjectId>& left_out) {
+  // Both versions only grow; the hash is FNV-1a's.
+  std::uint64_t hash = 14695981039346656037u;
+  const auto mix = [&](std::uint64_t value) { hash = (hash ^ value) * 1099511628211u; };
+  mix(context.snapshot_version + context.looks_version);
+  for (const ObjectId id : left_out) mix(static_cast<std::uint64_t>(id.value));
+  return hash;
+}
+
+cv::Mat WithoutObjects(const cv::Mat& map, const cv::Mat& id,
+                       const std::vector<ObjectId>& left_out) {
+  if (left_out.empty() || map.empty() || map.size() != id.size()) return map;
+  cv::Mat hidden(id.size(), CV_8U);
+  for (int y = 0; y < id.rows; ++y) {
+    const auto* ids = id.ptr<std::uint16_t>(y);
+    auto* out = hidden.ptr<std::uint8_t>(y);
+    int last = 0;
+    std::uint8_t hide = 0;
+    for (int x = 0; x < id.cols; ++x) {
+      if (ids[x] != last) {
+        last = ids[x];
+        hide =
+            std::find(left_out.begin(), left_out.end(), ObjectId{last}) != left_out.end() ? 255 : 0;
+      }
+      out[x] = hide;
+    }
+  }
+  cv::Mat shown = map.clone();
+  shown.setTo(0, hidden);
+  return shown;
+}
 
 int DrawParticleOverlay(const FrameContext& context, const ImageCanvas& canvas,
                         const ObjectReport& object, const ParticleOverlay& overlay) {
@@ -169,11 +224,13 @@ void DrawPixelValue(const FrameContext& context, const ImageCanvas& canvas) {
   const auto& bgr = image.at<cv::Vec3b>(y * image.rows / height, x * image.cols / width);
   std::string text = fmt::format("x {}  y {}   rgb {} {} {}", x, y, bgr[2], bgr[1], bgr[0]);
   const cv::Mat& depth = context.snapshot->depth;
-  if (!depth.empty()) {
+  const ObjectId at = ObjectAt(context, *pixel);
+  const bool left_out = at.value <= 0 && IdAt(context, *pixel) > 0;
+  if (!depth.empty() && !left_out) {
     const float z = depth.at<float>(y * depth.rows / height, x * depth.cols / width);
     if (z > 0) text += fmt::format("   {:.2f} m", z);
   }
-  if (const ObjectReport* object = ObjectOf(context, ObjectAt(context, *pixel))) {
+  if (const ObjectReport* object = ObjectOf(context, at)) {
     const ModelView* model = context.Model(object->label);
     text += fmt::format("   #{} {}", object->id.value,
                         model != nullptr ? model->name : object->category);
@@ -183,17 +240,10 @@ void DrawPixelValue(const FrameContext& context, const ImageCanvas& canvas) {
 }
 
 ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel) {
-  const MapSnapshot& snapshot = *context.snapshot;
-  if (snapshot.id.empty()) return {};
-  const auto map = [](float value, int from, int to) {
-    return static_cast<int>(
-        std::floor((value + 0.5f) * static_cast<float>(to) / static_cast<float>(from)));
-  };
-  const int x = map(pixel.x(), context.sequence->image_width, snapshot.id.cols);
-  const int y = map(pixel.y(), context.sequence->image_height, snapshot.id.rows);
-  if (x < 0 || y < 0 || x >= snapshot.id.cols || y >= snapshot.id.rows) return {};
-  const int id = snapshot.id.at<std::uint16_t>(y, x);
-  return id > 0 ? ObjectId{id} : ObjectId{};
+  const int id = IdAt(context, pixel);
+  if (id <= 0) return {};
+  const ObjectReport* object = ObjectOf(context, {id});
+  return object == nullptr || context.Shows(*object) ? ObjectId{id} : ObjectId{};
 }
 
 void DrawTrackOverlay(const FrameContext& context, const ImageCanvas& canvas) {

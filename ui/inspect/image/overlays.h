@@ -1,9 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
 #include "ui/framework/image_canvas.h"
 
 namespace plumbline {
+
+/// The objects of the frame that views leave out (FrameContext::Shows), by id.
+std::vector<ObjectId> LeftOut(const FrameContext& context);
+/// For textures of the frame's objects: another number where the frame, who shows, or a look is
+/// another.
+std::uint64_t VersionOfShown(const FrameContext& context, const std::vector<ObjectId>& left_out);
+/// A map of the frame (CV_32F or CV_16U) with 0 where `id` (CV_16U, of the same size) is one of
+/// `left_out`; the same one, not copied, if none is.
+cv::Mat WithoutObjects(const cv::Mat& map, const cv::Mat& id,
+                       const std::vector<ObjectId>& left_out);
 
 struct ParticleOverlay {
   bool fronts = false;  ///< A line along each hypothesis' front.
@@ -46,7 +61,8 @@ void DrawParticleOutline(const FrameContext& context, const ImageCanvas& canvas)
 /// Position and colour of the pixel under the mouse, in a corner of the picture.
 void DrawPixelValue(const FrameContext& context, const ImageCanvas& canvas);
 
-/// The object whose mean state shows at a pixel of the image; not valid where there is none.
+/// The object whose mean state shows at a pixel of the image; not valid where there is none, or one
+/// that views leave out.
 ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel);
 
 }  // namespace plumbline

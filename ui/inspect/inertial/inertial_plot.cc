@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-ImU32 AxisColor(int axis) { return SeriesColor(static_cast<std::size_t>(axis)); }
+ImU32 AxisColor(int axis) { return OnPanel(SeriesColor(static_cast<std::size_t>(axis))); }
 
 template <typename Value>
 InertialCurve CurveOf(const OwnPoses& poses, ImU32 color, Value value) {

@@ -79,7 +79,8 @@ class ExplainedSpace {
 
 /// Points that the filter has finished, up to the frame that shows: what was seen, where no model
 /// explains it.
-void DrawPoints(const FrameContext& context, const SceneProjection& project) {
+void DrawPoints(const FrameContext& context, const SceneProjection& project,
+                const std::optional<ClipBox>& clip) {
   constexpr int kMost = 6000;  // the newest
   const auto& frames = context.sequence->own_poses->frames;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
@@ -91,7 +92,7 @@ void DrawPoints(const FrameContext& context, const SceneProjection& project) {
        i-- > 0 && drawn < kMost;) {
     for (const Eigen::Vector3f& point : frames[i].points_in_world) {
       const auto at = project(point.cast<double>());
-      if (!at || explained.Holds(point)) continue;
+      if (!at || explained.Holds(point) || (clip && !clip->Holds(point.cast<double>()))) continue;
       draw.AddRectFilled({at->x - half, at->y - half}, {at->x + half, at->y + half},
                          WithAlpha(colors::kOnPicture, 0.65));
       ++drawn;
@@ -144,12 +145,13 @@ void DrawTruthBox(const FrameContext& context, const SceneProjection& project,
   }
 }
 
-void DrawTruths(const FrameContext& context, const SceneProjection& project, bool names, ImVec2 low,
-                ImVec2 high, PictureLabels& labels) {
+void DrawTruths(const FrameContext& context, const SceneProjection& project,
+                const SceneOverlay& overlay, ImVec2 low, ImVec2 high, PictureLabels& labels) {
   for (const SequenceView::Truth& truth : context.sequence->truth) {
     const bool selected = truth.id == context.selection.truth;
     if (selected) DrawTruthBox(context, project, truth);
-    if (!names && !selected) continue;
+    if (!overlay.truth_names && !selected) continue;
+    if (overlay.clip && !overlay.clip->Holds(MiddleOf(context, truth))) continue;
     const auto at = project(MiddleOf(context, truth));
     if (!at || at->x < low.x || at->x > high.x || at->y < low.y || at->y > high.y) continue;
     const ImVec2 size = labels.SizeOf(truth.id);
@@ -245,6 +247,14 @@ std::optional<ImVec2> SceneProjection::operator()(const Eigen::Vector3d& point_i
                 static_cast<float>(middle_.y() + focal_.y() * p.y() / depth));
 }
 
+SightLine SceneProjection::Sight(ImVec2 point) const {
+  const Eigen::Isometry3d world_from_view = view_from_world_.inverse();
+  const Eigen::Vector3d at((point.x - middle_.x()) / focal_.x(),
+                           (point.y - middle_.y()) / focal_.y(), parallel_ ? 0 : 1);
+  if (parallel_) return {world_from_view * at, world_from_view.linear().col(2)};
+  return {world_from_view.translation(), (world_from_view.linear() * at).normalized()};
+}
+
 void Tape::Add(const Eigen::Vector3d& point_in_world) {
   if (points.size() == 2) points.clear();
   points.push_back(point_in_world);
@@ -296,14 +306,14 @@ void DrawSceneOverlay(const FrameContext& context, const SceneProjection& projec
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.PushClipRect(low, high, true);
   if (context.sequence->own_poses != nullptr) {
-    if (overlay.points) DrawPoints(context, project);
+    if (overlay.points) DrawPoints(context, project, overlay.clip);
     if (overlay.spread) DrawCameraSpread(context, project);
   }
   std::map<ObjectId, ImVec2> centers;
   for (const ObjectReport& object : context.snapshot->report.objects) {
     const bool shown =
         object.state == ObjectState::kConfirmed || object.id == context.selection.object;
-    if (!shown) continue;
+    if (!shown || (overlay.clip && !overlay.clip->Holds(CenterOf(context, object)))) continue;
     if (overlay.spread)
       DrawSpread(context, project, CenterOf(context, object),
                  object.covariance.topLeftCorner<3, 3>(), context.ColorOf(object.id));
@@ -341,7 +351,7 @@ void DrawSceneOverlay(const FrameContext& context, const SceneProjection& projec
                                                        : PictureLabels::Need::kIfFree);
     }
   }
-  DrawTruths(context, project, overlay.truth_names, low, high, labels);
+  DrawTruths(context, project, overlay, low, high, labels);
   draw.PopClipRect();
 }
 

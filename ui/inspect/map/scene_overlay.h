@@ -11,6 +11,7 @@
 #include "engine/snapshot/object_relation.h"
 #include "ui/framework/frame_context.h"
 #include "ui/framework/scene_surface.h"
+#include "ui/framework/sight_line.h"
 
 namespace plumbline {
 
@@ -28,6 +29,8 @@ class SceneProjection {
  public:
   SceneProjection(const FrameContext& context, const SceneCamera& camera, ImVec2 low, ImVec2 high);
   std::optional<ImVec2> operator()(const Eigen::Vector3d& point_in_world) const;
+  /// Through a point of the picture, in world.
+  SightLine Sight(ImVec2 point) const;
 
  private:
   const FrameContext& context_;
@@ -40,10 +43,11 @@ struct SceneOverlay {
   bool names = true;
   bool spread = false;  ///< Ellipsoids that hold 95 % of the belief about the centre.
   bool links = false;
-  bool points = true;        ///< Of the visual-inertial filter, found up to this frame.
-  bool truth_names = false;  ///< Of all true instances; the selected one has its name anyway.
-  bool parallel = false;     ///< The view has no perspective.
-  bool tape = false;         ///< Clicks measure.
+  bool points = true;           ///< Of the visual-inertial filter, found up to this frame.
+  bool truth_names = false;     ///< Of all true instances; the selected one has its name anyway.
+  bool parallel = false;        ///< The view has no perspective.
+  bool tape = false;            ///< Clicks measure.
+  std::optional<ClipBox> clip;  ///< Nothing outside of it has a name.
 };
 
 /// Two points in world; the tape lies between them.

@@ -10,6 +10,7 @@
 #include "ui/common/waiting.h"
 #include "ui/framework/scene_surface.h"
 #include "ui/framework/widgets.h"
+#include "ui/inspect/map/clip_box.h"
 #include "ui/inspect/map/scene_overlay.h"
 
 namespace plumbline {
@@ -68,6 +69,8 @@ constexpr OverlayToggle kOverlays[] = {
      "panels meanwhile."},
 };
 
+constexpr const char* kClip = "Clip";
+
 class ScenePanel : public Panel {
  public:
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
@@ -75,7 +78,8 @@ class ScenePanel : public Panel {
     const float views =
         ToggleWidth(context, "Follow") + ToggleWidth(context, "Through") + context.Scaled(17);
     float layers = 0, overlays = ToggleWidth(context, ColorLabel().c_str()) +
-                                 ToggleWidth(context, OpacityLabel().c_str()) + 2 * gap;
+                                 ToggleWidth(context, OpacityLabel().c_str()) +
+                                 ToggleWidth(context, kClip) + 3 * gap;
     for (const LayerToggle& layer : kLayers) {
       if (Offered(context, layer)) layers += ToggleWidth(context, layer.label) + gap;
     }
@@ -113,13 +117,14 @@ class ScenePanel : public Panel {
     if (context.scene == nullptr) {
       return EmptyState(context, "No 3-D view", "This display has no OpenGL that VTK can use.");
     }
+    KeepClipBox(context);
     SceneLayers layers = layers_;
     layers.truth_solid = coloring_ == SceneColoring::kOnTruth;
     context.scene->SetContent({context.sequence, context.snapshot, context.snapshot_version,
                                context.selection.object, context.selection.particle, layers,
                                context.follow, context.look_through, overlay_.parallel,
                                context.light, SceneObjectsOf(context, coloring_, opacity_),
-                               context.ColorOf(context.selection.object)});
+                               context.ColorOf(context.selection.object), clip_.box});
     const ImVec2 low = ImGui::GetCursorScreenPos();
     const ImVec2 size = ImGui::GetContentRegionAvail();
     const int width = std::max(8, static_cast<int>(size.x)),
@@ -128,6 +133,7 @@ class ScenePanel : public Panel {
                            ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
                                ImGuiButtonFlags_MouseButtonMiddle);
     LogItem(context, "scene.view");
+    if (clip_.box) ImGui::SetItemAllowOverlap();
     const ImVec2 high(low.x + static_cast<float>(width), low.y + static_cast<float>(height));
     const bool moving = HandleMouse(context, low, high, sink);
     const bool playing = context.playback->state == PlaybackState::kPlaying;
@@ -137,6 +143,7 @@ class ScenePanel : public Panel {
     DrawOverlay(context, low, high, sink);
     DrawTriad(context, context.scene->camera().view_from_world, low, high);
     if (layers_.grid && !context.look_through) DrawGridLabel(context, low, high);
+    if (clip_.box) DrawClipButtons(context, low);
   }
 
   nlohmann::json SaveState() const override {
@@ -200,6 +207,48 @@ class ScenePanel : public Panel {
                "How solid the models are. A click goes to the next: 100, 60, 30 %. Tentative ones "
                "are fainter, the less likely they are there."))
       opacity_ = opacity_ > 0.9 ? 0.6 : opacity_ > 0.5 ? 0.3 : 1.0;
+    if (!below_one_another) ImGui::SameLine();
+    Toggle(context, "scene.clip", kClip, clips_,
+           "Cuts the map by a box: drag its sides by their dots. What lies outside is not drawn.");
+  }
+
+  /// The box of a sequence lasts as long as that is open.
+  void KeepClipBox(const FrameContext& context) {
+    if (clipped_version_ != context.source_version) {
+      clipped_version_ = context.source_version;
+      clips_ = false;
+      kept_box_.reset();
+    }
+    if (clip_.box) kept_box_ = clip_.box;
+    if (!clips_ || context.look_through) {
+      clip_.box.reset();
+    } else if (!clip_.box) {
+      clip_.box = kept_box_ ? kept_box_ : WholeBox(context);
+    }
+  }
+
+  static std::optional<ClipBox> WholeBox(const FrameContext& context) {
+    const Eigen::AlignedBox3d bounds = context.scene->bounds_in_world();
+    if (bounds.isEmpty()) return std::nullopt;
+    return ClipAround(bounds, context.sequence->up_in_world);
+  }
+
+  void DrawClipButtons(const FrameContext& context, ImVec2 low) {
+    const ImVec2 before = ImGui::GetCursorScreenPos();
+    const float gap = context.Scaled(4);
+    ImGui::SetCursorScreenPos({low.x + gap, low.y + gap});
+    bool whole = true;
+    if (Toggle(context, "scene.clip.whole", "All", whole, "The box around everything."))
+      clip_.box = WholeBox(context);
+    if (const ObjectReport* object = context.SelectedObject()) {
+      ImGui::SameLine(0, gap);
+      bool around = true;
+      if (Toggle(context, "scene.clip.object", "Around the selected", around,
+                 "The box around the selected object, with half a metre of what is beside it.")) {
+        if (const auto box = ClipAroundObject(context, *object)) clip_.box = box;
+      }
+    }
+    ImGui::SetCursorScreenPos(before);
   }
 
   std::string OpacityLabel() const { return fmt::format("Solid: {:.0f} %", 100 * opacity_); }
@@ -213,7 +262,9 @@ class ScenePanel : public Panel {
     const SceneProjection project(context, context.scene->camera(), low, high);
     SceneOverlay overlay = overlay_;
     overlay.truth_names = overlay.names && layers_.truth;
+    overlay.clip = clip_.box;
     DrawSceneOverlay(context, project, low, high, overlay, relations_);
+    clip_.Draw(context, project, low, high);
     if (!overlay_.tape) tape_ = {};
     if (overlay_.tape) DrawTape(context, project, low, high, tape_);
   }
@@ -221,7 +272,10 @@ class ScenePanel : public Panel {
   /// True while the view moves.
   bool HandleMouse(const FrameContext& context, ImVec2 low, ImVec2 high, CommandSink& sink) {
     SceneSurface& scene = *context.scene;
-    const bool moving = MoveView(scene, low, false);
+    const bool held = clip_.box && context.snapshot != nullptr &&
+                      clip_.Handle(context, SceneProjection(context, scene.camera(), low, high));
+    const bool moving = MoveView(scene, low, held);
+    if (held) return true;
     const auto clicked = ClickedAt();
     if (!clicked || ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) return moving;
     if (overlay_.tape) {
@@ -252,6 +306,10 @@ class ScenePanel : public Panel {
   Tape tape_;
   SceneColoring coloring_ = SceneColoring::kIdentity;
   double opacity_ = 1;
+  bool clips_ = false;
+  ClipHandles clip_;
+  std::optional<ClipBox> kept_box_;        ///< As it was when it was switched off.
+  std::uint64_t clipped_version_ = 0;      ///< Of the source that it is the box of.
   std::vector<ObjectRelation> relations_;  ///< The newest that are known.
 };
 

@@ -175,7 +175,7 @@ class DetailsPanel : public Panel {
       const ModelView* model = context.Model(label.label);
       const float top = ImGui::GetCursorPosY();
       ImGui::SetCursorPosY(top + 0.25f * ImGui::GetTextLineHeight());
-      Bar(bar, label.probability, context.ColorOf(object.id));
+      Bar(bar, label.probability, OnPanel(context.ColorOf(object.id)));
       ImGui::SameLine();
       ImGui::SetCursorPosY(top);
       ImGui::Text("%3.0f %%  %s", 100 * label.probability,

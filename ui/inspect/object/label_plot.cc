@@ -22,7 +22,7 @@ struct Area {
   float YOf(double share) const { return high.y - static_cast<float>(share) * (high.y - low.y); }
 };
 
-ImU32 LabelColor(std::size_t index) { return SeriesColor(index); }
+ImU32 LabelColor(std::size_t index) { return OnPanel(SeriesColor(index)); }
 
 std::string NameOf(const FrameContext& context, ModelId label) {
   const ModelView* model = context.Model(label);

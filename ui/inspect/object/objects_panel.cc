@@ -5,13 +5,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/truths_view.h"
 #include "ui/common/waiting.h"
+#include "ui/framework/table_heads.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -21,9 +24,20 @@ constexpr double kNarrowest = 790;  ///< Narrower than this the table scrolls si
 
 struct ObjectColumn {
   const char* name;
-  float width;  ///< In units of the text size; 0: takes what is left.
+  float width;  ///< As of TableHead; 0: takes what is left.
   const char* help;
 };
+
+std::vector<TableHead> HeadsOf(std::span<const ObjectColumn> columns) {
+  std::vector<TableHead> heads;
+  for (const ObjectColumn& column : columns) {
+    const ImGuiTableColumnFlags flags =
+        column.width > 0 ? ImGuiTableColumnFlags_WidthFixed : ImGuiTableColumnFlags_WidthStretch;
+    heads.push_back({column.name, column.help, flags, column.width});
+  }
+  return heads;
+}
+
 constexpr ObjectColumn kObjectColumns[] = {
     {"Object", 4.4f,
      "Number in the order in which objects were spawned, and the colour that the object has "
@@ -111,30 +125,11 @@ class ObjectsPanel : public Panel {
     if (ImGui::BeginTable("objects.table", static_cast<int>(std::size(kObjectColumns)), flags,
                           ImGui::GetContentRegionAvail(),
                           scrolls ? context.Scaled(kNarrowest) : 0.0f)) {
-      DrawHeaders(context);
+      DrawTableHeads(context, HeadsOf(kObjectColumns), "", 1);
       for (const ObjectReport& object : context.snapshot->report.objects) {
         if (context.Shows(object)) DrawRow(context, object, sink);
       }
       ImGui::EndTable();
-    }
-  }
-
-  static void DrawHeaders(const FrameContext& context) {
-    ImGui::TableSetupScrollFreeze(1, 1);
-    const float unit = context.fonts.small->FontSize;
-    for (const ObjectColumn& column : kObjectColumns) {
-      ImGui::TableSetupColumn(
-          column.name,
-          column.width > 0 ? ImGuiTableColumnFlags_WidthFixed : ImGuiTableColumnFlags_WidthStretch,
-          column.width * unit);
-    }
-    ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
-    for (int i = 0; i < static_cast<int>(std::size(kObjectColumns)); ++i) {
-      ImGui::TableSetColumnIndex(i);
-      ImGui::PushStyleColor(ImGuiCol_Text, colors::kDimText);
-      ImGui::TableHeader(kObjectColumns[i].name);
-      ImGui::PopStyleColor();
-      Tooltip(context, kObjectColumns[i].help);
     }
   }
 
@@ -159,12 +154,7 @@ class ObjectsPanel : public Panel {
 
   /// The true objects that the run, as far as it goes, has not found.
   static void DrawMissed(const FrameContext& context, CommandSink& sink) {
-    struct Column {
-      const char* name;
-      float width;  ///< As of ObjectColumn.
-      const char* help;
-    };
-    static constexpr Column kColumns[] = {
+    static constexpr ObjectColumn kColumns[] = {
         {"Missed", 7.5f, "True objects that the run, as far as it goes, has not found."},
         {"Model", 7.5f, "Its true shape."},
         {"Why", 0, "What kept it out. Click a row, and 'Why here?' tells more."},
@@ -174,25 +164,11 @@ class ObjectsPanel : public Panel {
                            ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
                                ImGuiTableFlags_Resizable | ImGuiTableFlags_NoBordersInBody))
       return;
-    ImGui::TableSetupScrollFreeze(0, 1);
-    const float unit = context.fonts.small->FontSize;
-    for (const Column& column : kColumns) {
-      ImGui::TableSetupColumn(
-          column.name,
-          column.width > 0 ? ImGuiTableColumnFlags_WidthFixed : ImGuiTableColumnFlags_WidthStretch,
-          column.width * unit);
-    }
-    ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
-    for (int i = 0; i < static_cast<int>(std::size(kColumns)); ++i) {
-      ImGui::TableSetColumnIndex(i);
-      ImGui::PushStyleColor(ImGuiCol_Text, i == 0 ? colors::kWarning : colors::kDimText);
-      ImGui::TableHeader(i == 0 ? fmt::format("Missed {} of {}", context.truths->missed,
-                                              context.truths->truths.size())
-                                      .c_str()
-                                : kColumns[i].name);
-      ImGui::PopStyleColor();
-      Tooltip(context, kColumns[i].help);
-    }
+    std::vector<TableHead> heads = HeadsOf(kColumns);
+    heads[0].name =
+        fmt::format("Missed {} of {}", context.truths->missed, context.truths->truths.size());
+    heads[0].color = colors::kWarning;
+    DrawTableHeads(context, heads);
     for (const TruthView& truth : context.truths->truths) {
       if (!truth.found) DrawMissedRow(context, truth, sink);
     }
@@ -214,7 +190,7 @@ class ObjectsPanel : public Panel {
     LogItem(context, name);
     Tooltip(context, truth.text);
     ImGui::SameLine(0, 0);
-    ImGui::PushStyleColor(ImGuiCol_Text, colors::kTruth);
+    ImGui::PushStyleColor(ImGuiCol_Text, OnPanel(colors::kTruth));
     ImGui::TextUnformatted(truth.id.c_str());
     ImGui::PopStyleColor();
     ImGui::TableNextColumn();

@@ -10,6 +10,7 @@
 #include "engine/geometry/angle_text.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
+#include "ui/framework/table_heads.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -52,19 +53,15 @@ class ParticleTablePanel : public Panel {
                             ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp;
     if (ImGui::BeginTable("particle_table", static_cast<int>(std::size(kParticleColumns)), kFlags,
                           ImGui::GetContentRegionAvail())) {
-      ImGui::TableSetupScrollFreeze(0, 1);
-      for (const ParticleColumn& column : kParticleColumns)
-        ImGui::TableSetupColumn(
-            column.name,
-            ImGuiTableColumnFlags_PreferSortDescending |
-                (&column == &kParticleColumns[kWeight] ? ImGuiTableColumnFlags_DefaultSort : 0));
-      ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
-      for (int i = 0; i < static_cast<int>(std::size(kParticleColumns)); ++i) {
-        ImGui::TableSetColumnIndex(i);
-        ImGui::TableHeader(kParticleColumns[i].name);
-        LogItem(context, fmt::format("particle_table.column.{}", i));
-        Tooltip(context, kParticleColumns[i].help);
+      std::vector<TableHead> heads;
+      for (const ParticleColumn& column : kParticleColumns) {
+        const bool first = &column == &kParticleColumns[kWeight];
+        heads.push_back({column.name, column.help,
+                         ImGuiTableColumnFlags_PreferSortDescending |
+                             (first ? ImGuiTableColumnFlags_DefaultSort : 0),
+                         0, colors::kText});
       }
+      DrawTableHeads(context, heads, "particle_table.column");
       Sort(context, *object);
       DrawRows(context, *object, sink);
       ImGui::EndTable();

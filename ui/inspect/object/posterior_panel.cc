@@ -112,7 +112,7 @@ class PosteriorPanel : public Panel {
     const auto& share = marginals_.share[axis];
     const double tallest = *std::max_element(std::begin(share), std::end(share));
     const float width = size.x / kMarginalBins;
-    const ImU32 color = context.ColorOf(object_);
+    const ImU32 color = OnPanel(context.ColorOf(object_));
     for (int i = 0; i < kMarginalBins; ++i) {
       const auto tall = static_cast<float>(share[i] / tallest) * (high.y - low.y - 2);
       draw.AddRectFilled({low.x + width * static_cast<float>(i), high.y - tall},
@@ -137,7 +137,7 @@ class PosteriorPanel : public Panel {
     const ModelView* model = context.Model(label_);
     const bool any = axis == kAzimuthAxis && model != nullptr && model->any_azimuth;
     if (!any) line(marginals_.mean[axis], colors::kText);
-    if (marginals_.truth && !any) line(marginals_.truth->value[axis], colors::kTruth);
+    if (marginals_.truth && !any) line(marginals_.truth->value[axis], OnPanel(colors::kTruth));
     const std::string spread =
         axis == kDepthAxis
             ? fmt::format("{:.1f} %", 100 * marginals_.std[axis])
@@ -148,7 +148,7 @@ class PosteriorPanel : public Panel {
     Words(context, {low.x, high.y}, 0, colors::kFaint, number(marginals_.low[axis]));
     Words(context, {high.x, high.y}, 1, colors::kFaint, number(marginals_.high[axis]));
     if (marginals_.truth && !any)
-      Words(context, {0.5f * (low.x + high.x), high.y}, 0.5f, colors::kTruth,
+      Words(context, {0.5f * (low.x + high.x), high.y}, 0.5f, OnPanel(colors::kTruth),
             "truth " + number(marginals_.truth->value[axis]));
     ImGui::SetCursorScreenPos(corner);
     ImGui::InvisibleButton(kParameterAxes[axis].name, size);

@@ -8,6 +8,7 @@
 
 #include "engine/geometry/angle_text.h"
 #include "ui/common/waiting.h"
+#include "ui/framework/table_heads.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
 #include "ui/inspect/object/likelihood_maps.h"
@@ -133,12 +134,8 @@ class WhyPanel : public Panel {
   }
 
   static void DrawTable(const FrameContext& context, const ProbeView& probe, CommandSink& sink) {
-    struct Column {
-      const char* name;
-      const char* help;
-    };
     const bool rendered = probe.hypotheses.front().phi_edge_rendered.has_value();
-    std::vector<Column> columns = {
+    std::vector<TableHead> columns = {
         {"Hypothesis", "Click one: its contour is drawn in the images (switch Contour)."},
         {"Model", "Its shape."},
         {"Off", "Distance of its centre from the true one, and its turn against it."},
@@ -152,16 +149,7 @@ class WhyPanel : public Panel {
             "why.hypotheses", count,
             ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_ScrollY))
       return;
-    ImGui::TableSetupScrollFreeze(0, 1);
-    for (const Column& column : columns) ImGui::TableSetupColumn(column.name);
-    ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
-    for (int i = 0; i < count; ++i) {
-      ImGui::TableSetColumnIndex(i);
-      ImGui::PushStyleColor(ImGuiCol_Text, colors::kDimText);
-      ImGui::TableHeader(columns[static_cast<std::size_t>(i)].name);
-      ImGui::PopStyleColor();
-      Tooltip(context, columns[static_cast<std::size_t>(i)].help);
-    }
+    DrawTableHeads(context, columns);
     float best = probe.hypotheses.front().score;
     for (const ProbedHypothesis& h : probe.hypotheses) best = std::max(best, h.score);
     for (std::size_t i = 0; i < probe.hypotheses.size(); ++i)
@@ -250,11 +238,12 @@ class WhyPanel : public Panel {
     const auto y_of = [&](double value) {
       return high.y - (static_cast<float>(value) - min) / (max - min) * (high.y - low.y);
     };
-    const ImU32 middle = probe.truth.empty() ? context.ColorOf(probe.object) : colors::kTruth;
+    const ImU32 middle =
+        OnPanel(probe.truth.empty() ? context.ColorOf(probe.object) : colors::kTruth);
     draw.AddLine({x_of(0), low.y}, {x_of(0), high.y}, WithAlpha(middle, 0.7));
     if (slice.truth && *slice.truth >= first && *slice.truth <= last)
-      draw.AddLine({x_of(*slice.truth), low.y}, {x_of(*slice.truth), high.y}, colors::kTruth,
-                   context.Scaled(1.5));
+      draw.AddLine({x_of(*slice.truth), low.y}, {x_of(*slice.truth), high.y},
+                   OnPanel(colors::kTruth), context.Scaled(1.5));
     std::vector<ImVec2> points;
     const auto curve = [&](const std::vector<float>& values, double factor, ImU32 color,
                            float width) {

@@ -10,7 +10,8 @@
 
 namespace plumbline {
 
-std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId also) {
+std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId also,
+                                bool confirmed_only) {
   std::map<ObjectId, ObjectLane> by_id;
   ObjectLane others;
   for (const FrameEvent& event : events) {
@@ -36,7 +37,7 @@ std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId 
       others.events.insert(others.events.end(), lane.events.begin(), lane.events.end());
     }
   }
-  if (!others.events.empty()) lanes.push_back(std::move(others));
+  if (!others.events.empty() && !confirmed_only) lanes.push_back(std::move(others));
   return lanes;
 }
 
@@ -70,11 +71,13 @@ TruthLane TruthLaneOf(const RunHistory& history, const std::string& id, std::siz
 void TimelineLanes::Update(const FrameContext& context, bool all_truths) {
   UpdateTruths(context, all_truths);
   const PlaybackView& playback = context.shown_playback();
-  const bool changed = events_ != playback.events || lane_for_ != context.selection.object;
+  const bool changed = events_ != playback.events || lane_for_ != context.selection.object ||
+                       confirmed_only_ != context.confirmed_only;
   if (changed) {
     events_ = playback.events;
     lane_for_ = context.selection.object;
-    lanes_ = LanesOf(*events_, lane_for_);
+    confirmed_only_ = context.confirmed_only;
+    lanes_ = LanesOf(*events_, lane_for_, confirmed_only_);
   }
   if (!changed && history_ == playback.history) return;
   history_ = playback.history;
@@ -198,7 +201,7 @@ void TimelineLanes::DrawLane(const FrameContext& context, const TimeAxis& axis,
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float height = context.Scaled(kLaneHeight), mark = 0.3f * height;
   const bool all = lane.id.value <= 0;
-  const ImU32 color = all ? colors::kFaint : context.ColorOf(lane.id);
+  const ImU32 color = all ? colors::kFaint : OnPanel(context.ColorOf(lane.id));
   if (!all && lane.id == context.selection.object)
     draw.AddRectFilled({label_x, y - 0.5f * height}, {axis.x1, y + 0.5f * height},
                        colors::kControl);
@@ -242,7 +245,7 @@ void TimelineLanes::DrawTruthLane(const FrameContext& context, const TimeAxis& a
     if (b <= a) continue;
     switch (span.kind) {
       case Kind::kSeen:
-        draw.AddLine({a, y}, {b, y}, WithAlpha(colors::kTruth, 0.7), context.Scaled(1.5));
+        draw.AddLine({a, y}, {b, y}, WithAlpha(OnPanel(colors::kTruth), 0.7), context.Scaled(1.5));
         break;
       case Kind::kBoxed: {
         const float top = y - 0.36f * height;
@@ -250,18 +253,18 @@ void TimelineLanes::DrawTruthLane(const FrameContext& context, const TimeAxis& a
         break;
       }
       case Kind::kTentative:
-        draw.AddLine({a, y}, {b, y}, WithAlpha(context.ColorOf(span.object), 0.9),
+        draw.AddLine({a, y}, {b, y}, WithAlpha(OnPanel(context.ColorOf(span.object)), 0.9),
                      context.Scaled(3));
         break;
       case Kind::kConfirmed:
-        draw.AddLine({a, y}, {b, y}, WithAlpha(context.ColorOf(span.object), 0.75),
+        draw.AddLine({a, y}, {b, y}, WithAlpha(OnPanel(context.ColorOf(span.object)), 0.75),
                      context.Scaled(7));
         break;
     }
   }
   const ImFont* font = context.fonts.small;
   const ImVec4 clip(label_x, y - height, axis.x0 - context.Scaled(14), y + height);
-  draw.AddText(font, font->FontSize, {label_x, y - 0.5f * font->FontSize}, colors::kTruth,
+  draw.AddText(font, font->FontSize, {label_x, y - 0.5f * font->FontSize}, OnPanel(colors::kTruth),
                lane.id.c_str(), nullptr, 0, &clip);
 }
 

@@ -21,8 +21,10 @@ struct ObjectLane {
   std::string name;    ///< "#3 chair_slat"
   std::vector<const FrameEvent*> events;
 };
-/// Objects that were confirmed at some time, by birth; then `also`, then one lane for the others.
-std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId also);
+/// Objects that were confirmed at some time, and `also`, by birth; then one lane for the others,
+/// unless `confirmed_only` leaves it out.
+std::vector<ObjectLane> LanesOf(const std::vector<FrameEvent>& events, ObjectId also,
+                                bool confirmed_only = false);
 
 /// A true instance over the frames: where it shows, where a box lies over it, and which object it
 /// is paired with.
@@ -65,7 +67,8 @@ class TimelineLanes {
 
   std::shared_ptr<const std::vector<FrameEvent>> events_;  ///< What lanes_ points into.
   std::shared_ptr<const RunHistory> history_;              ///< What names are from.
-  ObjectId lane_for_, seen_;  ///< The selection as of lanes_, and as last scrolled to.
+  ObjectId lane_for_, seen_;     ///< The selection as of lanes_, and as last scrolled to.
+  bool confirmed_only_ = false;  ///< As of lanes_.
   std::vector<ObjectLane> lanes_;
   std::shared_ptr<const TruthsView> of_truths_;  ///< What truths_ was made for:
   std::string truth_for_, truth_seen_;           ///< the selection then, and as last scrolled to,

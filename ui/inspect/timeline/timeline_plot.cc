@@ -90,6 +90,10 @@ std::map<ObjectId, Curve> CurvesOf(const FrameContext& context, const TimeAxis& 
       curve.points.emplace_back(x, *value);
     }
   }
+  if (context.confirmed_only)
+    std::erase_if(curves, [&](const auto& entry) {
+      return !entry.second.confirmed && entry.first != context.selection.object;
+    });
   return curves;
 }
 
@@ -154,9 +158,9 @@ void DrawPlot(const FrameContext& context, const TimeAxis& axis, float label_x, 
   std::vector<ImVec2> points;
   const auto draw_curve = [&](ObjectId id, const Curve& curve, bool selected) {
     points.clear();
-    const ImU32 color = WithAlpha(context.ColorOf(id), selected          ? 1.0
-                                                       : curve.confirmed ? 0.5
-                                                                         : 0.25);
+    const ImU32 color = WithAlpha(OnPanel(context.ColorOf(id)), selected          ? 1.0
+                                                                : curve.confirmed ? 0.5
+                                                                                  : 0.25);
     const float width = context.Scaled(selected ? 2.0 : 1.0);
     const bool dashed = context.LookOf(id).dashed;
     const float gap = std::max(3.0f, 2.5f * (axis.XOf(1) - axis.XOf(0)));

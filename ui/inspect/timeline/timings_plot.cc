@@ -82,7 +82,7 @@ void Hint(const Column& column, const std::vector<std::string>& stages) {
 
 }  // namespace
 
-ImU32 StageColor(std::size_t index) { return SeriesColor(index); }
+ImU32 StageColor(std::size_t index) { return OnPanel(SeriesColor(index)); }
 
 void DrawTimingsPlot(const FrameContext& context, CommandSink& sink) {
   const ImVec2 corner = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();

@@ -7,6 +7,7 @@
 
 #include "engine/geometry/angles.h"
 #include "engine/snapshot/map_snapshot.h"
+#include "ui/framework/table_heads.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -66,28 +67,16 @@ void DrawCandidate(const FrameContext& context, const NearCandidate& candidate, 
 
 void DrawCandidates(const FrameContext& context, const TruthView& truth, CommandSink& sink) {
   if (truth.candidates.empty()) return DimText("No candidate came within 60 cm of it.");
-  struct Column {
-    const char* name;
-    const char* help;
-  };
-  constexpr Column kColumns[] = {
+  const TableHead heads[] = {
       {"Candidate", "An object that came near and became no other true instance."},
       {"Appeared", "In which frame, and how far from the true place."},
       {"Nearest", "In which frame it came nearest, how near, and how far it was turned."},
       {"Evidence", "The most that it came to: log odds that it exists."},
       {"Gone", "In which frame it was withdrawn or merged; point at the row for the reason."}};
-  if (!ImGui::BeginTable("missed.candidates", static_cast<int>(std::size(kColumns)),
+  if (!ImGui::BeginTable("missed.candidates", static_cast<int>(std::size(heads)),
                          ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp))
     return;
-  for (const Column& column : kColumns) ImGui::TableSetupColumn(column.name);
-  ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
-  for (int i = 0; i < static_cast<int>(std::size(kColumns)); ++i) {
-    ImGui::TableSetColumnIndex(i);
-    ImGui::PushStyleColor(ImGuiCol_Text, colors::kDimText);
-    ImGui::TableHeader(kColumns[i].name);
-    ImGui::PopStyleColor();
-    Tooltip(context, kColumns[i].help);
-  }
+  DrawTableHeads(context, heads);
   constexpr std::size_t kMost = 8;
   for (std::size_t i = 0; i < std::min(kMost, truth.candidates.size()); ++i)
     DrawCandidate(context, truth.candidates[i], sink);
