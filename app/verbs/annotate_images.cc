@@ -128,7 +128,8 @@ nlohmann::json ToJson(const std::string& id, const JointRefinement& refined, Ref
   if (!refined.images_problem.empty()) json["images_problem"] = refined.images_problem;
   if (!refined.together) return json;
   for (const RefineBy by : {RefineBy::kScan, RefineBy::kImages, RefineBy::kBoth}) {
-    if (by != taken) json[std::string("by_") + NameOf(by)] = ToJson(*refined.Of(by), refined.before, up);
+    if (by != taken)
+      json[std::string("by_") + NameOf(by)] = ToJson(*refined.Of(by), refined.before, up);
   }
   json["apart"] = ToJson(refined.apart);
   json["apart"].update({{"expected_azimuth_deg", kDegPerRad * refined.apart_expected.azimuth_rad},
@@ -158,15 +159,14 @@ void PrintRow(const std::string& id, const JointRefinement& refined, RefineBy ta
   const auto given = [](bool there, double value) {
     return there ? std::optional<double>(value) : std::nullopt;
   };
-  std::printf(
-      "%-16s %-6s %+5.2f deg %7.1f mm %+5.1f mm  %13s  %13s  %13s  %4.1f mm %.2f deg", id.c_str(),
-      NameOf(taken), kDegPerRad * pose.change.azimuth_rad, 1e3 * pose.change.horizontal_m,
-      1e3 * pose.change.height_m,
-      Arrow(given(scan, before.fitness), given(scan, pose.fitness)).c_str(),
-      Arrow(given(images, before.agreement), given(images, pose.agreement)).c_str(),
-      Arrow(before.agreement_held_out, pose.agreement_held_out).c_str(),
-      1e3 * std::sqrt(pose.estimate.covariance.topLeftCorner<3, 3>().trace()),
-      kDegPerRad * AzimuthSigma(pose.estimate.covariance, up));
+  std::printf("%-16s %-6s %+5.2f deg %7.1f mm %+5.1f mm  %13s  %13s  %13s  %4.1f mm %.2f deg",
+              id.c_str(), NameOf(taken), kDegPerRad * pose.change.azimuth_rad,
+              1e3 * pose.change.horizontal_m, 1e3 * pose.change.height_m,
+              Arrow(given(scan, before.fitness), given(scan, pose.fitness)).c_str(),
+              Arrow(given(images, before.agreement), given(images, pose.agreement)).c_str(),
+              Arrow(before.agreement_held_out, pose.agreement_held_out).c_str(),
+              1e3 * std::sqrt(pose.estimate.covariance.topLeftCorner<3, 3>().trace()),
+              kDegPerRad * AzimuthSigma(pose.estimate.covariance, up));
   if (refined.together) {
     std::printf("  %.1f mm %+.1f mm %+.2f deg%s", 1e3 * refined.apart.horizontal_m,
                 1e3 * refined.apart.height_m, kDegPerRad * refined.apart.azimuth_rad,
@@ -300,13 +300,12 @@ Status RefineInstances(const std::string& project_file, const ImageArguments& im
   const bool by_images = arguments.by != "scan" && inputs->sequence != nullptr;
   const bool by_scan = arguments.by != "images" && !document.scan.empty();
   if (!inputs->models || (!by_images && !by_scan)) {
-    return Error{ErrorCode::kInvalidInput,
-                 "'" + project_file + "' names no " +
-                     (!inputs->models             ? "model database"
-                      : arguments.by == "images"  ? "sequence"
-                      : arguments.by == "scan"    ? "scan"
-                                                  : "scan and no sequence") +
-                     "; add it with an edit 'inputs'"};
+    return Error{ErrorCode::kInvalidInput, "'" + project_file + "' names no " +
+                                               (!inputs->models            ? "model database"
+                                                : arguments.by == "images" ? "sequence"
+                                                : arguments.by == "scan"   ? "scan"
+                                                                         : "scan and no sequence") +
+                                               "; add it with an edit 'inputs'"};
   }
   const auto chosen = Chosen(document, arguments.instances);
   if (!chosen) return chosen.error();
@@ -358,8 +357,8 @@ Status RefineInstances(const std::string& project_file, const ImageArguments& im
     if (by_images && apart.used == nullptr && !by_scan) {
       return Error{ErrorCode::kDegenerate, "no image shows it"};
     }
-    const auto refined = RefineJointly(evidence, instance.scan_from_object, up, options, {},
-                                       work.context());
+    const auto refined =
+        RefineJointly(evidence, instance.scan_from_object, up, options, {}, work.context());
     if (!refined) return refined.error();
     const RefineBy taken = TakenBy(arguments.by, *refined);
     if (refined->Of(taken) == nullptr) {

@@ -21,7 +21,7 @@ void AddImageOptions(CLI::App& command, ImageArguments& arguments, const char* l
 
 struct RefineArguments {
   std::vector<std::string> instances;  ///< All that are not locked where there are none.
-  std::string by = "both";  ///< or "scan", "images"
+  std::string by = "both";             ///< or "scan", "images"
   int dof = 4;
   double camera_std_cm = 100 * kUsualCameraStd_m;
   ImageRefinementOptions options;

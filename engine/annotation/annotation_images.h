@@ -49,7 +49,8 @@ class AnnotationImages {
 
 /// Images to refine on, and others to judge by what was found.
 struct HeldOutImages {
-  std::shared_ptr<const AnnotationImages> used, held_out;  ///< `held_out` is null where there is none.
+  std::shared_ptr<const AnnotationImages> used,
+      held_out;  ///< `held_out` is null where there is none.
 };
 /// Every third of three images or more is held out.
 HeldOutImages HoldOutEveryThird(const std::shared_ptr<const AnnotationImages>& images);

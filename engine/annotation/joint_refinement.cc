@@ -64,8 +64,8 @@ class JointRefiner {
                const WorkContext& work)
       : evidence_(evidence), start_(start), up_(up), options_(options), work_(work) {
     if (evidence_.scan != nullptr) {
-      crop_ = CropScan(*evidence_.scan, *evidence_.surface, start_, up_,
-                       options_.images.max_shift_m);
+      crop_ =
+          CropScan(*evidence_.scan, *evidence_.surface, start_, up_, options_.images.max_shift_m);
       is_round_ = options_.motion != FreeMotion::kRigid &&
                   evidence_.surface->SymmetryOrder(kRoundWithin_m) == 0;
     }
@@ -83,11 +83,11 @@ class JointRefiner {
     } else if (result.by_images) {
       result.best = RefineBy::kImages;
     } else {
-      return Error{ErrorCode::kDegenerate, evidence_.scan == nullptr     ? result.images_problem
-                                           : evidence_.images == nullptr ? result.scan_problem
-                                                                         : result.scan_problem +
-                                                                               ", and " +
-                                                                               result.images_problem};
+      return Error{ErrorCode::kDegenerate,
+                   evidence_.scan == nullptr ? result.images_problem
+                   : evidence_.images == nullptr
+                       ? result.scan_problem
+                       : result.scan_problem + ", and " + result.images_problem};
     }
     return result;
   }
@@ -130,9 +130,9 @@ class JointRefiner {
         WrapAngle(upright.Azimuth(start_.linear()) - upright.Azimuth(pose.linear()));
     pose.linear() = Eigen::AngleAxisd(turn, up_) * pose.linear();
     pose.translation() = axis - pose.linear() * evidence_.surface->middle();
-    Eigen::Matrix4d about_axis =
-        MoveFromPose(pose, up_, evidence_.surface->middle()) * known.covariance *
-        MoveFromPose(pose, up_, evidence_.surface->middle()).transpose();
+    Eigen::Matrix4d about_axis = MoveFromPose(pose, up_, evidence_.surface->middle()) *
+                                 known.covariance *
+                                 MoveFromPose(pose, up_, evidence_.surface->middle()).transpose();
     about_axis.row(3).setZero();
     about_axis.col(3).setZero();
     about_axis(3, 3) = 1;
@@ -180,15 +180,15 @@ class JointRefiner {
   void Fuse(JointRefinement& result) const {
     const Eigen::Vector3d middle = evidence_.outline->center().cast<double>();
     FusedPose fused = FusePoses(result.by_scan->estimate, result.by_images->estimate, up_,
-                                      options_.motion, middle);
+                                options_.motion, middle);
     result.apart = fused.apart;
     result.apart_expected = fused.apart_expected;
     result.conflict = fused.conflict;
     if (!AreNear(fused)) {
       // The scan may have its own minimum where the images put the object.
       ConstrainedPose near(result.by_images->estimate.scan_from_object, up_, options_.motion);
-      const FineAlignment fine = AlignFinely(crop_, *evidence_.surface, IcpResidual::kPointToPlane,
-                                             kFineIterations, near);
+      const FineAlignment fine =
+          AlignFinely(crop_, *evidence_.surface, IcpResidual::kPointToPlane, kFineIterations, near);
       fused = FusePoses(WithoutAzimuth({near.scan_from_model(), fine.covariance}),
                         result.by_images->estimate, up_, options_.motion, middle);
     }

@@ -60,10 +60,10 @@ struct RefinementEvidence {
 struct JudgedPose {
   KnownPose estimate;
   bool converged = false;
-  PoseChange change;                            ///< From the start.
-  double fitness = 0, rmse_m = 0;               ///< As of AlignmentFit; 0 without a scan.
-  double agreement = 0, offset_px = 0;          ///< In the images that were refined on.
-  std::optional<double> agreement_held_out;     ///< In the others, where they show the object.
+  PoseChange change;                         ///< From the start.
+  double fitness = 0, rmse_m = 0;            ///< As of AlignmentFit; 0 without a scan.
+  double agreement = 0, offset_px = 0;       ///< In the images that were refined on.
+  std::optional<double> agreement_held_out;  ///< In the others, where they show the object.
 };
 
 /// What was found. `scan` and `images` are each on its own.
@@ -83,8 +83,8 @@ struct JointRefinement {
   const JudgedPose* Of(RefineBy by) const;
 };
 
-/// By how much the cameras of a sequence are usually off in a scan: 1 cm and 0.3 degrees, what smooth
-/// distortion makes of it in rooms recorded by hand (docs/algorithms/image_refinement.md).
+/// By how much the cameras of a sequence are usually off in a scan: 1 cm and 0.3 degrees, what
+/// smooth distortion makes of it in rooms recorded by hand (docs/algorithms/image_refinement.md).
 inline constexpr double kUsualCameraStd_m = 0.01, kUsualCameraTurnStd_deg = 0.3;
 
 struct JointRefinementOptions {

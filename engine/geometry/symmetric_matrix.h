@@ -31,7 +31,7 @@ class Subspace {
   explicit Subspace(Eigen::MatrixXd directions) : directions_(std::move(directions)) {}
 
   int size() const { return static_cast<int>(directions_.cols()); }
-  const Eigen::MatrixXd& directions() const { return directions_; }  ///< Z
+  const Eigen::MatrixXd& directions() const { return directions_; }           ///< Z
   Eigen::MatrixXd RestrictForm(const Eigen::MatrixXd& form) const;            ///< Z' form Z
   Eigen::VectorXd RestrictGradient(const Eigen::VectorXd& gradient) const;    ///< Z' gradient
   Eigen::VectorXd ExpandStep(const Eigen::VectorXd& step) const;              ///< Z step

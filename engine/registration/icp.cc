@@ -265,8 +265,8 @@ FineAlignment AlignFinely(const AlignmentCrop& crop, const ModelSurface& model,
   if (stands && residual == IcpResidual::kPointToPlane && !pairs.empty()) pairs.pop_back();
   const double effect = pose.DesignEffect(pairs, kPatch_m);
   if (stands) pairs.push_back(FootOnSupport(crop, pose, result.sigma_m, effect));
-  result.covariance = pose.WidenedByParts(
-      pairs, pose.PlaneCovariance(pairs, std::sqrt(effect) * result.sigma_m));
+  result.covariance =
+      pose.WidenedByParts(pairs, pose.PlaneCovariance(pairs, std::sqrt(effect) * result.sigma_m));
   return result;
 }
 

@@ -213,7 +213,8 @@ void RefineInstance(const RefinementTask& task, const WorkContext& work, int pac
   SetChange(refined->apart, refinement.apart);
   SetDeviations(refined->apart_expected, refinement.apart);
   refinement.contradict = refined->Contradict();
-  ProposePose(RefinedOf(refined->best, *refined->Of(refined->best), task.up_in_scan), scan, refinement);
+  ProposePose(RefinedOf(refined->best, *refined->Of(refined->best), task.up_in_scan), scan,
+              refinement);
 }
 
 }  // namespace plumbline

@@ -47,7 +47,7 @@ struct PlacementTask {
   std::shared_ptr<const TriangleMesh> mesh;
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
   Eigen::Vector3d up_in_scan{0, 0, 1};
-  bool stands = false;    ///< On the level surface below it, which the scan shows or the floor is.
+  bool stands = false;  ///< On the level surface below it, which the scan shows or the floor is.
   std::optional<Eigen::Vector4d> floor_in_scan;  ///< As of AlignOptions.
   double view_azimuth_rad = 0;
 };
@@ -58,8 +58,8 @@ void FindPlacements(const PlacementTask& task, const WorkContext& work, Placemen
 
 /// Gives each candidate its agreement with the same few key frames. Where none agrees, the images
 /// alone are searched around `start`, and what convinces is added. Where the images clearly prefer
-/// a candidate to the first, it becomes the first. `chosen` is told the frames, `changed` when there
-/// is something new to see. Without a frame that shows the place nothing changes.
+/// a candidate to the first, it becomes the first. `chosen` is told the frames, `changed` when
+/// there is something new to see. Without a frame that shows the place nothing changes.
 void ComparePlacements(const PlacementQuestion& question, const Eigen::Isometry3d& start,
                        const WorkContext& work,
                        const std::function<void(const PlacementImages&)>& chosen,

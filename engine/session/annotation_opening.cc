@@ -125,7 +125,11 @@ Status TakeChoices(const AnnotationChoice& choice, OpenedAnnotation& opened) {
   SetInputs inputs{document.scan, document.models, document.sequence};
   if (!choice.models.empty()) inputs.models = NameInProject(choice.models, file);
   if (!choice.sequence.empty()) inputs.sequence = NameInProject(choice.sequence, file);
-  const bool same = inputs.models == document.models && inputs.sequence == document.sequence;
+  if (inputs.scan.empty() && Ending(choice.path) != ".json") {
+    inputs.scan = NameInProject(choice.path, file);
+  }
+  const bool same = inputs.scan == document.scan && inputs.models == document.models &&
+                    inputs.sequence == document.sequence;
   return same ? Status() : opened.project->Apply(inputs);
 }
 

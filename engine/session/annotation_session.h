@@ -165,8 +165,8 @@ class AnnotationSession {
   std::shared_ptr<OutlineScene> outlines_;  ///< Of jobs alone; null until it is ready.
   std::shared_ptr<const InstanceImages> images_;
   std::optional<PlacementTask> refined_on_scan_;  ///< Of `view_.refinement`.
-  std::optional<Eigen::Isometry3d> preview_;  ///< Of the selected object, or a candidate.
-  std::optional<Eigen::Isometry3d> checked_;  ///< The last pose that was checked.
+  std::optional<Eigen::Isometry3d> preview_;      ///< Of the selected object, or a candidate.
+  std::optional<Eigen::Isometry3d> checked_;      ///< The last pose that was checked.
   bool images_wanted_ = false, check_wanted_ = false;
   std::vector<AnnotationFinding> findings_;  ///< Of the project as it was audited.
   std::uint64_t audited_ = 0, audited_models_ = 0;

@@ -70,9 +70,9 @@ void AnnotationSession::On(const CompareAllCommand&) {
                    ReadInstanceImages(sequence, document, instance.id, *outlines, work);
                std::optional<Compared> compared;
                if (images && images->images != nullptr) {
-                 const auto checks = CheckImages(*images->images, *images->model,
-                                                 instance.scan_from_object,
-                                                 outlines->OccludersOf(document, instance.id));
+                 const auto checks =
+                     CheckImages(*images->images, *images->model, instance.scan_from_object,
+                                 outlines->OccludersOf(document, instance.id));
                  compared = Compared{instance.scan_from_object, MeanAgreement(checks),
                                      images->images->images().size()};
                }

@@ -48,20 +48,32 @@ void AnnotationSession::On(const SetInstancePoseCommand& command) {
 
 void AnnotationSession::On(const ChangeInstanceCommand& command) {
   ChangeInstance edit{command.id, command.set};
+  EditGroup all{"Change " + std::to_string(1 + command.and_also.size()) + " objects", {}};
   if (const auto& model = command.set.model) {
     const auto id = models_ != nullptr ? models_->Find(*model) : std::nullopt;
     if (!id) return Refuse("The database has no model '" + *model + "'.");
     edit.set.category = models_->model(*id).category;
   }
-  if (!Edit(edit)) return;
+  all.edits.push_back(edit);
+  for (const std::string& id : command.and_also) {
+    edit.id = id;
+    all.edits.push_back(edit);
+  }
+  if (!Edit(all.edits.size() == 1 ? all.edits.front() : plumbline::Edit(all))) return;
   if (command.set.id && view_.selected == command.id) view_.selected = *command.set.id;
 }
 
 void AnnotationSession::On(const RemoveInstanceCommand& command) {
   DropProposals();
-  if (!Edit(RemoveInstance{command.id})) return;
-  work_time_.Forget(command.id);
-  if (view_.selected == command.id) view_.selected.clear();
+  std::vector<std::string> ids = command.and_also;
+  ids.insert(ids.begin(), command.id);
+  EditGroup all{"Remove " + std::to_string(ids.size()) + " objects", {}};
+  for (const std::string& id : ids) all.edits.push_back(RemoveInstance{id});
+  if (!Edit(all.edits.size() == 1 ? all.edits.front() : plumbline::Edit(all))) return;
+  for (const std::string& id : ids) {
+    work_time_.Forget(id);
+    if (view_.selected == id) view_.selected.clear();
+  }
 }
 
 void AnnotationSession::On(const DuplicateInstanceCommand& command) {
@@ -151,7 +163,8 @@ void AnnotationSession::On(const ExportCommand& command) {
   jobs_.push_back(
       {"Exporting", false,
        [document, request, frames, low, despite = command.despite_findings, models = models_,
-        sequence = sequence_, scan = project_->Resolve(document.scan)](const WorkContext& work, const auto&) -> Update {
+        sequence = sequence_,
+        scan = project_->Resolve(document.scan)](const WorkContext& work, const auto&) -> Update {
          const ExchangeInputs inputs{models.get(), sequence.get(), frames};
          if (!despite) {
            std::vector<std::string> open = low;

@@ -106,8 +106,8 @@ AnnotationSession::Job AnnotationSession::CheckJob() {
   return {"", false,
           [images = images_, outlines = outlines_, document = project_->document(), pose,
            others = ComparedPoses()](const WorkContext&, const auto&) -> Update {
-            auto view = CheckPose(*images, pose, others,
-                                  outlines->OccludersOf(document, images->instance));
+            auto view =
+                CheckPose(*images, pose, others, outlines->OccludersOf(document, images->instance));
             return [view = std::move(view), images](AnnotationSession& session) {
               if (session.images_ == images) session.view_.checks = view;
             };

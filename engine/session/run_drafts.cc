@@ -23,7 +23,8 @@ Result<std::vector<AnnotatedInstance>> DraftsOfRun(const AnnotationDocument& doc
     draft.category = estimate.category;
     draft.scan_from_object = scan_from_world * estimate.world_from_object;
     draft.fine = false;
-    draft.note = std::string(kDraftNote) + "object " + estimate.id + " of " + run.filename().string();
+    draft.note =
+        std::string(kDraftNote) + "object " + estimate.id + " of " + run.filename().string();
     known.instances.push_back(draft);
     drafts.push_back(std::move(draft));
   }

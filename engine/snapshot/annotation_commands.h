@@ -71,13 +71,16 @@ struct SetInstancePoseCommand {
   std::string id;
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
 };
-/// Changes what is set; the category follows the model.
+/// Changes what is set, of all of them as one edit; the category follows the model.
 struct ChangeInstanceCommand {
   std::string id;
   InstanceChange set;
+  std::vector<std::string> and_also;  ///< Further ids.
 };
+/// One edit.
 struct RemoveInstanceCommand {
   std::string id;
+  std::vector<std::string> and_also;  ///< Further ids.
 };
 /// The copy gets an id of its own, stands beside it on a free side, and is selected.
 struct DuplicateInstanceCommand {
@@ -98,10 +101,10 @@ struct SetScanUnitCommand {
 };
 /// Writes the annotations in another format; asks first where that would replace something else.
 struct ExportCommand {
-  std::string format;          ///< Of kExportFormats.
-  std::string out;             ///< A file or a folder.
-  std::string frame = "scan";  ///< or "level", "world"
-  int every = 1;               ///< Every Nth frame of the sequence is written, N > 0.
+  std::string format;             ///< Of kExportFormats.
+  std::string out;                ///< A file or a folder.
+  std::string frame = "scan";     ///< or "level", "world"
+  int every = 1;                  ///< Every Nth frame of the sequence is written, N > 0.
   bool despite_findings = false;  ///< Else it asks first where errors are open.
 };
 /// Compares every object with its images, for the checklist; seconds each.

@@ -81,8 +81,8 @@ struct RefinedPose {
   bool converged = false;
   double azimuth_rad = 0, horizontal_m = 0, height_m = 0, tilt_rad = 0;  ///< Changes.
   double azimuth_std_rad = 0, horizontal_std_m = 0, height_std_m = 0;    ///< 0: not free.
-  double fitness = 0, rmse_m = 0;          ///< With the scan, where there is one.
-  double agreement = 0, offset_px = 0;     ///< In the images refined on, as of ImageChecksView.
+  double fitness = 0, rmse_m = 0;            ///< With the scan, where there is one.
+  double agreement = 0, offset_px = 0;       ///< In the images refined on, as of ImageChecksView.
   std::optional<double> agreement_held_out;  ///< In images that were not refined on.
 };
 
@@ -293,7 +293,7 @@ struct AnnotationSnapshot {
   std::vector<PairView> pairs;
   /// Of the candidate that is looked at, else of the selected object.
   std::optional<ImageChecksView> checks;
-  std::uint64_t images_number = 0;        ///< Changes with the images (not the lines) of `checks`.
+  std::uint64_t images_number = 0;  ///< Changes with the images (not the lines) of `checks`.
 
   /// Null if there is none of that id.
   const AnnotatedInstance* Find(const std::string& id) const {

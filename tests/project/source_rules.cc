@@ -55,7 +55,7 @@ bool IsOptionsHeader(std::string_view file) { return EndsWith(file, "_options.h"
 bool IsReportHeader(std::string_view file) { return EndsWith(file, "_report.h"); }
 bool IsInstanceHeader(std::string_view file) {
   return file == "engine/annotation/annotated_instance.h" ||
-         file == "engine/annotation/project_state.h";
+         file == "engine/annotation/project_state.h" || file == "engine/annotation/refine_by.h";
 }
 
 /// Private to engine/render: the only headers of the engine with OpenGL in them.

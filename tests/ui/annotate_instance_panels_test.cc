@@ -39,6 +39,46 @@ TEST(AnnotateModelsPanel, TheFilterKeepsWhatFits) {
   EXPECT_EQ(harness.widgets.Find("annotate_models.table"), nullptr);
 }
 
+TEST(AnnotateInstancesPanel, CtrlSelectsOneMoreAndWhatIsDoneIsDoneToAllAtOnce) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_instances");
+  ASSERT_EQ(harness.snapshot().selected, "armchair_0");
+  ImGui::GetIO().KeyCtrl = true;
+  harness.Click(*panel, "annotate_instances.row.table_0", 0.2f);
+  ImGui::GetIO().KeyCtrl = false;
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.view.also_selected, std::vector<std::string>{"table_0"});
+  harness.Click(*panel, "annotate_instances.hide.table_0");
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->and_also,
+            std::vector<std::string>{"armchair_0"});
+  harness.Press(keys::kDelete);
+  EXPECT_EQ(harness.sink.Last<RemoveInstanceCommand>()->id, "armchair_0");
+  EXPECT_EQ(harness.sink.Last<RemoveInstanceCommand>()->and_also,
+            std::vector<std::string>{"table_0"});
+  harness.Click(*panel, "annotate_instances.row.table_0", 0.2f);
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, "table_0");
+  EXPECT_TRUE(harness.view.also_selected.empty());
+}
+
+TEST(AnnotateInstancesPanel, ListsWhatIsWrongAndGoesThere) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_instances");
+  harness.snapshot().checklist.findings = {
+      {"floating", "table_0 floats 0.050 m above the floor", {"table_0"}, true},
+      {"missing_frames", "3 of 20 frames of the sequence have no camera pose", {}, false}};
+  harness.Click(*panel, "annotate_instances.check");
+  EXPECT_TRUE(harness.view.check);
+  harness.Click(*panel, "finding.0");
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, "table_0");
+  EXPECT_EQ(harness.view.focus_on, "table_0");
+  harness.Press(keys::kN);
+  EXPECT_EQ(harness.view.finding, 1);
+  harness.Press(keys::kN);
+  EXPECT_EQ(harness.view.finding, 0) << "around";
+  harness.Press(keys::kN, false, true);
+  EXPECT_EQ(harness.view.finding, 1);
+}
+
 TEST(AnnotateInstancesPanel, SelectsHidesLocksAndGradesARow) {
   AnnotateHarness harness;
   const auto panel = MakeAnnotatePanel("annotate_instances");

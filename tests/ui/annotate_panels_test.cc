@@ -150,6 +150,9 @@ TEST(AnnotateProjectBar, ExportsFragmentsWithoutObjectsButNotNothing) {
   EXPECT_NE(harness.widgets.Find("export.write"), nullptr);
 }
 
+/// The sheet, as if it were a panel.
+class QueueSheet : public Panel {
+ public:
   QueueSheet() {
     PanelInfo info;
     info.id = "queue_sheet";

@@ -90,8 +90,8 @@ TEST(AnnotateRefinementPanel, SaysWhatMovedAndBetweenWhat) {
   const auto panel = MakeAnnotatePanel("annotate_refinement");
   harness.snapshot().refinement = MadeUpRefinement();
   std::string text = harness.Text(*panel);
-  for (const char* part : {"armchair_0", "converged", "+5.73", "20.0 mm",
-                           "kept", "80 %", "was 50 %", "3.0 mm rms", "was 9.0"}) {
+  for (const char* part : {"armchair_0", "converged", "+5.73", "20.0 mm", "kept", "80 %",
+                           "was 50 %", "3.0 mm rms", "was 9.0"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
   EXPECT_THAT(text, Not(HasSubstr("Tilt")));

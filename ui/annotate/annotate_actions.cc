@@ -169,6 +169,7 @@ Run Changes(Set set) {
     const AnnotatedInstance& instance = *context.annotation->Selected();
     ChangeInstanceCommand change;
     change.id = instance.id;
+    change.and_also = context.annotate->also_selected;
     set(instance, change.set);
     sink.Post(change);
   };
@@ -244,8 +245,8 @@ ActionGroup AlignActions() {
            {.text = "Refine by the scan alone",
             .run = WithSelected([](const FrameContext& context, const AnnotatedInstance& instance,
                                    CommandSink& sink) {
-              sink.Post(RefineInstanceCommand{instance.id, context.annotate->on_floor,
-                                              RefineBy::kScan});
+              sink.Post(
+                  RefineInstanceCommand{instance.id, context.annotate->on_floor, RefineBy::kScan});
             }),
             .is_offered = CanEditWithImages},
            {.text = "Try all azimuths",
@@ -283,15 +284,15 @@ ActionGroup EditActions() {
         .is_offered = IsFree},
        {.text = "Go to the next finding",
         .keys = {{kN}},
-        .run =
-            [](const FrameContext& context, CommandSink& sink) { WalkFindings(context, 1, sink); },
+        .run = [](const FrameContext& context,
+                  CommandSink& sink) { WalkFindings(context, 1, sink); },
         .help_keys = "N",
         .help = "Show what is probably wrong, one after another (Shift: back)",
         .is_offered = IsFree},
        {.text = "Go to the finding before",
         .keys = {{kN, true}},
-        .run =
-            [](const FrameContext& context, CommandSink& sink) { WalkFindings(context, -1, sink); },
+        .run = [](const FrameContext& context,
+                  CommandSink& sink) { WalkFindings(context, -1, sink); },
         .is_offered = IsFree},
        {.text = "Hide it",
         .keys = {{kH}},
@@ -321,9 +322,10 @@ ActionGroup EditActions() {
         .is_offered = HasSelection},
        {.text = "Delete it",
         .keys = {{kDelete}},
-        .run =
-            WithSelected([](const FrameContext&, const AnnotatedInstance& instance,
-                            CommandSink& sink) { sink.Post(RemoveInstanceCommand{instance.id}); }),
+        .run = WithSelected(
+            [](const FrameContext& context, const AnnotatedInstance& instance, CommandSink& sink) {
+              sink.Post(RemoveInstanceCommand{instance.id, context.annotate->also_selected});
+            }),
         .help_keys = "Del",
         .help = "Delete it",
         .is_offered = CanEdit},
@@ -509,6 +511,8 @@ void FollowSnapshot(const AnnotationSnapshot& before, const AnnotationSnapshot& 
       if (candidates[i].id == old[chosen].id) view.candidate = static_cast<int>(i);
     }
   }
+  if (before.selected != now.selected) view.also_selected.clear();
+  std::erase_if(view.also_selected, [&](const std::string& id) { return now.Find(id) == nullptr; });
   if (!view.pending) return;
   const auto& command = view.pending->command;
   const bool done = command && now.last_command.number >= *command;

@@ -121,8 +121,8 @@ void DrawResult(const FrameContext& context, const ExportCommand& command, Comma
 void DrawExport(const FrameContext& context, CommandSink& sink) {
   AnnotateView& view = *context.annotate;
   const AnnotationSnapshot& snapshot = *context.annotation;
-  const bool asks = snapshot.exported &&
-                    (snapshot.exported->asks || !snapshot.exported->open_findings.empty());
+  const bool asks =
+      snapshot.exported && (snapshot.exported->asks || !snapshot.exported->open_findings.empty());
   ImGui::BeginChild(
       "export", {context.Scaled(kSheetWidth), context.Scaled(asks ? kAskingHeight : kSheetHeight)});
   for (std::size_t i = 0; i < kExportFormats.size(); ++i) {

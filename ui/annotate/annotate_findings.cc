@@ -52,9 +52,8 @@ void DrawFindings(const FrameContext& context, CommandSink& sink) {
   if (snapshot.has_sequence) {
     ImGui::BeginDisabled(list.comparing);
     const std::string label =
-        list.comparing
-            ? fmt::format("Compared {} of {} ...", list.compared, list.to_compare)
-            : std::string("Compare all with the images");
+        list.comparing ? fmt::format("Compared {} of {} ...", list.compared, list.to_compare)
+                       : std::string("Compare all with the images");
     if (Button(context, "findings.compare", label.c_str(),
                "Adds the objects whose outlines lie on few edges of the images. Esc stops.")) {
       sink.Post(CompareAllCommand{});

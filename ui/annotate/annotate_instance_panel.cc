@@ -148,9 +148,10 @@ class AnnotateInstancePanel : public Panel {
     ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
     const bool images = context.annotation->has_sequence;
     if (Button(context, "instance.refine", "Refine",
-               images ? "Aligns it from where it is, to the scan and to the edges of its key frames "
-                        "together, each as far as it can be trusted (I)."
-                      : "Aligns it to the scan from where it is (I).")) {
+               images
+                   ? "Aligns it from where it is, to the scan and to the edges of its key frames "
+                     "together, each as far as it can be trusted (I)."
+                   : "Aligns it to the scan from where it is (I).")) {
       sink.Post(RefineInstanceCommand{instance.id, view.on_floor});
     }
     ImGui::PopStyleColor();

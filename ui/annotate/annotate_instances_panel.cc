@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "ui/annotate/annotate_findings.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
@@ -46,10 +48,39 @@ class AnnotateInstancesPanel : public Panel {
   }
 
  private:
+  static bool IsSelected(const FrameContext& context, const std::string& id) {
+    const auto& also = context.annotate->also_selected;
+    return context.annotation->selected == id ||
+           std::find(also.begin(), also.end(), id) != also.end();
+  }
+
+  /// With Ctrl one more or one less, with Shift all up to there, else it alone.
+  static void SelectRow(const FrameContext& context, const std::string& id, CommandSink& sink) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const AnnotationSnapshot& snapshot = *context.annotation;
+    auto& also = context.annotate->also_selected;
+    if ((!io.KeyCtrl && !io.KeyShift) || snapshot.Selected() == nullptr) {
+      also.clear();
+      return sink.Post(SelectInstanceCommand{id});
+    }
+    if (id == snapshot.selected) return;
+    if (io.KeyCtrl) {
+      if (std::erase(also, id) == 0) also.push_back(id);
+      return;
+    }
+    also.clear();
+    bool within = false;
+    for (const AnnotatedInstance& instance : snapshot.instances) {
+      const bool end = instance.id == id || instance.id == snapshot.selected;
+      if ((within || end) && instance.id != snapshot.selected) also.push_back(instance.id);
+      if (end) within = !within;
+    }
+  }
+
   static void DrawRow(const FrameContext& context, const AnnotatedInstance& instance, int number,
                       CommandSink& sink) {
     const std::string name = "annotate_instances.row." + instance.id;
-    const bool selected = context.annotation->selected == instance.id;
+    const bool selected = IsSelected(context, instance.id);
     const float switches = context.Scaled(92);
     const ImVec2 low = ImGui::GetCursorScreenPos();
     const float line = ImGui::GetTextLineHeight() + context.Scaled(6);
@@ -58,7 +89,7 @@ class AnnotateInstancesPanel : public Panel {
             ("##" + name).c_str(), selected,
             ImGuiSelectableFlags_AllowDoubleClick | ImGuiSelectableFlags_AllowItemOverlap,
             {width, line})) {
-      sink.Post(SelectInstanceCommand{instance.id});
+      SelectRow(context, instance.id, sink);
       if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) context.annotate->focus = true;
     }
     LogItem(context, name);
@@ -103,6 +134,11 @@ class AnnotateInstancesPanel : public Panel {
     };
     ChangeInstanceCommand change;
     change.id = instance.id;
+    if (IsSelected(context, instance.id)) {
+      change.and_also = context.annotate->also_selected;
+      change.and_also.push_back(context.annotation->selected);
+      std::erase(change.and_also, instance.id);
+    }
     if (word(0, 24, "quality", instance.fine ? "fine" : "crs", instance.fine,
              "Quality: fine, or coarse. A click changes it.")) {
       change.set.fine = !instance.fine;

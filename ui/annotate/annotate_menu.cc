@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "ui/annotate/annotate_panels.h"
+#include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {

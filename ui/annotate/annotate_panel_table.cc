@@ -11,7 +11,9 @@ constexpr AnnotatePanelEntry kPanels[] = {
       "The shapes of the database. Click one, then click in the scan where it stands."},
      MakeAnnotateModelsPanel},
     {{"annotate_instances", "Placed",
-      "What stands in the scan so far. Click one to select it, double click to look at it."},
+      "What stands in the scan so far. Click one to select it (Ctrl: one more, Shift: all up to "
+      "it), "
+      "double click to look at it."},
      MakeAnnotateInstancesPanel},
     {{"annotate_scene", "Scan",
       "The scan with the models in it, z up. Left drag turns, right drag (or middle, or Shift and "
@@ -26,7 +28,7 @@ constexpr AnnotatePanelEntry kPanels[] = {
       "moves, double click shows all. Crosses: what was clicked; circles: where the scan's points "
       "are seen by the registration."},
      MakeAnnotateFramePanel},
-    {{"annotate_masks", "Masks",
+    {{"annotate_masks", "Masks in a frame",
       "Which object shows at which pixel of a frame, as 'export --format bop' writes it; hidden "
       "objects count, too. A click selects one. Wheel zooms, dragging moves."},
      MakeAnnotateMasksPanel},

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/angle_text.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_pose.h"
 #include "ui/annotate/proposal_buttons.h"
@@ -38,6 +39,12 @@ double Distance(const RefinedPose& pose) { return std::hypot(pose.horizontal_m, 
 
 std::string Millimetres(double meters) {
   return fmt::format("{:.1f} mm", 1000 * (std::abs(meters) < 5e-5 ? 0.0 : meters));
+}
+
+std::string Degrees(double angle_rad, int decimals) {
+  const std::string text = AngleText(angle_rad, decimals);
+  const bool turns = text.find_first_of("123456789") != std::string::npos;
+  return (turns && angle_rad > 0 ? "+" : "") + text;
 }
 
 class AnnotateRefinementPanel : public Panel {
@@ -106,20 +113,19 @@ class AnnotateRefinementPanel : public Panel {
                                             : "The edges in its key frames alone.");
       ImGui::SameLine(context.Scaled(122));
       ImGui::AlignTextToFramePadding();
-      SmallText(context, chosen ? colors::kText : colors::kDimText,
-                "%.0f mm, %+.1f\u00b0   other images %s", 1000 * Distance(found),
-                found.azimuth_rad * kDegreesPerRadian,
+      SmallText(context, chosen ? colors::kText : colors::kDimText, "%.0f mm, %s   other images %s",
+                1000 * Distance(found), Degrees(found.azimuth_rad, 1).c_str(),
                 found.agreement_held_out
                     ? fmt::format("{:.0f} %", 100 * *found.agreement_held_out).c_str()
                     : "-");
     }
     const RefinedPose &apart = refinement.apart, &expected = refinement.apart;
-    const std::string how =
-        fmt::format("Scan and images are {:.0f} mm and {:.1f}\u00b0 apart, where {:.0f} mm and "
-                    "{:.1f}\u00b0 are expected",
-                    1000 * Distance(apart), std::abs(apart.azimuth_rad) * kDegreesPerRadian,
-                    1000 * std::hypot(expected.horizontal_std_m, expected.height_std_m),
-                    expected.azimuth_std_rad * kDegreesPerRadian);
+    const std::string how = fmt::format(
+        "Scan and images are {:.0f} mm and {:.1f}\u00b0 apart, where {:.0f} mm and "
+        "{:.1f}\u00b0 are expected",
+        1000 * Distance(apart), std::abs(apart.azimuth_rad) * kDegreesPerRadian,
+        1000 * std::hypot(expected.horizontal_std_m, expected.height_std_m),
+        expected.azimuth_std_rad * kDegreesPerRadian);
     if (refinement.contradict) {
       WrappedText(colors::kWarning,
                   how + ": they contradict each other. Look at all outlines in the images.");
@@ -130,13 +136,12 @@ class AnnotateRefinementPanel : public Panel {
   }
 
   static void DrawChange(const RefinedPose& pose, bool running) {
-    TableRow("Azimuth", fmt::format("{:+.2f}\u00b0", pose.azimuth_rad * kDegreesPerRadian),
+    TableRow("Azimuth", Degrees(pose.azimuth_rad, 2),
              pose.azimuth_std_rad > 0
                  ? fmt::format("\u00b1 {:.2f}\u00b0", pose.azimuth_std_rad * kDegreesPerRadian)
                  : "");
-    TableRow(
-        "Along the floor", Millimetres(pose.horizontal_m),
-        pose.horizontal_std_m > 0 ? "\u00b1 " + Millimetres(pose.horizontal_std_m) : "");
+    TableRow("Along the floor", Millimetres(pose.horizontal_m),
+             pose.horizontal_std_m > 0 ? "\u00b1 " + Millimetres(pose.horizontal_std_m) : "");
     TableRow("Height", (pose.height_m >= 5e-5 ? "+" : "") + Millimetres(pose.height_m),
              pose.height_std_m > 0 ? "\u00b1 " + Millimetres(pose.height_std_m)
              : running             ? ""

@@ -87,9 +87,10 @@ struct AnnotateView {
   std::size_t export_format = 0;             ///< In kExportFormats.
   std::string export_frame = "scan", export_out;
   int export_every = 1;
-  bool check = false;                           ///< The list of findings instead of the objects.
-  int finding = -1;                             ///< The last one that was looked at.
-  std::string focus_on;                         ///< The view turns to it as soon as it is selected.
+  std::vector<std::string> also_selected;    ///< Besides the snapshot's: ids, for the list.
+  bool check = false;                        ///< The list of findings instead of the objects.
+  int finding = -1;                          ///< The last one that was looked at.
+  std::string focus_on;                      ///< The view turns to it as soon as it is selected.
   bool focus = false;                        ///< In this frame: the view turns to the selection.
   std::optional<Eigen::Vector3d> look_from;  ///< In this frame: the view looks at the selection
                                              ///< from this point of the scan.

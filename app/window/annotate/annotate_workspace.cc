@@ -310,12 +310,12 @@ void AnnotateWorkspace::AddState(const FrameContext& context, nlohmann::json& st
   state["annotate.findings"] = snapshot.checklist.findings.size();
   state["annotate.comparing"] = snapshot.checklist.comparing;
   if (snapshot.exported) annotate["differences"] = snapshot.exported->differences;
-  annotate["exported"] = !snapshot.exported                   ? ""
-                         : snapshot.exported->running         ? "running"
-                         : snapshot.exported->asks            ? "asks"
+  annotate["exported"] = !snapshot.exported                          ? ""
+                         : snapshot.exported->running                ? "running"
+                         : snapshot.exported->asks                   ? "asks"
                          : !snapshot.exported->open_findings.empty() ? "findings"
-                         : snapshot.exported->problem.empty() ? "done"
-                                                              : snapshot.exported->problem;
+                         : snapshot.exported->problem.empty()        ? "done"
+                                                                     : snapshot.exported->problem;
   if (snapshot.box) annotate["box_points"] = snapshot.box->points->size();
   if (view_.crop_box) {
     annotate["crop_box"] = {{"center", VectorOf(view_.crop_box->center)},

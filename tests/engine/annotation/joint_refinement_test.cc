@@ -36,7 +36,8 @@ TEST(FusePoses, EachDirectionIsTakenFromTheOneThatKnowsIt) {
   const KnownPose by_images{PoseAt({1.01, 2.02, 0.11}, 12), Diagonal(1, 0.001, 1, 0.001)};
   const FusedPose fused =
       FusePoses(by_scan, by_images, kUp, FreeMotion::kAzimuthAndTranslation, {0, 0, 0});
-  EXPECT_THAT(fused.together.scan_from_object, IsometryNear(PoseAt({1, 2.02, 0.1}, 12), 0.01, 1e-4));
+  EXPECT_THAT(fused.together.scan_from_object,
+              IsometryNear(PoseAt({1, 2.02, 0.1}, 12), 0.01, 1e-4));
   EXPECT_EQ(fused.conflict, 1);
   const PoseDeviations deviations = DeviationsOf(fused.together.covariance, kUp);
   EXPECT_NEAR(deviations.horizontal_m, 0.001 * std::sqrt(2), 1e-6);
@@ -71,7 +72,9 @@ TEST(FusePoses, IsThePoseOfGreatestLikelihood) {
     const Eigen::Matrix4d of_move = move * known.covariance * move.transpose();
     return off.dot(of_move.inverse() * off);
   };
-  const auto cost = [&](const Eigen::Isometry3d& pose) { return squared(a, pose) + squared(b, pose); };
+  const auto cost = [&](const Eigen::Isometry3d& pose) {
+    return squared(a, pose) + squared(b, pose);
+  };
   const FusedPose fused = FusePoses(a, b, kUp, FreeMotion::kAzimuthAndTranslation, middle);
   const Eigen::Isometry3d& best = fused.together.scan_from_object;
   for (int axis = 0; axis < 4; ++axis) {
@@ -94,8 +97,8 @@ TEST(FusePoses, WhatContradictsWidensAndWhatIsLockedStays) {
   EXPECT_NEAR(fused.together.scan_from_object.translation().x(), 0.015, 1e-6);
   // 3 cm where 1.4 mm was expected, along one of three directions.
   EXPECT_NEAR(fused.conflict, 0.03 / 0.001 / std::sqrt(6.0), 0.1);
-  EXPECT_NEAR(std::sqrt(fused.together.covariance(0, 0)),
-              fused.conflict * 0.001 / std::sqrt(2.0), 1e-5);
+  EXPECT_NEAR(std::sqrt(fused.together.covariance(0, 0)), fused.conflict * 0.001 / std::sqrt(2.0),
+              1e-5);
   EXPECT_EQ(fused.together.covariance(2, 2), 0);
 }
 
