@@ -119,13 +119,13 @@ class AnnotateRefinementPanel : public Panel {
                     ? fmt::format("{:.0f} %", 100 * *found.agreement_held_out).c_str()
                     : "-");
     }
-    const RefinedPose &apart = refinement.apart, &expected = refinement.apart;
+    const RefinedPose& apart = refinement.apart;
     const std::string how = fmt::format(
         "Scan and images are {:.0f} mm and {:.1f}\u00b0 apart, where {:.0f} mm and "
         "{:.1f}\u00b0 are expected",
         1000 * Distance(apart), std::abs(apart.azimuth_rad) * kDegreesPerRadian,
-        1000 * std::hypot(expected.horizontal_std_m, expected.height_std_m),
-        expected.azimuth_std_rad * kDegreesPerRadian);
+        1000 * std::hypot(apart.horizontal_std_m, apart.height_std_m),
+        apart.azimuth_std_rad * kDegreesPerRadian);
     if (refinement.contradict) {
       WrappedText(colors::kWarning,
                   how + ": they contradict each other. Look at all outlines in the images.");
