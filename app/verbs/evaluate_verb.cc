@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <utility>
 
+#include "app/verbs/evaluate_plant.h"
 #include "app/verbs/evaluate_runs.h"
 #include "app/verbs/evaluate_trajectory.h"
 #include "app/verbs/verb.h"
@@ -31,6 +34,7 @@ struct EvaluateArguments {
   std::string trajectory, reference;  ///< Instead of a run.
   ///< Empty: "yaw" of a trajectory; of a map "trajectory" where it has own poses, else "none".
   std::string align, truth = "both";
+  std::string plant;  ///< Folder for forks in which what was missed is planted; empty: none.
   EvaluationOptions options;
   std::optional<SequenceAlignment> by_trajectory;
 };
@@ -78,8 +82,11 @@ std::string TruthInWords(const GroundTruthInstance& truth) {
   return text;
 }
 
+using PlantedTruths = std::map<std::string, PlantedTruth>;
+
 /// @param truths  Why instances are missed; null: not known.
-void PrintObjects(const MapEvaluation& evaluation, const TruthsView* truths) {
+void PrintObjects(const MapEvaluation& evaluation, const TruthsView* truths,
+                  const PlantedTruths& planted) {
   std::printf("%-6s %-18s %-18s %7s %7s %8s %8s %6s %7s %8s\n", "object", "model", "ground truth",
               "trans.", "centre", "rotation", "azimuth", "tilt", "height", "surface");
   std::printf("%-6s %-18s %-18s %7s %7s %8s %8s %6s %7s %8s\n", "", "", "", "cm", "cm", "deg",
@@ -106,12 +113,16 @@ void PrintObjects(const MapEvaluation& evaluation, const TruthsView* truths) {
                 instance.fine ? "" : "coarse");
     const TruthView* truth = truths != nullptr ? FindTruth(*truths, instance.id) : nullptr;
     if (truth != nullptr) std::printf("       %s\n", truth->text.c_str());
+    const auto told = planted.find(instance.id);
+    if (told != planted.end())
+      std::printf("       Planted, to blame is %s: %s\n", BlameOf(told->second.fate),
+                  told->second.text.c_str());
   }
 }
 
 void PrintTable(const MapEvaluation& evaluation, const TruthsView* truths,
-                const EvaluateArguments& arguments) {
-  PrintObjects(evaluation, truths);
+                const PlantedTruths& planted, const EvaluateArguments& arguments) {
+  PrintObjects(evaluation, truths, planted);
   std::printf("\nmatched %zu, missed %zu, spurious %zu; alignment %s, truth %s%s\n\n",
               evaluation.matched.size(), evaluation.missed.size(), evaluation.spurious.size(),
               arguments.align.c_str(), arguments.scene.empty() ? "models" : arguments.truth.c_str(),
@@ -281,7 +292,7 @@ Result<Truth> LoadTruth(const EvaluateArguments& arguments) {
 /// Judges estimates and, where `beliefs` has a history of them, what they were believed to be.
 /// Prints the tables unless standard output is for JSON.
 Result<nlohmann::json> Judge(const std::vector<EstimatedObject>& estimates, const Truth& truth,
-                             const std::optional<RunReview>& beliefs,
+                             const std::optional<RunReview>& beliefs, const PlantedTruths& planted,
                              const EvaluateArguments& arguments) {
   const Result<MapEvaluation> evaluation =
       EvaluateMap(estimates, truth.instances, *truth.database, truth.scan ? &*truth.scan : nullptr,
@@ -294,16 +305,18 @@ Result<nlohmann::json> Judge(const std::vector<EstimatedObject>& estimates, cons
       !beliefs->history.frames.front()->truths.empty())
     known = TruthsOf(*beliefs);
   if (arguments.json != "-") {
-    PrintTable(*evaluation, known ? &*known : nullptr, arguments);
+    PrintTable(*evaluation, known ? &*known : nullptr, planted, arguments);
     if (beliefs) PrintReliability(beliefs->history, truths);
   }
   nlohmann::json json = EvaluationToJson(*evaluation, arguments.options);
   if (arguments.by_trajectory)
     json["trajectory"] = TrajectoryToJson(arguments.by_trajectory->errors);
   for (nlohmann::json& missed : json["missed_instances"]) {
-    const TruthView* told =
-        known ? FindTruth(*known, missed["ground_truth"].get<std::string>()) : nullptr;
+    const auto id = missed["ground_truth"].get<std::string>();
+    const TruthView* told = known ? FindTruth(*known, id) : nullptr;
     if (told != nullptr) missed["why"] = WhyMissedToJson(*told);
+    if (const auto at = planted.find(id); at != planted.end())
+      missed["planted"] = PlantedToJson(at->second);
   }
   if (beliefs) json["belief"] = BeliefToJson(beliefs->history, truths);
   return json;
@@ -333,7 +346,19 @@ Status Evaluate(EvaluateArguments arguments) {
   const Result<Truth> truth = LoadTruth(arguments);
   if (!truth) return truth.error();
   const std::optional<RunReview> beliefs = BeliefsOf(arguments);
-  Result<nlohmann::json> json = Judge(*estimates, *truth, beliefs, arguments);
+  PlantedTruths planted;
+  if (!arguments.plant.empty()) {
+    if (!beliefs) {
+      return Error{ErrorCode::kInvalidInput,
+                   "--plant maps a run file (.plb) again; '" + arguments.run +
+                       "' cannot be, or is not in the frame of the ground truth"};
+    }
+    auto told = PlantMissed({arguments.run, {}, arguments.models}, arguments.ground_truth, *beliefs,
+                            arguments.plant);
+    if (!told) return told.error();
+    planted = std::move(*told);
+  }
+  Result<nlohmann::json> json = Judge(*estimates, *truth, beliefs, planted, arguments);
   if (!json) return json.error();
   const auto smoothed = ReadSmoothedEstimates(arguments.run);
   if (!smoothed) return smoothed.error();
@@ -341,7 +366,7 @@ Status Evaluate(EvaluateArguments arguments) {
     if (arguments.json != "-") std::printf("\n\nSMOOTHED: the second pass over all frames\n\n");
     const auto smoothed_beliefs = SmoothedBeliefs(beliefs, arguments);
     if (!smoothed_beliefs) return smoothed_beliefs.error();
-    Result<nlohmann::json> beside = Judge(**smoothed, *truth, *smoothed_beliefs, arguments);
+    Result<nlohmann::json> beside = Judge(**smoothed, *truth, *smoothed_beliefs, {}, arguments);
     if (!beside) return beside.error();
     (*json)["smoothed"] = std::move(*beside);
   }
@@ -374,9 +399,13 @@ VerbFunction ChooseEvaluation(EvaluateArguments arguments) {
   }
   if (arguments.runs.empty()) throw CLI::RequiredError("a run, or --trajectory");
   if (arguments.runs.size() > 1 || std::filesystem::is_directory(arguments.runs.front())) {
-    if (!arguments.align.empty() || !arguments.scene.empty())
-      throw CLI::ValidationError(arguments.align.empty() ? "--scene" : "--align",
-                                 "of several runs only what they missed is told; give one run");
+    for (const auto& [name, value] :
+         {std::pair("--align", &arguments.align), std::pair("--scene", &arguments.scene),
+          std::pair("--plant", &arguments.plant)}) {
+      if (!value->empty())
+        throw CLI::ValidationError(name,
+                                   "of several runs only what they missed is told; give one run");
+    }
     return [arguments] {
       return EvaluateRuns({arguments.runs, arguments.ground_truth, arguments.models,
                            arguments.options.ignored_categories, arguments.json});
@@ -442,6 +471,11 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
                    "Seed of the sampled points: the same seed gives the same figures")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  verb->add_option("--plant", arguments->plant,
+                   "Map the run again for each instance that it missed, with its true pose as a "
+                   "candidate, and say whether the search, the likelihood or the evidence for "
+                   "being there is to blame; the forks stay in this folder")
+      ->type_name("DIR");
   verb->add_option("--json", arguments->json, "Write the results as JSON (- for standard output)")
       ->type_name("FILE");
   verb->callback([arguments, &chosen] { chosen = ChooseEvaluation(*arguments); });

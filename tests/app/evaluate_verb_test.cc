@@ -249,6 +249,12 @@ TEST_F(EvaluateVerb, SaysWhatItCannotCompare) {
   const ProgramRun aligned = Run("evaluate run.plb run.plb --align icp");
   EXPECT_NE(aligned.exit_code, 0);
   EXPECT_THAT(aligned.output, HasSubstr("give one run"));
+  EXPECT_EQ(Run("evaluate run.plb run.plb --plant forks").exit_code, 2);
+  ASSERT_EQ(Run("export run.plb --format json --out map.json").exit_code, 0);
+  const ProgramRun planted =
+      Run("evaluate map.json --ground-truth truth.json --models models --plant forks");
+  EXPECT_EQ(planted.exit_code, 1);
+  EXPECT_THAT(planted.output, HasSubstr("--plant maps a run file"));
 }
 
 }  // namespace

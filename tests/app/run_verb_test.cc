@@ -16,6 +16,7 @@
 #include "engine/base/check.h"
 #include "engine/base/files.h"
 #include "engine/base/random.h"
+#include "engine/dataset/json_fields.h"
 #include "engine/recording/run_file.h"
 #include "tests/support/drawn_sequence.h"
 #include "tests/support/report_bytes.h"
@@ -215,6 +216,38 @@ TEST_F(RunVerb, ForkedWithTheSameOptionsItIsTheSameRun) {
                         Path("whole.plb")})),
             1);
   EXPECT_EQ(FramesIn("whole.plb"), kFrames) << "a run is not overwritten by its own fork";
+}
+
+TEST_F(RunVerb, WhatItMissedCanBePlanted) {
+  nlohmann::json instances = nlohmann::json::array();
+  for (const PlacedModel& object : DrawnObjects()) {
+    const auto& model = MappingScene::Get().database()->model(object.label);
+    instances.push_back({{"id", std::to_string(object.object.value)},
+                         {"model", model.name},
+                         {"category", model.category},
+                         {"world_from_object", IsometryToJson(object.world_from_object)}});
+  }
+  const nlohmann::json truth = {{"gravity", {0, 0, -1}}, {"instances", instances}};
+  ASSERT_TRUE(WriteFileAtomically(Path("sequence/ground_truth.json"), truth.dump()).ok());
+  // Nothing is ever confirmed, so every instance is missed.
+  ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("shy.plb"), "--set",
+                        "confirm_evidence=50"})),
+            0);
+  ASSERT_EQ(Wait(Start({"evaluate", Path("shy.plb"), "--ground-truth",
+                        Path("sequence/ground_truth.json"), "--models", Path("sequence/models"),
+                        "--plant", Path("planted"), "--json", Path("result.json")})),
+            0)
+      << ReadFile(Path("output.txt")).value();
+  const nlohmann::json result = ReadJson(Path("result.json")).value();
+  int planted = 0;
+  for (const nlohmann::json& missed : result.at("missed_instances")) {
+    if (!missed.contains("planted")) continue;
+    ++planted;
+    EXPECT_EQ(missed["planted"]["blame"], "being there") << missed.dump(1);
+    const std::string fork = "planted/shy." + missed["ground_truth"].get<std::string>() + ".plb";
+    EXPECT_EQ(FramesIn(fork.c_str()), kFrames);
+  }
+  EXPECT_GE(planted, 3);
 }
 
 TEST_F(RunVerb, DoesNotResumeAnotherRun) {

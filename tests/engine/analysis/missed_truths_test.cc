@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/analysis/history.h"
+#include "engine/analysis/planted_truth.h"
 #include "engine/analysis/true_instances.h"
 #include "engine/mapping/map_report.h"
 
@@ -130,6 +131,7 @@ class ToldRun {
     events_.push_back({frame_ - 1, {kind, {object}, {}, text, {}}});
   }
   TruthView Near() const { return All().truths[0]; }
+  const RunHistory& history() const { return history_; }
   TruthsView All() const { return TruthsOf(history_, events_, view_, kConfirm); }
 
  private:
@@ -240,6 +242,60 @@ TEST(WhyMissed, IsWrittenAsJson) {
   EXPECT_EQ(why["boxes"][0]["object"], 7);
   EXPECT_EQ(why["frames_boxed"], 30);
   EXPECT_EQ(FindTruth(run.All(), "nobody"), nullptr);
+}
+
+TEST(Planted, IsGivenBeforeTheInstanceShowsWell) {
+  ToldRun run;
+  run.Frames(5, {}, {}, true);
+  run.Frames(5, {});
+  EXPECT_EQ(FrameToPlantAfter(run.history(), 0), 4);
+  ToldRun at_once;
+  at_once.Frames(5, {});
+  EXPECT_EQ(FrameToPlantAfter(at_once.history(), 0), 0);
+  EXPECT_FALSE(FrameToPlantAfter(RunHistory(), 0));
+}
+
+TEST(Planted, TellsSearchLikelihoodAndBeingThereApart) {
+  constexpr int kAfter = 9;
+  const auto planted = [&](const std::vector<std::pair<double, ObjectState>>& way,
+                           const char* end) {
+    ToldRun run;
+    run.Frames(kAfter + 1, {});
+    for (const auto& [x, state] : way) run.Frames(10, {StoolAs(5, state, Placed(x, 0, 4))});
+    if (end != nullptr) run.Event(EventKind::kRetired, 5, end);
+    run.Frames(1, end == nullptr
+                      ? std::vector{StoolAs(5, way.back().second, Placed(way.back().first, 0, 4))}
+                      : std::vector<ObjectReport>());
+    return JudgePlanted(run.Near(), ObjectId{5}, kAfter, kConfirm);
+  };
+  const PlantedTruth found =
+      planted({{0, ObjectState::kTentative}, {0.02, ObjectState::kConfirmed}}, nullptr);
+  EXPECT_EQ(found.fate, PlantedFate::kConfirmed);
+  EXPECT_STREQ(BlameOf(found.fate), "search");
+  EXPECT_NE(found.text.find("after frame 9, object 5 is confirmed and stands 2 cm"),
+            std::string::npos)
+      << found.text;
+  const PlantedTruth waits = planted({{0.02, ObjectState::kTentative}}, nullptr);
+  EXPECT_EQ(waits.fate, PlantedFate::kNotConfirmed);
+  const PlantedTruth gone = planted({{0.02, ObjectState::kTentative}}, "without support");
+  EXPECT_EQ(gone.fate, PlantedFate::kWithdrawn);
+  EXPECT_STREQ(BlameOf(gone.fate), "being there");
+  EXPECT_NE(gone.text.find("until frame 19: without support"), std::string::npos) << gone.text;
+  const PlantedTruth moved =
+      planted({{0, ObjectState::kTentative}, {0.3, ObjectState::kTentative}}, "without support");
+  EXPECT_EQ(moved.fate, PlantedFate::kMoved);
+  EXPECT_STREQ(BlameOf(moved.fate), "likelihood");
+  EXPECT_NE(moved.text.find("30 cm"), std::string::npos) << moved.text;
+  EXPECT_EQ(JudgePlanted(TruthView(), ObjectId{5}, kAfter, kConfirm).fate, PlantedFate::kMoved)
+      << "what became another instance is no candidate of this one";
+  EXPECT_EQ(PlantedToJson(moved)["blame"], "likelihood");
+}
+
+TEST(Planted, IsKnownByItsReason) {
+  const std::vector<RunEvent> events = {{0, 3, {EventKind::kSpawned, {7}, {}, "a box", {}}},
+                                        {1, 4, {EventKind::kSpawned, {8}, {}, "planted here", {}}}};
+  EXPECT_EQ(ObjectPlanted(events, "planted here"), ObjectId{8});
+  EXPECT_EQ(ObjectPlanted(events, "planted there"), ObjectId());
 }
 
 }  // namespace
