@@ -300,6 +300,8 @@ Result<ScaleFit> SolveScale(const AnnotatedInstance& instance, const ModelDataba
   if (!id) return Error{ErrorCode::kNotFound, "there is no model '" + instance.model + "'"};
   const auto surface = ModelSurface::Prepare(models.model(*id).mesh);
   if (!surface) return surface.error();
+  // Where the foot was not scanned, a higher place and a smaller object look the same.
+  if (motion == FreeMotion::kAzimuthAndTranslation) motion = FreeMotion::kAzimuthAndHorizontal;
   return FitScale(target, **surface, instance.scale, instance.scan_from_object, up, motion);
 }
 

@@ -48,6 +48,16 @@ class ScaleFitter {
       Weigh(step <= kApproach + 10);
       fit.converged = Step() < 1e-6 && step > kApproach;
     }
+    // With what its parts contradict each other by counted in, the prior may say more.
+    widening_ = Widening();
+    fit.converged = false;
+    for (int step = 0; step < kMostSteps && !fit.converged; ++step) {
+      if (context.stop.stop_requested()) return true;
+      FindMatches(kFirstReach_m / 2);
+      if (matches_.size() < kFewestMatches) return false;
+      Weigh(false);
+      fit.converged = Step() < 1e-6;
+    }
     fit.scale = scale_;
     fit.scale_std = std::sqrt(Covariance()(last(), last()));
     fit.scan_from_model = pose_;
@@ -129,7 +139,44 @@ class ScaleFitter {
     }
     double together = 0;
     for (const auto& [at, pull] : patches) together += pull * pull;
-    return alone > 0 ? std::max(1.0, together / alone) : 1.0;
+    return widening_ * (alone > 0 ? std::max(1.0, together / alone) : 1.0);
+  }
+
+  Eigen::MatrixXd Damped(const Eigen::MatrixXd& information) const {
+    return information +
+           1e-9 * information.trace() * Eigen::MatrixXd::Identity(last() + 1, last() + 1);
+  }
+
+  /// How many times larger the variance of the scale is by the jackknife over octants about the
+  /// middle of the points, without the prior; at least 1.
+  double Widening() const {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const Match& match : matches_) middle += match.in_scan;
+    middle /= static_cast<double>(matches_.size());
+    const Eigen::MatrixXd all = Information();
+    std::vector<Eigen::MatrixXd> without(8, all);
+    std::vector<Eigen::VectorXd> pulls(8, Eigen::VectorXd::Zero(last() + 1));
+    std::vector<bool> has_points(8, false);
+    for (const Match& match : matches_) {
+      const Eigen::Vector3d at = match.in_scan - middle;
+      const auto octant =
+          static_cast<std::size_t>((at.x() > 0) + 2 * (at.y() > 0) + 4 * (at.z() > 0));
+      has_points[octant] = has_points[octant] || match.weight > 0;
+      without[octant] -= match.weight * match.gradient * match.gradient.transpose();
+      for (std::size_t i = 0; i < 8; ++i)
+        if (i != octant) pulls[i] -= match.weight * match.distance_m * match.gradient;
+    }
+    std::vector<double> moved;
+    for (std::size_t i = 0; i < 8; ++i) {
+      if (has_points[i]) moved.push_back((Damped(without[i]).inverse() * pulls[i])(last()));
+    }
+    double mean = 0, squares = 0;
+    for (const double each : moved) mean += each / static_cast<double>(moved.size());
+    for (const double each : moved) squares += (each - mean) * (each - mean);
+    const auto parts = static_cast<double>(moved.size());
+    const Eigen::MatrixXd inverse = Damped(all).inverse();
+    const double variance = inverse(last(), last()) * sigma_m_ * sigma_m_ * Effect(inverse);
+    return std::max(1.0, (parts - 1) / parts * squares / variance);
   }
 
   /// What the pairs and the prior say together.
@@ -171,6 +218,7 @@ class ScaleFitter {
   ScalePrior prior_;
   Eigen::MatrixXd free_;
   double sigma_m_ = 0.01;
+  double widening_ = 1;  ///< Of the variance of the points, as of Widening.
   std::vector<Match> matches_;
 };
 

@@ -159,12 +159,21 @@ void ProposePose(const RefinedPose& pose, const PlacementTask* scan, RefinementV
       *scan->target, scan->mesh->vertices, pose.scan_from_object, kResidualReach_m));
 }
 
+namespace {
+
+/// Where the foot was not scanned, a higher place and a smaller object look the same.
+FreeMotion AtItsHeight(FreeMotion motion) {
+  return motion == FreeMotion::kAzimuthAndTranslation ? FreeMotion::kAzimuthAndHorizontal : motion;
+}
+
+}  // namespace
+
 void SolveScale(OutlineScene* outlines, const WorkContext& work, RefinementTask& task,
                 RefinementView& refinement) {
   if (!task.free_scale || !task.scan || task.by == RefineBy::kImages) return;
   PlacementTask& scan = *task.scan;
   const auto fit = FitScale(*scan.target, *scan.unscaled, scan.scale, refinement.scan_from_object,
-                            task.up_in_scan, task.motion, {}, work);
+                            task.up_in_scan, AtItsHeight(task.motion), {}, work);
   if (!fit) {
     if (fit.error().code != ErrorCode::kCancelled) refinement.scale_problem = fit.error().message;
     return;

@@ -283,7 +283,8 @@ TEST_F(AnnotateVerb, AScaledObjectIsExportedAtItsSizeAndComesBack) {
   ASSERT_EQ(Run("export room.json --format ground_truth --out truth.json"), 0) << Output();
   ASSERT_EQ(Run("import back.json --create --format ground_truth --from truth.json"), 0);
   double scale = 0;
-  for (const auto& instance : Json("back.json")["instances"]) {
+  const nlohmann::json back = Json("back.json");
+  for (const auto& instance : back["instances"]) {
     if (instance["id"] == "chair_1") scale = instance["scale"];
   }
   EXPECT_EQ(scale, 1.05);
