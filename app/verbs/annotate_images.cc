@@ -11,10 +11,12 @@
 #include "engine/annotation/check_frames.h"
 #include "engine/annotation/joint_refinement.h"
 #include "engine/annotation/outline_scene.h"
+#include "engine/annotation/reopening.h"
 #include "engine/base/log.h"
 #include "engine/dataset/json_fields.h"
 #include "engine/geometry/angles.h"
 #include "engine/models/mesh_file.h"
+#include "engine/registration/scale_fit.h"
 
 namespace plumbline {
 namespace {
@@ -36,7 +38,7 @@ class ProjectImages {
   };
 
   Result<View> Of(const AnnotatedInstance& instance, const WorkContext& work) {
-    const auto model = scene_.Model(instance.model);
+    const auto model = scene_.Model(instance.model, instance.scale);
     if (!model) return Error{model.error().code, instance.id + ": " + model.error().message};
     View view{*model, scene_.OccludersOf(document_, instance.id), nullptr};
     CheckFrameOptions options;
@@ -290,6 +292,19 @@ RefineBy TakenBy(const std::string& by, const JointRefinement& refined) {
   return by == "scan" ? RefineBy::kScan : by == "images" ? RefineBy::kImages : refined.best;
 }
 
+/// Of the part of the scan where it stands. Errors: those of FitScale, kNotFound.
+Result<ScaleFit> SolveScale(const AnnotatedInstance& instance, const ModelDatabase& models,
+                            const ScanTarget& target, const Eigen::Vector3d& up,
+                            FreeMotion motion) {
+  const auto id = models.Find(instance.model);
+  if (!id) return Error{ErrorCode::kNotFound, "there is no model '" + instance.model + "'"};
+  const auto surface = ModelSurface::Prepare(models.model(*id).mesh);
+  if (!surface) return surface.error();
+  // Where the foot was not scanned, a higher place and a smaller object look the same.
+  if (motion == FreeMotion::kAzimuthAndTranslation) motion = FreeMotion::kAzimuthAndHorizontal;
+  return FitScale(target, **surface, instance.scale, instance.scan_from_object, up, motion);
+}
+
 Status RefineInstances(const std::string& project_file, const ImageArguments& images,
                        const RefineArguments& arguments, const std::string& json_file) {
   const auto project = OpenProject(project_file, AnnotationProject::Access::kWrite);
@@ -330,7 +345,15 @@ Status RefineInstances(const std::string& project_file, const ImageArguments& im
   nlohmann::json json = nlohmann::json::array();
   Status status;
   if (!quiet) PrintHead();
-  const auto refine = [&](const AnnotatedInstance& instance) -> Result<nlohmann::json> {
+  const auto refine = [&](const AnnotatedInstance& placed) -> Result<nlohmann::json> {
+    AnnotatedInstance instance = placed;
+    std::optional<ScaleFit> scaled;
+    if (instance.may_scale && target != nullptr) {
+      const auto fit = SolveScale(instance, *inputs->models, *target, up, options.motion);
+      if (!fit) return fit.error();
+      scaled = *fit;
+      instance.scale = std::round(1e4 * fit->scale) / 1e4;
+    }
     RefinementEvidence evidence;
     ProjectImages::View view;
     HeldOutImages apart;
@@ -348,7 +371,8 @@ Status RefineInstances(const std::string& project_file, const ImageArguments& im
     if (target != nullptr) {
       const auto id = inputs->models->Find(instance.model);
       if (!id) return Error{ErrorCode::kNotFound, "there is no model '" + instance.model + "'"};
-      auto prepared = ModelSurface::Prepare(inputs->models->model(*id).mesh);
+      auto prepared =
+          ModelSurface::Prepare(Scaled(inputs->models->model(*id), instance.scale).mesh);
       if (!prepared) return prepared.error();
       surface = std::move(*prepared);
       evidence.scan = target.get();
@@ -371,9 +395,20 @@ Status RefineInstances(const std::string& project_file, const ImageArguments& im
     ChangeInstance change;
     change.id = instance.id;
     change.set.scan_from_object = refined->Of(taken)->estimate.scan_from_object;
+    if (scaled) change.set.scale = instance.scale;
     group.edits.push_back(change);
     const auto count = [](const auto& some) { return some ? some->images().size() : 0; };
-    return ToJson(instance.id, *refined, taken, count(apart.used), count(apart.held_out), up);
+    nlohmann::json row =
+        ToJson(instance.id, *refined, taken, count(apart.used), count(apart.held_out), up);
+    if (scaled) {
+      row["scale"] = instance.scale;
+      row["scale_std"] = scaled->scale_std;
+      if (!quiet) {
+        std::printf("%-16s scale %.4f +- %.4f\n", instance.id.c_str(), instance.scale,
+                    scaled->scale_std);
+      }
+    }
+    return row;
   };
   for (const AnnotatedInstance* instance : *chosen) {
     const auto refined = refine(*instance);
@@ -390,7 +425,8 @@ Status RefineInstances(const std::string& project_file, const ImageArguments& im
   }
   const std::size_t moved = group.edits.size();
   if (moved > 0) {
-    if (const Status applied = (*project)->Apply(group); !applied.ok()) return applied;
+    const Edit edit = WithReopening(group, document, "");
+    if (const Status applied = (*project)->Apply(edit); !applied.ok()) return applied;
     if (const Status saved = (*project)->Save(); !saved.ok()) return saved;
   }
   if (!quiet) std::printf("%s: %zu of %zu moved\n", project_file.c_str(), moved, chosen->size());

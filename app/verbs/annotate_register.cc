@@ -9,6 +9,7 @@
 #include "app/verbs/annotation_inputs.h"
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
+#include "engine/annotation/reopening.h"
 #include "engine/base/files.h"
 #include "engine/models/mesh_file.h"
 #include "engine/session/sequence_registration.h"
@@ -125,7 +126,9 @@ Status RegisterSequence(const std::string& file, const RegisterArguments& argume
                 100 * found->position_std_m.norm(), found->azimuth_std_rad * 180 / std::numbers::pi,
                 100 * found->share, 100 * found->rmse_m);
   }
-  const Status applied = (*project)->Apply(SetSceneAlignment{found->scan_from_world});
+  const Edit edit =
+      WithReopening(SetSceneAlignment{found->scan_from_world}, (*project)->document(), "");
+  const Status applied = (*project)->Apply(edit);
   if (!applied.ok()) return applied;
   if (const Status saved = (*project)->Save(); !saved.ok()) return saved;
   return json_file.empty() ? Status() : WriteJsonResult(json_file, ToJson(*found, names));

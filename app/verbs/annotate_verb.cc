@@ -17,6 +17,7 @@
 #include "engine/annotation/bop_files.h"
 #include "engine/annotation/crop_cut.h"
 #include "engine/annotation/crop_models.h"
+#include "engine/annotation/reopening.h"
 #include "engine/annotation/staged_export.h"
 #include "engine/base/files.h"
 #include "engine/base/log.h"
@@ -123,7 +124,8 @@ Status ApplyEdits(const AnnotateArguments& arguments) {
     group.edits.push_back(std::move(*edit));
   }
   if (const Status staged = cutter.Stage(); !staged.ok()) return staged;
-  if (const Status applied = (*project)->Apply(group); !applied.ok()) return applied;
+  const Edit edit = WithReopening(group, (*project)->document(), arguments.annotator);
+  if (const Status applied = (*project)->Apply(edit); !applied.ok()) return applied;
   if (const auto synced = SyncCropModels(**project); !synced) return synced.error();
   return SaveAndSay(**project, "edits applied", edits->size());
 }
@@ -175,11 +177,17 @@ Status Import(const AnnotateArguments& arguments) {
     group.edits.push_back(AddInstance{std::move(instance), std::nullopt});
   }
   const std::size_t count = read->instances.size();
-  if (const Status applied = (*project)->Apply(group); !applied.ok()) return applied;
+  const Edit edit = WithReopening(group, (*project)->document(), arguments.annotator);
+  if (const Status applied = (*project)->Apply(edit); !applied.ok()) return applied;
   return SaveAndSay(**project, "instances read", count);
 }
 
 // Writing.
+
+/// Findings that somebody called all right, to be said where findings are counted.
+std::string AndAccepted(std::size_t count) {
+  return count == 0 ? "" : ", " + std::to_string(count) + " accepted findings";
+}
 
 Status Export(const AnnotateArguments& arguments) {
   const auto project = OpenProject(arguments.project, AnnotationProject::Access::kRead);
@@ -190,8 +198,13 @@ Status Export(const AnnotateArguments& arguments) {
   if (!frames) return frames.error();
   const ExchangeInputs inputs = opened->View(std::move(*frames));
   const AnnotationDocument& document = (*project)->document();
+  std::size_t num_accepted = 0;
   for (const AnnotationFinding& finding : CheckAnnotations(document, inputs)) {
-    if (finding.IsError()) log::warn("{} ('plumbline annotate check')", finding.sentence);
+    if (!finding.IsError()) continue;
+    if (FindAcceptance(finding, document) != nullptr)
+      ++num_accepted;
+    else
+      log::warn("{} ('plumbline annotate check')", finding.sentence);
   }
   ExportRequest request{arguments.format, arguments.path, FrameOf(arguments.frame)};
   if (!arguments.second.file.empty()) {
@@ -211,13 +224,15 @@ Status Export(const AnnotateArguments& arguments) {
   const std::vector<std::string> differences = (*staged)->Differences();
   const auto kept = (*staged)->Take();
   if (!kept) return kept.error();
-  std::printf("%s: %zu instances\n", arguments.path.c_str(), document.instances.size());
+  std::printf("%s: %zu instances%s\n", arguments.path.c_str(), document.instances.size(),
+              AndAccepted(num_accepted).c_str());
   for (const std::string& difference : differences) std::printf("  %s\n", difference.c_str());
   if (!kept->empty()) std::printf("  what was there is kept as %s\n", kept->c_str());
   return {};
 }
 
-nlohmann::json FindingsToJson(const std::vector<AnnotationFinding>& findings) {
+nlohmann::json FindingsToJson(const std::vector<AnnotationFinding>& findings,
+                              const AnnotationDocument& document) {
   nlohmann::json json = nlohmann::json::array();
   for (const AnnotationFinding& finding : findings) {
     json.push_back({{"kind", finding.kind},
@@ -225,8 +240,22 @@ nlohmann::json FindingsToJson(const std::vector<AnnotationFinding>& findings) {
                     {"amount", finding.amount},
                     {"unit", finding.unit},
                     {"sentence", finding.sentence}});
+    if (const AcceptedFinding* accepted = FindAcceptance(finding, document)) {
+      json.back()["accepted"] = {{"by", accepted->by}, {"note", accepted->note}};
+    }
   }
   return json;
+}
+
+void PrintFinding(const AnnotationFinding& finding, const AnnotationDocument& document) {
+  std::string accepted;
+  if (const AcceptedFinding* known = FindAcceptance(finding, document)) {
+    accepted = " (accepted";
+    if (!known->by.empty()) accepted += " by " + known->by;
+    if (!known->note.empty()) accepted += ": " + known->note;
+    accepted += ")";
+  }
+  std::printf("%-16s %s%s\n", finding.kind.c_str(), finding.sentence.c_str(), accepted.c_str());
 }
 
 Status Check(const AnnotateArguments& arguments) {
@@ -246,7 +275,7 @@ Status Check(const AnnotateArguments& arguments) {
   auto findings = CheckAnnotations(document, view, arguments.check);
   const bool quiet = arguments.json == "-";
   for (const AnnotationFinding& finding : findings) {
-    if (!quiet) std::printf("%-16s %s\n", finding.kind.c_str(), finding.sentence.c_str());
+    if (!quiet) PrintFinding(finding, document);
   }
   nlohmann::json agreement = nlohmann::json::array();
   if (inputs->sequence && inputs->models && arguments.images.frames > 0) {
@@ -257,17 +286,22 @@ Status Check(const AnnotateArguments& arguments) {
       if (row.contains("problem")) continue;
       const auto low = CheckAgreement(row["id"], row["agreement"], row["images"], arguments.check);
       if (!low) continue;
-      if (!quiet) std::printf("%-16s %s\n", low->kind.c_str(), low->sentence.c_str());
+      if (!quiet) PrintFinding(*low, document);
       findings.push_back(*low);
     }
   }
   if (!quiet) {
-    std::printf("%s: %zu instances, %zu findings\n", arguments.project.c_str(),
-                (*project)->document().instances.size(), findings.size());
+    const auto num_accepted = static_cast<std::size_t>(
+        std::count_if(findings.begin(), findings.end(), [&](const AnnotationFinding& finding) {
+          return FindAcceptance(finding, document) != nullptr;
+        }));
+    std::printf("%s: %zu instances, %zu findings%s\n", arguments.project.c_str(),
+                document.instances.size(), findings.size() - num_accepted,
+                AndAccepted(num_accepted).c_str());
   }
   if (arguments.json.empty()) return {};
   return WriteJsonResult(arguments.json,
-                         {{"findings", FindingsToJson(findings)}, {"images", agreement}});
+                         {{"findings", FindingsToJson(findings, document)}, {"images", agreement}});
 }
 
 Status AgreeWithSecond(const AnnotateArguments& arguments) {

@@ -42,6 +42,9 @@ struct InstanceFields {
   Field<bool> locked =
       Initially<Field>(false);  ///< Refuses changes of pose and model, and removal.
   Field<bool> may_tilt = Initially<Field>(false);  ///< It does not stand upright, and is meant so.
+  /// The object is this much as large as its model, which is scaled before it is posed.
+  Field<double> scale = Initially<Field>(1.0);
+  Field<bool> may_scale = Initially<Field>(false);  ///< `scale` is for Refine to find.
 };
 using AnnotatedInstance = InstanceFields<std::type_identity_t>;
 /// What is set changes, the rest stays; `id` renames it.
@@ -70,6 +73,8 @@ void VisitInstance(Visitor&& visit, Instances&&... of) {
   visit(InstanceField{"hidden"}, of.hidden...);
   visit(InstanceField{"locked"}, of.locked...);
   visit(InstanceField{"may_tilt"}, of.may_tilt...);
+  visit(InstanceField{"scale"}, of.scale...);
+  visit(InstanceField{"may_scale"}, of.may_scale...);
 }
 
 /// Returns the change that takes it back exactly.

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 
 #include "engine/annotation/crop_cut.h"
+#include "engine/annotation/scaled_models.h"
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 #include "engine/registration/model_surface.h"
@@ -25,7 +27,10 @@ class Checker {
  public:
   Checker(const AnnotationDocument& document, const ExchangeInputs& inputs,
           const AnnotationCheckOptions& options)
-      : document_(document), inputs_(inputs), options_(options) {}
+      : document_(document),
+        inputs_(inputs),
+        options_(options),
+        scaled_(WithScaledModels(document, inputs.models).models) {}
 
   std::vector<AnnotationFinding> Run() {
     for (const AnnotatedInstance& instance : document_.instances) CheckAlone(instance);
@@ -41,8 +46,12 @@ class Checker {
 
  private:
   const CadModel* ModelOf(const AnnotatedInstance& instance) const {
-    const auto id = inputs_.models ? inputs_.models->Find(instance.model) : std::nullopt;
-    return id ? &inputs_.models->model(*id) : nullptr;
+    const bool scaled = scaled_ != nullptr && instance.scale != 1;
+    const ModelDatabase* models = scaled ? scaled_.get() : inputs_.models;
+    if (models == nullptr) return nullptr;
+    const auto id =
+        models->Find(scaled ? ScaledModelName(instance.model, instance.scale) : instance.model);
+    return id ? &models->model(*id) : nullptr;
   }
 
   /// Null for a mesh that has no surface.
@@ -200,11 +209,46 @@ class Checker {
   const AnnotationDocument& document_;
   const ExchangeInputs& inputs_;
   const AnnotationCheckOptions& options_;
+  std::shared_ptr<const ModelDatabase> scaled_;  ///< With models of scaled instances; may be null.
   std::map<int, std::shared_ptr<const ModelSurface>> surfaces_;
   std::vector<AnnotationFinding> findings_;
 };
 
 }  // namespace
+
+std::optional<AcceptedFinding> AcceptanceOf(const AnnotationFinding& finding,
+                                            const AnnotationDocument& document) {
+  AcceptedFinding accepted{finding.kind, {}, finding.amount, finding.unit, "", ""};
+  for (const std::string& id : finding.instances) {
+    const AnnotatedInstance* instance = document.Find(id);
+    if (instance == nullptr) return std::nullopt;
+    accepted.objects.push_back({id, instance->model, instance->scale, instance->scan_from_object});
+  }
+  if (accepted.objects.empty()) return std::nullopt;
+  return accepted;
+}
+
+const AcceptedFinding* FindAcceptance(const AnnotationFinding& finding,
+                                      const AnnotationDocument& document,
+                                      const AcceptanceLimits& limits) {
+  const double growth = finding.unit == "m"     ? limits.growth_m
+                        : finding.unit == "deg" ? limits.growth_deg
+                                                : std::numeric_limits<double>::infinity();
+  const auto is_as_it_was = [&](const AcceptedFinding::Object& object) {
+    const AnnotatedInstance* now = document.Find(object.id);
+    if (now == nullptr || now->model != object.model || now->scale != object.scale) return false;
+    const Eigen::Isometry3d change = object.scan_from_object.inverse() * now->scan_from_object;
+    return change.translation().norm() <= limits.shift_m &&
+           kDegPerRad * Eigen::AngleAxisd(change.linear()).angle() <= limits.turn_deg;
+  };
+  for (const AcceptedFinding& accepted : document.accepted) {
+    if (!accepted.IsAbout(finding.kind, finding.instances)) continue;
+    const bool holds = finding.amount <= accepted.amount + growth &&
+                       std::all_of(accepted.objects.begin(), accepted.objects.end(), is_as_it_was);
+    return holds ? &accepted : nullptr;
+  }
+  return nullptr;
+}
 
 bool IsDraft(const AnnotatedInstance& instance) {
   return !instance.fine && instance.note.starts_with(kDraftNote);

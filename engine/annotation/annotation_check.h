@@ -31,6 +31,15 @@ struct AnnotationCheckOptions {
   double agreement = 0.2;     ///< With the images, as of MeanAgreement.
 };
 
+/// A finding as it is accepted now; nothing if it is not about placed objects.
+std::optional<AcceptedFinding> AcceptanceOf(const AnnotationFinding& finding,
+                                            const AnnotationDocument& document);
+/// Where it was accepted, and still holds: all objects are as they were then, and it has not grown.
+/// Null: it is open. Points into the document.
+const AcceptedFinding* FindAcceptance(const AnnotationFinding& finding,
+                                      const AnnotationDocument& document,
+                                      const AcceptanceLimits& limits = {});
+
 /// An instance that came from a run and that nobody has called fine yet.
 bool IsDraft(const AnnotatedInstance& instance);
 /// The note of a draft begins with it.

@@ -87,6 +87,9 @@ nlohmann::json DocumentToJson(const AnnotationDocument& document) {
   for (const Crop& crop : document.crops) json["crops"].push_back(CropToJson(crop));
   for (const FramePick& pair : document.pairs) json["pairs"].push_back(PairToJson(pair));
   if (document.state) json["state"] = StateToJson(*document.state);
+  for (const AcceptedFinding& accepted : document.accepted) {
+    json["accepted"].push_back(AcceptedToJson(accepted));
+  }
   return json;
 }
 
@@ -151,6 +154,11 @@ Result<AnnotationDocument> DocumentFromJson(const nlohmann::json& json) {
     Result<ProjectState> state = StateFromJson(json["state"]);
     if (!state) return state.error();
     document.state = std::move(*state);
+  }
+  for (const nlohmann::json& entry : json.value("accepted", nlohmann::json::array())) {
+    Result<AcceptedFinding> accepted = AcceptedFromJson(entry);
+    if (!accepted) return accepted.error();
+    document.accepted.push_back(std::move(*accepted));
   }
   return document;
 }

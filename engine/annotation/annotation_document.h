@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json_fwd.hpp>
 
+#include "engine/annotation/accepted_finding.h"
 #include "engine/annotation/annotated_instance.h"
 #include "engine/annotation/crop.h"
 #include "engine/annotation/project_state.h"
@@ -37,6 +38,8 @@ struct AnnotationDocument {
   std::vector<Crop> crops;            ///< What was cut out of the scan.
   std::vector<FramePick> pairs;       ///< That the sequence is registered by.
   std::optional<ProjectState> state;  ///< Nothing: nobody said how far it is.
+  /// What was found and is all right; also of objects that have been moved or removed since.
+  std::vector<AcceptedFinding> accepted;
 
   const AnnotatedInstance* Find(const std::string& id) const;
   const Crop* FindCrop(const std::string& id) const;

@@ -27,6 +27,14 @@ Error Locked(const std::string& id) {
   return InvalidInput("instance '" + id + "' is locked; unlock it first");
 }
 
+constexpr double kSmallestScale = 0.1, kLargestScale = 10;
+
+bool IsScale(double scale) { return scale >= kSmallestScale && scale <= kLargestScale; }
+
+Error NoScale(const std::string& id) {
+  return InvalidInput("the scale of '" + id + "' must be between 0.1 and 10");
+}
+
 Result<Edit> Apply(const AddInstance& edit, AnnotationDocument& document) {
   const AnnotatedInstance& instance = edit.instance;
   if (instance.id.empty() || instance.model.empty()) {
@@ -37,6 +45,7 @@ Result<Edit> Apply(const AddInstance& edit, AnnotationDocument& document) {
   if (!IsRigid(instance.scan_from_object)) {
     return InvalidInput("the pose of '" + instance.id + "' is not a rigid transform");
   }
+  if (!IsScale(instance.scale)) return NoScale(instance.id);
   const std::size_t index =
       std::min(edit.index.value_or(document.instances.size()), document.instances.size());
   document.instances.insert(document.instances.begin() + static_cast<std::ptrdiff_t>(index),
@@ -53,12 +62,26 @@ Result<Edit> Apply(const RemoveInstance& edit, AnnotationDocument& document) {
   return Edit(std::move(back));
 }
 
+/// What was said of an object is said of it under its new name. Of one that is gone and had that
+/// name it is not said any more by this name; undo gives both theirs back.
+void RenameAccepted(const std::string& from, const std::string& to, AnnotationDocument& document) {
+  for (AcceptedFinding& accepted : document.accepted) {
+    for (AcceptedFinding::Object& object : accepted.objects) {
+      if (object.id == from)
+        object.id = to;
+      else if (object.id == to)
+        object.id = from;
+    }
+  }
+}
+
 Result<Edit> Apply(const ChangeInstance& edit, AnnotationDocument& document) {
   const Result<std::size_t> index = IndexOf(document, edit.id);
   if (!index) return index.error();
   AnnotatedInstance& instance = document.instances[*index];
   const InstanceChange& set = edit.set;
-  if (instance.locked && !set.locked && (set.scan_from_object || set.model || set.id)) {
+  if (instance.locked && !set.locked &&
+      (set.scan_from_object || set.model || set.id || set.scale)) {
     return Locked(edit.id);
   }
   if (set.scan_from_object && !IsRigid(*set.scan_from_object)) {
@@ -72,6 +95,8 @@ Result<Edit> Apply(const ChangeInstance& edit, AnnotationDocument& document) {
     return InvalidInput("the time spent on '" + edit.id + "' must not be negative");
   }
   if (set.model && set.model->empty()) return InvalidInput("'" + edit.id + "' needs a model");
+  if (set.scale && !IsScale(*set.scale)) return NoScale(edit.id);
+  if (set.id) RenameAccepted(edit.id, *set.id, document);
   ChangeInstance back;
   back.id = set.id.value_or(edit.id);
   back.set = ChangeFields(set, instance);
@@ -159,6 +184,43 @@ Result<Edit> Apply(const SetState& edit, AnnotationDocument& document) {
   return Edit(SetState{std::exchange(document.state, edit.state)});
 }
 
+using AcceptedList = std::vector<AcceptedFinding>;
+
+AcceptedList::iterator FindAccepted(AnnotationDocument& document, const std::string& kind,
+                                    const std::vector<std::string>& ids) {
+  return std::find_if(document.accepted.begin(), document.accepted.end(),
+                      [&](const AcceptedFinding& accepted) { return accepted.IsAbout(kind, ids); });
+}
+
+Result<Edit> Apply(const ReopenFinding& edit, AnnotationDocument& document) {
+  const auto found = FindAccepted(document, edit.kind, edit.instances);
+  if (found == document.accepted.end()) {
+    return Error{ErrorCode::kNotFound, "no finding '" + edit.kind + "' of these was accepted"};
+  }
+  AcceptFinding back{std::move(*found),
+                     static_cast<std::size_t>(found - document.accepted.begin())};
+  document.accepted.erase(found);
+  return Edit(std::move(back));
+}
+
+Result<Edit> Apply(const AcceptFinding& edit, AnnotationDocument& document) {
+  const AcceptedFinding& accepted = edit.accepted;
+  if (accepted.kind.empty() || accepted.objects.empty()) {
+    return InvalidInput("only a finding about objects can be accepted");
+  }
+  std::vector<std::string> ids;
+  for (const AcceptedFinding::Object& object : accepted.objects) ids.push_back(object.id);
+  const auto known = FindAccepted(document, accepted.kind, ids);
+  if (known != document.accepted.end()) {
+    return Edit(AcceptFinding{std::exchange(*known, accepted), std::nullopt});
+  }
+  const std::size_t index =
+      std::min(edit.index.value_or(document.accepted.size()), document.accepted.size());
+  document.accepted.insert(document.accepted.begin() + static_cast<std::ptrdiff_t>(index),
+                           accepted);
+  return Edit(ReopenFinding{accepted.kind, std::move(ids)});
+}
+
 Result<Edit> Apply(const EditGroup& group, AnnotationDocument& document) {
   AnnotationDocument changed = document;
   EditGroup back{group.label, {}};
@@ -172,11 +234,21 @@ Result<Edit> Apply(const EditGroup& group, AnnotationDocument& document) {
   return Edit(std::move(back));
 }
 
+/// A kind of finding as it is said.
+std::string WordsOf(std::string kind) {
+  if (kind == "low_agreement") return "off the edges";
+  if (kind == "unknown_model") return "of an unknown model";
+  if (kind == "duplicate") return "a duplicate";
+  std::replace(kind.begin(), kind.end(), '_', ' ');
+  return kind;
+}
+
 std::string Describe(const AddInstance& edit) { return "Add " + edit.instance.id; }
 std::string Describe(const RemoveInstance& edit) { return "Remove " + edit.id; }
 std::string Describe(const ChangeInstance& edit) {
   if (edit.set.id) return "Rename " + edit.id + " to " + *edit.set.id;
   if (edit.set.scan_from_object) return "Move " + edit.id;
+  if (edit.set.scale) return "Scale " + edit.id;
   if (edit.set.model) return "Change the model of " + edit.id;
   return "Change " + edit.id;
 }
@@ -201,6 +273,13 @@ std::string Describe(const SetState& edit) {
     default:
       return "Take it back to work";
   }
+}
+std::string Describe(const AcceptFinding& edit) {
+  return "Accept that " + edit.accepted.objects.front().id + " is " + WordsOf(edit.accepted.kind);
+}
+std::string Describe(const ReopenFinding& edit) {
+  return "Reopen that " + (edit.instances.empty() ? "it" : edit.instances.front()) + " is " +
+         WordsOf(edit.kind);
 }
 std::string Describe(const EditGroup& group) { return group.label; }
 

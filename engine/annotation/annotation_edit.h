@@ -65,10 +65,22 @@ struct SetState {
   std::optional<ProjectState> state;
 };
 
+/// A finding is all right; what was said of the same one before is forgotten.
+struct AcceptFinding {
+  AcceptedFinding accepted;
+  std::optional<std::size_t> index;  ///< Position in the list; at the end where there is none.
+};
+
+/// It is open again.
+struct ReopenFinding {
+  std::string kind;
+  std::vector<std::string> instances;
+};
+
 struct EditGroup;
-using Edit =
-    std::variant<AddInstance, RemoveInstance, ChangeInstance, SetGravity, SetSceneAlignment,
-                 SetInputs, AddCrop, RemoveCrop, AddPair, RemovePair, SetState, EditGroup>;
+using Edit = std::variant<AddInstance, RemoveInstance, ChangeInstance, SetGravity,
+                          SetSceneAlignment, SetInputs, AddCrop, RemoveCrop, AddPair, RemovePair,
+                          SetState, AcceptFinding, ReopenFinding, EditGroup>;
 
 /// Several edits that are done and undone as one: an import, the acceptance of a run's drafts.
 struct EditGroup {
@@ -89,7 +101,7 @@ Result<Edit> ApplyEdit(const Edit& edit, AnnotationDocument& document);
 std::string DescribeEdit(const Edit& edit);
 
 /// {"edit": "add"|"remove"|"change"|"gravity"|"scene_alignment"|"inputs"|"crop"|
-/// "remove_crop"|"pair"|"remove_pair"|"state"|"group", ...}; the rest of
+/// "remove_crop"|"pair"|"remove_pair"|"state"|"accept"|"reopen"|"group", ...}; the rest of
 /// the keys as in the project file.
 nlohmann::json EditToJson(const Edit& edit);
 /// Errors: kInvalidInput.

@@ -69,6 +69,16 @@ nlohmann::json ToJson(const SetState& edit) {
   return result;
 }
 
+nlohmann::json ToJson(const AcceptFinding& edit) {
+  nlohmann::json result = {{"edit", "accept"}, {"finding", AcceptedToJson(edit.accepted)}};
+  if (edit.index) result["index"] = *edit.index;
+  return result;
+}
+
+nlohmann::json ToJson(const ReopenFinding& edit) {
+  return {{"edit", "reopen"}, {"kind", edit.kind}, {"instances", edit.instances}};
+}
+
 nlohmann::json ToJson(const EditGroup& group) {
   nlohmann::json result = {
       {"edit", "group"}, {"label", group.label}, {"edits", nlohmann::json::array()}};
@@ -129,6 +139,26 @@ Result<Edit> GravityFrom(const nlohmann::json& source) {
   return Edit(std::move(edit));
 }
 
+Result<Edit> AcceptFrom(const nlohmann::json& source) {
+  if (!source.contains("finding")) return InvalidInput("an edit 'accept' needs a 'finding'");
+  Result<AcceptedFinding> accepted = AcceptedFromJson(source["finding"]);
+  if (!accepted) return accepted.error();
+  const auto index = IndexFrom(source);
+  if (!index) return index.error();
+  return Edit(AcceptFinding{std::move(*accepted), *index});
+}
+
+Result<Edit> ReopenFrom(const nlohmann::json& source) {
+  ReopenFinding edit{TextFromJson(source, "kind").value_or(""), {}};
+  for (const nlohmann::json& id : source.value("instances", nlohmann::json::array())) {
+    if (id.is_string()) edit.instances.push_back(id);
+  }
+  if (edit.kind.empty() || edit.instances.empty()) {
+    return InvalidInput("an edit 'reopen' needs a 'kind' and 'instances'");
+  }
+  return Edit(std::move(edit));
+}
+
 Result<Edit> GroupFrom(const nlohmann::json& source) {
   if (!source.contains("edits") || !source["edits"].is_array()) {
     return InvalidInput("an edit 'group' needs a list 'edits'");
@@ -155,6 +185,8 @@ Result<Edit> EditFromJson(const nlohmann::json& source) {
   if (kind == "pair" || kind == "remove_pair") return PairEditFrom(source);
   if (kind == "gravity") return GravityFrom(source);
   if (kind == "group") return GroupFrom(source);
+  if (kind == "accept") return AcceptFrom(source);
+  if (kind == "reopen") return ReopenFrom(source);
   if (kind == "scene_alignment") {
     if (!source.contains("scan_from_world")) return Edit(SetSceneAlignment{});
     const auto pose = IsometryFromJson(source["scan_from_world"]);
@@ -183,7 +215,7 @@ Result<Edit> EditFromJson(const nlohmann::json& source) {
   }
   return InvalidInput(
       "an edit needs 'edit': add, remove, change, gravity, scene_alignment, inputs, crop, "
-      "remove_crop, pair, remove_pair, state or group, not '" +
+      "remove_crop, pair, remove_pair, state, accept, reopen or group, not '" +
       kind + "'");
 }
 

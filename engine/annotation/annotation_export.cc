@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engine/annotation/bop_files.h"
+#include "engine/annotation/scaled_models.h"
 #include "engine/models/mesh_file.h"
 
 namespace plumbline {
@@ -57,6 +58,11 @@ AnnotationDocument InFrame(const AnnotationDocument& document,
   for (AnnotatedInstance& instance : moved.instances) {
     instance.scan_from_object = target_from_scan * instance.scan_from_object;
   }
+  for (AcceptedFinding& accepted : moved.accepted) {
+    for (AcceptedFinding::Object& object : accepted.objects) {
+      object.scan_from_object = target_from_scan * object.scan_from_object;
+    }
+  }
   for (Crop& crop : moved.crops) Move(crop, target_from_scan);
   for (FramePick& pair : moved.pairs) pair.in_scan = target_from_scan * pair.in_scan;
   return moved;
@@ -94,9 +100,14 @@ Status ExportAnnotation(const AnnotationDocument& document, const ExchangeInputs
   const bool level = request.frame == PoseFrame::kLevel;
   const Eigen::Isometry3d target_from_scan =
       level ? document.LevelFromScan() : Eigen::Isometry3d::Identity();
-  const AnnotationDocument written = level ? InFrame(document, target_from_scan) : document;
-  if (request.format == "bop") return WriteBop(written, inputs, request.out, work);
-  return WriteVismaFolder(written, inputs.models, scan_file, target_from_scan, request.out);
+  // Their poses are rigid: what is scaled is an object of its own, with its own model.
+  const UnscaledAnnotations sized =
+      WithScaledModels(level ? InFrame(document, target_from_scan) : document, inputs.models);
+  ExchangeInputs as_written = inputs;
+  if (sized.models != nullptr) as_written.models = sized.models.get();
+  if (request.format == "bop") return WriteBop(sized.document, as_written, request.out, work);
+  return WriteVismaFolder(sized.document, as_written.models, scan_file, target_from_scan,
+                          request.out);
 }
 
 }  // namespace plumbline

@@ -55,7 +55,9 @@ Status WriteLabelFusion(const AnnotationDocument& document, const ExchangeInputs
   if (!scan_from_cam) return scan_from_cam.error();
   YAML::Emitter yaml;
   yaml.SetDoublePrecision(17);
-  yaml << YAML::Comment("metres; model to first camera; [[x, y, z], [qw, qx, qy, qz]]")
+  yaml << YAML::Comment(
+              "metres; model to first camera; [[x, y, z], [qw, qx, qy, qz]]; where there is "
+              "a scale, the model is enlarged by it first")
        << YAML::BeginMap;
   for (const AnnotatedInstance& instance : document.instances) {
     const Eigen::Isometry3d pose = scan_from_cam->inverse() * instance.scan_from_object;
@@ -67,6 +69,7 @@ Status WriteLabelFusion(const AnnotationDocument& document, const ExchangeInputs
                  ? inputs.models->model(*inputs.models->Find(instance.model)).file
                  : instance.model);
     yaml << YAML::Key << "model" << YAML::Value << instance.model;
+    if (instance.scale != 1) yaml << YAML::Key << "scale" << YAML::Value << instance.scale;
     yaml << YAML::Key << "pose" << YAML::Value << YAML::Flow << YAML::BeginSeq
          << std::vector<double>{t.x(), t.y(), t.z()}
          << std::vector<double>{q.w(), q.x(), q.y(), q.z()} << YAML::EndSeq << YAML::EndMap;
@@ -102,6 +105,8 @@ Result<ImportedPoses> ReadLabelFusion(const AnnotationDocument& document,
       const YAML::Node model = entry.second["model"];
       instance.model = model && model.IsScalar() ? model.as<std::string>() : name;
       instance.scan_from_object = *scan_from_cam * *pose;
+      if (const YAML::Node scale = entry.second["scale"]; scale && scale.IsScalar())
+        instance.scale = scale.as<double>();
       translations.push_back(pose->translation());
       imported.instances.push_back(std::move(instance));
     }

@@ -28,7 +28,7 @@ double Best(std::span<const double> agreements) {
 std::optional<PlacementImages> PlacementImages::Choose(const PlacementQuestion& question,
                                                        const Eigen::Isometry3d& start,
                                                        const WorkContext& work) {
-  const auto model = question.outlines->Model(question.model);
+  const auto model = question.outlines->Model(question.model, question.scale);
   if (!model) return std::nullopt;
   PlacementImages chosen;
   chosen.up_in_scan_ = question.up_in_scan;

@@ -23,6 +23,7 @@ struct PlacementQuestion {
   std::string instance;  ///< The one that is placed again, which hides nothing; "": a new one.
   Eigen::Vector3d up_in_scan{0, 0, 1};
   FreeMotion motion = FreeMotion::kAzimuthAndTranslation;
+  double scale = 1;  ///< Of the model.
 };
 
 /// The same few key frames, in which all placements of a model are compared.

@@ -60,6 +60,7 @@ GroundTruth GroundTruthOf(const AnnotationDocument& document, PoseFrame frame) {
   for (const AnnotatedInstance& instance : document.instances) {
     truth.instances.push_back({instance.id, instance.model, instance.category,
                                target_from_scan * instance.scan_from_object, instance.fine});
+    truth.instances.back().scale = instance.scale;
   }
   return truth;
 }
@@ -83,10 +84,7 @@ Result<ImportedPoses> ReadGroundTruthPoses(const std::filesystem::path& file) {
     instance.scan_from_object = entry.world_from_object;
     instance.fine = entry.fine;
     translations.push_back(entry.world_from_object.translation());
-    if (entry.scale != 1) {
-      imported.warnings.push_back("'" + file.string() + "': the scale of " + entry.id +
-                                  " is left out; annotated objects are as large as their models");
-    }
+    instance.scale = entry.scale;
     imported.instances.push_back(std::move(instance));
   }
   if (auto warning = MetreWarning(translations, file.string())) {
@@ -116,6 +114,7 @@ Status WriteFramePoses(const AnnotationDocument& document, const ExchangeInputs&
            {"category", instance.category},
            {"quality", instance.fine ? "fine" : "coarse"},
            {"cam_from_object", IsometryToJson(cam_from_scan * instance.scan_from_object)}});
+      if (instance.scale != 1) objects.back()["scale"] = instance.scale;
     }
     json["frames"].push_back({{"frame", frame},
                               {"stamp_ns", inputs.sequence->stamp_ns(frame)},
@@ -163,6 +162,8 @@ Result<ImportedPoses> ReadFramePoses(const AnnotationDocument& document,
         instance.category = TextFromJson(object, "category").value_or("");
         instance.fine = TextFromJson(object, "quality").value_or("fine") == "fine";
         instance.scan_from_object = scan_from_object;
+        if (object.contains("scale") && object["scale"].is_number())
+          instance.scale = object["scale"];
         imported.instances.push_back(std::move(instance));
       } else {
         const Eigen::Isometry3d& first = imported.instances[place->second].scan_from_object;

@@ -9,6 +9,7 @@
 
 #include "engine/annotation/check_frames.h"
 #include "engine/annotation/joint_refinement.h"
+#include "engine/registration/scale_fit.h"
 
 namespace plumbline {
 namespace {
@@ -20,7 +21,7 @@ constexpr double kFarMove_m = 0.3, kFarTurn_rad = 0.6;
 
 bool InstanceImages::Suit(const AnnotationDocument& document,
                           const AnnotatedInstance& found) const {
-  if (found.id != instance || found.model != model_name) return false;
+  if (found.id != instance || found.model != model_name || found.scale != scale) return false;
   if (document.scan_from_world.has_value() != scan_from_world.has_value()) return false;
   if (scan_from_world && document.scan_from_world->matrix() != scan_from_world->matrix()) {
     return false;
@@ -37,6 +38,7 @@ InstanceImages InstanceImages::None(const AnnotationDocument& document,
   none.scan_from_world = document.scan_from_world;
   if (const AnnotatedInstance* found = document.Find(instance)) {
     none.model_name = found->model;
+    none.scale = found->scale;
     none.chosen_for = found->scan_from_object;
   }
   return none;
@@ -48,7 +50,7 @@ Result<InstanceImages> ReadInstanceImages(const std::shared_ptr<const Sequence>&
                                           const WorkContext& work) {
   const AnnotatedInstance* found = document.Find(instance);
   if (found == nullptr) return Error{ErrorCode::kNotFound, "there is no instance " + instance};
-  const auto model = scene.Model(found->model);
+  const auto model = scene.Model(found->model, found->scale);
   if (!model) return model.error();
   InstanceImages images = InstanceImages::None(document, instance);
   images.model = *model;
@@ -155,6 +157,44 @@ void ProposePose(const RefinedPose& pose, const PlacementTask* scan, RefinementV
   if (scan == nullptr) return;
   refinement.residuals_m = std::make_shared<const std::vector<float>>(DistancesToScan(
       *scan->target, scan->mesh->vertices, pose.scan_from_object, kResidualReach_m));
+}
+
+namespace {
+
+/// Where the foot was not scanned, a higher place and a smaller object look the same.
+FreeMotion AtItsHeight(FreeMotion motion) {
+  return motion == FreeMotion::kAzimuthAndTranslation ? FreeMotion::kAzimuthAndHorizontal : motion;
+}
+
+}  // namespace
+
+void SolveScale(OutlineScene* outlines, const WorkContext& work, RefinementTask& task,
+                RefinementView& refinement) {
+  if (!task.free_scale || !task.scan || task.by == RefineBy::kImages) return;
+  PlacementTask& scan = *task.scan;
+  const auto fit = FitScale(*scan.target, *scan.unscaled, scan.scale, refinement.scan_from_object,
+                            task.up_in_scan, AtItsHeight(task.motion), {}, work);
+  if (!fit) {
+    if (fit.error().code != ErrorCode::kCancelled) refinement.scale_problem = fit.error().message;
+    return;
+  }
+  // To what is written: a ten-thousandth is less than a scan can tell.
+  const double scale = std::round(1e4 * fit->scale) / 1e4;
+  auto mesh =
+      std::make_shared<const TriangleMesh>(Scaled(TriangleMesh(*scan.unscaled_mesh), scale));
+  auto surface = ModelSurface::Prepare(*mesh);
+  if (!surface) return;
+  scan.surface = std::move(*surface);
+  scan.mesh = std::move(mesh);
+  scan.scale = refinement.scale = scale;
+  refinement.scale_std = fit->scale_std;
+  if (task.images == nullptr || task.images->images == nullptr || outlines == nullptr) return;
+  auto outline = outlines->Model(task.images->model_name, scale);
+  if (!outline) return;
+  auto images = std::make_shared<InstanceImages>(*task.images);
+  images->scale = scale;
+  images->model = std::move(*outline);
+  task.images = std::move(images);
 }
 
 void RefineInstance(const RefinementTask& task, const WorkContext& work, int pace_ms,

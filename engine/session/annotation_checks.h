@@ -19,6 +19,7 @@ namespace plumbline {
 /// Key frames that show one instance.
 struct InstanceImages {
   std::string instance, model_name;
+  double scale = 1;             ///< Of `model`.
   std::uint64_t placement = 0;  ///< PlacementView::asked_by, if they are for its candidates.
   Eigen::Isometry3d chosen_for = Eigen::Isometry3d::Identity();  ///< Pose they were chosen for.
   std::optional<Eigen::Isometry3d> scan_from_world;  ///< By which the cameras were placed.
@@ -57,7 +58,14 @@ struct RefinementTask {
   Occluders occluders;
   Eigen::Vector3d up_in_scan{0, 0, 1};
   FreeMotion motion = FreeMotion::kAzimuthAndTranslation;
+  bool free_scale = false;  ///< Only the scan tells it.
 };
+
+/// Finds the scale of what is refined and makes shapes of that size for the rest of the refinement;
+/// how large it is goes into `refinement`. Without a scan, or where that does not show it, the
+/// scale stays as it is.
+void SolveScale(OutlineScene* outlines, const WorkContext& work, RefinementTask& task,
+                RefinementView& refinement);
 
 /// Refines from where `refinement` is, a step on the scan at a time, each told to `step`; at most a
 /// step in `pace_ms`, so that people can follow. What went wrong is in `problem`.

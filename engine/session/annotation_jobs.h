@@ -50,6 +50,9 @@ struct PlacementTask {
   bool stands = false;  ///< On the level surface below it, which the scan shows or the floor is.
   std::optional<Eigen::Vector4d> floor_in_scan;  ///< As of AlignOptions.
   double view_azimuth_rad = 0;
+  double scale = 1;  ///< Of `surface` and `mesh`, of which the next two are the unscaled ones.
+  std::shared_ptr<const ModelSurface> unscaled;
+  std::shared_ptr<const TriangleMesh> unscaled_mesh;
 };
 
 /// Fills in candidates, which stand if the task says so, or where there is nothing to align to the

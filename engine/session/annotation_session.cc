@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/annotation/reopening.h"
 #include "engine/base/log.h"
 #include "engine/geometry/gravity.h"
 #include "engine/session/annotation_queue.h"
@@ -47,7 +48,9 @@ AnnotationSession::AnnotationSession(OpenedAnnotation opened, const AnnotationCh
 }
 
 void AnnotationSession::Close() {
-  if (view_.read_only || !project_->modified()) return;
+  if (view_.read_only) return;
+  WriteTimeSpent();
+  if (!project_->modified()) return;
   if (const Status saved = project_->Save(); !saved.ok())
     log::error("the project was not saved at the end: {}", saved.error().message);
 }
@@ -57,6 +60,7 @@ std::optional<AnnotationSession::Job> AnnotationSession::TakeJob() {
   if (jobs_.empty() && std::exchange(check_wanted_, false)) return CheckJob();
   if (jobs_.empty() && std::exchange(images_wanted_, false)) return ImagesJob();
   if (jobs_.empty() && AuditDue()) return AuditJob();
+  if (jobs_.empty() && AgreementDue()) return AgreementJob();
   if (jobs_.empty()) return std::nullopt;
   Job job = std::move(jobs_.front());
   jobs_.pop_front();
@@ -89,11 +93,17 @@ void AnnotationSession::Answer(std::string text, bool refused) {
 
 bool AnnotationSession::Edit(const plumbline::Edit& edit) {
   const std::vector<AnnotatedInstance> before = project_->document().instances;
-  const Status done = project_->Apply(WithTimeSpent(edit));
+  const bool was_done = project_->document().Stage() == WorkStage::kDone;
+  const Status done =
+      project_->Apply(WithTimeSpent(WithReopening(edit, project_->document(), view_.annotator)));
   if (done.ok()) {
     view_.num_recovered = 0;  // they are not the last ones any more
     for (const AnnotatedInstance& instance : before)
       work_time_.Written(instance.id, work_time_.ToWrite(instance.id));
+    if (was_done && project_->document().Stage() == WorkStage::kInWork &&
+        !std::holds_alternative<SetState>(edit)) {
+      Answer("The project was done, and is in work again.");
+    }
     return true;
   }
   Refuse(done.error().message);

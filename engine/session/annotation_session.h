@@ -13,6 +13,7 @@
 #include "engine/annotation/crop_cut.h"
 #include "engine/annotation/staged_export.h"
 #include "engine/base/progress.h"
+#include "engine/dataset/ground_truth.h"
 #include "engine/dataset/sequence.h"
 #include "engine/models/model_database.h"
 #include "engine/session/annotation_checks.h"
@@ -82,6 +83,8 @@ class AnnotationSession {
   void On(const DropRecoveredCommand& command);
   void On(const ExportCommand& command);
   void On(const CompareAllCommand& command);
+  void On(const AcceptFindingCommand& command);
+  void On(const CompareWithCommand& command);
   void On(const AnswerExportCommand& command);
   void On(const SetScanUnitCommand& command);
   void On(const SetAnnotatorCommand& command);
@@ -97,6 +100,7 @@ class AnnotationSession {
   void On(const SetStageCommand& command);
   void On(const ListQueueCommand& command);
   bool TakeCrop();
+  bool TakeRefinement();
   void FollowCrops();
 
   void QueueLoading();
@@ -119,6 +123,8 @@ class AnnotationSession {
   Job ImagesJob();
   bool AuditDue() const;
   Job AuditJob();
+  bool AgreementDue() const;
+  Job AgreementJob();
   void MakeChecklist();
   std::vector<AnnotationFinding> AgreementFindings() const;
   Job CheckJob();
@@ -128,7 +134,8 @@ class AnnotationSession {
   std::vector<Eigen::Vector3d> CamerasInScan() const;
   void AddSequence(AnnotationSnapshot& snapshot) const;
   void QueuePlacement(PlacementTask task, int model, std::string instance);
-  std::optional<PlacementTask> TaskFor(int model, const Eigen::Isometry3d& pose, bool on_floor);
+  std::optional<PlacementTask> TaskFor(int model, const Eigen::Isometry3d& pose, bool on_floor,
+                                       double scale = 1);
   void Propose(Job job);
   void DropProposals();
   bool Edit(const plumbline::Edit& edit);
@@ -138,6 +145,9 @@ class AnnotationSession {
   std::optional<std::string> WorkedOn() const;
   /// The edit together with the time that was spent on objects meanwhile.
   plumbline::Edit WithTimeSpent(const plumbline::Edit& edit) const;
+  /// What was spent since the last edit, at the end of a sitting: more than a glance at something
+  /// that is not done.
+  void WriteTimeSpent();
   /// Undo and redo take no time back that was spent.
   void KeepTimeSpent(const std::vector<AnnotatedInstance>& before);
   Eigen::Isometry3d PoseOf(const std::string& id) const;
@@ -174,8 +184,12 @@ class AnnotationSession {
     Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
     double agreement = 0;
     std::size_t images = 0;
+    double scale = 1;
   };
   std::map<std::string, Compared> compared_;  ///< With the images, by instance.
+  std::string other_file_;                    ///< What another annotator placed; "": nobody asks.
+  std::shared_ptr<const GroundTruth> other_;  ///< In the scan's frame; null until it is read.
+  std::uint64_t agreed_ = 0;                  ///< The revision that was compared with it.
   std::vector<Eigen::Vector3d> cameras_in_world_;
   std::shared_ptr<const PreparedCrop> prepared_crop_;
   std::optional<int> frame_wanted_;

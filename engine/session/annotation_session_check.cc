@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/annotation/image_check.h"
 #include "engine/session/annotation_session.h"
 
 namespace plumbline {
@@ -35,6 +36,7 @@ std::vector<AnnotationFinding> AnnotationSession::AgreementFindings() const {
     const auto compared = compared_.find(instance.id);
     if (compared == compared_.end()) continue;
     if (compared->second.scan_from_object.matrix() != instance.scan_from_object.matrix()) continue;
+    if (compared->second.scale != instance.scale) continue;
     const auto finding =
         CheckAgreement(instance.id, compared->second.agreement, compared->second.images);
     if (finding) findings.push_back(*finding);
@@ -45,13 +47,42 @@ std::vector<AnnotationFinding> AnnotationSession::AgreementFindings() const {
 void AnnotationSession::MakeChecklist() {
   auto& list = view_.checklist.findings;
   list.clear();
+  const AnnotationDocument& document = project_->document();
   const auto add = [&](const AnnotationFinding& finding) {
-    list.push_back({finding.kind, finding.sentence, finding.instances, finding.IsError()});
+    FindingView view{finding.kind, finding.sentence, finding.instances, finding.IsError()};
+    view.can_accept = AcceptanceOf(finding, document).has_value();
+    if (const AcceptedFinding* accepted = FindAcceptance(finding, document)) {
+      view.accepted = true;
+      view.accepted_by = accepted->by;
+      view.accepted_note = accepted->note;
+    }
+    list.push_back(std::move(view));
   };
   for (const AnnotationFinding& finding : findings_) add(finding);
   for (const AnnotationFinding& finding : AgreementFindings()) add(finding);
-  std::stable_partition(list.begin(), list.end(),
-                        [](const FindingView& finding) { return finding.error; });
+  const auto rank = [](const FindingView& finding) {
+    return finding.accepted ? 2 : finding.error ? 0 : 1;
+  };
+  std::stable_sort(list.begin(), list.end(),
+                   [&](const FindingView& a, const FindingView& b) { return rank(a) < rank(b); });
+}
+
+void AnnotationSession::On(const AcceptFindingCommand& command) {
+  if (!command.accepted) {
+    if (Edit(ReopenFinding{command.kind, command.instances})) MakeChecklist();
+    return;
+  }
+  std::vector<AnnotationFinding> findings = AgreementFindings();
+  findings.insert(findings.begin(), findings_.begin(), findings_.end());
+  const auto found = std::find_if(findings.begin(), findings.end(), [&](const auto& finding) {
+    return finding.kind == command.kind && finding.instances == command.instances;
+  });
+  if (found == findings.end()) return Refuse("This is not found any more.");
+  auto accepted = AcceptanceOf(*found, project_->document());
+  if (!accepted) return Refuse("Only what was found about placed objects can be accepted.");
+  accepted->by = view_.annotator;
+  accepted->note = command.note;
+  if (Edit(AcceptFinding{std::move(*accepted), std::nullopt})) MakeChecklist();
 }
 
 void AnnotationSession::On(const CompareAllCommand&) {
@@ -74,7 +105,7 @@ void AnnotationSession::On(const CompareAllCommand&) {
                      CheckImages(*images->images, *images->model, instance.scan_from_object,
                                  outlines->OccludersOf(document, instance.id));
                  compared = Compared{instance.scan_from_object, MeanAgreement(checks),
-                                     images->images->images().size()};
+                                     images->images->images().size(), instance.scale};
                }
                emit([id = instance.id, compared](AnnotationSession& session) {
                  ++session.view_.checklist.compared;

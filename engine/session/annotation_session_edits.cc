@@ -12,12 +12,26 @@ namespace plumbline {
 namespace {
 
 /// VISMA alone has fragments.
-std::string WhatWasExported(const AnnotationDocument& document, const ExportRequest& request) {
+std::string WhatWasExported(const AnnotationDocument& document, const ExportRequest& request,
+                            std::size_t accepted) {
   std::string what = std::to_string(document.instances.size()) + " objects";
   const int fragments = document.NumFragments();
   if (request.format == "visma" && fragments > 0)
     what += " and " + std::to_string(fragments) + " fragments";
-  return what + " written to " + request.out.string();
+  what += " written to " + request.out.string();
+  const auto scaled = std::count_if(document.instances.begin(), document.instances.end(),
+                                    [](const auto& instance) { return instance.scale != 1; });
+  if (scaled > 0 && request.format == "labelfusion") {
+    what += "; LabelFusion knows no scale: enlarge the model of " + std::to_string(scaled) +
+            " objects by their 'scale' before it is posed";
+  } else if (scaled > 0 && (request.format == "visma" || request.format == "bop")) {
+    what += "; " + std::to_string(scaled) + " scaled objects have models of their own size";
+  }
+  if (accepted > 0) {
+    what += "; " + std::to_string(accepted) + (accepted == 1 ? " finding was" : " findings were") +
+            " accepted";
+  }
+  return what;
 }
 
 /// Puts an export into its place.
@@ -158,28 +172,31 @@ void AnnotationSession::On(const ExportCommand& command) {
        i += std::max(1, command.every)) {
     frames.push_back(i);
   }
-  std::vector<std::string> low;
-  for (const AnnotationFinding& finding : AgreementFindings()) low.push_back(finding.sentence);
   jobs_.push_back(
       {"Exporting", false,
-       [document, request, frames, low, despite = command.despite_findings, models = models_,
-        sequence = sequence_,
+       [document, request, frames, low = AgreementFindings(), despite = command.despite_findings,
+        models = models_, sequence = sequence_,
         scan = project_->Resolve(document.scan)](const WorkContext& work, const auto&) -> Update {
          const ExchangeInputs inputs{models.get(), sequence.get(), frames};
-         if (!despite) {
-           std::vector<std::string> open = low;
-           for (const AnnotationFinding& finding : CheckAnnotations(document, inputs)) {
-             if (finding.IsError()) open.push_back(finding.sentence);
-           }
-           if (!open.empty()) {
-             return [open](AnnotationSession& session) {
-               ExportView asking{false, "", ""};
-               asking.open_findings = open;
-               session.view_.exported = asking;
-               session.Answer("Nothing was written: " + std::to_string(open.size()) +
-                              " findings are open.");
-             };
-           }
+         std::vector<AnnotationFinding> findings = CheckAnnotations(document, inputs);
+         findings.insert(findings.begin(), low.begin(), low.end());
+         std::vector<std::string> open;
+         std::size_t accepted = 0;
+         for (const AnnotationFinding& finding : findings) {
+           if (!finding.IsError()) continue;
+           if (FindAcceptance(finding, document) != nullptr)
+             ++accepted;
+           else
+             open.push_back(finding.sentence);
+         }
+         if (!despite && !open.empty()) {
+           return [open](AnnotationSession& session) {
+             ExportView asking{false, "", ""};
+             asking.open_findings = open;
+             session.view_.exported = asking;
+             session.Answer("Nothing was written: " + std::to_string(open.size()) +
+                            " findings are open.");
+           };
          }
          auto written = StagedExport::Write(document, inputs, scan, request, work);
          std::shared_ptr<StagedExport> waits;
@@ -191,9 +208,9 @@ void AnnotationSession::On(const ExportCommand& command) {
            view.asks = true;
            view.out = waits->out().string();
            view.differences = waits->Differences();
-           view.done = WhatWasExported(document, request);
+           view.done = WhatWasExported(document, request, accepted);
          } else {
-           view = Taken(**written, WhatWasExported(document, request));
+           view = Taken(**written, WhatWasExported(document, request, accepted));
          }
          return [view, waits](AnnotationSession& session) {
            session.view_.exported = view;

@@ -131,6 +131,7 @@ void AnnotationSession::TakeImages(const PlacementQuestion& question, std::uint6
   auto images = std::make_shared<InstanceImages>();
   images->instance = question.instance;
   images->model_name = question.model;
+  images->scale = question.scale;
   images->placement = asked_by;
   images->model = chosen.model();
   images->images = images->apart.used = chosen.images();
@@ -154,7 +155,8 @@ void AnnotationSession::On(const RefineInstanceCommand& command) {
   const bool by_images = command.by != RefineBy::kScan && sequence_ != nullptr && !tilts;
   if (command.by == RefineBy::kImages && !by_images) return Refuse("There is no sequence.");
   if (command.by != RefineBy::kImages && (scan_.target != nullptr || !by_images)) {
-    task.scan = TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor);
+    task.scan =
+        TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor, instance->scale);
     if (!task.scan) return;
   }
   if (by_images && outlines_ == nullptr) return Refuse("The outlines are still being prepared.");
@@ -171,6 +173,8 @@ void AnnotationSession::On(const RefineInstanceCommand& command) {
   refinement.instance = command.id;
   refinement.by = command.by;
   refinement.scan_from_object = instance->scan_from_object;
+  refinement.scale = instance->scale;
+  task.free_scale = instance->may_scale;
   refinement.has_scan = task.scan.has_value();
   refinement.has_images = by_images;
   view_.refinement = refinement;
@@ -192,11 +196,13 @@ void AnnotationSession::On(const RefineInstanceCommand& command) {
                }
              }
              RefinementView now = refinement;
+             SolveScale(outlines.get(), work, task, now);
              const auto step = [&](const RefinementView& view) {
                emit([view](AnnotationSession& session) { session.view_.refinement = view; });
              };
              RefineInstance(task, work, pace, step, now);
-             return [now, images = task.images](AnnotationSession& session) {
+             return [now, images = task.images, scan = task.scan](AnnotationSession& session) {
+               session.refined_on_scan_ = scan;
                if (images != nullptr && images != session.images_) {
                  session.images_ = images;
                  ++session.view_.images_number;

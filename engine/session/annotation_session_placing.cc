@@ -78,7 +78,7 @@ void AnnotationSession::On(const TypeGravityCommand& command) {
 
 /// Nothing, with an answer, if it cannot be done now.
 std::optional<PlacementTask> AnnotationSession::TaskFor(int model, const Eigen::Isometry3d& pose,
-                                                        bool on_floor) {
+                                                        bool on_floor, double scale) {
   const AnnotationModel* view = view_.Model(model);
   if (view == nullptr) {
     Refuse("The database has no such model.");
@@ -102,6 +102,13 @@ std::optional<PlacementTask> AnnotationSession::TaskFor(int model, const Eigen::
   task.scan = scan_.full;
   task.surface = surfaces_[model];
   task.mesh = view->mesh;
+  task.unscaled = task.surface;
+  task.unscaled_mesh = task.mesh;
+  if (scale != 1) {
+    task.scale = scale;
+    task.mesh = std::make_shared<const TriangleMesh>(Scaled(TriangleMesh(*view->mesh), scale));
+    task.surface = *ModelSurface::Prepare(*task.mesh);  // as good as the unscaled one
+  }
   task.scan_from_object = pose;
   task.up_in_scan = up_in_scan();
   task.stands = on_floor && view->on_floor;
@@ -115,17 +122,19 @@ void AnnotationSession::QueuePlacement(PlacementTask task, int model, std::strin
   placement.asked_by = command_;
   placement.model = model;
   placement.instance = std::move(instance);
+  placement.scale = task.scale;
   view_.placement = placement;
   std::optional<PlacementQuestion> images;
   if (sequence_ != nullptr && outlines_ != nullptr) {
-    images = PlacementQuestion{sequence_,
-                               outlines_,
-                               project_->document(),
-                               view_.Model(model)->name,
-                               placement.instance,
-                               task.up_in_scan,
-                               task.floor_in_scan ? FreeMotion::kAzimuthAndHorizontal
-                                                  : FreeMotion::kAzimuthAndTranslation};
+    images = PlacementQuestion{
+        sequence_,
+        outlines_,
+        project_->document(),
+        view_.Model(model)->name,
+        placement.instance,
+        task.up_in_scan,
+        task.floor_in_scan ? FreeMotion::kAzimuthAndHorizontal : FreeMotion::kAzimuthAndTranslation,
+        task.scale};
   }
   Propose({"Trying 24 azimuths", true,
            [task = std::move(task), images = std::move(images), placement](
@@ -171,7 +180,8 @@ void AnnotationSession::On(const PlaceAgainCommand& command) {
   if (instance == nullptr || models_ == nullptr) return Refuse("Select an object first.");
   if (instance->locked) return Refuse("'" + command.id + "' is locked; unlock it first.");
   const auto id = models_->Find(instance->model);
-  auto task = TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor);
+  auto task =
+      TaskFor(id ? id->value : -1, instance->scan_from_object, command.on_floor, instance->scale);
   if (!task) return;
   task->view_azimuth_rad = command.view_azimuth_rad;
   QueuePlacement(std::move(*task), id->value, command.id);
@@ -209,8 +219,8 @@ void AnnotationSession::On(const AcceptProposalCommand& command) {
     } else {
       On(SetInstancePoseCommand{placement->instance, pose});
     }
-  } else if (const auto& refinement = view_.refinement) {
-    On(SetInstancePoseCommand{refinement->instance, refinement->scan_from_object});
+  } else if (view_.refinement) {
+    if (!TakeRefinement()) return;
   } else if (const auto& alignment = view_.sequence_alignment) {
     if (alignment->running || !alignment->problem.empty()) return;
     if (!Edit(SetSceneAlignment{alignment->scan_from_world})) return;
@@ -220,6 +230,15 @@ void AnnotationSession::On(const AcceptProposalCommand& command) {
     return;
   }
   DropProposals();
+}
+
+bool AnnotationSession::TakeRefinement() {
+  ChangeInstance edit;
+  edit.id = view_.refinement->instance;
+  edit.set.scan_from_object = view_.refinement->scan_from_object;
+  if (view_.refinement->scale_std > 0) edit.set.scale = view_.refinement->scale;
+  work_time_.GiveNextTo(edit.id);
+  return Edit(edit);
 }
 
 void AnnotationSession::On(const CancelProposalCommand&) { DropProposals(); }

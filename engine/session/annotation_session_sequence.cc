@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engine/annotation/bop_files.h"
+#include "engine/annotation/scaled_models.h"
 #include "engine/session/annotation_session.h"
 
 namespace plumbline {
@@ -13,9 +14,10 @@ void AnnotationSession::On(const ShowFrameCommand& command) {
   const int frame = std::clamp(command.frame, 0, sequence_->num_frames() - 1);
   FrameView shown;
   shown.frame = frame;
+  shown.masks = command.masks;
   if (view_.frame) {  // the one before, until this one is there
     shown.image = view_.frame->image;
-    shown.instances = view_.frame->instances;
+    if (command.masks) shown.instances = view_.frame->instances;
   }
   view_.frame = shown;
   frame_wanted_ = frame;
@@ -23,15 +25,20 @@ void AnnotationSession::On(const ShowFrameCommand& command) {
 
 AnnotationSession::Job AnnotationSession::FrameJob(int frame) {
   return {"", false,
-          [sequence = sequence_, models = models_, document = project_->document(), frame](
-              const WorkContext&, const auto&) -> Update {
+          [sequence = sequence_, models = models_, document = project_->document(), frame,
+           masks = view_.frame && view_.frame->masks](const WorkContext&, const auto&) -> Update {
             const auto read = sequence->ReadFrame(frame);
-            ExchangeInputs inputs;
-            inputs.sequence = sequence.get();
-            inputs.models = models.get();
-            const auto instances = VisibleInstances(document, inputs, frame);
-            return [read, instances, frame](AnnotationSession& session) {
-              if (!session.view_.frame || session.view_.frame->frame != frame) return;
+            Result<cv::Mat> instances = cv::Mat();
+            if (masks) {
+              ExchangeInputs inputs;
+              inputs.sequence = sequence.get();
+              const UnscaledAnnotations sized = WithScaledModels(document, models.get());
+              inputs.models = sized.models != nullptr ? sized.models.get() : models.get();
+              instances = VisibleInstances(sized.document, inputs, frame);
+            }
+            return [read, instances, frame, masks](AnnotationSession& session) {
+              const auto& shown = session.view_.frame;
+              if (!shown || shown->frame != frame || shown->masks != masks) return;
               session.view_.frame->image = read ? read->image : cv::Mat();
               session.view_.frame->problem = read ? "" : read.error().message;
               session.view_.frame->instances = instances ? *instances : cv::Mat();

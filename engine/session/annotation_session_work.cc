@@ -39,6 +39,17 @@ Edit AnnotationSession::WithTimeSpent(const plumbline::Edit& edit) const {
   return group;
 }
 
+void AnnotationSession::WriteTimeSpent() {
+  constexpr double kGlance_s = 5;
+  const AnnotationDocument& document = project_->document();
+  if (document.Stage() == WorkStage::kDone) return;
+  double all_s = 0;
+  for (const AnnotatedInstance& instance : document.instances)
+    all_s += work_time_.ToWrite(instance.id);
+  if (all_s < kGlance_s) return;
+  Edit(EditGroup{"Note the time spent", {}});
+}
+
 void AnnotationSession::KeepTimeSpent(const std::vector<AnnotatedInstance>& before) {
   for (const AnnotatedInstance& old : before) {
     const AnnotatedInstance* now = project_->document().Find(old.id);

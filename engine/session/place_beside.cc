@@ -30,7 +30,9 @@ struct PosedBox {
 std::optional<PosedBox> BoxOf(const AnnotatedInstance& instance, const ModelDatabase* models) {
   const auto model = models != nullptr ? models->Find(instance.model) : std::nullopt;
   if (!model || models->model(*model).bounds.isEmpty()) return std::nullopt;
-  return PosedBox{instance.scan_from_object, models->model(*model).bounds.cast<double>()};
+  const Eigen::AlignedBox3d bounds = models->model(*model).bounds.cast<double>();
+  return PosedBox{instance.scan_from_object,
+                  {instance.scale * bounds.min(), instance.scale * bounds.max()}};
 }
 
 /// Tries the faces of both as planes between them: may say so of boxes that just miss each other.

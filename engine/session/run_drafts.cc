@@ -22,6 +22,7 @@ Result<std::vector<AnnotatedInstance>> DraftsOfRun(const AnnotationDocument& doc
     draft.model = estimate.model;
     draft.category = estimate.category;
     draft.scan_from_object = scan_from_world * estimate.world_from_object;
+    draft.scale = estimate.scale;
     draft.fine = false;
     draft.note =
         std::string(kDraftNote) + "object " + estimate.id + " of " + run.filename().string();

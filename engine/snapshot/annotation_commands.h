@@ -109,6 +109,17 @@ struct ExportCommand {
 };
 /// Compares every object with its images, for the checklist; seconds each.
 struct CompareAllCommand {};
+/// Says that a finding of the checklist is all right, or that it is not any more.
+struct AcceptFindingCommand {
+  std::string kind;  ///< Of FindingView, as are the instances.
+  std::vector<std::string> instances;
+  bool accepted = true;
+  std::string note;  ///< Why; may be empty.
+};
+/// Compares it with what another annotator placed in this scan, after every edit anew; "": no more.
+struct CompareWithCommand {
+  std::string file;  ///< A project, or a ground truth in the frame of the scan.
+};
 /// Whether an export may replace what it asked about.
 struct AnswerExportCommand {
   bool replace = false;
@@ -138,6 +149,7 @@ struct DismissNoticesCommand {};
 /// Reads a frame of the sequence, to pick in it.
 struct ShowFrameCommand {
   int frame = 0;
+  bool masks = false;  ///< Also which object shows at each pixel: a tenth of a second for each.
 };
 /// The same point in the scan and in a frame.
 struct AddPairCommand {
@@ -184,6 +196,6 @@ using AnnotationCommand = std::variant<
     SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand, ShowFrameCommand,
     AddPairCommand, RemovePairCommand, AlignSequenceCommand, ShowBoxCommand, DropRecoveredCommand,
     ExportCommand, CompareAllCommand, AnswerExportCommand, SetScanUnitCommand, ProposeCropCommand,
-    ActivityCommand, SetStageCommand, ListQueueCommand>;
+    ActivityCommand, SetStageCommand, ListQueueCommand, AcceptFindingCommand, CompareWithCommand>;
 
 }  // namespace plumbline

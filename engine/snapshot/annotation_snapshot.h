@@ -69,6 +69,7 @@ struct PlacementView {
   std::string problem;  ///< Why there is only the place that was clicked.
   int symmetry_order = 1;
   std::vector<PlacementCandidate> candidates;  ///< Best first.
+  double scale = 1;                            ///< Of the model.
   int images = 0;                              ///< In which they were compared; 0: in none (yet).
   bool by_images = false;                      ///< The images decided which is the first.
   bool searching = false;                      ///< In the images, because none agrees with them.
@@ -99,6 +100,9 @@ struct RefinementView : RefinedPose {
   bool contradict = false;         ///< They are farther apart than both allow.
   std::string problem;             ///< Why nothing was found.
   std::string one_problem;         ///< Why scan or images found nothing.
+  double scale = 1;                ///< Of the model, in all that was found.
+  double scale_std = 0;            ///< 0: it was not free, or nothing shows it.
+  std::string scale_problem;       ///< Why nothing shows it.
   /// Of every vertex of the model: distance of the nearest scan point; negative: none within 10 cm.
   std::shared_ptr<const std::vector<float>> residuals_m;
 };
@@ -143,6 +147,7 @@ struct FrameView {
   int frame = 0;
   cv::Mat image;  ///< CV_8UC3 BGR; empty while it is read.
   std::string problem;
+  bool masks = false;  ///< Whether `instances` were asked for.
   /// Of each pixel the place of the placed object that shows there + 1, as exported masks have it;
   /// CV_16U, as large as the image. Empty if `masks_problem` says why.
   cv::Mat instances;
@@ -199,20 +204,51 @@ struct BoxView {
 struct FindingView {
   std::string kind, sentence;
   std::vector<std::string> instances;
-  bool error = true;  ///< An object is wrong; else it is only worth knowing.
+  bool error = true;        ///< An object is wrong; else it is only worth knowing.
+  bool can_accept = false;  ///< It is about placed objects.
+  bool accepted = false;    ///< Somebody called it all right, and nothing has changed since.
+  std::string accepted_by = {}, accepted_note = {};
 };
 
 /// What is probably wrong, as the project is now.
 struct ChecklistView {
-  std::vector<FindingView> findings;  ///< Errors first.
+  std::vector<FindingView> findings;  ///< Errors first, those that were accepted last.
   bool comparing = false;             ///< All objects with their images, ...
   int compared = 0, to_compare = 0;   ///< ... so far, and in all.
 
+  /// That are open.
   int NumErrors() const {
     int errors = 0;
-    for (const FindingView& finding : findings) errors += finding.error;
+    for (const FindingView& finding : findings) errors += finding.error && !finding.accepted;
     return errors;
   }
+  int NumAccepted() const {
+    int accepted = 0;
+    for (const FindingView& finding : findings) accepted += finding.accepted;
+    return accepted;
+  }
+};
+
+/// One object as two annotators placed it, or one of them alone. Differences are ours minus theirs.
+struct AgreedRowView {
+  std::string first, second;  ///< Ids, here and there; "": it is not there.
+  bool same_model = true;
+  bool copied = false;  ///< Both are the same to the last digit, which says nothing.
+  double horizontal_m = 0, height_m = 0, tilt_rad = 0;
+  std::optional<double> azimuth_rad;  ///< Nothing for what is round.
+  std::string second_model;           ///< As the other one has it, and where.
+  double second_scale = 1;
+  Eigen::Isometry3d second_from = Eigen::Isometry3d::Identity();  ///< scan_from_object
+};
+
+/// What another annotator placed.
+struct AgreementView {
+  std::string name;  ///< Of the file.
+  bool running = true;
+  std::string problem;
+  std::vector<AgreedRowView> rows;
+  int pooled = 0;  ///< Objects behind the next two, one annotator's deviations; 0: too few.
+  double position_std_m = 0, azimuth_std_rad = 0;
 };
 
 /// The last export.
@@ -282,6 +318,7 @@ struct AnnotationSnapshot {
   std::optional<CropView> crop;
   std::optional<BoxView> box;  ///< Of the box that is being drawn.
   std::optional<ExportView> exported;
+  std::optional<AgreementView> agreement;  ///< With another annotator, once that was asked for.
   ChecklistView checklist;
   std::uint64_t proposal_number = 0;  ///< Changes with the five above.
 

@@ -257,6 +257,43 @@ TEST_F(AnnotateVerb, ChecksTheProject) {
   ASSERT_EQ(Run("check room.json --json check.json"), 0);
   EXPECT_THAT(Output(), testing::HasSubstr("chair_1 floats 0.100 m above the floor"));
   EXPECT_EQ(Json("check.json")["findings"][0]["kind"], "floating");
+  EXPECT_FALSE(Json("check.json")["findings"][0].contains("accepted"));
+
+  Write("accept.json", R"([{"edit": "accept", "finding": {"kind": "floating", "amount": 0.1,
+      "unit": "m", "by": "Ada", "note": "on a box", "objects": [{"id": "chair_1", "model": "chair",
+      "scan_from_object": [[1,0,0,0.52],[0,1,0,0.1],[0,0,1,0.1],[0,0,0,1]]}]}}])");
+  ASSERT_EQ(Run("apply room.json accept.json"), 0) << Output();
+  ASSERT_EQ(Run("check room.json --json check.json"), 0);
+  EXPECT_THAT(Output(), testing::HasSubstr("(accepted by Ada: on a box)"));
+  EXPECT_THAT(Output(), testing::HasSubstr("0 findings, 1 accepted findings"));
+  EXPECT_EQ(Json("check.json")["findings"][0]["accepted"]["by"], "Ada");
+  ASSERT_EQ(Run("export room.json --format ground_truth --out truth.json"), 0);
+  EXPECT_THAT(Output(), testing::HasSubstr("1 accepted findings"));
+  EXPECT_THAT(Output(), testing::Not(testing::HasSubstr("floats")));
+  Write("back.json", R"([{"edit": "reopen", "kind": "floating", "instances": ["chair_1"]}])");
+  ASSERT_EQ(Run("apply room.json back.json"), 0) << Output();
+  ASSERT_EQ(Run("check room.json"), 0);
+  EXPECT_THAT(Output(), testing::HasSubstr("1 findings"));
+}
+
+TEST_F(AnnotateVerb, AScaledObjectIsExportedAtItsSizeAndComesBack) {
+  Write("edits.json", R"([{"edit": "change", "id": "chair_1", "scale": 1.05, "may_scale": true},
+      {"edit": "state", "state": {"stage": "done", "annotator": "Ada"}}])");
+  ASSERT_EQ(Run("apply room.json edits.json"), 0) << Output();
+  ASSERT_EQ(Run("export room.json --format ground_truth --out truth.json"), 0) << Output();
+  ASSERT_EQ(Run("import back.json --create --format ground_truth --from truth.json"), 0);
+  double scale = 0;
+  const nlohmann::json back = Json("back.json");
+  for (const auto& instance : back["instances"]) {
+    if (instance["id"] == "chair_1") scale = instance["scale"];
+  }
+  EXPECT_EQ(scale, 1.05);
+  ASSERT_EQ(Run("export room.json --format visma --out visma"), 0) << Output();
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "visma/CAD/chair_x1.0500.obj"));
+  Write("move.json", R"([{"edit": "change", "id": "chair_1", "scale": 1.02}])");
+  ASSERT_EQ(Run("apply room.json move.json --annotator Grace"), 0) << Output();
+  EXPECT_EQ(Json("room.json")["state"]["stage"], "in work") << "it was done";
+  EXPECT_EQ(Json("room.json")["state"]["annotator"], "Grace");
 }
 
 }  // namespace

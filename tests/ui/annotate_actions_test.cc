@@ -187,6 +187,7 @@ TEST(AnnotateActions, EveryOneIsOfferedByWordsWhenItCanBeDoneAndOnlyThen) {
                            "Duplicate it",
                            "Copy it",
                            "Unlock its tilt",
+                           "Unlock its scale",
                            "Queue: the scans of a folder, and how far each is",
                            "Mark it as coarse",
                            "Find the floor",

@@ -79,6 +79,65 @@ TEST(AnnotateInstancesPanel, ListsWhatIsWrongAndGoesThere) {
   EXPECT_EQ(harness.view.finding, 1);
 }
 
+TEST(AnnotateInstancesPanel, AFindingIsCalledAllRightAndOpenedAgain) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_instances");
+  FindingView finding{"floating", "table_0 floats 0.050 m above the floor", {"table_0"}, true};
+  finding.can_accept = true;
+  harness.snapshot().checklist.findings = {finding};
+  harness.view.check = true;
+  harness.Click(*panel, "finding.0");
+  harness.Press(keys::kO);
+  EXPECT_TRUE(harness.view.accept_finding);
+  harness.Draw(*panel);
+  harness.view.finding_note = "a rug lies under it";
+  harness.Click(*panel, "finding.accept.done");
+  ASSERT_TRUE(harness.sink.Last<AcceptFindingCommand>());
+  EXPECT_EQ(harness.sink.Last<AcceptFindingCommand>()->kind, "floating");
+  EXPECT_EQ(harness.sink.Last<AcceptFindingCommand>()->instances,
+            std::vector<std::string>{"table_0"});
+  EXPECT_EQ(harness.sink.Last<AcceptFindingCommand>()->note, "a rug lies under it");
+  EXPECT_TRUE(harness.sink.Last<AcceptFindingCommand>()->accepted);
+
+  finding.accepted = true;
+  finding.accepted_by = "Ada";
+  harness.snapshot().checklist.findings = {finding};
+  EXPECT_EQ(harness.snapshot().checklist.NumErrors(), 0);
+  harness.Click(*panel, "finding.0");
+  harness.Click(*panel, "finding.reopen");
+  EXPECT_FALSE(harness.sink.Last<AcceptFindingCommand>()->accepted);
+}
+
+TEST(AnnotateInstancesPanel, ListsHowFarAnotherAnnotatorIsAndShowsBoth) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_instances");
+  AgreementView agreement;
+  agreement.name = "room.grace.json";
+  agreement.running = false;
+  AgreedRowView both, there;
+  both.first = "table_0";
+  both.second = "desk";
+  both.horizontal_m = 0.012;
+  both.height_m = -0.004;
+  both.azimuth_rad = 0.02;
+  there.second = "stool_7";
+  agreement.rows = {both, there};
+  harness.snapshot().agreement = agreement;
+  const std::string text = harness.Text(*panel);
+  for (const char* part :
+       {"room.grace.json", "table_0", "1.2", "-0.4 cm", "1.1\u00b0", "stool_7", "only there"})
+    EXPECT_THAT(text, HasSubstr(part));
+  harness.Click(*panel, "agreement.0");
+  EXPECT_EQ(harness.view.agreed_row, 0);
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, "table_0");
+  EXPECT_EQ(harness.view.focus_on, "table_0");
+  harness.Click(*panel, "agreement.1");
+  EXPECT_EQ(harness.view.agreed_row, 1);
+  harness.Click(*panel, "agreement.close");
+  EXPECT_EQ(harness.sink.Last<CompareWithCommand>()->file, "");
+  EXPECT_EQ(harness.view.agreed_row, -1);
+}
+
 TEST(AnnotateInstancesPanel, SelectsHidesLocksAndGradesARow) {
   AnnotateHarness harness;
   const auto panel = MakeAnnotatePanel("annotate_instances");

@@ -219,7 +219,7 @@ TEST(AnnotateRefinementPanel, OffersEachAloneAndSaysByHowMuchTheyDisagree) {
   refinement.contradict = true;
   harness.snapshot().refinement = refinement;
   const std::string text = harness.Text(*panel);
-  for (const char* part : {"Together", "By the scan", "By the images", "42 mm", "other images 57 %",
+  for (const char* part : {"Together", "By scan", "By images", "42 mm", "other images 57 %",
                            "39 mm", "12 mm", "contradict each other"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }

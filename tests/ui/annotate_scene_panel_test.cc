@@ -233,7 +233,13 @@ TEST(AnnotateMasksPanel, AsksAgainOnceSomethingHasMovedAndSelectsWhatIsClicked) 
   harness.Draw(*panel, 3);
   ASSERT_NE(harness.sink.Last<ShowFrameCommand>(), nullptr);
   EXPECT_EQ(harness.sink.commands.size(), 1u) << "once";
+  EXPECT_TRUE(harness.sink.Last<ShowFrameCommand>()->masks);
   FrameView frame{3, cv::Mat(90, 160, CV_8UC3, cv::Scalar(60, 60, 60)), ""};
+  harness.snapshot().frame = frame;  // as the other panel reads it
+  harness.sink.commands.clear();
+  harness.Draw(*panel, 3);
+  ASSERT_EQ(harness.sink.commands.size(), 1u) << "once";
+  frame.masks = true;
   frame.instances = cv::Mat::zeros(90, 160, CV_16U);
   frame.instances.colRange(0, 80).setTo(1);
   harness.snapshot().frame = frame;

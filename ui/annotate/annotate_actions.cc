@@ -294,6 +294,18 @@ ActionGroup EditActions() {
         .run = [](const FrameContext& context,
                   CommandSink& sink) { WalkFindings(context, -1, sink); },
         .is_offered = IsFree},
+       {.text = "Accept the finding: it is all right",
+        .keys = {{kO}},
+        .run = AcceptShownFinding,
+        .help_keys = "O",
+        .help = "The finding that is shown is all right; or, if it was accepted, open again",
+        .text_when_on = "Reopen the finding that was accepted",
+        .is_on = [](const FrameContext& context) { return ShownFinding(context)->accepted; },
+        .is_offered =
+            [](const FrameContext& context) {
+              return IsFree(context) && !context.annotation->read_only &&
+                     ShownFinding(context) != nullptr;
+            }},
        {.text = "Hide it",
         .keys = {{kH}},
         .run = Changes([](const AnnotatedInstance& instance, InstanceChange& set) {
@@ -341,6 +353,13 @@ ActionGroup EditActions() {
         }),
         .text_when_on = "Lock its tilt",
         .is_on = [](const FrameContext& c) { return c.annotation->Selected()->may_tilt; },
+        .is_offered = CanEdit},
+       {.text = "Unlock its scale",
+        .run = Changes([](const AnnotatedInstance& instance, InstanceChange& set) {
+          set.may_scale = !instance.may_scale;
+        }),
+        .text_when_on = "Lock its scale",
+        .is_on = [](const FrameContext& c) { return c.annotation->Selected()->may_scale; },
         .is_offered = CanEdit},
        {.text = "Copy it",
         .keys = {{kC, false, true}},
@@ -434,6 +453,9 @@ ActionGroup ProjectActions() {
             .run = Turns(&AnnotateView::open_queue),
             .help_keys = "Ctrl + O",
             .help = "Queue of scans; hand over for review",
+            .is_offered = IsOpen},
+           {.text = "Compare with another annotator's project",
+            .run = Turns(&AnnotateView::open_more),
             .is_offered = IsOpen},
            {.text = "Save as, drafts of a run, annotator",
             .keys = {{kS, true, true}},

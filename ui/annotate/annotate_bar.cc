@@ -91,7 +91,7 @@ SavedState SavedStateOf(const AnnotationSnapshot& snapshot) {
 void DrawMore(const FrameContext& context, CommandSink& sink) {
   static constexpr std::size_t kLongest = 512;
   struct Fields {
-    char save_as[kLongest], run[kLongest], annotator[96];
+    char save_as[kLongest], run[kLongest], second[kLongest], annotator[96];
   };
   AnnotateView& view = *context.annotate;
   const AnnotationSnapshot& snapshot = *context.annotation;
@@ -101,6 +101,7 @@ void DrawMore(const FrameContext& context, CommandSink& sink) {
   };
   fill(fields.save_as, kLongest, view.save_as.empty() ? snapshot.project_file : view.save_as);
   fill(fields.run, kLongest, view.run);
+  fill(fields.second, kLongest, view.second);
   fill(fields.annotator, sizeof(fields.annotator), snapshot.annotator);
   SmallText(context, colors::kAccent, "Save as");
   if (PathField(
@@ -120,6 +121,18 @@ void DrawMore(const FrameContext& context, CommandSink& sink) {
     ImGui::CloseCurrentPopup();
   }
   view.run = fields.run;
+  ImGui::Dummy({0, context.Scaled(4)});
+  SmallText(context, colors::kAccent, "Compare with");
+  if (PathField(context, "more.compare", "PROJECT.json or ground_truth.json", fields.second,
+                kLongest, "Compare",
+                "What another annotator placed in this scan, object by object, in the list of what "
+                "is placed. Nothing is changed.")) {
+    sink.Post(CompareWithCommand{fields.second});
+    view.check = false;
+    view.agreed_row = -1;
+    ImGui::CloseCurrentPopup();
+  }
+  view.second = fields.second;
   ImGui::Dummy({0, context.Scaled(4)});
   SmallText(context, colors::kAccent, "Annotator");
   ImGui::SetNextItemWidth(context.Scaled(200));

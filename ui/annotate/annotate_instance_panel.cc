@@ -115,6 +115,44 @@ class AnnotateInstancePanel : public Panel {
                                     "About up: where its front (+x) points."))
       post(Turned(snapshot, pose, {0, 0, 1}, (*azimuth - degrees) / kDegreesPerRadian));
     DrawTilt(context, instance, level.tilt_rad, sink);
+    DrawScale(context, instance, sink);
+  }
+
+  void DrawScale(const FrameContext& context, const AnnotatedInstance& instance,
+                 CommandSink& sink) {
+    ImGui::AlignTextToFramePadding();
+    DimText("Scale");
+    ImGui::SameLine(context.Scaled(76));
+    ChangeInstanceCommand change;
+    change.id = instance.id;
+    if (instance.may_scale) {
+      ImGui::SetNextItemWidth(context.Scaled(66));
+      const auto typed = numbers_.Draw(context, "instance.scale", instance.scale, "%.4f",
+                                       "Times as large as its model, about its foot; 0.1 to 10.");
+      if (typed) {
+        change.set.scale = *typed;
+        sink.Post(change);
+      }
+    } else {
+      ImGui::AlignTextToFramePadding();
+      ImGui::Text("%.4f", instance.scale);
+    }
+    ImGui::SameLine(context.Scaled(146));
+    bool may_scale = instance.may_scale;
+    if (Toggle(context, "instance.may_scale", may_scale ? "unlocked" : "locked", may_scale,
+               "Unlocked, for this object alone, Refine finds from the scan how large it is, too, "
+               "where a few per cent are usual; and it can be typed.")) {
+      change.set.scale.reset();
+      change.set.may_scale = may_scale;
+      sink.Post(change);
+    }
+    if (instance.scale == 1) return;
+    ImGui::SameLine();
+    if (Button(context, "instance.model_size", "As its model", "Removes the scale.")) {
+      change.set = {};
+      change.set.scale = 1.0;
+      sink.Post(change);
+    }
   }
 
   static void DrawTilt(const FrameContext& context, const AnnotatedInstance& instance,

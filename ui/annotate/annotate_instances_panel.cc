@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "ui/annotate/annotate_agreement.h"
 #include "ui/annotate/annotate_findings.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
@@ -35,6 +36,7 @@ class AnnotateInstancesPanel : public Panel {
   void Draw(const FrameContext& context, CommandSink& sink) override {
     const AnnotationSnapshot& snapshot = *context.annotation;
     if (context.annotate->check) return DrawFindings(context, sink);
+    if (snapshot.agreement) return DrawAgreement(context, sink);
     if (snapshot.instances.empty()) {
       return EmptyState(context, "Nothing is placed yet",
                         "Click a model above, then click in the scan where it stands.");

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ui/annotate/annotate_panels.h"
@@ -47,7 +49,7 @@ class AnnotateMasksPanel : public Panel {
     ImGui::PopStyleColor();
     ImGui::PopStyleVar();
     LogItem(context, "masks.frame");
-    if (moved) sink.Post(ShowFrameCommand{frame});
+    if (moved) sink.Post(ShowFrameCommand{frame, true});
     Tooltip(context, "Which frame is shown.");
     ImGui::SameLine();
     DimText("%d of %d", frame, snapshot.num_frames - 1);
@@ -88,13 +90,18 @@ class AnnotateMasksPanel : public Panel {
       ids += instance.id + "/" + instance.model + "\n";
       const double* pose = instance.scan_from_object.data();
       poses.insert(poses.end(), pose, pose + 16);
+      poses.push_back(instance.scale);
     }
-    if (snapshot.frame && ids == ids_ && poses == poses_) return;
+    // Elsewhere frames are read without their masks.
+    const bool without = snapshot.frame && !snapshot.frame->masks &&
+                         std::exchange(asked_at_, snapshot.frame_number) != snapshot.frame_number;
+    if (snapshot.frame && !without && ids == ids_ && poses == poses_) return;
     if (!snapshot.frame && asked_of_ == snapshot.project_file) return;
     asked_of_ = snapshot.project_file;
     ids_ = ids;
     poses_ = poses;
-    sink.Post(ShowFrameCommand{snapshot.frame ? snapshot.frame->frame : snapshot.num_frames / 2});
+    sink.Post(
+        ShowFrameCommand{snapshot.frame ? snapshot.frame->frame : snapshot.num_frames / 2, true});
   }
 
   static const AnnotatedInstance* At(const AnnotationSnapshot& snapshot,
@@ -107,6 +114,7 @@ class AnnotateMasksPanel : public Panel {
                                                            : nullptr;
   }
 
+  std::optional<std::uint64_t> asked_at_;  ///< Frame number without masks, asked for again.
   std::string ids_, asked_of_;
   std::vector<double> poses_;  ///< As of the last question.
 };

@@ -20,9 +20,9 @@ constexpr double kShownTilt_rad = 1e-4;  ///< Less is rounding: what is locked k
 const char* NameOf(RefineBy by) {
   switch (by) {
     case RefineBy::kScan:
-      return "By the scan";
+      return "By scan";
     case RefineBy::kImages:
-      return "By the images";
+      return "By images";
     case RefineBy::kBoth:
       break;
   }
@@ -66,6 +66,9 @@ class AnnotateRefinementPanel : public Panel {
                                                     : "Not by the scan: ") +
                                         refinement.one_problem + ".");
     }
+    if (!refinement.scale_problem.empty()) {
+      WrappedText(colors::kWarning, "Scale kept: " + refinement.scale_problem + ".");
+    }
     ImGui::Dummy({0, context.Scaled(2)});
     if (refinement.found.size() > 1) DrawChoices(context, refinement, sink);
     if (ImGui::BeginTable("refinement.table", 3, ImGuiTableFlags_SizingFixedFit)) {
@@ -73,6 +76,10 @@ class AnnotateRefinementPanel : public Panel {
       if (refinement.tilt_rad > kShownTilt_rad) {
         TableRow("Tilt", fmt::format("{:.2f}\u00b0", refinement.tilt_rad * kDegreesPerRadian),
                  "unlocked");
+      }
+      if (refinement.scale_std > 0) {
+        TableRow("Scale", fmt::format("{:.4f}", refinement.scale),
+                 fmt::format("\u00b1 {:.4f}", refinement.scale_std));
       }
       DrawFit(refinement);
       ImGui::EndTable();

@@ -94,7 +94,7 @@ class AnnotateScenePanel : public Panel {
     AnnotateSurface& scene = *context.annotate_scene;
     scene.SetContent({context.annotation, context.annotation_version, view.pending, ghost_,
                       view.candidate, view.scan, view.models, view.grid, view.cameras,
-                      context.light, view.scan_look});
+                      context.light, view.scan_look, view.agreed_row});
     if (!view.focus_on.empty() && context.annotation->selected == view.focus_on) {
       view.focus = true;
       view.focus_on.clear();

@@ -90,6 +90,10 @@ struct AnnotateView {
   std::vector<std::string> also_selected;    ///< Besides the snapshot's: ids, for the list.
   bool check = false;                        ///< The list of findings instead of the objects.
   int finding = -1;                          ///< The last one that was looked at.
+  bool accept_finding = false;               ///< In this frame: it is asked why it is all right.
+  std::string second;                        ///< Another's project: a path that is being typed.
+  int agreed_row = -1;                       ///< Of the agreement, which is shown in the scene.
+  std::string finding_note;                  ///< Why, as it is being typed.
   std::string focus_on;                      ///< The view turns to it as soon as it is selected.
   bool focus = false;                        ///< In this frame: the view turns to the selection.
   std::optional<Eigen::Vector3d> look_from;  ///< In this frame: the view looks at the selection
@@ -110,6 +114,7 @@ struct AnnotateContent {
   bool scan = true, models = true, grid = true, cameras = false;
   bool light = false;
   ScanLook scan_look;
+  int agreed_row = -1;  ///< Of the agreement: where the other one has it, as a white outline.
 };
 
 /// The 3-D view of the Annotate workspace as the panels know it; ui/scene implements it. It shows

@@ -191,15 +191,15 @@ AnnotateActors::Posed& AnnotateActors::Next() {
 
 void AnnotateActors::Show(const AnnotateContent& content, int model,
                           const Isometry3d& scan_from_object, ImU32 color, double opacity,
-                          bool outlined, const std::string& id) {
+                          bool outlined, const std::string& id, double scale) {
   const Shape& shape = ShapeOf(*content.snapshot, model);
   const Isometry3d pose = level_from_scan_ * scan_from_object;
   Posed& posed = Next();
   posed.id = id;
   SetData(*posed.surface, shape.surface);
   SetData(*posed.edges, shape.edges);
-  SetPose(*posed.surface, pose);
-  SetPose(*posed.edges, pose);
+  SetPose(*posed.surface, pose, scale);
+  SetPose(*posed.edges, pose, scale);
   SetColor(*posed.surface, color);
   SetColor(*posed.edges,
            outlined ? Mixed(color, IM_COL32_WHITE, 0.8) : Mixed(color, IM_COL32_BLACK, 0.35));
@@ -248,7 +248,8 @@ void AnnotateActors::ShowInstances(const AnnotateContent& content) {
     const bool selected = snapshot.selected == instance.id;
     Show(content, snapshot.ModelIndex(instance),
          pending ? content.pending->scan_from_object : instance.scan_from_object,
-         SeriesColor(static_cast<std::size_t>(number - 1)), 1.0, selected, instance.id);
+         SeriesColor(static_cast<std::size_t>(number - 1)), 1.0, selected, instance.id,
+         instance.scale);
   }
 }
 
@@ -267,14 +268,33 @@ void AnnotateActors::ShowProposals(const AnnotateContent& content) {
     const auto chosen = static_cast<std::size_t>(
         std::clamp(content.candidate, 0, static_cast<int>(placement->candidates.size()) - 1));
     Show(content, placement->model, placement->candidates[chosen].scan_from_object, colors::kAccent,
-         1.0, true, "");
+         1.0, true, "", placement->scale);
   }
   if (content.ghost) {
     Show(content, content.ghost->model, content.ghost->scan_from_object, colors::kAccent, 0.45,
          true, "");
   }
+  ShowOther(content);
   residuals_->VisibilityOff();
   if (snapshot.refinement) ShowResiduals(snapshot, *snapshot.refinement);
+}
+
+/// Where the other annotator has the object of the row that is looked at.
+void AnnotateActors::ShowOther(const AnnotateContent& content) {
+  const auto& agreement = content.snapshot->agreement;
+  if (!agreement || content.agreed_row < 0 ||
+      content.agreed_row >= static_cast<int>(agreement->rows.size()))
+    return;
+  const AgreedRowView& row = agreement->rows[static_cast<std::size_t>(content.agreed_row)];
+  AnnotatedInstance other;
+  other.model = row.second_model;
+  const int model = content.snapshot->ModelIndex(other);
+  if (row.second.empty() || model < 0) return;
+  Show(content, model, row.second_from, IM_COL32_WHITE, 1.0, true, "", row.second_scale);
+  Posed& shown = posed_[used_ - 1];
+  shown.surface->VisibilityOff();
+  SetColor(*shown.edges, content.light ? IM_COL32_BLACK : IM_COL32_WHITE);
+  shown.edges->GetProperty()->SetLineWidth(2.0f);
 }
 
 void AnnotateActors::ShowResiduals(const AnnotationSnapshot& snapshot,
@@ -302,7 +322,7 @@ void AnnotateActors::ShowResiduals(const AnnotationSnapshot& snapshot,
   data->SetPolys(cells);
   data->GetPointData()->SetScalars(rgb);
   SetData(*residuals_, data);
-  SetPose(*residuals_, level_from_scan_ * refinement.scan_from_object);
+  SetPose(*residuals_, level_from_scan_ * refinement.scan_from_object, refinement.scale);
   residuals_->VisibilityOn();
 }
 

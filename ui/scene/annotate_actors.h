@@ -53,9 +53,10 @@ class AnnotateActors {
   const Shape& ShapeOf(const AnnotationSnapshot& snapshot, int model);
   Posed& Next();
   void Show(const AnnotateContent& content, int model, const Eigen::Isometry3d& scan_from_object,
-            ImU32 color, double opacity, bool outlined, const std::string& id);
+            ImU32 color, double opacity, bool outlined, const std::string& id, double scale = 1);
   void ShowInstances(const AnnotateContent& content);
   void ShowProposals(const AnnotateContent& content);
+  void ShowOther(const AnnotateContent& content);
   void ShowResiduals(const AnnotationSnapshot& snapshot, const RefinementView& refinement);
   void ShowPoints(vtkActor* actor, const std::vector<Eigen::Vector3f>* points,
                   const Eigen::Isometry3d& level_from_scan);

@@ -47,7 +47,8 @@ class AnnotateScene : public AnnotateSurface {
         Same(content.ghost, content_.ghost) && content.candidate == content_.candidate &&
         content.scan == content_.scan && content.models == content_.models &&
         content.grid == content_.grid && content.cameras == content_.cameras &&
-        content.light == content_.light && content.scan_look == content_.scan_look) {
+        content.light == content_.light && content.agreed_row == content_.agreed_row &&
+        content.scan_look == content_.scan_look) {
       return;
     }
     content_ = content;
@@ -110,8 +111,8 @@ class AnnotateScene : public AnnotateSurface {
     const AnnotatedInstance* found = snapshot != nullptr ? snapshot->Find(instance) : nullptr;
     const AnnotationModel* model = found != nullptr ? snapshot->ModelOf(*found) : nullptr;
     if (model == nullptr) return;
-    const Vector3d center =
-        snapshot->level_from_scan * found->scan_from_object * model->bounds.center().cast<double>();
+    const Vector3d center = snapshot->level_from_scan * found->scan_from_object *
+                            Vector3d(found->scale * model->bounds.center().cast<double>());
     camera_.LookAt(center, 2.6 * static_cast<double>(model->bounds.diagonal().norm()));
     dirty_ = true;
   }

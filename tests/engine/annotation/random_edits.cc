@@ -20,7 +20,7 @@ Edit Change(const AnnotationDocument& document, Random& random) {
   ChangeInstance edit;
   edit.id = chosen.id;
   if (chosen.locked) edit.set.locked = false;
-  switch (random.Index(7)) {
+  switch (random.Index(8)) {
     case 0:
       edit.set.id = FreeName(document, random);
       break;
@@ -37,6 +37,10 @@ Edit Change(const AnnotationDocument& document, Random& random) {
       break;
     case 4:
       edit.set.may_tilt = !chosen.may_tilt;
+      break;
+    case 5:
+      edit.set.scale = random.Uniform(0.8, 1.2);
+      edit.set.may_scale = !chosen.may_scale;
       break;
     default:
       edit.set.scan_from_object = RandomPose(random);
@@ -60,6 +64,21 @@ Edit AddOrRemovePair(const AnnotationDocument& document, Random& random) {
                        static_cast<int>(random.Index(500)),
                        {random.Uniform(0, 640), random.Uniform(0, 480)}};
   return AddPair{pair, random.Index(count + 1)};
+}
+
+Edit AcceptOrReopen(const AnnotationDocument& document, Random& random) {
+  if (!document.accepted.empty() && random.Index(3) == 0) {
+    const AcceptedFinding& accepted =
+        document.accepted[random.Index(static_cast<std::uint32_t>(document.accepted.size()))];
+    ReopenFinding edit{accepted.kind, {}};
+    for (const auto& object : accepted.objects) edit.instances.push_back(object.id);
+    return edit;
+  }
+  const auto& instances = document.instances;
+  const auto& chosen = instances[random.Index(static_cast<std::uint32_t>(instances.size()))];
+  AcceptedFinding accepted{"floating", {}, random.Uniform(), "m", "Ada", "a rug"};
+  accepted.objects.push_back({chosen.id, chosen.model, chosen.scale, chosen.scan_from_object});
+  return AcceptFinding{accepted, std::nullopt};
 }
 
 }  // namespace
@@ -102,7 +121,7 @@ Crop RandomCrop(const std::string& id, Random& random) {
 }
 
 Edit RandomEdit(const AnnotationDocument& document, Random& random) {
-  const std::uint32_t kind = random.Index(14);
+  const std::uint32_t kind = random.Index(15);
   if (document.instances.size() < 3 || (kind < 2 && document.instances.size() < 40)) {
     return AddInstance{RandomInstance(FreeName(document, random), random), std::nullopt};
   }
@@ -120,6 +139,7 @@ Edit RandomEdit(const AnnotationDocument& document, Random& random) {
   if (kind == 5) return SetInputs{"scan.ply", "models", "walk" + std::to_string(random.Index(9))};
   if (kind == 7) return AddOrRemoveCrop(document, random);
   if (kind == 8) return AddOrRemovePair(document, random);
+  if (kind == 10) return AcceptOrReopen(document, random);
   if (kind == 9) {
     ProjectState state{static_cast<WorkStage>(1 + random.Index(3)), "Ada", "", "note"};
     if (random.Index(2) == 0) state.reviewer = "Grace";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/registration/model_alignment.h"
+#include "engine/registration/scale_fit.h"
 
 #include <cmath>
 #include <cstdio>
@@ -62,6 +63,39 @@ class ModelAlignmentTest : public testing::Test {
     return start;
   }
 };
+
+TEST_F(ModelAlignmentTest, AScaledModelComesBackWithItsScale) {
+  for (const double scale : {0.96, 1.0, 1.05}) {
+    TriangleMesh scan = CleanScan(20000, 0.002);
+    for (Eigen::Vector3f& point : scan.vertices) {
+      const Eigen::Vector3d in_model = Truth().inverse() * point.cast<double>();
+      point = (Truth() * Eigen::Vector3d(scale * in_model)).cast<float>();
+    }
+    const auto target = ScanTarget::Prepare(scan).value();
+    const auto start = Start(0.03, {0.01, -0.008, 0.006});
+    const auto wide = FitScale(*target, *surface_, 1, start, up_,
+                               FreeMotion::kAzimuthAndTranslation, {.mean = 1, .std = 1});
+    ASSERT_TRUE(wide.ok()) << wide.error().message;
+    EXPECT_TRUE(wide->converged);
+    EXPECT_NEAR(wide->scale, scale, 0.002);
+    EXPECT_NEAR(wide->scale, scale, 4 * wide->scale_std) << "as it says itself";
+    EXPECT_LT(wide->scale_std, 0.005);
+    EXPECT_THAT(wide->scan_from_model, IsometryNear(Truth(), 0.2, 0.002));
+    // Without the data there would be the prior.
+    const auto certain = FitScale(*target, *surface_, 1, start, up_,
+                                  FreeMotion::kAzimuthAndTranslation, {.mean = 1, .std = 1e-5});
+    EXPECT_NEAR(certain->scale, 1, 1e-3);
+    EXPECT_LT(certain->scale_std, 2e-5);
+  }
+}
+
+TEST_F(ModelAlignmentTest, AnEmptyPlaceHasNoScale) {
+  const auto target = ScanTarget::Prepare(CleanScan(3000, 0)).value();
+  const auto fit =
+      FitScale(*target, *surface_, 1, Start(0, {5, 0, 0}), up_, FreeMotion::kAzimuthAndTranslation);
+  ASSERT_FALSE(fit.ok());
+  EXPECT_EQ(fit.error().code, ErrorCode::kDegenerate);
+}
 
 TEST_F(ModelAlignmentTest, IndependentCleanSamplesAreMetToAFractionOfAMillimetre) {
   const auto aligned = Align(CleanScan(30000, 0), Start(2.5, {0.15, 0.1, -0.12}), {});

@@ -239,6 +239,130 @@ TEST_F(AnnotationSessionTest, NothingIsExportedWithOpenErrorsWithoutAWord) {
   EXPECT_TRUE(std::filesystem::exists(command.out));
 }
 
+TEST_F(AnnotationSessionTest, WhatIsAllRightIsNotOpenUntilItMoves) {
+  const auto session = WithArmchair();
+  Eigen::Isometry3d lifted = session->Snapshot().instances[0].scan_from_object;
+  lifted.translation() += 0.05 * scene_.up_in_scan;
+  Do(*session, SetInstancePoseCommand{"armchair_0", lifted});
+  ASSERT_TRUE(session->Snapshot().checklist.findings[0].can_accept);
+  const auto open = [&] { return session->Snapshot().checklist.NumErrors(); };
+  Do(*session, AcceptFindingCommand{"floating", {"armchair_0"}, true, "stands on a box"});
+  EXPECT_EQ(open(), 0);
+  const ChecklistView list = session->Snapshot().checklist;
+  ASSERT_EQ(list.NumAccepted(), 1);
+  EXPECT_EQ(list.findings[0].accepted_by, "Ada");
+  EXPECT_EQ(list.findings[0].accepted_note, "stands on a box");
+  EXPECT_EQ(session->Snapshot().undo_label, "Accept that armchair_0 is floating");
+  const ExportCommand command{"ground_truth", (folder_.path() / "ground_truth.json").string()};
+  Do(*session, command);
+  EXPECT_TRUE(session->Snapshot().exported.value().open_findings.empty());
+  EXPECT_THAT(session->Snapshot().exported->done, HasSubstr("1 finding was accepted"));
+
+  Do(*session, UndoCommand{});
+  EXPECT_EQ(open(), 1);
+  Do(*session, RedoCommand{});
+  EXPECT_EQ(open(), 0);
+  ChangeInstanceCommand rename{"armchair_0", {}, {}};
+  rename.set.id = "my chair";
+  Do(*session, rename);
+  EXPECT_EQ(open(), 0) << "it is still the same object";
+  Eigen::Isometry3d moved = lifted;
+  moved.translation() += 0.005 * scene_.up_in_scan.unitOrthogonal();
+  Do(*session, SetInstancePoseCommand{"my chair", moved});
+  EXPECT_EQ(open(), 0) << "that is a little";
+  moved.translation() += 0.01 * scene_.up_in_scan.unitOrthogonal();
+  Do(*session, SetInstancePoseCommand{"my chair", moved});
+  EXPECT_EQ(open(), 1) << "it was said of somewhere else";
+  Do(*session, UndoCommand{});
+  EXPECT_EQ(open(), 0);
+  Do(*session, AcceptFindingCommand{"floating", {"my chair"}, false});
+  EXPECT_EQ(open(), 1);
+  Do(*session, AcceptFindingCommand{"tilted", {"my chair"}});
+  EXPECT_TRUE(session->Snapshot().refused) << "it is not";
+}
+
+TEST_F(AnnotationSessionTest, RefineFindsAScaleThatIsUnlockedAndEverythingRespectsIt) {
+  const auto session = WithArmchair();
+  const Eigen::Isometry3d placed = session->Snapshot().instances[0].scan_from_object;
+  ChangeInstanceCommand wrong{"armchair_0", {}, {}};
+  wrong.set.scale = 1.03;
+  Do(*session, wrong);
+  EXPECT_EQ(session->Snapshot().undo_label, "Scale armchair_0");
+  Do(*session, RefineInstanceCommand{"armchair_0"});
+  EXPECT_EQ(session->Snapshot().refinement.value().scale_std, 0) << "it is locked";
+  Do(*session, CancelProposalCommand{});
+  ChangeInstanceCommand unlock{"armchair_0", {}, {}};
+  unlock.set.may_scale = true;
+  Do(*session, unlock);
+  Do(*session, RefineInstanceCommand{"armchair_0"});
+  const RefinementView refinement = session->Snapshot().refinement.value();
+  EXPECT_EQ(refinement.problem, "");
+  EXPECT_EQ(refinement.scale_problem, "");
+  EXPECT_NEAR(refinement.scale, 1, 0.01);
+  EXPECT_GT(refinement.scale_std, 0);
+  Do(*session, AcceptProposalCommand{});
+  EXPECT_EQ(session->Snapshot().instances[0].scale, refinement.scale);
+  EXPECT_LT((session->Snapshot().instances[0].scan_from_object.translation() - placed.translation())
+                .norm(),
+            0.02);
+
+  Do(*session, wrong);
+  const std::filesystem::path truth = folder_.path() / "truth.json", visma = folder_.path() / "v";
+  ExportCommand command{"ground_truth", truth.string()};
+  command.despite_findings = true;
+  Do(*session, command);
+  EXPECT_EQ(ReadGroundTruth(truth).value().instances[0].scale, 1.03);
+  command.format = "visma";
+  command.out = visma.string();
+  Do(*session, command);
+  EXPECT_THAT(session->Snapshot().exported->done, HasSubstr("1 scaled objects have models"));
+  const auto bounds = [&](const std::filesystem::path& file) {
+    return BoundingBox(ReadMesh(file).value()).sizes().norm();
+  };
+  EXPECT_NEAR(bounds(visma / "CAD" / "armchair_x1.0300.obj"),
+              1.03f * session->Snapshot().models->front().bounds.sizes().norm(), 0.02f);
+
+  wrong.set.scale = 20.0;
+  Do(*session, wrong);
+  EXPECT_TRUE(session->Snapshot().refused);
+}
+
+TEST_F(AnnotationSessionTest, IsComparedWithWhatAnotherAnnotatorPlacedAfterEveryEdit) {
+  const auto session = WithArmchair();
+  const Eigen::Isometry3d placed = session->Snapshot().instances[0].scan_from_object;
+  GroundTruth other;
+  other.gravity_in_world = -scene_.up_in_scan;
+  const Eigen::Vector3d across = scene_.up_in_scan.unitOrthogonal();
+  other.instances.push_back(
+      {"grace_0", "armchair", "chair",
+       Eigen::Translation3d(0.03 * across - 0.01 * scene_.up_in_scan) * placed, true});
+  other.instances.push_back({"grace_1", "table", "dining table",
+                             Eigen::Translation3d(2 * across) * scene_.scan_from_table, true});
+  const std::filesystem::path file = folder_.path() / "grace.truth.json";
+  ASSERT_TRUE(WriteGroundTruth(file, other).ok());
+  Do(*session, CompareWithCommand{file.string()});
+  const AgreementView agreement = session->Snapshot().agreement.value();
+  EXPECT_EQ(agreement.name, "grace.truth.json");
+  EXPECT_EQ(agreement.problem, "");
+  EXPECT_FALSE(agreement.running);
+  ASSERT_EQ(agreement.rows.size(), 2u);
+  EXPECT_EQ(agreement.rows[0].first, "armchair_0");
+  EXPECT_EQ(agreement.rows[0].second, "grace_0");
+  EXPECT_NEAR(agreement.rows[0].horizontal_m, 0.03, 1e-6);
+  EXPECT_NEAR(agreement.rows[0].height_m, 0.01, 1e-6) << "ours is higher";
+  EXPECT_NEAR(agreement.rows[0].azimuth_rad.value(), 0, 1e-6);
+  EXPECT_EQ(agreement.rows[1].first, "") << "only there";
+  EXPECT_EQ(agreement.rows[1].second, "grace_1");
+  EXPECT_EQ(agreement.pooled, 0) << "too few to tell";
+
+  Do(*session, SetInstancePoseCommand{"armchair_0", Eigen::Translation3d(0.01 * across) * placed});
+  EXPECT_NEAR(session->Snapshot().agreement->rows[0].horizontal_m, 0.02, 1e-6);
+  Do(*session, CompareWithCommand{(folder_.path() / "nothing.json").string()});
+  EXPECT_NE(session->Snapshot().agreement->problem, "");
+  Do(*session, CompareWithCommand{});
+  EXPECT_FALSE(session->Snapshot().agreement.has_value());
+}
+
 TEST_F(AnnotationSessionTest, ComparesAllObjectsWithTheirImagesWhenAsked) {
   sequence_ = folder_.path() / "walk";
   WriteAnnotationWalk(scene_, sequence_);

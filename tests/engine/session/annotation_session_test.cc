@@ -4,6 +4,9 @@
 #include <cstdlib>
 #include <fstream>
 
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
 #include "engine/base/random.h"
 #include "engine/geometry/gravity.h"
 #include "engine/models/mesh_file.h"
@@ -403,6 +406,37 @@ TEST_F(AnnotationSessionTest, ShowsTheCandidateThatIsJudgedBesideWhatIsPlaced) {
   ASSERT_FALSE(snapshot.checks->images.empty());
   EXPECT_GT(snapshot.checks->agreement, 0.8);
   EXPECT_TRUE(snapshot.checks->images[0].others.empty());
+}
+
+TEST_F(AnnotationSessionTest, MasksAreMadeWhenTheyAreAskedForAndAreThoseOfTheExport) {
+  sequence_ = folder_.path() / "walk";
+  WriteAnnotationWalk(scene_, sequence_);
+  const auto session = WithArmchair();
+  Do(*session, ShowFrameCommand{7});
+  EXPECT_FALSE(session->Snapshot().frame.value().image.empty());
+  EXPECT_TRUE(session->Snapshot().frame->instances.empty()) << "nobody looks at them";
+  Do(*session, ShowFrameCommand{7, true});
+  const cv::Mat instances = session->Snapshot().frame.value().instances;
+  EXPECT_EQ(session->Snapshot().frame->masks_problem, "");
+  ASSERT_EQ(instances.size(), session->Snapshot().frame->image.size());
+  ExportCommand command{"bop", (folder_.path() / "bop").string()};
+  command.despite_findings = true;
+  command.every = 7;
+  Do(*session, command);
+  ASSERT_EQ(session->Snapshot().exported.value().problem, "");
+  const cv::Mat exported = cv::imread(
+      folder_.path() / "bop/test/000000/mask_visib/000007_000000.png", cv::IMREAD_GRAYSCALE);
+  ASSERT_EQ(exported.size(), instances.size());
+  EXPECT_GT(cv::countNonZero(exported), 100);
+  EXPECT_EQ(cv::countNonZero((exported > 0) != (instances == 1)), 0);
+  // And in closed form: what it shows are pixels that the chair's bounding sphere covers.
+  const auto sequence = OpenSequence(sequence_).value();
+  const Eigen::Vector3d middle = session->Snapshot().instances[0].scan_from_object *
+                                 session->Snapshot().models->front().bounds.center().cast<double>();
+  const auto pixel = SeenAt(*sequence, 7, Eigen::Isometry3d::Identity(), middle);
+  const cv::Moments moments = cv::moments(exported, true);
+  EXPECT_NEAR(moments.m10 / moments.m00, pixel.value().x(), 0.1 * exported.cols);
+  EXPECT_NEAR(moments.m01 / moments.m00, pixel.value().y(), 0.1 * exported.cols);
 }
 
 TEST_F(AnnotationSessionTest, RegistersASequenceOfAnotherFrameByPairsAndUndoesIt) {

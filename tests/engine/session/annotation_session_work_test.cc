@@ -50,6 +50,35 @@ class TimeSpent : public AnnotationSessionTest {
   std::unique_ptr<AnnotationSession> session_;
 };
 
+TEST_F(TimeSpent, AfterTheLastEditIsKeptAtTheEndOfASitting) {
+  Place("armchair", scene_.scan_from_armchair);
+  const double before = SavedSpent("armchair_0");
+  WorkFor(2);
+  session_->Close();
+  EXPECT_DOUBLE_EQ(SavedSpent("armchair_0"), before) << "a glance";
+  WorkFor(8);
+  session_->Close();
+  EXPECT_DOUBLE_EQ(SavedSpent("armchair_0"), before + 10);
+  EXPECT_FALSE(session_->project().modified()) << "and saved";
+}
+
+TEST_F(TimeSpent, ADoneProjectThatIsEditedIsInWorkAgain) {
+  Place("armchair", scene_.scan_from_armchair);
+  After(0, SetStageCommand{WorkStage::kDone, ""});
+  ASSERT_EQ(session_->Snapshot().stage, WorkStage::kDone);
+  ChangeInstanceCommand hide{"armchair_0", {}, {}};
+  hide.set.hidden = true;
+  After(0, hide);
+  EXPECT_EQ(session_->Snapshot().stage, WorkStage::kDone) << "nothing of what was done changed";
+  Nudge("armchair_0");
+  EXPECT_EQ(session_->Snapshot().stage, WorkStage::kInWork);
+  EXPECT_EQ(session_->Snapshot().project_state.value().annotator, "Ada");
+  EXPECT_EQ(session_->Snapshot().project_state->note, "edited after it was done");
+  EXPECT_EQ(session_->Snapshot().answer, "The project was done, and is in work again.");
+  After(0, UndoCommand{});
+  EXPECT_EQ(session_->Snapshot().stage, WorkStage::kDone) << "one step";
+}
+
 TEST_F(TimeSpent, IsThatDuringWhichTheObjectWasPlacedSelectedOrRefined) {
   WorkFor(10);  // looks round: on nothing
   WorkFor(2, true);

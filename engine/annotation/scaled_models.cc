@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/annotation/scaled_models.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+namespace plumbline {
+
+std::string ScaledModelName(const std::string& model, double scale) {
+  return fmt::format("{}_x{:.4f}", model, scale);
+}
+
+UnscaledAnnotations WithScaledModels(const AnnotationDocument& document,
+                                     const ModelDatabase* models) {
+  UnscaledAnnotations result{document, nullptr};
+  const bool any = std::any_of(document.instances.begin(), document.instances.end(),
+                               [](const auto& instance) { return instance.scale != 1; });
+  if (models == nullptr || !any) return result;
+  std::vector<CadModel> all = models->models();
+  for (AnnotatedInstance& instance : result.document.instances) {
+    const auto id = models->Find(instance.model);
+    if (instance.scale == 1 || !id) continue;
+    const std::string name = ScaledModelName(instance.model, instance.scale);
+    const bool known = std::any_of(all.begin(), all.end(),
+                                   [&](const CadModel& model) { return model.name == name; });
+    if (!known) {
+      CadModel scaled = Scaled(models->model(*id), instance.scale);
+      scaled.id = ModelId{static_cast<int>(all.size())};
+      scaled.name = name;
+      const std::filesystem::path file = scaled.file;
+      scaled.file = (file.parent_path() / (name + file.extension().string())).string();
+      all.push_back(std::move(scaled));
+    }
+    instance.model = name;
+    instance.scale = 1;
+  }
+  if (all.size() > models->models().size())
+    result.models = ModelDatabase::FromModels(std::move(all));
+  return result;
+}
+
+}  // namespace plumbline
