@@ -4,6 +4,7 @@
 #include <string>
 
 #include "engine/geometry/angles.h"
+#include "ui/framework/path_dialog.h"
 
 namespace plumbline {
 namespace {
@@ -23,6 +24,17 @@ constexpr AxisView kAxisViews[] = {{'1', "the front (-y)", -90, 0, {keys::kPad1}
                                    {'6', "an angle", -55, 35, {keys::kPad0}}};
 
 }  // namespace
+
+void AskWhatToOpen(const FrameContext& context) {
+  AskPath(context, {.title = "Open",
+                    .button = "Open",
+                    .kinds = {PathKind::kSequence, PathKind::kRun, PathKind::kScan,
+                              PathKind::kProject, PathKind::kModels},
+                    .offers_recent = true,
+                    .answer = [](const std::string& path, CommandSink& sink) {
+                      sink.Post(OpenCommand{path});
+                    }});
+}
 
 ActionGroup ViewActions() {
   ActionGroup group{"View", {}};
@@ -58,7 +70,32 @@ ActionGroup WindowActions() {
     };
   };
   return {"Window",
-          {{.text = "Light theme",
+          {{.text = "Open a sequence, a run, a scan or a project",
+            .keys = {{keys::kO, false, true}},
+            .run = [](const FrameContext& context, CommandSink&) { AskWhatToOpen(context); },
+            .help_keys = "Ctrl + O",
+            .help = "Open a sequence, a run, a scan, a project or models"},
+           {.text = "Open a folder of scans, as a queue",
+            .run =
+                [](const FrameContext& context, CommandSink&) {
+                  AskPath(context, {.what = PathQuestion::What::kFolder,
+                                    .title = "Open a folder of scans",
+                                    .button = "Open",
+                                    .answer = [](const std::string& path, CommandSink& sink) {
+                                      sink.Post(OpenCommand{path});
+                                    }});
+                }},
+           {.text = "Take models from a folder",
+            .run =
+                [](const FrameContext& context, CommandSink&) {
+                  AskPath(context, {.title = "Take models from a folder",
+                                    .button = "Take",
+                                    .kinds = {PathKind::kModels},
+                                    .answer = [](const std::string& path, CommandSink& sink) {
+                                      sink.Post(OpenCommand{path});
+                                    }});
+                }},
+           {.text = "Light theme",
             .keys = {{keys::kL, false, true}},
             .run = [](const FrameContext& context,
                       CommandSink& sink) { sink.Post(SetThemeCommand{!context.light}); },
@@ -72,7 +109,7 @@ ActionGroup WindowActions() {
             .help_keys = "Ctrl + \u2212  =",
             .help = "Smaller or larger text"},
            {.text = "Smaller text", .keys = {{keys::kMinus, false, true}}, .run = scale(1 / 1.1)},
-           {.keys = {{keys::kP, false, true}},
+           {.keys = {{keys::kP, false, true}, {keys::kK, false, true}},
             .run = Posts(ShowPaletteCommand{true}),
             .help_keys = "Ctrl + P",
             .help = "Find anything: actions, objects, frames, files"},
@@ -80,7 +117,20 @@ ActionGroup WindowActions() {
             .keys = {{keys::kF12}},
             .run = Posts(ScreenshotCommand{}),
             .help_keys = "F12",
-            .help = "Save a picture of the window"},
+            .help = "Save a picture of the window (Shift: under a name of your own)"},
+           {.text = "Save a picture of the window as",
+            .keys = {{keys::kF12, true}},
+            .run =
+                [](const FrameContext& context, CommandSink&) {
+                  AskPath(context, {.what = PathQuestion::What::kSave,
+                                    .title = "Save a picture of the window",
+                                    .button = "Save",
+                                    .at = "plumbline.png",
+                                    .ending = ".png",
+                                    .answer = [](const std::string& path, CommandSink& sink) {
+                                      sink.Post(ScreenshotCommand{path, ""});
+                                    }});
+                }},
            {.text = "Keys and mouse",
             .keys = {{keys::kF1}, {keys::kSlash, true}},
             .run = [](const FrameContext& context,

@@ -98,6 +98,8 @@ struct AnnotateView {
   bool open_export = false, open_more = false,
        open_queue = false;               ///< In this frame: the sheet opens.
   std::string queue_folder, stage_note;  ///< That are being typed.
+  bool boxing = false;  ///< The next drag in the 3-D view selects what it encloses.
+  std::vector<std::string> select_also;  ///< Besides the first of them, which is being selected.
 };
 
 /// What the 3-D view of the Annotate workspace shows.
@@ -110,6 +112,7 @@ struct AnnotateContent {
   bool scan = true, models = true, grid = true, cameras = false;
   bool light = false;
   ScanLook scan_look;
+  std::vector<std::string> also_selected;
 };
 
 /// The 3-D view of the Annotate workspace as the panels know it; ui/scene implements it. It shows
