@@ -405,7 +405,8 @@ void PathDialog::JumpTo(const std::string& letters) {
 
 void PathDialog::TakeKeys(CommandSink& sink) {
   const ImGuiIO& io = ImGui::GetIO();
-  if (ImGui::IsKeyPressed(keys::kEscape, false)) {
+  // As it goes up, which would close the sheet that comes back.
+  if (ImGui::IsKeyReleased(keys::kEscape)) {
     if (replaces_.empty()) return Close();
     replaces_.clear();
     return;

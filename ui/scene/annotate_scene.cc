@@ -47,7 +47,8 @@ class AnnotateScene : public AnnotateSurface {
         Same(content.ghost, content_.ghost) && content.candidate == content_.candidate &&
         content.scan == content_.scan && content.models == content_.models &&
         content.grid == content_.grid && content.cameras == content_.cameras &&
-        content.light == content_.light && content.scan_look == content_.scan_look) {
+        content.light == content_.light && content.scan_look == content_.scan_look &&
+        content.also_selected == content_.also_selected) {
       return;
     }
     content_ = content;
