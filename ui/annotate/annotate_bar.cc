@@ -15,6 +15,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kSteadyWidth = 150, kNarrowWidth = 84;
+constexpr double kSheetRoom = 500;  ///< For the sheets of Export and More.
 constexpr double kNarrowBar = 820;  ///< Below it, undo and redo leave their room to the others.
 
 std::string Capitalised(const char* word, const std::optional<std::string>& label) {
@@ -204,7 +205,9 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
       (std::exchange(context.annotate->open_export, false) && has_content)) {
     ImGui::OpenPopup("project.export");
   }
-  ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});
+  const float end = ImGui::GetIO().DisplaySize.x - context.Scaled(8);
+  ImGui::SetNextWindowPos(
+      {std::min(ImGui::GetItemRectMin().x, end - context.Scaled(kSheetRoom)), rect.high.y});
   if (ImGui::BeginPopup("project.export")) {
     DrawExport(context, sink);
     // As it goes up: while it goes down the sheet is open, and the key does nothing else.
@@ -219,7 +222,6 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
     ImGui::OpenPopup("project.queue");
     sink.Post(ListQueueCommand{});
   }
-  const float end = ImGui::GetIO().DisplaySize.x - context.Scaled(8);
   ImGui::SetNextWindowPos(
       {std::min(ImGui::GetItemRectMin().x, end - QueueWidth(context)), rect.high.y});
   if (ImGui::BeginPopup("project.queue")) {
@@ -233,7 +235,8 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
       std::exchange(context.annotate->open_more, false)) {
     ImGui::OpenPopup("project.more");
   }
-  ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});
+  ImGui::SetNextWindowPos(
+      {std::min(ImGui::GetItemRectMin().x, end - context.Scaled(kSheetRoom)), rect.high.y});
   if (ImGui::BeginPopup("project.more")) {
     DrawMore(context, sink);
     // As it goes up: while it goes down the sheet is open, and the key does nothing else.
