@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cfloat>
+#include <cstdlib>
 #include <thread>
 #include <utility>
 
@@ -19,6 +20,17 @@ namespace {
 constexpr int kSettleFrames = 3;
 constexpr double kNoteSeconds = 5;
 constexpr std::size_t kMaxRecent = 8;
+
+std::string HomeFolder() {
+  const char* home = std::getenv("HOME");
+  return home == nullptr || *home != '/' ? "/" : home;
+}
+
+std::string WorkingFolder() {
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::current_path(error);
+  return error ? HomeFolder() : folder.string();
+}
 
 }  // namespace
 
@@ -42,15 +54,18 @@ Application::Application(ApplicationOptions options, std::unique_ptr<PlatformWin
       window_(std::move(window)),
       backend_(std::make_unique<ImGuiBackend>(*window_)),
       textures_(std::make_unique<GlTextureStore>()),
-      common_actions_{ViewActions(), WindowActions()} {
+      common_actions_{ViewActions(), WindowActions()},
+      path_dialog_(HomeFolder(), WorkingFolder()) {
   context_.renderer = window_->renderer();
   context_.textures = textures_.get();
   context_.widgets = &widgets_;
+  context_.path_dialog = &path_dialog_;
   context_.light = options_.light;
   const auto wake = [this] {
     published_ = true;
     PlatformWindow::Wake();
   };
+  folders_ = std::make_unique<FolderReader>(wake);
   const bool software_gl = window_->software_gl();
   options_.inspect.settings = options_.settings;
   annotate_ = std::make_unique<AnnotateWorkspace>(options_.annotation, software_gl, wake);
@@ -69,6 +84,7 @@ Application::~Application() {
   SaveSettings();
   inspect_.reset();
   annotate_.reset();
+  folders_.reset();
   textures_.reset();
   backend_.reset();
 }
@@ -257,7 +273,10 @@ void Application::DrawSheetsAndTakeKeys() {
         context_, palette_, std::move(entries),
         [&](const std::string& query) { return workspace.AnswerPalette(context_, query); }, *this);
   }
-  if (palette || sheet) return;
+  if (const auto folder = path_dialog_.TakeWanted()) folders_->Read(*folder);
+  path_dialog_.Take(folders_->View());
+  const bool path = path_dialog_.Draw(context_, *this);
+  if (palette || sheet || path) return;
   RunKeys(workspace.actions(), context_, *this);
   RunKeys(common_actions_, context_, *this);
   if (!help) workspace.WatchKeys(context_, *this);

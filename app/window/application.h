@@ -17,10 +17,12 @@
 #include "app/window/annotate/annotate_workspace.h"
 #include "app/window/inspect/inspect_workspace.h"
 #include "app/window/ui_script.h"
+#include "engine/runtime/folder_reader.h"
 #include "engine/snapshot/commands.h"
 #include "ui/common/palette.h"
 #include "ui/framework/frame_context.h"
 #include "ui/framework/gl_texture_store.h"
+#include "ui/framework/path_dialog.h"
 
 namespace plumbline {
 
@@ -99,6 +101,7 @@ class Application : public CommandSink {
   Status script_status_;
 
   PaletteState palette_;
+  PathDialog path_dialog_;
   bool quit_ = false;
   std::optional<double> wanted_scale_;
   std::optional<std::string> wanted_path_;
@@ -110,6 +113,7 @@ class Application : public CommandSink {
   std::atomic<bool> published_ = false;
 
   // Last: their threads wake the window.
+  std::unique_ptr<FolderReader> folders_;
   std::unique_ptr<AnnotateWorkspace> annotate_;
   std::unique_ptr<InspectWorkspace> inspect_;
 };

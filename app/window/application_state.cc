@@ -35,6 +35,8 @@ nlohmann::json Application::State() const {
       {"light", context_.light},
       {"palette", palette_.open},
       {"help", context_.help_shown},
+      {"path_dialog", path_dialog_.is_open()},
+      {"recent", context_.recent},
       {"ui_scale", context_.ui_scale},
       {"window", {window_->width(), window_->height()}}};
   for (const Workspace* workspace : workspaces()) workspace->AddState(context_, state);
@@ -58,6 +60,7 @@ void Application::LoadSettings() {
     for (Workspace* workspace : workspaces()) workspace->LoadSettings(settings, context_);
     context_.light = settings.value("light", context_.light);
     context_.recent = settings.value("recent", std::vector<std::string>());
+    path_dialog_.SetPlaces(settings.value("places", std::vector<std::string>()));
     if (settings.contains("ui_scale")) wanted_scale_ = settings.at("ui_scale").get<double>();
     if (settings.contains("window")) {
       window_->Resize(settings.at("window").at(0), settings.at("window").at(1));
@@ -72,6 +75,7 @@ void Application::SaveSettings() const {
   nlohmann::json settings = {{"ui_scale", context_.ui_scale},
                              {"light", context_.light},
                              {"recent", context_.recent},
+                             {"places", path_dialog_.places()},
                              {"window", {window_->width(), window_->height()}}};
   for (const Workspace* workspace : workspaces()) workspace->SaveSettings(context_, settings);
   std::error_code ignored;

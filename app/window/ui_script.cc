@@ -14,6 +14,62 @@ Error Wrong(const nlohmann::json& step, const std::string& why) {
   return {ErrorCode::kInvalidInput, "script step " + step.dump() + ": " + why};
 }
 
+/// What the value of a key of a step has to be.
+struct StepKey {
+  const char* key;
+  const char* is;
+  bool (*fits)(const nlohmann::json& value);
+};
+
+bool IsText(const nlohmann::json& value) { return value.is_string(); }
+bool IsWhole(const nlohmann::json& value) { return value.is_number_integer(); }
+bool IsSwitch(const nlohmann::json& value) { return value.is_boolean(); }
+bool IsPair(const nlohmann::json& value) {
+  return value.is_array() && value.size() == 2 && value[0].is_number() && value[1].is_number();
+}
+bool AreTexts(const nlohmann::json& value) {
+  return value.is_array() && std::all_of(value.begin(), value.end(), IsText);
+}
+
+constexpr StepKey kStepKeys[] = {
+    {"key", "a text", IsText},
+    {"text", "a text", IsText},
+    {"click", "a text", IsText},
+    {"double_click", "a text", IsText},
+    {"drag", "a text", IsText},
+    {"wheel", "a text", IsText},
+    {"hover", "a text", IsText},
+    {"button", "a text", IsText},
+    {"screenshot", "a text", IsText},
+    {"of", "a text", IsText},
+    {"dump_state", "a text", IsText},
+    {"open", "a text", IsText},
+    {"drop", "a list of texts", AreTexts},
+    {"times", "a whole number", IsWhole},
+    {"amount", "a whole number", IsWhole},
+    {"wait_frames", "a whole number", IsWhole},
+    {"timeout_s", "a number", [](const nlohmann::json& value) { return value.is_number(); }},
+    {"shift", "true or false", IsSwitch},
+    {"control", "true or false", IsSwitch},
+    {"alt", "true or false", IsSwitch},
+    {"at", "two numbers", IsPair},
+    {"from", "two numbers", IsPair},
+    {"to", "two numbers", IsPair},
+    {"resize", "two numbers", IsPair},
+    {"wait_for", "an object", [](const nlohmann::json& value) { return value.is_object(); }}};
+
+/// Why a step cannot be done whatever the window shows; "": it may be.
+std::string ProblemOf(const nlohmann::json& step) {
+  if (!step.is_object() || step.empty()) return "is " + step.dump() + ", but must be an object";
+  for (const StepKey& known : kStepKeys) {
+    const auto value = step.find(known.key);
+    if (value != step.end() && !known.fits(*value))
+      return std::string("\"") + known.key + "\" must be " + known.is + ", but is " + value->dump();
+  }
+  if (step.contains("drag") && !step.contains("to")) return "\"drag\" needs \"to\"";
+  return "";
+}
+
 int ButtonOf(const nlohmann::json& step) {
   const std::string name = step.value("button", "left");
   return name == "right"    ? ImGuiMouseButton_Right
@@ -45,6 +101,14 @@ Result<UiScript> UiScript::Load(const std::filesystem::path& file) {
   if (steps == content->end() || !steps->is_array()) {
     return Error{ErrorCode::kInvalidInput, file.string() + ": a script is {\"steps\": [...]}"};
   }
+  int number = 0;
+  for (const nlohmann::json& step : *steps) {
+    ++number;
+    if (const std::string problem = ProblemOf(step); !problem.empty()) {
+      return Error{ErrorCode::kInvalidInput,
+                   file.string() + ": step " + std::to_string(number) + ": " + problem};
+    }
+  }
   UiScript script;
   script.steps_.assign(steps->begin(), steps->end());
   return script;
@@ -72,10 +136,12 @@ Status UiScript::ExpandMouse(const nlohmann::json& step, const WidgetLog& widget
     const auto start = At(name, from[0], from[1], widgets);
     if (!start.ok()) return start.error();
     const int button = ButtonOf(step);
-    const bool shift = step.value("shift", false), control = step.value("control", false);
+    const bool shift = step.value("shift", false), control = step.value("control", false),
+               alt = step.value("alt", false);
     const auto add = [&](Action action) {
       action.shift = shift;
       action.control = control;
+      action.alt = alt;
       actions_.push_back(std::move(action));
     };
     add({.mouse = *start});
@@ -109,13 +175,13 @@ Status UiScript::ExpandMouse(const nlohmann::json& step, const WidgetLog& widget
 }
 
 Status UiScript::Expand(const nlohmann::json& step, const WidgetLog& widgets, const Host& host) {
-  if (!step.is_object() || step.empty()) return Wrong(step, "is not an object");
   if (step.contains("key")) {
     const int key = KeyByName(step["key"].get<std::string>());
     if (key < 0) return Wrong(step, "there is no such key");
-    const bool shift = step.value("shift", false), control = step.value("control", false);
+    const bool shift = step.value("shift", false), control = step.value("control", false),
+               alt = step.value("alt", false);
     for (int i = 0; i < step.value("times", 1); ++i) {
-      actions_.push_back({.key_down = key, .shift = shift, .control = control});
+      actions_.push_back({.key_down = key, .shift = shift, .control = control, .alt = alt});
       actions_.push_back({.key_up = key});
     }
   } else if (step.contains("text")) {
@@ -188,7 +254,8 @@ Status UiScript::SetInput(const WidgetLog& widgets, ImGuiIO& io, const Host& hos
   if (held_key_) io.KeysDown[*held_key_] = true;
   io.KeyShift = current_.shift;
   io.KeyCtrl = current_.control;
-  io.KeyAlt = io.KeySuper = false;
+  io.KeyAlt = current_.alt;
+  io.KeySuper = false;
   return status;
 }
 

@@ -31,7 +31,8 @@ class UiScript {
     std::function<void(std::vector<std::string> files)> drop;
   };
 
-  /// Errors: kNotFound, kCorrupt, kInvalidInput, naming the file and the step.
+  /// Errors: kNotFound, kCorrupt, kInvalidInput, naming the file, the step by its number
+  /// and the key.
   static Result<UiScript> Load(const std::filesystem::path& file);
 
   /// Before ImGui::NewFrame: replaces the user's input. `widgets` are those of the last frame.
@@ -47,7 +48,7 @@ class UiScript {
     std::optional<int> button_down, button_up;
     float wheel = 0;
     std::optional<int> key_down, key_up;
-    bool shift = false, control = false;
+    bool shift = false, control = false, alt = false;
     std::string text;      ///< Typed.
     nlohmann::json after;  ///< A step that acts on the drawn frame.
   };

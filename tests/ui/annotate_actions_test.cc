@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ui/annotate/annotate_actions.h"
 
+#include <numbers>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/ui/annotate_harness.h"
+#include "ui/common/window_actions.h"
 #include "ui/framework/actions.h"
 
 namespace plumbline {
@@ -224,7 +227,7 @@ TEST(AnnotateActions, SwitchAndOpenWhatButtonsDo) {
   EXPECT_TRUE(harness.view.open_export);
   harness.Press(keys::kS, true, true);
   EXPECT_TRUE(harness.view.open_more);
-  harness.Press(keys::kO, true);
+  harness.Press(keys::kO, true, true);
   EXPECT_TRUE(harness.view.open_queue);
   harness.Press(keys::kK);
   EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->set.fine, false);
@@ -240,6 +243,52 @@ TEST(AnnotateActions, SwitchAndOpenWhatButtonsDo) {
   EXPECT_EQ(harness.sink.Last<RemoveInstanceCommand>()->id, "table_0");
   harness.Press(keys::kEscape);
   EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, "");
+}
+
+TEST(AnnotateActions, HideAndShowSeveralObjectsAsBlenderDoes) {
+  AnnotateHarness harness;
+  harness.Press(keys::kH, false, true);
+  ASSERT_NE(harness.sink.Last<ChangeInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->id, "table_0") << "all but the selected";
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->set.hidden, true);
+  harness.sink.commands.clear();
+  harness.Press(keys::kH, false, false, true);
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>(), nullptr) << "nothing is hidden";
+  harness.snapshot().instances[0].hidden = harness.snapshot().instances[1].hidden = true;
+  harness.Press(keys::kH, false, false, true);
+  ASSERT_NE(harness.sink.Last<ChangeInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->id, "armchair_0");
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->and_also,
+            std::vector<std::string>{"table_0"});
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->set.hidden, false);
+}
+
+TEST(AnnotateActions, CtrlASelectsAllThatShows) {
+  AnnotateHarness harness;
+  harness.Press(keys::kA, true);
+  EXPECT_EQ(harness.view.also_selected, std::vector<std::string>{"table_0"});
+  EXPECT_EQ(harness.sink.Last<SetInstancePoseCommand>(), nullptr) << "A alone moves";
+}
+
+TEST(AnnotateActions, TheNumberPadTurnsAndZooms) {
+  AnnotateHarness harness;
+  harness.context.workspace = WorkspaceId::kAnnotate;
+  const std::vector<ActionGroup> views = {ViewActions()};
+  const auto press = [&](int key) {
+    for (const bool down : {true, false}) {
+      ImGui::GetIO().KeysDown[key] = down;
+      ImGui::NewFrame();
+      RunKeys(views, harness.context, harness.sink);
+      ImGui::Render();
+    }
+  };
+  const double azimuth = harness.surface.view.azimuth_rad;
+  press(keys::kPad6);
+  ASSERT_NE(harness.sink.Last<ViewDirectionCommand>(), nullptr);
+  EXPECT_NEAR(harness.sink.Last<ViewDirectionCommand>()->azimuth_rad - azimuth,
+              15 * std::numbers::pi / 180, 1e-12);
+  for (int i = 0; i < 2; ++i) press(keys::kPadPlus);
+  EXPECT_EQ(harness.surface.zoomed, 2);
 }
 
 }  // namespace

@@ -126,12 +126,13 @@ void AnnotateHarness::Type(Panel& panel, const std::string& widget, const std::s
   Draw(panel, 2);
 }
 
-void AnnotateHarness::Press(int key, bool control, bool shift) {
+void AnnotateHarness::Press(int key, bool control, bool shift, bool alt) {
   ImGuiIO& io = ImGui::GetIO();
   for (const bool down : {true, false}) {
     io.KeysDown[key] = down;
     io.KeyCtrl = down && control;
     io.KeyShift = down && shift;
+    io.KeyAlt = down && alt;
     ImGui::NewFrame();
     RunKeys(actions_, context, sink);
     PostAnnotateShortcuts(context, sink);

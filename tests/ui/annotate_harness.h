@@ -71,7 +71,7 @@ class AnnotateHarness : public PanelHarness {
   void Type(Panel& panel, const std::string& widget, const std::string& text,
             int leave_by = keys::kEnter);
   /// Presses a key and lets it go, as the workspace hears it.
-  void Press(int key, bool control = false, bool shift = false);
+  void Press(int key, bool control = false, bool shift = false, bool alt = false);
 
   AnnotateView view;
   FlatAnnotateSurface surface;

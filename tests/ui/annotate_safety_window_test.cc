@@ -235,6 +235,22 @@ TEST_F(AnnotateWindow, ExportsFromTheSheetAndRefusesInOneSentence) {
       {"wait_for": {"annotate.exported": "done"}},
       {"wait_frames": 3},
       {"screenshot": "export.png"},
+      {"click": "export.browse"},
+      {"wait_for": {"path_dialog": true}},
+      {"wait_frames": 12},
+      {"text": "elsewhere"},
+      {"wait_frames": 3},
+      {"key": "enter"},
+      {"wait_for": {"path_dialog": false}},
+      {"wait_frames": 5},
+      {"click": "export.write"},
+      {"wait_for": {"annotate.exported": "done"}},
+      {"wait_frames": 3},
+      {"click": "export.browse"},
+      {"wait_for": {"path_dialog": true}},
+      {"wait_frames": 12},
+      {"key": "escape"},
+      {"wait_frames": 8},
       {"click": "export.visma"},
       {"wait_frames": 2},
       {"click": "export.write"},
@@ -248,6 +264,7 @@ TEST_F(AnnotateWindow, ExportsFromTheSheetAndRefusesInOneSentence) {
             0)
       << Errors();
   EXPECT_TRUE(std::filesystem::exists(File("ground_truth.json")));
+  EXPECT_TRUE(std::filesystem::exists(File("elsewhere.json"))) << "chosen from the list";
   EXPECT_TRUE(std::filesystem::exists(File("fragments/alignment.json")));
   EXPECT_THAT(State("refused.json")["exported"].get<std::string>(), HasSubstr("needs a sequence"));
 }

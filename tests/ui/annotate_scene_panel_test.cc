@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/ui/annotate_harness.h"
+#include "ui/annotate/annotate_actions.h"
 
 namespace plumbline {
 namespace {
@@ -77,6 +78,66 @@ TEST(AnnotateScenePanel, ARightClickOffersWhatCanBeDoneWithTheObjectUnderTheMous
   harness.JumpAndClick(*panel, "annotate.view", {0.5f, 0.5f}, {0, 0}, 1);
   harness.Draw(*panel, 2);
   EXPECT_NE(harness.widgets.Find("menu.Show the scan"), nullptr);
+}
+
+TEST(AnnotateScenePanel, ShiftAndCtrlClickSelectOneMoreOrOneLess) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.size = {900, 500};
+  harness.surface.under_mouse = "table_0";
+  ImGui::GetIO().KeyShift = true;
+  harness.Click(*panel, "annotate.view");
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>(), nullptr) << "the armchair stays";
+  EXPECT_EQ(harness.view.also_selected, std::vector<std::string>{"table_0"});
+  harness.Draw(*panel);
+  EXPECT_EQ(harness.surface.content.also_selected, std::vector<std::string>{"table_0"})
+      << "it is marked";
+  ImGui::GetIO().KeyShift = false;
+  // A right click on one of them is about all of them.
+  harness.JumpAndClick(*panel, "annotate.view", {0.5f, 0.5f}, {1, 1}, 1);
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>(), nullptr);
+  harness.Draw(*panel, 2);
+  harness.Click(*panel, "menu.Hide it");
+  ASSERT_NE(harness.sink.Last<ChangeInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<ChangeInstanceCommand>()->and_also,
+            std::vector<std::string>{"table_0"});
+}
+
+TEST(AnnotateScenePanel, CtrlClickOnTheSelectedObjectLeavesTheOthersSelected) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.size = {900, 500};
+  harness.view.also_selected = {"table_0"};
+  harness.surface.under_mouse = "armchair_0";
+  ImGui::GetIO().KeyCtrl = true;
+  harness.Click(*panel, "annotate.view");
+  ImGui::GetIO().KeyCtrl = false;
+  ASSERT_NE(harness.sink.Last<SelectInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, "table_0");
+  EXPECT_TRUE(harness.view.also_selected.empty());
+}
+
+TEST(AnnotateScenePanel, BSelectsWhatABoxEncloses) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.size = {900, 500};
+  harness.snapshot().selected.clear();
+  harness.Draw(*panel);
+  harness.Press(keys::kB);
+  ASSERT_TRUE(harness.view.boxing);
+  // The armchair is at (1, -1) m, the table at (3, -2), 100 pixels each.
+  const AnnotationSnapshot before = harness.snapshot();
+  harness.Drag(*panel, "annotate.view", {0.02f, 0.02f}, {0.9f, 0.9f}, 0);
+  EXPECT_EQ(harness.surface.orbited, 0) << "the view stays";
+  EXPECT_FALSE(harness.view.boxing) << "one drag";
+  ASSERT_NE(harness.sink.Last<SelectInstanceCommand>(), nullptr);
+  EXPECT_EQ(harness.sink.Last<SelectInstanceCommand>()->id, "armchair_0");
+  harness.snapshot().selected = "armchair_0";
+  FollowSnapshot(before, harness.snapshot(), harness.view);
+  EXPECT_EQ(harness.view.also_selected, std::vector<std::string>{"table_0"});
+  harness.Press(keys::kB);
+  harness.Press(keys::kEscape);
+  EXPECT_FALSE(harness.view.boxing);
 }
 
 TEST(AnnotateScenePanel, AModelGoesOntoTheFloorWhereTheScanHasAHole) {

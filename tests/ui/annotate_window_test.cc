@@ -200,7 +200,7 @@ TEST_F(AnnotateWindow, AFolderOfScansIsDoneOneAfterTheOther) {
       {"wait_frames": 5},
       {"wait_for": {"annotate.queue": 2, "annotate.aligns": true, "annotate.busy": "",
                     "annotate.stage": "new"}},
-      {"key": "o", "control": true},
+      {"key": "o", "control": true, "shift": true},
       {"wait_frames": 5},
       {"click": "queue.hand_over"},
       {"wait_for": {"annotate.stage": "to review"}},

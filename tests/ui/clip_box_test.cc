@@ -97,5 +97,33 @@ TEST(ClipBox, GoesAroundAnObjectWithItsSurroundings) {
   EXPECT_FALSE(ClipAroundObject(harness.context, object)) << "no shape, no size";
 }
 
+TEST_F(ClippedMap, ComesBackWithWhatItIsTheBoxOf) {
+  harness.context.source = "kitchen.plb";
+  ++harness.context.source_version;
+  harness.Draw(*panel);
+  harness.Click(*panel, "scene.clip");
+  harness.Drag(*panel, "scene.clip.x1", {0.5f, 0.5f}, {-5, 0.5f}, 0);
+  ASSERT_TRUE(harness.scene.content.clip);
+  const ClipBox box = *harness.scene.content.clip;
+  const nlohmann::json kept = nlohmann::json::parse(panel->SaveState().dump());
+  const auto next = MakeInspectPanel("scene");
+  next->LoadState(kept);
+  harness.Draw(*next, 2);
+  ASSERT_TRUE(harness.scene.content.clip);
+  EXPECT_LT((harness.scene.content.clip->in_upright.max() - box.in_upright.max()).norm(), 1e-9);
+  EXPECT_LT((harness.scene.content.clip->in_upright.min() - box.in_upright.min()).norm(), 1e-9);
+  harness.context.source = "office.plb";
+  ++harness.context.source_version;
+  harness.Draw(*next, 2);
+  EXPECT_FALSE(harness.scene.content.clip) << "that is another room";
+  for (const char* broken : {R"({"of": "office.plb", "on": true})",
+                             R"({"of": "office.plb", "on": true, "low": [0, 0, 0], "high": "x",
+                                 "world_from_upright": 5})"}) {
+    next->LoadState({{"clip", nlohmann::json::parse(broken)}});
+    harness.Draw(*next, 2);
+    EXPECT_FALSE(harness.scene.content.clip) << broken;
+  }
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -134,11 +134,58 @@ void StepBack(const FrameContext& context, CommandSink& sink) {
     DropCut(context, sink);
   } else if (context.annotation->HasProposal()) {
     sink.Post(CancelProposalCommand{});
+  } else if (view.boxing) {
+    view.boxing = false;
   } else if (view.tool != AnnotateTool::kSelect) {
     view.tool = AnnotateTool::kSelect;
   } else {
     sink.Post(SelectInstanceCommand{});
   }
+}
+
+bool HasObjects(const FrameContext& context) {
+  return IsFree(context) && !context.annotation->instances.empty();
+}
+bool IsAnyHidden(const FrameContext& context) {
+  const auto hidden = [](const AnnotatedInstance& instance) { return instance.hidden; };
+  return IsFree(context) && std::any_of(context.annotation->instances.begin(),
+                                        context.annotation->instances.end(), hidden);
+}
+
+void SelectAll(const FrameContext& context, CommandSink& sink) {
+  std::vector<std::string> ids = SelectedInstances(context);
+  for (const AnnotatedInstance& instance : context.annotation->instances) {
+    if (!instance.hidden && std::find(ids.begin(), ids.end(), instance.id) == ids.end())
+      ids.push_back(instance.id);
+  }
+  SelectInstances(context, std::move(ids), sink);
+}
+
+/// Hides or shows several objects as one edit.
+void HideAll(const std::vector<std::string>& ids, bool hide, CommandSink& sink) {
+  if (ids.empty()) return;
+  ChangeInstanceCommand change;
+  change.id = ids.front();
+  change.and_also.assign(ids.begin() + 1, ids.end());
+  change.set.hidden = hide;
+  sink.Post(change);
+}
+
+void ShowAll(const FrameContext& context, CommandSink& sink) {
+  std::vector<std::string> hidden;
+  for (const AnnotatedInstance& instance : context.annotation->instances)
+    if (instance.hidden) hidden.push_back(instance.id);
+  HideAll(hidden, false, sink);
+}
+
+void HideOthers(const FrameContext& context, CommandSink& sink) {
+  const std::vector<std::string> kept = SelectedInstances(context);
+  std::vector<std::string> others;
+  for (const AnnotatedInstance& instance : context.annotation->instances) {
+    if (!instance.hidden && std::find(kept.begin(), kept.end(), instance.id) == kept.end())
+      others.push_back(instance.id);
+  }
+  HideAll(others, true, sink);
 }
 
 void SelectBy(const FrameContext& context, int step, CommandSink& sink) {
@@ -316,6 +363,32 @@ ActionGroup EditActions() {
         .text_when_on = "Show it",
         .is_on = [](const FrameContext& c) { return c.annotation->Selected()->hidden; },
         .is_offered = HasSelection},
+       {.text = "Show all objects",
+        .keys = {{kH, false, false, true}},
+        .run = ShowAll,
+        .help_keys = "Alt + H",
+        .help = "Show all objects again (Shift + H: hide all but the selected ones)",
+        .is_offered = IsAnyHidden},
+       {.text = "Hide all others",
+        .keys = {{kH, true}},
+        .run = HideOthers,
+        .is_offered = HasSelection},
+       {.text = "Select all objects",
+        .keys = {{kA, false, true}},
+        .run = SelectAll,
+        .help_keys = "Ctrl + A",
+        .help = "Select all objects that show",
+        .is_offered = HasObjects},
+       {.text = "Select by a box",
+        .keys = {{kB}},
+        .run =
+            [](const FrameContext& context, CommandSink&) {
+              context.annotate->tool = AnnotateTool::kSelect;
+              context.annotate->boxing = !context.annotate->boxing;
+            },
+        .help_keys = "B",
+        .help = "Select by a box: drag it (with Shift or Ctrl it adds)",
+        .is_offered = HasObjects},
        {.text = "Lock it",
         .keys = {{kL}},
         .run = Changes([](const AnnotatedInstance& instance, InstanceChange& set) {
@@ -449,9 +522,9 @@ ActionGroup ProjectActions() {
             .help = "Export",
             .is_offered = IsOpen},
            {.text = "Queue: the scans of a folder, and how far each is",
-            .keys = {{kO, false, true}},
+            .keys = {{kO, true, true}},
             .run = Turns(&AnnotateView::open_queue),
-            .help_keys = "Ctrl + O",
+            .help_keys = "Ctrl + Shift + O",
             .help = "Queue of scans; hand over for review",
             .is_offered = IsOpen},
            {.text = "Compare with another annotator's project",
@@ -533,7 +606,12 @@ void FollowSnapshot(const AnnotationSnapshot& before, const AnnotationSnapshot& 
       if (candidates[i].id == old[chosen].id) view.candidate = static_cast<int>(i);
     }
   }
-  if (before.selected != now.selected) view.also_selected.clear();
+  if (before.selected != now.selected) {
+    view.also_selected.clear();
+    if (!view.select_also.empty() && view.select_also.front() == now.selected)
+      view.also_selected.assign(view.select_also.begin() + 1, view.select_also.end());
+    view.select_also.clear();
+  }
   std::erase_if(view.also_selected, [&](const std::string& id) { return now.Find(id) == nullptr; });
   if (!view.pending) return;
   const auto& command = view.pending->command;
@@ -592,6 +670,32 @@ void DropCut(const FrameContext& context, CommandSink& sink) {
 void Duplicate(const FrameContext& context, CommandSink& sink) {
   if (const AnnotatedInstance* instance = context.annotation->Selected())
     sink.Post(DuplicateInstanceCommand{instance->id});
+}
+
+std::vector<std::string> SelectedInstances(const FrameContext& context) {
+  if (context.annotation->Selected() == nullptr) return {};
+  std::vector<std::string> ids = context.annotate->also_selected;
+  ids.insert(ids.begin(), context.annotation->selected);
+  return ids;
+}
+
+void SelectInstances(const FrameContext& context, std::vector<std::string> ids, CommandSink& sink) {
+  AnnotateView& view = *context.annotate;
+  view.also_selected.clear();
+  view.select_also.clear();
+  if (ids.empty()) return sink.Post(SelectInstanceCommand{});
+  if (ids.front() == context.annotation->selected) {
+    view.also_selected.assign(ids.begin() + 1, ids.end());
+    return;
+  }
+  sink.Post(SelectInstanceCommand{ids.front()});
+  view.select_also = std::move(ids);
+}
+
+void ToggleSelected(const FrameContext& context, const std::string& id, CommandSink& sink) {
+  std::vector<std::string> ids = SelectedInstances(context);
+  if (std::erase(ids, id) == 0) ids.push_back(id);
+  SelectInstances(context, std::move(ids), sink);
 }
 
 void CopyInstance(const FrameContext& context, const AnnotatedInstance& instance) {

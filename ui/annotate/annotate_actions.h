@@ -46,6 +46,13 @@ void Duplicate(const FrameContext& context, CommandSink& sink);
 /// Remembers an object and its pose, to be pasted.
 void CopyInstance(const FrameContext& context, const AnnotatedInstance& instance);
 
+/// These objects, the first of them as the one whose numbers are shown; none: nothing.
+void SelectInstances(const FrameContext& context, std::vector<std::string> ids, CommandSink& sink);
+/// One more, or one less.
+void ToggleSelected(const FrameContext& context, const std::string& id, CommandSink& sink);
+/// All that are selected, that whose numbers are shown first.
+std::vector<std::string> SelectedInstances(const FrameContext& context);
+
 /// Its part of keyboard, palette and help sheet.
 std::vector<ActionGroup> AnnotateActions();
 /// What the keys ask for that are held, or walk through candidates. Nudges are shown at once and

@@ -6,6 +6,7 @@
 
 #include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
+#include "ui/framework/path_dialog.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -54,12 +55,24 @@ void DrawDiskProblem(const FrameContext& context, float x, float& y, float width
   static constexpr std::size_t kLongest = 512;
   char path[kLongest];
   std::snprintf(path, sizeof(path), "%s", context.annotate->save_elsewhere.c_str());
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - context.Scaled(120));
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - context.Scaled(120) -
+                          BrowseWidth(context));
   const bool entered =
       ImGui::InputTextWithHint("##annotate.elsewhere", "/another/disk/PROJECT.json", path,
                                sizeof(path), ImGuiInputTextFlags_EnterReturnsTrue);
   LogItem(context, "annotate.elsewhere");
   context.annotate->save_elsewhere = path;
+  BrowseButton(context, "annotate.elsewhere.browse", [&] {
+    return PathQuestion{.what = PathQuestion::What::kSave,
+                        .title = "Save the project elsewhere",
+                        .button = "Save",
+                        .kinds = {PathKind::kProject},
+                        .at = path,
+                        .ending = ".json",
+                        .answer = [](const std::string& chosen, CommandSink& to) {
+                          to.Post(SaveProjectCommand{chosen});
+                        }};
+  });
   ImGui::SameLine(0, context.Scaled(6));
   const bool clicked =
       Button(context, "annotate.save_elsewhere", "Save elsewhere",

@@ -3,16 +3,19 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <utility>
 
 #include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
+#include "ui/framework/path_dialog.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kSteadyWidth = 150, kNarrowWidth = 84;
+constexpr double kSheetRoom = 500;  ///< For the sheets of Export and More.
 constexpr double kNarrowBar = 820;  ///< Below it, undo and redo leave their room to the others.
 
 std::string Capitalised(const char* word, const std::optional<std::string>& label) {
@@ -51,15 +54,29 @@ bool SteadyButton(const FrameContext& context, const char* name, std::string lab
   return clicked && enabled;
 }
 
+PathQuestion SaveAsQuestion(const std::string& at) {
+  return {.what = PathQuestion::What::kSave,
+          .title = "Save the project as",
+          .button = "Save",
+          .kinds = {PathKind::kProject},
+          .at = at,
+          .ending = ".json",
+          .answer = [](const std::string& path, CommandSink& sink) {
+            sink.Post(SaveProjectCommand{path});
+          }};
+}
+
 /// A line for a path or a name, and a button that does something with it.
 bool PathField(const FrameContext& context, const char* name, const char* hint, char* text,
-               std::size_t size, const char* button, const char* help) {
+               std::size_t size, const char* button, const char* help,
+               const std::function<PathQuestion()>& question) {
   ImGui::SetNextItemWidth(context.Scaled(330));
   const std::string field = std::string(name) + ".field";
   const bool entered = ImGui::InputTextWithHint(("##" + field).c_str(), hint, text, size,
                                                 ImGuiInputTextFlags_EnterReturnsTrue);
   LogItem(context, field);
   Tooltip(context, help);
+  BrowseButton(context, std::string(name) + ".browse", question);
   ImGui::SameLine(0, context.Scaled(6));
   const bool clicked = Button(context, name, button, help);
   return (entered || clicked) && *text != '\0';
@@ -107,16 +124,25 @@ void DrawMore(const FrameContext& context, CommandSink& sink) {
   if (PathField(
           context, "more.save_as", "PROJECT.json", fields.save_as, kLongest, "Save",
           "Continues in this file, which is overwritten; paths to scan and models are made to "
-          "fit.")) {
+          "fit.",
+          [&] { return SaveAsQuestion(fields.save_as); })) {
     sink.Post(SaveProjectCommand{fields.save_as});
     ImGui::CloseCurrentPopup();
   }
   view.save_as = fields.save_as;
   ImGui::Dummy({0, context.Scaled(4)});
   SmallText(context, colors::kAccent, "Drafts");
-  if (PathField(
-          context, "more.drafts", "RUN.plb", fields.run, kLongest, "Take",
-          "The objects of a run come in as coarse ones, to be mended or removed. One edit.")) {
+  if (PathField(context, "more.drafts", "RUN.plb", fields.run, kLongest, "Take",
+                "The objects of a run come in as coarse ones, to be mended or removed. One edit.",
+                [&] {
+                  return PathQuestion{.title = "Take the objects of a run",
+                                      .button = "Take",
+                                      .kinds = {PathKind::kRun},
+                                      .at = fields.run,
+                                      .answer = [](const std::string& path, CommandSink& to) {
+                                        to.Post(ImportDraftsCommand{path});
+                                      }};
+                })) {
     sink.Post(ImportDraftsCommand{fields.run});
     ImGui::CloseCurrentPopup();
   }
@@ -192,7 +218,9 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
       (std::exchange(context.annotate->open_export, false) && has_content)) {
     ImGui::OpenPopup("project.export");
   }
-  ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});
+  const float end = ImGui::GetIO().DisplaySize.x - context.Scaled(8);
+  ImGui::SetNextWindowPos(
+      {std::min(ImGui::GetItemRectMin().x, end - context.Scaled(kSheetRoom)), rect.high.y});
   if (ImGui::BeginPopup("project.export")) {
     DrawExport(context, sink);
     // As it goes up: while it goes down the sheet is open, and the key does nothing else.
@@ -202,12 +230,11 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
   ImGui::SameLine(0, context.Scaled(6));
   if (Button(context, "project.queue", "Queue",
              "The scans of a folder and how far each is; hand this one over for review, or say "
-             "that it is done (Ctrl + O).") ||
+             "that it is done (Ctrl + Shift + O).") ||
       std::exchange(context.annotate->open_queue, false)) {
     ImGui::OpenPopup("project.queue");
     sink.Post(ListQueueCommand{});
   }
-  const float end = ImGui::GetIO().DisplaySize.x - context.Scaled(8);
   ImGui::SetNextWindowPos(
       {std::min(ImGui::GetItemRectMin().x, end - QueueWidth(context)), rect.high.y});
   if (ImGui::BeginPopup("project.queue")) {
@@ -221,7 +248,8 @@ void DrawProjectBar(const FrameContext& context, const LayoutRect& rect, Command
       std::exchange(context.annotate->open_more, false)) {
     ImGui::OpenPopup("project.more");
   }
-  ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, rect.high.y});
+  ImGui::SetNextWindowPos(
+      {std::min(ImGui::GetItemRectMin().x, end - context.Scaled(kSheetRoom)), rect.high.y});
   if (ImGui::BeginPopup("project.more")) {
     DrawMore(context, sink);
     // As it goes up: while it goes down the sheet is open, and the key does nothing else.

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <string>
 
 #include "engine/snapshot/export_formats.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
+#include "ui/framework/path_dialog.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -61,6 +63,23 @@ void DrawFrames(const FrameContext& context, const ExportFormat& format) {
     ImGui::SameLine(0, context.Scaled(3));
   }
   ImGui::NewLine();
+}
+
+/// Where it is written. The sheet, which gives way to the dialog, comes back afterwards.
+PathQuestion ExportQuestion(const FrameContext& context, const ExportFormat& format) {
+  AnnotateView& view = *context.annotate;
+  return {.what = PathQuestion::What::kSave,
+          .title = std::string("Export as ") + format.title,
+          .button = "Take it",
+          .at = view.export_out,
+          .ending = std::filesystem::path(format.file).extension().string(),
+          .may_replace = true,
+          .answer =
+              [&view](const std::string& path, CommandSink&) {
+                view.export_out = path;
+                view.open_export = true;
+              },
+          .gave_up = [&view] { view.open_export = true; }};
 }
 
 /// What would be replaced, and whether it may be.
@@ -158,7 +177,7 @@ void DrawExport(const FrameContext& context, CommandSink& sink) {
       path, sizeof(path), "%s",
       view.export_out.empty() ? UsualPath(snapshot, format).c_str() : view.export_out.c_str());
   Label(context, "To");
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - BrowseWidth(context));
   ImGui::InputText("##export.out", path, sizeof(path));
   LogItem(context, "export.out");
   Tooltip(context,
@@ -166,6 +185,7 @@ void DrawExport(const FrameContext& context, CommandSink& sink) {
           "asked, "
           "and what is replaced is kept.");
   view.export_out = path;
+  BrowseButton(context, "export.browse", [&] { return ExportQuestion(context, format); });
   ImGui::Dummy({0, context.Scaled(4)});
   const ExportCommand command{format.name, path, format.level ? view.export_frame : "scan",
                               view.export_every};

@@ -148,7 +148,9 @@ bool AnnotateGizmo::Handle(const FrameContext& context, ImVec2 low, CommandSink&
     const bool looks = pressed || (!ImGui::IsItemActive() && (moved.x != 0 || moved.y != 0));
     if (over && looks) hovered_ = GripAt(context, low);
     if (!over) hovered_ = Grip::kNone;
-    if (!pressed || hovered_ == Grip::kNone || ImGui::GetIO().KeyShift) return false;
+    // Which then add to the selection, or move the view.
+    const bool elsewhere = ImGui::GetIO().KeyShift || ImGui::GetIO().KeyCtrl || view.boxing;
+    if (!pressed || hovered_ == Grip::kNone || elsewhere) return false;
     const auto subject = SubjectOf(context);
     dragged_ = hovered_;
     // From where it is shown: a pose may be on its way.

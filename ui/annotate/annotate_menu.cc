@@ -32,7 +32,13 @@ void DrawMenuGroup(const FrameContext& context, const ActionGroup& group, Comman
 void DrawAnnotateMenu(const FrameContext& context, std::span<const ActionGroup> groups,
                       CommandSink& sink) {
   const AnnotatedInstance* selected = context.annotation->Selected();
-  if (selected != nullptr) SmallText(context, colors::kAccent, "%s", selected->id.c_str());
+  const std::size_t more = context.annotate->also_selected.size();
+  if (selected != nullptr && more == 0)
+    SmallText(context, colors::kAccent, "%s", selected->id.c_str());
+  if (selected != nullptr && more > 0)
+    SmallText(context, colors::kAccent,
+              "%s and %zu more: hiding, locking, grading and deleting are for all",
+              selected->id.c_str(), more);
   bool first = true;
   for (const ActionGroup& group : groups) {
     const bool of_object = group.title == "Move" || group.title == "Align" || group.title == "Edit";

@@ -9,6 +9,7 @@
 #include "engine/snapshot/commands.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
+#include "ui/framework/path_dialog.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -116,13 +117,27 @@ void DrawFolder(const FrameContext& context, const AnnotationQueueView* queue, C
   const std::string& shown =
       view.queue_folder.empty() && queue != nullptr ? queue->folder : view.queue_folder;
   std::snprintf(folder, sizeof(folder), "%s", shown.c_str());
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - context.Scaled(64));
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - context.Scaled(64) -
+                          BrowseWidth(context));
   const bool entered =
       ImGui::InputTextWithHint("##queue.folder", "Folder of scans", folder, sizeof(folder),
                                ImGuiInputTextFlags_EnterReturnsTrue);
   if (ImGui::IsItemEdited()) view.queue_folder = folder;
   LogItem(context, "queue.folder");
   Tooltip(context, "Scans and annotation projects of this folder and of the folders in it.");
+  BrowseButton(context, "queue.browse", [&] {
+    return PathQuestion{.what = PathQuestion::What::kFolder,
+                        .title = "Choose a folder of scans",
+                        .button = "List",
+                        .at = shown.empty() ? "" : shown + "/",
+                        .answer =
+                            [&view](const std::string& path, CommandSink& to) {
+                              view.queue_folder = path;
+                              view.open_queue = true;
+                              to.Post(ListQueueCommand{path});
+                            },
+                        .gave_up = [&view] { view.open_queue = true; }};
+  });
   ImGui::SameLine(0, context.Scaled(6));
   if (Button(context, "queue.list", "List", "Reads the folder again.") || entered)
     sink.Post(ListQueueCommand{folder});

@@ -94,7 +94,7 @@ class AnnotateScenePanel : public Panel {
     AnnotateSurface& scene = *context.annotate_scene;
     scene.SetContent({context.annotation, context.annotation_version, view.pending, ghost_,
                       view.candidate, view.scan, view.models, view.grid, view.cameras,
-                      context.light, view.scan_look, view.agreed_row});
+                      context.light, view.scan_look, view.agreed_row, view.also_selected});
     if (!view.focus_on.empty() && context.annotation->selected == view.focus_on) {
       view.focus = true;
       view.focus_on.clear();
@@ -119,15 +119,18 @@ class AnnotateScenePanel : public Panel {
     const bool held = gizmo_.Handle(context, low, sink) || crop_box_.Handle(context, low);
     view.view_px = {static_cast<double>(width), static_cast<double>(height)};
     const bool lassoes = view.tool == AnnotateTool::kCut && view.crop_by_line;
-    const bool moving = MoveView(scene, low, held || lassoes);
+    const bool boxes = view.boxing && view.tool == AnnotateTool::kSelect;
+    const bool moving = MoveView(scene, low, held || lassoes || boxes);
     if (const auto at = ClickedAt(); at && !held)
       Click(context, {at->x - low.x, at->y - low.y}, sink);
     if (const auto at = ClickedAt(ImGuiMouseButton_Right)) {
       const std::string id = scene.PickInstance(at->x - low.x, at->y - low.y);
-      if (!id.empty()) sink.Post(SelectInstanceCommand{id});
+      const std::vector<std::string> selected = SelectedInstances(context);
+      const bool among = std::find(selected.begin(), selected.end(), id) != selected.end();
+      if (!id.empty() && !among) SelectInstances(context, {id}, sink);
       ImGui::OpenPopup("annotate.menu");
     }
-    const auto box = lassoes ? DragBox(context, low, sink) : std::nullopt;
+    const auto box = lassoes || boxes ? DragBox(context, low, sink) : std::nullopt;
     ShowBox(context, sink);
     ForgetLasso(context);
     const bool hovers = MoveGhost(context, low);
@@ -150,12 +153,38 @@ class AnnotateScenePanel : public Panel {
   }
 
  private:
+  using Ids = std::vector<std::string>;
+
+  static bool Adds() { return ImGui::GetIO().KeyCtrl || ImGui::GetIO().KeyShift; }
+
+  /// Those whose middle shows inside the box.
+  static void SelectInBox(const FrameContext& context, const Eigen::AlignedBox2d& box,
+                          CommandSink& sink) {
+    const AnnotationSnapshot& snapshot = *context.annotation;
+    Ids ids = Adds() ? SelectedInstances(context) : Ids{};
+    for (const AnnotatedInstance& instance : snapshot.instances) {
+      const AnnotationModel* model = snapshot.ModelOf(instance);
+      if (instance.hidden || model == nullptr) continue;
+      const auto seen =
+          context.annotate_scene->Project(snapshot.level_from_scan * instance.scan_from_object *
+                                          model->bounds.center().cast<double>());
+      if (!seen || !box.contains(*seen)) continue;
+      if (std::find(ids.begin(), ids.end(), instance.id) == ids.end()) ids.push_back(instance.id);
+    }
+    context.annotate->boxing = false;
+    SelectInstances(context, std::move(ids), sink);
+  }
+
   static void Click(const FrameContext& context, ImVec2 at, CommandSink& sink) {
     AnnotateView& view = *context.annotate;
     AnnotateSurface& scene = *context.annotate_scene;
     const double x = at.x, y = at.y;
     if (view.tool == AnnotateTool::kSelect) {
-      sink.Post(SelectInstanceCommand{scene.PickInstance(x, y)});
+      const std::string id = scene.PickInstance(x, y);
+      const bool one_more = Adds() && context.annotation->Selected() != nullptr;
+      view.boxing = false;
+      if (!one_more) return SelectInstances(context, id.empty() ? Ids{} : Ids{id}, sink);
+      if (!id.empty()) ToggleSelected(context, id, sink);
       return;
     }
     const bool cuts = view.tool == AnnotateTool::kCut;
@@ -222,7 +251,8 @@ class AnnotateScenePanel : public Panel {
     view.lasso.push_back(at);
   }
 
-  /// The box that is being dragged, in pixels of the view; proposed when the button is let go.
+  /// The box that is being dragged, in pixels of the view; when the button is let go, what is in it
+  /// is selected or proposed to be cut out.
   static std::optional<Eigen::AlignedBox2d> DragBox(const FrameContext& context, ImVec2 low,
                                                     CommandSink& sink) {
     const ImGuiIO& io = ImGui::GetIO();
@@ -237,6 +267,10 @@ class AnnotateScenePanel : public Panel {
       return std::nullopt;
     }
     AnnotateView& view = *context.annotate;
+    if (view.tool == AnnotateTool::kSelect) {
+      SelectInBox(context, box, sink);
+      return std::nullopt;
+    }
     const Eigen::Vector2d a = box.min(), b = box.max();
     view.lasso = {a, {b.x(), a.y()}, b, {a.x(), b.y()}};
     ProposeCrop(context, sink);
@@ -345,6 +379,8 @@ class AnnotateScenePanel : public Panel {
       return view.lasso.empty() ? "Drag a box around the object, or click corners around it."
                                 : "Click the next corner; Enter closes the line.";
     }
+    if (view.boxing && view.tool == AnnotateTool::kSelect)
+      return "Drag a box around objects (Shift: adds them). Esc leaves it.";
     if (snapshot.sequence_alignment) return "Is the path right? Enter accepts it, Esc discards it.";
     if (view.tool == AnnotateTool::kSequence) {
       return view.pick_in_scan ? "Now click the same point in the frame below."

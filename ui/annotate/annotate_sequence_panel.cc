@@ -7,6 +7,7 @@
 #include "ui/annotate/annotate_pose.h"
 #include "ui/annotate/proposal_buttons.h"
 #include "ui/framework/annotate_view.h"
+#include "ui/framework/path_dialog.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -87,12 +88,25 @@ class AnnotateSequencePanel : public Panel {
     char text[512];
     std::snprintf(text, sizeof(text), "%s", path.c_str());
     const float button = context.Scaled(78);
-    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - button - context.Scaled(6));
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - button - context.Scaled(6) -
+                            BrowseWidth(context));
     const bool entered = ImGui::InputTextWithHint(("##" + name).c_str(), hint, text, sizeof(text),
                                                   ImGuiInputTextFlags_EnterReturnsTrue);
     LogItem(context, name + ".field");
     Tooltip(context, help);
     path = text;
+    BrowseButton(context, name + ".browse", [&] {
+      return PathQuestion{.title = how == How::kObjects
+                                       ? "Register by the objects of a run"
+                                       : "Register by the points of the sequence's map",
+                          .button = "Register",
+                          .kinds = {how == How::kObjects ? PathKind::kRun : PathKind::kScan},
+                          .at = path,
+                          .answer = [&path, how](const std::string& chosen, CommandSink& to) {
+                            path = chosen;
+                            to.Post(AlignSequenceCommand{how, chosen});
+                          }};
+    });
     ImGui::SameLine(0, context.Scaled(6));
     ImGui::PushID(name.c_str());
     const bool clicked = Button(context, name, "Register", help);

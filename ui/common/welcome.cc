@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/snapshot/annotation_snapshot.h"
+#include "ui/common/window_actions.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -28,6 +29,11 @@ void DrawWays(const FrameContext& context, CommandSink& sink) {
   ImGui::Unindent(context.Scaled(14));
   ImGui::Dummy({0, context.Scaled(6)});
   ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
+  if (Button(context, "welcome.open", "Open \u2026",
+             "Choose a sequence, a run, a scan or a project from a list (Ctrl + O).")) {
+    AskWhatToOpen(context);
+  }
+  ImGui::SameLine();
   if (Button(context, "welcome.demo", "Play the built-in demo",
              "A synthetic room; it is made the first time, which takes a minute.")) {
     sink.Post(OpenCommand{kDemoPath});
@@ -87,7 +93,7 @@ void DrawLackOfPoses(const FrameContext& context, CommandSink& sink) {
 }
 
 /// What the Annotate workspace shows while no scan is open.
-void DrawAnnotateWelcome(const FrameContext& context) {
+void DrawAnnotateWelcome(const FrameContext& context, CommandSink& sink) {
   if (context.annotation == nullptr) {
     Headline(context, "No scan is open");
     WrappedText(
@@ -99,7 +105,13 @@ void DrawAnnotateWelcome(const FrameContext& context) {
     WrappedText(colors::kText, "plumbline gui SCAN.ply --models FOLDER");
     WrappedText(colors::kText, "plumbline gui PROJECT.json");
     ImGui::Unindent(context.Scaled(14));
-    return;
+    ImGui::Dummy({0, context.Scaled(6)});
+    ImGui::PushStyleColor(ImGuiCol_Button, colors::kAccentDim);
+    if (Button(context, "welcome.open", "Open \u2026",
+               "Choose a scan or a project from a list (Ctrl + O)."))
+      AskWhatToOpen(context);
+    ImGui::PopStyleColor();
+    return DrawRecent(context, sink);
   }
   const bool failed = !context.annotation->failure.empty();
   Headline(context, failed ? "This could not be opened" : "Opening");
@@ -121,7 +133,7 @@ void DrawWelcome(const FrameContext& context, const LayoutRect& rect, CommandSin
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
   if (context.workspace == WorkspaceId::kAnnotate) {
-    DrawAnnotateWelcome(context);
+    DrawAnnotateWelcome(context, sink);
   } else if (context.source.empty()) {
     Headline(context, "Nothing is open");
     DrawWays(context, sink);

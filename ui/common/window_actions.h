@@ -7,7 +7,9 @@ namespace plumbline {
 
 /// Of the 3-D view of whichever workspace shows.
 ActionGroup ViewActions();
-/// Of the window: theme, size of text, palette, pictures, help, end.
+/// Asks by a list of folders and files for something to open.
+void AskWhatToOpen(const FrameContext& context);
+/// Of the window: opening, theme, size of text, palette, pictures, help, end.
 ActionGroup WindowActions();
 
 }  // namespace plumbline

@@ -8,16 +8,44 @@ namespace plumbline {
 namespace {
 
 const std::map<std::string_view, int>& KeyNames() {
-  static const std::map<std::string_view, int> kNames = {
-      {"space", keys::kSpace},    {"left", keys::kLeft},     {"right", keys::kRight},
-      {"enter", keys::kEnter},    {"up", keys::kUp},         {"down", keys::kDown},
-      {"delete", keys::kDelete},  {"home", keys::kHome},     {"end", keys::kEnd},
-      {"escape", keys::kEscape},  {"f1", keys::kF1},         {"f5", keys::kF5},
-      {"tab", keys::kTab},        {"f12", keys::kF12},       {"[", keys::kLeftBracket},
-      {"]", keys::kRightBracket}, {"/", keys::kSlash},       {",", keys::kComma},
-      {".", keys::kPeriod},       {"=", keys::kEqual},       {"-", keys::kMinus},
-      {"pad0", keys::kPad0},      {"pad1", keys::kPad1},     {"pad3", keys::kPad3},
-      {"pad7", keys::kPad7},      {"pad.", keys::kPadPoint}, {"padenter", keys::kPadEnter}};
+  static const std::map<std::string_view, int> kNames = {{"space", keys::kSpace},
+                                                         {"left", keys::kLeft},
+                                                         {"right", keys::kRight},
+                                                         {"enter", keys::kEnter},
+                                                         {"up", keys::kUp},
+                                                         {"down", keys::kDown},
+                                                         {"delete", keys::kDelete},
+                                                         {"home", keys::kHome},
+                                                         {"end", keys::kEnd},
+                                                         {"escape", keys::kEscape},
+                                                         {"f1", keys::kF1},
+                                                         {"f5", keys::kF5},
+                                                         {"tab", keys::kTab},
+                                                         {"f12", keys::kF12},
+                                                         {"[", keys::kLeftBracket},
+                                                         {"]", keys::kRightBracket},
+                                                         {"/", keys::kSlash},
+                                                         {",", keys::kComma},
+                                                         {".", keys::kPeriod},
+                                                         {"=", keys::kEqual},
+                                                         {"-", keys::kMinus},
+                                                         {"pad0", keys::kPad0},
+                                                         {"pad1", keys::kPad1},
+                                                         {"pad3", keys::kPad3},
+                                                         {"pad7", keys::kPad7},
+                                                         {"pad.", keys::kPadPoint},
+                                                         {"padenter", keys::kPadEnter},
+                                                         {"pad2", keys::kPad2},
+                                                         {"pad4", keys::kPad4},
+                                                         {"pad6", keys::kPad6},
+                                                         {"pad8", keys::kPad8},
+                                                         {"pad9", keys::kPad9},
+                                                         {"pad+", keys::kPadPlus},
+                                                         {"pad-", keys::kPadMinus},
+                                                         {"f11", keys::kF11},
+                                                         {"backspace", keys::kBackspace},
+                                                         {"page up", keys::kPageUp},
+                                                         {"page down", keys::kPageDown}};
   return kNames;
 }
 
@@ -35,7 +63,7 @@ std::string NameOf(int key) {
 
 std::string NameOf(const KeyStroke& stroke) {
   return std::string(stroke.control ? "Ctrl + " : "") + (stroke.shift ? "Shift + " : "") +
-         NameOf(stroke.key);
+         (stroke.alt ? "Alt + " : "") + NameOf(stroke.key);
 }
 
 int KeyByName(std::string_view name) {
@@ -50,13 +78,12 @@ int KeyByName(std::string_view name) {
 void RunKeys(std::span<const ActionGroup> groups, const FrameContext& context, CommandSink& sink) {
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantTextInput || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId)) return;
-  if (io.KeyAlt) return;
   for (const ActionGroup& group : groups) {
     for (const Action& action : group.actions) {
       if (!action.run || (action.is_offered && !action.is_offered(context))) continue;
       for (const KeyStroke& stroke : action.keys) {
         if (stroke.shift == io.KeyShift && stroke.control == io.KeyCtrl &&
-            ImGui::IsKeyPressed(stroke.key, action.repeats))
+            stroke.alt == io.KeyAlt && ImGui::IsKeyPressed(stroke.key, action.repeats))
           action.run(context, sink);
       }
     }

@@ -19,16 +19,18 @@ inline constexpr int kA = 65, kB = 66, kC = 67, kD = 68, kE = 69, kF = 70, kG = 
                      kI = 73, kK = 75, kL = 76, kM = 77, kN = 78, kO = 79, kP = 80, kQ = 81,
                      kR = 82, kS = 83, kT = 84, kV = 86, kW = 87, kX = 88, kY = 89, kZ = 90,
                      kLeftBracket = 91, kRightBracket = 93;
-inline constexpr int kEscape = 256, kTab = 258, kDelete = 261, kUp = 265, kDown = 264, kEnter = 257,
-                     kRight = 262, kLeft = 263, kHome = 268, kEnd = 269;
-inline constexpr int kPad0 = 320, kPad1 = 321, kPad3 = 323, kPad7 = 327, kPadPoint = 330,
-                     kPadEnter = 335;
-inline constexpr int kF1 = 290, kF5 = 294, kF12 = 301;
+inline constexpr int kEscape = 256, kTab = 258, kBackspace = 259, kPageUp = 266, kPageDown = 267;
+inline constexpr int kDelete = 261, kUp = 265, kDown = 264, kEnter = 257, kRight = 262, kLeft = 263,
+                     kHome = 268, kEnd = 269;
+inline constexpr int kPad0 = 320, kPad1 = 321, kPad2 = 322, kPad3 = 323, kPad4 = 324, kPad6 = 326,
+                     kPad7 = 327, kPad8 = 328, kPad9 = 329, kPadPoint = 330, kPadMinus = 333,
+                     kPadPlus = 334, kPadEnter = 335;
+inline constexpr int kF1 = 290, kF5 = 294, kF11 = 300, kF12 = 301;
 }  // namespace keys
 
 struct KeyStroke {
   int key = 0;
-  bool shift = false, control = false;
+  bool shift = false, control = false, alt = false;
   auto operator<=>(const KeyStroke&) const = default;
 };
 /// "Ctrl + Left"

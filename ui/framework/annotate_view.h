@@ -102,6 +102,8 @@ struct AnnotateView {
   bool open_export = false, open_more = false,
        open_queue = false;               ///< In this frame: the sheet opens.
   std::string queue_folder, stage_note;  ///< That are being typed.
+  bool boxing = false;  ///< The next drag in the 3-D view selects what it encloses.
+  std::vector<std::string> select_also;  ///< Besides the first of them, which is being selected.
 };
 
 /// What the 3-D view of the Annotate workspace shows.
@@ -115,6 +117,7 @@ struct AnnotateContent {
   bool light = false;
   ScanLook scan_look;
   int agreed_row = -1;  ///< Of the agreement: where the other one has it, as a white outline.
+  std::vector<std::string> also_selected;
 };
 
 /// The 3-D view of the Annotate workspace as the panels know it; ui/scene implements it. It shows

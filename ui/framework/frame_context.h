@@ -30,6 +30,7 @@
 namespace plumbline {
 
 class AnnotateSurface;
+class PathDialog;
 class SceneSurface;
 struct AnnotateView;
 struct AnnotationSnapshot;
@@ -167,6 +168,7 @@ struct FrameContext {
   SceneSurface* scene = nullptr;
   AnnotateView* annotate = nullptr;
   AnnotateSurface* annotate_scene = nullptr;
+  PathDialog* path_dialog = nullptr;  ///< Through AskPath().
 
   /// Of the run that shows.
   const PlaybackView& shown_playback() const {

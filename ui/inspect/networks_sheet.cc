@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "ui/framework/actions.h"
+#include "ui/framework/path_dialog.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -109,7 +110,7 @@ void NetworksSheet::Draw(const FrameContext& context, CommandSink& sink) {
   }
   ImGui::Dummy({0, context.Scaled(6)});
   if (Button(context, "networks.close", "Close", "Esc closes it too.") ||
-      ImGui::IsKeyPressed(keys::kEscape, false))
+      (ImGui::IsKeyPressed(keys::kEscape, false) && !AsksForPath(context)))
     open_ = false;
   const ImVec2 low = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
   context.widgets->Add("networks.sheet", low, {low.x + size.x, low.y + size.y});
@@ -188,11 +189,22 @@ void NetworksSheet::DrawOwn(const FrameContext& context, CommandSink& sink) {
   Heading(context, "A network of your own");
   const char* help =
       "The path of an ONNX network of edges or boxes; it can be dropped onto the window, too.";
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - context.Scaled(96));
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - context.Scaled(96) -
+                          BrowseWidth(context));
   const bool entered = ImGui::InputTextWithHint(
       "##networks.file", "FILE.onnx", file_, sizeof(file_), ImGuiInputTextFlags_EnterReturnsTrue);
   LogItem(context, "networks.file");
   Tooltip(context, help);
+  BrowseButton(context, "networks.browse", [this] {
+    return PathQuestion{.title = "Look at a network",
+                        .button = "Look at it",
+                        .kinds = {PathKind::kNetwork},
+                        .at = file_,
+                        .answer = [this](const std::string& path, CommandSink& to) {
+                          std::snprintf(file_, sizeof(file_), "%s", path.c_str());
+                          to.Post(LookAtNetworkCommand{path});
+                        }};
+  });
   ImGui::SameLine();
   if ((Button(context, "networks.look", "Look at it", help) || entered) && file_[0] != '\0')
     sink.Post(LookAtNetworkCommand{file_});

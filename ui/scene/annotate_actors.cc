@@ -245,7 +245,9 @@ void AnnotateActors::ShowInstances(const AnnotateContent& content) {
                        !snapshot.placement->candidates.empty();
     if (refined || again) continue;
     const bool pending = content.pending && content.pending->id == instance.id;
-    const bool selected = snapshot.selected == instance.id;
+    const auto& also = content.also_selected;
+    const bool selected = snapshot.selected == instance.id ||
+                          std::find(also.begin(), also.end(), instance.id) != also.end();
     Show(content, snapshot.ModelIndex(instance),
          pending ? content.pending->scan_from_object : instance.scan_from_object,
          SeriesColor(static_cast<std::size_t>(number - 1)), 1.0, selected, instance.id,

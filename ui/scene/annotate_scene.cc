@@ -48,7 +48,8 @@ class AnnotateScene : public AnnotateSurface {
         content.scan == content_.scan && content.models == content_.models &&
         content.grid == content_.grid && content.cameras == content_.cameras &&
         content.light == content_.light && content.agreed_row == content_.agreed_row &&
-        content.scan_look == content_.scan_look) {
+        content.scan_look == content_.scan_look &&
+        content.also_selected == content_.also_selected) {
       return;
     }
     content_ = content;

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <string>
 
 #include "ui/framework/actions.h"
 #include "ui/framework/options_form.h"
+#include "ui/framework/path_dialog.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/compare/option_names.h"
 
@@ -78,7 +80,7 @@ void ForkSheet::Draw(const FrameContext& context, CommandSink& sink) {
     DrawProgress(context, sink);
   else
     DrawBody(context, sink);
-  if (ImGui::IsKeyPressed(keys::kEscape, false)) open_ = false;
+  if (ImGui::IsKeyPressed(keys::kEscape, false) && !AsksForPath(context)) open_ = false;
   ImGui::End();
   ImGui::PopStyleColor();
   ImGui::PopStyleVar(2);
@@ -135,10 +137,21 @@ void ForkSheet::DrawExplanation(const FrameContext& context) const {
 
 void ForkSheet::DrawPlace(const FrameContext& context) {
   Label(context, "New run file");
-  ImGui::SetNextItemWidth(-1);
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - BrowseWidth(context));
   ImGui::InputText("##fork.out", out_, sizeof(out_));
   LogItem(context, "fork.out");
   Tooltip(context, "Where the fork is kept. A run of that name is replaced.");
+  BrowseButton(context, "fork.browse", [this] {
+    return PathQuestion{.what = PathQuestion::What::kSave,
+                        .title = "Where the fork is kept",
+                        .button = "Take it",
+                        .kinds = {PathKind::kRun},
+                        .at = out_,
+                        .ending = ".plb",
+                        .answer = [this](const std::string& path, CommandSink&) {
+                          std::snprintf(out_, sizeof(out_), "%s", path.c_str());
+                        }};
+  });
   Label(context, "Seed");
   ImGui::SetNextItemWidth(context.Scaled(110));
   ImGui::InputInt("##fork.seed", &seed_);

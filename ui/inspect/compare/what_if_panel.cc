@@ -11,6 +11,7 @@
 #include "engine/snapshot/comparison_view.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
+#include "ui/framework/path_dialog.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -261,6 +262,17 @@ ActionGroup TwoRunActions() {
         .run = Posts(AskOptionsCommand{}),
         .is_offered = [](const FrameContext& context) { return !context.playback->recorded; }},
        {.text = "Networks of this run: edges and boxes", .run = Posts(AskNetworksCommand{})},
+       {.text = "Two runs: open another beside this one",
+        .run =
+            [](const FrameContext& context, CommandSink&) {
+              AskPath(context, {.title = "Open another run of the same sequence beside this one",
+                                .button = "Open",
+                                .kinds = {PathKind::kRun},
+                                .answer = [](const std::string& path, CommandSink& sink) {
+                                  sink.Post(CompareRunCommand{path});
+                                }});
+            },
+        .is_offered = [](const FrameContext& context) { return context.sequence != nullptr; }},
        {.text = "Two runs: show the other",
         .keys = {{keys::kV}},
         .run =

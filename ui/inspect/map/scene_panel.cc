@@ -152,6 +152,11 @@ class ScenePanel : public Panel {
     json["color"] = ColoringName(coloring_);
     json["opacity"] = opacity_;
     for (const LayerToggle& layer : kLayers) json[layer.name] = layers_.*layer.layer;
+    if (kept_box_ && !clipped_source_.empty()) {
+      json["clip"] = ToJson(*kept_box_);
+      json["clip"]["on"] = clips_;
+      json["clip"]["of"] = clipped_source_;
+    }
     return json;
   }
   void LoadState(const nlohmann::json& json) override {
@@ -165,6 +170,10 @@ class ScenePanel : public Panel {
     opacity_ = std::clamp(json.value("opacity", opacity_), 0.1, 1.0);
     for (const LayerToggle& layer : kLayers)
       layers_.*layer.layer = json.value(layer.name, layers_.*layer.layer);
+    if (const auto clip = json.find("clip"); clip != json.end()) {
+      loaded_clip_ = *clip;
+      clipped_version_.reset();
+    }
   }
 
  private:
@@ -212,12 +221,19 @@ class ScenePanel : public Panel {
            "Cuts the map by a box: drag its sides by their dots. What lies outside is not drawn.");
   }
 
-  /// The box of a sequence lasts as long as that is open.
+  /// The box belongs to what is open, and comes back with it.
   void KeepClipBox(const FrameContext& context) {
     if (clipped_version_ != context.source_version) {
       clipped_version_ = context.source_version;
+      clipped_source_ = context.source;
       clips_ = false;
       kept_box_.reset();
+      clip_.box.reset();
+      if (!clipped_source_.empty() && loaded_clip_.is_object() &&
+          loaded_clip_.value("of", nlohmann::json()) == clipped_source_) {
+        kept_box_ = ClipBoxFromJson(loaded_clip_);
+        clips_ = kept_box_ && loaded_clip_.value("on", nlohmann::json()) == true;
+      }
     }
     if (clip_.box) kept_box_ = clip_.box;
     if (!clips_ || context.look_through) {
@@ -308,8 +324,10 @@ class ScenePanel : public Panel {
   double opacity_ = 1;
   bool clips_ = false;
   ClipHandles clip_;
-  std::optional<ClipBox> kept_box_;        ///< As it was when it was switched off.
-  std::uint64_t clipped_version_ = 0;      ///< Of the source that it is the box of.
+  std::optional<ClipBox> kept_box_;               ///< As it was when it was switched off.
+  std::optional<std::uint64_t> clipped_version_;  ///< Of the source that it is the box of.
+  std::string clipped_source_;
+  nlohmann::json loaded_clip_;             ///< From the settings, maybe of something else.
   std::vector<ObjectRelation> relations_;  ///< The newest that are known.
 };
 
