@@ -6,6 +6,7 @@
 #include <functional>
 #include <numbers>
 
+#include "ui/annotate/annotate_agreement.h"
 #include "ui/annotate/annotate_crop_box.h"
 #include "ui/annotate/annotate_findings.h"
 #include "ui/annotate/annotate_pose.h"
@@ -528,7 +529,10 @@ ActionGroup ProjectActions() {
             .help = "Queue of scans; hand over for review",
             .is_offered = IsOpen},
            {.text = "Compare with another annotator's project",
-            .run = Turns(&AnnotateView::open_more),
+            .run =
+                [](const FrameContext& context, CommandSink&) {
+                  AskPath(context, AgreementQuestion(*context.annotate));
+                },
             .is_offered = IsOpen},
            {.text = "Save as, drafts of a run, annotator",
             .keys = {{kS, true, true}},

@@ -85,4 +85,21 @@ void DrawAgreement(const FrameContext& context, CommandSink& sink) {
   ImGui::EndChild();
 }
 
+PathQuestion AgreementQuestion(AnnotateView& view) {
+  return {.title = "Compare with another annotator's project or ground truth",
+          .button = "Compare",
+          .kinds = {PathKind::kProject},
+          .at = view.second,
+          .answer = [&view](const std::string& path, CommandSink& sink) {
+            CompareWith(path, view, sink);
+          }};
+}
+
+void CompareWith(const std::string& path, AnnotateView& view, CommandSink& sink) {
+  view.second = path;
+  view.check = false;
+  view.agreed_row = -1;
+  sink.Post(CompareWithCommand{path});
+}
+
 }  // namespace plumbline

@@ -6,6 +6,7 @@
 #include <functional>
 #include <utility>
 
+#include "ui/annotate/annotate_agreement.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/path_dialog.h"
@@ -152,10 +153,9 @@ void DrawMore(const FrameContext& context, CommandSink& sink) {
   if (PathField(context, "more.compare", "PROJECT.json or ground_truth.json", fields.second,
                 kLongest, "Compare",
                 "What another annotator placed in this scan, object by object, in the list of what "
-                "is placed. Nothing is changed.")) {
-    sink.Post(CompareWithCommand{fields.second});
-    view.check = false;
-    view.agreed_row = -1;
+                "is placed. Nothing is changed.",
+                [&] { return AgreementQuestion(view); })) {
+    CompareWith(fields.second, view, sink);
     ImGui::CloseCurrentPopup();
   }
   view.second = fields.second;
