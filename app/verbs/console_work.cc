@@ -1,26 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/verbs/console_work.h"
 
-#include <fcntl.h>
-#include <signal.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
 
-#include "engine/base/check.h"
-
 namespace plumbline {
 namespace {
-
-// The handler may only write to the pipe; the watcher turns the byte into a stop request.
-int interrupt_pipe[2] = {-1, -1};
-
-void OnInterrupt(int) {
-  const char byte = 'i';
-  [[maybe_unused]] const auto written = ::write(interrupt_pipe[1], &byte, 1);
-}
 
 std::string Duration(double seconds) {
   const int whole = static_cast<int>(std::lround(seconds));
@@ -31,31 +18,11 @@ std::string Duration(double seconds) {
 
 }  // namespace
 
-ConsoleWork::ConsoleWork() : terminal_(::isatty(STDERR_FILENO) == 1) {
-  PLB_CHECK(interrupt_pipe[0] < 0) << "one ConsoleWork at a time";
-  PLB_CHECK(::pipe2(interrupt_pipe, O_CLOEXEC) == 0) << "errno " << errno;
-  watcher_ = std::thread([stop = stop_]() mutable {
-    char byte = 0;
-    while (::read(interrupt_pipe[0], &byte, 1) < 0 && errno == EINTR) continue;
-    if (byte == 'i') stop.request_stop();
-  });
-  struct sigaction action = {};
-  action.sa_handler = OnInterrupt;
-  action.sa_flags = SA_RESETHAND | SA_RESTART;
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGTERM, &action, nullptr);
-}
+ConsoleWork::ConsoleWork()
+    : interrupts_([stop = stop_]() mutable { stop.request_stop(); }),
+      terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 ConsoleWork::~ConsoleWork() {
-  ::signal(SIGINT, SIG_DFL);
-  ::signal(SIGTERM, SIG_DFL);
-  const char byte = 'q';
-  [[maybe_unused]] const auto written = ::write(interrupt_pipe[1], &byte, 1);
-  watcher_.join();
-  for (int& end : interrupt_pipe) {
-    ::close(end);
-    end = -1;
-  }
   if (line_open_) std::fputc('\n', stderr);
 }
 

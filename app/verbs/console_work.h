@@ -4,8 +4,8 @@
 #include <chrono>
 #include <stop_token>
 #include <string>
-#include <thread>
 
+#include "app/platform/interrupts.h"
 #include "engine/base/progress.h"
 
 namespace plumbline {
@@ -29,7 +29,7 @@ class ConsoleWork {
   void Report(const Progress& progress);
 
   std::stop_source stop_;
-  std::thread watcher_;
+  Interrupts interrupts_;
   bool terminal_;
   bool line_open_ = false;
   std::string stage_;

@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "app/platform/interrupts.h"
 #include "engine/base/log.h"
 #include "engine/base/timer.h"
 #include "ui/common/frame_bars.h"
@@ -122,11 +123,13 @@ void Application::Open(const std::string& path, std::optional<int> frame) {
   }
   Workspace& workspace = annotate_->Takes(path) ? static_cast<Workspace&>(*annotate_) : *inspect_;
   context_.workspace = workspace.tab().id;
+  if (!MayLose(workspace)) return;
   Remember(path);
   workspace.Open(path, frame, context_);
 }
 
 void Application::OpenModels(const std::string& folder) {
+  if (!MayLose(shown())) return;
   for (Workspace* workspace : workspaces()) workspace->UseModels(folder);
   const std::string open = shown().source();
   if (open.empty()) return Note("These models are taken with what is opened next: " + folder);
@@ -166,19 +169,29 @@ bool Application::NeedsFrame() {
 }
 
 bool Application::Closes() {
+  if (asked_to_end_.exchange(false)) quit_ = true;
   if (!quit_ && !window_->ShouldClose()) return false;
   for (const Workspace* workspace : workspaces()) {
-    const std::string lost = workspace->WouldBeLost(context_);
-    if (lost.empty() || note_ == lost) continue;
+    if (MayLose(*workspace)) continue;
     quit_ = false;
     window_->StayOpen();
-    Note(lost);
     return false;
   }
   return true;
 }
 
+bool Application::MayLose(const Workspace& workspace) {
+  const std::string lost = workspace.WouldBeLost(context_);
+  if (lost.empty() || note_ == lost) return true;
+  Note(lost);
+  return false;
+}
+
 Status Application::Run() {
+  const Interrupts interrupts([this] {
+    asked_to_end_ = true;
+    PlatformWindow::Wake();
+  });
   while (!Closes()) {
     const Pace pace = shown().pace(context_);
     window_->TakeEvents(script_ ? 0 : settle_frames_ > 0 ? pace.shortest_s : pace.longest_s);

@@ -87,6 +87,9 @@ class Application : public CommandSink {
   bool NeedsFrame();
   /// The user has said so and, where something would be lost, has said so again.
   bool Closes();
+  /// Says what would be lost with what `workspace` shows; true if there is nothing, or once it was
+  /// said and the user goes on.
+  bool MayLose(const Workspace& workspace);
   void Note(std::string text);
 
   ApplicationOptions options_;
@@ -111,6 +114,7 @@ class Application : public CommandSink {
   std::chrono::steady_clock::time_point note_until_{};
   int settle_frames_ = 0;  ///< Frames to draw after the last input until ImGui has come to rest.
   std::atomic<bool> published_ = false;
+  std::atomic<bool> asked_to_end_ = false;  ///< By a signal, as at the end of a desktop's session.
 
   // Last: their threads wake the window.
   std::unique_ptr<FolderReader> folders_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace plumbline {
@@ -11,6 +12,12 @@ namespace {
 constexpr double kTakenPenalty = 12;  ///< [nats]
 /// What is thinner takes this much to each side: another behind a screen is the same screen.
 constexpr double kThin_m = 0.3;
+/// A back is not put exactly against a wall, and a camera leans around corners [m].
+constexpr double kBehind_m = 0.1;
+
+Eigen::Vector3d CameraOf(const JudgingView& judging) {
+  return judging.view.cam_from_world.inverse().translation();
+}
 
 }  // namespace
 
@@ -85,6 +92,22 @@ double LogScalePrior(const PoseHypothesis& hypothesis, const MapperOptions& opti
   return -0.5 * share * share;
 }
 
+double LogBackPrior(const MapFrame& map, std::span<const Eigen::Vector3d> cameras_in_world,
+                    const PoseHypothesis& hypothesis, const MapperOptions& options) {
+  const CadModel& model = map.database->model(hypothesis.label);
+  if (!model.back || options.seen_from_behind >= 1) return 0;
+  const Eigen::Vector3d front_in_world =
+      map.upright.WorldFromObjectRotation(hypothesis.azimuth_rad).col(0);
+  const double back_m = hypothesis.scale() * (model.bounds.min().x() - model.center().x());
+  double least = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& camera : cameras_in_world) {
+    const double ahead_m = front_in_world.dot(camera - hypothesis.center_in_world) - back_m;
+    least = std::min(least, ahead_m);
+  }
+  const double in_front = 1 / (1 + std::exp(-least / kBehind_m));
+  return std::log(options.seen_from_behind + (1 - options.seen_from_behind) * in_front);
+}
+
 bool TakenPlace::Holds(const Eigen::Vector3d& center_in_world) const {
   const Eigen::Vector3d share = (center_from_world * center_in_world).cwiseQuotient(half_sizes_m);
   return share.head<2>().norm() < 1 && std::abs(share.z()) < 1;
@@ -140,8 +163,10 @@ Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
   double weight = present.weight;
   for (const JudgingView& view : remembered) weight += view.weight;
   const double scale = ViewScale(weight, sharpness, options);
+  std::vector<Eigen::Vector3d> cameras = {CameraOf(present)};
+  for (const JudgingView& view : remembered) cameras.push_back(CameraOf(view));
   return [&scorer, &map, &options, remembered = std::move(remembered), present,
-          scale](std::span<const PoseHypothesis> hypotheses) {
+          cameras = std::move(cameras), scale](std::span<const PoseHypothesis> hypotheses) {
     const std::vector<double> memory = SumOverViews(scorer, map, remembered, hypotheses, options);
     const std::vector<Likelihood> now = Evaluate(scorer, present.view, map, present.detections,
                                                  hypotheses, present.normalizer, options);
@@ -153,7 +178,8 @@ Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
       judged[i].log_target =
           scale * (memory[i] + present.weight * (options.alpha * now[i].phi_cnn +
                                                  options.beta * now[i].phi_edge)) +
-          LogHeightPrior(map, hypotheses[i], options) + LogScalePrior(hypotheses[i], options);
+          LogHeightPrior(map, hypotheses[i], options) + LogScalePrior(hypotheses[i], options) +
+          LogBackPrior(map, cameras, hypotheses[i], options);
     }
     return judged;
   };

@@ -41,6 +41,12 @@ double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
 /// Log density of the scale, unnormalised: normal in its logarithm; 0 where it is fixed.
 double LogScalePrior(const PoseHypothesis& hypothesis, const MapperOptions& options);
 
+/// Log of the chance that cameras stand where the views do, if the model has a back (CadModel): no
+/// camera looks through the wall that the back is put against, so one behind the plane of the back
+/// takes log(seen_from_behind), one in front of it nothing. 0 for models without a back.
+double LogBackPrior(const MapFrame& map, std::span<const Eigen::Vector3d> cameras_in_world,
+                    const PoseHypothesis& hypothesis, const MapperOptions& options);
+
 /// What an object that is settled fills, an upright elliptic cylinder: no other of its category can
 /// have its centre there.
 struct TakenPlace {
@@ -61,7 +67,7 @@ double LogCrops(const CropBelief& crops, ModelId label, double azimuth_rad,
 Target WithCrops(CropBelief crops, const MapperOptions& options, Target target);
 
 /// The posterior of one object: what its remembered views and the present one say, scaled to as
-/// many independent views as they amount to (ViewScale), and the priors of height and scale.
+/// many independent views as they amount to (ViewScale), and the priors of height, scale and back.
 /// References must outlive it.
 Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
                  std::vector<JudgingView> remembered, const JudgingView& present,

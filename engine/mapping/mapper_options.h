@@ -77,6 +77,7 @@ struct MapperOptions {
   bool floor_prior = true;
   double floor_std_m = 0.015;
   double scale_std = 0;
+  double seen_from_behind = 0.05;
 
   // Birth
   SpawnPrior prior = SpawnPrior::kInformed;
@@ -182,6 +183,10 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
          "standard deviation of how much larger than its model an object is, 0.03 for 3 %; 0: as "
          "large",
          0, 0.2});
+  visit(o.seen_from_behind,
+        {"seen_from_behind", "",
+         "chance that an object whose model has a back is looked at from behind; 1: as any other",
+         1e-6, 1});
   visit(o.prior,
         {"prior", "", "paper: nominal depth; informed: from box size, model size and floor"});
   visit(o.min_spawn_score,

@@ -57,6 +57,7 @@ Result<CadModel> ReadModelEntry(const nlohmann::json& json, const std::filesyste
                  named + ": support is 'floor' or 'any', not '" + support + "'"};
   }
   model.support = support == "floor" ? Support::kFloor : Support::kAny;
+  model.back = json.value("back", false);
   if (json.contains("symmetry")) {
     Result<Symmetry> symmetry = ParseSymmetry(json.at("symmetry"), named);
     if (!symmetry.ok()) return symmetry.error();
@@ -131,6 +132,7 @@ std::shared_ptr<const ModelDatabase> ModelDatabase::FromModels(std::vector<CadMo
                        {model.symmetry.axis.x(), model.symmetry.axis.y(), model.symmetry.axis.z()},
                        model.support == Support::kFloor}
             .dump();
+    if (model.back) all += "back";  // Only then: hashes of databases without stay as they were.
   }
   database->content_hash_ = HashHex(all);
   return database;

@@ -35,6 +35,7 @@ struct CadModel {
   std::string category;  ///< COCO name.
   Symmetry symmetry;
   Support support = Support::kAny;
+  bool back = false;  ///< Its back is put against a wall or against something else.
   std::string note;
   TriangleMesh mesh;
   Eigen::AlignedBox3f bounds;  ///< In `object`.

@@ -31,6 +31,7 @@ struct FurnitureModel {
   std::string category;  ///< COCO name; `cabinet`, `lamp`, `desk` and `shelf` are our own.
   int symmetry_order = 1;
   Support support = Support::kFloor;
+  bool back = false;  ///< As of CadModel.
   std::string note;
   PaintedBody body;
   double scale = 1;  ///< Of `body`, in sizes of the model that is written.

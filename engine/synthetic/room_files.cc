@@ -124,6 +124,7 @@ Status WriteModels(const std::filesystem::path& folder,
                       {"category", model.category},
                       {"symmetry", {{"axis", {0, 0, 1}}, {"order", model.symmetry_order}}},
                       {"support", model.support == Support::kFloor ? "floor" : "any"},
+                      {"back", model.back},
                       {"faces", mesh.triangles.size()},
                       {"note", model.note}});
   }

@@ -129,6 +129,7 @@ FurnitureModel DoorCabinet(const FurniturePalette& palette) {
   FurnitureModel model;
   model.name = "cabinet_doors";
   model.category = "cabinet";
+  model.back = true;
   model.note = "two doors, 1.2 m high";
   PaintedMesh& mesh = model.body.mesh;
   const int body = model.body.Paint(palette.lacquer);
@@ -168,6 +169,7 @@ FurnitureModel Sideboard(const FurniturePalette& palette) {
   FurnitureModel model;
   model.name = "sideboard";
   model.category = "cabinet";
+  model.back = true;
   model.note = "low: drawers between two doors";
   PaintedMesh& mesh = model.body.mesh;
   const int wood = model.body.Paint(palette.dark_wood);
@@ -205,6 +207,7 @@ FurnitureModel Bookshelf(const FurniturePalette& palette) {
   FurnitureModel model;
   model.name = "bookshelf";
   model.category = "cabinet";
+  model.back = true;
   model.note = "open shelf, 1.75 m high";
   PaintedMesh& mesh = model.body.mesh;
   const int wood = model.body.Paint(palette.wood);

@@ -14,6 +14,12 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
+/// For a shell: the one process that the process of this line has started.
+std::string ChildOf(const std::string& line) {
+  const std::string parent = line.substr(0, line.find('\n'));
+  return "$(cat /proc/" + parent + "/task/" + parent + "/children)";
+}
+
 TEST_F(AnnotateWindow, SavesAsItIsQuitSoThatNothingIsRecoveredAndUndoGoesOn) {
   ASSERT_EQ(Run(std::string(kFloor) + R"({"dump_state": "before.json"},
       {"key": "q", "control": true}, {"wait_frames": 2})"),
@@ -32,6 +38,25 @@ TEST_F(AnnotateWindow, SavesAsItIsQuitSoThatNothingIsRecoveredAndUndoGoesOn) {
   EXPECT_EQ(State("again.json")["recovered"], 0);
   EXPECT_EQ(State("again.json")["modified"], false);
   EXPECT_EQ(State("again.json")["undo"], "Set gravity");
+}
+
+TEST_F(AnnotateWindow, SavesAsItIsAskedToEndByASignal) {
+  std::thread window([&] {
+    EXPECT_EQ(Run(std::string(kFloor) +
+                      R"({"dump_state": "before.json"}, {"wait_for": {"never": true}})",
+                  "scan.ply", true, "", "echo $$ > pid; exec"),
+              0)
+        << Errors();
+  });
+  for (int i = 0; i < 600 && !std::filesystem::exists(File("before.json")); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(std::system(("kill -TERM " + ChildOf(ReadFile(File("pid")).value())).c_str()), 0);
+  window.join();
+  const auto project =
+      AnnotationProject::Open(File("scan.annotation.json"), AnnotationProject::Access::kRead);
+  ASSERT_TRUE(project.ok()) << project.error().message;
+  EXPECT_EQ((*project)->num_recovered(), 0u);
+  EXPECT_TRUE((*project)->document().floor_in_scan.has_value());
 }
 
 TEST_F(AnnotateWindow, SaysWhatIsWrongWithAScan) {
@@ -61,10 +86,7 @@ TEST_F(AnnotateWindow, OffersWhatAKilledWindowHadDoneAndKeepsItOrTakesItBack) {
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   // `timeout` is what was started: its child, the window, is the one to die by force.
-  const std::string pid = ReadFile(File("pid")).value();
-  const std::string parent = pid.substr(0, pid.find('\n'));
-  EXPECT_EQ(
-      std::system(("kill -9 $(cat /proc/" + parent + "/task/" + parent + "/children)").c_str()), 0);
+  EXPECT_EQ(std::system(("kill -9 " + ChildOf(ReadFile(File("pid")).value())).c_str()), 0);
   window.join();
   ASSERT_TRUE(std::filesystem::exists(File("placed.json"))) << Errors();
   ASSERT_EQ(Run(R"(

@@ -529,10 +529,8 @@ ActionGroup ProjectActions() {
             .help = "Queue of scans; hand over for review",
             .is_offered = IsOpen},
            {.text = "Compare with another annotator's project",
-            .run =
-                [](const FrameContext& context, CommandSink&) {
-                  AskPath(context, AgreementQuestion(*context.annotate));
-                },
+            .run = [](const FrameContext& context,
+                      CommandSink&) { AskPath(context, AgreementQuestion(*context.annotate)); },
             .is_offered = IsOpen},
            {.text = "Save as, drafts of a run, annotator",
             .keys = {{kS, true, true}},

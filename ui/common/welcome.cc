@@ -2,8 +2,10 @@
 #include "ui/common/welcome.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "engine/snapshot/annotation_snapshot.h"
 #include "ui/common/window_actions.h"
@@ -16,6 +18,20 @@ void Headline(const FrameContext& context, const char* text) {
   ImGui::PushFont(context.fonts.title);
   ImGui::TextUnformatted(text);
   ImGui::PopFont();
+}
+
+/// As a shell takes it for one word.
+std::string ShellWord(const std::string& text) {
+  const bool plain = std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::string_view("_./-+:,@%=").find(c) != std::string::npos;
+  });
+  if (plain && !text.empty()) return text;
+  std::string word = "'";
+  for (const char c : text) {
+    if (c == '\'') word += "'\\'";
+    word += c;
+  }
+  return word + "'";
 }
 
 void DrawWays(const FrameContext& context, CommandSink& sink) {
@@ -58,7 +74,7 @@ void DrawRecent(const FrameContext& context, CommandSink& sink) {
 
 /// A sequence of which nobody has said where the camera was.
 void DrawLackOfPoses(const FrameContext& context, CommandSink& sink) {
-  const std::string name = std::filesystem::path(context.source).filename().string();
+  const std::string name = ShellWord(context.source);
   Headline(context, "This sequence has no camera poses");
   WrappedText(colors::kDimText, context.source);
   ImGui::Dummy({0, context.Scaled(2)});

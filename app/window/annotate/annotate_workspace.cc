@@ -227,7 +227,7 @@ void AnnotateWorkspace::AddPaletteEntries(const FrameContext& context,
 
 std::string AnnotateWorkspace::WouldBeLost(const FrameContext& context) const {
   if (context.annotation == nullptr || context.annotation->journal_problem.empty()) return {};
-  return "Edits that are not on disk would be lost: save them elsewhere, or quit again to give "
+  return "Edits that are not on disk would be lost: save them elsewhere, or do it again to give "
          "them up.";
 }
 

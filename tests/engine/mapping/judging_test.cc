@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "engine/geometry/angles.h"
 #include "tests/support/mapping_scene.h"
@@ -168,6 +169,44 @@ TEST_F(SearchTest, JudgesBySumOverViewsAndByTheFloor) {
   MapperOptions no_floor = options_;
   no_floor.floor_prior = false;
   EXPECT_EQ(LogHeightPrior(scene_.map(), floating, no_floor), 0);
+}
+
+TEST_F(SearchTest, BacksAreNotLookedAtThroughWalls) {
+  std::vector<CadModel> models = scene_.map().database->models();
+  for (CadModel& model : models) model.back = true;
+  MapFrame map = scene_.map();
+  map.database = ModelDatabase::FromModels(std::move(models));
+  const PoseHypothesis truth = scene_.Hypothesis(chair_);
+  const auto at = [&](double x, double y) -> Eigen::Vector3d {
+    return chair_.world_from_object * Eigen::Vector3d(x, y, 1.3);
+  };
+  const double log_behind = std::log(options_.seen_from_behind);
+  const std::vector<Eigen::Vector3d> before = {at(2, 0.5), at(1.5, -2)}, beside = {at(0, 2)},
+                                     behind = {at(2, 0.5), at(-2, 0)};
+  EXPECT_NEAR(LogBackPrior(map, before, truth, options_), 0, 1e-6);
+  EXPECT_NEAR(LogBackPrior(map, beside, truth, options_), 0, 0.1) << "the back ends behind it";
+  EXPECT_NEAR(LogBackPrior(map, behind, truth, options_), log_behind, 0.01) << "one is enough";
+  PoseHypothesis turned = truth;
+  turned.azimuth_rad += std::numbers::pi;
+  EXPECT_NEAR(LogBackPrior(map, before, turned, options_), log_behind, 0.01);
+  EXPECT_EQ(LogBackPrior(scene_.map(), behind, truth, options_), 0) << "models without a back";
+  MapperOptions off = options_;
+  off.seen_from_behind = 1;
+  EXPECT_EQ(LogBackPrior(map, behind, truth, off), 0);
+
+  // All cameras of the posterior count, the present one and those that are remembered.
+  const std::vector<PoseHypothesis> both = {truth};
+  const auto judge = [&](const MapFrame& with) {
+    return Posterior(*scene_.scorer(), with, {views_.begin() + 1, views_.end()}, views_.front(),
+                     options_)(both)[0]
+        .log_target;
+  };
+  std::vector<Eigen::Vector3d> cameras;
+  for (const JudgingView& view : views_)
+    cameras.push_back(view.view.cam_from_world.inverse().translation());
+  const double expected = LogBackPrior(map, cameras, truth, options_);
+  EXPECT_LT(expected, -1);
+  EXPECT_NEAR(judge(map) - judge(scene_.map()), expected, 1e-3);
 }
 
 TEST(LogHeightPrior, IsAMixtureOverTheLevelsOfAPlace) {

@@ -169,6 +169,7 @@ TEST_F(Furniture, BecomesAModelDatabase) {
     EXPECT_EQ(model.category, catalogue_[i].category);
     EXPECT_EQ(model.symmetry.order, catalogue_[i].symmetry_order);
     EXPECT_EQ(model.support, catalogue_[i].support);
+    EXPECT_EQ(model.back, catalogue_[i].back);
     EXPECT_EQ(model.mesh.triangles.size(), catalogue_[i].body.mesh.triangles.size());
     EXPECT_EQ(model.mesh.colors.size(), model.mesh.vertices.size());
   }

@@ -40,6 +40,7 @@ constexpr OptionName kNames[] = {
     {"floor_prior", kMotion, "Stand on the floor"},
     {"floor_std_m", kMotion, "Height above the floor"},
     {"scale_std", kMotion, "Size against the model"},
+    {"seen_from_behind", kMotion, "Backs that are looked at"},
 
     {"min_spawn_score", kBirth, "Least score of a box"},
     {"explained_overlap", kBirth, "Overlap that explains a box"},
