@@ -21,6 +21,7 @@ struct BuildArguments {
   std::string out_folder, unit, up, front, category, json_file;
   int faces = 5000;
   int symmetry = 1;
+  bool back = false;
 };
 
 struct CheckArguments {
@@ -36,6 +37,7 @@ ModelBuildOptions OptionsFrom(const BuildArguments& arguments) {
   options.front = ParseSignedAxis(arguments.front);
   options.category = arguments.category;
   options.symmetry = arguments.symmetry;
+  options.back = arguments.back;
   return options;
 }
 
@@ -223,6 +225,9 @@ void AddBuild(CLI::App& models, VerbFunction& chosen) {
       ->capture_default_str()
       ->check(CLI::Range(0, 360))
       ->type_name("N");
+  verb->add_flag("--back", arguments->back,
+                 "It stands with its back to a wall, as a cabinet does: no camera sees it from "
+                 "behind. A model that is replaced keeps what models.json says of it");
   verb->add_option("--json", arguments->json_file,
                    "Also write what was done as JSON (- for standard output)")
       ->type_name("FILE");

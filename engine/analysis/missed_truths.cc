@@ -75,6 +75,14 @@ std::map<ObjectId, ObjectFate> FatesOf(const RunHistory& history,
   return fates;
 }
 
+/// "± 3 cm, ± 2°"; of round shapes the first alone.
+std::string SpreadInWords(const NearCandidate& candidate) {
+  std::string words = fmt::format("\u00b1 {:.0f} cm", 100 * candidate.last_std_m);
+  if (candidate.last_std_rad > 0)
+    words += fmt::format(", \u00b1 {:.0f}\u00b0", kDegPerRad * candidate.last_std_rad);
+  return words;
+}
+
 /// Goes over the frames once for one instance.
 class TruthTeller {
  public:
@@ -155,6 +163,8 @@ class TruthTeller {
     }
     candidate.last_m = near.distance_m;
     candidate.last_rad = near.azimuth_rad;
+    candidate.last_std_m = object->position_std_m;
+    candidate.last_std_rad = object->round ? 0 : object->azimuth_std_rad;
     candidate.last_evidence = object->log_evidence;
     candidate.most_evidence = std::max(candidate.most_evidence, object->log_evidence);
   }
@@ -205,10 +215,10 @@ class TruthTeller {
 
   void SayNotConfirmed(const NearCandidate& candidate) {
     Say(MissedCause::kNotConfirmed,
-        fmt::format("object {} stands {:.0f} cm and {:.0f}\u00b0 from it, with evidence of {:.1f} "
-                    "(confirmed above {:.1f}{}).",
+        fmt::format("object {} stands {:.0f} cm and {:.0f}\u00b0 from it, believed to {}, with "
+                    "evidence of {:.1f} (confirmed above {:.1f}{}).",
                     candidate.object.value, 100 * candidate.last_m, kDegPerRad * candidate.last_rad,
-                    candidate.last_evidence, confirm_evidence_,
+                    SpreadInWords(candidate), candidate.last_evidence, confirm_evidence_,
                     candidate.last_evidence > confirm_evidence_
                         ? ", once its belief is narrow and it has shown enough"
                         : ""));
@@ -284,6 +294,8 @@ nlohmann::json ToJson(const NearCandidate& candidate) {
           {"nearest_deg", kDegPerRad * candidate.nearest_rad},
           {"most_evidence", candidate.most_evidence},
           {"last_evidence", candidate.last_evidence},
+          {"last_std_m", candidate.last_std_m},
+          {"last_std_deg", kDegPerRad * candidate.last_std_rad},
           {"confirmed", candidate.confirmed},
           {"ended", candidate.ended ? nlohmann::json(*candidate.ended) : nullptr},
           {"end", candidate.end}};

@@ -24,6 +24,13 @@ const AnnotatedInstance* AnnotationDocument::Find(const std::string& id) const {
   return found == instances.end() ? nullptr : &*found;
 }
 
+std::string AnnotationDocument::FreeId(const std::string& model) const {
+  for (int i = 0;; ++i) {
+    std::string id = model + "_" + std::to_string(i);
+    if (Find(id) == nullptr) return id;
+  }
+}
+
 const Crop* AnnotationDocument::FindCrop(const std::string& id) const {
   const auto found =
       std::find_if(crops.begin(), crops.end(), [&](const auto& crop) { return crop.id == id; });

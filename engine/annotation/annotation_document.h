@@ -42,6 +42,8 @@ struct AnnotationDocument {
   std::vector<AcceptedFinding> accepted;
 
   const AnnotatedInstance* Find(const std::string& id) const;
+  /// <model>_<N> for the least N that no instance has.
+  std::string FreeId(const std::string& model) const;
   const Crop* FindCrop(const std::string& id) const;
   /// Crops that are no model but a part of the scan, as VISMA keeps them.
   int NumFragments() const;

@@ -12,7 +12,8 @@ namespace {
 constexpr double kTakenPenalty = 12;  ///< [nats]
 /// What is thinner takes this much to each side: another behind a screen is the same screen.
 constexpr double kThin_m = 0.3;
-/// A back is not put exactly against a wall, and a camera leans around corners [m].
+/// How gradually the plane of a back begins to count: backs stand a little off their walls, and
+/// poses are not exact [m].
 constexpr double kBehind_m = 0.1;
 
 Eigen::Vector3d CameraOf(const JudgingView& judging) {

@@ -139,21 +139,24 @@ void FindTexture(const std::filesystem::path& mesh_file, BuiltModel& built) {
 
 nlohmann::json EntryOf(const BuiltModel& built) {
   const CadModel& model = built.model;
-  return {{"name", model.name},
-          {"file", model.file},
-          {"category", model.category},
-          {"symmetry",
-           {{"axis", {model.symmetry.axis.x(), model.symmetry.axis.y(), model.symmetry.axis.z()}},
-            {"order", model.symmetry.order}}},
-          {"support", model.support == Support::kFloor ? "floor" : "any"},
-          {"note", model.note},
-          {"faces", model.mesh.triangles.size()},
-          {"source",
-           {{"file", built.source.filename().string()},
-            {"unit", NameOf(built.report.unit)},
-            {"up", built.report.up.text()},
-            {"front", built.report.front.text()},
-            {"faces", built.report.decimation.faces_before}}}};
+  nlohmann::json entry = {
+      {"name", model.name},
+      {"file", model.file},
+      {"category", model.category},
+      {"symmetry",
+       {{"axis", {model.symmetry.axis.x(), model.symmetry.axis.y(), model.symmetry.axis.z()}},
+        {"order", model.symmetry.order}}},
+      {"support", model.support == Support::kFloor ? "floor" : "any"},
+      {"note", model.note},
+      {"faces", model.mesh.triangles.size()},
+      {"source",
+       {{"file", built.source.filename().string()},
+        {"unit", NameOf(built.report.unit)},
+        {"up", built.report.up.text()},
+        {"front", built.report.front.text()},
+        {"faces", built.report.decimation.faces_before}}}};
+  if (model.back) entry["back"] = true;  // Else what the entry says already stays.
+  return entry;
 }
 
 }  // namespace
@@ -195,6 +198,7 @@ Result<BuiltModel> BuildModelFrom(const TriangleMesh& mesh, const std::string& n
   }
   model.support = SupportOf(model.category);
   model.symmetry.order = options.symmetry;
+  model.back = options.back;
   BringIntoCanonicalFrame(report, model.mesh);
   Result<TriangleMesh> decimated = DecimateMesh(model.mesh, options.faces, report.decimation);
   if (!decimated.ok()) return failed(decimated.error());

@@ -24,6 +24,7 @@ struct ModelBuildOptions {
   std::optional<SignedAxis> front;  ///< In the file's axes.
   std::string category;             ///< COCO name; "" for the one in the file's name, if any.
   int symmetry = 1;                 ///< Order about +z; 0 continuous.
+  bool back = false;                ///< As of CadModel.
 };
 
 struct ModelBuildReport {

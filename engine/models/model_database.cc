@@ -57,6 +57,10 @@ Result<CadModel> ReadModelEntry(const nlohmann::json& json, const std::filesyste
                  named + ": support is 'floor' or 'any', not '" + support + "'"};
   }
   model.support = support == "floor" ? Support::kFloor : Support::kAny;
+  if (json.contains("back") && !json.at("back").is_boolean()) {
+    return Error{ErrorCode::kInvalidInput,
+                 named + ": back is true or false, not " + json.at("back").dump()};
+  }
   model.back = json.value("back", false);
   if (json.contains("symmetry")) {
     Result<Symmetry> symmetry = ParseSymmetry(json.at("symmetry"), named);

@@ -110,13 +110,6 @@ bool AnnotationSession::Edit(const plumbline::Edit& edit) {
   return false;
 }
 
-std::string AnnotationSession::FreeId(const std::string& model) const {
-  for (int i = 0;; ++i) {
-    std::string id = model + "_" + std::to_string(i);
-    if (project_->document().Find(id) == nullptr) return id;
-  }
-}
-
 AnnotationSnapshot AnnotationSession::Snapshot() const {
   AnnotationSnapshot snapshot = view_;
   const AnnotationDocument& document = project_->document();

@@ -94,6 +94,7 @@ class AnnotationSession {
   void On(const AddPairCommand& command);
   void On(const RemovePairCommand& command);
   void On(const AlignSequenceCommand& command);
+  void On(const FitBoxCommand& command);
   void On(const ShowBoxCommand& command);
   void On(const ProposeCropCommand& command);
   void On(const ActivityCommand& command);
@@ -151,7 +152,6 @@ class AnnotationSession {
   /// Undo and redo take no time back that was spent.
   void KeepTimeSpent(const std::vector<AnnotatedInstance>& before);
   Eigen::Isometry3d PoseOf(const std::string& id) const;
-  std::string FreeId(const std::string& model) const;
   Eigen::Vector3d up_in_scan() const { return -project_->document().gravity_in_scan; }
   FloorHints Hints() const;
 

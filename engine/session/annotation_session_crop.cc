@@ -2,6 +2,7 @@
 // The part of the session that cuts objects out of the scan.
 #include <utility>
 
+#include "engine/annotation/box_around.h"
 #include "engine/annotation/crop_cut.h"
 #include "engine/annotation/crop_models.h"
 #include "engine/geometry/gravity.h"
@@ -55,6 +56,19 @@ CropLasso RegionOf(const ProposeCropCommand& command) {
 }
 
 }  // namespace
+
+void AnnotationSession::On(const FitBoxCommand& command) {
+  if (scan_.target == nullptr) return;
+  const auto fitted =
+      BoxAround(*scan_.target, command.point_in_scan,
+                {up_in_scan(), project_->document().floor_in_scan, command.view_azimuth_rad});
+  if (!fitted) {
+    view_.fitted_box = std::make_shared<const FittedBoxView>();
+    return Answer("No box was fitted: " + fitted.error().message + ". Fit it by its discs.");
+  }
+  view_.fitted_box = std::make_shared<const FittedBoxView>(
+      FittedBoxView{UprightBox{fitted->center_in_scan, fitted->size_m, fitted->azimuth_rad}});
+}
 
 /// In what is drawn, not in the whole scan: it follows the mouse.
 void AnnotationSession::On(const ShowBoxCommand& command) {

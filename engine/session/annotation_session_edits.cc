@@ -54,10 +54,17 @@ void AnnotationSession::On(const SetInstancePoseCommand& command) {
   if (instance == nullptr) return Refuse("There is no object '" + command.id + "'.");
   if (view_.refinement) DropProposals();
   work_time_.GiveNextTo(command.id);
-  ChangeInstance edit;
-  edit.id = command.id;
-  edit.set.scan_from_object = command.scan_from_object;
-  Edit(edit);
+  const auto moved = [](const std::string& id, const Eigen::Isometry3d& scan_from_object) {
+    ChangeInstance edit;
+    edit.id = id;
+    edit.set.scan_from_object = scan_from_object;
+    return edit;
+  };
+  const ChangeInstance first = moved(command.id, command.scan_from_object);
+  EditGroup all{"Move " + std::to_string(1 + command.and_also.size()) + " objects", {first}};
+  for (const InstancePose& other : command.and_also)
+    all.edits.push_back(moved(other.id, other.scan_from_object));
+  Edit(command.and_also.empty() ? plumbline::Edit(first) : plumbline::Edit(all));
 }
 
 void AnnotationSession::On(const ChangeInstanceCommand& command) {
@@ -91,16 +98,27 @@ void AnnotationSession::On(const RemoveInstanceCommand& command) {
 }
 
 void AnnotationSession::On(const DuplicateInstanceCommand& command) {
-  const AnnotatedInstance* instance = project_->document().Find(command.id);
-  if (instance == nullptr) return Refuse("Select an object first.");
-  AnnotatedInstance copy = *instance;
-  copy.id = FreeId(copy.model);
-  copy.scan_from_object = PlaceBeside(*instance, project_->document(), models_.get());
-  copy.annotator = view_.annotator;
-  copy.locked = copy.hidden = false;
-  copy.seconds_spent = 0;
+  if (project_->document().Find(command.id) == nullptr) return Refuse("Select an object first.");
+  std::vector<std::string> ids = command.and_also;
+  ids.insert(ids.begin(), command.id);
+  AnnotationDocument with_copies = project_->document();  // So that none stands in another.
+  EditGroup all{"Duplicate " + std::to_string(ids.size()) + " objects", {}};
+  for (const std::string& id : ids) {
+    const AnnotatedInstance* instance = project_->document().Find(id);
+    if (instance == nullptr) continue;
+    AnnotatedInstance copy = *instance;
+    copy.id = with_copies.FreeId(copy.model);
+    copy.scan_from_object = PlaceBeside(*instance, with_copies, models_.get());
+    copy.annotator = view_.annotator;
+    copy.locked = copy.hidden = false;
+    copy.seconds_spent = 0;
+    with_copies.instances.push_back(copy);
+    all.edits.push_back(AddInstance{copy, std::nullopt});
+  }
   DropProposals();
-  if (Edit(AddInstance{copy, std::nullopt})) view_.selected = copy.id;
+  const std::string first = std::get<AddInstance>(all.edits.front()).instance.id;
+  if (Edit(all.edits.size() == 1 ? all.edits.front() : plumbline::Edit(all)))
+    view_.selected = first;
 }
 
 void AnnotationSession::On(const UndoCommand&) {

@@ -206,7 +206,7 @@ void AnnotationSession::On(const AcceptProposalCommand& command) {
     if (placement->instance.empty()) {
       const AnnotationModel& model = *view_.Model(placement->model);
       AnnotatedInstance instance;
-      instance.id = FreeId(model.name);
+      instance.id = project_->document().FreeId(model.name);
       instance.model = model.name;
       instance.category = model.category;
       instance.scan_from_object = pose;

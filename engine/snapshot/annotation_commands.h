@@ -15,6 +15,7 @@
 #include "engine/annotation/annotated_instance.h"
 #include "engine/annotation/project_state.h"
 #include "engine/annotation/refine_by.h"
+#include "engine/snapshot/upright_box.h"
 
 namespace plumbline {
 
@@ -67,9 +68,15 @@ struct AcceptProposalCommand {
 /// Drops what is proposed and stops what runs for it.
 struct CancelProposalCommand {};
 
+struct InstancePose {
+  std::string id;
+  Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+};
+/// One edit.
 struct SetInstancePoseCommand {
   std::string id;
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
+  std::vector<InstancePose> and_also = {};  ///< Further ones.
 };
 /// Changes what is set, of all of them as one edit; the category follows the model.
 struct ChangeInstanceCommand {
@@ -82,9 +89,10 @@ struct RemoveInstanceCommand {
   std::string id;
   std::vector<std::string> and_also;  ///< Further ids.
 };
-/// The copy gets an id of its own, stands beside it on a free side, and is selected.
+/// The copy gets an id of its own, stands beside it on a free side, and is selected. One edit.
 struct DuplicateInstanceCommand {
   std::string id;
+  std::vector<std::string> and_also = {};  ///< Further ids, of which copies are made as well.
 };
 struct UndoCommand {};
 struct RedoCommand {};
@@ -157,11 +165,10 @@ struct AddPairCommand {
   int frame = 0;
   Eigen::Vector2d pixel{0, 0};
 };
-/// A box that stands upright, as the project knows up.
-struct UprightBox {
-  Eigen::Vector3d center_in_scan{0, 0, 0};
-  Eigen::Vector3d size_m{1, 1, 1};  ///< Along its own axes.
-  double azimuth_rad = 0;           ///< Of its x axis, as of UprightFrame.
+/// Fits a box to the thing that a point of the scan belongs to; the answer is a FittedBoxView.
+struct FitBoxCommand {
+  Eigen::Vector3d point_in_scan{0, 0, 0};
+  double view_azimuth_rad = 0;  ///< From where it is seen: the box's front is the side towards it.
 };
 /// Tells which points of the scan a box holds; nothing: it is gone.
 struct ShowBoxCommand {
@@ -188,14 +195,16 @@ struct AlignSequenceCommand {
 };
 
 /// For the process that annotates.
-using AnnotationCommand = std::variant<
-    SelectInstanceCommand, FindFloorCommand, TypeGravityCommand, PlaceModelCommand,
-    PlaceAgainCommand, RefineInstanceCommand, ChooseRefinementCommand, PreviewPoseCommand,
-    AcceptProposalCommand, CancelProposalCommand, SetInstancePoseCommand, ChangeInstanceCommand,
-    RemoveInstanceCommand, DuplicateInstanceCommand, UndoCommand, RedoCommand, SaveProjectCommand,
-    SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand, ShowFrameCommand,
-    AddPairCommand, RemovePairCommand, AlignSequenceCommand, ShowBoxCommand, DropRecoveredCommand,
-    ExportCommand, CompareAllCommand, AnswerExportCommand, SetScanUnitCommand, ProposeCropCommand,
-    ActivityCommand, SetStageCommand, ListQueueCommand, AcceptFindingCommand, CompareWithCommand>;
+using AnnotationCommand =
+    std::variant<SelectInstanceCommand, FindFloorCommand, TypeGravityCommand, PlaceModelCommand,
+                 PlaceAgainCommand, RefineInstanceCommand, ChooseRefinementCommand,
+                 PreviewPoseCommand, AcceptProposalCommand, CancelProposalCommand,
+                 SetInstancePoseCommand, ChangeInstanceCommand, RemoveInstanceCommand,
+                 DuplicateInstanceCommand, UndoCommand, RedoCommand, SaveProjectCommand,
+                 SetAnnotatorCommand, ImportDraftsCommand, DismissNoticesCommand, ShowFrameCommand,
+                 AddPairCommand, RemovePairCommand, AlignSequenceCommand, FitBoxCommand,
+                 ShowBoxCommand, DropRecoveredCommand, ExportCommand, CompareAllCommand,
+                 AnswerExportCommand, SetScanUnitCommand, ProposeCropCommand, ActivityCommand,
+                 SetStageCommand, ListQueueCommand, AcceptFindingCommand, CompareWithCommand>;
 
 }  // namespace plumbline

@@ -20,6 +20,7 @@
 #include "engine/annotation/refine_by.h"
 #include "engine/geometry/mesh.h"
 #include "engine/snapshot/annotation_queue_view.h"
+#include "engine/snapshot/upright_box.h"
 
 namespace plumbline {
 
@@ -200,6 +201,11 @@ struct BoxView {
   Eigen::AlignedBox3d bounds;
 };
 
+/// The answer to a FitBoxCommand.
+struct FittedBoxView {
+  std::optional<UprightBox> box;  ///< Nothing: none fits.
+};
+
 /// Something in the project that is probably wrong, as of AnnotationFinding.
 struct FindingView {
   std::string kind, sentence;
@@ -316,7 +322,8 @@ struct AnnotationSnapshot {
   std::optional<RefinementView> refinement;
   std::optional<SequenceAlignmentView> sequence_alignment;
   std::optional<CropView> crop;
-  std::optional<BoxView> box;  ///< Of the box that is being drawn.
+  std::optional<BoxView> box;                       ///< Of the box that is being drawn.
+  std::shared_ptr<const FittedBoxView> fitted_box;  ///< Another one for each answer.
   std::optional<ExportView> exported;
   std::optional<AgreementView> agreement;  ///< With another annotator, once that was asked for.
   ChecklistView checklist;

@@ -42,6 +42,7 @@ struct NearCandidate {
   int nearest_frame = 0;
   float nearest_m = 0, nearest_rad = 0;        ///< When it was nearest.
   float last_m = 0, last_rad = 0;              ///< When it was last looked at.
+  float last_std_m = 0, last_std_rad = 0;      ///< Of its belief then; rad 0: a round shape.
   float most_evidence = 0, last_evidence = 0;  ///< Log odds that it exists.
   bool confirmed = false;                      ///< At some time.
   std::optional<int> ended;                    ///< Frame; nothing: it lives.

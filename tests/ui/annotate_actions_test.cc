@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/ui/annotate_harness.h"
+#include "ui/annotate/annotate_edits.h"
 #include "ui/common/window_actions.h"
 #include "ui/framework/actions.h"
 
@@ -289,6 +290,80 @@ TEST(AnnotateActions, TheNumberPadTurnsAndZooms) {
               15 * std::numbers::pi / 180, 1e-12);
   for (int i = 0; i < 2; ++i) press(keys::kPadPlus);
   EXPECT_EQ(harness.surface.zoomed, 2);
+}
+
+/// The armchair and, beside it, a table; both selected.
+void SelectBoth(AnnotateHarness& harness) {
+  harness.view.also_selected = {"table_0"};
+  ASSERT_EQ(harness.snapshot().selected, "armchair_0");
+}
+
+TEST(SeveralSelected, MoveAlongAsOneBodyAndAsOneEdit) {
+  AnnotateHarness harness;
+  SelectBoth(harness);
+  const AnnotatedInstance& chair = *harness.snapshot().Find("armchair_0");
+  const AnnotatedInstance& table = *harness.snapshot().Find("table_0");
+  Eigen::Isometry3d turned = chair.scan_from_object;
+  const Eigen::Vector3d up = harness.snapshot().level_from_scan.linear().row(2);
+  turned.linear() = Eigen::AngleAxisd(0.3, up).toRotationMatrix() * turned.linear();
+  turned.translation() += Eigen::Vector3d(0.1, 0, 0);
+  const PendingPose pending = OnItsWay(harness.context, chair, turned);
+  ASSERT_NE(pending.Find("table_0"), nullptr);
+  const Eigen::Isometry3d before = chair.scan_from_object.inverse() * table.scan_from_object;
+  const Eigen::Isometry3d after = turned.inverse() * *pending.Find("table_0");
+  EXPECT_TRUE(before.isApprox(after, 1e-9)) << "they stand to each other as before";
+  EXPECT_EQ(EditOf(pending).and_also.size(), 1u);
+  Eigen::Isometry3d tilted = chair.scan_from_object;
+  tilted.linear() =
+      Eigen::AngleAxisd(0.1, up.unitOrthogonal()).toRotationMatrix() * tilted.linear();
+  EXPECT_EQ(OnItsWay(harness.context, chair, tilted).Find("table_0"), nullptr)
+      << "what stands upright does not tilt along";
+}
+
+TEST(SeveralSelected, WhatIsLockedStays) {
+  AnnotateHarness harness;
+  SelectBoth(harness);
+  for (AnnotatedInstance& instance : harness.snapshot().instances)
+    instance.locked = instance.id == "table_0";
+  const AnnotatedInstance& chair = *harness.snapshot().Find("armchair_0");
+  EXPECT_EQ(OnItsWay(harness.context, chair, At(3)).Find("table_0"), nullptr);
+}
+
+TEST(SeveralSelected, GoOntoTheFloorEachByItself) {
+  AnnotateHarness harness;
+  SelectBoth(harness);
+  const Eigen::Isometry3d scan_from_level = harness.snapshot().level_from_scan.inverse();
+  double height_m = 0.1;
+  for (AnnotatedInstance& instance : harness.snapshot().instances) {
+    Eigen::Isometry3d pose = harness.snapshot().level_from_scan * instance.scan_from_object;
+    pose.translation().z() = height_m;
+    instance.scan_from_object = scan_from_level * pose;
+    height_m += 0.2;
+  }
+  harness.Press(keys::kG);
+  const auto* edit = harness.sink.Last<SetInstancePoseCommand>();
+  ASSERT_NE(edit, nullptr);
+  ASSERT_EQ(edit->and_also.size(), 1u);
+  const Eigen::Isometry3d& level_from_scan = harness.snapshot().level_from_scan;
+  EXPECT_NEAR((level_from_scan * edit->scan_from_object).translation().z(), 0, 1e-9);
+  EXPECT_NEAR((level_from_scan * edit->and_also[0].scan_from_object).translation().z(), 0, 1e-9);
+}
+
+TEST(SeveralSelected, TheirCopiesAreSelectedTogether) {
+  AnnotateHarness harness;
+  SelectBoth(harness);
+  harness.Press(keys::kD, true);
+  const auto* edit = harness.sink.Last<DuplicateInstanceCommand>();
+  ASSERT_NE(edit, nullptr);
+  EXPECT_EQ(edit->and_also, std::vector<std::string>{"table_0"});
+  const AnnotationSnapshot before = harness.snapshot();
+  for (const char* id : {"armchair_1", "table_1"}) {
+    harness.snapshot().instances.push_back(before.instances.front());
+    harness.snapshot().instances.back().id = id;
+  }
+  harness.snapshot().selected = "armchair_1";
+  FollowSnapshot(before, harness.snapshot(), harness.view);
+  EXPECT_EQ(harness.view.also_selected, std::vector<std::string>{"table_1"});
 }
 
 }  // namespace

@@ -42,10 +42,10 @@ TEST_F(AnnotateWindow, SavesAsItIsQuitSoThatNothingIsRecoveredAndUndoGoesOn) {
 
 TEST_F(AnnotateWindow, SavesAsItIsAskedToEndByASignal) {
   std::thread window([&] {
-    EXPECT_EQ(Run(std::string(kFloor) +
-                      R"({"dump_state": "before.json"}, {"wait_for": {"never": true}})",
-                  "scan.ply", true, "", "echo $$ > pid; exec"),
-              0)
+    EXPECT_EQ(
+        Run(std::string(kFloor) + R"({"dump_state": "before.json"}, {"wait_for": {"never": true}})",
+            "scan.ply", true, "", "echo $$ > pid; exec"),
+        0)
         << Errors();
   });
   for (int i = 0; i < 600 && !std::filesystem::exists(File("before.json")); ++i)
@@ -148,6 +148,9 @@ TEST_F(AnnotateWindow, OnAFullDiskItShowsABannerGoesOnAndSavesElsewhere) {
       {"key": "q", "control": true},
       {"wait_frames": 5},
       {"screenshot": "stays.png"},
+      {"drop": ["scan.ply"]},
+      {"wait_frames": 5},
+      {"dump_state": "not_opened.json"},
       {"click": "annotate.elsewhere"},
       {"text": "rescued.json"},
       {"click": "annotate.save_elsewhere"},
@@ -157,6 +160,8 @@ TEST_F(AnnotateWindow, OnAFullDiskItShowsABannerGoesOnAndSavesElsewhere) {
                          "small/scan.ply", true, "\"", "unshare -rm sh -c \"" + mount);
   ASSERT_EQ(status, 0) << Errors();
   EXPECT_THAT(State("full.json")["journal_problem"].get<std::string>(), HasSubstr("No space"));
+  EXPECT_EQ(State("not_opened.json")["project"], State("full.json")["project"])
+      << "what would be lost is asked about, also by opening another scan";
   EXPECT_EQ(State("rescued_state.json")["project"], "rescued.json");
   const auto rescued =
       AnnotationProject::Open(File("rescued.json"), AnnotationProject::Access::kRead);

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/ui/annotate_harness.h"
-#include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_edits.h"
 
 namespace plumbline {
 namespace {
@@ -227,6 +227,33 @@ TEST(AnnotateScenePanel, ABoxComesToStandWhereItIsClickedAndIsCounted) {
   harness.Click(*panel, "annotate.tool.select");
   harness.Draw(*panel);
   EXPECT_FALSE(harness.sink.Last<ShowBoxCommand>()->box.has_value()) << "gone with the tool";
+}
+
+TEST(AnnotateScenePanel, TheBoxThatFitsTakesThePlaceOfTheUsualOne) {
+  AnnotateHarness harness;
+  const auto panel = MakeAnnotatePanel("annotate_scene");
+  harness.size = {900, 500};
+  harness.view.tool = AnnotateTool::kCut;
+  harness.Click(*panel, "annotate.view");
+  const auto* asked = harness.sink.Last<FitBoxCommand>();
+  ASSERT_NE(asked, nullptr);
+  ASSERT_TRUE(harness.view.crop_box.has_value());
+  const Eigen::Vector3d clicked = harness.view.crop_box->center;
+  EXPECT_NEAR((harness.snapshot().level_from_scan * asked->point_in_scan).x(), clicked.x(), 1e-9);
+  const AnnotationSnapshot before = harness.snapshot();
+  UprightBox box{harness.snapshot().level_from_scan.inverse() * Eigen::Vector3d(1, 2, 0.5),
+                 {0.3, 0.4, 1},
+                 0.7};
+  harness.snapshot().fitted_box = std::make_shared<const FittedBoxView>(FittedBoxView{box});
+  FollowSnapshot(before, harness.snapshot(), harness.view);
+  ASSERT_TRUE(harness.view.crop_box.has_value());
+  EXPECT_LT((harness.view.crop_box->center - Eigen::Vector3d(1, 2, 0.5)).norm(), 1e-9);
+  EXPECT_EQ(harness.view.crop_box->size_m, Eigen::Vector3d(0.3, 0.4, 1));
+  // Where none fits, and to what was changed by hand since, nothing happens.
+  const AnnotationSnapshot then = harness.snapshot();
+  harness.snapshot().fitted_box = std::make_shared<const FittedBoxView>();
+  FollowSnapshot(then, harness.snapshot(), harness.view);
+  EXPECT_EQ(harness.view.crop_box->size_m, Eigen::Vector3d(0.3, 0.4, 1));
 }
 
 TEST(AnnotateViewMenu, ChoosesWhatTheColoursOfTheScanMean) {

@@ -193,6 +193,40 @@ TEST(Tooltip, KeepsOffWhatItExplainsAndOffDialogs) {
   EXPECT_FALSE(tooltip.Overlaps(dialog));
 }
 
+/// A picture with a part that is explained while the mouse is in it.
+class ExplainedPicture : public Panel {
+ public:
+  ExplainedPicture() {
+    PanelInfo info;
+    info.id = "picture";
+    set_info(info);
+  }
+  void Draw(const FrameContext& context, CommandSink&) override {
+    ImGui::InvisibleButton("picture.view", ImGui::GetContentRegionAvail());
+    context.widgets->Add("picture.part", part.Min, part.Max);
+    if (!ImGui::IsItemHovered()) return;
+    PutTooltipBeside(context, part.Min, part.Max);
+    ImGui::SetTooltip("%s", "chair, score 0.83\nit explains a part of this picture");
+  }
+  ImRect part;
+};
+
+TEST(Tooltip, KeepsOffThePartOfAPictureThatItExplains) {
+  for (const ImVec2 at : {ImVec2(60, 60), ImVec2(700, 60), ImVec2(60, 500), ImVec2(700, 500)}) {
+    SCOPED_TRACE(std::to_string(at.x) + " " + std::to_string(at.y));
+    PanelHarness harness;
+    harness.size = {960, 700};
+    ExplainedPicture panel;
+    panel.part = {at, {at.x + 200, at.y + 160}};
+    harness.Point(panel, "picture.part");
+    harness.Draw(panel, 4);
+    const ImRect tooltip = TooltipRect();
+    EXPECT_GT(tooltip.GetArea(), 100);
+    EXPECT_FALSE(tooltip.Overlaps(panel.part));
+    EXPECT_TRUE(ImRect({0, 0}, ImGui::GetIO().DisplaySize).Contains(tooltip));
+  }
+}
+
 TEST(Theme, ColoursOfTheDataCanBeReadOnPanelsOfBothThemes) {
   PanelHarness harness;
   for (const bool light : {false, true}) {

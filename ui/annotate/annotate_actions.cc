@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "ui/annotate/annotate_agreement.h"
-#include "ui/annotate/annotate_crop_box.h"
+#include "ui/annotate/annotate_edits.h"
 #include "ui/annotate/annotate_findings.h"
 #include "ui/annotate/annotate_pose.h"
 #include "ui/framework/annotate_view.h"
@@ -71,14 +71,12 @@ void PostNudges(const FrameContext& context, const AnnotatedInstance& instance, 
     Eigen::Isometry3d pose = moving ? view.pending->scan_from_object : instance.scan_from_object;
     pose = Moved(snapshot, pose, by);
     if (turn_rad != 0) pose = Turned(snapshot, pose, Vector3d::UnitZ(), turn_rad);
-    view.pending = PendingPose{instance.id, pose, std::nullopt};
+    view.pending = OnItsWay(context, instance, pose);
     view.nudged = true;
   });
   if (any_down || !view.nudged) return;
   view.nudged = false;
-  if (view.pending) {
-    sink.Post(SetInstancePoseCommand{view.pending->id, view.pending->scan_from_object});
-  }
+  if (view.pending) sink.Post(EditOf(*view.pending));
 }
 
 bool IsOpen(const FrameContext& context) {
@@ -249,25 +247,19 @@ Action Watched(std::vector<KeyStroke> strokes, const char* help_keys, const char
 
 ActionGroup MoveActions() {
   using namespace keys;
-  return {
-      "Move",
-      {Watched({{kW}, {kA}, {kS}, {kD}, {kW, true}, {kA, true}, {kS, true}, {kD, true}}, "W A S D",
-               "Move it along the floor by 5 mm (Shift: 5 cm)"),
-       Watched({{kQ}, {kE}, {kQ, true}, {kE, true}}, "Q  E",
-               "Lower or raise it by 5 mm (Shift: 5 cm)"),
-       Watched({{kZ}, {kX}, {kZ, true}, {kX, true}}, "Z  X",
-               "Turn it by 0.5\u00b0 (Shift: 5\u00b0)"),
-       {.text = "Put it onto the floor",
-        .keys = {{kG}},
-        .run = WithSelected([](const FrameContext& context, const AnnotatedInstance& instance,
-                               CommandSink& sink) {
-          const LevelPose pose = ReadPose(*context.annotation, instance.scan_from_object);
-          sink.Post(SetInstancePoseCommand{
-              instance.id, Moved(*context.annotation, instance.scan_from_object, {0, 0, -pose.z})});
-        }),
-        .help_keys = "G",
-        .help = "Onto the floor",
-        .is_offered = CanEdit}}};
+  return {"Move",
+          {Watched({{kW}, {kA}, {kS}, {kD}, {kW, true}, {kA, true}, {kS, true}, {kD, true}},
+                   "W A S D", "Move it along the floor by 5 mm (Shift: 5 cm)"),
+           Watched({{kQ}, {kE}, {kQ, true}, {kE, true}}, "Q  E",
+                   "Lower or raise it by 5 mm (Shift: 5 cm)"),
+           Watched({{kZ}, {kX}, {kZ, true}, {kX, true}}, "Z  X",
+                   "Turn it by 0.5\u00b0 (Shift: 5\u00b0)"),
+           {.text = "Put it onto the floor",
+            .keys = {{kG}},
+            .run = PutOntoFloor,
+            .help_keys = "G",
+            .help = "Onto the floor",
+            .is_offered = CanEdit}}};
 }
 
 ActionGroup AlignActions() {
@@ -561,148 +553,6 @@ ActionGroup LayerActions() {
 std::vector<ActionGroup> AnnotateActions() {
   return {MoveActions(), AlignActions(),   EditActions(),
           ToolActions(), ProjectActions(), LayerActions()};
-}
-
-std::optional<Eigen::Vector3d> PlaceAt(const FrameContext& context, double x_px, double y_px) {
-  AnnotateSurface& scene = *context.annotate_scene;
-  if (const auto point = scene.PickScan(x_px, y_px)) return point;
-  const SightLine sight = scene.Sight(x_px, y_px);
-  if (!context.annotation->floor_known || sight.direction.z() > -0.05) return std::nullopt;
-  return Eigen::Vector3d(sight.eye - sight.eye.z() / sight.direction.z() * sight.direction);
-}
-
-void PlaceChosenModel(const FrameContext& context, double x_px, double y_px, CommandSink& sink) {
-  AnnotateView& view = *context.annotate;
-  const auto point = PlaceAt(context, x_px, y_px);
-  if (!point || view.model.empty()) return;
-  view.candidate = 0;
-  sink.Post(PlaceModelCommand{view.model, context.annotation->level_from_scan.inverse() * *point,
-                              context.annotate_scene->camera().azimuth_rad, view.on_floor});
-}
-
-void ChooseModel(const FrameContext& context, const std::string& model, CommandSink& sink) {
-  context.annotate->model = model;
-  context.annotate->tool = AnnotateTool::kPlace;
-  sink.Post(CancelProposalCommand{});
-}
-
-void NotePosted(const AnnotationCommand& command, std::optional<std::uint64_t> number,
-                AnnotateView& view) {
-  const auto* pose = std::get_if<SetInstancePoseCommand>(&command);
-  if (pose == nullptr || !view.pending || view.pending->id != pose->id) return;
-  view.pending->command = number;
-  if (!number) view.pending.reset();
-}
-
-void FollowSnapshot(const AnnotationSnapshot& before, const AnnotationSnapshot& now,
-                    AnnotateView& view) {
-  const bool same_placement =
-      before.placement && now.placement && before.placement->asked_by == now.placement->asked_by;
-  if (!same_placement) {
-    view.candidate = 0;
-  } else if (view.candidate > 0) {
-    const auto& old = before.placement->candidates;
-    const auto& candidates = now.placement->candidates;
-    const auto chosen = static_cast<std::size_t>(view.candidate);
-    for (std::size_t i = 0; chosen < old.size() && i < candidates.size(); ++i) {
-      if (candidates[i].id == old[chosen].id) view.candidate = static_cast<int>(i);
-    }
-  }
-  if (before.selected != now.selected) {
-    view.also_selected.clear();
-    if (!view.select_also.empty() && view.select_also.front() == now.selected)
-      view.also_selected.assign(view.select_also.begin() + 1, view.select_also.end());
-    view.select_also.clear();
-  }
-  std::erase_if(view.also_selected, [&](const std::string& id) { return now.Find(id) == nullptr; });
-  if (!view.pending) return;
-  const auto& command = view.pending->command;
-  const bool done = command && now.last_command.number >= *command;
-  if (done || now.Find(view.pending->id) == nullptr) view.pending.reset();
-}
-
-void AcceptProposal(const FrameContext& context, int candidate, CommandSink& sink) {
-  AcceptProposalCommand command;
-  const auto& placement = context.annotation->placement;
-  if (placement && candidate >= 0 && candidate < static_cast<int>(placement->candidates.size())) {
-    command.candidate = placement->candidates[static_cast<std::size_t>(candidate)].id;
-  }
-  sink.Post(command);
-}
-
-void PlaceAgain(const FrameContext& context, CommandSink& sink) {
-  const AnnotatedInstance* instance = context.annotation->Selected();
-  if (instance == nullptr) return;
-  context.annotate->candidate = 0;
-  sink.Post(PlaceAgainCommand{instance->id, context.annotate_scene->camera().azimuth_rad,
-                              context.annotate->on_floor});
-}
-
-void ProposeCrop(const FrameContext& context, CommandSink& sink) {
-  AnnotateView& view = *context.annotate;
-  if (view.crop_box) {
-    ProposeCropCommand command{view.crop_id, view.crop_category, view.crop_fragment};
-    command.box = InScan(*context.annotation, *view.crop_box);
-    return sink.Post(command);
-  }
-  if (view.lasso.size() < 3) return;
-  view.lasso_closed = true;
-  const AnnotateSurface& scene = *context.annotate_scene;
-  const SceneCamera camera = scene.camera();
-  Eigen::Isometry3d level_from_cam = Eigen::Isometry3d::Identity();
-  const Vector3d flip(1, -1, -1);  // x right, y down, z ahead
-  level_from_cam.linear() = (flip.asDiagonal() * camera.view_from_world).transpose();
-  level_from_cam.translation() = scene.Sight(0, 0).eye;
-  ProposeCropCommand command{view.crop_id, view.crop_category, view.crop_fragment};
-  command.polygon_px = view.lasso;
-  command.scan_from_cam = context.annotation->level_from_scan.inverse() * level_from_cam;
-  command.focal_px = 0.5 * view.view_px.y() / std::tan(0.5 * camera.view_angle_rad);
-  command.center_px = 0.5 * view.view_px - Eigen::Vector2d(0.5, 0.5);
-  sink.Post(command);
-}
-
-void DropCut(const FrameContext& context, CommandSink& sink) {
-  AnnotateView& view = *context.annotate;
-  view.lasso.clear();
-  view.lasso_closed = false;
-  view.crop_box.reset();
-  sink.Post(CancelProposalCommand{});
-}
-
-void Duplicate(const FrameContext& context, CommandSink& sink) {
-  if (const AnnotatedInstance* instance = context.annotation->Selected())
-    sink.Post(DuplicateInstanceCommand{instance->id});
-}
-
-std::vector<std::string> SelectedInstances(const FrameContext& context) {
-  if (context.annotation->Selected() == nullptr) return {};
-  std::vector<std::string> ids = context.annotate->also_selected;
-  ids.insert(ids.begin(), context.annotation->selected);
-  return ids;
-}
-
-void SelectInstances(const FrameContext& context, std::vector<std::string> ids, CommandSink& sink) {
-  AnnotateView& view = *context.annotate;
-  view.also_selected.clear();
-  view.select_also.clear();
-  if (ids.empty()) return sink.Post(SelectInstanceCommand{});
-  if (ids.front() == context.annotation->selected) {
-    view.also_selected.assign(ids.begin() + 1, ids.end());
-    return;
-  }
-  sink.Post(SelectInstanceCommand{ids.front()});
-  view.select_also = std::move(ids);
-}
-
-void ToggleSelected(const FrameContext& context, const std::string& id, CommandSink& sink) {
-  std::vector<std::string> ids = SelectedInstances(context);
-  if (std::erase(ids, id) == 0) ids.push_back(id);
-  SelectInstances(context, std::move(ids), sink);
-}
-
-void CopyInstance(const FrameContext& context, const AnnotatedInstance& instance) {
-  context.annotate->copied = instance.scan_from_object;
-  context.annotate->copied_id = instance.id;
 }
 
 void PostAnnotateShortcuts(const FrameContext& context, CommandSink& sink) {

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "engine/snapshot/commands.h"
 #include "ui/framework/actions.h"
@@ -15,45 +9,7 @@
 
 namespace plumbline {
 
-// What buttons and keys of the Annotate workspace both do.
-
-/// A pose on its way waits for the command that was posted to make it an edit. `number`: as of
-/// AnnotationProcess::Post; nothing: the command was dropped, and so is the pose.
-void NotePosted(const AnnotationCommand& command, std::optional<std::uint64_t> number,
-                AnnotateView& view);
-/// Brings the view in step with a new snapshot: a pose on its way is shown until its command was
-/// carried out or refused; a candidate that was chosen stays chosen where the images change the
-/// order, and is forgotten with its placement.
-void FollowSnapshot(const AnnotationSnapshot& before, const AnnotationSnapshot& now,
-                    AnnotateView& view);
-
-/// Takes what is proposed; of a placement, the candidate at that place in the list.
-void AcceptProposal(const FrameContext& context, int candidate, CommandSink& sink);
-/// All azimuths again for the selected object.
-void PlaceAgain(const FrameContext& context, CommandSink& sink);
-/// Proposes to cut out what is inside the box, or the line that was drawn in the 3-D view.
-void ProposeCrop(const FrameContext& context, CommandSink& sink);
-/// Forgets box, line and what would have been cut out by them.
-void DropCut(const FrameContext& context, CommandSink& sink);
-/// Where a model would stand, in the level frame: on the scan or, where it has a hole, on the floor
-/// if that is known. Pixels of the view.
-std::optional<Eigen::Vector3d> PlaceAt(const FrameContext& context, double x_px, double y_px);
-void PlaceChosenModel(const FrameContext& context, double x_px, double y_px, CommandSink& sink);
-/// The next click, or Enter, places it.
-void ChooseModel(const FrameContext& context, const std::string& model, CommandSink& sink);
-/// A copy of the selected object beside it.
-void Duplicate(const FrameContext& context, CommandSink& sink);
-/// Remembers an object and its pose, to be pasted.
-void CopyInstance(const FrameContext& context, const AnnotatedInstance& instance);
-
-/// These objects, the first of them as the one whose numbers are shown; none: nothing.
-void SelectInstances(const FrameContext& context, std::vector<std::string> ids, CommandSink& sink);
-/// One more, or one less.
-void ToggleSelected(const FrameContext& context, const std::string& id, CommandSink& sink);
-/// All that are selected, that whose numbers are shown first.
-std::vector<std::string> SelectedInstances(const FrameContext& context);
-
-/// Its part of keyboard, palette and help sheet.
+/// The Annotate workspace's part of keyboard, palette and help sheet.
 std::vector<ActionGroup> AnnotateActions();
 /// What the keys ask for that are held, or walk through candidates. Nudges are shown at once and
 /// become one edit when the keys are let go.

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_edits.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_pose.h"
 #include "ui/annotate/proposal_buttons.h"

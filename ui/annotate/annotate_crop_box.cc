@@ -74,6 +74,10 @@ UprightBox InScan(const AnnotationSnapshot& snapshot, const LevelBox& box) {
   return {snapshot.level_from_scan.inverse() * box.center, box.size_m, box.azimuth_rad};
 }
 
+LevelBox InLevel(const AnnotationSnapshot& snapshot, const UprightBox& box) {
+  return {snapshot.level_from_scan * box.center_in_scan, box.size_m, box.azimuth_rad};
+}
+
 int CropBoxHandles::HandleAt(const FrameContext& context, ImVec2 low) const {
   const LevelBox& box = *context.annotate->crop_box;
   const ImVec2 mouse = ImGui::GetIO().MousePos;

@@ -14,6 +14,7 @@ namespace plumbline {
 
 /// The box as the engine knows it.
 UprightBox InScan(const AnnotationSnapshot& snapshot, const LevelBox& box);
+LevelBox InLevel(const AnnotationSnapshot& snapshot, const UprightBox& box);
 
 /// Handles on the box that objects are cut out by: a disc on each side moves that side, the square
 /// in the middle moves the box along the floor, the ring turns it about up.

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "engine/geometry/gravity.h"
-#include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_edits.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_pose.h"
 #include "ui/annotate/number_field.h"
@@ -72,7 +72,7 @@ class AnnotateCropPanel : public Panel {
       return "Turn the scan so that nothing stands before or behind the object, then drag a box "
              "around it, or click the corners of a line around it and press Enter.";
     }
-    if (!view.crop_box) return "Click the object in the scan: a box is placed around it.";
+    if (!view.crop_box) return "Click the object in the scan: a box is fitted around it.";
     return "Drag the discs to move the sides, the square to move the box, the ring to turn it; the "
            "keys W A S D, Q E, Z X, too.";
   }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "ui/annotate/annotate_edits.h"
 #include "ui/annotate/annotate_pose.h"
 #include "ui/annotate/scene_geometry.h"
 #include "ui/framework/mouse_drag.h"
@@ -178,12 +179,10 @@ bool AnnotateGizmo::Handle(const FrameContext& context, ImVec2 low, CommandSink&
     dragged_ = Grip::kNone;
   } else if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
     moved_ = moved_ || WasDragged(ImGuiMouseButton_Left);
-    if (moved_) view.pending = PendingPose{selected->id, PoseAt(context, low), std::nullopt};
+    if (moved_) view.pending = OnItsWay(context, *selected, PoseAt(context, low));
   } else {
     // Shown until the snapshot has it.
-    if (moved_ && view.pending) {
-      sink.Post(SetInstancePoseCommand{view.pending->id, view.pending->scan_from_object});
-    }
+    if (moved_ && view.pending) sink.Post(EditOf(*view.pending));
     dragged_ = Grip::kNone;
   }
   return true;

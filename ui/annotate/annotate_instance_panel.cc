@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_edits.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_pose.h"
 #include "ui/annotate/number_field.h"

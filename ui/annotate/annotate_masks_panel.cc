@@ -77,7 +77,10 @@ class AnnotateMasksPanel : public Panel {
       labels.Add({canvas.low()}, colors::kWarning, frame.masks_problem);
     const auto pixel = canvas.hovered();
     const AnnotatedInstance* instance = pixel ? At(snapshot, *pixel) : nullptr;
-    if (instance != nullptr) ImGui::SetTooltip("%s", instance->id.c_str());
+    if (instance != nullptr) {
+      PutTooltipBesideMouse(context);
+      ImGui::SetTooltip("%s", instance->id.c_str());
+    }
     if (canvas.clicked()) sink.Post(SelectInstanceCommand{instance != nullptr ? instance->id : ""});
   }
 

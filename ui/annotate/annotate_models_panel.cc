@@ -5,7 +5,7 @@
 #include <cctype>
 #include <cstring>
 
-#include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_edits.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/widgets.h"

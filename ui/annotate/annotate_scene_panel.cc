@@ -6,6 +6,7 @@
 
 #include "ui/annotate/annotate_actions.h"
 #include "ui/annotate/annotate_crop_box.h"
+#include "ui/annotate/annotate_edits.h"
 #include "ui/annotate/annotate_gizmo.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_view_menu.h"
@@ -192,7 +193,7 @@ class AnnotateScenePanel : public Panel {
     if (view.tool == AnnotateTool::kPlace) return PlaceChosenModel(context, x, y, sink);
     const auto point = scene.PickScan(x, y);
     if (!point) return;
-    if (cuts) return PutBox(context, *point);
+    if (cuts) return PutBox(context, *point, sink);
     const Eigen::Vector3d in_scan = context.annotation->level_from_scan.inverse() * *point;
     if (view.tool == AnnotateTool::kFloor) {
       sink.Post(FindFloorCommand{in_scan});
@@ -212,8 +213,9 @@ class AnnotateScenePanel : public Panel {
     }
   }
 
-  /// Around what was clicked, from the floor up if that is known; one that is there stays.
-  static void PutBox(const FrameContext& context, const Eigen::Vector3d& point) {
+  /// Around what was clicked, from the floor up if that is known, until one that fits it is found;
+  /// one that is there stays.
+  static void PutBox(const FrameContext& context, const Eigen::Vector3d& point, CommandSink& sink) {
     constexpr double kAround_m = 0.3, kFloorMargin_m = 0.05;
     AnnotateView& view = *context.annotate;
     if (view.crop_box) return;
@@ -224,6 +226,9 @@ class AnnotateScenePanel : public Panel {
     box.center = {point.x(), point.y(), 0.5 * (bottom + top)};
     box.size_m.z() = top - bottom;
     view.crop_box = box;
+    view.awaits_box = true;
+    sink.Post(FitBoxCommand{context.annotation->level_from_scan.inverse() * point,
+                            context.annotate_scene->camera().azimuth_rad});
   }
 
   /// Has the engine say what is in the box, whenever it changed; a cut of another box is dropped.

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "engine/snapshot/annotation_commands.h"
 #include "engine/snapshot/annotation_snapshot.h"
 #include "ui/framework/scene_surface.h"
 #include "ui/framework/sight_line.h"
@@ -25,6 +26,15 @@ struct PendingPose {
   std::string id;
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
   std::optional<std::uint64_t> command;  ///< Number of the one that makes it an edit, once posted.
+  std::vector<InstancePose> and_also = {};  ///< Of what moves along.
+
+  /// Where an instance is on its way to; null for those that stay.
+  const Eigen::Isometry3d* Find(const std::string& instance) const {
+    if (instance == id) return &scan_from_object;
+    for (const InstancePose& other : and_also)
+      if (other.id == instance) return &other.scan_from_object;
+    return nullptr;
+  }
 };
 
 /// A box that stands upright in the level frame, for cutting out what is in it.
@@ -104,6 +114,8 @@ struct AnnotateView {
   std::string queue_folder, stage_note;  ///< That are being typed.
   bool boxing = false;  ///< The next drag in the 3-D view selects what it encloses.
   std::vector<std::string> select_also;  ///< Besides the first of them, which is being selected.
+  bool select_copies = false;            ///< What is added by the next edit is selected together.
+  bool awaits_box = false;               ///< The box that fits what was clicked is being found.
 };
 
 /// What the 3-D view of the Annotate workspace shows.

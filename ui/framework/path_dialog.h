@@ -66,6 +66,8 @@ class PathDialog {
   const FolderEntry* Marked() const;
   const FolderEntry* Find(const std::string& name) const;
   std::string PathOf(const std::string& name) const;
+  /// The last part of a path; all of "/".
+  static std::string NameIn(const std::string& path);
   /// What the marked row or the path stands for: goes into a folder, answers, or says why not.
   void Choose(bool from_list, CommandSink& sink);
   void Decide(CommandSink& sink);

@@ -89,15 +89,15 @@ std::vector<ImRect> DialogsAbove() {
   return dialogs;
 }
 
-/// Where a tooltip of this size explains the last item without lying over it or over a dialog:
-/// below, above or beside it. Nothing if there is no such place.
-std::optional<ImVec2> PlaceOfTooltip(const FrameContext& context, ImVec2 size) {
-  const ImRect item(ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
+/// Where a tooltip of this size explains something without lying over it or over a dialog: below,
+/// above or beside it, from `from` on along its side. Nothing if there is no such place.
+std::optional<ImVec2> PlaceOfTooltip(const FrameContext& context, const ImRect& item, ImVec2 from,
+                                     ImVec2 size) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   const float gap = context.Scaled(5);
   const std::vector<ImRect> dialogs = DialogsAbove();
-  const float x = std::max(gap, std::min(item.Min.x, display.x - size.x - gap));
-  const float y = std::max(gap, std::min(item.Min.y, display.y - size.y - gap));
+  const float x = std::max(gap, std::min(from.x, display.x - size.x - gap));
+  const float y = std::max(gap, std::min(from.y, display.y - size.y - gap));
   for (const ImVec2 low : {ImVec2(x, item.Max.y + gap), ImVec2(x, item.Min.y - gap - size.y),
                            ImVec2(item.Max.x + gap, y), ImVec2(item.Min.x - gap - size.x, y)}) {
     const ImRect place(low, {low.x + size.x, low.y + size.y});
@@ -118,8 +118,10 @@ void Tooltip(const FrameContext& context, const std::string& text) {
   // What is large, such as a picture, is explained beside the mouse.
   if (ImGui::GetItemRectSize().y < context.Scaled(64)) {
     const ImVec2 words = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
-    const auto low = PlaceOfTooltip(
-        context, {words.x + 2 * context.Scaled(10), words.y + 2 * context.Scaled(7)});
+    const ImRect item(ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
+    const auto low =
+        PlaceOfTooltip(context, item, item.Min,
+                       {words.x + 2 * context.Scaled(10), words.y + 2 * context.Scaled(7)});
     if (!low) return;
     ImGui::SetNextWindowPos(*low);
   }
@@ -130,6 +132,22 @@ void Tooltip(const FrameContext& context, const std::string& text) {
   ImGui::PopTextWrapPos();
   ImGui::EndTooltip();
   ImGui::PopStyleVar();
+}
+
+void PutTooltipBeside(const FrameContext& context, ImVec2 low, ImVec2 high) {
+  // Of the last one, which is this one but in its first frame, and that is not shown.
+  const ImGuiWindow* last = ImGui::FindWindowByName("##Tooltip_00");
+  const ImVec2 size =
+      last != nullptr ? last->Size : ImVec2(context.Scaled(240), context.Scaled(40));
+  const auto place = PlaceOfTooltip(context, {low, high}, ImGui::GetIO().MousePos, size);
+  if (place) ImGui::SetNextWindowPos(*place);
+}
+
+void PutTooltipBesideMouse(const FrameContext& context) {
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const float around = context.Scaled(16);
+  PutTooltipBeside(context, {mouse.x - around, mouse.y - around},
+                   {mouse.x + around, mouse.y + around});
 }
 
 bool Button(const FrameContext& context, const std::string& name, const char* label,

@@ -21,6 +21,11 @@ enum class Icon { kPlay, kPause, kStepBack, kStepForward, kFirst, kLast, kHelp, 
 void LogItem(const FrameContext& context, const std::string& name);
 /// Tooltip of the last item, below, above or beside it, and never over a dialog.
 void Tooltip(const FrameContext& context, const std::string& text);
+/// The tooltip that is begun next explains this part of a picture, and does not lie over it where
+/// there is room beside it.
+void PutTooltipBeside(const FrameContext& context, ImVec2 low, ImVec2 high);
+/// The same for the pixel under the mouse and what is next to it.
+void PutTooltipBesideMouse(const FrameContext& context);
 
 /// Known to ImGui by its name: the label may change while the mouse is down on it.
 bool Button(const FrameContext& context, const std::string& name, const char* label,

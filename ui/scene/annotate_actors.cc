@@ -244,12 +244,12 @@ void AnnotateActors::ShowInstances(const AnnotateContent& content) {
     const bool again = snapshot.placement && snapshot.placement->instance == instance.id &&
                        !snapshot.placement->candidates.empty();
     if (refined || again) continue;
-    const bool pending = content.pending && content.pending->id == instance.id;
+    const Isometry3d* pending = content.pending ? content.pending->Find(instance.id) : nullptr;
     const auto& also = content.also_selected;
     const bool selected = snapshot.selected == instance.id ||
                           std::find(also.begin(), also.end(), instance.id) != also.end();
     Show(content, snapshot.ModelIndex(instance),
-         pending ? content.pending->scan_from_object : instance.scan_from_object,
+         pending != nullptr ? *pending : instance.scan_from_object,
          SeriesColor(static_cast<std::size_t>(number - 1)), 1.0, selected, instance.id,
          instance.scale);
   }

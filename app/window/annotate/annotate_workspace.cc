@@ -10,6 +10,7 @@
 #include "engine/geometry/angles.h"
 #include "engine/session/annotation_queue.h"
 #include "ui/annotate/annotate_actions.h"
+#include "ui/annotate/annotate_edits.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_view_menu.h"
 #include "ui/framework/widgets.h"

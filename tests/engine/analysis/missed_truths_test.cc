@@ -207,8 +207,10 @@ TEST(WhyMissed, TellsACandidateThatWaitsFromOneThatIsElsewhere) {
   ToldRun waits;
   ObjectReport there = StoolAs(5, ObjectState::kTentative, Placed(0.05, 0, 4));
   there.log_evidence = 0.3;
+  for (int axis = 0; axis < 2; ++axis) there.covariance(axis, axis) = 0.09 * 0.09;
   waits.Frames(30, {there}, {BoxOver(ProposalFate::kExplained, 5)});
   EXPECT_EQ(waits.Near().cause, MissedCause::kNotConfirmed);
+  EXPECT_NE(waits.Near().text.find("believed to \u00b1 "), std::string::npos) << waits.Near().text;
   EXPECT_NE(waits.Near().text.find("evidence of 0.3 (confirmed above 0.8)"), std::string::npos)
       << waits.Near().text;
   ToldRun elsewhere;

@@ -249,6 +249,25 @@ TEST(ModelBuilder, StoresModelsAndKeepsWhatOthersWrote) {
   const CadModel& chair = (*loaded)->model(*(*loaded)->Find("my_chair"));
   EXPECT_EQ(chair.symmetry.order, 2);
   EXPECT_EQ(chair.support, Support::kFloor);
+  EXPECT_FALSE(chair.back);
+}
+
+TEST(ModelBuilder, KeepsThatAModelHasABack) {
+  const TemporaryFolder folder;
+  ModelBuildOptions options;
+  options.category = "chair";
+  options.back = true;
+  const auto file = WriteObj(folder.path() / "chair.obj", Chair());
+  for (int pass = 0; pass < 2; ++pass) {  // the second, with other triangles, does not say it
+    const Result<BuiltModel> built = BuildModel(file, options);
+    ASSERT_TRUE(built.ok());
+    ASSERT_TRUE(StoreModel(*built, folder.path()).ok());
+    const auto loaded = ModelDatabase::Load(folder.path());
+    ASSERT_TRUE(loaded.ok()) << loaded.error().message;
+    EXPECT_TRUE((*loaded)->model(*(*loaded)->Find("chair")).back);
+    options.back = false;
+    options.faces = 100;
+  }
 }
 
 TEST(ModelBuilder, RefusesMeshesWithoutSurface) {

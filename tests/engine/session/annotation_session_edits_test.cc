@@ -70,6 +70,26 @@ TEST_F(CutInWindow, TheBoxTellsWhatItHoldsAndHowFarItCanShrink) {
   EXPECT_FALSE(session->Snapshot().box.has_value());
 }
 
+TEST_F(CutInWindow, ABoxIsFittedToWhatWasClicked) {
+  const auto session = OnFloor();
+  const Eigen::Vector3d on_top = level_from_box_ * Eigen::Vector3d(0.1, -0.05, 0.8);
+  const double azimuth_rad =
+      UprightFrame(-scene_.up_in_scan).Azimuth((ScanFromLevel() * level_from_box_).linear());
+  Do(*session, FitBoxCommand{ScanFromLevel() * on_top, azimuth_rad + 0.3});
+  const auto fitted = session->Snapshot().fitted_box;
+  ASSERT_NE(fitted, nullptr);
+  ASSERT_TRUE(fitted->box.has_value()) << session->Snapshot().answer;
+  EXPECT_NEAR(fitted->box->size_m.x(), 0.6, 0.06);
+  EXPECT_NEAR(fitted->box->size_m.y(), 0.4, 0.06);
+  EXPECT_NEAR(fitted->box->size_m.z(), 0.8, 0.04);
+  EXPECT_NEAR(std::abs(WrapAngle(fitted->box->azimuth_rad - azimuth_rad)), 0, 0.05);
+  const Eigen::Vector3d center = ScanFromLevel().inverse() * fitted->box->center_in_scan;
+  EXPECT_LT((center - level_from_box_ * Eigen::Vector3d(0, 0, 0.4)).norm(), 0.03);
+  Do(*session, FitBoxCommand{ScanFromLevel() * Eigen::Vector3d(-1, -1, 0), 0});
+  ASSERT_NE(session->Snapshot().fitted_box, fitted);
+  EXPECT_FALSE(session->Snapshot().fitted_box->box.has_value()) << "the floor is no thing";
+}
+
 TEST_F(CutInWindow, TheModelOfACutGoesWithUndoAndComesBackWithRedo) {
   const auto session = OnFloor();
   const std::size_t before = session->Snapshot().models->size();
@@ -202,6 +222,23 @@ TEST_F(AnnotationSessionTest, SeveralObjectsAreChangedAndRemovedInOneStep) {
   EXPECT_TRUE(session->Snapshot().instances[0].hidden && session->Snapshot().instances[1].hidden);
   Do(*session, UndoCommand{});
   EXPECT_FALSE(session->Snapshot().instances[0].hidden || session->Snapshot().instances[1].hidden);
+  const auto place = [&](int i) {
+    return session->Snapshot().instances[static_cast<std::size_t>(i)].scan_from_object;
+  };
+  const Eigen::Isometry3d first = place(0), second = place(1);
+  const Eigen::Isometry3d by(Eigen::Translation3d(0.1, 0.2, 0));
+  Do(*session, SetInstancePoseCommand{"armchair_0", by * first, {{"armchair_1", by * second}}});
+  EXPECT_TRUE(place(0).isApprox(by * first) && place(1).isApprox(by * second));
+  EXPECT_EQ(session->Snapshot().undo_label, "Move 2 objects");
+  Do(*session, UndoCommand{});
+  EXPECT_TRUE(place(0).isApprox(first) && place(1).isApprox(second));
+  Do(*session, DuplicateInstanceCommand{"armchair_0", {"armchair_1"}});
+  ASSERT_EQ(session->Snapshot().instances.size(), 4u);
+  EXPECT_EQ(session->Snapshot().selected, "armchair_2");
+  EXPECT_GT((place(2).translation() - place(3).translation()).norm(), 0.3)
+      << "the copies do not stand in each other";
+  Do(*session, UndoCommand{});
+  ASSERT_EQ(session->Snapshot().instances.size(), 2u);
   Do(*session, RemoveInstanceCommand{"armchair_1", {"armchair_0"}});
   EXPECT_TRUE(session->Snapshot().instances.empty());
   EXPECT_EQ(session->Snapshot().selected, "");

@@ -70,7 +70,10 @@ class DepthPanel : public Panel {
     if (x < 0 || y < 0 || x >= snapshot.depth.cols || y >= snapshot.depth.rows) return;
     const float depth = shown.at<float>(y, x);
     const int id = snapshot.id.empty() || depth <= 0 ? 0 : snapshot.id.at<std::uint16_t>(y, x);
-    if (depth > 0) ImGui::SetTooltip("%.2f m, object #%d", depth, id);
+    if (depth > 0) {
+      PutTooltipBesideMouse(context);
+      ImGui::SetTooltip("%.2f m, object #%d", depth, id);
+    }
     if (canvas.clicked()) sink.Post(SelectObjectCommand{id > 0 ? ObjectId{id} : ObjectId{}});
   }
 };

@@ -101,7 +101,10 @@ class EdgesPanel : public Panel {
           y >= snapshot.edge_probability.rows)
         return;
       const int probability = snapshot.edge_probability.at<std::uint8_t>(y, x);
-      if (probability > 0) ImGui::SetTooltip("edge probability %.0f %%", probability / 2.55);
+      if (probability > 0) {
+        PutTooltipBesideMouse(context);
+        ImGui::SetTooltip("edge probability %.0f %%", probability / 2.55);
+      }
     }
   }
 

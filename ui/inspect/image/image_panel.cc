@@ -196,9 +196,10 @@ class ImagePanel : public Panel {
       const auto x = static_cast<float>(column) * step, y = static_cast<float>(row) * step;
       const auto half_width = static_cast<float>(map->width_px / 2);
       const auto half_height = static_cast<float>(map->height_px / 2);
-      canvas.draw().AddRect(canvas.ToScreen(x - half_width, y - half_height),
-                            canvas.ToScreen(x + half_width, y + half_height),
-                            IM_COL32(255, 255, 255, 200), 0, 0, context.Scaled(1.0));
+      const ImVec2 low = canvas.ToScreen(x - half_width, y - half_height),
+                   high = canvas.ToScreen(x + half_width, y + half_height);
+      canvas.draw().AddRect(low, high, IM_COL32(255, 255, 255, 200), 0, 0, context.Scaled(1.0));
+      PutTooltipBeside(context, low, high);
       ImGui::SetTooltip("%s in this box: %.2f", map->category.c_str(),
                         static_cast<double>(map->scores.at<float>(row, column)));
     }
@@ -236,6 +237,7 @@ class ImagePanel : public Panel {
                                ImGui::IsMouseHoveringRect(low, {low.x + edge, high.y}))) {
         std::string why = InWords(NameOf(proposal.fate));
         if (proposal.object.value > 0) why += fmt::format(" (object #{})", proposal.object.value);
+        PutTooltipBeside(context, low, high);
         ImGui::SetTooltip("%s, score %.2f\n%s", proposal.category.c_str(), proposal.score,
                           why.c_str());
       }

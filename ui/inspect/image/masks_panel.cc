@@ -31,7 +31,10 @@ class MasksPanel : public Panel {
     const auto pixel = canvas.hovered();
     if (!pixel) return;
     const ObjectId object = ObjectAt(context, *pixel);
-    if (object.value > 0) ImGui::SetTooltip("object #%d", object.value);
+    if (object.value > 0) {
+      PutTooltipBesideMouse(context);
+      ImGui::SetTooltip("object #%d", object.value);
+    }
     if (canvas.clicked()) sink.Post(SelectObjectCommand{object});
   }
 };

@@ -270,6 +270,10 @@ void DrawTrackOverlay(const FrameContext& context, const ImageCanvas& canvas) {
                                  EnumNames<TrackState>::names[state], hovered->age);
   if (hovered->state != TrackState::kFollowed)
     text += fmt::format("\n{:.1f} px from where the filter expects it", hovered->residual_px);
+  const ImVec2 point = canvas.ToScreen(hovered->pixel);
+  const float around = context.Scaled(2 * kNear_px);
+  PutTooltipBeside(context, {point.x - around, point.y - around},
+                   {point.x + around, point.y + around});
   ImGui::SetTooltip("%s", text.c_str());
 }
 

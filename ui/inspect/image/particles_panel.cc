@@ -96,6 +96,7 @@ class ParticlesPanel : public Panel {
                           int index) {
     const Particle& particle = particles[static_cast<std::size_t>(index)];
     const ModelView* model = context.Model({particle.label});
+    PutTooltipBesideMouse(context);
     ImGui::BeginTooltip();
     ImGui::Text("Particle %d", index);
     DimText("model %s", model != nullptr ? model->name.c_str() : "?");

@@ -91,6 +91,7 @@ const LabelHistory::Frame* Nearest(const LabelHistory& history, int frame) {
 
 void DrawHint(const FrameContext& context, const LabelHistory& history,
               const LabelHistory::Frame& frame) {
+  PutTooltipBeside(context, ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
   ImGui::BeginTooltip();
   ImGui::Text("Frame %d", frame.frame);
   double rest = 1;

@@ -28,8 +28,8 @@ void Words(const FrameContext& context, ImVec2 at, float align, ImU32 color,
 }
 
 /// Value of the map under the mouse.
-void Hint(const LikelihoodMap& map, const std::vector<float>& values, const char* term, ImVec2 low,
-          ImVec2 cell) {
+void Hint(const FrameContext& context, const LikelihoodMap& map, const std::vector<float>& values,
+          const char* term, ImVec2 low, ImVec2 cell) {
   const auto index = [](float at, float size, std::size_t count) {
     return static_cast<std::size_t>(std::clamp(at / size, 0.0f, static_cast<float>(count) - 1.0f));
   };
@@ -37,6 +37,7 @@ void Hint(const LikelihoodMap& map, const std::vector<float>& values, const char
   const std::size_t x = index(mouse.x - low.x, cell.x, map.x_offsets.size());
   const std::size_t rows = map.y_offsets.size();
   const std::size_t y = rows - 1 - index(mouse.y - low.y, cell.y, rows);
+  PutTooltipBeside(context, ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
   ImGui::SetTooltip("%s %+.0f %s, %s %+.0f %s: %s %.2f", map.x_parameter.c_str(), map.x_offsets[x],
                     map.x_unit.c_str(), map.y_parameter.c_str(), map.y_offsets[y],
                     map.y_unit.c_str(), term, values[y * map.x_offsets.size() + x]);
@@ -92,7 +93,7 @@ void DrawMap(const FrameContext& context, const ProbeView& probe, const Likeliho
   ImGui::SetCursorScreenPos(low);
   ImGui::InvisibleButton(("why.map." + map.x_parameter).c_str(), {high.x - low.x, high.y - low.y});
   LogItem(context, "why.map." + map.x_parameter);
-  if (ImGui::IsItemHovered()) Hint(map, values, kTerms[term], low, cell);
+  if (ImGui::IsItemHovered()) Hint(context, map, values, kTerms[term], low, cell);
 }
 
 }  // namespace

@@ -271,6 +271,7 @@ class WhyPanel : public Panel {
     const float share = (ImGui::GetIO().MousePos.x - low.x) / (high.x - low.x);
     const auto i = static_cast<std::size_t>(
         std::lround(std::clamp(share, 0.0f, 1.0f) * static_cast<float>(slice.offsets.size() - 1)));
+    PutTooltipBeside(context, ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
     ImGui::BeginTooltip();
     ImGui::Text("%+.0f %s %s: score %.2f", slice.offsets[i], slice.unit.c_str(),
                 slice.parameter.c_str(), slice.score[i]);

@@ -61,7 +61,9 @@ class TimelinePanel : public Panel {
     lanes_.Draw(context, axis, corner.x, rows.lanes, rows.plot, sink);
     DrawOptionMarks(context, axis, rows);
     DrawPlayhead(context, axis, rows);
-    if (hovered) DrawHint(context, axis, std::clamp(UnderMouse(axis), 0, last));
+    if (!hovered) return;
+    PutTooltipBeside(context, {axis.x0, rows.ruler}, {axis.x1, rows.end});
+    DrawHint(context, axis, std::clamp(UnderMouse(axis), 0, last));
   }
 
   static void DrawPlayhead(const FrameContext& context, const TimeAxis& axis,

@@ -63,7 +63,9 @@ double Ceiling(const std::vector<Column>& columns) {
   return std::max(1.0, 1.25 * *at);
 }
 
-void Hint(const Column& column, const std::vector<std::string>& stages) {
+void Hint(const FrameContext& context, const Column& column,
+          const std::vector<std::string>& stages) {
+  PutTooltipBeside(context, ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
   ImGui::BeginTooltip();
   if (column.frames == 1)
     ImGui::Text("Frame %d: %.1f ms", column.first_frame, column.total_ms());
@@ -132,7 +134,7 @@ void DrawTimingsPlot(const FrameContext& context, CommandSink& sink) {
   const auto c = static_cast<std::size_t>(std::clamp((ImGui::GetIO().MousePos.x - low.x) / width,
                                                      0.0f, static_cast<float>(columns.size() - 1)));
   if (columns[c].frames == 0) return;
-  Hint(columns[c], stages);
+  Hint(context, columns[c], stages);
   if (ImGui::IsItemClicked()) sink.Post(SeekCommand{columns[c].slowest_frame});
 }
 

@@ -57,6 +57,12 @@ void DrawCandidate(const FrameContext& context, const NearCandidate& candidate, 
   ImGui::Text("%d, %.0f cm, %.0f\u00b0", candidate.nearest_frame, 100 * candidate.nearest_m,
               kDegPerRad * candidate.nearest_rad);
   ImGui::TableNextColumn();
+  ImGui::Text("\u00b1 %.0f cm", 100 * candidate.last_std_m);
+  if (candidate.last_std_rad > 0) {
+    ImGui::SameLine(0, 0);
+    ImGui::Text(", %.0f\u00b0", kDegPerRad * candidate.last_std_rad);
+  }
+  ImGui::TableNextColumn();
   ImGui::Text("%.1f", candidate.most_evidence);
   ImGui::TableNextColumn();
   if (candidate.ended)
@@ -71,6 +77,7 @@ void DrawCandidates(const FrameContext& context, const TruthView& truth, Command
       {"Candidate", "An object that came near and became no other true instance."},
       {"Appeared", "In which frame, and how far from the true place."},
       {"Nearest", "In which frame it came nearest, how near, and how far it was turned."},
+      {"Belief", "How wide it is when it was last looked at: a wide one is not confirmed."},
       {"Evidence", "The most that it came to: log odds that it exists."},
       {"Gone", "In which frame it was withdrawn or merged; point at the row for the reason."}};
   if (!ImGui::BeginTable("missed.candidates", static_cast<int>(std::size(heads)),

@@ -141,8 +141,10 @@ void LabelTruths(const FrameContext& context, const ImageCanvas& canvas, bool al
                 {high.x - size.x, high.y - 1.15f * size.y},
                 {low.x, low.y + size.y}},
                shown.color, shown.truth.id);
-    if (canvas.hovered() && ImGui::IsMouseHoveringRect({high.x - size.x, high.y - size.y}, high))
-      ImGui::SetTooltip("%s", TruthInWords(shown.truth, shown.sample).c_str());
+    if (!canvas.hovered() || !ImGui::IsMouseHoveringRect({high.x - size.x, high.y - size.y}, high))
+      return;
+    PutTooltipBeside(context, low, high);
+    ImGui::SetTooltip("%s", TruthInWords(shown.truth, shown.sample).c_str());
   });
 }
 
