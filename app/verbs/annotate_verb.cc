@@ -18,6 +18,7 @@
 #include "engine/annotation/crop_cut.h"
 #include "engine/annotation/crop_models.h"
 #include "engine/annotation/reopening.h"
+#include "engine/annotation/scaled_models.h"
 #include "engine/annotation/staged_export.h"
 #include "engine/base/files.h"
 #include "engine/base/log.h"
@@ -163,6 +164,7 @@ Status Import(const AnnotateArguments& arguments) {
   Result<ImportedPoses> read = ReadPoses(**project, inputs->View({}), arguments);
   if (!read) return read.error();
   Warn(read->warnings);
+  if (inputs->models) TakeScalesFromNames(*inputs->models, read->instances);
   EditGroup group{"Import " + arguments.path, {}};
   if (read->gravity_in_scan && (*project)->document().instances.empty()) {
     group.edits.push_back(SetGravity{*read->gravity_in_scan, std::nullopt});

@@ -2,6 +2,7 @@
 #include "engine/annotation/scaled_models.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 
@@ -40,6 +41,22 @@ UnscaledAnnotations WithScaledModels(const AnnotationDocument& document,
   if (all.size() > models->models().size())
     result.models = ModelDatabase::FromModels(std::move(all));
   return result;
+}
+
+void TakeScalesFromNames(const ModelDatabase& models, std::vector<AnnotatedInstance>& instances) {
+  for (AnnotatedInstance& instance : instances) {
+    const std::size_t at = instance.model.rfind("_x");
+    if (at == std::string::npos || models.Find(instance.model)) continue;
+    const auto id = models.Find(instance.model.substr(0, at));
+    const char *first = instance.model.data() + at + 2,
+               *last = instance.model.data() + instance.model.size();
+    double scale = 0;
+    const auto [end, error] = std::from_chars(first, last, scale, std::chars_format::fixed);
+    if (!id || error != std::errc() || end != last || !(scale > 0)) continue;
+    instance.model = models.model(*id).name;
+    instance.category = models.model(*id).category;
+    instance.scale = scale;
+  }
 }
 
 }  // namespace plumbline

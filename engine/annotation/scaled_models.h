@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "engine/annotation/annotation_document.h"
 #include "engine/models/model_database.h"
@@ -21,6 +22,10 @@ struct UnscaledAnnotations {
 /// stays.
 UnscaledAnnotations WithScaledModels(const AnnotationDocument& document,
                                      const ModelDatabase* models);
+
+/// What those models stand for, after they were read again: instances of a model that the database
+/// does not have, but whose name is that of one it has and a scale, become scaled instances of it.
+void TakeScalesFromNames(const ModelDatabase& models, std::vector<AnnotatedInstance>& instances);
 
 /// How that model is called. It ends in the scale, to a ten-thousandth.
 std::string ScaledModelName(const std::string& model, double scale);

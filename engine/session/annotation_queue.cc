@@ -57,6 +57,23 @@ path Canonical(const path& file) {
   return std::filesystem::weakly_canonical(file, ignored);
 }
 
+/// Without a look into any file: the window asks this for whatever is dropped onto it.
+bool HoldsScan(const path& folder, bool deeper) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(
+           folder, std::filesystem::directory_options::skip_permission_denied, error)) {
+    std::error_code ignored;
+    const path file = entry.path();
+    if (entry.is_directory(ignored)) {
+      if (deeper && !HoldsNoScans(file) && HoldsScan(file, false)) return true;
+    } else if (file.extension() != ".json" && !file.filename().string().starts_with(".") &&
+               IsForAnnotation(file)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 std::string NameWithin(const path& file, const path& folder) {
   const path relative = Canonical(file).lexically_relative(Canonical(folder));
   const bool within = !relative.empty() && *relative.begin() != "..";
@@ -140,8 +157,7 @@ bool IsQueue(const path& folder) {
   for (const char* other : {"camera.json", "mav0", "cam0", "models.json"}) {
     if (Has(folder, other)) return false;  // a sequence (EuRoC's may hold a scan), or models
   }
-  const Found found = Look(folder);
-  return !found.scans.empty() || !found.projects.empty();
+  return HoldsScan(folder, true) || !Look(folder).projects.empty();
 }
 
 std::optional<std::size_t> FirstToDo(const std::vector<QueueEntry>& entries) {

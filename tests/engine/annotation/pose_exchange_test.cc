@@ -9,7 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/annotation/annotation_check.h"
+#include "engine/annotation/annotation_export.h"
 #include "engine/annotation/bop_files.h"
+#include "engine/annotation/scaled_models.h"
 #include "engine/base/files.h"
 #include "engine/geometry/gravity.h"
 #include "engine/models/mesh_file.h"
@@ -186,6 +188,60 @@ TEST_F(PoseExchange, BopComesBack) {
   const auto read = ReadBop(folder_.path() / "bop");
   ASSERT_TRUE(read.ok()) << read.error().message;
   ExpectSame(*read, false);
+}
+
+TEST_F(PoseExchange, ScaledObjectsComeBackFromVismaAndBop) {
+  document_.instances.resize(3);
+  document_.instances[1].scale = 1.05;
+  document_.instances[2].scale = 0.9321;
+  const auto model_of = [&](int i) {
+    return document_.instances[static_cast<std::size_t>(i)].model;
+  };
+  ExportRequest request;
+  request.frame = PoseFrame::kScan;
+  for (const char* format : {"visma", "bop"}) {
+    SCOPED_TRACE(format);
+    request.format = format;
+    request.out = folder_.path() / format;
+    const Status written =
+        ExportAnnotation(document_, Inputs(), "", request, {});
+    ASSERT_TRUE(written.ok()) << written.error().message;
+    auto read = request.format == "bop" ? ReadBop(request.out) : ReadVisma(request.out);
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    TakeScalesFromNames(*models_, read->instances);
+    ASSERT_EQ(read->instances.size(), 3u);
+    for (int i = 0; i < 3; ++i) {
+      const AnnotatedInstance& wanted = document_.instances[static_cast<std::size_t>(i)];
+      const auto same = [&](const AnnotatedInstance& instance) {
+        return instance.model == wanted.model && std::abs(instance.scale - wanted.scale) < 1e-9 &&
+               (instance.scan_from_object.matrix() - wanted.scan_from_object.matrix()).norm() <
+                   1e-6;
+      };
+      EXPECT_TRUE(std::any_of(read->instances.begin(), read->instances.end(), same))
+          << model_of(i);
+    }
+  }
+  // The model that BOP has of it is as large as it is.
+  const nlohmann::json sizes = ReadJson(folder_.path() / "bop/models/models_info.json").value();
+  const nlohmann::json names =
+      ReadJson(folder_.path() / "bop/models/plumbline_models.json").value();
+  int scaled = 0;
+  for (const auto& [key, name] : names.items()) {
+    if (name["name"] != ScaledModelName(model_of(1), 1.05)) continue;
+    ++scaled;
+    const double size_mm = 1000.0 * models_->model(*models_->Find(model_of(1))).bounds.sizes().x();
+    EXPECT_NEAR(sizes[key]["size_x"].get<double>(), 1.05 * size_mm, 0.01);
+  }
+  EXPECT_EQ(scaled, 1);
+}
+
+TEST_F(PoseExchange, NamesThatOnlyLookScaledStayAsTheyAre) {
+  std::vector<AnnotatedInstance> instances(3);
+  instances[0].model = "chair_xl";
+  instances[1].model = "unheard_of_x1.0500";
+  instances[2].model = "chair_x-1";
+  TakeScalesFromNames(*models_, instances);
+  for (const AnnotatedInstance& instance : instances) EXPECT_EQ(instance.scale, 1);
 }
 
 TEST_F(PoseExchange, BopHasMasksAndSymmetriesInMillimetres) {
