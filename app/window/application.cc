@@ -123,13 +123,13 @@ void Application::Open(const std::string& path, std::optional<int> frame) {
   }
   Workspace& workspace = annotate_->Takes(path) ? static_cast<Workspace&>(*annotate_) : *inspect_;
   context_.workspace = workspace.tab().id;
-  if (!MayLose(workspace)) return;
+  if (!MayLose(workspace, "open " + path)) return;
   Remember(path);
   workspace.Open(path, frame, context_);
 }
 
 void Application::OpenModels(const std::string& folder) {
-  if (!MayLose(shown())) return;
+  if (!MayLose(shown(), "open " + folder)) return;
   for (Workspace* workspace : workspaces()) workspace->UseModels(folder);
   const std::string open = shown().source();
   if (open.empty()) return Note("These models are taken with what is opened next: " + folder);
@@ -172,7 +172,7 @@ bool Application::Closes() {
   if (asked_to_end_.exchange(false)) quit_ = true;
   if (!quit_ && !window_->ShouldClose()) return false;
   for (const Workspace* workspace : workspaces()) {
-    if (MayLose(*workspace)) continue;
+    if (MayLose(*workspace, "close")) continue;
     quit_ = false;
     window_->StayOpen();
     return false;
@@ -180,10 +180,12 @@ bool Application::Closes() {
   return true;
 }
 
-bool Application::MayLose(const Workspace& workspace) {
+bool Application::MayLose(const Workspace& workspace, const std::string& by_doing) {
   const std::string lost = workspace.WouldBeLost(context_);
-  if (lost.empty() || note_ == lost) return true;
+  const bool warned = note_ == lost && warned_of_doing_ == by_doing;
+  if (lost.empty() || warned) return true;
   Note(lost);
+  warned_of_doing_ = by_doing;
   return false;
 }
 

@@ -88,8 +88,8 @@ class Application : public CommandSink {
   /// The user has said so and, where something would be lost, has said so again.
   bool Closes();
   /// Says what would be lost with what `workspace` shows; true if there is nothing, or once it was
-  /// said and the user goes on.
-  bool MayLose(const Workspace& workspace);
+  /// said and the user does the same again.
+  bool MayLose(const Workspace& workspace, const std::string& by_doing);
   void Note(std::string text);
 
   ApplicationOptions options_;
@@ -111,6 +111,7 @@ class Application : public CommandSink {
   std::optional<ScreenshotCommand> wanted_screenshot_;
   int screenshot_in_ = 0;  ///< Frames until it is taken: menus and tooltips go first.
   std::string note_, written_state_;
+  std::string warned_of_doing_;  ///< As of MayLose, while the note says what it would lose.
   std::chrono::steady_clock::time_point note_until_{};
   int settle_frames_ = 0;  ///< Frames to draw after the last input until ImGui has come to rest.
   std::atomic<bool> published_ = false;

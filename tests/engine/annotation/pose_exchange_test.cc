@@ -203,8 +203,7 @@ TEST_F(PoseExchange, ScaledObjectsComeBackFromVismaAndBop) {
     SCOPED_TRACE(format);
     request.format = format;
     request.out = folder_.path() / format;
-    const Status written =
-        ExportAnnotation(document_, Inputs(), "", request, {});
+    const Status written = ExportAnnotation(document_, Inputs(), "", request, {});
     ASSERT_TRUE(written.ok()) << written.error().message;
     auto read = request.format == "bop" ? ReadBop(request.out) : ReadVisma(request.out);
     ASSERT_TRUE(read.ok()) << read.error().message;
@@ -217,8 +216,7 @@ TEST_F(PoseExchange, ScaledObjectsComeBackFromVismaAndBop) {
                (instance.scan_from_object.matrix() - wanted.scan_from_object.matrix()).norm() <
                    1e-6;
       };
-      EXPECT_TRUE(std::any_of(read->instances.begin(), read->instances.end(), same))
-          << model_of(i);
+      EXPECT_TRUE(std::any_of(read->instances.begin(), read->instances.end(), same)) << model_of(i);
     }
   }
   // The model that BOP has of it is as large as it is.
