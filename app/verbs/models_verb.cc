@@ -226,8 +226,8 @@ void AddBuild(CLI::App& models, VerbFunction& chosen) {
       ->check(CLI::Range(0, 360))
       ->type_name("N");
   verb->add_flag("--back", arguments->back,
-                 "It stands with its back to a wall, as a cabinet does: no camera sees it from "
-                 "behind. A model that is replaced keeps what models.json says of it");
+                 "It always stands with its back to a wall, as a cabinet may: no camera sees it "
+                 "from behind. A model that is replaced keeps what models.json says of it");
   verb->add_option("--json", arguments->json_file,
                    "Also write what was done as JSON (- for standard output)")
       ->type_name("FILE");

@@ -300,7 +300,6 @@ FurnitureModel DrawerPedestal(const FurniturePalette& palette) {
   FurnitureModel model;
   model.name = "pedestal_drawers";
   model.category = "cabinet";
-  model.back = true;
   model.note = "rolling pedestal with three drawers, 0.57 m high";
   PaintedMesh& mesh = model.body.mesh;
   const int body = model.body.Paint(SteelWhite());

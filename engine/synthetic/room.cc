@@ -37,6 +37,8 @@ void ArrangeOcclusion(Furnisher& furnisher) {
   furnisher.Place("chair_slat",
                   Upright(0, 0, 0, furnisher.Draw(-std::numbers::pi, std::numbers::pi)));
   furnisher.room().main_instance = 1;
+  for (FurnitureModel& model : furnisher.room().catalogue)
+    if (model.name == "cabinet_doors") model.back = false;  // This one stands at no wall.
   furnisher.Place("cabinet_doors", Upright(0.62 * out.x(), 0.62 * out.y(), 0, side));
   furnisher.room().walk.start_angle_rad = side - 1.55;
   furnisher.room().walk.radius_m = 1.8;

@@ -18,6 +18,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kLabelWidth = 76;
+constexpr double kRowWidth = 275;  ///< Of a label and three numbers; else they go below it.
 constexpr double kLeastSide_m = 0.04, kSpare_m = 0.01;
 
 class AnnotateCropPanel : public Panel {
@@ -77,13 +78,19 @@ class AnnotateCropPanel : public Panel {
            "keys W A S D, Q E, Z X, too.";
   }
 
+  /// Before what is wide: beside it or, in a narrow panel, above it.
+  static void Label(const FrameContext& context, const char* label) {
+    const bool beside = ImGui::GetContentRegionAvail().x >= context.Scaled(kRowWidth);
+    if (beside) ImGui::AlignTextToFramePadding();
+    DimText("%s", label);
+    if (beside) ImGui::SameLine(context.Scaled(kLabelWidth));
+  }
+
   /// One of two, in a row after its label; `changed` is called when it is the other one.
   template <typename Changed>
   static void Choice(const FrameContext& context, const char* label, bool& second,
                      const Option& first, const Option& other, Changed changed) {
-    ImGui::AlignTextToFramePadding();
-    DimText("%s", label);
-    ImGui::SameLine(context.Scaled(kLabelWidth));
+    Label(context, label);
     for (const bool which : {false, true}) {
       const Option& option = which ? other : first;
       bool on = second == which;
@@ -120,16 +127,11 @@ class AnnotateCropPanel : public Panel {
       ImGui::SameLine(0, context.Scaled(4));
       return typed;
     };
-    const auto label = [&](const char* text) {
-      ImGui::AlignTextToFramePadding();
-      DimText("%s", text);
-      ImGui::SameLine(context.Scaled(kLabelWidth));
-    };
     const auto unit = [](const char* text) {
       ImGui::AlignTextToFramePadding();
       DimText("%s", text);
     };
-    label("Size");
+    Label(context, "Size");
     constexpr const char* kSides[] = {"crop.size_x", "crop.size_y", "crop.size_z"};
     for (int axis = 0; axis < 3; ++axis) {
       const auto size = number(kSides[axis], box.size_m[axis], "%.3f",
@@ -137,7 +139,7 @@ class AnnotateCropPanel : public Panel {
       if (size) Resize(box, axis, std::max(kLeastSide_m, *size));
     }
     unit("m");
-    label("Middle");
+    Label(context, "Middle");
     if (const auto x = number("crop.x", box.center.x(), "%.3f", "In the level frame."))
       box.center.x() = *x;
     if (const auto y = number("crop.y", box.center.y(), "%.3f", "In the level frame."))
@@ -146,13 +148,13 @@ class AnnotateCropPanel : public Panel {
                               "Height of the bottom above the floor."))
       box.center.z() = *z + 0.5 * box.size_m.z();
     unit("m");
-    label("Azimuth");
+    Label(context, "Azimuth");
     if (const auto azimuth = number("crop.azimuth", box.azimuth_rad * kDegreesPerRadian, "%.1f",
                                     "About up: where its front points."))
       box.azimuth_rad = WrapAngle(*azimuth / kDegreesPerRadian);
     unit("\u00b0");
     const auto& inside = context.annotation->box;
-    label("Inside");
+    Label(context, "Inside");
     unit(fmt::format("{} points", inside ? inside->points->size() : 0).c_str());
     ImGui::SameLine();
     ImGui::BeginDisabled(!inside || inside->bounds.isEmpty());

@@ -126,12 +126,13 @@ void Tooltip(const FrameContext& context, const std::string& text) {
     ImGui::SetNextWindowPos(*low);
   }
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {context.Scaled(10), context.Scaled(7)});
+  ImGui::PushStyleVar(ImGuiStyleVar_Alpha, 1);  // also where what it explains is disabled
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(wrap);
   ImGui::TextUnformatted(text.c_str());
   ImGui::PopTextWrapPos();
   ImGui::EndTooltip();
-  ImGui::PopStyleVar();
+  ImGui::PopStyleVar(2);
 }
 
 void PutTooltipBeside(const FrameContext& context, ImVec2 low, ImVec2 high) {
