@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "engine/base/files.h"
 #include "engine/models/mesh_file.h"
@@ -72,6 +73,24 @@ TEST_F(ModelsVerbTest, SaysWhatItGuessed) {
   ASSERT_EQ(Run("build " + Path("chair.ply") + " --out " + Path("db")), 0);
   for (const char* option : {"--unit", "--up", "--front"}) EXPECT_THAT(errors(), HasSubstr(option));
   EXPECT_THAT(out(), HasSubstr("up +z, front +x"));
+}
+
+TEST_F(ModelsVerbTest, ShowsAllUpsAndFrontsOfWhatIsUnsureAndOnlyOfThat) {
+  ASSERT_TRUE(WritePly(folder_.path() / "thing.ply", MakeBox({1, 1, 1}, {2, 2, 2})).ok());
+  ASSERT_TRUE(WritePly(folder_.path() / "chair.ply", MakeChair(false)).ok());
+  ASSERT_EQ(Run("build " + Path("thing.ply") + " " + Path("chair.ply") + " --out " + Path("db") +
+                " --sheet " + Path("sheet.png")),
+            0)
+      << errors();
+  const cv::Mat sheet = cv::imread((folder_.path() / "sheet.png").string());
+  ASSERT_FALSE(sheet.empty());
+  EXPECT_EQ(sheet.cols, 6 * 220);
+  EXPECT_EQ(sheet.rows, 2 * 248) << "up and front of the thing; the chair is sure";
+  ASSERT_EQ(
+      Run("build " + Path("chair.ply") + " --out " + Path("db") + " --sheet " + Path("none.png")),
+      0);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "none.png"));
+  EXPECT_THAT(errors(), HasSubstr("nothing was unsure"));
 }
 
 TEST_F(ModelsVerbTest, BuildsTheOthersWhenOneFileIsBroken) {
