@@ -14,7 +14,8 @@ namespace plumbline {
 namespace {
 
 constexpr double kDegreesOfFreedom = 5;
-constexpr double kFarOff = 3.5;  ///< Deviations.
+constexpr double kFarOff = 3.5;     ///< Deviations.
+constexpr double kOddUnits = 0.03;  ///< Of files that are in inches, or in no unit at all.
 
 /// How often files are in metres, centimetres, millimetres.
 constexpr std::array<double, 3> kUnitHabit = {0.6, 0.25, 0.15}, kStlUnitHabit = {0.25, 0.15, 0.6};
@@ -71,7 +72,7 @@ Guess<LengthUnit> GuessUnit(const Eigen::Vector3d& size, const KnownOfMesh& know
     guess.shares.emplace_back(unit, likely);
     sum += likely;
   }
-  for (auto& [unit, share] : guess.shares) share /= sum;
+  for (auto& [unit, share] : guess.shares) share = (1 - kOddUnits) * share / sum + kOddUnits / 3;
   std::stable_sort(guess.shares.begin(), guess.shares.end(),
                    [](const auto& a, const auto& b) { return a.second > b.second; });
   guess.value = guess.shares[0].first;

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <map>
 #include <queue>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "engine/models/mesh_cleanup.h"
 #include "engine/models/textured_mesh.h"

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // `plumbline models build` and `check` as a script meets them.
 
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -91,6 +93,21 @@ TEST_F(ModelsVerbTest, ShowsAllUpsAndFrontsOfWhatIsUnsureAndOnlyOfThat) {
       0);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "none.png"));
   EXPECT_THAT(errors(), HasSubstr("nothing was unsure"));
+}
+
+TEST_F(ModelsVerbTest, TextThatIsNotUtf8IsRefusedInOneSentence) {
+  for (const std::string& arguments :
+       std::vector<std::string>{"build " + Path("a\xff.ply") + " --out db",
+                                "build a.ply --out db --category 'ch\xfc'", "check 'm\xe4'"}) {
+    EXPECT_EQ(Run(arguments), 2);
+    EXPECT_THAT(errors(), HasSubstr("is not UTF-8 text"));
+  }
+}
+
+TEST_F(ModelsVerbTest, APipeIsNoMesh) {
+  ASSERT_EQ(::mkfifo((folder_.path() / "pipe.ply").c_str(), 0600), 0);
+  EXPECT_EQ(Run("build " + Path("pipe.ply") + " --out " + Path("db")), 1);
+  EXPECT_THAT(errors(), HasSubstr("pipe.ply' is a device, pipe or socket"));
 }
 
 TEST_F(ModelsVerbTest, BuildsTheOthersWhenOneFileIsBroken) {
