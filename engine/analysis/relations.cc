@@ -28,7 +28,7 @@ void AddHiders(const Body& hidden, const std::vector<Body>& bodies, const FrameR
   const double scale_y = double(depth.rows) / view.image_height;
   std::vector<std::pair<int, int>> counts;
   int in_view = 0;
-  const Eigen::Isometry3d cam_from_object = cam_from_world * hidden.world_from_object;
+  const Eigen::Affine3d cam_from_object = cam_from_world * hidden.placed().world_from_mesh();
   for (const Vector3d& point : hidden.surface->points()) {
     const Vector3d p = cam_from_object * point;
     if (p.z() < 0.05) continue;
@@ -62,10 +62,15 @@ struct RelationFinder::Body {
   ObjectId id;
   ModelId label;
   Eigen::Isometry3d world_from_object;
+  double scale;
   std::shared_ptr<const MeasuredSurface> surface;
   double low = 1e9, high = -1e9;  ///< Along up.
 
-  const Eigen::AlignedBox3d& box() const { return surface->box(); }
+  PlacedSurface placed() const { return {*surface, world_from_object, scale}; }
+  /// Around it, in its own frame.
+  Eigen::AlignedBox3d box() const {
+    return {scale * surface->box().min(), scale * surface->box().max()};
+  }
   /// Above `other`'s footprint, and as high as its top.
   bool StandsOn(const Body& other) const {
     if (std::abs(low - other.high) > kTouch_m || other.high - other.low < kLeastHeight_m)
@@ -93,7 +98,7 @@ std::vector<RelationFinder::Body> RelationFinder::BodiesOf(const FrameReport& re
       if (auto made = MeasuredSurface::Make(*mesh); made.ok()) found->second = std::move(*made);
     }
     if (found->second == nullptr) continue;  // a mesh without area is nowhere
-    Body body{object.id, object.label, object.world_from_object, found->second};
+    Body body{object.id, object.label, object.world_from_object, object.scale, found->second};
     for (int i = 0; i < 8; ++i) {
       const auto corner = static_cast<Eigen::AlignedBox3d::CornerType>(i);
       const double height =
@@ -108,14 +113,14 @@ std::vector<RelationFinder::Body> RelationFinder::BodiesOf(const FrameReport& re
 
 double RelationFinder::GapOf(const Body& a, const Body& b) {
   if (b.id < a.id) return GapOf(b, a);
-  const Eigen::Isometry3d b_from_a = b.world_from_object.inverse() * a.world_from_object;
+  const Eigen::Affine3d b_from_a =
+      b.placed().world_from_mesh().inverse() * a.placed().world_from_mesh();
   const auto [known, is_new] = gaps_.try_emplace({a.id, b.id});
   Gap& gap = known->second;
-  if (!is_new && gap.label_a == a.label && gap.label_b == b.label &&
+  if (!is_new && gap.label_a == a.label && gap.label_b == b.label && gap.scale_b == b.scale &&
       gap.b_from_a.isApprox(b_from_a, 1e-12))
     return gap.gap_m;
-  gap = {a.label, b.label, b_from_a,
-         SurfaceGap(*a.surface, a.world_from_object, *b.surface, b.world_from_object)};
+  gap = {a.label, b.label, b_from_a, b.scale, SurfaceGap(a.placed(), b.placed())};
   return gap.gap_m;
 }
 
@@ -126,8 +131,7 @@ const RelationFinder::Body* RelationFinder::NearestOf(const Body& a,
   std::vector<std::pair<double, const Body*>> others;
   for (const Body& b : bodies) {
     if (b.id == a.id) continue;
-    others.emplace_back(
-        GapAtLeast(*a.surface, a.world_from_object, *b.surface, b.world_from_object), &b);
+    others.emplace_back(GapAtLeast(a.placed(), b.placed()), &b);
   }
   std::sort(others.begin(), others.end());
   const Body* nearest = nullptr;

@@ -31,7 +31,8 @@ class RelationFinder {
   struct Body;
   struct Gap {
     ModelId label_a, label_b;
-    Eigen::Isometry3d b_from_a;
+    Eigen::Affine3d b_from_a;  ///< Of their meshes.
+    double scale_b = 1;
     double gap_m = 0;
   };
   std::vector<Body> BodiesOf(const FrameReport& report, const SequenceView& view);

@@ -14,6 +14,8 @@
 
 namespace plumbline {
 
+struct PlacedSurface;
+
 /// A mesh made ready for measuring how far it is from others: made once, then moved about.
 /// Immutable; safe to use from several threads.
 class MeasuredSurface {
@@ -26,10 +28,7 @@ class MeasuredSurface {
   const Eigen::AlignedBox3d& box() const { return box_; }
 
  private:
-  friend double SurfaceGap(const MeasuredSurface& a, const Eigen::Isometry3d& world_from_a,
-                           const MeasuredSurface& b, const Eigen::Isometry3d& world_from_b);
-  friend double GapAtLeast(const MeasuredSurface& a, const Eigen::Isometry3d& world_from_a,
-                           const MeasuredSurface& b, const Eigen::Isometry3d& world_from_b);
+  friend double SurfaceGap(const PlacedSurface& a, const PlacedSurface& b);
   MeasuredSurface(PointTree tree) : tree_(std::move(tree)) {}
 
   std::vector<Eigen::Vector3d> points_;
@@ -38,15 +37,22 @@ class MeasuredSurface {
   Eigen::AlignedBox3d box_;
 };
 
+/// A surface somewhere, times as large as its mesh about the mesh's origin.
+struct PlacedSurface {
+  const MeasuredSurface& surface;
+  Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
+  double scale = 1;
+
+  Eigen::Affine3d world_from_mesh() const { return world_from_object * Eigen::Scaling(scale); }
+};
+
 /// The smallest distance between two surfaces [m]; near 0 where they touch or cross. Found among
 /// points spread over both, then by going from one surface to the closest point of the other and
 /// back until nothing gets closer: never below the true distance, and equal to it unless two places
 /// are within a few millimetres of being the closest. About 0.5 ms.
-double SurfaceGap(const MeasuredSurface& a, const Eigen::Isometry3d& world_from_a,
-                  const MeasuredSurface& b, const Eigen::Isometry3d& world_from_b);
+double SurfaceGap(const PlacedSurface& a, const PlacedSurface& b);
 
 /// A quick lower bound of it: the distance between spheres around the two.
-double GapAtLeast(const MeasuredSurface& a, const Eigen::Isometry3d& world_from_a,
-                  const MeasuredSurface& b, const Eigen::Isometry3d& world_from_b);
+double GapAtLeast(const PlacedSurface& a, const PlacedSurface& b);
 
 }  // namespace plumbline

@@ -79,6 +79,17 @@ TEST_F(Relations, TellWhatStandsOnWhatAndWhatIsNear) {
   EXPECT_EQ(Find(all, RelationKind::kHides, 1), nullptr) << "without a Z-buffer";
 }
 
+TEST_F(Relations, MeasureObjectsAtTheirOwnSizes) {
+  report_.objects[0].scale = 1.1;
+  report_.objects[1].world_from_object.translation().z() = 0.77;
+  report_.objects[2].scale = 0.9;
+  const auto all = RelationFinder().Find(report_, view_, {}, {});
+  const ObjectRelation* stands = Find(all, RelationKind::kStandsOn, 2);
+  ASSERT_NE(stands, nullptr);
+  EXPECT_NEAR(stands->value, 0, 1e-5) << "the sideboard is 7 cm higher than its model";
+  EXPECT_NEAR(Find(all, RelationKind::kNear, 3)->value, 1.5 - 0.55 - 0.225, 1e-5);
+}
+
 TEST_F(Relations, MeasureAChairUnderATableBetweenTheirSurfaces) {
   // A table of a top and four legs; a block of 0.5 x 0.5 x 0.4 m stands half under its top.
   auto table = std::make_shared<TriangleMesh>();
