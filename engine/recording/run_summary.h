@@ -66,11 +66,18 @@ nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header);
 /// The same from a run file, with `smoothed` where the run has been smoothed. Errors: kCorrupt.
 Result<nlohmann::json> RunResultJson(RunReader& reader);
 
-/// What the map of a run says is there at its end: from a run file or, by its extension, from the
-/// JSON above. Errors: kNotFound, kInvalidInput, kCorrupt, naming the file.
-Result<std::vector<EstimatedObject>> ReadEstimates(const std::filesystem::path& run);
+/// What the map of a run holds at its end, tentative objects too, each with how likely it is there
+/// (JSON older than that figure: 1 if confirmed, else 0): from a run file or, by its extension,
+/// from the JSON above. Errors: kNotFound, kInvalidInput, kCorrupt, naming the file.
+Result<std::vector<EstimatedObject>> ReadCandidates(const std::filesystem::path& run);
 
 /// The same of its smoothed map; nothing where it has none.
+Result<std::optional<std::vector<EstimatedObject>>> ReadSmoothedCandidates(
+    const std::filesystem::path& run);
+
+/// Those of them that are confirmed: what the map says is there.
+std::vector<EstimatedObject> ConfirmedOf(std::vector<EstimatedObject> candidates);
+Result<std::vector<EstimatedObject>> ReadEstimates(const std::filesystem::path& run);
 Result<std::optional<std::vector<EstimatedObject>>> ReadSmoothedEstimates(
     const std::filesystem::path& run);
 

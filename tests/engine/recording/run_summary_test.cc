@@ -121,6 +121,25 @@ TEST(ReadEstimates, GivesTheConfirmedObjectsOfARunFileAndOfItsJson) {
   }
 }
 
+TEST(ReadCandidates, GivesTentativeObjectsTooAndHowLikelyTheyAreThere) {
+  const TemporaryFolder folder;
+  WriteRun(folder.path() / "run.plb");
+  const auto reader = RunReader::Open(folder.path() / "run.plb").value();
+  nlohmann::json json = RunResultJson(*reader).value();
+  ASSERT_TRUE(WriteJson(folder.path() / "run.json", json).ok());
+  for (const char* name : {"run.plb", "run.json"}) {
+    const std::vector<EstimatedObject> all = ReadCandidates(folder.path() / name).value();
+    ASSERT_EQ(all.size(), 2u) << "not the one that is withdrawn";
+    EXPECT_EQ(ConfirmedOf(all).size(), 1u);
+    for (const EstimatedObject& object : all)
+      EXPECT_DOUBLE_EQ(object.probability, 0.5) << "log odds of 0";
+  }
+  for (nlohmann::json& object : json["objects"]) object.erase("probability");
+  ASSERT_TRUE(WriteJson(folder.path() / "old.json", json).ok());
+  for (const EstimatedObject& object : ReadCandidates(folder.path() / "old.json").value())
+    EXPECT_EQ(object.probability, object.confirmed ? 1 : 0);
+}
+
 TEST(ReadEstimates, SaysWhatIsWrongWithAJsonFile) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "run.json";
