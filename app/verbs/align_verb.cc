@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -9,6 +10,7 @@
 #include "app/verbs/console_work.h"
 #include "app/verbs/vector_argument.h"
 #include "app/verbs/verb.h"
+#include "engine/base/files.h"
 #include "engine/base/timer.h"
 #include "engine/dataset/json_fields.h"
 #include "engine/dataset/trajectory.h"
@@ -25,7 +27,8 @@ constexpr double kLeastLevel = 0.985;  ///< Cosine of 10 degrees.
 struct AlignArguments {
   std::string scan, model, init, gravity, floor, trajectory, json;
   int dof = 4;
-  bool on_support = false;
+  bool on_support = false, anywhere = false;
+  double min_fitness = 0.05;
   AlignOptions options;
 };
 
@@ -44,6 +47,22 @@ nlohmann::json CovarianceToJson(const AlignCandidate& candidate, const Eigen::Ve
     rows.push_back(std::vector<double>(row.begin(), row.end()));
   }
   return rows;
+}
+
+/// Whether the list of models beside a model says that it stands on the floor; a file that lies
+/// beside no list, or is not in it, may be anywhere.
+Result<bool> StandsOnFloor(const std::filesystem::path& model) {
+  const std::filesystem::path list = model.parent_path() / "models.json";
+  std::error_code ignored;
+  if (!std::filesystem::exists(list, ignored)) return false;
+  const Result<nlohmann::json> json = ReadJson(list);
+  if (!json) return Error{json.error().code, json.error().message + "; --anywhere ignores it"};
+  const nlohmann::json models = json->is_object() ? json->value("models", nlohmann::json()) : *json;
+  for (const nlohmann::json& entry : models) {
+    if (entry.is_object() && entry.value("file", nlohmann::json()) == model.filename().string())
+      return entry.value("support", nlohmann::json()) == "floor";
+  }
+  return false;
 }
 
 /// What fell out, besides the time that it took.
@@ -74,6 +93,7 @@ nlohmann::json ToJson(const AlignResult& result, const UprightFrame& upright,
   json["iterations"] = result.alignment.iterations;
   json["starts"] = arguments.options.starts;
   json["dof"] = arguments.dof;
+  json["standing"] = arguments.options.standing == Standing::kOnSupport ? "on_support" : "anywhere";
   json["symmetry_order"] = result.alignment.symmetry_order;
   json["seconds"] = result.align_ms / 1e3;
   json["prepare_seconds"] = result.prepare_ms / 1e3;
@@ -137,6 +157,15 @@ Result<AlignResult> Run(const AlignArguments& arguments, const Eigen::VectorXd& 
   if (!alignment) return alignment.error();
   result.align_ms = watch.Lap();
   result.alignment = std::move(*alignment);
+  const double fitness = result.alignment.candidates.front().fitness;
+  if (fitness < arguments.min_fitness) {
+    char text[200];
+    std::snprintf(text, sizeof(text),
+                  "only %.1f %% of the model's surface meets the scan, which says nothing of where "
+                  "it is; start nearer, search further, or ask for less with --min-fitness",
+                  100 * fitness);
+    return Error{ErrorCode::kDegenerate, text};
+  }
   return result;
 }
 
@@ -146,7 +175,16 @@ Status Align(AlignArguments arguments) {
   const Result<Eigen::Vector3d> gravity = ParseDirection(arguments.gravity, "--gravity");
   if (!gravity) return gravity.error();
   arguments.options.motion = MotionWith(arguments.dof);
-  if (arguments.on_support) arguments.options.standing = Standing::kOnSupport;
+  bool on_support = arguments.on_support;
+  if (!on_support && !arguments.anywhere) {
+    const Result<bool> stands = StandsOnFloor(arguments.model);
+    if (!stands) return stands.error();
+    on_support = *stands;
+    if (on_support && arguments.json != "-") {
+      std::printf("It stands on what is below it, as models.json says; --anywhere does not ask.\n");
+    }
+  }
+  if (on_support) arguments.options.standing = Standing::kOnSupport;
   if (!arguments.floor.empty()) {
     const Result<Eigen::VectorXd> floor = ParseNumbers(arguments.floor, "--floor", 4, 4);
     if (!floor) return floor.error();
@@ -200,7 +238,11 @@ void AddAlignVerb(CLI::App& app, VerbFunction& chosen) {
       ->capture_default_str();
   verb->add_flag("--on-support", arguments->on_support,
                  "The model stands on the level surface below it (a chair on the floor): poses "
-                 "that float must fit far better, and what stands on --floor stands on it exactly");
+                 "that float must fit far better, and what stands on --floor stands on it exactly. "
+                 "The default where the models.json beside the model says 'support: floor'");
+  verb->add_flag("--anywhere", arguments->anywhere,
+                 "The model may hang or float, whatever models.json says")
+      ->excludes("--on-support");
   verb->add_option(
           "--floor", arguments->floor,
           "The floor's plane ax + by + cz + d = 0 with (a, b, c) up, as 'plumbline gravity' "
@@ -211,8 +253,13 @@ void AddAlignVerb(CLI::App& app, VerbFunction& chosen) {
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
   verb->add_option("--search", arguments->options.search_m,
-                   "How far from the start the model may be [m]")
+                   "How far from the start the model may be [m]; nothing further is an answer")
       ->check(CLI::Range(0.05, 2.0))
+      ->capture_default_str();
+  verb->add_option("--min-fitness", arguments->min_fitness,
+                   "Refuse a result of which a smaller share of the model's surface meets the scan "
+                   "within 2 cm; 0: none")
+      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   verb->add_option("--trajectory", arguments->trajectory,
                    "Camera poses in the scan's frame (TUM): they tell the seen side of a point "
