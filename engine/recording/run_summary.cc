@@ -246,6 +246,44 @@ nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header) {
           {"objects", std::move(objects)}};
 }
 
+Result<std::vector<WithdrawnObject>> ReadWithdrawn(RunReader& reader) {
+  const Result<std::vector<RunEvent>> events = reader.Events();
+  if (!events) return events.error();
+  const Result<std::vector<ObjectTrack>> tracks = reader.ObjectTracks();
+  if (!tracks) return tracks.error();
+  std::vector<WithdrawnObject> withdrawn;
+  for (const RunEvent& event : *events) {
+    const EventKind kind = event.event.kind;
+    if (kind != EventKind::kRetired && kind != EventKind::kMerged) continue;
+    const auto track = std::find_if(tracks->begin(), tracks->end(), [&](const ObjectTrack& of) {
+      return of.id == event.event.object;
+    });
+    if (track == tracks->end() || !track->confirmed_frame) continue;
+    WithdrawnObject& object = withdrawn.emplace_back();
+    object.id = track->id;
+    object.category = track->category;
+    object.confirmed_frame = *track->confirmed_frame;
+    object.withdrawn_frame = event.frame;
+    if (kind == EventKind::kMerged) object.merged_into = event.event.other;
+    object.why = event.event.text;
+  }
+  return withdrawn;
+}
+
+nlohmann::json WithdrawnToJson(const std::vector<WithdrawnObject>& objects) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const WithdrawnObject& object : objects) {
+    list.push_back({{"id", object.id.value},
+                    {"category", object.category},
+                    {"confirmed_frame", object.confirmed_frame},
+                    {"withdrawn_frame", object.withdrawn_frame},
+                    {"merged_into", object.merged_into ? nlohmann::json(object.merged_into->value)
+                                                       : nlohmann::json(nullptr)},
+                    {"why", object.why}});
+  }
+  return list;
+}
+
 Result<nlohmann::json> RunResultJson(RunReader& reader) {
   const Result<std::vector<RunTiming>> timings = reader.Timings();
   if (!timings) return timings.error();
@@ -259,6 +297,9 @@ Result<nlohmann::json> RunResultJson(RunReader& reader) {
   }
   nlohmann::json json =
       summary.ToJson(reader.header(), timings->empty() ? 0.0 : timings->back().elapsed_s);
+  const auto withdrawn = ReadWithdrawn(reader);
+  if (!withdrawn) return withdrawn.error();
+  json["withdrawn"] = WithdrawnToJson(*withdrawn);
   const auto smoothed = ReadSmoothed(reader.file());
   if (!smoothed) return smoothed.error();
   if (*smoothed) json["smoothed"] = SmoothedToJson(**smoothed, reader.header());

@@ -10,6 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "engine/base/ids.h"
 #include "engine/base/result.h"
 #include "engine/evaluation/map_evaluation.h"
 #include "engine/mapping/event_report.h"
@@ -59,6 +60,22 @@ class RunSummary {
   /// Of the last frame that was not skipped, without particles; null before it.
   std::shared_ptr<const std::vector<ObjectReport>> objects_;
 };
+
+/// An object that was confirmed and is not there any more.
+struct WithdrawnObject {
+  ObjectId id;
+  std::string category;
+  int confirmed_frame = 0, withdrawn_frame = 0;  ///< In the sequence.
+  std::optional<ObjectId> merged_into;           ///< It was that one all along.
+  std::string why;
+};
+
+/// By the frame in which they were withdrawn; those of the parts before a resume or a fork, too.
+/// Errors: kCorrupt.
+Result<std::vector<WithdrawnObject>> ReadWithdrawn(RunReader& reader);
+
+/// `withdrawn` of the JSON of a run.
+nlohmann::json WithdrawnToJson(const std::vector<WithdrawnObject>& objects);
 
 /// What the second pass found, as `smoothed` of the JSON above.
 nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header);

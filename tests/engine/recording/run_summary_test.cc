@@ -102,7 +102,41 @@ TEST(RunSummary, IsTheSameFromTheRunFile) {
   EXPECT_GT(from_file["seconds"].get<double>(), 0);
   from_file["seconds"] = 3.0;
   from_file["fps"] = 7.0;
+  from_file.erase("withdrawn");  // of the file alone: a resumed run has seen only its end
   EXPECT_EQ(from_file, summary.ToJson(Header(), 3.0));
+}
+
+TEST(ReadWithdrawn, TellsWhatWasConfirmedAndIsGone) {
+  const TemporaryFolder folder;
+  std::vector<FrameReport> frames(4);
+  for (int i = 0; i < 4; ++i) frames[i].frame = 10 + i;
+  frames[0].objects = {Object(1, ObjectState::kConfirmed), Object(2, ObjectState::kConfirmed),
+                       Object(3, ObjectState::kTentative), Object(4, ObjectState::kConfirmed)};
+  frames[1].objects = frames[0].objects;
+  for (const int i : {1, 2, 3})
+    frames[1].objects[i].state = ObjectState::kRetired;  // the first lives on
+  frames[1].events = {{EventKind::kRetired, {2}, {}, "seen without support", {}},
+                      {EventKind::kRetired, {3}, {}, "tentative for too long", {}},
+                      {EventKind::kMerged, {4}, {1}, "at one place", {}}};
+  for (const int i : {2, 3}) frames[i].objects = {frames[0].objects[0]};
+  {
+    const auto writer = RunWriter::Create(folder.path() / "run.plb", Header()).value();
+    for (const FrameReport& frame : frames) ASSERT_TRUE(writer->Write(frame, {}).ok());
+    ASSERT_TRUE(writer->Close().ok());
+  }
+  const auto reader = RunReader::Open(folder.path() / "run.plb").value();
+  const std::vector<WithdrawnObject> withdrawn = ReadWithdrawn(*reader).value();
+  ASSERT_EQ(withdrawn.size(), 2u) << "not what was never confirmed, nor what is there";
+  EXPECT_EQ(withdrawn[0].id, ObjectId{2});
+  EXPECT_EQ(withdrawn[0].category, "chair");
+  EXPECT_EQ(withdrawn[0].confirmed_frame, 4);
+  EXPECT_EQ(withdrawn[0].withdrawn_frame, 11);
+  EXPECT_EQ(withdrawn[0].why, "seen without support");
+  EXPECT_FALSE(withdrawn[0].merged_into);
+  EXPECT_EQ(withdrawn[1].merged_into, ObjectId{1});
+  const nlohmann::json json = RunResultJson(*reader).value()["withdrawn"];
+  EXPECT_EQ(json, WithdrawnToJson(withdrawn));
+  EXPECT_EQ(json[1]["merged_into"], 1);
 }
 
 TEST(ReadEstimates, GivesTheConfirmedObjectsOfARunFileAndOfItsJson) {
