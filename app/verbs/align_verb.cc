@@ -17,6 +17,7 @@
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 #include "engine/models/mesh_file.h"
+#include "engine/registration/floor.h"
 #include "engine/registration/model_alignment.h"
 
 namespace plumbline {
@@ -65,9 +66,23 @@ Result<bool> StandsOnFloor(const std::filesystem::path& model) {
   return false;
 }
 
+/// The floor of the scan at the start, level; nothing where none can be told.
+std::optional<Eigen::Vector4d> LevelFloor(const ScanTarget& scan, const Eigen::Vector3d& up,
+                                          const Eigen::Vector3d& start,
+                                          const std::vector<Eigen::Vector3d>& camera_centers) {
+  const Result<FloorPlane> floor = FindFloor(scan, {camera_centers, up});
+  if (!floor || floor->up_in_scan.dot(up) < kLeastLevel) return std::nullopt;
+  const double above_m =
+      (floor->up_in_scan.dot(start) + floor->offset_m) / floor->up_in_scan.dot(up);
+  Eigen::Vector4d level;
+  level << up, above_m - start.dot(up);
+  return level;
+}
+
 /// What fell out, besides the time that it took.
 struct AlignResult {
   ModelAlignment alignment;
+  std::optional<Eigen::Vector4d> floor;  ///< That was given, or found because none was.
   double prepare_ms = 0, align_ms = 0;
 };
 
@@ -94,6 +109,11 @@ nlohmann::json ToJson(const AlignResult& result, const UprightFrame& upright,
   json["starts"] = arguments.options.starts;
   json["dof"] = arguments.dof;
   json["standing"] = arguments.options.standing == Standing::kOnSupport ? "on_support" : "anywhere";
+  json["floor"] = nullptr;
+  if (result.floor) {
+    const Eigen::Vector4d& plane = *result.floor;
+    json["floor"] = {plane[0], plane[1], plane[2], plane[3]};
+  }
   json["symmetry_order"] = result.alignment.symmetry_order;
   json["seconds"] = result.align_ms / 1e3;
   json["prepare_seconds"] = result.prepare_ms / 1e3;
@@ -115,6 +135,7 @@ void PrintTable(const AlignResult& result, const UprightFrame& upright) {
                 1e3 * deviations.position_m, kDegPerRad * deviations.azimuth_rad,
                 candidate.same_by_symmetry ? "  (the first, turned by its symmetry)" : "");
   }
+  if (result.floor) std::printf("The floor is at %.3f m along up.\n", -(*result.floor)[3]);
   const int order = result.alignment.symmetry_order;
   if (order == 0)
     std::printf("The model looks the same at any azimuth: its azimuth means nothing.\n");
@@ -147,13 +168,19 @@ Result<AlignResult> Run(const AlignArguments& arguments, const Eigen::VectorXd& 
   const auto surface = ModelSurface::Prepare(*model);
   if (!surface)
     return Error{surface.error().code, arguments.model + ": " + surface.error().message};
-  result.prepare_ms = watch.Lap();
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
   start.linear() = upright.WorldFromObjectRotation(init.size() > 3 ? init[3] / kDegPerRad : 0.0);
   start.translation() = init.head<3>();
+  AlignOptions options = arguments.options;
+  if (options.standing == Standing::kOnSupport && !options.floor_in_scan) {
+    options.floor_in_scan =
+        LevelFloor(**target, upright.up_in_world(), start.translation(), camera_centers);
+  }
+  result.floor = options.floor_in_scan;
+  result.prepare_ms = watch.Lap();
   ConsoleWork work;
-  Result<ModelAlignment> alignment = AlignModel(**target, **surface, start, upright.up_in_world(),
-                                                arguments.options, work.context());
+  Result<ModelAlignment> alignment =
+      AlignModel(**target, **surface, start, upright.up_in_world(), options, work.context());
   if (!alignment) return alignment.error();
   result.align_ms = watch.Lap();
   result.alignment = std::move(*alignment);
@@ -246,7 +273,8 @@ void AddAlignVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option(
           "--floor", arguments->floor,
           "The floor's plane ax + by + cz + d = 0 with (a, b, c) up, as 'plumbline gravity' "
-          "finds it: where the scan shows no surface below the model")
+          "finds it: where the scan shows no surface below the model (default for what stands on "
+          "its support: the widest level plane below the scan)")
       ->type_name("a,b,c,d");
   verb->add_option("--starts", arguments->options.starts,
                    "Azimuths to start from, evenly spread; 1: only the one given")

@@ -89,6 +89,9 @@ TEST_F(AlignVerb, AsksTheListOfModelsWhatItStandsOn) {
   list("floor");
   EXPECT_EQ(standing(""), "on_support");
   EXPECT_THAT(Output(), testing::HasSubstr("--anywhere"));
+  const nlohmann::json floor = ReadJson(folder_.path() / "align.json").value()["floor"];
+  EXPECT_NEAR(floor[0].get<double>(), 1, 1e-12) << "level, whatever the scan's";
+  EXPECT_NEAR(floor[3].get<double>(), 0, 2e-3) << "found, because none was given";
   EXPECT_EQ(standing(" --anywhere"), "anywhere");
   list("any");
   EXPECT_EQ(standing(""), "anywhere");

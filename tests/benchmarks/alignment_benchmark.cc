@@ -34,6 +34,7 @@
 #include "engine/dataset/ground_truth.h"
 #include "engine/geometry/gravity.h"
 #include "engine/models/mesh_file.h"
+#include "engine/registration/floor.h"
 #include "engine/registration/model_alignment.h"
 #include "tests/support/alignment_case.h"
 #include "tests/support/furniture_models.h"
@@ -335,6 +336,9 @@ Status RunRoom(const std::filesystem::path& room, const std::filesystem::path& w
   const auto scan = ReadMesh(room / "scene.ply");
   if (!scan.ok()) return scan.error();
   const auto target = ScanTarget::Prepare(*scan).value();
+  // As `plumbline align` does for what stands on the floor.
+  const auto floor = FindFloor(*target, {{}, -truth->gravity_in_world});
+  if (!floor.ok()) return floor.error();
   Outcomes all;
   int number = 0;
   for (const GroundTruthInstance& instance : truth->instances) {
@@ -355,9 +359,11 @@ Status RunRoom(const std::filesystem::path& room, const std::filesystem::path& w
           test.start.linear();
       test.start.translation() += offset;
       AlignOptions options;
+      outcomes["Plumbline, 24 starts, anywhere"].push_back(Ours(test, *target, shape, options));
       options.standing = Standing::kOnSupport;
-      outcomes["Plumbline, 24 starts, on its support"].push_back(
-          Ours(test, *target, shape, options));
+      options.floor_in_scan.emplace();
+      *options.floor_in_scan << floor->up_in_scan, floor->offset_m;
+      outcomes["Plumbline, 24 starts, on the floor"].push_back(Ours(test, *target, shape, options));
       const AlignmentCrop crop =
           CropScan(*target, *shape.surface, test.start, test.up_in_scan, options.search_m);
       if (!write_to.empty())
