@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "app/verbs/argument_checks.h"
 #include "app/verbs/console_work.h"
 #include "app/verbs/evaluate_plant.h"
 #include "app/verbs/evaluate_runs.h"
@@ -350,7 +351,7 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
       ->capture_default_str();
   verb->add_option("--seed", arguments->options.seed,
                    "Seed of the sampled points: the same seed gives the same figures")
-      ->check(CLI::NonNegativeNumber)
+      ->check(IsSeed())
       ->capture_default_str();
   verb->add_option("--single-frames", arguments->single_frames,
                    "Of a run file, judge what the map said in so many of its images, as the BOP "

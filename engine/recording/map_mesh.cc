@@ -24,7 +24,7 @@ std::array<std::uint8_t, 3> ColorOf(int index) {
 }  // namespace
 
 Result<TriangleMesh> MapMesh(std::span<const EstimatedObject> objects,
-                             const ModelDatabase& database) {
+                             const ModelDatabase& database, MapColors colors) {
   TriangleMesh scene;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const std::optional<ModelId> id = database.Find(objects[i].model);
@@ -35,7 +35,11 @@ Result<TriangleMesh> MapMesh(std::span<const EstimatedObject> objects,
     }
     TriangleMesh mesh = Transformed(Scaled(database.model(*id).mesh, objects[i].scale),
                                     objects[i].world_from_object);
-    mesh.colors.assign(mesh.vertices.size(), ColorOf(static_cast<int>(i)));
+    if (colors == MapColors::kByObject) {
+      mesh.colors.assign(mesh.vertices.size(), ColorOf(static_cast<int>(i)));
+    } else if (mesh.colors.empty()) {
+      mesh.colors.assign(mesh.vertices.size(), {200, 200, 200});
+    }
     mesh.texture_coordinates.clear();
     mesh.texture_file.clear();
     Append(mesh, scene);
