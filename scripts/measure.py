@@ -282,7 +282,7 @@ class Measurement:
         process = self.call("run", sequence, "--out", run_file, "--json", summary_file, *words)
         if process.returncode == 0:
             judge = ["evaluate", run_file, "--ground-truth", job.sequence / "ground_truth.json", "--models",
-                     job.sequence / "models", "--json", judged_file, "--samples", 100_000]
+                     job.sequence / "models", "--json", judged_file, "--samples", 100_000, "--single-frames", 0]
             if job.set.scan and (job.sequence / "scene.ply").exists():
                 judge += ["--scene", job.sequence / "scene.ply"]
             for category in job.set.ignored:
@@ -339,13 +339,15 @@ def fill(record, job, frames, summary, judged, withdrawn):
     record.update(fps=summary["fps"], frames=summary["frames"], skipped=summary["skipped"],
                   stages_ms={stage: cost["mean"] for stage, cost in summary["timings_ms"].items()},
                   instances=instances_of(summary, judged), spurious=judged["spurious_objects"],
-                  withdrawn=withdrawn, surface_mean_m=judged["surface"]["mean_m"], belief=judged["belief"])
+                  withdrawn=withdrawn, surface_mean_m=judged["surface"]["mean_m"], surfaces=judged["surfaces"],
+                  belief=judged["belief"])
     if "smoothed" in judged:
         smoothed = judged["smoothed"]
         record["smoothed"] = {
             **{key: record[key] for key in ("set", "room", "seed", "variant", "fps")},
             "instances": instances_of(summary["smoothed"], smoothed), "spurious": smoothed["spurious_objects"],
-            "withdrawn": [], "surface_mean_m": smoothed["surface"]["mean_m"], "belief": smoothed["belief"]}
+            "withdrawn": [], "surface_mean_m": smoothed["surface"]["mean_m"], "surfaces": smoothed["surfaces"],
+            "belief": smoothed["belief"]}
 
 
 def shown_frames(sequence, frames):

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -9,12 +10,14 @@
 #include "app/verbs/console_work.h"
 #include "app/verbs/vector_argument.h"
 #include "app/verbs/verb.h"
+#include "engine/base/files.h"
 #include "engine/base/timer.h"
 #include "engine/dataset/json_fields.h"
 #include "engine/dataset/trajectory.h"
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
 #include "engine/models/mesh_file.h"
+#include "engine/registration/floor.h"
 #include "engine/registration/model_alignment.h"
 
 namespace plumbline {
@@ -25,7 +28,8 @@ constexpr double kLeastLevel = 0.985;  ///< Cosine of 10 degrees.
 struct AlignArguments {
   std::string scan, model, init, gravity, floor, trajectory, json;
   int dof = 4;
-  bool on_support = false;
+  bool on_support = false, anywhere = false;
+  double min_fitness = 0.05;
   AlignOptions options;
 };
 
@@ -46,9 +50,39 @@ nlohmann::json CovarianceToJson(const AlignCandidate& candidate, const Eigen::Ve
   return rows;
 }
 
+/// Whether the list of models beside a model says that it stands on the floor; a file that lies
+/// beside no list, or is not in it, may be anywhere.
+Result<bool> StandsOnFloor(const std::filesystem::path& model) {
+  const std::filesystem::path list = model.parent_path() / "models.json";
+  std::error_code ignored;
+  if (!std::filesystem::exists(list, ignored)) return false;
+  const Result<nlohmann::json> json = ReadJson(list);
+  if (!json) return Error{json.error().code, json.error().message + "; --anywhere ignores it"};
+  const nlohmann::json models = json->is_object() ? json->value("models", nlohmann::json()) : *json;
+  for (const nlohmann::json& entry : models) {
+    if (entry.is_object() && entry.value("file", nlohmann::json()) == model.filename().string())
+      return entry.value("support", nlohmann::json()) == "floor";
+  }
+  return false;
+}
+
+/// The floor of the scan at the start, level; nothing where none can be told.
+std::optional<Eigen::Vector4d> LevelFloor(const ScanTarget& scan, const Eigen::Vector3d& up,
+                                          const Eigen::Vector3d& start,
+                                          const std::vector<Eigen::Vector3d>& camera_centers) {
+  const Result<FloorPlane> floor = FindFloor(scan, {camera_centers, up});
+  if (!floor || floor->up_in_scan.dot(up) < kLeastLevel) return std::nullopt;
+  const double above_m =
+      (floor->up_in_scan.dot(start) + floor->offset_m) / floor->up_in_scan.dot(up);
+  Eigen::Vector4d level;
+  level << up, above_m - start.dot(up);
+  return level;
+}
+
 /// What fell out, besides the time that it took.
 struct AlignResult {
   ModelAlignment alignment;
+  std::optional<Eigen::Vector4d> floor;  ///< That was given, or found because none was.
   double prepare_ms = 0, align_ms = 0;
 };
 
@@ -74,6 +108,12 @@ nlohmann::json ToJson(const AlignResult& result, const UprightFrame& upright,
   json["iterations"] = result.alignment.iterations;
   json["starts"] = arguments.options.starts;
   json["dof"] = arguments.dof;
+  json["standing"] = arguments.options.standing == Standing::kOnSupport ? "on_support" : "anywhere";
+  json["floor"] = nullptr;
+  if (result.floor) {
+    const Eigen::Vector4d& plane = *result.floor;
+    json["floor"] = {plane[0], plane[1], plane[2], plane[3]};
+  }
   json["symmetry_order"] = result.alignment.symmetry_order;
   json["seconds"] = result.align_ms / 1e3;
   json["prepare_seconds"] = result.prepare_ms / 1e3;
@@ -95,6 +135,7 @@ void PrintTable(const AlignResult& result, const UprightFrame& upright) {
                 1e3 * deviations.position_m, kDegPerRad * deviations.azimuth_rad,
                 candidate.same_by_symmetry ? "  (the first, turned by its symmetry)" : "");
   }
+  if (result.floor) std::printf("The floor is at %.3f m along up.\n", -(*result.floor)[3]);
   const int order = result.alignment.symmetry_order;
   if (order == 0)
     std::printf("The model looks the same at any azimuth: its azimuth means nothing.\n");
@@ -127,16 +168,31 @@ Result<AlignResult> Run(const AlignArguments& arguments, const Eigen::VectorXd& 
   const auto surface = ModelSurface::Prepare(*model);
   if (!surface)
     return Error{surface.error().code, arguments.model + ": " + surface.error().message};
-  result.prepare_ms = watch.Lap();
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
   start.linear() = upright.WorldFromObjectRotation(init.size() > 3 ? init[3] / kDegPerRad : 0.0);
   start.translation() = init.head<3>();
+  AlignOptions options = arguments.options;
+  if (options.standing == Standing::kOnSupport && !options.floor_in_scan) {
+    options.floor_in_scan =
+        LevelFloor(**target, upright.up_in_world(), start.translation(), camera_centers);
+  }
+  result.floor = options.floor_in_scan;
+  result.prepare_ms = watch.Lap();
   ConsoleWork work;
-  Result<ModelAlignment> alignment = AlignModel(**target, **surface, start, upright.up_in_world(),
-                                                arguments.options, work.context());
+  Result<ModelAlignment> alignment =
+      AlignModel(**target, **surface, start, upright.up_in_world(), options, work.context());
   if (!alignment) return alignment.error();
   result.align_ms = watch.Lap();
   result.alignment = std::move(*alignment);
+  const double fitness = result.alignment.candidates.front().fitness;
+  if (fitness < arguments.min_fitness) {
+    char text[200];
+    std::snprintf(text, sizeof(text),
+                  "only %.1f %% of the model's surface meets the scan, which says nothing of where "
+                  "it is; start nearer, search further, or ask for less with --min-fitness",
+                  100 * fitness);
+    return Error{ErrorCode::kDegenerate, text};
+  }
   return result;
 }
 
@@ -146,7 +202,16 @@ Status Align(AlignArguments arguments) {
   const Result<Eigen::Vector3d> gravity = ParseDirection(arguments.gravity, "--gravity");
   if (!gravity) return gravity.error();
   arguments.options.motion = MotionWith(arguments.dof);
-  if (arguments.on_support) arguments.options.standing = Standing::kOnSupport;
+  bool on_support = arguments.on_support;
+  if (!on_support && !arguments.anywhere) {
+    const Result<bool> stands = StandsOnFloor(arguments.model);
+    if (!stands) return stands.error();
+    on_support = *stands;
+    if (on_support && arguments.json != "-") {
+      std::printf("It stands on what is below it, as models.json says; --anywhere does not ask.\n");
+    }
+  }
+  if (on_support) arguments.options.standing = Standing::kOnSupport;
   if (!arguments.floor.empty()) {
     const Result<Eigen::VectorXd> floor = ParseNumbers(arguments.floor, "--floor", 4, 4);
     if (!floor) return floor.error();
@@ -200,19 +265,29 @@ void AddAlignVerb(CLI::App& app, VerbFunction& chosen) {
       ->capture_default_str();
   verb->add_flag("--on-support", arguments->on_support,
                  "The model stands on the level surface below it (a chair on the floor): poses "
-                 "that float must fit far better, and what stands on --floor stands on it exactly");
+                 "that float must fit far better, and what stands on --floor stands on it exactly. "
+                 "The default where the models.json beside the model says 'support: floor'");
+  verb->add_flag("--anywhere", arguments->anywhere,
+                 "The model may hang or float, whatever models.json says")
+      ->excludes("--on-support");
   verb->add_option(
           "--floor", arguments->floor,
           "The floor's plane ax + by + cz + d = 0 with (a, b, c) up, as 'plumbline gravity' "
-          "finds it: where the scan shows no surface below the model")
+          "finds it: where the scan shows no surface below the model (default for what stands on "
+          "its support: the widest level plane below the scan)")
       ->type_name("a,b,c,d");
   verb->add_option("--starts", arguments->options.starts,
                    "Azimuths to start from, evenly spread; 1: only the one given")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
   verb->add_option("--search", arguments->options.search_m,
-                   "How far from the start the model may be [m]")
+                   "How far from the start the model may be [m]; nothing further is an answer")
       ->check(CLI::Range(0.05, 2.0))
+      ->capture_default_str();
+  verb->add_option("--min-fitness", arguments->min_fitness,
+                   "Refuse a result of which a smaller share of the model's surface meets the scan "
+                   "within 2 cm; 0: none")
+      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   verb->add_option("--trajectory", arguments->trajectory,
                    "Camera poses in the scan's frame (TUM): they tell the seen side of a point "

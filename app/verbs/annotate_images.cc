@@ -11,11 +11,13 @@
 #include "engine/annotation/check_frames.h"
 #include "engine/annotation/joint_refinement.h"
 #include "engine/annotation/outline_scene.h"
+#include "engine/annotation/placement_images.h"
 #include "engine/annotation/reopening.h"
 #include "engine/base/log.h"
 #include "engine/dataset/json_fields.h"
 #include "engine/geometry/angles.h"
 #include "engine/models/mesh_file.h"
+#include "engine/pipeline/run_recipe.h"
 #include "engine/registration/scale_fit.h"
 
 namespace plumbline {
@@ -25,11 +27,12 @@ namespace {
 class ProjectImages {
  public:
   ProjectImages(const AnnotationProject& project, const OpenedInputs& inputs,
-                const ImageArguments& arguments)
+                const ImageArguments& arguments, const FrameSelection& among)
       : document_(project.document()),
         inputs_(inputs),
         arguments_(arguments),
-        scene_(inputs.models, LoadScan(project)) {}
+        among_(among),
+        scene_(std::make_shared<OutlineScene>(inputs.models, LoadScan(project))) {}
 
   struct View {
     std::shared_ptr<const OutlineModel> model;
@@ -38,17 +41,35 @@ class ProjectImages {
   };
 
   Result<View> Of(const AnnotatedInstance& instance, const WorkContext& work) {
-    const auto model = scene_.Model(instance.model, instance.scale);
+    const auto model = scene_->Model(instance.model, instance.scale);
     if (!model) return Error{model.error().code, instance.id + ": " + model.error().message};
-    View view{*model, scene_.OccludersOf(document_, instance.id), nullptr};
+    View view{*model, scene_->OccludersOf(document_, instance.id), nullptr};
     CheckFrameOptions options;
     options.frames = arguments_.frames;
+    options.among = among_;
     auto images = LoadCheckImages(inputs_.sequence, document_, **model, instance.scan_from_object,
                                   view.occluders, options, arguments_.edges, work);
     if (!images) return images.error();
     if (*images != nullptr) Warn((*images)->warnings());
     view.images = std::move(*images);
     return view;
+  }
+
+  /// Where the images alone say that the object stands, of all azimuths; nothing where they do not
+  /// say so clearly, or where it stands so already.
+  std::optional<Eigen::Isometry3d> OfAllAzimuths(const AnnotatedInstance& instance,
+                                                 FreeMotion motion, const WorkContext& work) {
+    const PlacementQuestion question{inputs_.sequence, scene_,
+                                     document_,        instance.model,
+                                     instance.id,      -document_.gravity_in_scan.normalized(),
+                                     motion,           instance.scale,
+                                     among_,           arguments_.edges};
+    const auto images = PlacementImages::Choose(question, instance.scan_from_object, work);
+    if (!images) return std::nullopt;
+    const double now = images->Agreement(instance.scan_from_object);
+    const auto found = images->Search(instance.scan_from_object, work);
+    if (!found || !Convinces(found->agreement, std::span(&now, 1))) return std::nullopt;
+    return found->scan_from_object;
   }
 
  private:
@@ -68,8 +89,17 @@ class ProjectImages {
   const AnnotationDocument& document_;
   const OpenedInputs& inputs_;
   const ImageArguments& arguments_;
-  OutlineScene scene_;
+  const FrameSelection among_;
+  std::shared_ptr<OutlineScene> scene_;
 };
+
+/// Errors: kInvalidInput.
+Result<FrameSelection> ParseAmong(const std::string& text) {
+  if (text.empty()) return FrameSelection();
+  const Result<FrameRange> range = ParseFrameRange(text);
+  if (!range) return range.error();
+  return FrameSelection{range->begin, range->end, range->step};
+}
 
 // Refining.
 
@@ -198,59 +228,12 @@ Result<std::vector<const AnnotatedInstance*>> Chosen(const AnnotationDocument& d
 
 }  // namespace
 
-void AddImageOptions(CLI::App& command, ImageArguments& arguments, const char* least_frames) {
-  command
-      .add_option("--frames", arguments.frames,
-                  std::string("Key frames that each object is compared in, from as different sides "
-                              "as there are; ") +
-                      least_frames)
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
-  command
-      .add_option(
-          "--edges", arguments.edges,
-          "dataset (the sequence's), gradient or a network; the sequence's where it has any, "
-          "else gradient")
-      ->type_name("dataset|gradient|FILE.onnx");
-}
-
-void AddRefineOptions(CLI::App& command, RefineArguments& arguments) {
-  command
-      .add_option("--instance", arguments.instances,
-                  "Only this one (may be given several times); else all that are not locked")
-      ->type_name("ID");
-  command
-      .add_option("--by", arguments.by,
-                  "both: scan and images together, weighted by their covariances (where there is "
-                  "but one, that one); or one of them alone")
-      ->check(CLI::IsMember({"both", "scan", "images"}))
-      ->capture_default_str();
-  command
-      .add_option("--camera-std", arguments.camera_std_cm,
-                  "By how much all cameras together may be off in the scan, along each axis [cm]; "
-                  "0 for synthetic sequences")
-      ->check(CLI::Range(0.0, 100.0))
-      ->capture_default_str();
-  command
-      .add_option("--max-shift", arguments.options.max_shift_m,
-                  "How far it may move across and along gravity [m]")
-      ->check(CLI::Range(0.001, 1.0))
-      ->capture_default_str();
-  command.add_option("--max-turn", arguments.options.max_turn_deg, "How far it may turn [degrees]")
-      ->check(CLI::Range(0.1, 90.0))
-      ->capture_default_str();
-  command
-      .add_option("--dof", arguments.dof,
-                  "What is free: 4 azimuth and translation, 3 azimuth and the two translations "
-                  "along the floor, 1 azimuth alone")
-      ->check(CLI::IsMember({4, 3, 1}))
-      ->capture_default_str();
-}
-
 Result<nlohmann::json> CheckByImages(const AnnotationProject& project, const OpenedInputs& inputs,
                                      const ImageArguments& arguments, bool quiet) {
+  const auto among = ParseAmong(arguments.among);
+  if (!among) return among.error();
   ConsoleWork work;
-  ProjectImages views(project, inputs, arguments);
+  ProjectImages views(project, inputs, arguments, *among);
   nlohmann::json json = nlohmann::json::array();
   if (!quiet) std::printf("%-16s %6s  %9s  %s\n", "instance", "images", "agreement", "offset [px]");
   for (const AnnotatedInstance& instance : project.document().instances) {
@@ -324,6 +307,12 @@ Status RefineInstances(const std::string& project_file, const ImageArguments& im
   }
   const auto chosen = Chosen(document, arguments.instances);
   if (!chosen) return chosen.error();
+  const auto among = ParseAmong(images.among);
+  if (!among) return among.error();
+  if (arguments.all_azimuths && !by_images) {
+    return Error{ErrorCode::kInvalidInput, "--all-azimuths asks the images, and '" + project_file +
+                                               "' names no sequence or --by scan leaves them out"};
+  }
   std::shared_ptr<const ScanTarget> target;
   if (by_scan) {
     auto mesh = ReadMesh((*project)->Resolve(document.scan));
@@ -340,13 +329,24 @@ Status RefineInstances(const std::string& project_file, const ImageArguments& im
   const Eigen::Vector3d up = -document.gravity_in_scan.normalized();
   const bool quiet = json_file == "-";
   ConsoleWork work;
-  ProjectImages views(**project, *inputs, images);
+  ProjectImages views(**project, *inputs, images, *among);
   EditGroup group{"Refine", {}};
   nlohmann::json json = nlohmann::json::array();
   Status status;
   if (!quiet) PrintHead();
   const auto refine = [&](const AnnotatedInstance& placed) -> Result<nlohmann::json> {
     AnnotatedInstance instance = placed;
+    bool turned = false;
+    if (arguments.all_azimuths) {
+      const auto found = views.OfAllAzimuths(instance, options.motion, work.context());
+      turned = found.has_value();
+      if (found) instance.scan_from_object = *found;
+      if (found && !quiet) {
+        std::printf("%-16s begins %+.1f deg turned, where the images prefer it\n",
+                    instance.id.c_str(),
+                    kDegPerRad * ChangeBetween(placed.scan_from_object, *found, up).azimuth_rad);
+      }
+    }
     std::optional<ScaleFit> scaled;
     if (instance.may_scale && target != nullptr) {
       const auto fit = SolveScale(instance, *inputs->models, *target, up, options.motion);
@@ -400,6 +400,7 @@ Status RefineInstances(const std::string& project_file, const ImageArguments& im
     const auto count = [](const auto& some) { return some ? some->images().size() : 0; };
     nlohmann::json row =
         ToJson(instance.id, *refined, taken, count(apart.used), count(apart.held_out), up);
+    if (arguments.all_azimuths) row["turned_by_images"] = turned;
     if (scaled) {
       row["scale"] = instance.scale;
       row["scale_std"] = scaled->scale_std;

@@ -15,6 +15,7 @@ namespace plumbline {
 /// Which images of the project's sequence an object is compared with.
 struct ImageArguments {
   int frames = 12;
+  std::string among;  ///< The frames that they may be of, as A:B[:S]; empty: all.
   std::string edges;
 };
 void AddImageOptions(CLI::App& command, ImageArguments& arguments, const char* least_frames);
@@ -23,6 +24,7 @@ struct RefineArguments {
   std::vector<std::string> instances;  ///< All that are not locked where there are none.
   std::string by = "both";             ///< or "scan", "images"
   int dof = 4;
+  bool all_azimuths = false;  ///< First, the images say which way round it stands.
   double camera_std_cm = 100 * kUsualCameraStd_m;
   ImageRefinementOptions options;
 };

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
-#include <map>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <utility>
 
 #include "app/verbs/argument_checks.h"
+#include "app/verbs/console_work.h"
 #include "app/verbs/evaluate_plant.h"
 #include "app/verbs/evaluate_runs.h"
+#include "app/verbs/evaluate_tables.h"
 #include "app/verbs/evaluate_trajectory.h"
 #include "app/verbs/verb.h"
 #include "engine/analysis/history.h"
@@ -35,125 +35,17 @@ struct EvaluateArguments {
   std::string trajectory, reference;  ///< Instead of a run.
   ///< Empty: "yaw" of a trajectory; of a map "trajectory" where it has own poses, else "none".
   std::string align, truth = "both";
+  int single_frames = 20;
   std::string plant;  ///< Folder for forks in which what was missed is planted; empty: none.
   EvaluationOptions options;
   std::optional<SequenceAlignment> by_trajectory;
 };
-
-double Degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 
 template <typename E>
 E ValueOf(const std::string& name) {
   std::size_t i = 0;
   while (EnumNames<E>::names[i] != name) ++i;
   return static_cast<E>(i);
-}
-
-std::string Number(const char* format, std::optional<double> value) {
-  if (!value) return "-";
-  char text[32];
-  std::snprintf(text, sizeof(text), format, *value);
-  return text;
-}
-
-void PrintSurface(const char* name, const ErrorStatistics& s, const char* paper) {
-  if (s.samples == 0) {
-    std::printf("%-22s %8s\n", name, "-");
-    return;
-  }
-  std::printf("%-22s %8.2f %8.2f %8.2f %8.2f   %s\n", name, 100 * s.mean_m, 100 * s.median_m,
-              100 * s.std_m, 100 * s.max_m, paper);
-}
-
-/// Of what a scale was estimated or is true: in per cent more than the model.
-std::string SizeInWords(const MatchedObject& object) {
-  if (!object.estimate.scale_std && object.truth.scale == 1) return "";
-  std::string text = "  size " + Number("%+.1f", 100 * (object.estimate.scale - 1));
-  if (object.estimate.scale_std) text += Number(" +- %.1f", 100 * *object.estimate.scale_std);
-  return text + Number(" %% (true %+.1f %%)", 100 * (object.truth.scale - 1));
-}
-
-/// How well the truth itself is known, where its file says so.
-std::string TruthInWords(const GroundTruthInstance& truth) {
-  if (!truth.position_std_m && !truth.azimuth_std_rad) return "";
-  std::string text = "  truth +-";
-  if (truth.position_std_m) text += Number("%.1f cm", 100 * *truth.position_std_m);
-  if (truth.azimuth_std_rad)
-    text += (truth.position_std_m ? " " : "") + Number("%.1f deg", Degrees(*truth.azimuth_std_rad));
-  return text;
-}
-
-using PlantedTruths = std::map<std::string, PlantedTruth>;
-
-/// @param truths  Why instances are missed; null: not known.
-void PrintObjects(const MapEvaluation& evaluation, const TruthsView* truths,
-                  const PlantedTruths& planted) {
-  std::printf("%-6s %-18s %-18s %7s %7s %8s %8s %6s %7s %8s\n", "object", "model", "ground truth",
-              "trans.", "centre", "rotation", "azimuth", "tilt", "height", "surface");
-  std::printf("%-6s %-18s %-18s %7s %7s %8s %8s %6s %7s %8s\n", "", "", "", "cm", "cm", "deg",
-              "deg", "deg", "cm", "mean cm");
-  for (const MatchedObject& object : evaluation.matched) {
-    const PoseError& pose = object.pose;
-    const std::optional<double> azimuth =
-        pose.azimuth_rad ? std::optional(Degrees(*pose.azimuth_rad)) : std::nullopt;
-    std::printf("%-6s %-18s %-18s %7.1f %7.1f %8.2f %8s %6.2f %+7.1f %8.2f%s%s%s%s\n",
-                object.estimate.id.c_str(), object.estimate.model.c_str(), object.truth.id.c_str(),
-                100 * pose.translation_m, 100 * object.centre_m, Degrees(pose.rotation_rad),
-                Number("%+.2f", azimuth).c_str(), Degrees(pose.tilt_rad), 100 * pose.height_m,
-                100 * object.surface.mean_m, object.truth.fine ? "" : "  coarse",
-                object.model_correct ? "" : "  WRONG MODEL", SizeInWords(object).c_str(),
-                TruthInWords(object.truth).c_str());
-  }
-  for (const SpuriousObject& object : evaluation.spurious) {
-    std::printf("%-6s %-18s %-18s %59s\n", object.estimate.id.c_str(),
-                object.estimate.model.c_str(), "SPURIOUS",
-                Number("%.2f", 100 * object.surface.mean_m).c_str());
-  }
-  for (const GroundTruthInstance& instance : evaluation.missed) {
-    std::printf("%-6s %-18s %-18s %s\n", "MISSED", instance.model.c_str(), instance.id.c_str(),
-                instance.fine ? "" : "coarse");
-    const TruthView* truth = truths != nullptr ? FindTruth(*truths, instance.id) : nullptr;
-    if (truth != nullptr) std::printf("       %s\n", truth->text.c_str());
-    const auto told = planted.find(instance.id);
-    if (told != planted.end())
-      std::printf("       Planted, to blame is %s: %s\n", BlameOf(told->second.fate),
-                  told->second.text.c_str());
-  }
-}
-
-void PrintTable(const MapEvaluation& evaluation, const TruthsView* truths,
-                const PlantedTruths& planted, const EvaluateArguments& arguments) {
-  PrintObjects(evaluation, truths, planted);
-  std::printf("\nmatched %zu, missed %zu, spurious %zu; alignment %s, truth %s%s\n\n",
-              evaluation.matched.size(), evaluation.missed.size(), evaluation.spurious.size(),
-              arguments.align.c_str(), arguments.scene.empty() ? "models" : arguments.truth.c_str(),
-              arguments.scene.empty() ? " (no --scene)" : "");
-  if (arguments.by_trajectory) {
-    const TrajectoryErrors& errors = arguments.by_trajectory->errors;
-    std::printf(
-        "own poses against the reference: %d frames, ATE %.1f cm, tilt %.2f deg, scale %.4f "
-        "(by which they have to grow)\n\n",
-        errors.matched, 100 * errors.ate_m, Degrees(errors.tilt_rad), errors.scale);
-  }
-  std::printf("%-22s %8s %8s %8s %8s   %s\n", "distances [cm]", "mean", "median", "std", "max",
-              "the paper's mean");
-  PrintSurface("surface", evaluation.surface, "1.39 - 2.79 VISMA, 0.3 - 6.3 SceneNN");
-  PrintSurface("surface, to the plane", evaluation.surface_normal, "");
-  PrintSurface("completeness", evaluation.completeness, "");
-  const auto centimetres = [](std::optional<double> m) {
-    return m ? std::optional(100 * *m) : std::nullopt;
-  };
-  const auto degrees = [](std::optional<double> rad) {
-    return rad ? std::optional(Degrees(*rad)) : std::nullopt;
-  };
-  std::printf("\n%-22s %8s %8s   %s\n", "mean pose error", "fine", "all", "the paper");
-  std::printf("%-22s %8s %8s   %s\n", "translation [cm]",
-              Number("%.2f", centimetres(evaluation.mean.translation_m)).c_str(),
-              Number("%.2f", centimetres(evaluation.mean_all.translation_m)).c_str(),
-              "2.4 - 13.6 VISMA");
-  std::printf("%-22s %8s %8s   %s\n", "rotation [deg]",
-              Number("%.2f", degrees(evaluation.mean.rotation_rad)).c_str(),
-              Number("%.2f", degrees(evaluation.mean_all.rotation_rad)).c_str(), "4.7 - 9.1 VISMA");
 }
 
 /// The run's beliefs frame by frame; nothing where the input is no run file, its frame is not that
@@ -170,47 +62,6 @@ std::optional<RunReview> BeliefsOf(const EvaluateArguments& arguments) {
   }
   LeaveOut(arguments.options.ignored_categories, *review);
   return std::move(review).value();
-}
-
-std::string Percent(double share, int of) {
-  return of > 0 ? Number("%.1f", 100 * share / of) : "-";
-}
-
-void PrintReliability(const RunHistory& history, int truths) {
-  const Reliability end = ReliabilityAtEnd(history).all;
-  const RunReliability along = ReliabilityOf(history);
-  std::printf("\n%-34s %10s %13s\n", "beliefs about confirmed objects", "at the end",
-              "along the run");
-  const auto print = [&](const char* name, const auto& of) {
-    std::printf("%-34s %10s %13s\n", name, of(end).c_str(), of(along.all).c_str());
-  };
-  print("poses", [](const Reliability& of) { return std::to_string(of.poses); });
-  print("truth in the 50 % region [%]",
-        [](const Reliability& of) { return Percent(of.within_50, of.poses); });
-  print("truth in the 95 % region [%]",
-        [](const Reliability& of) { return Percent(of.within_95, of.poses); });
-  print("NEES, 4 if honest",
-        [](const Reliability& of) { return of.objects > 0 ? Number("%.1f", of.nees) : "-"; });
-  print("  95 % of honest runs", [](const Reliability& of) {
-    return of.objects > 0 ? Number("%.1f", of.nees_low) + " - " + Number("%.1f", of.nees_high)
-                          : "-";
-  });
-  print("label right [%], of several models",
-        [](const Reliability& of) { return Percent(of.labels.right, of.labels.count); });
-  print("  believed at [%]",
-        [](const Reliability& of) { return Percent(of.labels.claimed, of.labels.count); });
-  print("  expected calibration error",
-        [](const Reliability& of) { return Number("%.3f", of.labels.ExpectedError()); });
-  std::printf("%-34s %10s\n", "average precision of being there",
-              Number("%.2f", ConfirmationOf(history, truths).average_precision).c_str());
-  if (along.objects.empty()) return;
-  std::printf("\n%-24s %8s %8s %8s %8s\n", "along the run, by object", "poses", "50 %", "95 %",
-              "NEES");
-  for (const auto& [object, of] : along.objects) {
-    std::printf("%-24d %8d %8s %8s %8.1f\n", object.value, of.poses,
-                Percent(of.within_50, of.poses).c_str(), Percent(of.within_95, of.poses).c_str(),
-                of.nees);
-  }
 }
 
 /// The recipe of a run file, and whether there is one to ask.
@@ -255,15 +106,6 @@ Status Align(EvaluateArguments& arguments) {
   return {};
 }
 
-nlohmann::json TrajectoryToJson(const TrajectoryErrors& errors) {
-  return {{"matched", errors.matched},
-          {"ate_m", errors.ate_m},
-          {"ate_deg", Degrees(errors.ate_rad)},
-          {"tilt_deg", Degrees(errors.tilt_rad)},
-          {"scale", errors.scale},
-          {"path_m", errors.path_m}};
-}
-
 /// What estimates are compared with.
 struct Truth {
   GroundTruth instances;
@@ -290,35 +132,61 @@ Result<Truth> LoadTruth(const EvaluateArguments& arguments) {
   return truth;
 }
 
-/// Judges estimates and, where `beliefs` has a history of them, what they were believed to be.
-/// Prints the tables unless standard output is for JSON.
-Result<nlohmann::json> Judge(const std::vector<EstimatedObject>& estimates, const Truth& truth,
-                             const std::optional<RunReview>& beliefs, const PlantedTruths& planted,
-                             const EvaluateArguments& arguments) {
-  const Result<MapEvaluation> evaluation =
-      EvaluateMap(estimates, truth.instances, *truth.database, truth.scan ? &*truth.scan : nullptr,
-                  arguments.options);
+/// What the map said in single images; nothing, with a warning, where that cannot be drawn.
+std::optional<SingleFrames> JudgeSingleFrames(const RunReview& review, const Truth& truth,
+                                              const EvaluateArguments& arguments) {
+  if (arguments.single_frames == 0) return std::nullopt;
+  ConsoleWork console;
+  const auto judge = [&]() -> Result<SingleFrames> {
+    const auto reader = RunReader::Open(arguments.run);
+    if (!reader.ok()) return reader.error();
+    const auto sequence = OpenSequenceOfRun({arguments.run, {}, arguments.models}, review.header);
+    if (!sequence.ok()) return sequence.error();
+    SingleFrameOptions options;
+    options.frames = arguments.single_frames;
+    return MeasureSingleFrames(review, **reader, **sequence, truth.scan ? &*truth.scan : nullptr,
+                               options, console.context());
+  };
+  Result<SingleFrames> frames = judge();
+  if (frames) return std::move(*frames);
+  log::warn("single frames are not judged: {}", frames.error().message);
+  return std::nullopt;
+}
+
+/// Judges what a map holds against the truth.
+Result<JudgedMap> Judge(const std::vector<EstimatedObject>& candidates, const Truth& truth,
+                        const EvaluateArguments& arguments) {
+  const std::vector<EstimatedObject> estimates = ConfirmedOf(candidates);
+  const TriangleMesh* scan = truth.scan ? &*truth.scan : nullptr;
+  Result<MapEvaluation> evaluation =
+      EvaluateMap(estimates, truth.instances, *truth.database, scan, arguments.options);
   if (!evaluation) return evaluation.error();
+  Result<SurfaceReferences> surfaces = CompareSurfaces(estimates, truth.instances, *truth.database,
+                                                       scan, *evaluation, arguments.options);
+  if (!surfaces) return surfaces.error();
+  Result<BoxDetection> detection = MeasureDetection(candidates, truth.instances, *truth.database,
+                                                    *evaluation, arguments.options);
+  if (!detection) return detection.error();
+  JudgedMap map;
+  map.options = arguments.options;
+  map.has_scan = scan != nullptr;
+  map.placement = MeasurePlacement(*evaluation, truth.instances, *truth.database);
+  map.evaluation = std::move(*evaluation);
+  map.surfaces = std::move(*surfaces);
+  map.detection = std::move(*detection);
+  map.by_trajectory = arguments.by_trajectory;
+  return map;
+}
+
+/// Prints the tables unless standard output is for JSON.
+nlohmann::json Tell(const JudgedMap& map, const std::optional<RunReview>& beliefs,
+                    const EvaluateArguments& arguments) {
   const int truths = beliefs ? static_cast<int>(beliefs->view.truth.size()) : 0;
-  // The history that stands for a second pass has no way on which something could be missed.
-  std::optional<TruthsView> known;
-  if (beliefs && !beliefs->history.frames.empty() &&
-      !beliefs->history.frames.front()->truths.empty())
-    known = TruthsOf(*beliefs);
   if (arguments.json != "-") {
-    PrintTable(*evaluation, known ? &*known : nullptr, planted, arguments);
+    PrintJudgedMap(map);
     if (beliefs) PrintReliability(beliefs->history, truths);
   }
-  nlohmann::json json = EvaluationToJson(*evaluation, arguments.options);
-  if (arguments.by_trajectory)
-    json["trajectory"] = TrajectoryToJson(arguments.by_trajectory->errors);
-  for (nlohmann::json& missed : json["missed_instances"]) {
-    const auto id = missed["ground_truth"].get<std::string>();
-    const TruthView* told = known ? FindTruth(*known, id) : nullptr;
-    if (told != nullptr) missed["why"] = WhyMissedToJson(*told);
-    if (const auto at = planted.find(id); at != planted.end())
-      missed["planted"] = PlantedToJson(at->second);
-  }
+  nlohmann::json json = JudgedMapToJson(map);
   if (beliefs) json["belief"] = BeliefToJson(beliefs->history, truths);
   return json;
 }
@@ -338,41 +206,52 @@ Result<std::optional<RunReview>> SmoothedBeliefs(const std::optional<RunReview>&
   return std::optional<RunReview>(std::move(smoothed));
 }
 
+/// The run mapped again with what it missed.
+Result<PlantedTruths> Plant(const std::optional<RunReview>& beliefs,
+                            const EvaluateArguments& arguments) {
+  if (!beliefs) {
+    return Error{ErrorCode::kInvalidInput,
+                 "--plant maps a run file (.plb) again; '" + arguments.run +
+                     "' cannot be, or is not in the frame of the ground truth"};
+  }
+  return PlantMissed({arguments.run, {}, arguments.models}, arguments.ground_truth, *beliefs,
+                     arguments.plant);
+}
+
 Status Evaluate(EvaluateArguments arguments) {
   if (Status status = Align(arguments); !status.ok()) return status;
   arguments.options.align = ValueOf<Alignment>(arguments.align);
   arguments.options.truth = ValueOf<TruthSurface>(arguments.truth);
-  const Result<std::vector<EstimatedObject>> estimates = ReadEstimates(arguments.run);
-  if (!estimates) return estimates.error();
+  const Result<std::vector<EstimatedObject>> candidates = ReadCandidates(arguments.run);
+  if (!candidates) return candidates.error();
   const Result<Truth> truth = LoadTruth(arguments);
   if (!truth) return truth.error();
   const std::optional<RunReview> beliefs = BeliefsOf(arguments);
-  PlantedTruths planted;
-  if (!arguments.plant.empty()) {
-    if (!beliefs) {
-      return Error{ErrorCode::kInvalidInput,
-                   "--plant maps a run file (.plb) again; '" + arguments.run +
-                       "' cannot be, or is not in the frame of the ground truth"};
-    }
-    auto told = PlantMissed({arguments.run, {}, arguments.models}, arguments.ground_truth, *beliefs,
-                            arguments.plant);
-    if (!told) return told.error();
-    planted = std::move(*told);
+  Result<JudgedMap> map = Judge(*candidates, *truth, arguments);
+  if (!map) return map.error();
+  if (beliefs) {
+    if (!beliefs->view.truth.empty() && !beliefs->history.frames.empty())
+      map->truths = TruthsOf(*beliefs);
+    map->single_frames = JudgeSingleFrames(*beliefs, *truth, arguments);
   }
-  Result<nlohmann::json> json = Judge(*estimates, *truth, beliefs, planted, arguments);
-  if (!json) return json.error();
-  const auto smoothed = ReadSmoothedEstimates(arguments.run);
+  if (!arguments.plant.empty()) {
+    auto planted = Plant(beliefs, arguments);
+    if (!planted) return planted.error();
+    map->planted = std::move(*planted);
+  }
+  nlohmann::json json = Tell(*map, beliefs, arguments);
+  const auto smoothed = ReadSmoothedCandidates(arguments.run);
   if (!smoothed) return smoothed.error();
   if (*smoothed) {
     if (arguments.json != "-") std::printf("\n\nSMOOTHED: the second pass over all frames\n\n");
     const auto smoothed_beliefs = SmoothedBeliefs(beliefs, arguments);
     if (!smoothed_beliefs) return smoothed_beliefs.error();
-    Result<nlohmann::json> beside = Judge(**smoothed, *truth, *smoothed_beliefs, {}, arguments);
+    const Result<JudgedMap> beside = Judge(**smoothed, *truth, arguments);
     if (!beside) return beside.error();
-    (*json)["smoothed"] = std::move(*beside);
+    json["smoothed"] = Tell(*beside, *smoothed_beliefs, arguments);
   }
   if (arguments.json.empty()) return {};
-  return WriteJsonResult(arguments.json, *json);
+  return WriteJsonResult(arguments.json, json);
 }
 
 /// What is asked for: a map or a trajectory. Throws CLI's errors of usage.
@@ -457,8 +336,10 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
                    "same sensor, z up. Of a run, with --align trajectory: a TUM file of the camera "
                    "in the world of the ground truth (default: the sequence's own poses)")
       ->type_name("FILE");
-  verb->add_option("--truth", arguments->truth,
-                   "The true surface: the scan together with the posed true models, or one of them")
+  verb->add_option(
+          "--truth", arguments->truth,
+          "The surface of 'as --truth' and of --align icp: the scan together with the posed "
+          "true models, which flatters (they are the map's own meshes), or one of them")
       ->check(CLI::IsMember({"both", "scan", "models"}))
       ->capture_default_str();
   verb->add_option("--ignore-category", arguments->options.ignored_categories,
@@ -471,6 +352,12 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("--seed", arguments->options.seed,
                    "Seed of the sampled points: the same seed gives the same figures")
       ->check(IsSeed())
+      ->capture_default_str();
+  verb->add_option("--single-frames", arguments->single_frames,
+                   "Of a run file, judge what the map said in so many of its images, as the BOP "
+                   "benchmark does (VSD, MSSD, MSPD); 0: none")
+      ->check(CLI::Range(0, 1'000'000))
+      ->type_name("N")
       ->capture_default_str();
   verb->add_option("--plant", arguments->plant,
                    "Map the run again for each instance that it missed, with its true pose as a "

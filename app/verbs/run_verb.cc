@@ -107,6 +107,24 @@ void PrintObjects(const FrameReport& report, const ModelDatabase& database) {
   }
 }
 
+/// What was confirmed on the way and is not at the end.
+void PrintWithdrawn(const std::vector<WithdrawnObject>& objects) {
+  for (const WithdrawnObject& object : objects) {
+    const std::string into =
+        object.merged_into ? ", merged into " + std::to_string(object.merged_into->value) : "";
+    std::printf("%6d  %-31s confirmed in frame %d, withdrawn in %d%s: %s\n", object.id.value,
+                object.category.c_str(), object.confirmed_frame, object.withdrawn_frame,
+                into.c_str(), object.why.c_str());
+  }
+}
+
+/// Of a run that is closed.
+Result<std::vector<WithdrawnObject>> WithdrawnOf(const std::string& run) {
+  const auto reader = RunReader::Open(run);
+  if (!reader.ok()) return reader.error();
+  return ReadWithdrawn(**reader);
+}
+
 /// How the poses of a run came to be; "" where they were given.
 std::string PosesInWords(const OwnPoses* poses) {
   if (poses == nullptr) return "";
@@ -210,8 +228,11 @@ Status Run(RunArguments& arguments) {
   }
   if (Status status = (*writer)->Close(); !status.ok()) return status;
   const double seconds = watch.Milliseconds() / 1000;
+  const auto withdrawn = WithdrawnOf(arguments.out);
+  if (!withdrawn.ok()) return withdrawn.error();
   if (last && arguments.json != "-") {
     PrintObjects(last->report, *pipeline.database());
+    PrintWithdrawn(*withdrawn);
     const std::string poses = PosesInWords(pipeline.own_poses().get());
     if (!poses.empty()) std::printf("%s\n", poses.c_str());
     std::printf("%d frames in %.1f s, %.1f frames/s; wrote %s\n", summary.frames(), seconds,
@@ -221,6 +242,7 @@ Status Run(RunArguments& arguments) {
   }
   const RunHeader header = HeaderOf(pipeline, PLUMBLINE_VERSION);
   nlohmann::json json = summary.ToJson(header, seconds);
+  json["withdrawn"] = WithdrawnToJson(*withdrawn);
   if (const auto poses = pipeline.own_poses()) {
     json["own_poses"] = {{"causal", poses->causal}, {"loops", ToJson(poses->loops)}};
   }

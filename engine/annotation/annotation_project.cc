@@ -94,6 +94,8 @@ Result<std::unique_ptr<AnnotationProject>> AnnotationProject::Open(const path& f
     auto lock = Lock(file);
     if (!lock) return lock.error();
     project->lock_ = std::move(*lock);
+  } else {
+    FileLock::RemoveStale(file);
   }
   if (const Status loaded = project->Load(access); !loaded.ok()) return loaded.error();
   return project;

@@ -12,6 +12,7 @@
 
 #include "engine/base/files.h"
 #include "engine/dataset/json_fields.h"
+#include "engine/geometry/diameter.h"
 #include "engine/render/renderer.h"
 #include "engine/sensor/camera.h"
 
@@ -43,16 +44,6 @@ Status MakeFolder(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder, error);
   if (!error) return {};
   return Error{ErrorCode::kIo, "cannot make '" + folder.string() + "': " + error.message()};
-}
-
-double Diameter(const TriangleMesh& mesh) {
-  float largest = 0;
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      largest = std::max(largest, (mesh.vertices[i] - mesh.vertices[k]).squaredNorm());
-    }
-  }
-  return std::sqrt(largest);
 }
 
 nlohmann::json ModelInfo(const CadModel& model) {

@@ -39,9 +39,11 @@ class Chooser {
 
   Result<std::vector<CheckFrame>> Run(const WorkContext& work) const {
     std::vector<Candidate> candidates;
-    const int count = sequence_.num_frames();
+    const FrameSelection& among = options_.among;
+    const int end = std::min(among.end.value_or(sequence_.num_frames()), sequence_.num_frames());
+    const int count = std::max(0, end - among.first + among.step - 1) / among.step;
     const int step = std::max(1, (count + options_.max_candidates - 1) / options_.max_candidates);
-    for (int frame = 0; frame < count; frame += step) {
+    for (int frame = among.first; frame < end; frame += step * among.step) {
       if (work.stop.stop_requested()) return Cancelled();
       if (auto candidate = Look(frame)) candidates.push_back(std::move(*candidate));
     }
@@ -169,7 +171,9 @@ class Chooser {
     const int last = sequence_.num_frames() - 1;
     for (int d = 0; d <= 2 * options_.sharpness_window; ++d) {
       const int frame = candidate.view.frame + (d % 2 == 1 ? (d + 1) / 2 : -d / 2);
-      if (frame < 0 || frame > last || !sequence_.world_from_cam(frame)) continue;
+      if (frame < 0 || frame > last || !options_.among.Has(frame) ||
+          !sequence_.world_from_cam(frame))
+        continue;
       const Result<Frame> read = sequence_.ReadFrame(frame);
       if (!read) continue;
       const cv::Rect box = candidate.box & cv::Rect(0, 0, read->image.cols, read->image.rows);

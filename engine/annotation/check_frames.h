@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,17 @@
 
 namespace plumbline {
 
+/// Frames of a sequence: every `step`-th from `first` on, before `end`.
+struct FrameSelection {
+  int first = 0;           ///< >= 0
+  std::optional<int> end;  ///< Nothing: to the last one.
+  int step = 1;            ///< > 0
+
+  bool Has(int frame) const {
+    return frame >= first && (!end || frame < *end) && (frame - first) % step == 0;
+  }
+};
+
 struct CheckFrameOptions {
   int frames = 8;             ///< At most so many, > 0.
   int max_candidates = 300;   ///< Frames looked at, evenly spread over the sequence, > 0.
@@ -23,6 +35,7 @@ struct CheckFrameOptions {
   double min_of_best = 0.4;   ///< ... and, of the share in the frame that shows most, so much.
   double min_size_px = 24;    ///< Projected diameter.
   int sharpness_window = 2;   ///< Frames to either side among which the sharpest is taken, >= 0.
+  FrameSelection among;       ///< No others are looked at.
 };
 
 /// A frame in which an object can be checked.

@@ -16,16 +16,16 @@ std::filesystem::path UndoneModels(const std::filesystem::path& models_folder) {
 
 namespace {
 
-/// Leaves no empty folder of undone models.
+/// Leaves no empty folder of undone models, whatever cut short what filled or emptied it.
 void RemoveIfEmpty(const std::filesystem::path& undone) {
-  const auto list = ReadJson(undone / "models.json");
-  if (!list || !list->is_object() ||
-      list->value("models", nlohmann::json()) != nlohmann::json::array()) {
-    return;
-  }
   std::error_code ignored;
-  std::filesystem::remove(undone / "models.json", ignored);
-  std::filesystem::remove(undone, ignored);  // unless something else is in it
+  if (!std::filesystem::is_directory(undone, ignored)) return;
+  const std::filesystem::path file = undone / "models.json";
+  const auto list = ReadJson(file);
+  if (list && list->is_object() &&
+      list->value("models", nlohmann::json()) == nlohmann::json::array())
+    std::filesystem::remove(file, ignored);
+  std::filesystem::remove(undone, ignored);  // unless something is in it
 }
 
 }  // namespace
@@ -46,7 +46,6 @@ Result<bool> SyncCropModels(const AnnotationProject& project) {
     if (const Status moved = MoveModel(crop.id, undone, folder); !moved.ok()) return moved.error();
     changed = true;
   }
-  if (changed) RemoveIfEmpty(undone);
   for (const std::string& id : project.ForgottenModels()) {
     const bool used =
         std::any_of(document.instances.begin(), document.instances.end(),
@@ -55,6 +54,7 @@ Result<bool> SyncCropModels(const AnnotationProject& project) {
     if (const Status moved = MoveModel(id, folder, undone); !moved.ok()) return moved.error();
     changed = true;
   }
+  RemoveIfEmpty(undone);
   return changed;
 }
 

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "engine/annotation/check_frames.h"
 #include "engine/annotation/image_refinement.h"
 
 namespace plumbline {
@@ -38,8 +37,9 @@ std::optional<PlacementImages> PlacementImages::Choose(const PlacementQuestion& 
   CheckFrameOptions options;
   options.frames = kFrames;
   options.max_candidates = kFramesLookedAt;
+  options.among = question.among;
   const auto images = LoadCheckImages(question.sequence, question.document, **model, start,
-                                      chosen.occluders_, options, "", work);
+                                      chosen.occluders_, options, question.edges, work);
   if (!images || *images == nullptr) return std::nullopt;
   chosen.images_ = *images;
   if (chosen.size() < kLeastFrames) return std::nullopt;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engine/annotation/annotation_images.h"
+#include "engine/annotation/check_frames.h"
 #include "engine/annotation/outline_scene.h"
 #include "engine/base/progress.h"
 #include "engine/dataset/sequence.h"
@@ -23,7 +24,9 @@ struct PlacementQuestion {
   std::string instance;  ///< The one that is placed again, which hides nothing; "": a new one.
   Eigen::Vector3d up_in_scan{0, 0, 1};
   FreeMotion motion = FreeMotion::kAzimuthAndTranslation;
-  double scale = 1;  ///< Of the model.
+  double scale = 1;      ///< Of the model.
+  FrameSelection among;  ///< The frames that may be looked at.
+  std::string edges;     ///< As of AnnotationImages::Load.
 };
 
 /// The same few key frames, in which all placements of a model are compared.

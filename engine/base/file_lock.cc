@@ -7,8 +7,10 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <string>
+#include <thread>
 
 namespace plumbline {
 namespace {
@@ -56,8 +58,17 @@ bool FileLock::IsHeld(const std::filesystem::path& file) {
   return held;
 }
 
+void FileLock::RemoveStale(const std::filesystem::path& file) {
+  const std::filesystem::path path = LockFileOf(file);
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && IsAt(descriptor, path)) ::unlink(path.c_str());
+  ::close(descriptor);
+}
+
 Result<std::unique_ptr<FileLock>> FileLock::Acquire(const std::filesystem::path& file) {
   const std::filesystem::path path = LockFileOf(file);
+  int patience = 5;  // IsHeld and RemoveStale of others hold it for a moment
   while (true) {
     const int descriptor = OpenLockFile(path);
     if (descriptor < 0) {
@@ -67,6 +78,10 @@ Result<std::unique_ptr<FileLock>> FileLock::Acquire(const std::filesystem::path&
       const int reason = errno;
       const Error in_use = InUse(file, descriptor);
       ::close(descriptor);
+      if (reason == EWOULDBLOCK && patience-- > 0) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        continue;
+      }
       if (reason == EWOULDBLOCK) return in_use;
       return Error{ErrorCode::kIo, "cannot lock '" + path.string() + "': " + std::strerror(reason)};
     }

@@ -18,6 +18,8 @@ class FileLock {
   static Result<std::unique_ptr<FileLock>> Acquire(const std::filesystem::path& file);
   /// Whether somebody holds it now.
   static bool IsHeld(const std::filesystem::path& file);
+  /// Removes a FILE.lock that a killed process left behind; call it where the file is read.
+  static void RemoveStale(const std::filesystem::path& file);
   /// Removes FILE.lock.
   ~FileLock();
   FileLock(const FileLock&) = delete;

@@ -22,7 +22,7 @@
 
 namespace plumbline {
 
-/// What a map says is there: an object confirmed and not withdrawn.
+/// What a map says is there: an object that is not withdrawn.
 struct EstimatedObject {
   std::string id;
   std::string model;  ///< Name in the model database.
@@ -30,6 +30,8 @@ struct EstimatedObject {
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
   double scale = 1;                 ///< Times as large as its model.
   std::optional<double> scale_std;  ///< Nothing: the scale is not estimated.
+  double probability = 1;           ///< That it is there.
+  bool confirmed = true;
 };
 
 enum class Alignment { kNone, kTrajectory, kObjects, kIcp, kIcp4 };
@@ -60,6 +62,13 @@ struct EvaluationOptions {
   std::uint64_t seed = 0;                       ///< Of the sample points.
 };
 
+/// How far apart the model's vertices are in both poses (model_point_errors.h).
+struct PointErrors {
+  double add_m = 0, add_s_m = 0;
+  double diameter_m = 0;   ///< Of the true model at its scale.
+  bool symmetric = false;  ///< ADD-S is the one that counts.
+};
+
 /// An estimate and the instance that it was matched to.
 struct MatchedObject {
   EstimatedObject estimate;
@@ -67,7 +76,8 @@ struct MatchedObject {
   bool model_correct = false;
   bool continuous_symmetry = false;  ///< Its rotation is not part of the means.
   PoseError pose;
-  double centre_m = 0;  ///< Between the centres of the bounding boxes, at their scales.
+  double centre_m = 0;             ///< Between the centres of the bounding boxes, at their scales.
+  std::optional<PointErrors> add;  ///< Nothing with the wrong model: its vertices are others.
   ErrorStatistics surface;
 };
 

@@ -5,6 +5,7 @@
 
 #include "engine/dataset/json_fields.h"
 #include "engine/evaluation/map_evaluation.h"
+#include "engine/evaluation/surface_references.h"
 
 namespace plumbline {
 namespace {
@@ -26,6 +27,12 @@ nlohmann::json ToJson(const ErrorStatistics& s) {
           {"samples", s.samples}};
 }
 
+nlohmann::json ToJson(const SurfaceDistance& distance) {
+  nlohmann::json json = ToJson(distance.to_triangle);
+  json["to_plane"] = ToJson(distance.to_plane);
+  return json;
+}
+
 nlohmann::json MeanOrNull(const ErrorStatistics& s) {
   return s.samples > 0 ? nlohmann::json(s.mean_m) : nullptr;
 }
@@ -45,6 +52,8 @@ nlohmann::json ToJson(const MatchedObject& object) {
       {"height_m", pose.height_m},
       {"centre_m", object.centre_m},
       {"surface_mean_m", MeanOrNull(object.surface)}};
+  json["add_m"] = object.add ? nlohmann::json(object.add->add_m) : nullptr;
+  json["add_s_m"] = object.add ? nlohmann::json(object.add->add_s_m) : nullptr;
   if (object.estimate.scale_std) {
     json["scale"] = object.estimate.scale;
     json["scale_std"] = *object.estimate.scale_std;
@@ -102,6 +111,26 @@ nlohmann::json EvaluationToJson(const MapEvaluation& evaluation, const Evaluatio
         {"samples", options.samples},
         {"seed", options.seed}}}};
   json.update(ToJson(evaluation.mean));
+  return json;
+}
+
+nlohmann::json SurfacesToJson(const SurfaceReferences& references) {
+  nlohmann::json json = {{"scanned", nullptr},
+                         {"posed", ToJson(references.posed)},
+                         {"paper", nullptr},
+                         {"visma", nullptr}};
+  if (references.scanned) {
+    json["scanned"] = ToJson(references.scanned->distance);
+    json["scanned"]["share"] = references.scanned->share;
+  }
+  if (references.paper) {
+    json["paper"] = ToJson(references.paper->distance);
+    json["paper"]["alignment"] = IsometryToJson(references.paper->truth_from_estimate);
+    json["paper"]["matched"] = references.paper->matched;
+    json["paper"].update(ToJson(references.paper->mean));
+    json["paper"]["all"] = ToJson(references.paper->mean_all);
+  }
+  if (references.visma) json["visma"] = ToJson(*references.visma);
   return json;
 }
 

@@ -17,6 +17,9 @@ Eigen::Isometry3d FitYawAndTranslation(const std::vector<Eigen::Vector3d>& estim
                                        const std::vector<Eigen::Vector3d>& truth,
                                        const Eigen::Vector3d& up);
 
+/// Of the points drawn on a map, how many an ICP uses.
+inline constexpr std::size_t kIcpSamples = 20'000;
+
 struct IcpOptions {
   double max_distance_m = 0.5;  ///< Pairs farther apart do not count.
   int max_iterations = 100;

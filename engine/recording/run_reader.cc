@@ -3,6 +3,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "engine/base/file_lock.h"
 #include "engine/mapping/option_changes.h"
 #include "engine/recording/frame_codec.h"
 #include "engine/recording/own_pose_record.h"
@@ -347,6 +348,7 @@ Result<std::unique_ptr<RunReader>> RunReader::Open(const std::filesystem::path& 
     return Error{ErrorCode::kInvalidInput,
                  file.string() + " is not a run file of Plumbline; choose a .plb"};
   }
+  FileLock::RemoveStale(file);
   Result<std::unique_ptr<sqlite::Database>> database = sqlite::Database::OpenToRead(file);
   if (!database) return database.error();
   if (const Status format = CheckFormat(**database); !format.ok()) return format.error();

@@ -43,6 +43,10 @@ nlohmann::json ModeToJson(const PoseMode& mode, const RunHeader& header,
   return json;
 }
 
+double ProbabilityOf(const ObjectBelief& object) {
+  return 1 / (1 + std::exp(-object.log_evidence));
+}
+
 nlohmann::json ObjectToJson(const ObjectReport& object, const RunHeader& header,
                             const UprightFrame& upright) {
   nlohmann::json labels = nlohmann::json::object();
@@ -56,6 +60,7 @@ nlohmann::json ObjectToJson(const ObjectReport& object, const RunHeader& header,
       {"model", ModelName(header, object.label)},
       {"category", object.category},
       {"confirmed", object.state == ObjectState::kConfirmed},
+      {"probability", ProbabilityOf(object)},
       {"world_from_object", IsometryToJson(object.world_from_object)},
       {"azimuth_deg", Degrees(upright.Azimuth(object.world_from_object.linear()))},
       {"position_std_m", std::sqrt(object.covariance.topLeftCorner<3, 3>().trace())},
@@ -72,9 +77,10 @@ nlohmann::json ObjectToJson(const ObjectReport& object, const RunHeader& header,
 
 void AddEstimate(const ObjectReport& object, const RunHeader& header,
                  std::vector<EstimatedObject>& estimates) {
-  if (object.state != ObjectState::kConfirmed) return;
+  if (object.state == ObjectState::kRetired) return;
   estimates.push_back({std::to_string(object.id.value), ModelName(header, object.label),
-                       object.category, object.world_from_object, object.scale, std::nullopt});
+                       object.category, object.world_from_object, object.scale, std::nullopt,
+                       ProbabilityOf(object), object.state == ObjectState::kConfirmed});
   if (object.scale_std > 0) estimates.back().scale_std = object.scale_std;
 }
 
@@ -109,13 +115,15 @@ Result<std::vector<EstimatedObject>> EstimatesFromJson(const nlohmann::json& jso
     if (!object.contains("confirmed") || !object["confirmed"].is_boolean()) {
       return bad("object " + id + " needs 'confirmed', true or false");
     }
-    if (!object["confirmed"].get<bool>()) continue;
+    const bool confirmed = object["confirmed"];
     const std::optional<Eigen::Isometry3d> pose =
         object.contains("world_from_object") ? IsometryFromJson(object["world_from_object"])
                                              : std::nullopt;
     if (!pose) return bad("object " + id + " needs 'world_from_object', a 4x4 rigid transform");
-    estimates.push_back({id, *model, *category, *pose, 1, std::nullopt});
+    estimates.push_back(
+        {id, *model, *category, *pose, 1, std::nullopt, confirmed ? 1.0 : 0.0, confirmed});
     for (const auto& [key, value] : object.items()) {
+      if (key == "probability" && value.is_number()) estimates.back().probability = value;
       if (key != "scale" && key != "scale_std") continue;
       if (!value.is_number() || !(value > 0)) return bad("object " + id + " has a wrong " + key);
       if (key == "scale") estimates.back().scale = value;
@@ -138,6 +146,11 @@ Result<std::optional<FrameReport>> LastUsedFrame(RunReader& reader) {
 }
 
 }  // namespace
+
+std::vector<EstimatedObject> ConfirmedOf(std::vector<EstimatedObject> candidates) {
+  std::erase_if(candidates, [](const EstimatedObject& object) { return !object.confirmed; });
+  return candidates;
+}
 
 void RunSummary::AddTiming(bool skipped, const std::vector<StageTiming>& stages) {
   ++frames_;
@@ -206,7 +219,6 @@ nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header) {
   nlohmann::json objects = nlohmann::json::array();
   for (const SmoothedObject& object : map.objects) {
     nlohmann::json json = ObjectToJson(object.belief, header, upright);
-    json["probability"] = 1 / (1 + std::exp(-object.belief.log_evidence));
     json["spawned_frame"] = object.spawned_frame;
     json["looks"] = object.looks;
     json["looks_before_spawned"] = object.looks_before;
@@ -234,6 +246,44 @@ nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header) {
           {"objects", std::move(objects)}};
 }
 
+Result<std::vector<WithdrawnObject>> ReadWithdrawn(RunReader& reader) {
+  const Result<std::vector<RunEvent>> events = reader.Events();
+  if (!events) return events.error();
+  const Result<std::vector<ObjectTrack>> tracks = reader.ObjectTracks();
+  if (!tracks) return tracks.error();
+  std::vector<WithdrawnObject> withdrawn;
+  for (const RunEvent& event : *events) {
+    const EventKind kind = event.event.kind;
+    if (kind != EventKind::kRetired && kind != EventKind::kMerged) continue;
+    const auto track = std::find_if(tracks->begin(), tracks->end(), [&](const ObjectTrack& of) {
+      return of.id == event.event.object;
+    });
+    if (track == tracks->end() || !track->confirmed_frame) continue;
+    WithdrawnObject& object = withdrawn.emplace_back();
+    object.id = track->id;
+    object.category = track->category;
+    object.confirmed_frame = *track->confirmed_frame;
+    object.withdrawn_frame = event.frame;
+    if (kind == EventKind::kMerged) object.merged_into = event.event.other;
+    object.why = event.event.text;
+  }
+  return withdrawn;
+}
+
+nlohmann::json WithdrawnToJson(const std::vector<WithdrawnObject>& objects) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const WithdrawnObject& object : objects) {
+    list.push_back({{"id", object.id.value},
+                    {"category", object.category},
+                    {"confirmed_frame", object.confirmed_frame},
+                    {"withdrawn_frame", object.withdrawn_frame},
+                    {"merged_into", object.merged_into ? nlohmann::json(object.merged_into->value)
+                                                       : nlohmann::json(nullptr)},
+                    {"why", object.why}});
+  }
+  return list;
+}
+
 Result<nlohmann::json> RunResultJson(RunReader& reader) {
   const Result<std::vector<RunTiming>> timings = reader.Timings();
   if (!timings) return timings.error();
@@ -247,13 +297,16 @@ Result<nlohmann::json> RunResultJson(RunReader& reader) {
   }
   nlohmann::json json =
       summary.ToJson(reader.header(), timings->empty() ? 0.0 : timings->back().elapsed_s);
+  const auto withdrawn = ReadWithdrawn(reader);
+  if (!withdrawn) return withdrawn.error();
+  json["withdrawn"] = WithdrawnToJson(*withdrawn);
   const auto smoothed = ReadSmoothed(reader.file());
   if (!smoothed) return smoothed.error();
   if (*smoothed) json["smoothed"] = SmoothedToJson(**smoothed, reader.header());
   return json;
 }
 
-Result<std::vector<EstimatedObject>> ReadEstimates(const std::filesystem::path& run) {
+Result<std::vector<EstimatedObject>> ReadCandidates(const std::filesystem::path& run) {
   if (run.extension() == ".json") {
     const Result<nlohmann::json> json = ReadJson(run);
     if (!json) return json.error();
@@ -270,7 +323,7 @@ Result<std::vector<EstimatedObject>> ReadEstimates(const std::filesystem::path& 
   return estimates;
 }
 
-Result<std::optional<std::vector<EstimatedObject>>> ReadSmoothedEstimates(
+Result<std::optional<std::vector<EstimatedObject>>> ReadSmoothedCandidates(
     const std::filesystem::path& run) {
   using Estimates = std::optional<std::vector<EstimatedObject>>;
   if (run.extension() == ".json") {
@@ -291,6 +344,19 @@ Result<std::optional<std::vector<EstimatedObject>>> ReadSmoothedEstimates(
   for (const SmoothedObject& object : (*smoothed)->objects)
     AddEstimate(object.belief, (*reader)->header(), estimates);
   return Estimates(std::move(estimates));
+}
+
+Result<std::vector<EstimatedObject>> ReadEstimates(const std::filesystem::path& run) {
+  Result<std::vector<EstimatedObject>> candidates = ReadCandidates(run);
+  if (!candidates) return candidates.error();
+  return ConfirmedOf(std::move(*candidates));
+}
+
+Result<std::optional<std::vector<EstimatedObject>>> ReadSmoothedEstimates(
+    const std::filesystem::path& run) {
+  auto candidates = ReadSmoothedCandidates(run);
+  if (candidates && *candidates) **candidates = ConfirmedOf(std::move(**candidates));
+  return candidates;
 }
 
 }  // namespace plumbline

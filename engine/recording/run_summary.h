@@ -10,6 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "engine/base/ids.h"
 #include "engine/base/result.h"
 #include "engine/evaluation/map_evaluation.h"
 #include "engine/mapping/event_report.h"
@@ -60,17 +61,40 @@ class RunSummary {
   std::shared_ptr<const std::vector<ObjectReport>> objects_;
 };
 
+/// An object that was confirmed and is not there any more.
+struct WithdrawnObject {
+  ObjectId id;
+  std::string category;
+  int confirmed_frame = 0, withdrawn_frame = 0;  ///< In the sequence.
+  std::optional<ObjectId> merged_into;           ///< It was that one all along.
+  std::string why;
+};
+
+/// By the frame in which they were withdrawn; those of the parts before a resume or a fork, too.
+/// Errors: kCorrupt.
+Result<std::vector<WithdrawnObject>> ReadWithdrawn(RunReader& reader);
+
+/// `withdrawn` of the JSON of a run.
+nlohmann::json WithdrawnToJson(const std::vector<WithdrawnObject>& objects);
+
 /// What the second pass found, as `smoothed` of the JSON above.
 nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header);
 
 /// The same from a run file, with `smoothed` where the run has been smoothed. Errors: kCorrupt.
 Result<nlohmann::json> RunResultJson(RunReader& reader);
 
-/// What the map of a run says is there at its end: from a run file or, by its extension, from the
-/// JSON above. Errors: kNotFound, kInvalidInput, kCorrupt, naming the file.
-Result<std::vector<EstimatedObject>> ReadEstimates(const std::filesystem::path& run);
+/// What the map of a run holds at its end, tentative objects too, each with how likely it is there
+/// (JSON older than that figure: 1 if confirmed, else 0): from a run file or, by its extension,
+/// from the JSON above. Errors: kNotFound, kInvalidInput, kCorrupt, naming the file.
+Result<std::vector<EstimatedObject>> ReadCandidates(const std::filesystem::path& run);
 
 /// The same of its smoothed map; nothing where it has none.
+Result<std::optional<std::vector<EstimatedObject>>> ReadSmoothedCandidates(
+    const std::filesystem::path& run);
+
+/// Those of them that are confirmed: what the map says is there.
+std::vector<EstimatedObject> ConfirmedOf(std::vector<EstimatedObject> candidates);
+Result<std::vector<EstimatedObject>> ReadEstimates(const std::filesystem::path& run);
 Result<std::optional<std::vector<EstimatedObject>>> ReadSmoothedEstimates(
     const std::filesystem::path& run);
 

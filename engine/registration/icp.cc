@@ -2,6 +2,7 @@
 #include "engine/registration/icp.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -106,6 +107,28 @@ void FindCoarsePairs(const AlignmentCrop& crop, const ModelSurface& model,
   }
 }
 
+/// Which face of the model a scan point belongs to, and where it lies from there.
+struct Nearest {
+  ModelSurface::Face face;
+  Eigen::Vector3d direction;  ///< Unit; in which its distance changes.
+};
+
+/// Inside a face the distance changes along its normal. Beyond an edge it changes along the offset:
+/// with the normal, scan that overhangs a table's top would not pull the table back below it. The
+/// two faces at an edge are equally near; the one that is meant has the scan's side.
+/// @param query, normal  The scan's point and normal in `object`.
+Nearest NearestSide(const ModelSurface& model, const Eigen::Vector3d& query,
+                    const ClosestPoint& closest, const Eigen::Vector3d& normal) {
+  constexpr double kInside = 0.95, kAside_m = 1e-3;
+  const ModelSurface::Face face = model.face(closest.triangle);
+  const Eigen::Vector3d offset = query - closest.point;
+  if (std::abs(offset.dot(face.normal)) >= kInside * closest.distance_m) return {face, face.normal};
+  const Eigen::Vector3d direction = offset / closest.distance_m;
+  const std::optional<ClosestPoint> aside =
+      model.triangles().FindWithin(closest.point + kAside_m * (normal - direction), 2 * kAside_m);
+  return {aside ? model.face(aside->triangle) : face, direction};
+}
+
 /// Closest points on the triangles for all scan points within `reach_m`, all of weight 1.
 void FindFinePairs(const AlignmentCrop& crop, const ModelSurface& model,
                    const Eigen::Isometry3d& scan_from_model, double reach_m,
@@ -121,12 +144,13 @@ void FindFinePairs(const AlignmentCrop& crop, const ModelSurface& model,
     if (!near.contains(query)) continue;
     const std::optional<ClosestPoint> closest = model.triangles().FindWithin(query, reach_m);
     if (!closest) continue;
-    const ModelSurface::Face face = model.face(closest->triangle);
-    const Eigen::Vector3d normal = scan_from_model.linear() * face.normal;
-    const double agreement = Agreement(normal, Eigen::Vector3d(crop.fine.normals[i].cast<double>()),
-                                       !crop.normals_face_out || face.two_sided);
+    const Eigen::Vector3d normal = crop.fine.normals[i].cast<double>();
+    const Nearest nearest = NearestSide(model, query, *closest, model_from_scan.linear() * normal);
+    const double agreement =
+        Agreement(Eigen::Vector3d(scan_from_model.linear() * nearest.face.normal), normal,
+                  !crop.normals_face_out || nearest.face.two_sided);
     if (agreement < kLeastAgreement) continue;
-    pairs.push_back({closest->point, in_scan, normal, 1});
+    pairs.push_back({closest->point, in_scan, scan_from_model.linear() * nearest.direction, 1});
   }
 }
 
@@ -144,6 +168,49 @@ double RobustSigma(const std::vector<PointPair>& pairs, const Eigen::Isometry3d&
   std::nth_element(distances.begin(), middle, distances.end());
   return 1.4826 * *middle;
 }
+
+/// How far pairs may be apart, by the direction in which they are: along which of the model's axes
+/// most. A scan is sharp where it is flat and blunt at its rims; one scale for both would be that
+/// of the wide faces, and a blunt rim would be fitted exactly on one side and ignored on the other.
+class PairScale {
+ public:
+  double widest_m() const { return *std::max_element(reach_m_.begin(), reach_m_.end()); }
+
+  /// @param sigma_m  Of all pairs: what holds where an axis has few, and the least of any.
+  void Update(const std::vector<PointPair>& pairs, const Eigen::Isometry3d& scan_from_model,
+              double sigma_m) {
+    std::array<std::vector<PointPair>, 3> by_axis;
+    for (const PointPair& pair : pairs) by_axis[AxisOf(pair, scan_from_model)].push_back(pair);
+    for (std::size_t axis = 0; axis < by_axis.size(); ++axis) {
+      const bool known = by_axis[axis].size() >= kFewest;
+      const double own_m = known ? RobustSigma(by_axis[axis], scan_from_model) : 0;
+      precision_[axis] = own_m > sigma_m ? Squared(sigma_m / own_m) : 1;
+      reach_m_[axis] = std::clamp(kTukey * std::max(sigma_m, own_m), kLeastReach_m,
+                                  known ? kMostReach_m : kReach_m);
+    }
+  }
+
+  void Weigh(const Eigen::Isometry3d& scan_from_model, std::vector<PointPair>& pairs) const {
+    for (PointPair& pair : pairs) {
+      pair.weight =
+          Weight(Squared(Distance(pair, scan_from_model)), reach_m_[AxisOf(pair, scan_from_model)]);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kFewest = 10;
+  static constexpr double kTukey = 4.685, kReach_m = 0.03, kLeastReach_m = 1e-3;
+  static constexpr double kMostReach_m = 0.06;
+
+  static std::size_t AxisOf(const PointPair& pair, const Eigen::Isometry3d& scan_from_model) {
+    Eigen::Index axis = 0;
+    (scan_from_model.linear().transpose() * pair.normal_in_scan).cwiseAbs().maxCoeff(&axis);
+    return static_cast<std::size_t>(axis);
+  }
+
+  std::array<double, 3> reach_m_ = {kReach_m, kReach_m, kReach_m};
+  std::array<double, 3> precision_ = {1, 1, 1};  ///< Against the pairs as a whole.
+};
 
 }  // namespace
 
@@ -232,25 +299,21 @@ PointPair FootOnSupport(const AlignmentCrop& crop, const ConstrainedPose& pose, 
 
 FineAlignment AlignFinely(const AlignmentCrop& crop, const ModelSurface& model,
                           IcpResidual residual, int max_iterations, ConstrainedPose& pose) {
-  constexpr double kReach_m = 0.03, kLeastReach_m = 1e-3, kConverged = 1e-8;
+  constexpr double kConverged = 1e-8;
   constexpr double kUsualEffect = 10;
+  constexpr int kSettling = 10;  // The scale settles first; then it stays, so that this can end.
   const bool stands = crop.support_m && std::abs(crop.Gap(pose.scan_from_model(),
                                                           pose.up_in_scan())) < kStandsWithin_m;
   constexpr double kPatch_m = 0.15;  // What a fused scan errs together over.
   FineAlignment result;
   std::vector<PointPair> pairs;
-  double reach = kReach_m;
+  PairScale scale;
   while (result.iterations < max_iterations && !result.converged) {
     ++result.iterations;
-    FindFinePairs(crop, model, pose.scan_from_model(), kReach_m, pairs);
+    FindFinePairs(crop, model, pose.scan_from_model(), scale.widest_m(), pairs);
     result.sigma_m = RobustSigma(pairs, pose.scan_from_model());
-    // The scale settles first; then it stays, so that the iterations can converge.
-    if (result.iterations <= 10) {
-      reach = std::clamp(4.685 * result.sigma_m, kLeastReach_m, kReach_m);
-    }
-    for (PointPair& pair : pairs) {
-      pair.weight = Weight(Squared(Distance(pair, pose.scan_from_model())), reach);
-    }
+    if (result.iterations <= kSettling) scale.Update(pairs, pose.scan_from_model(), result.sigma_m);
+    scale.Weigh(pose.scan_from_model(), pairs);
     const Eigen::Isometry3d before = pose.scan_from_model();
     if (residual == IcpResidual::kPointToPlane) {
       if (stands) pairs.push_back(FootOnSupport(crop, pose, result.sigma_m, kUsualEffect));

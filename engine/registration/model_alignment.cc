@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <utility>
 
@@ -152,6 +153,22 @@ void SetOnFloor(const AlignmentCrop& crop, const ModelSurface& model,
   candidate.rmse_m = fit.rmse_m;
 }
 
+/// What drifted out of the search radius is no answer to what was asked. Errors: kDegenerate if
+/// nothing is left.
+Status KeepWithin(const Eigen::Vector3d& start, double search_m,
+                  std::vector<AlignCandidate>& candidates) {
+  std::erase_if(candidates, [&](const AlignCandidate& candidate) {
+    return (candidate.scan_from_model.translation() - start).norm() > search_m;
+  });
+  if (!candidates.empty()) return {};
+  char text[160];
+  std::snprintf(text, sizeof(text),
+                "the scan fits the model nowhere within %g m of the start; start nearer to the "
+                "object, or search further",
+                search_m);
+  return Error{ErrorCode::kDegenerate, text};
+}
+
 Status CheckInput(const Eigen::Vector3d& up_in_scan, const AlignOptions& options) {
   const auto bad = [](const char* what) { return Error{ErrorCode::kInvalidInput, what}; };
   if (options.starts < 1) return bad("an alignment needs at least one start");
@@ -193,6 +210,9 @@ Result<ModelAlignment> AlignModel(const ScanTarget& scan, const ModelSurface& mo
     if (context.stop.stop_requested()) {
       return Error{ErrorCode::kCancelled, "the alignment was stopped"};
     }
+    if (Status near = KeepWithin(scan_from_model.translation(), options.search_m, candidates);
+        !near.ok())
+      return near.error();
     for (const AlignCandidate& candidate : candidates) result.iterations += candidate.iterations;
     KeepDistinct(model.middle(), kMostCandidates, candidates);
     for (const AlignCandidate& candidate : candidates) result.iterations -= candidate.iterations;
@@ -209,6 +229,9 @@ Result<ModelAlignment> AlignModel(const ScanTarget& scan, const ModelSurface& mo
     });
   }
   for (const AlignCandidate& candidate : candidates) result.iterations += candidate.iterations;
+  if (Status near = KeepWithin(scan_from_model.translation(), options.search_m, candidates);
+      !near.ok())
+    return near.error();
   KeepDistinct(model.middle(), kMostCandidates, candidates);
   result.symmetry_order = model.SymmetryOrder(kSymmetryTolerance_m);
   const Eigen::Isometry3d best = result.candidates.front().scan_from_model;

@@ -24,7 +24,7 @@ struct AlignOptions {
   /// and this lies within `search_m` of its foot.
   std::optional<Eigen::Vector4d> floor_in_scan;
   int starts = 24;         ///< Azimuths tried, evenly spread from the given one; >= 1.
-  double search_m = 0.35;  ///< How far from the start the model may be, > 0.
+  double search_m = 0.35;  ///< How far the model's origin may be from the start, > 0.
   double within_m = 0.02;  ///< Distance that counts as explained, > 0.
 };
 
@@ -57,7 +57,8 @@ struct ModelAlignment {
 /// @param scan_from_model  Roughly where the model is. Its tilt is kept exactly, unless the motion
 ///                         is kRigid.
 /// @param up_in_scan       Unit vector against gravity.
-/// Errors: kInvalidInput (options), kDegenerate (no scan near the start), kCancelled.
+/// Errors: kInvalidInput (options), kDegenerate (no scan near the start, or nothing that it fits
+/// within `search_m`), kCancelled.
 Result<ModelAlignment> AlignModel(const ScanTarget& scan, const ModelSurface& model,
                                   const Eigen::Isometry3d& scan_from_model,
                                   const Eigen::Vector3d& up_in_scan, const AlignOptions& options,

@@ -70,6 +70,48 @@ TEST_F(AlignVerb, GravityThenAlignFindTheChair) {
   EXPECT_LT(align["tilt_deg"].get<double>(), 1e-7);
 }
 
+TEST_F(AlignVerb, AsksTheListOfModelsWhatItStandsOn) {
+  const std::string command =
+      "align --scan scan.ply --model chair.ply --init 0.05,-0.25,-0.45,100 --gravity=-1,0,0 "
+      "--json align.json";
+  const auto standing = [&](const std::string& more) {
+    EXPECT_EQ(Run(command + more), 0) << Output();
+    return ReadJson(folder_.path() / "align.json").value()["standing"].get<std::string>();
+  };
+  EXPECT_EQ(standing(""), "anywhere") << "no list beside it";
+  const auto list = [&](const char* support) {
+    const std::string text =
+        R"({"units": "m", "models": [{"name": "other", "file": "other.ply", "support": "any"},
+            {"name": "chair", "file": "chair.ply", "support": ")" +
+        std::string(support) + "\"}]}";
+    ASSERT_TRUE(WriteFileAtomically(folder_.path() / "models.json", text).ok());
+  };
+  list("floor");
+  EXPECT_EQ(standing(""), "on_support");
+  EXPECT_THAT(Output(), testing::HasSubstr("--anywhere"));
+  const nlohmann::json floor = ReadJson(folder_.path() / "align.json").value()["floor"];
+  EXPECT_NEAR(floor[0].get<double>(), 1, 1e-12) << "level, whatever the scan's";
+  EXPECT_NEAR(floor[3].get<double>(), 0, 2e-3) << "found, because none was given";
+  EXPECT_EQ(standing(" --anywhere"), "anywhere");
+  list("any");
+  EXPECT_EQ(standing(""), "anywhere");
+  EXPECT_EQ(standing(" --on-support"), "on_support");
+  EXPECT_EQ(Run(command + " --on-support --anywhere"), 2);
+}
+
+TEST_F(AlignVerb, RefusesWhatTheScanSaysNothingOf) {
+  const std::string command =
+      "align --scan scan.ply --model chair.ply --init 0.05,-0.25,-0.45,100 --gravity=-1,0,0";
+  EXPECT_EQ(Run(command + " --min-fitness 1"), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("of the model's surface meets the scan"));
+  EXPECT_THAT(Output(), testing::HasSubstr("--min-fitness"));
+  // On bare floor, and nowhere near the chair.
+  EXPECT_EQ(Run("align --scan scan.ply --model chair.ply --init 0,1.5,1.5 --gravity=-1,0,0 "
+                "--search 0.05 --starts 1"),
+            1)
+      << Output();
+}
+
 TEST_F(AlignVerb, MistakesAreSentencesAndExitCodes) {
   EXPECT_EQ(Run("align --scan scan.ply --model chair.ply --init 1,2 --gravity 0,0,-1"), 1);
   EXPECT_THAT(Output(), testing::HasSubstr("--init takes 3 to 4 numbers"));

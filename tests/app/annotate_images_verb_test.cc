@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands of `annotate` that look at images, as a script meets them.
 
+#include <cmath>
 #include <cstdio>
 
 #include <opencv2/imgcodecs.hpp>
 
 #include "engine/dataset/json_fields.h"
+#include "engine/geometry/angles.h"
 #include "engine/models/mesh_file.h"
 #include "tests/app/annotate_command.h"
 #include "tests/engine/annotation/checked_room.h"
@@ -67,6 +69,40 @@ TEST_F(AnnotateImages, RefinesAPoseAndSavesIt) {
   EXPECT_NEAR(result["height_m"].get<double>(), -0.01, 0.001);
   EXPECT_GT(result["agreement_after"], 0.9);
   EXPECT_EQ(result["covariance"].size(), 4u);
+}
+
+TEST_F(AnnotateImages, RefinesOnTheFramesThatItIsGiven) {
+  ASSERT_EQ(Run("refine room.json --among 1:5:2 --json refined.json"), 0) << Output();
+  const nlohmann::json result = Json("refined.json")[0];
+  EXPECT_LE(result["images"].get<int>() + result["held_out"].get<int>(), 2) << "frames 1 and 3";
+  EXPECT_GT(result["agreement_after"], 0.9);
+  ASSERT_EQ(Run("check room.json --among 4: --json check.json"), 0) << Output();
+  for (const nlohmann::json& frame : Json("check.json")["images"][0]["frames"])
+    EXPECT_GE(frame["frame"].get<int>(), 4);
+  EXPECT_EQ(Run("refine room.json --among 5:2"), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("selects no frames"));
+  EXPECT_EQ(Run("refine room.json --among 900: --by images"), 0);
+  EXPECT_THAT(Output(), testing::HasSubstr("no image shows it"));
+}
+
+TEST_F(AnnotateImages, TurnsWhatStandsTheWrongWayRoundWhenAskedTo) {
+  Write("turn.json", R"([{"edit": "change", "id": "seat_0",
+      "scan_from_object": [[0,-1,0,0.03],[1,0,0,-0.04],[0,0,1,0],[0,0,0,1]]}])");
+  ASSERT_EQ(Run("apply room.json turn.json"), 0) << Output();
+  const auto turned_by = [&] {
+    const auto pose = IsometryFromJson(Json("room.json")["instances"][0]["scan_from_object"]);
+    return kDegPerRad * std::atan2(pose->linear()(1, 0), pose->linear()(0, 0));
+  };
+  ASSERT_EQ(Run("refine room.json"), 0) << Output();
+  EXPECT_NEAR(turned_by(), 90, 15) << "it refines where it stands";
+  ASSERT_EQ(Run("refine room.json --all-azimuths --json refined.json"), 0) << Output();
+  EXPECT_THAT(Output(), testing::HasSubstr("turned, where the images prefer it"));
+  EXPECT_NEAR(turned_by(), 0, 0.2);
+  EXPECT_EQ(Json("refined.json")[0]["turned_by_images"], true);
+  // What stands right stays.
+  ASSERT_EQ(Run("refine room.json --all-azimuths --json refined.json"), 0) << Output();
+  EXPECT_EQ(Json("refined.json")[0]["turned_by_images"], false);
+  EXPECT_EQ(Run("refine room.json --all-azimuths --by scan"), 1);
 }
 
 TEST_F(AnnotateImages, SaysHowWellThePosesAgree) {

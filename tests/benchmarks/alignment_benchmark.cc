@@ -4,7 +4,9 @@
 // The baseline is VTK's rigid ICP from the same starts, the best by its mean distance, given the
 // same cropped scan.
 // Open3D's where libopen3d-dev is installed. Cases for CloudCompare are written to FOLDER.
-//   alignment_benchmark [CASES [FOLDER | - (Plumbline alone)]]
+//   alignment_benchmark [CASES [FOLDER | - (Plumbline alone) [ROOM]]]
+// ROOM is a sequence with scene.ply, models and ground_truth.json: its instances that stand on the
+// floor are aligned, too, from three starts each, and written to FOLDER/ROOM.
 
 #include <algorithm>
 #include <chrono>
@@ -28,8 +30,11 @@
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 
+#include "engine/base/random.h"
+#include "engine/dataset/ground_truth.h"
 #include "engine/geometry/gravity.h"
 #include "engine/models/mesh_file.h"
+#include "engine/registration/floor.h"
 #include "engine/registration/model_alignment.h"
 #include "tests/support/alignment_case.h"
 #include "tests/support/furniture_models.h"
@@ -180,10 +185,15 @@ class Baselines {
   }
 
 #ifdef PLUMBLINE_OPEN3D
-  Outcome Open3d(int starts) const {
+  Outcome Open3d(int starts, Open3dSteps steps) const {
     return Timed([&] {
-      return Compared(AlignWithOpen3d(crop_, surface_, test_.start, test_.up_in_scan, starts));
+      return Compared(
+          AlignWithOpen3d(crop_, surface_, test_.start, test_.up_in_scan, starts, steps));
     });
+  }
+
+  Outcome Features() const {
+    return Timed([&] { return Compared(AlignByFeatures(crop_, surface_)); });
   }
 #endif
 
@@ -223,51 +233,84 @@ void WriteCase(const std::filesystem::path& folder, int number, const AlignmentC
         << order << "\n";
 }
 
-int Run(int cases, bool baselines_too, const std::filesystem::path& write_to) {
-  const auto models = MakeFurnitureDatabase();
-  std::vector<std::shared_ptr<const ModelSurface>> surfaces;
-  std::vector<int> orders;
-  for (const CadModel& model : models->models()) {
-    surfaces.push_back(ModelSurface::Prepare(model.mesh).value());
-    orders.push_back(surfaces.back()->SymmetryOrder(0.01));
+using Outcomes = std::map<std::string, std::vector<Outcome>>;
+
+/// A model, prepared.
+struct Shape {
+  const CadModel* model = nullptr;
+  std::shared_ptr<const ModelSurface> surface;
+  int order = 1;
+};
+
+Shape ShapeOf(const CadModel& model) {
+  Shape shape{&model, ModelSurface::Prepare(model.mesh).value(), 1};
+  shape.order = shape.surface->SymmetryOrder(0.01);
+  return shape;
+}
+
+Outcome Ours(const AlignmentCase& test, const ScanTarget& target, const Shape& shape,
+             const AlignOptions& options) {
+  return Timed([&] {
+    const auto aligned = AlignModel(target, *shape.surface, test.start, test.up_in_scan, options);
+    if (!aligned) return Outcome{1, 1, 0, 0, 0};
+    return Compare(test, *shape.model, shape.order, aligned->candidates[0].scan_from_model);
+  });
+}
+
+void Others(const AlignmentCase& test, const Shape& shape, const AlignmentCrop& crop,
+            Outcomes& outcomes) {
+  const Baselines baselines(test, *shape.model, *shape.surface, shape.order, crop);
+  for (const int starts : {1, 24}) {
+    const std::string from = starts == 1 ? ", the given start" : ", 24 starts";
+    outcomes["VTK's rigid ICP" + from].push_back(baselines.Vtk(starts));
+#ifdef PLUMBLINE_OPEN3D
+    outcomes["Open3D's ICP to planes" + from].push_back(
+        baselines.Open3d(starts, Open3dSteps::kRigid));
+    outcomes["Open3D's ICP, steps of 4 dof" + from].push_back(
+        baselines.Open3d(starts, Open3dSteps::kProjected));
+#endif
   }
-  std::map<std::string, std::vector<Outcome>> outcomes;
+#ifdef PLUMBLINE_OPEN3D
+  outcomes["Open3D's FPFH + RANSAC, then ICP"].push_back(baselines.Features());
+#endif
+}
+
+void PrintAll(const Outcomes& outcomes) {
+  std::printf("%-42s %-10s %11s %12s  %24s  %s\n", "", "under 2 cm, 2 deg", "median", "median",
+              "tilt: median, worst", "CPU and wall time");
+  for (const auto& [name, list] : outcomes) Print(name.c_str(), list);
+}
+
+/// Where `with_others`, the cases are written to `write_to` unless that is empty.
+void RunCases(int cases, bool with_others, const std::filesystem::path& write_to) {
+  const auto models = MakeFurnitureDatabase();
+  std::vector<Shape> shapes;
+  for (const CadModel& model : models->models()) shapes.push_back(ShapeOf(model));
+  Outcomes outcomes;
   double prepare_ms = 0;
   std::size_t points = 0;
   for (int i = 0; i < cases; ++i) {
-    const ModelId id{i % static_cast<int>(models->models().size())};
-    const auto k = static_cast<std::size_t>(id.value);
+    const ModelId id{i % static_cast<int>(shapes.size())};
+    const Shape& shape = shapes[static_cast<std::size_t>(id.value)];
     const AlignmentCase test = MakeAlignmentCase(*models, id, static_cast<std::uint64_t>(1000 + i));
     const double start_ms = CpuMilliseconds();
     const auto target = ScanTarget::Prepare(test.scan, test.camera_centers).value();
     prepare_ms += CpuMilliseconds() - start_ms;
     points += test.scan.vertices.size();
-    for (const int starts : {1, 24}) {
-      const std::string from = starts == 1 ? ", the given start" : ", 24 starts";
-      AlignOptions options;
-      options.starts = starts;
-      outcomes["Plumbline" + from].push_back(Timed([&] {
-        const auto aligned =
-            AlignModel(*target, *surfaces[k], test.start, test.up_in_scan, options);
-        if (!aligned) return Outcome{1, 1, 0, 0, 0};
-        return Compare(test, models->model(id), orders[k], aligned->candidates[0].scan_from_model);
-      }));
-      if (!baselines_too) continue;
+    AlignOptions options;
+    outcomes["Plumbline, 24 starts"].push_back(Ours(test, *target, shape, options));
+    if (with_others) {
       const AlignmentCrop crop =
-          CropScan(*target, *surfaces[k], test.start, test.up_in_scan, options.search_m);
-      if (!write_to.empty()) {
-        WriteCase(write_to, i, test, models->model(id), orders[k], *surfaces[k], crop);
-      }
-      const Baselines baselines(test, models->model(id), *surfaces[k], orders[k], crop);
-      outcomes["VTK's rigid ICP" + from].push_back(baselines.Vtk(starts));
-#ifdef PLUMBLINE_OPEN3D
-      outcomes["Open3D's ICP to planes" + from].push_back(baselines.Open3d(starts));
-#endif
+          CropScan(*target, *shape.surface, test.start, test.up_in_scan, options.search_m);
+      if (!write_to.empty())
+        WriteCase(write_to, i, test, *shape.model, shape.order, *shape.surface, crop);
+      Others(test, shape, crop, outcomes);
     }
+    options.starts = 1;
+    outcomes["Plumbline, the given start"].push_back(Ours(test, *target, shape, options));
   }
   for (int i = 0; i < cases / 2; ++i) {
     const ModelId id{i % 2};  // The chairs.
-    const auto k = static_cast<std::size_t>(id.value);
     AlignmentCaseOptions under_table;
     under_table.under_table = true;
     AlignOptions on_floor;
@@ -275,18 +318,70 @@ int Run(int cases, bool baselines_too, const std::filesystem::path& write_to) {
     const AlignmentCase test =
         MakeAlignmentCase(*models, id, static_cast<std::uint64_t>(5000 + i), under_table);
     const auto target = ScanTarget::Prepare(test.scan, test.camera_centers).value();
-    outcomes["Plumbline, 24 starts, chairs under a table"].push_back(Timed([&] {
-      const auto aligned = AlignModel(*target, *surfaces[k], test.start, test.up_in_scan, on_floor);
-      if (!aligned) return Outcome{1, 1, 0, 0, 0};
-      return Compare(test, models->model(id), orders[k], aligned->candidates[0].scan_from_model);
-    }));
+    outcomes["Plumbline, 24 starts, chairs under a table"].push_back(
+        Ours(test, *target, shapes[static_cast<std::size_t>(id.value)], on_floor));
   }
   std::printf("%d cases, %zu points each on average, prepared in %.1f ms\n", cases,
               points / static_cast<std::size_t>(cases), prepare_ms / cases);
-  std::printf("%-42s %-10s %11s %12s  %24s  %s\n", "", "under 2 cm, 2 deg", "median", "median",
-              "tilt: median, worst", "CPU and wall time");
-  for (const auto& [name, list] : outcomes) Print(name.c_str(), list);
-  return 0;
+  PrintAll(outcomes);
+}
+
+/// Every method on the instances of a real room that stand on its floor, from three starts each, up
+/// to 17 cm off along each axis and turned by anything. Prints all errors.
+Status RunRoom(const std::filesystem::path& room, const std::filesystem::path& write_to) {
+  const auto truth = ReadGroundTruth(room / "ground_truth.json");
+  if (!truth.ok()) return truth.error();
+  const auto models = ModelDatabase::Load(room / "models");
+  if (!models.ok()) return models.error();
+  const auto scan = ReadMesh(room / "scene.ply");
+  if (!scan.ok()) return scan.error();
+  const auto target = ScanTarget::Prepare(*scan).value();
+  // As `plumbline align` does for what stands on the floor.
+  const auto floor = FindFloor(*target, {{}, -truth->gravity_in_world});
+  if (!floor.ok()) return floor.error();
+  Outcomes all;
+  int number = 0;
+  for (const GroundTruthInstance& instance : truth->instances) {
+    const auto id = (*models)->Find(instance.model);
+    if (!id || (*models)->model(*id).support != Support::kFloor) continue;
+    const Shape shape = ShapeOf((*models)->model(*id));
+    Outcomes outcomes;
+    for (std::uint32_t start = 0; start < 3; ++start, ++number) {
+      AlignmentCase test;
+      test.scan_from_model = instance.world_from_object;
+      test.up_in_scan = -truth->gravity_in_world;
+      Random random({.seed = 1, .frame = static_cast<std::uint32_t>(number)});
+      Eigen::Vector3d offset;
+      for (double& along : offset) along = random.Uniform(-0.17, 0.17);
+      test.start = instance.world_from_object;
+      test.start.linear() =
+          Eigen::AngleAxisd(random.Uniform(0, 2 * std::numbers::pi), test.up_in_scan) *
+          test.start.linear();
+      test.start.translation() += offset;
+      AlignOptions options;
+      outcomes["Plumbline, 24 starts, anywhere"].push_back(Ours(test, *target, shape, options));
+      options.standing = Standing::kOnSupport;
+      options.floor_in_scan.emplace();
+      *options.floor_in_scan << floor->up_in_scan, floor->offset_m;
+      outcomes["Plumbline, 24 starts, on the floor"].push_back(Ours(test, *target, shape, options));
+      const AlignmentCrop crop =
+          CropScan(*target, *shape.surface, test.start, test.up_in_scan, options.search_m);
+      if (!write_to.empty())
+        WriteCase(write_to, number, test, *shape.model, shape.order, *shape.surface, crop);
+      Others(test, shape, crop, outcomes);
+    }
+    std::printf("\n%s (cases %d to %d)\n", instance.id.c_str(), number - 3, number - 1);
+    for (auto& [name, list] : outcomes) {
+      std::printf("  %-42s", name.c_str());
+      for (const Outcome& o : list)
+        std::printf("  %6.1f cm %6.1f deg", 100 * o.translation_m, Degrees(o.azimuth_rad));
+      std::printf("\n");
+      all[name].insert(all[name].end(), list.begin(), list.end());
+    }
+  }
+  std::printf("\n%s\n", room.c_str());
+  PrintAll(all);
+  return {};
 }
 
 }  // namespace
@@ -295,5 +390,12 @@ int Run(int cases, bool baselines_too, const std::filesystem::path& write_to) {
 int main(int argc, char** argv) {
   const int cases = argc > 1 ? std::atoi(argv[1]) : 100;
   const std::string folder = argc > 2 ? argv[2] : "";
-  return plumbline::Run(cases, folder != "-", folder == "-" ? "" : folder);
+  const std::filesystem::path write_to = folder == "-" ? "" : folder;
+  if (cases > 0) plumbline::RunCases(cases, folder != "-", write_to);
+  if (argc <= 3) return 0;
+  const std::filesystem::path room = argv[3];
+  const plumbline::Status status =
+      plumbline::RunRoom(room, write_to.empty() ? write_to : write_to / room.filename());
+  if (!status.ok()) std::fprintf(stderr, "%s\n", status.error().message.c_str());
+  return status.ok() ? 0 : 1;
 }

@@ -125,6 +125,20 @@ TEST_F(CropModels, AMoveThatWasCutShortIsFinished) {
   EXPECT_TRUE(HasModel(UndoneModels(models_), "stool"));
 }
 
+TEST_F(CropModels, LeaveNoEmptyFolderWhateverCutThemShort) {
+  const path undone = UndoneModels(models_);
+  std::filesystem::create_directory(undone);  // made, and the process was killed
+  ASSERT_TRUE(SyncCropModels(*project_).ok());
+  EXPECT_FALSE(exists(undone));
+  std::filesystem::create_directory(undone);  // emptied, and the process was killed
+  ASSERT_TRUE(WriteFileAtomically(undone / "models.json", R"({"units": "m", "models": []})").ok());
+  ASSERT_TRUE(SyncCropModels(*project_).ok());
+  EXPECT_FALSE(exists(undone));
+  ASSERT_TRUE(StageCropModel(Built("stool"), models_).ok());
+  ASSERT_TRUE(SyncCropModels(*project_).ok());
+  EXPECT_TRUE(exists(undone)) << "somebody's model is in it";
+}
+
 TEST_F(CropModels, AModelThatAnObjectStillUsesStays) {
   Cut();
   ASSERT_TRUE(project_->Apply(RemoveCrop{"stool"}).ok());

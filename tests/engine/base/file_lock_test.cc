@@ -66,6 +66,16 @@ TEST_F(FileLockTest, OfAKilledProcessIsFree) {
   EXPECT_FALSE(std::filesystem::exists(lock_file_));
 }
 
+TEST_F(FileLockTest, IsRemovedByWhoReadsWhenNobodyHoldsIt) {
+  std::ofstream(lock_file_) << "process 1 on a machine that was switched off";
+  FileLock::RemoveStale(file_);
+  EXPECT_FALSE(std::filesystem::exists(lock_file_));
+  const auto held = FileLock::Acquire(file_);
+  FileLock::RemoveStale(file_);
+  EXPECT_TRUE(std::filesystem::exists(lock_file_)) << "somebody holds it";
+  EXPECT_FALSE(FileLock::Acquire(file_).ok());
+}
+
 TEST_F(FileLockTest, NamesAFolderThatIsNotThere) {
   const auto lock = FileLock::Acquire(folder_.path() / "none" / "run.plb");
   ASSERT_FALSE(lock.ok());

@@ -102,7 +102,41 @@ TEST(RunSummary, IsTheSameFromTheRunFile) {
   EXPECT_GT(from_file["seconds"].get<double>(), 0);
   from_file["seconds"] = 3.0;
   from_file["fps"] = 7.0;
+  from_file.erase("withdrawn");  // of the file alone: a resumed run has seen only its end
   EXPECT_EQ(from_file, summary.ToJson(Header(), 3.0));
+}
+
+TEST(ReadWithdrawn, TellsWhatWasConfirmedAndIsGone) {
+  const TemporaryFolder folder;
+  std::vector<FrameReport> frames(4);
+  for (int i = 0; i < 4; ++i) frames[i].frame = 10 + i;
+  frames[0].objects = {Object(1, ObjectState::kConfirmed), Object(2, ObjectState::kConfirmed),
+                       Object(3, ObjectState::kTentative), Object(4, ObjectState::kConfirmed)};
+  frames[1].objects = frames[0].objects;
+  for (const int i : {1, 2, 3})
+    frames[1].objects[i].state = ObjectState::kRetired;  // the first lives on
+  frames[1].events = {{EventKind::kRetired, {2}, {}, "seen without support", {}},
+                      {EventKind::kRetired, {3}, {}, "tentative for too long", {}},
+                      {EventKind::kMerged, {4}, {1}, "at one place", {}}};
+  for (const int i : {2, 3}) frames[i].objects = {frames[0].objects[0]};
+  {
+    const auto writer = RunWriter::Create(folder.path() / "run.plb", Header()).value();
+    for (const FrameReport& frame : frames) ASSERT_TRUE(writer->Write(frame, {}).ok());
+    ASSERT_TRUE(writer->Close().ok());
+  }
+  const auto reader = RunReader::Open(folder.path() / "run.plb").value();
+  const std::vector<WithdrawnObject> withdrawn = ReadWithdrawn(*reader).value();
+  ASSERT_EQ(withdrawn.size(), 2u) << "not what was never confirmed, nor what is there";
+  EXPECT_EQ(withdrawn[0].id, ObjectId{2});
+  EXPECT_EQ(withdrawn[0].category, "chair");
+  EXPECT_EQ(withdrawn[0].confirmed_frame, 4);
+  EXPECT_EQ(withdrawn[0].withdrawn_frame, 11);
+  EXPECT_EQ(withdrawn[0].why, "seen without support");
+  EXPECT_FALSE(withdrawn[0].merged_into);
+  EXPECT_EQ(withdrawn[1].merged_into, ObjectId{1});
+  const nlohmann::json json = RunResultJson(*reader).value()["withdrawn"];
+  EXPECT_EQ(json, WithdrawnToJson(withdrawn));
+  EXPECT_EQ(json[1]["merged_into"], 1);
 }
 
 TEST(ReadEstimates, GivesTheConfirmedObjectsOfARunFileAndOfItsJson) {
@@ -119,6 +153,25 @@ TEST(ReadEstimates, GivesTheConfirmedObjectsOfARunFileAndOfItsJson) {
     EXPECT_THAT(estimates[0].world_from_object,
                 IsometryNear(Object(1, ObjectState::kConfirmed).world_from_object, 1e-9, 1e-12));
   }
+}
+
+TEST(ReadCandidates, GivesTentativeObjectsTooAndHowLikelyTheyAreThere) {
+  const TemporaryFolder folder;
+  WriteRun(folder.path() / "run.plb");
+  const auto reader = RunReader::Open(folder.path() / "run.plb").value();
+  nlohmann::json json = RunResultJson(*reader).value();
+  ASSERT_TRUE(WriteJson(folder.path() / "run.json", json).ok());
+  for (const char* name : {"run.plb", "run.json"}) {
+    const std::vector<EstimatedObject> all = ReadCandidates(folder.path() / name).value();
+    ASSERT_EQ(all.size(), 2u) << "not the one that is withdrawn";
+    EXPECT_EQ(ConfirmedOf(all).size(), 1u);
+    for (const EstimatedObject& object : all)
+      EXPECT_DOUBLE_EQ(object.probability, 0.5) << "log odds of 0";
+  }
+  for (nlohmann::json& object : json["objects"]) object.erase("probability");
+  ASSERT_TRUE(WriteJson(folder.path() / "old.json", json).ok());
+  for (const EstimatedObject& object : ReadCandidates(folder.path() / "old.json").value())
+    EXPECT_EQ(object.probability, object.confirmed ? 1 : 0);
 }
 
 TEST(ReadEstimates, SaysWhatIsWrongWithAJsonFile) {
