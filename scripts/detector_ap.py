@@ -77,9 +77,9 @@ def truth_of_bop(folder, frames, least_pixels, least_share):
         truth[frame] = []
         for pose, info in zip(poses[str(frame)], infos[str(frame)]):
             x, y, w, h = info['bbox_visib']
-            if w > 0:
+            if w >= 0:  # as bop_toolkit has it: w and h are those between the outermost pixels' centres
                 counts = info['px_count_visib'] >= least_pixels and info['visib_fract'] >= least_share
-                truth[frame].append((models[pose['obj_id']]['category'], [x, y, x + w, y + h], counts))
+                truth[frame].append((models[pose['obj_id']]['category'], [x, y, x + w + 1, y + h + 1], counts))
     return truth
 
 

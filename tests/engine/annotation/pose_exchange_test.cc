@@ -11,6 +11,7 @@
 #include "engine/annotation/annotation_check.h"
 #include "engine/annotation/annotation_export.h"
 #include "engine/annotation/bop_files.h"
+#include "engine/annotation/instance_masks.h"
 #include "engine/annotation/scaled_models.h"
 #include "engine/base/files.h"
 #include "engine/geometry/gravity.h"
