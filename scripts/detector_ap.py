@@ -10,7 +10,7 @@
 
 The truth is the box of what shows: of the masks of a synthetic sequence, or of bbox_visib of a BOP dataset that `annotate
 export` wrote. Rules of COCO: IoU .50 to .95 in steps of .05, 101 points of recall, 100 boxes an image. Objects of which less
-than --least-pixels or (BOP) --least-share show count neither way. Masks need python3-opencv.
+than --least-pixels or (BOP) --least-share of the whole silhouette, also outside the image, show count neither way. Masks need python3-opencv.
 """
 import argparse
 import collections
