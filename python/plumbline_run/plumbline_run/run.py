@@ -268,7 +268,7 @@ class Run:
     @property
     def finished(self) -> bool:
         """False: it is being written, or was cut off."""
-        return self._value('finished') is not None
+        return self._value('finished') == '1'
 
     @property
     def models(self) -> List[str]:

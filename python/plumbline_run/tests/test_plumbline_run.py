@@ -164,6 +164,11 @@ class RunTest(RecordedRoom):
             newer.execute('PRAGMA user_version = 99')
         with self.assertRaisesRegex(pr.FormatError, 'format 99'):
             pr.Run(self.folder / 'newer.plb')
+        with sqlite3.connect(self.folder / 'newer.plb') as cut_off:
+            cut_off.execute('PRAGMA user_version = 2')
+            cut_off.execute("UPDATE run SET value = '0' WHERE key = 'finished'")
+        with pr.Run(self.folder / 'newer.plb') as run:
+            self.assertFalse(run.finished)
         shutil.copy(self.folder / 'room.plb', self.folder / 'damaged.plb')
         with sqlite3.connect(self.folder / 'damaged.plb') as damaged:
             damaged.execute("UPDATE objects SET details = x'0011223344'")
