@@ -36,16 +36,20 @@ def plumbline(folder, *arguments):
     return subprocess.run([PROGRAM, *arguments], cwd=folder, check=True, capture_output=True).stdout
 
 
-class RecordedRoom(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = Path(tempfile.mkdtemp())
-        subprocess.run([ROOM, str(cls.folder)], check=True)
-        cls.told = json.loads(plumbline(cls.folder, 'export', 'room.plb', '--format', 'json', '--out', '-'))
+def setUpModule():
+    """One room for all tests; they add files to it and change none."""
+    RecordedRoom.folder = Path(tempfile.mkdtemp())
+    subprocess.run([ROOM, str(RecordedRoom.folder)], check=True)
+    told = plumbline(RecordedRoom.folder, 'export', 'room.plb', '--format', 'json', '--out', '-')
+    RecordedRoom.told = json.loads(told)
 
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.folder)
+
+def tearDownModule():
+    shutil.rmtree(RecordedRoom.folder)
+
+
+class RecordedRoom(unittest.TestCase):
+    folder, told = None, None
 
     def close(self, a, b, tolerance=1e-12):  # JSON has doubles to the last digit
         np.testing.assert_allclose(a, b, rtol=0, atol=tolerance)
