@@ -6,7 +6,23 @@
 #include <iostream>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "app/verbs/verb.h"
+
+namespace {
+
+/// What is stored as JSON must be.
+bool IsUtf8(const char* text) {
+  try {
+    nlohmann::json(text).dump();
+    return true;
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using plumbline::Verb;
@@ -27,6 +43,12 @@ int main(int argc, char** argv) {
   app.get_formatter()->column_width(34);
   plumbline::VerbFunction chosen;
   for (const Verb& verb : kVerbs) verb.add(app, chosen);
+  for (int i = 1; i < argc; ++i) {
+    if (IsUtf8(argv[i])) continue;
+    std::cerr << "plumbline: argument " << i
+              << " is not UTF-8 text; rename the file, or write it in UTF-8\n";
+    return 2;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -54,10 +54,7 @@ Result<PathInfo> DescribeModels(const std::filesystem::path& path) {
 }
 
 Likeness ProbeMesh(const std::filesystem::path& path) {
-  for (const char* ending : {".ply", ".obj", ".glb", ".gltf", ".stl", ".pcd"}) {
-    if (HasEnding(path, ending)) return Likeness::kPossible;
-  }
-  return Likeness::kNone;
+  return IsMeshName(path) ? Likeness::kPossible : Likeness::kNone;
 }
 
 Result<PathInfo> DescribeMesh(const std::filesystem::path& path) {

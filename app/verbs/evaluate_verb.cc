@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "app/verbs/argument_checks.h"
 #include "app/verbs/evaluate_plant.h"
 #include "app/verbs/evaluate_runs.h"
 #include "app/verbs/evaluate_trajectory.h"
@@ -469,7 +470,7 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
       ->capture_default_str();
   verb->add_option("--seed", arguments->options.seed,
                    "Seed of the sampled points: the same seed gives the same figures")
-      ->check(CLI::NonNegativeNumber)
+      ->check(IsSeed())
       ->capture_default_str();
   verb->add_option("--plant", arguments->plant,
                    "Map the run again for each instance that it missed, with its true pose as a "

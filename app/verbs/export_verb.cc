@@ -19,6 +19,7 @@ namespace {
 struct ExportArguments {
   std::string run, format, out, models, sequence, frames, up = "y";
   bool smoothed = false;
+  bool own_colors = false;
 };
 
 /// The objects to draw: of the end of the run, or smoothed. Errors: kNotFound for a run that has
@@ -88,7 +89,8 @@ Status ExportPly(RunReader& reader, const ExportArguments& arguments) {
   }
   const Result<std::vector<EstimatedObject>> objects = ObjectsToWrite(arguments);
   if (!objects) return objects.error();
-  const Result<TriangleMesh> mesh = MapMesh(*objects, **database);
+  const Result<TriangleMesh> mesh =
+      MapMesh(*objects, **database, arguments.own_colors ? MapColors::kOwn : MapColors::kByObject);
   if (!mesh) return mesh.error();
   return WritePly(arguments.out, *mesh);
 }
@@ -126,6 +128,9 @@ const std::array kFormats = {
 Status Export(const ExportArguments& arguments) {
   const Result<std::unique_ptr<RunReader>> reader = RunReader::Open(arguments.run);
   if (!reader) return reader.error();
+  if (arguments.own_colors && arguments.format != "ply") {
+    return Error{ErrorCode::kInvalidInput, "--own-colors goes with --format ply"};
+  }
   if (arguments.smoothed && (arguments.format == "json" || arguments.format == "csv")) {
     return Error{ErrorCode::kInvalidInput,
                  "--smoothed goes with formats that draw or pose objects; json holds both maps "
@@ -168,6 +173,8 @@ void AddExportVerb(CLI::App& app, VerbFunction& chosen) {
       ->capture_default_str();
   verb->add_option("--sequence", arguments->sequence, "The sequence of the run, if it has moved")
       ->type_name("DIR");
+  verb->add_flag("--own-colors", arguments->own_colors,
+                 "ply: the models in the colours that they have in the database");
   verb->add_option("--models", arguments->models, "The models of the run, if they have moved")
       ->type_name("DIR");
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Export(*arguments); }; });

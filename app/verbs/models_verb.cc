@@ -7,9 +7,14 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "app/verbs/console_work.h"
+#include "app/verbs/model_sheet.h"
 #include "app/verbs/verb.h"
+#include "engine/base/files.h"
+#include "engine/models/frame_settling.h"
 #include "engine/models/model_builder.h"
 #include "engine/models/model_check.h"
 
@@ -18,7 +23,7 @@ namespace {
 
 struct BuildArguments {
   std::vector<std::string> meshes;
-  std::string out_folder, unit, up, front, category, json_file;
+  std::string out_folder, unit, up, front, category, sheet, json_file;
   int faces = 5000;
   int symmetry = 1;
   bool back = false;
@@ -52,8 +57,9 @@ void PrintBuilt(const BuiltModel& built) {
   const CleanupReport& cleanup = report.cleanup;
   std::cout << built.model.name << " (" << built.model.category
             << "): " << Size(built.model.bounds.sizes().cast<double>()) << ", unit "
-            << NameOf(report.unit) << ", up " << report.up.text() << ", front "
-            << report.front.text() << "\n";
+            << UnitText(report.unit.value) << ", up " << report.up.value.text() << ", front "
+            << report.front.value.text() << "\n";
+  for (const std::string& sentence : report.believed) std::cout << "  " << sentence << "\n";
   std::printf(
       "  cleaned: %d vertices merged, %d degenerate and %d duplicate faces, %d unused vertices "
       "dropped\n",
@@ -70,6 +76,10 @@ void PrintBuilt(const BuiltModel& built) {
   } else {
     std::printf("  %d faces\n", decimation.faces_before);
   }
+  if (!built.model.mesh.texture_file.empty())
+    std::printf(
+        "  texture kept as %s and painted on the vertices, %d faces added where it changes\n",
+        built.model.mesh.texture_file.c_str(), report.faces_for_texture);
   std::fflush(stdout);
   for (const std::string& warning : report.warnings) std::cerr << "  warning: " << warning << "\n";
 }
@@ -81,9 +91,16 @@ nlohmann::json ToJson(const BuiltModel& built) {
           {"file", built.model.file},
           {"category", built.model.category},
           {"source", built.source.string()},
-          {"unit", NameOf(report.unit)},
-          {"up", report.up.text()},
-          {"front", report.front.text()},
+          {"unit", UnitText(report.unit.value)},
+          {"up", report.up.value.text()},
+          {"front", report.front.value.text()},
+          {"confidence",
+           {{"unit", report.unit.confidence},
+            {"up", report.up.confidence},
+            {"front", report.front.confidence}}},
+          {"texture", built.model.mesh.texture_file},
+          {"faces_for_texture", report.faces_for_texture},
+          {"believed", report.believed},
           {"size_m", {size.x(), size.y(), size.z()}},
           {"faces_before", report.decimation.faces_before},
           {"faces", report.decimation.faces_after},
@@ -92,9 +109,23 @@ nlohmann::json ToJson(const BuiltModel& built) {
           {"warnings", report.warnings}};
 }
 
+/// The questions of all models in one picture, if there are any.
+Status WriteSheet(const std::string& file, const std::vector<cv::Mat>& rows) {
+  if (rows.empty()) {
+    std::cerr << "nothing was unsure: '" << file << "' is not written\n";
+    return {};
+  }
+  cv::Mat sheet;
+  cv::vconcat(rows, sheet);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", sheet, bytes);
+  return WriteFileAtomically(file, std::string(bytes.begin(), bytes.end()));
+}
+
 Status Build(const BuildArguments& arguments) {
   const ModelBuildOptions options = OptionsFrom(arguments);
   ConsoleWork work;
+  std::vector<cv::Mat> questions;
   nlohmann::json results = nlohmann::json::array();
   std::vector<Error> failures;
   for (const std::string& mesh : arguments.meshes) {
@@ -109,7 +140,12 @@ Status Build(const BuildArguments& arguments) {
       continue;
     }
     if (arguments.json_file != "-") PrintBuilt(*built);
+    if (!arguments.sheet.empty()) AddQuestions(*built, questions);
     results.push_back(ToJson(*built));
+  }
+  if (!arguments.sheet.empty()) {
+    if (const Status written = WriteSheet(arguments.sheet, questions); !written.ok())
+      return written;
   }
   if (!arguments.json_file.empty()) {
     if (const Status written = WriteJsonResult(arguments.json_file, results); !written.ok())
@@ -194,31 +230,38 @@ void AddBuild(CLI::App& models, VerbFunction& chosen) {
   CLI::App* verb = models.add_subcommand("build",
                                          "Bring meshes into the canonical frame (metres, +z up, +x "
                                          "front) and enter them in a database");
-  verb->add_option("meshes", arguments->meshes, "PLY, OBJ, GLB, GLTF or STL files")
+  verb->add_option("meshes", arguments->meshes,
+                   "PLY, OBJ, GLB, GLTF, STL, DAE, FBX, OFF, 3DS files and what else assimp reads")
       ->required()
       ->type_name("MESH");
   verb->add_option("--out", arguments->out_folder,
                    "Database folder; models of the same name are replaced")
       ->required()
       ->type_name("DIR");
-  verb->add_option("--faces", arguments->faces, "Decimate to at most this many faces")
+  verb->add_option(
+          "--faces", arguments->faces,
+          "Decimate to at most this many faces; where a texture changes, as many again may be "
+          "added")
       ->capture_default_str()
       ->check(CLI::Range(4, 10000000))
       ->type_name("N");
-  verb->add_option("--unit", arguments->unit,
-                   "Unit of the files; guessed from the size if not given")
+  verb->add_option(
+          "--unit", arguments->unit,
+          "Unit of the files; if not given, as the file states, else guessed from the size")
       ->check(CLI::IsMember({"m", "cm", "mm"}));
-  verb->add_option("--up", arguments->up,
-                   "The files' axis that points up. Without a sign the axis only: it is turned "
-                   "over, with a warning, if "
-                   "the shape clearly stands the other way. Guessed if not given")
+  verb->add_option(
+          "--up", arguments->up,
+          "The files' axis that points up. Without a sign the axis only: it is turned "
+          "over, with a warning, if "
+          "the shape clearly stands the other way. If not given, as the file states, else guessed")
       ->check(CLI::IsMember({"x", "y", "z", "+x", "-x", "+y", "-y", "+z", "-z"}));
   verb->add_option("--front", arguments->front,
                    "The files' axis that the front faces (of a chair: the side a sitter faces); "
                    "guessed if not given")
       ->check(CLI::IsMember({"+x", "-x", "+y", "-y", "+z", "-z"}));
-  verb->add_option("--category", arguments->category,
-                   "COCO category; taken from the file's name if not given")
+  verb->add_option(
+          "--category", arguments->category,
+          "COCO category; if not given, what the words of the file's name say (sofa: couch)")
       ->type_name("NAME");
   verb->add_option("--symmetry", arguments->symmetry,
                    "Order of symmetry about the vertical: 1 none, 2 half turns, 0 continuous")
@@ -228,6 +271,11 @@ void AddBuild(CLI::App& models, VerbFunction& chosen) {
   verb->add_flag("--back", arguments->back,
                  "It always stands with its back to a wall, as a cabinet may: no camera sees it "
                  "from behind. A model that is replaced keeps what models.json says of it");
+  verb->add_option(
+          "--sheet", arguments->sheet,
+          "Where up or front is unsure (under 80 %), a picture of all six ups and all four "
+          "fronts to choose from")
+      ->type_name("FILE.png");
   verb->add_option("--json", arguments->json_file,
                    "Also write what was done as JSON (- for standard output)")
       ->type_name("FILE");

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/verbs/argument_checks.h"
 #include "engine/base/files.h"
 #include "engine/vision/fetched_networks.h"
 
@@ -27,7 +28,7 @@ void PipelineArguments::AddTo(CLI::App& verb) {
   verb.add_option("--models", recipe.models, "Folder of CAD models (default: the sequence's own)");
   verb.add_option("--frames", frames, "Frames A:B or A:B:S; B is not included");
   verb.add_option("--seed", recipe.seed, "Seed of all randomness, a whole number from 0")
-      ->check(CLI::NonNegativeNumber)
+      ->check(IsSeed())
       ->capture_default_str();
   verb.add_option(
       "--detector", detector,

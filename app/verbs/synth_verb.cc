@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/verbs/argument_checks.h"
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
 #include "engine/geometry/angles.h"
@@ -165,7 +166,7 @@ void AddSynthVerb(CLI::App& app, VerbFunction& chosen) {
       ->type_name("DEG");
   verb->add_option("--seed", arguments->seed,
                    "Chooses room, furniture, colours, light and walk; 1 is the demo")
-      ->check(CLI::NonNegativeNumber)
+      ->check(IsSeed())
       ->capture_default_str();
   verb->add_flag("--flawless", arguments->flawless,
                  "Boxes and edges as perfect networks would give them: of all that shows, exact");

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/verbs/argument_checks.h"
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
 #include "engine/base/timer.h"
@@ -360,7 +361,7 @@ void AddVioVerb(CLI::App& app, VerbFunction& chosen) {
                    "Leave out this share of the given tracks, at random")
       ->check(CLI::Range(0.0, 0.99));
   verb->add_option("--seed", arguments->seed, "Seed of --drop-tracks")
-      ->check(CLI::NonNegativeNumber)
+      ->check(IsSeed())
       ->capture_default_str();
   verb->add_option("--set", arguments->settings, "One filter option, key=value; may be repeated");
   verb->add_option("--set-tracker", arguments->tracker_settings,

@@ -34,7 +34,8 @@ std::optional<std::filesystem::path> FirstScene(const std::filesystem::path& fol
 /// Rotation and translation [m] under two keys.
 std::optional<Eigen::Isometry3d> PoseOf(const nlohmann::json& entry, const char* rotation,
                                         const char* translation) {
-  if (!entry.contains(rotation) || !entry.contains(translation)) return std::nullopt;
+  if (!entry.is_object() || !entry.contains(rotation) || !entry.contains(translation))
+    return std::nullopt;
   const auto r = VectorFromJson(entry[rotation], 9), t = VectorFromJson(entry[translation], 3);
   if (!r || !t) return std::nullopt;
   nlohmann::json rows = nlohmann::json::array();
@@ -55,7 +56,7 @@ ModelName NameOf(const nlohmann::json& names, int obj_id) {
   std::snprintf(fallback, sizeof(fallback), "obj_%06d", obj_id);
   ModelName result{fallback, "", {0, 0, 0}};
   const auto found = names.find(std::to_string(obj_id));
-  if (found == names.end()) return result;
+  if (found == names.end() || !found->is_object()) return result;
   result.name = TextFromJson(*found, "name").value_or(fallback);
   result.category = TextFromJson(*found, "category").value_or("");
   if (found->contains("center_m")) {
@@ -87,6 +88,9 @@ Result<ImportedPoses> ReadBop(const std::filesystem::path& folder) {
   const auto bad = [&](const std::string& what) {
     return Error{ErrorCode::kInvalidInput, "'" + scene->string() + "': " + what};
   };
+  if (!truth->is_object() || !cameras->is_object()) {
+    return bad("scene_gt.json and scene_camera.json must map the numbers of images");
+  }
   // By number: keys sort as texts.
   std::map<int, std::string> images;
   for (const auto& [key, entries] : truth->items()) images[std::atoi(key.c_str())] = key;
@@ -104,7 +108,9 @@ Result<ImportedPoses> ReadBop(const std::filesystem::path& folder) {
     }
     for (const nlohmann::json& entry : (*truth)[key]) {
       const auto cam_from_model = PoseOf(entry, "cam_R_m2c", "cam_t_m2c");
-      const int obj_id = entry.value("obj_id", -1);
+      const bool numbered =
+          entry.is_object() && entry.contains("obj_id") && entry["obj_id"].is_number_integer();
+      const int obj_id = numbered ? entry["obj_id"].get<int>() : -1;
       if (!cam_from_model || obj_id < 0) {
         return bad("an entry of image " + key + " has no obj_id or no rigid pose");
       }

@@ -288,8 +288,8 @@ Result<CroppedModel> ModelOfCrop(const TriangleMesh& scan, const std::filesystem
   options.up = SignedAxis{2, 1};
   options.front = SignedAxis{0, 1};
   options.category = crop.category;
-  Result<BuiltModel> built =
-      BuildModelFrom(Transformed(mesh, scan_from_upright.inverse()), crop.id, scan_file, options);
+  Result<BuiltModel> built = BuildModelFrom(
+      {Transformed(mesh, scan_from_upright.inverse()), {}, {}, {}}, crop.id, scan_file, options);
   if (!built) return built.error();
   cropped.built = std::move(*built);
   cropped.scan_from_model = scan_from_upright * cropped.built.report.object_from_file.inverse();

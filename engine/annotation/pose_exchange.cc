@@ -140,15 +140,19 @@ Result<ImportedPoses> ReadFramePoses(const AnnotationDocument& document,
   std::vector<Eigen::Vector3d> translations;
   double worst_m = 0;
   for (const nlohmann::json& entry : (*json)["frames"]) {
-    const int frame = entry.value("frame", -1);
+    if (!entry.is_object() || !entry.contains("frame") || !entry["frame"].is_number_integer() ||
+        (entry.contains("objects") && !entry["objects"].is_array())) {
+      return bad("has an entry of 'frames' that is not {\"frame\": number, \"objects\": [..]}");
+    }
+    const auto frame = entry["frame"].get<std::int64_t>();
     if (frame < 0 || frame >= inputs.sequence->num_frames()) {
       return bad("names a frame that the sequence does not have");
     }
-    const auto scan_from_cam = ScanFromCam(document, *inputs.sequence, frame);
+    const auto scan_from_cam = ScanFromCam(document, *inputs.sequence, static_cast<int>(frame));
     if (!scan_from_cam) continue;
     for (const nlohmann::json& object : entry.value("objects", nlohmann::json::array())) {
       const auto id = TextFromJson(object, "id"), model = TextFromJson(object, "model");
-      const auto pose = object.contains("cam_from_object")
+      const auto pose = object.is_object() && object.contains("cam_from_object")
                             ? IsometryFromJson(object["cam_from_object"])
                             : std::nullopt;
       if (!id || !model || !pose) return bad("has an object without id, model or rigid pose");

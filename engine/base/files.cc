@@ -2,6 +2,7 @@
 #include "engine/base/files.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <unistd.h>
 
 #define XXH_INLINE_ALL
@@ -9,11 +10,14 @@
 
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 
 namespace plumbline {
 namespace {
@@ -51,6 +55,38 @@ bool WriteNameless(const std::filesystem::path& path, std::string_view content) 
   return written;
 }
 
+constexpr std::string_view kTemporary = ".tmp";
+constexpr std::chrono::minutes kLongAgo(10);
+
+/// Whether it is NAME.tmpPID-N of a process that is gone. Not if it is young: another machine may
+/// be writing it.
+bool IsLeftover(const std::filesystem::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
+  const std::size_t at = name.rfind(kTemporary);
+  if (at == std::string::npos || at == 0) return false;
+  char* end = nullptr;
+  const long pid = std::strtol(name.c_str() + at + kTemporary.size(), &end, 10);
+  if (pid <= 0 || *end != '-') return false;
+  std::error_code failed;
+  const auto written = entry.last_write_time(failed);
+  return !failed && std::filesystem::file_time_type::clock::now() - written > kLongAgo &&
+         ::kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH;
+}
+
+/// Removes what processes that were killed left in the folder; once, since folders may be large.
+void RemoveLeftovers(const std::filesystem::path& folder) {
+  static std::mutex mutex;
+  static std::set<std::filesystem::path> seen;
+  {
+    const std::lock_guard lock(mutex);
+    if (!seen.insert(folder).second) return;
+  }
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    if (IsLeftover(entry)) ::unlink(entry.path().c_str());
+  }
+}
+
 bool WriteNamed(const std::filesystem::path& path, std::string_view content) {
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (file < 0) return false;
@@ -71,6 +107,11 @@ Result<std::string> ReadFile(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path, ignored)) {
     return Error{ErrorCode::kInvalidInput, "'" + path.string() + "' is a folder; a file is needed"};
   }
+  // Reading a device need never end, nor opening a pipe that nobody writes to.
+  if (!std::filesystem::is_regular_file(path, ignored)) {
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + path.string() + "' is a device, pipe or socket; a file is needed"};
+  }
   std::ifstream file(path, std::ios::binary);
   std::string content((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   if (!file.good() && !file.eof()) return IoError("read", path);
@@ -79,8 +120,9 @@ Result<std::string> ReadFile(const std::filesystem::path& path) {
 
 Status WriteFileAtomically(const std::filesystem::path& path, std::string_view content) {
   static std::atomic<int> count = 0;
-  const std::filesystem::path temporary =
-      path.string() + ".tmp" + std::to_string(::getpid()) + "-" + std::to_string(count++);
+  const std::filesystem::path temporary = path.string() + std::string(kTemporary) +
+                                          std::to_string(::getpid()) + "-" +
+                                          std::to_string(count++);
   const bool written = WriteNameless(temporary, content) || WriteNamed(temporary, content);
   if (!written || ::rename(temporary.c_str(), path.c_str()) != 0) {
     const Error error = IoError("write", path);
@@ -88,6 +130,7 @@ Status WriteFileAtomically(const std::filesystem::path& path, std::string_view c
     return error;
   }
   SyncFolderOf(path);
+  RemoveLeftovers(FolderOf(path));
   return {};
 }
 

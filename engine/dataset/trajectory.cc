@@ -14,6 +14,9 @@ namespace {
 /// Farther from unit length than rounding in a file explains.
 constexpr double kQuaternionTolerance = 0.01;
 
+/// Beyond it doubles have no tenth of a millimetre left: the origin of a map is not the Earth's.
+constexpr double kFarthest_m = 1e6;
+
 /// Appends the row's pose or says what is wrong with it.
 std::optional<std::string_view> ReadRow(std::string_view line, std::vector<StampedPose>& poses) {
   const std::vector<std::string_view> fields = SplitFields(line);
@@ -26,6 +29,8 @@ std::optional<std::string_view> ReadRow(std::string_view line, std::vector<Stamp
     if (!number) return "not 8 numbers 't tx ty tz qx qy qz qw'; row left out";
     if (!std::isfinite(*number)) return "the pose is not finite; row left out";
     numbers[i] = *number;
+    if (i < 3 && std::abs(numbers[i]) > kFarthest_m)
+      return "the pose is more than 1000 km from the origin; row left out";
   }
   const Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);
   if (!(std::abs(rotation.norm() - 1) < kQuaternionTolerance)) {

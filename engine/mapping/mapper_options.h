@@ -76,7 +76,7 @@ struct MapperOptions {
   JumpScope jump_scope = JumpScope::kCategory;
   bool floor_prior = true;
   double floor_std_m = 0.015;
-  double scale_std = 0;
+  double scale_std = 0.02;
   double seen_from_behind = 0.05;
 
   // Birth

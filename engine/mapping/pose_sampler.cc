@@ -29,6 +29,8 @@ constexpr double kLeastSpread_scale = 0.1, kUsualSpread_scale = 1, kLeastWalk_sc
 /// A step so far in position goes one deviation of its prior in scale.
 constexpr double kStepOfScale_m = 0.05;
 
+constexpr double kTurnedAboutSide = 0.4;  ///< Share of turns about the front or back of a model.
+
 /// One round of a search: how many go on, how sharply they are chosen, how far they step.
 struct Round {
   std::size_t count;
@@ -124,8 +126,13 @@ PoseHypothesis PoseSampler::Turned(PoseHypothesis hypothesis) {
   Random random = Next();
   const Eigen::Vector3d size =
       hypothesis.scale() * map_.database->model(hypothesis.label).bounds.sizes().cast<double>();
-  const Eigen::Vector3d pivot(random.Uniform(-0.5, 0.5) * size.x(),
-                              random.Uniform(-0.5, 0.5) * size.y(), 0);
+  Eigen::Vector3d pivot(random.Uniform(-0.5, 0.5) * size.x(),
+                        random.Uniform(-0.5, 0.5) * size.y(), 0);
+  // What shows of a chair at a table is its back: the twin has it in the same place.
+  if (random.Uniform() < kTurnedAboutSide) {
+    const double side = random.Uniform() < 0.5 ? 0.5 : -0.5;
+    pivot = {(side + random.Uniform(-0.1, 0.1)) * size.x(), 0.1 * pivot.y(), 0};
+  }
   const double pick = random.Uniform();
   const double turn = pick < 0.4   ? std::numbers::pi
                       : pick < 0.7 ? (pick < 0.55 ? 0.5 : -0.5) * std::numbers::pi
@@ -366,8 +373,8 @@ std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
     for (const ProposalMode& found :
          ModesOf(search, 1 / (3 * warmth), warmth * kFaintMode, usual)) {
       if (Knows(modes, found)) continue;
-      if (warmth > 1 && polished++ == kMostPolished) break;
-      const ProposalMode mode = warmth > 1 ? Polished(found, warmth, usual) : found;
+      if (polished++ == kMostPolished) break;
+      const ProposalMode mode = Polished(found, warmth, usual);
       highest = std::max(highest, mode.weight);
       if (!Knows(modes, mode)) modes.push_back(mode);
     }

@@ -118,7 +118,7 @@ class Gltf {
   }
 
   /// Attributes and indices of a model, written once.
-  const nlohmann::json& GeometryOf(const CadModel& model) {
+  const nlohmann::json& GeometryOf(const CadModel& model, bool textured) {
     const auto [found, added] = geometry_.try_emplace(&model);
     if (!added) return found->second;
     TriangleMesh mesh = model.mesh;
@@ -131,6 +131,8 @@ class Gltf {
           length > 0 ? Eigen::Vector3f(mesh.normals[i] / length) : Eigen::Vector3f(0, 0, 1);
       for (int c = 0; c < 3; ++c) Put(normal[c], normals);
     }
+    // They would tint the texture, of which they are a coarse copy.
+    if (textured) mesh.colors.clear();
     for (const auto& color : mesh.colors) {
       for (const std::uint8_t c : color)
         Put(static_cast<std::uint16_t>(std::lround(65535 * Linear(c))), colors);
@@ -160,8 +162,9 @@ class Gltf {
 
   int MeshOf(const GltfObject& object, int number) {
     nlohmann::json surface = {{"metallicFactor", 0}, {"roughnessFactor", 0.8}};
-    if (const auto texture = texture_numbers_.find(object.texture);
-        texture != texture_numbers_.end()) {
+    const auto texture = texture_numbers_.find(object.texture);
+    const bool textured = texture != texture_numbers_.end();
+    if (textured) {
       surface["baseColorTexture"] = {{"index", texture->second}};
     } else if (object.model->mesh.colors.empty()) {
       const auto [red, green, blue] = DistinctColor(number);
@@ -170,7 +173,7 @@ class Gltf {
     materials_.push_back({{"name", object.name},
                           {"pbrMetallicRoughness", std::move(surface)},
                           {"doubleSided", true}});
-    nlohmann::json primitive = GeometryOf(*object.model);
+    nlohmann::json primitive = GeometryOf(*object.model, textured);
     primitive["material"] = materials_.size() - 1;
     meshes_.push_back(
         {{"name", object.model->name}, {"primitives", nlohmann::json::array({primitive})}});

@@ -139,6 +139,8 @@ TriangleMesh WeldedGeometry(const TriangleMesh& mesh) {
   return Clean(std::move(geometry), false, unused);
 }
 
+std::vector<int> FirstAtEachPlace(const TriangleMesh& mesh) { return FirstOfEach(mesh, false); }
+
 EdgeCounts CountEdges(const TriangleMesh& mesh) {
   const TriangleMesh welded = WeldedGeometry(mesh);
   std::map<std::pair<int, int>, int> faces_of;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "engine/geometry/mesh.h"
 
 namespace plumbline {
@@ -20,6 +22,9 @@ TriangleMesh CleanMesh(const TriangleMesh& mesh, CleanupReport& report);
 /// The same with vertices merged by place alone and no attributes: the surface without texture
 /// seams.
 TriangleMesh WeldedGeometry(const TriangleMesh& mesh);
+
+/// For every vertex the first one that lies where it lies (as for CleanMesh).
+std::vector<int> FirstAtEachPlace(const TriangleMesh& mesh);
 
 struct EdgeCounts {
   int open = 0;          ///< Edges of one face.

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/models/mesh_file.h"
 
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-
 #include <algorithm>
-#include <assimp/Importer.hpp>
 #include <bit>
 #include <cctype>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "engine/base/files.h"
+#include "engine/models/assimp_file.h"
 #include "engine/models/pcd_file.h"
 #include "engine/models/ply_file.h"
 
@@ -23,79 +21,6 @@ std::string LowerExtension(const std::filesystem::path& file) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   return extension;
-}
-
-std::uint8_t Level(float value) {
-  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255.0f));
-}
-
-/// Colours of the vertices, else that of the material if the file gives one.
-void ReadColors(const aiMesh& part, const aiMaterial& material, TriangleMesh& mesh) {
-  aiString name;
-  aiColor4D diffuse;
-  if (part.HasVertexColors(0)) {
-    for (unsigned i = 0; i < part.mNumVertices; ++i) {
-      const aiColor4D& color = part.mColors[0][i];
-      mesh.colors.push_back({Level(color.r), Level(color.g), Level(color.b)});
-    }
-  } else if (material.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS &&
-             std::string(name.C_Str()) != AI_DEFAULT_MATERIAL_NAME &&
-             material.Get(AI_MATKEY_COLOR_DIFFUSE, diffuse) == aiReturn_SUCCESS) {
-    mesh.colors.assign(part.mNumVertices, {Level(diffuse.r), Level(diffuse.g), Level(diffuse.b)});
-  }
-}
-
-TriangleMesh ReadPart(const aiMesh& part, const aiMaterial& material) {
-  TriangleMesh mesh;
-  for (unsigned i = 0; i < part.mNumVertices; ++i) {
-    mesh.vertices.emplace_back(part.mVertices[i].x, part.mVertices[i].y, part.mVertices[i].z);
-    if (part.HasNormals())
-      mesh.normals.emplace_back(part.mNormals[i].x, part.mNormals[i].y, part.mNormals[i].z);
-    if (part.HasTextureCoords(0)) {
-      mesh.texture_coordinates.emplace_back(part.mTextureCoords[0][i].x,
-                                            part.mTextureCoords[0][i].y);
-    }
-  }
-  for (unsigned i = 0; i < part.mNumFaces; ++i) {
-    const aiFace& face = part.mFaces[i];
-    if (face.mNumIndices != 3) continue;
-    mesh.triangles.emplace_back(static_cast<int>(face.mIndices[0]),
-                                static_cast<int>(face.mIndices[1]),
-                                static_cast<int>(face.mIndices[2]));
-  }
-  ReadColors(part, material, mesh);
-  aiString texture;
-  const bool has_texture =
-      material.GetTexture(aiTextureType_BASE_COLOR, 0, &texture) == aiReturn_SUCCESS ||
-      material.GetTexture(aiTextureType_DIFFUSE, 0, &texture) == aiReturn_SUCCESS;
-  // A texture inside the file ("*0") has no name of its own.
-  if (has_texture && part.HasTextureCoords(0) && texture.C_Str()[0] != '*')
-    mesh.texture_file = texture.C_Str();
-  return mesh;
-}
-
-Result<TriangleMesh> ReadWithAssimp(const std::filesystem::path& file) {
-  Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
-                              aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene = importer.ReadFile(
-      file.string(), aiProcess_Triangulate | aiProcess_SortByPType |
-                         aiProcess_PreTransformVertices | aiProcess_JoinIdenticalVertices);
-  if (scene == nullptr) {
-    return Error{ErrorCode::kCorrupt,
-                 "cannot read a mesh from '" + file.string() + "': " + importer.GetErrorString()};
-  }
-  TriangleMesh mesh;
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
-    const aiMesh& part = *scene->mMeshes[i];
-    TriangleMesh read = ReadPart(part, *scene->mMaterials[part.mMaterialIndex]);
-    if (mesh.empty()) {
-      mesh = std::move(read);
-    } else {
-      Append(read, mesh);
-    }
-  }
-  return mesh;
 }
 
 Status CheckMesh(const TriangleMesh& mesh, const std::filesystem::path& file) {
@@ -114,6 +39,27 @@ Status CheckMesh(const TriangleMesh& mesh, const std::filesystem::path& file) {
     }
   }
   return {};
+}
+
+/// Whose colours say nothing: they are those of a PLY that was made from a texture.
+bool AllWhite(const TriangleMesh& mesh) {
+  return std::all_of(mesh.colors.begin(), mesh.colors.end(), [](const auto& rgb) {
+    return rgb[0] == 255 && rgb[1] == 255 && rgb[2] == 255;
+  });
+}
+
+/// A PLY with colours shows these: models that were built from a texture have it painted on.
+void ReadPlyTexture(const std::filesystem::path& file, TexturedMesh& read) {
+  TriangleMesh& mesh = read.mesh;
+  if (mesh.texture_file.empty() || mesh.triangles.empty() || !AllWhite(mesh)) return;
+  const std::filesystem::path picture = FindPicture(file, mesh.texture_file);
+  if (!picture.empty()) {
+    if (Result<std::string> bytes = ReadFile(picture); bytes.ok())
+      read.texture = DecodePicture(std::move(*bytes));
+  }
+  if (!read.texture.empty()) return;
+  read.warnings.push_back("its texture '" + (file.parent_path() / mesh.texture_file).string() +
+                          "' is missing or no picture that can be read, and left out");
 }
 
 template <typename T>
@@ -140,31 +86,52 @@ std::string PlyHeaderOf(const TriangleMesh& mesh) {
 
 }  // namespace
 
-Result<TriangleMesh> ReadMesh(const std::filesystem::path& file) {
+bool IsMeshName(const std::filesystem::path& file) {
   const std::string extension = LowerExtension(file);
-  if (extension == ".ply") {
+  return extension == ".ply" || extension == ".pcd" || AssimpReads(extension);
+}
+
+Result<TexturedMesh> ReadTexturedMesh(const std::filesystem::path& file) {
+  const std::string extension = LowerExtension(file);
+  if (extension == ".ply" || extension == ".pcd") {
     Result<std::string> bytes = ReadFile(file);
     if (!bytes.ok()) return bytes.error();
-    return ParsePly(*bytes, file);
+    Result<TriangleMesh> mesh =
+        extension == ".ply" ? ParsePly(*bytes, file) : ParsePcd(*bytes, file);
+    if (!mesh.ok()) return mesh.error();
+    TexturedMesh read;
+    read.mesh = std::move(*mesh);
+    ReadPlyTexture(file, read);
+    return read;
   }
-  if (extension == ".pcd") {
-    Result<std::string> bytes = ReadFile(file);
-    if (!bytes.ok()) return bytes.error();
-    return ParsePcd(*bytes, file);
+  if (!AssimpReads(extension)) {
+    return Error{ErrorCode::kUnsupported, "'" + file.string() +
+                                              "' is no mesh file that Plumbline reads (ply, pcd, " +
+                                              AssimpEndings() + ")"};
   }
-  if (extension != ".obj" && extension != ".glb" && extension != ".gltf" && extension != ".stl") {
-    return Error{ErrorCode::kUnsupported,
-                 "'" + file.string() +
-                     "' is no mesh file that Plumbline reads (PLY, PCD, OBJ, GLB, GLTF, STL)"};
+  Result<TexturedMesh> read = ReadByAssimp(file);
+  if (!read.ok()) return read;
+  if (const Status status = CheckMesh(read->mesh, file); !status.ok()) return status.error();
+  return read;
+}
+
+Result<TriangleMesh> ReadMesh(const std::filesystem::path& file, int added_faces) {
+  Result<TexturedMesh> read = ReadTexturedMesh(file);
+  if (!read.ok()) return read.error();
+  if (!read->texture.empty() && added_faces > 0) {
+    const int faces = static_cast<int>(read->mesh.triangles.size());
+    PaintByTexture(read->texture, faces + added_faces, read->mesh);
+  } else if (!read->texture.empty()) {
+    PaintVertices(read->texture, read->mesh);
   }
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) {
-    return Error{ErrorCode::kNotFound, "there is no mesh file '" + file.string() + "'"};
+  // One that was put together or lay inside of the file is nowhere to be found later.
+  if (!read->texture.empty() && read->mesh.texture_file.empty())
+    read->mesh.texture_coordinates.clear();
+  if (read->frame.metres) {
+    for (Eigen::Vector3f& vertex : read->mesh.vertices)
+      vertex *= static_cast<float>(*read->frame.metres);
   }
-  Result<TriangleMesh> mesh = ReadWithAssimp(file);
-  if (!mesh.ok()) return mesh;
-  if (const Status status = CheckMesh(*mesh, file); !status.ok()) return status.error();
-  return mesh;
+  return std::move(read->mesh);
 }
 
 Status WritePly(const std::filesystem::path& file, const TriangleMesh& mesh) {

@@ -6,15 +6,17 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
+
+#include <opencv2/imgcodecs.hpp>
 
 #include "engine/base/files.h"
-#include "engine/models/category_table.h"
+#include "engine/models/frame_settling.h"
 #include "engine/models/mesh_file.h"
+#include "engine/models/thing_table.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kSure = 0.8;
 
 std::string Lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -31,88 +33,15 @@ std::string ModelName(const std::filesystem::path& file) {
   return name;
 }
 
-std::string CategoryInName(const std::filesystem::path& file) {
-  std::string name = Lower(file.stem().string());
-  std::replace_if(
-      name.begin(), name.end(), [](char c) { return c == '_' || c == '-'; }, ' ');
-  for (const CategoryHabit& category : kCategoryHabits) {
-    if (name.find(category.name) != std::string::npos) return std::string(category.name);
-  }
-  return "";
-}
-
-Support SupportOf(const std::string& category) {
-  const CategoryHabit* usual = FindCategoryHabit(category);
-  return usual != nullptr && usual->on_floor ? Support::kFloor : Support::kAny;
-}
-
-template <typename T>
-std::string GuessWarning(const std::string& what, const std::string& value, const Guess<T>& guess,
-                         const char* option) {
-  const char* surety = guess.confidence >= 0.95    ? "quite sure"
-                       : guess.confidence >= kSure ? "fairly sure"
-                                                   : "little more than a guess";
-  return what + " taken as " + value + ", " + guess.reason + " (" + surety + ": " +
-         std::to_string(std::lround(100 * guess.confidence)) + " %; state it with " + option + ")";
-}
-
-/// Unit, up and front from the options or guessed into the report.
-Status Settle(const TriangleMesh& mesh, const std::string& extension, const std::string& category,
-              const ModelBuildOptions& options, ModelBuildReport& report) {
-  if (options.unit) {
-    report.unit = *options.unit;
-  } else {
-    const Guess<LengthUnit> unit = GuessUnit(BoundingBox(mesh).sizes(), category, extension);
-    report.unit = unit.value;
-    if (unit.confidence < 1)
-      report.warnings.push_back(GuessWarning("unit", NameOf(unit.value), unit, "--unit"));
-  }
-  if (options.up && options.up_sign_stated) {
-    report.up = *options.up;
-  } else {
-    const auto up = GuessUp(mesh, extension, category,
-                            options.up ? std::optional(options.up->axis) : std::nullopt);
-    if (!up.ok()) return up.error();
-    report.up = up->value;
-    if (!options.up) {
-      if (up->confidence < 1)
-        report.warnings.push_back(GuessWarning("up", up->value.text(), *up, "--up"));
-    } else if (up->value.sign != options.up->sign && up->confidence > kSure) {
-      report.warnings.push_back(
-          GuessWarning("up", up->value.text(), *up, ("--up=" + options.up->text()).c_str()) +
-          ": with " + options.up->text() + " up it would stand on its head");
-    } else {
-      report.up = *options.up;
-    }
-  }
-  if (options.front && options.front->axis == report.up.axis) {
-    return Error{ErrorCode::kInvalidInput,
-                 "front " + options.front->text() + " and up " + report.up.text() +
-                     " lie on one axis; state two different ones with --front and --up"};
-  }
-  if (options.front) {
-    report.front = *options.front;
-    return {};
-  }
-  const auto front = GuessFront(mesh, report.up);
-  if (!front.ok()) return front.error();
-  report.front = front->value;
-  // What looks the same all round has no front to be wrong about.
-  if (options.symmetry != 0)
-    report.warnings.push_back(GuessWarning("front", front->value.text(), *front, "--front"));
-  return {};
-}
-
 /// Metres, +z up, +x front, origin at the centre of the footprint on the supporting plane.
 void BringIntoCanonicalFrame(ModelBuildReport& report, TriangleMesh& mesh) {
   Eigen::Matrix3d object_from_file;
-  object_from_file.row(0) = report.front.vector();
-  object_from_file.row(1) = report.up.vector().cross(report.front.vector());
-  object_from_file.row(2) = report.up.vector();
+  const Eigen::Vector3d up = report.up.value.vector(), front = report.front.value.vector();
+  object_from_file << front.transpose(), up.cross(front).transpose(), up.transpose();
   Eigen::AlignedBox3d bounds;
   std::vector<Eigen::Vector3d> points;
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
-    points.push_back(MetresPer(report.unit) * (object_from_file * vertex.cast<double>()));
+    points.push_back(report.unit.value * (object_from_file * vertex.cast<double>()));
     bounds.extend(points.back());
   }
   const Eigen::Vector3d origin(bounds.center().x(), bounds.center().y(), bounds.min().z());
@@ -122,19 +51,48 @@ void BringIntoCanonicalFrame(ModelBuildReport& report, TriangleMesh& mesh) {
   report.object_from_file.translation() = -origin;
 }
 
-void FindTexture(const std::filesystem::path& mesh_file, BuiltModel& built) {
+/// Paints the mesh, and keeps its texture under the model's name.
+void TakeTexture(const TexturedMesh& read, const std::filesystem::path& mesh_file, int faces,
+                 BuiltModel& built) {
   TriangleMesh& mesh = built.model.mesh;
-  if (mesh.texture_file.empty()) return;
-  const std::filesystem::path texture = mesh_file.parent_path() / mesh.texture_file;
-  std::error_code ignored;
-  if (std::filesystem::is_regular_file(texture, ignored)) {
-    built.texture = texture;
-    mesh.texture_file = built.model.name + "_texture" + texture.extension().string();
-  } else {
-    built.report.warnings.push_back("its texture '" + texture.string() +
-                                    "' is missing and left out");
-    mesh.texture_file.clear();
+  if (!read.texture.empty()) {
+    const int before = static_cast<int>(mesh.triangles.size());
+    PaintByTexture(read.texture, before + faces, mesh);
+    built.report.faces_for_texture = static_cast<int>(mesh.triangles.size()) - before;
+    built.texture_image = read.texture;
   }
+  const std::filesystem::path file = mesh_file.parent_path() / mesh.texture_file;
+  std::error_code ignored;
+  if (!mesh.texture_file.empty() && std::filesystem::is_regular_file(file, ignored)) {
+    built.texture = file;
+    mesh.texture_file = built.model.name + "_texture" + file.extension().string();
+  } else {
+    mesh.texture_file = read.texture.empty() ? "" : built.model.name + "_texture.png";
+  }
+}
+
+/// COCO's name for it; "unknown" with a warning where there is none.
+std::string CategoryOf(const Thing* thing, const ModelBuildOptions& options,
+                       std::vector<std::string>& warnings) {
+  if (!options.category.empty()) return options.category;
+  if (thing != nullptr && thing->in_coco) return std::string(thing->name);
+  warnings.push_back((thing == nullptr
+                          ? std::string("no category")
+                          : "no category: COCO has none for a " + std::string(thing->name)) +
+                     ": a detector will never propose it; state its COCO name with --category");
+  return "unknown";
+}
+
+/// What the entry says is guessed, as long as nobody states it.
+nlohmann::json UnsureOf(const ModelBuildReport& report) {
+  nlohmann::json unsure = nlohmann::json::object();
+  const auto add = [&unsure](const char* what, bool sure, double confidence) {
+    if (!sure) unsure[what] = 0.01 * std::round(100 * confidence);
+  };
+  add("unit", report.unit.sure(), report.unit.confidence);
+  add("up", report.up.sure(), report.up.confidence);
+  add("front", report.front.sure(), report.front.confidence);
+  return unsure;
 }
 
 nlohmann::json EntryOf(const BuiltModel& built) {
@@ -151,24 +109,39 @@ nlohmann::json EntryOf(const BuiltModel& built) {
       {"faces", model.mesh.triangles.size()},
       {"source",
        {{"file", built.source.filename().string()},
-        {"unit", NameOf(built.report.unit)},
-        {"up", built.report.up.text()},
-        {"front", built.report.front.text()},
+        {"unit", UnitText(built.report.unit.value)},
+        {"up", built.report.up.value.text()},
+        {"front", built.report.front.value.text()},
         {"faces", built.report.decimation.faces_before}}}};
+  if (nlohmann::json unsure = UnsureOf(built.report); !unsure.empty())
+    entry["source"]["unsure"] = std::move(unsure);
   if (model.back) entry["back"] = true;  // Else what the entry says already stays.
   return entry;
+}
+
+Status StoreTexture(const BuiltModel& built, const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / built.model.mesh.texture_file;
+  if (!built.texture.empty()) {
+    const Result<std::string> texture = ReadFile(built.texture);
+    if (!texture.ok()) return texture.error();
+    return WriteFileAtomically(file, *texture);
+  }
+  if (built.texture_image.empty()) return {};
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", built.texture_image, bytes);
+  return WriteFileAtomically(file, std::string(bytes.begin(), bytes.end()));
 }
 
 }  // namespace
 
 Result<BuiltModel> BuildModel(const std::filesystem::path& mesh_file,
                               const ModelBuildOptions& options) {
-  Result<TriangleMesh> mesh = ReadMesh(mesh_file);
+  Result<TexturedMesh> mesh = ReadTexturedMesh(mesh_file);
   if (!mesh.ok()) return mesh.error();
   return BuildModelFrom(*mesh, ModelName(mesh_file), mesh_file, options);
 }
 
-Result<BuiltModel> BuildModelFrom(const TriangleMesh& mesh, const std::string& name,
+Result<BuiltModel> BuildModelFrom(const TexturedMesh& read, const std::string& name,
                                   const std::filesystem::path& mesh_file,
                                   const ModelBuildOptions& options) {
   const auto failed = [&mesh_file](const Error& error) {
@@ -178,34 +151,37 @@ Result<BuiltModel> BuildModelFrom(const TriangleMesh& mesh, const std::string& n
   built.source = mesh_file;
   CadModel& model = built.model;
   ModelBuildReport& report = built.report;
-  model.mesh = CleanMesh(mesh, report.cleanup);
+  report.warnings = read.warnings;
+  model.mesh = CleanMesh(read.mesh, report.cleanup);
   if (model.mesh.triangles.empty()) {
     return failed(
         {ErrorCode::kDegenerate, "it has no faces of positive area; a model needs a surface"});
   }
   model.name = name;
   model.file = model.name + ".ply";
-  model.category = options.category.empty() ? CategoryInName(name) : options.category;
-  const std::string extension = Lower(mesh_file.extension().string());
-  if (const Status status = Settle(model.mesh, extension, model.category, options, report);
+  const Thing* thing = options.category.empty() ? ThingInName(name) : FindThing(options.category);
+  TriangleMesh painted = model.mesh;  // Fronts show themselves by what is drawn on them, too.
+  if (!read.texture.empty()) {
+    PaintByTexture(read.texture, static_cast<int>(painted.triangles.size()) + options.faces,
+                   painted);
+  }
+  if (const Status status = SettleFrame(painted, read.frame, Lower(mesh_file.extension().string()),
+                                        options, thing, report);
       !status.ok()) {
     return failed(status.error());
   }
-  if (model.category.empty()) {
-    model.category = "unknown";
-    report.warnings.push_back(
-        "no category: a detector will never propose it; state its COCO name with --category");
-  }
-  model.support = SupportOf(model.category);
+  model.category = CategoryOf(thing, options, report.warnings);
+  model.support =
+      thing != nullptr && thing->in_coco && thing->on_floor ? Support::kFloor : Support::kAny;
   model.symmetry.order = options.symmetry;
   model.back = options.back;
   BringIntoCanonicalFrame(report, model.mesh);
   Result<TriangleMesh> decimated = DecimateMesh(model.mesh, options.faces, report.decimation);
   if (!decimated.ok()) return failed(decimated.error());
   model.mesh = std::move(*decimated);
+  TakeTexture(read, mesh_file, options.faces, built);
   ComputeNormals(model.mesh);
   model.bounds = BoundingBox(model.mesh);
-  FindTexture(mesh_file, built);
   return built;
 }
 
@@ -227,12 +203,7 @@ Status StoreModel(const BuiltModel& built, const std::filesystem::path& folder) 
           "'" + list.string() + "' is no list of models; move it away or choose another folder"};
     }
   }
-  if (!built.texture.empty()) {
-    const Result<std::string> texture = ReadFile(built.texture);
-    if (!texture.ok()) return texture.error();
-    const Status copied = WriteFileAtomically(folder / built.model.mesh.texture_file, *texture);
-    if (!copied.ok()) return copied;
-  }
+  if (const Status copied = StoreTexture(built, folder); !copied.ok()) return copied;
   if (const Status written = WritePly(folder / built.model.file, built.model.mesh); !written.ok())
     return written;
   nlohmann::json& models = json["models"];

@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string>
 
 #include "engine/base/files.h"
 #include "engine/models/model_entry.h"
@@ -57,6 +59,13 @@ void CheckShape(const TriangleMesh& mesh, Support support, ModelCheck& check) {
   }
 }
 
+/// Of unit, up and front, what `models build` was not sure of, and how sure it was.
+std::map<std::string, double> UnsureOf(const nlohmann::json& entry) {
+  const nlohmann::json source = entry.value("source", nlohmann::json::object());
+  return source.is_object() ? source.value("unsure", std::map<std::string, double>())
+                            : std::map<std::string, double>();
+}
+
 ModelCheck CheckEntry(const nlohmann::json& entry, const std::filesystem::path& folder,
                       const std::string& where) {
   ModelCheck check;
@@ -75,6 +84,11 @@ ModelCheck CheckEntry(const nlohmann::json& entry, const std::filesystem::path& 
     std::error_code ignored;
     if (check.has_texture && !std::filesystem::exists(folder / mesh.texture_file, ignored)) {
       check.warnings.push_back("its texture '" + mesh.texture_file + "' is missing");
+    }
+    for (const auto& [what, share] : UnsureOf(entry)) {
+      check.warnings.push_back("its " + what + " is a guess of " +
+                               std::to_string(std::lround(100 * share)) +
+                               " %; build it again and state it with --" + what);
     }
     if (check.category == "unknown")
       check.warnings.push_back("no category; a detector will never propose it");

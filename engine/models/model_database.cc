@@ -11,6 +11,9 @@
 namespace plumbline {
 namespace {
 
+/// A texture that comes with a mesh, whose vertices have no colours, needs no more for its marks.
+constexpr int kFacesForTexture = 5000;
+
 std::string MeshHash(const TriangleMesh& mesh) {
   std::string bytes;
   bytes.append(reinterpret_cast<const char*>(mesh.vertices.data()),
@@ -67,7 +70,7 @@ Result<CadModel> ReadModelEntry(const nlohmann::json& json, const std::filesyste
     if (!symmetry.ok()) return symmetry.error();
     model.symmetry = *symmetry;
   }
-  Result<TriangleMesh> mesh = ReadMesh(folder / model.file);
+  Result<TriangleMesh> mesh = ReadMesh(folder / model.file, kFacesForTexture);
   if (!mesh.ok()) return mesh.error();
   if (mesh->triangles.empty()) {
     return Error{ErrorCode::kInvalidInput,

@@ -63,6 +63,8 @@ class Decoder {
     if (count > bytes_.size()) ok_ = false;  // every element takes a byte at least
     return ok_ ? count : 0;
   }
+  /// What does not hold makes the frame a damaged one.
+  void Require(bool holds) { ok_ = ok_ && holds; }
   bool AtEnd() const { return bytes_.empty(); }
   bool complete() const { return ok_ && bytes_.empty(); }
 
@@ -111,6 +113,13 @@ template <typename Coder, typename Pose>
 void VisitPose(Coder& code, Pose& pose) {
   VisitMatrix(code, pose.matrix(), 3, 4);
   if constexpr (Coder::kReads) pose.makeAffine();
+}
+
+/// Where an object is: written as null or compared with another it would pass for none.
+template <typename Coder, typename Pose>
+void VisitPlace(Coder& code, Pose& pose) {
+  VisitPose(code, pose);
+  if constexpr (Coder::kReads) code.Require(pose.matrix().allFinite());
 }
 
 template <typename Coder, typename Box>
@@ -165,12 +174,12 @@ void VisitObject(Coder& code, Object& object) {
     code(entry.label.value);
     code(entry.probability);
   });
-  VisitPose(code, object.world_from_object);
+  VisitPlace(code, object.world_from_object);
   VisitMatrix(code, object.covariance, 4, 4);
   VisitList(code, object.modes, [&](auto& mode) {
     code(mode.label.value);
     code(mode.weight);
-    VisitPose(code, mode.world_from_object);
+    VisitPlace(code, mode.world_from_object);
     code(mode.position_std_m);
     code(mode.azimuth_std_rad);
   });

@@ -8,7 +8,7 @@
 namespace plumbline {
 
 Result<TriangleMesh> MapMesh(std::span<const EstimatedObject> objects,
-                             const ModelDatabase& database) {
+                             const ModelDatabase& database, MapColors colors) {
   TriangleMesh scene;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const std::optional<ModelId> id = database.Find(objects[i].model);
@@ -19,7 +19,11 @@ Result<TriangleMesh> MapMesh(std::span<const EstimatedObject> objects,
     }
     TriangleMesh mesh = Transformed(Scaled(database.model(*id).mesh, objects[i].scale),
                                     objects[i].world_from_object);
-    mesh.colors.assign(mesh.vertices.size(), DistinctColor(static_cast<int>(i)));
+    if (colors == MapColors::kByObject) {
+      mesh.colors.assign(mesh.vertices.size(), DistinctColor(static_cast<int>(i)));
+    } else if (mesh.colors.empty()) {
+      mesh.colors.assign(mesh.vertices.size(), {200, 200, 200});
+    }
     mesh.texture_coordinates.clear();
     mesh.texture_file.clear();
     Append(mesh, scene);

@@ -10,9 +10,16 @@
 
 namespace plumbline {
 
-/// The objects' meshes at their poses, in world coordinates, coloured by object.
+/// What tells the objects of a map mesh apart.
+enum class MapColors {
+  kByObject,
+  kOwn  ///< Those of the models; models without are grey.
+};
+
+/// The objects' meshes at their poses, in world coordinates.
 /// Errors: kNotFound (a model that the database lacks).
 Result<TriangleMesh> MapMesh(std::span<const EstimatedObject> objects,
-                             const ModelDatabase& database);
+                             const ModelDatabase& database,
+                             MapColors colors = MapColors::kByObject);
 
 }  // namespace plumbline

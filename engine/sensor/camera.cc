@@ -104,6 +104,12 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
       numbers[1] != std::floor(numbers[1])) {
     return bad("has an image size that is not a whole number of at most 32768 pixels");
   }
+  // Cut out of a larger image, a camera may have its centre outside, but not that far.
+  const double largest = 100 * std::max(numbers[0], numbers[1]);
+  for (int i = 2; i < 6; ++i) {
+    if (std::abs(numbers[i]) > largest)
+      return bad(std::string("has a '") + kKeys[i] + "' of more than 100 times its image");
+  }
   camera.pinhole = {static_cast<int>(numbers[0]),
                     static_cast<int>(numbers[1]),
                     numbers[2],

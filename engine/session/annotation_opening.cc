@@ -18,7 +18,8 @@ namespace {
 
 using std::filesystem::path;
 
-constexpr std::array kScanEndings = {".ply", ".pcd", ".obj", ".glb", ".gltf", ".stl"};
+constexpr std::array kScanEndings = {".ply", ".pcd", ".obj", ".glb", ".gltf",
+                                     ".stl", ".dae", ".fbx", ".off"};
 
 std::string Ending(const path& file) {
   std::string ending = file.extension().string();

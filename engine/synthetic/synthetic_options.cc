@@ -2,6 +2,7 @@
 #include "engine/synthetic/synthetic_options.h"
 
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 
 namespace plumbline {
@@ -30,8 +31,10 @@ std::vector<std::string> SyntheticOptions::Validate() const {
   std::vector<std::string> problems;
   const auto within = [&](const char* what, double value, double low, double high) {
     if (!(value >= low && value <= high)) {
-      problems.push_back(std::string(what) + " must lie between " + std::to_string(low) + " and " +
-                         std::to_string(high) + ", not " + std::to_string(value));
+      char text[160];
+      std::snprintf(text, sizeof(text), "%s must lie between %g and %g, not %g", what, low, high,
+                    value);
+      problems.push_back(text);
     }
   };
   within("frames", frames, 1, 100000);

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // `plumbline models build` and `check` as a script meets them.
 
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "engine/base/files.h"
 #include "engine/models/mesh_file.h"
@@ -72,6 +75,39 @@ TEST_F(ModelsVerbTest, SaysWhatItGuessed) {
   ASSERT_EQ(Run("build " + Path("chair.ply") + " --out " + Path("db")), 0);
   for (const char* option : {"--unit", "--up", "--front"}) EXPECT_THAT(errors(), HasSubstr(option));
   EXPECT_THAT(out(), HasSubstr("up +z, front +x"));
+}
+
+TEST_F(ModelsVerbTest, ShowsAllUpsAndFrontsOfWhatIsUnsureAndOnlyOfThat) {
+  ASSERT_TRUE(WritePly(folder_.path() / "thing.ply", MakeBox({1, 1, 1}, {2, 2, 2})).ok());
+  ASSERT_TRUE(WritePly(folder_.path() / "chair.ply", MakeChair(false)).ok());
+  ASSERT_EQ(Run("build " + Path("thing.ply") + " " + Path("chair.ply") + " --out " + Path("db") +
+                " --sheet " + Path("sheet.png")),
+            0)
+      << errors();
+  const cv::Mat sheet = cv::imread((folder_.path() / "sheet.png").string());
+  ASSERT_FALSE(sheet.empty());
+  EXPECT_EQ(sheet.cols, 6 * 220);
+  EXPECT_EQ(sheet.rows, 2 * 248) << "up and front of the thing; the chair is sure";
+  ASSERT_EQ(
+      Run("build " + Path("chair.ply") + " --out " + Path("db") + " --sheet " + Path("none.png")),
+      0);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "none.png"));
+  EXPECT_THAT(errors(), HasSubstr("nothing was unsure"));
+}
+
+TEST_F(ModelsVerbTest, TextThatIsNotUtf8IsRefusedInOneSentence) {
+  for (const std::string& arguments :
+       std::vector<std::string>{"build " + Path("a\xff.ply") + " --out db",
+                                "build a.ply --out db --category 'ch\xfc'", "check 'm\xe4'"}) {
+    EXPECT_EQ(Run(arguments), 2);
+    EXPECT_THAT(errors(), HasSubstr("is not UTF-8 text"));
+  }
+}
+
+TEST_F(ModelsVerbTest, APipeIsNoMesh) {
+  ASSERT_EQ(::mkfifo((folder_.path() / "pipe.ply").c_str(), 0600), 0);
+  EXPECT_EQ(Run("build " + Path("pipe.ply") + " --out " + Path("db")), 1);
+  EXPECT_THAT(errors(), HasSubstr("pipe.ply' is a device, pipe or socket"));
 }
 
 TEST_F(ModelsVerbTest, BuildsTheOthersWhenOneFileIsBroken) {

@@ -31,6 +31,7 @@ struct SceneLayers {
   bool frustum = true;
   bool particles = true;
   bool grid = true;
+  bool own_colors = false;   ///< Models that have colours show them.
   bool truth_solid = false;  ///< The truth as grey surfaces instead of green edges.
   bool operator==(const SceneLayers&) const = default;
 };

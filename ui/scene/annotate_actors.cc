@@ -180,6 +180,7 @@ AnnotateActors::Posed& AnnotateActors::Next() {
   if (used_ == posed_.size()) {
     Posed posed{ActorOf(SegmentsOf({}), IM_COL32_WHITE),
                 LineActorOf(SegmentsOf({}), IM_COL32_WHITE, 1), ""};
+    ShowOwnColors(*posed.surface, false);
     posed.surface->GetProperty()->SetAmbient(0.25);
     posed.surface->GetProperty()->SetDiffuse(0.75);
     ground_->AddActor(posed.surface);

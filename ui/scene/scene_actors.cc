@@ -131,6 +131,7 @@ void SceneActors::AddTruth(const SequenceView& sequence) {
       renderer_->AddActor(actor);
       truth_.push_back(actor);
       auto solid = ActorOf(models_[i].surface, IM_COL32(150, 152, 156, 255));
+      ShowOwnColors(*solid, false);
       SetPose(*solid, truth.world_from_object, truth.scale);
       solid->VisibilityOff();
       renderer_->AddActor(solid);
@@ -307,6 +308,7 @@ void SceneActors::UpdateObjects(const SceneContent& content) {
     const bool selected = object.id == content.selected;
     const bool tentative = object.state == ObjectState::kTentative;
     SetColor(*actors.surface, drawn->color);
+    ShowOwnColors(*actors.surface, content.layers.own_colors);
     actors.surface->VisibilityOn();
     actors.edges->VisibilityOn();
     SetPose(*actors.surface, object.world_from_object, object.scale);

@@ -5,10 +5,12 @@
 #include <vtkFeatureEdges.h>
 #include <vtkMatrix4x4.h>
 #include <vtkNew.h>
+#include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkPolyDataNormals.h>
 #include <vtkProperty.h>
+#include <vtkUnsignedCharArray.h>
 #include <opencv2/imgproc.hpp>
 
 namespace plumbline {
@@ -35,6 +37,12 @@ vtkSmartPointer<vtkPolyData> SurfaceOf(const TriangleMesh& mesh) {
   vtkNew<vtkPolyData> data;
   data->SetPoints(points);
   data->SetPolys(cells);
+  if (!mesh.colors.empty()) {
+    vtkNew<vtkUnsignedCharArray> colors;
+    colors->SetNumberOfComponents(3);
+    for (const auto& rgb : mesh.colors) colors->InsertNextTypedTuple(rgb.data());
+    data->GetPointData()->SetScalars(colors);
+  }
   vtkNew<vtkPolyDataNormals> normals;
   normals->SetInputData(data);
   normals->SetFeatureAngle(40);
@@ -99,6 +107,8 @@ vtkSmartPointer<vtkActor> LineActorOf(vtkPolyData* data, ImU32 color, double wid
 void SetData(vtkActor& actor, vtkPolyData* data) {
   vtkPolyDataMapper::SafeDownCast(actor.GetMapper())->SetInputData(data);
 }
+
+void ShowOwnColors(vtkActor& actor, bool show) { actor.GetMapper()->SetScalarVisibility(show); }
 
 void SetColor(vtkActor& actor, ImU32 color) {
   const ImVec4 c = ImGui::ColorConvertU32ToFloat4(color);

@@ -15,7 +15,7 @@
 
 namespace plumbline {
 
-/// Triangles with normals that break at sharp edges.
+/// Triangles with normals that break at sharp edges, and the mesh's colours as scalars, if any.
 vtkSmartPointer<vtkPolyData> SurfaceOf(const TriangleMesh& mesh);
 /// Sharp edges and borders as lines.
 vtkSmartPointer<vtkPolyData> SharpEdgesOf(vtkPolyData* surface);
@@ -27,6 +27,8 @@ vtkSmartPointer<vtkActor> ActorOf(vtkPolyData* data, ImU32 color);
 /// Unlit lines of `width` pixels.
 vtkSmartPointer<vtkActor> LineActorOf(vtkPolyData* data, ImU32 color, double width);
 void SetData(vtkActor& actor, vtkPolyData* data);
+/// The colours of its surface, where that has some, instead of the actor's one.
+void ShowOwnColors(vtkActor& actor, bool show);
 void SetColor(vtkActor& actor, ImU32 color);
 void SetPose(vtkActor& actor, const Eigen::Isometry3d& world_from_actor, double scale = 1);
 /// RGB, origin at the lower left; at most `max_width` wide.

@@ -31,7 +31,8 @@ class CropModels : public testing::Test {
     options.unit = LengthUnit::kMetre;
     options.up = SignedAxis{2, 1};
     options.front = SignedAxis{0, 1};
-    return BuildModelFrom(MakeBox({0, 0, 0}, {0.4f, 0.3f, 0.5f}), name, "scan.ply", options)
+    return BuildModelFrom({MakeBox({0, 0, 0}, {0.4f, 0.3f, 0.5f}), {}, {}, {}}, name, "scan.ply",
+                          options)
         .value();
   }
   static EditGroup CutStool() {

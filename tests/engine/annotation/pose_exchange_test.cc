@@ -352,6 +352,34 @@ TEST_F(PoseExchange, DamagedFilesAreNamed) {
   EXPECT_EQ(ReadBop(folder_.path()).error().code, ErrorCode::kNotFound);
 }
 
+TEST_F(PoseExchange, ValuesOfTheWrongTypeAreErrorsThatNameTheFile) {
+  const auto poses = folder_.path() / "poses.json";
+  for (const char* text : {R"({"frames": [0.5]})", R"({"frames": [{"frame": "1"}]})",
+                           R"({"frames": [{"frame": 1e99, "objects": []}]})",
+                           R"({"frames": [{"frame": 0, "objects": [[]]}]})",
+                           R"({"frames": [{"frame": 0, "objects": 3}]})"}) {
+    WriteText(poses, text);
+    const auto read = ReadFramePoses(document_, Inputs(), poses);
+    ASSERT_FALSE(read.ok()) << text;
+    EXPECT_EQ(read.error().code, ErrorCode::kInvalidInput) << text;
+    EXPECT_THAT(read.error().message, testing::HasSubstr("poses.json")) << text;
+  }
+  const auto scene = folder_.path() / "odd" / "test" / "000000";
+  std::filesystem::create_directories(scene);
+  const std::string camera =
+      R"({"1": {"cam_R_w2c": [1, 0, 0, 0, 1, 0, 0, 0, 1], "cam_t_w2c": [0, 0, 0]}})";
+  for (const char* text :
+       {"[[]]", R"({"1": [[]]})", R"({"1": 5})", R"({"1": [{"obj_id": "x"}]})"}) {
+    WriteText(scene / "scene_gt.json", text);
+    for (const std::string& cameras : {camera, std::string("[[]]"), std::string(R"({"1": []})")}) {
+      WriteText(scene / "scene_camera.json", cameras);
+      const auto read = ReadBop(folder_.path() / "odd");
+      ASSERT_FALSE(read.ok()) << text << " " << cameras;
+      EXPECT_THAT(read.error().message, testing::HasSubstr("000000")) << text;
+    }
+  }
+}
+
 class AnnotationCheck : public PoseExchange {
  protected:
   /// Upright on the floor of a z-up scan, far from one another.

@@ -4,9 +4,11 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -81,6 +83,41 @@ TEST(ReadFile, NamesWhatIsMissingOrAFolder) {
   EXPECT_THAT(ReadFile(folder.path() / "no.txt").error().message, HasSubstr("no.txt"));
   EXPECT_EQ(ReadFile(folder.path()).error().code, ErrorCode::kInvalidInput);
   EXPECT_THAT(ReadFile(folder.path()).error().message, HasSubstr("folder"));
+}
+
+TEST(ReadFile, RefusesWhatNeedNeverEnd) {
+  const TemporaryFolder folder;
+  const std::filesystem::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::filesystem::path& path : {pipe, std::filesystem::path("/dev/zero")}) {
+    const Result<std::string> read = ReadFile(path);
+    ASSERT_FALSE(read.ok());
+    EXPECT_EQ(read.error().code, ErrorCode::kInvalidInput);
+    EXPECT_THAT(read.error().message, HasSubstr("a file is needed"));
+  }
+}
+
+TEST(WriteFileAtomically, RemovesWhatKilledProcessesLeftLongAgoAndNothingElse) {
+  const TemporaryFolder folder;
+  const pid_t gone = ::fork();
+  if (gone == 0) ::_exit(0);
+  ASSERT_EQ(::waitpid(gone, nullptr, 0), gone);
+  const std::string of_gone = ".tmp" + std::to_string(gone) + "-0";
+  const std::string of_us = ".tmp" + std::to_string(::getpid()) + "-77";
+  const auto long_ago = std::filesystem::file_time_type::clock::now() - std::chrono::hours(1);
+  for (const std::string& name :
+       {"a" + of_gone, "a" + of_us, "b" + of_gone, std::string("a.tmp")}) {
+    std::ofstream(folder.path() / name) << "part";
+    std::filesystem::last_write_time(folder.path() / name, long_ago);
+  }
+  std::ofstream(folder.path() / ("young" + of_gone)) << "part";
+  ASSERT_TRUE(WriteFileAtomically(folder.path() / "a", "whole").ok());
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / ("a" + of_gone)));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / ("a" + of_us))) << "it is being written";
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / ("b" + of_gone)));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / ("young" + of_gone)))
+      << "another machine may be writing it";
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "a.tmp"));
 }
 
 TEST(ReadFile, ReportsAFileThatItMayNotRead) {

@@ -67,6 +67,17 @@ TEST_F(TrajectoryFile, LeavesOutBadRowsAndNamesThem) {
                           HasSubstr("line 5: the stamp"), HasSubstr("line 6: not 8 numbers")));
 }
 
+TEST_F(TrajectoryFile, LeavesOutPosesThatAreFartherAwayThanAnyRoomIsLarge) {
+  const Result<Trajectory> trajectory = Read(
+      "0 0 0 0 0 0 0 1\n"
+      "1 1e300 0 0 0 0 0 1\n"
+      "2 0 0 -2e6 0 0 0 1\n");
+  ASSERT_TRUE(trajectory.ok()) << trajectory.error().message;
+  EXPECT_EQ(trajectory->poses.size(), 1u);
+  EXPECT_THAT(trajectory->warnings,
+              ElementsAre(HasSubstr("line 2 (and 1 more): the pose is more than 1000 km")));
+}
+
 TEST_F(TrajectoryFile, SortsRowsAndKeepsTheFirstOfEqualStamps) {
   const Result<Trajectory> trajectory =
       Read("2 2 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 9 0 0 0 0 0 1\n3 3 0 0 0 0 0 1\n");

@@ -59,7 +59,7 @@ class SearchTest : public testing::Test {
     PoseSampler sampler(scene_.map(), options_,
                         Posterior(*scene_.scorer(), scene_.map(),
                                   {views_.begin() + 1, views_.end()}, views_.front(), options_),
-                        {.seed = 9, .frame = frame});
+                        {.seed = seed_, .frame = frame});
     Population population{particles, sampler.Judge(particles)};
     std::vector<PoseHypothesis> challengers = sampler.Challengers(particles, 200);
     challengers.insert(challengers.end(), newcomers.begin(), newcomers.end());
@@ -86,6 +86,7 @@ class SearchTest : public testing::Test {
   const PlacedModel chair_ = scene_.Place("chair", 0.03, -0.04, 40);
   std::vector<MapperInput> inputs_;
   std::vector<JudgingView> views_;
+  std::uint64_t seed_ = 9;
   MapperOptions options_ = [] {
     MapperOptions options;
     options.view_correlation = 0;  // four views count four times
@@ -106,9 +107,19 @@ TEST_F(SearchTest, RecoversFromEightCentimetresAndTwentyDegrees) {
 
 TEST_F(SearchTest, RecoversFromAHalfTurn) {
   EXPECT_GT(ShareAtTruth(Searched(Searched(Believing({0, 0, 0}, 180), 1), 2)), 0.9);
-  // About the back rest: the body is 40 cm off.
+}
+
+TEST_F(SearchTest, FindsAChairThatIsTurnedAboutItsBackRestInOneLook) {
+  // The body is 40 cm off. Both are probable where only the back rest shows, so each search has to
+  // look at the other: of 20, all did when this was written (13 before turns about front and back).
   const Eigen::Vector3d to_back = chair_.world_from_object.linear() * Eigen::Vector3d(-0.4, 0, 0);
-  EXPECT_GT(ShareAtTruth(Searched(Searched(Believing(to_back, 180), 1), 2)), 0.9);
+  for (const double scale_std : {0.0, 0.02}) {
+    options_.scale_std = scale_std;
+    int found = 0;
+    for (seed_ = 1; seed_ <= 20; ++seed_)
+      found += ShareAtTruth(Searched(Believing(to_back, 180))) > 0.9 ? 1 : 0;
+    EXPECT_GE(found, 18) << "scale_std " << scale_std;
+  }
 }
 
 TEST_F(SearchTest, FindsTheRightShape) {

@@ -113,7 +113,7 @@ TEST_F(MapperTest, WhatIsPlantedHasToEarnItsPlace) {
       (there.objects[0].world_from_object.translation() - chair.world_from_object.translation())
           .norm(),
       0.02);
-  const FrameReport nowhere = planted_at(scene_.Place("chair", 0.7, 0.2, 200));
+  const FrameReport nowhere = planted_at(scene_.Place("chair", -1.3, 0.9, 200));
   const double evidence = nowhere.objects.empty() ? -10 : nowhere.objects.front().log_evidence;
   EXPECT_GT(there.objects[0].log_evidence, evidence + 1);
 }

@@ -9,6 +9,7 @@
 #include <assimp/Importer.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "engine/models/mesh_file.h"
 #include "engine/models/model_texture.h"
 #include "tests/support/meshes.h"
 #include "tests/support/test_data.h"
@@ -49,18 +50,22 @@ Eigen::AlignedBox3d Around(const aiScene& scene, const std::string& name) {
 class GltfFile : public testing::Test {
  protected:
   void SetUp() override {
-    std::vector<CadModel> models = {Box("chair", {0.5f, 0.4f, 0.9f}), Box("desk", {2, 1, 0.7f})};
-    models[1].mesh.colors.assign(8, {255, 128, 0});
+    std::vector<CadModel> models = {Box("chair", {0.5f, 0.4f, 0.9f}), Box("desk", {2, 1, 0.7f}),
+                                    Box("shelf", {1, 0.3f, 2})};
+    models[1].mesh.colors.assign(8, {3, 2, 1});  // as painted by the texture
+    models[2].mesh.colors.assign(8, {255, 128, 0});
     models[1].mesh.texture_coordinates.assign(8, {0.25f, 0.75f});
     models[1].mesh.texture_file = "wood.png";
     EXPECT_TRUE(cv::imwrite((folder_.path() / "wood.png").string(),
                             cv::Mat(2, 2, CV_8UC3, cv::Scalar(1, 2, 3))));
     models[1].mesh.texture_file = (folder_.path() / "wood.png").string();
     models_ = ModelDatabase::FromModels(models);
-    const CadModel &chair = models_->models()[0], &desk = models_->models()[1];
+    const CadModel &chair = models_->models()[0], &desk = models_->models()[1],
+                   &shelf = models_->models()[2];
     objects_ = {{"chair_0", &chair, At(1, 2, 0, 0), 1, {}, {{"quality", "fine"}}},
                 {"chair_1", &chair, At(-1, 0, 0.5, M_PI / 2), 2, {}, {}},
-                {"desk_0", &desk, At(0, 0, 0, 0), 1, TextureOf(*models_, desk), {}}};
+                {"desk_0", &desk, At(0, 0, 0, 0), 1, TextureOf(*models_, desk), {}},
+                {"shelf_0", &shelf, At(3, 3, 0, 0), 1, {}, {}}};
   }
   const aiScene* Read(GltfUp up) {
     const Status written = WriteGltf(folder_.path() / "room.glb", objects_, up);
@@ -102,15 +107,17 @@ TEST_F(GltfFile, ColoursAndTexturesAreInIt) {
   ASSERT_NE(scene, nullptr);
   ASSERT_EQ(scene->mNumTextures, 1u) << "embedded";
   EXPECT_STREQ(scene->mTextures[0]->achFormatHint, "png");
-  const aiNode* node = scene->mRootNode->FindNode("desk_0");
-  ASSERT_NE(node, nullptr);
-  const aiMesh& desk = *scene->mMeshes[node->mMeshes[0]];
-  ASSERT_TRUE(desk.HasVertexColors(0));
-  EXPECT_NEAR(desk.mColors[0][0].r, 1, 1e-4);
+  const auto mesh = [&](const char* name) -> const aiMesh& {
+    return *scene->mMeshes[scene->mRootNode->FindNode(name)->mMeshes[0]];
+  };
+  EXPECT_FALSE(mesh("desk_0").HasVertexColors(0)) << "they would tint the texture";
+  ASSERT_TRUE(mesh("desk_0").HasTextureCoords(0));
+  EXPECT_NEAR(mesh("desk_0").mTextureCoords[0][0].y, 0.75, 1e-6)
+      << "assimp counts from below, as we do";
+  ASSERT_TRUE(mesh("shelf_0").HasVertexColors(0));
+  EXPECT_NEAR(mesh("shelf_0").mColors[0][0].r, 1, 1e-4);
   // 128 of sRGB is 0.2158605 of the light (IEC 61966-2-1).
-  EXPECT_NEAR(desk.mColors[0][0].g, 0.2158605, 1e-4);
-  ASSERT_TRUE(desk.HasTextureCoords(0));
-  EXPECT_NEAR(desk.mTextureCoords[0][0].y, 0.75, 1e-6) << "assimp counts from below, as we do";
+  EXPECT_NEAR(mesh("shelf_0").mColors[0][0].g, 0.2158605, 1e-4);
   const aiNode *first = scene->mRootNode->FindNode("chair_0"),
                *second = scene->mRootNode->FindNode("chair_1");
   const auto color = [&](const aiNode* of) {
@@ -120,6 +127,15 @@ TEST_F(GltfFile, ColoursAndTexturesAreInIt) {
     return base;
   };
   EXPECT_FALSE(color(first) == color(second)) << "objects without colours are told apart";
+}
+
+TEST_F(GltfFile, OurOwnReaderHasTheColoursBack) {
+  objects_ = {objects_.back()};
+  (void)Read(GltfUp::kZ);
+  const auto read = ReadMesh(folder_.path() / "room.glb");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  ASSERT_FALSE(read->colors.empty());
+  EXPECT_EQ(read->colors[0], (std::array<std::uint8_t, 3>{255, 128, 0}));
 }
 
 TEST_F(GltfFile, OneModelIsStoredOnce) {

@@ -170,8 +170,8 @@ TEST(ModelBuilder, GuessesUnitUpAndFrontWithAWarningEach) {
         WriteObj(folder.path() / "office_chair.obj", InFileAxes(Chair(), c.up, c.front, c.scale));
     const Result<BuiltModel> built = BuildModel(file, {});
     ASSERT_TRUE(built.ok()) << built.error().message;
-    EXPECT_EQ(built->report.up, c.up) << built->report.up.text();
-    EXPECT_EQ(built->report.front, c.front) << built->report.front.text();
+    EXPECT_EQ(built->report.up.value, c.up) << built->report.up.value.text();
+    EXPECT_EQ(built->report.front.value, c.front) << built->report.front.value.text();
     ExpectCanonicalChair(built->model);
     EXPECT_EQ(built->model.category, "chair");
     ASSERT_EQ(built->report.warnings.size(), 3u);
@@ -197,7 +197,7 @@ TEST(ModelBuilder, TurnsOverAChairThatWouldStandOnItsHeadUnlessTheSignIsStated) 
   options.up_sign_stated = true;
   const Result<BuiltModel> insisted = BuildModel(file, options);
   ASSERT_TRUE(insisted.ok());
-  EXPECT_EQ(insisted->report.up, (SignedAxis{1, 1}));
+  EXPECT_EQ(insisted->report.up.value, (SignedAxis{1, 1}));
 }
 
 TEST(ModelBuilder, ReadsMillimetreStlAndGlb) {
@@ -206,7 +206,7 @@ TEST(ModelBuilder, ReadsMillimetreStlAndGlb) {
       WriteBinaryStl(folder.path() / "chair.stl", InFileAxes(Chair(), {2, 1}, {0, 1}, 1000));
   const Result<BuiltModel> from_stl = BuildModel(stl, {});
   ASSERT_TRUE(from_stl.ok()) << from_stl.error().message;
-  EXPECT_EQ(from_stl->report.unit, LengthUnit::kMillimetre);
+  EXPECT_EQ(from_stl->report.unit.value, 0.001);
   ExpectCanonicalChair(from_stl->model);
   EXPECT_EQ(from_stl->model.mesh.vertices.size(), WeldedGeometry(Chair()).vertices.size())
       << "corners of STL faces are merged";
@@ -217,6 +217,111 @@ TEST(ModelBuilder, ReadsMillimetreStlAndGlb) {
   ExpectCanonicalChair(from_glb->model);
   EXPECT_EQ(from_glb->report.warnings.size(), 1u)
       << "only the front is a guess: the format fixes unit and up";
+}
+
+TEST(ModelBuilder, AStatedUnitIsBelievedUnlessItCannotBe) {
+  const TemporaryFolder folder;
+  const auto true_file =
+      WriteGlb(folder.path() / "chair.glb", InFileAxes(Chair(), {1, 1}, {2, 1}, 1));
+  const Result<BuiltModel> as_stated = BuildModel(true_file, {});
+  ASSERT_TRUE(as_stated.ok()) << as_stated.error().message;
+  ASSERT_EQ(as_stated->report.believed.size(), 2u);
+  EXPECT_THAT(as_stated->report.believed[0], HasSubstr("unit m, as the glTF format says"));
+  EXPECT_THAT(as_stated->report.believed[1], HasSubstr("up +y, as the glTF format says"));
+  // Its numbers are centimetres: no chair is 90 m high.
+  const auto absurd_file =
+      WriteGlb(folder.path() / "chair.glb", InFileAxes(Chair(), {1, 1}, {2, 1}, 100));
+  const Result<BuiltModel> doubted = BuildModel(absurd_file, {});
+  ASSERT_TRUE(doubted.ok()) << doubted.error().message;
+  EXPECT_EQ(doubted->report.unit.value, 0.01);
+  EXPECT_FALSE(doubted->report.unit.sure());
+  EXPECT_THAT(doubted->report.warnings[0], HasSubstr("90 m"));
+  ExpectCanonicalChair(doubted->model);
+  ModelBuildOptions options;  // What the user states is not doubted.
+  options.unit = LengthUnit::kMetre;
+  const Result<BuiltModel> insisted = BuildModel(absurd_file, options);
+  ASSERT_TRUE(insisted.ok());
+  EXPECT_NEAR(insisted->model.bounds.sizes().z(), 90, 0.1);
+}
+
+TEST(ModelBuilder, AStatedUpInWhichAThingWouldFallOverIsAskedAbout) {
+  const TemporaryFolder folder;
+  // Upside down: on the top of its back rest.
+  const auto file = WriteGlb(folder.path() / "chair.glb", InFileAxes(Chair(), {1, -1}, {2, 1}, 1));
+  const Result<BuiltModel> built = BuildModel(file, {});
+  ASSERT_TRUE(built.ok()) << built.error().message;
+  EXPECT_EQ(built->report.up.value, (SignedAxis{1, -1})) << built->report.up.value.text();
+  EXPECT_FALSE(built->report.up.sure());
+  EXPECT_THAT(built->report.warnings[0], HasSubstr("fall over"));
+}
+
+TEST(ModelBuilder, ATelevisionStandsOnItsEdgeAndItsScreenIsInFront) {
+  const TemporaryFolder folder;
+  TriangleMesh tv = MakeBox({-0.02f, -0.6f, 0}, {0.02f, 0.6f, 0.66f});
+  Append(MakeBox({-0.06f, -0.3f, 0.2f}, {-0.02f, 0.3f, 0.5f}), tv);  // the mount, behind
+  for (const SignedAxis& up : {SignedAxis{1, 1}, SignedAxis{2, 1}}) {
+    const auto file = WriteObj(folder.path() / "LG_TV.obj", InFileAxes(tv, up, {0, 1}, 1));
+    const Result<BuiltModel> built = BuildModel(file, {});
+    ASSERT_TRUE(built.ok()) << built.error().message;
+    EXPECT_EQ(built->model.category, "tv");
+    EXPECT_EQ(built->report.up.value, up) << built->report.up.value.text();
+    EXPECT_EQ(built->report.front.value, (SignedAxis{0, 1}))
+        << built->report.front.value.text() << built->report.front.confidence;
+  }
+}
+
+TEST(ModelBuilder, ACabinetFacesAcrossItsWidthToTheSideWithTheDoors) {
+  const TemporaryFolder folder;
+  TriangleMesh cabinet = MakeBox({-0.22f, -0.7f, 0}, {0.22f, 0.7f, 0.8f});
+  for (const float y : {-0.68f, -0.22f, 0.24f}) {
+    Append(MakeBox({0.22f, y, 0.05f}, {0.235f, y + 0.44f, 0.75f}), cabinet);
+    Append(MakeBox({0.235f, y + 0.02f, 0.4f}, {0.26f, y + 0.04f, 0.5f}), cabinet);
+  }
+  for (const SignedAxis& front : {SignedAxis{0, 1}, SignedAxis{0, -1}, SignedAxis{1, -1}}) {
+    const auto file =
+        WriteObj(folder.path() / "TVCabinet.obj", InFileAxes(cabinet, {2, 1}, front, 1));
+    const Result<BuiltModel> built = BuildModel(file, {});
+    ASSERT_TRUE(built.ok()) << built.error().message;
+    EXPECT_EQ(built->report.front.value, front) << built->report.front.value.text();
+    EXPECT_EQ(built->model.category, "unknown") << "COCO has no cabinets, and it is no television";
+  }
+}
+
+TEST(ModelBuilder, AThingThatIsTooFlatForItsNameIsNotTakenForIt) {
+  const TemporaryFolder folder;
+  const auto file = WriteObj(folder.path() / "cooking_bench.obj",
+                             MakeBox({-0.27f, -0.5f, 0}, {0.27f, 0.5f, 0.1f}));
+  const Result<BuiltModel> built = BuildModel(file, {});
+  ASSERT_TRUE(built.ok()) << built.error().message;
+  EXPECT_EQ(built->model.category, "unknown") << "no bench is 10 cm high";
+  EXPECT_EQ(built->report.up.value, (SignedAxis{2, 1})) << built->report.up.value.text();
+}
+
+TEST(ModelBuilder, WhatIsUnsureStaysMarkedUntilItIsStated) {
+  const TemporaryFolder folder;
+  // A cube away from the origin: nothing tells which way it stands or faces.
+  const auto file = WriteObj(folder.path() / "thing.obj",
+                             InFileAxes(MakeBox({0, 0, 0}, {1, 1, 1}), {2, 1}, {0, 1}, 1));
+  ModelBuildOptions options;
+  options.unit = LengthUnit::kMetre;
+  const auto unsure = BuildModel(file, options);
+  ASSERT_TRUE(unsure.ok()) << unsure.error().message;
+  EXPECT_FALSE(unsure->report.up.sure());
+  EXPECT_EQ(unsure->report.up.shares.size(), 6u);
+  EXPECT_FALSE(unsure->report.front.sure());
+  ASSERT_TRUE(StoreModel(*unsure, folder.path() / "db").ok());
+  auto checks = CheckModels(folder.path() / "db");
+  ASSERT_TRUE(checks.ok());
+  EXPECT_THAT((*checks)[0].warnings, testing::Contains(HasSubstr("state it with --up")));
+  EXPECT_THAT((*checks)[0].warnings, testing::Contains(HasSubstr("state it with --front")));
+  options.up = ParseSignedAxis("+z");
+  options.front = ParseSignedAxis("+x");
+  const auto stated = BuildModel(file, options);
+  ASSERT_TRUE(stated.ok());
+  ASSERT_TRUE(StoreModel(*stated, folder.path() / "db").ok());
+  checks = CheckModels(folder.path() / "db");
+  ASSERT_TRUE(checks.ok());
+  EXPECT_THAT((*checks)[0].warnings, testing::Not(testing::Contains(HasSubstr("state it"))));
 }
 
 TEST(ModelBuilder, StoresModelsAndKeepsWhatOthersWrote) {

@@ -7,12 +7,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <fstream>
 
 #include <gtest/gtest.h>
 
 #include "engine/base/check.h"
 #include "engine/base/random.h"
+#include "engine/recording/frame_codec.h"
 #include "engine/recording/run_file.h"
 #include "tests/engine/recording/random_run.h"
 #include "tests/support/test_data.h"
@@ -214,6 +216,16 @@ TEST(RunFileErrors, DamagedBytesAreReportedByFrameOrFile) {
     (void)(*reader)->Events();
     (void)(*reader)->ObjectTracks();
   }
+}
+
+TEST(RunFileErrors, AnObjectThatIsNowhereIsDamage) {
+  ObjectReport object, read;
+  object.world_from_object.setIdentity();
+  ASSERT_TRUE(DecodeObject(EncodeObject(object), read).ok());
+  object.world_from_object.translation().x() = std::nan("");
+  const Status status = DecodeObject(EncodeObject(object), read);
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error().code, ErrorCode::kCorrupt);
 }
 
 TEST(RunFileErrors, AFolderThatIsNotThere) {

@@ -220,6 +220,14 @@ TEST(MapMesh, PosesTheModelsAndColoursThemByObject) {
   EXPECT_EQ(mesh.triangles[1], Eigen::Vector3i(3, 4, 5));
   EXPECT_EQ(mesh.colors[0], mesh.colors[2]);
   EXPECT_NE(mesh.colors[0], mesh.colors[3]);
+  CadModel painted = model;
+  painted.name = "painted";
+  painted.mesh.colors = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
+  objects[1].model = "painted";
+  const TriangleMesh own =
+      MapMesh(objects, *ModelDatabase::FromModels({model, painted}), MapColors::kOwn).value();
+  EXPECT_EQ(own.colors[0], (std::array<std::uint8_t, 3>{200, 200, 200})) << "it has none";
+  EXPECT_EQ(own.colors[4], painted.mesh.colors[1]);
   objects[0].model = "sofa";
   EXPECT_EQ(MapMesh(objects, *database).error().code, ErrorCode::kNotFound);
 }

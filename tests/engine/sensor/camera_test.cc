@@ -46,6 +46,8 @@ TEST(Camera, RefusesWhatItCannotUseAndNamesTheFile) {
            {"fx", 0},
            {"fy", nullptr},
            {"cx", "mid"},
+           {"cy", 1e30},
+           {"fx", 1e9},
            {"model", "fisheye624"},
            {"model", 3},
            {"distortion", {1, 2}},

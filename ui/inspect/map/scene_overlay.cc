@@ -165,7 +165,7 @@ void DrawTruths(const FrameContext& context, const SceneProjection& project,
 }  // namespace
 
 const char* ColoringName(SceneColoring coloring) {
-  static constexpr const char* kNames[] = {"identity", "state", "error", "on truth"};
+  static constexpr const char* kNames[] = {"identity", "own", "state", "error", "on truth"};
   return kNames[static_cast<std::size_t>(coloring)];
 }
 
@@ -188,6 +188,7 @@ std::vector<SceneObject> SceneObjectsOf(const FrameContext& context, SceneColori
     SceneObject drawn{object.id, context.ColorOf(object.id), static_cast<float>(opacity)};
     switch (coloring) {
       case SceneColoring::kIdentity:
+      case SceneColoring::kOwn:
         break;
       case SceneColoring::kState:
         drawn.color = StateColor(object.state);

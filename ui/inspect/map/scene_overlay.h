@@ -16,7 +16,7 @@
 namespace plumbline {
 
 /// What the colours of the models in the map mean.
-enum class SceneColoring { kIdentity, kState, kError, kOnTruth };
+enum class SceneColoring { kIdentity, kOwn, kState, kError, kOnTruth };
 const char* ColoringName(SceneColoring coloring);
 /// How the objects of this frame are drawn.
 /// @param opacity  Of confirmed ones; tentative ones are the fainter, the less likely they are

@@ -120,6 +120,7 @@ class ScenePanel : public Panel {
     KeepClipBox(context);
     SceneLayers layers = layers_;
     layers.truth_solid = coloring_ == SceneColoring::kOnTruth;
+    layers.own_colors = coloring_ == SceneColoring::kOwn;
     context.scene->SetContent({context.sequence, context.snapshot, context.snapshot_version,
                                context.selection.object, context.selection.particle, layers,
                                context.follow, context.look_through, overlay_.parallel,
@@ -162,8 +163,9 @@ class ScenePanel : public Panel {
   void LoadState(const nlohmann::json& json) override {
     for (const OverlayToggle& toggle : kOverlays)
       overlay_.*toggle.part = json.value(toggle.name, overlay_.*toggle.part);
-    for (const auto coloring : {SceneColoring::kIdentity, SceneColoring::kState,
-                                SceneColoring::kError, SceneColoring::kOnTruth}) {
+    for (const auto coloring :
+         {SceneColoring::kIdentity, SceneColoring::kOwn, SceneColoring::kState,
+          SceneColoring::kError, SceneColoring::kOnTruth}) {
       if (json.value("color", std::string(ColoringName(coloring_))) == ColoringName(coloring))
         coloring_ = coloring;
     }
@@ -205,11 +207,12 @@ class ScenePanel : public Panel {
     if (!below_one_another) ImGui::SameLine();
     bool other = coloring_ != SceneColoring::kIdentity;
     if (Toggle(context, "scene.color", ColorLabel().c_str(), other,
-               "What the colours of the models mean: which object it is, its state, or its error "
+               "What the colours of the models mean: which object it is, the models' own (those "
+               "without stay as they are), its state, or its error "
                "against ground truth (green 0, red 10 cm or more, grey unknown); or green "
                "estimates on "
                "the truth in grey. A click goes to the next."))
-      coloring_ = static_cast<SceneColoring>((static_cast<int>(coloring_) + 1) % 4);
+      coloring_ = static_cast<SceneColoring>((static_cast<int>(coloring_) + 1) % 5);
     if (!below_one_another) ImGui::SameLine();
     bool thin = opacity_ < 1;
     if (Toggle(context, "scene.opacity", OpacityLabel().c_str(), thin,
