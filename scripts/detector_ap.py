@@ -10,7 +10,7 @@
 
 The truth is the box of what shows: of the masks of a synthetic sequence, or of bbox_visib of a BOP dataset that `annotate
 export` wrote. Rules of COCO: IoU .50 to .95 in steps of .05, 101 points of recall, 100 boxes an image. Objects of which less
-than --least-pixels or (BOP) --least-share show count neither way. Masks need python3-opencv.
+than --least-pixels or (BOP) --least-share of the whole silhouette, also outside the image, show count neither way. Masks need python3-opencv.
 """
 import argparse
 import collections
@@ -77,9 +77,9 @@ def truth_of_bop(folder, frames, least_pixels, least_share):
         truth[frame] = []
         for pose, info in zip(poses[str(frame)], infos[str(frame)]):
             x, y, w, h = info['bbox_visib']
-            if w > 0:
+            if w >= 0:  # as bop_toolkit has it: w and h are those between the outermost pixels' centres
                 counts = info['px_count_visib'] >= least_pixels and info['visib_fract'] >= least_share
-                truth[frame].append((models[pose['obj_id']]['category'], [x, y, x + w, y + h], counts))
+                truth[frame].append((models[pose['obj_id']]['category'], [x, y, x + w + 1, y + h + 1], counts))
     return truth
 
 

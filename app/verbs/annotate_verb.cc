@@ -10,7 +10,7 @@
 #include "app/verbs/annotate_queue.h"
 #include "app/verbs/annotate_register.h"
 #include "app/verbs/annotation_inputs.h"
-#include "app/verbs/console_work.h"
+#include "app/verbs/room_export.h"
 #include "app/verbs/verb.h"
 #include "engine/annotation/annotation_check.h"
 #include "engine/annotation/annotation_project.h"
@@ -30,7 +30,7 @@ namespace plumbline {
 namespace {
 
 struct AnnotateArguments {
-  std::string project, edits, format, path, frame = "scan", frames, annotator, json;
+  std::string project, edits, format, path, frame = "scan", frames, up = "y", annotator, json;
   bool create = false;
   AnnotationCheckOptions check;
   ImageArguments images;
@@ -38,17 +38,6 @@ struct AnnotateArguments {
   RegisterArguments registration;
   SecondArguments second;
 };
-
-Result<std::vector<int>> FramesOf(const OpenedInputs& inputs, const std::string& range) {
-  if (!inputs.sequence) return std::vector<int>{};
-  const Result<FrameRange> parsed = range.empty() ? FrameRange{} : ParseFrameRange(range);
-  if (!parsed) return parsed.error();
-  std::vector<int> frames;
-  const int count = inputs.sequence->num_frames(),
-            end = std::min(count, parsed->end.value_or(count));
-  for (int i = parsed->begin; i < end; i += parsed->step) frames.push_back(i);
-  return frames;
-}
 
 /// Cuts crops out of the scan that the edits before them name.
 class Cutter {
@@ -196,9 +185,10 @@ Status Export(const AnnotateArguments& arguments) {
   if (!project) return project.error();
   const auto opened = OpenInputs(**project);
   if (!opened) return opened.error();
-  Result<std::vector<int>> frames = FramesOf(*opened, arguments.frames);
-  if (!frames) return frames.error();
-  const ExchangeInputs inputs = opened->View(std::move(*frames));
+  const Result<FrameRange> range =
+      arguments.frames.empty() ? FrameRange{} : ParseFrameRange(arguments.frames);
+  if (!range) return range.error();
+  const ExchangeInputs inputs = opened->View(ChosenFrames(opened->sequence.get(), *range));
   const AnnotationDocument& document = (*project)->document();
   std::size_t num_accepted = 0;
   for (const AnnotationFinding& finding : CheckAnnotations(document, inputs)) {
@@ -209,6 +199,7 @@ Status Export(const AnnotateArguments& arguments) {
       log::warn("{} ('plumbline annotate check')", finding.sentence);
   }
   ExportRequest request{arguments.format, arguments.path, FrameOf(arguments.frame)};
+  request.up = UpFrom(arguments.up);
   if (!arguments.second.file.empty()) {
     if (arguments.format != "ground_truth") {
       return Error{ErrorCode::kInvalidInput, "--second goes with --format ground_truth: '" +
@@ -219,18 +210,8 @@ Status Export(const AnnotateArguments& arguments) {
     if (!agreement) return agreement.error();
     request.deviations = DeviationsOf(**project, *agreement);
   }
-  ConsoleWork work;
-  const auto staged = StagedExport::Write(document, inputs, (*project)->Resolve(document.scan),
-                                          request, work.context());
-  if (!staged) return staged.error();
-  const std::vector<std::string> differences = (*staged)->Differences();
-  const auto kept = (*staged)->Take();
-  if (!kept) return kept.error();
-  std::printf("%s: %zu instances%s\n", arguments.path.c_str(), document.instances.size(),
-              AndAccepted(num_accepted).c_str());
-  for (const std::string& difference : differences) std::printf("  %s\n", difference.c_str());
-  if (!kept->empty()) std::printf("  what was there is kept as %s\n", kept->c_str());
-  return {};
+  return WriteAndSay(document, inputs, (*project)->Resolve(document.scan), request,
+                     AndAccepted(num_accepted));
 }
 
 nlohmann::json FindingsToJson(const std::vector<AnnotationFinding>& findings,
@@ -337,8 +318,9 @@ CLI::App* AddCommand(CLI::App& parent, const char* name, const char* what,
 }
 
 constexpr const char* kInstanceFormats =
-    "ground_truth (our ground_truth.json), visma (a fragments folder), bop (a dataset folder), "
-    "labelfusion (registration_result.yaml), poses (per-frame poses, JSON)";
+    "ground_truth (our ground_truth.json), visma (a folder of VISMA's, or its fragments), bop (a "
+    "dataset folder), labelfusion (registration_result.yaml, or its folder), poses (per-frame "
+    "poses, JSON)";
 
 void AddFormat(CLI::App& command, const ArgumentsPointer& arguments, const std::string& what,
                std::vector<std::string> names) {
@@ -389,19 +371,24 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen) {
 
   CLI::App* write = AddCommand(*verb, "export", "Write the instances in another format", arguments,
                                chosen, Export);
-  AddFormat(*write, arguments, kInstanceFormats,
-            {"ground_truth", "visma", "bop", "labelfusion", "poses"});
+  AddFormat(*write, arguments, RoomFormatsHelp(ExportedFrom::kAnnotation),
+            RoomFormats(ExportedFrom::kAnnotation));
   AddPath(*write, arguments, "--out", "The file or folder to write");
   write
       ->add_option("--frame", arguments->frame,
                    "The scan's own frame, the scan turned z-up with the floor at 0, or "
-                   "(ground_truth) the sequence's world; labelfusion and poses are in cameras")
+                   "(ground_truth) the sequence's world; labelfusion, poses and coco are in "
+                   "cameras, scan2cad "
+                   "is level")
       ->check(CLI::IsMember({"scan", "level", "world"}))
       ->capture_default_str();
   write
       ->add_option("--frames", arguments->frames,
-                   "Of bop and poses: which frames of the sequence (B excluded)")
+                   "Of bop, coco and poses: which frames of the sequence (B excluded)")
       ->type_name("A:B[:S]");
+  write->add_option("--up", arguments->up, "Of gltf: the file's axis that points up")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
   write
       ->add_option("--second", arguments->second.file,
                    "Of ground_truth: what another annotator placed in the same scan (a project or "

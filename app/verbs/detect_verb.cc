@@ -28,20 +28,6 @@ struct DetectArguments {
   DetectorOptions options;
 };
 
-/// The number that COCO's annotations have for one of its categories; nothing for others.
-std::optional<int> CocoNumber(const std::string& category) {
-  // Of the numbers 1 to 90, these were never used.
-  constexpr int kUnused[] = {12, 26, 29, 30, 45, 66, 68, 69, 71, 83};
-  int number = 0;
-  for (const std::string_view name : CocoCategories()) {
-    do {
-      ++number;
-    } while (std::find(std::begin(kUnused), std::end(kUnused), number) != std::end(kUnused));
-    if (name == category) return number;
-  }
-  return std::nullopt;
-}
-
 /// Boxes as COCO's tools read them: images, categories and annotations with a score each. Corners
 /// are counted from the image's upper left edge, not from the centre of its first pixel.
 class CocoResult {
@@ -72,8 +58,7 @@ class CocoResult {
 
  private:
   int NumberOf(const std::string& category) {
-    constexpr int kFirstOfOurs = 1000;  // beyond all of COCO's
-    const int next = kFirstOfOurs + static_cast<int>(numbers_.size());
+    const int next = kFirstNumberBeyondCoco + static_cast<int>(numbers_.size());
     return numbers_.try_emplace(category, CocoNumber(category).value_or(next)).first->second;
   }
 

@@ -2,6 +2,7 @@
 #include <array>
 #include <memory>
 
+#include "app/verbs/room_export.h"
 #include "app/verbs/verb.h"
 #include "engine/analysis/relations.h"
 #include "engine/analysis/run_tables.h"
@@ -16,7 +17,7 @@ namespace plumbline {
 namespace {
 
 struct ExportArguments {
-  std::string run, format, out, models;
+  std::string run, format, out, models, sequence, frames, up = "y";
   bool smoothed = false;
   bool own_colors = false;
 };
@@ -61,7 +62,8 @@ Result<nlohmann::json> RelationsJson(const ExportArguments& arguments) {
 }
 
 Status ExportJson(RunReader& reader, const ExportArguments& arguments) {
-  Result<nlohmann::json> json = RunResultJson(reader);
+  const auto models = LoadModelsOfRun({arguments.run, {}, arguments.models}, reader.header());
+  Result<nlohmann::json> json = RunResultJson(reader, models ? models->get() : nullptr);
   if (!json) return json.error();
   const Result<nlohmann::json> relations = RelationsJson(arguments);
   if (relations)
@@ -99,6 +101,18 @@ Status ExportCsv(RunReader&, const ExportArguments& arguments) {
   return WriteRunTables(arguments.out, *review);
 }
 
+/// The formats of posed objects, which annotations have, too.
+Status ExportRoom(RunReader& reader, const ExportArguments& arguments) {
+  const Result<std::vector<EstimatedObject>> objects = ObjectsToWrite(arguments);
+  if (!objects) return objects.error();
+  ExportRequest request{arguments.format, arguments.out, PoseFrame::kLevel};
+  request.up = UpFrom(arguments.up);
+  // Of these two, BOP has a world of its own: that of the run.
+  if (arguments.format != "gltf") request.frame = PoseFrame::kScan;
+  return ExportRoomOfRun({arguments.run, arguments.sequence, arguments.models}, reader.header(),
+                         *objects, request, arguments.frames);
+}
+
 struct Format {
   std::string name;
   Status (*write)(RunReader& reader, const ExportArguments& arguments);
@@ -117,14 +131,15 @@ Status Export(const ExportArguments& arguments) {
   if (arguments.own_colors && arguments.format != "ply") {
     return Error{ErrorCode::kInvalidInput, "--own-colors goes with --format ply"};
   }
-  if (arguments.smoothed && arguments.format != "ply") {
+  if (arguments.smoothed && (arguments.format == "json" || arguments.format == "csv")) {
     return Error{ErrorCode::kInvalidInput,
-                 "--smoothed goes with --format ply; json holds both maps anyway"};
+                 "--smoothed goes with formats that draw or pose objects; json holds both maps "
+                 "anyway"};
   }
   for (const Format& format : kFormats) {
     if (format.name == arguments.format) return format.write(**reader, arguments);
   }
-  return Error{ErrorCode::kUnsupported, "the format '" + arguments.format + "' is not known"};
+  return ExportRoom(**reader, arguments);
 }
 
 }  // namespace
@@ -135,20 +150,29 @@ void AddExportVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("run", arguments->run, "A run file")->required()->type_name("RUN.plb");
   std::vector<std::string> names;
   for (const Format& format : kFormats) names.push_back(format.name);
+  for (const std::string& name : RoomFormats(ExportedFrom::kRun)) names.push_back(name);
   verb->add_option(
           "--format", arguments->format,
-          "json: the result of 'run --json', smoothed or not, and the relations of the last "
-          "frame; csv: a "
-          "folder of tables (objects, frames, events, "
-          "timings); ply: one mesh of the confirmed objects, each "
-          "in its colour")
+          "json: the result of 'run --json', smoothed or not, and the relations of the last frame. "
+          "csv: a folder of tables (objects, frames, events, timings). ply: one mesh of the "
+          "confirmed objects, each in its colour. The confirmed objects as 'annotate export' "
+          "writes annotations: " +
+              RoomFormatsHelp(ExportedFrom::kRun))
       ->required()
       ->check(CLI::IsMember(names));
   verb->add_option("--out", arguments->out, "Where to (json: '-' is standard output)")
       ->required()
       ->type_name("PATH");
   verb->add_flag("--smoothed", arguments->smoothed,
-                 "ply: the objects where the second pass has them (run --smooth, smooth)");
+                 "The objects where the second pass has them (run --smooth, smooth)");
+  verb->add_option("--frames", arguments->frames,
+                   "bop, coco and poses: which frames (B excluded); else those of the run")
+      ->type_name("A:B[:S]");
+  verb->add_option("--up", arguments->up, "gltf: the file's axis that points up")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
+  verb->add_option("--sequence", arguments->sequence, "The sequence of the run, if it has moved")
+      ->type_name("DIR");
   verb->add_flag("--own-colors", arguments->own_colors,
                  "ply: the models in the colours that they have in the database");
   verb->add_option("--models", arguments->models, "The models of the run, if they have moved")

@@ -241,7 +241,7 @@ Status Run(RunArguments& arguments) {
       std::printf("%s\n", LiveInWords(*live, summary.skipped()).c_str());
   }
   const RunHeader header = HeaderOf(pipeline, PLUMBLINE_VERSION);
-  nlohmann::json json = summary.ToJson(header, seconds);
+  nlohmann::json json = summary.ToJson(header, seconds, pipeline.database().get());
   json["withdrawn"] = WithdrawnToJson(*withdrawn);
   if (const auto poses = pipeline.own_poses()) {
     json["own_poses"] = {{"causal", poses->causal}, {"loops", ToJson(poses->loops)}};
@@ -255,7 +255,7 @@ Status Run(RunArguments& arguments) {
   } else if (status.ok() && arguments.smooth) {
     Result<SmoothedMap> smoothed = SmoothRun(arguments.out, pipeline, work);
     if (smoothed.ok()) {
-      json["smoothed"] = SmoothedToJson(*smoothed, header);
+      json["smoothed"] = SmoothedToJson(*smoothed, header, pipeline.database().get());
       if (arguments.json != "-") PrintSmoothed(*smoothed, *pipeline.database());
     } else {
       status = NotSmoothed(smoothed.error(), arguments.out);

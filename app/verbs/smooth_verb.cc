@@ -42,7 +42,7 @@ Status SmoothFile(const SmoothArguments& arguments) {
   if (arguments.json.empty()) return {};
   const auto reader = RunReader::Open(run);
   if (!reader.ok()) return reader.error();
-  const Result<nlohmann::json> json = RunResultJson(**reader);
+  const Result<nlohmann::json> json = RunResultJson(**reader, (*pipeline)->database().get());
   if (!json.ok()) return json.error();
   return WriteJsonResult(arguments.json, *json);
 }

@@ -8,6 +8,7 @@
 
 #include "engine/annotation/pose_exchange.h"
 #include "engine/base/progress.h"
+#include "engine/models/gltf_file.h"
 
 namespace plumbline {
 
@@ -18,18 +19,19 @@ struct PoseDeviation {
 
 /// What to write, and where.
 struct ExportRequest {
-  std::string format;         ///< ground_truth, visma, bop, labelfusion or poses
-  std::filesystem::path out;  ///< A file, or a folder of visma and bop.
+  std::string format;         ///< Of kExportFormats (engine/snapshot/export_formats.h).
+  std::filesystem::path out;  ///< A file or a folder, as the format has it.
   PoseFrame frame = PoseFrame::kScan;
   std::map<std::string, PoseDeviation> deviations = {};  ///< By id; of ground_truth alone.
+  GltfUp up = GltfUp::kY;                                ///< Of gltf alone.
 };
 
 /// The same annotations in another frame of the scan; nothing stays behind.
 AnnotationDocument InFrame(const AnnotationDocument& document,
                            const Eigen::Isometry3d& target_from_scan);
 
-/// Writes the document in any format. `scan_file`: from which VISMA's fragments are cut; empty:
-/// they are not written. Where the scan's mesh goes along, it goes into the same frame. Errors:
+/// Writes the document in any format. `scan_file`: what VISMA's and Scan2CAD's folders hold of the
+/// scan; empty: nothing. Where the scan's mesh goes along, it goes into the same frame. Errors:
 /// kInvalidInput (no such format, no objects, a sequence or models that are missing, a frame that
 /// the format does not know), kIo, kCancelled.
 Status ExportAnnotation(const AnnotationDocument& document, const ExchangeInputs& inputs,

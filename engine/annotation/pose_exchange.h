@@ -45,26 +45,33 @@ Status WriteGroundTruthOf(const AnnotationDocument& document, PoseFrame frame,
                           const std::filesystem::path& file);
 Result<ImportedPoses> ReadGroundTruthPoses(const std::filesystem::path& file);
 
-/// VISMA's fragments folder: objects.json (instances, and fragments that wait for one),
-/// alignment.json (12 numbers, row-major 3x4, model to scan, metres), result_alignment.json
-/// (T_ef_corvis: sequence to scan) if known, and the models as VISMA holds them, +y up, in CAD/.
-/// Poses are those of these y-up models: y-up (x, y, z) is our (x, -z, y).
+/// A folder as VISMA has one for each sequence: fragments/objects.json (instances, and fragments
+/// that wait for one), fragments/alignment.json (12 numbers, row-major 3x4, model to scan, metres),
+/// result_alignment.json (T_ef_corvis: sequence to scan; the identity where both share a frame),
+/// and the models as VISMA holds them, +y up, in CAD/. Poses are those of these y-up models: y-up
+/// (x, y, z) is our (x, -z, y).
 Status WriteVisma(const AnnotationDocument& document, const ModelDatabase* models,
                   const std::filesystem::path& folder);
+/// @param folder  Such a folder, or its folder of fragments alone.
 Result<ImportedPoses> ReadVisma(const std::filesystem::path& folder);
-/// What VISMA's folder holds of the scan: `<name>_<N>.ply`, the scan's points within `reach_m` of
-/// each posed model, and augmented_scene.ply, the scan together with all posed models; all in the
-/// scan's frame. A crop into a fragment is written as it was cut, also in place of what lies near a
-/// model of its name.
+/// What VISMA's folder holds of the scan: test.klg.ply (the scan), `fragments/<name>_<N>.ply`, the
+/// scan's points within `reach_m` of each posed model, floor.ply where the floor is known, and
+/// augmented_scene.ply, the scan's points in its colours together with points sampled on the posed
+/// models; all in the scan's frame. A crop into a fragment is written as it was cut, also in place
+/// of what lies near a model of its name.
 Status WriteVismaScene(const AnnotationDocument& document, const ModelDatabase& models,
                        const TriangleMesh& scan, double reach_m,
                        const std::filesystem::path& folder);
 
-/// LabelFusion's registration_result.yaml: name to {filename, pose [[x, y, z], [qw, qx, qy, qz]]},
-/// model to the camera of the sequence's first frame with a pose, metres. Errors: kInvalidInput
-/// without a sequence.
+/// A folder with LabelFusion's registration_result.yaml (name to {filename, pose [[x, y, z],
+/// [qw, qx, qy, qz]]}, model to the camera of the sequence's first frame with a pose, metres),
+/// object_data.yaml (name to {mesh, label}: each instance is an object of its own), the meshes in
+/// object-meshes/, and posegraph.posegraph with the cameras. Names have letters, digits and _
+/// alone; `id` and `model` keep ours. Errors: kInvalidInput (no sequence, no models, an unknown
+/// model, a name that ends in .yaml), kIo.
 Status WriteLabelFusion(const AnnotationDocument& document, const ExchangeInputs& inputs,
-                        const std::filesystem::path& file);
+                        const std::filesystem::path& folder);
+/// @param file  registration_result.yaml, or its folder.
 Result<ImportedPoses> ReadLabelFusion(const AnnotationDocument& document,
                                       const ExchangeInputs& inputs,
                                       const std::filesystem::path& file);

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/models/model_texture.h"
+
 namespace plumbline {
 
 std::string ScaledModelName(const std::string& model, double scale) {
@@ -38,8 +40,13 @@ UnscaledAnnotations WithScaledModels(const AnnotationDocument& document,
     instance.model = name;
     instance.scale = 1;
   }
-  if (all.size() > models->models().size())
-    result.models = ModelDatabase::FromModels(std::move(all));
+  if (all.size() == models->models().size()) return result;
+  // The new database has no folder that files could be relative to.
+  for (CadModel& model : all) {
+    if (const auto texture = TextureOf(*models, model); !texture.empty())
+      model.mesh.texture_file = std::filesystem::absolute(texture).string();
+  }
+  result.models = ModelDatabase::FromModels(std::move(all));
   return result;
 }
 

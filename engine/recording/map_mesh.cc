@@ -1,27 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/recording/map_mesh.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
 #include <optional>
 
+#include "engine/geometry/distinct_color.h"
+
 namespace plumbline {
-namespace {
-
-/// Tells object `index` from its neighbours in number: hues by the golden angle.
-std::array<std::uint8_t, 3> ColorOf(int index) {
-  const double hue = std::fmod(index * 137.50776405, 360.0) / 60.0;
-  const auto channel = [&](double shift) {
-    const double k = std::fmod(shift + hue, 6.0);
-    const double value = 0.9 * (1 - 0.65 * std::clamp(std::min(k, 4 - k), 0.0, 1.0));
-    return static_cast<std::uint8_t>(std::lround(255 * value));
-  };
-  return {channel(5), channel(3), channel(1)};
-}
-
-}  // namespace
 
 Result<TriangleMesh> MapMesh(std::span<const EstimatedObject> objects,
                              const ModelDatabase& database, MapColors colors) {
@@ -36,7 +20,7 @@ Result<TriangleMesh> MapMesh(std::span<const EstimatedObject> objects,
     TriangleMesh mesh = Transformed(Scaled(database.model(*id).mesh, objects[i].scale),
                                     objects[i].world_from_object);
     if (colors == MapColors::kByObject) {
-      mesh.colors.assign(mesh.vertices.size(), ColorOf(static_cast<int>(i)));
+      mesh.colors.assign(mesh.vertices.size(), DistinctColor(static_cast<int>(i)));
     } else if (mesh.colors.empty()) {
       mesh.colors.assign(mesh.vertices.size(), {200, 200, 200});
     }

@@ -11,6 +11,7 @@
 #include "engine/dataset/json_fields.h"
 #include "engine/geometry/gravity.h"
 #include "engine/mapping/map_report.h"
+#include "engine/recording/object_mixture.h"
 #include "engine/recording/smoothed_record.h"
 
 namespace plumbline {
@@ -47,14 +48,22 @@ double ProbabilityOf(const ObjectBelief& object) {
   return 1 / (1 + std::exp(-object.log_evidence));
 }
 
+nlohmann::json RowsToJson(const Eigen::Matrix4d& matrix) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (int row = 0; row < 4; ++row)
+    rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
+  return rows;
+}
+
 nlohmann::json ObjectToJson(const ObjectReport& object, const RunHeader& header,
-                            const UprightFrame& upright) {
+                            const UprightFrame& upright, const ModelDatabase* models) {
   nlohmann::json labels = nlohmann::json::object();
   for (const LabelProbability& entry : object.label_probability) {
     labels[ModelName(header, entry.label)] = entry.probability;
   }
   nlohmann::json modes = nlohmann::json::array();
   for (const PoseMode& mode : object.modes) modes.push_back(ModeToJson(mode, header, upright));
+  const Eigen::Matrix4d covariance = MixtureCovariance(object, upright, models);
   nlohmann::json json = {
       {"id", object.id.value},
       {"model", ModelName(header, object.label)},
@@ -63,8 +72,9 @@ nlohmann::json ObjectToJson(const ObjectReport& object, const RunHeader& header,
       {"probability", ProbabilityOf(object)},
       {"world_from_object", IsometryToJson(object.world_from_object)},
       {"azimuth_deg", Degrees(upright.Azimuth(object.world_from_object.linear()))},
-      {"position_std_m", std::sqrt(object.covariance.topLeftCorner<3, 3>().trace())},
-      {"azimuth_std_deg", Degrees(std::sqrt(object.covariance(3, 3)))},
+      {"position_std_m", std::sqrt(covariance.topLeftCorner<3, 3>().trace())},
+      {"azimuth_std_deg", Degrees(std::sqrt(covariance(3, 3)))},
+      {"covariance", RowsToJson(covariance)},
       {"label_probability", std::move(labels)},
       {"modes", std::move(modes)},
       {"first_frame", object.first_frame},
@@ -188,18 +198,17 @@ void RunSummary::Add(const FrameReport& report) {
     ++same->count;
     return;
   }
-  std::vector<ObjectReport> objects = report.objects;
-  for (ObjectReport& object : objects) object.particles.reset();
-  objects_ = std::make_shared<const std::vector<ObjectReport>>(std::move(objects));
+  objects_ = std::make_shared<const std::vector<ObjectReport>>(report.objects);
 }
 
-nlohmann::json RunSummary::ToJson(const RunHeader& header, double seconds) const {
+nlohmann::json RunSummary::ToJson(const RunHeader& header, double seconds,
+                                  const ModelDatabase* models) const {
   const UprightFrame upright(header.gravity_in_world);
   nlohmann::json objects = nlohmann::json::array();
   if (objects_ != nullptr) {
     for (const ObjectReport& object : *objects_) {
       if (object.state != ObjectState::kRetired)
-        objects.push_back(ObjectToJson(object, header, upright));
+        objects.push_back(ObjectToJson(object, header, upright, models));
     }
   }
   nlohmann::json timings = nlohmann::json::object();
@@ -214,11 +223,12 @@ nlohmann::json RunSummary::ToJson(const RunHeader& header, double seconds) const
           {"run", std::move(made_from)}};
 }
 
-nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header) {
+nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header,
+                              const ModelDatabase* models) {
   const UprightFrame upright(header.gravity_in_world);
   nlohmann::json objects = nlohmann::json::array();
   for (const SmoothedObject& object : map.objects) {
-    nlohmann::json json = ObjectToJson(object.belief, header, upright);
+    nlohmann::json json = ObjectToJson(object.belief, header, upright, models);
     json["spawned_frame"] = object.spawned_frame;
     json["looks"] = object.looks;
     json["looks_before_spawned"] = object.looks_before;
@@ -226,12 +236,6 @@ nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header) {
     json["refined_by_outline"] = object.refined;
     json["agreement"] = object.agreement;
     json["pushed_m"] = object.pushed_m;
-    nlohmann::json covariance = nlohmann::json::array();
-    for (int row = 0; row < 4; ++row) {
-      const Eigen::Vector4d values = object.belief.covariance.row(row);
-      covariance.push_back({values[0], values[1], values[2], values[3]});
-    }
-    json["covariance"] = std::move(covariance);
     objects.push_back(std::move(json));
   }
   nlohmann::json floor = nullptr;
@@ -284,7 +288,7 @@ nlohmann::json WithdrawnToJson(const std::vector<WithdrawnObject>& objects) {
   return list;
 }
 
-Result<nlohmann::json> RunResultJson(RunReader& reader) {
+Result<nlohmann::json> RunResultJson(RunReader& reader, const ModelDatabase* models) {
   const Result<std::vector<RunTiming>> timings = reader.Timings();
   if (!timings) return timings.error();
   RunSummary summary;
@@ -296,13 +300,13 @@ Result<nlohmann::json> RunResultJson(RunReader& reader) {
         std::make_shared<const std::vector<ObjectReport>>(std::move((*last)->objects));
   }
   nlohmann::json json =
-      summary.ToJson(reader.header(), timings->empty() ? 0.0 : timings->back().elapsed_s);
+      summary.ToJson(reader.header(), timings->empty() ? 0.0 : timings->back().elapsed_s, models);
   const auto withdrawn = ReadWithdrawn(reader);
   if (!withdrawn) return withdrawn.error();
   json["withdrawn"] = WithdrawnToJson(*withdrawn);
   const auto smoothed = ReadSmoothed(reader.file());
   if (!smoothed) return smoothed.error();
-  if (*smoothed) json["smoothed"] = SmoothedToJson(**smoothed, reader.header());
+  if (*smoothed) json["smoothed"] = SmoothedToJson(**smoothed, reader.header(), models);
   return json;
 }
 

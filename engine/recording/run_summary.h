@@ -14,6 +14,7 @@
 #include "engine/base/result.h"
 #include "engine/evaluation/map_evaluation.h"
 #include "engine/mapping/event_report.h"
+#include "engine/models/model_database.h"
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_header.h"
 
@@ -33,7 +34,9 @@ class RunSummary {
   /// frame used reports (tentative and confirmed ones; those withdrawn are not listed). Lengths in
   /// metres, angles in degrees.
   /// @param seconds  Wall-clock time that the frames took.
-  nlohmann::json ToJson(const RunHeader& header, double seconds) const;
+  /// @param models   For the symmetries of what has several modes (MixtureCovariance); may be null.
+  nlohmann::json ToJson(const RunHeader& header, double seconds,
+                        const ModelDatabase* models = nullptr) const;
 
   int frames() const { return frames_; }
   int skipped() const { return skipped_; }
@@ -49,7 +52,7 @@ class RunSummary {
     int count = 0;
   };
 
-  friend Result<nlohmann::json> RunResultJson(RunReader& reader);
+  friend Result<nlohmann::json> RunResultJson(RunReader& reader, const ModelDatabase* models);
   void AddTiming(bool skipped, const std::vector<StageTiming>& stages);
 
   int frames_ = 0;
@@ -57,7 +60,7 @@ class RunSummary {
   std::vector<std::pair<std::string, std::vector<double>>>
       stages_;                ///< In order of first appearance [ms].
   std::vector<Skips> skips_;  ///< By cause, in order of first appearance.
-  /// Of the last frame that was not skipped, without particles; null before it.
+  /// Of the last frame that was not skipped; null before it.
   std::shared_ptr<const std::vector<ObjectReport>> objects_;
 };
 
@@ -78,10 +81,11 @@ Result<std::vector<WithdrawnObject>> ReadWithdrawn(RunReader& reader);
 nlohmann::json WithdrawnToJson(const std::vector<WithdrawnObject>& objects);
 
 /// What the second pass found, as `smoothed` of the JSON above.
-nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header);
+nlohmann::json SmoothedToJson(const SmoothedMap& map, const RunHeader& header,
+                              const ModelDatabase* models = nullptr);
 
 /// The same from a run file, with `smoothed` where the run has been smoothed. Errors: kCorrupt.
-Result<nlohmann::json> RunResultJson(RunReader& reader);
+Result<nlohmann::json> RunResultJson(RunReader& reader, const ModelDatabase* models = nullptr);
 
 /// What the map of a run holds at its end, tentative objects too, each with how likely it is there
 /// (JSON older than that figure: 1 if confirmed, else 0): from a run file or, by its extension,

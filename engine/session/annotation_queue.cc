@@ -18,11 +18,13 @@ bool Has(const path& folder, const char* file) {
   return std::filesystem::exists(folder / file, ignored);
 }
 
-/// Meshes that are no scans: those of a model database and of VISMA's and BOP's folders.
+/// Meshes that are no scans: those of a model database and of what was exported.
 bool HoldsNoScans(const path& folder) {
   const std::string name = folder.filename().string();
   return name.starts_with(".") || Has(folder, "models.json") || Has(folder, "models_info.json") ||
-         Has(folder, "objects.json") || Has(folder, "scene_gt.json");
+         Has(folder, "objects.json") || Has(folder, "scene_gt.json") ||
+         Has(folder, "fragments/objects.json") || Has(folder, "object_data.yaml") ||
+         Has(folder, "full_annotations.json");
 }
 
 struct Found {

@@ -21,10 +21,8 @@ std::string WhatWasExported(const AnnotationDocument& document, const ExportRequ
   what += " written to " + request.out.string();
   const auto scaled = std::count_if(document.instances.begin(), document.instances.end(),
                                     [](const auto& instance) { return instance.scale != 1; });
-  if (scaled > 0 && request.format == "labelfusion") {
-    what += "; LabelFusion knows no scale: enlarge the model of " + std::to_string(scaled) +
-            " objects by their 'scale' before it is posed";
-  } else if (scaled > 0 && (request.format == "visma" || request.format == "bop")) {
+  if (scaled > 0 &&
+      (request.format == "visma" || request.format == "bop" || request.format == "labelfusion")) {
     what += "; " + std::to_string(scaled) + " scaled objects have models of their own size";
   }
   if (accepted > 0) {

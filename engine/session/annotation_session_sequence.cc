@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/annotation/bop_files.h"
+#include "engine/annotation/instance_masks.h"
 #include "engine/annotation/scaled_models.h"
 #include "engine/session/annotation_session.h"
 

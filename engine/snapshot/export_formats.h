@@ -22,9 +22,10 @@ inline constexpr std::array kExportFormats = {
                  "what 'plumbline evaluate' reads.",
                  "Metres. Object to the chosen frame, 4x4 matrices by rows; no quaternions.", false,
                  false, true, true},
-    ExportFormat{"visma", "VISMA", "fragments",
-                 "A folder with objects.json, alignment.json, result_alignment.json, the models, "
-                 "the fragments of the scan and augmented_scene.ply.",
+    ExportFormat{"visma", "VISMA", "visma",
+                 "A folder as VISMA has it for a sequence: the scan, result_alignment.json, the "
+                 "models, and fragments/ with objects.json, alignment.json, the fragments of the "
+                 "scan and augmented_scene.ply.",
                  "Metres. Model to scan, 12 numbers of a 3x4 matrix by rows; no quaternions. "
                  "Models are turned y-up, as VISMA has them.",
                  false, false, true, false},
@@ -35,8 +36,9 @@ inline constexpr std::array kExportFormats = {
                  "quaternions. A model's origin is the middle of its box. The frame is that of "
                  "cam_R_w2c.",
                  true, true, true, false},
-    ExportFormat{"labelfusion", "LabelFusion", "registration_result.yaml",
-                 "One file with a pose for each object.",
+    ExportFormat{"labelfusion", "LabelFusion", "labelfusion",
+                 "A folder with registration_result.yaml, object_data.yaml, the meshes and the "
+                 "cameras.",
                  "Metres. Model to the first camera, [[x, y, z], [qw, qx, qy, qz]]: the quaternion "
                  "begins with w.",
                  true, false, false, false},
@@ -44,6 +46,20 @@ inline constexpr std::array kExportFormats = {
                  "One file with the pose of every object in the camera of every frame.",
                  "Metres. Object to camera (x right, y down, z forward), 4x4 matrices by rows; no "
                  "quaternions.",
-                 true, true, false, false}};
+                 true, true, false, false},
+    ExportFormat{"coco", "COCO", "coco",
+                 "A folder with instances.json (boxes, masks, categories), the images, and for "
+                 "each an image of instance numbers.",
+                 "Pixels. What shows of each object; categories by COCO's numbers.", true, true,
+                 false, false},
+    ExportFormat{"scan2cad", "Scan2CAD", "scan2cad",
+                 "A folder with full_annotations.json, and models and scan where Scan2CAD's "
+                 "scripts look for them.",
+                 "Metres, y up. CAD to world: translation, rotation (begins with w), scale.", false,
+                 false, false, false},
+    ExportFormat{"gltf", "glTF", "room.glb",
+                 "One file with every model at its place, named, as Blender and others open it.",
+                 "Metres, y up. Node by node: translation, rotation (ends with w), scale.", false,
+                 false, true, false}};
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/vision/category_names.h"
 
+#include <algorithm>
 #include <cctype>
 #include <utility>
 
@@ -75,6 +76,19 @@ std::string Squeezed(std::string_view name) {
 }
 
 }  // namespace
+
+std::optional<int> CocoNumber(std::string_view category) {
+  // Of the numbers 1 to 90, these were never used.
+  constexpr int kUnused[] = {12, 26, 29, 30, 45, 66, 68, 69, 71, 83};
+  int number = 0;
+  for (const std::string_view name : kCoco) {
+    do {
+      ++number;
+    } while (std::find(std::begin(kUnused), std::end(kUnused), number) != std::end(kUnused));
+    if (name == category) return number;
+  }
+  return std::nullopt;
+}
 
 std::span<const std::string_view> CocoCategories() { return kCoco; }
 std::span<const std::string_view> VocCategories() { return kVoc; }

@@ -52,7 +52,7 @@ class AveragePrecision(unittest.TestCase):
             scene = os.path.join(folder, 'bop', 'test', '000000')
             os.makedirs(scene)
             os.makedirs(os.path.join(folder, 'bop', 'models'))
-            visible = {'bbox_visib': [10, 10, 20, 40], 'px_count_visib': 800, 'visib_fract': .9}
+            visible = {'bbox_visib': [10, 10, 19, 39], 'px_count_visib': 800, 'visib_fract': .9}
             for file, content in ((os.path.join(scene, 'scene_gt.json'), {'6': [{'obj_id': 2}]}),
                                   (os.path.join(scene, 'scene_gt_info.json'), {'6': [visible]}),
                                   (os.path.join(folder, 'bop', 'models', 'plumbline_models.json'), {'2': {'category': 'chair'}}),

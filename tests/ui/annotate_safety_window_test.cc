@@ -297,7 +297,7 @@ TEST_F(AnnotateWindow, ExportsFromTheSheetAndRefusesInOneSentence) {
       << Errors();
   EXPECT_TRUE(std::filesystem::exists(File("ground_truth.json")));
   EXPECT_TRUE(std::filesystem::exists(File("elsewhere.json"))) << "chosen from the list";
-  EXPECT_TRUE(std::filesystem::exists(File("fragments/alignment.json")));
+  EXPECT_TRUE(std::filesystem::exists(File("visma/fragments/alignment.json")));
   EXPECT_THAT(State("refused.json")["exported"].get<std::string>(), HasSubstr("needs a sequence"));
 }
 

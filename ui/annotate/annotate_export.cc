@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kSheetWidth = 470, kSheetHeight = 318, kAskingHeight = 520;
+constexpr double kSheetWidth = 470, kSheetHeight = 344, kAskingHeight = 546;
 constexpr double kExportLabelWidth = 84;
 
 void Label(const FrameContext& context, const char* text) {
@@ -45,7 +45,7 @@ void DrawFrames(const FrameContext& context, const ExportFormat& format) {
        format.world && snapshot.has_sequence}};
   if (!format.level) {
     Label(context, "Frame");
-    ImGui::TextUnformatted("each camera's");
+    ImGui::TextUnformatted(format.needs_sequence ? "each camera's" : "level, y up");
     return;
   }
   const bool known = std::any_of(std::begin(choices), std::end(choices), [&](const Choice& c) {
@@ -145,15 +145,16 @@ void DrawExport(const FrameContext& context, CommandSink& sink) {
   ImGui::BeginChild(
       "export", {context.Scaled(kSheetWidth), context.Scaled(asks ? kAskingHeight : kSheetHeight)});
   for (std::size_t i = 0; i < kExportFormats.size(); ++i) {
+    if (i > 0) ImGui::SameLine(0, context.Scaled(3));
+    if (ToggleWidth(context, kExportFormats[i].title) > ImGui::GetContentRegionAvail().x)
+      ImGui::NewLine();
     bool on = view.export_format == i;
     if (Toggle(context, std::string("export.") + kExportFormats[i].name, kExportFormats[i].title,
                on, kExportFormats[i].what)) {
       view.export_format = i;
       view.export_out.clear();
     }
-    ImGui::SameLine(0, context.Scaled(3));
   }
-  ImGui::NewLine();
   const ExportFormat& format = kExportFormats[view.export_format];
   ImGui::Dummy({0, context.Scaled(2)});
   WrappedText(colors::kText, format.what);
@@ -181,9 +182,8 @@ void DrawExport(const FrameContext& context, CommandSink& sink) {
   ImGui::InputText("##export.out", path, sizeof(path));
   LogItem(context, "export.out");
   Tooltip(context,
-          "A file, or a folder for VISMA and BOP. Where something else is there already, you are "
-          "asked, "
-          "and what is replaced is kept.");
+          "A file or a folder, as the format has it. Where something else is there already, you "
+          "are asked, and what is replaced is kept.");
   view.export_out = path;
   BrowseButton(context, "export.browse", [&] { return ExportQuestion(context, format); });
   ImGui::Dummy({0, context.Scaled(4)});

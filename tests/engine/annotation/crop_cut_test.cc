@@ -209,7 +209,7 @@ TEST_F(CutCabinet, AFragmentIsWrittenWithVismasFolder) {
   const auto models = MakeFurnitureDatabase();
   ASSERT_TRUE(WriteVisma(document_, models.get(), folder_.path()).ok());
   ASSERT_TRUE(WriteVismaScene(document_, *models, scan_, 0.03, folder_.path()).ok());
-  const auto fragment = ReadMesh(folder_.path() / "cabinet_3.ply");
+  const auto fragment = ReadMesh(folder_.path() / "fragments" / "cabinet_3.ply");
   ASSERT_TRUE(fragment.ok()) << fragment.error().message;
   EXPECT_EQ(fragment->vertices.size(), CutOut(scan_, document_.crops[0])->vertices.size());
   const auto read = ReadVisma(folder_.path());

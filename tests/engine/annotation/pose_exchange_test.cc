@@ -11,6 +11,7 @@
 #include "engine/annotation/annotation_check.h"
 #include "engine/annotation/annotation_export.h"
 #include "engine/annotation/bop_files.h"
+#include "engine/annotation/instance_masks.h"
 #include "engine/annotation/scaled_models.h"
 #include "engine/base/files.h"
 #include "engine/geometry/gravity.h"
@@ -101,20 +102,34 @@ TEST_F(PoseExchange, GroundTruthIsWrittenInTheFrameAskedFor) {
 }
 
 TEST_F(PoseExchange, VismaComesBack) {
-  ASSERT_TRUE(WriteVisma(document_, models_.get(), folder_.path() / "fragments").ok());
-  const auto read = ReadVisma(folder_.path() / "fragments");
+  const std::filesystem::path out = folder_.path() / "room";
+  ASSERT_TRUE(WriteVisma(document_, models_.get(), out).ok());
+  for (const auto& folder : {out, out / "fragments"}) {
+    const auto read = ReadVisma(folder);
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    ExpectSame(*read);
+    ASSERT_TRUE(read->scan_from_world.has_value());
+    EXPECT_LT((read->scan_from_world->matrix() - document_.scan_from_world->matrix()).norm(), 1e-9);
+  }
+  EXPECT_TRUE(std::filesystem::exists(out / "CAD" / "chair.obj"));
+}
+
+TEST_F(PoseExchange, VismaIsToldThatScanAndSequenceShareAFrame) {
+  document_.scan_from_world.reset();
+  ASSERT_TRUE(WriteVisma(document_, models_.get(), folder_.path()).ok());
+  // Its own programs stop where this file is missing.
+  const nlohmann::json result = ReadJson(folder_.path() / "result_alignment.json").value();
+  EXPECT_EQ(result["T_ef_corvis"], nlohmann::json({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}));
+  const auto read = ReadVisma(folder_.path());
   ASSERT_TRUE(read.ok()) << read.error().message;
-  ExpectSame(*read);
-  ASSERT_TRUE(read->scan_from_world.has_value());
-  EXPECT_LT((read->scan_from_world->matrix() - document_.scan_from_world->matrix()).norm(), 1e-9);
-  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "fragments" / "CAD" / "chair.obj"));
+  EXPECT_FALSE(read->scan_from_world.has_value());
 }
 
 TEST_F(PoseExchange, VismaPosesAreThoseOfModelsWithYUp) {
   AnnotatedInstance upright = document_.instances[0];
   upright.scan_from_object = Eigen::Isometry3d::Identity();
   document_.instances = {upright};
-  ASSERT_TRUE(WriteVisma(document_, nullptr, folder_.path() / "fragments").ok());
+  ASSERT_TRUE(WriteVisma(document_, nullptr, folder_.path()).ok());
   const nlohmann::json alignment =
       ReadJson(folder_.path() / "fragments" / "alignment.json").value();
   const nlohmann::json numbers = alignment.begin().value();
@@ -126,36 +141,54 @@ TEST_F(PoseExchange, VismaPosesAreThoseOfModelsWithYUp) {
 
 TEST_F(PoseExchange, VismasFragmentsAreTheScanNearTheModels) {
   document_.instances.resize(1);
+  document_.floor_in_scan = Eigen::Vector4d(0, 0, 1, -8.99);
   const AnnotatedInstance& chair = document_.instances[0];
   TriangleMesh scan =
       Transformed(models_->model(*models_->Find("chair")).mesh, chair.scan_from_object);
   const std::size_t own = scan.vertices.size();
   scan.vertices.emplace_back(9.0f, 9.0f, 9.0f);
+  scan.colors.assign(own + 1, {30, 60, 90});
   ASSERT_TRUE(WriteVismaScene(document_, *models_, scan, 0.03, folder_.path()).ok());
-  const auto fragment = ReadMesh(folder_.path() / (chair.id + ".ply"));
+  const auto fragment = ReadMesh(folder_.path() / "fragments" / (chair.id + ".ply"));
   ASSERT_TRUE(fragment.ok()) << fragment.error().message;
   EXPECT_EQ(fragment->vertices.size(), own);
-  const auto scene = ReadMesh(folder_.path() / "augmented_scene.ply");
+  const auto floor = ReadMesh(folder_.path() / "fragments" / "floor.ply");
+  ASSERT_TRUE(floor.ok()) << floor.error().message;
+  ASSERT_GE(floor->vertices.size(), 1u);
+  EXPECT_NEAR(floor->vertices.back().z(), 9, 1e-6);
+  EXPECT_EQ(ReadMesh(folder_.path() / "test.klg.ply")->vertices.size(), own + 1);
+  // The scan's points in their colours, then samples of the model, in VISMA's green as it has none.
+  const auto scene = ReadMesh(folder_.path() / "fragments" / "augmented_scene.ply");
   ASSERT_TRUE(scene.ok());
-  EXPECT_EQ(scene->vertices.size(), 2 * own + 1);
+  ASSERT_GT(scene->vertices.size(), own + 1 + 1000);
+  ASSERT_EQ(scene->colors.size(), scene->vertices.size());
+  EXPECT_EQ(scene->colors[own], (std::array<std::uint8_t, 3>{30, 60, 90}));
+  EXPECT_EQ(scene->colors.back(), (std::array<std::uint8_t, 3>{0, 255, 0}));
+  const Eigen::Vector3d sample =
+      chair.scan_from_object.inverse() * scene->vertices.back().cast<double>();
+  // Single precision, some metres from the origin.
+  EXPECT_LT(models_->model(*models_->Find("chair")).bounds.cast<double>().exteriorDistance(sample),
+            1e-5);
 }
 
 TEST_F(PoseExchange, VismaNamesBeginWithTheModel) {
   document_.instances[0].id = "the red one";
   document_.instances[1].id = "chair_0";  // an armchair
-  ASSERT_TRUE(WriteVisma(document_, nullptr, folder_.path() / "fragments").ok());
-  const auto read = ReadVisma(folder_.path() / "fragments");
+  ASSERT_TRUE(WriteVisma(document_, nullptr, folder_.path()).ok());
+  const auto read = ReadVisma(folder_.path());
   ASSERT_TRUE(read.ok());
   ExpectSame(*read, false);
 }
 
 TEST_F(PoseExchange, LabelFusionComesBack) {
-  const auto file = folder_.path() / "registration_result.yaml";
-  ASSERT_TRUE(WriteLabelFusion(document_, Inputs(), file).ok());
-  const auto read = ReadLabelFusion(document_, Inputs(), file);
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  ExpectSame(*read);
-  EXPECT_FALSE(WriteLabelFusion(document_, {}, file).ok());
+  const auto out = folder_.path() / "labelfusion";
+  ASSERT_TRUE(WriteLabelFusion(document_, Inputs(), out).ok());
+  for (const auto& given : {out, out / "registration_result.yaml"}) {
+    const auto read = ReadLabelFusion(document_, Inputs(), given);
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    ExpectSame(*read);
+  }
+  EXPECT_FALSE(WriteLabelFusion(document_, {}, out).ok());
 }
 
 TEST_F(PoseExchange, LabelFusionsOwnFileIsRead) {

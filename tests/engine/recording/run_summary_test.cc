@@ -2,13 +2,17 @@
 #include "engine/recording/run_summary.h"
 
 #include <fstream>
+#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "engine/base/check.h"
 #include "engine/base/files.h"
 #include "engine/recording/map_mesh.h"
+#include "engine/recording/object_mixture.h"
 #include "tests/engine/recording/random_run.h"
 #include "tests/support/test_data.h"
 
@@ -26,8 +30,7 @@ ObjectReport Object(int id, ObjectState state) {
   object.world_from_object.linear() =
       Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   object.covariance.diagonal() = Eigen::Vector4d(0.01, 0.02, 0.06, 0.04);
-  object.modes = {{{0}, 0.9, object.world_from_object, 0.1, 0.2},
-                  {{1}, 0.1, object.world_from_object, 0.1, 0.2}};
+  object.modes = {{{0}, 1, object.world_from_object, 0.3, 0.2}};
   object.first_frame = 2;
   if (state == ObjectState::kConfirmed) object.confirmed_frame = 4;
   object.last_frame = 9;
@@ -84,12 +87,72 @@ TEST(RunSummary, TellsWhatTheMapHolds) {
   EXPECT_NEAR(object["position_std_m"].get<double>(), 0.3, 1e-12);
   EXPECT_NEAR(object["azimuth_std_deg"].get<double>(), 11.4591559026, 1e-9);
   EXPECT_EQ(object["label_probability"]["chair_kitchen"], 0.75);
-  EXPECT_EQ(object["modes"].size(), 2u);
+  EXPECT_EQ(object["modes"].size(), 1u);
+  EXPECT_EQ(object["covariance"][3][3], 0.04);
   EXPECT_EQ(object["world_from_object"][0][3], 1.0);
   EXPECT_EQ(object["first_frame"], 2);
   EXPECT_EQ(object["confirmed_frame"], 4);
   EXPECT_EQ(object["last_frame"], 9);
   EXPECT_TRUE(json["objects"][1]["confirmed_frame"].is_null());
+}
+
+/// Two places 0.8 m apart along x, of 3 : 1, and a quarter turn from one to the other.
+ObjectReport InTwoPlaces() {
+  ObjectReport object = Object(1, ObjectState::kConfirmed);
+  object.world_from_object = Eigen::Translation3d(0, 0, 2) * Eigen::Isometry3d::Identity();
+  object.covariance = Eigen::Vector4d(1e-4, 1e-4, 1e-4, 1e-4).asDiagonal();
+  const Eigen::Isometry3d other = Eigen::Translation3d(0.8, 0, 2) *
+                                  Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ());
+  object.modes = {{{0}, 0.75, object.world_from_object, std::sqrt(3e-4), 0.01},
+                  {{0}, 0.25, other, std::sqrt(3e-4), 0.01}};
+  std::vector<Particle> particles(4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    particles[i].rho = std::log(2.0f);
+    particles[i].log_weight = std::log(0.25f);
+    particles[i].x_c = i == 3 ? 0.4f : 0.0f;
+    particles[i].azimuth = i == 3 ? static_cast<float>(std::numbers::pi / 2) : 0.0f;
+  }
+  object.particles = std::make_shared<const std::vector<Particle>>(particles);
+  return object;
+}
+
+TEST(RunSummary, SpreadsOverAllModesAndNotOverTheHeaviestAlone) {
+  // Of two points with weights p and 1 - p, the variance is p (1 - p) d^2.
+  const double xx = 0.75 * 0.25 * 0.64, xa = 0.75 * 0.25 * 0.8 * std::numbers::pi / 2,
+               aa = 0.75 * 0.25 * std::numbers::pi * std::numbers::pi / 4;
+  ObjectReport object = InTwoPlaces();
+  const UprightFrame upright({0, 0, -1});
+  Eigen::Matrix4d covariance = MixtureCovariance(object, upright, nullptr);
+  EXPECT_NEAR(covariance(0, 0), xx, 1e-6);  // particles are single precision
+  EXPECT_NEAR(covariance(0, 3), xa, 1e-6);
+  EXPECT_NEAR(covariance(3, 3), aa, 1e-6);
+  EXPECT_NEAR(covariance(1, 1), 0, 1e-6);
+  RunSummary summary;
+  FrameReport report;
+  report.objects = {object};
+  summary.Add(report);
+  const nlohmann::json told = summary.ToJson(Header(), 1)["objects"][0];
+  EXPECT_NEAR(told["position_std_m"].get<double>(), std::sqrt(xx), 1e-6);
+  EXPECT_NEAR(told["covariance"][0][3].get<double>(), xa, 1e-6);
+  EXPECT_NEAR(told["modes"][0]["position_std_m"].get<double>(), std::sqrt(3e-4), 1e-12)
+      << "modes tell their own";
+  // Without particles: the same between the modes, and what each has of its own.
+  object.particles = nullptr;
+  covariance = MixtureCovariance(object, upright, nullptr);
+  EXPECT_NEAR(covariance(0, 0), xx + 1e-4, 1e-12);
+  EXPECT_NEAR(covariance(3, 3), aa + 1e-4, 1e-12);
+  EXPECT_NEAR(covariance(1, 1), 1e-4, 1e-12);
+}
+
+TEST(RunSummary, ASymmetricShapeIsNotSpreadByItsOwnTurns) {
+  CadModel model;
+  model.name = "table";
+  model.category = "dining table";
+  model.mesh.vertices = {{0, 0, 0}};
+  model.symmetry.order = 4;
+  const auto models = ModelDatabase::FromModels({model});
+  const UprightFrame upright({0, 0, -1});
+  EXPECT_NEAR(MixtureCovariance(InTwoPlaces(), upright, models.get())(3, 3), 0, 1e-6);
 }
 
 TEST(RunSummary, IsTheSameFromTheRunFile) {

@@ -160,12 +160,12 @@ TEST_F(AnnotationSessionTest, WritesEveryFormatInTheFrameThatIsChosen) {
               IsometryNear(level_from_scan * session->Snapshot().instances[0].scan_from_object,
                            1e-9, 1e-12));
   EXPECT_NEAR(level->instances[0].world_from_object.translation().z(), 0, 1e-9) << "on the floor";
-  EXPECT_TRUE(exists(out + "/visma/fragments/augmented_scene.ply"));
+  EXPECT_TRUE(exists(out + "/visma/visma/fragments/augmented_scene.ply"));
   // The whole of VISMA's folder is in one frame.
-  const auto alignment = ReadJson(out + "/visma/fragments/alignment.json");
+  const auto alignment = ReadJson(out + "/visma/visma/fragments/alignment.json");
   ASSERT_TRUE(alignment.ok());
   EXPECT_NEAR((*alignment)["armchair_0"][11].get<double>(), 0, 1e-9);
-  const auto fragment = ReadMesh(out + "/visma/fragments/armchair_0.ply");
+  const auto fragment = ReadMesh(out + "/visma/visma/fragments/armchair_0.ply");
   ASSERT_TRUE(fragment.ok()) << fragment.error().message;
   EXPECT_NEAR(BoundingBox(*fragment).min().z(), 0, 0.01);
   Do(*session, ExportCommand{"visma", out + "/visma2", "world"});
@@ -471,19 +471,19 @@ TEST_F(AnnotationSessionTest, AnExportAsksBeforeItReplacesSomethingElseAndKeepsI
 
 TEST_F(AnnotationSessionTest, AnExportIntoAFolderAsksAboutTheFilesThatItWouldReplace) {
   const auto session = WithArmchair();
-  const std::filesystem::path out = folder_.path() / "fragments";
+  const std::filesystem::path out = folder_.path() / "visma";
   Do(*session, ExportCommand{"visma", out.string()});
   EXPECT_FALSE(session->Snapshot().exported->asks);
-  std::ofstream(out / "objects.json") << "mine";
+  std::ofstream(out / "fragments/objects.json") << "mine";
   std::ofstream(out / "readme") << "mine";
   Do(*session, ExportCommand{"visma", out.string()});
   ASSERT_TRUE(session->Snapshot().exported->asks);
   EXPECT_EQ(session->Snapshot().exported->differences[0],
-            "1 file would be replaced: objects.json.");
+            "1 file would be replaced: fragments/objects.json.");
   Do(*session, AnswerExportCommand{true});
-  EXPECT_EQ(*ReadFile(out.string() + ".bak/objects.json"), "mine");
+  EXPECT_EQ(*ReadFile(out.string() + ".bak/fragments/objects.json"), "mine");
   EXPECT_EQ(*ReadFile(out / "readme"), "mine");
-  EXPECT_NE(*ReadFile(out / "objects.json"), "mine");
+  EXPECT_NE(*ReadFile(out / "fragments/objects.json"), "mine");
   std::ofstream(folder_.path() / "file") << "mine";
   Do(*session, ExportCommand{"visma", (folder_.path() / "file").string()});
   EXPECT_THAT(session->Snapshot().exported->problem, HasSubstr("needs a folder"));
