@@ -6,6 +6,7 @@
 
 #include "engine/annotation/crop_cut.h"
 #include "engine/annotation/pose_exchange.h"
+#include "engine/base/data_paths.h"
 #include "engine/base/files.h"
 #include "engine/dataset/json_fields.h"
 #include "engine/geometry/closest_triangle.h"
@@ -91,6 +92,14 @@ constexpr const char* kReadme =
 
 Status WriteVisma(const AnnotationDocument& document, const ModelDatabase* models,
                   const std::filesystem::path& folder) {
+  for (const AnnotatedInstance& instance : document.instances) {
+    for (const std::string& name : {instance.id, instance.model}) {
+      if (!IsFileName(name))
+        return InvalidInput("'" + name +
+                            "' cannot be the name of a file, as VISMA's are; rename '" +
+                            instance.id + "'");
+    }
+  }
   std::error_code error;
   std::filesystem::create_directories(models ? folder / "CAD" : folder, error);
   if (error) {
@@ -179,8 +188,9 @@ Result<ImportedPoses> ReadVisma(const std::filesystem::path& folder) {
   for (const auto& [name, numbers] : alignment->items()) {
     const auto pose = FromTwelveNumbers(numbers);
     if (!pose) {
-      return Error{ErrorCode::kInvalidInput, "'" + file.string() + "': '" + name +
-                                                 "' has no rigid pose of 12 numbers, row by row"};
+      return Error{ErrorCode::kInvalidInput,
+                   "'" + file.string() + "': '" + name +
+                       "' has no rigid pose of 12 numbers, row by row, within 1000 km"};
     }
     AnnotatedInstance instance;
     instance.id = name;
@@ -196,6 +206,10 @@ Result<ImportedPoses> ReadVisma(const std::filesystem::path& folder) {
   if (std::filesystem::exists(folder / "objects.json", ignored)) {
     const Result<nlohmann::json> objects = ReadJson(folder / "objects.json");
     if (!objects) return objects.error();
+    if (!objects->is_object()) {
+      return Error{ErrorCode::kInvalidInput, "'" + (folder / "objects.json").string() +
+                                                 "' must hold a list 'entries' of names"};
+    }
     for (const nlohmann::json& name : objects->value("entries", nlohmann::json::array())) {
       if (!name.is_string() || alignment->contains(name.get<std::string>())) continue;
       imported.warnings.push_back("'" + file.string() + "' has no pose of '" +
@@ -210,7 +224,7 @@ Result<ImportedPoses> ReadVisma(const std::filesystem::path& folder) {
     if (!pose) {
       return Error{ErrorCode::kInvalidInput,
                    "'" + (folder / "result_alignment.json").string() +
-                       "' needs 'T_ef_corvis', a rigid pose of 12 numbers"};
+                       "' needs 'T_ef_corvis', a rigid pose of 12 numbers within 1000 km"};
     }
     imported.scan_from_world = *pose;
   }
