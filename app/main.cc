@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/verbs/verb.h"
+#include "engine/base/data_paths.h"
 
 namespace {
 
@@ -40,6 +41,10 @@ int main(int argc, char** argv) {
                "plumbline");
   app.set_version_flag("--version", PLUMBLINE_VERSION);
   app.require_subcommand(1);
+  // Of every command, so that it may stand before or behind it.
+  app.fallthrough();
+  app.add_flag_callback("--allow-outside", plumbline::AllowOutside,
+                        "Names in data files (models.json, data.csv) may lead out of their folder");
   app.get_formatter()->column_width(34);
   plumbline::VerbFunction chosen;
   for (const Verb& verb : kVerbs) verb.add(app, chosen);

@@ -12,7 +12,11 @@ target_compile_options(plumbline_settings INTERFACE -ffp-contract=off)
 target_include_directories(plumbline_settings INTERFACE ${CMAKE_SOURCE_DIR})
 target_compile_definitions(plumbline_settings INTERFACE
   $<$<NOT:$<CONFIG:Release>>:EIGEN_INITIALIZE_MATRICES_BY_NAN>)
-if(PLUMBLINE_SANITIZE)
+if(PLUMBLINE_SANITIZE STREQUAL "fuzz")  # clang; its warnings are others than those that are kept at none
+  target_compile_options(plumbline_settings INTERFACE -w -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow
+    -fno-sanitize=vptr -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(plumbline_settings INTERFACE -fsanitize=address,undefined)
+elseif(PLUMBLINE_SANITIZE)
   target_compile_options(plumbline_settings INTERFACE -fsanitize=${PLUMBLINE_SANITIZE} -fno-omit-frame-pointer)
   target_link_options(plumbline_settings INTERFACE -fsanitize=${PLUMBLINE_SANITIZE})
   if(PLUMBLINE_SANITIZE STREQUAL "thread")

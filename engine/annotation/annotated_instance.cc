@@ -54,7 +54,8 @@ std::string Wanted(std::string_view key, double) {
   return "needs a number '" + std::string(key) + "'";
 }
 std::string Wanted(std::string_view key, const Eigen::Isometry3d&) {
-  return "needs a '" + std::string(key) + "' that is a 4x4 rigid transform, row by row";
+  return "needs a '" + std::string(key) +
+         "' that is a 4x4 rigid transform, row by row, within 1000 km";
 }
 std::string Wanted(std::string_view key, bool) {
   return key == kQuality ? "has a 'quality' that is neither fine nor coarse"

@@ -128,7 +128,9 @@ Result<AnnotationDocument> DocumentFromJson(const nlohmann::json& json) {
   }
   if (json.contains("scan_from_world")) {
     const auto pose = IsometryFromJson(json["scan_from_world"]);
-    if (!pose) return InvalidInput("has a 'scan_from_world' that is not a 4x4 rigid transform");
+    if (!pose)
+      return InvalidInput(
+          "has a 'scan_from_world' that is not a 4x4 rigid transform within 1000 km");
     document.scan_from_world = *pose;
   }
   if (!json.contains("instances") || !json["instances"].is_array()) {

@@ -190,7 +190,7 @@ Result<Edit> EditFromJson(const nlohmann::json& source) {
   if (kind == "scene_alignment") {
     if (!source.contains("scan_from_world")) return Edit(SetSceneAlignment{});
     const auto pose = IsometryFromJson(source["scan_from_world"]);
-    if (!pose) return InvalidInput("'scan_from_world' is not a 4x4 rigid transform");
+    if (!pose) return InvalidInput("'scan_from_world' is not a 4x4 rigid transform within 1000 km");
     return Edit(SetSceneAlignment{*pose});
   }
   if (kind == "state") {

@@ -110,7 +110,7 @@ Status AnnotationProject::Load(Access access) {
   if (!document) return About(file_, document.error());
   document_ = std::move(*document);
   if (access == Access::kWrite) LoadHistory(*content);
-  return LoadJournal(*content, json->value("saved", nlohmann::json::object()), access);
+  return LoadJournal(*content, json->value("saved", nlohmann::json()), access);
 }
 
 /// The one that was written with this content; of another version of the project, it is of no use.
@@ -175,7 +175,9 @@ Status AnnotationProject::LoadJournal(const std::string& content, const nlohmann
   Replayed replayed;
   bool appendable = false;
   if (continued || (journal.ok() && journal->base == HashHex(content))) {
-    const std::size_t num_saved = continued ? saved.value("records", std::size_t{0}) : 0;
+    const bool counted =
+        continued && saved.contains("records") && saved["records"].is_number_unsigned();
+    const std::size_t num_saved = counted ? saved["records"].get<std::size_t>() : 0;
     auto repeated = Replay(*journal, num_saved, access);
     if (!repeated) return repeated.error();
     replayed = std::move(*repeated);

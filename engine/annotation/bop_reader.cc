@@ -112,7 +112,7 @@ Result<ImportedPoses> ReadBop(const std::filesystem::path& folder) {
           entry.is_object() && entry.contains("obj_id") && entry["obj_id"].is_number_integer();
       const int obj_id = numbered ? entry["obj_id"].get<int>() : -1;
       if (!cam_from_model || obj_id < 0) {
-        return bad("an entry of image " + key + " has no obj_id or no rigid pose");
+        return bad("an entry of image " + key + " has no obj_id or no rigid pose within 1000 km");
       }
       near += cam_from_model->translation().norm() < 0.02;
       ++poses;

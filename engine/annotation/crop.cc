@@ -42,6 +42,7 @@ std::optional<double> NumberFrom(const nlohmann::json& source, const char* key) 
 }
 
 Result<CropBox> BoxFrom(const nlohmann::json& source) {
+  if (!source.is_object()) return InvalidInput("the 'box' of a crop must be a JSON object");
   const auto vector = [&](const char* key) {
     return source.contains(key) ? VectorFromJson(source[key], 3) : std::nullopt;
   };
@@ -50,7 +51,13 @@ Result<CropBox> BoxFrom(const nlohmann::json& source) {
   return CropBox{*center, *size, NumberFrom(source, "azimuth").value_or(0)};
 }
 
+/// An image size, which is only for people.
+int PixelsFrom(const nlohmann::json& camera, const char* key) {
+  return static_cast<int>(std::clamp(NumberFrom(camera, key).value_or(0), 0.0, 32768.0));
+}
+
 Result<CropLasso> LassoFrom(const nlohmann::json& source) {
+  if (!source.is_object()) return InvalidInput("the 'lasso' of a crop must be a JSON object");
   const auto pose =
       source.contains("scan_from_cam") ? IsometryFromJson(source["scan_from_cam"]) : std::nullopt;
   const nlohmann::json camera = source.value("camera", nlohmann::json::object());
@@ -63,12 +70,7 @@ Result<CropLasso> LassoFrom(const nlohmann::json& source) {
   }
   CropLasso lasso;
   lasso.scan_from_cam = *pose;
-  lasso.camera = {static_cast<int>(NumberFrom(camera, "width").value_or(0)),
-                  static_cast<int>(NumberFrom(camera, "height").value_or(0)),
-                  *fx,
-                  *fy,
-                  *cx,
-                  *cy};
+  lasso.camera = {PixelsFrom(camera, "width"), PixelsFrom(camera, "height"), *fx, *fy, *cx, *cy};
   for (const nlohmann::json& corner : source.value("polygon", nlohmann::json::array())) {
     const auto pixel = VectorFromJson(corner, 2);
     if (!pixel) return InvalidInput("the 'polygon' of a crop must be a list of [u, v]");

@@ -223,6 +223,8 @@ Status CheckNameIsFree(const std::string& name, const std::filesystem::path& mod
   if (!std::filesystem::exists(list, ignored)) return {};
   const Result<nlohmann::json> content = ReadJson(list);
   if (!content) return content.error();
+  if (!content->is_object())
+    return Error{ErrorCode::kCorrupt, "'" + list.string() + "' is no list of models"};
   for (const nlohmann::json& entry : content->value("models", nlohmann::json::array())) {
     if (entry.is_object() && entry.value("name", nlohmann::json()) == name) {
       return Error{ErrorCode::kInvalidInput, "'" + models_folder.string() + "' has a model '" +

@@ -9,6 +9,7 @@
 #include "engine/annotation/pose_exchange.h"
 #include "engine/base/files.h"
 #include "engine/base/log.h"
+#include "engine/geometry/reach.h"
 #include "engine/models/mesh_file.h"
 
 namespace plumbline {
@@ -45,10 +46,12 @@ std::optional<Eigen::Isometry3d> PoseOf(const YAML::Node& pose) {
   const auto t = Numbers(pose[0], 3), q = Numbers(pose[1], 4);
   if (!t || !q) return std::nullopt;
   const Eigen::Quaterniond quaternion((*q)[0], (*q)[1], (*q)[2], (*q)[3]);
-  if (!(std::abs(quaternion.norm() - 1) < 1e-2)) return std::nullopt;
+  const Eigen::Vector3d translation((*t)[0], (*t)[1], (*t)[2]);
+  if (!(std::abs(quaternion.norm() - 1) < 1e-2) || translation.cwiseAbs().maxCoeff() > kFarthest_m)
+    return std::nullopt;
   Eigen::Isometry3d isometry = Eigen::Isometry3d::Identity();
   isometry.linear() = quaternion.normalized().toRotationMatrix();
-  isometry.translation() = Eigen::Vector3d((*t)[0], (*t)[1], (*t)[2]);
+  isometry.translation() = translation;
   return isometry;
 }
 
@@ -191,8 +194,9 @@ Result<ImportedPoses> ReadLabelFusion(const AnnotationDocument& document,
       const auto name = entry.first.as<std::string>();
       const auto pose = entry.second["pose"] ? PoseOf(entry.second["pose"]) : std::nullopt;
       if (!pose) {
-        return Error{ErrorCode::kInvalidInput, "'" + file.string() + "': '" + name +
-                                                   "' has no pose [[x, y, z], [qw, qx, qy, qz]]"};
+        return Error{ErrorCode::kInvalidInput,
+                     "'" + file.string() + "': '" + name +
+                         "' has no pose [[x, y, z], [qw, qx, qy, qz]] within 1000 km"};
       }
       AnnotatedInstance instance;
       const YAML::Node id = entry.second["id"];

@@ -155,7 +155,8 @@ Result<ImportedPoses> ReadFramePoses(const AnnotationDocument& document,
       const auto pose = object.is_object() && object.contains("cam_from_object")
                             ? IsometryFromJson(object["cam_from_object"])
                             : std::nullopt;
-      if (!id || !model || !pose) return bad("has an object without id, model or rigid pose");
+      if (!id || !model || !pose)
+        return bad("has an object without id, model or rigid pose within 1000 km");
       translations.push_back(pose->translation());
       const Eigen::Isometry3d scan_from_object = *scan_from_cam * *pose;
       const auto [place, is_new] = known.emplace(*id, imported.instances.size());

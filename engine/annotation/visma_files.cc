@@ -10,6 +10,7 @@
 #include "engine/annotation/crop_cut.h"
 #include "engine/annotation/pose_exchange.h"
 #include "engine/annotation/y_up_models.h"
+#include "engine/base/data_paths.h"
 #include "engine/base/files.h"
 #include "engine/dataset/json_fields.h"
 #include "engine/geometry/closest_triangle.h"
@@ -146,6 +147,14 @@ std::filesystem::path ResultAlignmentOf(const std::filesystem::path& fragments) 
 
 Status WriteVisma(const AnnotationDocument& document, const ModelDatabase* models,
                   const std::filesystem::path& folder) {
+  for (const AnnotatedInstance& instance : document.instances) {
+    for (const std::string& name : {instance.id, instance.model}) {
+      if (!IsFileName(name))
+        return InvalidInput("'" + name +
+                            "' cannot be the name of a file, as VISMA's are; rename '" +
+                            instance.id + "'");
+    }
+  }
   for (const std::filesystem::path& part : {folder / "fragments", folder / "CAD"}) {
     std::error_code error;
     std::filesystem::create_directories(part, error);
@@ -240,8 +249,9 @@ Result<ImportedPoses> ReadVisma(const std::filesystem::path& given) {
   for (const auto& [name, numbers] : alignment->items()) {
     const auto pose = FromTwelveNumbers(numbers);
     if (!pose) {
-      return Error{ErrorCode::kInvalidInput, "'" + file.string() + "': '" + name +
-                                                 "' has no rigid pose of 12 numbers, row by row"};
+      return Error{ErrorCode::kInvalidInput,
+                   "'" + file.string() + "': '" + name +
+                       "' has no rigid pose of 12 numbers, row by row, within 1000 km"};
     }
     AnnotatedInstance instance;
     instance.id = name;
@@ -256,6 +266,10 @@ Result<ImportedPoses> ReadVisma(const std::filesystem::path& given) {
   if (std::filesystem::exists(folder / "objects.json", ignored)) {
     const Result<nlohmann::json> objects = ReadJson(folder / "objects.json");
     if (!objects) return objects.error();
+    if (!objects->is_object()) {
+      return Error{ErrorCode::kInvalidInput, "'" + (folder / "objects.json").string() +
+                                                 "' must hold a list 'entries' of names"};
+    }
     for (const nlohmann::json& name : objects->value("entries", nlohmann::json::array())) {
       if (!name.is_string() || alignment->contains(name.get<std::string>())) continue;
       imported.warnings.push_back("'" + file.string() + "' has no pose of '" +
@@ -268,9 +282,9 @@ Result<ImportedPoses> ReadVisma(const std::filesystem::path& given) {
     const auto pose = result->contains("T_ef_corvis") ? FromTwelveNumbers((*result)["T_ef_corvis"])
                                                       : std::nullopt;
     if (!pose) {
-      return Error{
-          ErrorCode::kInvalidInput,
-          "'" + result_file.string() + "' needs 'T_ef_corvis', a rigid pose of 12 numbers"};
+      return Error{ErrorCode::kInvalidInput,
+                   "'" + result_file.string() +
+                       "' needs 'T_ef_corvis', a rigid pose of 12 numbers within 1000 km"};
     }
     // The identity says that both share a frame, as a project without an alignment does.
     if (!pose->isApprox(Eigen::Isometry3d::Identity(), 0)) imported.scan_from_world = *pose;

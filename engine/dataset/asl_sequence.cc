@@ -6,12 +6,14 @@
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/base/data_paths.h"
 #include "engine/base/files.h"
 #include "engine/dataset/asl_sensor_file.h"
 #include "engine/dataset/stamp_statistics.h"
 #include "engine/dataset/stamped_rows.h"
 #include "engine/dataset/text_table.h"
 #include "engine/dataset/trajectory.h"
+#include "engine/geometry/reach.h"
 #include "engine/sensor/image_file.h"
 #include "engine/sensor/undistorter.h"
 
@@ -52,6 +54,11 @@ Result<std::vector<AslImage>> ReadImageList(const fs::path& file,
       odd.Add("not a stamp and the name of an image; row left out", number);
       continue;
     }
+    if (!PlaceInside(file.parent_path() / "data", std::string(fields[1])).ok()) {
+      odd.Add("the image lies outside of the folder data/ (--allow-outside reads it); row left out",
+              number);
+      continue;
+    }
     images.push_back({*stamp, std::string(fields[1])});
   }
   warnings = odd.Sentences();
@@ -64,17 +71,25 @@ Result<std::vector<AslImage>> ReadImageList(const fs::path& file,
 Result<Trajectory> ReadAslPoses(const fs::path& file, bool velocities,
                                 const Eigen::Isometry3d& body_from_cam) {
   Trajectory trajectory;
+  int unusable = 0;
   const auto rows = ReadStampedRows(
       file, {velocities ? "t,p,q wxyz,v,b_gyro,b_accel" : "t,p,q wxyz", velocities ? 16 : 7},
       [&](std::int64_t stamp_ns, std::span<const double> n) {
         const Eigen::Quaterniond q(n[3], n[4], n[5], n[6]);
-        if (std::abs(q.norm() - 1) > 0.01) return;
+        const Eigen::Vector3d position(n[0], n[1], n[2]);
+        if (!(std::abs(q.norm() - 1) < 0.01) || position.cwiseAbs().maxCoeff() > kFarthest_m)
+          return void(++unusable);
         Eigen::Isometry3d pose(q.normalized());
-        pose.translation() << n[0], n[1], n[2];
+        pose.translation() = position;
         trajectory.poses.push_back({stamp_ns, pose * body_from_cam});
       });
   if (!rows.ok()) return rows.error();
   trajectory.warnings = *rows;
+  if (unusable > 0) {
+    trajectory.warnings.push_back("'" + file.string() + "' has " + std::to_string(unusable) +
+                                  " rows whose quaternion is not of length 1 or that are more "
+                                  "than 1000 km from the origin; left out");
+  }
   MakeStampsRise(file, "poses", trajectory.poses, trajectory.warnings);
   return trajectory;
 }

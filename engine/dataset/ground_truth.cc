@@ -28,7 +28,8 @@ Result<GroundTruthInstance> ReadInstance(const nlohmann::json& json, const std::
   if (!json.contains("world_from_object")) return bad("(" + *id + ") has no 'world_from_object'");
   const std::optional<Eigen::Isometry3d> pose = IsometryFromJson(json["world_from_object"]);
   if (!pose)
-    return bad("(" + *id + ") has a 'world_from_object' that is not a 4x4 rigid transform");
+    return bad("(" + *id +
+               ") has a 'world_from_object' that is not a 4x4 rigid transform within 1000 km");
   instance.world_from_object = *pose;
   if (json.contains("scale")) {
     if (!json["scale"].is_number() || !(json["scale"] > 0.1 && json["scale"] < 10))

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "engine/geometry/reach.h"
+
 namespace plumbline {
 
 std::optional<Eigen::VectorXd> VectorFromJson(const nlohmann::json& json, int size) {
@@ -25,7 +27,9 @@ std::optional<Eigen::Isometry3d> IsometryFromJson(const nlohmann::json& json) {
     if (!row) return std::nullopt;
     matrix.row(r) = *row;
   }
-  if ((matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() > 1e-9) return std::nullopt;
+  if ((matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() > 1e-9 ||
+      matrix.topRightCorner<3, 1>().cwiseAbs().maxCoeff() > kFarthest_m)
+    return std::nullopt;
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
   const double deviation =
       (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();

@@ -10,7 +10,7 @@
 namespace plumbline {
 
 /// A 4x4 matrix, row by row, as a rigid transform; its rotation is made orthonormal if it is one to
-/// 1e-3. Nothing where it is not.
+/// 1e-3. Nothing where it is not, or is farther from the origin than kFarthest_m.
 std::optional<Eigen::Isometry3d> IsometryFromJson(const nlohmann::json& json);
 nlohmann::json IsometryToJson(const Eigen::Isometry3d& isometry);
 

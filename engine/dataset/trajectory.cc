@@ -7,15 +7,13 @@
 
 #include "engine/base/files.h"
 #include "engine/dataset/text_table.h"
+#include "engine/geometry/reach.h"
 
 namespace plumbline {
 namespace {
 
 /// Farther from unit length than rounding in a file explains.
 constexpr double kQuaternionTolerance = 0.01;
-
-/// Beyond it doubles have no tenth of a millimetre left: the origin of a map is not the Earth's.
-constexpr double kFarthest_m = 1e6;
 
 /// Appends the row's pose or says what is wrong with it.
 std::optional<std::string_view> ReadRow(std::string_view line, std::vector<StampedPose>& poses) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/base/data_paths.h"
 #include "engine/base/files.h"
 #include "engine/models/assimp_file.h"
 #include "engine/models/pcd_file.h"
@@ -52,6 +53,11 @@ bool AllWhite(const TriangleMesh& mesh) {
 void ReadPlyTexture(const std::filesystem::path& file, TexturedMesh& read) {
   TriangleMesh& mesh = read.mesh;
   if (mesh.texture_file.empty() || mesh.triangles.empty() || !AllWhite(mesh)) return;
+  if (const auto place = PlaceInside(file.parent_path(), mesh.texture_file); !place.ok()) {
+    read.warnings.push_back("its texture is left out: " + place.error().message);
+    mesh.texture_file.clear();
+    return;
+  }
   const std::filesystem::path picture = FindPicture(file, mesh.texture_file);
   if (!picture.empty()) {
     if (Result<std::string> bytes = ReadFile(picture); bytes.ok())

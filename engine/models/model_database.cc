@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "engine/base/data_paths.h"
 #include "engine/base/files.h"
 #include "engine/models/mesh_file.h"
 #include "engine/models/model_entry.h"
@@ -70,11 +71,17 @@ Result<CadModel> ReadModelEntry(const nlohmann::json& json, const std::filesyste
     if (!symmetry.ok()) return symmetry.error();
     model.symmetry = *symmetry;
   }
-  Result<TriangleMesh> mesh = ReadMesh(folder / model.file, kFacesForTexture);
+  if (!IsFileName(model.name)) {
+    return Error{ErrorCode::kInvalidInput,
+                 named + ": a model's name is that of its files in exports, so that it has no '/'"};
+  }
+  const Result<std::filesystem::path> file = PlaceInside(folder, model.file);
+  if (!file.ok()) return Error{file.error().code, named + ": " + file.error().message};
+  Result<TriangleMesh> mesh = ReadMesh(*file, kFacesForTexture);
   if (!mesh.ok()) return mesh.error();
   if (mesh->triangles.empty()) {
     return Error{ErrorCode::kInvalidInput,
-                 "'" + (folder / model.file).string() + "' has no faces; a model needs a surface"};
+                 "'" + file->string() + "' has no faces; a model needs a surface"};
   }
   model.mesh = std::move(*mesh);
   return model;

@@ -61,7 +61,7 @@ Status MoveModel(const std::string& name, const path& from, const path& to) {
     return Error{ErrorCode::kIo,
                  "cannot make the folder '" + to.string() + "': " + error.message()};
   }
-  nlohmann::json target = {{"units", (*source).value("units", "m")},
+  nlohmann::json target = {{"units", (*source).value("units", nlohmann::json("m"))},
                            {"models", nlohmann::json::array()}};
   if (std::filesystem::exists(to / "models.json", error)) {
     auto existing = ReadList(to);

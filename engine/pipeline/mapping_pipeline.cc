@@ -23,6 +23,7 @@
 #include "engine/vio/own_poses.h"
 #include "engine/vision/edge_detector.h"
 #include "engine/vision/edge_network.h"
+#include "engine/vision/network.h"
 
 namespace plumbline {
 namespace {
@@ -43,22 +44,6 @@ struct Prepared {
   SkipCause skip_cause = SkipCause::kUnknown;  ///< What was prepared last.
   std::vector<StageTiming> timings;
 };
-
-/// Of an ONNX network, its sidecar and, of a two-stage detector, its head together.
-Result<std::string> HashNetwork(const std::filesystem::path& file) {
-  std::vector<std::filesystem::path> parts = {
-      file, std::filesystem::path(file).replace_extension(".json")};
-  const auto head = std::filesystem::path(file).replace_extension(".head.onnx");
-  std::error_code none;
-  if (std::filesystem::exists(head, none)) parts.push_back(head);
-  std::string hashes;
-  for (const std::filesystem::path& part : parts) {
-    const Result<std::string> hash = HashFile(part);
-    if (!hash.ok()) return hash.error();
-    hashes += *hash;
-  }
-  return HashHex(hashes);
-}
 
 Status CheckLive(const RunRecipe& recipe) {
   if (!recipe.live_speed) return {};
@@ -120,11 +105,11 @@ Status Complete(const ModelDatabase& database, RunRecipe& recipe) {
   };
   if (Status status = complete(recipe.poses, HashFile); !status.ok()) return status;
   if (recipe.poses.source == PoseSource::kVio) recipe.poses.hash = HashOf(recipe.own_poses);
-  if (Status status = complete(*recipe.detector, HashNetwork); !status.ok()) return status;
+  if (Status status = complete(*recipe.detector, HashOfNetwork); !status.ok()) return status;
   if (recipe.edges->source == EdgeSource::kBuiltin ||
       recipe.edges->source == EdgeSource::kBuiltinHalf)
     recipe.edges->hash = HashOfBuiltinEdges(recipe.edges->source == EdgeSource::kBuiltinHalf);
-  return complete(*recipe.edges, HashNetwork);
+  return complete(*recipe.edges, HashOfNetwork);
 }
 
 Result<std::shared_ptr<HypothesisScorer>> CreateScorer(

@@ -129,7 +129,9 @@ Result<std::vector<EstimatedObject>> EstimatesFromJson(const nlohmann::json& jso
     const std::optional<Eigen::Isometry3d> pose =
         object.contains("world_from_object") ? IsometryFromJson(object["world_from_object"])
                                              : std::nullopt;
-    if (!pose) return bad("object " + id + " needs 'world_from_object', a 4x4 rigid transform");
+    if (!pose)
+      return bad("object " + id +
+                 " needs 'world_from_object', a 4x4 rigid transform within 1000 km");
     estimates.push_back(
         {id, *model, *category, *pose, 1, std::nullopt, confirmed ? 1.0 : 0.0, confirmed});
     for (const auto& [key, value] : object.items()) {

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "engine/geometry/reach.h"
+
 namespace plumbline {
 namespace {
 
@@ -22,6 +24,15 @@ constexpr ModelEntry kModels[] = {
     {CameraModel::kEquidistant, "equidistant", 4, 4, "k1 k2 k3 k4"},
     {CameraModel::kFov, "fov", 1, 1, "w in radians, between 0 and pi"},
 };
+
+/// Below it nothing can be tracked, and what is made smaller first has no pixel left.
+constexpr double kFewestPixels = 16;
+constexpr double kLargestAspect = 100;
+
+std::string SizeOf(const double* width_and_height) {
+  return std::to_string(static_cast<int>(width_and_height[0])) + "x" +
+         std::to_string(static_cast<int>(width_and_height[1]));
+}
 
 std::string ModelNames() {
   std::string names;
@@ -104,6 +115,12 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
       numbers[1] != std::floor(numbers[1])) {
     return bad("has an image size that is not a whole number of at most 32768 pixels");
   }
+  const auto [shorter, longer] = std::minmax(numbers[0], numbers[1]);
+  if (shorter < kFewestPixels || longer > kLargestAspect * shorter) {
+    return bad("has images of " + SizeOf(numbers) +
+               " pixels; at least 16 a side are needed, and no side of more than 100 times the "
+               "other");
+  }
   // Cut out of a larger image, a camera may have its centre outside, but not that far.
   const double largest = 100 * std::max(numbers[0], numbers[1]);
   for (int i = 2; i < 6; ++i) {
@@ -132,7 +149,8 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
   if (json.contains("rate_hz")) {
     Result<double> rate = Number(json, "rate_hz", file);
     if (!rate.ok()) return rate.error();
-    if (*rate <= 0) return bad("has a 'rate_hz' that is not positive");
+    if (*rate < 1e-3 || *rate > 1e6)
+      return bad("has a 'rate_hz' that is not between 0.001 and 1000000");
     camera.rate_hz = *rate;
   }
   if (const auto pose = json.find("body_from_cam"); pose != json.end() && !pose->is_null()) {
@@ -144,11 +162,11 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
     } catch (const nlohmann::json::exception&) {
       return bad("has a 'body_from_cam' that is not a 4x4 matrix");
     }
-    if (!matrix.allFinite() ||
+    if (!matrix.allFinite() || matrix.topRightCorner<3, 1>().cwiseAbs().maxCoeff() > kFarthest_m ||
         !(matrix.topLeftCorner<3, 3>() * matrix.topLeftCorner<3, 3>().transpose())
              .isIdentity(1e-3) ||
         matrix.topLeftCorner<3, 3>().determinant() < 0) {
-      return bad("has a 'body_from_cam' whose rotation is not a rotation");
+      return bad("has a 'body_from_cam' that is no rigid transform within 1000 km");
     }
     camera.body_from_cam = Eigen::Isometry3d(matrix);
   }

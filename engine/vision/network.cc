@@ -69,6 +69,22 @@ Result<Network> LoadNetwork(const std::filesystem::path& onnx_file) {
   return LoadNetwork(onnx_file, std::move(sidecar).value());
 }
 
+Result<std::string> HashOfNetwork(const std::filesystem::path& onnx_file) {
+  const Result<NetworkSidecar> sidecar = ReadNetworkSidecar(onnx_file);
+  if (!sidecar.ok()) return sidecar.error();
+  std::string hashes = HashHex(SidecarToJson(*sidecar).dump());
+  std::vector<std::filesystem::path> networks = {onnx_file};
+  const auto head = std::filesystem::path(onnx_file).replace_extension(".head.onnx");
+  std::error_code none;
+  if (std::filesystem::exists(head, none)) networks.push_back(head);
+  for (const std::filesystem::path& network : networks) {
+    const Result<std::string> hash = HashFile(network);
+    if (!hash.ok()) return hash.error();
+    hashes += *hash;
+  }
+  return HashHex(hashes);
+}
+
 FittedImage FitImage(const cv::Mat& image, const NetworkSidecar& sidecar) {
   FittedImage fitted;
   fitted.original = image.size();

@@ -29,6 +29,10 @@ Result<Network> LoadNetwork(const std::filesystem::path& onnx_file);
 /// The same with a sidecar that need not lie beside it.
 Result<Network> LoadNetwork(const std::filesystem::path& onnx_file, NetworkSidecar sidecar);
 
+/// The same as long as the network, what its sidecar says (however it is written) and, of a
+/// two-stage detector, its head are the same, wherever they lie. Errors: those of the sidecar, kIo.
+Result<std::string> HashOfNetwork(const std::filesystem::path& onnx_file);
+
 /// Of bytes as OpenCV can load them. Errors: kCorrupt.
 Result<Network> MakeNetwork(std::string_view onnx_bytes, NetworkSidecar sidecar, std::string name,
                             std::string content_hash);

@@ -344,9 +344,21 @@ TEST_F(PoseExchange, DamagedFilesAreNamed) {
   const auto visma = ReadVisma(folder_.path() / "fragments");
   ASSERT_FALSE(visma.ok());
   EXPECT_THAT(visma.error().message, testing::HasSubstr("'chair_0' has no rigid pose"));
+  WriteText(folder_.path() / "fragments" / "alignment.json",
+            R"({"chair_0": [1, 0, 0, 1e300, 0, 1, 0, 0, 0, 0, 1, 0]})");
+  EXPECT_THAT(ReadVisma(folder_.path() / "fragments").error().message,
+              testing::HasSubstr("within 1000 km"));
+  WriteText(folder_.path() / "fragments" / "alignment.json",
+            R"({"chair_0": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]})");
+  WriteText(folder_.path() / "fragments" / "objects.json", "[]");
+  EXPECT_THAT(ReadVisma(folder_.path() / "fragments").error().message,
+              testing::HasSubstr("must hold a list 'entries'"));
   const auto yaml = folder_.path() / "a.yaml";
   WriteText(yaml, "drill: {pose: [[0, 0], [1, 0, 0, 0]]}\n");
   EXPECT_FALSE(ReadLabelFusion(document_, Inputs(), yaml).ok());
+  WriteText(yaml, "drill: {pose: [[1e300, 0, 0], [1, 0, 0, 0]]}\n");
+  EXPECT_THAT(ReadLabelFusion(document_, Inputs(), yaml).error().message,
+              testing::HasSubstr("within 1000 km"));
   WriteText(yaml, "drill: {pose: [[");
   EXPECT_EQ(ReadLabelFusion(document_, Inputs(), yaml).error().code, ErrorCode::kCorrupt);
   EXPECT_EQ(ReadBop(folder_.path()).error().code, ErrorCode::kNotFound);
@@ -378,6 +390,13 @@ TEST_F(PoseExchange, ValuesOfTheWrongTypeAreErrorsThatNameTheFile) {
       EXPECT_THAT(read.error().message, testing::HasSubstr("000000")) << text;
     }
   }
+}
+
+TEST_F(PoseExchange, NamesThatAreNoFileNamesAreNotWrittenElsewhere) {
+  document_.instances[0].id = "../../chair_0";
+  const Status written = WriteVisma(document_, models_.get(), folder_.path() / "a" / "b");
+  ASSERT_FALSE(written.ok());
+  EXPECT_THAT(written.error().message, testing::HasSubstr("'../../chair_0' cannot be the name"));
 }
 
 class AnnotationCheck : public PoseExchange {

@@ -78,6 +78,19 @@ TEST_F(AslLayout, RefusesAnotherCameraAndATruncatedFile) {
   EXPECT_THAT(OpenSequence(root_).error().message, HasSubstr("sensor.yaml"));
 }
 
+TEST_F(AslLayout, LeavesOutImagesOutsideOfItAndPosesBeyondReason) {
+  WriteAll();
+  Write("mav0/cam0/data.csv", "1403715273262142976,../../../a.png\n1403715273312143104,b.png\n");
+  Write("mav0/state_groundtruth_estimate0/data.csv",
+        "1403715273312143104,1e300,2,3,0,0,0,1,0,0,0,0,0,0,0,0,0\n");
+  const auto opened = OpenSequence(root_);
+  ASSERT_TRUE(opened.ok()) << opened.error().message;
+  EXPECT_EQ((*opened)->num_frames(), 1);
+  EXPECT_FALSE((*opened)->world_from_cam(0).has_value());
+  EXPECT_THAT((*opened)->warnings(),
+              testing::ElementsAre(HasSubstr("outside of the folder data/"), HasSubstr("1000 km")));
+}
+
 TEST(TrajectoryWriter, WhatIsWrittenIsReadBack) {
   TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "T.txt";

@@ -95,6 +95,9 @@ TEST_F(GroundTruthFile, RefusesWhatIsWrongAndNamesTheInstance) {
   EXPECT_THAT(Refusal(head + Instance("bad", "[[1,0,0],[0,1,0],[0,0,1]]") + "]}"),
               HasSubstr("(bad)"));
   EXPECT_THAT(Refusal(head + Instance("bad", "null") + "]}"), HasSubstr("(bad)"));
+  EXPECT_THAT(
+      Refusal(head + Instance("bad", "[[1,0,0,1e300],[0,1,0,0],[0,0,1,0],[0,0,0,1]]") + "]}"),
+      HasSubstr("within 1000 km"));
   EXPECT_THAT(Refusal(head + Instance("bad", kPose, "super") + "]}"), HasSubstr("quality"));
   EXPECT_THAT(Refusal(head + R"({"id": 3}]})"), HasSubstr("instance 0"));
   EXPECT_THAT(Refusal(head + "7]}"), HasSubstr("instance 0"));

@@ -99,8 +99,27 @@ TEST(ModelDatabase, SaysWhatIsWrongAndWhere) {
           .Failure()
           .message,
       HasSubstr("taken"));
+  EXPECT_THAT(Folder(R"({"models": [{"name": "a/b", "file": "a.ply", "category": "c"}]})")
+                  .Failure()
+                  .message,
+              HasSubstr("no '/'"));
   const TemporaryFolder empty;
   EXPECT_EQ(ModelDatabase::Load(empty.path()).error().code, ErrorCode::kNotFound);
+}
+
+TEST(ModelDatabase, ReadsNoFileOutsideOfItsFolder) {
+  const TemporaryFolder other;
+  ASSERT_TRUE(WritePly(other.path() / "b.ply", Triangle(1)).ok());
+  const std::string sibling = "../" + other.path().filename().string() + "/b.ply";
+  for (const std::string& file : {(other.path() / "b.ply").string(), sibling}) {
+    const Error failure =
+        Folder(
+            nlohmann::json{{"models", {{{"name", "b"}, {"file", file}, {"category", "c"}}}}}.dump())
+            .Failure();
+    EXPECT_EQ(failure.code, ErrorCode::kInvalidInput);
+    EXPECT_THAT(failure.message, HasSubstr("'" + file + "' leads out of the folder"));
+    EXPECT_THAT(failure.message, HasSubstr("--allow-outside"));
+  }
 }
 
 TEST(ModelDatabase, LoadsTheKitchenModels) {

@@ -53,14 +53,29 @@ TEST(Camera, RefusesWhatItCannotUseAndNamesTheFile) {
            {"distortion", {1, 2}},
            {"distortion", "none"},
            {"rate_hz", 0},
+           {"rate_hz", 1e-300},
+           {"rate_hz", 1e300},
            {"width", 1e9},
+           {"width", 1},
+           {"height", 4},
            {"height", 0.5},
            {"body_from_cam", {1, 2, 3}},
+           {"body_from_cam", {{1, 0, 0, 1e300}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}},
            {"body_from_cam", {{2, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 2, 0}, {0, 0, 0, 1}}}}) {
     EXPECT_NE(message(key, value).find("some/camera.json"), std::string::npos) << key << value;
   }
   EXPECT_FALSE(CameraFromJson(nlohmann::json::array(), "c.json").ok());
   EXPECT_EQ(CameraFromJson({{"width", 1}}, "c.json").error().code, ErrorCode::kInvalidInput);
+}
+
+TEST(Camera, SaysThatAStripOfPixelsIsNoImage) {
+  nlohmann::json json = Kitchen();
+  json["width"] = 1;
+  const Result<Camera> camera = CameraFromJson(json, "camera.json");
+  ASSERT_FALSE(camera.ok());
+  EXPECT_THAT(camera.error().message, testing::HasSubstr("images of 1x480 pixels; at least 16"));
+  json["width"] = 16;  // the narrowest that goes
+  EXPECT_TRUE(CameraFromJson(json, "camera.json").ok());
 }
 
 TEST(Camera, SaysWhichModelItDoesNotKnow) {

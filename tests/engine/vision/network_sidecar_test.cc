@@ -52,6 +52,23 @@ TEST_F(Sidecar, IsReadAsWritten) {
               ElementsAre(std::pair(0.0f, 0.0f), std::pair(0.5f, 0.2f), std::pair(1.0f, 0.9f)));
 }
 
+TEST_F(Sidecar, WrittenOtherwiseAndElsewhereTheNetworkIsTheSame) {
+  const auto hash = [&](const std::string& folder, const std::string& text) {
+    std::filesystem::create_directories(folder_.path() / folder);
+    WriteText(folder_.path() / folder / "net.onnx", folder == "other" ? "weights 2" : "weights");
+    WriteText(folder_.path() / folder / "net.json", text);
+    return HashOfNetwork(folder_.path() / folder / "net.onnx").value();
+  };
+  const std::string first = hash("a", edge_.dump());
+  EXPECT_EQ(hash("b", "// reformatted\n" + edge_.dump(4) + "\n"), first);
+  nlohmann::json said = edge_;
+  said["std"] = {1, 1, 1};  // as if it were not there
+  EXPECT_EQ(hash("c", said.dump()), first);
+  said["scale"] = 0.25;
+  EXPECT_NE(hash("d", said.dump()), first);
+  EXPECT_NE(hash("other", edge_.dump()), first);
+}
+
 TEST_F(Sidecar, IsRefusedWithTheFileAndTheKey) {
   for (const auto& [key, value] :
        std::vector<std::pair<const char*, nlohmann::json>>{{"width", 0},
