@@ -126,8 +126,8 @@ PoseHypothesis PoseSampler::Turned(PoseHypothesis hypothesis) {
   Random random = Next();
   const Eigen::Vector3d size =
       hypothesis.scale() * map_.database->model(hypothesis.label).bounds.sizes().cast<double>();
-  Eigen::Vector3d pivot(random.Uniform(-0.5, 0.5) * size.x(),
-                        random.Uniform(-0.5, 0.5) * size.y(), 0);
+  Eigen::Vector3d pivot(random.Uniform(-0.5, 0.5) * size.x(), random.Uniform(-0.5, 0.5) * size.y(),
+                        0);
   // What shows of a chair at a table is its back: the twin has it in the same place.
   if (random.Uniform() < kTurnedAboutSide) {
     const double side = random.Uniform() < 0.5 ? 0.5 : -0.5;
