@@ -81,6 +81,9 @@ function(plumbline_add_module name)
   target_include_directories(plumbline_${name} SYSTEM ${scope} ${OpenCV_INCLUDE_DIRS})
 endfunction()
 
+# What `./dev test` builds: what no quick test runs is left out.
+add_custom_target(plumbline_quick_tests)
+
 # plumbline_add_test(NAME SOURCES a_test.cc ... LINKS ... LABEL unit|module|gpu|slow [TIMEOUT s])
 function(plumbline_add_test name)
   cmake_parse_arguments(arg "" "LABEL;TIMEOUT" "SOURCES;LINKS" ${ARGN})
@@ -98,6 +101,9 @@ function(plumbline_add_test name)
   target_link_libraries(${name} PRIVATE plumbline_test_support ${arg_LINKS} GTest::gtest GTest::gmock)
   if(TARGET plumbline_one_tbb_thread)
     target_link_libraries(${name} PRIVATE plumbline_one_tbb_thread)
+  endif()
+  if(NOT arg_LABEL STREQUAL "slow")
+    add_dependencies(plumbline_quick_tests ${name})
   endif()
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT}

@@ -147,13 +147,14 @@ std::filesystem::path ResultAlignmentOf(const std::filesystem::path& fragments) 
 
 Status WriteVisma(const AnnotationDocument& document, const ModelDatabase* models,
                   const std::filesystem::path& folder) {
-  for (const AnnotatedInstance& instance : document.instances) {
-    for (const std::string& name : {instance.id, instance.model}) {
-      if (!IsFileName(name))
-        return InvalidInput("'" + name +
-                            "' cannot be the name of a file, as VISMA's are; rename '" +
-                            instance.id + "'");
-    }
+  std::vector<std::string> file_names;
+  for (const AnnotatedInstance& instance : document.instances)
+    file_names.insert(file_names.end(), {instance.id, instance.model});
+  for (const Crop& crop : document.crops) file_names.push_back(crop.id);
+  for (const std::string& name : file_names) {
+    if (!IsFileName(name))
+      return InvalidInput("VISMA's files have the names of what is in them, and '" + name +
+                          "' cannot be the name of a file; rename it");
   }
   for (const std::filesystem::path& part : {folder / "fragments", folder / "CAD"}) {
     std::error_code error;

@@ -71,10 +71,6 @@ Result<CadModel> ReadModelEntry(const nlohmann::json& json, const std::filesyste
     if (!symmetry.ok()) return symmetry.error();
     model.symmetry = *symmetry;
   }
-  if (!IsFileName(model.name)) {
-    return Error{ErrorCode::kInvalidInput,
-                 named + ": a model's name is that of its files in exports, so that it has no '/'"};
-  }
   const Result<std::filesystem::path> file = PlaceInside(folder, model.file);
   if (!file.ok()) return Error{file.error().code, named + ": " + file.error().message};
   Result<TriangleMesh> mesh = ReadMesh(*file, kFacesForTexture);

@@ -99,10 +99,6 @@ TEST(ModelDatabase, SaysWhatIsWrongAndWhere) {
           .Failure()
           .message,
       HasSubstr("taken"));
-  EXPECT_THAT(Folder(R"({"models": [{"name": "a/b", "file": "a.ply", "category": "c"}]})")
-                  .Failure()
-                  .message,
-              HasSubstr("no '/'"));
   const TemporaryFolder empty;
   EXPECT_EQ(ModelDatabase::Load(empty.path()).error().code, ErrorCode::kNotFound);
 }
