@@ -62,7 +62,20 @@ Status CheckLive(const RunRecipe& recipe) {
   return {};
 }
 
-/// The sequence with the poses that the recipe asks for.
+Result<std::filesystem::path> ModelsOf(const Sequence& sequence, const RunRecipe& recipe) {
+  if (!recipe.models.empty()) return recipe.models;
+  if (const auto own = sequence.models_folder()) return *own;
+  return Error{ErrorCode::kInvalidInput,
+               "'" + recipe.sequence.string() +
+                   "' has no models of its own; name a folder of CAD models with --models"};
+}
+
+Result<DetectorChoice> DetectorOf(const Sequence& sequence, const RunRecipe& recipe) {
+  return recipe.detector ? Result<DetectorChoice>(*recipe.detector) : DefaultDetector(sequence);
+}
+
+/// The sequence with the poses that the recipe asks for. What else lacks is said before they are
+/// estimated, which takes long.
 Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
                                                       const WorkContext& work,
                                                       std::shared_ptr<const OwnPoses> own_poses) {
@@ -83,6 +96,8 @@ Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
                      "' has no gravity.json; objects stand upright, so the mapper needs gravity"};
   }
   if (own_poses == nullptr) {
+    if (const auto models = ModelsOf(**sequence, recipe); !models.ok()) return models.error();
+    if (const auto boxes = DetectorOf(**sequence, recipe); !boxes.ok()) return boxes.error();
     Result<OwnPoses> estimated = EstimateOwnPoses(
         **sequence, recipe.frames.end.value_or((*sequence)->num_frames()), recipe.own_poses, work);
     if (!estimated.ok()) return estimated.error();
@@ -383,23 +398,16 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
     impl->source = std::make_unique<FolderSource>(*sequence, false);
   }
   const Sequence& frames = *impl->sequence;
-  const std::optional<std::filesystem::path> own_models = frames.models_folder();
-  if (recipe.models.empty() && !own_models) {
-    return Error{ErrorCode::kInvalidInput,
-                 "'" + recipe.sequence.string() +
-                     "' has no models of its own; name a folder of CAD models with --models"};
-  }
-  Result<std::shared_ptr<const ModelDatabase>> database =
-      ModelDatabase::Load(recipe.models.empty() ? *own_models : recipe.models);
+  const Result<std::filesystem::path> models = ModelsOf(frames, recipe);
+  if (!models.ok()) return models.error();
+  Result<std::shared_ptr<const ModelDatabase>> database = ModelDatabase::Load(*models);
   if (!database.ok()) return database.error();
   impl->database = *database;
   impl->recipe = recipe;
   if (!recipe.edges) impl->recipe.edges = DefaultEdges(frames);
-  if (!recipe.detector) {
-    Result<DetectorChoice> found = DefaultDetector(frames);
-    if (!found.ok()) return found.error();
-    impl->recipe.detector = std::move(found).value();
-  }
+  Result<DetectorChoice> boxes = DetectorOf(frames, recipe);
+  if (!boxes.ok()) return boxes.error();
+  impl->recipe.detector = std::move(boxes).value();
   const bool cache = !recipe.live_speed;  // no camera gives an image that is known already
   Result<std::unique_ptr<Detector>> detector =
       CreateDetector(ToText(*impl->recipe.detector), impl->sequence, {.cache = cache});

@@ -53,8 +53,10 @@ int main(int argc, char** argv) {
       if (!models.empty()) std::ofstream("models.txt") << models;
       if (path == "missing")
         return plumbline::Error{plumbline::ErrorCode::kNotFound, "there is no sequence 'missing'"};
-      if (path == "poseless" && !find_poses)
-        return plumbline::Error{plumbline::ErrorCode::kInvalidInput, "'poseless' has no poses"};
+      if (path == "boxless" && find_poses)
+        return plumbline::Error{plumbline::ErrorCode::kNotFound, "'boxless' has no boxes"};
+      if ((path == "poseless" || path == "boxless") && !find_poses)
+        return plumbline::Error{plumbline::ErrorCode::kInvalidInput, "'" + path + "' has no poses"};
       return plumbline::MakeFakeSource(fake);
     };
   };

@@ -174,6 +174,25 @@ TEST_F(Window, SaysThatPosesLackAndFindsThem) {
   EXPECT_FALSE(State("without_imu.json")["widgets"].contains("welcome.find_poses"));
 }
 
+TEST_F(Window, WhatLacksBesidesPosesIsSaidInTheirPlace) {
+  WriteTinySequence(File("boxless"));
+  std::filesystem::remove(File("boxless") + "/trajectory.txt");
+  WriteText(File("boxless") + "/imu.csv", "0,0,0,0,0,0,9.81\n");
+  ASSERT_EQ(Run(R"(
+      {"wait_for": {"lacks_poses": true}},
+      {"wait_frames": 3},
+      {"click": "welcome.find_poses"},
+      {"wait_for": {"lacks_poses": false, "message": "'boxless' has no boxes"}},
+      {"wait_frames": 3},
+      {"dump_state": "boxless.json"})",
+                "--open boxless", false),
+            0);
+  const nlohmann::json state = State("boxless.json");
+  EXPECT_EQ(state["state"], "failed");
+  EXPECT_TRUE(state["widgets"].contains("welcome.networks")) << "the remedy";
+  EXPECT_FALSE(state["widgets"].contains("welcome.find_poses"));
+}
+
 TEST_F(Window, ShowsAndHidesTheHelpSheet) {
   ASSERT_EQ(Run(R"(
       {"key": "f1"},

@@ -144,8 +144,9 @@ void InspectWorkspace::TakeReopened(FrameContext& context) {
 void InspectWorkspace::LookForRemedy(FrameContext& context) {
   const bool failed =
       context.sequence == nullptr && context.playback->state == PlaybackState::kFailed;
-  if (!failed) context.lacks_poses = false;
-  if (!failed || remedy_sought_for_ == context.source_version) return;
+  if (!failed || with_.find_poses) context.lacks_poses = false;
+  // Where poses were asked for, something else was the matter.
+  if (!failed || with_.find_poses || remedy_sought_for_ == context.source_version) return;
   remedy_sought_for_ = context.source_version;
   std::error_code ignored;
   if (!std::filesystem::is_directory(source_, ignored)) return;
