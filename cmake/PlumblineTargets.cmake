@@ -7,6 +7,14 @@ target_compile_options(plumbline_settings INTERFACE -Wall -Wextra -Werror -Wshad
 if(PLUMBLINE_UNITY)  # GCC takes what a source keeps to itself for a header's, as the large piece includes the source.
   target_compile_options(plumbline_settings INTERFACE -Wno-subobject-linkage)
 endif()
+# A hundred programs are linked: gold takes a third of the time that the usual linker takes.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT PLUMBLINE_SANITIZE)
+  include(CheckLinkerFlag)
+  check_linker_flag(CXX -fuse-ld=gold PLUMBLINE_HAS_GOLD)
+  if(PLUMBLINE_HAS_GOLD)
+    target_link_options(plumbline_settings INTERFACE -fuse-ld=gold)
+  endif()
+endif()
 # A fixed evaluation order of floating point: the same run, bit for bit.
 target_compile_options(plumbline_settings INTERFACE -ffp-contract=off)
 target_include_directories(plumbline_settings INTERFACE ${CMAKE_SOURCE_DIR})
