@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/files.h"
+#include "engine/base/json_text.h"
 #include "engine/dataset/json_fields.h"
 
 namespace plumbline {
@@ -48,7 +49,7 @@ std::optional<EditKind> KindIn(const std::string& line) {
 /// @param number  Of a line that does not say it (of an older version, or damaged).
 JournalLine ReadLine(std::string text, std::size_t number) {
   JournalLine line{.number = number, .text = std::move(text)};
-  nlohmann::json json = nlohmann::json::parse(line.text, nullptr, false);
+  nlohmann::json json = ParseJson(line.text);
   line.kind = KindIn(line.text);
   if (!json.is_object()) {
     line.problem = "it is damaged";
@@ -91,7 +92,7 @@ Result<JournalContent> ReadJournal(const std::filesystem::path& file) {
   if (!text) return text.error();
   JournalContent content;
   std::size_t at = text->find('\n');
-  const nlohmann::json header = nlohmann::json::parse(text->substr(0, at), nullptr, false);
+  const nlohmann::json header = ParseJson(std::string_view(*text).substr(0, at));
   const auto id = TextFromJson(header, "journal"), base = TextFromJson(header, "base");
   if (at == std::string::npos || !id || !base) {
     return Error{ErrorCode::kCorrupt, "'" + file.string() + "' is not a journal of edits"};

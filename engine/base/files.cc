@@ -19,6 +19,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "engine/base/json_text.h"
+
 namespace plumbline {
 namespace {
 
@@ -144,6 +146,11 @@ void SyncFolderOf(const std::filesystem::path& path) {
 Result<nlohmann::json> ReadJson(const std::filesystem::path& path) {
   Result<std::string> text = ReadFile(path);
   if (!text.ok()) return text.error();
+  if (IsTooDeep(*text)) {
+    return Error{ErrorCode::kCorrupt, "'" + path.string() +
+                                          "' is no JSON of ours: it nests more than " +
+                                          std::to_string(kDeepestJson) + " levels"};
+  }
   try {
     return nlohmann::json::parse(*text, nullptr, true, true);
   } catch (const nlohmann::json::exception& error) {

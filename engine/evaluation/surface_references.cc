@@ -160,7 +160,8 @@ class References {
 
   void ByThePaper(const Points& some, const ClosestTriangleSearch& surface) {
     const Eigen::Isometry3d icp = AlignToSurface(some, surface, std::nullopt);
-    SurfaceReferences::Paper& paper = references_.paper.emplace();
+    // The value is given for clang, to which a nested struct seems to have no default constructor.
+    SurfaceReferences::Paper& paper = references_.paper.emplace(SurfaceReferences::Paper());
     paper.distance = Summed(MeasureDistances(Moved(moved_, icp), surface));
     paper.truth_from_estimate = icp * truth_from_estimate_;
     const auto pairs = PairObjects(objects_, paper.truth_from_estimate, options_.match_distance_m);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/mapping/option_changes.h"
 
+#include "engine/base/json_text.h"
+
 namespace plumbline {
 namespace {
 
@@ -12,7 +14,7 @@ Error NotAChange(std::string_view part) {
 
 /// Objects of pairs; discarded otherwise.
 nlohmann::json ParseChanges(std::string_view changes) {
-  nlohmann::json json = nlohmann::json::parse(changes, nullptr, false);
+  nlohmann::json json = ParseJson(changes);
   bool pairs = json.is_object();
   for (const auto& [name, values] : json.items())
     pairs = pairs && values.is_array() && values.size() == 2;
@@ -60,10 +62,8 @@ Result<std::string> OptionChangesFromFormat1(std::string_view line) {
     const std::size_t space = part.find(' '), becomes = part.find(kBecomes);
     if (space == std::string_view::npos || becomes == std::string_view::npos || becomes <= space)
       return NotAChange(part);
-    const auto before =
-        nlohmann::json::parse(part.substr(space + 1, becomes - space - 1), nullptr, false);
-    const auto after =
-        nlohmann::json::parse(part.substr(becomes + kBecomes.size()), nullptr, false);
+    const auto before = ParseJson(part.substr(space + 1, becomes - space - 1));
+    const auto after = ParseJson(part.substr(becomes + kBecomes.size()));
     if (before.is_discarded() || after.is_discarded()) return NotAChange(part);
     changes[std::string(part.substr(0, space))] = {before, after};
     line = end == std::string_view::npos ? "" : line.substr(end + kNext.size());

@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <iterator>
 #include <type_traits>
 #include <utility>
+
+#include "engine/base/options.h"
 
 namespace plumbline {
 namespace {
@@ -48,9 +51,15 @@ class Decoder {
     const std::string_view part = Take(sizeof(T));
     if (part.empty()) {
       value = T{};
+    } else if constexpr (std::is_same_v<T, bool>) {  // no other bytes may stand in one
+      const auto byte = static_cast<unsigned char>(part.front());
+      Require(byte <= 1);
+      value = byte == 1;
     } else {
       std::memcpy(&value, part.data(), sizeof(T));
     }
+    if constexpr (requires { EnumNames<T>::names; })
+      Require(static_cast<std::size_t>(value) < std::size(EnumNames<T>::names));
   }
   void operator()(std::string& text) {
     std::uint32_t size = 0;
@@ -138,6 +147,7 @@ void VisitFrame(Coder& code, Report& report) {
     code(proposal.category);
     code(proposal.score);
     code(proposal.fate);
+    if constexpr (Coder::kReads) code.Require(proposal.fate <= ProposalFate::kImplausible);
     code(proposal.object.value);
   });
   VisitList(code, report.timings, [&](auto& timing) {
@@ -360,6 +370,24 @@ std::string EncodeObject(const ObjectReport& object) {
 
 Status DecodeObject(std::string_view bytes, ObjectReport& object) {
   return DecodeCompressed(bytes, [&](Decoder& decoder) { VisitObject(decoder, object); });
+}
+
+bool IsState(std::int64_t number) {
+  return number >= 0 && number <= static_cast<std::int64_t>(ObjectState::kRetired);
+}
+
+bool NamesModels(const ObjectReport& object, int num_models) {
+  const auto known = [num_models](const auto& of) {
+    return of.label.value >= 0 && of.label.value < num_models;
+  };
+  return known(object) && std::all_of(object.modes.begin(), object.modes.end(), known) &&
+         std::all_of(object.label_probability.begin(), object.label_probability.end(), known);
+}
+
+bool NameModels(const std::vector<Particle>& particles, int num_models) {
+  return std::all_of(particles.begin(), particles.end(), [num_models](const Particle& particle) {
+    return particle.label < num_models;
+  });
 }
 
 std::string EncodeOwnPose(const OwnPoseReport& report) {

@@ -4,6 +4,7 @@
 // Bytes of a frame as the run file holds them, bit for bit: little-endian, compressed with zlib.
 // The layout is written down in docs/run_file.md; change both and the format version together.
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,12 @@ Status DecodeObject(std::string_view bytes, ObjectReport& object);
 /// Column by column, bytes of equal significance together, which compresses to about 3/4.
 std::string EncodeParticles(const std::vector<Particle>& particles);
 Result<std::vector<Particle>> DecodeParticles(std::string_view bytes);
+
+/// Whether a number from a file is an ObjectState.
+bool IsState(std::int64_t number);
+/// Whether all labels are indices of the run's models: everybody who reads a run may rely on it.
+bool NamesModels(const ObjectReport& object, int num_models);
+bool NameModels(const std::vector<Particle>& particles, int num_models);
 
 /// What the table `own_poses` holds of one frame.
 std::string EncodeOwnPose(const OwnPoseReport& report);

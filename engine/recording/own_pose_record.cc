@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/base/json_text.h"
 #include "engine/recording/frame_codec.h"
 
 namespace plumbline {
@@ -45,13 +46,13 @@ Status LoadLoops(sqlite::Database& database, OwnPoses& poses) {
   if (!causal) return causal.error();
   const Result<std::string> report = database.QueryText("SELECT report FROM own_pose_loops");
   if (!report) return report.error();
-  const nlohmann::json json = nlohmann::json::parse(*report, nullptr, false);
-  if (!json.is_object()) {
+  poses.causal = *causal != 0;
+  try {  // damage may leave values of another type
+    poses.loops = LoopReportFromJson(ParseJson(*report));
+  } catch (const nlohmann::json::exception&) {
     return Error{ErrorCode::kCorrupt, "the closed loops in " + database.file().string() +
                                           " are damaged; repeat the run"};
   }
-  poses.causal = *causal != 0;
-  poses.loops = LoopReportFromJson(json);
   return {};
 }
 

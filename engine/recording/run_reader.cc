@@ -4,6 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "engine/base/file_lock.h"
+#include "engine/base/json_text.h"
 #include "engine/mapping/option_changes.h"
 #include "engine/recording/frame_codec.h"
 #include "engine/recording/own_pose_record.h"
@@ -224,6 +225,8 @@ class RunReader::Implementation {
       track.id = {integer(0)};
       track.category = tracks_.Text(1);
       track.label = {integer(2)};
+      if (integer(2) < 0 || integer(2) >= NumModels() || !IsState(integer(3)))
+        return Corrupt("an object of a state or a model that is not known");
       track.state = static_cast<ObjectState>(integer(3));
       track.first_position = integer(4);
       track.last_position = integer(5);
@@ -245,7 +248,7 @@ class RunReader::Implementation {
     const Result<bool> row = header_.Step();
     if (!row) return row.error();
     if (!*row) return Corrupt("it has no header");
-    const nlohmann::json json = nlohmann::json::parse(header_.Text(0), nullptr, false);
+    const nlohmann::json json = ParseJson(header_.Text(0));
     Result<RunHeader> header = HeaderFromJson(json);
     if (!header) return Corrupt(header.error().message);
     run_header_ = std::move(*header);
@@ -260,20 +263,20 @@ class RunReader::Implementation {
       if (!row) return row.error();
       if (!*row) return {};
       ObjectReport object;
+      if (!IsState(rows.Integer(1))) return Damaged(position);
       object.id = {static_cast<std::int32_t>(rows.Integer(0))};
       object.state = static_cast<ObjectState>(rows.Integer(1));
       object.category = rows.Text(2);
       object.label = {static_cast<std::int32_t>(rows.Integer(3))};
       if (!rows.IsNull(4)) object.confirmed_frame = static_cast<int>(rows.Integer(4));
       object.updated = rows.Integer(5) != 0;
-      if (const Status decoded = DecodeObject(rows.Blob(6), object); !decoded.ok()) {
+      if (!DecodeObject(rows.Blob(6), object).ok() || !NamesModels(object, NumModels()))
         return Damaged(position);
-      }
       if (!rows.IsNull(7)) {
         const int at = static_cast<int>(rows.Integer(7));
         Result<std::vector<Particle>> particles =
             at == position ? DecodeParticles(rows.Blob(8)) : ReadParticles(at, object.id);
-        if (!particles) return Damaged(position);
+        if (!particles || !NameModels(*particles, NumModels())) return Damaged(position);
         object.particles = std::make_shared<const std::vector<Particle>>(std::move(*particles));
       }
       report.objects.push_back(std::move(object));
@@ -321,6 +324,8 @@ class RunReader::Implementation {
     return {ErrorCode::kCorrupt,
             database_->file().string() + " is damaged: " + what + "; repeat the run"};
   }
+  int NumModels() const { return static_cast<int>(run_header_.models.size()); }
+
   Error Damaged(int position) const {
     return {ErrorCode::kCorrupt, database_->file().string() + ": the frame at position " +
                                      std::to_string(position) +

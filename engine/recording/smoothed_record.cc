@@ -7,6 +7,7 @@
 
 #include "engine/base/file_lock.h"
 #include "engine/base/files.h"
+#include "engine/base/json_text.h"
 #include "engine/recording/frame_codec.h"
 #include "engine/recording/option_history.h"
 #include "engine/recording/run_place.h"
@@ -83,8 +84,10 @@ Error Corrupt(const std::filesystem::path& run) {
           "the smoothed map in " + run.string() + " is damaged; 'plumbline smooth' makes it again"};
 }
 
-Result<SmoothedObject> ReadObject(const std::filesystem::path& run, sqlite::Statement& row) {
+Result<SmoothedObject> ReadObject(const std::filesystem::path& run, int num_models,
+                                  sqlite::Statement& row) {
   const auto integer = [&](int column) { return static_cast<int>(row.Integer(column)); };
+  if (!IsState(row.Integer(1))) return Corrupt(run);
   SmoothedObject object;
   ObjectReport& belief = object.belief;
   belief.id = ObjectId{integer(0)};
@@ -100,7 +103,9 @@ Result<SmoothedObject> ReadObject(const std::filesystem::path& run, sqlite::Stat
   object.agreement = row.Real(10);
   object.pushed_m = row.Real(11);
   belief.updated = true;
-  if (!DecodeObject(row.Blob(12), belief).ok() || belief.modes.empty()) return Corrupt(run);
+  if (!DecodeObject(row.Blob(12), belief).ok() || belief.modes.empty() ||
+      !NamesModels(belief, num_models))
+    return Corrupt(run);
   return object;
 }
 
@@ -137,7 +142,9 @@ Status WriteSmoothed(const std::filesystem::path& run, const SmoothedMap& map) {
 }
 
 Result<std::optional<SmoothedMap>> ReadSmoothed(const std::filesystem::path& run) {
-  if (const auto reader = RunReader::Open(run); !reader.ok()) return reader.error();
+  const auto reader = RunReader::Open(run);
+  if (!reader.ok()) return reader.error();
+  const int num_models = static_cast<int>((*reader)->header().models.size());
   const auto database = sqlite::Database::OpenToRead(run);
   if (!database.ok()) return database.error();
   Result<sqlite::Statement> summary =
@@ -146,14 +153,18 @@ Result<std::optional<SmoothedMap>> ReadSmoothed(const std::filesystem::path& run
   const Result<bool> any = summary->Step();
   if (!any) return any.error();
   if (!*any) return std::optional<SmoothedMap>();
-  const nlohmann::json json = nlohmann::json::parse(summary->Text(0), nullptr, false);
+  const nlohmann::json json = ParseJson(summary->Text(0));
   if (!json.is_object()) return Corrupt(run);
   SmoothedMap map;
-  map.last_frame = json.value("last_frame", 0);
-  map.looks = json.value("looks", 0);
-  map.floor_objects = json.value("floor_objects", 0);
-  map.floor_height_m = json.value("floor_height_m", 0.0);
-  map.floor_std_m = json.value("floor_std_m", 0.0);
+  try {
+    map.last_frame = json.value("last_frame", 0);
+    map.looks = json.value("looks", 0);
+    map.floor_objects = json.value("floor_objects", 0);
+    map.floor_height_m = json.value("floor_height_m", 0.0);
+    map.floor_std_m = json.value("floor_std_m", 0.0);
+  } catch (const nlohmann::json::exception&) {  // values of the wrong type
+    return Corrupt(run);
+  }
   Result<sqlite::Statement> rows = (*database)->Prepare(
       "SELECT object, state, category, label, confirmed_frame, spawned_frame, looks, looks_before, "
       "views, refined, agreement, pushed_m, details FROM smoothed ORDER BY object");
@@ -162,7 +173,7 @@ Result<std::optional<SmoothedMap>> ReadSmoothed(const std::filesystem::path& run
     const Result<bool> row = rows->Step();
     if (!row) return row.error();
     if (!*row) return std::optional<SmoothedMap>(std::move(map));
-    Result<SmoothedObject> object = ReadObject(run, *rows);
+    Result<SmoothedObject> object = ReadObject(run, num_models, *rows);
     if (!object.ok()) return object.error();
     map.objects.push_back(std::move(object).value());
   }

@@ -206,7 +206,8 @@ Result<ModelAlignment> AlignModel(const ScanTarget& scan, const ModelSurface& mo
     candidates[i] = BestOfTurn(crop, model, grid, turn, scan_from_model, up_in_scan, options);
   });
   // Few are worth the exact search, and fewer its end.
-  for (const auto& [share, iterations] : {std::pair{0.5, 8}, std::pair{0.7, 40}}) {
+  for (const auto& [share, most] : {std::pair{0.5, 8}, std::pair{0.7, 40}}) {
+    const int iterations = most;  // clang 14 captures no structured binding
     if (context.stop.stop_requested()) {
       return Error{ErrorCode::kCancelled, "the alignment was stopped"};
     }

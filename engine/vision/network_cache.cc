@@ -140,7 +140,11 @@ std::optional<EdgeMap> DecodeEdges(std::string_view content) {
     const auto png = TakePart(content);
     if (!png) return std::nullopt;
     const std::vector<std::uint8_t> bytes(png->begin(), png->end());
-    *map = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+    try {
+      *map = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+    } catch (const cv::Exception&) {  // no bytes, or a size beyond reason
+      return std::nullopt;
+    }
     if (map->type() != CV_8UC1 || map->empty()) return std::nullopt;
   }
   if (edges.probability.size() != edges.angle.size()) return std::nullopt;

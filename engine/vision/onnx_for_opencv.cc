@@ -42,6 +42,7 @@ std::vector<Number> NumbersOf(const onnx::TensorProto& tensor, const Field& fiel
   std::vector<Number> numbers(field.begin(), field.end());
   if (!numbers.empty()) return numbers;
   numbers.resize(tensor.raw_data().size() / sizeof(Number));
+  if (numbers.empty()) return numbers;
   std::memcpy(numbers.data(), tensor.raw_data().data(), numbers.size() * sizeof(Number));
   return numbers;
 }

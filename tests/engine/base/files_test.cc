@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/base/json_text.h"
 #include "tests/support/test_data.h"
 
 namespace plumbline {
@@ -145,6 +146,29 @@ TEST(ReadJson, NamesFileAndLineOfAMistake) {
   ASSERT_FALSE(json.ok());
   EXPECT_EQ(json.error().code, ErrorCode::kCorrupt);
   EXPECT_THAT(json.error().message, AllOf(HasSubstr("bad.json"), HasSubstr("line 2")));
+}
+
+/// Each level that a value is copied through takes some of the stack: these ended the program.
+TEST(ReadJson, RefusesNestingThatTheStackCannotHold) {
+  TemporaryFolder folder;
+  const std::size_t levels = 200000;
+  for (const std::string& text :
+       {std::string(levels, '[') + std::string(levels, ']'), std::string(levels, '['),
+        "{\"a\": \"]\\\"\", \"b\": " + std::string(levels, '[')}) {
+    std::ofstream(folder.path() / "deep.json") << text;
+    const Result<nlohmann::json> json = ReadJson(folder.path() / "deep.json");
+    ASSERT_FALSE(json.ok());
+    EXPECT_THAT(json.error().message, HasSubstr("more than 200 levels"));
+    EXPECT_TRUE(ParseJson(text).is_discarded());
+  }
+}
+
+TEST(ReadJson, DoesNotCountBracketsInTextsAndComments) {
+  TemporaryFolder folder;
+  const std::string brackets(1000, '[');
+  std::ofstream(folder.path() / "a.json")
+      << "// " << brackets << "\n{\"a\": \"" << brackets << "\\\"\" /* " << brackets << " */}";
+  EXPECT_EQ(ReadJson(folder.path() / "a.json").value().at("a"), brackets + "\"");
 }
 
 TEST(ReadJson, RefusesATruncatedFile) {

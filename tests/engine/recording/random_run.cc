@@ -145,7 +145,8 @@ RunHeader RandomHeader(std::uint64_t seed) {
   header.program_version = "0.1.0";
   header.sequence_hash = "0123456789abcdef";
   header.models_hash = "fedcba9876543210";
-  header.models = {{"chair_kitchen", "chair"}, {"mug \"A\"", "cup"}};
+  header.models = {{"chair_kitchen", "chair"}, {"mug \"A\"", "cup"}, {"table", "dining table"}};
+  while (header.models.size() < 8) header.models.push_back({"sofa", "couch"});  // labels go up to 7
   header.gravity_in_world =
       Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized();
   header.floor_in_world = Eigen::Vector4d(0, 0, 1, random.Gaussian());
