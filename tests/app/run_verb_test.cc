@@ -391,17 +391,13 @@ TEST_F(RunVerb, OwnPosesNeedAnImuAndSaySo) {
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("did you mean 'ready_tilt_deg'"));
 }
 
-TEST_F(RunVerb, TakesFoldersThatAreNotUtf8) {
+TEST_F(RunVerb, AsksForNamesInUtf8AndWholeSeeds) {
   const std::string folder = Path("caf\xe9");
   std::filesystem::rename(Path("sequence"), folder);
-  const auto run = [&](std::vector<std::string> more) {
-    std::vector<std::string> arguments = {"run", folder, "--out", Path("a.plb"), "--frames", "0:3"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Wait(Start(arguments));
-  };
-  EXPECT_EQ(run({}), 0) << *ReadFile(Path("output.txt"));
-  EXPECT_EQ(run({"--resume"}), 0) << *ReadFile(Path("output.txt"));
-  EXPECT_EQ(run({"--seed", "-1"}), 2);
+  EXPECT_EQ(Wait(Start({"run", folder, "--out", Path("a.plb")})), 2);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("is not UTF-8 text; rename"));
+  EXPECT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--seed", "-1"})), 2);
+  EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("'-1' is no seed"));
 }
 
 }  // namespace

@@ -99,6 +99,23 @@ TEST(AssimpFile, RefusesATornColladaAndAWordDocument) {
   EXPECT_THAT(other.error().message, HasSubstr("off"));
 }
 
+TEST(AssimpFile, ATextureOfNoMaterialIsDamageAndNotTheEnd) {
+  const TemporaryFolder folder;
+  for (const char* named : {"a.mtl", "other.mtl"}) {  // a.mtl is looked for in any case
+    for (const char* texture : {"map_Kd", "bump", "norm", "disp", "refl"}) {
+      Write(folder.path() / named, std::string("# exported\n") + texture + " b.png\nnewmtl b\n");
+      const auto read =
+          ReadMesh(Write(folder.path() / "a.obj", std::string("mtllib ") + named +
+                                                      "\r\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+      ASSERT_FALSE(read.ok()) << texture;
+      EXPECT_EQ(read.error().code, ErrorCode::kCorrupt);
+      EXPECT_THAT(read.error().message, HasSubstr("before any material"));
+    }
+    Write(folder.path() / named, "Kd 1 0 0\nnewmtl b\nmap_Kd b.png\n");
+    EXPECT_TRUE(ReadMesh(folder.path() / "a.obj").ok());
+  }
+}
+
 constexpr char kTwoSquares[] =
     "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"
     "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
