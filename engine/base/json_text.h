@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 
 #include <nlohmann/json_fwd.hpp>
@@ -17,5 +18,10 @@ bool IsTooDeep(std::string_view text);
 /// A value of bytes that nobody vouches for; discarded (is_discarded) where it is no JSON or is too
 /// deep.
 nlohmann::json ParseJson(std::string_view text);
+
+/// A whole number that fits. Throws std::range_error: get<int>() takes any number, and what becomes
+/// of 4e200 is undefined.
+int IntFromJson(const nlohmann::json& value);
+std::uint64_t UnsignedFromJson(const nlohmann::json& value);
 
 }  // namespace plumbline

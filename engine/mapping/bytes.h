@@ -28,13 +28,19 @@ class ByteWriter {
   std::string bytes_;
 };
 
-/// Reads back what ByteWriter wrote. Past the end everything reads as zero and `ok` turns false.
+/// Reads back what ByteWriter wrote. Past the end everything reads as zero and `ok` turns false; it
+/// does, too, where a truth value is neither 0 nor 1.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
   template <typename T>
   T Get() {
-    static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
+    static_assert(std::is_arithmetic_v<T>);
+    if constexpr (std::is_same_v<T, bool>) {
+      const auto byte = Get<std::uint8_t>();
+      ok_ = ok_ && byte <= 1;
+      return byte == 1;
+    }
     T value{};
     if (bytes_.size() < sizeof(T)) {
       ok_ = false;

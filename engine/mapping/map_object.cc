@@ -101,7 +101,7 @@ ObjectReport ToReport(const MapObject& object) {
   return report;
 }
 
-Result<MapObject> FromReport(const ObjectReport& report) {
+Result<MapObject> FromReport(const ObjectReport& report, const ModelDatabase& models) {
   MapObject object;
   static_cast<ObjectBelief&>(object) = report;
   object.updated = false;
@@ -152,7 +152,15 @@ Result<MapObject> FromReport(const ObjectReport& report) {
     for (PoseHypothesis& hypothesis : object.joined) hypothesis.log_scale = in.Get<double>();
   }
   if (!in.rest().empty()) object.crops.Restore(in);
-  if (!in.ok() || report.modes.empty() || report.particles == nullptr ||
+  const auto known = [&models](int label) {
+    return label >= 0 && label < static_cast<int>(models.models().size());
+  };
+  const bool labels_are_known =
+      std::all_of(object.joined.begin(), object.joined.end(),
+                  [&](const PoseHypothesis& other) { return known(other.label.value); }) &&
+      std::all_of(object.paper.means.begin(), object.paper.means.end(),
+                  [&](const Particle& mean) { return known(mean.label); });
+  if (!in.ok() || !labels_are_known || report.modes.empty() || report.particles == nullptr ||
       report.particles->empty() || object.memory.size() != report.particles->size()) {
     return Error{ErrorCode::kCorrupt,
                  "object " + std::to_string(report.id.value) +

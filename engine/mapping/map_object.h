@@ -55,7 +55,8 @@ struct MapObject : ObjectBelief {
 };
 
 ObjectReport ToReport(const MapObject& object);
-/// Errors: kCorrupt.
-Result<MapObject> FromReport(const ObjectReport& report);
+/// Labels of a report are those of its run; of what it keeps besides they are checked here. Errors:
+/// kCorrupt.
+Result<MapObject> FromReport(const ObjectReport& report, const ModelDatabase& models);
 
 }  // namespace plumbline

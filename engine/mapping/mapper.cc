@@ -339,7 +339,7 @@ Status Mapper::Restore(const FrameReport& report,
   m.seen_points.clear();
   if (report.mapper_state.empty()) return {};  // every frame so far was skipped
   for (const ObjectReport& object : report.objects) {
-    Result<MapObject> restored = FromReport(object);
+    Result<MapObject> restored = FromReport(object, *m.setup.database);
     if (!restored.ok()) return restored.error();
     m.objects.push_back(std::move(restored).value());
   }

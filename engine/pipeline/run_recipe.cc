@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/files.h"
+#include "engine/base/json_text.h"
 #include "engine/base/log.h"
 #include "engine/vision/fetched_networks.h"
 
@@ -174,7 +175,7 @@ nlohmann::json RecipeToJson(const RunRecipe& recipe) {
 Result<RunRecipe> RecipeFromJson(const nlohmann::json& json) {
   RunRecipe recipe;
   try {
-    if (json.at("version").get<int>() > kRecipeVersion) {
+    if (IntFromJson(json.at("version")) > kRecipeVersion) {
       return Error{ErrorCode::kUnsupported,
                    "its recipe is of version " + json.at("version").dump() +
                        ", and this program reads up to " + std::to_string(kRecipeVersion) +
@@ -190,11 +191,11 @@ Result<RunRecipe> RecipeFromJson(const nlohmann::json& json) {
     if (json.contains("edges")) recipe.edges = ChoiceFromJson<EdgeSource>(json.at("edges"));
     recipe.scorer = EnumFromName<ScorerKind>(json.at("scorer").get<std::string>());
     recipe.options = KnownOptions(json.at("options"));
-    recipe.seed = json.at("seed").get<std::uint64_t>();
+    recipe.seed = UnsignedFromJson(json.at("seed"));
     const nlohmann::json& frames = json.at("frames");
-    recipe.frames.begin = frames.at("begin").get<int>();
-    recipe.frames.step = frames.at("step").get<int>();
-    if (frames.contains("end")) recipe.frames.end = frames.at("end").get<int>();
+    recipe.frames.begin = IntFromJson(frames.at("begin"));
+    recipe.frames.step = IntFromJson(frames.at("step"));
+    if (frames.contains("end")) recipe.frames.end = IntFromJson(frames.at("end"));
     if (json.contains("live_speed")) recipe.live_speed = json.at("live_speed").get<double>();
   } catch (const std::exception& error) {
     return Error{ErrorCode::kCorrupt,

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "engine/base/files.h"
+#include "engine/base/json_text.h"
 #include "engine/models/model_database.h"
 #include "engine/pipeline/mapping_pipeline.h"
 #include "engine/pipeline/own_pose_sequence.h"
@@ -68,10 +69,10 @@ RunRecipe RecipeOfFormat1(const nlohmann::json& json) {
       ChoiceOfFormat1<DetectorSource>(json.at("detector").get<std::string>(), "fastestdet ");
   recipe.edges = ChoiceOfFormat1<EdgeSource>(json.at("edges").get<std::string>(), "edge network ");
   recipe.options = KnownOptions(json.at("options"));
-  recipe.seed = json.at("seed").get<std::uint64_t>();
+  recipe.seed = UnsignedFromJson(json.at("seed"));
   const nlohmann::json& frames = json.at("frames");
-  recipe.frames = {frames.at("first").get<int>(), frames.at("end").get<int>(),
-                   frames.at("step").get<int>()};
+  recipe.frames = {IntFromJson(frames.at("first")), IntFromJson(frames.at("end")),
+                   IntFromJson(frames.at("step"))};
   return recipe;
 }
 
@@ -141,13 +142,13 @@ Result<RunHeader> HeaderFromJson(const nlohmann::json& json) {
     if (json.contains("floor"))
       header.floor_in_world = FromArray<Eigen::Vector4d>(json.at("floor"));
     const nlohmann::json& camera = json.at("camera");
-    header.camera = {camera.at("width").get<int>(), camera.at("height").get<int>(),
-                     camera.at("fx").get<double>(), camera.at("fy").get<double>(),
-                     camera.at("cx").get<double>(), camera.at("cy").get<double>()};
+    header.camera = {IntFromJson(camera.at("width")), IntFromJson(camera.at("height")),
+                     camera.at("fx").get<double>(),   camera.at("fy").get<double>(),
+                     camera.at("cx").get<double>(),   camera.at("cy").get<double>()};
     header.rate_hz = camera.at("rate_hz").get<double>();
-    header.end_frame = (format1 ? json.at("frames").at("end") : json.at("end_frame")).get<int>();
+    header.end_frame = IntFromJson(format1 ? json.at("frames").at("end") : json.at("end_frame"));
     header.started = json.at("started").get<std::string>();
-    if (json.contains("forked_after")) header.forked_after = json.at("forked_after").get<int>();
+    if (json.contains("forked_after")) header.forked_after = IntFromJson(json.at("forked_after"));
   } catch (const std::exception& error) {
     return Error{ErrorCode::kCorrupt,
                  std::string("its header cannot be read (") + error.what() + ")"};

@@ -82,7 +82,7 @@ class Smoother {
     std::sort(reports.begin(), reports.end(),
               [](const auto* a, const auto* b) { return a->id < b->id; });
     for (const ObjectReport* report : reports) {
-      Result<MapObject> object = FromReport(*report);
+      Result<MapObject> object = FromReport(*report, *map_.database);
       if (!object.ok()) return object.error();
       if (object->state == ObjectState::kRetired) object->state = ObjectState::kTentative;
       for (Particle& particle : object->particles)

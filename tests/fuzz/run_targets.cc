@@ -63,7 +63,8 @@ Status ObjectBytes(std::string_view input) {
   ObjectReport object;
   if (const Status read = DecodeObject(Compressed(input), object); !read.ok()) return read;
   (void)EncodeObject(object);
-  (void)FromReport(object);  // as a run is resumed
+  static const auto kModels = ModelDatabase::FromModels(std::vector<CadModel>(8));
+  (void)FromReport(object, *kModels);  // as a run is resumed
   return {};
 }
 

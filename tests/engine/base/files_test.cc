@@ -216,5 +216,17 @@ TEST(CacheDirectory, FollowsTheEnvironmentAndExists) {
   }
 }
 
+TEST(JsonNumbers, AreWholeAndFit) {
+  EXPECT_EQ(IntFromJson(nlohmann::json::parse("-2147483648")), -2147483648);
+  EXPECT_EQ(IntFromJson(7), 7);
+  EXPECT_EQ(UnsignedFromJson(nlohmann::json::parse("18446744073709551615")), 18446744073709551615u);
+  for (const char* wrong :
+       {"2147483648", "-2147483649", "18446744073709551615", "4e200", "1.5", "\"1\"", "null"}) {
+    EXPECT_THROW(IntFromJson(nlohmann::json::parse(wrong)), std::range_error) << wrong;
+  }
+  for (const char* wrong : {"-1", "4e200", "1.5", "[]"})
+    EXPECT_THROW(UnsignedFromJson(nlohmann::json::parse(wrong)), std::range_error) << wrong;
+}
+
 }  // namespace
 }  // namespace plumbline

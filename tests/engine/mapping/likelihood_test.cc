@@ -134,10 +134,12 @@ MapObject RandomObject() {
   return object;
 }
 
+const ModelDatabase& Models() { return *MappingScene::Get().map().database; }
+
 TEST(MapObject, ComesBackFromItsReport) {
   const MapObject object = RandomObject();
   const ObjectReport report = ToReport(object);
-  const Result<MapObject> back = FromReport(report);
+  const Result<MapObject> back = FromReport(report, Models());
   ASSERT_TRUE(back.ok());
   EXPECT_EQ(back->id, object.id);
   EXPECT_EQ(back->state, object.state);
@@ -163,15 +165,28 @@ TEST(MapObject, AReportThatLacksWhatResumingNeedsIsAnError) {
   const ObjectReport good = ToReport(RandomObject());
   ObjectReport bad = good;
   bad.particles.reset();
-  EXPECT_FALSE(FromReport(bad).ok());
+  EXPECT_FALSE(FromReport(bad, Models()).ok());
   bad = good;
   bad.modes.clear();
-  EXPECT_FALSE(FromReport(bad).ok());
+  EXPECT_FALSE(FromReport(bad, Models()).ok());
   bad = good;
   bad.filter_state.pop_back();
-  ASSERT_FALSE(FromReport(bad).ok());
-  EXPECT_EQ(FromReport(bad).error().code, ErrorCode::kCorrupt);
-  EXPECT_THAT(FromReport(bad).error().message, testing::HasSubstr("object 7"));
+  ASSERT_FALSE(FromReport(bad, Models()).ok());
+  EXPECT_EQ(FromReport(bad, Models()).error().code, ErrorCode::kCorrupt);
+  EXPECT_THAT(FromReport(bad, Models()).error().message, testing::HasSubstr("object 7"));
+  MapObject joined = RandomObject();
+  joined.joined.push_back({ModelId{1000}, 0, {0, 0, 0}});
+  EXPECT_FALSE(FromReport(ToReport(joined), Models()).ok()) << "of a model that is not there";
+}
+
+TEST(ByteReader, TakesNoOtherByteForATruthValue) {
+  ByteReader good(std::string_view("\1\0", 2));
+  EXPECT_TRUE(good.Get<bool>());
+  EXPECT_FALSE(good.Get<bool>());
+  EXPECT_TRUE(good.ok());
+  ByteReader bad("u");
+  EXPECT_FALSE(bad.Get<bool>());
+  EXPECT_FALSE(bad.ok());
 }
 
 TEST(Bytes, ReadingPastTheEndGivesZerosAndSaysSo) {
