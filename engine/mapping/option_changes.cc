@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/mapping/option_changes.h"
 
+#include "engine/base/files.h"
 #include "engine/base/json_text.h"
 
 namespace plumbline {
@@ -68,7 +69,7 @@ Result<std::string> OptionChangesFromFormat1(std::string_view line) {
     changes[std::string(part.substr(0, space))] = {before, after};
     line = end == std::string_view::npos ? "" : line.substr(end + kNext.size());
   }
-  return changes.dump();
+  return JsonText(changes);  // a damaged name need not be UTF-8
 }
 
 }  // namespace plumbline

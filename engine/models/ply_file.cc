@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "engine/base/log.h"
 
 namespace plumbline {
@@ -317,9 +319,7 @@ std::optional<std::string> ReadFaces(Source& source, const Element& element, Tri
     for (const double corner : corners) {
       if (!(corner >= 0) || corner >= static_cast<double>(mesh.vertices.size()) ||
           corner != std::floor(corner)) {
-        return "face " + std::to_string(i) + " names vertex " +
-               std::to_string(static_cast<long long>(corner)) + " of " +
-               std::to_string(mesh.vertices.size());
+        return fmt::format("face {} names vertex {:.17g} of {}", i, corner, mesh.vertices.size());
       }
     }
     for (std::size_t k = 2; k < corners.size(); ++k) {

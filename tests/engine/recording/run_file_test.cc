@@ -310,6 +310,7 @@ TEST(RunFile, TellsTheLivesOfItsObjects) {
   ObjectReport other;
   other.id = {2};
   other.category = "cup";
+  other.label = {1};
   ASSERT_TRUE(
       writer->Write(FrameWith(8, {chair, other}, {{EventKind::kConfirmed, {1}, {}, ""}}), {}).ok());
   other.state = ObjectState::kRetired;
