@@ -396,7 +396,8 @@ TEST_F(PoseExchange, NamesThatAreNoFileNamesAreNotWrittenElsewhere) {
   document_.instances[0].id = "../../chair_0";
   const Status written = WriteVisma(document_, models_.get(), folder_.path() / "a" / "b");
   ASSERT_FALSE(written.ok());
-  EXPECT_THAT(written.error().message, testing::HasSubstr("'../../chair_0' cannot be the name of a file"));
+  EXPECT_THAT(written.error().message,
+              testing::HasSubstr("'../../chair_0' cannot be the name of a file"));
 }
 
 class AnnotationCheck : public PoseExchange {

@@ -86,6 +86,13 @@ void WriteRun(const std::filesystem::path& file, const std::filesystem::path& se
     report.world_from_cam = pose;
     for (ObjectReport& object : report.objects) {
       object.label = {0};
+      object.label_probability = {{{0}, 1.0}};
+      for (auto& mode : object.modes) mode.label = {0};
+      if (object.particles != nullptr) {
+        auto particles = *object.particles;
+        for (Particle& particle : particles) particle.label = 0;
+        object.particles = std::make_shared<decltype(particles)>(std::move(particles));
+      }
       object.state = ObjectState::kConfirmed;
       object.world_from_object = Eigen::Isometry3d::Identity();
       object.world_from_object.translation() = Eigen::Vector3d(2, object.id.value - 2.0, 0);
