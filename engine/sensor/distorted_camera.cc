@@ -54,6 +54,10 @@ std::optional<double> InvertRising(double wanted, double end, const Function& fu
 DistortedCamera::DistortedCamera(const Camera& camera)
     : model_(camera.model), pinhole_(camera.pinhole) {
   std::copy(camera.distortion.begin(), camera.distortion.end(), k_.begin());
+  FindMaxAngle();
+}
+
+void DistortedCamera::FindMaxAngle() {
   switch (model_) {
     case CameraModel::kPinhole:
       max_angle_rad_ = kMaxBearingAngle;
@@ -134,6 +138,64 @@ std::optional<Projection> DistortedCamera::Project(const Eigen::Vector3d& point_
   Projection result;
   result.pixel << pinhole_.fx * m.x() + pinhole_.cx, pinhole_.fy * m.y() + pinhole_.cy;
   result.pixel_by_point << pinhole_.fx * m_by_point.row(0), pinhole_.fy * m_by_point.row(1);
+  return result;
+}
+
+DistortedCamera::Intrinsics DistortedCamera::intrinsics() const {
+  Intrinsics values;
+  values << pinhole_.fx, pinhole_.fy, pinhole_.cx, pinhole_.cy, k_[0], k_[1], k_[2], k_[3];
+  return values;
+}
+
+DistortedCamera DistortedCamera::With(const Intrinsics& intrinsics) const {
+  DistortedCamera camera = *this;
+  camera.pinhole_.fx = intrinsics[0];
+  camera.pinhole_.fy = intrinsics[1];
+  camera.pinhole_.cx = intrinsics[2];
+  camera.pinhole_.cy = intrinsics[3];
+  for (int i = 0; i < 4; ++i) camera.k_[static_cast<std::size_t>(i)] = intrinsics[4 + i];
+  camera.FindMaxAngle();
+  return camera;
+}
+
+Eigen::Matrix<double, 2, 8> DistortedCamera::PixelByIntrinsics(
+    const Eigen::Vector3d& point_in_cam) const {
+  const double X = point_in_cam.x(), Y = point_in_cam.y(), Z = point_in_cam.z();
+  Eigen::Vector2d m(X / Z, Y / Z);
+  Eigen::Matrix<double, 2, 4> m_by_lens = Eigen::Matrix<double, 2, 4>::Zero();
+  const double r = std::hypot(X, Y), angle = std::atan2(r, Z);
+  const Eigen::Vector2d direction =
+      r > 0 ? Eigen::Vector2d(X / r, Y / r) : Eigen::Vector2d::Zero();
+  switch (model_) {
+    case CameraModel::kPinhole:
+      break;
+    case CameraModel::kRadialTangential: {
+      const double x = m.x(), y = m.y(), s = m.squaredNorm();
+      m_by_lens << x * s, x * s * s, 2 * x * y, s + 2 * x * x,  //
+          y * s, y * s * s, s + 2 * y * y, 2 * x * y;
+      m = Bend(m).first;
+      break;
+    }
+    case CameraModel::kEquidistant: {
+      double power = angle;
+      for (int i = 0; i < 4; ++i) m_by_lens.col(i) = (power *= angle * angle) * direction;
+      m = RadiusAt(angle).value * direction;
+      break;
+    }
+    case CameraModel::kFov: {
+      const double w = k_[0], tangent = 2 * std::tan(w / 2);
+      const double sine = std::sin(angle), cosine = std::cos(angle);
+      const double by_tangent =
+          sine * cosine / (cosine * cosine + tangent * tangent * sine * sine);
+      const double tangent_by_w = 1 + tangent * tangent / 4;
+      m = RadiusAt(angle).value * direction;
+      m_by_lens.col(0) = (by_tangent * tangent_by_w / w) * direction - m / w;
+      break;
+    }
+  }
+  Eigen::Matrix<double, 2, 8> result;
+  result << m.x(), 0, 1, 0, pinhole_.fx * m_by_lens.row(0),  //
+      0, m.y(), 0, 1, pinhole_.fy * m_by_lens.row(1);
   return result;
 }
 

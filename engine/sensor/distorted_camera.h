@@ -38,10 +38,19 @@ class DistortedCamera {
   /// Project to 1e-9.
   std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
 
+  /// fx, fy, cx, cy [px], then the first four coefficients of the lens; 0 where it has fewer.
+  using Intrinsics = Eigen::Matrix<double, 8, 1>;
+  Intrinsics intrinsics() const;
+  /// The same model with other numbers; a fifth coefficient stays.
+  DistortedCamera With(const Intrinsics& intrinsics) const;
+  /// How the pixel of a point that Project() sees moves with them.
+  Eigen::Matrix<double, 2, 8> PixelByIntrinsics(const Eigen::Vector3d& point_in_cam) const;
+
   /// The angle from the axis up to which the model holds [rad].
   double max_angle_rad() const { return max_angle_rad_; }
 
  private:
+  void FindMaxAngle();
   struct Radius {
     double value, slope;
   };

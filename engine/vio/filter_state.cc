@@ -42,11 +42,12 @@ Eigen::Isometry3d Moved(const Eigen::Isometry3d& world_from_body,
 }
 
 FilterState::FilterState(const InertialState& inertial, const Eigen::Isometry3d& body_from_cam,
-                         double time_offset_s,
+                         double time_offset_s, const LensVector& lens,
                          const Eigen::Matrix<double, kCalibratedSize, kCalibratedSize>& covariance)
     : inertial_(inertial),
       body_from_cam_(body_from_cam),
       time_offset_s_(time_offset_s),
+      lens_(lens),
       covariance_(covariance) {}
 
 const PoseClone* FilterState::FindClone(std::int64_t id) const {
@@ -70,7 +71,7 @@ void FilterState::Propagate(const Integration& integration) {
 
 const PoseClone& FilterState::AddClone(std::int64_t stamp_ns,
                                        const Eigen::Vector3d& angular_velocity_in_body,
-                                       double jitter_rad, double jitter_m) {
+                                       double flow_px, double jitter_rad, double jitter_m) {
   const int before = size();
   const Eigen::Vector3d turn = inertial_.world_from_body * angular_velocity_in_body;
   Eigen::Matrix<double, kPoseSize, 1> by_offset;
@@ -92,7 +93,7 @@ const PoseClone& FilterState::AddClone(std::int64_t stamp_ns,
   covariance_.bottomLeftCorner(kPoseSize, before) = added;
   covariance_.topRightCorner(before, kPoseSize) = added.transpose();
   covariance_.bottomRightCorner<kPoseSize, kPoseSize>() = (own + own.transpose()) / 2;
-  clones_.push_back({next_clone_++, stamp_ns, inertial_.pose(), before, by_offset});
+  clones_.push_back({next_clone_++, stamp_ns, inertial_.pose(), before, flow_px, by_offset});
   return clones_.back();
 }
 
@@ -233,6 +234,7 @@ void FilterState::Retract(const Eigen::VectorXd& error) {
       Orthonormal(RotationExp(error.segment<3>(kCamRotation)) * body_from_cam_.linear());
   body_from_cam_.translation() += error.segment<3>(kCamTranslation);
   time_offset_s_ += error(kTimeOffset);
+  lens_ += error.segment<kLensSize>(kLens);
   for (PoseClone& clone : clones_)
     clone.world_from_body = Moved(clone.world_from_body, error.segment<kPoseSize>(clone.row));
   for (StatePoint& point : points_) {

@@ -13,10 +13,14 @@
 namespace plumbline {
 
 /// First rows of the calibration in the filter's error. Rotation and translation of the camera:
-/// R_bc = Exp(theta) R_bc^, p_bc = p_bc^ + d, along the axes of `body`.
-inline constexpr int kCamRotation = 15, kCamTranslation = 18, kTimeOffset = 21,
-                     kCalibratedSize = 22;
+/// R_bc = Exp(theta) R_bc^, p_bc = p_bc^ + d, along the axes of `body`; the lens by addition.
+inline constexpr int kCamRotation = 15, kCamTranslation = 18, kTimeOffset = 21, kLens = 22,
+                     kLensSize = 9, kCalibratedSize = 31;
 inline constexpr int kPoseSize = 6, kPointSize = 3;
+
+/// DistortedCamera::Intrinsics, then the time from the first row of an image to the last [s].
+using LensVector = Eigen::Matrix<double, kLensSize, 1>;
+inline constexpr int kReadOut = 8;  ///< Within a LensVector.
 
 /// The body at the time of an image. Its error is (phi, xi_p) as of an InertialState.
 struct PoseClone {
@@ -24,6 +28,8 @@ struct PoseClone {
   std::int64_t stamp_ns = 0;  ///< Of the image, on the camera's clock.
   Eigen::Isometry3d world_from_body = Eigen::Isometry3d::Identity();
   int row = 0;  ///< First row in the filter's error.
+  /// What the picture moved by since the image before: a moving picture is blurred [px].
+  double flow_px = 0;
   /// How the pose moves with time: its (phi, xi_p) per second.
   Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
 };
@@ -50,12 +56,13 @@ class FilterState {
  public:
   FilterState() = default;
   FilterState(const InertialState& inertial, const Eigen::Isometry3d& body_from_cam,
-              double time_offset_s,
+              double time_offset_s, const LensVector& lens,
               const Eigen::Matrix<double, kCalibratedSize, kCalibratedSize>& covariance);
 
   const InertialState& inertial() const { return inertial_; }
   const Eigen::Isometry3d& body_from_cam() const { return body_from_cam_; }
   double time_offset_s() const { return time_offset_s_; }
+  const LensVector& lens() const { return lens_; }
   const std::vector<PoseClone>& clones() const { return clones_; }
   std::vector<StatePoint>& points() { return points_; }
   const std::vector<StatePoint>& points() const { return points_; }
@@ -69,10 +76,11 @@ class FilterState {
   /// Appends the present pose, taken at an image of the camera's clock. A true offset that is
   /// larger means that the image was taken later: the clone's error has a part by the offset.
   /// @param angular_velocity_in_body  At that time, without bias [rad/s].
+  /// @param flow_px  PoseClone::flow_px.
   /// @param jitter_rad, jitter_m  What the image as a whole is off by, each axis: independent from
   ///        image to image, so that many points do not average it out.
   const PoseClone& AddClone(std::int64_t stamp_ns, const Eigen::Vector3d& angular_velocity_in_body,
-                            double jitter_rad, double jitter_m);
+                            double flow_px, double jitter_rad, double jitter_m);
 
   /// One update with residual = jacobian * error + noise of unit variance. The columns of
   /// `jacobian` are those of `rows`, in their order.
@@ -113,6 +121,7 @@ class FilterState {
   InertialState inertial_;
   Eigen::Isometry3d body_from_cam_ = Eigen::Isometry3d::Identity();
   double time_offset_s_ = 0;
+  LensVector lens_ = LensVector::Zero();
   std::vector<PoseClone> clones_;
   std::vector<StatePoint> points_;
   Eigen::MatrixXd covariance_;

@@ -38,7 +38,7 @@ std::optional<PointView> ViewPoint(const DistortedCamera& camera,
   const PointInCam in_cam = IntoCam(body_from_cam, world_from_body, point_in_world);
   const std::optional<Projection> projection = camera.Project(in_cam.point);
   if (!projection) return std::nullopt;
-  return PointView{projection->pixel, projection->pixel_by_point * in_cam.by_pose,
+  return PointView{projection->pixel, in_cam.point, projection->pixel_by_point * in_cam.by_pose,
                    projection->pixel_by_point * in_cam.by_camera,
                    projection->pixel_by_point * in_cam.by_point};
 }

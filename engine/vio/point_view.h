@@ -14,6 +14,7 @@ namespace plumbline {
 /// docs/algorithms/vio.md.
 struct PointView {
   Eigen::Vector2d pixel;
+  Eigen::Vector3d point_in_cam;
   Eigen::Matrix<double, 2, 6> by_pose;    ///< (phi, xi_p) of world_from_body.
   Eigen::Matrix<double, 2, 6> by_camera;  ///< (theta, d) of body_from_cam.
   Eigen::Matrix<double, 2, 3> by_point;   ///< The point in `world`.

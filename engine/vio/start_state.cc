@@ -23,7 +23,7 @@ double Square(double x) { return x * x; }
 
 }  // namespace
 
-FilterState MakeStart(const InertialState& inertial, const Eigen::Isometry3d& body_from_cam,
+FilterState MakeStart(const InertialState& inertial, const Camera& camera,
                       double time_offset_s, const StartSpread& spread, const VioOptions& options) {
   using Covariance = Eigen::Matrix<double, kCalibratedSize, kCalibratedSize>;
   Covariance plain = Covariance::Zero();
@@ -40,11 +40,20 @@ FilterState MakeStart(const InertialState& inertial, const Eigen::Isometry3d& bo
     diagonal.segment<3>(kCamTranslation).setConstant(Square(options.extrinsic_translation_std_m));
   }
   if (options.estimate_time_offset) diagonal(kTimeOffset) = Square(options.time_offset_std_s);
+  LensVector lens;
+  lens << DistortedCamera(camera).intrinsics(), options.rolling_shutter_s;
+  if (options.estimate_intrinsics) {
+    diagonal.segment<4>(kLens).setConstant(Square(options.intrinsics_std_px));
+    diagonal.segment(kLens + 4, std::min<Eigen::Index>(4, std::ssize(camera.distortion)))
+        .setConstant(Square(options.distortion_std));
+  }
+  if (options.estimate_rolling_shutter)
+    diagonal(kLens + kReadOut) = Square(options.rolling_shutter_std_s);
   // xi = plain error - phi x value
   Covariance to_error = Covariance::Identity();
   to_error.block<3, 3>(kXiV, kPhi) = Hat(inertial.velocity_in_world);
   to_error.block<3, 3>(kXiP, kPhi) = Hat(inertial.position_in_world);
-  return FilterState(inertial, body_from_cam, time_offset_s,
+  return FilterState(inertial, *camera.body_from_cam, time_offset_s, lens,
                      to_error * plain * to_error.transpose());
 }
 

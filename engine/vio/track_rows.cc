@@ -7,19 +7,20 @@
 #include <Eigen/QR>
 
 #include "engine/base/check.h"
-#include "engine/vio/point_view.h"
 
 namespace plumbline {
 namespace {
 
-/// Turns rows of unit noise, two for each sight, on which a random walk with steps of `creep` lies,
-/// into such of unit noise.
-void Whiten(double creep, TrackRows& rows) {
+/// Turns rows of unit noise, two for each sight, on which a random walk with steps of
+/// `creep[i]` in the units of sight i lies, into such of unit noise.
+void Whiten(const std::vector<double>& creep, TrackRows& rows) {
   const Eigen::Index count = rows.residual.size() / 2;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(2 * count, 2 * count);
   for (Eigen::Index i = 0; i < count; ++i) {
     for (Eigen::Index k = 0; k < count; ++k) {
-      const double common = creep * creep * static_cast<double>(std::min(i, k));
+      const double common = creep[static_cast<std::size_t>(i)] *
+                            creep[static_cast<std::size_t>(k)] *
+                            static_cast<double>(std::min(i, k));
       covariance(2 * i, 2 * k) += common;
       covariance(2 * i + 1, 2 * k + 1) += common;
     }
@@ -32,9 +33,11 @@ void Whiten(double creep, TrackRows& rows) {
 
 }  // namespace
 
-ColumnLayout::ColumnLayout(const FilterState& state) {
+ColumnLayout::ColumnLayout(const FilterState& state, bool lens)
+    : has_lens_(lens), first_clone_column_(kPoseSize + (lens ? kLensSize : 0)) {
   rows_.push_back({kCamRotation, kPoseSize});
-  size_ = kPoseSize;
+  if (lens) rows_.push_back({kLens, kLensSize});
+  size_ = first_clone_column_;
   for (const PoseClone& clone : state.clones()) {
     rows_.push_back({clone.row, kPoseSize});
     clones_.push_back(clone.id);
@@ -51,7 +54,16 @@ int ColumnLayout::AddPoint(const StatePoint& point) {
 int ColumnLayout::clone(std::int64_t id) const {
   const auto found = std::lower_bound(clones_.begin(), clones_.end(), id);
   PLB_CHECK(found != clones_.end() && *found == id);
-  return kPoseSize * (1 + static_cast<int>(found - clones_.begin()));
+  return first_clone_column_ + kPoseSize * static_cast<int>(found - clones_.begin());
+}
+
+Eigen::Matrix<double, 2, kLensSize> SightByLens(const DistortedCamera& camera,
+                                                const PixelModel& pixels, const PointView& view,
+                                                const PoseClone& clone, double row_px) {
+  Eigen::Matrix<double, 2, kLensSize> by_lens;
+  by_lens << camera.PixelByIntrinsics(view.point_in_cam),
+      view.by_pose * pixels.MotionOfRow(clone, row_px);
+  return by_lens;
 }
 
 std::optional<TrackRows> RowsOfTrack(const DistortedCamera& camera, const FilterState& state,
@@ -65,6 +77,7 @@ std::optional<TrackRows> RowsOfTrack(const DistortedCamera& camera, const Filter
   rows.by_state = Eigen::MatrixXd::Zero(2 * count, layout.size());
   rows.by_point.resize(2 * count, 3);
   rows.residual.resize(2 * count);
+  std::vector<double> creep;
   int row = 0;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     if (!used[i]) continue;
@@ -74,13 +87,19 @@ std::optional<TrackRows> RowsOfTrack(const DistortedCamera& camera, const Filter
         ViewPoint(camera, state.body_from_cam(),
                   pixels.WorldFromBody(*clone, observations[i].pixel.y()), point_in_world);
     if (!view) return std::nullopt;
-    rows.by_state.block<2, 6>(row, layout.camera()) = view->by_camera / pixels.noise_px;
-    rows.by_state.block<2, 6>(row, layout.clone(clone->id)) = view->by_pose / pixels.noise_px;
-    rows.by_point.middleRows<2>(row) = view->by_point / pixels.noise_px;
-    rows.residual.segment<2>(row) = (observations[i].pixel - view->pixel) / pixels.noise_px;
+    const double noise = pixels.NoiseIn(*clone);
+    rows.by_state.block<2, 6>(row, layout.camera()) = view->by_camera / noise;
+    if (layout.has_lens()) {
+      rows.by_state.block<2, kLensSize>(row, layout.lens()) =
+          SightByLens(camera, pixels, *view, *clone, observations[i].pixel.y()) / noise;
+    }
+    rows.by_state.block<2, 6>(row, layout.clone(clone->id)) = view->by_pose / noise;
+    rows.by_point.middleRows<2>(row) = view->by_point / noise;
+    rows.residual.segment<2>(row) = (observations[i].pixel - view->pixel) / noise;
+    creep.push_back(pixels.creep_px / noise);
     row += 2;
   }
-  if (pixels.creep_px > 0) Whiten(pixels.creep_px / pixels.noise_px, rows);
+  if (pixels.creep_px > 0) Whiten(creep, rows);
   return rows;
 }
 

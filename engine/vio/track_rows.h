@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
@@ -9,46 +10,63 @@
 
 #include "engine/sensor/distorted_camera.h"
 #include "engine/vio/filter_state.h"
+#include "engine/vio/point_view.h"
 #include "engine/vio/track_table.h"
 
 namespace plumbline {
 
-/// Which rows of the error the columns of stacked Jacobians are: the camera on the body, then the
-/// clones in their order, then points.
+/// Which rows of the error the columns of stacked Jacobians are: the camera on the body, the lens
+/// where it is estimated, then the clones in their order, then points.
 class ColumnLayout {
  public:
-  explicit ColumnLayout(const FilterState& state);
+  /// @param lens  Whether the lens is estimated.
+  ColumnLayout(const FilterState& state, bool lens);
   /// @return the point's first column.
   int AddPoint(const StatePoint& point);
 
   int camera() const { return 0; }
+  bool has_lens() const { return has_lens_; }
+  int lens() const { return kPoseSize; }     ///< First column, where it has any.
   int clone(std::int64_t id) const;  ///< First column.
   int size() const { return size_; }
   std::span<const RowRange> rows() const { return rows_; }
 
  private:
   std::vector<RowRange> rows_;
-  std::int64_t first_clone_ = 0;
   std::vector<std::int64_t> clones_;
-  int size_ = 0;
+  bool has_lens_;
+  int first_clone_column_, size_;
 };
 
 /// How pixels are measured.
 struct PixelModel {
-  double noise_px = 1;  ///< Of each sight by itself.
+  double noise_px = 1;    ///< Of each sight by itself.
+  double blur_noise = 0;  ///< Of what the picture moves by, on top.
   /// What a followed patch strays from one sight to the next, each axis: a random walk, which more
   /// sights do not average out.
   double creep_px = 0;
   double rolling_shutter_s = 0;  ///< From the first row to the last; the stamp is of the middle.
   double height_px = 1;
 
+  /// Standard deviation of a pixel in the image of a clone.
+  double NoiseIn(const PoseClone& clone) const {
+    return std::hypot(noise_px, blur_noise * clone.flow_px);
+  }
   /// Where the body was when this row was read.
   Eigen::Isometry3d WorldFromBody(const PoseClone& clone, double row_px) const {
     if (rolling_shutter_s == 0) return clone.world_from_body;
-    return Moved(clone.world_from_body,
-                 clone.motion * (rolling_shutter_s * (row_px / height_px - 0.5)));
+    return Moved(clone.world_from_body, rolling_shutter_s * MotionOfRow(clone, row_px));
+  }
+  /// The (phi, xi_p) of that pose by rolling_shutter_s.
+  Eigen::Matrix<double, kPoseSize, 1> MotionOfRow(const PoseClone& clone, double row_px) const {
+    return clone.motion * (row_px / height_px - 0.5);
   }
 };
+
+/// How a sight moves with the lens.
+Eigen::Matrix<double, 2, kLensSize> SightByLens(const DistortedCamera& camera,
+                                                const PixelModel& pixels, const PointView& view,
+                                                const PoseClone& clone, double row_px);
 
 /// residual = by_state * error + by_point * error of the point + noise of unit variance.
 struct TrackRows {

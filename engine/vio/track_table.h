@@ -37,6 +37,8 @@ class TrackTable {
   void Add(const TrackedImage& image, std::int64_t clone, const std::map<std::int64_t, int>& kept);
   /// Forgets what was seen from a clone.
   void ForgetClone(std::int64_t clone);
+  /// New sights are unprojected with this camera.
+  void SetCamera(const DistortedCamera& camera) { camera_ = camera; }
   void Erase(std::int64_t track) { tracks_.erase(track); }
   void Clear() { tracks_.clear(); }
 

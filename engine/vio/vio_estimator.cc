@@ -43,7 +43,7 @@ VioEstimator::VioEstimator(const Camera& camera, const ImuCalibration& imu,
 void VioEstimator::Begin(InertialState inertial, StartSpread spread) {
   JoinLastStretch(inertial, spread);
   BeginWith(
-      MakeStart(inertial, *camera_.body_from_cam, calibration_.time_offset_s, spread, options_));
+      MakeStart(inertial, camera_, calibration_.time_offset_s, spread, options_));
 }
 
 void VioEstimator::JoinLastStretch(InertialState& inertial, StartSpread& spread) const {
@@ -116,7 +116,7 @@ std::string VioEstimator::TryRestStart(const TrackedImage& image) {
   StartSpread spread = start->spread;
   JoinLastStretch(inertial, spread);
   FilterState state =
-      MakeStart(inertial, *camera_.body_from_cam, calibration_.time_offset_s, spread, options_);
+      MakeStart(inertial, camera_, calibration_.time_offset_s, spread, options_);
   UpdateWithForce(start->force, calibration_.gravity_m_s2, state);
   BeginWith(state);
   return "";
@@ -146,7 +146,7 @@ InertialState VioEstimator::LookedAtAgain(const InertialState& start,
                                           const StartSpread& spread) const {
   VioFilter filter(camera_, calibration_, options_);
   filter.Start(
-      MakeStart(start, *camera_.body_from_cam, calibration_.time_offset_s, spread, options_));
+      MakeStart(start, camera_, calibration_.time_offset_s, spread, options_));
   for (const TrackedImage& image : window_) filter.Step(image, imu_, false);
   if (!filter.state().finite()) return start;
   const InertialState& end = filter.state().inertial();
@@ -376,6 +376,9 @@ VioReport VioEstimator::Report(const TrackedImage& image, const FilterStep& step
   report.body_from_cam = state.body_from_cam();
   report.time_offset_s = state.time_offset_s();
   report.spread = state.covariance().diagonal().segment<13>(kGyroBias).cwiseMax(0).cwiseSqrt();
+  report.lens = state.lens();
+  report.lens_spread =
+      state.covariance().diagonal().segment<kLensSize>(kLens).cwiseMax(0).cwiseSqrt();
   report.step = step;
   return report;
 }

@@ -6,6 +6,7 @@
 
 #include "engine/base/check.h"
 #include "engine/base/timer.h"
+#include "engine/vio/one_point_ransac.h"
 #include "engine/vio/point_view.h"
 
 namespace plumbline {
@@ -16,6 +17,13 @@ constexpr double kCertainBaseline = 3;
 /// Where the move is less certain, a depth must be clearer than max_depth_spread: of a camera that
 /// only turns, noise gives one point in twenty a depth of two standard deviations.
 constexpr double kClearDepthSpread = 0.2;
+
+double MedianOf(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 }  // namespace
 
@@ -28,8 +36,8 @@ VioFilter::VioFilter(const Camera& camera, const ImuCalibration& imu, const VioO
              std::min(imu.accel_bias_walk, options.max_accel_walk), imu.gravity_m_s2},
       jitter_rad_(options.image_jitter_px / camera.pinhole.fx),
       creep_rad_(options.creep_px / camera.pinhole.fx),
-      pixels_{options.pixel_noise_px, options.creep_px, options.rolling_shutter_s,
-              static_cast<double>(camera.pinhole.height)},
+      pixels_{options.pixel_noise_px, options.blur_noise, options.creep_px,
+              options.rolling_shutter_s, static_cast<double>(camera.pinhole.height)},
       gate_(options.gate_probability),
       triangulation_{options.pixel_noise_px, options.min_depth_m, options.max_depth_m,
                      options.max_depth_spread},
@@ -38,6 +46,30 @@ VioFilter::VioFilter(const Camera& camera, const ImuCalibration& imu, const VioO
 void VioFilter::Start(const FilterState& state) {
   state_ = state;
   tracks_.Clear();
+  TakeLens();
+}
+
+void VioFilter::TakeLens() {
+  pixels_.rolling_shutter_s = state_.lens()[kReadOut];
+  if (!options_.estimate_intrinsics) return;
+  camera_ = camera_.With(state_.lens().head<8>());
+  tracks_.SetCamera(camera_);
+}
+
+ColumnLayout VioFilter::Layout() const {
+  return ColumnLayout(state_, options_.estimate_intrinsics || options_.estimate_rolling_shutter);
+}
+
+double VioFilter::FlowOf(const TrackedImage& image) {
+  std::vector<double> moved;
+  std::map<std::int64_t, Eigen::Vector2d> present;
+  for (const TrackedPoint& point : image.points) {
+    present.emplace(point.id, point.pixel);
+    const auto before = last_pixels_.find(point.id);
+    if (before != last_pixels_.end()) moved.push_back((point.pixel - before->second).norm());
+  }
+  last_pixels_ = std::move(present);
+  return MedianOf(std::move(moved));
 }
 
 FilterStep VioFilter::Step(const TrackedImage& image, const ImuBuffer& imu, bool resting) {
@@ -59,6 +91,7 @@ FilterStep VioFilter::Step(const TrackedImage& image, const ImuBuffer& imu, bool
   }
   AddPoints(for_state, step);
   Marginalise(resting);
+  TakeLens();
   step.points = static_cast<int>(state_.points().size());
   step.tracks = static_cast<int>(tracks_.tracks().size()) + step.points;
   step.update_ms = watch.Lap();
@@ -80,22 +113,27 @@ void VioFilter::Propagate(const TrackedImage& image, const ImuBuffer& imu, Filte
   }
   const auto reading = imu.At(state_.inertial().stamp_ns);
   if (reading) angular_velocity_ = reading->angular_velocity_rad_s - state_.inertial().gyro_bias;
-  state_.AddClone(image.stamp_ns, angular_velocity_, jitter_rad_, options_.image_jitter_m);
+  state_.AddClone(image.stamp_ns, angular_velocity_, FlowOf(image), jitter_rad_,
+                  options_.image_jitter_m);
 }
 
 bool VioFilter::PassesGate(const Eigen::MatrixXd& jacobian, std::span<const RowRange> rows,
                            const Eigen::VectorXd& residual, FilterStep& step) const {
-  Eigen::MatrixXd innovation = state_.Projected(jacobian, rows);
+  const bool passes = CountInnovation(state_.Projected(jacobian, rows), residual, step);
+  ++(passes ? step.accepted : step.rejected);
+  return passes;
+}
+
+bool VioFilter::CountInnovation(Eigen::MatrixXd innovation, const Eigen::VectorXd& residual,
+                                FilterStep& step) const {
   innovation.diagonal().array() += 1;
   const double nis = residual.dot(innovation.llt().solve(residual));
   const int dof = static_cast<int>(residual.size());
-  const bool passes = nis < gate_(dof);
-  ++(passes ? step.accepted : step.rejected);
   if (nis < 10 * dof) {  // a mismatch says nothing of the filter
     step.nis += nis;
     step.nis_dof += dof;
   }
-  return passes;
+  return nis < gate_(dof);
 }
 
 std::optional<TriangulatedPoint> VioFilter::TriangulateTrack(const Track& track) const {
@@ -171,7 +209,7 @@ void VioFilter::TakeFull(std::vector<std::pair<std::int64_t, Track>>& for_state,
 
 void VioFilter::UpdateWithTracks(const std::vector<std::pair<std::int64_t, Track>>& tracks,
                                  FilterStep& step) {
-  const ColumnLayout layout(state_);
+  const ColumnLayout layout = Layout();
   std::vector<SplitRows> parts;
   for (const auto& [id, track] : tracks) {
     const auto point = TriangulateTrack(track);
@@ -211,7 +249,7 @@ void VioFilter::UpdateWithParts(const std::vector<SplitRows>& parts, const Colum
 void VioFilter::AddPoints(const std::vector<std::pair<std::int64_t, Track>>& tracks,
                           FilterStep& step) {
   for (const auto& [id, track] : tracks) {
-    const ColumnLayout layout(state_);
+    const ColumnLayout layout = Layout();
     const auto triangulated = TriangulateTrack(track);
     if (!triangulated) continue;
     const PoseClone& anchor = state_.clones().back();
@@ -239,75 +277,135 @@ void VioFilter::AddPoints(const std::vector<std::pair<std::int64_t, Track>>& tra
   }
 }
 
+std::optional<VioFilter::PointSight> VioFilter::SeePoint(const StatePoint& point,
+                                                         const Eigen::Vector2d& pixel,
+                                                         const ColumnLayout& layout,
+                                                         int column) const {
+  const PoseClone* anchor = state_.FindClone(point.anchor);
+  PLB_CHECK(anchor != nullptr);
+  const PoseClone& present = state_.clones().back();
+  if (point.bearing_and_inverse_depth.z() <= 0) return std::nullopt;
+  const AnchoredPoint placed = PlacePoint(state_.body_from_cam(), anchor->world_from_body,
+                                          point.bearing_and_inverse_depth);
+  const auto view = ViewPoint(camera_, state_.body_from_cam(),
+                              pixels_.WorldFromBody(present, pixel.y()), placed.point_in_world);
+  if (!view) return std::nullopt;
+  PointSight sight{point.track, pixel, column, Eigen::MatrixXd::Zero(2, layout.size()), {}};
+  auto& jacobian = sight.by_state;
+  jacobian.middleCols<6>(layout.camera()) = view->by_camera + view->by_point * placed.by_camera;
+  if (layout.has_lens()) {
+    jacobian.middleCols<kLensSize>(layout.lens()) =
+        SightByLens(camera_, pixels_, *view, present, pixel.y());
+  }
+  jacobian.middleCols<6>(layout.clone(anchor->id)) += view->by_point * placed.by_anchor;
+  jacobian.middleCols<6>(layout.clone(present.id)) += view->by_pose;
+  jacobian.middleCols<3>(column) = view->by_point * placed.by_value;
+  const double noise = pixels_.NoiseIn(present) * std::sqrt(1 + options_.age_noise * point.age);
+  jacobian /= noise;
+  sight.residual = (pixel - view->pixel) / noise;
+  return sight;
+}
+
+std::pair<Eigen::MatrixXd, Eigen::VectorXd> VioFilter::Stacked(
+    std::span<const PointSight> sights) {
+  const auto rows = 2 * static_cast<Eigen::Index>(sights.size());
+  Eigen::MatrixXd jacobian(rows, sights.front().by_state.cols());
+  Eigen::VectorXd residual(rows);
+  Eigen::Index row = 0;
+  for (const PointSight& sight : sights) {
+    jacobian.middleRows<2>(row) = sight.by_state;
+    residual.segment<2>(row) = sight.residual;
+    row += 2;
+  }
+  return {std::move(jacobian), std::move(residual)};
+}
+
+void VioFilter::UpdateWithSights(std::span<const PointSight> sights, const ColumnLayout& layout) {
+  if (sights.empty()) return;
+  const auto [jacobian, residual] = Stacked(sights);
+  state_.Update(jacobian, layout.rows(), residual);
+}
+
+std::vector<std::int64_t> VioFilter::UpdateWithAgreeing(std::vector<PointSight> sights,
+                                                        const ColumnLayout& layout,
+                                                        FilterStep& step) {
+  if (sights.empty()) return {};
+  const auto [jacobian, residual] = Stacked(sights);
+  const Eigen::MatrixXd projected = state_.Projected(jacobian, layout.rows());
+  std::vector<bool> used(sights.size());
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    used[i] = CountInnovation(projected.block<2, 2>(row, row), sights[i].residual, step);
+  }
+  if (options_.one_point_ransac) used = OnePointConsensus(residual, projected, gate_(2));
+  std::vector<PointSight> agreeing, others;
+  for (std::size_t i = 0; i < sights.size(); ++i)
+    (used[i] ? agreeing : others).push_back(std::move(sights[i]));
+  UpdateWithSights(agreeing, layout);
+  step.accepted += static_cast<int>(agreeing.size());
+  // What only looked wrong because the state was: a point that is near, of a camera that has moved
+  // otherwise than expected.
+  std::vector<PointSight> rescued;
+  std::vector<std::int64_t> turned_away;
+  for (const PointSight& other : others) {
+    const StatePoint& point = *FindPoint(other.track);
+    const auto again = options_.one_point_ransac
+                           ? SeePoint(point, other.pixel, layout, other.column)
+                           : std::nullopt;
+    FilterStep ignored;
+    if (again && CountInnovation(state_.Projected(again->by_state, layout.rows()), again->residual,
+                                 ignored)) {
+      rescued.push_back(*again);
+    } else {
+      turned_away.push_back(other.track);
+    }
+  }
+  UpdateWithSights(rescued, layout);
+  step.accepted += static_cast<int>(rescued.size());
+  step.rejected += static_cast<int>(turned_away.size());
+  return turned_away;
+}
+
 void VioFilter::UpdateWithPoints(const TrackedImage& image, FilterStep& step) {
   constexpr int kMaxRejected = 3;
   std::map<std::int64_t, Eigen::Vector2d> seen;
   for (const TrackedPoint& point : image.points) seen.emplace(point.id, point.pixel);
   // What is followed creeps over the surface: the point itself moves.
-  ColumnLayout layout(state_);
+  ColumnLayout layout = Layout();
   std::vector<int> columns;
   for (const StatePoint& point : state_.points()) {
     columns.push_back(layout.AddPoint(point));
     state_.Inflate({point.row, 2}, creep_rad_ * creep_rad_);
   }
-  const PoseClone& present = state_.clones().back();
-  const auto count = static_cast<Eigen::Index>(state_.points().size());
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 * count, layout.size());
-  Eigen::VectorXd residual(2 * count);
-  Eigen::Index row = 0;
+  std::vector<PointSight> sights;
   std::vector<std::int64_t> lost;
   for (std::size_t i = 0; i < state_.points().size(); ++i) {
     StatePoint& point = state_.points()[i];
-    const auto sight = seen.find(point.track);
-    const PoseClone* anchor = state_.FindClone(point.anchor);
-    PLB_CHECK(anchor != nullptr);
-    const AnchoredPoint placed = PlacePoint(state_.body_from_cam(), anchor->world_from_body,
-                                            point.bearing_and_inverse_depth);
-    const auto view =
-        sight == seen.end() || point.bearing_and_inverse_depth.z() <= 0
-            ? std::nullopt
-            : ViewPoint(camera_, state_.body_from_cam(),
-                        pixels_.WorldFromBody(present, sight->second.y()), placed.point_in_world);
-    if (!view) {
+    const auto pixel = seen.find(point.track);
+    auto sight = pixel == seen.end() ? std::nullopt
+                                     : SeePoint(point, pixel->second, layout, columns[i]);
+    if (sight) {
+      ++point.age;
+      sights.push_back(std::move(*sight));
+    } else {
       lost.push_back(point.track);
-      continue;
     }
-    Eigen::MatrixXd own(2, 21);
-    own << view->by_camera + view->by_point * placed.by_camera, view->by_point * placed.by_anchor,
-        view->by_pose, view->by_point * placed.by_value;
-    // A patch that is followed from image to image creeps away from where it began.
-    const double noise = options_.pixel_noise_px * std::sqrt(1 + options_.age_noise * point.age++);
-    own /= noise;
-    const Eigen::Vector2d r = (sight->second - view->pixel) / noise;
-    const RowRange rows[] = {{kCamRotation, kPoseSize},
-                             {anchor->row, kPoseSize},
-                             {present.row, kPoseSize},
-                             {point.row, kPointSize}};
-    if (!PassesGate(own, rows, r, step)) {
-      if (++point.rejected >= kMaxRejected) lost.push_back(point.track);
-      continue;
-    }
-    point.rejected = 0;
-    jacobian.block<2, 6>(row, layout.camera()) = own.leftCols<6>();
-    jacobian.block<2, 6>(row, layout.clone(anchor->id)) += own.middleCols<6>(6);
-    jacobian.block<2, 6>(row, layout.clone(present.id)) += own.middleCols<6>(12);
-    jacobian.block<2, 3>(row, columns[i]) = own.rightCols<3>();
-    residual.segment<2>(row) = r;
-    row += 2;
   }
-  if (row > 0) {
-    state_.Update(jacobian.topRows(row), layout.rows(), residual.head(row));
-  }
-  for (const StatePoint& point : state_.points()) {  // the update may have moved one behind
-    if (point.bearing_and_inverse_depth.z() <= 0.5 / options_.max_depth_m ||
+  const std::vector<std::int64_t> turned_away = UpdateWithAgreeing(std::move(sights), layout, step);
+  for (StatePoint& point : state_.points()) {
+    const bool rejected =
+        std::find(turned_away.begin(), turned_away.end(), point.track) != turned_away.end();
+    point.rejected = rejected ? point.rejected + 1 : 0;
+    // The update may have moved one behind.
+    if (point.rejected >= kMaxRejected ||
+        point.bearing_and_inverse_depth.z() <= 0.5 / options_.max_depth_m ||
         point.age > options_.max_point_age)
       lost.push_back(point.track);
   }
   std::sort(lost.begin(), lost.end());
   lost.erase(std::unique(lost.begin(), lost.end()), lost.end());
   for (const std::int64_t track : lost) {
-    const auto point = std::find_if(state_.points().begin(), state_.points().end(),
-                                    [&](const StatePoint& p) { return p.track == track; });
+    const StatePoint* point = FindPoint(track);
     const PoseClone* anchor = state_.FindClone(point->anchor);
     if (point->rejected == 0 && point->bearing_and_inverse_depth.z() > 1 / options_.max_depth_m) {
       finished_.push_back({track, PlacePoint(state_.body_from_cam(), anchor->world_from_body,
@@ -316,6 +414,14 @@ void VioFilter::UpdateWithPoints(const TrackedImage& image, FilterStep& step) {
     }
     state_.RemovePoint(track);
   }
+}
+
+const StatePoint* VioFilter::FindPoint(std::int64_t track) const {
+  const auto found =
+      std::find_if(state_.points().begin(), state_.points().end(),
+                   [&](const StatePoint& point) { return point.track == track; });
+  PLB_CHECK(found != state_.points().end());
+  return &*found;
 }
 
 void VioFilter::UpdateAtRest() {
@@ -337,7 +443,7 @@ void VioFilter::UpdateTurnAtRest(FilterStep& step) {
   pixels.noise_px *= kNoiseFactor;
   pixels.creep_px = 0;
   const PoseClone& oldest = state_.clones().front();
-  const ColumnLayout layout(state_);
+  const ColumnLayout layout = Layout();
   const Eigen::Isometry3d world_from_cam = oldest.world_from_body * state_.body_from_cam();
   std::vector<SplitRows> parts;
   for (const auto& [id, track] : tracks_.tracks()) {

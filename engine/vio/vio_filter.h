@@ -56,7 +56,29 @@ class VioFilter {
   using Ended = std::map<std::int64_t, Track>;
 
   void Propagate(const TrackedImage& image, const ImuBuffer& imu, FilterStep& step);
+  /// One pixel of a point of the state, in units of its noise.
+  struct PointSight {
+    std::int64_t track;
+    Eigen::Vector2d pixel;
+    int column;  ///< Of the point.
+    Eigen::MatrixXd by_state;
+    Eigen::Vector2d residual;
+  };
+
+  /// The camera and shutter that the state has now.
+  void TakeLens();
+  ColumnLayout Layout() const;
+  /// What the picture moved by since the last image [px].
+  double FlowOf(const TrackedImage& image);
   void UpdateWithPoints(const TrackedImage& image, FilterStep& step);
+  std::optional<PointSight> SeePoint(const StatePoint& point, const Eigen::Vector2d& pixel,
+                                     const ColumnLayout& layout, int column) const;
+  static std::pair<Eigen::MatrixXd, Eigen::VectorXd> Stacked(std::span<const PointSight> sights);
+  void UpdateWithSights(std::span<const PointSight> sights, const ColumnLayout& layout);
+  /// Updates with what passes the gates. @return the tracks that do not.
+  std::vector<std::int64_t> UpdateWithAgreeing(std::vector<PointSight> sights,
+                                               const ColumnLayout& layout, FilterStep& step);
+  const StatePoint* FindPoint(std::int64_t track) const;
   void UpdateWithTracks(const std::vector<std::pair<std::int64_t, Track>>& tracks,
                         FilterStep& step);
   void UpdateWithParts(const std::vector<SplitRows>& parts, const ColumnLayout& layout);
@@ -74,6 +96,10 @@ class VioFilter {
   bool BaselineIsCertain(const Track& track) const;
   bool PassesGate(const Eigen::MatrixXd& jacobian, std::span<const RowRange> rows,
                   const Eigen::VectorXd& residual, FilterStep& step) const;
+  /// The chi-squared gate by the state's share of the innovation's covariance; the statistics of
+  /// `step` count it.
+  bool CountInnovation(Eigen::MatrixXd innovation, const Eigen::VectorXd& residual,
+                       FilterStep& step) const;
 
   DistortedCamera camera_;
   VioOptions options_;
@@ -84,6 +110,7 @@ class VioFilter {
   TriangulationOptions triangulation_;
   FilterState state_;
   TrackTable tracks_;
+  std::map<std::int64_t, Eigen::Vector2d> last_pixels_;
   Eigen::Vector3d angular_velocity_{0, 0, 0};
   std::vector<MapPoint> finished_;
 };

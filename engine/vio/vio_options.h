@@ -25,6 +25,7 @@ struct VioOptions {
   double image_jitter_px = 0.2;
   double image_jitter_m = 0.0005;
   double age_noise = 0.0;
+  double blur_noise = 0.0;
   int max_point_age = 300;
   double rolling_shutter_s = 0;
   double imu_noise_factor = 1.5;
@@ -32,13 +33,19 @@ struct VioOptions {
   double max_gyro_walk = 2e-4;
   double max_accel_walk = 4e-3;
   double gate_probability = 0.95;
+  bool one_point_ransac = true;
 
   // What is estimated besides poses, velocity and biases
   bool estimate_extrinsics = true;
   bool estimate_time_offset = true;
+  bool estimate_intrinsics = false;
+  bool estimate_rolling_shutter = false;
   double extrinsic_rotation_std_deg = 0.3;
   double extrinsic_translation_std_m = 0.01;
   double time_offset_std_s = 0.003;
+  double intrinsics_std_px = 3;
+  double distortion_std = 0.005;
+  double rolling_shutter_std_s = 0.01;
 
   // Start
   double still_px = 1.0;
@@ -80,6 +87,11 @@ void VisitFields(VioOptions& o, Visitor&& visit) {
   visit(o.age_noise,
         {"age_noise", "", "what each image adds to the variance of a followed point, relatively", 0,
          10});
+  visit(o.blur_noise,
+        {"blur_noise", "",
+         "of what the picture moves by from one image to the next, adds to a point's noise: blur; "
+         "not of tracks that are given",
+         0, 1});
   visit(o.max_point_age,
         {"max_point_age", "", "images after which a point of the state begins anew", 2, 1000000});
   visit(o.rolling_shutter_s,
@@ -99,14 +111,28 @@ void VisitFields(VioOptions& o, Visitor&& visit) {
   visit(o.gate_probability,
         {"gate_probability", "", "of honest measurements that pass the chi-squared gate", 0.5,
          0.99999});
+  visit(o.one_point_ransac,
+        {"one_point_ransac", "",
+         "points of the state are used where most agree on a pose, the others where they pass the "
+         "gate after that"});
   visit(o.estimate_extrinsics,
         {"estimate_extrinsics", "", "refine the pose of the camera on the body"});
   visit(o.estimate_time_offset, {"estimate_time_offset", "", "refine the offset of the clocks"});
+  visit(o.estimate_intrinsics,
+        {"estimate_intrinsics", "",
+         "refine focal lengths, centre and the first four coefficients of the lens"});
+  visit(o.estimate_rolling_shutter,
+        {"estimate_rolling_shutter", "", "refine the time from the first row to the last"});
   visit(o.extrinsic_rotation_std_deg,
         {"extrinsic_rotation_std_deg", "deg", "of the given camera pose, each axis", 1e-6, 20});
   visit(o.extrinsic_translation_std_m,
         {"extrinsic_translation_std_m", "m", "of the given camera pose, each axis", 1e-6, 1});
   visit(o.time_offset_std_s, {"time_offset_std_s", "s", "of the given offset", 1e-9, 0.1});
+  visit(o.intrinsics_std_px,
+        {"intrinsics_std_px", "px", "of the given focal lengths and centre", 1e-6, 1000});
+  visit(o.distortion_std, {"distortion_std", "", "of each given coefficient of the lens", 1e-9, 1});
+  visit(o.rolling_shutter_std_s,
+        {"rolling_shutter_std_s", "s", "of the given rolling_shutter_s", 1e-9, 0.1});
   visit(o.still_px,
         {"still_px", "px", "at rest, points move less than this during rest_seconds", 0.05, 50});
   visit(o.rest_seconds, {"rest_seconds", "s", "rest that a start from rest needs", 0.2, 20});

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/base/options.h"
+#include "engine/vio/filter_state.h"
 
 namespace plumbline {
 
@@ -53,6 +54,8 @@ struct VioReport {
   /// Standard deviations: gyro and accelerometer bias, camera rotation [rad], camera translation
   /// [m], time offset [s].
   Eigen::Matrix<double, 13, 1> spread = Eigen::Matrix<double, 13, 1>::Zero();
+  /// The lens (filter_state.h) and its standard deviations, 0 of what is not estimated.
+  LensVector lens = LensVector::Zero(), lens_spread = LensVector::Zero();
   FilterStep step;
 };
 

@@ -56,6 +56,7 @@ VioRun RunVio(const VioInput& input, std::span<const TrackedImage> images,
               const VioOptions& options, const WorkContext& work) {
   VioOptions given = options;
   given.creep_px = options.given_creep_px;
+  given.blur_noise = 0;
   Feeder feeder(input, given);
   for (const TrackedImage& image : images) {
     if (work.stop.stop_requested()) break;

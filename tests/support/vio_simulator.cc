@@ -98,11 +98,17 @@ void SimulateImages(const VioSimulation& options, const Path& path, SimulatedRec
   std::int64_t next_id = 0;
   for (int k = 0; k < options.seconds * options.image_hz; ++k) {
     const double t = k / options.image_hz, imu_t = t + options.time_offset_s;
-    const Eigen::Isometry3d cam_from_world =
-        (path.At(imu_t) * *result.camera.body_from_cam).inverse();
+    const auto project = [&](const Eigen::Vector3d& point, double time) {
+      return camera.Project((path.At(time) * *result.camera.body_from_cam).inverse() * point);
+    };
     std::map<std::size_t, Eigen::Vector2d> seen;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const auto view = camera.Project(cam_from_world * points[i]);
+      auto view = project(points[i], imu_t);
+      // The row that a point falls into says when it is read, which says where it falls.
+      for (int round = 0; round < 4 && view && options.rolling_shutter_s != 0; ++round) {
+        const double row = view->pixel.y() / result.camera.pinhole.height - 0.5;
+        view = project(points[i], imu_t + options.rolling_shutter_s * row);
+      }
       if (view && view->pixel.x() > 0 && view->pixel.x() < 639 && view->pixel.y() > 0 &&
           view->pixel.y() < 479)
         seen[i] = view->pixel;
@@ -119,9 +125,13 @@ void SimulateImages(const VioSimulation& options, const Path& path, SimulatedRec
     TrackedImage image;
     image.stamp_ns = ToNs(t);
     for (const auto& [i, id] : followed) {
+      Eigen::Vector2d pixel = seen[i];
+      if (t > options.sliding_from_s &&
+          static_cast<double>(i % 100) < 100 * options.sliding_share)
+        pixel.x() += options.sliding_px * options.image_hz * (t - options.sliding_from_s);
       image.points.push_back(
-          {id, seen[i] +
-                   options.pixel_noise_px * Eigen::Vector2d(random.Gaussian(), random.Gaussian())});
+          {id, pixel + options.pixel_noise_px *
+                           Eigen::Vector2d(random.Gaussian(), random.Gaussian())});
     }
     result.images.push_back(image);
     result.truth.push_back({image.stamp_ns, path.At(imu_t), path.Velocity(imu_t), options.gyro_bias,

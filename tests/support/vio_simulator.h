@@ -26,6 +26,9 @@ struct VioSimulation {
   double image_hz = 20, imu_hz = 200;
   double pixel_noise_px = 1;
   double imu_noise = 1;      ///< Times the densities of ImuCalibration().
+  double rolling_shutter_s = 0;  ///< From the first row to the last; the stamp is of the middle.
+  /// Of the points that are followed, slides over the picture from this time on, all alike.
+  double sliding_share = 0, sliding_from_s = 0, sliding_px = 4;
   double time_offset_s = 0;  ///< Added to an image's time to get the IMU's.
   Eigen::Vector3d gyro_bias{0.01, -0.02, 0.015};
   Eigen::Vector3d accel_bias{0.05, -0.03, 0.04};

@@ -132,6 +132,32 @@ TEST(DistortedCamera, DerivativeIsThatOfCentralDifferences) {
   }
 }
 
+TEST(DistortedCamera, DerivativeByTheIntrinsicsIsThatOfCentralDifferences) {
+  Random random({.seed = 5});
+  for (const Camera& camera : Cameras()) {
+    const DistortedCamera lens(camera);
+    const auto values = lens.intrinsics();
+    EXPECT_EQ(values[0], camera.pinhole.fx);
+    EXPECT_EQ(values[3], camera.pinhole.cy);
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Vector3d point = RandomPoint(random, 0.8 * lens.max_angle_rad());
+      Eigen::Matrix<double, 2, 8> numeric = Eigen::Matrix<double, 2, 8>::Zero();
+      for (int k = 0; k < 4 + std::min<int>(4, static_cast<int>(camera.distortion.size())); ++k) {
+        const double h = 1e-5;
+        DistortedCamera::Intrinsics more = values, less = values;
+        more[k] += h;
+        less[k] -= h;
+        numeric.col(k) = (lens.With(more).Project(point)->pixel -
+                          lens.With(less).Project(point)->pixel) /
+                         (2 * h);
+      }
+      const auto analytic = lens.PixelByIntrinsics(point);
+      EXPECT_LT((analytic - numeric).norm(), 1e-5 * (1 + analytic.norm()))
+          << CameraModelName(camera.model) << " at " << point.transpose();
+    }
+  }
+}
+
 TEST(DistortedCamera, IsContinuousAcrossTheAxis) {
   for (const Camera& camera : Cameras()) {
     const DistortedCamera lens(camera);

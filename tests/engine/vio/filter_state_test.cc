@@ -16,12 +16,13 @@ FilterState StartedState() {
   inertial.world_from_body = RotationExp({0.2, -0.1, 0.7});
   inertial.velocity_in_world << 0.5, 0.8, -0.1;
   inertial.position_in_world << 2, -1, 1.5;
-  Eigen::Isometry3d body_from_cam = Eigen::Isometry3d::Identity();
-  body_from_cam.translation() << 0.03, 0.01, -0.02;
+  Camera camera;
+  camera.pinhole = {640, 480, 400, 400, 320, 240};
+  camera.body_from_cam = Eigen::Translation3d(0.03, 0.01, -0.02) * Eigen::Isometry3d::Identity();
   StartSpread spread;
   spread.yaw_rad = 0.1;
   spread.position_m = 0.5;
-  return MakeStart(inertial, body_from_cam, 0, spread, {});
+  return MakeStart(inertial, camera, 0, spread, {});
 }
 
 TEST(FilterState, AStartSpeaksOfThePlainErrorsThatWereGiven) {
@@ -35,7 +36,7 @@ TEST(FilterState, ACloneIsThePoseOfNowAndIsLaterWhereTheOffsetIsLarger) {
   FilterState state = StartedState();
   const Eigen::Vector3d turn(0.3, -0.6, 0.9);
   const int before = state.size();
-  const PoseClone& clone = state.AddClone(0, turn, 0, 0);
+  const PoseClone& clone = state.AddClone(0, turn, 0, 0, 0);
   EXPECT_EQ(clone.row, before);
   // d pose / d offset = cov(clone, offset) / var(offset)
   const double variance = state.covariance()(kTimeOffset, kTimeOffset);
@@ -51,9 +52,9 @@ TEST(FilterState, ACloneIsThePoseOfNowAndIsLaterWhereTheOffsetIsLarger) {
 
 TEST(FilterState, AnUpdateIsThatOfTheTextbookAndRemovingRowsIsMarginalisation) {
   FilterState state = StartedState();
-  state.AddClone(0, {0, 0, 0}, 0, 0);
+  state.AddClone(0, {0, 0, 0}, 0, 0, 0);
   const int first = state.clones()[0].row;
-  state.AddClone(1, {0, 0, 0}, 1e-3, 0);
+  state.AddClone(1, {0, 0, 0}, 0, 1e-3, 0);
   const Eigen::MatrixXd P = state.covariance();
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(2, 6);
   H << 1, 2, 0, -1, 0.5, 0, 0, 1, 3, 0, 0, 2;
@@ -92,12 +93,12 @@ TEST(TrackRows, WhatIsLeftOfATrackDoesNotSpeakOfItsPointNorOfTheGauge) {
   const Eigen::Vector3d point =
       state.inertial().pose() * (state.body_from_cam() * Eigen::Vector3d(0.3, -0.2, 3));
   for (int k = 0; k < 5; ++k) {
-    state.AddClone(k, {0, 0, 0}, 0, 0);
+    state.AddClone(k, {0, 0, 0}, 0, 0, 0);
     const ImuSegment segment{k * 100'000'000, (k + 1) * 100'000'000, {0.1, 0.2, 0}, {0, 0, 9.8}, 1};
     state.Propagate(Integrate(state.inertial(), std::span(&segment, 1), {}));
     sights.push_back({k, {320, 240}, {0, 0, 1}});
   }
-  const ColumnLayout layout(state);
+  const ColumnLayout layout(state, false);
   const auto rows =
       RowsOfTrack(camera, state, layout, sights, std::vector<bool>(5, true), point, PixelModel());
   ASSERT_TRUE(rows.has_value());
@@ -125,10 +126,10 @@ TEST(TrackRows, APatchThatCreepsIsARandomWalkOnTopOfTheNoise) {
   const Eigen::Vector3d point =
       state.inertial().pose() * (state.body_from_cam() * Eigen::Vector3d(0.3, -0.2, 3));
   for (int k = 0; k < 4; ++k) {
-    state.AddClone(k, {0, 0, 0}, 0, 0);
+    state.AddClone(k, {0, 0, 0}, 0, 0, 0);
     sights.push_back({k, {320 + 3.0 * k, 240 - 2.0 * k * k}, {0, 0, 1}});
   }
-  const ColumnLayout layout(state);
+  const ColumnLayout layout(state, false);
   PixelModel pixels;
   pixels.noise_px = 2;
   const std::vector<bool> all(4, true);

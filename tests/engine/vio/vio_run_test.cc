@@ -97,6 +97,39 @@ TEST(VioRun, FindsTheCalibrationThatItWasGivenWrongly) {
   EXPECT_NEAR(last.time_offset_s, 0.01, 0.001);
 }
 
+TEST(VioRun, FindsIntrinsicsAndReadOutThatItWasGivenWrongly) {
+  SimulatedRecording recording =
+      Simulate({.seconds = 40, .rolling_shutter_s = 0.02, .seed = 4});
+  const Camera truth = recording.camera;
+  recording.camera.pinhole.fx *= 1.01;
+  recording.camera.pinhole.fy *= 0.99;
+  recording.camera.pinhole.cx += 3;
+  recording.camera.pinhole.cy -= 3;
+  recording.camera.distortion[0] += 0.01;
+  VioOptions options;
+  options.estimate_intrinsics = options.estimate_rolling_shutter = true;
+  const VioReport last = RunOn(recording, true, options).reports.back();
+  EXPECT_NEAR(last.lens[0], truth.pinhole.fx, 0.5);
+  EXPECT_NEAR(last.lens[1], truth.pinhole.fy, 0.5);
+  EXPECT_NEAR(last.lens[2], truth.pinhole.cx, 0.5);
+  EXPECT_NEAR(last.lens[3], truth.pinhole.cy, 0.5);
+  EXPECT_NEAR(last.lens[4], truth.distortion[0], 0.002);
+  EXPECT_NEAR(last.lens[kReadOut], 0.02, 0.0005);
+  // It knows how well.
+  EXPECT_LT(last.lens_spread[0], 0.5);
+  EXPECT_LT(std::abs(last.lens[kReadOut] - 0.02), 4 * last.lens_spread[kReadOut]);
+}
+
+TEST(VioRun, FollowsTheRoomAndNotWhatSlidesThroughThePicture) {
+  const SimulatedRecording recording = Simulate(
+      {.seconds = 12, .sliding_share = 0.4, .sliding_from_s = 6, .sliding_px = 1.5, .seed = 6});
+  const VioReport last = RunOn(recording, true).reports.back();
+  const ReferenceState& truth = TruthAt(recording, last.stamp_ns);
+  EXPECT_EQ(last.stretch, 1);
+  EXPECT_LT((last.world_from_body.translation() - truth.world_from_body.translation()).norm(),
+            0.1);
+}
+
 TEST(VioRun, GivesTheSameTwice) {
   const SimulatedRecording recording = Simulate({.seconds = 4, .seed = 9});
   const VioReport a = RunOn(recording, true).reports.back(),
