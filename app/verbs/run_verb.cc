@@ -15,6 +15,7 @@
 #include "engine/analysis/true_instances.h"
 #include "engine/base/timer.h"
 #include "engine/pipeline/mapping_pipeline.h"
+#include "engine/recording/landmark_history.h"
 #include "engine/recording/option_history.h"
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_fork.h"
@@ -62,7 +63,10 @@ Result<std::unique_ptr<RunWriter>> OpenWriter(const RunArguments& arguments,
     if (!reader.ok()) return reader.error();
     const auto options = OptionHistory::Read(**reader);  // the window may have changed some
     if (!options.ok()) return options.error();
-    if (Status status = pipeline.Resume(*resumed->last, options->newest()); !status.ok())
+    const auto landmarks = ReadLandmarks(**reader);
+    if (!landmarks.ok()) return landmarks.error();
+    if (Status status = pipeline.Resume(*resumed->last, options->newest(), *landmarks);
+        !status.ok())
       return status.error();
     std::fprintf(stderr, "resuming after frame %d\n", resumed->last->frame);
   }

@@ -34,13 +34,14 @@ enum class EventKind : std::uint8_t {
   kRetired,
   kLabelChanged,
   kFrameSkipped,
-  kOptionsChanged  ///< of the mapper, from this frame on: `option_changes`
+  kOptionsChanged,  ///< of the mapper, from this frame on: `option_changes`
+  kPosesCorrected   ///< of this frame, those before and those to come: `landmarks`
 };
 
 constexpr std::string_view NameOf(EventKind kind) {
-  constexpr std::array<std::string_view, 7> kNames = {
-      "spawned",       "confirmed",     "merged",         "retired",
-      "label_changed", "frame_skipped", "options_changed"};
+  constexpr std::array<std::string_view, 8> kNames = {
+      "spawned",       "confirmed",     "merged",          "retired",
+      "label_changed", "frame_skipped", "options_changed", "poses_corrected"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
@@ -66,6 +67,7 @@ struct LifeEvent {
   ObjectId other;              ///< kMerged: the object that goes on.
   std::string text;            ///< Why, in words; nothing is decided by it.
   std::string option_changes;  ///< kOptionsChanged: as of option_changes.h.
+  std::string landmarks;       ///< kPosesCorrected: what corrected them, as of landmark_edge.h.
 };
 
 struct StageTiming {

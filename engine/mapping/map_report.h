@@ -19,6 +19,7 @@
 #include "engine/base/ids.h"
 #include "engine/geometry/box.h"
 #include "engine/mapping/event_report.h"
+#include "engine/sensor/pose_estimate.h"
 
 namespace plumbline {
 
@@ -108,6 +109,19 @@ struct ProposalReport {
   ObjectId object;
 };
 
+/// A settled object that is seen again after the poses have drifted. It has not moved: the camera
+/// is elsewhere than its pose says.
+struct LandmarkSighting {
+  ObjectId object;
+  PoseId reference_pose;  ///< Of the image that the object's pose refers to,
+  PoseId present_pose;    ///< and of this one.
+  /// Of its bounds, as it was known and as the newest views alone have it, each in the world of its
+  /// poses [m], [rad].
+  Eigen::Vector3d center_in_world{0, 0, 0}, center_in_world_now{0, 0, 0};
+  double azimuth_rad = 0, azimuth_now_rad = 0;
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  ///< Of (centre, azimuth), now less then.
+};
+
 struct FrameReport {
   int frame = 0;
   std::int64_t stamp_ns = 0;
@@ -121,6 +135,8 @@ struct FrameReport {
   std::vector<StageTiming> timings;
   std::int32_t next_object_id = 1;
   std::string mapper_state;  ///< Opaque bytes that only the mapper reads, to resume.
+  /// For whoever corrects poses; run files keep what they were corrected by (kPosesCorrected).
+  std::vector<LandmarkSighting> landmarks;
 };
 
 }  // namespace plumbline

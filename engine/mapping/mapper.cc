@@ -328,6 +328,7 @@ FrameReport Mapper::Step(const MapperInput& given) {
   stages.EndFrame();
   m.UpdateLifecycle(input, novelty, report);
   m.KeepFrame(input);
+  m.FindLandmarks(input, report);
   return m.Finished(std::move(report));
 }
 

@@ -32,7 +32,15 @@ inline constexpr double kSettledLogOdds = 4;
 inline constexpr double kFocalOfOptions_px = 500;  ///< Areas in pixels are of such a camera.
 
 /// What a random draw is for: each has numbers of its own.
-enum class Draw : std::uint32_t { kDiffuse, kResample, kSample, kBirth, kNewcomers, kSearch };
+enum class Draw : std::uint32_t {
+  kDiffuse,
+  kResample,
+  kSample,
+  kBirth,
+  kNewcomers,
+  kSearch,
+  kLandmark
+};
 
 inline RandomKey Key(std::uint64_t seed, int frame, ObjectId object, Draw draw) {
   return {seed, static_cast<std::uint32_t>(frame),
@@ -253,6 +261,11 @@ struct Mapper::Impl {
   /// The view nearest in time stands for it from now on.
   void Forget(MapObject& object, int frame);
   void Search(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders);
+  /// Settled objects whose place relative to the camera is no longer sure, and where the newest
+  /// views have them (mapper_landmarks.cc).
+  void FindLandmarks(const MapperInput& input, FrameReport& report) const;
+  std::optional<LandmarkSighting> SeenAgain(const MapObject& object,
+                                            const MapperInput& input) const;
   void Spawn(std::vector<ProposalReport>& proposals, const MapperInput& input,
              const OcclusionMaps& occluders, FrameReport& report);
   std::optional<MapObject> Spawn(const ProposalReport& proposal, const MapperInput& input,

@@ -58,6 +58,7 @@ struct MapperOptions {
   double alpha = 2.5;
   double beta = 10.0;
   double view_correlation = 0.03;
+  double landmark_drift_m = 0.02;
   double telling_contour_px = 150;
   double crop_sharpness = 0;
   bool inner_lines = true;
@@ -140,6 +141,11 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
          0, 1});
   visit(o.alpha, {"alpha", "", "weight of the detector term, per independent view", 0, 1000});
   visit(o.beta, {"beta", "", "weight of the edge term, per independent view", 0, 1000});
+  visit(o.landmark_drift_m,
+        {"landmark_drift_m", "m",
+         "a settled object that poses have drifted from by so much (standard deviation) is located "
+         "again by the newest views alone, and poses are corrected by it; 0: never",
+         0, 100});
   visit(o.view_correlation,
         {"view_correlation", "",
          "correlation of the errors of any two views: what never averages out", 0, 1});

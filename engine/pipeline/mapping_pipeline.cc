@@ -160,6 +160,32 @@ auto TimedDetect(Network& network, const Frame& frame) {
   return Timed<std::decay_t<decltype(*output)>>{std::move(output), watch.Milliseconds()};
 }
 
+/// What an object that was seen again says of the two cameras.
+LandmarkEdge EdgeOf(const LandmarkSighting& sighting, const PoseEstimate& from,
+                    const Eigen::Isometry3d& world_from_present_cam) {
+  const double turn = sighting.azimuth_rad - sighting.azimuth_now_rad;
+  Eigen::Isometry3d move = Eigen::Isometry3d::Identity();  // that takes the object to where it was
+  move.linear() = Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  move.translation() = sighting.center_in_world - move.linear() * sighting.center_in_world_now;
+  const Eigen::Isometry3d present = move * world_from_present_cam;
+  const Eigen::Vector3d arm = present.translation() - sighting.center_in_world;
+  Eigen::Matrix4d to_camera = Eigen::Matrix4d::Identity();
+  to_camera.col(3).head<3>() << -arm.y(), arm.x(), 0;
+  LandmarkEdge edge;
+  edge.object = sighting.object;
+  edge.from = sighting.reference_pose;
+  edge.to = sighting.present_pose;
+  edge.from_cam_from_to_cam = from.world_from_cam.inverse() * present;
+  edge.covariance = to_camera * sighting.covariance * to_camera.transpose();
+  edge.moved_m = (sighting.center_in_world_now - sighting.center_in_world).norm();
+  return edge;
+}
+
+PoseEstimate PoseOf(const MapperInput& input) {
+  return {input.pose_id, input.stamp_ns, input.world_from_cam, input.pose_uncertainty,
+          input.pose_epoch};
+}
+
 /// Finds edges and detections of frames, at the same time. Used by one thread at a time.
 class FramePreparer {
  public:
@@ -266,6 +292,7 @@ struct MappingPipeline::Impl {
   std::vector<int> selected;
   std::size_t next = 0;
   FrameReport last_report;  ///< A skipped frame leaves the map as it was.
+  std::unique_ptr<LandmarkLoops> landmarks;  ///< Null unless the filter's poses drift.
   std::unique_ptr<BoundedQueue<Prepared>> ahead;
   std::jthread thread;  ///< Last: stops before what it uses goes.
 
@@ -317,7 +344,7 @@ struct MappingPipeline::Impl {
   }
   /// Any frame of the source, again. Errors: why it cannot be used.
   Result<MapperInput> InputAgain(int frame) {
-    Prepared prepared = PrepareFrame(source->Frame(frame), source->Pose(frame));
+    Prepared prepared = PrepareFrame(source->Frame(frame), AtItsTime(source->Pose(frame)));
     if (!prepared.input) return Error{ErrorCode::kCorrupt, prepared.skipped};
     return std::move(*prepared.input);
   }
@@ -350,6 +377,15 @@ struct MappingPipeline::Impl {
   }
 
   std::shared_ptr<MapSnapshot> Map(Prepared& prepared);
+  std::optional<PoseEstimate> AtItsTime(const std::optional<PoseEstimate>& told) const {
+    return told && landmarks ? landmarks->AtItsTime(*told) : told;
+  }
+  /// Points found and poses corrected since the frame before.
+  void TakeNews(const Prepared& prepared);
+  /// Objects that this frame shows again correct poses, its own as later ones see it included.
+  void CloseLoops(FrameReport& report);
+  /// What was corrected up to a frame.
+  void ReplayLandmarks(int last_frame, const LandmarkHistory& history);
 
   /// The map as the last used frame left it.
   FrameReport Skip(const Prepared& prepared) const {
@@ -442,6 +478,8 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
   Result<std::unique_ptr<Mapper>> mapper = Mapper::Create(setup);
   if (!mapper.ok()) return mapper.error();
   impl->mapper = std::move(mapper).value();
+  if (impl->own_poses != nullptr)  // with z up
+    impl->landmarks = std::make_unique<LandmarkLoops>(recipe.own_poses.closing);
   return std::unique_ptr<MappingPipeline>(new MappingPipeline(std::move(impl)));
 }
 
@@ -486,11 +524,16 @@ std::shared_ptr<MapSnapshot> MappingPipeline::Impl::Map(Prepared& prepared) {
   const auto add_events = [&](FrameReport& report) {
     report.events.insert(report.events.begin(), events.begin(), events.end());
   };
-  for (const auto& one : prepared.news) {
-    if (const auto* points = std::get_if<PointEstimates>(&one))
-      mapper->AddPoints(points->seen_from, points->points_in_world);
-    else
-      mapper->Correct(std::get<PoseEstimate>(one));
+  TakeNews(prepared);
+  if (landmarks) {
+    if (const auto told = source->Pose(prepared.frame.index)) landmarks->See(*told);
+  }
+  if (prepared.input && landmarks) {
+    const PoseEstimate pose = landmarks->AtItsTime(PoseOf(*prepared.input));
+    prepared.input->world_from_cam = pose.world_from_cam;
+    prepared.input->pose_uncertainty = pose.uncertainty;
+    prepared.input->pose_epoch = pose.epoch;
+    prepared.frame.world_from_cam = pose.world_from_cam;
   }
   if (!prepared.input) {
     FrameReport report = Skip(prepared);
@@ -503,20 +546,94 @@ std::shared_ptr<MapSnapshot> MappingPipeline::Impl::Map(Prepared& prepared) {
     mapper->SetFloor(prepared.floor->floor_in_world, prepared.floor->std_m);
   FrameReport report = mapper->Step(*prepared.input);
   add_events(report);
+  if (landmarks) CloseLoops(report);
   report.timings.insert(report.timings.begin(), prepared.timings.begin(), prepared.timings.end());
   last_report = report;
   return Snapshot(std::move(report), prepared.frame, prepared.edges, mapper->mean_maps());
 }
 
+void MappingPipeline::Impl::TakeNews(const Prepared& prepared) {
+  bool replaced = false, late = false;
+  for (const auto& one : prepared.news) {
+    if (const auto* points = std::get_if<PointEstimates>(&one)) {
+      const PoseEstimate seen_from = landmarks ? landmarks->AtItsTime(points->seen_from)
+                                               : points->seen_from;
+      const Eigen::Isometry3f move(seen_from.world_from_cam *
+                                   points->seen_from.world_from_cam.inverse());
+      std::vector<Eigen::Vector3f> moved = points->points_in_world;
+      if (!move.matrix().isIdentity(0))
+        for (Eigen::Vector3f& point : moved) point = move * point;
+      mapper->AddPoints(seen_from, moved);
+      const auto known = landmarks ? landmarks->Known(seen_from.id) : std::nullopt;
+      late = late || (known && known->epoch > seen_from.epoch);  // a resumed run is told again
+      continue;
+    }
+    const PoseEstimate& pose = std::get<PoseEstimate>(one);
+    if (landmarks && !landmarks->empty()) {
+      landmarks->See(pose);
+      replaced = true;
+    } else {
+      if (landmarks) landmarks->See(pose);
+      mapper->Correct(pose);
+    }
+  }
+  if (replaced) landmarks->Refresh();
+  if (!replaced && !late) return;
+  for (const PoseEstimate& pose : landmarks->Known()) mapper->Correct(pose);
+}
+
+void MappingPipeline::Impl::CloseLoops(FrameReport& report) {
+  std::vector<LandmarkEdge> edges;
+  for (const LandmarkSighting& sighting : report.landmarks) {
+    if (const auto known = landmarks->Known(sighting.reference_pose))
+      edges.push_back(EdgeOf(sighting, *known, *report.world_from_cam));
+  }
+  if (!landmarks->Add(edges)) return;
+  report.events.push_back({EventKind::kPosesCorrected,
+                           edges.front().object,
+                           {},
+                           DescribeLandmarkEdges(edges),
+                           {},
+                           LandmarkEdgesToText(edges)});
+  for (const PoseEstimate& pose : landmarks->Known()) mapper->Correct(pose);
+}
+
 Status MappingPipeline::Resume(const FrameReport& report,
-                               const std::optional<MapperOptions>& options) {
+                               const std::optional<MapperOptions>& options,
+                               const LandmarkHistory& landmarks) {
   Impl& m = *impl_;
   PLB_CHECK(m.next == 0 && !m.ahead) << "resume before the first frame";
   if (options) m.UseOptions(*options);
   m.mapped_with = m.options;
   while (m.next < m.selected.size() && m.selected[m.next] <= report.frame) ++m.next;
   m.last_report = report;
-  return m.mapper->Restore(report, [&](int frame) { return m.InputAgain(frame); });
+  if (m.landmarks) m.ReplayLandmarks(report.frame, landmarks);
+  Status status = m.mapper->Restore(report, [&](int frame) { return m.InputAgain(frame); });
+  if (status.ok() && m.landmarks && !m.landmarks->empty())
+    for (const PoseEstimate& pose : m.landmarks->Known()) m.mapper->Correct(pose);
+  return status;
+}
+
+void MappingPipeline::Impl::ReplayLandmarks(int last_frame, const LandmarkHistory& history) {
+  std::size_t corrections = 0;
+  for (const int frame : selected) {
+    if (frame > last_frame) break;
+    for (; corrections < own_poses->corrections.size() &&
+           own_poses->corrections[corrections].image <= frame;
+         ++corrections) {
+      const PastCorrection& correction = own_poses->corrections[corrections];
+      for (int i = 0; i < correction.image; ++i) {
+        std::optional<PoseEstimate> pose = source->Pose(i);
+        if (!pose) continue;
+        pose->world_from_cam = correction.world_from_cam[static_cast<std::size_t>(i)];
+        pose->epoch = correction.epoch;
+        landmarks->See(*pose);
+      }
+      landmarks->Refresh();
+    }
+    if (const auto told = source->Pose(frame)) landmarks->See(*told);
+    if (const auto seen = history.find(frame); seen != history.end()) landmarks->Add(seen->second);
+  }
 }
 
 Status MappingPipeline::Plant(const PlantedObject& object) {

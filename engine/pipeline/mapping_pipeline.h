@@ -14,6 +14,7 @@
 #include "engine/dataset/sequence.h"
 #include "engine/pipeline/run_recipe.h"
 #include "engine/sources/live_report.h"
+#include "engine/vio/landmark_loops.h"
 
 namespace plumbline {
 
@@ -67,7 +68,9 @@ class MappingPipeline {
   std::optional<std::shared_ptr<MapSnapshot>> Next(const std::stop_token& stop = {});
   /// Continues after `report` bit for bit. Call before the first Next.
   /// @param options  Those of that frame; nothing: as the pipeline was opened with.
-  Status Resume(const FrameReport& report, const std::optional<MapperOptions>& options = {});
+  /// @param landmarks  What corrected poses up to that frame.
+  Status Resume(const FrameReport& report, const std::optional<MapperOptions>& options = {},
+                const LandmarkHistory& landmarks = {});
   /// What the mapper is given of any frame of the sequence, computed again (networks are asked only
   /// for what the cache has not). Errors: why the frame cannot be used.
   Result<MapperInput> InputAgain(int frame);

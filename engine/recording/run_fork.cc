@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "engine/recording/landmark_history.h"
 #include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
@@ -71,16 +72,18 @@ Result<int> TakeOverPast(const std::filesystem::path& file, int at, MappingPipel
   if (!*last)
     return Error{ErrorCode::kInvalidInput, "'" + file.string() + "' has no frame that early"};
   std::optional<FrameReport> restored;
+  LandmarkHistory landmarks;
   for (int i = 0; i <= **last; ++i) {
     auto report = (*reader)->ReadFrame(i);
     if (!report.ok()) return report.error();
     const auto image = (*reader)->ReadThumbnail(i);
     seen(*report);
+    for (const LifeEvent& event : report->events) AddLandmarks(report->frame, event, landmarks);
     if (Status status = writer.Write(*report, image.ok() ? *image : cv::Mat()); !status.ok())
       return status.error();
     restored = std::move(report).value();
   }
-  if (Status status = pipeline.Resume(*restored); !status.ok()) return status.error();
+  if (Status status = pipeline.Resume(*restored, {}, landmarks); !status.ok()) return status.error();
   return restored->frame;
 }
 

@@ -11,6 +11,7 @@
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_schema.h"
 #include "engine/recording/sqlite.h"
+#include "engine/vio/landmark_loops.h"
 
 namespace plumbline {
 namespace {
@@ -302,12 +303,13 @@ class RunReader::Implementation {
       const Result<bool> row = statement.Step();
       if (!row) return row.error();
       if (!*row) return events;
-      if (integer(2) < 0 || integer(2) > static_cast<int>(EventKind::kOptionsChanged))
+      if (integer(2) < 0 || integer(2) > static_cast<int>(EventKind::kPosesCorrected))
         return Corrupt("an event of a kind that is not known");
       LifeEvent event{static_cast<EventKind>(integer(2)),
                       {integer(3)},
                       {integer(4)},
                       std::string(statement.Text(5)),
+                      {},
                       {}};
       if (event.kind == EventKind::kOptionsChanged) {
         Result<std::string> changes =
@@ -315,6 +317,12 @@ class RunReader::Implementation {
         if (!changes.ok()) return Corrupt(changes.error().message);
         event.option_changes = std::move(changes).value();
         event.text = DescribeOptionChanges(event.option_changes);
+      }
+      if (event.kind == EventKind::kPosesCorrected) {
+        const auto edges = LandmarkEdgesFromText(event.text);
+        if (!edges.ok()) return Corrupt(edges.error().message);
+        event.landmarks = std::move(event.text);
+        event.text = DescribeLandmarkEdges(*edges);
       }
       events.push_back({integer(0), integer(1), std::move(event)});
     }

@@ -258,8 +258,9 @@ class RunWriter::Worker {
     insert_event_.Bind(3, static_cast<std::int64_t>(event.kind));
     insert_event_.Bind(4, std::int64_t{event.object.value});
     insert_event_.Bind(5, std::int64_t{event.other.value});
-    insert_event_.BindText(
-        6, event.kind == EventKind::kOptionsChanged ? event.option_changes : event.text);
+    insert_event_.BindText(6, event.kind == EventKind::kOptionsChanged   ? event.option_changes
+                              : event.kind == EventKind::kPosesCorrected ? event.landmarks
+                                                                         : event.text);
     return insert_event_.Run();
   }
 

@@ -6,17 +6,16 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "engine/base/timer.h"
 #include "engine/geometry/angles.h"
+#include "engine/vio/drift.h"
 #include "engine/vio/imu_buffer.h"
 
 namespace plumbline {
 namespace {
 
 constexpr int kDof = 4;
-constexpr double kStepStd_m = 0.002, kStepStdDeg = 0.02;  ///< Of an edge, at least.
 constexpr int kMaxLooked = 20;        ///< Older key frames that are compared with the newest.
 constexpr int kMaxVerified = 3;       ///< Of those, the ones whose pose is sought.
 constexpr double kMaxTurnDeg = 60;    ///< Between two views of one place.
@@ -26,16 +25,6 @@ constexpr double kPauseS = 2;         ///< After a loop is closed, before the ne
 Eigen::Vector4d Squared(double std_m, double std_deg) {
   const double rad = std_deg * kRadPerDeg;
   return {std_m * std_m, std_m * std_m, std_m * std_m, rad * rad};
-}
-
-/// The rows and columns (x, y, z, yaw) of a pose's covariance.
-Eigen::Matrix4d InFour(const PoseCovariance& covariance) {
-  constexpr int kRows[] = {0, 1, 2, 5};
-  Eigen::Matrix4d four;
-  for (int r = 0; r < 4; ++r) {
-    for (int c = 0; c < 4; ++c) four(r, c) = covariance(kRows[r], kRows[c]);
-  }
-  return four;
 }
 
 Eigen::Vector3d Axis(const PlaceFrame& key_frame) {
@@ -49,15 +38,8 @@ double Seconds(std::int64_t from_ns, std::int64_t to_ns) {
 }  // namespace
 
 Eigen::Matrix4d DriftBetween(const PlaceFrame& from, const PlaceFrame& to, double factor) {
-  // Errors of the one at the place of the other: what is common to both drops out.
-  const Eigen::Vector3d arm = to.world_from_body.translation() - from.world_from_body.translation();
-  const Eigen::Matrix4d growth = InFour(to.covariance - MovedBy(arm, from.covariance));
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> parts((growth + growth.transpose()) / 2);
-  const Eigen::Vector4d positive = parts.eigenvalues().cwiseMax(0) * factor * factor;
-  Eigen::Matrix4d drift =
-      parts.eigenvectors() * positive.asDiagonal() * parts.eigenvectors().transpose();
-  drift.diagonal() += Squared(kStepStd_m, kStepStdDeg);
-  return drift;
+  return DriftBetween(from.world_from_body.translation(), from.covariance,
+                      to.world_from_body.translation(), to.covariance, factor);
 }
 
 LoopCloser::LoopCloser(const Camera& camera, const LoopOptions& options)

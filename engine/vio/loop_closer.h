@@ -20,10 +20,7 @@
 
 namespace plumbline {
 
-/// What two key frames' relative pose drifted by, as the filter has it: covariance of an edge
-/// between them (GraphEdge), the growth of the filter's covariance along what it cannot observe,
-/// never less than a little.
-/// @param factor  On standard deviations.
+/// What two key frames' relative pose drifted by (drift.h).
 Eigen::Matrix4d DriftBetween(const PlaceFrame& from, const PlaceFrame& to, double factor);
 
 /// Knows places again, image by image beside the filter, and keeps a pose graph of key frames that

@@ -235,6 +235,8 @@ ImU32 EventColor(EventKind kind) {
       return colors::kBad;
     case EventKind::kOptionsChanged:
       return OnPanel(IM_COL32(236, 122, 190, 255));
+    case EventKind::kPosesCorrected:
+      return OnPanel(IM_COL32(120, 200, 230, 255));
   }
   return colors::kDimText;
 }

@@ -274,5 +274,53 @@ TEST_F(MapperTest, ACorrectedTrajectoryTakesItsObjectsAlong) {
   EXPECT_TRUE(left.empty() || error_m(left[0]) > 0.1) << "then nothing needs to be corrected";
 }
 
+TEST_F(MapperTest, ASettledObjectTellsHowFarThePosesHaveDrifted) {
+  constexpr int kDrifted = 20, kEnd = 32;
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  Eigen::Isometry3d drift = Eigen::Isometry3d::Identity();
+  drift.translate(Eigen::Vector3d(0.07, -0.05, 0.02));
+  drift.rotate(Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitZ()));
+  const auto sightings_with = [&](const Eigen::Isometry3d& moved, double drift_std_m) {
+    const auto mapper = NewMapper();
+    std::vector<LandmarkSighting> sightings;
+    for (int frame = 0; frame < kEnd; ++frame) {
+      MapperInput input = Seen(frame, {&chair, 1});
+      input.pose_id = PoseId{frame};
+      if (frame >= kDrifted) {
+        input.world_from_cam = moved * input.world_from_cam;
+        auto variance = input.pose_uncertainty.drift.diagonal();
+        variance.head<3>().setConstant(drift_std_m * drift_std_m);
+        variance(5) = 0.2 * drift_std_m * drift_std_m;
+      }
+      const FrameReport report = mapper->Step(input);
+      EXPECT_TRUE(frame >= kDrifted || report.landmarks.empty());
+      for (const LandmarkSighting& one : report.landmarks) sightings.push_back(one);
+    }
+    return sightings;
+  };
+  const auto check = [&](const LandmarkSighting& seen, const Eigen::Isometry3d& moved) {
+    const Eigen::Vector3d expected = moved * seen.center_in_world - seen.center_in_world;
+    EXPECT_LT((seen.center_in_world_now - seen.center_in_world - expected).norm(), 0.02);
+    const double turn = std::atan2(moved.linear()(1, 0), moved.linear()(0, 0));
+    EXPECT_NEAR(seen.azimuth_now_rad - seen.azimuth_rad, turn, 0.025);
+    EXPECT_LT(seen.reference_pose.value, kDrifted);
+    EXPECT_GE(seen.present_pose.value, kDrifted);
+    Eigen::Vector4d error;
+    error << seen.center_in_world_now - seen.center_in_world - expected,
+        seen.azimuth_now_rad - seen.azimuth_rad - turn;
+    EXPECT_LT(error.dot(seen.covariance.ldlt().solve(error)), 18.5);  // 99.9 %
+  };
+  const std::vector<LandmarkSighting> drifted = sightings_with(drift, 0.05);
+  ASSERT_FALSE(drifted.empty());
+  for (const LandmarkSighting& seen : drifted) check(seen, drift);
+  // Poses that may have drifted and have not.
+  const Eigen::Isometry3d none = Eigen::Isometry3d::Identity();
+  const std::vector<LandmarkSighting> still = sightings_with(none, 0.05);
+  ASSERT_FALSE(still.empty());
+  for (const LandmarkSighting& seen : still) check(seen, none);
+  // Poses that are known.
+  EXPECT_TRUE(sightings_with(none, 0.001).empty());
+}
+
 }  // namespace
 }  // namespace plumbline

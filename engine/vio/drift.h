@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "engine/sensor/pose_estimate.h"
+
+namespace plumbline {
+
+/// The rows and columns (x, y, z, turn about z) of a pose's covariance.
+Eigen::Matrix4d InFour(const PoseCovariance& covariance);
+
+/// What the relative pose of two moments drifted by, as a filter has it: covariance of an edge
+/// between them (GraphEdge), the growth of the filter's covariance along what it cannot observe,
+/// never less than a little.
+/// @param factor  On standard deviations.
+Eigen::Matrix4d DriftBetween(const Eigen::Vector3d& from_in_world, const PoseCovariance& from,
+                             const Eigen::Vector3d& to_in_world, const PoseCovariance& to,
+                             double factor);
+
+}  // namespace plumbline
