@@ -20,6 +20,8 @@
 #include "engine/base/log.h"
 #include "engine/evaluation/map_evaluation.h"
 #include "engine/models/mesh_file.h"
+#include "engine/pipeline/own_pose_sequence.h"
+#include "engine/recording/landmark_history.h"
 #include "engine/recording/run_file.h"
 #include "engine/recording/run_inputs.h"
 #include "engine/recording/run_summary.h"
@@ -83,7 +85,14 @@ Result<SequenceAlignment> AlignByTrajectory(const EvaluateArguments& arguments,
   if (!reference.ok()) return reference.error();
   if (Status status = CheckHasPoses(**reference, arguments.reference); !status.ok())
     return status.error();
-  return AlignTrajectories(**mapped, **reference);
+  if (OwnPosesOf(**mapped) == nullptr) return AlignTrajectories(**mapped, **reference);
+  const auto reader = RunReader::Open(arguments.run);
+  if (!reader.ok()) return reader.error();
+  const auto landmarks = ReadLandmarks(**reader);
+  if (!landmarks.ok()) return landmarks.error();
+  const LandmarkLoops corrected =
+      ReplayLandmarks(*mapped, header.recipe, (*mapped)->num_frames() - 1, *landmarks);
+  return AlignTrajectories(**mapped, **reference, &corrected);
 }
 
 /// Decides about the alignment, and makes the trajectories' where it is asked for or a start.

@@ -17,7 +17,8 @@ Eigen::Isometry3d UprightFromWorld(const Eigen::Vector3d& gravity_in_world) {
 
 }  // namespace
 
-Result<SequenceAlignment> AlignTrajectories(const Sequence& mapped, const Sequence& reference) {
+Result<SequenceAlignment> AlignTrajectories(const Sequence& mapped, const Sequence& reference,
+                                            const LandmarkLoops* corrected) {
   const auto mapped_gravity = mapped.gravity_in_world();
   const auto reference_gravity = reference.gravity_in_world();
   if (!mapped_gravity || !reference_gravity) {
@@ -30,7 +31,9 @@ Result<SequenceAlignment> AlignTrajectories(const Sequence& mapped, const Sequen
   std::vector<TimedPose> poses, references;
   const auto own_poses = OwnPosesOf(mapped);
   for (int i = 0; i < std::min(mapped.num_frames(), reference.num_frames()); ++i) {
-    const auto pose = own_poses != nullptr ? own_poses->LastKnown(i) : mapped.world_from_cam(i);
+    auto pose = own_poses != nullptr ? own_poses->LastKnown(i) : mapped.world_from_cam(i);
+    const auto known = corrected != nullptr ? corrected->Known(PoseId{i}) : std::nullopt;
+    if (known) pose = known->world_from_cam;
     const auto other = reference.world_from_cam(i);
     if (!pose || !other) continue;
     poses.push_back({mapped.stamp_ns(i), mapped_upright * *pose, std::nullopt});

@@ -4,6 +4,7 @@
 #include "engine/base/result.h"
 #include "engine/dataset/sequence.h"
 #include "engine/evaluation/trajectory_error.h"
+#include "engine/vio/landmark_loops.h"
 
 namespace plumbline {
 
@@ -17,7 +18,9 @@ struct SequenceAlignment {
 /// Aligns the cameras of the frames that have a pose in both, in heading and position.
 /// @param mapped  With the poses of the run: OpenSequenceOfRun.
 /// @param reference  The same frames with other poses.
+/// @param corrected  What corrected poses while the run mapped; null: nothing.
 /// Errors: kDegenerate for fewer than 3 such frames; kInvalidInput without gravity.
-Result<SequenceAlignment> AlignTrajectories(const Sequence& mapped, const Sequence& reference);
+Result<SequenceAlignment> AlignTrajectories(const Sequence& mapped, const Sequence& reference,
+                                            const LandmarkLoops* corrected = nullptr);
 
 }  // namespace plumbline

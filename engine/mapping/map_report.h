@@ -119,7 +119,8 @@ struct LandmarkSighting {
   /// poses [m], [rad].
   Eigen::Vector3d center_in_world{0, 0, 0}, center_in_world_now{0, 0, 0};
   double azimuth_rad = 0, azimuth_now_rad = 0;
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  ///< Of (centre, azimuth), now less then.
+  Eigen::Matrix4d covariance =
+      Eigen::Matrix4d::Identity();  ///< Of (centre, azimuth), now less then.
 };
 
 struct FrameReport {

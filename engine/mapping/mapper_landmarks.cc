@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where settled objects are seen again after the poses have drifted (docs/algorithms/vio.md, "Coming
-// back").
+// Where settled objects are seen again after the poses have drifted (docs/algorithms/vio.md,
+// "Coming back").
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -102,8 +102,7 @@ std::optional<LandmarkSighting> Mapper::Impl::SeenAgain(const MapObject& object,
   const double scale = ViewScale(weight, object.sharpness, options());
   // Neither the floor nor what it knew says anything here: a drift in height would be hidden.
   const Target target = [&](std::span<const PoseHypothesis> hypotheses) {
-    const std::vector<double> sums =
-        SumOverViews(*setup.scorer, map, views, hypotheses, options());
+    const std::vector<double> sums = SumOverViews(*setup.scorer, map, views, hypotheses, options());
     std::vector<Judgement> judged(sums.size());
     for (std::size_t i = 0; i < sums.size(); ++i) judged[i].log_target = scale * sums[i];
     return judged;

@@ -291,7 +291,7 @@ struct MappingPipeline::Impl {
   int options_version = 0;    ///< The preparer's, of `options`.
   std::vector<int> selected;
   std::size_t next = 0;
-  FrameReport last_report;  ///< A skipped frame leaves the map as it was.
+  FrameReport last_report;                   ///< A skipped frame leaves the map as it was.
   std::unique_ptr<LandmarkLoops> landmarks;  ///< Null unless the filter's poses drift.
   std::unique_ptr<BoundedQueue<Prepared>> ahead;
   std::jthread thread;  ///< Last: stops before what it uses goes.
@@ -344,7 +344,7 @@ struct MappingPipeline::Impl {
   }
   /// Any frame of the source, again. Errors: why it cannot be used.
   Result<MapperInput> InputAgain(int frame) {
-    Prepared prepared = PrepareFrame(source->Frame(frame), AtItsTime(source->Pose(frame)));
+    Prepared prepared = PrepareFrame(source->Frame(frame), KnownNow(frame));
     if (!prepared.input) return Error{ErrorCode::kCorrupt, prepared.skipped};
     return std::move(*prepared.input);
   }
@@ -377,15 +377,14 @@ struct MappingPipeline::Impl {
   }
 
   std::shared_ptr<MapSnapshot> Map(Prepared& prepared);
-  std::optional<PoseEstimate> AtItsTime(const std::optional<PoseEstimate>& told) const {
-    return told && landmarks ? landmarks->AtItsTime(*told) : told;
+  std::optional<PoseEstimate> KnownNow(int frame) const {
+    const std::optional<PoseEstimate> told = source->Pose(frame);
+    return told && landmarks ? landmarks->Now(*told) : told;
   }
   /// Points found and poses corrected since the frame before.
   void TakeNews(const Prepared& prepared);
   /// Objects that this frame shows again correct poses, its own as later ones see it included.
   void CloseLoops(FrameReport& report);
-  /// What was corrected up to a frame.
-  void ReplayLandmarks(int last_frame, const LandmarkHistory& history);
 
   /// The map as the last used frame left it.
   FrameReport Skip(const Prepared& prepared) const {
@@ -556,8 +555,8 @@ void MappingPipeline::Impl::TakeNews(const Prepared& prepared) {
   bool replaced = false, late = false;
   for (const auto& one : prepared.news) {
     if (const auto* points = std::get_if<PointEstimates>(&one)) {
-      const PoseEstimate seen_from = landmarks ? landmarks->AtItsTime(points->seen_from)
-                                               : points->seen_from;
+      const PoseEstimate seen_from =
+          landmarks ? landmarks->AtItsTime(points->seen_from) : points->seen_from;
       const Eigen::Isometry3f move(seen_from.world_from_cam *
                                    points->seen_from.world_from_cam.inverse());
       std::vector<Eigen::Vector3f> moved = points->points_in_world;
@@ -607,33 +606,18 @@ Status MappingPipeline::Resume(const FrameReport& report,
   m.mapped_with = m.options;
   while (m.next < m.selected.size() && m.selected[m.next] <= report.frame) ++m.next;
   m.last_report = report;
-  if (m.landmarks) m.ReplayLandmarks(report.frame, landmarks);
-  Status status = m.mapper->Restore(report, [&](int frame) { return m.InputAgain(frame); });
-  if (status.ok() && m.landmarks && !m.landmarks->empty())
-    for (const PoseEstimate& pose : m.landmarks->Known()) m.mapper->Correct(pose);
-  return status;
-}
-
-void MappingPipeline::Impl::ReplayLandmarks(int last_frame, const LandmarkHistory& history) {
-  std::size_t corrections = 0;
-  for (const int frame : selected) {
-    if (frame > last_frame) break;
-    for (; corrections < own_poses->corrections.size() &&
-           own_poses->corrections[corrections].image <= frame;
-         ++corrections) {
-      const PastCorrection& correction = own_poses->corrections[corrections];
-      for (int i = 0; i < correction.image; ++i) {
-        std::optional<PoseEstimate> pose = source->Pose(i);
-        if (!pose) continue;
-        pose->world_from_cam = correction.world_from_cam[static_cast<std::size_t>(i)];
-        pose->epoch = correction.epoch;
-        landmarks->See(*pose);
-      }
-      landmarks->Refresh();
-    }
-    if (const auto told = source->Pose(frame)) landmarks->See(*told);
-    if (const auto seen = history.find(frame); seen != history.end()) landmarks->Add(seen->second);
+  // The report is of before its own landmarks corrected anything.
+  LandmarkHistory before = landmarks;
+  const bool corrects = before.erase(report.frame) > 0;
+  if (m.landmarks) {
+    m.landmarks = std::make_unique<LandmarkLoops>(
+        ReplayLandmarks(m.sequence, m.recipe, report.frame, before));
   }
+  Status status = m.mapper->Restore(report, [&](int frame) { return m.InputAgain(frame); });
+  if (!status.ok() || !m.landmarks || !corrects) return status;
+  m.landmarks->Add(landmarks.at(report.frame));
+  for (const PoseEstimate& pose : m.landmarks->Known()) m.mapper->Correct(pose);
+  return {};
 }
 
 Status MappingPipeline::Plant(const PlantedObject& object) {
@@ -647,6 +631,18 @@ Status MappingPipeline::Plant(const PlantedObject& object) {
                  "nothing can be planted in a run of filter = paper; fork one of the default"};
   impl_->mapper->Plant(*label, object.world_from_object, object.scale, object.why);
   return {};
+}
+
+void MappingPipeline::LookBack(const LandmarkHistory& landmarks) {
+  Impl& m = *impl_;
+  if (!m.landmarks) return;
+  m.landmarks = std::make_unique<LandmarkLoops>(
+      ReplayLandmarks(m.sequence, m.recipe, m.selected.back(), landmarks));
+}
+
+std::optional<Eigen::Isometry3d> MappingPipeline::PoseInTheEnd(int frame) const {
+  const auto known = impl_->landmarks ? impl_->KnownNow(frame) : std::nullopt;
+  return known ? std::optional(known->world_from_cam) : std::nullopt;
 }
 
 Result<MapperInput> MappingPipeline::InputAgain(int frame) { return impl_->InputAgain(frame); }

@@ -71,6 +71,11 @@ class MappingPipeline {
   /// @param landmarks  What corrected poses up to that frame.
   Status Resume(const FrameReport& report, const std::optional<MapperOptions>& options = {},
                 const LandmarkHistory& landmarks = {});
+  /// From here on InputAgain() has the poses that a run ended with, not those that each frame was
+  /// mapped with. @param landmarks  All that corrected poses.
+  void LookBack(const LandmarkHistory& landmarks);
+  /// After LookBack(); nothing where poses are not corrected on the way.
+  std::optional<Eigen::Isometry3d> PoseInTheEnd(int frame) const;
   /// What the mapper is given of any frame of the sequence, computed again (networks are asked only
   /// for what the cache has not). Errors: why the frame cannot be used.
   Result<MapperInput> InputAgain(int frame);

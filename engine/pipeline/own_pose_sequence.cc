@@ -185,4 +185,30 @@ Result<std::optional<Packet>> OwnPoseSource::Next(const std::stop_token& stop) {
   return std::optional<Packet>(std::move(next));
 }
 
+LandmarkLoops ReplayLandmarks(const std::shared_ptr<const Sequence>& sequence,
+                              const RunRecipe& recipe, int last_frame,
+                              const LandmarkHistory& history) {
+  const OwnPoseSource source(sequence);
+  const OwnPoses& poses = *OwnPosesOf(*sequence);
+  LandmarkLoops loops(recipe.own_poses.closing);
+  std::size_t told = 0;  // corrections
+  const int end = std::min(last_frame + 1, source.num_frames());
+  for (int frame = recipe.frames.begin; frame < end; frame += recipe.frames.step) {
+    for (; told < poses.corrections.size() && poses.corrections[told].image <= frame; ++told) {
+      const PastCorrection& correction = poses.corrections[told];
+      for (int i = 0; i < correction.image; ++i) {
+        std::optional<PoseEstimate> pose = source.Pose(i);
+        if (!pose) continue;
+        pose->world_from_cam = correction.world_from_cam[static_cast<std::size_t>(i)];
+        pose->epoch = correction.epoch;
+        loops.See(*pose);
+      }
+      loops.Refresh();
+    }
+    if (const auto pose = source.Pose(frame)) loops.See(*pose);
+    if (const auto seen = history.find(frame); seen != history.end()) loops.Add(seen->second);
+  }
+  return loops;
+}
+
 }  // namespace plumbline

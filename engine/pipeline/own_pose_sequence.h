@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "engine/dataset/sequence.h"
+#include "engine/pipeline/run_recipe.h"
 #include "engine/sources/folder_source.h"
+#include "engine/vio/landmark_loops.h"
 #include "engine/vio/own_pose_report.h"
 
 namespace plumbline {
@@ -20,6 +22,12 @@ std::shared_ptr<const Sequence> WithOwnPoses(std::shared_ptr<const Sequence> giv
 std::shared_ptr<const OwnPoses> OwnPosesOf(const Sequence& sequence);
 /// The sequence with its given poses: what WithOwnPoses was given, or the sequence itself.
 const Sequence& GivenSequence(const Sequence& sequence);
+
+/// What corrected the poses of a run up to a frame, from what its file keeps.
+/// @param sequence  Of WithOwnPoses. @param recipe  Of the run: its frames, and how loops close.
+LandmarkLoops ReplayLandmarks(const std::shared_ptr<const Sequence>& sequence,
+                              const RunRecipe& recipe, int last_frame,
+                              const LandmarkHistory& history);
 
 /// The packets of WithOwnPoses: poses with their covariance, the floor when it becomes known or is
 /// known better, and the points that were finished while poses could be used.

@@ -83,7 +83,8 @@ Result<int> TakeOverPast(const std::filesystem::path& file, int at, MappingPipel
       return status.error();
     restored = std::move(report).value();
   }
-  if (Status status = pipeline.Resume(*restored, {}, landmarks); !status.ok()) return status.error();
+  if (Status status = pipeline.Resume(*restored, {}, landmarks); !status.ok())
+    return status.error();
   return restored->frame;
 }
 

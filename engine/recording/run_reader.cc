@@ -305,12 +305,8 @@ class RunReader::Implementation {
       if (!*row) return events;
       if (integer(2) < 0 || integer(2) > static_cast<int>(EventKind::kPosesCorrected))
         return Corrupt("an event of a kind that is not known");
-      LifeEvent event{static_cast<EventKind>(integer(2)),
-                      {integer(3)},
-                      {integer(4)},
-                      std::string(statement.Text(5)),
-                      {},
-                      {}};
+      LifeEvent event{static_cast<EventKind>(integer(2)), {integer(3)}, {integer(4)},
+                      std::string(statement.Text(5)),     {},           {}};
       if (event.kind == EventKind::kOptionsChanged) {
         Result<std::string> changes =
             event.text.starts_with('{') ? event.text : OptionChangesFromFormat1(event.text);

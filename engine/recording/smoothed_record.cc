@@ -9,6 +9,7 @@
 #include "engine/base/files.h"
 #include "engine/base/json_text.h"
 #include "engine/recording/frame_codec.h"
+#include "engine/recording/landmark_history.h"
 #include "engine/recording/option_history.h"
 #include "engine/recording/run_place.h"
 #include "engine/recording/sqlite.h"
@@ -195,6 +196,9 @@ Result<SmoothingTask> TaskOfRun(RunReader& reader, MappingPipeline& pipeline) {
   pipeline.SetOptions(options->newest());
   SmoothingTask task;
   task.setup = pipeline.setup();
+  const auto landmarks = ReadLandmarks(reader);
+  if (!landmarks.ok()) return landmarks.error();
+  pipeline.LookBack(*landmarks);
   task.load = [&pipeline](int frame) { return pipeline.InputAgain(frame); };
   const Result<std::vector<RunFrame>> frames = reader.Frames();
   if (!frames) return frames.error();
@@ -203,7 +207,8 @@ Result<SmoothingTask> TaskOfRun(RunReader& reader, MappingPipeline& pipeline) {
     const Result<FrameReport> report = reader.ReadFrameBrief(frame.position);
     if (!report.ok()) return report.error();
     if (report->world_from_cam)
-      task.frames.push_back({frame.frame, frame.stamp_ns, *report->world_from_cam});
+      task.frames.push_back({frame.frame, frame.stamp_ns,
+                             pipeline.PoseInTheEnd(frame.frame).value_or(*report->world_from_cam)});
   }
   const Result<std::vector<ObjectTrack>> tracks = reader.ObjectTracks();
   if (!tracks) return tracks.error();

@@ -164,8 +164,7 @@ Eigen::Matrix<double, 2, 8> DistortedCamera::PixelByIntrinsics(
   Eigen::Vector2d m(X / Z, Y / Z);
   Eigen::Matrix<double, 2, 4> m_by_lens = Eigen::Matrix<double, 2, 4>::Zero();
   const double r = std::hypot(X, Y), angle = std::atan2(r, Z);
-  const Eigen::Vector2d direction =
-      r > 0 ? Eigen::Vector2d(X / r, Y / r) : Eigen::Vector2d::Zero();
+  const Eigen::Vector2d direction = r > 0 ? Eigen::Vector2d(X / r, Y / r) : Eigen::Vector2d::Zero();
   switch (model_) {
     case CameraModel::kPinhole:
       break;
@@ -185,8 +184,7 @@ Eigen::Matrix<double, 2, 8> DistortedCamera::PixelByIntrinsics(
     case CameraModel::kFov: {
       const double w = k_[0], tangent = 2 * std::tan(w / 2);
       const double sine = std::sin(angle), cosine = std::cos(angle);
-      const double by_tangent =
-          sine * cosine / (cosine * cosine + tangent * tangent * sine * sine);
+      const double by_tangent = sine * cosine / (cosine * cosine + tangent * tangent * sine * sine);
       const double tangent_by_w = 1 + tangent * tangent / 4;
       m = RadiusAt(angle).value * direction;
       m_by_lens.col(0) = (by_tangent * tangent_by_w / w) * direction - m / w;

@@ -33,8 +33,8 @@ nlohmann::json NumbersOf(const Matrix& matrix) {
 template <typename Matrix>
 void Take(const nlohmann::json& numbers, Matrix& matrix) {
   const auto values = numbers.get<std::vector<double>>();
-  if (std::ssize(values) != matrix.size()) throw nlohmann::json::other_error::create(
-        501, "a matrix of another size", nullptr);
+  if (std::ssize(values) != matrix.size())
+    throw nlohmann::json::other_error::create(501, "a matrix of another size", nullptr);
   std::copy(values.begin(), values.end(), matrix.data());
 }
 
@@ -80,8 +80,7 @@ std::string DescribeLandmarkEdges(std::span<const LandmarkEdge> edges) {
   for (const LandmarkEdge& edge : edges) {
     char part[100];
     std::snprintf(part, sizeof(part), "%sobject %d was seen %.1f cm from where it stood",
-                  text.empty() ? "poses corrected: " : ", ", edge.object.value,
-                  100 * edge.moved_m);
+                  text.empty() ? "poses corrected: " : ", ", edge.object.value, 100 * edge.moved_m);
     text += part;
   }
   return text;
@@ -137,10 +136,9 @@ void LandmarkLoops::Solve() {
     edge.from = static_cast<int>(i) - 1;
     edge.to = static_cast<int>(i);
     edge.step = pose.world_from_cam.translation() - last.world_from_cam.translation();
-    edge.covariance =
-        DriftBetween(last.world_from_cam.translation(), last.uncertainty.drift,
-                     pose.world_from_cam.translation(), pose.uncertainty.drift,
-                     options_.loop_drift_factor);
+    edge.covariance = DriftBetween(last.world_from_cam.translation(), last.uncertainty.drift,
+                                   pose.world_from_cam.translation(), pose.uncertainty.drift,
+                                   options_.loop_drift_factor);
     graph.AddEdge(edge);
   }
   for (const LandmarkEdge& landmark : edges_) {
@@ -162,17 +160,17 @@ void LandmarkLoops::Solve() {
   std::vector<TrajectoryCorrection::Node> corrected;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const GraphPose& pose = graph.poses()[i];
-    const Eigen::Matrix4d common = InFour(
-        MovedBy(pose.position_in_world - begin, nodes.front()->uncertainty.drift));
-    corrected.push_back({nodes[i]->stamp_ns, nodes[i]->world_from_cam.translation(), pose,
-                         marginals[i] + common});
+    const Eigen::Matrix4d common =
+        InFour(MovedBy(pose.position_in_world - begin, nodes.front()->uncertainty.drift));
+    corrected.push_back(
+        {nodes[i]->stamp_ns, nodes[i]->world_from_cam.translation(), pose, marginals[i] + common});
   }
   correction_ = TrajectoryCorrection(std::move(corrected));
   largest_move_m_ = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    largest_move_m_ =
-        std::max(largest_move_m_, (graph.poses()[i].position_in_world -
-                                   nodes[i]->world_from_cam.translation()).norm());
+    largest_move_m_ = std::max(
+        largest_move_m_,
+        (graph.poses()[i].position_in_world - nodes[i]->world_from_cam.translation()).norm());
   }
   const PoseEstimate& newest = told_.rbegin()->second;
   Turn& turn = turns_.back();
@@ -182,9 +180,9 @@ void LandmarkLoops::Solve() {
 }
 
 PoseEstimate LandmarkLoops::AtItsTime(const PoseEstimate& told) const {
-  const auto next = std::lower_bound(
-      turns_.begin(), turns_.end(), told.id.value,
-      [](const Turn& turn, int id) { return turn.after.value < id; });
+  const auto next =
+      std::lower_bound(turns_.begin(), turns_.end(), told.id.value,
+                       [](const Turn& turn, int id) { return turn.after.value < id; });
   if (next == turns_.begin()) return told;
   const Turn& turn = *std::prev(next);
   PoseEstimate pose = told;
@@ -195,6 +193,11 @@ PoseEstimate LandmarkLoops::AtItsTime(const PoseEstimate& told) const {
       turn.corrected + by * (told.uncertainty.drift - turn.of_told) * by.transpose();
   pose.epoch += static_cast<int>(next - turns_.begin());
   return pose;
+}
+
+PoseEstimate LandmarkLoops::Now(const PoseEstimate& told) const {
+  if (turns_.empty() || told.id.value > turns_.back().after.value) return AtItsTime(told);
+  return Known(told.id).value_or(told);
 }
 
 std::optional<PoseEstimate> LandmarkLoops::Known(PoseId id) const {

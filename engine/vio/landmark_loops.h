@@ -59,6 +59,9 @@ class LandmarkLoops {
   /// Any pose of the source as it is known when nothing came after it: moved by what was added up
   /// to then. Its epoch counts these corrections.
   PoseEstimate AtItsTime(const PoseEstimate& told) const;
+  /// Any pose of the source as it is known now: Known() up to the last correction, and carried on
+  /// from there.
+  PoseEstimate Now(const PoseEstimate& told) const;
   /// All poses that were seen, as they are known now; with a higher epoch than they had.
   std::vector<PoseEstimate> Known() const;
   /// One of them; nothing where nobody told it.

@@ -23,8 +23,8 @@ double Square(double x) { return x * x; }
 
 }  // namespace
 
-FilterState MakeStart(const InertialState& inertial, const Camera& camera,
-                      double time_offset_s, const StartSpread& spread, const VioOptions& options) {
+FilterState MakeStart(const InertialState& inertial, const Camera& camera, double time_offset_s,
+                      const StartSpread& spread, const VioOptions& options) {
   using Covariance = Eigen::Matrix<double, kCalibratedSize, kCalibratedSize>;
   Covariance plain = Covariance::Zero();
   auto diagonal = plain.diagonal();

@@ -23,8 +23,8 @@ struct StartSpread {
 
 /// A filter's state whose errors of rotation, velocity and position are independent. The
 /// calibration's spread comes from `options`. @param camera  With `body_from_cam`.
-FilterState MakeStart(const InertialState& inertial, const Camera& camera,
-                      double time_offset_s, const StartSpread& spread, const VioOptions& options);
+FilterState MakeStart(const InertialState& inertial, const Camera& camera, double time_offset_s,
+                      const StartSpread& spread, const VioOptions& options);
 
 /// What a rest says of the state at its end.
 struct RestStart {

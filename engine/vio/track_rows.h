@@ -26,8 +26,8 @@ class ColumnLayout {
 
   int camera() const { return 0; }
   bool has_lens() const { return has_lens_; }
-  int lens() const { return kPoseSize; }     ///< First column, where it has any.
-  int clone(std::int64_t id) const;  ///< First column.
+  int lens() const { return kPoseSize; }  ///< First column, where it has any.
+  int clone(std::int64_t id) const;       ///< First column.
   int size() const { return size_; }
   std::span<const RowRange> rows() const { return rows_; }
 

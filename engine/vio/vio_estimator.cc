@@ -42,8 +42,7 @@ VioEstimator::VioEstimator(const Camera& camera, const ImuCalibration& imu,
 
 void VioEstimator::Begin(InertialState inertial, StartSpread spread) {
   JoinLastStretch(inertial, spread);
-  BeginWith(
-      MakeStart(inertial, camera_, calibration_.time_offset_s, spread, options_));
+  BeginWith(MakeStart(inertial, camera_, calibration_.time_offset_s, spread, options_));
 }
 
 void VioEstimator::JoinLastStretch(InertialState& inertial, StartSpread& spread) const {
@@ -115,8 +114,7 @@ std::string VioEstimator::TryRestStart(const TrackedImage& image) {
   InertialState inertial = start->inertial;
   StartSpread spread = start->spread;
   JoinLastStretch(inertial, spread);
-  FilterState state =
-      MakeStart(inertial, camera_, calibration_.time_offset_s, spread, options_);
+  FilterState state = MakeStart(inertial, camera_, calibration_.time_offset_s, spread, options_);
   UpdateWithForce(start->force, calibration_.gravity_m_s2, state);
   BeginWith(state);
   return "";
@@ -145,8 +143,7 @@ void VioEstimator::SeekClock(std::span<const TrackedImage> images) {
 InertialState VioEstimator::LookedAtAgain(const InertialState& start,
                                           const StartSpread& spread) const {
   VioFilter filter(camera_, calibration_, options_);
-  filter.Start(
-      MakeStart(start, camera_, calibration_.time_offset_s, spread, options_));
+  filter.Start(MakeStart(start, camera_, calibration_.time_offset_s, spread, options_));
   for (const TrackedImage& image : window_) filter.Step(image, imu_, false);
   if (!filter.state().finite()) return start;
   const InertialState& end = filter.state().inertial();

@@ -285,8 +285,8 @@ std::optional<VioFilter::PointSight> VioFilter::SeePoint(const StatePoint& point
   PLB_CHECK(anchor != nullptr);
   const PoseClone& present = state_.clones().back();
   if (point.bearing_and_inverse_depth.z() <= 0) return std::nullopt;
-  const AnchoredPoint placed = PlacePoint(state_.body_from_cam(), anchor->world_from_body,
-                                          point.bearing_and_inverse_depth);
+  const AnchoredPoint placed =
+      PlacePoint(state_.body_from_cam(), anchor->world_from_body, point.bearing_and_inverse_depth);
   const auto view = ViewPoint(camera_, state_.body_from_cam(),
                               pixels_.WorldFromBody(present, pixel.y()), placed.point_in_world);
   if (!view) return std::nullopt;
@@ -306,8 +306,7 @@ std::optional<VioFilter::PointSight> VioFilter::SeePoint(const StatePoint& point
   return sight;
 }
 
-std::pair<Eigen::MatrixXd, Eigen::VectorXd> VioFilter::Stacked(
-    std::span<const PointSight> sights) {
+std::pair<Eigen::MatrixXd, Eigen::VectorXd> VioFilter::Stacked(std::span<const PointSight> sights) {
   const auto rows = 2 * static_cast<Eigen::Index>(sights.size());
   Eigen::MatrixXd jacobian(rows, sights.front().by_state.cols());
   Eigen::VectorXd residual(rows);
@@ -382,8 +381,8 @@ void VioFilter::UpdateWithPoints(const TrackedImage& image, FilterStep& step) {
   for (std::size_t i = 0; i < state_.points().size(); ++i) {
     StatePoint& point = state_.points()[i];
     const auto pixel = seen.find(point.track);
-    auto sight = pixel == seen.end() ? std::nullopt
-                                     : SeePoint(point, pixel->second, layout, columns[i]);
+    auto sight =
+        pixel == seen.end() ? std::nullopt : SeePoint(point, pixel->second, layout, columns[i]);
     if (sight) {
       ++point.age;
       sights.push_back(std::move(*sight));
@@ -417,9 +416,8 @@ void VioFilter::UpdateWithPoints(const TrackedImage& image, FilterStep& step) {
 }
 
 const StatePoint* VioFilter::FindPoint(std::int64_t track) const {
-  const auto found =
-      std::find_if(state_.points().begin(), state_.points().end(),
-                   [&](const StatePoint& point) { return point.track == track; });
+  const auto found = std::find_if(state_.points().begin(), state_.points().end(),
+                                  [&](const StatePoint& point) { return point.track == track; });
   PLB_CHECK(found != state_.points().end());
   return &*found;
 }

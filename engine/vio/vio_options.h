@@ -25,7 +25,7 @@ struct VioOptions {
   double image_jitter_px = 0.2;
   double image_jitter_m = 0.0005;
   double age_noise = 0.0;
-  double blur_noise = 0.0;
+  double blur_noise = 0.03;
   int max_point_age = 300;
   double rolling_shutter_s = 0;
   double imu_noise_factor = 1.5;

@@ -126,12 +126,11 @@ void SimulateImages(const VioSimulation& options, const Path& path, SimulatedRec
     image.stamp_ns = ToNs(t);
     for (const auto& [i, id] : followed) {
       Eigen::Vector2d pixel = seen[i];
-      if (t > options.sliding_from_s &&
-          static_cast<double>(i % 100) < 100 * options.sliding_share)
+      if (t > options.sliding_from_s && static_cast<double>(i % 100) < 100 * options.sliding_share)
         pixel.x() += options.sliding_px * options.image_hz * (t - options.sliding_from_s);
       image.points.push_back(
-          {id, pixel + options.pixel_noise_px *
-                           Eigen::Vector2d(random.Gaussian(), random.Gaussian())});
+          {id,
+           pixel + options.pixel_noise_px * Eigen::Vector2d(random.Gaussian(), random.Gaussian())});
     }
     result.images.push_back(image);
     result.truth.push_back({image.stamp_ns, path.At(imu_t), path.Velocity(imu_t), options.gyro_bias,

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 #include <stop_token>
@@ -166,6 +167,114 @@ TEST_F(PipelineTest, LiveItTurnsAwayWhatItCannotPlay) {
   recipe.live_speed = 1;
   recipe.poses.source = PoseSource::kVio;
   EXPECT_THAT(MappingPipeline::Open(recipe, {}).error().message, HasSubstr("loops=causal"));
+}
+
+/// Poses of a filter that is right until `from` and then off by `drift`, in three frames, and says
+/// that it may be.
+std::shared_ptr<const OwnPoses> PosesThatDrift(const Sequence& truth, int from,
+                                               const Eigen::Isometry3d& drift) {
+  auto poses = std::make_shared<OwnPoses>();
+  poses->frames.resize(static_cast<std::size_t>(truth.num_frames()));
+  for (int i = 0; i < truth.num_frames(); ++i) {
+    OwnPoseReport& frame = poses->frames[static_cast<std::size_t>(i)];
+    const double share = std::clamp((i - from) / 3.0, 0.0, 1.0);
+    Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
+    moved.linear() = Eigen::Quaterniond::Identity()
+                         .slerp(share, Eigen::Quaterniond(drift.linear()))
+                         .toRotationMatrix();
+    moved.translation() = share * drift.translation();
+    frame.ready = true;
+    frame.vio.phase = VioPhase::kTracking;
+    frame.vio.stamp_ns = truth.stamp_ns(i);
+    frame.world_from_cam = moved * *truth.world_from_cam(i);
+    const double spread = 1e-4 + 0.03 * share;
+    frame.cam_covariance.diagonal() << spread * spread, spread * spread, spread * spread, 1e-8,
+        1e-8, 0.1 * spread * spread;
+    frame.floor = FloorReport{0, 0.01, 100};
+  }
+  return poses;
+}
+
+/// Frames 0 to 54 show the room from side to side, so the objects are known before poses drift.
+class LandmarkPipelineTest : public PipelineTest {
+ protected:
+  static constexpr int kDriftsFrom = 40;
+  LandmarkPipelineTest() {
+    drift_.linear() = Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    drift_.translation() << -0.05, 0.04, 0.0;
+    truth_ = OpenSequence(Original()).value();
+    poses_ = PosesThatDrift(*truth_, kDriftsFrom, drift_);
+  }
+  std::unique_ptr<MappingPipeline> OpenDrifting(double landmark_drift_m) {
+    RunRecipe recipe;
+    recipe.sequence = Original();
+    recipe.seed = 1;
+    recipe.poses.source = PoseSource::kVio;
+    recipe.options.landmark_drift_m = landmark_drift_m;
+    auto opened = MappingPipeline::Open(recipe, {}, poses_);
+    EXPECT_TRUE(opened.ok()) << opened.error().message;
+    return std::move(opened).value();
+  }
+  double ErrorOf(const FrameReport& report) const {
+    return (report.world_from_cam->translation() -
+            truth_->world_from_cam(report.frame)->translation())
+        .norm();
+  }
+  static LandmarkHistory LandmarksOf(const std::vector<FrameReport>& run, int last_frame) {
+    LandmarkHistory history;
+    for (const FrameReport& report : run) {
+      for (const LifeEvent& event : report.events) {
+        if (event.kind == EventKind::kPosesCorrected && report.frame <= last_frame)
+          history[report.frame] = LandmarkEdgesFromText(event.landmarks).value();
+      }
+    }
+    return history;
+  }
+
+  Eigen::Isometry3d drift_ = Eigen::Isometry3d::Identity();
+  std::shared_ptr<const Sequence> truth_;
+  std::shared_ptr<const OwnPoses> poses_;
+};
+
+TEST_F(LandmarkPipelineTest, ObjectsSeenAgainCorrectPosesAndNoneStandsTwice) {
+  const auto drifting = OpenDrifting(0);
+  const std::vector<FrameReport> without = Rest(*drifting);
+  ASSERT_GT(ErrorOf(without.back()), 0.07);
+  EXPECT_TRUE(LandmarksOf(without, 1000).empty());
+
+  const auto pipeline = OpenDrifting(0.02);
+  const std::vector<FrameReport> run = Rest(*pipeline);
+  const LandmarkHistory landmarks = LandmarksOf(run, 1000);
+  ASSERT_FALSE(landmarks.empty());
+  EXPECT_GT(landmarks.begin()->first, kDriftsFrom);
+  EXPECT_LT(ErrorOf(run.back()), 0.02);
+  int confirmed = 0;
+  for (const ObjectReport& object : run.back().objects)
+    confirmed += object.state == ObjectState::kConfirmed;
+  EXPECT_EQ(confirmed, 3);
+  // In the end it is known where the frames were that were mapped while nobody knew of the drift.
+  const int late = landmarks.begin()->first;
+  EXPECT_GT(ErrorOf(run[static_cast<std::size_t>(late)]), 0.04);
+  pipeline->LookBack(landmarks);
+  EXPECT_LT(
+      (pipeline->PoseInTheEnd(late)->translation() - truth_->world_from_cam(late)->translation())
+          .norm(),
+      0.025);
+  EXPECT_LT((pipeline->InputAgain(late)->world_from_cam.translation() -
+             truth_->world_from_cam(late)->translation())
+                .norm(),
+            0.025);
+
+  // A resumed run is the same, whenever it was left.
+  for (const int after : {kDriftsFrom, late - 1, late, late + 2}) {
+    const auto resumed = OpenDrifting(0.02);
+    ASSERT_TRUE(
+        resumed->Resume(run[static_cast<std::size_t>(after)], {}, LandmarksOf(run, after)).ok());
+    const std::vector<FrameReport> rest = Rest(*resumed);
+    ASSERT_EQ(rest.size(), run.size() - static_cast<std::size_t>(after) - 1);
+    for (std::size_t i = 0; i < rest.size(); ++i)
+      ExpectSame(rest[i], run[static_cast<std::size_t>(after) + 1 + i]);
+  }
 }
 
 TEST_F(PipelineTest, LiveItStopsWaitingWhenAskedTo) {

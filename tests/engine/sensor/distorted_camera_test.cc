@@ -147,9 +147,9 @@ TEST(DistortedCamera, DerivativeByTheIntrinsicsIsThatOfCentralDifferences) {
         DistortedCamera::Intrinsics more = values, less = values;
         more[k] += h;
         less[k] -= h;
-        numeric.col(k) = (lens.With(more).Project(point)->pixel -
-                          lens.With(less).Project(point)->pixel) /
-                         (2 * h);
+        numeric.col(k) =
+            (lens.With(more).Project(point)->pixel - lens.With(less).Project(point)->pixel) /
+            (2 * h);
       }
       const auto analytic = lens.PixelByIntrinsics(point);
       EXPECT_LT((analytic - numeric).norm(), 1e-5 * (1 + analytic.norm()))

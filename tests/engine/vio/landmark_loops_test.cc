@@ -21,9 +21,9 @@ Walk MakeWalk() {
   for (int k = 0; k < 200; ++k) {
     const double angle = 2 * M_PI * k / 199;
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.linear() =
-        (Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX())).toRotationMatrix();
+    pose.linear() = (Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) *
+                     Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()))
+                        .toRotationMatrix();
     pose.translation() << 2 * std::cos(angle), 2 * std::sin(angle), 1.4;
     const Eigen::Isometry3d step =
         k == 0 ? pose : Eigen::Isometry3d(walk.truth.back().inverse() * pose);

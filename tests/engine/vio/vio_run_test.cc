@@ -98,8 +98,7 @@ TEST(VioRun, FindsTheCalibrationThatItWasGivenWrongly) {
 }
 
 TEST(VioRun, FindsIntrinsicsAndReadOutThatItWasGivenWrongly) {
-  SimulatedRecording recording =
-      Simulate({.seconds = 40, .rolling_shutter_s = 0.02, .seed = 4});
+  SimulatedRecording recording = Simulate({.seconds = 40, .rolling_shutter_s = 0.02, .seed = 4});
   const Camera truth = recording.camera;
   recording.camera.pinhole.fx *= 1.01;
   recording.camera.pinhole.fy *= 0.99;
@@ -126,8 +125,7 @@ TEST(VioRun, FollowsTheRoomAndNotWhatSlidesThroughThePicture) {
   const VioReport last = RunOn(recording, true).reports.back();
   const ReferenceState& truth = TruthAt(recording, last.stamp_ns);
   EXPECT_EQ(last.stretch, 1);
-  EXPECT_LT((last.world_from_body.translation() - truth.world_from_body.translation()).norm(),
-            0.1);
+  EXPECT_LT((last.world_from_body.translation() - truth.world_from_body.translation()).norm(), 0.1);
 }
 
 TEST(VioRun, GivesTheSameTwice) {
