@@ -2,6 +2,7 @@
 // What panels keep in the window's settings; only where the window is built.
 #include <array>
 
+#include "engine/snapshot/map_snapshot.h"
 #include "tests/fuzz/fuzz_targets.h"
 #include "tests/ui/panel_harness.h"
 #include "ui/files/kept_value.h"
