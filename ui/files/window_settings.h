@@ -22,7 +22,7 @@ struct WindowSettings {
   std::optional<std::pair<int, int>> size;  ///< Of the window, in its own units.
 };
 
-/// The largest side of a window; more than that no screen has, and X11 ends the program.
+/// The largest side of a window: more than any screen has.
 inline constexpr int kLargestWindow = 16384;
 
 /// Settings that the file has; an empty object where there is no file or it cannot be read, which
