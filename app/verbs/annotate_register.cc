@@ -10,58 +10,21 @@
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
 #include "engine/annotation/reopening.h"
-#include "engine/base/files.h"
 #include "engine/models/mesh_file.h"
+#include "engine/session/registration_pairs.h"
 #include "engine/session/sequence_registration.h"
 
 namespace plumbline {
 namespace {
-
-struct Picks {
-  std::vector<FramePick> in_frames;
-  std::vector<PickedPair> in_world;
-};
-
-/// [{"in_scan": [x, y, z], "frame": n, "pixel": [u, v]} or {"in_scan", "in_world": [x, y, z]}]
-Result<Picks> ReadPicks(const std::string& file) {
-  const auto read = ReadJson(file);
-  if (!read) return read.error();
-  int number = 0;
-  try {
-    Picks picks;
-    const auto point = [](const nlohmann::json& list) {
-      return Eigen::Vector3d(list.at(0).get<double>(), list.at(1).get<double>(),
-                             list.at(2).get<double>());
-    };
-    for (const nlohmann::json& pair : *read) {
-      ++number;
-      const Eigen::Vector3d in_scan = point(pair.at("in_scan"));
-      if (pair.contains("in_world")) {
-        picks.in_world.push_back({in_scan, point(pair.at("in_world"))});
-      } else {
-        const nlohmann::json& pixel = pair.at("pixel");
-        picks.in_frames.push_back(
-            {in_scan, pair.at("frame").get<int>(),
-             Eigen::Vector2d(pixel.at(0).get<double>(), pixel.at(1).get<double>())});
-      }
-    }
-    return picks;
-  } catch (const nlohmann::json::exception&) {
-    return Error{ErrorCode::kInvalidInput,
-                 "'" + file + "', pair " + std::to_string(number) +
-                     ": a pair is {in_scan: [x, y, z], frame, pixel: [u, v]} or {in_scan, "
-                     "in_world: [x, y, z]}"};
-  }
-}
 
 Result<SequenceAlignment> Align(const AnnotationProject& project, const Sequence& sequence,
                                 const RegisterArguments& arguments,
                                 std::vector<std::string>& names) {
   const AnnotationDocument& document = project.document();
   if (!arguments.pairs.empty()) {
-    const auto picks = ReadPicks(arguments.pairs);
-    if (!picks) return picks.error();
-    auto found = RegisterByPicks(document, sequence, picks->in_frames, picks->in_world);
+    const auto pairs = ReadRegistrationPairs(arguments.pairs);
+    if (!pairs) return pairs.error();
+    auto found = RegisterByPicks(document, sequence, pairs->in_frames, pairs->in_world);
     if (found) return found;
     return Error{found.error().code, "'" + arguments.pairs + "': " + found.error().message};
   }

@@ -199,7 +199,8 @@ Status WriteSensorFiles(const fs::path& folder, const Sequence& sequence, const 
                         const RigEstimate& result) {
   const auto patched = [&](const char* name, nlohmann::json changes) -> Status {
     nlohmann::json json = nlohmann::json::object();
-    if (const auto before = ReadJson(sequence.path() / name); before.ok()) json = *before;
+    const auto before = ReadJson(sequence.path() / name);
+    if (before.ok() && before->is_object()) json = *before;
     json.update(changes);
     return WriteFileAtomically(folder / name, json.dump(1) + "\n");
   };

@@ -5,6 +5,7 @@
 #include "app/window/application.h"
 #include "engine/base/files.h"
 #include "engine/base/log.h"
+#include "ui/files/window_settings.h"
 
 // What the window tells of itself to scripts and tests, and what it keeps from one day to the next.
 
@@ -47,27 +48,14 @@ nlohmann::json Application::State() const {
 }
 
 void Application::LoadSettings() {
-  nlohmann::json settings = nlohmann::json::object();
-  if (!options_.settings.empty() && std::filesystem::exists(options_.settings)) {
-    const auto read = ReadJson(options_.settings);
-    if (read.ok() && read->is_object())
-      settings = *read;
-    else
-      log::warn("the window's settings are ignored: {}",
-                read.ok() ? "they are no JSON object" : read.error().message);
-  }
-  try {
-    for (Workspace* workspace : workspaces()) workspace->LoadSettings(settings, context_);
-    context_.light = settings.value("light", context_.light);
-    context_.recent = settings.value("recent", std::vector<std::string>());
-    path_dialog_.SetPlaces(settings.value("places", std::vector<std::string>()));
-    if (settings.contains("ui_scale")) wanted_scale_ = settings.at("ui_scale").get<double>();
-    if (settings.contains("window")) {
-      window_->Resize(settings.at("window").at(0), settings.at("window").at(1));
-    }
-  } catch (const nlohmann::json::exception& error) {
-    log::warn("{}: some settings are ignored: {}", options_.settings.string(), error.what());
-  }
+  const nlohmann::json settings = ReadSettings(options_.settings);
+  for (Workspace* workspace : workspaces()) workspace->LoadSettings(settings, context_);
+  WindowSettings window = WindowSettingsFromJson(settings);
+  if (window.light) context_.light = *window.light;
+  context_.recent = std::move(window.recent);
+  path_dialog_.SetPlaces(std::move(window.places));
+  if (window.ui_scale) wanted_scale_ = window.ui_scale;
+  if (window.size) window_->Resize(window.size->first, window.size->second);
 }
 
 void Application::SaveSettings() const {

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "engine/base/files.h"
+#include "ui/files/script_file.h"
 #include "ui/framework/actions.h"
 
 namespace plumbline {
@@ -12,62 +13,6 @@ namespace {
 
 Error Wrong(const nlohmann::json& step, const std::string& why) {
   return {ErrorCode::kInvalidInput, "script step " + step.dump() + ": " + why};
-}
-
-/// What the value of a key of a step has to be.
-struct StepKey {
-  const char* key;
-  const char* is;
-  bool (*fits)(const nlohmann::json& value);
-};
-
-bool IsText(const nlohmann::json& value) { return value.is_string(); }
-bool IsWhole(const nlohmann::json& value) { return value.is_number_integer(); }
-bool IsSwitch(const nlohmann::json& value) { return value.is_boolean(); }
-bool IsPair(const nlohmann::json& value) {
-  return value.is_array() && value.size() == 2 && value[0].is_number() && value[1].is_number();
-}
-bool AreTexts(const nlohmann::json& value) {
-  return value.is_array() && std::all_of(value.begin(), value.end(), IsText);
-}
-
-constexpr StepKey kStepKeys[] = {
-    {"key", "a text", IsText},
-    {"text", "a text", IsText},
-    {"click", "a text", IsText},
-    {"double_click", "a text", IsText},
-    {"drag", "a text", IsText},
-    {"wheel", "a text", IsText},
-    {"hover", "a text", IsText},
-    {"button", "a text", IsText},
-    {"screenshot", "a text", IsText},
-    {"of", "a text", IsText},
-    {"dump_state", "a text", IsText},
-    {"open", "a text", IsText},
-    {"drop", "a list of texts", AreTexts},
-    {"times", "a whole number", IsWhole},
-    {"amount", "a whole number", IsWhole},
-    {"wait_frames", "a whole number", IsWhole},
-    {"timeout_s", "a number", [](const nlohmann::json& value) { return value.is_number(); }},
-    {"shift", "true or false", IsSwitch},
-    {"control", "true or false", IsSwitch},
-    {"alt", "true or false", IsSwitch},
-    {"at", "two numbers", IsPair},
-    {"from", "two numbers", IsPair},
-    {"to", "two numbers", IsPair},
-    {"resize", "two numbers", IsPair},
-    {"wait_for", "an object", [](const nlohmann::json& value) { return value.is_object(); }}};
-
-/// Why a step cannot be done whatever the window shows; "": it may be.
-std::string ProblemOf(const nlohmann::json& step) {
-  if (!step.is_object() || step.empty()) return "is " + step.dump() + ", but must be an object";
-  for (const StepKey& known : kStepKeys) {
-    const auto value = step.find(known.key);
-    if (value != step.end() && !known.fits(*value))
-      return std::string("\"") + known.key + "\" must be " + known.is + ", but is " + value->dump();
-  }
-  if (step.contains("drag") && !step.contains("to")) return "\"drag\" needs \"to\"";
-  return "";
 }
 
 int ButtonOf(const nlohmann::json& step) {
@@ -95,20 +40,8 @@ bool Matches(const nlohmann::json& wanted, const nlohmann::json& state) {
 }  // namespace
 
 Result<UiScript> UiScript::Load(const std::filesystem::path& file) {
-  const auto content = ReadJson(file);
-  if (!content.ok()) return content.error();
-  const auto steps = content->find("steps");
-  if (steps == content->end() || !steps->is_array()) {
-    return Error{ErrorCode::kInvalidInput, file.string() + ": a script is {\"steps\": [...]}"};
-  }
-  int number = 0;
-  for (const nlohmann::json& step : *steps) {
-    ++number;
-    if (const std::string problem = ProblemOf(step); !problem.empty()) {
-      return Error{ErrorCode::kInvalidInput,
-                   file.string() + ": step " + std::to_string(number) + ": " + problem};
-    }
-  }
+  const auto steps = ReadScript(file);
+  if (!steps.ok()) return steps.error();
   UiScript script;
   script.steps_.assign(steps->begin(), steps->end());
   return script;

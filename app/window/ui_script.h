@@ -31,8 +31,7 @@ class UiScript {
     std::function<void(std::vector<std::string> files)> drop;
   };
 
-  /// Errors: kNotFound, kCorrupt, kInvalidInput, naming the file, the step by its number
-  /// and the key.
+  /// Errors: those of ReadScript.
   static Result<UiScript> Load(const std::filesystem::path& file);
 
   /// Before ImGui::NewFrame: replaces the user's input. `widgets` are those of the last frame.

@@ -20,6 +20,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/files.h"
+#include "engine/models/assimp_check.h"
 
 namespace plumbline {
 namespace {
@@ -49,49 +50,14 @@ aiColor4D Encoded(aiColor4D color) {
   return {Encoded(color.r), Encoded(color.g), Encoded(color.b), color.a};
 }
 
-/// Whether a file of materials (.mtl) names a texture before any material: assimp 5.2 crashes on
-/// it.
-bool HasTextureOfNoMaterial(const std::string& materials) {
-  std::istringstream lines(materials);
-  for (std::string line, word; std::getline(lines, line);) {
-    word.clear();
-    std::istringstream(line) >> word;
-    word = InLowerCase(word);
-    if (word == "newmtl") return false;
-    for (const char* texture : {"map_", "bump", "norm", "disp", "refl"})
-      if (word.starts_with(texture)) return true;
-  }
-  return false;
-}
-
-/// The files of materials that an .obj names, and the one that assimp looks for beside it.
-std::vector<std::filesystem::path> MaterialsOf(const std::filesystem::path& obj) {
-  std::vector<std::filesystem::path> files = {std::filesystem::path(obj).replace_extension(".mtl")};
-  const Result<std::string> text = ReadFile(obj);
-  if (!text.ok()) return files;
-  std::istringstream lines(*text);
-  for (std::string line, word; std::getline(lines, line);) {
-    std::istringstream words(line);
-    if (!(words >> word) || InLowerCase(word) != "mtllib") continue;
-    std::getline(words >> std::ws, word);
-    files.push_back(obj.parent_path() / word.substr(0, word.find_last_not_of(" \r") + 1));
-  }
-  return files;
-}
-
 /// Of one file.
 class AssimpReader {
  public:
   explicit AssimpReader(const std::filesystem::path& file) : file_(file), ending_(EndingOf(file)) {}
 
   Result<TexturedMesh> Read() {
-    for (const std::filesystem::path& file :
-         ending_ == ".obj" ? MaterialsOf(file_) : std::vector<std::filesystem::path>{}) {
-      const Result<std::string> materials = ReadFile(file);
-      if (materials.ok() && HasTextureOfNoMaterial(*materials))
-        return Error{ErrorCode::kCorrupt,
-                     "'" + file.string() + "' names a texture before any material (newmtl)"};
-    }
+    if (const Status status = CheckBeforeAssimp(file_, ending_); !status.ok())
+      return status.error();
     Assimp::Importer importer;
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                 aiPrimitiveType_POINT | aiPrimitiveType_LINE);

@@ -3,9 +3,11 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <stdexcept>
 
 #include "engine/base/data_paths.h"
 #include "engine/base/files.h"
+#include "engine/base/json_text.h"
 #include "engine/models/mesh_file.h"
 #include "engine/models/model_entry.h"
 
@@ -28,7 +30,11 @@ std::string MeshHash(const TriangleMesh& mesh) {
 
 Result<Symmetry> ParseSymmetry(const nlohmann::json& json, const std::string& where) {
   Symmetry symmetry;
-  symmetry.order = json.value("order", 1);
+  try {
+    symmetry.order = IntFromJson(json.value("order", nlohmann::json(1)));
+  } catch (const std::range_error&) {
+    symmetry.order = -1;
+  }
   if (symmetry.order < 0) {
     return Error{ErrorCode::kInvalidInput,
                  where + ": symmetry.order must be 0 (continuous), 1 (none) or more"};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/recording/own_pose_record.h"
 
+#include <exception>
+
 #include <nlohmann/json.hpp>
 
 #include "engine/base/json_text.h"
@@ -47,9 +49,9 @@ Status LoadLoops(sqlite::Database& database, OwnPoses& poses) {
   const Result<std::string> report = database.QueryText("SELECT report FROM own_pose_loops");
   if (!report) return report.error();
   poses.causal = *causal != 0;
-  try {  // damage may leave values of another type
+  try {  // damage may leave values of another type, or numbers that do not fit
     poses.loops = LoopReportFromJson(ParseJson(*report));
-  } catch (const nlohmann::json::exception&) {
+  } catch (const std::exception&) {
     return Error{ErrorCode::kCorrupt, "the closed loops in " + database.file().string() +
                                           " are damaged; repeat the run"};
   }

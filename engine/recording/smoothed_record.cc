@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/recording/smoothed_record.h"
 
+#include <exception>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -158,12 +159,13 @@ Result<std::optional<SmoothedMap>> ReadSmoothed(const std::filesystem::path& run
   if (!json.is_object()) return Corrupt(run);
   SmoothedMap map;
   try {
-    map.last_frame = json.value("last_frame", 0);
-    map.looks = json.value("looks", 0);
-    map.floor_objects = json.value("floor_objects", 0);
+    const nlohmann::json none = 0;
+    map.last_frame = IntFromJson(json.value("last_frame", none));
+    map.looks = IntFromJson(json.value("looks", none));
+    map.floor_objects = IntFromJson(json.value("floor_objects", none));
     map.floor_height_m = json.value("floor_height_m", 0.0);
     map.floor_std_m = json.value("floor_std_m", 0.0);
-  } catch (const nlohmann::json::exception&) {  // values of the wrong type
+  } catch (const std::exception&) {  // values of the wrong type, or numbers that do not fit
     return Corrupt(run);
   }
   Result<sqlite::Statement> rows = (*database)->Prepare(

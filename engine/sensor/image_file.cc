@@ -3,6 +3,7 @@
 
 #include <cctype>
 #include <csetjmp>
+#include <cstdint>
 #include <cstdio>  // jpeglib.h needs FILE
 #include <cstring>
 #include <string>
@@ -37,8 +38,14 @@ Decoding DecodingOf(ImageKind kind) {
   return {};
 }
 
-/// Images larger than this are taken for damaged headers.
+/// Images larger than this are taken for damaged headers: 268 million pixels, 0.8 GB in colour.
 constexpr int kMaxSide = 32768;
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
+
+bool IsTooLarge(cv::Size size) {
+  return size.width > kMaxSide || size.height > kMaxSide ||
+         std::int64_t{size.width} * size.height > kMaxPixels;
+}
 
 std::string Text(cv::Size size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
@@ -154,8 +161,7 @@ Result<cv::Mat> ReadImage(const std::filesystem::path& file, ImageKind kind,
     }
     if (const auto problem = SizeProblem(size, wanted))
       return error(ErrorCode::kInvalidInput, *problem);
-    if (size.width > kMaxSide || size.height > kMaxSide)
-      return error(ErrorCode::kCorrupt, "claims to be " + Text(size));
+    if (IsTooLarge(size)) return error(ErrorCode::kCorrupt, "claims to be " + Text(size));
     cv::Mat image(size, type);
     if (!DecodeJpeg(data, bytes.size(), &size, &image, &errors)) {
       return error(ErrorCode::kCorrupt, std::string("is truncated or damaged: ") + errors.message);
@@ -167,7 +173,7 @@ Result<cv::Mat> ReadImage(const std::filesystem::path& file, ImageKind kind,
     if (!size) return error(ErrorCode::kCorrupt, "is truncated or damaged");
     if (const auto problem = SizeProblem(*size, wanted))
       return error(ErrorCode::kInvalidInput, *problem);
-    if (size->width < 1 || size->height < 1 || size->width > kMaxSide || size->height > kMaxSide) {
+    if (size->width < 1 || size->height < 1 || IsTooLarge(*size)) {
       return error(ErrorCode::kCorrupt, "claims to be " + Text(*size));
     }
     cv::Mat image;

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/vio/loop_report.h"
 
+#include <type_traits>
+
 #include <nlohmann/json.hpp>
+
+#include "engine/base/json_text.h"
 
 namespace plumbline {
 
@@ -36,7 +40,11 @@ nlohmann::json ToJson(const LoopReport& report) {
 LoopReport LoopReportFromJson(const nlohmann::json& json) {
   LoopReport report;
   const auto read = [](const nlohmann::json& from, const char* name, auto& field) {
-    field = from.value(name, field);
+    if constexpr (std::is_same_v<std::decay_t<decltype(field)>, int>) {
+      if (from.contains(name)) field = IntFromJson(from.at(name));
+    } else {
+      field = from.value(name, field);
+    }
   };
   read(json, "has_images", report.has_images);
   read(json, "epochs", report.epochs);

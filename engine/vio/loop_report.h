@@ -49,7 +49,8 @@ struct LoopReport {
   }
 };
 
-/// For results and run files. What is missing from the second is left at its default.
+/// For results and run files. What is missing from the second is left at its default; throws
+/// std::exception for values of another type and whole numbers that do not fit.
 nlohmann::json ToJson(const LoopReport& report);
 LoopReport LoopReportFromJson(const nlohmann::json& json);
 

@@ -138,7 +138,8 @@ std::optional<EdgeMap> DecodeEdges(std::string_view content) {
   EdgeMap edges;
   for (cv::Mat* map : {&edges.probability, &edges.angle}) {
     const auto png = TakePart(content);
-    if (!png) return std::nullopt;
+    // As EncodeEdges writes it: OpenCV would try every format that it knows.
+    if (!png || !png->starts_with("\x89PNG\r\n")) return std::nullopt;
     const std::vector<std::uint8_t> bytes(png->begin(), png->end());
     try {
       *map = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);

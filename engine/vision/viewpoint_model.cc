@@ -49,7 +49,7 @@ bool TakeVector(std::string_view& in, std::vector<T>& values) {
   in.remove_prefix(sizeof(count));
   if (count > in.size() / sizeof(T)) return false;
   values.resize(count);
-  std::memcpy(static_cast<void*>(values.data()), in.data(), count * sizeof(T));
+  if (count > 0) std::memcpy(static_cast<void*>(values.data()), in.data(), count * sizeof(T));
   in.remove_prefix(count * sizeof(T));
   return true;
 }
@@ -152,34 +152,58 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::LoadOrBuild(
     const std::filesystem::path& cache_folder, const WorkContext& work) {
   const std::filesystem::path file =
       cache_folder / ("viewpoints-" + CacheKey(model, options) + ".bin");
-  if (Result<std::string> cached = ReadFile(file); cached.ok() && cached->size() > 16) {
-    std::string_view rest = *cached;
-    const std::string hash(rest.substr(0, 16));
-    rest.remove_prefix(16);
-    const std::shared_ptr<ViewpointModel> result(new ViewpointModel);
-    std::vector<float> head;
-    if (HashHex(rest) == hash && TakeVector(rest, head) && head.size() == 4 &&
-        TakeVector(rest, result->first_point_) && TakeVector(rest, result->length_per_point_m_) &&
-        TakeVector(rest, result->outline_size_) && TakeVector(rest, result->points_)) {
-      result->options_ = options;
-      result->center_ = {head[0], head[1], head[2]};
-      result->bounding_radius_ = head[3];
-      return std::shared_ptr<const ViewpointModel>(result);
-    }
+  constexpr std::size_t kHashSize = 16;
+  if (const Result<std::string> cached = ReadFile(file);
+      cached.ok() && cached->size() > kHashSize) {
+    const std::string_view body = std::string_view(*cached).substr(kHashSize);
+    const bool undamaged = cached->starts_with(HashHex(body));
+    if (auto found = undamaged ? Decode(body, options) : nullptr) return found;
   }
   Result<std::shared_ptr<const ViewpointModel>> built = Build(model, options, work);
   if (!built.ok()) return built;
-  const ViewpointModel& m = **built;
-  std::string body;
-  PutVector(std::vector<float>{m.center_.x(), m.center_.y(), m.center_.z(), m.bounding_radius_},
-            body);
-  PutVector(m.first_point_, body);
-  PutVector(m.length_per_point_m_, body);
-  PutVector(m.outline_size_, body);
-  PutVector(m.points_, body);
+  const std::string body = (*built)->Encode();
   // A cache that cannot be written costs only the next start.
   static_cast<void>(WriteFileAtomically(file, HashHex(body) + body).ok());
   return built;
+}
+
+std::string ViewpointModel::Encode() const {
+  std::string bytes;
+  PutVector(std::vector<float>{center_.x(), center_.y(), center_.z(), bounding_radius_}, bytes);
+  PutVector(first_point_, bytes);
+  PutVector(length_per_point_m_, bytes);
+  PutVector(outline_size_, bytes);
+  PutVector(points_, bytes);
+  return bytes;
+}
+
+std::shared_ptr<const ViewpointModel> ViewpointModel::Decode(std::string_view bytes,
+                                                             const ViewpointModelOptions& options) {
+  const std::shared_ptr<ViewpointModel> model(new ViewpointModel);
+  std::vector<float> head;
+  if (!TakeVector(bytes, head) || head.size() != 4 || !TakeVector(bytes, model->first_point_) ||
+      !TakeVector(bytes, model->length_per_point_m_) || !TakeVector(bytes, model->outline_size_) ||
+      !TakeVector(bytes, model->points_)) {
+    return nullptr;
+  }
+  model->options_ = options;
+  model->center_ = {head[0], head[1], head[2]};
+  model->bounding_radius_ = head[3];
+  return model->IsWhole() ? model : nullptr;
+}
+
+bool ViewpointModel::IsWhole() const {
+  const auto views = static_cast<std::size_t>(NumViews());
+  if (!center_.allFinite() || first_point_.size() != views + 1 || outline_size_.size() != views ||
+      length_per_point_m_.size() != views || first_point_.front() != 0 ||
+      points_.size() != 6 * static_cast<std::size_t>(first_point_.back())) {
+    return false;
+  }
+  for (std::size_t view = 0; view < views; ++view) {
+    const std::int64_t size = std::int64_t{first_point_[view + 1]} - first_point_[view];
+    if (size < 0 || outline_size_[view] < 0 || outline_size_[view] > size) return false;
+  }
+  return true;
 }
 
 ContourView ViewpointModel::View(const Eigen::Vector3f& camera_in_object) const {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -73,6 +74,12 @@ class ViewpointModel {
       const CadModel& model, const ViewpointModelOptions& options,
       const std::filesystem::path& cache_folder, const WorkContext& work);
 
+  /// What the cache keeps, behind its hash.
+  std::string Encode() const;
+  /// Null where the bytes are not those of a model with these options.
+  static std::shared_ptr<const ViewpointModel> Decode(std::string_view bytes,
+                                                      const ViewpointModelOptions& options);
+
   /// The precomputed view nearest to a camera at `camera_in_object` [m].
   ContourView View(const Eigen::Vector3f& camera_in_object) const;
   float bounding_radius() const { return bounding_radius_; }
@@ -80,6 +87,8 @@ class ViewpointModel {
  private:
   ViewpointModel() = default;
   int NumViews() const;
+  /// Whether every view is a stretch of points_.
+  bool IsWhole() const;
 
   ViewpointModelOptions options_;
   Eigen::Vector3f center_{0, 0, 0};

@@ -214,6 +214,12 @@ TEST_F(AnnotateVerb, RegistersASequenceToTheScanAndExportsWhereItIs) {
   Write("short.json", R"([{"in_scan": [3, 0], "in_world": [0, 0, 0]}])");
   EXPECT_EQ(Run("register room.json --pairs short.json"), 1);
   EXPECT_NE(Output().find("short.json', pair 1"), std::string::npos) << Output();
+  Write("large.json", R"([{"in_scan": [3, 0, 0], "frame": 4e200, "pixel": [1, 1]}])");
+  EXPECT_EQ(Run("register room.json --pairs large.json"), 1);
+  EXPECT_NE(Output().find("large.json', pair 1"), std::string::npos) << Output();
+  Write("object.json", R"({"in_scan": [3, 0, 0], "in_world": [0, 0, 0]})");
+  EXPECT_EQ(Run("register room.json --pairs object.json"), 1);
+  EXPECT_NE(Output().find("must be a list of pairs"), std::string::npos) << Output();
   Write("far.json", R"([{"in_scan": [3, 0, 0], "frame": 99999, "pixel": [1, 1]}])");
   EXPECT_EQ(Run("register room.json --pairs far.json"), 1);
   EXPECT_NE(Output().find("far.json': frame 99999 has no pose"), std::string::npos) << Output();

@@ -49,10 +49,14 @@ const std::filesystem::path& EmptyFolder() {
 
 std::vector<Target> Targets() {
   std::vector<Target> all;
-  for (const std::span<const Target> some : {TextTargets(), DatasetTargets(), ModelTargets(),
-                                             VisionTargets(), AnnotationTargets(), RunTargets()}) {
+  for (const std::span<const Target> some :
+       {TextTargets(), DatasetTargets(), ModelTargets(), VisionTargets(), AnnotationTargets(),
+        RunTargets(), SessionTargets(), WindowTargets()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
+#ifdef PLUMBLINE_FUZZ_PANELS
+  for (const Target& target : PanelTargets()) all.push_back(target);
+#endif
   return all;
 }
 

@@ -27,6 +27,10 @@ std::span<const Target> ModelTargets();       ///< engine/models
 std::span<const Target> VisionTargets();      ///< engine/vision
 std::span<const Target> AnnotationTargets();  ///< engine/annotation
 std::span<const Target> RunTargets();         ///< engine/recording, engine/pipeline
+std::span<const Target> SessionTargets();     ///< engine/session
+std::span<const Target> WindowTargets();      ///< ui/files
+/// ui/inspect; linked only where the window is built (PLUMBLINE_FUZZ_PANELS).
+std::span<const Target> PanelTargets();
 
 /// The input as a file of this name, in a folder that holds nothing else and is this process's own.
 std::filesystem::path FileOf(std::string_view name, std::string_view input);

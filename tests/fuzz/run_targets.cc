@@ -19,6 +19,7 @@
 #include "engine/recording/run_header.h"
 #include "engine/recording/run_summary.h"
 #include "engine/recording/smoothed_record.h"
+#include "engine/vio/own_pose_report.h"
 #include "tests/fuzz/fuzz_targets.h"
 
 namespace plumbline::fuzz {
@@ -77,6 +78,23 @@ Status CorrectionBytes(std::string_view input) {
   return DecodePoses(Compressed(input), poses);
 }
 
+Status OwnPoseBytes(std::string_view input) {
+  OwnPoseReport report;
+  if (const Status read = DecodeOwnPose(Compressed(input), report); !read.ok()) return read;
+  (void)EncodeOwnPose(report);
+  return {};
+}
+
+/// What is asked of the filter's poses once they are read.
+void Ask(const OwnPoses& poses) {
+  for (int i = 0; i < std::min(static_cast<int>(poses.frames.size()), 10); ++i) {
+    (void)poses.LastKnown(i);
+    (void)poses.EpochAt(i);
+  }
+  (void)poses.last_floor();
+  (void)poses.loops.believed();
+}
+
 /// All that is asked of a run file.
 Status RunFile(std::string_view input) {
   const auto file = FileOf("run.plb", input);
@@ -99,7 +117,9 @@ Status RunFile(std::string_view input) {
   note(reader.Events());
   note(reader.Timings());
   note(reader.ObjectTracks());
-  note(reader.ReadOwnPoses());
+  const auto own_poses = reader.ReadOwnPoses();
+  note(own_poses);
+  if (own_poses.ok() && *own_poses != nullptr) Ask(**own_poses);
   note(OptionHistory::Read(reader));
   note(ReadWithdrawn(reader));
   note(ReadEstimates(file));
@@ -115,14 +135,12 @@ Status Exported(std::string_view input) {
   return StatusOf(ReadEstimates(file));
 }
 
-constexpr std::array kRunTargets = {Target{"run_header", Header},
-                                    Target{"run_recipe", Recipe},
-                                    Target{"run_frame", FrameBytes},
-                                    Target{"run_object", ObjectBytes},
-                                    Target{"run_particles", ParticleBytes},
-                                    Target{"run_correction", CorrectionBytes},
-                                    Target{"run_file", RunFile},
-                                    Target{"exported_map", Exported}};
+constexpr std::array kRunTargets = {
+    Target{"run_header", Header},           Target{"run_recipe", Recipe},
+    Target{"run_frame", FrameBytes},        Target{"run_object", ObjectBytes},
+    Target{"run_particles", ParticleBytes}, Target{"run_correction", CorrectionBytes},
+    Target{"run_own_pose", OwnPoseBytes},   Target{"run_file", RunFile},
+    Target{"exported_map", Exported}};
 
 }  // namespace
 

@@ -35,9 +35,11 @@ Status Options(std::string_view input) {
 }
 
 Status OptionAssignment(std::string_view input) {
-  // The command line takes UTF-8 only.
-  if (!nlohmann::json::accept("\"" + std::string(input) + "\""))
-    return InvalidInput("text that needs escapes in JSON");
+  try {  // as the command line checks its arguments before anything else
+    (void)nlohmann::json(input).dump();
+  } catch (const nlohmann::json::type_error&) {
+    return InvalidInput("text that is not UTF-8");
+  }
   MapperOptions options;
   return SetOption(input, options);
 }

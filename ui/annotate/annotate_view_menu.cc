@@ -11,19 +11,15 @@
 namespace plumbline {
 namespace {
 
-constexpr float kFewestPx = 1, kMostPx = 8;
-constexpr std::size_t kMostViews = 20;
-
 struct ColoringEntry {
   ScanColoring coloring;
-  const char* key;  ///< In settings and widgets.
   const char* label;
   const char* help;
 };
 constexpr ColoringEntry kColorings[] = {
-    {ScanColoring::kOwn, "own", "Its own", "The colours that the scan came with."},
-    {ScanColoring::kHeight, "height", "Height", "From dark, low, to bright, high."},
-    {ScanColoring::kNormal, "normal", "Normal",
+    {ScanColoring::kOwn, "Its own", "The colours that the scan came with."},
+    {ScanColoring::kHeight, "Height", "From dark, low, to bright, high."},
+    {ScanColoring::kNormal, "Normal",
      "How the surface is turned: floors and tops are blue, walls red and green."}};
 
 bool Offered(const FrameContext& context, ScanColoring coloring) {
@@ -52,7 +48,7 @@ void DrawColors(const FrameContext& context) {
     const bool offered = Offered(context, entry.coloring);
     ImGui::BeginDisabled(!offered);
     bool on = Shown(context) == entry.coloring;
-    if (Toggle(context, std::string("looks.") + entry.key, entry.label, on,
+    if (Toggle(context, std::string("looks.") + KeyOf(entry.coloring), entry.label, on,
                offered ? entry.help : "This scan has none."))
       context.annotate->scan_look.coloring = entry.coloring;
     ImGui::EndDisabled();
@@ -153,54 +149,6 @@ void AddViewEntries(const FrameContext& context, std::vector<PaletteEntry>& entr
                          view->scan_look.coloring = coloring;
                        }});
   }
-}
-
-nlohmann::json ToJson(const ScanLook& look) {
-  nlohmann::json json = {{"point_px", look.point_px}};
-  for (const ColoringEntry& entry : kColorings) {
-    if (look.coloring == entry.coloring) json["coloring"] = entry.key;
-  }
-  return json;
-}
-
-ScanLook ScanLookFromJson(const nlohmann::json& json) {
-  ScanLook look;
-  look.point_px = std::clamp(json.value("point_px", look.point_px), kFewestPx, kMostPx);
-  for (const ColoringEntry& entry : kColorings) {
-    if (json.value("coloring", "") == entry.key) look.coloring = entry.coloring;
-  }
-  return look;
-}
-
-nlohmann::json ToJson(const std::vector<SavedView>& views) {
-  nlohmann::json json = nlohmann::json::array();
-  for (const SavedView& view : views) {
-    const SceneCamera& camera = view.camera;
-    json.push_back(
-        {{"name", view.name},
-         {"focus",
-          {camera.focus_in_world.x(), camera.focus_in_world.y(), camera.focus_in_world.z()}},
-         {"azimuth_rad", camera.azimuth_rad},
-         {"elevation_rad", camera.elevation_rad},
-         {"distance_m", camera.distance_m}});
-  }
-  return json;
-}
-
-std::vector<SavedView> SavedViewsFromJson(const nlohmann::json& json) {
-  std::vector<SavedView> views;
-  for (const nlohmann::json& entry : json) {
-    if (!entry.is_object() || views.size() >= kMostViews) continue;
-    const auto focus = entry.value("focus", std::vector<double>());
-    SavedView view{entry.value("name", ""), {}};
-    if (focus.size() != 3 || view.name.empty()) continue;
-    view.camera.focus_in_world = {focus[0], focus[1], focus[2]};
-    view.camera.azimuth_rad = entry.value("azimuth_rad", 0.0);
-    view.camera.elevation_rad = entry.value("elevation_rad", 0.5);
-    view.camera.distance_m = std::clamp(entry.value("distance_m", 3.0), 0.05, 500.0);
-    views.push_back(std::move(view));
-  }
-  return views;
 }
 
 }  // namespace plumbline

@@ -3,8 +3,6 @@
 
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "ui/common/palette.h"
 #include "ui/framework/annotate_view.h"
 #include "ui/framework/frame_context.h"
@@ -16,11 +14,5 @@ namespace plumbline {
 void DrawViewMenu(const FrameContext& context);
 /// The same for the palette. They keep a reference to `context`.
 void AddViewEntries(const FrameContext& context, std::vector<PaletteEntry>& entries);
-
-// What the settings keep. What cannot be read is left out.
-nlohmann::json ToJson(const ScanLook& look);
-ScanLook ScanLookFromJson(const nlohmann::json& json);
-nlohmann::json ToJson(const std::vector<SavedView>& views);
-std::vector<SavedView> SavedViewsFromJson(const nlohmann::json& json);
 
 }  // namespace plumbline

@@ -13,6 +13,7 @@
 
 #include "engine/snapshot/annotation_commands.h"
 #include "engine/snapshot/annotation_snapshot.h"
+#include "ui/files/saved_view.h"
 #include "ui/framework/scene_surface.h"
 #include "ui/framework/sight_line.h"
 
@@ -50,22 +51,6 @@ struct LevelBox {
 struct GhostModel {
   int model = -1;
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
-};
-
-/// What the colours of the scan mean: its own, how high it is there, how its surface is turned.
-enum class ScanColoring { kOwn, kHeight, kNormal };
-
-/// How the scan is drawn.
-struct ScanLook {
-  std::optional<ScanColoring> coloring;  ///< Nothing: its own, or height where it has none.
-  float point_px = 1.5f;                 ///< Of a scan without triangles.
-  bool operator==(const ScanLook&) const = default;
-};
-
-/// A view to come back to.
-struct SavedView {
-  std::string name;
-  SceneCamera camera;
 };
 
 /// What the panels of the Annotate workspace share, besides the snapshot.

@@ -25,6 +25,7 @@
 #include "engine/snapshot/probe_view.h"
 #include "engine/snapshot/sequence_view.h"
 #include "engine/snapshot/timing_statistics.h"
+#include "ui/files/bookmark_file.h"
 #include "ui/framework/theme.h"
 
 namespace plumbline {
@@ -81,12 +82,6 @@ struct Selection {
   int hypothesis = 0;  ///< Of the probe: its contour is drawn.
   int hovered = -1;    ///< The particle under the mouse.
   std::string truth;   ///< A true instance instead of an object, by its id; "": none.
-};
-
-/// A frame to come back to.
-struct Bookmark {
-  int frame = 0;
-  std::string note;
 };
 
 /// A second run of the same sequence, on the clock of the first.

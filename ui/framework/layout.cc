@@ -217,21 +217,6 @@ void DrawTitle(const FrameContext& context, Panel& panel, std::span<Panel* const
 
 }  // namespace
 
-nlohmann::json RatiosToJson(const LayoutRatios& ratios) {
-  nlohmann::json json;
-  VisitFields(const_cast<LayoutRatios&>(ratios),
-              [&](double& ratio, const char* name) { json[name] = ratio; });
-  return json;
-}
-
-void RatiosFromJson(const nlohmann::json& json, LayoutRatios& ratios) {
-  VisitFields(ratios, [&](double& ratio, const char* name) {
-    const auto found = json.find(name);
-    if (found != json.end() && found->is_number())
-      ratio = std::clamp(found->get<double>(), 0.05, 0.85);
-  });
-}
-
 WindowLayout ComputeWindowLayout(ImVec2 size, double ui_scale) {
   const auto scaled = [&](double v) { return static_cast<float>(std::round(v * ui_scale)); };
   WindowLayout layout;

@@ -5,8 +5,8 @@
 #include <span>
 
 #include <imgui.h>
-#include <nlohmann/json.hpp>
 
+#include "ui/files/layout_ratios.h"
 #include "ui/framework/frame_context.h"
 #include "ui/framework/panel.h"
 
@@ -17,32 +17,6 @@ struct LayoutRect {
   float width() const { return high.x - low.x; }
   float height() const { return high.y - low.y; }
 };
-
-/// Where one region ends and the next begins, as shares of the room; the user drags them.
-struct LayoutRatios {
-  double timeline = 0.245;  ///< Height of the timeline, of the whole window.
-  double columns = 0.46;    ///< Width of the image views.
-  double image = 0.49;      ///< Height of the large image above the four small ones.
-  double small_columns = 0.5;
-  double small_rows = 0.5;
-  double scene = 0.50;    ///< Height of the 3-D view.
-  double objects = 0.47;  ///< Height of the object list in what is below the 3-D view.
-  double details = 0.60;  ///< Width of the selected object beside the timings.
-};
-template <class V>
-void VisitFields(LayoutRatios& ratios, V&& visit) {
-  visit(ratios.timeline, "timeline");
-  visit(ratios.columns, "columns");
-  visit(ratios.image, "image");
-  visit(ratios.small_columns, "small_columns");
-  visit(ratios.small_rows, "small_rows");
-  visit(ratios.scene, "scene");
-  visit(ratios.objects, "objects");
-  visit(ratios.details, "details");
-}
-nlohmann::json RatiosToJson(const LayoutRatios& ratios);
-/// Takes what makes sense, keeps the rest.
-void RatiosFromJson(const nlohmann::json& json, LayoutRatios& ratios);
 
 /// What a workspace has to itself: all between the bars.
 struct WindowLayout {

@@ -12,6 +12,8 @@
 #include <Eigen/Geometry>
 
 #include "engine/base/ids.h"
+#include "ui/files/clip_box_json.h"
+#include "ui/files/saved_view.h"
 
 namespace plumbline {
 
@@ -44,19 +46,6 @@ struct SceneObject {
   bool operator==(const SceneObject&) const = default;
 };
 
-/// An upright box: nothing outside of it is drawn, but for grid and camera.
-struct ClipBox {
-  Eigen::Matrix3d world_from_upright = Eigen::Matrix3d::Identity();
-  Eigen::AlignedBox3d in_upright;
-  bool Holds(const Eigen::Vector3d& point_in_world) const {
-    return in_upright.contains(Eigen::Vector3d(world_from_upright.transpose() * point_in_world));
-  }
-  bool operator==(const ClipBox& other) const {
-    return world_from_upright == other.world_from_upright &&
-           in_upright.min() == other.in_upright.min() && in_upright.max() == other.in_upright.max();
-  }
-};
-
 struct SceneContent {
   std::shared_ptr<const SequenceView> sequence;
   std::shared_ptr<const MapSnapshot> snapshot;
@@ -71,17 +60,6 @@ struct SceneContent {
   std::vector<SceneObject> objects;  ///< Those of the frame that are drawn.
   ImU32 particle_color = 0;
   std::optional<ClipBox> clip;
-};
-
-/// A turntable camera about `focus`, in numbers.
-struct SceneCamera {
-  Eigen::Vector3d focus_in_world{0, 0, 0};
-  double azimuth_rad = 0, elevation_rad = 0, distance_m = 1;
-  Eigen::Matrix3d view_from_world =
-      Eigen::Matrix3d::Identity();  ///< x right, y up, z to the viewer
-  double view_angle_rad = 0.7;      ///< From the lower edge to the upper.
-  /// Without perspective: what is at the focus is as large as with it.
-  bool parallel = false;
 };
 
 /// The 3-D view as the panels know it; ui/scene implements it. Pixels count from the top left of

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
+#include "ui/files/layout_ratios.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/networks_sheet.h"
 #include "ui/inspect/panel_table.h"

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-#include <string_view>
-
 #include "ui/common/frame_bars.h"
 
 namespace plumbline {
-
-inline constexpr std::array<std::string_view, 3> kBuiltInLayouts = {"Overview", "Images", "Map"};
 
 /// Arrangements of the panels, and which panels there are. One field is typed into.
 class LayoutMenu {

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "ui/files/layout_ratios.h"
 #include "ui/inspect/compare/what_if_panel.h"
 #include "ui/inspect/image/depth_panel.h"
 #include "ui/inspect/image/edges_panel.h"

@@ -13,6 +13,7 @@
 #include "ui/annotate/annotate_edits.h"
 #include "ui/annotate/annotate_panels.h"
 #include "ui/annotate/annotate_view_menu.h"
+#include "ui/files/kept_value.h"
 #include "ui/framework/widgets.h"
 #include "ui/scene/annotate_scene.h"
 
@@ -418,13 +419,13 @@ void AnnotateWorkspace::SaveSettings(const FrameContext&, nlohmann::json& settin
 }
 
 void AnnotateWorkspace::LoadSettings(const nlohmann::json& settings, FrameContext&) {
-  const nlohmann::json own = settings.value("annotate", nlohmann::json::object());
-  left_ = std::clamp(own.value("left", left_), 0.1, 0.4);
-  right_ = std::clamp(own.value("right", right_), 0.55, 0.9);
-  models_share_ = std::clamp(own.value("models", models_share_), 0.15, 0.85);
-  defaults_.annotator = own.value("annotator", defaults_.annotator);
-  view_.scan_look = ScanLookFromJson(own.value("scan_look", nlohmann::json::object()));
-  kept_views_ = own.value("views", nlohmann::json::object());
+  const nlohmann::json own = KeptObject(settings, "annotate");
+  left_ = std::clamp(KeptValue(own, "left", left_), 0.1, 0.4);
+  right_ = std::clamp(KeptValue(own, "right", right_), 0.55, 0.9);
+  models_share_ = std::clamp(KeptValue(own, "models", models_share_), 0.15, 0.85);
+  defaults_.annotator = KeptValue(own, "annotator", defaults_.annotator);
+  view_.scan_look = ScanLookFromJson(KeptObject(own, "scan_look"));
+  kept_views_ = KeptObject(own, "views");
 }
 
 }  // namespace plumbline

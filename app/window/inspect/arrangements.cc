@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "ui/inspect/inspect_bar.h"
-
 namespace plumbline {
 namespace {
 
@@ -32,21 +30,6 @@ Arrangement BuiltIn(std::size_t index) {
 
 }  // namespace
 
-nlohmann::json ToJson(const Arrangement& arrangement) {
-  return {{"ratios", RatiosToJson(arrangement.ratios)},
-          {"image_views", arrangement.image_views},
-          {"hidden", arrangement.hidden}};
-}
-
-Arrangement ArrangementFromJson(const nlohmann::json& json) {
-  Arrangement made;
-  if (!json.is_object()) return made;
-  RatiosFromJson(json.value("ratios", nlohmann::json::object()), made.ratios);
-  made.image_views = json.value("image_views", made.image_views);
-  made.hidden = json.value("hidden", made.hidden);
-  return made;
-}
-
 std::optional<Arrangement> Arrangements::Find(const std::string& name) const {
   const auto built_in = std::find(kBuiltInLayouts.begin(), kBuiltInLayouts.end(), name);
   if (built_in != kBuiltInLayouts.end())
@@ -73,11 +56,6 @@ nlohmann::json Arrangements::Save() const {
   nlohmann::json json = nlohmann::json::object();
   for (const auto& [name, arrangement] : own_) json[name] = ToJson(arrangement);
   return json;
-}
-
-void Arrangements::Load(const nlohmann::json& json) {
-  if (!json.is_object()) return;
-  for (const auto& [name, arrangement] : json.items()) Keep(name, ArrangementFromJson(arrangement));
 }
 
 }  // namespace plumbline

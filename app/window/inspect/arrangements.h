@@ -3,25 +3,14 @@
 
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "ui/framework/layout.h"
+#include "ui/files/layout_ratios.h"
 
 namespace plumbline {
-
-/// Which panels of Inspect there are, and how much room each has.
-struct Arrangement {
-  LayoutRatios ratios;
-  int image_views = 5;
-  std::set<std::string> hidden;  ///< Panels, by id.
-};
-nlohmann::json ToJson(const Arrangement& arrangement);
-/// Takes what makes sense; the rest is as in the overview.
-Arrangement ArrangementFromJson(const nlohmann::json& json);
 
 /// The built-in arrangements (kBuiltInLayouts) and those that the user has kept.
 class Arrangements {
@@ -33,7 +22,7 @@ class Arrangements {
   void Forget(const std::string& name) { own_.erase(name); }
   std::vector<std::string> own_names() const;
   nlohmann::json Save() const;
-  void Load(const nlohmann::json& json);
+  void Load(const nlohmann::json& json) { own_ = ArrangementsFromJson(json); }
 
  private:
   std::map<std::string, Arrangement> own_;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <string>
 
+#include "ui/files/kept_value.h"
 #include "ui/framework/widgets.h"
 
 namespace plumbline {
@@ -95,8 +96,8 @@ nlohmann::json ImageViews::Save(const FrameContext& context) const {
 }
 
 void ImageViews::Load(const nlohmann::json& json, FrameContext& context) {
-  SetCount(json.value("count", context.image_views), context);
-  const auto order = json.value("order", std::vector<std::string>());
+  SetCount(KeptValue(json, "count", context.image_views), context);
+  const auto order = KeptValue(json, "order", std::vector<std::string>());
   for (std::size_t i = 0; i < std::min(order.size(), views_.size()); ++i)
     Place(static_cast<int>(i), order[i]);
 }

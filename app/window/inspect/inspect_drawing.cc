@@ -10,6 +10,7 @@
 #include "engine/geometry/angles.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/truths_view.h"
+#include "ui/files/kept_value.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/inspect_bar.h"
 
@@ -287,17 +288,16 @@ void InspectWorkspace::SaveSettings(const FrameContext& context, nlohmann::json&
 }
 
 void InspectWorkspace::LoadSettings(const nlohmann::json& settings, FrameContext& context) {
-  RatiosFromJson(settings.value("layout", nlohmann::json::object()), ratios_);
-  context.hidden_panels = settings.value("hidden_panels", context.hidden_panels);
-  context.confirmed_only = settings.value("confirmed_only", context.confirmed_only);
-  arrangements_.Load(settings.value("own_layouts", nlohmann::json::object()));
+  RatiosFromJson(KeptObject(settings, "layout"), ratios_);
+  context.hidden_panels = KeptValue(settings, "hidden_panels", context.hidden_panels);
+  context.confirmed_only = KeptValue(settings, "confirmed_only", context.confirmed_only);
+  arrangements_.Load(KeptObject(settings, "own_layouts"));
   context.own_layouts = arrangements_.own_names();
-  const auto panels = settings.value("panels", nlohmann::json::object());
-  for (Panel* panel : panels_) {
-    if (panels.contains(panel->id())) panel->LoadState(panels.at(panel->id()));
-  }
-  views_->Load(settings.value("image_views", nlohmann::json::object()), context);
-  object_tab_ = settings.value("details_tab", object_tab_);
+  const nlohmann::json panels = KeptObject(settings, "panels");
+  for (Panel* panel : panels_) panel->LoadState(KeptObject(panels, panel->id()));
+  views_->Load(KeptObject(settings, "image_views"), context);
+  object_tab_ = std::min(KeptValue(settings, "details_tab", object_tab_),
+                         PanelsAt(PanelPlace::kAboutObject).size() - 1);
   if (options_.layout == nullptr) return;
   for (Panel* panel : panels_) {
     if (options_.layout->states.contains(panel->id()))

@@ -2,9 +2,11 @@
 #include "engine/vision/viewpoint_model.h"
 
 #include <gmock/gmock.h>
+#include <cstring>
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
@@ -400,6 +402,19 @@ TEST_F(ViewpointCache, RebuildsADamagedFile) {
     ExpectSame(*built, *Load(model_), model_);
     EXPECT_TRUE(*ReadFile(file) == good) << "the cache is whole again";
   }
+}
+
+TEST_F(ViewpointCache, TakesNoViewThatReachesBeyondThePoints) {
+  const std::string good = Load(model_)->Encode();
+  ASSERT_NE(ViewpointModel::Decode(good, options_), nullptr);
+  std::string beyond = good;
+  constexpr std::size_t kSecondView = 8 + 4 * sizeof(float) + 8 + sizeof(std::int32_t);
+  const std::int32_t far = 1 << 30;
+  std::memcpy(&beyond[kSecondView], &far, sizeof(far));
+  EXPECT_EQ(ViewpointModel::Decode(beyond, options_), nullptr);
+  ViewpointModelOptions more = options_;
+  more.azimuths = 7;
+  EXPECT_EQ(ViewpointModel::Decode(good, more), nullptr) << "that many views it has not";
 }
 
 TEST_F(ViewpointCache, TellsShapesAndOptionsApart) {

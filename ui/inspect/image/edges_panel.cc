@@ -9,6 +9,7 @@
 #include "engine/snapshot/frame_analysis.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
+#include "ui/files/kept_value.h"
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/pictures.h"
 #include "ui/framework/widgets.h"
@@ -113,13 +114,13 @@ class EdgesPanel : public Panel {
             {"beside", beside_},     {"divider", divider_}, {"blink", blink_}};
   }
   void LoadState(const nlohmann::json& json) override {
-    outlines_ = json.value("outlines", outlines_);
-    contour_ = json.value("contour", contour_);
-    difference_ = json.value("difference", difference_);
+    outlines_ = KeptValue(json, "outlines", outlines_);
+    contour_ = KeptValue(json, "contour", contour_);
+    difference_ = KeptValue(json, "difference", difference_);
     beside_ =
-        std::clamp(json.value("beside", beside_), 0, static_cast<int>(std::size(kBeside)) - 1);
-    divider_ = std::clamp(json.value("divider", divider_), 0.0f, 1.0f);
-    blink_ = json.value("blink", blink_);
+        std::clamp(KeptValue(json, "beside", beside_), 0, static_cast<int>(std::size(kBeside)) - 1);
+    divider_ = std::clamp(KeptValue(json, "divider", divider_), 0.0f, 1.0f);
+    blink_ = KeptValue(json, "blink", blink_);
   }
 
  private:

@@ -12,6 +12,7 @@
 #include "engine/snapshot/frame_analysis.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
+#include "ui/files/kept_value.h"
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
@@ -154,15 +155,15 @@ class ImagePanel : public Panel {
             {"tracks", tracks_},       {"scores", scores_},       {"truth", truth_}};
   }
   void LoadState(const nlohmann::json& json) override {
-    proposals_ = json.value("proposals", proposals_);
-    weak_ = json.value("weak", weak_);
-    outlines_ = json.value("outlines", outlines_);
-    names_ = json.value("names", names_);
-    particles_ = json.value("particles", particles_);
-    contour_ = json.value("contour", contour_);
-    tracks_ = json.value("tracks", tracks_);
-    scores_ = json.value("scores", scores_);
-    truth_ = json.value("truth", truth_);
+    proposals_ = KeptValue(json, "proposals", proposals_);
+    weak_ = KeptValue(json, "weak", weak_);
+    outlines_ = KeptValue(json, "outlines", outlines_);
+    names_ = KeptValue(json, "names", names_);
+    particles_ = KeptValue(json, "particles", particles_);
+    contour_ = KeptValue(json, "contour", contour_);
+    tracks_ = KeptValue(json, "tracks", tracks_);
+    scores_ = KeptValue(json, "scores", scores_);
+    truth_ = KeptValue(json, "truth", truth_);
   }
 
  private:

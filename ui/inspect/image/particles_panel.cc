@@ -9,6 +9,7 @@
 #include "engine/geometry/angle_text.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
+#include "ui/files/kept_value.h"
 #include "ui/framework/image_canvas.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
@@ -64,8 +65,8 @@ class ParticlesPanel : public Panel {
     return {{"closeup", closeup_}, {"fronts", needles_}};
   }
   void LoadState(const nlohmann::json& json) override {
-    closeup_ = json.value("closeup", closeup_);
-    needles_ = json.value("fronts", needles_);
+    closeup_ = KeptValue(json, "closeup", closeup_);
+    needles_ = KeptValue(json, "fronts", needles_);
   }
 
  private:

@@ -10,6 +10,7 @@
 #include "engine/geometry/angles.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
+#include "ui/files/kept_value.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/inertial/inertial_plot.h"
 
@@ -61,7 +62,7 @@ class InertialPanel : public Panel {
 
   nlohmann::json SaveState() const override { return {{"over_time", over_time_}}; }
   void LoadState(const nlohmann::json& json) override {
-    over_time_ = json.value("over_time", over_time_);
+    over_time_ = KeptValue(json, "over_time", over_time_);
   }
 
  private:

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include <imgui.h>
-#include <nlohmann/json.hpp>
 
+#include "ui/files/clip_box_json.h"
 #include "ui/framework/frame_context.h"
 #include "ui/framework/scene_surface.h"
 #include "ui/inspect/map/scene_overlay.h"
@@ -17,11 +17,6 @@ ClipBox ClipAround(const Eigen::AlignedBox3d& in_world, const Eigen::Vector3d& u
 /// The box around an object with half a metre of its surroundings; nothing for one whose shape has
 /// no size.
 std::optional<ClipBox> ClipAroundObject(const FrameContext& context, const ObjectReport& object);
-
-/// World's axes of the box and its corners [m].
-nlohmann::json ToJson(const ClipBox& box);
-/// Nothing for what is no box.
-std::optional<ClipBox> ClipBoxFromJson(const nlohmann::json& json);
 
 /// The box that cuts the map, with a handle on each side that moves that side.
 class ClipHandles {

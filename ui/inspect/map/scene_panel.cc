@@ -8,6 +8,7 @@
 
 #include "ui/common/scene_mouse.h"
 #include "ui/common/waiting.h"
+#include "ui/files/kept_value.h"
 #include "ui/framework/scene_surface.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/map/clip_box.h"
@@ -162,16 +163,16 @@ class ScenePanel : public Panel {
   }
   void LoadState(const nlohmann::json& json) override {
     for (const OverlayToggle& toggle : kOverlays)
-      overlay_.*toggle.part = json.value(toggle.name, overlay_.*toggle.part);
+      overlay_.*toggle.part = KeptValue(json, toggle.name, overlay_.*toggle.part);
     for (const auto coloring :
          {SceneColoring::kIdentity, SceneColoring::kOwn, SceneColoring::kState,
           SceneColoring::kError, SceneColoring::kOnTruth}) {
-      if (json.value("color", std::string(ColoringName(coloring_))) == ColoringName(coloring))
+      if (KeptValue(json, "color", std::string(ColoringName(coloring_))) == ColoringName(coloring))
         coloring_ = coloring;
     }
-    opacity_ = std::clamp(json.value("opacity", opacity_), 0.1, 1.0);
+    opacity_ = std::clamp(KeptValue(json, "opacity", opacity_), 0.1, 1.0);
     for (const LayerToggle& layer : kLayers)
-      layers_.*layer.layer = json.value(layer.name, layers_.*layer.layer);
+      layers_.*layer.layer = KeptValue(json, layer.name, layers_.*layer.layer);
     if (const auto clip = json.find("clip"); clip != json.end()) {
       loaded_clip_ = *clip;
       clipped_version_.reset();

@@ -14,6 +14,7 @@
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/truths_view.h"
 #include "ui/common/waiting.h"
+#include "ui/files/kept_value.h"
 #include "ui/framework/table_heads.h"
 #include "ui/framework/widgets.h"
 
@@ -110,7 +111,9 @@ class ObjectsPanel : public Panel {
   }
 
   nlohmann::json SaveState() const override { return {{"missed", missed_}}; }
-  void LoadState(const nlohmann::json& json) override { missed_ = json.value("missed", missed_); }
+  void LoadState(const nlohmann::json& json) override {
+    missed_ = KeptValue(json, "missed", missed_);
+  }
 
  private:
   static bool AnyMissed(const FrameContext& context) {

@@ -10,6 +10,7 @@
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/object_history.h"
 #include "ui/common/waiting.h"
+#include "ui/files/kept_value.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/object/label_plot.h"
 #include "ui/inspect/object/posterior_marginals.h"
@@ -45,8 +46,8 @@ class PosteriorPanel : public Panel {
     return {{"shapes", shapes_}, {"reliability", reliability_}};
   }
   void LoadState(const nlohmann::json& json) override {
-    shapes_ = json.value("shapes", shapes_);
-    reliability_ = json.value("reliability", reliability_);
+    shapes_ = KeptValue(json, "shapes", shapes_);
+    reliability_ = KeptValue(json, "reliability", reliability_);
   }
 
   void Draw(const FrameContext& context, CommandSink& sink) override {

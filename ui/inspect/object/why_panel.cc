@@ -8,6 +8,7 @@
 
 #include "engine/geometry/angle_text.h"
 #include "ui/common/waiting.h"
+#include "ui/files/kept_value.h"
 #include "ui/framework/table_heads.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/image/overlays.h"
@@ -70,9 +71,9 @@ class WhyPanel : public Panel {
     return {{"reference", reference_}, {"maps", maps_}, {"term", term_}};
   }
   void LoadState(const nlohmann::json& json) override {
-    reference_ = json.value("reference", reference_);
-    maps_ = json.value("maps", maps_);
-    term_ = json.value("term", term_);
+    reference_ = KeptValue(json, "reference", reference_);
+    maps_ = KeptValue(json, "maps", maps_);
+    term_ = KeptValue(json, "term", term_);
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/files/kept_value.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/timeline/timeline_controls.h"
 #include "ui/inspect/timeline/timeline_lanes.h"
@@ -32,8 +33,8 @@ class TimelinePanel : public Panel {
     return {{"plot", controls_.plotted().id}, {"all_truths", controls_.all_truths()}};
   }
   void LoadState(const nlohmann::json& json) override {
-    controls_.Plot(json.value("plot", std::string()));
-    controls_.ShowAllTruths(json.value("all_truths", controls_.all_truths()));
+    controls_.Plot(KeptValue(json, "plot", std::string()));
+    controls_.ShowAllTruths(KeptValue(json, "all_truths", controls_.all_truths()));
   }
 
  private:

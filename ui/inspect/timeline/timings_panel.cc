@@ -8,6 +8,7 @@
 
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/common/waiting.h"
+#include "ui/files/kept_value.h"
 #include "ui/framework/widgets.h"
 #include "ui/inspect/networks_sheet.h"
 #include "ui/inspect/timeline/timings_plot.h"
@@ -48,8 +49,8 @@ class TimingsPanel : public Panel {
     return {{"over_time", over_time_}, {"whole_run", whole_run_}};
   }
   void LoadState(const nlohmann::json& json) override {
-    over_time_ = json.value("over_time", over_time_);
-    whole_run_ = json.value("whole_run", whole_run_);
+    over_time_ = KeptValue(json, "over_time", over_time_);
+    whole_run_ = KeptValue(json, "whole_run", whole_run_);
   }
 
  private:
