@@ -46,7 +46,7 @@ struct PixelModel {
   Eigen::Isometry3d WorldFromBody(const PoseClone& clone, double row_px) const {
     if (rolling_shutter_s == 0) return clone.world_from_body;
     return Moved(clone.world_from_body,
-                 clone.motion * (rolling_shutter_s * (row_px / height_px - 0.5)));
+                 clone.motion * (rolling_shutter_s * (row_px / (height_px - 1) - 0.5)));
   }
 };
 

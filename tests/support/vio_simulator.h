@@ -27,6 +27,7 @@ struct VioSimulation {
   double pixel_noise_px = 1;
   double imu_noise = 1;      ///< Times the densities of ImuCalibration().
   double time_offset_s = 0;  ///< Added to an image's time to get the IMU's.
+  double rolling_shutter_s = 0;
   Eigen::Vector3d gyro_bias{0.01, -0.02, 0.015};
   Eigen::Vector3d accel_bias{0.05, -0.03, 0.04};
   std::uint64_t seed = 1;
@@ -35,7 +36,7 @@ struct VioSimulation {
 /// What a body that swings about in a room of 8 x 8 x 4 m records, and the truth. It is back where
 /// it was, and looks the same way, after each 20 pi seconds of motion.
 struct SimulatedRecording {
-  Camera camera;  ///< True; radial-tangential, 640x480.
+  Camera camera;  ///< True, read-out included; radial-tangential, 640x480.
   ImuCalibration imu;
   std::vector<ImuSample> samples;
   std::vector<TrackedImage> images;
