@@ -31,6 +31,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 TUNING_SEEDS = list(range(1, 11))
 HELD_OUT_SEEDS = list(range(101, 121))
 ROOM_FRAMES = ("--frames", "300")
+OWN_POSE_SEEDS = HELD_OUT_SEEDS[:10]
+OWN_POSE_FILM = ("--imu", "--rest", "2", "--size", "640x480", "--rate", "20", "--light-rays", "16")
 CLAIMS = ["occlusion", "clutter", "blur", "lowcontrast", "truncation", "duplicate", "variant"]  # of the paper
 SCENES = ["wall", "rows", "revisit", "twins", "office"]  # each with one difficulty, as long as its story takes
 SCENE_SEEDS = list(range(201, 206))  # not tuned on either
@@ -71,6 +73,7 @@ class RoomSet:
     detector: str = "dataset"  # or a network in the data folder
     edges: str = "gradient"  # dataset, builtin, gradient, or a network in the data folder
     scan: bool = False  # measure surfaces against scene.ply
+    own_poses: bool = False  # repeat every run with poses of its own images and IMU
     ignored: tuple = ()
     asked_for: bool = False  # measured only when asked for by name
 
@@ -91,6 +94,9 @@ def all_sets():
                 film=ROOM_FRAMES, edges="dataset"),
         RoomSet("rooms-flawless", "the same rooms, boxes and edges without a flaw", list(range(3)), scene="room",
                 room_seeds=HELD_OUT_SEEDS, film=(*ROOM_FRAMES, "--flawless"), edges="dataset", asked_for=True),
+        RoomSet("own-poses", "rooms filmed with an IMU after 2 s of rest, edges of the images; poses given, then estimated from images and IMU "
+                "and aligned by the trajectories", [0], scene="room", room_seeds=OWN_POSE_SEEDS, film=OWN_POSE_FILM, own_poses=True,
+                asked_for=True),
         RoomSet("tuning", "synthetic rooms for tuning, edges of the images", [0], scene="room", room_seeds=TUNING_SEEDS,
                 film=ROOM_FRAMES, asked_for=True),
     ]
@@ -116,6 +122,7 @@ class Job:
     variant: str
     preset: str
     settings: list
+    poses: str = ""  # instead of the sequence's own
 
 
 class Failure(Exception):
@@ -206,9 +213,14 @@ class Measurement:
         if arguments.preset:
             variants.update({name: (arguments.preset, settings)
                              for name, settings in PRESETS[arguments.preset].items()})
-        return [Job(room_set, folder, room, seed, variant, preset, arguments.set + settings)
+        jobs = [Job(room_set, folder, room, seed, variant, preset, arguments.set + settings)
                 for variant, (preset, settings) in variants.items() for folder, room in sequences
                 for seed in arguments.seeds or room_set.seeds]
+        if room_set.own_poses:
+            jobs += [dataclasses.replace(job, poses="vio",
+                                         variant="own poses" + ("" if job.variant == "as it is" else ", " + job.variant))
+                     for job in jobs]
+        return jobs
 
     def noisy(self, sequence, room, seed):
         """The sequence with errors of its poses, independent from frame to frame, told or not; its images are links."""
@@ -257,6 +269,8 @@ class Measurement:
             words += ["--preset", job.preset]
         for setting in job.settings:
             words += ["--set", setting]
+        if job.poses:
+            words += ["--poses", job.poses]
         if self.arguments.smooth:
             words.append("--smooth")
         return words
@@ -339,7 +353,7 @@ def fill(record, job, frames, summary, judged, withdrawn):
     record.update(fps=summary["fps"], frames=summary["frames"], skipped=summary["skipped"],
                   stages_ms={stage: cost["mean"] for stage, cost in summary["timings_ms"].items()},
                   instances=instances_of(summary, judged), spurious=judged["spurious_objects"],
-                  withdrawn=withdrawn, surface_mean_m=judged["surface"]["mean_m"], surfaces=judged["surfaces"],
+                  trajectory=judged.get("trajectory"), withdrawn=withdrawn, surface_mean_m=judged["surface"]["mean_m"], surfaces=judged["surfaces"],
                   belief=judged["belief"])
     if "smoothed" in judged:
         smoothed = judged["smoothed"]
@@ -512,6 +526,20 @@ def instance_table(records):
     return lines
 
 
+def trajectory_lines(records):
+    """How far estimated poses are from those that came with the sequences."""
+    own = [record for record in records if record.get("trajectory")]
+    if not own:
+        return []
+    lines = header("room", "seed", "frames with a pose", "ATE [cm]", "ATE [deg]", "tilt [deg]", "scale", "path [m]")
+    for record in own:
+        t = record["trajectory"]
+        lines.append(row(record["room"], record["seed"], f"{t['matched']} of {record['frames'] + record['skipped']}",
+                         number(100 * t["ate_m"]), number(t["ate_deg"]), number(t["tilt_deg"]), number(t["scale"], "{:.4f}"),
+                         number(t["path_m"], "{:.1f}")))
+    return ["**Trajectories**, of the camera:", "", *lines, ""]
+
+
 def missed_lines(records):
     """What kept those out that show well (docs/algorithms/why_missed.md): how often each cause, then each of them."""
     missed = [(record, instance) for record in records for instance in record["instances"]
@@ -681,7 +709,7 @@ def tables(measurement, results):
         for variant, records in variants.items():
             if len(variants) > 1:
                 lines += [f"### {variant}", ""]
-            lines += run_table(records) + [""] + instance_table(records) + [""]
+            lines += run_table(records) + [""] + trajectory_lines(records) + instance_table(records) + [""]
             spurious = [f"{s['model']} ({r['room']}, seed {r['seed']})" for r in records for s in r["spurious"]]
             lines += ["**Spurious**: " + (", ".join(spurious) or "none") + ".", ""] + belief_lines(records)
             lines += missed_lines(records)
@@ -694,7 +722,7 @@ def parse():
     parser = argparse.ArgumentParser(prog="measure.sh", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", metavar="SET,..",
-                        help="sets to measure (default: all but tuning and rooms-flawless; 'claims' and 'scenes' mean all of these): "
+                        help="sets to measure (default: all but tuning, rooms-flawless and own-poses; 'claims' and 'scenes' mean all of these): "
                         + ", ".join(names))
     parser.add_argument("--seeds", type=integers, metavar="A:B", help="seeds of the mapper, B not included")
     parser.add_argument("--rooms", type=integers, metavar="A:B", help="seeds of the synthetic rooms")

@@ -77,7 +77,10 @@ void AddCameras(const Sequence& sequence, PathInfo& info) {
         {"Camera",
          Format("%dx%d, %s, %.0f x %.0f degrees of view%s", camera.pinhole.width,
                 camera.pinhole.height, std::string(CameraModelName(camera.model)).c_str(), across,
-                upright, camera.body_from_cam ? ", place in the body known" : "")});
+                upright, camera.body_from_cam ? ", place in the body known" : "") +
+             (camera.rolling_shutter_s != 0
+                  ? Format(", rolling shutter of %.4g ms", 1e3 * camera.rolling_shutter_s)
+                  : "")});
     nlohmann::json json = CameraToJson(camera);
     json["name"] = named.name;
     json["field_of_view_deg"] = {across, upright};

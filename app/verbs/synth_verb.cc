@@ -23,6 +23,7 @@ struct SynthArguments {
   std::uint64_t seed = 1;
   std::optional<int> frames, light_rays;
   std::optional<double> rate_hz, fov_deg;
+  double rolling_shutter_s = 0;
   double model_error_percent = 0;
   bool flawless = false, imu = false, tracks_only = false;
   double imu_rate_hz = 200, imu_noise = 1, time_offset_ms = 0, rest_s = 0, tremor = 0;
@@ -52,6 +53,7 @@ Result<SyntheticOptions> OptionsOf(const SynthArguments& arguments) {
   options.tracks_only = arguments.tracks_only;
   options.flawless = arguments.flawless;
   options.model_error = arguments.model_error_percent / 100;
+  options.rolling_shutter_s = arguments.rolling_shutter_s;
   if (arguments.light_rays) options.light_rays = *arguments.light_rays;
   if (arguments.fov_deg) options.horizontal_fov_rad = *arguments.fov_deg * kRadPerDeg;
   char rest = 0;
@@ -164,6 +166,12 @@ void AddSynthVerb(CLI::App& app, VerbFunction& chosen) {
                    "Field of view from left to right; if not given, 81 degrees")
       ->check(CLI::Range(20.0, 150.0))
       ->type_name("DEG");
+  verb->add_option("--rolling-shutter", arguments->rolling_shutter_s,
+                   "Time from the first row of an image to the last, each exposed from its own "
+                   "pose; negative: the last row is read first")
+      ->check(CLI::Range(-0.2, 0.2))
+      ->type_name("S")
+      ->capture_default_str();
   verb->add_option("--seed", arguments->seed,
                    "Chooses room, furniture, colours, light and walk; 1 is the demo")
       ->check(IsSeed())

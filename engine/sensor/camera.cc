@@ -28,6 +28,7 @@ constexpr ModelEntry kModels[] = {
 /// Below it nothing can be tracked, and what is made smaller first has no pixel left.
 constexpr double kFewestPixels = 16;
 constexpr double kLargestAspect = 100;
+constexpr double kLongestReadOut = 0.2;  ///< [s]
 
 std::string SizeOf(const double* width_and_height) {
   return std::to_string(static_cast<int>(width_and_height[0])) + "x" +
@@ -153,6 +154,12 @@ Result<Camera> CameraFromJson(const nlohmann::json& json, const std::filesystem:
       return bad("has a 'rate_hz' that is not between 0.001 and 1000000");
     camera.rate_hz = *rate;
   }
+  if (const auto read_out = json.find("rolling_shutter_s");
+      read_out != json.end() && !read_out->is_null()) {
+    if (!read_out->is_number() || !(std::abs(read_out->get<double>()) <= kLongestReadOut))
+      return bad("has a 'rolling_shutter_s' that is no number of seconds between -0.2 and 0.2");
+    camera.rolling_shutter_s = read_out->get<double>();
+  }
   if (const auto pose = json.find("body_from_cam"); pose != json.end() && !pose->is_null()) {
     Eigen::Matrix4d matrix;
     try {
@@ -183,6 +190,7 @@ nlohmann::json CameraToJson(const Camera& camera) {
   json["distortion"] = camera.distortion;
   json["rate_hz"] = camera.rate_hz;
   json["model"] = CameraModelName(camera.model);
+  if (camera.rolling_shutter_s != 0) json["rolling_shutter_s"] = camera.rolling_shutter_s;
   if (camera.body_from_cam) {
     for (int r = 0; r < 4; ++r) {
       for (int c = 0; c < 4; ++c)

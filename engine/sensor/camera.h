@@ -55,6 +55,15 @@ struct Camera {
   std::vector<double> distortion;  ///< As `model` orders it; empty for kPinhole.
   double rate_hz = 30.0;
   std::optional<Eigen::Isometry3d> body_from_cam;
+  /// Time from the exposure of the first row to that of the last [s]; negative where the last row
+  /// is read first, 0 where all are exposed at once. An image's stamp is that of its middle row.
+  double rolling_shutter_s = 0;
+
+  /// When a row is exposed, after the image's stamp [s].
+  double RowDelay(double row_px) const {
+    if (rolling_shutter_s == 0) return 0;
+    return rolling_shutter_s * (row_px / (pinhole.height - 1) - 0.5);
+  }
 };
 
 /// Errors: kUnsupported for an unknown model; kInvalidInput for missing, non-finite or non-positive

@@ -15,11 +15,6 @@ namespace {
 
 using Eigen::Vector3f;
 
-struct FloatPose {
-  Eigen::Matrix3f rotation;
-  Vector3f origin;
-};
-
 /// Reflections weaker than this are left out.
 constexpr float kFaintReflection = 0.045f;
 
@@ -44,11 +39,14 @@ class SmallDraws {
   int left_ = 0;
 };
 
-FloatPose ToFloat(const Eigen::Isometry3d& pose) {
-  return {pose.linear().cast<float>(), pose.translation().cast<float>()};
-}
-
 }  // namespace
+
+struct RayTracer::FloatPose {
+  explicit FloatPose(const Eigen::Isometry3d& pose)
+      : rotation(pose.linear().cast<float>()), origin(pose.translation().cast<float>()) {}
+  Eigen::Matrix3f rotation;
+  Vector3f origin;
+};
 
 Result<std::unique_ptr<const RayTracer>> RayTracer::Create(const Room& room,
                                                            const LightQuality& quality,
@@ -108,13 +106,13 @@ Vector3f RayTracer::Shade(const Ray& ray, const TracedScene::Hit& hit, float pix
 /// The samples of one picture: where in the pixel, when in the exposure.
 struct RayTracer::Exposure {
   const PinholeCamera& camera;
-  std::vector<FloatPose> poses;
   int samples, columns, rows;
   std::uint64_t seed;
   std::uint32_t frame;
 };
 
-Vector3f RayTracer::PixelRadiance(const Exposure& exposure, int x, int y) const {
+Vector3f RayTracer::PixelRadiance(const Exposure& exposure, const std::vector<FloatPose>& poses,
+                                  int x, int y) const {
   const PinholeCamera& camera = exposure.camera;
   const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
   SmallDraws draws({.seed = exposure.seed,
@@ -137,8 +135,8 @@ Vector3f RayTracer::PixelRadiance(const Exposure& exposure, int x, int y) const 
                       0.5f;
       const float time =
           (static_cast<float>((s + shift) % samples) + draws.Next()) / static_cast<float>(samples);
-      const auto poses = static_cast<float>(exposure.poses.size());
-      const FloatPose& pose = exposure.poses[static_cast<std::size_t>(time * poses)];
+      const FloatPose& pose =
+          poses[static_cast<std::size_t>(time * static_cast<float>(poses.size()))];
       const Vector3f in_cam((static_cast<float>(x) + u - static_cast<float>(camera.cx)) / fx,
                             (static_cast<float>(y) + v - static_cast<float>(camera.cy)) / fy, 1);
       origins[static_cast<std::size_t>(k)] = pose.origin;
@@ -159,39 +157,38 @@ Vector3f RayTracer::PixelRadiance(const Exposure& exposure, int x, int y) const 
   return sum / static_cast<float>(samples);
 }
 
-cv::Mat RayTracer::Photograph(const PinholeCamera& camera,
-                              std::span<const Eigen::Isometry3d> room_from_cam,
+cv::Mat RayTracer::Photograph(const PinholeCamera& camera, const Shutter& shutter,
                               int samples_per_pixel, std::uint64_t seed, int frame) const {
-  PLB_CHECK(!room_from_cam.empty() && samples_per_pixel > 0);
+  PLB_CHECK(samples_per_pixel > 0);
   const int columns = std::max(1, static_cast<int>(std::lround(std::sqrt(samples_per_pixel))));
-  Exposure exposure{camera,
-                    {},
-                    samples_per_pixel,
-                    columns,
-                    (samples_per_pixel + columns - 1) / columns,
-                    seed,
-                    static_cast<std::uint32_t>(frame)};
-  for (const Eigen::Isometry3d& pose : room_from_cam) exposure.poses.push_back(ToFloat(pose));
+  const Exposure exposure{camera,  samples_per_pixel,
+                          columns, (samples_per_pixel + columns - 1) / columns,
+                          seed,    static_cast<std::uint32_t>(frame)};
+  const auto poses_of = [&](int row) {
+    const std::vector<Eigen::Isometry3d> poses = shutter.Exposure(row);
+    return std::vector<FloatPose>(poses.begin(), poses.end());
+  };
+  const std::vector<FloatPose> of_first_row = poses_of(0);
   cv::Mat image(camera.height, camera.width, CV_32FC3);
   tbb::parallel_for(0, camera.height, [&](int y) {
     auto* row = image.ptr<cv::Vec3f>(y);
+    const std::vector<FloatPose> poses = shutter.rolling() ? poses_of(y) : of_first_row;
     for (int x = 0; x < camera.width; ++x) {
-      const Vector3f radiance = PixelRadiance(exposure, x, y);
+      const Vector3f radiance = PixelRadiance(exposure, poses, x, y);
       row[x] = {radiance.x(), radiance.y(), radiance.z()};
     }
   });
   return image;
 }
 
-SurfaceMaps RayTracer::Look(const PinholeCamera& camera,
-                            const Eigen::Isometry3d& room_from_cam) const {
+SurfaceMaps RayTracer::Look(const PinholeCamera& camera, const Shutter& shutter) const {
   SurfaceMaps maps;
   maps.depth = cv::Mat(camera.height, camera.width, CV_32F, cv::Scalar(0));
   maps.instance = cv::Mat(camera.height, camera.width, CV_16U, cv::Scalar(0));
   maps.surface = cv::Mat(camera.height, camera.width, CV_32S, cv::Scalar(-1));
   maps.normal = cv::Mat(camera.height, camera.width, CV_32FC3, cv::Scalar::all(0));
-  const FloatPose pose = ToFloat(room_from_cam);
   tbb::parallel_for(0, camera.height, [&](int y) {
+    const FloatPose pose(shutter.RoomFromCam(y));
     std::array<Vector3f, 4> origins, directions;
     origins.fill(pose.origin);
     for (int first = 0; first < camera.width; first += 4) {

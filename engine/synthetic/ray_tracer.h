@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
@@ -13,13 +13,14 @@
 #include "engine/sensor/camera.h"
 #include "engine/synthetic/light_map.h"
 #include "engine/synthetic/room.h"
+#include "engine/synthetic/shutter.h"
 #include "engine/synthetic/traced_scene.h"
 
 namespace plumbline {
 
 /// What lies exactly at the pixel centres.
 struct SurfaceMaps {
-  cv::Mat depth;     ///< CV_32F, Z in cam [m]; 0 for none
+  cv::Mat depth;     ///< CV_32F, Z in cam (of the row) [m]; 0 for none
   cv::Mat instance;  ///< CV_16U, 0 for none
   cv::Mat surface;   ///< CV_32S, part of the room; -1 for none
   cv::Mat normal;    ///< CV_32FC3, of the shaded surface in cam, towards the camera
@@ -33,13 +34,13 @@ class RayTracer {
                                                          const LightQuality& quality,
                                                          const WorkContext& context);
 
-  /// Linear radiance as RGB, CV_32FC3, before any noise. `room_from_cam` are poses evenly spread
-  /// over the exposure. Random numbers depend on (seed, frame, pixel) alone.
-  cv::Mat Photograph(const PinholeCamera& camera, std::span<const Eigen::Isometry3d> room_from_cam,
-                     int samples_per_pixel, std::uint64_t seed, int frame) const;
+  /// Linear radiance as RGB, CV_32FC3, before any noise. Random numbers depend on (seed, frame,
+  /// pixel) alone.
+  cv::Mat Photograph(const PinholeCamera& camera, const Shutter& shutter, int samples_per_pixel,
+                     std::uint64_t seed, int frame) const;
 
-  /// Rays through the pixel centres of one pose.
-  SurfaceMaps Look(const PinholeCamera& camera, const Eigen::Isometry3d& room_from_cam) const;
+  /// Rays through the pixel centres, those of each row at the middle of its exposure.
+  SurfaceMaps Look(const PinholeCamera& camera, const Shutter& shutter) const;
 
   /// Factor that brings the room's mean light to a fixed grey.
   float exposure() const { return exposure_; }
@@ -56,10 +57,12 @@ class RayTracer {
     bool traced;
     float weight, radius, angle;
   };
+  struct FloatPose;
   struct Exposure;
   Eigen::Vector3f Shade(const Ray& ray, const TracedScene::Hit& hit, float pixel_angle,
                         const Gloss& gloss) const;
-  Eigen::Vector3f PixelRadiance(const Exposure& exposure, int x, int y) const;
+  Eigen::Vector3f PixelRadiance(const Exposure& exposure, const std::vector<FloatPose>& poses,
+                                int x, int y) const;
   Eigen::Vector3f Diffuse(const TracedScene::Hit& hit, float footprint_m) const;
 
   TracedScene scene_;

@@ -24,6 +24,7 @@
 #include "engine/synthetic/ray_tracer.h"
 #include "engine/synthetic/room.h"
 #include "engine/synthetic/room_files.h"
+#include "engine/synthetic/shutter.h"
 #include "engine/synthetic/simulated_detector.h"
 #include "engine/synthetic/synthetic_edges.h"
 #include "engine/synthetic/track_simulator.h"
@@ -168,9 +169,9 @@ Status WriteMotion(const fs::path& folder, const SyntheticOptions& options, cons
 
 /// One frame on its way to the disk.
 struct FramePictures {
+  Shutter shutter;
   cv::Mat radiance;
   SurfaceMaps maps;
-  Isometry3d room_from_cam;
 };
 
 class SequenceJob {
@@ -206,7 +207,7 @@ class SequenceJob {
                               : frame / options_.rate_hz;
     return walk_.ExposureSeconds(static_cast<int>(std::lround(walked * options_.rate_hz)));
   }
-  int SamplesFor(const std::vector<Isometry3d>& poses) const;
+  int SamplesFor(const Shutter& shutter) const;
   Status WriteFrame(int frame, const FramePictures& pictures);
   void Remember(int frame, const Visibility& visibility);
 
@@ -237,7 +238,8 @@ Status SequenceJob::WriteStill() {
 }
 
 /// More samples where the picture moves during the exposure, so that blur stays smooth.
-int SequenceJob::SamplesFor(const std::vector<Isometry3d>& poses) const {
+int SequenceJob::SamplesFor(const Shutter& shutter) const {
+  const std::vector<Isometry3d> poses = shutter.Exposure(0.5 * (camera_.pinhole.height - 1));
   const Isometry3d motion = poses.front().inverse() * poses.back();
   const double moved = camera_.pinhole.fx * (Eigen::AngleAxisd(motion.linear()).angle() +
                                              motion.translation().norm() / 2);
@@ -246,17 +248,11 @@ int SequenceJob::SamplesFor(const std::vector<Isometry3d>& poses) const {
 }
 
 FramePictures SequenceJob::Render(int frame) const {
-  const double middle = frame / options_.rate_hz, exposure = ExposureSeconds(frame);
-  constexpr int kPoses = 24;
-  std::vector<Isometry3d> poses;
-  for (int i = 0; i < kPoses; ++i)
-    poses.push_back(RoomFromCam(middle + exposure * ((i + 0.5) / kPoses - 0.5)));
-  FramePictures pictures;
-  pictures.room_from_cam = RoomFromCam(middle);
-  pictures.radiance =
-      tracer_->Photograph(camera_.pinhole, poses, SamplesFor(poses), options_.seed, frame);
-  pictures.maps = tracer_->Look(camera_.pinhole, pictures.room_from_cam);
-  return pictures;
+  const Shutter shutter([this](double t_s) { return RoomFromCam(t_s); }, frame / options_.rate_hz,
+                        ExposureSeconds(frame), camera_);
+  return {shutter,
+          tracer_->Photograph(camera_.pinhole, shutter, SamplesFor(shutter), options_.seed, frame),
+          tracer_->Look(camera_.pinhole, shutter)};
 }
 
 void SequenceJob::Remember(int frame, const Visibility& visibility) {
@@ -284,12 +280,12 @@ Status SequenceJob::WriteFrame(int frame, const FramePictures& pictures) {
   const EdgeMap edges = DetectSyntheticEdges(camera_.pinhole, maps, picture,
                                              options_.flawless ? EdgeFlaws{0, 0, 0} : EdgeFlaws(),
                                              options_.seed, frame);
-  const Visibility visibility = meter_.Measure(camera_.pinhole, pictures.room_from_cam, maps);
+  const Visibility visibility = meter_.Measure(camera_.pinhole, pictures.shutter, maps);
   const std::vector<Detection> found =
-      detector_.Detect(frame, camera_.pinhole, pictures.room_from_cam, maps, visibility);
+      detector_.Detect(frame, camera_.pinhole, pictures.shutter, maps, visibility);
   Remember(frame, visibility);
 
-  const Isometry3d world_from_cam = options_.world_from_room * pictures.room_from_cam;
+  const Isometry3d world_from_cam = options_.world_from_room * pictures.shutter.middle();
   trajectory_ += TrajectoryRow(frame / options_.rate_hz, world_from_cam);
 
   const std::string image_name = name + ".jpg";
@@ -397,22 +393,25 @@ Result<SyntheticSummary> WriteTracks(const SyntheticOptions& options, const fs::
   const BodyPath path =
       PathOfBody(walk, *options.imu, options.seed, options.frames / options.rate_hz);
   const TracedScene scene(room.parts);
-  TrackSimulator simulator(scene, SyntheticCamera(options).pinhole, {}, options.seed);
+  const Camera camera = SyntheticCamera(options);
+  TrackSimulator simulator(scene, camera.pinhole, {}, options.seed);
   std::string rows = "# t[s],id,u,v[px]\n", trajectory = kTrajectoryHeader;
   for (int frame = 0; frame < options.frames; ++frame) {
     if (context.stop.stop_requested())
       return Error{ErrorCode::kCancelled, "stopped; '" + folder.string() + "' holds no tracks"};
     context.report({"frames", frame, options.frames});
     const double t_s = frame / options.rate_hz;
-    const Isometry3d room_from_cam = path.RoomFromBody(t_s) * SyntheticBodyFromCam();
-    const TrackedImage image = simulator.Next(std::llround(t_s * 1e9), room_from_cam);
+    const Shutter shutter(
+        [&](double at_s) { return path.RoomFromBody(at_s) * SyntheticBodyFromCam(); }, t_s, 0,
+        camera);
+    const TrackedImage image = simulator.Next(std::llround(t_s * 1e9), shutter);
     for (const TrackedPoint& point : image.points) {
       std::array<char, 96> row;
       std::snprintf(row.data(), row.size(), "%.9f,%lld,%.4f,%.4f\n", t_s,
                     static_cast<long long>(point.id), point.pixel.x(), point.pixel.y());
       rows += row.data();
     }
-    trajectory += TrajectoryRow(t_s, options.world_from_room * room_from_cam);
+    trajectory += TrajectoryRow(t_s, options.world_from_room * shutter.middle());
   }
   context.report({"frames", options.frames, options.frames});
   Status status = WriteFileAtomically(folder / "tracks.csv", rows);
@@ -447,6 +446,7 @@ Camera SyntheticCamera(const SyntheticOptions& options) {
   camera.pinhole.cx = (960.0 / 2 - 0.5 + 7.3 + 0.5) * scale - 0.5;
   camera.pinhole.cy = 0.5 * options.height - 0.5 - 4.6 * scale;
   camera.rate_hz = options.rate_hz;
+  camera.rolling_shutter_s = options.rolling_shutter_s;
   return camera;
 }
 

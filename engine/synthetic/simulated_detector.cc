@@ -66,8 +66,7 @@ VisibilityMeter::VisibilityMeter(const Room& room) {
   }
 }
 
-Visibility VisibilityMeter::Measure(const PinholeCamera& camera,
-                                    const Eigen::Isometry3d& room_from_cam,
+Visibility VisibilityMeter::Measure(const PinholeCamera& camera, const Shutter& shutter,
                                     const SurfaceMaps& maps) const {
   Visibility result;
   const std::size_t count = bodies_.size();
@@ -90,8 +89,6 @@ Visibility VisibilityMeter::Measure(const PinholeCamera& camera,
     }
   }
   constexpr int kStep = 4;
-  const Eigen::Matrix3f rotation = room_from_cam.linear().cast<float>();
-  const Eigen::Vector3f origin = room_from_cam.translation().cast<float>();
   for (std::size_t i = 0; i < count; ++i) {
     if (result.pixels[i] > 0) {
       result.box[i] = {x0[i], y0[i], x1[i] - x0[i] + 1, y1[i] - y0[i] + 1};
@@ -100,7 +97,8 @@ Visibility VisibilityMeter::Measure(const PinholeCamera& camera,
     }
     Eigen::AlignedBox3f bounds;
     for (const Eigen::Vector3f& vertex : bodies_[i]->scene.vertices()) bounds.extend(vertex);
-    const Eigen::Vector3d center = room_from_cam.inverse() * bounds.center().cast<double>();
+    const Eigen::Vector3d center_in_room = bounds.center().cast<double>();
+    const Eigen::Vector3d center = shutter.Seeing(center_in_room).inverse() * center_in_room;
     const double radius = bounds.sizes().cast<double>().norm() / 2;
     if (center.z() < -radius) continue;
     int left = 0, right = camera.width, top = 0, bottom = camera.height;
@@ -114,6 +112,9 @@ Visibility VisibilityMeter::Measure(const PinholeCamera& camera,
     }
     int whole = 0;
     for (int y = top - top % kStep + kStep / 2; y < bottom; y += kStep) {
+      const Eigen::Isometry3d room_from_cam = shutter.RoomFromCam(y);
+      const Eigen::Matrix3f rotation = room_from_cam.linear().cast<float>();
+      const Eigen::Vector3f origin = room_from_cam.translation().cast<float>();
       for (int x = left - left % kStep + kStep / 2; x < right; x += kStep) {
         const Eigen::Vector2d bearing = camera.Bearing({x, y});
         const Eigen::Vector3f in_cam(static_cast<float>(bearing.x()),
@@ -180,9 +181,8 @@ void SimulatedDetector::BoxObject(int frame, int instance, const PinholeCamera& 
   }
 }
 
-void SimulatedDetector::BoxPhantoms(int frame, const PinholeCamera& camera,
-                                    const Eigen::Isometry3d& room_from_cam, const SurfaceMaps& maps,
-                                    std::vector<Detection>& found) {
+void SimulatedDetector::BoxPhantoms(int frame, const PinholeCamera& camera, const Shutter& shutter,
+                                    const SurfaceMaps& maps, std::vector<Detection>& found) {
   Random random({.seed = seed_, .frame = KeyOf(frame), .object = 0xffff, .particle = 0x706861});
   std::erase_if(phantoms_, [&](const Phantom& phantom) { return phantom.last_frame < frame; });
   // One may be born in a frame; in the long run births * duration = false_per_frame.
@@ -195,7 +195,7 @@ void SimulatedDetector::BoxPhantoms(int frame, const PinholeCamera& camera,
       const Eigen::Vector2d bearing = camera.Bearing({x, y});
       Phantom phantom;
       phantom.point_in_room =
-          room_from_cam * Eigen::Vector3d(bearing.x() * depth, bearing.y() * depth, depth);
+          shutter.RoomFromCam(y) * Eigen::Vector3d(bearing.x() * depth, bearing.y() * depth, depth);
       const double scale = camera.width / 960.0;
       phantom.width_m = random.Uniform(40, 190) * scale * depth / camera.fx;
       phantom.height_m = random.Uniform(40, 190) * scale * depth / camera.fy;
@@ -208,9 +208,9 @@ void SimulatedDetector::BoxPhantoms(int frame, const PinholeCamera& camera,
       break;
     }
   }
-  const Eigen::Isometry3d cam_from_room = room_from_cam.inverse();
   for (const Phantom& phantom : phantoms_) {
-    const Eigen::Vector3d in_cam = cam_from_room * phantom.point_in_room;
+    const Eigen::Vector3d in_cam =
+        shutter.Seeing(phantom.point_in_room).inverse() * phantom.point_in_room;
     const double score = random.Uniform(0.35, 0.80);
     if (in_cam.z() < 0.2) continue;
     const Eigen::Vector2d at = camera.Project(in_cam);
@@ -223,13 +223,12 @@ void SimulatedDetector::BoxPhantoms(int frame, const PinholeCamera& camera,
 }
 
 std::vector<Detection> SimulatedDetector::Detect(int frame, const PinholeCamera& camera,
-                                                 const Eigen::Isometry3d& room_from_cam,
-                                                 const SurfaceMaps& maps,
+                                                 const Shutter& shutter, const SurfaceMaps& maps,
                                                  const Visibility& visibility) {
   std::vector<Detection> found;
   for (std::size_t i = 0; i < categories_.size(); ++i)
     BoxObject(frame, static_cast<int>(i), camera, visibility, found);
-  BoxPhantoms(frame, camera, room_from_cam, maps, found);
+  BoxPhantoms(frame, camera, shutter, maps, found);
   std::stable_sort(found.begin(), found.end(),
                    [](const Detection& a, const Detection& b) { return a.score > b.score; });
   return found;

@@ -11,6 +11,7 @@
 #include "engine/sensor/camera.h"
 #include "engine/synthetic/ray_tracer.h"
 #include "engine/synthetic/room.h"
+#include "engine/synthetic/shutter.h"
 
 namespace plumbline {
 
@@ -46,7 +47,7 @@ struct Visibility {
 class VisibilityMeter {
  public:
   explicit VisibilityMeter(const Room& room);
-  Visibility Measure(const PinholeCamera& camera, const Eigen::Isometry3d& room_from_cam,
+  Visibility Measure(const PinholeCamera& camera, const Shutter& shutter,
                      const SurfaceMaps& maps) const;
 
  private:
@@ -59,9 +60,8 @@ class SimulatedDetector {
  public:
   SimulatedDetector(const Room& room, const DetectorFlaws& flaws, std::uint64_t seed);
   /// By falling score.
-  std::vector<Detection> Detect(int frame, const PinholeCamera& camera,
-                                const Eigen::Isometry3d& room_from_cam, const SurfaceMaps& maps,
-                                const Visibility& visibility);
+  std::vector<Detection> Detect(int frame, const PinholeCamera& camera, const Shutter& shutter,
+                                const SurfaceMaps& maps, const Visibility& visibility);
 
  private:
   /// Something in the room that is taken for an object.
@@ -73,7 +73,7 @@ class SimulatedDetector {
   };
   void BoxObject(int frame, int instance, const PinholeCamera& camera, const Visibility& visibility,
                  std::vector<Detection>& found);
-  void BoxPhantoms(int frame, const PinholeCamera& camera, const Eigen::Isometry3d& room_from_cam,
+  void BoxPhantoms(int frame, const PinholeCamera& camera, const Shutter& shutter,
                    const SurfaceMaps& maps, std::vector<Detection>& found);
 
   std::vector<std::string> categories_;  ///< Of the instances.

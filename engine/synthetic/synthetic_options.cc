@@ -42,6 +42,7 @@ std::vector<std::string> SyntheticOptions::Validate() const {
   within("height", height, 48, 4096);
   within("rate_hz", rate_hz, 1e-3, 1e4);
   if (horizontal_fov_rad) within("horizontal_fov_rad", *horizontal_fov_rad, 0.349, 2.618);
+  within("rolling_shutter_s", rolling_shutter_s, -0.2, 0.2);
   within("samples_per_pixel", samples_per_pixel, 1, 64);
   within("light_rays", light_rays, 4, 1024);
   within("light_spacing", light_spacing, 0.5, 20);

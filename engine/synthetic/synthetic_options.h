@@ -87,6 +87,8 @@ struct SyntheticOptions {
   /// Field of view from left to right [rad], 20 .. 150 degrees; if not given, a focal length of
   /// 560 px for 960 px of width (81 degrees).
   std::optional<double> horizontal_fov_rad;
+  /// From the first row of an image to the last [s], -0.2 .. 0.2; as camera.json states it.
+  double rolling_shutter_s = 0;
   int samples_per_pixel =
       4;  ///< 1 .. 64; each has its own place in the pixel and time in the exposure
   int light_rays =

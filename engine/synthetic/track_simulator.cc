@@ -35,8 +35,9 @@ TrackSimulator::TrackSimulator(const TracedScene& scene, const PinholeCamera& ca
     std::swap(points_[i - 1], points_[random_.Index(static_cast<std::uint32_t>(i))]);
 }
 
-std::optional<Eigen::Vector2d> TrackSimulator::See(const Eigen::Isometry3d& room_from_cam,
+std::optional<Eigen::Vector2d> TrackSimulator::See(const Shutter& shutter,
                                                    const Eigen::Vector3d& point) const {
+  const Eigen::Isometry3d room_from_cam = shutter.Seeing(point);
   const Eigen::Vector3d in_cam = room_from_cam.inverse() * point;
   const double distance = in_cam.norm();
   if (in_cam.z() < kMinDistance || distance > options_.max_distance_m) return std::nullopt;
@@ -52,10 +53,10 @@ std::optional<Eigen::Vector2d> TrackSimulator::See(const Eigen::Isometry3d& room
   return pixel;
 }
 
-TrackedImage TrackSimulator::Next(std::int64_t stamp_ns, const Eigen::Isometry3d& room_from_cam) {
+TrackedImage TrackSimulator::Next(std::int64_t stamp_ns, const Shutter& shutter) {
   std::map<std::size_t, Eigen::Vector2d> seen;
   for (auto entry = followed_.begin(); entry != followed_.end();) {
-    const auto pixel = See(room_from_cam, points_[entry->first]);
+    const auto pixel = See(shutter, points_[entry->first]);
     const bool broken = random_.Uniform() < options_.break_probability;
     if (pixel && !broken) {
       seen[entry->first] = *pixel;
@@ -68,7 +69,7 @@ TrackedImage TrackSimulator::Next(std::int64_t stamp_ns, const Eigen::Isometry3d
        tried < points_.size() && static_cast<int>(followed_.size()) < options_.points; ++tried) {
     cursor_ = (cursor_ + 1) % points_.size();
     if (followed_.count(cursor_) > 0) continue;
-    const auto pixel = See(room_from_cam, points_[cursor_]);
+    const auto pixel = See(shutter, points_[cursor_]);
     if (!pixel) continue;
     followed_[cursor_] = next_track_++;
     seen[cursor_] = *pixel;

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 #include "engine/base/random.h"
 #include "engine/dataset/tracks_file.h"
 #include "engine/sensor/camera.h"
+#include "engine/synthetic/shutter.h"
 #include "engine/synthetic/traced_scene.h"
 
 namespace plumbline {
@@ -31,11 +31,10 @@ class TrackSimulator {
   TrackSimulator(const TracedScene& scene, const PinholeCamera& camera, const Options& options,
                  std::uint64_t seed);
 
-  TrackedImage Next(std::int64_t stamp_ns, const Eigen::Isometry3d& room_from_cam);
+  TrackedImage Next(std::int64_t stamp_ns, const Shutter& shutter);
 
  private:
-  std::optional<Eigen::Vector2d> See(const Eigen::Isometry3d& room_from_cam,
-                                     const Eigen::Vector3d& point) const;
+  std::optional<Eigen::Vector2d> See(const Shutter& shutter, const Eigen::Vector3d& point) const;
 
   const TracedScene& scene_;
   PinholeCamera camera_;

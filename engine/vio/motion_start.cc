@@ -34,11 +34,24 @@ struct WindowPose {
   double seconds = 0;
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d drift{0, 0, 0};  ///< The twice integrated specific force.
+  Eigen::Vector3d speed{0, 0, 0};  ///< The once integrated one.
+  Eigen::Vector3d angular_velocity{0, 0, 0};
+
+  /// That of a row which is exposed so much later.
+  WindowPose Later(double delay_s) const {
+    WindowPose pose = *this;
+    if (delay_s == 0) return pose;
+    pose.seconds += delay_s;
+    pose.rotation = rotation * RotationExp(delay_s * angular_velocity);
+    pose.drift += delay_s * speed;
+    return pose;
+  }
 };
 
 struct WindowSight {
   std::size_t image;
   Eigen::Vector3d ray;  ///< In the body's axes.
+  double delay_s;       ///< Of its row.
 };
 
 struct WindowTrack {
@@ -71,7 +84,8 @@ class Alignment {
     for (std::size_t k = 0; k < images.size(); ++k) {
       for (const TrackedPoint& point : images[k].points) {
         if (const auto ray = lens.Unproject(point.pixel))
-          tracks[point.id].sights.push_back({k, body_from_cam_.linear() * *ray});
+          tracks[point.id].sights.push_back(
+              {k, body_from_cam_.linear() * *ray, camera.RowDelay(point.pixel.y())});
       }
     }
     for (auto& [id, track] : tracks) {
@@ -134,12 +148,19 @@ class Alignment {
         const Eigen::Vector3d gain = dt * pose.rotation * (LeftJacobian(turn) * a);
         speed += gain;
         force += gain;
+        pose.angular_velocity = segment.angular_velocity_rad_s - bias;
+        if (pose.seconds == 0) poses_.front().angular_velocity = pose.angular_velocity;
         pose.rotation = pose.rotation * RotationExp(turn);
         pose.seconds += dt;
       }
+      pose.speed = speed;
       poses_.push_back(pose);
     }
     mean_gravity_ = -gravity_m_s2_ * force.normalized();
+  }
+
+  WindowPose PoseOf(const WindowSight& sight) const {
+    return poses_[sight.image].Later(sight.delay_s);
   }
 
   /// The way from a sight's camera to the point is linear in the unknowns and the depth. What is
@@ -150,10 +171,10 @@ class Alignment {
     const auto rows = static_cast<Eigen::Index>(3 * (track.sights.size() - 1));
     TrackEquations e{{}, Eigen::VectorXd(rows), Eigen::VectorXd(rows)};
     e.by_unknowns.resize(rows, 6);
-    const WindowPose& first = poses_[track.sights.front().image];
+    const WindowPose first = PoseOf(track.sights.front());
     const Eigen::Vector3d ray0 = first.rotation * track.sights.front().ray;
     for (std::size_t i = 1; i < track.sights.size(); ++i) {
-      const WindowPose& pose = poses_[track.sights[i].image];
+      const WindowPose pose = PoseOf(track.sights[i]);
       const Eigen::Vector3d ray = pose.rotation * track.sights[i].ray;
       const double t0 = first.seconds, t = pose.seconds;
       Eigen::Matrix<double, 3, 6> by_unknowns;

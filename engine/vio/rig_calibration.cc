@@ -80,6 +80,7 @@ ReversedRecording Reverse(const VioInput& input, std::span<const TrackedImage> i
   reversed.input = input;
   reversed.input.samples = reversed.samples;
   reversed.input.imu.time_offset_s = -input.imu.time_offset_s;
+  reversed.input.camera.rolling_shutter_s = -input.camera.rolling_shutter_s;
   reversed.input.start.reset();
   return reversed;
 }

@@ -41,7 +41,7 @@ FilterState MakeStart(const InertialState& inertial, const Camera& camera, doubl
   }
   if (options.estimate_time_offset) diagonal(kTimeOffset) = Square(options.time_offset_std_s);
   LensVector lens;
-  lens << DistortedCamera(camera).intrinsics(), options.rolling_shutter_s;
+  lens << DistortedCamera(camera).intrinsics(), camera.rolling_shutter_s;
   if (options.estimate_intrinsics) {
     diagonal.segment<4>(kLens).setConstant(Square(options.intrinsics_std_px));
     diagonal.segment(kLens + 4, std::min<Eigen::Index>(4, std::ssize(camera.distortion)))

@@ -59,7 +59,7 @@ struct PixelModel {
   }
   /// The (phi, xi_p) of that pose by rolling_shutter_s.
   Eigen::Matrix<double, kPoseSize, 1> MotionOfRow(const PoseClone& clone, double row_px) const {
-    return clone.motion * (row_px / height_px - 0.5);
+    return clone.motion * (row_px / (height_px - 1) - 0.5);
   }
 };
 

@@ -25,16 +25,22 @@ constexpr int kLateReadings = 10, kLateImages = 4;  ///< In a row: a clock was s
 constexpr double kSameClock = 0.1;
 constexpr double kMinMotion = 6;  ///< Points wander more when the body moves at all [px].
 
+/// What the option says takes the place of what camera.json does.
+Camera WithReadOut(Camera camera, const VioOptions& options) {
+  if (options.rolling_shutter_s != 0) camera.rolling_shutter_s = options.rolling_shutter_s;
+  return camera;
+}
+
 }  // namespace
 
 VioEstimator::VioEstimator(const Camera& camera, const ImuCalibration& imu,
                            const VioOptions& options)
-    : camera_(camera),
+    : camera_(WithReadOut(camera, options)),
       calibration_(imu),
       options_(options),
       imu_(imu),
       rest_(options.rest_seconds + kRestLookback),
-      filter_(camera, imu, options),
+      filter_(camera_, imu, options),
       imu_clock_(kLateReadings),
       image_clock_(kLateImages) {
   PLB_CHECK(camera.body_from_cam.has_value());

@@ -37,7 +37,7 @@ VioFilter::VioFilter(const Camera& camera, const ImuCalibration& imu, const VioO
       jitter_rad_(options.image_jitter_px / camera.pinhole.fx),
       creep_rad_(options.creep_px / camera.pinhole.fx),
       pixels_{options.pixel_noise_px, options.blur_noise, options.creep_px,
-              options.rolling_shutter_s, static_cast<double>(camera.pinhole.height)},
+              camera.rolling_shutter_s, static_cast<double>(camera.pinhole.height)},
       gate_(options.gate_probability),
       triangulation_{options.pixel_noise_px, options.min_depth_m, options.max_depth_m,
                      options.max_depth_spread},

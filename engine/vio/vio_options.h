@@ -95,7 +95,8 @@ void VisitFields(VioOptions& o, Visitor&& visit) {
   visit(o.max_point_age,
         {"max_point_age", "", "images after which a point of the state begins anew", 2, 1000000});
   visit(o.rolling_shutter_s,
-        {"rolling_shutter_s", "s", "time from the first row of an image to the last", -0.1, 0.1});
+        {"rolling_shutter_s", "s",
+         "time from the first row of an image to the last; 0: as camera.json says", -0.2, 0.2});
   visit(o.imu_noise_factor,
         {"imu_noise_factor", "", "on the noise densities that imu.json states", 0.1, 100});
   visit(

@@ -98,11 +98,12 @@ TEST_F(InfoVerb, NamesWhatIsOddAboutASequence) {
 TEST_F(InfoVerb, KnowsASequenceWithoutImages) {
   WriteText(Path("tracked/camera.json"),
             R"({"width": 640, "height": 480, "model": "fov", "fx": 257, "fy": 258, "cx": 328,
-                "cy": 229, "distortion": [0.93]})");
+                "cy": 229, "distortion": [0.93], "rolling_shutter_s": -0.015})");
   WriteText(Path("tracked/tracks.csv"), "0.0,1,5,6\n0.0,2,7,8\n0.1,1,5,6\n0.2,1,5,6\n");
   ASSERT_EQ(Run("tracked"), 0) << errors();
-  EXPECT_THAT(out(), AllOf(HasSubstr("without images"), HasSubstr("fov"),
-                           HasSubstr("3 images, 1 points each")));
+  EXPECT_THAT(out(),
+              AllOf(HasSubstr("without images"), HasSubstr("fov"),
+                    HasSubstr("rolling shutter of -15 ms"), HasSubstr("3 images, 1 points each")));
 }
 
 TEST_F(InfoVerb, DescribesModelsMeshesAndTrajectories) {

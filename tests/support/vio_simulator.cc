@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "engine/base/random.h"
 #include "engine/sensor/distorted_camera.h"
@@ -76,6 +77,19 @@ Camera SimulatedCamera(double arm) {
   return camera;
 }
 
+/// Where the camera sees a point, each row at its own time.
+std::optional<Eigen::Vector2d> See(const DistortedCamera& lens, const Camera& camera,
+                                   const Path& path, double imu_t, const Eigen::Vector3d& point) {
+  double delay = 0;
+  for (int round = 0;; ++round) {
+    const auto view =
+        lens.Project((path.At(imu_t + delay) * *camera.body_from_cam).inverse() * point);
+    if (!view) return std::nullopt;
+    if (camera.rolling_shutter_s == 0 || round == 4) return view->pixel;
+    delay = camera.RowDelay(view->pixel.y());
+  }
+}
+
 /// Points on the walls, the floor and the ceiling.
 std::vector<Eigen::Vector3d> RoomPoints(const VioSimulation& options) {
   Random random({options.seed, 1});
@@ -98,20 +112,11 @@ void SimulateImages(const VioSimulation& options, const Path& path, SimulatedRec
   std::int64_t next_id = 0;
   for (int k = 0; k < options.seconds * options.image_hz; ++k) {
     const double t = k / options.image_hz, imu_t = t + options.time_offset_s;
-    const auto project = [&](const Eigen::Vector3d& point, double time) {
-      return camera.Project((path.At(time) * *result.camera.body_from_cam).inverse() * point);
-    };
     std::map<std::size_t, Eigen::Vector2d> seen;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      auto view = project(points[i], imu_t);
-      // The row that a point falls into says when it is read, which says where it falls.
-      for (int round = 0; round < 4 && view && options.rolling_shutter_s != 0; ++round) {
-        const double row = view->pixel.y() / result.camera.pinhole.height - 0.5;
-        view = project(points[i], imu_t + options.rolling_shutter_s * row);
-      }
-      if (view && view->pixel.x() > 0 && view->pixel.x() < 639 && view->pixel.y() > 0 &&
-          view->pixel.y() < 479)
-        seen[i] = view->pixel;
+      const auto pixel = See(camera, result.camera, path, imu_t, points[i]);
+      if (pixel && pixel->x() > 0 && pixel->x() < 639 && pixel->y() > 0 && pixel->y() < 479)
+        seen[i] = *pixel;
     }
     std::erase_if(followed, [&](const auto& entry) { return seen.count(entry.first) == 0; });
     for (const auto& [i, pixel] : seen) {
@@ -143,6 +148,7 @@ void SimulateImages(const VioSimulation& options, const Path& path, SimulatedRec
 SimulatedRecording Simulate(const VioSimulation& options) {
   SimulatedRecording result;
   result.camera = SimulatedCamera(options.arm);
+  result.camera.rolling_shutter_s = options.rolling_shutter_s;
   result.imu.rate_hz = options.imu_hz;
   const Path path(options);
   Random random({options.seed, 3});

@@ -26,10 +26,10 @@ struct VioSimulation {
   double image_hz = 20, imu_hz = 200;
   double pixel_noise_px = 1;
   double imu_noise = 1;          ///< Times the densities of ImuCalibration().
-  double rolling_shutter_s = 0;  ///< From the first row to the last; the stamp is of the middle.
   /// Of the points that are followed, slides over the picture from this time on, all alike.
   double sliding_share = 0, sliding_from_s = 0, sliding_px = 4;
   double time_offset_s = 0;  ///< Added to an image's time to get the IMU's.
+  double rolling_shutter_s = 0;
   Eigen::Vector3d gyro_bias{0.01, -0.02, 0.015};
   Eigen::Vector3d accel_bias{0.05, -0.03, 0.04};
   std::uint64_t seed = 1;
@@ -38,7 +38,7 @@ struct VioSimulation {
 /// What a body that swings about in a room of 8 x 8 x 4 m records, and the truth. It is back where
 /// it was, and looks the same way, after each 20 pi seconds of motion.
 struct SimulatedRecording {
-  Camera camera;  ///< True; radial-tangential, 640x480.
+  Camera camera;  ///< True, read-out included; radial-tangential, 640x480.
   ImuCalibration imu;
   std::vector<ImuSample> samples;
   std::vector<TrackedImage> images;

@@ -24,13 +24,27 @@ nlohmann::json Kitchen() {
 TEST(Camera, SurvivesARoundTripThroughJson) {
   nlohmann::json json = Kitchen();
   json["body_from_cam"] = {{0, 0, 1, 0.1}, {-1, 0, 0, 0.2}, {0, -1, 0, 0.3}, {0, 0, 0, 1}};
+  json["rolling_shutter_s"] = -0.015;
   const Result<Camera> camera = CameraFromJson(json, "camera.json");
   ASSERT_TRUE(camera.ok()) << camera.error().message;
+  EXPECT_EQ(camera->rolling_shutter_s, -0.015);
   const Result<Camera> again = CameraFromJson(CameraToJson(*camera), "camera.json");
   ASSERT_TRUE(again.ok()) << again.error().message;
   EXPECT_EQ(again->pinhole, camera->pinhole);
   EXPECT_EQ(again->distortion, camera->distortion);
+  EXPECT_EQ(again->rolling_shutter_s, camera->rolling_shutter_s);
   EXPECT_TRUE(again->body_from_cam->isApprox(*camera->body_from_cam, 1e-15));
+}
+
+TEST(Camera, KnowsWhenEachRowIsExposed) {
+  Camera camera;
+  camera.pinhole = {640, 481, 500, 500, 319.5, 240};
+  EXPECT_EQ(camera.RowDelay(0), 0);
+  EXPECT_FALSE(CameraToJson(camera).contains("rolling_shutter_s"));
+  camera.rolling_shutter_s = 0.02;
+  EXPECT_DOUBLE_EQ(camera.RowDelay(0), -0.01);
+  EXPECT_DOUBLE_EQ(camera.RowDelay(240), 0);
+  EXPECT_DOUBLE_EQ(camera.RowDelay(480), 0.01);
 }
 
 TEST(Camera, RefusesWhatItCannotUseAndNamesTheFile) {
@@ -52,6 +66,9 @@ TEST(Camera, RefusesWhatItCannotUseAndNamesTheFile) {
            {"model", 3},
            {"distortion", {1, 2}},
            {"distortion", "none"},
+           {"rolling_shutter_s", 0.21},
+           {"rolling_shutter_s", "fast"},
+           {"rolling_shutter_s", 1e300},
            {"rate_hz", 0},
            {"rate_hz", 1e-300},
            {"rate_hz", 1e300},

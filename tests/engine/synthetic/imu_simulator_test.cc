@@ -2,6 +2,8 @@
 #include "engine/synthetic/imu_simulator.h"
 
 #include <cmath>
+#include <functional>
+#include <map>
 
 #include <gtest/gtest.h>
 
@@ -10,7 +12,9 @@
 #include "engine/dataset/sequence.h"
 #include "engine/dataset/tracks_file.h"
 #include "engine/geometry/angles.h"
+#include "engine/synthetic/room.h"
 #include "engine/synthetic/sequence_writer.h"
+#include "engine/synthetic/walk.h"
 #include "tests/support/test_data.h"
 
 namespace plumbline {
@@ -118,27 +122,26 @@ TEST(ImuSimulator, WithoutNoiseItsReadingsLeadAlongTheTruePoses) {
   ReckonAndCompare(folder.path(), imu.time_offset_s, 10);
 }
 
-TEST(ImuSimulator, TracksArePixelsOfOnePointFromTheTruePoses) {
-  const TemporaryFolder folder;
-  ImuSimulation imu;
-  imu.wrong_translation_m = 0.02;
-  ASSERT_TRUE(WriteSyntheticSequence(TracksOnly(imu, 3), folder.path(), {}).ok());
-  const auto sequence = OpenSequence(folder.path());
-  const auto tracks = ReadTracksFile(folder.path() / "tracks.csv");
-  ASSERT_TRUE(sequence.ok() && tracks.ok());
+/// How far the pixels of long tracks are from where their point would be seen, root mean square of
+/// each axis [px]: the point in which the rays from the given poses meet.
+double OffOnePoint(
+    const fs::path& folder,
+    const std::function<Eigen::Isometry3d(std::int64_t stamp_ns, double row_px)>& world_from_cam) {
+  const auto sequence = OpenSequence(folder);
+  const auto tracks = ReadTracksFile(folder / "tracks.csv");
+  EXPECT_TRUE(sequence.ok() && tracks.ok());
+  if (!sequence.ok() || !tracks.ok()) return -1;
   EXPECT_FALSE((*sequence)->has_images());
   const PinholeCamera& camera = (*sequence)->camera();
-  const Vector3d off =
-      (*sequence)->calibration().cameras.front().camera.body_from_cam->translation() -
-      SyntheticBodyFromCam().translation();
-  EXPECT_NEAR(off.cwiseAbs().minCoeff(), 0.02, 1e-9);
-  EXPECT_NEAR(off.cwiseAbs().maxCoeff(), 0.02, 1e-9);
-  // Rays of one track, from all images, meet within what a pixel of noise leaves.
-  std::map<std::int64_t, std::vector<std::pair<int, Eigen::Vector2d>>> sights;
-  for (std::size_t k = 0; k < tracks->images.size(); ++k) {
-    EXPECT_GT(tracks->images[k].points.size(), 60u);
-    for (const TrackedPoint& point : tracks->images[k].points)
-      sights[point.id].emplace_back(static_cast<int>(k), point.pixel);
+  struct Sight {
+    Eigen::Isometry3d world_from_cam;
+    Eigen::Vector2d pixel;
+  };
+  std::map<std::int64_t, std::vector<Sight>> sights;
+  for (const TrackedImage& image : tracks->images) {
+    EXPECT_GT(image.points.size(), 60u);
+    for (const TrackedPoint& point : image.points)
+      sights[point.id].push_back({world_from_cam(image.stamp_ns, point.pixel.y()), point.pixel});
   }
   double sum = 0;
   int count = 0;
@@ -146,22 +149,69 @@ TEST(ImuSimulator, TracksArePixelsOfOnePointFromTheTruePoses) {
     if (seen.size() < 40) continue;
     Eigen::Matrix3d across = Eigen::Matrix3d::Zero();
     Vector3d right = Vector3d::Zero();
-    for (const auto& [k, pixel] : seen) {
-      const Eigen::Isometry3d pose = *(*sequence)->world_from_cam(k);
-      const Vector3d ray = pose.linear() * camera.Bearing(pixel).homogeneous().normalized();
+    for (const Sight& sight : seen) {
+      const Vector3d ray =
+          sight.world_from_cam.linear() * camera.Bearing(sight.pixel).homogeneous().normalized();
       const Eigen::Matrix3d off_ray = Eigen::Matrix3d::Identity() - ray * ray.transpose();
       across += off_ray;
-      right += off_ray * pose.translation();
+      right += off_ray * sight.world_from_cam.translation();
     }
     const Vector3d point = across.ldlt().solve(right);
-    for (const auto& [k, pixel] : seen) {
-      const Vector3d in_cam = (*sequence)->world_from_cam(k)->inverse() * point;
-      sum += (camera.Project(in_cam) - pixel).squaredNorm();
+    for (const Sight& sight : seen) {
+      sum += (camera.Project(sight.world_from_cam.inverse() * point) - sight.pixel).squaredNorm();
       ++count;
     }
   }
-  ASSERT_GT(count, 1000);
-  EXPECT_NEAR(std::sqrt(sum / (2 * count)), 1, 0.1);  // noise of 1 px on each axis
+  EXPECT_GT(count, 1000);
+  return std::sqrt(sum / (2 * count));
+}
+
+TEST(ImuSimulator, TracksArePixelsOfOnePointFromTheTruePoses) {
+  const TemporaryFolder folder;
+  ImuSimulation imu;
+  imu.wrong_translation_m = 0.02;
+  ASSERT_TRUE(WriteSyntheticSequence(TracksOnly(imu, 3), folder.path(), {}).ok());
+  const auto sequence = OpenSequence(folder.path());
+  ASSERT_TRUE(sequence.ok());
+  const Camera& stated = (*sequence)->calibration().cameras.front().camera;
+  EXPECT_EQ(stated.rolling_shutter_s, 0);
+  const Vector3d off = stated.body_from_cam->translation() - SyntheticBodyFromCam().translation();
+  EXPECT_NEAR(off.cwiseAbs().minCoeff(), 0.02, 1e-9);
+  EXPECT_NEAR(off.cwiseAbs().maxCoeff(), 0.02, 1e-9);
+  int frame = -1;
+  std::int64_t last_ns = -1;
+  const double rms = OffOnePoint(folder.path(), [&](std::int64_t stamp_ns, double) {
+    if (stamp_ns != last_ns) ++frame;
+    last_ns = stamp_ns;
+    return *(*sequence)->world_from_cam(frame);
+  });
+  EXPECT_NEAR(rms, 1, 0.1);  // noise of 1 px on each axis
+}
+
+TEST(ImuSimulator, TracksOfARollingShutterAreSeenAtTheTimesOfTheirRows) {
+  const TemporaryFolder folder;
+  ImuSimulation imu;
+  imu.tremor = 20;  // otherwise a smooth walk hides most of it in where the points are
+  SyntheticOptions options = TracksOnly(imu, 3);
+  options.rolling_shutter_s = 0.04;
+  ASSERT_TRUE(WriteSyntheticSequence(options, folder.path(), {}).ok());
+  const auto sequence = OpenSequence(folder.path());
+  ASSERT_TRUE(sequence.ok());
+  EXPECT_EQ((*sequence)->calibration().cameras.front().camera.rolling_shutter_s, 0.04);
+  const Room room = FurnishRoom(options).value();
+  const Walk walk = Walk::Plan(room, options.seed, options.rate_hz).value();
+  const BodyPath path = PathOfBody(walk, imu, options.seed, options.frames / options.rate_hz);
+  const auto pose_at = [&](double t_s) { return path.RoomFromBody(t_s) * SyntheticBodyFromCam(); };
+  EXPECT_LT(((*sequence)->world_from_cam(7)->translation() - pose_at(0.35).translation()).norm(),
+            1e-8);  // the trajectory is of the middle rows
+  const double by_rows = OffOnePoint(folder.path(), [&](std::int64_t stamp_ns, double row_px) {
+    return pose_at(static_cast<double>(stamp_ns) * 1e-9 + 0.04 * (row_px / 479 - 0.5));
+  });
+  const double by_middle = OffOnePoint(folder.path(), [&](std::int64_t stamp_ns, double) {
+    return pose_at(static_cast<double>(stamp_ns) * 1e-9);
+  });
+  EXPECT_NEAR(by_rows, 1, 0.1);
+  EXPECT_GT(by_middle, 1.3);
 }
 
 TEST(ImuSimulator, AnImuThatIsGivenUpLeavesNoFiles) {

@@ -75,8 +75,7 @@ TEST_F(Pictures, AreTheSameForAnyNumberOfThreads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const auto tracer = RayTracer::Create(room_, kQuickLight, {});
     ASSERT_TRUE(tracer.ok());
-    const std::vector<Isometry3d> poses = {pose_, pose_};
-    const cv::Mat radiance = (*tracer)->Photograph(camera_, poses, 3, 5, 9);
+    const cv::Mat radiance = (*tracer)->Photograph(camera_, pose_, 3, 5, 9);
     const FilmOptions film{(*tracer)->exposure(), 3};
     images.push_back(ExposeSensor(DevelopFilm(radiance, film), film, 5, 9));
     depths.push_back((*tracer)->Look(camera_, pose_).depth);
@@ -88,9 +87,8 @@ TEST_F(Pictures, AreTheSameForAnyNumberOfThreads) {
 TEST_F(Pictures, UseTheRangeOfTheSensor) {
   const auto tracer = RayTracer::Create(room_, kQuickLight, {});
   ASSERT_TRUE(tracer.ok());
-  const std::vector<Isometry3d> poses = {pose_};
   const FilmOptions film{(*tracer)->exposure(), 3};
-  const cv::Mat picture = DevelopFilm((*tracer)->Photograph(camera_, poses, 2, 1, 0), film);
+  const cv::Mat picture = DevelopFilm((*tracer)->Photograph(camera_, pose_, 2, 1, 0), film);
   cv::Scalar mean, spread;
   cv::meanStdDev(picture, mean, spread);
   EXPECT_GT(mean[1], 0.25);
@@ -104,6 +102,94 @@ TEST_F(Pictures, StopWhenAskedTo) {
   const auto tracer = RayTracer::Create(room_, kQuickLight, {.stop = stop.get_token()});
   ASSERT_FALSE(tracer.ok());
   EXPECT_EQ(tracer.error().code, ErrorCode::kCancelled);
+}
+
+/// A camera that turns to the right about the vertical axis, at the origin; at 0 s it looks along
+/// y.
+Isometry3d Turning(double rate_rad_s, double t_s) {
+  Isometry3d pose = Isometry3d::Identity();
+  pose.linear() << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  pose.linear() =
+      Eigen::AngleAxisd(-rate_rad_s * t_s, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+      pose.linear();
+  return pose;
+}
+
+/// A dark room with one white pole, 8 cm wide, upright 2 m in front of the origin.
+Room RoomWithAPole() {
+  RoomPart pole;
+  AddQuad(pole.body.mesh, pole.body.Paint({.color = {1, 1, 1}, .emission = 1}), {-0.04f, 2, -2},
+          {0.08f, 0, 0}, {0, 0, 4});
+  pole.instance = 1;
+  Room room;
+  room.parts.push_back(pole);
+  room.lights.push_back({{-1, 0, 3}, {0, 1, 0}, {1, 0, 0}, {1, 1, 1}});
+  return room;
+}
+
+TEST(RollingShutter, APoleLeansWhileTheCameraTurns) {
+  const auto tracer = RayTracer::Create(RoomWithAPole(), {16, 20}, {});
+  ASSERT_TRUE(tracer.ok());
+  Camera camera;
+  camera.pinhole = {320, 241, 300, 302, 160.3, 118.0};
+  constexpr double kRate = 1.2;  // [rad/s]
+  for (const double read_out_s : {0.0, 0.03, -0.03}) {
+    camera.rolling_shutter_s = read_out_s;
+    const Shutter shutter([](double t_s) { return Turning(kRate, t_s - 5); }, 5, 0.004, camera);
+    const cv::Mat radiance = (*tracer)->Photograph(camera.pinhole, shutter, 16, 1, 0);
+    const SurfaceMaps maps = (*tracer)->Look(camera.pinhole, shutter);
+    double furthest_picture = 0, off_mask = 0;
+    for (int y = 0; y < camera.pinhole.height; ++y) {
+      double light = 0, moment = 0, pixels = 0, columns = 0;
+      for (int x = 0; x < camera.pinhole.width; ++x) {
+        const double value = radiance.at<cv::Vec3f>(y, x)[1];
+        light += value;
+        moment += value * x;
+        const bool shows = maps.instance.at<std::uint16_t>(y, x) == 1;
+        pixels += shows;
+        columns += shows * x;
+      }
+      ASSERT_GT(light, 0);
+      ASSERT_GT(pixels, 5);
+      // A row is exposed at read_out * (row / 240 - 1/2), when the camera has turned to the right
+      // by rate times that and the pole stands by as much to the left.
+      const double angle = kRate * read_out_s * (y / 240.0 - 0.5);
+      const double expected = camera.pinhole.cx - camera.pinhole.fx * std::tan(angle);
+      furthest_picture = std::max(furthest_picture, std::abs(moment / light - expected));
+      off_mask += std::abs(columns / pixels - expected) / camera.pinhole.height;
+    }
+    // Of 12 columns, 16 samples each, the outermost two are lit in part. A mask's are whole pixels,
+    // of which a ray along the diagonal of the pole's two triangles may lack one.
+    EXPECT_LT(furthest_picture, 0.2) << read_out_s;
+    EXPECT_LT(off_mask, 0.35) << read_out_s;
+  }
+}
+
+TEST(RollingShutter, APointIsSeenAtTheTimeOfItsRow) {
+  Camera camera;
+  camera.pinhole = {320, 241, 300, 302, 160.3, 118.0};
+  camera.rolling_shutter_s = 0.03;
+  const auto path = [](double t_s) {
+    Isometry3d pose = Turning(1.2, t_s);
+    pose.linear() =
+        pose.linear() *
+        Eigen::AngleAxisd(0.8 * (t_s - 0.4), Eigen::Vector3d::UnitX()).toRotationMatrix();
+    pose.translation() << 0.5 * t_s, -0.3 * t_s, 0.2 * t_s;
+    return pose;
+  };
+  const Shutter shutter(path, 0.4, 0, camera);
+  for (const double height : {-0.5, 0.0, 0.4}) {
+    const Eigen::Vector3d point(0.9, 1.8, height);
+    const Isometry3d seen_from = shutter.Seeing(point);
+    const double row = camera.pinhole.Project(seen_from.inverse() * point).y();
+    const Isometry3d of_row = path(0.4 + 0.03 * (row / 240 - 0.5));
+    EXPECT_LT((camera.pinhole.Project(of_row.inverse() * point) -
+               camera.pinhole.Project(seen_from.inverse() * point))
+                  .norm(),
+              1e-3);
+    EXPECT_GT((of_row.matrix() - path(0.4).matrix()).norm(), 1e-4);
+  }
+  EXPECT_EQ(shutter.Seeing({0, -3, 0}).matrix(), path(0.4).matrix());  // behind the camera
 }
 
 TEST(LightMap, GivesTheLightOfASmallLampByTheInverseSquareLaw) {

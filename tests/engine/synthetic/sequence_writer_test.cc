@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -17,6 +18,7 @@
 #include "engine/geometry/angles.h"
 #include "engine/models/mesh_file.h"
 #include "engine/models/model_database.h"
+#include "engine/synthetic/walk.h"
 #include "tests/support/test_data.h"
 
 namespace plumbline {
@@ -49,8 +51,10 @@ std::map<std::string, std::string> HashesOf(const fs::path& folder) {
 }
 
 /// Checks that every pixel of a mask, at its depth, lies within the instance it names; returns the
-/// number of instances seen.
-std::size_t InstancesWhereTheTruthHasThem(const fs::path& path, int frames) {
+/// number of instances seen. Rows have the pose of their frame unless another is given.
+std::size_t InstancesWhereTheTruthHasThem(
+    const fs::path& path, int frames,
+    const std::function<Eigen::Isometry3d(int frame, int row)>& pose_of_row = {}) {
   const auto sequence = OpenSequence(path);
   const auto truth = ReadGroundTruth(path / "ground_truth.json");
   const auto models = ModelDatabase::Load(path / "models");
@@ -65,8 +69,9 @@ std::size_t InstancesWhereTheTruthHasThem(const fs::path& path, int frames) {
     EXPECT_TRUE(mask.type() == CV_16U && depth.type() == CV_16U);
     EXPECT_TRUE(mask.size() == depth.size() &&
                 mask.size() == cv::Size(camera.width, camera.height));
-    const Eigen::Isometry3d world_from_cam = *(*sequence)->world_from_cam(frame);
     for (int y = 0; y < mask.rows; ++y) {
+      const Eigen::Isometry3d world_from_cam =
+          pose_of_row ? pose_of_row(frame, y) : *(*sequence)->world_from_cam(frame);
       for (int x = 0; x < mask.cols; ++x) {
         const int number = mask.at<std::uint16_t>(y, x);
         if (number == 0) continue;
@@ -225,6 +230,26 @@ TEST(SequenceWriter, FilmsWithAnySensor) {
     EXPECT_GT(cv::countNonZero((*edges)->probability), 2 * (sensor.width + sensor.height));
     EXPECT_GE(InstancesWhereTheTruthHasThem(folder.path() / "sequence", 1), 2u);
   }
+}
+
+TEST(SequenceWriter, WithARollingShutterEachRowHasThePoseOfItsTime) {
+  SyntheticOptions options = SmallOptions();
+  options.frames = 3;
+  options.rolling_shutter_s = -0.05;
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "sequence";
+  ASSERT_TRUE(WriteSyntheticSequence(options, path, {}).ok());
+  const Room room = FurnishRoom(options).value();
+  const Walk walk = Walk::Plan(room, options.seed, options.rate_hz).value();
+  const auto pose_of_row = [&](int frame, int row) {
+    const double t_s = frame / options.rate_hz - 0.05 * (row / 166.0 - 0.5);
+    return options.world_from_room * walk.RoomFromCam(t_s);
+  };
+  EXPECT_GE(InstancesWhereTheTruthHasThem(path, 3, pose_of_row), 2u);
+  const auto sequence = OpenSequence(path);
+  ASSERT_TRUE(sequence.ok());
+  EXPECT_EQ((*sequence)->calibration().cameras.front().camera.rolling_shutter_s, -0.05);
+  EXPECT_LT(((*sequence)->world_from_cam(2)->matrix() - pose_of_row(2, 83).matrix()).norm(), 1e-7);
 }
 
 TEST(SequenceWriter, RefusesAFolderWithOtherFiles) {

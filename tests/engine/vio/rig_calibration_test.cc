@@ -51,9 +51,12 @@ TEST(CalibrateRig, AWrongCalibrationComesRight) {
 
 TEST(Reverse, TwiceIsTheRecordingItself) {
   const SimulatedRecording recording = Simulate({.seconds = 2, .seed = 5});
-  const VioInput input = InputOf(recording);
+  VioInput input = InputOf(recording);
+  input.camera.rolling_shutter_s = 0.02;
   const ReversedRecording once = Reverse(input, recording.images);
   const ReversedRecording twice = Reverse(once.input, once.images);
+  EXPECT_EQ(once.input.camera.rolling_shutter_s, -0.02);  // the last row is read first
+  EXPECT_EQ(twice.input.camera.rolling_shutter_s, 0.02);
   ASSERT_EQ(twice.samples.size(), recording.samples.size());
   for (std::size_t i = 0; i < twice.samples.size(); ++i) {
     EXPECT_EQ(twice.samples[i].stamp_ns, recording.samples[i].stamp_ns);
@@ -78,6 +81,25 @@ TEST(Reverse, TheFilterFollowsItAsWell) {
   ASSERT_FALSE(run.reports.empty());
   const Eigen::Vector3d end = recording.truth.front().world_from_body.translation();
   EXPECT_LT((run.reports.back().world_from_body.translation() - end).norm(), 0.1);
+}
+
+TEST(Reverse, TheFilterFollowsARollingShutterAsWell) {
+  const SimulatedRecording recording =
+      Simulate({.seconds = 12, .pixel_noise_px = 0.3, .rolling_shutter_s = 0.03, .seed = 4});
+  ReversedRecording reversed = Reverse(InputOf(recording), recording.images);
+  ReferenceState start = recording.truth.back();
+  start.stamp_ns = reversed.images.front().stamp_ns;
+  start.velocity_in_world = -start.velocity_in_world;
+  start.gyro_bias = -start.gyro_bias;
+  reversed.input.start = start;
+  const auto off = [&] {
+    const VioRun run = RunVio(reversed.input, reversed.images, {}, {});
+    const Eigen::Vector3d end = recording.truth.front().world_from_body.translation();
+    return (run.reports.back().world_from_body.translation() - end).norm();
+  };
+  EXPECT_LT(off(), 0.04);
+  reversed.input.camera.rolling_shutter_s *= -1;
+  EXPECT_GT(off(), 0.08);
 }
 
 TEST(ImuNoise, IsFoundInAWalk) {

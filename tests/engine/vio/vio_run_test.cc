@@ -105,6 +105,7 @@ TEST(VioRun, FindsIntrinsicsAndReadOutThatItWasGivenWrongly) {
   recording.camera.pinhole.cx += 3;
   recording.camera.pinhole.cy -= 3;
   recording.camera.distortion[0] += 0.01;
+  recording.camera.rolling_shutter_s = 0;
   VioOptions options;
   options.estimate_intrinsics = options.estimate_rolling_shutter = true;
   const VioReport last = RunOn(recording, true, options).reports.back();
@@ -126,6 +127,49 @@ TEST(VioRun, FollowsTheRoomAndNotWhatSlidesThroughThePicture) {
   const ReferenceState& truth = TruthAt(recording, last.stamp_ns);
   EXPECT_EQ(last.stretch, 1);
   EXPECT_LT((last.world_from_body.translation() - truth.world_from_body.translation()).norm(), 0.1);
+}
+
+/// Root mean square of the distances from where the body was, from images `from_s` on [m].
+double PositionError(const SimulatedRecording& recording, const VioRun& run, double from_s) {
+  double sum = 0;
+  int count = 0;
+  for (const VioReport& report : run.reports) {
+    if (static_cast<double>(report.stamp_ns) < from_s * 1e9) continue;
+    if (report.phase != VioPhase::kTracking) return 1e9;
+    sum += (report.world_from_body.translation() -
+            TruthAt(recording, report.stamp_ns).world_from_body.translation())
+               .squaredNorm();
+    ++count;
+  }
+  return std::sqrt(sum / std::max(1, count));
+}
+
+TEST(VioRun, UsesTheReadOutThatTheCameraStates) {
+  SimulatedRecording recording =
+      Simulate({.seconds = 12, .pixel_noise_px = 0.3, .rolling_shutter_s = 0.03, .seed = 11});
+  const double told = PositionError(recording, RunOn(recording, true), 4);
+  VioOptions wrong;
+  wrong.rolling_shutter_s = -0.03;  // an option takes the camera's place
+  const double turned = PositionError(recording, RunOn(recording, true, wrong), 4);
+  recording.camera.rolling_shutter_s = 0;
+  const double untold = PositionError(recording, RunOn(recording, true), 4);
+  VioOptions given;
+  given.rolling_shutter_s = 0.03;
+  EXPECT_EQ(PositionError(recording, RunOn(recording, true, given), 4), told);
+  EXPECT_LT(told, 0.02);
+  EXPECT_GT(untold, 2 * told);
+  EXPECT_GT(turned, 2 * told);
+}
+
+TEST(VioRun, StartsInMotionWithARollingShutter) {
+  const SimulatedRecording recording =
+      Simulate({.seconds = 8, .rolling_shutter_s = 0.03, .seed = 3});
+  const VioRun run = RunOn(recording, false);
+  const VioReport& last = run.reports.back();
+  ASSERT_EQ(last.phase, VioPhase::kTracking);
+  EXPECT_LT(Tilt(recording, last), 1);
+  const double speed = TruthAt(recording, last.stamp_ns).velocity_in_world.norm();
+  EXPECT_NEAR(last.velocity_in_world.norm(), speed, 0.08);  // 5 % of a speed of 1.5 m/s
 }
 
 TEST(VioRun, GivesTheSameTwice) {
