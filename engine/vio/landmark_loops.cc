@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <nlohmann/json.hpp>
 
 #include "engine/base/json_text.h"
@@ -20,6 +21,7 @@ namespace {
 constexpr std::int64_t kNodeStepNs = 400'000'000;  ///< Between poses of the graph.
 constexpr double kDoubtProbability = 0.99;         ///< Farther off, an edge is given up.
 constexpr int kEdgeDof = 4;
+constexpr double kFarthest_m = 1e6;  ///< Of what a run file may say.
 
 double YawOf(const Eigen::Matrix3d& turn) {
   return std::atan2(turn(1, 0) - turn(0, 1), turn(0, 0) + turn(1, 1));
@@ -65,8 +67,10 @@ Result<std::vector<LandmarkEdge>> LandmarkEdgesFromText(std::string_view text) {
       Take(item.at("from_cam_from_to_cam"), edge.from_cam_from_to_cam.matrix());
       Take(item.at("covariance"), edge.covariance);
       edge.moved_m = item.at("moved_m").get<double>();
-      if (!edge.from_cam_from_to_cam.matrix().allFinite() || !edge.covariance.allFinite())
-        return Error{ErrorCode::kCorrupt, "a landmark whose numbers are not finite"};
+      const bool sane = edge.from_cam_from_to_cam.matrix().cwiseAbs().maxCoeff() < kFarthest_m &&
+                        edge.covariance.cwiseAbs().maxCoeff() < kFarthest_m &&
+                        edge.covariance.llt().info() == Eigen::Success;
+      if (!sane) return Error{ErrorCode::kCorrupt, "a landmark whose numbers cannot be"};
       edges.push_back(edge);
     }
   } catch (const nlohmann::json::exception&) {

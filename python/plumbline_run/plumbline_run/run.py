@@ -21,7 +21,7 @@ NEWEST_VERSION = 2
 STATES = ('tentative', 'confirmed', 'retired')
 FATES = ('explained', 'spawned', 'unknown_category', 'low_score', 'implausible')
 EVENTS = ('spawned', 'confirmed', 'merged', 'retired', 'label_changed', 'frame_skipped',
-          'options_changed')
+          'options_changed', 'poses_corrected')
 
 
 @dataclass

@@ -130,6 +130,9 @@ TEST(LandmarkEdges, ComeBackFromTextAndDamageIsSaid) {
                           R"({"landmarks":[{"object":1,"from":0,"to":1,"moved_m":0,
                               "from_cam_from_to_cam":[1],"covariance":[]}]})"})
     EXPECT_FALSE(LandmarkEdgesFromText(bad).ok()) << bad;
+  LandmarkEdge impossible = edges[0];
+  impossible.covariance(0, 0) = -1;
+  EXPECT_FALSE(LandmarkEdgesFromText(LandmarkEdgesToText({&impossible, 1})).ok());
 }
 
 }  // namespace
