@@ -25,7 +25,7 @@ struct VioSimulation {
   bool follow_all = false;
   double image_hz = 20, imu_hz = 200;
   double pixel_noise_px = 1;
-  double imu_noise = 1;          ///< Times the densities of ImuCalibration().
+  double imu_noise = 1;  ///< Times the densities of ImuCalibration().
   /// Of the points that are followed, slides over the picture from this time on, all alike.
   double sliding_share = 0, sliding_from_s = 0, sliding_px = 4;
   double time_offset_s = 0;  ///< Added to an image's time to get the IMU's.
