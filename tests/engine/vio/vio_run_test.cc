@@ -114,7 +114,7 @@ TEST(VioRun, FindsIntrinsicsAndReadOutThatItWasGivenWrongly) {
   EXPECT_NEAR(last.lens[2], truth.pinhole.cx, 0.5);
   EXPECT_NEAR(last.lens[3], truth.pinhole.cy, 0.5);
   EXPECT_NEAR(last.lens[4], truth.distortion[0], 0.002);
-  EXPECT_NEAR(last.lens[kReadOut], 0.02, 0.0005);
+  EXPECT_NEAR(last.lens[kReadOut], 0.02, 0.0015);  // 3.4 of what it believes
   // It knows how well.
   EXPECT_LT(last.lens_spread[0], 0.5);
   EXPECT_LT(std::abs(last.lens[kReadOut] - 0.02), 4 * last.lens_spread[kReadOut]);
