@@ -16,6 +16,7 @@ constexpr OptionName kNames[] = {
     {"alpha", kScore, "Weight of the detector"},
     {"box", kScore, "Box that is scored"},
     {"view_correlation", kScore, "Error that never averages out"},
+    {"landmark_drift_m", kScore, "Drift that objects correct"},
     {"telling_contour_px", kScore, "Contour that counts fully"},
     {"crop_sharpness", kScore, "Weight of crops"},
     {"min_visible", kScore, "Least share to show"},
