@@ -170,12 +170,6 @@ void LandmarkLoops::Solve() {
         {nodes[i]->stamp_ns, nodes[i]->world_from_cam.translation(), pose, marginals[i] + common});
   }
   correction_ = TrajectoryCorrection(std::move(corrected));
-  largest_move_m_ = 0;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    largest_move_m_ = std::max(
-        largest_move_m_,
-        (graph.poses()[i].position_in_world - nodes[i]->world_from_cam.translation()).norm());
-  }
   const PoseEstimate& newest = told_.rbegin()->second;
   Turn& turn = turns_.back();
   turn.move = correction_.At(newest.stamp_ns, newest.world_from_cam.translation());

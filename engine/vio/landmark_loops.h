@@ -67,9 +67,6 @@ class LandmarkLoops {
   /// One of them; nothing where nobody told it.
   std::optional<PoseEstimate> Known(PoseId id) const;
   bool empty() const { return turns_.empty(); }
-  const std::vector<LandmarkEdge>& edges() const { return edges_; }
-  /// What the last correction moved a pose by at most [m].
-  double largest_move_m() const { return largest_move_m_; }
 
  private:
   /// What later poses are moved by from then on.
@@ -85,7 +82,6 @@ class LandmarkLoops {
   std::vector<LandmarkEdge> edges_;
   std::vector<Turn> turns_;
   TrajectoryCorrection correction_;
-  double largest_move_m_ = 0;
 };
 
 }  // namespace plumbline
