@@ -180,7 +180,11 @@ nlohmann::json Scan(const Sequence* sequence, const RunReview& review, const Wor
   if (sequence == nullptr || !sequence->scene_file()) return nullptr;
   const SequenceView view = MakeSequenceView(*sequence, *review.database, work);
   if (view.scan_coarse == nullptr || view.scan_coarse->empty()) return nullptr;
-  return RunPageMesh(ClusterToAbout(*view.scan_coarse, kPageScanVertices));
+  TriangleMesh scan = ClusterToAbout(*view.scan_coarse, kPageScanVertices);
+  // The review knows what corrected poses on the way.
+  const Eigen::Isometry3f move(review.view.world_from_given * view.world_from_given.inverse());
+  for (Eigen::Vector3f& vertex : scan.vertices) vertex = move * vertex;
+  return RunPageMesh(scan);
 }
 
 /// Of the visual-inertial filter, where the run found its own poses.

@@ -15,6 +15,7 @@
 #include "engine/dataset/sequence.h"
 #include "engine/dataset/tracks_file.h"
 #include "engine/geometry/angles.h"
+#include "engine/vio/lens.h"
 #include "engine/vio/own_poses.h"
 #include "engine/vio/rig_calibration.h"
 
@@ -27,6 +28,7 @@ struct CalibrateArguments {
   std::string sequence, tracks, out, report, json;
   std::vector<std::string> settings, tracker_settings;
   int passes = 8;
+  bool lens = false, read_out = false;
   VioOptions options = [] {
     VioOptions wide;  // what is asked for is known less well than usual
     wide.extrinsic_rotation_std_deg = 1;
@@ -49,9 +51,37 @@ Told InWords(const RigEstimate& estimate) {
           1e3 * estimate.time_offset_s};
 }
 
-/// Norms: rotation [deg], translation [cm], time offset [ms].
-Eigen::Vector3d Sizes(const Eigen::Matrix<double, 7, 1>& v) {
-  return {kDegPerRad * v.head<3>().norm(), 100 * v.segment<3>(3).norm(), 1e3 * std::abs(v[6])};
+/// What a calibration consists of, and the unit of its Sizes().
+constexpr int kNumParts = 6;
+struct Part {
+  const char *title, *unit;
+};
+constexpr Part kParts[kNumParts] = {{"How the camera is turned on the body", "deg"},
+                                    {"Where the camera sits on the body", "cm"},
+                                    {"How the clocks differ", "ms"},
+                                    {"Focal lengths and centre", "px"},
+                                    {"Coefficients of the distortion", "1"},
+                                    {"Read-out of an image", "ms"}};
+
+/// Norms of the parts.
+Eigen::Matrix<double, kNumParts, 1> Sizes(const RigVector& v) {
+  return {kDegPerRad * v.head<3>().norm(), 100 * v.segment<3>(3).norm(), 1e3 * std::abs(v[6]),
+          v.segment<4>(7).norm(),          v.segment<4>(11).norm(),      1e3 * std::abs(v[15])};
+}
+
+/// "fx 500.00 px +- 0.12 (503.00 given)" of each number of the lens that was estimated.
+std::vector<std::string> LensLines(const RigEstimate& result, const LensVector& given) {
+  std::vector<std::string> lines;
+  for (int row = 0; row < kLensSize; ++row) {
+    const double std = result.spread[7 + row];
+    if (std <= 0) continue;
+    const LensEntry entry = LensEntryOf(row);
+    lines.push_back(fmt::format("{} {:.{}f} {} +- {:.{}f} ({:.{}f} given)", entry.name,
+                                entry.factor * result.lens[row], entry.digits, entry.unit,
+                                entry.factor * std, entry.digits, entry.factor * given[row],
+                                entry.digits));
+  }
+  return lines;
 }
 
 /// The points of a sequence: as given, or tracked in its images. Errors: of the files; kCancelled.
@@ -95,6 +125,7 @@ void Print(const RigCalibration& calibration, const VioInput& input) {
   RigEstimate given;
   given.body_from_cam = *input.camera.body_from_cam;
   given.time_offset_s = input.imu.time_offset_s;
+  given.lens = LensOf(input.camera);
   row("given", given, 0);
   for (std::size_t i = 0; i < calibration.passes.size(); ++i) {
     const RigPass& pass = calibration.passes[i];
@@ -102,11 +133,13 @@ void Print(const RigCalibration& calibration, const VioInput& input) {
         pass.nis_per_dof);
   }
   row("result", calibration.result, 0);
-  const Eigen::Vector3d sure = Sizes(calibration.result.spread);
-  const Eigen::Vector3d moved = Sizes(Difference(given, calibration.result));
+  const auto sure = Sizes(calibration.result.spread);
+  const auto moved = Sizes(Difference(given, calibration.result));
   std::printf(
       "known to %.3f deg, %.2f cm, %.3f ms; %.3f deg, %.2f cm, %.3f ms from what was given\n",
       sure[0], sure[1], sure[2], moved[0], moved[1], moved[2]);
+  for (const std::string& line : LensLines(calibration.result, given.lens))
+    std::printf("%s\n", line.c_str());
   std::printf(
       "noise in the stillest second, at most: gyro %.2g rad/s/sqrt(Hz) (%.2g stated), "
       "accelerometer "
@@ -127,9 +160,15 @@ nlohmann::json MatrixToJson(const Eigen::Isometry3d& pose) {
 }
 
 nlohmann::json EstimateToJson(const RigEstimate& estimate) {
+  nlohmann::json lens = nlohmann::json::object();
+  for (int row = 0; row < kLensSize; ++row) {
+    const double std = estimate.spread[7 + row];
+    if (std > 0) lens[LensEntryOf(row).key] = {{"value", estimate.lens[row]}, {"std", std}};
+  }
   return {{"body_from_cam", MatrixToJson(estimate.body_from_cam)},
           {"time_offset_s", estimate.time_offset_s},
-          {"std", std::vector<double>(estimate.spread.begin(), estimate.spread.end())}};
+          {"std", std::vector<double>(estimate.spread.begin(), estimate.spread.begin() + 7)},
+          {"lens", lens}};
 }
 
 nlohmann::json ToJson(const RigCalibration& calibration) {
@@ -147,14 +186,11 @@ nlohmann::json ToJson(const RigCalibration& calibration) {
 }
 
 /// How far each pass was from the result, image by image, beside what it believed.
-std::string Page(const RigCalibration& calibration, const std::string& sequence) {
-  const char* const titles[] = {"How the camera is turned on the body",
-                                "Where the camera sits on the body", "How the clocks differ"};
-  const char* const units[] = {"off the result [deg]", "off the result [cm]",
-                               "off the result [ms]"};
+std::string Page(const RigCalibration& calibration, const Camera& given,
+                 const std::string& sequence) {
   std::string body;
   const Told told = InWords(calibration.result);
-  const Eigen::Vector3d sure = Sizes(calibration.result.spread);
+  const auto sure = Sizes(calibration.result.spread);
   body += fmt::format(
       "<div class='cards'><div class='card'><b>{:.3f} {:.3f} {:.3f}</b><span>deg, rotation vector "
       "of the camera on the body &plusmn; {:.3f}</span></div><div class='card'><b>{:.2f} {:.2f} "
@@ -165,7 +201,10 @@ std::string Page(const RigCalibration& calibration, const std::string& sequence)
       told.arm_cm.y(), told.arm_cm.z(), sure[1], told.offset_ms, sure[2],
       calibration.agreed ? "good" : "bad",
       calibration.agreed ? "Forward and backward agree." : "Forward and backward do not agree.");
-  for (int k = 0; k < 3; ++k) {
+  for (const std::string& line : LensLines(calibration.result, LensOf(given)))
+    body += "<p>" + line + "</p>";
+  for (int k = 0; k < kNumParts; ++k) {
+    if (sure[k] <= 0) continue;  // not asked for
     std::vector<SvgSeries> series;
     for (std::size_t i = 0; i < calibration.passes.size(); ++i) {
       const RigPass& pass = calibration.passes[i];
@@ -183,7 +222,8 @@ std::string Page(const RigCalibration& calibration, const std::string& sequence)
       series.push_back(std::move(off));
       series.push_back(std::move(believed));
     }
-    body += SvgLines({titles[k], "time [s]", units[k]}, series);
+    body += SvgLines(
+        {kParts[k].title, "time [s]", fmt::format("off the result [{}]", kParts[k].unit)}, series);
   }
   body += "<p class='legend'>";
   for (std::size_t i = 0; i < calibration.passes.size(); ++i)
@@ -204,7 +244,7 @@ Status WriteSensorFiles(const fs::path& folder, const Sequence& sequence, const 
     json.update(changes);
     return WriteFileAtomically(folder / name, json.dump(1) + "\n");
   };
-  Camera camera = input.camera;
+  Camera camera = WithLens(input.camera, result.lens);
   camera.body_from_cam = result.body_from_cam;
   if (Status status = patched("camera.json", CameraToJson(camera)); !status.ok()) return status;
   const ImuCalibration& imu = input.imu;
@@ -224,6 +264,8 @@ Status Calibrate(CalibrateArguments arguments) {
   for (const std::string& setting : arguments.tracker_settings) {
     if (Status status = SetOption(setting, arguments.tracker); !status.ok()) return status;
   }
+  arguments.options.estimate_intrinsics |= arguments.lens;
+  arguments.options.estimate_rolling_shutter |= arguments.read_out;
   if (!arguments.out.empty()) {
     std::error_code error;
     fs::create_directories(arguments.out, error);
@@ -258,8 +300,8 @@ Status Calibrate(CalibrateArguments arguments) {
       return status;
   }
   if (!arguments.report.empty()) {
-    if (Status status =
-            WriteFileAtomically(arguments.report, Page(*calibration, arguments.sequence));
+    if (Status status = WriteFileAtomically(arguments.report,
+                                            Page(*calibration, input->camera, arguments.sequence));
         !status.ok())
       return status;
   }
@@ -274,7 +316,7 @@ void AddCalibrateVerb(CLI::App& app, VerbFunction& chosen) {
   CLI::App* verb = app.add_subcommand(
       "calibrate",
       "Find where the camera sits on the body, how its clock differs from the IMU's, "
-      "and whether the stated noise is right, from a recording");
+      "and whether the stated noise is right, from a recording; on request its lens, too");
   verb->add_option("sequence", arguments->sequence, "Folder of the sequence")->required();
   verb->add_option("--out", arguments->out,
                    "Folder for camera.json and imu.json with what was found")
@@ -287,6 +329,10 @@ void AddCalibrateVerb(CLI::App& app, VerbFunction& chosen) {
                    "Use these tracked points instead of images (default: the sequence's own where "
                    "it has no images)")
       ->type_name("FILE.csv");
+  verb->add_flag("--lens", arguments->lens,
+                 "Find focal lengths, centre and distortion as well, near those given");
+  verb->add_flag("--read-out", arguments->read_out,
+                 "Find the time from the first row of an image to its last, of a rolling shutter");
   verb->add_option("--passes", arguments->passes, "Most passes, forward and backward in turn")
       ->check(CLI::Range(2, 100))
       ->capture_default_str();

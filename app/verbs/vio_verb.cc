@@ -17,6 +17,7 @@
 #include "engine/dataset/trajectory_writer.h"
 #include "engine/geometry/angles.h"
 #include "engine/models/mesh_file.h"
+#include "engine/vio/lens.h"
 #include "engine/vio/loop_closer.h"
 #include "engine/vio/own_poses.h"
 #include "engine/vio/vio_run.h"
@@ -175,6 +176,11 @@ nlohmann::json SummaryToJson(const VioSummary& s, const LoopReport& loops, doubl
     for (int column = 0; column < 4; ++column)
       pose[row][column] = s.last->body_from_cam.matrix()(row, column);
   }
+  nlohmann::json lens = nlohmann::json::object();
+  for (int row = 0; row < kLensSize; ++row) {
+    if (s.last->lens_spread[row] <= 0) continue;
+    lens[LensEntryOf(row).key] = {{"value", s.last->lens[row]}, {"std", s.last->lens_spread[row]}};
+  }
   return {{"images", s.images},
           {"tracked", s.tracked},
           {"stretches", s.stretches},
@@ -191,6 +197,7 @@ nlohmann::json SummaryToJson(const VioSummary& s, const LoopReport& loops, doubl
           {"accel_bias_m_s2", Listed(s.last->accel_bias)},
           {"body_from_cam", pose},
           {"time_offset_s", s.last->time_offset_s},
+          {"lens", lens},
           {"loops", ToJson(loops)}};
 }
 
@@ -243,6 +250,13 @@ void PrintSummary(const VioSummary& s, const LoopReport& loops, const VioArgumen
               spread(9));
   std::printf("time offset        %9.3f ms  +- %.3f\n", 1e3 * last.time_offset_s,
               1e3 * last.spread(12));
+  for (int row = 0; row < kLensSize; ++row) {
+    if (last.lens_spread[row] <= 0) continue;
+    const LensEntry entry = LensEntryOf(row);
+    std::printf("%-18s %9.*f %s  +- %.*f\n", entry.name, entry.digits,
+                entry.factor * last.lens[row], entry.unit, entry.digits,
+                entry.factor * last.lens_spread[row]);
+  }
   PrintLoops(loops, !arguments.no_loops);
   for (const std::string& message : s.messages) std::printf("%s\n", message.c_str());
   if (!arguments.out.empty()) std::printf("wrote %s\n", arguments.out.c_str());

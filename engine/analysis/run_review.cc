@@ -15,12 +15,17 @@ namespace plumbline {
 namespace {
 
 Result<SequenceView> ViewOfRun(const RunChoice& choice, const std::filesystem::path& ground_truth,
-                               const RunHeader& header, const ModelDatabase& database) {
+                               RunReader& reader, const ModelDatabase& database) {
+  const RunHeader& header = reader.header();
   auto sequence = OpenSequenceOfRun(choice, header);
   if (!sequence.ok() && !choice.sequence.empty()) return sequence.error();
   SequenceView view = sequence.ok() ? MakeViewWithoutScan(**sequence, database)
                                     : ViewWithoutSequence(header, database);
   if (!sequence.ok()) log::warn("{}; --sequence names another folder", sequence.error().message);
+  if (sequence.ok()) {
+    if (Status status = MoveWithCorrections(*sequence, reader, view); !status.ok())
+      return status.error();
+  }
   if (ground_truth.empty()) return view;
   const Result<GroundTruth> truth = ReadGroundTruth(ground_truth);
   if (!truth.ok()) return truth.error();
@@ -45,7 +50,7 @@ Result<RunReview> ReviewRun(const RunChoice& choice, const std::filesystem::path
   auto database = LoadModelsOfRun(choice, review.header);
   if (!database.ok()) return database.error();
   review.database = *database;
-  auto view = ViewOfRun(choice, ground_truth, review.header, **database);
+  auto view = ViewOfRun(choice, ground_truth, **reader, **database);
   if (!view.ok()) return view.error();
   review.view = std::move(view).value();
   auto events = (*reader)->Events();

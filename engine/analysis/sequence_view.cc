@@ -8,6 +8,7 @@
 #include "engine/geometry/vertex_clustering.h"
 #include "engine/models/mesh_file.h"
 #include "engine/pipeline/own_pose_sequence.h"
+#include "engine/recording/landmark_history.h"
 
 namespace plumbline {
 namespace {
@@ -38,23 +39,36 @@ void AddScan(const std::filesystem::path& file, const Eigen::Isometry3d& world_f
   view.scan = std::move(fine);
 }
 
+/// Brings the poses that the sequence was given into the world of its own poses. False where
+/// nothing says how they lie to them.
+bool AlignGiven(const Sequence& sequence, const LandmarkLoops* corrected, SequenceView& view) {
+  const Sequence& given = GivenSequence(sequence);
+  const auto alignment = AlignTrajectories(sequence, given, corrected);
+  if (!alignment.ok()) return false;
+  view.world_from_given = alignment->reference_from_mapped.inverse();
+  view.given_world_from_cam.assign(static_cast<std::size_t>(sequence.num_frames()), std::nullopt);
+  for (int i = 0; i < sequence.num_frames(); ++i) {
+    if (const auto pose = given.world_from_cam(i))
+      view.given_world_from_cam[static_cast<std::size_t>(i)] = view.world_from_given * *pose;
+  }
+  return true;
+}
+
 /// Where the poses are the filter's, brings the poses that the sequence was given into its world,
 /// and says where the rest of what was given lies there.
 void AddOwnPoses(const Sequence& sequence, SequenceView& view) {
   view.own_poses = OwnPosesOf(sequence);
   if (view.own_poses == nullptr) return;
-  const Sequence& given = GivenSequence(sequence);
-  const auto alignment = AlignTrajectories(sequence, given);
-  if (!alignment.ok()) {  // nothing to compare with: what is given lies nobody knows where
-    view.truth.clear();
-    return;
-  }
-  view.world_from_given = alignment->reference_from_mapped.inverse();
-  view.given_world_from_cam.resize(static_cast<std::size_t>(sequence.num_frames()));
-  for (int i = 0; i < sequence.num_frames(); ++i) {
-    if (const auto pose = given.world_from_cam(i))
-      view.given_world_from_cam[static_cast<std::size_t>(i)] = view.world_from_given * *pose;
-  }
+  // Without poses to compare with, what is given lies nobody knows where.
+  if (!AlignGiven(sequence, nullptr, view)) view.truth.clear();
+}
+
+std::shared_ptr<const TriangleMesh> MovedMesh(const std::shared_ptr<const TriangleMesh>& mesh,
+                                              const Eigen::Isometry3d& move) {
+  if (mesh == nullptr) return nullptr;
+  auto moved = std::make_shared<TriangleMesh>(*mesh);
+  for (Eigen::Vector3f& vertex : moved->vertices) vertex = move.cast<float>() * vertex;
+  return moved;
 }
 
 SequenceView ViewOf(const PinholeCamera& camera, double rate_hz, const ModelDatabase& database) {
@@ -111,6 +125,37 @@ SequenceView MakeSequenceView(const Sequence& sequence, const ModelDatabase& dat
     AddScan(*file, view.world_from_given, view);
   }
   return view;
+}
+
+void MoveWithCorrections(const Sequence& sequence, const LandmarkLoops& corrected,
+                         SequenceView& view) {
+  if (corrected.empty()) return;
+  view.world_from_cam.clear();
+  for (int i = 0; i < view.num_frames; ++i) {
+    const auto known = corrected.Known(PoseId{i});
+    if (const auto pose = known ? known->world_from_cam : sequence.world_from_cam(i))
+      view.world_from_cam.push_back(*pose);
+  }
+  const Eigen::Isometry3d given_from_world = view.world_from_given.inverse();
+  if (!AlignGiven(sequence, &corrected, view)) return;
+  const Eigen::Isometry3d move = view.world_from_given * given_from_world;
+  for (SequenceView::Truth& truth : view.truth)
+    truth.world_from_object = move * truth.world_from_object;
+  view.scan = MovedMesh(view.scan, move);
+  view.scan_coarse = MovedMesh(view.scan_coarse, move);
+}
+
+Status MoveWithCorrections(const std::shared_ptr<const Sequence>& sequence, RunReader& reader,
+                           SequenceView& view) {
+  if (view.own_poses == nullptr) return {};
+  const Result<LandmarkHistory> landmarks = ReadLandmarks(reader);
+  if (!landmarks.ok()) return landmarks.error();
+  if (landmarks->empty()) return {};
+  MoveWithCorrections(
+      *sequence,
+      ReplayLandmarks(sequence, reader.header().recipe, sequence->num_frames() - 1, *landmarks),
+      view);
+  return {};
 }
 
 SequenceView ViewWithoutSequence(const RunHeader& header, const ModelDatabase& database) {

@@ -263,6 +263,7 @@ TruthVisibility::TruthVisibility(const SequenceView& view) : scene_(std::make_un
 
 TruthVisibility::~TruthVisibility() = default;
 TruthVisibility::TruthVisibility(TruthVisibility&&) noexcept = default;
+TruthVisibility& TruthVisibility::operator=(TruthVisibility&&) noexcept = default;
 
 std::vector<TruthVisibility::Shown> TruthVisibility::From(
     const Eigen::Isometry3d& world_from_cam) const {

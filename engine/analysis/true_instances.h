@@ -53,6 +53,7 @@ class TruthVisibility {
   explicit TruthVisibility(const SequenceView& view);
   ~TruthVisibility();
   TruthVisibility(TruthVisibility&&) noexcept;
+  TruthVisibility& operator=(TruthVisibility&&) noexcept;
 
   struct Shown {
     float pixels = 0;

@@ -488,6 +488,8 @@ std::shared_ptr<const ModelDatabase> MappingPipeline::database() const { return 
 
 std::shared_ptr<const OwnPoses> MappingPipeline::own_poses() const { return impl_->own_poses; }
 
+const LandmarkLoops* MappingPipeline::landmarks() const { return impl_->landmarks.get(); }
+
 const RunRecipe& MappingPipeline::recipe() const { return impl_->recipe; }
 int MappingPipeline::end_frame() const { return impl_->selected.back() + 1; }
 int MappingPipeline::num_done() const { return static_cast<int>(impl_->next); }

@@ -51,6 +51,8 @@ class MappingPipeline {
   std::shared_ptr<const ModelDatabase> database() const;
   /// Null unless poses = vio.
   std::shared_ptr<const OwnPoses> own_poses() const;
+  /// What objects seen again have corrected so far; null unless poses = vio.
+  const LandmarkLoops* landmarks() const;
   /// What it was opened with, complete: absolute paths, the edges chosen, the hashes of files.
   const RunRecipe& recipe() const;
   /// One past the last frame that the range selects.

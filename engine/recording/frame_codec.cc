@@ -245,6 +245,19 @@ void VisitVio(Coder& code, Report& vio) {
   code(vio.step.update_ms);
 }
 
+/// Where the filter refined the lens, at the end of a report; otherwise nothing, as before it
+/// could.
+template <typename Coder, typename Report>
+void VisitLens(Coder& code, Report& vio) {
+  if constexpr (Coder::kReads) {
+    if (code.AtEnd()) return;
+  } else {
+    if (vio.lens_spread.isZero(0)) return;
+  }
+  VisitVector(code, vio.lens);
+  VisitVector(code, vio.lens_spread);
+}
+
 template <typename Coder, typename Report>
 void VisitOwnPose(Coder& code, Report& report) {
   VisitVio(code, report.vio);
@@ -272,6 +285,7 @@ void VisitOwnPose(Coder& code, Report& report) {
     code(floor.std_m);
     code(floor.points);
   });
+  VisitLens(code, report.vio);
 }
 
 // Level 1: higher ones gain 1 % on floating-point numbers.

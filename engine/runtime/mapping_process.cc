@@ -73,7 +73,7 @@ void MappingProcess::Loop(std::stop_token stop) {
     made_from_ = header;
     header_.Publish(std::move(header));
   }
-  sequence_.Publish(std::make_shared<const SequenceView>(source_->view()));
+  PublishView();
   state_.frame = source_->FrameAt(0);
   if (source_->live() && !start_frame_)
     Follow(true);
@@ -233,6 +233,7 @@ void MappingProcess::MapOn(std::stop_token stop) {
     return PublishPlayback();
   }
   auto snapshot = source_->Next(stop);
+  if (source_->view_version() != published_view_) PublishView();
   if (state_.follow || !snapshot.ok()) return Show(std::move(snapshot), next);
   history_changed_ = true;
   PublishPlayback();
@@ -255,7 +256,9 @@ void MappingProcess::Advance(std::stop_token stop) {
   } else {
     const int next = source_->mapped();
     if (target_ && next >= *target_) target_.reset();
-    Show(source_->Next(stop), next);
+    auto snapshot = source_->Next(stop);
+    if (source_->view_version() != published_view_) PublishView();
+    Show(std::move(snapshot), next);
   }
   const int at = std::max(position_, 0), after = std::min(at + 1, source_->size() - 1);
   const double frames = source_->FrameAt(after) - source_->FrameAt(at);
@@ -294,6 +297,11 @@ void MappingProcess::MeasureRate() {
   const double span_s = age_s(shown_at_.front());
   state_.frames_per_second =
       span_s < kLeast_s ? 0.0 : static_cast<double>(shown_at_.size() - 1) / span_s;
+}
+
+void MappingProcess::PublishView() {
+  published_view_ = source_->view_version();
+  sequence_.Publish(std::make_shared<const SequenceView>(source_->view()));
 }
 
 void MappingProcess::Fail(std::string message) {

@@ -87,6 +87,7 @@ class MappingProcess {
   bool MapsOn() const;
   void MapOn(std::stop_token stop);
   void Follow(bool on);
+  void PublishView();
   void Show(Result<std::shared_ptr<const MapSnapshot>> snapshot, int position);
   void Fail(std::string message);
   void MeasureRate();
@@ -112,6 +113,7 @@ class MappingProcess {
   FrameAnalyst analyst_;
   PlaybackView state_;
   std::size_t published_events_ = 0;
+  int published_view_ = 0;
   bool playing_ = false;
   bool failed_ = false;
   bool reads_ahead_ = true;  ///< The source may have more to read.

@@ -91,6 +91,7 @@ class MappingSource : public SnapshotSource {
   std::filesystem::path recording() const override { return place_.path(); }
 
   const SequenceView& view() const override { return view_; }
+  int view_version() const override { return view_version_; }
   int size() const override { return mapped() + pipeline_->num_selected() - pipeline_->num_done(); }
   int mapped() const override { return static_cast<int>(frames_.size()); }
   int FrameAt(int position) const override {
@@ -114,6 +115,7 @@ class MappingSource : public SnapshotSource {
     if (Status status = writer_->Write(snapshot->report, snapshot->image); !status.ok())
       return status.error();
     for (const LifeEvent& event : snapshot->report.events) {
+      if (event.kind == EventKind::kPosesCorrected) MoveView();
       mapped_with_.Add(snapshot->report.frame, event);
       events_.push_back({snapshot->report.frame, event});
     }
@@ -147,12 +149,19 @@ class MappingSource : public SnapshotSource {
   }
 
  private:
+  void MoveView() {
+    MoveWithCorrections(pipeline_->sequence(), *pipeline_->landmarks(), view_);
+    truths_ = TruthVisibility(view_);
+    ++view_version_;
+  }
+
   RunFilePlace place_;  ///< First: removed after reader and writer are closed.
   std::unique_ptr<MappingPipeline> pipeline_;
   std::unique_ptr<FramePictures> pictures_;
   std::unique_ptr<RunWriter> writer_;
   std::unique_ptr<RunReader> reader_;
   SequenceView view_;
+  int view_version_ = 0;
   TruthVisibility truths_;
   FrameRange range_;
   LazyProbe probe_;

@@ -104,8 +104,8 @@ struct Inputs {
   std::shared_ptr<const ModelDatabase> database;
 };
 
-Result<Inputs> OpenInputs(const RunChoice& choice, const RunHeader& header,
-                          const WorkContext& work) {
+Result<Inputs> OpenInputs(const RunChoice& choice, RunReader& reader, const WorkContext& work) {
+  const RunHeader& header = reader.header();
   auto database = LoadModelsOfRun(choice, header);
   if (!database.ok()) return database.error();
   auto sequence = OpenSequenceOfRun(choice, header);
@@ -120,8 +120,10 @@ Result<Inputs> OpenInputs(const RunChoice& choice, const RunHeader& header,
   }
   auto pictures = FramePictures::Create(*sequence, *database, header.recipe.edges);
   if (!pictures.ok()) return pictures.error();
-  return Inputs{std::move(pictures).value(), MakeSequenceView(**sequence, **database, work),
-                *database};
+  SequenceView view = MakeSequenceView(**sequence, **database, work);
+  if (Status status = MoveWithCorrections(*sequence, reader, view); !status.ok())
+    return status.error();
+  return Inputs{std::move(pictures).value(), std::move(view), *database};
 }
 
 }  // namespace
@@ -141,7 +143,7 @@ Result<std::unique_ptr<SnapshotSource>> OpenRunSource(const RunChoice& choice,
   std::vector<FrameEvent> events;
   for (const RunEvent& event : *run_events) events.push_back({event.frame, event.event});
 
-  auto inputs = OpenInputs(choice, header, work);
+  auto inputs = OpenInputs(choice, **reader, work);
   if (!inputs.ok()) return inputs.error();
   inputs->view.name += ", " + choice.run.filename().string();
   auto smoothed = ReadSmoothed(choice.run);

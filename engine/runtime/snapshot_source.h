@@ -27,6 +27,8 @@ class SnapshotSource {
   virtual ~SnapshotSource() = default;
 
   virtual const SequenceView& view() const = 0;
+  /// Rises when view() has changed.
+  virtual int view_version() const { return 0; }
   /// Positions there will be in the end (live: at most); at least 1.
   virtual int size() const = 0;
   /// Positions that Past can give now.

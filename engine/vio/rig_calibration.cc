@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/vio/lens.h"
 #include "engine/vio/rotation.h"
 
 namespace plumbline {
@@ -33,7 +34,9 @@ RigPass PassOf(const VioRun& run, bool backward, std::int64_t first_ns) {
     estimate.seconds = std::abs(static_cast<double>(report.stamp_ns - first_ns)) * 1e-9;
     estimate.body_from_cam = report.body_from_cam;
     estimate.time_offset_s = backward ? -report.time_offset_s : report.time_offset_s;
-    estimate.spread = report.spread.tail<7>();
+    estimate.lens = report.lens;
+    if (backward) estimate.lens[kReadOut] *= -1;
+    estimate.spread << report.spread.tail<7>(), report.lens_spread;
     pass.estimates.push_back(estimate);
     nis += report.step.nis;
     dof += report.step.nis_dof;
@@ -44,10 +47,11 @@ RigPass PassOf(const VioRun& run, bool backward, std::int64_t first_ns) {
 
 RigEstimate MeanOf(const RigEstimate& a, const RigEstimate& b) {
   RigEstimate mean = a;
-  const Eigen::Matrix<double, 7, 1> difference = Difference(a, b);
+  const RigVector difference = Difference(a, b);
   mean.body_from_cam.linear() = RotationExp(0.5 * difference.head<3>()) * a.body_from_cam.linear();
   mean.body_from_cam.translation() += 0.5 * difference.segment<3>(3);
   mean.time_offset_s += 0.5 * difference[6];
+  mean.lens += 0.5 * difference.tail<kLensSize>();
   mean.spread = a.spread.cwiseMax(b.spread).cwiseMax(0.5 * difference.cwiseAbs());
   return mean;
 }
@@ -59,11 +63,11 @@ bool Agree(const RigEstimate& a, const RigEstimate& b) {
 
 }  // namespace
 
-Eigen::Matrix<double, 7, 1> Difference(const RigEstimate& a, const RigEstimate& b) {
-  Eigen::Matrix<double, 7, 1> difference;
+RigVector Difference(const RigEstimate& a, const RigEstimate& b) {
+  RigVector difference;
   difference << RotationLog(b.body_from_cam.linear() * a.body_from_cam.linear().transpose()),
       b.body_from_cam.translation() - a.body_from_cam.translation(),
-      b.time_offset_s - a.time_offset_s;
+      b.time_offset_s - a.time_offset_s, b.lens - a.lens;
   return difference;
 }
 
@@ -91,16 +95,16 @@ Result<RigCalibration> CalibrateRig(const VioInput& input, std::span<const Track
   RigCalibration calibration;
   calibration.noise = MeasureStillestNoise(input.samples);
   VioInput forward = input;
-  ReversedRecording reversed = Reverse(input, images);
-  VioOptions turned = options;
-  turned.rolling_shutter_s = -options.rolling_shutter_s;
+  VioOptions of_pass = options;  // the read-out is the camera's: each pass begins with another
+  if (options.rolling_shutter_s != 0) forward.camera.rolling_shutter_s = options.rolling_shutter_s;
+  of_pass.rolling_shutter_s = 0;
+  ReversedRecording reversed = Reverse(forward, images);
   for (int i = 0; i < most_passes && !calibration.agreed; ++i) {
     const bool backward = i % 2 == 1;
     const std::string stage = "pass " + std::to_string(i + 1);
     VioInput& present = backward ? reversed.input : forward;
     const VioRun run =
-        RunVio(present, backward ? std::span<const TrackedImage>(reversed.images) : images,
-               backward ? turned : options,
+        RunVio(present, backward ? std::span<const TrackedImage>(reversed.images) : images, of_pass,
                {[&](const Progress& done) {
                   work.report({stage, done.done, done.total});
                 },
@@ -117,6 +121,9 @@ Result<RigCalibration> CalibrateRig(const VioInput& input, std::span<const Track
     // The next pass begins where this one ended.
     const RigEstimate& end = calibration.passes.back().estimates.back();
     VioInput& next = backward ? forward : reversed.input;
+    LensVector lens = end.lens;
+    if (!backward) lens[kReadOut] *= -1;
+    next.camera = WithLens(next.camera, lens);
     next.camera.body_from_cam = end.body_from_cam;
     next.imu.time_offset_s = backward ? end.time_offset_s : -end.time_offset_s;
     const auto last =

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Where the camera sits on the body, by how much the clocks differ, and whether the stated noise is
-// right, from a recording: the filter runs over it forward and backward until both agree.
+// Where the camera sits on the body, by how much the clocks differ, on request its lens, and
+// whether the stated noise is right, from a recording: the filter runs over it forward and backward
+// until both agree.
 
 #include <span>
 #include <vector>
@@ -13,13 +14,17 @@
 
 namespace plumbline {
 
+/// Camera rotation [rad], camera translation [m], time offset [s], then the lens (filter_state.h).
+using RigVector = Eigen::Matrix<double, 7 + kLensSize, 1>;
+
 /// What one image of a pass believed.
 struct RigEstimate {
   double seconds = 0;  ///< Since the first image; falls in a pass that runs backward.
   Eigen::Isometry3d body_from_cam = Eigen::Isometry3d::Identity();
   double time_offset_s = 0;
-  /// Standard deviations: camera rotation [rad], camera translation [m], time offset [s].
-  Eigen::Matrix<double, 7, 1> spread = Eigen::Matrix<double, 7, 1>::Zero();
+  LensVector lens = LensVector::Zero();
+  /// Standard deviations; of what is not estimated 0.
+  RigVector spread = RigVector::Zero();
 };
 
 /// The filter over the whole recording, begun at what the pass before ended with.
@@ -40,7 +45,7 @@ struct RigCalibration {
 
 /// Difference of two calibrations, in the order of RigEstimate::spread: b minus a, the rotation
 /// about the axes of the body.
-Eigen::Matrix<double, 7, 1> Difference(const RigEstimate& a, const RigEstimate& b);
+RigVector Difference(const RigEstimate& a, const RigEstimate& b);
 
 /// The recording as a body would have made it that moved the same way in the opposite direction:
 /// stamps t become C - t, angular velocities turn, specific forces stay; so do tracks, whose ids
@@ -53,7 +58,8 @@ struct ReversedRecording {
 ReversedRecording Reverse(const VioInput& input, std::span<const TrackedImage> images);
 
 /// @param images  Tracks by rising stamp.
-/// @param options  Its spreads of the given calibration are those of the first pass and of every
+/// @param options  What is estimated: the lens only where it says so. Its spreads of the given
+/// calibration are those of the first pass and of every
 ///   later one: no pass is told what the one before has learned from the same images.
 /// Errors: kDegenerate where the filter gets no pose; kCancelled.
 Result<RigCalibration> CalibrateRig(const VioInput& input, std::span<const TrackedImage> images,

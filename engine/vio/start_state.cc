@@ -7,6 +7,7 @@
 
 #include "engine/base/check.h"
 #include "engine/geometry/angles.h"
+#include "engine/vio/lens.h"
 #include "engine/vio/rotation.h"
 
 namespace plumbline {
@@ -40,8 +41,6 @@ FilterState MakeStart(const InertialState& inertial, const Camera& camera, doubl
     diagonal.segment<3>(kCamTranslation).setConstant(Square(options.extrinsic_translation_std_m));
   }
   if (options.estimate_time_offset) diagonal(kTimeOffset) = Square(options.time_offset_std_s);
-  LensVector lens;
-  lens << DistortedCamera(camera).intrinsics(), camera.rolling_shutter_s;
   if (options.estimate_intrinsics) {
     diagonal.segment<4>(kLens).setConstant(Square(options.intrinsics_std_px));
     diagonal.segment(kLens + 4, std::min<Eigen::Index>(4, std::ssize(camera.distortion)))
@@ -53,7 +52,7 @@ FilterState MakeStart(const InertialState& inertial, const Camera& camera, doubl
   Covariance to_error = Covariance::Identity();
   to_error.block<3, 3>(kXiV, kPhi) = Hat(inertial.velocity_in_world);
   to_error.block<3, 3>(kXiP, kPhi) = Hat(inertial.position_in_world);
-  return FilterState(inertial, *camera.body_from_cam, time_offset_s, lens,
+  return FilterState(inertial, *camera.body_from_cam, time_offset_s, LensOf(camera),
                      to_error * plain * to_error.transpose());
 }
 

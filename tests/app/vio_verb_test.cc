@@ -140,6 +140,21 @@ TEST_F(VioVerb, CalibrateMendsAWrongCameraAndWritesItsFiles) {
   EXPECT_LT(std::abs(offset_s), 0.003);
   EXPECT_LT(std::abs(offset_s), 4 * found["std"][6].get<double>());
   EXPECT_THAT(ReadFile(folder_.path() / "found.html").value(), HasSubstr("<svg"));
+  EXPECT_TRUE(found["lens"].empty());
+  // On request the lens, too.
+  const double fx = mended["fx"].get<double>();
+  nlohmann::json wrong = mended;
+  wrong["fx"] = 1.01 * fx;
+  Write("walk/camera.json", wrong.dump());
+  const ProgramRun lens =
+      Run("calibrate walk --lens --read-out --out lens --report lens.html --json lens.json 2>&1");
+  ASSERT_EQ(lens.exit_code, 0) << lens.output;
+  EXPECT_THAT(lens.output, AllOf(HasSubstr("fx "), HasSubstr("read-out")));
+  const nlohmann::json fx_found = ReadJson(folder_.path() / "lens.json").value()["lens"]["fx_px"];
+  EXPECT_NEAR(fx_found["value"].get<double>(), fx, 0.005 * fx);
+  EXPECT_EQ(ReadJson(folder_.path() / "lens" / "camera.json").value()["fx"], fx_found["value"]);
+  EXPECT_THAT(ReadFile(folder_.path() / "lens.html").value(),
+              AllOf(HasSubstr("Focal lengths"), HasSubstr("Read-out")));
   const ProgramRun missing = Run("calibrate nowhere 2>&1");
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_THAT(missing.output, AllOf(HasSubstr("nowhere"), Not(HasSubstr("bug"))));

@@ -35,6 +35,11 @@ class MapScene : public SceneSurface {
 
   void SetContent(const SceneContent& content) override {
     const bool new_sequence = content.sequence != content_.sequence;
+    // Of the same one, its truth may have moved: nobody's view of it jumps.
+    const bool another =
+        new_sequence && (content.sequence == nullptr || content_.sequence == nullptr ||
+                         content.sequence->name != content_.sequence->name ||
+                         content.sequence->path != content_.sequence->path);
     const bool changed =
         new_sequence || content.snapshot_version != content_.snapshot_version ||
         content.selected != content_.selected || content.layers != content_.layers ||
@@ -48,8 +53,8 @@ class MapScene : public SceneSurface {
     content_ = content;
     dirty_ = true;
     if (content.sequence == nullptr) return;
-    if (new_sequence) {
-      actors_.SetSequence(*content.sequence);
+    if (new_sequence) actors_.SetSequence(*content.sequence);
+    if (another) {
       camera_ = TurntableCamera(content.sequence->up_in_world);
       Reset();
     }

@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "engine/analysis/sequence_view.h"
 #include "engine/mapping/option_changes.h"
 #include "engine/pipeline/mapping_pipeline.h"
 #include "engine/snapshot/map_snapshot.h"
@@ -275,6 +276,27 @@ TEST_F(LandmarkPipelineTest, ObjectsSeenAgainCorrectPosesAndNoneStandsTwice) {
     for (std::size_t i = 0; i < rest.size(); ++i)
       ExpectSame(rest[i], run[static_cast<std::size_t>(after) + 1 + i]);
   }
+}
+
+TEST_F(LandmarkPipelineTest, WhatCameWithTheSequenceIsShownWhereCorrectedPosesHaveIt) {
+  const auto pipeline = OpenDrifting(0.02);
+  SequenceView view = MakeViewWithoutScan(pipeline->sequence(), *pipeline->database());
+  const SequenceView given = MakeViewWithoutScan(*truth_, *pipeline->database());
+  // Own and given world are one, but for the drift.
+  const auto off = [&] {
+    const Eigen::Vector3d camera = given.world_from_cam.back().translation();
+    return (view.world_from_given * camera - camera).norm();
+  };
+  const double before = off();  // the poses as they are told lie between two worlds
+  MoveWithCorrections(pipeline->sequence(), *pipeline->landmarks(), view);
+  EXPECT_EQ(off(), before);  // nothing is corrected yet
+  Rest(*pipeline);
+  MoveWithCorrections(pipeline->sequence(), *pipeline->landmarks(), view);
+  EXPECT_GT(before, 0.02);
+  EXPECT_LT(off(), 0.012);
+  EXPECT_LT(
+      (view.world_from_cam.back().translation() - given.world_from_cam.back().translation()).norm(),
+      0.02);
 }
 
 TEST_F(PipelineTest, LiveItStopsWaitingWhenAskedTo) {

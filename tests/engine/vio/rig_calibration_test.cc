@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/geometry/angles.h"
+#include "engine/vio/lens.h"
 #include "engine/vio/rotation.h"
 #include "tests/support/vio_simulator.h"
 
@@ -43,10 +44,35 @@ TEST(CalibrateRig, AWrongCalibrationComesRight) {
   RigEstimate true_rig;
   true_rig.body_from_cam = truth;
   true_rig.time_offset_s = 0.004;
-  const Eigen::Matrix<double, 7, 1> off = Difference(true_rig, found->result);
+  const RigVector off = Difference(true_rig, found->result);
   EXPECT_LT(off.head<3>().norm() * kDegPerRad, 0.1);
   EXPECT_LT(off.segment<3>(3).norm(), 0.01);
   EXPECT_LT(std::abs(off[6]), 0.001);
+}
+
+TEST(CalibrateRig, FindsLensAndReadOutWhereAskedTo) {
+  const SimulatedRecording recording =
+      Simulate({.seconds = 30, .rest_s = 2, .rolling_shutter_s = 0.02, .seed = 3});
+  VioInput input = InputOf(recording);
+  input.camera.pinhole.fx *= 1.01;
+  input.camera.pinhole.cy -= 3;
+  input.camera.distortion[0] += 0.01;
+  input.camera.rolling_shutter_s = 0.01;
+  VioOptions options = WideOptions();
+  options.estimate_intrinsics = options.estimate_rolling_shutter = true;
+  const Result<RigCalibration> found =
+      CalibrateRig(input, recording.images, options, 8, WorkContext());
+  ASSERT_TRUE(found.ok()) << found.error().message;
+  EXPECT_TRUE(found->agreed);
+  const LensVector truth = LensOf(recording.camera), lens = found->result.lens;
+  EXPECT_LT((lens - truth).head<4>().cwiseAbs().maxCoeff(), 0.5);  // [px]
+  EXPECT_NEAR(lens[4], truth[4], 0.002);
+  EXPECT_NEAR(lens[kReadOut], 0.02, 0.001);
+  // A backward pass has the read-out with the other sign, and is told with the camera's own.
+  EXPECT_NEAR(found->passes[1].estimates.back().lens[kReadOut], 0.02, 0.002);
+  const Camera camera = WithLens(input.camera, lens);
+  EXPECT_EQ(LensOf(camera), lens);
+  EXPECT_EQ(camera.distortion.size(), input.camera.distortion.size());
 }
 
 TEST(Reverse, TwiceIsTheRecordingItself) {

@@ -9,6 +9,7 @@
 
 #include "engine/geometry/angles.h"
 #include "engine/snapshot/map_snapshot.h"
+#include "engine/vio/lens.h"
 #include "ui/common/waiting.h"
 #include "ui/files/kept_value.h"
 #include "ui/framework/widgets.h"
@@ -136,6 +137,7 @@ class InertialPanel : public Panel {
              Bound(1000 * spread.segment<3>(9).maxCoeff(), "", 1));
     TableRow("clock offset", fmt::format("{:+.2f} ms", 1000 * vio.time_offset_s),
              Bound(1000 * spread[12], "", 2));
+    DrawLens(vio);
     if (vio.step.nis_dof > 0) {
       TableRow("innovations", fmt::format("{:.0f} of {}", vio.step.nis, vio.step.nis_dof),
                fmt::format("95 % gate {:.0f}", frame.nis_gate));
@@ -153,6 +155,17 @@ class InertialPanel : public Panel {
         "time",
         fmt::format("{:.1f} ms", frame.tracking_ms + vio.step.propagate_ms + vio.step.update_ms),
         fmt::format("tracking {:.1f} ms", frame.tracking_ms));
+  }
+
+  /// What the filter refines of it; nothing where it takes the lens as given.
+  static void DrawLens(const VioReport& vio) {
+    for (int row = 0; row < kLensSize; ++row) {
+      if (vio.lens_spread[row] <= 0) continue;
+      const LensEntry entry = LensEntryOf(row);
+      TableRow(entry.name,
+               fmt::format("{:.{}f} {}", entry.factor * vio.lens[row], entry.digits, entry.unit),
+               Bound(entry.factor * vio.lens_spread[row], "", entry.digits));
+    }
   }
 
   static void DrawTracks(const OwnPoseReport& frame) {
