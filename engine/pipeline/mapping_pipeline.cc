@@ -4,16 +4,14 @@
 #include <mutex>
 #include <thread>
 
-#include <opencv2/imgproc.hpp>
-
 #include "engine/base/files.h"
 #include "engine/base/queue.h"
-#include "engine/base/timer.h"
-#include "engine/base/worker.h"
 #include "engine/mapping/mapper.h"
 #include "engine/mapping/option_changes.h"
 #include "engine/mapping/rendered_scorer.h"
 #include "engine/mapping/viewpoint_scorer.h"
+#include "engine/pipeline/corrected_poses.h"
+#include "engine/pipeline/frame_preparer.h"
 #include "engine/pipeline/own_pose_sequence.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/sources/folder_source.h"
@@ -30,20 +28,6 @@ namespace {
 
 constexpr std::size_t kFramesAhead = 4;
 constexpr std::size_t kFramesAheadLive = 1;  ///< What waits here grows old.
-
-/// A frame made ready for the mapper, or why it cannot be used.
-struct Prepared {
-  Frame frame;
-  EdgeMap edges;
-  std::optional<MapperInput> input;
-  int options_version = 0;             ///< Of the options that the table was made with.
-  std::optional<FloorEstimate> floor;  ///< As known at the frame.
-  /// Points found and poses corrected since the frame before, in their order.
-  std::vector<std::variant<PointEstimates, PoseEstimate>> news;
-  std::string skipped;
-  SkipCause skip_cause = SkipCause::kUnknown;  ///< What was prepared last.
-  std::vector<StageTiming> timings;
-};
 
 Status CheckLive(const RunRecipe& recipe) {
   if (!recipe.live_speed) return {};
@@ -146,130 +130,6 @@ Result<std::shared_ptr<HypothesisScorer>> CreateScorer(
       std::make_shared<ViewpointScorer>(std::move(viewpoints), database));
 }
 
-/// What a network made of a frame, and how long it took.
-template <typename Output>
-struct Timed {
-  Result<Output> output;
-  double ms = 0;
-};
-
-template <typename Network>
-auto TimedDetect(Network& network, const Frame& frame) {
-  const Stopwatch watch;
-  auto output = network.Detect(frame);
-  return Timed<std::decay_t<decltype(*output)>>{std::move(output), watch.Milliseconds()};
-}
-
-/// What an object that was seen again says of the two cameras.
-LandmarkEdge EdgeOf(const LandmarkSighting& sighting, const PoseEstimate& from,
-                    const Eigen::Isometry3d& world_from_present_cam) {
-  const double turn = sighting.azimuth_rad - sighting.azimuth_now_rad;
-  Eigen::Isometry3d move = Eigen::Isometry3d::Identity();  // that takes the object to where it was
-  move.linear() = Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  move.translation() = sighting.center_in_world - move.linear() * sighting.center_in_world_now;
-  const Eigen::Isometry3d present = move * world_from_present_cam;
-  const Eigen::Vector3d arm = present.translation() - sighting.center_in_world;
-  Eigen::Matrix4d to_camera = Eigen::Matrix4d::Identity();
-  to_camera.col(3).head<3>() << -arm.y(), arm.x(), 0;
-  LandmarkEdge edge;
-  edge.object = sighting.object;
-  edge.from = sighting.reference_pose;
-  edge.to = sighting.present_pose;
-  edge.from_cam_from_to_cam = from.world_from_cam.inverse() * present;
-  edge.covariance = to_camera * sighting.covariance * to_camera.transpose();
-  edge.moved_m = (sighting.center_in_world_now - sighting.center_in_world).norm();
-  return edge;
-}
-
-PoseEstimate PoseOf(const MapperInput& input) {
-  return {input.pose_id, input.stamp_ns, input.world_from_cam, input.pose_uncertainty,
-          input.pose_epoch};
-}
-
-/// Finds edges and detections of frames, at the same time. Used by one thread at a time.
-class FramePreparer {
- public:
-  FramePreparer(std::unique_ptr<Detector> detector, std::unique_ptr<EdgeDetector> edges,
-                const MapperOptions& options, double focal_px)
-      : detector_(std::move(detector)),
-        edges_(std::move(edges)),
-        options_(options),
-        focal_px_(focal_px) {}
-
-  void SetOptions(const MapperOptions& options) {
-    options_ = options;
-    ++options_version_;
-  }
-  int options_version() const { return options_version_; }
-
-  /// @param pose  Of the frame; nothing where it has none.
-  /// @param why_not  Why it has none, where that is known.
-  Prepared Prepare(const FramePacket& packet, const std::optional<PoseEstimate>& pose,
-                   const std::string& why_not) {
-    Prepared prepared;
-    prepared.options_version = options_version_;
-    prepared.frame.index = packet.frame;
-    prepared.frame.stamp_ns = packet.stamp_ns;
-    const Status status = TryPrepare(packet, pose, why_not, prepared);
-    if (!status.ok()) {
-      prepared.skipped = status.error().message;
-      prepared.input.reset();
-    }
-    return prepared;
-  }
-
- private:
-  Status TryPrepare(const FramePacket& packet, const std::optional<PoseEstimate>& pose,
-                    const std::string& why_not, Prepared& prepared) {
-    Stopwatch watch;
-    prepared.skip_cause = SkipCause::kImage;
-    Result<cv::Mat> image = packet.content->Image();
-    if (!image.ok()) return image.error();
-    prepared.frame.image = std::move(image).value();
-    if (pose) prepared.frame.world_from_cam = pose->world_from_cam;
-    prepared.timings.push_back({"decode", watch.Lap()});
-    prepared.skip_cause = SkipCause::kPose;
-    if (!pose) {
-      return Error{ErrorCode::kNotFound, "frame " + std::to_string(packet.frame) +
-                                             " has no camera pose" +
-                                             (why_not.empty() ? "" : ": " + why_not)};
-    }
-    auto detecting =
-        detecting_.Do([this, frame = prepared.frame] { return TimedDetect(*detector_, frame); });
-    auto edges = TimedDetect(*edges_, prepared.frame);
-    auto detections = detecting.get();
-    prepared.skip_cause = SkipCause::kEdges;
-    if (!edges.output.ok()) return edges.output.error();
-    prepared.edges = std::move(edges.output).value();
-    prepared.timings.push_back({"edges", edges.ms});
-    prepared.skip_cause = SkipCause::kDetections;
-    if (!detections.output.ok()) return detections.output.error();
-    prepared.timings.push_back({"detect", detections.ms});
-    watch.Lap();
-    MapperInput input;
-    input.frame = packet.frame;
-    input.stamp_ns = packet.stamp_ns;
-    input.world_from_cam = pose->world_from_cam;
-    input.pose_uncertainty = pose->uncertainty;
-    input.pose_id = pose->id;
-    input.pose_epoch = pose->epoch;
-    input.image = prepared.frame.image;
-    input.edges = prepared.edges;
-    input.table = SearchTable(prepared.edges, options_, focal_px_);
-    input.detections = std::move(detections.output).value();
-    prepared.input = std::move(input);
-    prepared.timings.push_back({"search table", watch.Lap()});
-    return {};
-  }
-
-  std::unique_ptr<Detector> detector_;
-  std::unique_ptr<EdgeDetector> edges_;
-  MapperOptions options_;
-  double focal_px_;
-  int options_version_ = 0;
-  Worker detecting_;  ///< Last: ends before what it uses.
-};
-
 }  // namespace
 
 struct MappingPipeline::Impl {
@@ -291,8 +151,8 @@ struct MappingPipeline::Impl {
   int options_version = 0;    ///< The preparer's, of `options`.
   std::vector<int> selected;
   std::size_t next = 0;
-  FrameReport last_report;                   ///< A skipped frame leaves the map as it was.
-  std::unique_ptr<LandmarkLoops> landmarks;  ///< Null unless the filter's poses drift.
+  FrameReport last_report;  ///< A skipped frame leaves the map as it was.
+  CorrectedPoses poses;
   std::unique_ptr<BoundedQueue<Prepared>> ahead;
   std::jthread thread;  ///< Last: stops before what it uses goes.
 
@@ -302,7 +162,7 @@ struct MappingPipeline::Impl {
     thread = std::jthread([this](const std::stop_token& stop) {
       FrameSource& frames = live ? static_cast<FrameSource&>(*live) : *wanted;
       std::optional<FloorEstimate> floor;
-      std::vector<std::variant<PointEstimates, PoseEstimate>> news;  // since the frame before
+      PoseNews news;  // since the frame before
       while (!live || pace.WaitToTake(stop)) {
         const std::optional<FramePacket> frame = NextFrame(frames, stop, floor, news);
         if (!frame) break;
@@ -323,9 +183,8 @@ struct MappingPipeline::Impl {
   }
 
   /// Reads on to the next frame; nothing at the end. What comes before it is put into the others.
-  static std::optional<FramePacket> NextFrame(
-      FrameSource& frames, const std::stop_token& stop, std::optional<FloorEstimate>& floor,
-      std::vector<std::variant<PointEstimates, PoseEstimate>>& news) {
+  static std::optional<FramePacket> NextFrame(FrameSource& frames, const std::stop_token& stop,
+                                              std::optional<FloorEstimate>& floor, PoseNews& news) {
     while (true) {
       const Result<std::optional<Packet>> packet = frames.Next(stop);
       if (!packet.ok() || !packet.value()) return std::nullopt;
@@ -344,7 +203,7 @@ struct MappingPipeline::Impl {
   }
   /// Any frame of the source, again. Errors: why it cannot be used.
   Result<MapperInput> InputAgain(int frame) {
-    Prepared prepared = PrepareFrame(source->Frame(frame), KnownNow(frame));
+    Prepared prepared = PrepareFrame(source->Frame(frame), poses.Now(source->Pose(frame)));
     if (!prepared.input) return Error{ErrorCode::kCorrupt, prepared.skipped};
     return std::move(*prepared.input);
   }
@@ -377,15 +236,6 @@ struct MappingPipeline::Impl {
   }
 
   std::shared_ptr<MapSnapshot> Map(Prepared& prepared);
-  std::optional<PoseEstimate> KnownNow(int frame) const {
-    const std::optional<PoseEstimate> told = source->Pose(frame);
-    return told && landmarks ? landmarks->Now(*told) : told;
-  }
-  /// Points found and poses corrected since the frame before.
-  void TakeNews(const Prepared& prepared);
-  /// Objects that this frame shows again correct poses, its own as later ones see it included.
-  void CloseLoops(FrameReport& report);
-
   /// The map as the last used frame left it.
   FrameReport Skip(const Prepared& prepared) const {
     FrameReport report = last_report;
@@ -478,7 +328,7 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
   if (!mapper.ok()) return mapper.error();
   impl->mapper = std::move(mapper).value();
   if (impl->own_poses != nullptr)  // with z up
-    impl->landmarks = std::make_unique<LandmarkLoops>(recipe.own_poses.closing);
+    impl->poses = CorrectedPoses(LandmarkLoops(recipe.own_poses.closing));
   return std::unique_ptr<MappingPipeline>(new MappingPipeline(std::move(impl)));
 }
 
@@ -488,7 +338,7 @@ std::shared_ptr<const ModelDatabase> MappingPipeline::database() const { return 
 
 std::shared_ptr<const OwnPoses> MappingPipeline::own_poses() const { return impl_->own_poses; }
 
-const LandmarkLoops* MappingPipeline::landmarks() const { return impl_->landmarks.get(); }
+const LandmarkLoops* MappingPipeline::landmarks() const { return impl_->poses.loops(); }
 
 const RunRecipe& MappingPipeline::recipe() const { return impl_->recipe; }
 int MappingPipeline::end_frame() const { return impl_->selected.back() + 1; }
@@ -525,17 +375,9 @@ std::shared_ptr<MapSnapshot> MappingPipeline::Impl::Map(Prepared& prepared) {
   const auto add_events = [&](FrameReport& report) {
     report.events.insert(report.events.begin(), events.begin(), events.end());
   };
-  TakeNews(prepared);
-  if (landmarks) {
-    if (const auto told = source->Pose(prepared.frame.index)) landmarks->See(*told);
-  }
-  if (prepared.input && landmarks) {
-    const PoseEstimate pose = landmarks->AtItsTime(PoseOf(*prepared.input));
-    prepared.input->world_from_cam = pose.world_from_cam;
-    prepared.input->pose_uncertainty = pose.uncertainty;
-    prepared.input->pose_epoch = pose.epoch;
-    prepared.frame.world_from_cam = pose.world_from_cam;
-  }
+  poses.Take(prepared.news, *mapper);
+  poses.See(source->Pose(prepared.frame.index), prepared.input ? &*prepared.input : nullptr);
+  if (prepared.input) prepared.frame.world_from_cam = prepared.input->world_from_cam;
   if (!prepared.input) {
     FrameReport report = Skip(prepared);
     add_events(report);
@@ -547,56 +389,10 @@ std::shared_ptr<MapSnapshot> MappingPipeline::Impl::Map(Prepared& prepared) {
     mapper->SetFloor(prepared.floor->floor_in_world, prepared.floor->std_m);
   FrameReport report = mapper->Step(*prepared.input);
   add_events(report);
-  if (landmarks) CloseLoops(report);
+  poses.CloseLoops(report, *mapper);
   report.timings.insert(report.timings.begin(), prepared.timings.begin(), prepared.timings.end());
   last_report = report;
   return Snapshot(std::move(report), prepared.frame, prepared.edges, mapper->mean_maps());
-}
-
-void MappingPipeline::Impl::TakeNews(const Prepared& prepared) {
-  bool replaced = false, late = false;
-  for (const auto& one : prepared.news) {
-    if (const auto* points = std::get_if<PointEstimates>(&one)) {
-      const PoseEstimate seen_from =
-          landmarks ? landmarks->AtItsTime(points->seen_from) : points->seen_from;
-      const Eigen::Isometry3f move(seen_from.world_from_cam *
-                                   points->seen_from.world_from_cam.inverse());
-      std::vector<Eigen::Vector3f> moved = points->points_in_world;
-      if (!move.matrix().isIdentity(0))
-        for (Eigen::Vector3f& point : moved) point = move * point;
-      mapper->AddPoints(seen_from, moved);
-      const auto known = landmarks ? landmarks->Known(seen_from.id) : std::nullopt;
-      late = late || (known && known->epoch > seen_from.epoch);  // a resumed run is told again
-      continue;
-    }
-    const PoseEstimate& pose = std::get<PoseEstimate>(one);
-    if (landmarks && !landmarks->empty()) {
-      landmarks->See(pose);
-      replaced = true;
-    } else {
-      if (landmarks) landmarks->See(pose);
-      mapper->Correct(pose);
-    }
-  }
-  if (replaced) landmarks->Refresh();
-  if (!replaced && !late) return;
-  for (const PoseEstimate& pose : landmarks->Known()) mapper->Correct(pose);
-}
-
-void MappingPipeline::Impl::CloseLoops(FrameReport& report) {
-  std::vector<LandmarkEdge> edges;
-  for (const LandmarkSighting& sighting : report.landmarks) {
-    if (const auto known = landmarks->Known(sighting.reference_pose))
-      edges.push_back(EdgeOf(sighting, *known, *report.world_from_cam));
-  }
-  if (!landmarks->Add(edges)) return;
-  report.events.push_back({EventKind::kPosesCorrected,
-                           edges.front().object,
-                           {},
-                           DescribeLandmarkEdges(edges),
-                           {},
-                           LandmarkEdgesToText(edges)});
-  for (const PoseEstimate& pose : landmarks->Known()) mapper->Correct(pose);
 }
 
 Status MappingPipeline::Resume(const FrameReport& report,
@@ -611,15 +407,11 @@ Status MappingPipeline::Resume(const FrameReport& report,
   // The report is of before its own landmarks corrected anything.
   LandmarkHistory before = landmarks;
   const bool corrects = before.erase(report.frame) > 0;
-  if (m.landmarks) {
-    m.landmarks = std::make_unique<LandmarkLoops>(
-        ReplayLandmarks(m.sequence, m.recipe, report.frame, before));
-  }
+  if (m.own_poses != nullptr)
+    m.poses = CorrectedPoses(ReplayLandmarks(m.sequence, m.recipe, report.frame, before));
   Status status = m.mapper->Restore(report, [&](int frame) { return m.InputAgain(frame); });
-  if (!status.ok() || !m.landmarks || !corrects) return status;
-  m.landmarks->Add(landmarks.at(report.frame));
-  for (const PoseEstimate& pose : m.landmarks->Known()) m.mapper->Correct(pose);
-  return {};
+  if (status.ok() && corrects) m.poses.Add(landmarks.at(report.frame), *m.mapper);
+  return status;
 }
 
 Status MappingPipeline::Plant(const PlantedObject& object) {
@@ -637,13 +429,13 @@ Status MappingPipeline::Plant(const PlantedObject& object) {
 
 void MappingPipeline::LookBack(const LandmarkHistory& landmarks) {
   Impl& m = *impl_;
-  if (!m.landmarks) return;
-  m.landmarks = std::make_unique<LandmarkLoops>(
-      ReplayLandmarks(m.sequence, m.recipe, m.selected.back(), landmarks));
+  if (m.own_poses == nullptr) return;
+  m.poses = CorrectedPoses(ReplayLandmarks(m.sequence, m.recipe, m.selected.back(), landmarks));
 }
 
 std::optional<Eigen::Isometry3d> MappingPipeline::PoseInTheEnd(int frame) const {
-  const auto known = impl_->landmarks ? impl_->KnownNow(frame) : std::nullopt;
+  if (impl_->own_poses == nullptr) return std::nullopt;
+  const auto known = impl_->poses.Now(impl_->source->Pose(frame));
   return known ? std::optional(known->world_from_cam) : std::nullopt;
 }
 
