@@ -227,7 +227,9 @@ Status Run(RunArguments& arguments) {
     if (!last->report.skipped.empty())
       std::fprintf(stderr, "frame skipped: %s\n", last->report.skipped.c_str());
     summary.Add(last->report);
-    if (Status status = (*writer)->Write(last->report, last->image); !status.ok()) return status;
+    if (Status status = (*writer)->Write(last->report, last->image, pipeline.TakeGrownPoses());
+        !status.ok())
+      return status;
     work.report({"mapping", pipeline.num_done(), pipeline.num_selected()});
   }
   if (Status status = (*writer)->Close(); !status.ok()) return status;

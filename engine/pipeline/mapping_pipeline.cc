@@ -6,6 +6,7 @@
 
 #include "engine/base/files.h"
 #include "engine/base/queue.h"
+#include "engine/base/timer.h"
 #include "engine/mapping/mapper.h"
 #include "engine/mapping/option_changes.h"
 #include "engine/mapping/rendered_scorer.h"
@@ -27,6 +28,7 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kFramesAhead = 4;
+constexpr double kGrownPause_ms = 1000;      ///< Poses of a live run are kept about as often.
 constexpr std::size_t kFramesAheadLive = 1;  ///< What waits here grows old.
 
 Status CheckLive(const RunRecipe& recipe) {
@@ -79,11 +81,19 @@ Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
                  "'" + recipe.sequence.string() +
                      "' has no gravity.json; objects stand upright, so the mapper needs gravity"};
   }
+  const int end =
+      std::min(recipe.frames.end.value_or((*sequence)->num_frames()), (*sequence)->num_frames());
+  if (own_poses != nullptr && static_cast<int>(own_poses->frames.size()) < end)
+    own_poses = nullptr;  // of a live run that was stopped
   if (own_poses == nullptr) {
     if (const auto models = ModelsOf(**sequence, recipe); !models.ok()) return models.error();
     if (const auto boxes = DetectorOf(**sequence, recipe); !boxes.ok()) return boxes.error();
-    Result<OwnPoses> estimated = EstimateOwnPoses(
-        **sequence, recipe.frames.end.value_or((*sequence)->num_frames()), recipe.own_poses, work);
+    if (recipe.live_speed) {
+      auto estimator = OwnPoseEstimator::Create(*sequence, end, recipe.own_poses);
+      if (!estimator.ok()) return estimator.error();
+      return WithOwnPoses(*sequence, std::move(estimator).value());
+    }
+    Result<OwnPoses> estimated = EstimateOwnPoses(*sequence, end, recipe.own_poses, work);
     if (!estimated.ok()) return estimated.error();
     own_poses = std::make_shared<const OwnPoses>(std::move(estimated).value());
   }
@@ -135,11 +145,13 @@ Result<std::shared_ptr<HypothesisScorer>> CreateScorer(
 struct MappingPipeline::Impl {
   RunRecipe recipe;
   std::shared_ptr<const Sequence> sequence;
-  std::shared_ptr<const OwnPoses> own_poses;
-  std::unique_ptr<RecordedSource> source;  ///< Next is called by the thread below alone.
-  std::unique_ptr<SelectedFrames> wanted;  ///< Of `source`.
-  std::unique_ptr<LiveSource> live;        ///< Of `wanted`; null: every frame is mapped.
-  LivePace pace;                           ///< Of `live`.
+  std::shared_ptr<OwnPoseStore> own_poses;  ///< Null unless poses = vio.
+  Stopwatch since_grown;                    ///< Since TakeGrownPoses gave any ...
+  double pause_ms = 0;                      ///< ... and how long it waits.
+  std::unique_ptr<RecordedSource> source;   ///< Next is called by the thread below alone.
+  std::unique_ptr<SelectedFrames> wanted;   ///< Of `source`.
+  std::unique_ptr<LiveSource> live;         ///< Of `wanted`; null: every frame is mapped.
+  LivePace pace;                            ///< Of `live`.
   std::shared_ptr<const ModelDatabase> database;
   std::unique_ptr<FramePreparer> preparer;
   std::mutex preparer_mutex;
@@ -197,9 +209,8 @@ struct MappingPipeline::Impl {
 
   Prepared PrepareFrame(const FramePacket& frame, const std::optional<PoseEstimate>& pose) {
     const std::lock_guard lock(preparer_mutex);
-    const auto at = static_cast<std::size_t>(frame.frame);
-    const bool known = own_poses != nullptr && at < own_poses->frames.size();
-    return preparer->Prepare(frame, pose, known ? own_poses->frames[at].waits_for : "");
+    const auto known = own_poses != nullptr ? own_poses->At(frame.frame) : std::nullopt;
+    return preparer->Prepare(frame, pose, known ? known->waits_for : "");
   }
   /// Any frame of the source, again. Errors: why it cannot be used.
   Result<MapperInput> InputAgain(int frame) {
@@ -276,7 +287,7 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
       OpenWithPoses(recipe, work, std::move(own_poses));
   if (!sequence.ok()) return sequence.error();
   impl->sequence = *sequence;
-  impl->own_poses = OwnPosesOf(**sequence);
+  impl->own_poses = OwnPoseStoreOf(**sequence);
   if (impl->own_poses != nullptr) {
     impl->source = std::make_unique<OwnPoseSource>(*sequence);
   } else {
@@ -336,7 +347,20 @@ const Sequence& MappingPipeline::sequence() const { return *impl_->sequence; }
 std::shared_ptr<const Sequence> MappingPipeline::shared_sequence() const { return impl_->sequence; }
 std::shared_ptr<const ModelDatabase> MappingPipeline::database() const { return impl_->database; }
 
-std::shared_ptr<const OwnPoses> MappingPipeline::own_poses() const { return impl_->own_poses; }
+std::shared_ptr<const OwnPoses> MappingPipeline::own_poses() const {
+  return impl_->own_poses != nullptr ? impl_->own_poses->Copy() : nullptr;
+}
+
+std::shared_ptr<const OwnPoses> MappingPipeline::TakeGrownPoses() {
+  Impl& m = *impl_;
+  if (m.own_poses == nullptr || !m.own_poses->grows()) return nullptr;
+  const bool last = m.next >= m.selected.size();
+  if (!last && m.since_grown.Milliseconds() < m.pause_ms) return nullptr;
+  m.since_grown = Stopwatch();
+  auto poses = m.own_poses->Copy();
+  m.pause_ms = std::max(kGrownPause_ms, 20 * m.since_grown.Milliseconds());
+  return poses;
+}
 
 const LandmarkLoops* MappingPipeline::landmarks() const { return impl_->poses.loops(); }
 

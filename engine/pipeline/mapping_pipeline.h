@@ -39,8 +39,8 @@ class MappingPipeline {
  public:
   /// Errors: one sentence that names the file. Building viewpoint models for the first time takes
   /// seconds; `work` is told.
-  /// @param own_poses  With poses = vio: those that a run file keeps; null: they are estimated
-  ///        first, about 10 ms an image.
+  /// @param own_poses  With poses = vio: those that a run file keeps; null, or where they end
+  ///        early: they are estimated first, about 10 ms an image; while it plays, in a live run.
   static Result<std::unique_ptr<MappingPipeline>> Open(
       const RunRecipe& recipe, const WorkContext& work,
       std::shared_ptr<const OwnPoses> own_poses = {});
@@ -49,8 +49,11 @@ class MappingPipeline {
   const Sequence& sequence() const;
   std::shared_ptr<const Sequence> shared_sequence() const;
   std::shared_ptr<const ModelDatabase> database() const;
-  /// Null unless poses = vio.
+  /// Of a live run those that are known by now; null unless poses = vio.
   std::shared_ptr<const OwnPoses> own_poses() const;
+  /// The same where they have grown: of a live run about once a second, and after its last frame.
+  /// Null otherwise. To be kept with the run.
+  std::shared_ptr<const OwnPoses> TakeGrownPoses();
   /// What objects seen again have corrected so far; null unless poses = vio.
   const LandmarkLoops* landmarks() const;
   /// What it was opened with, complete: absolute paths, the edges chosen, the hashes of files.

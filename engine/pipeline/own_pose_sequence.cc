@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/pipeline/own_pose_sequence.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -12,25 +13,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The filter looks at so many images more than were asked for: it is a module of its own.
+constexpr int kImagesAhead = 4;
+
 Eigen::Vector4d PlaneOf(const FloorReport& floor) { return {0, 0, 1, -floor.height_m}; }
 
 class OwnPoseSequence : public Sequence {
  public:
-  OwnPoseSequence(std::shared_ptr<const Sequence> given, std::shared_ptr<const OwnPoses> poses)
+  OwnPoseSequence(std::shared_ptr<const Sequence> given, std::shared_ptr<OwnPoseStore> poses)
       : given_(std::move(given)), poses_(std::move(poses)) {}
 
   const Sequence& given() const { return *given_; }
-  const std::shared_ptr<const OwnPoses>& own_poses() const { return poses_; }
+  const std::shared_ptr<OwnPoseStore>& poses() const { return poses_; }
 
   std::optional<Eigen::Isometry3d> world_from_cam(int index) const override {
     PLB_CHECK(index >= 0 && index < num_frames()) << "frame " << index << " of " << num_frames();
-    const auto at = static_cast<std::size_t>(index);
-    if (at >= poses_->frames.size() || !poses_->frames[at].ready) return std::nullopt;
-    return poses_->frames[at].world_from_cam;
+    const auto known = poses_->At(index);
+    return known && known->pose ? std::optional(known->pose->world_from_cam) : std::nullopt;
   }
   PoseUncertainty pose_uncertainty(int index) const override {
-    if (!world_from_cam(index)) return {};
-    return {.drift = poses_->frames[static_cast<std::size_t>(index)].cam_covariance};
+    const auto known = poses_->At(index);
+    return known && known->pose ? known->pose->uncertainty : PoseUncertainty();
   }
   std::optional<Eigen::Vector3d> gravity_in_world() const override {
     return Eigen::Vector3d(0, 0, -1);
@@ -76,7 +79,7 @@ class OwnPoseSequence : public Sequence {
 
  private:
   std::shared_ptr<const Sequence> given_;
-  std::shared_ptr<const OwnPoses> poses_;
+  std::shared_ptr<OwnPoseStore> poses_;
 };
 
 /// Whether a floor is worth telling again: clearly better known, or elsewhere.
@@ -87,14 +90,102 @@ bool Differs(const FloorReport& now, const std::optional<FloorReport>& told) {
 
 }  // namespace
 
+OwnPoseStore::OwnPoseStore(std::unique_ptr<OwnPoseEstimator> estimator)
+    : estimator_(std::move(estimator)),
+      thread_([this](const std::stop_token& stop) { Estimate(stop); }) {}
+
+OwnPoseStore::~OwnPoseStore() = default;
+
+void OwnPoseStore::Estimate(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (!ended_ && changed_.wait(lock, stop, [&] { return estimator_->next() < wanted_; })) {
+    lock.unlock();
+    const bool looked = estimator_->Next();
+    const OwnPoses& now = estimator_->poses();
+    lock.lock();
+    ended_ = !looked;
+    if (looked) {
+      found_.frames.push_back(now.frames[found_.frames.size()]);
+      found_.loops = now.loops;
+      found_.corrections.insert(
+          found_.corrections.end(),
+          now.corrections.begin() + static_cast<std::ptrdiff_t>(found_.corrections.size()),
+          now.corrections.end());
+    }
+    changed_.notify_all();
+  }
+}
+
+void OwnPoseStore::Advance(int frame, const std::stop_token& stop) {
+  if (all_ != nullptr) return;
+  std::unique_lock lock(mutex_);
+  wanted_ = std::max(wanted_, frame + 1 + kImagesAhead);
+  changed_.notify_all();
+  changed_.wait(lock, stop,
+                [&] { return ended_ || static_cast<int>(found_.frames.size()) > frame; });
+}
+
+std::optional<OwnPoseStore::Known> OwnPoseStore::At(int frame) const {
+  const std::lock_guard lock(mutex_);
+  const auto at = static_cast<std::size_t>(frame);
+  if (at >= poses().frames.size()) return std::nullopt;
+  const OwnPoseReport& report = poses().frames[at];
+  Known known;
+  known.waits_for = report.waits_for;
+  known.floor = report.floor;
+  known.points_in_world = report.points_in_world;
+  if (report.ready && report.world_from_cam) {
+    known.pose = PoseEstimate{PoseId{frame},
+                              report.vio.stamp_ns,
+                              *report.world_from_cam,
+                              {.drift = report.cam_covariance},
+                              poses().EpochAt(frame)};
+  }
+  return known;
+}
+
+std::vector<PastCorrection> OwnPoseStore::Corrections(std::size_t from) const {
+  const std::lock_guard lock(mutex_);
+  const auto& all = poses().corrections;
+  return {all.begin() + static_cast<std::ptrdiff_t>(std::min(from, all.size())), all.end()};
+}
+
+std::optional<FloorReport> OwnPoseStore::last_floor() const {
+  const std::lock_guard lock(mutex_);
+  return poses().last_floor();
+}
+
+int OwnPoseStore::known() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(poses().frames.size());
+}
+
+std::shared_ptr<const OwnPoses> OwnPoseStore::Copy() const {
+  if (all_ != nullptr) return all_;
+  const std::lock_guard lock(mutex_);
+  return std::make_shared<const OwnPoses>(found_);
+}
+
 std::shared_ptr<const Sequence> WithOwnPoses(std::shared_ptr<const Sequence> given,
                                              std::shared_ptr<const OwnPoses> poses) {
-  return std::make_shared<const OwnPoseSequence>(std::move(given), std::move(poses));
+  return std::make_shared<const OwnPoseSequence>(std::move(given),
+                                                 std::make_shared<OwnPoseStore>(std::move(poses)));
+}
+
+std::shared_ptr<const Sequence> WithOwnPoses(std::shared_ptr<const Sequence> given,
+                                             std::unique_ptr<OwnPoseEstimator> estimator) {
+  return std::make_shared<const OwnPoseSequence>(
+      std::move(given), std::make_shared<OwnPoseStore>(std::move(estimator)));
+}
+
+std::shared_ptr<OwnPoseStore> OwnPoseStoreOf(const Sequence& sequence) {
+  const auto* own = dynamic_cast<const OwnPoseSequence*>(&sequence);
+  return own == nullptr ? nullptr : own->poses();
 }
 
 std::shared_ptr<const OwnPoses> OwnPosesOf(const Sequence& sequence) {
-  const auto* own = dynamic_cast<const OwnPoseSequence*>(&sequence);
-  return own == nullptr ? nullptr : own->own_poses();
+  const auto store = OwnPoseStoreOf(sequence);
+  return store == nullptr ? nullptr : store->Copy();
 }
 
 const Sequence& GivenSequence(const Sequence& sequence) {
@@ -103,44 +194,50 @@ const Sequence& GivenSequence(const Sequence& sequence) {
 }
 
 OwnPoseSource::OwnPoseSource(const std::shared_ptr<const Sequence>& sequence)
-    : poses_(OwnPosesOf(*sequence)), folder_(sequence, false) {
+    : poses_(OwnPoseStoreOf(*sequence)), folder_(sequence, false) {
   PLB_CHECK(poses_ != nullptr);
 }
 
 std::string OwnPoseSource::WaitsFor(int frame) const {
-  const auto at = static_cast<std::size_t>(frame);
-  return at < poses_->frames.size() ? poses_->frames[at].waits_for : std::string();
+  const auto known = poses_->At(frame);
+  return known ? known->waits_for : std::string();
 }
 
 std::optional<PoseEstimate> OwnPoseSource::Pose(int frame) const {
-  std::optional<PoseEstimate> pose = folder_.Pose(frame);
-  if (pose) pose->epoch = poses_->EpochAt(frame);
-  return pose;
+  auto known = poses_->At(frame);
+  if (!known || !known->pose) return std::nullopt;
+  known->pose->stamp_ns = folder_.Frame(frame).stamp_ns;
+  return std::move(known->pose);
 }
 
 void OwnPoseSource::Seek(int frame) {
   held_.clear();
   told_.reset();
+  told_corrections_ = 0;
+  next_ = frame;
+  poses_->Advance(frame - 1, {});
   folder_.Seek(frame);
   // A floor is told as often as it would have been from the first frame on; points are told again,
   // and moved as often.
-  std::optional<FloorReport> known;
-  for (int i = 0; i < frame && i < static_cast<int>(poses_->frames.size()); ++i) {
-    const OwnPoseReport& report = poses_->frames[static_cast<std::size_t>(i)];
-    if (report.floor && Differs(*report.floor, known)) known = report.floor;
+  std::optional<FloorReport> last;
+  for (int i = 0; i < frame; ++i) {
+    const auto known = poses_->At(i);
+    if (!known) break;
+    if (known->floor && Differs(*known->floor, last)) last = known->floor;
     TellCorrections(i);
     TellPoints(i);
   }
   const std::int64_t stamp_ns = frame > 0 ? folder_.Frame(frame - 1).stamp_ns : 0;
-  if (known) {
-    told_ = known;
-    held_.push_back(FloorEstimate{stamp_ns, PlaneOf(*known), 0, known->std_m});
+  if (last) {
+    told_ = last;
+    held_.push_back(FloorEstimate{stamp_ns, PlaneOf(*last), 0, last->std_m});
   }
 }
 
 void OwnPoseSource::TellCorrections(int frame) {
-  for (const PastCorrection& correction : poses_->corrections) {
-    if (correction.image != frame) continue;
+  for (const PastCorrection& correction : poses_->Corrections(told_corrections_)) {
+    if (correction.image > frame) return;
+    ++told_corrections_;
     for (int i = 0; i < static_cast<int>(correction.world_from_cam.size()); ++i) {
       std::optional<PoseEstimate> pose = Pose(i);
       if (!pose) continue;
@@ -152,14 +249,15 @@ void OwnPoseSource::TellCorrections(int frame) {
 }
 
 void OwnPoseSource::TellPoints(int frame) {
-  const OwnPoseReport& report = poses_->frames[static_cast<std::size_t>(frame)];
+  auto known = poses_->At(frame);
   const std::optional<PoseEstimate> pose = Pose(frame);
-  if (!report.ready || !pose || report.points_in_world.empty()) return;
-  held_.push_back(PointEstimates{pose->stamp_ns, report.points_in_world, *pose});
+  if (!known || !pose || known->points_in_world.empty()) return;
+  held_.push_back(PointEstimates{pose->stamp_ns, std::move(known->points_in_world), *pose});
 }
 
 Result<std::optional<Packet>> OwnPoseSource::Next(const std::stop_token& stop) {
   if (held_.empty()) {
+    poses_->Advance(next_, stop);
     Result<std::optional<Packet>> packet = folder_.Next(stop);
     while (packet.ok() && *packet && std::holds_alternative<FloorEstimate>(**packet))
       packet = folder_.Next(stop);  // of the whole sequence: not known yet
@@ -168,13 +266,12 @@ Result<std::optional<Packet>> OwnPoseSource::Next(const std::stop_token& stop) {
       *pose = *Pose(pose->id.value);
       TellCorrections(pose->id.value);
     }
-    const auto* frame = std::get_if<FramePacket>(&**packet);
-    if (frame != nullptr && frame->frame < static_cast<int>(poses_->frames.size())) {
-      const OwnPoseReport& report = poses_->frames[static_cast<std::size_t>(frame->frame)];
-      if (report.floor && Differs(*report.floor, told_)) {
-        told_ = report.floor;
-        held_.push_back(
-            FloorEstimate{frame->stamp_ns, PlaneOf(*report.floor), 0, report.floor->std_m});
+    if (const auto* frame = std::get_if<FramePacket>(&**packet)) {
+      next_ = frame->frame + 1;
+      const auto known = poses_->At(frame->frame);
+      if (known && known->floor && Differs(*known->floor, told_)) {
+        told_ = known->floor;
+        held_.push_back(FloorEstimate{frame->stamp_ns, PlaneOf(*told_), 0, told_->std_m});
       }
       TellPoints(frame->frame);
     }
@@ -189,13 +286,13 @@ LandmarkLoops ReplayLandmarks(const std::shared_ptr<const Sequence>& sequence,
                               const RunRecipe& recipe, int last_frame,
                               const LandmarkHistory& history) {
   const OwnPoseSource source(sequence);
-  const OwnPoses& poses = *OwnPosesOf(*sequence);
+  const std::vector<PastCorrection> corrections = OwnPoseStoreOf(*sequence)->Corrections(0);
   LandmarkLoops loops(recipe.own_poses.closing);
   std::size_t told = 0;  // corrections
   const int end = std::min(last_frame + 1, source.num_frames());
   for (int frame = recipe.frames.begin; frame < end; frame += recipe.frames.step) {
-    for (; told < poses.corrections.size() && poses.corrections[told].image <= frame; ++told) {
-      const PastCorrection& correction = poses.corrections[told];
+    for (; told < corrections.size() && corrections[told].image <= frame; ++told) {
+      const PastCorrection& correction = corrections[told];
       for (int i = 0; i < correction.image; ++i) {
         std::optional<PoseEstimate> pose = source.Pose(i);
         if (!pose) continue;

@@ -100,11 +100,17 @@ Status LoadCorrections(sqlite::Database& database, OwnPoses& poses) {
 }  // namespace
 
 Status StoreOwnPoses(sqlite::Database& database, const OwnPoses& poses) {
-  Status status = database.Execute(kOwnPosesSchema);
+  return AddOwnPoses(database, poses, 0);
+}
+
+Status AddOwnPoses(sqlite::Database& database, const OwnPoses& poses, std::size_t stored) {
+  Status status = database.Execute(stored == 0 ? kOwnPosesSchema
+                                               : "DELETE FROM own_pose_loops;"
+                                                 "DELETE FROM own_pose_corrections");
   if (!status.ok()) return status;
   Result<sqlite::Statement> insert = database.Prepare("INSERT INTO own_poses VALUES (?1, ?2)");
   if (!insert) return insert.error();
-  for (std::size_t i = 0; i < poses.frames.size(); ++i) {
+  for (std::size_t i = stored; i < poses.frames.size(); ++i) {
     const std::string details = EncodeOwnPose(poses.frames[i]);
     insert->Bind(1, static_cast<std::int64_t>(i));
     insert->BindBlob(2, details);

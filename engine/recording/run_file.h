@@ -58,7 +58,9 @@ class RunWriter {
   /// is stored 160 pixels wide; it may be empty and must not be written to afterwards. Frames come
   /// by rising number. Errors (kIo): what stopped the writer earlier; nothing was or will be
   /// written since.
-  Status Write(FrameReport report, const cv::Mat& image);
+  /// @param own_poses  Of a live run whose poses grow: all that are known now, or null.
+  Status Write(FrameReport report, const cv::Mat& image,
+               std::shared_ptr<const OwnPoses> own_poses = {});
 
   /// Frames safely in the file, those of a resumed run included. May be called from any thread.
   int num_written() const;

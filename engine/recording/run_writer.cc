@@ -126,13 +126,15 @@ class RunWriter::Worker {
     return Start();
   }
 
-  Status Write(FrameReport report, const cv::Mat& image) {
+  Status Write(FrameReport report, const cv::Mat& image,
+               std::shared_ptr<const OwnPoses> own_poses) {
     PLB_CHECK(report.frame > last_frame_) << "frame " << report.frame << " after " << last_frame_;
     last_frame_ = report.frame;
     const Status status = CurrentStatus();
     if (!status.ok()) return status;
     PLB_CHECK(queue_ && queue_->Push(Item{std::move(report), image,
-                                          elapsed_before_s_ + watch_.Milliseconds() / 1000}))
+                                          elapsed_before_s_ + watch_.Milliseconds() / 1000,
+                                          std::move(own_poses)}))
         << "the run file is closed";
     return {};
   }
@@ -157,6 +159,7 @@ class RunWriter::Worker {
     FrameReport report;
     cv::Mat image;
     double elapsed_s;
+    std::shared_ptr<const OwnPoses> own_poses;
   };
   struct StoredParticles {
     std::shared_ptr<const std::vector<Particle>> particles;
@@ -204,6 +207,10 @@ class RunWriter::Worker {
     }
     for (std::size_t i = 0; i < report.events.size() && status.ok(); ++i) {
       status = StoreEvent(report.events[i], static_cast<int>(i));
+    }
+    if (status.ok() && item.own_poses != nullptr) {
+      status = AddOwnPoses(*database_, *item.own_poses, num_own_poses_);
+      num_own_poses_ = item.own_poses->frames.size();
     }
     if (status.ok()) status = commit_.Run();
     if (!status.ok()) return status;
@@ -292,6 +299,7 @@ class RunWriter::Worker {
   int last_frame_;
   int position_;
   std::map<ObjectId, StoredParticles> stored_;
+  std::size_t num_own_poses_ = 0;  ///< Of a live run.
   std::atomic<int> num_written_;
   mutable std::mutex mutex_;
   Status status_;
@@ -394,8 +402,9 @@ Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& 
 
 RunWriter::RunWriter(std::unique_ptr<Worker> worker) : worker_(std::move(worker)) {}
 RunWriter::~RunWriter() = default;
-Status RunWriter::Write(FrameReport report, const cv::Mat& image) {
-  return worker_->Write(std::move(report), image);
+Status RunWriter::Write(FrameReport report, const cv::Mat& image,
+                        std::shared_ptr<const OwnPoses> own_poses) {
+  return worker_->Write(std::move(report), image, std::move(own_poses));
 }
 int RunWriter::num_written() const { return worker_->num_written(); }
 Status RunWriter::Close() { return worker_->Close(); }

@@ -112,8 +112,13 @@ class MappingSource : public SnapshotSource {
     const PinholeCamera& camera = pipeline_->sequence().camera();
     (*next)->outlines = OutlinesOf((*next)->id, {camera.width, camera.height});
     std::shared_ptr<const MapSnapshot> snapshot = *next;
-    if (Status status = writer_->Write(snapshot->report, snapshot->image); !status.ok())
+    const auto grown = pipeline_->TakeGrownPoses();
+    if (Status status = writer_->Write(snapshot->report, snapshot->image, grown); !status.ok())
       return status.error();
+    if (grown != nullptr) {  // live: truth and trajectory find their places as they are known
+      view_ = MakeViewWithoutScan(pipeline_->sequence(), *pipeline_->database());
+      MoveView();
+    }
     for (const LifeEvent& event : snapshot->report.events) {
       if (event.kind == EventKind::kPosesCorrected) MoveView();
       mapped_with_.Add(snapshot->report.frame, event);

@@ -320,56 +320,106 @@ Result<VioInput> VioInputOf(const Sequence& sequence, const ImuRecording& imu) {
   return input;
 }
 
-Result<OwnPoses> EstimateOwnPoses(const Sequence& sequence, int end_frame,
-                                  const OwnPoseOptions& options, const WorkContext& work) {
-  const std::string name = "'" + sequence.path().string() + "'";
-  if (!sequence.has_images()) {
-    return Error{ErrorCode::kNotFound,
-                 name +
-                     " has no images (there is no folder color/); poses come from images and "
-                     "an IMU"};
+struct OwnPoseEstimator::Impl {
+  Impl(std::shared_ptr<const Sequence> given, ImuRecording recorded, int count,
+       const OwnPoseOptions& chosen)
+      : sequence(std::move(given)),
+        imu(std::move(recorded)),
+        input(VioInputOf(*sequence, imu).value()),
+        options(chosen),
+        end(count),
+        recorder(input, options, count),
+        closer(input.camera, options.closing),
+        runner(input, Images(), options.filter, options.tracker) {}
+
+  ImageSource Images() const {
+    ImageSource images;
+    for (int i = 0; i < end; ++i) images.stamps_ns.push_back(sequence->stamp_ns(i));
+    images.read = [this](int index) { return sequence->ReadRawImage(index); };
+    return images;
   }
-  const Result<ImuRecording> imu = sequence.ReadImu();
-  if (!imu.ok()) return imu.error();
-  const Result<VioInput> input = VioInputOf(sequence, *imu);
-  if (!input.ok()) return input.error();
-  const int count = std::min(end_frame, sequence.num_frames());
-  ImageSource images;
-  for (int i = 0; i < count; ++i) images.stamps_ns.push_back(sequence.stamp_ns(i));
-  images.read = [&](int index) { return sequence.ReadRawImage(index); };
-  Recorder recorder(*input, options, count);
-  for (int i = 0; i < count; ++i) {
-    OwnPoseReport& frame = recorder.poses.frames[static_cast<std::size_t>(i)];
-    frame.vio.stamp_ns = sequence.stamp_ns(i);
-    frame.waits_for = "the image could not be read";
-  }
-  LoopCloser closer(input->camera, options.closing);
-  RunVio(*input, images, options.filter, options.tracker, work, [&](const VioMoment& moment) {
+
+  void See(const VioMoment& moment) {
     recorder.poses.frames[static_cast<std::size_t>(moment.image)].waits_for.clear();
     if (options.loops != LoopUse::kOff) closer.See(moment);
     if (options.loops != LoopUse::kCausal) {
       recorder.See(moment, Eigen::Isometry3d::Identity(), nullptr, 0);
       return;
     }
+    LoopReport report = closer.Report();
     std::optional<TrajectoryCorrection> closed;
-    const int epoch = closer.Report().epochs;
-    if (epoch > recorder.told_epoch()) closed = closer.Correction();
-    recorder.See(moment, closer.PresentMove().AsIsometry(), closed ? &*closed : nullptr, epoch);
-  });
-  if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+    if (report.epochs > recorder.told_epoch()) closed = closer.Correction();
+    recorder.See(moment, closer.PresentMove().AsIsometry(), closed ? &*closed : nullptr,
+                 report.epochs);
+    recorder.poses.loops = std::move(report);
+  }
+
+  std::shared_ptr<const Sequence> sequence;
+  ImuRecording imu;
+  VioInput input;
+  OwnPoseOptions options;
+  int end;
+  Recorder recorder;
+  LoopCloser closer;
+  VioRunner runner;
+};
+
+OwnPoseEstimator::OwnPoseEstimator(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+OwnPoseEstimator::~OwnPoseEstimator() = default;
+
+Result<std::unique_ptr<OwnPoseEstimator>> OwnPoseEstimator::Create(
+    std::shared_ptr<const Sequence> sequence, int end_frame, const OwnPoseOptions& options) {
+  if (!sequence->has_images()) {
+    return Error{ErrorCode::kNotFound,
+                 "'" + sequence->path().string() +
+                     "' has no images (there is no folder color/); poses come from images and "
+                     "an IMU"};
+  }
+  Result<ImuRecording> imu = sequence->ReadImu();
+  if (!imu.ok()) return imu.error();
+  if (const auto input = VioInputOf(*sequence, *imu); !input.ok()) return input.error();
+  const int count = std::min(end_frame, sequence->num_frames());
+  auto impl = std::make_unique<Impl>(sequence, std::move(imu).value(), count, options);
+  for (int i = 0; i < count; ++i) {
+    OwnPoseReport& frame = impl->recorder.poses.frames[static_cast<std::size_t>(i)];
+    frame.vio.stamp_ns = sequence->stamp_ns(i);
+    frame.waits_for = "the image could not be read";
+  }
+  return std::unique_ptr<OwnPoseEstimator>(new OwnPoseEstimator(std::move(impl)));
+}
+
+bool OwnPoseEstimator::Next() {
+  return impl_->runner.Next([this](const VioMoment& moment) { impl_->See(moment); });
+}
+int OwnPoseEstimator::next() const { return impl_->runner.next(); }
+int OwnPoseEstimator::end() const { return impl_->end; }
+const OwnPoses& OwnPoseEstimator::poses() const { return impl_->recorder.poses; }
+
+Result<OwnPoses> OwnPoseEstimator::Finish() {
+  Recorder& recorder = impl_->recorder;
   if (!recorder.any_ready()) {
     return Error{
         ErrorCode::kDegenerate,
-        "no image of " + name + " got a pose that serves mapping: " +
+        "no image of '" + impl_->sequence->path().string() + "' got a pose that serves mapping: " +
             (recorder.last_wait().empty() ? "no image could be read" : recorder.last_wait())};
   }
-  recorder.poses.loops = closer.Report();
-  const TrajectoryCorrection correction = closer.Correction();
-  if (options.loops == LoopUse::kCorrected && !correction.empty()) {
+  recorder.poses.loops = impl_->closer.Report();
+  const TrajectoryCorrection correction = impl_->closer.Correction();
+  if (impl_->options.loops == LoopUse::kCorrected && !correction.empty()) {
     recorder.poses.causal = false;
     recorder.Correct(correction);
   }
   return std::move(recorder.poses);
+}
+
+Result<OwnPoses> EstimateOwnPoses(std::shared_ptr<const Sequence> sequence, int end_frame,
+                                  const OwnPoseOptions& options, const WorkContext& work) {
+  const auto estimator = OwnPoseEstimator::Create(std::move(sequence), end_frame, options);
+  if (!estimator.ok()) return estimator.error();
+  while (!work.stop.stop_requested() && (*estimator)->Next())
+    work.report({"visual-inertial", (*estimator)->next(), (*estimator)->end()});
+  if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+  return (*estimator)->Finish();
 }
 
 }  // namespace plumbline

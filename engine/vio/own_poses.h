@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
 #include "engine/dataset/imu_file.h"
@@ -16,6 +18,34 @@ namespace plumbline {
 /// the body.
 Result<VioInput> VioInputOf(const Sequence& sequence, const ImuRecording& imu);
 
+/// EstimateOwnPoses, image by image. Single-threaded.
+class OwnPoseEstimator {
+ public:
+  /// @param end_frame  Images from this one on are not looked at.
+  /// Errors: as of VioInputOf; kNotFound for a sequence without images.
+  static Result<std::unique_ptr<OwnPoseEstimator>> Create(std::shared_ptr<const Sequence> sequence,
+                                                          int end_frame,
+                                                          const OwnPoseOptions& options);
+  ~OwnPoseEstimator();
+
+  /// Looks at the next image; false where there is none.
+  bool Next();
+  /// First image that was not looked at.
+  int next() const;
+  /// One past the last image that will be.
+  int end() const;
+  /// With a report for every image up to end(); those from next() on say nothing yet.
+  const OwnPoses& poses() const;
+  /// After the last image: corrects the whole trajectory where that is asked for. Errors:
+  /// kDegenerate where no image got a pose that a mapper may use.
+  Result<OwnPoses> Finish();
+
+ private:
+  struct Impl;
+  explicit OwnPoseEstimator(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
 /// Poses of a sequence from its images and IMU alone; its own poses, gravity and floor are not
 /// looked at. Causal, unless loops correct the whole trajectory (`options.loops`,
 /// OwnPoses::causal): what is said of an image does not depend on later ones. Deterministic; about
@@ -23,7 +53,7 @@ Result<VioInput> VioInputOf(const Sequence& sequence, const ImuRecording& imu);
 /// @param end_frame  Images from this one on are not looked at.
 /// Errors: as of VioInputOf; kNotFound for a sequence without images; kDegenerate where no image
 /// gets a pose that a mapper may use; kCancelled.
-Result<OwnPoses> EstimateOwnPoses(const Sequence& sequence, int end_frame,
+Result<OwnPoses> EstimateOwnPoses(std::shared_ptr<const Sequence> sequence, int end_frame,
                                   const OwnPoseOptions& options, const WorkContext& work);
 
 }  // namespace plumbline

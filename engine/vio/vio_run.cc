@@ -67,39 +67,68 @@ VioRun RunVio(const VioInput& input, std::span<const TrackedImage> images,
   return std::move(feeder.run);
 }
 
-VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions& options,
-              const TrackerOptions& tracker_options, const WorkContext& work,
-              const VioObserver& seen) {
-  Feeder feeder(input, options);
-  PointTracker tracker(input.camera, tracker_options);
+struct VioRunner::Impl {
+  Impl(const VioInput& given, ImageSource source, const VioOptions& options,
+       const TrackerOptions& tracker_options)
+      : input(given),
+        images(std::move(source)),
+        feeder(input, options),
+        tracker(input.camera, tracker_options) {}
+
+  /// Errors: why the image cannot be read.
+  Status See(int index, const VioObserver& seen);
+
+  VioInput input;
+  ImageSource images;
+  Feeder feeder;
+  PointTracker tracker;
   std::optional<std::int64_t> previous_ns;
-  for (std::size_t i = 0; i < images.stamps_ns.size() && !work.stop.stop_requested(); ++i) {
-    const std::int64_t stamp_ns = images.stamps_ns[i];
-    const Result<cv::Mat> image = images.read(static_cast<int>(i));
-    if (!image.ok()) {
-      feeder.run.skipped.push_back(image.error().message);
-      continue;
-    }
-    feeder.FeedImu(stamp_ns);
-    const Eigen::Matrix3d turn =
-        feeder.estimator().CamRotation(previous_ns.value_or(stamp_ns), stamp_ns);
-    previous_ns = stamp_ns;
-    const TrackedImage tracked = tracker.Track(*image, stamp_ns, turn);
-    if (tracker.light_jump() != 1) {
-      char text[80];
-      std::snprintf(text, sizeof(text), "the light jumped: the image is %.2f times as bright",
-                    tracker.light_jump());
-      feeder.estimator().Note(text);
-    }
-    const double tracking_ms = tracker.cost().track_ms + tracker.cost().detect_ms;
-    feeder.run.tracking_ms += tracking_ms;
-    const auto [reports, points] = feeder.FeedImage(tracked);
-    if (seen)
-      seen(
-          {static_cast<int>(i), *image, tracked, reports, points, feeder.estimator(), tracking_ms});
-    work.report({"visual-inertial", feeder.run.images, static_cast<int>(images.stamps_ns.size())});
+  int next = 0;
+};
+
+Status VioRunner::Impl::See(int index, const VioObserver& seen) {
+  const std::int64_t stamp_ns = images.stamps_ns[static_cast<std::size_t>(index)];
+  const Result<cv::Mat> image = images.read(index);
+  if (!image.ok()) return image.error();
+  feeder.FeedImu(stamp_ns);
+  const Eigen::Matrix3d turn =
+      feeder.estimator().CamRotation(previous_ns.value_or(stamp_ns), stamp_ns);
+  previous_ns = stamp_ns;
+  const TrackedImage tracked = tracker.Track(*image, stamp_ns, turn);
+  if (tracker.light_jump() != 1) {
+    char text[80];
+    std::snprintf(text, sizeof(text), "the light jumped: the image is %.2f times as bright",
+                  tracker.light_jump());
+    feeder.estimator().Note(text);
   }
-  return std::move(feeder.run);
+  const double tracking_ms = tracker.cost().track_ms + tracker.cost().detect_ms;
+  feeder.run.tracking_ms += tracking_ms;
+  const auto [reports, points] = feeder.FeedImage(tracked);
+  if (seen) seen({index, *image, tracked, reports, points, feeder.estimator(), tracking_ms});
+  return {};
+}
+
+VioRunner::VioRunner(const VioInput& input, ImageSource images, const VioOptions& options,
+                     const TrackerOptions& tracker)
+    : impl_(std::make_unique<Impl>(input, std::move(images), options, tracker)) {}
+VioRunner::~VioRunner() = default;
+
+bool VioRunner::Next(const VioObserver& seen) {
+  if (static_cast<std::size_t>(impl_->next) >= impl_->images.stamps_ns.size()) return false;
+  if (Status status = impl_->See(impl_->next++, seen); !status.ok())
+    impl_->feeder.run.skipped.push_back(status.error().message);
+  return true;
+}
+
+int VioRunner::next() const { return impl_->next; }
+VioRun VioRunner::TakeRun() { return std::move(impl_->feeder.run); }
+
+VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions& options,
+              const TrackerOptions& tracker, const WorkContext& work, const VioObserver& seen) {
+  VioRunner runner(input, images, options, tracker);
+  while (!work.stop.stop_requested() && runner.Next(seen))
+    work.report({"visual-inertial", runner.next(), static_cast<int>(images.stamps_ns.size())});
+  return runner.TakeRun();
 }
 
 std::vector<TrackedImage> DropTracks(std::span<const TrackedImage> images, double probability,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -61,7 +62,27 @@ using VioObserver = std::function<void(const VioMoment&)>;
 VioRun RunVio(const VioInput& input, std::span<const TrackedImage> images,
               const VioOptions& options, const WorkContext& work);
 
-/// The same on images, whose points are tracked with the gyro's help.
+/// The same on images, whose points are tracked with the gyro's help, one at a time.
+class VioRunner {
+ public:
+  /// @param input  Its samples outlive this.
+  VioRunner(const VioInput& input, ImageSource images, const VioOptions& options,
+            const TrackerOptions& tracker);
+  ~VioRunner();
+
+  /// Looks at the next image; false where there is none.
+  bool Next(const VioObserver& seen = {});
+  /// Index of the image that Next looks at.
+  int next() const;
+  /// What it gave so far; once.
+  VioRun TakeRun();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// All images of a source.
 VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions& options,
               const TrackerOptions& tracker, const WorkContext& work, const VioObserver& seen = {});
 

@@ -391,6 +391,45 @@ TEST_F(RunVerb, OwnPosesNeedAnImuAndSaySo) {
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("did you mean 'ready_tilt_deg'"));
 }
 
+TEST_F(RunVerb, LiveItFindsItsPosesWhileItPlays) {
+  ASSERT_EQ(Wait(Start({"synth", "--imu", "--rest", "2", "--size", "320x240", "--rate", "10",
+                        "--frames", "60", "--light-rays", "4", "--out", Path("film")})),
+            0);
+  const auto run = [&](const char* file, const char* speed) {
+    return Wait(Start({"run", Path("film"), "--poses", "vio", "--set-poses", "loops=causal",
+                       "--out", Path(file), speed}));
+  };
+  ASSERT_EQ(run("live.plb", "--live=1"), 0) << *ReadFile(Path("output.txt"));
+  ASSERT_EQ(Wait(Start({"run", Path("film"), "--poses", "vio", "--set-poses", "loops=causal",
+                        "--out", Path("whole.plb")})),
+            0)
+      << *ReadFile(Path("output.txt"));
+  const auto poses = [&](const char* file) {
+    return RunReader::Open(Path(file)).value()->ReadOwnPoses().value();
+  };
+  // However many images the mapper passed over: the filter looked at all, and found the same.
+  const auto live = poses("live.plb"), whole = poses("whole.plb");
+  ASSERT_EQ(live->frames.size(), 60u);
+  ASSERT_EQ(whole->frames.size(), 60u);
+  EXPECT_TRUE(live->causal);
+  for (std::size_t i = 0; i < 60; ++i) {
+    EXPECT_EQ(live->frames[i].ready, whole->frames[i].ready) << i;
+    ASSERT_EQ(live->frames[i].world_from_cam.has_value(),
+              whole->frames[i].world_from_cam.has_value());
+    if (live->frames[i].world_from_cam) {
+      EXPECT_EQ(live->frames[i].world_from_cam->matrix(),
+                whole->frames[i].world_from_cam->matrix());
+    }
+  }
+  EXPECT_TRUE(live->frames.back().ready) << live->frames.back().waits_for;
+  // What goes on from it has the same poses.
+  ASSERT_EQ(Wait(Start({"run", Path("film"), "--poses", "vio", "--set-poses", "loops=causal",
+                        "--fork", Path("live.plb"), "--at", "30", "--out", Path("fork.plb")})),
+            0)
+      << *ReadFile(Path("output.txt"));
+  EXPECT_EQ(poses("fork.plb")->frames.size(), 60u);
+}
+
 TEST_F(RunVerb, AsksForNamesInUtf8AndWholeSeeds) {
   const std::string folder = Path("caf\xe9");
   std::filesystem::rename(Path("sequence"), folder);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/simulated_sequence.h"
 #include "tests/support/test_data.h"
 #include "tests/support/tiny_sequence.h"
 
@@ -111,6 +112,43 @@ TEST_F(OwnPoseSourceTest, TheSequenceHasTheFiltersWorld) {
   EXPECT_NE(OwnPosesOf(*sequence), nullptr);
   EXPECT_EQ(GivenSequence(*sequence).world_from_cam(3)->translation().x(), 3);
   EXPECT_EQ(OwnPosesOf(GivenSequence(*sequence)), nullptr);
+}
+
+TEST(OwnPoseStore, FindsPosesAsTheyAreAskedFor) {
+  const auto given = SimulatedSequence(Simulate({.seconds = 5, .points = 80, .pixel_noise_px = 0}));
+  OwnPoseOptions options;
+  options.loops = LoopUse::kCausal;
+  const OwnPoses all = EstimateOwnPoses(given, given->num_frames(), options, {}).value();
+  const auto sequence =
+      WithOwnPoses(given, OwnPoseEstimator::Create(given, given->num_frames(), options).value());
+  const auto store = OwnPoseStoreOf(*sequence);
+  EXPECT_TRUE(store->grows());
+  EXPECT_EQ(store->known(), 0);
+  EXPECT_FALSE(sequence->world_from_cam(0).has_value());  // nobody asked yet
+  store->Advance(59, {});
+  EXPECT_GE(store->known(), 60);
+  EXPECT_LT(store->known(), 80);  // of 100: not far ahead of who asks
+  OwnPoseSource source(sequence);
+  int frames = 0, poses = 0;
+  while (true) {
+    const auto packet = source.Next({});
+    ASSERT_TRUE(packet.ok());
+    if (!*packet) break;
+    frames += std::holds_alternative<FramePacket>(**packet);
+    const auto* pose = std::get_if<PoseEstimate>(&**packet);
+    if (pose == nullptr) continue;
+    ++poses;
+    const auto& expected = all.frames[static_cast<std::size_t>(pose->id.value)];
+    EXPECT_EQ(pose->world_from_cam.matrix(), expected.world_from_cam->matrix());
+    EXPECT_EQ(pose->stamp_ns, given->stamp_ns(pose->id.value));
+  }
+  EXPECT_EQ(frames, 100);
+  EXPECT_GT(poses, 40);
+  EXPECT_EQ(store->known(), 100);
+  EXPECT_EQ(OwnPosesOf(*sequence)->frames.size(), 100u);
+  std::stop_source stopped;
+  stopped.request_stop();
+  store->Advance(1000, stopped.get_token());  // returns
 }
 
 }  // namespace

@@ -139,6 +139,46 @@ TEST(RunFile, KeepsThePosesOfTheFilter) {
   EXPECT_EQ(*OpenRun(folder.path() / "given.plb")->ReadOwnPoses(), nullptr);
 }
 
+TEST(RunFile, KeepsPosesThatGrowAndWhatTheFilterFoundOfTheLens) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.plb";
+  OwnPoses all;
+  all.frames.resize(5);
+  for (std::size_t i = 0; i < 5; ++i) all.frames[i].tilt_std_rad = static_cast<double>(i);
+  all.frames[3].vio.lens << 500, 501, 320, 240, 0.1, 0.2, 0, 0, 0.02;
+  all.frames[3].vio.lens_spread.setConstant(0.5);
+  all.loops.closures = {{2, 0, 2, 31, 0.5, 1.25, 0.875, 1}};
+  all.corrections.push_back({2, 1, {Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()}});
+  const auto up_to = [&](std::size_t count) {
+    auto some = std::make_shared<OwnPoses>(all);
+    some->frames.resize(count);
+    if (count < 3) some->loops.closures.clear(), some->corrections.clear();
+    return some;
+  };
+  auto writer = RunWriter::Create(file, RandomHeader(1), {}, &*up_to(0));
+  ASSERT_TRUE(writer.ok()) << writer.error().message;
+  for (int i = 0; i < 5; ++i) {
+    FrameReport report;
+    report.frame = i;
+    const bool tells = i == 1 || i == 3 || i == 4;
+    ASSERT_TRUE((*writer)
+                    ->Write(report, {}, tells ? up_to(static_cast<std::size_t>(i) + 1) : nullptr)
+                    .ok());
+  }
+  ASSERT_TRUE((*writer)->Close().ok());
+  const auto read = OpenRun(file)->ReadOwnPoses();
+  ASSERT_TRUE(read.ok() && *read != nullptr);
+  ASSERT_EQ((*read)->frames.size(), 5u);
+  for (std::size_t i = 0; i < 5; ++i)
+    EXPECT_EQ(EncodeOwnPose((*read)->frames[i]), EncodeOwnPose(all.frames[i])) << i;
+  EXPECT_EQ((*read)->frames[3].vio.lens, all.frames[3].vio.lens);
+  EXPECT_EQ((*read)->frames[3].vio.lens_spread[8], 0.5);
+  EXPECT_EQ((*read)->frames[2].vio.lens_spread[0], 0);  // not estimated
+  EXPECT_EQ((*read)->loops.closures.size(), 1u);
+  ASSERT_EQ((*read)->corrections.size(), 1u);
+  EXPECT_EQ((*read)->corrections[0].world_from_cam.size(), 2u);
+}
+
 TEST(RunFile, KeepsTheHeader) {
   const TemporaryFolder folder;
   WriteFrames(folder.path() / "run.plb", 1);

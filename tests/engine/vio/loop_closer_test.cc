@@ -26,16 +26,16 @@ class LoopCloserTest : public testing::Test {
                                        .pixel_noise_px = 0,
                                        .imu_noise = 3}));
   }
-  static OwnPoses Estimate(LoopUse loops, const Sequence& sequence) {
+  static OwnPoses Estimate(LoopUse loops, const std::shared_ptr<const Sequence>& sequence) {
     OwnPoseOptions options;
     options.loops = loops;
-    auto poses = EstimateOwnPoses(sequence, sequence.num_frames(), options, {});
+    auto poses = EstimateOwnPoses(sequence, sequence->num_frames(), options, {});
     EXPECT_TRUE(poses.ok()) << (poses.ok() ? "" : poses.error().message);
     return poses.ok() ? std::move(poses).value() : OwnPoses();
   }
   static void SetUpTestSuite() {
     round_ = Film(kRound_s + 8);
-    off_ = Estimate(LoopUse::kOff, *round_);
+    off_ = Estimate(LoopUse::kOff, round_);
   }
   static void TearDownTestSuite() { round_.reset(); }
 
@@ -58,7 +58,7 @@ std::shared_ptr<const Sequence> LoopCloserTest::round_;
 OwnPoses LoopCloserTest::off_;
 
 TEST_F(LoopCloserTest, ARoundEndsWhereItBegan) {
-  const OwnPoses corrected = Estimate(LoopUse::kCorrected, *round_);
+  const OwnPoses corrected = Estimate(LoopUse::kCorrected, round_);
   EXPECT_TRUE(off_.causal);
   EXPECT_EQ(off_.loops.key_frames, 0);
   EXPECT_FALSE(corrected.causal);
@@ -75,7 +75,7 @@ TEST_F(LoopCloserTest, ARoundEndsWhereItBegan) {
 }
 
 TEST_F(LoopCloserTest, CausalPosesKnowOfNoLaterImage) {
-  const OwnPoses causal = Estimate(LoopUse::kCausal, *round_);
+  const OwnPoses causal = Estimate(LoopUse::kCausal, round_);
   EXPECT_TRUE(causal.causal);
   ASSERT_FALSE(causal.loops.closures.empty());
   const int first = causal.loops.closures.front().closed_image;
@@ -95,8 +95,8 @@ TEST_F(LoopCloserTest, CausalPosesKnowOfNoLaterImage) {
 
 TEST_F(LoopCloserTest, WithoutAReturnNothingChanges) {
   const auto sequence = Film(8);
-  const OwnPoses off = Estimate(LoopUse::kOff, *sequence),
-                 corrected = Estimate(LoopUse::kCorrected, *sequence);
+  const OwnPoses off = Estimate(LoopUse::kOff, sequence),
+                 corrected = Estimate(LoopUse::kCorrected, sequence);
   EXPECT_TRUE(corrected.causal);
   EXPECT_TRUE(corrected.loops.closures.empty());
   EXPECT_GT(corrected.loops.key_frames, 3);

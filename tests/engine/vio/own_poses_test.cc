@@ -16,7 +16,7 @@ SimulatedRecording Recording(double seconds = 6) {
 
 TEST(OwnPoses, TellOfEachImageWhatIsKnownThen) {
   const auto sequence = SimulatedSequence(Recording());
-  const auto poses = EstimateOwnPoses(*sequence, sequence->num_frames(), {}, {});
+  const auto poses = EstimateOwnPoses(sequence, sequence->num_frames(), {}, {});
   ASSERT_TRUE(poses.ok()) << poses.error().message;
   ASSERT_EQ(poses->frames.size(), 120u);
   const OwnPoseReport& first = poses->frames.front();
@@ -33,7 +33,7 @@ TEST(OwnPoses, TellOfEachImageWhatIsKnownThen) {
   const Eigen::Matrix3d truth = sequence->world_from_cam(119)->linear();
   EXPECT_GT(last.world_from_cam->linear().row(2).dot(truth.row(2)), std::cos(0.03));
 
-  const auto shorter = EstimateOwnPoses(*sequence, 90, {}, {});
+  const auto shorter = EstimateOwnPoses(sequence, 90, {}, {});
   ASSERT_TRUE(shorter.ok()) << shorter.error().message;
   ASSERT_EQ(shorter->frames.size(), 90u);
   for (std::size_t i = 0; i < 90; ++i) {
@@ -51,7 +51,7 @@ TEST(OwnPoses, ImagesThatComeTooSoonGetThePredictionOfTheImu) {
   const auto sequence = SimulatedSequence(Recording(4));
   OwnPoseOptions options;
   options.filter.max_rate_hz = 10;  // every second image
-  const auto poses = EstimateOwnPoses(*sequence, 80, options, {});
+  const auto poses = EstimateOwnPoses(sequence, 80, options, {});
   ASSERT_TRUE(poses.ok()) << poses.error().message;
   int predicted = 0;
   for (std::size_t i = 1; i + 1 < poses->frames.size(); ++i) {
@@ -72,7 +72,7 @@ TEST(OwnPoses, WhatASequenceLacksIsSaidInOneSentence) {
   without_imu.samples.clear();
   without_place.camera.body_from_cam.reset();
   const auto message = [](SimulatedRecording recording) {
-    const auto poses = EstimateOwnPoses(*SimulatedSequence(std::move(recording)), 20, {}, {});
+    const auto poses = EstimateOwnPoses(SimulatedSequence(std::move(recording)), 20, {}, {});
     EXPECT_FALSE(poses.ok());
     return poses.ok() ? std::string() : poses.error().message;
   };
@@ -86,7 +86,7 @@ TEST(OwnPoses, StopWhenAsked) {
   stop.request_stop();
   WorkContext work;
   work.stop = stop.get_token();
-  const auto poses = EstimateOwnPoses(*SimulatedSequence(Recording(1)), 20, {}, work);
+  const auto poses = EstimateOwnPoses(SimulatedSequence(Recording(1)), 20, {}, work);
   ASSERT_FALSE(poses.ok());
   EXPECT_EQ(poses.error().code, ErrorCode::kCancelled);
 }
