@@ -26,6 +26,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// The first view is from behind the cameras, a little to their side and from above.
+constexpr double kOutgrown = 1.3;
 constexpr double kResetAside = 0.35, kResetElevation = 0.65;
 
 class MapScene : public SceneSurface {
@@ -54,6 +55,8 @@ class MapScene : public SceneSurface {
     dirty_ = true;
     if (content.sequence == nullptr) return;
     if (new_sequence) actors_.SetSequence(*content.sequence);
+    // Poses of a live run grow: the view grows along until somebody moves it.
+    if (new_sequence && !another && Framed() && Radius() > kOutgrown * framed_radius_m_) Reset();
     if (another) {
       camera_ = TurntableCamera(content.sequence->up_in_world);
       Reset();
@@ -131,10 +134,11 @@ class MapScene : public SceneSurface {
   void Reset() override {
     if (content_.sequence == nullptr) return;
     const auto& bounds = actors_.focus_bounds();
-    const double radius = bounds.isEmpty() ? 1.5 : std::max(0.4, 0.5 * bounds.diagonal().norm());
     camera_.LookAt(bounds.isEmpty() ? Vector3d(0, 0, 0) : Vector3d(bounds.center()),
-                   0.70 * radius / std::tan(0.5 * TurntableCamera::kViewAngle));
+                   0.70 * Radius() / std::tan(0.5 * TurntableCamera::kViewAngle));
     camera_.SetDirection(actors_.ViewAzimuth(*content_.sequence) + kResetAside, kResetElevation);
+    framed_radius_m_ = bounds.isEmpty() ? 0 : Radius();
+    framed_from_ = camera_.eye_in_world();
     dirty_ = true;
   }
 
@@ -213,6 +217,13 @@ class MapScene : public SceneSurface {
     camera_.MoveFocus(world_from_cam * Vector3d(0, 0, 1.0));
   }
 
+  double Radius() const {
+    const auto& bounds = actors_.focus_bounds();
+    return bounds.isEmpty() ? 1.5 : std::max(0.4, 0.5 * bounds.diagonal().norm());
+  }
+  /// Whether the camera stands where Reset put it.
+  bool Framed() const { return camera_.eye_in_world() == framed_from_; }
+
   std::optional<Vector3d> WorldAt(double x_px, double y_px) {
     view_.window()->GetState()->Reset();
     const int x = static_cast<int>(x_px), y = view_.height() - 1 - static_cast<int>(y_px);
@@ -281,6 +292,8 @@ class MapScene : public SceneSurface {
   bool dirty_ = true, coarse_ = false;
   double render_ms_ = 0, full_render_ms_ = 0;
   double followed_azimuth_rad_ = 0;
+  double framed_radius_m_ = 0;  ///< Of what Reset showed; 0: of nothing.
+  Vector3d framed_from_{0, 0, 0};
   int renders_ = 0;
 };
 
