@@ -180,6 +180,38 @@ nlohmann::json LiveToJson(const LiveReport& live, int skipped) {
           {"mapped_age_ms", live.done_age_ms}};
 }
 
+/// Says of frames that follow one another and cannot be used for one reason only the first and the
+/// last: a filter that waits for gravity would fill the screen.
+class SkippedFrames {
+ public:
+  void See(const FrameReport& report) {
+    const std::string& why = report.skipped;
+    if (why.empty() || KindOf(why) != kind_) Tell();
+    if (why.empty()) return;
+    if (count_++ == 0) {
+      kind_ = KindOf(why);
+      std::fprintf(stderr, "frame skipped: %s\n", why.c_str());
+    }
+    last_ = why;
+  }
+  void Tell() {
+    if (count_ > 2) std::fprintf(stderr, "   and %d more for that reason, up to:\n", count_ - 2);
+    if (count_ > 1) std::fprintf(stderr, "frame skipped: %s\n", last_.c_str());
+    count_ = 0;
+    kind_.clear();
+  }
+
+ private:
+  /// The sentence without its numbers.
+  static std::string KindOf(std::string text) {
+    std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
+    return text;
+  }
+
+  int count_ = 0;
+  std::string kind_, last_;
+};
+
 /// Gives the mapper a true instance of the sequence as a candidate.
 Status Plant(const std::string& instance, MappingPipeline& pipeline) {
   if (instance.empty()) return {};
@@ -219,19 +251,20 @@ Status Run(RunArguments& arguments) {
   if (Status status = Plant(arguments.plant, pipeline); !status.ok()) return status;
 
   std::shared_ptr<const MapSnapshot> last;
+  SkippedFrames skipped;
   Stopwatch watch;
   while (!work.stop.stop_requested()) {
     const auto snapshot = pipeline.Next(work.stop);
     if (!snapshot) break;
     last = *snapshot;
-    if (!last->report.skipped.empty())
-      std::fprintf(stderr, "frame skipped: %s\n", last->report.skipped.c_str());
+    skipped.See(last->report);
     summary.Add(last->report);
     if (Status status = (*writer)->Write(last->report, last->image, pipeline.TakeGrownPoses());
         !status.ok())
       return status;
     work.report({"mapping", pipeline.num_done(), pipeline.num_selected()});
   }
+  skipped.Tell();
   if (Status status = (*writer)->Close(); !status.ok()) return status;
   const double seconds = watch.Milliseconds() / 1000;
   const auto withdrawn = WithdrawnOf(arguments.out);

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The filter looks at so many images more than were asked for: it is a module of its own.
-constexpr int kImagesAhead = 4;
+constexpr int kImagesAhead = 16;
 
 Eigen::Vector4d PlaneOf(const FloorReport& floor) { return {0, 0, 1, -floor.height_m}; }
 
