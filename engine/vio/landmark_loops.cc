@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <iterator>
 #include <set>
 #include <utility>
@@ -73,7 +74,7 @@ Result<std::vector<LandmarkEdge>> LandmarkEdgesFromText(std::string_view text) {
       if (!sane) return Error{ErrorCode::kCorrupt, "a landmark whose numbers cannot be"};
       edges.push_back(edge);
     }
-  } catch (const nlohmann::json::exception&) {
+  } catch (const std::exception&) {  // of another type, or numbers that do not fit
     return Error{ErrorCode::kCorrupt, "landmarks that are not as this version writes them"};
   }
   return edges;

@@ -19,6 +19,7 @@
 #include "engine/recording/run_header.h"
 #include "engine/recording/run_summary.h"
 #include "engine/recording/smoothed_record.h"
+#include "engine/vio/landmark_loops.h"
 #include "engine/vio/own_pose_report.h"
 #include "tests/fuzz/fuzz_targets.h"
 
@@ -51,6 +52,25 @@ std::string Compressed(std::string_view bytes) {
             reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()), 1);
   stored.resize(sizeof(length) + size);
   return stored;
+}
+
+/// What objects seen again say of poses, over a walk of ten images.
+Status Landmarks(std::string_view input) {
+  const auto edges = LandmarkEdgesFromText(input);
+  if (!edges.ok()) return edges.error();
+  (void)DescribeLandmarkEdges(*edges);
+  LandmarkLoops loops{LoopOptions()};
+  for (int i = 0; i < 10; ++i) {
+    PoseEstimate pose;
+    pose.id = PoseId{i};
+    pose.stamp_ns = i * 500'000'000LL;
+    pose.world_from_cam.translation().x() = i;
+    pose.uncertainty.drift.diagonal().setConstant(1e-4 * (i + 1));
+    loops.See(pose);
+  }
+  (void)loops.Add(*edges);
+  (void)loops.Known();
+  return StatusOf(LandmarkEdgesFromText(LandmarkEdgesToText(*edges)));
 }
 
 Status FrameBytes(std::string_view input) {
@@ -135,12 +155,16 @@ Status Exported(std::string_view input) {
   return StatusOf(ReadEstimates(file));
 }
 
-constexpr std::array kRunTargets = {
-    Target{"run_header", Header},           Target{"run_recipe", Recipe},
-    Target{"run_frame", FrameBytes},        Target{"run_object", ObjectBytes},
-    Target{"run_particles", ParticleBytes}, Target{"run_correction", CorrectionBytes},
-    Target{"run_own_pose", OwnPoseBytes},   Target{"run_file", RunFile},
-    Target{"exported_map", Exported}};
+constexpr std::array kRunTargets = {Target{"run_header", Header},
+                                    Target{"run_recipe", Recipe},
+                                    Target{"run_frame", FrameBytes},
+                                    Target{"run_object", ObjectBytes},
+                                    Target{"run_particles", ParticleBytes},
+                                    Target{"run_correction", CorrectionBytes},
+                                    Target{"run_landmarks", Landmarks},
+                                    Target{"run_own_pose", OwnPoseBytes},
+                                    Target{"run_file", RunFile},
+                                    Target{"exported_map", Exported}};
 
 }  // namespace
 
