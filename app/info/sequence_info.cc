@@ -285,7 +285,7 @@ Result<PathInfo> DescribeSequence(const std::filesystem::path& path) {
   const SequenceFormat& format = *FindSequenceFormat(path);
   PathInfo info;
   info.title = "sequence, " + std::string(format.title);
-  info.json["format"] = {{"name", format.name}, {"written", format.written}};
+  info.json["format"] = {{"name", format.name}, {"written", format.write != nullptr}};
   const StampStatistics frames = AddFrames(sequence, info);
   AddCameras(sequence, info);
   LookAtImages(sequence, info);

@@ -9,6 +9,7 @@
 #include "engine/base/data_paths.h"
 #include "engine/base/files.h"
 #include "engine/dataset/asl_sensor_file.h"
+#include "engine/dataset/recorded_sequence.h"
 #include "engine/dataset/stamp_statistics.h"
 #include "engine/dataset/stamped_rows.h"
 #include "engine/dataset/text_table.h"
@@ -21,11 +22,6 @@ namespace plumbline {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool IsThere(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
 
 /// The folder with cam0 and imu0 in it.
 fs::path SensorRoot(const fs::path& folder) {

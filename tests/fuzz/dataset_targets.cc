@@ -11,6 +11,7 @@
 #include "engine/dataset/imu_file.h"
 #include "engine/dataset/proposals_file.h"
 #include "engine/dataset/reference_states.h"
+#include "engine/dataset/ros_messages.h"
 #include "engine/dataset/sequence.h"
 #include "engine/dataset/tracks_file.h"
 #include "engine/dataset/trajectory.h"
@@ -86,6 +87,20 @@ Status WholeSequence(const std::filesystem::path& folder) {
 
 Status SequenceFolder(std::string_view input) { return WholeSequence(FolderOf(input)); }
 
+Status RosBagFile(std::string_view input) { return WholeSequence(FileOf("sample.bag", input)); }
+
+/// As every message that is read; those of other kinds are refused.
+Status RosMessage(std::string_view input) {
+  (void)ParseRosHeader(input);
+  (void)ParseRosEncoding(input);
+  (void)ParseRosDepth(input);
+  (void)ParseRosCompressed(input);
+  (void)ParseRosCameraInfo(input);
+  (void)ParseRosImu(input);
+  (void)ParseRosTransforms(input);
+  return StatusOf(ParseRosImage(input));
+}
+
 Status Image(std::string_view input) {
   const auto file = FileOf("image.png", input);
   (void)ReadImage(file, ImageKind::kDepth);
@@ -104,6 +119,11 @@ constexpr std::array kDatasetTargets = {Target{"trajectory", TrajectoryFile},
                                         Target{"asl_imu", AslImu},
                                         Target{"asl_sequence", SequenceFolder},
                                         Target{"sequence", SequenceFolder},
+                                        Target{"seven_scenes", SequenceFolder},
+                                        Target{"tum_rgbd", SequenceFolder},
+                                        Target{"icl_nuim", SequenceFolder},
+                                        Target{"ros_bag", RosBagFile},
+                                        Target{"ros_message", RosMessage},
                                         Target{"image", Image}};
 
 }  // namespace
