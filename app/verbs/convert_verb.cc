@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/verbs/console_work.h"
+#include "app/verbs/scenenn_models.h"
 #include "app/verbs/verb.h"
 #include "engine/dataset/sequence.h"
 #include "engine/dataset/sequence_formats.h"
@@ -31,9 +32,14 @@ Status Convert(const ConvertArguments& arguments) {
   if (!sequence.ok()) return sequence.error();
   const SequenceFormat& layout = *FormatNamed(arguments.layout);
   ConsoleWork work;
-  const Result<WrittenSequence> written =
+  Result<WrittenSequence> written =
       layout.write(**sequence, arguments.out_folder, {arguments.jpeg_quality}, work.context());
   if (!written.ok()) return written.error();
+  if (layout.name == "plumbline") {
+    if (Status cropped = CropSceneNnModels(**sequence, arguments.out_folder, written->warnings);
+        !cropped.ok())
+      return cropped;
+  }
   const bool quiet = arguments.json == "-";
   if (!quiet) {
     std::printf(

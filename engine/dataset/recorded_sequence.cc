@@ -10,6 +10,7 @@
 #include "engine/base/check.h"
 #include "engine/dataset/stamp_statistics.h"
 #include "engine/dataset/stamped_rows.h"
+#include "engine/dataset/undistort.h"
 #include "engine/sensor/image_file.h"
 #include "engine/sensor/undistorter.h"
 
@@ -53,8 +54,14 @@ class RecordedSequence : public Sequence {
     return std::optional(undistorter_.UndistortNearest(**depth));
   }
   Result<std::optional<EdgeMap>> ReadEdges(int) const override { return std::optional<EdgeMap>(); }
-  Result<std::optional<std::vector<Detection>>> ReadProposals(int) const override {
-    return std::optional<std::vector<Detection>>();
+  Result<std::optional<std::vector<Detection>>> ReadProposals(int index) const override {
+    if (!recording_.read_proposals) return std::optional<std::vector<Detection>>();
+    auto proposals = recording_.read_proposals(frame(index).item);
+    if (!proposals.ok()) return Error{ErrorCode::kCorrupt, proposals.error().message};
+    if (proposals->has_value()) {
+      for (Detection& proposal : **proposals) proposal.box = UndistortBox(camera_, proposal.box);
+    }
+    return proposals;
   }
   Result<ImuRecording> ReadImu() const override {
     return recording_.read_imu ? recording_.read_imu() : ImuRecording();
@@ -63,7 +70,7 @@ class RecordedSequence : public Sequence {
   bool has_imu() const override { return static_cast<bool>(recording_.read_imu); }
   bool has_depth() const override { return static_cast<bool>(recording_.read_depth); }
   bool has_edges() const override { return false; }
-  bool has_proposals() const override { return false; }
+  bool has_proposals() const override { return static_cast<bool>(recording_.read_proposals); }
   std::optional<fs::path> scene_file() const override { return recording_.scene_file; }
   std::optional<fs::path> ground_truth_file() const override { return std::nullopt; }
   std::optional<fs::path> models_folder() const override { return recording_.models_folder; }
@@ -137,21 +144,24 @@ Result<Camera> MakeCamera(const PinholeCamera& pinhole, double rate_hz, const fs
   return CameraFromJson(json, file);
 }
 
-Result<cv::Mat> DepthFromFile(const fs::path& file, cv::Size size, double units_per_metre) {
-  Result<cv::Mat> raw = ReadImage(file, ImageKind::kDepth, size);
-  if (!raw.ok()) return raw.error();
+cv::Mat InMillimetres(const cv::Mat& raw, double units_per_metre) {
   const double mm_per_unit = 1000 / units_per_metre;
-  if (mm_per_unit == 1) return raw;
-  cv::Mat depth(raw->size(), CV_16UC1);
-  for (int y = 0; y < raw->rows; ++y) {
-    const auto* from = raw->ptr<std::uint16_t>(y);
+  cv::Mat depth(raw.size(), CV_16UC1);
+  for (int y = 0; y < raw.rows; ++y) {
+    const auto* from = raw.ptr<std::uint16_t>(y);
     auto* to = depth.ptr<std::uint16_t>(y);
-    for (int x = 0; x < raw->cols; ++x) {
+    for (int x = 0; x < raw.cols; ++x) {
       const double mm = std::round(from[x] * mm_per_unit);
       to[x] = mm < 65536 ? static_cast<std::uint16_t>(mm) : 0;
     }
   }
   return depth;
+}
+
+Result<cv::Mat> DepthFromFile(const fs::path& file, cv::Size size, double units_per_metre) {
+  const Result<cv::Mat> raw = ReadImage(file, ImageKind::kDepth, size);
+  if (!raw.ok() || units_per_metre == 1000) return raw;
+  return InMillimetres(*raw, units_per_metre);
 }
 
 cv::Mat SeenBy(const PinholeCamera& target, const PinholeCamera& source, const cv::Mat& depth) {
@@ -167,6 +177,19 @@ cv::Mat SeenBy(const PinholeCamera& target, const PinholeCamera& source, const c
     }
   }
   return seen;
+}
+
+double NanosecondsPerUnit(const std::vector<std::uint64_t>& stamps) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < stamps.size(); ++i)
+    steps.push_back(static_cast<double>(stamps[i] - stamps[i - 1]));
+  if (steps.empty()) return 1;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  for (const double ns : {1.0, 1e3, 1e6, 1e9}) {
+    if (*middle * ns > 2e6 && *middle * ns < 5e9) return ns;
+  }
+  return 1;
 }
 
 bool IsThere(const fs::path& path) {

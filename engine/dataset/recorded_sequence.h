@@ -41,6 +41,8 @@ struct Recording {
   /// frame has.
   std::function<Result<std::optional<cv::Mat>>(std::size_t item)> read_depth;
   std::function<Result<ImuRecording>()> read_imu;  ///< Empty: there is no IMU.
+  /// As Sequence::ReadProposals, in the recorded image. Empty: there are none.
+  std::function<Result<std::optional<std::vector<Detection>>>(std::size_t item)> read_proposals;
   std::optional<std::filesystem::path> scene_file, models_folder;
 };
 
@@ -58,13 +60,20 @@ std::optional<Eigen::Isometry3d> PoseAt(const Trajectory& trajectory, std::int64
 Result<Camera> MakeCamera(const PinholeCamera& pinhole, double rate_hz,
                           const std::filesystem::path& file);
 
-/// Depth as an image file has it, in millimetres: 16 bits, `units_per_metre`, 0 where there is
-/// none. What would exceed 65.5 m is none. Errors: as ReadImage.
+/// Depth of other units as CV_16UC1 [mm], 0 where there is none. What would exceed 65.5 m is none.
+/// @param raw  CV_16UC1, 0 where there is none.
+cv::Mat InMillimetres(const cv::Mat& raw, double units_per_metre);
+
+/// The same of an image file. Errors: as ReadImage.
 Result<cv::Mat> DepthFromFile(const std::filesystem::path& file, cv::Size size,
                               double units_per_metre);
 
 /// Depth of one camera as another sees it from the same place: the nearest pixel's, 0 beyond.
 cv::Mat SeenBy(const PinholeCamera& target, const PinholeCamera& source, const cv::Mat& depth);
+
+/// Nanoseconds of the unit of rising stamps that name none: the first of ns, us, ms and s in which
+/// the middle step between two lasts 2 ms to 5 s; 1 where none fits.
+double NanosecondsPerUnit(const std::vector<std::uint64_t>& stamps);
 
 bool IsThere(const std::filesystem::path& path);
 

@@ -4,12 +4,18 @@
 #include <utility>
 
 #include "engine/dataset/asl_sequence.h"
+#include "engine/dataset/bop_sequence.h"
 #include "engine/dataset/icl_nuim_sequence.h"
+#include "engine/dataset/kitti_odometry_sequence.h"
+#include "engine/dataset/kitti_raw_sequence.h"
 #include "engine/dataset/plumbline_sequence.h"
 #include "engine/dataset/ros_bag_sequence.h"
+#include "engine/dataset/scannet_sequence.h"
+#include "engine/dataset/scenenn_sequence.h"
 #include "engine/dataset/sequence_writing.h"
 #include "engine/dataset/seven_scenes_sequence.h"
 #include "engine/dataset/tum_rgbd_sequence.h"
+#include "engine/dataset/visma_sequence.h"
 
 namespace plumbline {
 namespace {
@@ -34,6 +40,19 @@ constexpr SequenceFormat kFormats[] = {
      nullptr, nullptr},
     {"tum-rgbd", "TUM RGB-D", "a folder with rgb.txt", ProbeTumRgbd, OpenTumRgbd, WriteTumRgbd,
      nullptr},
+    {"kitti-raw", "KITTI's raw data", "a folder with image_02/timestamps.txt", ProbeKittiRaw,
+     OpenKittiRaw, nullptr, TruthOfKittiRaw},
+    {"kitti-odometry", "KITTI's odometry benchmark",
+     "a folder with calib.txt, times.txt and image_2/", ProbeKittiOdometry, OpenKittiOdometry,
+     nullptr, nullptr},
+    {"scannet", "ScanNet", "a file NAME.sens or a folder with color/, pose/ and intrinsic/",
+     ProbeScanNet, OpenScanNet, nullptr, TruthOfScanNet},
+    {"visma", "VISMA", "a folder with dataset and STAMP.png", ProbeVisma, OpenVisma, nullptr,
+     TruthOfVisma},
+    {"scenenn", "SceneNN", "a folder with image/imageNNNNN.png and trajectory.log", ProbeSceneNn,
+     OpenSceneNn, nullptr, nullptr},
+    {"bop", "a scene of BOP", "a folder with scene_camera.json and rgb/ or gray/", ProbeBop,
+     OpenBop, nullptr, TruthOfBop},
     {"rosbag", "a ROS 1 bag", "a file NAME.bag", ProbeRosBag, OpenRosBag, nullptr, nullptr},
 };
 

@@ -9,6 +9,7 @@
 
 #include "engine/base/files.h"
 #include "engine/dataset/ground_truth.h"
+#include "engine/dataset/proposals_file.h"
 #include "engine/dataset/recorded_sequence.h"
 #include "engine/dataset/trajectory_writer.h"
 
@@ -74,6 +75,25 @@ Status WriteGravity(const Sequence& sequence, const fs::path& folder) {
   if (const auto floor = sequence.floor_in_world())
     json["floor"] = std::vector<double>(floor->data(), floor->data() + 4);
   return WriteJson(folder / "gravity.json", json);
+}
+
+Status WriteProposals(const Sequence& sequence, const fs::path& folder,
+                      const std::vector<std::pair<int, std::string>>& images,
+                      std::vector<std::string>& warnings) {
+  std::error_code error;
+  fs::create_directories(folder / "proposals", error);
+  int damaged = 0;
+  for (const auto& [index, image] : images) {
+    const auto proposals = sequence.ReadProposals(index);
+    damaged += !proposals.ok();
+    if (!proposals.ok() || !proposals->has_value()) continue;
+    const fs::path file = folder / "proposals" / (fs::path(image).stem().string() + ".json");
+    if (Status written = WriteJson(file, ProposalsToJson(image, **proposals)); !written.ok())
+      return written;
+  }
+  if (damaged > 0)
+    warnings.push_back(std::to_string(damaged) + " files of proposals are damaged; left out");
+  return {};
 }
 
 /// The scan, the models and the truth, as far as they can be had.
@@ -198,10 +218,12 @@ Result<WrittenSequence> WritePlumblineSequence(const Sequence& sequence, const f
                            1000};
   std::string table = "stamp_s,file\n";
   std::vector<WrittenPose> poses;
+  std::vector<std::pair<int, std::string>> images;
   Result<WrittenSequence> written =
       WriteImages(sequence, places, options, context,
                   [&](int index, const std::string& image, const std::string&) {
                     table += StampText(sequence.stamp_ns(index)) + "," + image + "\n";
+                    images.emplace_back(index, image);
                     if (const auto pose = sequence.world_from_cam(index))
                       poses.push_back({sequence.stamp_ns(index), *pose, PoseCovariance::Zero()});
                   });
@@ -220,6 +242,9 @@ Result<WrittenSequence> WritePlumblineSequence(const Sequence& sequence, const f
   if (status.ok()) status = WriteGravity(sequence, folder);
   if (status.ok() && sequence.has_imu())
     status = WriteImuFiles(sequence, folder, written->warnings);
+  // Proposals are asked for undistorted, and are written for the image as it was written.
+  if (status.ok() && sequence.has_proposals() && camera.distortion.empty())
+    status = WriteProposals(sequence, folder, images, written->warnings);
   if (status.ok()) status = WriteSurroundings(sequence, folder, written->warnings);
   if (!status.ok()) return status.error();
   written->poses = static_cast<int>(poses.size());

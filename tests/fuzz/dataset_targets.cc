@@ -9,10 +9,13 @@
 #include "engine/dataset/asl_sensor_file.h"
 #include "engine/dataset/ground_truth.h"
 #include "engine/dataset/imu_file.h"
+#include "engine/dataset/kitti_tracklets.h"
 #include "engine/dataset/proposals_file.h"
 #include "engine/dataset/reference_states.h"
 #include "engine/dataset/ros_messages.h"
+#include "engine/dataset/scannet_sequence.h"
 #include "engine/dataset/sequence.h"
+#include "engine/dataset/sequence_formats.h"
 #include "engine/dataset/tracks_file.h"
 #include "engine/dataset/trajectory.h"
 #include "engine/dataset/trajectory_writer.h"
@@ -73,6 +76,8 @@ Status WholeSequence(const std::filesystem::path& folder) {
   if (!opened.ok()) return opened.error();
   const Sequence& sequence = **opened;
   (void)NumPosedFrames(sequence);
+  std::vector<std::string> warnings;
+  (void)ReadTruthOf(sequence, warnings);
   const auto imu = sequence.ReadImu();
   Status status = StatusOf(imu);
   for (int i = 0; i < std::min(sequence.num_frames(), 3); ++i) {
@@ -88,6 +93,19 @@ Status WholeSequence(const std::filesystem::path& folder) {
 Status SequenceFolder(std::string_view input) { return WholeSequence(FolderOf(input)); }
 
 Status RosBagFile(std::string_view input) { return WholeSequence(FileOf("sample.bag", input)); }
+
+Status KittiTracklets(std::string_view input) {
+  return StatusOf(ReadKittiTracklets(FileOf("tracklet_labels.xml", input)));
+}
+
+Status ScanNetSens(std::string_view input) {
+  return WholeSequence(FileOf("scene0042_01.sens", input));
+}
+
+Status Scan2Cad(std::string_view input) {
+  std::vector<std::string> warnings;
+  return StatusOf(ReadScan2Cad(FileOf("full_annotations.json", input), "scene0042_01", warnings));
+}
 
 /// As every message that is read; those of other kinds are refused.
 Status RosMessage(std::string_view input) {
@@ -122,6 +140,12 @@ constexpr std::array kDatasetTargets = {Target{"trajectory", TrajectoryFile},
                                         Target{"seven_scenes", SequenceFolder},
                                         Target{"tum_rgbd", SequenceFolder},
                                         Target{"icl_nuim", SequenceFolder},
+                                        Target{"kitti_raw", SequenceFolder},
+                                        Target{"kitti_odometry", SequenceFolder},
+                                        Target{"kitti_tracklets", KittiTracklets},
+                                        Target{"scannet_sens", ScanNetSens},
+                                        Target{"scannet_extracted", SequenceFolder},
+                                        Target{"scan2cad", Scan2Cad},
                                         Target{"ros_bag", RosBagFile},
                                         Target{"ros_message", RosMessage},
                                         Target{"image", Image}};

@@ -299,7 +299,357 @@ def ros_bag(folder, compression="none", name="sample.bag", width=160, height=120
     write(folder, name, bag.bytes())
 
 
-LAYOUTS = {f.__name__: f for f in (seven_scenes, tum_rgbd, icl_nuim, ros_bag, kitchen_as_seven_scenes)}
+def numbers_text(numbers):
+    return " ".join("%.12e" % v for v in numbers)
+
+
+def flat(matrix):
+    return [v for row in matrix for v in row]
+
+
+def rigid(*rows):
+    return [list(row) for row in rows] + [[0, 0, 0, 1]]
+
+
+# A camera that looks ahead, 0.1 m before, 0.05 m right of and 0.3 m below the velodyne, whose axes are x forward, y left, z up.
+KITTI_CAM0_FROM_VELO = rigid((0, -1, 0, -0.05), (0, 0, -1, -0.3), (1, 0, 0, -0.1))
+KITTI_VELO_FROM_IMU = rigid((1, 0, 0, -0.8), (0, 1, 0, 0.3), (0, 0, 1, -0.75))
+KITTI_RECT = [[math.cos(0.01), -math.sin(0.01), 0], [math.sin(0.01), math.cos(0.01), 0], [0, 0, 1]]
+KITTI_WIDTH, KITTI_HEIGHT = 160, 48
+
+
+def kitti_projection(camera):
+    """P of the cameras 0 to 3: f 100, centre (80, 24); cameras 2 and 3 stand 6 cm left and 47 cm right of camera 0."""
+    shift = {0: 0, 1: -0.54, 2: 0.06, 3: -0.47}[camera]
+    return [100, 0, 80, 100 * shift, 0, 100, 24, 0, 0, 0, 1, 0]
+
+
+def kitti_raw(folder, kind="sync", oxts_rate=1):
+    """Five images; the vehicle drives north-east at 5 m/s over a plane and turns left. One car is parked, one drives."""
+    day = os.path.join(folder, "2011_09_26")
+    drive = os.path.join(day, "2011_09_26_drive_0005_" + kind)
+    lines = ["calib_time: 09-Jan-2012 13:57:47", "corner_dist: 9.950000e-02"]
+    for c in range(4):
+        lines += ["S_%02d: 1.392000e+03 5.120000e+02" % c, "S_rect_%02d: %.6e %.6e" % (c, KITTI_WIDTH, KITTI_HEIGHT),
+                  "R_rect_%02d: " % c + numbers_text(flat(KITTI_RECT)), "P_rect_%02d: " % c + numbers_text(kitti_projection(c))]
+    write(day, "calib_cam_to_cam.txt", "\n".join(lines) + "\n")
+    for name, m in (("calib_velo_to_cam.txt", KITTI_CAM0_FROM_VELO), ("calib_imu_to_velo.txt", KITTI_VELO_FROM_IMU)):
+        write(day, name, "calib_time: 15-Mar-2012 11:37:16\nR: %s\nT: %s\n" % (
+            numbers_text(flat([row[:3] for row in m[:3]])), numbers_text([row[3] for row in m[:3]])))
+    stamps = ""
+    for i in range(5):
+        second = 59.964389445 - 0.2 + 0.1 * i
+        stamps += "2011-09-26 13:%02d:%012.9f\n" % (2 + (second >= 60), second - 60 * (second >= 60))
+        write(drive, "image_02/data/%010d.png" % i, colour_png(i, KITTI_WIDTH, KITTI_HEIGHT))
+    write(drive, "image_02/timestamps.txt", stamps)
+    oxts_stamps, radius, lat0, lon0 = "", 6378137.0, 49.0, 8.4
+    for k in range(0, 4 * int(oxts_rate) + 1):
+        i = k / int(oxts_rate)
+        east, north, yaw = kitti_place(i)
+        scale = radius * math.cos(math.radians(lat0))
+        y0 = math.log(math.tan(math.radians(90 + lat0) / 2))
+        lat = 2 * math.degrees(math.atan(math.exp(y0 + north / scale))) - 90
+        lon = lon0 + math.degrees(east / scale)
+        packet = [lat, lon, 116.5 + 0.1 * i, 0.02, -0.01, yaw, 3.5, 3.5, 5, 0, 0, 0.1 * i, 0.2, 9.8, 0.3, 0.4, 9.9, 0.01, 0.02,
+                  0.03 * i, 0.04, 0.05, 0.06, 0.5, 0.05, 4, 10, 5, 5, 0]
+        write(drive, "oxts/data/%010d.txt" % k, " ".join("%.15g" % v for v in packet) + "\n")
+        second = 59.964389445 - 0.2 + 0.1 * i
+        oxts_stamps += "2011-09-26 13:%02d:%012.9f\n" % (2 + (second >= 60), second - 60 * (second >= 60))
+    write(drive, "oxts/timestamps.txt", oxts_stamps)
+    write(drive, "tracklet_labels.xml", tracklets([kitti_tracklet("Car", 0, range(5), (20, 8, 116.5), 0.7, (0, 0)),
+                                                   kitti_tracklet("Van", 1, range(1, 5), (10, 2, 116.5), 0.1, (1, 0)),
+                                                   kitti_tracklet("Pedestrian", 2, range(4, 7), (12, 3, 116.5), 0, (0, 0))]))
+
+
+def kitti_place(i):
+    return 0.35 * i, 0.35 * i, math.pi / 4 + 0.05 * i
+
+
+def kitti_world_from_velo(i):
+    """In a world with x east, y north, z up; its origin is that of the first packet but for the height."""
+    east, north, yaw = kitti_place(i)
+    roll, pitch = 0.02, -0.01
+    cy, sy, cp, sp, cr, sr = (f(a) for a in (yaw, pitch, roll) for f in (math.cos, math.sin))
+    turn = multiply(multiply([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]], [[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]]),
+                    [[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    world_from_imu = rigid(*(row + [t] for row, t in zip(turn, (east, north, 0.1 * i))))
+    return multiply(world_from_imu, rigid_inverse(KITTI_VELO_FROM_IMU))
+
+
+def kitti_tracklet(kind, number, frames, place, yaw, speed):
+    """Of an object that stands or drives on the plane 1.7 m below the first packet, in the velodyne's frame."""
+    poses = []
+    for i in frames:
+        in_world = [[place[0] + speed[0] * i], [place[1] + speed[1] * i], [-1.7], [1]]
+        x, y, z, _ = (row[0] for row in multiply(rigid_inverse(kitti_world_from_velo(i)), in_world))
+        m = kitti_world_from_velo(i)
+        poses.append((x, y, z, yaw - math.atan2(m[1][0], m[0][0])))
+    return kind, (1.5 + 0.1 * number, 1.8, 4.2), frames[0], poses
+
+
+def tracklets(items):
+    xml = """<?xml version="1.0" encoding="UTF-8" standalone="yes" ?>
+<!DOCTYPE boost_serialization>
+<boost_serialization signature="serialization::archive" version="9">
+<tracklets class_id="0" tracking_level="0" version="0">
+\t<count>%d</count>
+\t<item_version>1</item_version>
+""" % len(items)
+    for kind, (h, w, l), first, poses in items:
+        xml += ("\t<item class_id=\"1\" tracking_level=\"0\" version=\"1\">\n\t\t<objectType>%s</objectType>\n\t\t<h>%.9g</h>\n"
+                "\t\t<w>%.9g</w>\n\t\t<l>%.9g</l>\n\t\t<first_frame>%d</first_frame>\n\t\t<poses class_id=\"2\" "
+                "tracking_level=\"0\" version=\"0\">\n\t\t\t<count>%d</count>\n\t\t\t<item_version>2</item_version>\n"
+                % (kind, h, w, l, first, len(poses)))
+        for x, y, z, yaw in poses:
+            xml += ("\t\t\t<item class_id=\"3\" tracking_level=\"0\" version=\"2\">\n\t\t\t\t<tx>%.15g</tx>\n\t\t\t\t<ty>%.15g</ty>\n"
+                    "\t\t\t\t<tz>%.15g</tz>\n\t\t\t\t<rx>0</rx>\n\t\t\t\t<ry>0</ry>\n\t\t\t\t<rz>%.15g</rz>\n\t\t\t\t<state>2</state>\n"
+                    "\t\t\t\t<occlusion>0</occlusion>\n\t\t\t\t<occlusion_kf>1</occlusion_kf>\n\t\t\t\t<truncation>0</truncation>\n"
+                    "\t\t\t\t<amt_occlusion>0</amt_occlusion>\n\t\t\t\t<amt_border_kf>-1</amt_border_kf>\n\t\t\t</item>\n" % (x, y, z, yaw))
+        xml += "\t\t</poses>\n\t\t<finished>1</finished>\n\t</item>\n"
+    return xml + "</tracklets>\n</boost_serialization>\n"
+
+
+def kitti_odometry(folder, velodyne_key="Tr"):
+    """Sequence 04 with grey and colour images; sequence 11, as those from 11 on, has no poses and grey images alone."""
+    for sequence in ("04", "11"):
+        root = os.path.join(folder, "dataset/sequences", sequence)
+        lines = ["P%d: %s" % (c, numbers_text(kitti_projection(c))) for c in range(4)]
+        lines.append(velodyne_key + ": " + numbers_text(flat(KITTI_CAM0_FROM_VELO[:3])))
+        write(root, "calib.txt", "\n".join(lines) + "\n")
+        write(root, "times.txt", "".join("%.6e\n" % (0.103736 * i) for i in range(4)))
+        for i in range(4):
+            write(root, "image_0/%06d.png" % i, png(grey_rows(i), KITTI_WIDTH, KITTI_HEIGHT, 8, 0))
+            if sequence == "04":
+                write(root, "image_2/%06d.png" % i, colour_png(i, KITTI_WIDTH, KITTI_HEIGHT))
+    write(folder, "dataset/poses/04.txt", "".join(numbers_text(flat(pose(i)[:3])) + "\n" for i in range(4)))
+
+
+def grey_rows(i):
+    return [bytes((10 * i + y) % 256 for _ in range(KITTI_WIDTH)) for y in range(KITTI_HEIGHT)]
+
+
+SCANNET_COLOR, SCANNET_DEPTH = (160, 120), (80, 60)
+
+
+def scannet_matrix(width, height):
+    """The depth camera sees the same as the colour camera at half its size."""
+    f = 0.75 * width
+    return [[f, 0, (width - 1) / 2, 0], [0, f, (height - 1) / 2, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+
+
+def scannet_depth(i):
+    """Of the depth camera: column x is that of the colour image at 2 x."""
+    row = struct.pack("<%dH" % SCANNET_DEPTH[0], *(depth_mm(i, 2 * x) for x in range(SCANNET_DEPTH[0])))
+    return row * SCANNET_DEPTH[1]
+
+
+LOST = [[-math.inf] * 4] * 4
+
+
+def scannet_sens(folder, depth_compression=1, stamps="rising"):
+    """Frame 2 has lost its track."""
+    def floats(matrix):
+        return struct.pack("<16f", *flat(matrix))
+
+    identity = [[float(r == c) for c in range(4)] for r in range(4)]
+    out = struct.pack("<IQ", 4, 15) + b"StructureSensor"
+    out += floats(scannet_matrix(*SCANNET_COLOR)) + floats(identity) + floats(scannet_matrix(*SCANNET_DEPTH)) + floats(identity)
+    out += struct.pack("<iiIIIIfQ", 1, int(depth_compression), *SCANNET_COLOR, *SCANNET_DEPTH, 1000.0, 4)
+    for i in range(4):
+        color, depth = colour_png(i, *SCANNET_COLOR), scannet_depth(i)
+        if int(depth_compression) == 1:
+            depth = zlib.compress(depth)
+        us = 5000000 + 33333 * i if stamps == "rising" else 0
+        out += floats(LOST if i == 2 else pose(i)) + struct.pack("<QQQQ", us, us + 1000, len(color), len(depth)) + color + depth
+    out += struct.pack("<Q", 0)  # samples of an IMU
+    write(folder, "scans/scene0042_01/scene0042_01.sens", out)
+    write(folder, "scans/scene0042_01/scene0042_01_vh_clean_2.ply", "ply\n")
+
+
+def scannet_extracted(folder):
+    root = os.path.join(folder, "scans/scene0042_01/exported")
+    for i in range(12):
+        write(root, "color/%d.png" % i, colour_png(i % 4, *SCANNET_COLOR))
+        values = struct.unpack("<%dH" % (SCANNET_DEPTH[0] * SCANNET_DEPTH[1]), scannet_depth(i % 4))
+        rows = [struct.pack(">%dH" % SCANNET_DEPTH[0], *values[y * SCANNET_DEPTH[0]:(y + 1) * SCANNET_DEPTH[0]])
+                for y in range(SCANNET_DEPTH[1])]
+        write(root, "depth/%d.png" % i, png(rows, *SCANNET_DEPTH, 16, 0))
+        write(root, "pose/%d.txt" % i, "-inf -inf -inf -inf\n" * 4 if i == 2 else matrix_text(pose(i)))
+    for kind, size in (("color", SCANNET_COLOR), ("depth", SCANNET_DEPTH)):
+        write(root, "intrinsic/intrinsic_%s.txt" % kind, "\n".join(" ".join("%f" % v for v in row) for row in scannet_matrix(*size)))
+        write(root, "intrinsic/extrinsic_%s.txt" % kind, matrix_text([[float(r == c) for c in range(4)] for r in range(4)]))
+
+
+def scan2cad(folder):
+    """A chair of ShapeNet that stands at (2, 1, 0) of the scan, its front along the scan's +y, stretched by (0.5, 0.8, 0.6);
+    Scan2CAD's world is y up: the scan turned by -90 degrees about x and moved by (5, 0, 0)."""
+    import json
+    half = math.sqrt(0.5)
+    chair = {"sym": "__SYM_NONE", "catid_cad": "03001627", "id_cad": "1a2b3c", "center": [0.05, 0.1, -0.02],
+             "bbox": [0.4, 0.5, 0.3], "keypoints_scan": {"n_keypoints": 0, "position": []},
+             # in their world: foot of the box at (5 + 2, 0, -1); CAD -z (front) goes to scan +y, which is their -z: no turn
+             "trs": {"translation": [7 - 0.5 * 0.05, -0.8 * (0.1 - 0.5), -1 + 0.6 * 0.02],
+                     "rotation": [1, 0, 0, 0], "scale": [0.5, 0.8, 0.6]}}
+    scan = {"id_scan": "scene0042_01", "trs": {"translation": [5, 0, 0], "rotation": [half, -half, 0, 0], "scale": [1, 1, 1]},
+            "n_aligned_models": 1, "aligned_models": [chair]}
+    other = dict(scan, id_scan="scene0042_00", aligned_models=[])
+    write(folder, "full_annotations.json", json.dumps([other, scan]))
+
+
+def varint(value):
+    out = b""
+    while value > 127:
+        out += bytes([value & 127 | 128])
+        value >>= 7
+    return out + bytes([value])
+
+
+def wire(number, value, kind):
+    """A field of a protobuf message: an int, a double, a float or bytes."""
+    if kind == "int":
+        return varint(number << 3) + varint(value)
+    if kind == "double":
+        return varint(number << 3 | 1) + struct.pack("<d", value)
+    if kind == "float":
+        return varint(number << 3 | 5) + struct.pack("<f", value)
+    data = value.encode() if isinstance(value, str) else value
+    return varint(number << 3 | 2) + varint(len(data)) + data
+
+
+def wire_doubles(number, values, packed):
+    if packed:
+        return wire(number, struct.pack("<%dd" % len(values), *values), "bytes")
+    return b"".join(wire(number, v, "double") for v in values)
+
+
+VISMA_WIDTH, VISMA_HEIGHT = 160, 96
+# Stamps of one second of float: 1512345678 * 10^9 ns and a few hundredths of a second.
+VISMA_STAMPS = [1512345678000000000 + 33333333 * i for i in range(4)]
+VISMA_SCAN_FROM_WORLD = rigid((0, -1, 0, 0.5), (1, 0, 0, -1), (0, 0, 1, 0.25))
+
+
+def visma(folder, packed="", stem="%d.000000", unit="1"):
+    """Gravity lies along exp([pi / 2, 0, 0]) (0, 0, -1) = (0, 1, 0): `world` has y down. An Aeron chair stands at (1, 2, 3) of
+    the scan, turned by 0.5 rad about its up axis, which is the scan's +z."""
+    import json
+    root = os.path.join(folder, "clutter1")
+    camera = wire(1, VISMA_HEIGHT, "int") + wire(2, VISMA_WIDTH, "int") + wire_doubles(3, [110, 111, 80, 48], packed)
+    dataset = wire(1, "a sample", "bytes") + wire(2, camera, "bytes")
+    for i, ns in enumerate(VISMA_STAMPS):
+        feature = wire(1, 7, "int") + wire(2, 6, "int") + wire_doubles(3, [10, 20], packed) + wire_doubles(4, [1, 2, 3], packed)
+        packet = (wire(1, float(ns), "double") + wire_doubles(2, flat(pose(i)[:3]), packed) + wire(3, feature, "bytes") +
+                  wire_doubles(4, [math.pi / 2, 0], packed))
+        dataset += wire(3, packet, "bytes")
+        name = stem % (ns // int(unit))
+        write(root, name + ".png", colour_png(i, VISMA_WIDTH, VISMA_HEIGHT))
+        if i != 1:  # one is missing: those behind it keep their images
+            box = b"".join(wire(k + 1, v, "float") for k, v in enumerate((10 + i, 20, 60, 70.5)))
+            scores = struct.pack("<2f", 0.5 + 0.1 * i, 0.1)
+            box += wire(5, scores, "bytes") if packed else b"".join(
+                wire(5, v, "float") for v in struct.unpack("<2f", scores))
+            box += wire(6, "chair", "bytes") + wire(7, 56, "int") + wire(8, 0.5, "float")
+            write(root, name + ".bbox", wire(1, "boxes", "bytes") + wire(2, box, "bytes"))
+    dataset += wire(4, wire(1, 1.0, "double"), "bytes")
+    write(root, "dataset", dataset)
+    c, s = math.cos(0.5), math.sin(0.5)
+    # The model has y up: its y goes to the scan's z, its x to (c, s, 0).
+    chair = rigid((c, 0, s, 1), (s, 0, -c, 2), (0, 1, 0, 3))
+    fragments = os.path.join(folder, "RGBD/clutter1/fragments")
+    write(fragments, "objects.json", json.dumps({"entries": ["swivel_chair_0", "Aeron_12", "gone_1"]}))
+    write(fragments, "alignment.json", json.dumps({"swivel_chair_0": flat(chair[:3]), "Aeron_12": flat(rigid(
+        (1, 0, 0, 4), (0, 0, -1, 5), (0, 1, 0, 6))[:3])}))
+    write(fragments, "result_alignment.json", json.dumps({"T_ef_corvis": flat(VISMA_SCAN_FROM_WORLD[:3])}))
+
+
+def scenenn_pose(i):
+    """A camera held level, in a world with y down."""
+    c, s = math.cos(0.1 * i), math.sin(0.1 * i)
+    return rigid((c, 0, s, 0.2 * i), (0, 1, 0, 0), (-s, 0, c, 0))
+
+
+def scenenn_mesh():
+    """A floor of 4 by 4 m at y = 1.2 (label 1), a chair of 0.5 x 0.9 x 0.5 m (label 7) and a wall's scrap (label 9)."""
+    vertices, labels, faces = [], [], []
+
+    def grid(label, point, across, up, steps):
+        start = len(vertices)
+        for r in range(steps + 1):
+            for c in range(steps + 1):
+                vertices.append([point[k] + across[k] * c / steps + up[k] * r / steps for k in range(3)])
+                labels.append(label)
+        for r in range(steps):
+            for c in range(steps):
+                a = start + r * (steps + 1) + c
+                faces.append((a, a + 1, a + steps + 2))
+                faces.append((a, a + steps + 2, a + steps + 1))
+
+    grid(1, (-2, 1.2, 0), (4, 0, 0), (0, 0, 4), 40)
+    x, z = 0.5, 2.0
+    for point, across, up in (((x, 0.3, z), (0.5, 0, 0), (0, 0.9, 0)), ((x, 0.3, z + 0.5), (0.5, 0, 0), (0, 0.9, 0)),
+                              ((x, 0.3, z), (0, 0, 0.5), (0, 0.9, 0)), ((x + 0.5, 0.3, z), (0, 0, 0.5), (0, 0.9, 0)),
+                              ((x, 0.3, z), (0.5, 0, 0), (0, 0, 0.5))):
+        grid(7, point, across, up, 5)
+    grid(9, (-2, 0, 4), (0.1, 0, 0), (0, 0.1, 0), 1)
+    ply = ("ply\nformat binary_little_endian 1.0\ncomment a sample\nelement vertex %d\nproperty float x\nproperty float y\n"
+           "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty int label\n"
+           "element face %d\nproperty list uchar int vertex_indices\nend_header\n" % (len(vertices), len(faces))).encode()
+    ply += b"".join(struct.pack("<3f3Bi", *v, 10, 20, 30, label) for v, label in zip(vertices, labels))
+    return ply + b"".join(struct.pack("<B3i", 3, *f) for f in faces)
+
+
+def scenenn(folder):
+    """Images are counted from 1, and come every 40 ms; image 3 has no row in timestamp.txt."""
+    root = os.path.join(folder, "123")
+    log = stamps = ""
+    for i in range(4):
+        write(root, "image/image%05d.png" % (i + 1), colour_png(i))
+        write(root, "depth/depth%05d.png" % (i + 1), depth_png(i))
+        log += "%d %d %d\n" % (i, i, i + 1) + matrix_text(scenenn_pose(i))
+        if i != 2:
+            stamps += "%d %d %d\n" % (i + 1, 40000 * i + 1000, 40000 * i)
+    write(root, "trajectory.log", log)
+    write(root, "timestamp.txt", stamps)
+    write(root, "123.ply", scenenn_mesh())
+    write(root, "123.xml", """<?xml version="1.0"?>
+<annotation>
+  <label id="1" color="255 0 0" text="floor" nyu_class="floor" aabbox="-2 1.2 0 2 1.2 4"/>
+  <label id="7" color="0 255 0" text="chair" nyu_class="chair" aabbox="0.5 0.3 2 1 1.2 2.5"/>
+  <label id="9" color="0 0 255" text="table" nyu_class="table" aabbox="-2 0 4 -1.9 0.1 4"/>
+</annotation>
+""")
+
+
+BOP_WIDTH, BOP_HEIGHT = 160, 120
+
+
+def bop_scene(folder):
+    """Object 3 stands at (1, 2, 0.5) of the world, turned by 0.4 rad about z; object 5 at (2, 2, 0.5). Raw depth is in 0.1 mm."""
+    import json
+    root = os.path.join(folder, "sample/train_real/000012")
+    k = [140, 0, 79, 0, 141, 59, 0, 0, 1]
+    cameras, truth = {}, {}
+    c, s = math.cos(0.4), math.sin(0.4)
+    models = {3: rigid((c, -s, 0, 1), (s, c, 0, 2), (0, 0, 1, 0.5)), 5: rigid((1, 0, 0, 2), (0, 1, 0, 2), (0, 0, 1, 0.5))}
+    for i in (0, 1, 2, 10):
+        world_to_cam = rigid_inverse(pose(i))
+        cameras[str(i)] = {"cam_K": k, "depth_scale": 0.1, "cam_R_w2c": flat([row[:3] for row in world_to_cam[:3]]),
+                           "cam_t_w2c": [1000 * row[3] for row in world_to_cam[:3]]}
+        truth[str(i)] = []
+        for obj_id, world_from_model in models.items():
+            m = multiply(world_to_cam, world_from_model)
+            if obj_id == 3 or i > 0:  # the second one shows later
+                truth[str(i)].append({"obj_id": obj_id, "cam_R_m2c": flat([row[:3] for row in m[:3]]),
+                                      "cam_t_m2c": [1000 * row[3] for row in m[:3]]})
+        write(root, "rgb/%06d.png" % i, colour_png(i % 4, BOP_WIDTH, BOP_HEIGHT))
+        write(root, "depth/%06d.png" % i, depth_png(i % 4, BOP_WIDTH, BOP_HEIGHT, units_per_mm=10))
+    write(root, "scene_camera.json", json.dumps(cameras))
+    write(root, "scene_gt.json", json.dumps(truth))
+    info = {"diameter": 300, "min_x": -50, "min_y": -60, "min_z": -70, "size_x": 100, "size_y": 120, "size_z": 140}
+    write(folder, "sample/models/models_info.json", json.dumps({"3": info, "5": dict(info, min_x=-40)}))
+
+
+LAYOUTS = {f.__name__: f for f in (seven_scenes, tum_rgbd, icl_nuim, ros_bag, kitti_raw, kitti_odometry, scannet_sens, scannet_extracted, scan2cad, visma, scenenn, bop_scene,
+                                      kitchen_as_seven_scenes)}
 
 if __name__ == "__main__":
     LAYOUTS[sys.argv[1]](*sys.argv[2:])
