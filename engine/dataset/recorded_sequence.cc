@@ -60,6 +60,8 @@ class RecordedSequence : public Sequence {
     if (!proposals.ok()) return Error{ErrorCode::kCorrupt, proposals.error().message};
     if (proposals->has_value()) {
       for (Detection& proposal : **proposals) proposal.box = UndistortBox(camera_, proposal.box);
+      if (!camera_.distortion.empty())
+        std::erase_if(**proposals, [](const Detection& proposal) { return proposal.box.empty(); });
     }
     return proposals;
   }

@@ -33,7 +33,7 @@ constexpr SequenceFormat kFormats[] = {
     {"plumbline", "Plumbline's own layout", "a folder with camera.json and color/ or tracks.csv",
      ProbePlumblineSequence, OpenPlumblineSequence, WritePlumblineSequence, TruthOfPlumbline},
     {"asl", "the ASL layout of EuRoC and TUM-VI", "a folder with mav0/cam0/data.csv",
-     ProbeAslSequence, OpenAslSequence, nullptr, nullptr},
+     ProbeAslSequence, OpenAslSequence, WriteAslSequence, nullptr},
     {"7-scenes", "7-Scenes", "a folder with frame-NNNNNN.color.png", ProbeSevenScenes,
      OpenSevenScenes, nullptr, nullptr},
     {"icl-nuim", "ICL-NUIM", "a folder with rgb/ and NAME.gt.freiburg", ProbeIclNuim, OpenIclNuim,

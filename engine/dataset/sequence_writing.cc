@@ -4,6 +4,7 @@
 #include <cinttypes>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -22,7 +23,13 @@ Status WriteEncoded(const fs::path& file, const cv::Mat& image, const std::vecto
   std::vector<unsigned char> bytes;
   if (!cv::imencode(file.extension().string(), image, bytes, how))
     return Error{ErrorCode::kIo, "cannot encode the image '" + file.string() + "'"};
-  return WriteFileAtomically(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  // Thousands of these: what a power cut leaves is a folder to be made again.
+  std::ofstream out(file, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (!out) return Error{ErrorCode::kIo, "cannot write '" + file.string() + "'; is the disk full?"};
+  return {};
 }
 
 /// Millimetres in other units; what does not fit is none.

@@ -190,6 +190,7 @@ Result<WrittenSequence> WriteTumRgbd(const Sequence& sequence, const fs::path& f
   if (status.ok() && !poses.empty())
     status = WriteTrajectory(folder / "groundtruth.txt", "world_from_cam", poses);
   if (!status.ok()) return status.error();
+  written->poses = static_cast<int>(poses.size());
   return written;
 }
 

@@ -14,11 +14,14 @@
 #include "engine/dataset/reference_states.h"
 #include "engine/dataset/ros_messages.h"
 #include "engine/dataset/scannet_sequence.h"
+#include "engine/dataset/scenenn_sequence.h"
 #include "engine/dataset/sequence.h"
 #include "engine/dataset/sequence_formats.h"
 #include "engine/dataset/tracks_file.h"
 #include "engine/dataset/trajectory.h"
 #include "engine/dataset/trajectory_writer.h"
+#include "engine/dataset/visma_dataset.h"
+#include "engine/dataset/visma_sequence.h"
 #include "engine/sensor/image_file.h"
 #include "tests/fuzz/fuzz_targets.h"
 
@@ -107,6 +110,23 @@ Status Scan2Cad(std::string_view input) {
   return StatusOf(ReadScan2Cad(FileOf("full_annotations.json", input), "scene0042_01", warnings));
 }
 
+Status VismaDatasetFile(std::string_view input) {
+  return StatusOf(ReadVismaDataset(FileOf("dataset", input)));
+}
+
+Status VismaBoxes(std::string_view input) {
+  return StatusOf(ReadVismaBoxes(FileOf("1.bbox", input)));
+}
+
+Status VismaTruth(std::string_view input) {
+  std::vector<std::string> warnings;
+  return StatusOf(ReadVismaTruth(FolderOf(input), warnings));
+}
+
+Status SceneNnLabels(std::string_view input) {
+  return StatusOf(ReadSceneNnLabels(FileOf("123.xml", input)));
+}
+
 /// As every message that is read; those of other kinds are refused.
 Status RosMessage(std::string_view input) {
   (void)ParseRosHeader(input);
@@ -146,6 +166,12 @@ constexpr std::array kDatasetTargets = {Target{"trajectory", TrajectoryFile},
                                         Target{"scannet_sens", ScanNetSens},
                                         Target{"scannet_extracted", SequenceFolder},
                                         Target{"scan2cad", Scan2Cad},
+                                        Target{"visma_dataset", VismaDatasetFile},
+                                        Target{"visma_boxes", VismaBoxes},
+                                        Target{"visma_truth", VismaTruth},
+                                        Target{"scenenn", SequenceFolder},
+                                        Target{"scenenn_labels", SceneNnLabels},
+                                        Target{"bop_scene", SequenceFolder},
                                         Target{"ros_bag", RosBagFile},
                                         Target{"ros_message", RosMessage},
                                         Target{"image", Image}};

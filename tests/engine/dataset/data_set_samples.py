@@ -353,7 +353,8 @@ def kitti_raw(folder, kind="sync", oxts_rate=1):
         packet = [lat, lon, 116.5 + 0.1 * i, 0.02, -0.01, yaw, 3.5, 3.5, 5, 0, 0, 0.1 * i, 0.2, 9.8, 0.3, 0.4, 9.9, 0.01, 0.02,
                   0.03 * i, 0.04, 0.05, 0.06, 0.5, 0.05, 4, 10, 5, 5, 0]
         write(drive, "oxts/data/%010d.txt" % k, " ".join("%.15g" % v for v in packet) + "\n")
-        second = 59.964389445 - 0.2 + 0.1 * i
+        # Synchronised packets belong to images by number: their own stamps are up to some tens of milliseconds off.
+        second = 59.964389445 - 0.2 + 0.1 * i + (0.03 if kind == "sync" else 0)
         oxts_stamps += "2011-09-26 13:%02d:%012.9f\n" % (2 + (second >= 60), second - 60 * (second >= 60))
     write(drive, "oxts/timestamps.txt", oxts_stamps)
     write(drive, "tracklet_labels.xml", tracklets([kitti_tracklet("Car", 0, range(5), (20, 8, 116.5), 0.7, (0, 0)),

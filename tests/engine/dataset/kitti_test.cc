@@ -77,7 +77,7 @@ TEST_F(KittiRaw, StampsKeepTheirNanosecondsAndPassFullMinutes) {
   EXPECT_EQ(ParseKittiStamp("25.9"), std::nullopt);
 }
 
-TEST_F(KittiRaw, OxtsGivesPosesOfAForwardLeftUpBody) {
+TEST_F(KittiRaw, SynchronisedOxtsGivesPosesOfAForwardLeftUpBodyByNumber) {
   ASSERT_NO_FATAL_FAILURE(Write("kitti_raw"));
   if (IsSkipped()) return;
   const auto sequence = Open(kDrive);
@@ -103,6 +103,19 @@ TEST_F(KittiRaw, OxtsIsTheImuInItsOwnAxesNotTheLevelledOnes) {
   EXPECT_LT((imu->samples[2].specific_force_m_s2 - Eigen::Vector3d(0.2, 0.2, 9.8)).norm(), 1e-9);
   EXPECT_LT((imu->samples[2].angular_velocity_rad_s - Eigen::Vector3d(0.01, 0.02, 0.06)).norm(),
             1e-9);
+}
+
+TEST_F(KittiRaw, WithoutColourTheLeftGreyCameraIsRead) {
+  ASSERT_NO_FATAL_FAILURE(Write("kitti_raw"));
+  if (IsSkipped()) return;
+  std::filesystem::rename(folder() / kDrive / "image_02", folder() / kDrive / "image_00");
+  const auto sequence = Open(kDrive);
+  EXPECT_EQ(sequence->calibration().cameras[0].name, "image_00");
+  // It stands 6 cm right of the colour one.
+  const Eigen::Isometry3d cam0_from_velo = Eigen::Translation3d(-0.06, 0, 0) * CamFromVelo();
+  EXPECT_THAT(
+      *sequence->world_from_cam(2),
+      IsometryNear(WorldFromImu(2) * (cam0_from_velo * VeloFromImu()).inverse(), 1e-6, 1e-4));
 }
 
 TEST_F(KittiRaw, UnsynchronisedPacketsJoinByStamp) {
@@ -151,6 +164,35 @@ TEST_F(KittiRaw, ConvertedItKeepsItsBoxesAndItsImu) {
   const auto truth = ReadGroundTruth(*ours->ground_truth_file());
   ASSERT_TRUE(truth.ok()) << truth.error().message;
   EXPECT_EQ(truth->instances.at(0).size_m->x(), 4.2);
+}
+
+TEST_F(KittiRaw, ConvertedToTheAslLayoutItKeepsItsImuAndItsPoses) {
+  ASSERT_NO_FATAL_FAILURE(Write("kitti_raw"));
+  if (IsSkipped()) return;
+  const auto sequence = Open(kDrive);
+  for (const SequenceFormat& format : SequenceFormats()) {
+    if (format.name != "asl") continue;
+    const auto written = format.write(*sequence, folder() / "asl", {}, {});
+    ASSERT_TRUE(written.ok()) << written.error().message;
+    EXPECT_EQ(written->poses, 5);
+  }
+  const auto asl = Open("asl");
+  EXPECT_EQ(FindSequenceFormat(asl->path())->name, "asl");
+  ASSERT_EQ(asl->num_frames(), 5);
+  EXPECT_EQ(asl->camera(), sequence->camera());
+  EXPECT_THAT(*asl->calibration().cameras[0].camera.body_from_cam,
+              IsometryNear(*sequence->calibration().cameras[0].camera.body_from_cam, 1e-6, 1e-9));
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(asl->stamp_ns(i), sequence->stamp_ns(i));
+    ExpectSampleImage(*asl, i, i);
+    EXPECT_THAT(*asl->world_from_cam(i), IsometryNear(*sequence->world_from_cam(i), 1e-6, 1e-9));
+    EXPECT_EQ(asl->ReadImu()->samples[static_cast<std::size_t>(i)].stamp_ns,
+              sequence->ReadImu()->samples[static_cast<std::size_t>(i)].stamp_ns);
+    EXPECT_LT((asl->ReadImu()->samples[static_cast<std::size_t>(i)].specific_force_m_s2 -
+               sequence->ReadImu()->samples[static_cast<std::size_t>(i)].specific_force_m_s2)
+                  .norm(),
+              1e-9);
+  }
 }
 
 TEST_F(KittiRaw, DamageIsASentence) {
