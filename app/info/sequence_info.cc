@@ -275,6 +275,22 @@ void AddCompanions(const Sequence& sequence, PathInfo& info) {
   if (!there.empty()) info.lines.push_back({"Also there", there});
 }
 
+/// Objects whose poses a public data set tells in a form of its own.
+void AddTruth(const Sequence& sequence, PathInfo& info) {
+  if (sequence.ground_truth_file()) return;  // one of the companions
+  std::vector<std::string> warnings;
+  const Result<std::optional<GroundTruth>> truth = ReadTruthOf(sequence, warnings);
+  AddWarnings(info, warnings);
+  if (!truth.ok()) {
+    info.odd.push_back(truth.error().message);
+  } else if (truth->has_value()) {
+    const std::size_t count = (*truth)->instances.size();
+    info.lines.push_back(
+        {"Truth", Counted(count, "object", "objects") + " in the world of the sequence"});
+    info.json["ground_truth"] = {{"instances", count}};
+  }
+}
+
 }  // namespace
 
 Likeness ProbeSequence(const std::filesystem::path& path) {
@@ -298,6 +314,7 @@ Result<PathInfo> DescribeSequence(const std::filesystem::path& path) {
   AddImu(sequence, frames, info);
   AddTracksAndReference(sequence, info);
   AddCompanions(sequence, info);
+  AddTruth(sequence, info);
   AddWarnings(info, sequence.warnings());
   return info;
 }

@@ -43,6 +43,9 @@ TEST_F(ConvertVerb, EveryDataSetIsDescribedAndConverted) {
     if (IsSkipped()) return;
     const nlohmann::json before = Info(path);
     EXPECT_EQ(before["format"]["name"], format);
+    const bool tells_truth = std::string(format) == "kitti-raw" || std::string(format) == "visma" ||
+                             std::string(format) == "bop";
+    EXPECT_EQ(before.contains("ground_truth"), tells_truth);
     EXPECT_EQ(before["images"]["looked_at"], before["images"]["readable"]);
     const std::string out = "out_" + std::string(sample);
     const ProgramRun run =
@@ -55,6 +58,9 @@ TEST_F(ConvertVerb, EveryDataSetIsDescribedAndConverted) {
     EXPECT_EQ(after["frames"]["count"], before["frames"]["count"]);
     EXPECT_EQ(after["poses"]["frames"], before["poses"]["frames"]);
     EXPECT_EQ(after["imu"].is_null(), before["imu"].is_null());
+    if (tells_truth) {
+      EXPECT_THAT(after["companions"], testing::Contains("ground truth"));
+    }
   }
 }
 
