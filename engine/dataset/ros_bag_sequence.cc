@@ -71,7 +71,9 @@ class BagReader {
   Result<std::vector<SentMessage>> ByHeader(const std::string& topic, const char* what);
   Result<Camera> CameraOf(const std::string& image_topic, const SentMessage& first) const;
   Result<cv::Size> SizeOf(const SentMessage& image) const;
-  Status ReadTransforms();
+  Status AddDepth(const std::vector<SentMessage>& images, cv::Size size);
+  Status AddImu(const std::string& camera_frame, Camera& camera);
+  void ReadTransforms();
   Status ReadPoses(const std::string& camera_frame);
   std::string FrameOf(const BagMessage& message) const;
 
@@ -222,7 +224,7 @@ Result<Camera> BagReader::CameraOf(const std::string& image_topic, const SentMes
   return CameraFromRos(*info, image_topic.find("rect") != std::string::npos, 30, bag_->path());
 }
 
-Status BagReader::ReadTransforms() {
+void BagReader::ReadTransforms() {
   int damaged = 0;
   for (const BagMessage& message : bag_->messages()) {
     const BagTopic& topic = bag_->topics()[message.topic];
@@ -238,7 +240,6 @@ Status BagReader::ReadTransforms() {
   if (damaged > 0)
     recording_.warnings.push_back("'" + bag_->path().string() + "' has " + std::to_string(damaged) +
                                   " damaged messages of TF; left out");
-  return {};
 }
 
 Status BagReader::ReadPoses(const std::string& camera_frame) {
@@ -279,6 +280,55 @@ Result<ImuRecording> ReadBagImu(const BagFile& bag, const std::vector<BagMessage
   return recording;
 }
 
+/// The depth image nearest in time to an image, if it is near.
+Result<std::optional<cv::Mat>> ReadBagDepth(const BagFile& bag,
+                                            const std::vector<SentMessage>& depths,
+                                            std::int64_t stamp_ns, cv::Size size) {
+  const auto near = std::min_element(
+      depths.begin(), depths.end(), [stamp_ns](const SentMessage& a, const SentMessage& b) {
+        return std::abs(a.stamp_ns - stamp_ns) < std::abs(b.stamp_ns - stamp_ns);
+      });
+  if (near == depths.end() || std::abs(near->stamp_ns - stamp_ns) > kBagDepthWithin_ns)
+    return std::optional<cv::Mat>();
+  Result<cv::Mat> depth = DecodeBagImage(bag, near->message, true);
+  if (!depth.ok()) return depth.error();
+  if (depth->size() != size)
+    return Error{ErrorCode::kInvalidInput, "depth in '" + bag.path().string() +
+                                               "' is not of the size of the images; only "
+                                               "registered depth is read"};
+  return std::optional(std::move(*depth));
+}
+
+Status BagReader::AddDepth(const std::vector<SentMessage>& images, cv::Size size) {
+  const auto topic = Choose("depth_topic", IsRosDepth);
+  if (!topic.ok()) return topic.error();
+  if (topic->empty()) return {};
+  const Result<std::vector<SentMessage>> depths = ByHeader(*topic, "depth images");
+  if (!depths.ok()) return depths.error();
+  recording_.read_depth = [bag = bag_, images, depths = *depths, size](std::size_t item) {
+    return ReadBagDepth(*bag, depths, images[item].stamp_ns, size);
+  };
+  return {};
+}
+
+Status BagReader::AddImu(const std::string& camera_frame, Camera& camera) {
+  if (choice_.json.contains("imu")) {
+    const Result<ImuCalibration> imu = ImuCalibrationFromJson(choice_.json["imu"], choice_.file);
+    if (!imu.ok()) return imu.error();
+    recording_.calibration.imu = *imu;
+  }
+  const auto name =
+      Choose("imu_topic", [](const BagTopic& topic) { return topic.type == "sensor_msgs/Imu"; });
+  if (!name.ok()) return name.error();
+  if (name->empty()) return {};
+  std::vector<BagMessage> messages;
+  for (const BagMessage* message : MessagesOf(*name)) messages.push_back(*message);
+  if (!camera.body_from_cam)
+    camera.body_from_cam = tree_.Rigid(FrameOf(messages.front()), camera_frame);
+  recording_.read_imu = [bag = bag_, messages] { return ReadBagImu(*bag, messages); };
+  return {};
+}
+
 Result<Recording> BagReader::Read() {
   recording_.path = bag_->path();
   const auto image_topic = Choose(
@@ -306,48 +356,12 @@ Result<Recording> BagReader::Read() {
                    "an image of '" + bag->path().string() + "' is not of the size of its camera"};
     return image;
   };
-  const auto depth_topic = Choose("depth_topic", IsRosDepth);
-  if (!depth_topic.ok()) return depth_topic.error();
-  if (!depth_topic->empty()) {
-    const Result<std::vector<SentMessage>> depths = ByHeader(*depth_topic, "depth images");
-    if (!depths.ok()) return depths.error();
-    recording_.read_depth = [bag = bag_, images = *images, depths = *depths,
-                             size](std::size_t item) -> Result<std::optional<cv::Mat>> {
-      const std::int64_t stamp = images[item].stamp_ns;
-      const auto near = std::min_element(
-          depths.begin(), depths.end(), [stamp](const SentMessage& a, const SentMessage& b) {
-            return std::abs(a.stamp_ns - stamp) < std::abs(b.stamp_ns - stamp);
-          });
-      if (near == depths.end() || std::abs(near->stamp_ns - stamp) > kBagDepthWithin_ns)
-        return std::optional<cv::Mat>();
-      Result<cv::Mat> depth = DecodeBagImage(*bag, near->message, true);
-      if (!depth.ok()) return depth.error();
-      if (depth->size() != size)
-        return Error{ErrorCode::kInvalidInput, "depth in '" + bag->path().string() +
-                                                   "' is not of the size of the images; only "
-                                                   "registered depth is read"};
-      return std::optional(std::move(*depth));
-    };
-  }
-  if (Status read = ReadTransforms(); !read.ok()) return read.error();
+  if (Status added = AddDepth(*images, size); !added.ok()) return added.error();
+  ReadTransforms();
   const std::string named = choice_.Text("camera_frame");
   const std::string camera_frame = named.empty() ? FrameOf(images->front().message) : named;
   if (Status read = ReadPoses(camera_frame); !read.ok()) return read.error();
-  const auto imu_topic =
-      Choose("imu_topic", [](const BagTopic& topic) { return topic.type == "sensor_msgs/Imu"; });
-  if (!imu_topic.ok()) return imu_topic.error();
-  if (!imu_topic->empty()) {
-    std::vector<BagMessage> messages;
-    for (const BagMessage* message : MessagesOf(*imu_topic)) messages.push_back(*message);
-    if (!camera->body_from_cam)
-      camera->body_from_cam = tree_.Rigid(FrameOf(messages.front()), camera_frame);
-    recording_.read_imu = [bag = bag_, messages] { return ReadBagImu(*bag, messages); };
-  }
-  if (choice_.json.contains("imu")) {
-    const Result<ImuCalibration> imu = ImuCalibrationFromJson(choice_.json["imu"], choice_.file);
-    if (!imu.ok()) return imu.error();
-    recording_.calibration.imu = *imu;
-  }
+  if (Status added = AddImu(camera_frame, *camera); !added.ok()) return added.error();
   recording_.calibration.cameras = {{*image_topic, *camera}};
   return std::move(recording_);
 }

@@ -25,21 +25,16 @@ fs::path SevenScenesFile(const fs::path& folder, std::size_t number, const char*
   return folder / name;
 }
 
-bool HoldsFrameOfSevenScenes(const fs::path& folder) {
-  if (IsThere(SevenScenesFile(folder, 0, ".color.png"))) return true;
-  const std::vector<std::string> names = NamesIn(folder);
-  return std::any_of(names.begin(), names.end(), [](const std::string& name) {
-    return NumberInName(name, "frame-", ".color.png").has_value();
-  });
+bool NamesFrameOfSevenScenes(const std::string& name) {
+  return NumberInName(name, "frame-", ".color.png").has_value();
 }
 
-/// The parts seq-NN of a scene.
-std::vector<std::string> PartsOfSevenScenes(const fs::path& scene) {
-  std::vector<std::string> parts = NamesIn(scene);
-  std::erase_if(parts, [&](const std::string& name) {
-    return !name.starts_with("seq-") || !HoldsFrameOfSevenScenes(scene / name);
+/// The parts seq-NN among the names of a scene's folder.
+std::vector<std::string> PartsOfSevenScenes(const fs::path& scene, std::vector<std::string> names) {
+  std::erase_if(names, [&](const std::string& name) {
+    return !name.starts_with("seq-") || !IsThere(SevenScenesFile(scene / name, 0, ".color.png"));
   });
-  return parts;
+  return names;
 }
 
 Result<std::optional<cv::Mat>> ReadSevenScenesDepth(const fs::path& file) {
@@ -79,13 +74,15 @@ std::vector<RecordedFrame> FramesOfSevenScenes(const fs::path& folder,
 }  // namespace
 
 Likeness ProbeSevenScenes(const fs::path& path) {
-  if (HoldsFrameOfSevenScenes(path)) return Likeness::kCertain;
-  return PartsOfSevenScenes(path).empty() ? Likeness::kNone : Likeness::kPossible;
+  if (IsThere(SevenScenesFile(path, 0, ".color.png"))) return Likeness::kCertain;
+  const std::vector<std::string> names = NamesIn(path);
+  if (std::any_of(names.begin(), names.end(), NamesFrameOfSevenScenes)) return Likeness::kCertain;
+  return PartsOfSevenScenes(path, names).empty() ? Likeness::kNone : Likeness::kPossible;
 }
 
 Result<std::shared_ptr<const Sequence>> OpenSevenScenes(const fs::path& folder,
                                                         const SequenceOptions& options) {
-  if (const std::vector<std::string> parts = PartsOfSevenScenes(folder); !parts.empty()) {
+  if (const auto parts = PartsOfSevenScenes(folder, NamesIn(folder)); !parts.empty()) {
     return Error{ErrorCode::kInvalidInput,
                  "'" + folder.string() + "' is a scene of 7-Scenes with " +
                      std::to_string(parts.size()) + " sequences; open one of them, such as '" +
@@ -101,8 +98,9 @@ Result<std::shared_ptr<const Sequence>> OpenSevenScenes(const fs::path& folder,
   recording.read_image = [folder, size](std::size_t number) {
     return ReadImage(SevenScenesFile(folder, number, ".color.png"), ImageKind::kColor, size);
   };
-  if (!recording.frames.empty() &&
-      IsThere(SevenScenesFile(folder, recording.frames.front().item, ".depth.png"))) {
+  if (std::any_of(recording.frames.begin(), recording.frames.end(), [&](const RecordedFrame& f) {
+        return IsThere(SevenScenesFile(folder, f.item, ".depth.png"));
+      })) {
     recording.read_depth = [folder](std::size_t number) {
       return ReadSevenScenesDepth(SevenScenesFile(folder, number, ".depth.png"));
     };
