@@ -2,6 +2,8 @@
 #include "tests/engine/dataset/data_set_sample.h"
 
 #include <cstdlib>
+#include <map>
+#include <string>
 
 #include <opencv2/core.hpp>
 
@@ -11,11 +13,21 @@ void DataSetSample::Write(const std::string& layout, const std::string& more,
                           const std::string& interpreter) {
   if (std::system((interpreter + " -c 'import zlib' 2>/dev/null").c_str()) != 0)
     GTEST_SKIP() << "there is no Python to write the sample";
-  const std::string script =
-      (SourceDirectory() / "tests/engine/dataset/data_set_samples.py").string();
-  const std::string command =
-      interpreter + " -B '" + script + "' " + layout + " '" + folder_.path().string() + "' " + more;
-  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+  // Each sample is written once, and copied for those who change it.
+  static const TemporaryFolder kWritten;
+  static std::map<std::string, std::filesystem::path> places;
+  const std::string wanted = layout + " " + more;
+  if (!places.contains(wanted)) {
+    const auto place = kWritten.path() / std::to_string(places.size());
+    const auto script = SourceDirectory() / "tests/engine/dataset/data_set_samples.py";
+    const std::string command = interpreter + " -B '" + script.string() + "' " + layout + " '" +
+                                place.string() + "' " + more;
+    ASSERT_EQ(std::system(command.c_str()), 0) << command;
+    places[wanted] = place;
+  }
+  std::filesystem::copy(
+      places[wanted], folder_.path(),
+      std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
 }
 
 std::shared_ptr<const Sequence> DataSetSample::Open(const std::string& path) {

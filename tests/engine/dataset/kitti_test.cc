@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include <gmock/gmock.h>
+#include <opencv2/imgcodecs.hpp>
 
 #include "engine/base/files.h"
 #include "engine/dataset/kitti_files.h"
@@ -128,6 +129,18 @@ TEST_F(KittiRaw, UnsynchronisedPacketsJoinByStamp) {
     EXPECT_THAT(*sequence->world_from_cam(i),
                 IsometryNear(WorldFromImu(i) * body_from_cam, 1e-4, 1e-3))
         << i;
+}
+
+TEST_F(KittiRaw, ImagesOfExtractThatAreNotRectifiedAreRefused) {
+  ASSERT_NO_FATAL_FAILURE(Write("kitti_raw", "extract 10"));
+  if (IsSkipped()) return;
+  const std::string drive = "2011_09_26/2011_09_26_drive_0005_extract";
+  cv::imwrite((folder() / drive / "image_02/data/0000000001.png").string(),
+              cv::Mat(64, 180, CV_8UC3, cv::Scalar(1, 2, 3)));
+  const auto image = Open(drive)->ReadRawImage(1);
+  ASSERT_FALSE(image.ok());
+  EXPECT_EQ(image.error().code, ErrorCode::kUnsupported);
+  EXPECT_THAT(image.error().message, HasSubstr("not rectified"));
 }
 
 TEST_F(KittiRaw, TrackletsThatStandStillAreBoxesOfTheGroundTruth) {
