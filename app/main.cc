@@ -29,13 +29,13 @@ int main(int argc, char** argv) {
   using plumbline::Verb;
   const std::vector<Verb> kVerbs = {
       // one line each, in the order of --help
-      {plumbline::AddGuiVerb},       {plumbline::AddDemoVerb},     {plumbline::AddRunVerb},
-      {plumbline::AddDetectVerb},    {plumbline::AddEdgesVerb},    {plumbline::AddModelsVerb},
-      {plumbline::AddSynthVerb},     {plumbline::AddEvaluateVerb}, {plumbline::AddGravityVerb},
-      {plumbline::AddAlignVerb},     {plumbline::AddAnnotateVerb}, {plumbline::AddExportVerb},
-      {plumbline::AddInfoVerb},      {plumbline::AddRenderVerb},   {plumbline::AddReportVerb},
-      {plumbline::AddCompareVerb},   {plumbline::AddSmoothVerb},   {plumbline::AddVioVerb},
-      {plumbline::AddCalibrateVerb}, {plumbline::AddNetworksVerb},
+      {plumbline::AddGuiVerb},    {plumbline::AddDemoVerb},      {plumbline::AddRunVerb},
+      {plumbline::AddDetectVerb}, {plumbline::AddEdgesVerb},     {plumbline::AddModelsVerb},
+      {plumbline::AddSynthVerb},  {plumbline::AddEvaluateVerb},  {plumbline::AddGravityVerb},
+      {plumbline::AddAlignVerb},  {plumbline::AddAnnotateVerb},  {plumbline::AddExportVerb},
+      {plumbline::AddInfoVerb},   {plumbline::AddConvertVerb},   {plumbline::AddRenderVerb},
+      {plumbline::AddReportVerb}, {plumbline::AddCompareVerb},   {plumbline::AddSmoothVerb},
+      {plumbline::AddVioVerb},    {plumbline::AddCalibrateVerb}, {plumbline::AddNetworksVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
                "plumbline");

@@ -137,7 +137,7 @@ void AddPoses(const Sequence& sequence, PathInfo& info) {
   }
 }
 
-void AddGravity(const Sequence& sequence, PathInfo& info) {
+void AddGravity(const Sequence& sequence, bool is_ours, PathInfo& info) {
   const auto gravity = sequence.gravity_in_world();
   const auto floor = sequence.floor_in_world();
   const std::size_t levels = sequence.floor_levels().size();
@@ -147,8 +147,11 @@ void AddGravity(const Sequence& sequence, PathInfo& info) {
   if (!gravity) {
     info.lines.push_back({"Gravity", "not known"});
     info.odd.push_back(
-        "There is no gravity.json; run needs the direction of gravity (plumbline gravity finds it "
-        "in a scan).");
+        std::string(is_ours
+                        ? "There is no gravity.json; run needs the direction of gravity"
+                        : "Gravity is not told; run needs its direction, in the gravity.json of "
+                          "a converted sequence") +
+        " (plumbline gravity finds it in a scan).");
     return;
   }
   info.json["gravity"] = std::vector<double>(gravity->data(), gravity->data() + 3);
@@ -209,13 +212,14 @@ void AddImu(const Sequence& sequence, const StampStatistics& frames, PathInfo& i
                               1e3 * imu.longest_step_s));
   }
   const auto& calibration = sequence.calibration().imu;
-  if (!calibration) info.odd.push_back("There is no imu.json: the noise of the IMU is not known.");
+  if (!calibration) info.odd.push_back("The noise of the IMU is not known (imu.json).");
   if (calibration && std::abs(imu.rate_hz() / calibration->rate_hz - 1) > 0.1) {
-    info.odd.push_back(Format("imu.json says %.4g Hz, but samples come at %.4g Hz.",
+    info.odd.push_back(Format("The calibration says %.4g Hz, but samples come at %.4g Hz.",
                               calibration->rate_hz, imu.rate_hz()));
   }
   if (!sequence.calibration().cameras.front().camera.body_from_cam)
-    info.odd.push_back("There is an IMU, but camera.json has no body_from_cam.");
+    info.odd.push_back(
+        "There is an IMU, but where the camera sits on it is not known (no body_from_cam).");
   constexpr std::int64_t kMargin = 50'000'000;
   if (imu.first_ns > frames.first_ns + kMargin || imu.last_ns < frames.last_ns - kMargin)
     info.odd.push_back("The IMU does not cover the whole time of the frames.");
@@ -271,6 +275,22 @@ void AddCompanions(const Sequence& sequence, PathInfo& info) {
   if (!there.empty()) info.lines.push_back({"Also there", there});
 }
 
+/// Objects whose poses a public data set tells in a form of its own.
+void AddTruth(const Sequence& sequence, PathInfo& info) {
+  if (sequence.ground_truth_file()) return;  // one of the companions
+  std::vector<std::string> warnings;
+  const Result<std::optional<GroundTruth>> truth = ReadTruthOf(sequence, warnings);
+  AddWarnings(info, warnings);
+  if (!truth.ok()) {
+    info.odd.push_back(truth.error().message);
+  } else if (truth->has_value()) {
+    const std::size_t count = (*truth)->instances.size();
+    info.lines.push_back(
+        {"Truth", Counted(count, "object", "objects") + " in the world of the sequence"});
+    info.json["ground_truth"] = {{"instances", count}};
+  }
+}
+
 }  // namespace
 
 Likeness ProbeSequence(const std::filesystem::path& path) {
@@ -285,15 +305,16 @@ Result<PathInfo> DescribeSequence(const std::filesystem::path& path) {
   const SequenceFormat& format = *FindSequenceFormat(path);
   PathInfo info;
   info.title = "sequence, " + std::string(format.title);
-  info.json["format"] = {{"name", format.name}, {"written", format.written}};
+  info.json["format"] = {{"name", format.name}, {"written", format.write != nullptr}};
   const StampStatistics frames = AddFrames(sequence, info);
   AddCameras(sequence, info);
   LookAtImages(sequence, info);
   AddPoses(sequence, info);
-  AddGravity(sequence, info);
+  AddGravity(sequence, format.name == "plumbline", info);
   AddImu(sequence, frames, info);
   AddTracksAndReference(sequence, info);
   AddCompanions(sequence, info);
+  AddTruth(sequence, info);
   AddWarnings(info, sequence.warnings());
   return info;
 }

@@ -3,12 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <span>
 #include <utility>
 
 #include "engine/base/check.h"
 #include "engine/base/data_paths.h"
 #include "engine/base/files.h"
 #include "engine/dataset/asl_sensor_file.h"
+#include "engine/dataset/recorded_sequence.h"
+#include "engine/dataset/sequence_writing.h"
 #include "engine/dataset/stamp_statistics.h"
 #include "engine/dataset/stamped_rows.h"
 #include "engine/dataset/text_table.h"
@@ -21,11 +25,6 @@ namespace plumbline {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool IsThere(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
 
 /// The folder with cam0 and imu0 in it.
 fs::path SensorRoot(const fs::path& folder) {
@@ -189,7 +188,113 @@ Status AslSequence::ReadPoses(const fs::path& given) {
   return {};
 }
 
+std::string AslNumbers(std::span<const double> numbers) {
+  std::string text;
+  for (const double number : numbers) {
+    char one[40];
+    std::snprintf(one, sizeof one, "%s%.12g", text.empty() ? "" : ", ", number);
+    text += one;
+  }
+  return "[" + text + "]";
+}
+
+std::string AslCameraText(const Camera& camera, const Eigen::Isometry3d& body_from_cam) {
+  const PinholeCamera& c = camera.pinhole;
+  const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> pose = body_from_cam.matrix();
+  const std::vector<double> distortion =
+      camera.distortion.empty() ? std::vector<double>(4, 0) : camera.distortion;
+  return "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: " +
+         AslNumbers({pose.data(), 16}) + "\nrate_hz: " + std::to_string(camera.rate_hz) +
+         "\nresolution: " + AslNumbers(std::vector<double>{1.0 * c.width, 1.0 * c.height}) +
+         "\ncamera_model: pinhole\nintrinsics: " +
+         AslNumbers(std::vector<double>{c.fx, c.fy, c.cx, c.cy}) + "\ndistortion_model: " +
+         (camera.model == CameraModel::kEquidistant ? "equidistant" : "radial-tangential") +
+         "\ndistortion_coefficients: " + AslNumbers(distortion) + "\n";
+}
+
+Status WriteAslImu(const Sequence& sequence, const fs::path& folder,
+                   std::vector<std::string>& warnings) {
+  const Result<ImuRecording> imu = sequence.ReadImu();
+  if (!imu.ok()) {
+    warnings.push_back(imu.error().message + "; no imu0 is written");
+    return {};
+  }
+  std::string rows = "#timestamp [ns],wx,wy,wz [rad/s],ax,ay,az [m/s^2]\n";
+  for (const ImuSample& sample : imu->samples) {
+    const Eigen::Vector3d &w = sample.angular_velocity_rad_s, &a = sample.specific_force_m_s2;
+    char row[240];
+    std::snprintf(row, sizeof row, "%s,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g\n",
+                  std::to_string(sample.stamp_ns).c_str(), w.x(), w.y(), w.z(), a.x(), a.y(),
+                  a.z());
+    rows += row;
+  }
+  const ImuCalibration noise = sequence.calibration().imu.value_or(ImuCalibration());
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "sensor_type: imu\nrate_hz: %.9g\ngyroscope_noise_density: %.9g\n"
+                "gyroscope_random_walk: %.9g\naccelerometer_noise_density: %.9g\n"
+                "accelerometer_random_walk: %.9g\n",
+                noise.rate_hz, noise.gyro_noise_density, noise.gyro_bias_walk,
+                noise.accel_noise_density, noise.accel_bias_walk);
+  Status status = WriteFileAtomically(folder / "data.csv", rows);
+  if (status.ok() && sequence.calibration().imu)
+    status = WriteFileAtomically(folder / "sensor.yaml", text);
+  return status;
+}
+
 }  // namespace
+
+Result<WrittenSequence> WriteAslSequence(const Sequence& sequence, const fs::path& folder,
+                                         const WriteOptions& options, const WorkContext& context) {
+  const fs::path root = folder / "mav0";
+  std::vector<std::string> inside = {"mav0/cam0/data"};
+  if (sequence.has_imu()) inside.emplace_back("mav0/imu0");
+  if (NumPosedFrames(sequence) > 0) inside.emplace_back("mav0/mocap0");
+  if (Status made = MakeFolderFor(folder, inside); !made.ok()) return made.error();
+  Camera camera = sequence.calibration().cameras.front().camera;
+  camera.rate_hz = sequence.rate_hz();
+  ImagePlaces places{root / "cam0" / "data", {}, 1000};
+  places.undistort = camera.model == CameraModel::kFov;
+  if (places.undistort) camera.distortion.clear();
+  const Eigen::Isometry3d body_from_cam =
+      camera.body_from_cam.value_or(Eigen::Isometry3d::Identity());
+  Eigen::Isometry3d level_from_world = Eigen::Isometry3d::Identity();
+  if (const auto gravity = sequence.gravity_in_world())
+    level_from_world.linear() =
+        Eigen::Quaterniond::FromTwoVectors(*gravity, Eigen::Vector3d(0, 0, -1)).toRotationMatrix();
+  std::string images = "#timestamp [ns],filename\n",
+              poses = "#timestamp [ns],px,py,pz [m],qw,qx,qy,qz\n";
+  int posed = 0;
+  auto written = WriteImages(
+      sequence, places, options, context,
+      [&](int index, const std::string& image, const std::string&) {
+        images += std::to_string(sequence.stamp_ns(index)) + "," + image + "\n";
+        const auto pose = sequence.world_from_cam(index);
+        if (!pose) return;
+        ++posed;
+        const Eigen::Isometry3d body = level_from_world * *pose * body_from_cam.inverse();
+        const Eigen::Quaterniond q(body.linear());
+        const Eigen::Vector3d& p = body.translation();
+        char row[260];
+        std::snprintf(row, sizeof row, "%s,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g\n",
+                      std::to_string(sequence.stamp_ns(index)).c_str(), p.x(), p.y(), p.z(), q.w(),
+                      q.x(), q.y(), q.z());
+        poses += row;
+      });
+  if (!written.ok()) return written;
+  if (posed > 0 && !sequence.gravity_in_world())
+    written->warnings.push_back("gravity is not known: the poses that were written are not z up");
+  Status status = WriteFileAtomically(root / "cam0" / "data.csv", images);
+  if (status.ok())
+    status =
+        WriteFileAtomically(root / "cam0" / "sensor.yaml", AslCameraText(camera, body_from_cam));
+  if (status.ok() && posed > 0) status = WriteFileAtomically(root / "mocap0" / "data.csv", poses);
+  if (status.ok() && sequence.has_imu())
+    status = WriteAslImu(sequence, root / "imu0", written->warnings);
+  if (!status.ok()) return status.error();
+  written->poses = posed;
+  return written;
+}
 
 Likeness ProbeAslSequence(const fs::path& path) {
   return IsThere(SensorRoot(path) / "cam0" / "data.csv") ? Likeness::kCertain : Likeness::kNone;

@@ -20,4 +20,12 @@ Likeness ProbeAslSequence(const std::filesystem::path& path);
 Result<std::shared_ptr<const Sequence>> OpenAslSequence(const std::filesystem::path& folder,
                                                         const SequenceOptions& options = {});
 
+/// Writes that layout: images as recorded (undistorted where the lens is of another model), the
+/// IMU, and the poses of the body as mocap0, in a world turned z up. Without `body_from_cam` the
+/// body is the camera. There is no place for depth and objects. Errors: kIo, kCancelled,
+/// kInvalidInput.
+Result<WrittenSequence> WriteAslSequence(const Sequence& sequence,
+                                         const std::filesystem::path& folder,
+                                         const WriteOptions& options, const WorkContext& context);
+
 }  // namespace plumbline

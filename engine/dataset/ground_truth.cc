@@ -36,6 +36,12 @@ Result<GroundTruthInstance> ReadInstance(const nlohmann::json& json, const std::
       return bad("(" + *id + ") has a 'scale' that is not a number between 0.1 and 10");
     instance.scale = json["scale"];
   }
+  if (json.contains("size_m")) {
+    const std::optional<Eigen::VectorXd> size = VectorFromJson(json["size_m"], 3);
+    if (!size || !(size->minCoeff() > 0 && size->maxCoeff() < 1000))
+      return bad("(" + *id + ") has a 'size_m' that is not three lengths of less than 1000 m");
+    instance.size_m = *size;
+  }
   const std::string quality =
       json.contains("quality") ? TextFromJson(json, "quality").value_or("") : "fine";
   if (quality != "fine" && quality != "coarse")
@@ -61,6 +67,8 @@ nlohmann::json InstanceToJson(const GroundTruthInstance& instance) {
                          {"quality", instance.fine ? "fine" : "coarse"},
                          {"world_from_object", IsometryToJson(instance.world_from_object)}};
   if (instance.scale != 1) json["scale"] = instance.scale;
+  if (instance.size_m)
+    json["size_m"] = {instance.size_m->x(), instance.size_m->y(), instance.size_m->z()};
   if (instance.position_std_m) json["position_std_m"] = *instance.position_std_m;
   if (instance.azimuth_std_rad) json["azimuth_std_deg"] = *instance.azimuth_std_rad * kDegPerRad;
   return json;

@@ -24,6 +24,9 @@ struct GroundTruthInstance {
   std::optional<double> position_std_m, azimuth_std_rad;
   double scale =
       1;  ///< Times as large as its model: world_from_object * (scale * point_in_object).
+  /// Length, width and height of its box along x, y and z of `object`, which stands on the origin;
+  /// where a data set tells boxes.
+  std::optional<Eigen::Vector3d> size_m;
 };
 
 /// How well the pose of an instance is known. What the file does not say: 1.5 cm and 1 degree if

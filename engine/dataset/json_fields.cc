@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/dataset/json_fields.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "engine/geometry/reach.h"
+#include "engine/dataset/rigid_matrix.h"
 
 namespace plumbline {
 
@@ -27,17 +26,7 @@ std::optional<Eigen::Isometry3d> IsometryFromJson(const nlohmann::json& json) {
     if (!row) return std::nullopt;
     matrix.row(r) = *row;
   }
-  if ((matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() > 1e-9 ||
-      matrix.topRightCorner<3, 1>().cwiseAbs().maxCoeff() > kFarthest_m)
-    return std::nullopt;
-  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
-  const double deviation =
-      (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(deviation < 1e-3) || rotation.determinant() < 0) return std::nullopt;
-  Eigen::Isometry3d isometry(matrix);
-  if (deviation > 1e-12)
-    isometry.linear() = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
-  return isometry;
+  return RigidFromMatrix(matrix);
 }
 
 nlohmann::json IsometryToJson(const Eigen::Isometry3d& isometry) {

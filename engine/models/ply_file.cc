@@ -260,8 +260,10 @@ bool ReadRow(Source& source, const Element& element, std::size_t kept_list,
 /// @param is_cloud  Nothing refers to a vertex by its number, so that it may be left out.
 template <typename Source>
 std::optional<std::string> ReadVertices(Source& source, const Element& element, bool is_cloud,
-                                        TriangleMesh& mesh) {
+                                        TriangleMesh& mesh, std::vector<int>* labels) {
   const VertexLayout layout = LayoutOf(element);
+  const std::optional<std::size_t> label =
+      labels == nullptr ? std::nullopt : IndexOf(element, "label");
   if (!layout.position) return "its vertices have no x, y and z";
   const std::size_t room = std::min(element.count, source.remaining());
   mesh.vertices.reserve(room);
@@ -282,6 +284,10 @@ std::optional<std::string> ReadVertices(Source& source, const Element& element, 
       return "vertex " + std::to_string(i) + " is not finite";
     }
     mesh.vertices.push_back(point);
+    if (label) {
+      const double value = row[*label];
+      labels->push_back(std::abs(value) < 1e9 ? static_cast<int>(value) : -1);
+    }
     if (layout.normal) mesh.normals.push_back(vector(*layout.normal));
     if (layout.color) {
       std::array<std::uint8_t, 3> color;
@@ -339,12 +345,13 @@ std::size_t CountOf(const PlyHeader& header, std::string_view element) {
 }
 
 template <typename Source>
-std::optional<std::string> ReadBody(Source source, const PlyHeader& header, TriangleMesh& mesh) {
+std::optional<std::string> ReadBody(Source source, const PlyHeader& header, TriangleMesh& mesh,
+                                    std::vector<int>* labels) {
   const bool is_cloud = CountOf(header, "face") == 0;
   for (const Element& element : header.elements) {
     std::optional<std::string> problem;
     if (element.name == "vertex") {
-      problem = ReadVertices(source, element, is_cloud, mesh);
+      problem = ReadVertices(source, element, is_cloud, mesh, labels);
     } else if (element.name == "face" && element.count > 0) {
       problem = ReadFaces(source, element, mesh);
     } else {
@@ -361,15 +368,15 @@ std::optional<std::string> ReadBody(Source source, const PlyHeader& header, Tria
 }
 
 std::optional<std::string> ReadBody(std::string_view body, const PlyHeader& header,
-                                    TriangleMesh& mesh) {
+                                    TriangleMesh& mesh, std::vector<int>* labels) {
   constexpr bool kLittleHost = std::endian::native == std::endian::little;
   switch (header.encoding) {
     case Encoding::kAscii:
-      return ReadBody(TextSource(body), header, mesh);
+      return ReadBody(TextSource(body), header, mesh, labels);
     case Encoding::kLittleEndian:
-      return ReadBody(BinarySource<!kLittleHost>(body), header, mesh);
+      return ReadBody(BinarySource<!kLittleHost>(body), header, mesh, labels);
     case Encoding::kBigEndian:
-      return ReadBody(BinarySource<kLittleHost>(body), header, mesh);
+      return ReadBody(BinarySource<kLittleHost>(body), header, mesh, labels);
   }
   return "unknown format";
 }
@@ -377,7 +384,7 @@ std::optional<std::string> ReadBody(std::string_view body, const PlyHeader& head
 }  // namespace
 
 Result<TriangleMesh> ParsePly(std::string_view bytes, const std::filesystem::path& file,
-                              std::size_t* num_left_out) {
+                              std::size_t* num_left_out, std::vector<int>* labels) {
   Result<PlyHeader> header = ParseHeader(bytes, file);
   if (!header.ok()) return header.error();
   for (const Element& element : header->elements) {
@@ -391,7 +398,7 @@ Result<TriangleMesh> ParsePly(std::string_view bytes, const std::filesystem::pat
     }
   }
   TriangleMesh mesh;
-  if (const auto problem = ReadBody(bytes.substr(header->size), *header, mesh))
+  if (const auto problem = ReadBody(bytes.substr(header->size), *header, mesh, labels))
     return Corrupt(file, *problem);
   if (mesh.vertices.empty()) return Corrupt(file, "it holds no vertices");
   if (num_left_out != nullptr) *num_left_out = CountOf(*header, "vertex") - mesh.vertices.size();

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string_view>
+#include <vector>
 
 #include "engine/base/result.h"
 #include "engine/geometry/mesh.h"
@@ -16,9 +17,12 @@ namespace plumbline {
 /// left out.
 /// @param file          Only for messages.
 /// @param num_left_out  If given, how many.
+/// @param labels        If given, the whole numbers of the vertices' property `label`; empty where
+///                      there is none.
 /// Errors: kCorrupt (truncated, no position, non-finite vertices of a mesh, indices out of range),
 /// kUnsupported (triangle strips).
 Result<TriangleMesh> ParsePly(std::string_view bytes, const std::filesystem::path& file,
-                              std::size_t* num_left_out = nullptr);
+                              std::size_t* num_left_out = nullptr,
+                              std::vector<int>* labels = nullptr);
 
 }  // namespace plumbline

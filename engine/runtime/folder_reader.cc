@@ -40,8 +40,10 @@ PathKind KindOfFolder(const std::filesystem::path& folder) {
 }
 
 PathKind KindOfFile(const std::filesystem::path& file, std::uintmax_t size_bytes) {
-  constexpr std::array<std::pair<std::string_view, PathKind>, 5> kEndings = {
+  constexpr std::array<std::pair<std::string_view, PathKind>, 7> kEndings = {
       {{".plb", PathKind::kRun},
+       {".bag", PathKind::kSequence},
+       {".sens", PathKind::kSequence},
        {".ply", PathKind::kScan},
        {".pcd", PathKind::kScan},
        {".obj", PathKind::kScan},

@@ -17,6 +17,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "engine/base/files.h"
+#include "engine/sensor/image_decoding.h"
 
 namespace plumbline {
 namespace {
@@ -143,11 +144,15 @@ bool IsImageName(const std::filesystem::path& name) {
 
 Result<cv::Mat> ReadImage(const std::filesystem::path& file, ImageKind kind,
                           std::optional<cv::Size> wanted) {
-  const Result<std::string> read = ReadFile(file);
-  if (!read.ok()) return read.error();
-  const std::string& bytes = read.value();
+  const Result<std::string> bytes = ReadFile(file);
+  if (!bytes.ok()) return bytes.error();
+  return DecodeImage(*bytes, kind, wanted, file.string());
+}
+
+Result<cv::Mat> DecodeImage(const std::string& bytes, ImageKind kind,
+                            std::optional<cv::Size> wanted, const std::string& name) {
   const auto error = [&](ErrorCode code, const std::string& what) {
-    return Error{code, "the image '" + file.string() + "' " + what};
+    return Error{code, "the image '" + name + "' " + what};
   };
   const auto [type, png_flags] = DecodingOf(kind);
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());

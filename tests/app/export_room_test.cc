@@ -6,6 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "engine/base/files.h"
+#include "engine/dataset/scannet_sequence.h"
+#include "engine/dataset/sequence_formats.h"
 #include "engine/models/mesh_file.h"
 #include "tests/support/program_run.h"
 #include "tests/support/recorded_room.h"
@@ -63,6 +65,41 @@ TEST_F(ExportRoom, EveryFormatIsWritten) {
   EXPECT_TRUE(std::filesystem::exists(folder_.path() / "labelfusion/object_data.yaml"));
   Export("--format poses --out poses.json");
   EXPECT_EQ(Json("poses.json")["frames"].size(), 4u);
+}
+
+TEST_F(ExportRoom, BopIsReadBackAsASequenceWithItsTruth) {
+  Export("--format bop --out bop");
+  const auto scene = OpenSequence(folder_.path() / "bop/test/000000");
+  const auto walk = OpenSequence(folder_.path() / "walk");
+  ASSERT_TRUE(scene.ok() && walk.ok()) << (scene.ok() ? "" : scene.error().message);
+  ASSERT_EQ((*scene)->num_frames(), (*walk)->num_frames());
+  EXPECT_EQ((*scene)->camera(), (*walk)->camera());
+  std::vector<std::string> warnings;
+  const auto truth = ReadTruthOf(**scene, warnings);
+  ASSERT_TRUE(truth.ok() && truth->has_value());
+  ASSERT_EQ((*truth)->instances.size(), 2u);
+  // Wherever their world lies, the chair stands as far from each camera as in ours.
+  for (int i = 0; i < (*walk)->num_frames(); ++i) {
+    const Eigen::Vector3d chair = (*scene)->world_from_cam(i)->inverse() *
+                                  (*truth)->instances[0].world_from_object.translation();
+    const Eigen::Vector3d ours = (*walk)->world_from_cam(i)->inverse() * Eigen::Vector3d(0, 0, 3);
+    EXPECT_LT((chair - ours).norm(), 1e-5) << i << ": " << chair.transpose();
+  }
+}
+
+TEST_F(ExportRoom, Scan2CadIsReadBackWhereTheObjectsStand) {
+  Export("--format scan2cad --out scan2cad");
+  const std::string scan = Json("scan2cad/full_annotations.json")[0]["id_scan"];
+  std::vector<std::string> warnings;
+  const auto truth =
+      ReadScan2Cad(folder_.path() / "scan2cad/full_annotations.json", scan, warnings);
+  ASSERT_TRUE(truth.ok() && truth->has_value()) << (truth.ok() ? "" : truth.error().message);
+  ASSERT_EQ((*truth)->instances.size(), 2u);
+  const GroundTruthInstance& chair = (*truth)->instances[0];
+  EXPECT_LT((chair.world_from_object.translation() - Eigen::Vector3d(0, 0, 3)).norm(), 1e-5)
+      << chair.world_from_object.translation().transpose();
+  EXPECT_LT((chair.world_from_object.linear().col(2) - Eigen::Vector3d(0, 0, 1)).norm(), 1e-6);
+  EXPECT_NEAR(chair.size_m->z(), 0.9, 1e-5);
 }
 
 TEST_F(ExportRoom, WhatIsMissingIsSaid) {

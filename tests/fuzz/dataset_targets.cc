@@ -9,12 +9,19 @@
 #include "engine/dataset/asl_sensor_file.h"
 #include "engine/dataset/ground_truth.h"
 #include "engine/dataset/imu_file.h"
+#include "engine/dataset/kitti_tracklets.h"
 #include "engine/dataset/proposals_file.h"
 #include "engine/dataset/reference_states.h"
+#include "engine/dataset/ros_messages.h"
+#include "engine/dataset/scannet_sequence.h"
+#include "engine/dataset/scenenn_sequence.h"
 #include "engine/dataset/sequence.h"
+#include "engine/dataset/sequence_formats.h"
 #include "engine/dataset/tracks_file.h"
 #include "engine/dataset/trajectory.h"
 #include "engine/dataset/trajectory_writer.h"
+#include "engine/dataset/visma_dataset.h"
+#include "engine/dataset/visma_sequence.h"
 #include "engine/sensor/image_file.h"
 #include "tests/fuzz/fuzz_targets.h"
 
@@ -72,6 +79,8 @@ Status WholeSequence(const std::filesystem::path& folder) {
   if (!opened.ok()) return opened.error();
   const Sequence& sequence = **opened;
   (void)NumPosedFrames(sequence);
+  std::vector<std::string> warnings;
+  (void)ReadTruthOf(sequence, warnings);
   const auto imu = sequence.ReadImu();
   Status status = StatusOf(imu);
   for (int i = 0; i < std::min(sequence.num_frames(), 3); ++i) {
@@ -85,6 +94,50 @@ Status WholeSequence(const std::filesystem::path& folder) {
 }
 
 Status SequenceFolder(std::string_view input) { return WholeSequence(FolderOf(input)); }
+
+Status RosBagFile(std::string_view input) { return WholeSequence(FileOf("sample.bag", input)); }
+
+Status KittiTracklets(std::string_view input) {
+  return StatusOf(ReadKittiTracklets(FileOf("tracklet_labels.xml", input)));
+}
+
+Status ScanNetSens(std::string_view input) {
+  return WholeSequence(FileOf("scene0042_01.sens", input));
+}
+
+Status Scan2Cad(std::string_view input) {
+  std::vector<std::string> warnings;
+  return StatusOf(ReadScan2Cad(FileOf("full_annotations.json", input), "scene0042_01", warnings));
+}
+
+Status VismaDatasetFile(std::string_view input) {
+  return StatusOf(ReadVismaDataset(FileOf("dataset", input)));
+}
+
+Status VismaBoxes(std::string_view input) {
+  return StatusOf(ReadVismaBoxes(FileOf("1.bbox", input)));
+}
+
+Status VismaTruth(std::string_view input) {
+  std::vector<std::string> warnings;
+  return StatusOf(ReadVismaTruth(FolderOf(input), warnings));
+}
+
+Status SceneNnLabels(std::string_view input) {
+  return StatusOf(ReadSceneNnLabels(FileOf("123.xml", input)));
+}
+
+/// As every message that is read; those of other kinds are refused.
+Status RosMessage(std::string_view input) {
+  (void)ParseRosHeader(input);
+  (void)ParseRosEncoding(input);
+  (void)ParseRosDepth(input);
+  (void)ParseRosCompressed(input);
+  (void)ParseRosCameraInfo(input);
+  (void)ParseRosImu(input);
+  (void)ParseRosTransforms(input);
+  return StatusOf(ParseRosImage(input));
+}
 
 Status Image(std::string_view input) {
   const auto file = FileOf("image.png", input);
@@ -104,6 +157,23 @@ constexpr std::array kDatasetTargets = {Target{"trajectory", TrajectoryFile},
                                         Target{"asl_imu", AslImu},
                                         Target{"asl_sequence", SequenceFolder},
                                         Target{"sequence", SequenceFolder},
+                                        Target{"seven_scenes", SequenceFolder},
+                                        Target{"tum_rgbd", SequenceFolder},
+                                        Target{"icl_nuim", SequenceFolder},
+                                        Target{"kitti_raw", SequenceFolder},
+                                        Target{"kitti_odometry", SequenceFolder},
+                                        Target{"kitti_tracklets", KittiTracklets},
+                                        Target{"scannet_sens", ScanNetSens},
+                                        Target{"scannet_extracted", SequenceFolder},
+                                        Target{"scan2cad", Scan2Cad},
+                                        Target{"visma_dataset", VismaDatasetFile},
+                                        Target{"visma_boxes", VismaBoxes},
+                                        Target{"visma_truth", VismaTruth},
+                                        Target{"scenenn", SequenceFolder},
+                                        Target{"scenenn_labels", SceneNnLabels},
+                                        Target{"bop_scene", SequenceFolder},
+                                        Target{"ros_bag", RosBagFile},
+                                        Target{"ros_message", RosMessage},
                                         Target{"image", Image}};
 
 }  // namespace

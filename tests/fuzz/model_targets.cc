@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 
+#include "engine/models/instance_crop.h"
 #include "engine/models/mesh_file.h"
 #include "engine/models/model_check.h"
 #include "engine/models/model_database.h"
@@ -17,7 +18,10 @@ namespace {
 Status Ply(std::string_view input) {
   std::size_t left_out = 0;
   (void)ParsePly(input, "mesh.ply", &left_out);
-  return StatusOf(ReadMesh(FileOf("mesh.ply", input)));
+  const auto file = FileOf("mesh.ply", input);
+  if (const auto scan = ReadLabelledMesh(file); scan.ok())
+    (void)UprightModel(CropByLabel(*scan, 7), {0, 0, -1});
+  return StatusOf(ReadMesh(file));
 }
 
 Status Pcd(std::string_view input) {

@@ -3,6 +3,7 @@
 
 #include "engine/annotation/pose_exchange.h"
 
+#include <algorithm>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -14,6 +15,7 @@
 #include "engine/annotation/instance_masks.h"
 #include "engine/annotation/scaled_models.h"
 #include "engine/base/files.h"
+#include "engine/dataset/visma_sequence.h"
 #include "engine/geometry/gravity.h"
 #include "engine/models/mesh_file.h"
 #include "tests/engine/annotation/random_edits.h"
@@ -112,6 +114,23 @@ TEST_F(PoseExchange, VismaComesBack) {
     EXPECT_LT((read->scan_from_world->matrix() - document_.scan_from_world->matrix()).norm(), 1e-9);
   }
   EXPECT_TRUE(std::filesystem::exists(out / "CAD" / "chair.obj"));
+}
+
+TEST_F(PoseExchange, VismaIsTheSameToTheReaderOfSequences) {
+  ASSERT_TRUE(WriteVisma(document_, nullptr, folder_.path()).ok());
+  std::vector<std::string> warnings;
+  const auto truth = ReadVismaTruth(folder_.path() / "fragments", warnings);
+  ASSERT_TRUE(truth.ok()) << truth.error().message;
+  EXPECT_TRUE(warnings.empty());
+  ASSERT_EQ(truth->instances.size(), document_.instances.size());
+  for (const GroundTruthInstance& instance : truth->instances) {
+    const auto wanted =
+        std::find_if(document_.instances.begin(), document_.instances.end(),
+                     [&](const AnnotatedInstance& other) { return other.id == instance.id; });
+    ASSERT_NE(wanted, document_.instances.end()) << instance.id;
+    EXPECT_EQ(instance.model, wanted->model);
+    EXPECT_THAT(instance.world_from_object, IsometryNear(wanted->scan_from_object, 1e-6, 1e-9));
+  }
 }
 
 TEST_F(PoseExchange, VismaIsToldThatScanAndSequenceShareAFrame) {

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "engine/base/files.h"
 #include "engine/geometry/angles.h"
 #include "tests/support/test_data.h"
 #include "tests/support/tiny_sequence.h"
@@ -83,6 +84,20 @@ TEST_F(GroundTruthFile, SaysHowMuchLargerThanItsModelAnInstanceIs) {
         HasSubstr("'scale'"))
         << wrong;
   }
+}
+
+TEST_F(GroundTruthFile, KeepsTheSizeOfABox) {
+  GroundTruth truth;
+  GroundTruthInstance car{"a", "car", "car"}, chair{"b", "chair", "chair"};
+  car.size_m = Eigen::Vector3d(4.2, 1.8, 1.5);
+  truth.instances = {car, chair};
+  ASSERT_TRUE(WriteGroundTruth(file_, truth).ok());
+  const GroundTruth read = ReadGroundTruth(file_).value();
+  EXPECT_EQ(read.instances[0].size_m, car.size_m);
+  EXPECT_FALSE(read.instances[1].size_m.has_value());
+  std::string text = ReadFile(file_).value();
+  text.replace(text.find("1.8"), 3, "-18");
+  EXPECT_THAT(Refusal(text), HasSubstr("(a) has a 'size_m'"));
 }
 
 TEST_F(GroundTruthFile, RefusesWhatIsWrongAndNamesTheInstance) {

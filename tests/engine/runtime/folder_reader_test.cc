@@ -41,6 +41,14 @@ TEST(FolderReader, ListsFoldersFirstAndSaysWhatEachIs) {
   EXPECT_GT(view.entries.back().changed_s, 1'600'000'000);
 }
 
+TEST(FolderReader, FilesThatHoldASequenceAreSequences) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.bag", "scene0000_00.sens"})
+    std::ofstream(folder.path() / name) << "x";
+  for (const FolderEntry& entry : ReadFolder(folder.path(), Never).entries)
+    EXPECT_EQ(entry.kind, PathKind::kSequence) << entry.name;
+}
+
 TEST(FolderReader, SaysInOneSentenceWhyAFolderCannotBeRead) {
   const TemporaryFolder folder;
   const std::string missing = (folder.path() / "missing").string();
