@@ -15,6 +15,7 @@
 #include "engine/dataset/sequence.h"
 #include "engine/dataset/tracks_file.h"
 #include "engine/geometry/angles.h"
+#include "engine/snapshot/lens_entries.h"
 #include "engine/vio/lens.h"
 #include "engine/vio/own_poses.h"
 #include "engine/vio/rig_calibration.h"
@@ -75,7 +76,7 @@ std::vector<std::string> LensLines(const RigEstimate& result, const LensVector& 
   for (int row = 0; row < kLensSize; ++row) {
     const double std = result.spread[7 + row];
     if (std <= 0) continue;
-    const LensEntry entry = LensEntryOf(row);
+    const LensEntry entry = kLensEntries[static_cast<std::size_t>(row)];
     lines.push_back(fmt::format("{} {:.{}f} {} +- {:.{}f} ({:.{}f} given)", entry.name,
                                 entry.factor * result.lens[row], entry.digits, entry.unit,
                                 entry.factor * std, entry.digits, entry.factor * given[row],
@@ -163,7 +164,9 @@ nlohmann::json EstimateToJson(const RigEstimate& estimate) {
   nlohmann::json lens = nlohmann::json::object();
   for (int row = 0; row < kLensSize; ++row) {
     const double std = estimate.spread[7 + row];
-    if (std > 0) lens[LensEntryOf(row).key] = {{"value", estimate.lens[row]}, {"std", std}};
+    if (std > 0)
+      lens[kLensEntries[static_cast<std::size_t>(row)].key] = {{"value", estimate.lens[row]},
+                                                               {"std", std}};
   }
   return {{"body_from_cam", MatrixToJson(estimate.body_from_cam)},
           {"time_offset_s", estimate.time_offset_s},

@@ -17,7 +17,7 @@
 #include "engine/dataset/trajectory_writer.h"
 #include "engine/geometry/angles.h"
 #include "engine/models/mesh_file.h"
-#include "engine/vio/lens.h"
+#include "engine/snapshot/lens_entries.h"
 #include "engine/vio/loop_closer.h"
 #include "engine/vio/own_poses.h"
 #include "engine/vio/vio_run.h"
@@ -179,7 +179,8 @@ nlohmann::json SummaryToJson(const VioSummary& s, const LoopReport& loops, doubl
   nlohmann::json lens = nlohmann::json::object();
   for (int row = 0; row < kLensSize; ++row) {
     if (s.last->lens_spread[row] <= 0) continue;
-    lens[LensEntryOf(row).key] = {{"value", s.last->lens[row]}, {"std", s.last->lens_spread[row]}};
+    lens[kLensEntries[static_cast<std::size_t>(row)].key] = {{"value", s.last->lens[row]},
+                                                             {"std", s.last->lens_spread[row]}};
   }
   return {{"images", s.images},
           {"tracked", s.tracked},
@@ -252,7 +253,7 @@ void PrintSummary(const VioSummary& s, const LoopReport& loops, const VioArgumen
               1e3 * last.spread(12));
   for (int row = 0; row < kLensSize; ++row) {
     if (last.lens_spread[row] <= 0) continue;
-    const LensEntry entry = LensEntryOf(row);
+    const LensEntry entry = kLensEntries[static_cast<std::size_t>(row)];
     std::printf("%-18s %9.*f %s  +- %.*f\n", entry.name, entry.digits,
                 entry.factor * last.lens[row], entry.unit, entry.digits,
                 entry.factor * last.lens_spread[row]);

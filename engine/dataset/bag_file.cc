@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/dataset/bag_file.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstring>
 #include <map>
@@ -127,47 +123,26 @@ struct BagFile::Record {
   std::uint64_t end() const { return data_begin + data_size; }
 };
 
-BagFile::~BagFile() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
-Error BagFile::Damage(const std::string& what) const {
-  return {ErrorCode::kCorrupt, "the bag '" + file_.string() + "' is damaged: " + what};
-}
-
-Result<std::string> BagFile::Bytes(std::uint64_t begin, std::uint64_t count) const {
-  if (begin > file_size_ || count > file_size_ - begin)
-    return Damage("it ends before what it says to hold");
-  std::string bytes(count, '\0');
-  for (std::uint64_t done = 0; done < count;) {
-    const ssize_t now =
-        pread(descriptor_, bytes.data() + done, count - done, static_cast<off_t>(begin + done));
-    if (now <= 0) return Error{ErrorCode::kIo, "cannot read the bag '" + file_.string() + "'"};
-    done += static_cast<std::uint64_t>(now);
-  }
-  return bytes;
-}
-
 Result<BagFile::Record> BagFile::ReadRecord(std::uint64_t begin) const {
-  const Result<std::string> length = Bytes(begin, 4);
+  const Result<std::string> length = file_.Read(begin, 4);
   if (!length.ok()) return length.error();
   const auto header_size = LittleEndian<std::uint32_t>(length->data());
-  if (header_size > kLargestBagHeader) return Damage("a header of more than 1 MB");
-  Result<std::string> header = Bytes(begin + 4, std::uint64_t{header_size} + 4);
+  if (header_size > kLargestBagHeader) return file_.Damage("a header of more than 1 MB");
+  Result<std::string> header = file_.Read(begin + 4, std::uint64_t{header_size} + 4);
   if (!header.ok()) return header.error();
   Record record;
   record.data_size = LittleEndian<std::uint32_t>(header->data() + header_size);
   record.data_begin = begin + 8 + header_size;
   record.header = std::move(*header);
   record.header.resize(header_size);
-  if (record.end() > file_size_) return Damage("it ends before what it says to hold");
+  if (record.end() > file_.size()) return file_.Damage("it ends before what it says to hold");
   return record;
 }
 
 Status BagFile::AddTopic(std::uint32_t connection, const std::string& name,
                          std::string_view header) {
   const std::optional<BagFields> fields = FieldsOf(header);
-  if (!fields) return Damage("a connection whose header is none");
+  if (!fields) return file_.Damage("a connection whose header is none");
   if (std::find(connections_.begin(), connections_.end(), connection) != connections_.end())
     return {};
   connections_.push_back(connection);
@@ -180,22 +155,22 @@ Status BagFile::ReadChunk(std::uint64_t begin) {
   if (!record.ok()) return record.error();
   const std::optional<BagFields> fields = FieldsOf(record->header);
   if (!fields || NumberField<std::uint8_t>(*fields, "op") != kChunkRecord)
-    return Damage("no chunk where the index has one");
+    return file_.Damage("no chunk where the index has one");
   Chunk chunk{record->data_begin, record->data_size,
               NumberField<std::uint32_t>(*fields, "size").value_or(0),
               TextField(*fields, "compression")};
   if (chunk.compression != "none" && chunk.compression != "bz2" && chunk.compression != "lz4") {
-    return Error{ErrorCode::kUnsupported, "the bag '" + file_.string() + "' is compressed by '" +
-                                              chunk.compression +
+    return Error{ErrorCode::kUnsupported, "the bag '" + file_.path().string() +
+                                              "' is compressed by '" + chunk.compression +
                                               "'; this version reads none, bz2 and lz4"};
   }
   if (chunk.size > kLargestChunk ||
       (chunk.compression == "none" && chunk.size != chunk.packed_size))
-    return Damage("a chunk whose size cannot be right");
+    return file_.Damage("a chunk whose size cannot be right");
   const std::size_t index = chunks_.size();
   chunks_.push_back(chunk);
   // What the chunk holds is told behind it, connection by connection.
-  for (std::uint64_t at = record->end(); at < file_size_;) {
+  for (std::uint64_t at = record->end(); at < file_.size();) {
     const Result<Record> entries = ReadRecord(at);
     if (!entries.ok()) return entries.error();
     const std::optional<BagFields> of = FieldsOf(entries->header);
@@ -205,8 +180,8 @@ Status BagFile::ReadChunk(std::uint64_t begin) {
     const auto topic = std::find(connections_.begin(), connections_.end(), connection.value_or(0));
     if (!connection || !count || topic == connections_.end() ||
         std::uint64_t{*count} * 12 != entries->data_size)
-      return Damage("an index that does not fit");
-    const Result<std::string> data = Bytes(entries->data_begin, entries->data_size);
+      return file_.Damage("an index that does not fit");
+    const Result<std::string> data = file_.Read(entries->data_begin, entries->data_size);
     if (!data.ok()) return data.error();
     for (std::size_t i = 0; i < *count; ++i) {
       messages_.push_back({static_cast<std::size_t>(topic - connections_.begin()),
@@ -219,13 +194,13 @@ Status BagFile::ReadChunk(std::uint64_t begin) {
 }
 
 Status BagFile::ReadIndex() {
-  const Result<std::string> magic = Bytes(0, kBagMagic.size());
+  const Result<std::string> magic = file_.Read(0, kBagMagic.size());
   if (!magic.ok() || !magic->starts_with("#ROSBAG V")) {
-    return Error{ErrorCode::kCorrupt, "'" + file_.string() + "' is not a ROS bag"};
+    return Error{ErrorCode::kCorrupt, "'" + file_.path().string() + "' is not a ROS bag"};
   }
   if (*magic != kBagMagic) {
     return Error{ErrorCode::kUnsupported,
-                 "the bag '" + file_.string() + "' is of version '" + magic->substr(8, 4) +
+                 "the bag '" + file_.path().string() + "' is of version '" + magic->substr(8, 4) +
                      "'; this version reads 2.0 (rosbag fix or reindex makes one)"};
   }
   const Result<Record> head = ReadRecord(kBagMagic.size());
@@ -233,32 +208,32 @@ Status BagFile::ReadIndex() {
   const std::optional<BagFields> fields = FieldsOf(head->header);
   const auto index = fields ? NumberField<std::uint64_t>(*fields, "index_pos") : std::nullopt;
   if (!index || NumberField<std::uint8_t>(*fields, "op") != kBagHeader)
-    return Damage("its header is none");
+    return file_.Damage("its header is none");
   if (!TextField(*fields, "encryptor").empty())
-    return Error{ErrorCode::kUnsupported, "the bag '" + file_.string() + "' is encrypted"};
-  if (*index == 0 || *index > file_size_) {
+    return Error{ErrorCode::kUnsupported, "the bag '" + file_.path().string() + "' is encrypted"};
+  if (*index == 0 || *index > file_.size()) {
     return Error{ErrorCode::kInvalidInput,
-                 "the bag '" + file_.string() +
+                 "the bag '" + file_.path().string() +
                      "' has no index, as one that was not closed or was cut off; make one with "
                      "rosbag reindex"};
   }
   std::vector<std::uint64_t> chunks;
-  for (std::uint64_t at = *index; at < file_size_;) {
+  for (std::uint64_t at = *index; at < file_.size();) {
     const Result<Record> record = ReadRecord(at);
     if (!record.ok()) return record.error();
     const std::optional<BagFields> of = FieldsOf(record->header);
-    if (!of) return Damage("a header of its index is none");
+    if (!of) return file_.Damage("a header of its index is none");
     const auto op = NumberField<std::uint8_t>(*of, "op").value_or(0);
     if (op == kConnection) {
       const auto connection = NumberField<std::uint32_t>(*of, "conn");
-      if (!connection) return Damage("a connection without a number");
-      const Result<std::string> data = Bytes(record->data_begin, record->data_size);
+      if (!connection) return file_.Damage("a connection without a number");
+      const Result<std::string> data = file_.Read(record->data_begin, record->data_size);
       if (!data.ok()) return data.error();
       if (Status added = AddTopic(*connection, TextField(*of, "topic"), *data); !added.ok())
         return added;
     } else if (op == kChunkInfo) {
       const auto place = NumberField<std::uint64_t>(*of, "chunk_pos");
-      if (!place || *place < kBagMagic.size()) return Damage("a chunk without a place");
+      if (!place || *place < kBagMagic.size()) return file_.Damage("a chunk without a place");
       chunks.push_back(*place);
     }
     at = record->end();
@@ -273,13 +248,9 @@ Status BagFile::ReadIndex() {
 }
 
 Result<std::shared_ptr<const BagFile>> BagFile::Open(const std::filesystem::path& file) {
-  std::shared_ptr<BagFile> bag(new BagFile);
-  bag->file_ = file;
-  bag->descriptor_ = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  struct stat state = {};
-  if (bag->descriptor_ < 0 || fstat(bag->descriptor_, &state) != 0 || !S_ISREG(state.st_mode))
-    return Error{ErrorCode::kNotFound, "cannot open the bag '" + file.string() + "'"};
-  bag->file_size_ = static_cast<std::uint64_t>(state.st_size);
+  Result<RandomAccessFile> opened = RandomAccessFile::Open(file);
+  if (!opened.ok()) return opened.error();
+  std::shared_ptr<BagFile> bag(new BagFile(std::move(opened).value()));
   if (Status read = bag->ReadIndex(); !read.ok()) return read.error();
   return std::shared_ptr<const BagFile>(std::move(bag));
 }
@@ -288,12 +259,12 @@ Result<std::shared_ptr<const std::string>> BagFile::Unpacked(std::size_t index) 
   const std::lock_guard lock(mutex_);
   if (unpacked_chunk_ == index) return unpacked_;
   const Chunk& chunk = chunks_[index];
-  Result<std::string> packed = Bytes(chunk.data_begin, chunk.packed_size);
+  Result<std::string> packed = file_.Read(chunk.data_begin, chunk.packed_size);
   if (!packed.ok()) return packed.error();
   std::optional<std::string> unpacked = chunk.compression == "bz2"
                                             ? UnpackBz2(std::move(*packed), chunk.size)
                                             : UnpackLz4(*packed, chunk.size);
-  if (!unpacked) return Damage("a chunk that cannot be unpacked");
+  if (!unpacked) return file_.Damage("a chunk that cannot be unpacked");
   unpacked_ = std::make_shared<const std::string>(std::move(*unpacked));
   unpacked_chunk_ = index;
   return unpacked_;
@@ -302,14 +273,15 @@ Result<std::shared_ptr<const std::string>> BagFile::Unpacked(std::size_t index) 
 Result<std::string> BagFile::Read(const BagMessage& message, std::size_t enough) const {
   const Chunk& chunk = chunks_[message.chunk];
   if (chunk.compression == "none") {
-    if (message.offset > chunk.size) return Damage("a message beyond its chunk");
+    if (message.offset > chunk.size) return file_.Damage("a message beyond its chunk");
     const Result<Record> record = ReadRecord(chunk.data_begin + message.offset);
     if (!record.ok()) return record.error();
-    if (record->end() > chunk.data_begin + chunk.size) return Damage("a message beyond its chunk");
+    if (record->end() > chunk.data_begin + chunk.size)
+      return file_.Damage("a message beyond its chunk");
     const std::optional<BagFields> fields = FieldsOf(record->header);
     if (!fields || NumberField<std::uint8_t>(*fields, "op") != kMessageData)
-      return Damage("no message where the index has one");
-    return Bytes(record->data_begin, std::min<std::uint64_t>(record->data_size, enough));
+      return file_.Damage("no message where the index has one");
+    return file_.Read(record->data_begin, std::min<std::uint64_t>(record->data_size, enough));
   }
   const Result<std::shared_ptr<const std::string>> unpacked = Unpacked(message.chunk);
   if (!unpacked.ok()) return unpacked.error();
@@ -320,7 +292,7 @@ Result<std::string> BagFile::Read(const BagMessage& message, std::size_t enough)
     rest.remove_prefix(count);
     return taken;
   };
-  if (!take(message.offset)) return Damage("a message beyond its chunk");
+  if (!take(message.offset)) return file_.Damage("a message beyond its chunk");
   const auto sized = [&]() -> std::optional<std::string_view> {
     const auto length = take(4);
     return length ? take(LittleEndian<std::uint32_t>(length->data())) : std::nullopt;
@@ -328,9 +300,9 @@ Result<std::string> BagFile::Read(const BagMessage& message, std::size_t enough)
   const auto header = sized();
   const auto fields = header ? FieldsOf(*header) : std::nullopt;
   if (!fields || NumberField<std::uint8_t>(*fields, "op") != kMessageData)
-    return Damage("no message where the index has one");
+    return file_.Damage("no message where the index has one");
   const auto data = sized();
-  if (!data) return Damage("a message beyond its chunk");
+  if (!data) return file_.Damage("a message beyond its chunk");
   return std::string(data->substr(0, enough));
 }
 

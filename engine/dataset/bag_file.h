@@ -8,8 +8,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "engine/base/random_access_file.h"
 #include "engine/base/result.h"
 
 namespace plumbline {
@@ -37,11 +39,10 @@ class BagFile {
   /// Errors: kNotFound, kIo, kCorrupt, kUnsupported (another version, encryption), kInvalidInput (a
   /// bag without index, as one that was not closed), naming the file.
   static Result<std::shared_ptr<const BagFile>> Open(const std::filesystem::path& file);
-  ~BagFile();
   BagFile(const BagFile&) = delete;
   BagFile& operator=(const BagFile&) = delete;
 
-  const std::filesystem::path& path() const { return file_; }
+  const std::filesystem::path& path() const { return file_.path(); }
   const std::vector<BagTopic>& topics() const { return topics_; }
   /// By the time at which they were recorded.
   const std::vector<BagMessage>& messages() const { return messages_; }
@@ -56,19 +57,15 @@ class BagFile {
     std::string compression;
   };
   struct Record;
-  BagFile() = default;
+  explicit BagFile(RandomAccessFile file) : file_(std::move(file)) {}
 
-  Result<std::string> Bytes(std::uint64_t begin, std::uint64_t count) const;
   Result<Record> ReadRecord(std::uint64_t begin) const;
-  Error Damage(const std::string& what) const;
   Status ReadIndex();
   Status ReadChunk(std::uint64_t begin);
   Status AddTopic(std::uint32_t connection, const std::string& name, std::string_view header);
   Result<std::shared_ptr<const std::string>> Unpacked(std::size_t chunk) const;
 
-  std::filesystem::path file_;
-  int descriptor_ = -1;
-  std::uint64_t file_size_ = 0;
+  RandomAccessFile file_;
   std::vector<BagTopic> topics_;
   std::vector<std::uint32_t> connections_;  ///< Of each topic: one topic may have several.
   std::vector<Chunk> chunks_;

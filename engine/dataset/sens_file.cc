@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/dataset/sens_file.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -49,46 +45,26 @@ PinholeCamera SensCamera(const Eigen::Matrix4d& k, std::uint32_t width, std::uin
 
 }  // namespace
 
-SensFile::~SensFile() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
-Error SensFile::Damage(const std::string& what) const {
-  return {ErrorCode::kCorrupt, "'" + file_.string() + "' is damaged: " + what};
-}
-
-Result<std::string> SensFile::Bytes(std::uint64_t begin, std::uint64_t count) const {
-  if (begin > file_size_ || count > file_size_ - begin)
-    return Damage("it ends before what it says to hold");
-  std::string bytes(count, '\0');
-  for (std::uint64_t done = 0; done < count;) {
-    const ssize_t now =
-        pread(descriptor_, bytes.data() + done, count - done, static_cast<off_t>(begin + done));
-    if (now <= 0) return Error{ErrorCode::kIo, "cannot read '" + file_.string() + "'"};
-    done += static_cast<std::uint64_t>(now);
-  }
-  return bytes;
-}
-
 Status SensFile::ReadHeads() {
-  const Result<std::string> start = Bytes(0, 12);
+  const Result<std::string> start = file_.Read(0, 12);
   if (!start.ok()) return start.error();
   if (const auto version = SensNumber<std::uint32_t>(*start, 0); version != kSensVersion) {
-    return Error{ErrorCode::kUnsupported, "'" + file_.string() + "' is of version " +
+    return Error{ErrorCode::kUnsupported, "'" + file_.path().string() + "' is of version " +
                                               std::to_string(version) +
                                               " of the .sens format; this version reads 4"};
   }
   const auto name_size = SensNumber<std::uint64_t>(*start, 4);
-  if (name_size > 4096) return Damage("a sensor's name of " + std::to_string(name_size) + " bytes");
+  if (name_size > 4096)
+    return file_.Damage("a sensor's name of " + std::to_string(name_size) + " bytes");
   constexpr std::size_t kMatrices = 4 * 64, kRest = 4 * 7 + 8;
-  const Result<std::string> head = Bytes(12 + name_size, kMatrices + kRest);
+  const Result<std::string> head = file_.Read(12 + name_size, kMatrices + kRest);
   if (!head.ok()) return head.error();
   const auto color = SensNumber<std::int32_t>(*head, kMatrices);
   depth_compression_ = SensNumber<std::int32_t>(*head, kMatrices + 4);
   if ((color != kSensPng && color != kSensJpeg) ||
       (depth_compression_ != kSensRawDepth && depth_compression_ != kSensZlibDepth)) {
     return Error{ErrorCode::kUnsupported,
-                 "'" + file_.string() + "' has images compressed in the ways " +
+                 "'" + file_.path().string() + "' has images compressed in the ways " +
                      std::to_string(color) + " (colour) and " + std::to_string(depth_compression_) +
                      " (depth); this version reads colour as PNG (1) or JPEG (2), depth plain (0) "
                      "or by zlib (1)"};
@@ -101,67 +77,65 @@ Status SensFile::ReadHeads() {
   same_place_ = (SensMatrix(*head, 64) - SensMatrix(*head, 192)).cwiseAbs().maxCoeff() < 1e-4;
   depth_units_per_metre_ = SensNumber<float>(*head, kMatrices + 24);
   if (!(depth_units_per_metre_ > 0.1 && depth_units_per_metre_ < 1e6))
-    return Damage("a depth unit that is none");
+    return file_.Damage("a depth unit that is none");
   const auto count = SensNumber<std::uint64_t>(*head, kMatrices + 28);
   std::uint64_t at = 12 + name_size + kMatrices + kRest;
-  if (count > file_size_ / kSensFrameHead) return Damage("more frames than it has room for");
+  if (count > file_.size() / kSensFrameHead)
+    return file_.Damage("more frames than it has room for");
   for (std::uint64_t i = 0; i < count; ++i) {
-    const Result<std::string> bytes = Bytes(at, kSensFrameHead);
+    const Result<std::string> bytes = file_.Read(at, kSensFrameHead);
     if (!bytes.ok()) return bytes.error();
     Frame frame;
     frame.world_from_cam = RigidFromMatrix(SensMatrix(*bytes, 0));
     frame.color_stamp_us = SensNumber<std::uint64_t>(*bytes, 64);
     frame.color_size = SensNumber<std::uint64_t>(*bytes, 80);
     frame.depth_size = SensNumber<std::uint64_t>(*bytes, 88);
-    if (frame.color_size > file_size_ || frame.depth_size > file_size_)
-      return Damage("it ends before what it says to hold");
+    if (frame.color_size > file_.size() || frame.depth_size > file_.size())
+      return file_.Damage("it ends before what it says to hold");
     frame.color_begin = at + kSensFrameHead;
     frame.depth_begin = frame.color_begin + frame.color_size;
     at = frame.depth_begin + frame.depth_size;
-    if (at > file_size_) return Damage("it ends within frame " + std::to_string(i));
+    if (at > file_.size()) return file_.Damage("it ends within frame " + std::to_string(i));
     frames_.push_back(frame);
   }
   return {};
 }
 
 Result<std::shared_ptr<const SensFile>> SensFile::Open(const std::filesystem::path& file) {
-  std::shared_ptr<SensFile> sens(new SensFile);
-  sens->file_ = file;
-  sens->descriptor_ = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  struct stat state = {};
-  if (sens->descriptor_ < 0 || fstat(sens->descriptor_, &state) != 0 || !S_ISREG(state.st_mode))
-    return Error{ErrorCode::kNotFound, "cannot open '" + file.string() + "'"};
-  sens->file_size_ = static_cast<std::uint64_t>(state.st_size);
+  Result<RandomAccessFile> opened = RandomAccessFile::Open(file);
+  if (!opened.ok()) return opened.error();
+  std::shared_ptr<SensFile> sens(new SensFile(std::move(opened).value()));
   if (Status read = sens->ReadHeads(); !read.ok()) return read.error();
   return std::shared_ptr<const SensFile>(std::move(sens));
 }
 
 Result<cv::Mat> SensFile::ReadColor(std::size_t frame) const {
-  const Result<std::string> bytes = Bytes(frames_[frame].color_begin, frames_[frame].color_size);
+  const Result<std::string> bytes =
+      file_.Read(frames_[frame].color_begin, frames_[frame].color_size);
   if (!bytes.ok()) return bytes.error();
   return DecodeImage(*bytes, ImageKind::kColor, cv::Size(color_camera_.width, color_camera_.height),
-                     file_.string() + " frame " + std::to_string(frame));
+                     file_.path().string() + " frame " + std::to_string(frame));
 }
 
 Result<std::optional<cv::Mat>> SensFile::ReadDepth(std::size_t frame) const {
   if (frames_[frame].depth_size == 0) return std::optional<cv::Mat>();
-  Result<std::string> packed = Bytes(frames_[frame].depth_begin, frames_[frame].depth_size);
+  Result<std::string> packed = file_.Read(frames_[frame].depth_begin, frames_[frame].depth_size);
   if (!packed.ok()) return packed.error();
   const std::size_t size = 2ull * static_cast<std::size_t>(depth_camera_.width) *
                            static_cast<std::size_t>(depth_camera_.height);
   if (depth_compression_ == kSensZlibDepth) {
     // zlib makes at most some thousand bytes of one.
-    if (size / 2000 > packed->size()) return Damage("depth that cannot be unpacked");
+    if (size / 2000 > packed->size()) return file_.Damage("depth that cannot be unpacked");
     std::string unpacked(size, '\0');
     uLongf length = size;
     if (uncompress(reinterpret_cast<Bytef*>(unpacked.data()), &length,
                    reinterpret_cast<const Bytef*>(packed->data()),
                    static_cast<uLong>(packed->size())) != Z_OK)
-      return Damage("depth that cannot be unpacked");
+      return file_.Damage("depth that cannot be unpacked");
     unpacked.resize(length);
     *packed = std::move(unpacked);
   }
-  if (packed->size() != size) return Damage("depth of another size than its camera's");
+  if (packed->size() != size) return file_.Damage("depth of another size than its camera's");
   const cv::Mat raw(depth_camera_.height, depth_camera_.width, CV_16UC1, packed->data());
   return std::optional(InMillimetres(raw, depth_units_per_metre_));
 }

@@ -6,11 +6,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
+#include "engine/base/random_access_file.h"
 #include "engine/base/result.h"
 #include "engine/sensor/camera.h"
 
@@ -30,11 +32,10 @@ class SensFile {
 
   /// Errors: kNotFound, kIo, kCorrupt, kUnsupported (another version or compression).
   static Result<std::shared_ptr<const SensFile>> Open(const std::filesystem::path& file);
-  ~SensFile();
   SensFile(const SensFile&) = delete;
   SensFile& operator=(const SensFile&) = delete;
 
-  const std::filesystem::path& path() const { return file_; }
+  const std::filesystem::path& path() const { return file_.path(); }
   const std::vector<Frame>& frames() const { return frames_; }
   const PinholeCamera& color_camera() const { return color_camera_; }
   const PinholeCamera& depth_camera() const { return depth_camera_; }
@@ -47,14 +48,10 @@ class SensFile {
   Result<std::optional<cv::Mat>> ReadDepth(std::size_t frame) const;
 
  private:
-  SensFile() = default;
+  explicit SensFile(RandomAccessFile file) : file_(std::move(file)) {}
   Status ReadHeads();
-  Result<std::string> Bytes(std::uint64_t begin, std::uint64_t count) const;
-  Error Damage(const std::string& what) const;
 
-  std::filesystem::path file_;
-  int descriptor_ = -1;
-  std::uint64_t file_size_ = 0;
+  RandomAccessFile file_;
   PinholeCamera color_camera_, depth_camera_;
   bool same_place_ = true;
   int depth_compression_ = 0;

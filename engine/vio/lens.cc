@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "engine/base/check.h"
 #include "engine/sensor/distorted_camera.h"
 
 namespace plumbline {
@@ -23,20 +22,6 @@ Camera WithLens(Camera camera, const LensVector& lens) {
   std::copy_n(lens.begin() + 4, count, camera.distortion.begin());
   camera.rolling_shutter_s = lens[kReadOut];
   return camera;
-}
-
-LensEntry LensEntryOf(int row) {
-  static constexpr LensEntry kEntries[kLensSize] = {{"fx", "fx_px", "px", 1, 2},
-                                                    {"fy", "fy_px", "px", 1, 2},
-                                                    {"cx", "cx_px", "px", 1, 2},
-                                                    {"cy", "cy_px", "px", 1, 2},
-                                                    {"distortion 1", "distortion_1", "", 1, 5},
-                                                    {"distortion 2", "distortion_2", "", 1, 5},
-                                                    {"distortion 3", "distortion_3", "", 1, 5},
-                                                    {"distortion 4", "distortion_4", "", 1, 5},
-                                                    {"read-out", "read_out_s", "ms", 1e3, 3}};
-  PLB_CHECK(row >= 0 && row < kLensSize);
-  return kEntries[row];
 }
 
 }  // namespace plumbline

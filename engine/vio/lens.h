@@ -12,15 +12,4 @@ LensVector LensOf(const Camera& camera);
 /// stay.
 Camera WithLens(Camera camera, const LensVector& lens);
 
-/// One number of a lens as people read it.
-struct LensEntry {
-  const char* name;
-  const char* key;  ///< In JSON, in the LensVector's unit.
-  const char* unit;
-  double factor = 1;  ///< From the LensVector's unit to `unit`.
-  int digits = 0;     ///< Behind the point.
-};
-/// @param row  Of a LensVector.
-LensEntry LensEntryOf(int row);
-
 }  // namespace plumbline

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "engine/geometry/angles.h"
+#include "engine/snapshot/lens_entries.h"
 #include "engine/snapshot/map_snapshot.h"
-#include "engine/vio/lens.h"
 #include "ui/common/waiting.h"
 #include "ui/files/kept_value.h"
 #include "ui/framework/widgets.h"
@@ -161,7 +161,7 @@ class InertialPanel : public Panel {
   static void DrawLens(const VioReport& vio) {
     for (int row = 0; row < kLensSize; ++row) {
       if (vio.lens_spread[row] <= 0) continue;
-      const LensEntry entry = LensEntryOf(row);
+      const LensEntry entry = kLensEntries[static_cast<std::size_t>(row)];
       TableRow(entry.name,
                fmt::format("{:.{}f} {}", entry.factor * vio.lens[row], entry.digits, entry.unit),
                Bound(entry.factor * vio.lens_spread[row], "", entry.digits));
