@@ -565,7 +565,8 @@ def rows_of(found, paper, outcome, presets):
             continue
         surface = {name: (lambda run, name=name: run["surfaces"].get(name)) for name in ("paper", "visma", "scanned", "posed")}
         ours = f"ours, preset {preset}" + (f" ({len(done)} of {len(runs)} seeds)" if len(done) < len(runs) else "")
-        share = interval([100 * one["share"] for one in map(surface["scanned"], done) if one], "{:.0f}")
+        share = interval([100 * one["share"] for one in map(surface["scanned"], done)
+                          if one and one["mean_m"] is not None], "{:.0f}")
         placed = [interval([run["matched"] for run in done], "{:.1f}") + f" of {done[0]['matched'] + done[0]['missed']}",
                   interval([run["placement"]["scan2cad"]["right"] for run in done], "{:.1f}"),
                   interval([run["spurious"] for run in done], "{:.1f}")]
