@@ -432,7 +432,8 @@ class Reproduction:
             return {**record, "planned": True}
         run_file, log = file.with_suffix(".plb"), file.with_suffix(".log")
         summary, judged = file.with_suffix(".run"), file.with_suffix(".judged")
-        for old in (run_file, log):
+        # What a killed call left: a run file comes with a journal and a lock.
+        for old in (log, *run_file.parent.glob(run_file.name + "*")):
             old.unlink(missing_ok=True)
         judge = ["--ground-truth", folder / "ground_truth.json", "--models", folder / "models", "--samples", self.arguments.samples,
                  "--single-frames", 0]
