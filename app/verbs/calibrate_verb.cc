@@ -70,6 +70,8 @@ Eigen::Matrix<double, kNumParts, 1> Sizes(const RigVector& v) {
           v.segment<4>(7).norm(),          v.segment<4>(11).norm(),      1e3 * std::abs(v[15])};
 }
 
+static_assert(kLensEntries.size() == kLensSize);
+
 /// "fx 500.00 px +- 0.12 (503.00 given)" of each number of the lens that was estimated.
 std::vector<std::string> LensLines(const RigEstimate& result, const LensVector& given) {
   std::vector<std::string> lines;
