@@ -186,8 +186,12 @@ TEST_F(RunVerb, LiveItSaysWhatItPassedOverAndCanBeForkedButNotResumed) {
   EXPECT_EQ(run({"--out", Path("live.plb"), "--resume"}), 1);
   EXPECT_THAT(said(), testing::HasSubstr("a live run cannot be resumed"));
   EXPECT_EQ(FramesIn("live.plb"), mapped);
-  ASSERT_EQ(run({"--out", Path("fork.plb"), "--fork", Path("live.plb"), "--at", "0"}), 0) << said();
-  EXPECT_EQ(FramesIn("fork.plb"), kFrames) << "every frame after what it took over";
+  const int first = whole->Frames().value().front().frame;  // a busy machine passes over 0
+  ASSERT_EQ(
+      run({"--out", Path("fork.plb"), "--fork", Path("live.plb"), "--at", std::to_string(first)}),
+      0)
+      << said();
+  EXPECT_EQ(FramesIn("fork.plb"), kFrames - first) << "every frame after what it took over";
   EXPECT_EQ(run({"--out", Path("b.plb"), "--live=fast"}), 1);
   EXPECT_THAT(said(), testing::HasSubstr("'fast' is no speed"));
 }
