@@ -24,6 +24,13 @@ Result<PathInfo> DescribePath(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
     return Error{ErrorCode::kNotFound, "there is no '" + path.string() + "'"};
+  // Whoever looked into a pipe would wait for somebody to write.
+  if (!std::filesystem::is_regular_file(path, ignored) &&
+      !std::filesystem::is_directory(path, ignored)) {
+    return Error{
+        ErrorCode::kInvalidInput,
+        "'" + path.string() + "' is a device, pipe or socket; a file or a folder is needed"};
+  }
   const PathKind* best = nullptr;
   Likeness surest = Likeness::kNone;
   std::string expected;

@@ -2,7 +2,6 @@
 #include "engine/dataset/ros_bag_sequence.h"
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -370,10 +369,11 @@ Result<Recording> BagReader::Read() {
 
 Likeness ProbeRosBag(const fs::path& path) {
   if (path.extension() != ".bag") return Likeness::kNone;
-  std::ifstream file(path, std::ios::binary);
-  std::string begin(8, '\0');
-  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  return begin == "#ROSBAG " ? Likeness::kCertain : Likeness::kNone;
+  constexpr std::string_view kBegin = "#ROSBAG ";
+  const auto file = RandomAccessFile::Open(path);  // does not wait, as a pipe would have it
+  if (!file.ok() || file->size() < kBegin.size()) return Likeness::kNone;
+  const auto begin = file->Read(0, kBegin.size());
+  return begin.ok() && *begin == kBegin ? Likeness::kCertain : Likeness::kNone;
 }
 
 Result<std::shared_ptr<const Sequence>> OpenRosBag(const fs::path& file,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `plumbline info` as a user and a script meet it.
 
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -173,6 +174,11 @@ TEST_F(InfoVerb, SaysWhatItWouldKnow) {
   EXPECT_EQ(Run("note.txt"), 1);
   EXPECT_THAT(errors(),
               AllOf(HasSubstr("a sequence"), HasSubstr("a run (.plb)"), HasSubstr("a trajectory")));
+  for (const char* pipe : {"pipe.bag", "pipe.plb", "pipe.sens"}) {  // nobody writes: no waiting
+    ASSERT_EQ(::mkfifo(Path(pipe).c_str(), 0600), 0);
+    EXPECT_EQ(Run(pipe), 1);
+    EXPECT_THAT(errors(), HasSubstr("is a device, pipe or socket"));
+  }
   WriteText(Path("net.onnx"), "x");
   ASSERT_EQ(Run("net.onnx"), 0);
   EXPECT_THAT(out(), HasSubstr("net.json"));
