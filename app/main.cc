@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
       {plumbline::AddInfoVerb},   {plumbline::AddConvertVerb},   {plumbline::AddRenderVerb},
       {plumbline::AddReportVerb}, {plumbline::AddCompareVerb},   {plumbline::AddSmoothVerb},
       {plumbline::AddVioVerb},    {plumbline::AddCalibrateVerb}, {plumbline::AddNetworksVerb},
+      {plumbline::AddBatchVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
                "plumbline");

@@ -18,7 +18,7 @@ struct Axes {
 
   double X(double x) const { return kLeft + (x - x0) / (x1 - x0) * (plot.width - kLeft - kRight); }
   double Y(double y) const {
-    return plot.height - kBottom - std::min(y, y1) / y1 * (plot.height - kTop - kBottom);
+    return plot.height - kBottom - std::clamp(y, 0.0, y1) / y1 * (plot.height - kTop - kBottom);
   }
 };
 
@@ -56,11 +56,33 @@ std::string PlotFrame(const Axes& axes) {
     svg += Text(kLeft - 6, y + 4, "end", "tick", fmt::format("{:g}", value));
   }
   const double step = NiceCeiling((axes.x1 - axes.x0) / 10);
-  for (double x = std::ceil(axes.x0 / step) * step; x <= axes.x1 + 1e-9; x += step)
-    svg += Text(axes.X(x), plot.height - kBottom + 16, "middle", "tick", fmt::format("{:g}", x));
+  const int below = plot.height - kBottom + 16;
+  for (double x = std::ceil(axes.x0 / step) * step; plot.x_names.empty() && x <= axes.x1 + 1e-9;
+       x += step)
+    svg += Text(axes.X(x), below, "middle", "tick", fmt::format("{:g}", x));
+  for (std::size_t i = 0; i < plot.x_names.size(); ++i)
+    svg += Text(axes.X(static_cast<double>(i)), below, "middle", "tick", plot.x_names[i]);
   svg += Text(plot.width - kRight, plot.height - 4, "end", "tick", plot.x_label);
   svg += Text(plot.width - kRight, 15, "end", "tick", plot.y_label);
   return svg;
+}
+
+/// The area between the ends of a series' intervals, and a dot at each value.
+std::string BandOf(const SvgSeries& s, const Axes& axes) {
+  if (s.low.empty()) return "";
+  std::string above, below, dots;
+  for (std::size_t i = 0; i < s.x.size(); ++i) {
+    if (!std::isfinite(s.low[i]) || !std::isfinite(s.high[i])) continue;
+    above += fmt::format("{:.1f},{:.1f} ", axes.X(s.x[i]), axes.Y(s.high[i]));
+    below = fmt::format("{:.1f},{:.1f} ", axes.X(s.x[i]), axes.Y(s.low[i])) + below;
+  }
+  for (std::size_t i = 0; i < s.x.size(); ++i) {
+    if (std::isfinite(s.y[i]))
+      dots += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='3' fill='{}'/>", axes.X(s.x[i]),
+                          axes.Y(s.y[i]), s.color);
+  }
+  return fmt::format("<polygon points='{}{}' fill='{}' fill-opacity='.14'/>{}", above, below,
+                     s.color, dots);
 }
 
 }  // namespace
@@ -109,8 +131,10 @@ std::string Escaped(const std::string& text) {
 std::string SvgLines(const SvgPlot& plot, const std::vector<SvgSeries>& series) {
   double most = 0;
   for (const SvgSeries& s : series) {
-    for (const double y : s.y) {
-      if (std::isfinite(y)) most = std::max(most, y);
+    for (const std::vector<double>& values : {s.y, s.high}) {
+      for (const double y : values) {
+        if (std::isfinite(y)) most = std::max(most, y);
+      }
     }
   }
   const Axes axes = AxesOf(plot, series, most);
@@ -133,6 +157,7 @@ std::string SvgLines(const SvgPlot& plot, const std::vector<SvgSeries>& series) 
         flush();
     }
     flush();
+    svg += BandOf(s, axes);
   }
   return svg + "</svg>";
 }

@@ -15,13 +15,15 @@ struct SvgSeries {
   std::string color;  ///< As CSS takes it.
   bool bold = false;
   bool dashed = false;
-  std::vector<double> x, y;  ///< A NaN interrupts the line.
+  std::vector<double> x, y;       ///< A NaN interrupts the line.
+  std::vector<double> low, high;  ///< A band about the line, as long as it; empty: none.
 };
 
 struct SvgPlot {
   std::string title, x_label, y_label;
   int width = 860, height = 220;
   double y_most = 0;  ///< The axis ends here instead of at the largest value; 0: there.
+  std::vector<std::string> x_names{};  ///< What stands below x = 0, 1, ..; empty: numbers.
 };
 
 /// Lines over a common axis; the y axis starts at 0.

@@ -23,6 +23,7 @@ struct Verb {
 // One function per command, each in a file of its own; listed in main.cc.
 void AddDetectVerb(CLI::App& app, VerbFunction& chosen);
 void AddEdgesVerb(CLI::App& app, VerbFunction& chosen);
+void AddBatchVerb(CLI::App& app, VerbFunction& chosen);
 void AddConvertVerb(CLI::App& app, VerbFunction& chosen);
 void AddInfoVerb(CLI::App& app, VerbFunction& chosen);
 void AddModelsVerb(CLI::App& app, VerbFunction& chosen);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A thin wrapper of SQLite for the sources of this folder; nobody else includes it.
+// A thin wrapper of SQLite for the sources of this folder and of engine/batch; nobody else includes
+// it.
 
 #include <cstdint>
 #include <filesystem>
