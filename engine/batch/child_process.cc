@@ -117,7 +117,7 @@ Result<ChildEnd> RunChild(const std::vector<std::string>& words, const ChildPlac
     }
     if (asked_s && now_s > *asked_s + kGraceS) child.Signal(SIGKILL);
   }
-  child.Signal(SIGKILL);  // whatever it started and left behind
+  if (asked_s) child.Signal(SIGKILL);  // whatever it started and left behind
   if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
   if (WIFSIGNALED(status)) end.signal = WTERMSIG(status);
   if (WIFEXITED(status)) end.exit_code = WEXITSTATUS(status);
