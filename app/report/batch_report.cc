@@ -77,7 +77,7 @@ std::string CardsOfBatch(const BatchView& view) {
     html += fmt::format("<div class='card'><b>{}</b><span>{}</span></div>", value, what);
   };
   card(std::to_string(table.runs.size()), "runs");
-  card(fmt::format("<span class='{}' style='font-size:20px'>{}</span>", failed > 0 ? "bad" : "good",
+  card(fmt::format("<i style='font-style:normal' class='{}'>{}</i>", failed > 0 ? "bad" : "good",
                    failed),
        "failed");
   card(std::to_string(table.sequences.size()), "sequences");

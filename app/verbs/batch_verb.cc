@@ -12,16 +12,18 @@
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
 #include "engine/base/files.h"
+#include "engine/base/log.h"
 #include "engine/batch/batch_results.h"
 #include "engine/batch/batch_review.h"
 #include "engine/batch/batch_runner.h"
+#include "engine/batch/child_process.h"
 
 namespace plumbline {
 namespace {
 
 struct BatchArguments {
   std::string plan, out, engine = "local", against;
-  int at_once = 0;
+  int at_once = 0, pages = 3;
   bool retry = false, collect = false;
   std::optional<int> task;  ///< Of a cluster; the program calls itself with it.
 };
@@ -39,10 +41,13 @@ Result<Batch> BatchOf(const BatchArguments& arguments) {
   std::error_code error;
   std::filesystem::path folder = std::filesystem::absolute(arguments.out, error).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
+  if (arguments.collect) return OpenBatchAsItIs(folder);
   if (arguments.plan.empty()) return OpenBatch(folder, *program);
   auto plan = ReadBatchPlan(arguments.plan);
   if (!plan.ok()) return plan.error();
-  return MakeBatch(folder, *program, std::move(*plan));
+  auto hashes = HashPrograms(*plan, *program);
+  if (!hashes.ok()) return hashes.error();
+  return MakeBatch(folder, *program, std::move(*plan), std::move(*hashes));
 }
 
 Result<BatchRunOptions> RunOptionsOf(const BatchArguments& arguments, const Batch& batch) {
@@ -108,12 +113,34 @@ void PrintBatch(const BatchView& view, const std::optional<BatchGate>& gate) {
   for (const std::string& remark : gate->remarks) std::printf("  %s\n", remark.c_str());
 }
 
+/// Pages of the worst runs, as 'plumbline report' makes them, where they are not there yet.
+Status WriteRunPages(const Batch& batch, const BatchView& view, int count,
+                     const WorkContext& work) {
+  const int pages = std::min(count, static_cast<int>(view.worst.size()));
+  for (int i = 0; i < pages; ++i) {
+    work.report({"pages of the worst runs", i, pages});
+    const BatchRun& run =
+        view.table.runs[static_cast<std::size_t>(view.worst[static_cast<std::size_t>(i)])];
+    const std::filesystem::path folder = batch.folder / run.folder;
+    std::error_code error;
+    if (run.status != "ok" || std::filesystem::exists(folder / "report.html", error)) continue;
+    const auto end = RunChild({batch.program.string(), "report", "run.plb", "--out", "report.html"},
+                              {folder, folder / "report.log.txt", std::nullopt}, work.stop);
+    if (!end.ok() && end.error().code == ErrorCode::kCancelled) return end.error();
+    if (!end.ok() || !end->ok())
+      log::warn("no page of a run: '{}' says why", (folder / "report.log.txt").string());
+  }
+  return {};
+}
+
 /// What is there now as results.sqlite and report.html.
-Status TellBatch(const BatchArguments& arguments, const Batch& batch) {
+Status TellBatch(const BatchArguments& arguments, const Batch& batch, const WorkContext& work) {
   const BatchTable table = CollectTable(batch);
   if (Status status = WriteBatchResults(batch.folder / kBatchResults, table); !status.ok())
     return status;
   const BatchView view = ReviewBatch(table);
+  if (Status status = WriteRunPages(batch, view, arguments.pages, work); !status.ok())
+    return status;
   BatchReportInputs inputs{batch.folder, std::nullopt, BatchPlanToJson(batch.plan).dump(1)};
   if (!arguments.against.empty()) {
     const auto baseline = ReadBatchResults(arguments.against);
@@ -149,22 +176,17 @@ Status DoBatch(const BatchArguments& arguments) {
   }
   const auto batch = BatchOf(arguments);
   if (!batch.ok()) return batch.error();
-  if (arguments.task) {
-    ConsoleWork console;
-    return RunTask(*batch, *arguments.task, console.context());
-  }
-  if (arguments.collect) return TellBatch(arguments, *batch);
+  ConsoleWork console;
+  const WorkContext work = console.context();
+  if (arguments.task) return RunTask(*batch, *arguments.task, work);
+  if (arguments.collect) return TellBatch(arguments, *batch, work);
   const auto options = RunOptionsOf(arguments, *batch);
   if (!options.ok()) return options.error();
   const std::size_t pending = PendingJobsOf(*batch).size(), all = batch->jobs.size();
   std::fprintf(stderr, "%zu runs, %zu of them are done\n", all, all - pending);
-  Status status;
-  {
-    ConsoleWork console;
-    status = RunBatch(*batch, *options, console.context());
-  }
-  if (!status.ok() && status.error().code != ErrorCode::kCancelled) return status;
-  if (status.ok()) return TellBatch(arguments, *batch);
+  const Status status = RunBatch(*batch, *options, work);
+  if (status.ok()) return TellBatch(arguments, *batch, work);
+  if (status.error().code != ErrorCode::kCancelled) return status;
   return Error{ErrorCode::kCancelled,
                fmt::format("stopped; {} of {} runs are done, the same command goes on",
                            all - PendingJobsOf(*batch).size(), all)};
@@ -200,9 +222,15 @@ void AddBatchVerb(CLI::App& app, VerbFunction& chosen) {
                    "An earlier batch, or its results.sqlite: fail if a figure got significantly "
                    "worse")
       ->type_name("DIR|FILE");
+  verb->add_option("--pages", arguments->pages,
+                   "Of so many of the worst runs, a page each as 'report' makes it")
+      ->check(CLI::Range(0, 1000))
+      ->type_name("N")
+      ->capture_default_str();
   CLI::Option* collect = verb->add_flag(
       "--collect", arguments->collect,
-      "Run nothing: only make table and report of what is there, also of a batch at work");
+      "Run nothing: only make table and report of what the last call left, also while it is at "
+      "work");
   verb->add_flag("--retry", arguments->retry, "Do failed runs again")->excludes(collect);
   verb->add_option("--task", arguments->task, "Do one task of a cluster (called by the batch)")
       ->group("");

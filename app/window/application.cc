@@ -121,6 +121,11 @@ void Application::Open(const std::string& path, std::optional<int> frame) {
     context_.workspace = WorkspaceId::kInspect;
     return inspect_->LookAtNetwork(path);
   }
+  if (IsBatch(path)) {
+    context_.workspace = WorkspaceId::kInspect;
+    Remember(path);
+    return inspect_->LookAtBatch(path);
+  }
   Workspace& workspace = annotate_->Takes(path) ? static_cast<Workspace&>(*annotate_) : *inspect_;
   context_.workspace = workspace.tab().id;
   if (!MayLose(workspace, "open " + path)) return;

@@ -32,22 +32,6 @@ std::string FolderOf(const BatchPlan& plan, const BatchJob& job, const std::stri
   return folder + fmt::format(".seed{}-{}", job.seed, hash.substr(0, 8));
 }
 
-/// Of this program and of those that recipes name.
-Result<std::map<std::string, std::string>> HashPrograms(const Batch& batch) {
-  std::map<std::string, std::string> hashes;
-  std::vector<std::filesystem::path> programs = {batch.program};
-  for (const PlannedRecipe& recipe : batch.plan.recipes) {
-    if (!recipe.program.empty()) programs.push_back(recipe.program);
-  }
-  for (const std::filesystem::path& program : programs) {
-    if (hashes.contains(program.string())) continue;
-    Result<std::string> hash = HashFile(program);
-    if (!hash.ok()) return hash.error();
-    hashes[program.string()] = *hash;
-  }
-  return hashes;
-}
-
 std::vector<std::optional<double>> FiguresFrom(const json& result) {
   std::vector<std::optional<double>> figures;
   const json given = result.value("figures", json::object());
@@ -90,12 +74,30 @@ const std::filesystem::path& Batch::ProgramOf(const BatchJob& job) const {
   return own.empty() ? program : own;
 }
 
-Result<Batch> MakeBatch(const std::filesystem::path& folder, const std::filesystem::path& program,
-                        BatchPlan plan) {
-  Batch batch{folder, program, std::move(plan), {}, {}};
-  auto hashes = HashPrograms(batch);
-  if (!hashes.ok()) return hashes.error();
-  batch.program_hashes = std::move(*hashes);
+std::string Batch::HashOf(const std::filesystem::path& some_program) const {
+  const auto found = program_hashes.find(some_program.string());
+  return found == program_hashes.end() ? "" : found->second;
+}
+
+Result<std::map<std::string, std::string>> HashPrograms(const BatchPlan& plan,
+                                                        const std::filesystem::path& program) {
+  std::map<std::string, std::string> hashes;
+  std::vector<std::filesystem::path> programs = {program};
+  for (const PlannedRecipe& recipe : plan.recipes) {
+    if (!recipe.program.empty()) programs.push_back(recipe.program);
+  }
+  for (const std::filesystem::path& one : programs) {
+    if (hashes.contains(one.string())) continue;
+    Result<std::string> hash = HashFile(one);
+    if (!hash.ok()) return hash.error();
+    hashes[one.string()] = *hash;
+  }
+  return hashes;
+}
+
+Batch MakeBatch(const std::filesystem::path& folder, const std::filesystem::path& program,
+                BatchPlan plan, std::map<std::string, std::string> program_hashes) {
+  Batch batch{folder, program, std::move(plan), {}, std::move(program_hashes)};
   const json planned = BatchPlanToJson(batch.plan);
   BatchJob job;
   for (const std::uint64_t seed : batch.plan.seeds) {
@@ -109,8 +111,8 @@ Result<Batch> MakeBatch(const std::filesystem::path& folder, const std::filesyst
           const json everything = {planned["sequences"][sequence],
                                    planned["recipes"][recipe]["arguments"],
                                    planned["evaluate"],
-                                   batch.program_hashes.at(batch.ProgramOf(job).string()),
-                                   batch.program_hashes.at(program.string()),
+                                   batch.HashOf(batch.ProgramOf(job)),
+                                   batch.HashOf(program),
                                    point,
                                    seed};
           job.folder = FolderOf(batch.plan, job, HashHex(JsonText(everything)));
@@ -138,6 +140,7 @@ BatchTable CollectTable(const Batch& batch) {
   for (const auto& recipe : batch.plan.recipes) table.recipes.push_back(recipe.name);
   for (const auto& swept : batch.plan.sweep) table.options.push_back(swept.option);
   table.figures.assign(BatchFigures().begin(), BatchFigures().end());
+  const bool single_frames = batch.plan.evaluation.single_frames > 0;
   for (const BatchJob& job : batch.jobs) {
     BatchRun run;
     run.number = job.number;
@@ -153,6 +156,10 @@ BatchTable CollectTable(const Batch& batch) {
       if (const auto result = ReadJobResult(batch, job)) Fill(*result, run);
     } catch (const json::exception&) {
       run.reason = "its result.json is damaged";
+    }
+    // Nobody asked for it, so that nobody fails in it.
+    for (std::size_t i = 0; i < table.figures.size() && !single_frames; ++i) {
+      if (table.figures[i].name == "bop_ar") run.figures[i] = std::nullopt;
     }
     table.runs.push_back(std::move(run));
   }

@@ -37,13 +37,20 @@ struct Batch {
 
   std::filesystem::path SequenceFolder(const PlannedSequence& sequence) const;
   std::filesystem::path ResultFile(const BatchJob& job) const;
+  /// "" of one that is not known.
+  std::string HashOf(const std::filesystem::path& some_program) const;
   /// That maps.
   const std::filesystem::path& ProgramOf(const BatchJob& job) const;
 };
 
-/// Takes a plan apart. Errors: kNotFound, kIo: a program that cannot be read.
-Result<Batch> MakeBatch(const std::filesystem::path& folder, const std::filesystem::path& program,
-                        BatchPlan plan);
+/// The content of this program and of those that recipes name, by their paths. Errors: kNotFound,
+/// kIo: a program that cannot be read.
+Result<std::map<std::string, std::string>> HashPrograms(const BatchPlan& plan,
+                                                        const std::filesystem::path& program);
+
+/// Takes a plan apart. @param program_hashes  As of HashPrograms, now or when its runs were made.
+Batch MakeBatch(const std::filesystem::path& folder, const std::filesystem::path& program,
+                BatchPlan plan, std::map<std::string, std::string> program_hashes);
 
 /// What a finished run left; nothing where it left nothing that can be read.
 std::optional<nlohmann::json> ReadJobResult(const Batch& batch, const BatchJob& job);

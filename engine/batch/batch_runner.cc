@@ -8,11 +8,20 @@
 
 #include "engine/base/file_lock.h"
 #include "engine/base/files.h"
+#include "engine/dataset/json_fields.h"
 
 namespace plumbline {
 namespace {
 
 constexpr const char* kPlanFile = "plan.json";
+constexpr const char* kProgramsFile = "programs.json";
+
+Result<BatchPlan> StoredPlan(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (std::filesystem::exists(folder / kPlanFile, error)) return ReadBatchPlan(folder / kPlanFile);
+  return Error{ErrorCode::kNotFound,
+               "'" + folder.string() + "' is no folder of a batch; name a plan as well"};
+}
 
 Status MakeSequences(const Batch& batch, const WorkContext& work) {
   const int total = static_cast<int>(batch.plan.sequences.size());
@@ -49,13 +58,30 @@ Status ForgetFailed(const Batch& batch) {
 }  // namespace
 
 Result<Batch> OpenBatch(const std::filesystem::path& folder, const std::filesystem::path& program) {
-  std::error_code error;
-  if (!std::filesystem::exists(folder / kPlanFile, error))
-    return Error{ErrorCode::kNotFound,
-                 "'" + folder.string() + "' is no folder of a batch; name a plan as well"};
-  Result<BatchPlan> plan = ReadBatchPlan(folder / kPlanFile);
+  Result<BatchPlan> plan = StoredPlan(folder);
   if (!plan.ok()) return plan.error();
-  return MakeBatch(folder, program, std::move(*plan));
+  auto hashes = HashPrograms(*plan, program);
+  if (!hashes.ok()) return hashes.error();
+  return MakeBatch(folder, program, std::move(*plan), std::move(*hashes));
+}
+
+Result<Batch> OpenBatchAsItIs(const std::filesystem::path& folder) {
+  Result<BatchPlan> plan = StoredPlan(folder);
+  if (!plan.ok()) return plan.error();
+  const auto stored = ReadJson(folder / kProgramsFile);
+  if (!stored.ok()) return stored.error();
+  std::map<std::string, std::string> hashes;
+  const auto damaged = [&] {
+    return Error{ErrorCode::kCorrupt, "'" + (folder / kProgramsFile).string() +
+                                          "' is damaged; call the batch without --collect"};
+  };
+  const auto program = TextFromJson(*stored, "program");
+  if (!program || !stored->contains("hashes")) return damaged();
+  for (const auto& [path, hash] : (*stored)["hashes"].items()) {
+    if (!hash.is_string()) return damaged();
+    hashes[path] = hash.get<std::string>();
+  }
+  return MakeBatch(folder, *program, std::move(*plan), std::move(hashes));
 }
 
 Status RunBatch(const Batch& batch, const BatchRunOptions& options, const WorkContext& work) {
@@ -68,6 +94,10 @@ Status RunBatch(const Batch& batch, const BatchRunOptions& options, const WorkCo
   if (!lock.ok()) return lock.error();
   if (Status status = WriteJson(batch.folder / kPlanFile, BatchPlanToJson(batch.plan));
       !status.ok())
+    return status;
+  const nlohmann::json programs = {{"program", batch.program.string()},
+                                   {"hashes", batch.program_hashes}};
+  if (Status status = WriteJson(batch.folder / kProgramsFile, programs); !status.ok())
     return status;
   if (options.retry) {
     if (Status status = ForgetFailed(batch); !status.ok()) return status;

@@ -16,8 +16,13 @@ struct BatchRunOptions {
   std::optional<ClusterCommands> cluster{};  ///< Nothing: this machine.
 };
 
-/// Opens the batch in `folder` as it was last called. Errors: kNotFound, kCorrupt, kInvalidInput.
+/// Opens the batch in `folder` as it was last called, to go on with it by the programs as they are
+/// now. Errors: kNotFound, kCorrupt, kInvalidInput, kIo.
 Result<Batch> OpenBatch(const std::filesystem::path& folder, const std::filesystem::path& program);
+
+/// Opens it to look at what is there: the runs that the last call made or wanted to make, whatever
+/// has become of the programs. Errors: as OpenBatch.
+Result<Batch> OpenBatchAsItIs(const std::filesystem::path& folder);
 
 /// Does what is not done yet and keeps every result at once: killed or stopped, it goes on where it
 /// was when it is called again.

@@ -148,7 +148,7 @@ class JobRun {
     result_ = {{"status", "failed"},
                {"host", HostName()},
                {"started", TimeNow()},
-               {"program_hash", batch.program_hashes.at(batch.ProgramOf(job).string())}};
+               {"program_hash", batch.HashOf(batch.ProgramOf(job))}};
   }
 
   Status Do(const std::stop_token& stop) {

@@ -93,6 +93,13 @@ struct BatchView {
   std::vector<int> worst;                    ///< Places in table.runs, worst first.
 };
 
+/// A batch as the window has it.
+struct ShownBatch {
+  std::string folder;   ///< Runs lie below it.
+  std::string problem;  ///< Why it could not be read; "": it could.
+  BatchView view;
+};
+
 /// A batch against an earlier one.
 struct BatchGate {
   std::string baseline;               ///< As it was named.

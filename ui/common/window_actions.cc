@@ -57,6 +57,17 @@ std::function<void(const FrameContext&, CommandSink&)> ZoomsView(double notches)
   };
 }
 
+/// A folder; which of them hold batches is not known before.
+void AskForBatch(const FrameContext& context) {
+  AskPath(context, {.what = PathQuestion::What::kFolder,
+                    .title = "Open a batch of runs",
+                    .button = "Open",
+                    .kinds = {PathKind::kFolder},
+                    .answer = [](const std::string& path, CommandSink& sink) {
+                      sink.Post(OpenCommand{path});
+                    }});
+}
+
 }  // namespace
 
 void AskWhatToOpen(const FrameContext& context) {
@@ -133,6 +144,8 @@ ActionGroup WindowActions() {
             .run = [](const FrameContext& context, CommandSink&) { AskWhatToOpen(context); },
             .help_keys = "Ctrl + O",
             .help = "Open a sequence, a run, a scan, a project or models"},
+           {.text = "Open a batch of runs",
+            .run = [](const FrameContext& context, CommandSink&) { AskForBatch(context); }},
            {.text = "Open a folder of scans, as a queue",
             .run =
                 [](const FrameContext& context, CommandSink&) {

@@ -156,10 +156,14 @@ void InspectWorkspace::DrawBar(const FrameContext& context, const LayoutRect& re
 
 bool InspectWorkspace::DrawSheets(const FrameContext& context, CommandSink& sink) {
   // The key that closes one does nothing else.
-  const bool was_open = fork_sheet_.is_open() || networks_sheet_.is_open();
+  const auto any_open = [&] {
+    return fork_sheet_.is_open() || networks_sheet_.is_open() || batch_sheet_.is_open();
+  };
+  const bool was_open = any_open();
   fork_sheet_.Draw(context, sink);
   networks_sheet_.Draw(context, sink);
-  return was_open || fork_sheet_.is_open() || networks_sheet_.is_open();
+  batch_sheet_.Draw(context, batches_.View().get(), sink);
+  return was_open || any_open();
 }
 
 StatusLine InspectWorkspace::status_line(const FrameContext& context) const {
@@ -262,6 +266,7 @@ void InspectWorkspace::AddState(const FrameContext& context, nlohmann::json& sta
        {"edges", playback.edges},
        {"detector", playback.detector},
        {"networks_sheet", networks_sheet_.is_open()},
+       {"batch_sheet", batch_sheet_.is_open()},
        {"reopening", context.reopening != nullptr ? context.reopening->message : ""}});
   if (const NetworksView* networks = context.networks.get()) {
     const NetworkFile& file = networks->file;
@@ -269,6 +274,10 @@ void InspectWorkspace::AddState(const FrameContext& context, nlohmann::json& sta
                   {"networks.file_is", file.what},
                   {"networks.file_guessed", file.guessed},
                   {"networks.file_problem", file.problem}});
+  }
+  if (const auto batch = batches_.View()) {
+    state["batch.runs"] = batch->view.table.runs.size();
+    state["batch.problem"] = batch->problem;
   }
   state["image_views"] = views_->Save(context);
   AddWhatIfState(context, fork_sheet_, state);

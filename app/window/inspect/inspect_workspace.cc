@@ -31,7 +31,8 @@ InspectWorkspace::InspectWorkspace(InspectOptions options, bool software_gl, Fra
       scene_(CreateMapScene(software_gl)),
       actions_(InspectActions()),
       bookmarks_(wake_),
-      networks_(wake_) {
+      networks_(wake_),
+      batches_(wake_) {
   for (const PanelEntry& entry : InspectPanels()) {
     owned_.push_back(MakePanel(entry));
     panels_.push_back(owned_.back().get());
@@ -159,6 +160,11 @@ void InspectWorkspace::LookForRemedy(FrameContext& context) {
 void InspectWorkspace::LookAtNetwork(const std::string& file) {
   networks_sheet_.OpenWith(file);
   networks_.LookAt(file);
+}
+
+void InspectWorkspace::LookAtBatch(const std::string& path) {
+  batch_sheet_.Open(true);
+  batches_.Read(std::filesystem::absolute(path));
 }
 
 void InspectWorkspace::Compare(const std::string& run, FrameContext& context) {

@@ -15,9 +15,11 @@
 #include "app/window/inspect/presenter.h"
 #include "app/window/inspect/what_if.h"
 #include "app/window/workspace.h"
+#include "engine/runtime/batch_reader.h"
 #include "engine/runtime/mapping_process.h"
 #include "engine/runtime/network_process.h"
 #include "ui/framework/scene_surface.h"
+#include "ui/inspect/compare/batch_sheet.h"
 #include "ui/inspect/compare/fork_sheet.h"
 #include "ui/inspect/inspect_bar.h"
 #include "ui/inspect/networks_sheet.h"
@@ -63,6 +65,8 @@ class InspectWorkspace : public Workspace {
   void Compare(const std::string& run, FrameContext& context);
   /// Says in the sheet of the networks what a file is.
   void LookAtNetwork(const std::string& file);
+  /// Shows the sheet of a batch of runs: a folder or its results.
+  void LookAtBatch(const std::string& path);
   void ReadSlots(FrameContext& context) override;
   bool IsOpen(const FrameContext& context) const override { return context.sequence != nullptr; }
   bool FillsWindow() const override { return presenter_.active() || is_figure(); }
@@ -139,6 +143,7 @@ class InspectWorkspace : public Workspace {
   LayoutMenu layout_menu_;
   ForkSheet fork_sheet_;
   NetworksSheet networks_sheet_;
+  BatchSheet batch_sheet_;
   Presenter presenter_;
   bool quit_after_presenting_ = false;  ///< It was opened for that alone.
   ProbeCommand asked_;                  ///< The last question about an object.
@@ -156,6 +161,7 @@ class InspectWorkspace : public Workspace {
   // Last: their threads wake the window.
   BookmarkKeeper bookmarks_;
   NetworkProcess networks_;
+  BatchReader batches_;
   std::unique_ptr<WhatIf> what_if_;
   std::unique_ptr<MappingProcess> process_;
   std::unique_ptr<MappingProcess> reopened_;  ///< Takes the place of `process_` once it is open.

@@ -121,7 +121,8 @@ TEST(BatchPlan, RefusesWhatMakesNoSense) {
 Batch BatchOf(const TemporaryFolder& folder, const json& plan, const std::string& program) {
   const std::filesystem::path file = folder.path() / "program";
   EXPECT_TRUE(WriteFileAtomically(file, program).ok());
-  return MakeBatch(folder.path(), file, BatchPlanFromJson(plan, "/plans").value()).value();
+  const BatchPlan read = BatchPlanFromJson(plan, "/plans").value();
+  return MakeBatch(folder.path(), file, read, HashPrograms(read, file).value());
 }
 
 TEST(BatchJobs, AreOrderedBySeedFirstAndHaveFoldersOfTheirOwn) {
