@@ -73,17 +73,20 @@ std::string CardsOfBatch(const BatchView& view) {
     points.insert(run.point);
   }
   std::string html = "<div class='cards'>";
-  const auto card = [&](const std::string& value, const char* what) {
+  const auto card = [&](const std::string& value, const std::string& what) {
     html += fmt::format("<div class='card'><b>{}</b><span>{}</span></div>", value, what);
   };
-  card(std::to_string(table.runs.size()), "runs");
+  const auto count = [&](std::size_t number, const std::string& what) {
+    card(std::to_string(number), number == 1 ? what : what + "s");
+  };
+  count(table.runs.size(), "run");
   card(fmt::format("<i style='font-style:normal' class='{}'>{}</i>", failed > 0 ? "bad" : "good",
                    failed),
        "failed");
-  card(std::to_string(table.sequences.size()), "sequences");
-  card(std::to_string(table.recipes.size()), "recipes");
+  count(table.sequences.size(), "sequence");
+  count(table.recipes.size(), "recipe");
   if (!table.options.empty()) card(std::to_string(points.size()), "points of the sweep");
-  card(std::to_string(seeds.size()), "seeds");
+  count(seeds.size(), "seed");
   card(seconds < 600 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.1f} h", seconds / 3600),
        "of computing");
   return html + "</div>";
@@ -290,8 +293,8 @@ std::string WorstTable(const BatchView& view, const BatchReportInputs& inputs) {
     if (run.missed.size() > kShownMisses)
       missed += fmt::format("and {} more", run.missed.size() - kShownMisses);
     html += fmt::format(
-        "<tr><td>{}</td><td class='l'>{}</td><td class='l' style='white-space:normal'>{}</td>"
-        "<td class='l'>{}</td></tr>",
+        "<tr style='vertical-align:top'><td>{}</td><td class='l'>{}</td>"
+        "<td class='l' style='white-space:normal'>{}</td><td class='l'>{}</td></tr>",
         Escaped(RunTitle(view.table, run)), result, missed, RunLinks(inputs, run));
   }
   return html +

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/files.h"
+#include "engine/base/json_text.h"
 #include "engine/batch/batch_figures.h"
 
 namespace plumbline {
@@ -54,7 +55,7 @@ void Fill(const json& result, BatchRun& run) {
   run.started = result.value("started", "");
   run.program_version = result.value("program_version", "");
   run.program_hash = result.value("program_hash", "");
-  run.frames = result.value("frames", 0);
+  run.frames = result.contains("frames") ? IntFromJson(result["frames"]) : 0;
   run.run_s = result.value("run_s", 0.0);
   run.evaluate_s = result.value("evaluate_s", 0.0);
 }
@@ -153,9 +154,11 @@ BatchTable CollectTable(const Batch& batch) {
     run.figures = FiguresOfFailure();
     run.reason = "no result was left";
     try {
-      if (const auto result = ReadJobResult(batch, job)) Fill(*result, run);
-    } catch (const json::exception&) {
-      run.reason = "its result.json is damaged";
+      BatchRun filled = run;
+      if (const auto result = ReadJobResult(batch, job)) Fill(*result, filled);
+      run = std::move(filled);
+    } catch (const std::exception&) {  // of a value of another type, or too large
+      run.reason = "its result.json is damaged; remove it, and call the batch again";
     }
     // Nobody asked for it, so that nobody fails in it.
     for (std::size_t i = 0; i < table.figures.size() && !single_frames; ++i) {

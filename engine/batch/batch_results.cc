@@ -45,11 +45,12 @@ CREATE TABLE provenance (
   evaluate_s REAL NOT NULL);
 )";
 
-/// A name as SQL takes any.
+/// A name as SQL takes any. Not in double quotes, in which SQLite takes a column that is not there
+/// for a text.
 std::string Quoted(const std::string& name) {
-  std::string quoted = "\"";
-  for (const char c : name) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
+  std::string quoted = "`";
+  for (const char c : name) quoted += c == '`' ? std::string("``") : std::string(1, c);
+  return quoted + "`";
 }
 
 /// run, sequence, recipe, set_OPTION.., seed, status, FIGURE..

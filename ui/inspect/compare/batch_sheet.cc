@@ -81,12 +81,13 @@ void BatchSheet::DrawBatch(const FrameContext& context, const ShownBatch& batch,
   ImGui::PopFont();
   const auto failed = std::count_if(table.runs.begin(), table.runs.end(),
                                     [](const BatchRun& run) { return run.status != "ok"; });
+  const bool one = table.sequences.size() == 1;
   WrappedText(
       colors::kDimText,
-      fmt::format("{} runs, {} failed; {} sequences, {} recipes. Means, and 95 % intervals {}",
-                  table.runs.size(), failed, table.sequences.size(), table.recipes.size(),
-                  table.sequences.size() > 1 ? "for sequences like these."
-                                             : "over the seeds of its one sequence."));
+      fmt::format("{} runs, {} failed; {} sequence{}, {} recipe{}. Means, and 95 % intervals {}",
+                  table.runs.size(), failed, table.sequences.size(), one ? "" : "s",
+                  table.recipes.size(), table.recipes.size() == 1 ? "" : "s",
+                  one ? "over the seeds of its one sequence." : "for sequences like these."));
   ImGui::Dummy({0, context.Scaled(4)});
   DrawFigureChoice(context, table);
   const IntervalPlot plot = PlotOf(batch.view, figure_);
