@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "app/report/batch_responses.h"
 #include "app/report/html_page.h"
 #include "app/report/svg_plot.h"
 #include "engine/base/files.h"
@@ -19,7 +20,6 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kShownMisses = 8, kShownFailures = 20, kLogBytes = 1500;
-constexpr int kMostLines = 8;
 
 const BatchFigure& FigureOf(const BatchView& view, int figure) {
   return view.table.figures[static_cast<std::size_t>(figure)];
@@ -154,11 +154,11 @@ std::string Verdict(const BatchView& view, const BatchDifference& row) {
 constexpr const char* kDifferenceHeads =
     "<th>difference</th><th>p</th><th>p, Holm</th><th>would be seen</th><th>pairs</th>";
 constexpr const char* kDifferenceLegend =
-    "<p class='legend'>Runs are paired by sequence, point and seed. p: how often chance alone, a "
-    "sign for each pair, makes a difference as large on these sequences; Holm: after looking at "
-    "all "
-    "rows. Would be seen: a true difference of this size has p below 0.05 four times of "
-    "five.</p>";
+    "<p class='legend'>Runs are paired by sequence, point and seed. In brackets 95 % intervals, of "
+    "sequences like these where there are several. p is of these sequences: how often chance "
+    "alone, "
+    "a sign for each pair, makes a difference as large; Holm: after looking at all rows. Would be "
+    "seen: a true difference of this size has p below 0.05 four times of five.</p>";
 
 std::string DifferenceTables(const BatchView& view) {
   if (view.differences.empty()) return "";
@@ -206,67 +206,6 @@ std::string GateSection(const BatchView& view, const BatchReportInputs& inputs) 
     html += "<p class='legend bad'>" + Escaped(remark) + "</p>";
   if (!examples.empty()) html += "<p>Most worsened:</p><ul>" + examples + "</ul>";
   return html;
-}
-
-/// One line of a response: a recipe, and a value of the second option where there is one.
-struct ResponseLine {
-  int recipe = 0;
-  std::optional<double> second;
-  bool operator<(const ResponseLine& o) const {
-    return std::tie(recipe, second) < std::tie(o.recipe, o.second);
-  }
-};
-
-std::string ResponsePlot(const BatchView& view, int figure, const std::vector<double>& values) {
-  const BatchTable& table = view.table;
-  std::map<ResponseLine, SvgSeries> lines;
-  bool any = false;
-  for (const BatchEstimate& estimate : view.responses) {
-    if (estimate.figure != figure || !estimate.mean) continue;
-    ResponseLine key{estimate.recipe, std::nullopt};
-    if (estimate.point.size() > 1) key.second = estimate.point[1];
-    SvgSeries& line = lines[key];
-    const auto at = std::find(values.begin(), values.end(), estimate.point[0]) - values.begin();
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    line.x.push_back(static_cast<double>(at));
-    line.y.push_back(estimate.mean->mean);
-    line.low.push_back(estimate.mean->low.value_or(kNone));
-    line.high.push_back(estimate.mean->high.value_or(kNone));
-    any |= estimate.mean->mean != 0;
-  }
-  if (!any || lines.size() > static_cast<std::size_t>(kMostLines)) return "";
-  std::vector<SvgSeries> series;
-  std::string legend;
-  for (auto& [key, line] : lines) {
-    line.color = SvgColor(static_cast<int>(series.size()) + 1);
-    line.bold = true;
-    line.name = table.recipes[static_cast<std::size_t>(key.recipe)];
-    if (key.second) line.name += fmt::format(", {}={:g}", table.options[1], *key.second);
-    legend += fmt::format("<span><span class='dot' style='background:{}'></span>{}</span>",
-                          line.color, Escaped(line.name));
-    series.push_back(std::move(line));
-  }
-  const BatchFigure& of = FigureOf(view, figure);
-  SvgPlot plot{of.name, table.options[0], of.unit, 500, 220, of.unit == "%" ? 100.0 : 0.0, {}};
-  for (const double value : values) plot.x_names.push_back(fmt::format("{:g}", value));
-  return "<figure>" + SvgLines(plot, series) +
-         (lines.size() > 1 ? "<figcaption class='legend'>" + legend + "</figcaption>" : "") +
-         "</figure>";
-}
-
-std::string Responses(const BatchView& view) {
-  if (view.responses.empty()) return "";
-  const BatchTable& table = view.table;
-  std::set<double> first;
-  for (const BatchEstimate& estimate : view.responses) first.insert(estimate.point[0]);
-  const std::vector<double> values(first.begin(), first.end());
-  std::string html = "<h2>Responses to " + Escaped(table.options[0]) +
-                     (table.options.size() > 1 ? " and " + Escaped(table.options[1]) : "") +
-                     "</h2><div class='pictures'>";
-  for (int figure = 0; figure < static_cast<int>(table.figures.size()); ++figure)
-    html += ResponsePlot(view, figure, values);
-  return html + "</div><p class='legend'>Dots: means; areas: 95 % intervals at each point alone. " +
-         "Values stand side by side, whatever lies between them.</p>";
 }
 
 std::string WorstTable(const BatchView& view, const BatchReportInputs& inputs) {
@@ -384,8 +323,9 @@ std::string ProbabilityInWords(double p) {
 
 std::string BatchReportHtml(const BatchView& view, const BatchReportInputs& inputs) {
   const std::string body = CardsOfBatch(view) + GateSection(view, inputs) + FigureTable(view) +
-                           DifferenceTables(view) + Responses(view) + WorstTable(view, inputs) +
-                           CauseTable(view) + Failures(view, inputs) + HowItWasMade(view, inputs);
+                           DifferenceTables(view) + BatchResponsesHtml(view) +
+                           WorstTable(view, inputs) + CauseTable(view) + Failures(view, inputs) +
+                           HowItWasMade(view, inputs);
   return HtmlPage(view.table.name.empty() ? "Batch" : view.table.name,
                   "A batch of runs of Plumbline", body);
 }

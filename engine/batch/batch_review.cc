@@ -15,7 +15,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kSignificant = 0.05;
-constexpr std::size_t kWorstRuns = 12, kWorstPairs = 5;
+constexpr std::size_t kWorstRuns = 12, kWorstOfRecipe = 3, kWorstPairs = 5;
 
 /// What two runs must share to be a pair.
 using PairKey = std::tuple<std::string, std::vector<double>, std::uint64_t>;
@@ -158,7 +158,8 @@ std::vector<BatchDifference> DifferencesToFirst(const BatchTable& table) {
   return rows;
 }
 
-/// Failed ones first, then those that found least, then those that are farthest off.
+/// Failed ones first, then those that found least, then those that are farthest off; the worst of
+/// every recipe.
 std::vector<int> WorstRuns(const BatchTable& table) {
   const int f1 = ColumnIn(table, "f1"), translation = ColumnIn(table, "translation");
   std::vector<int> order;
@@ -170,7 +171,12 @@ std::vector<int> WorstRuns(const BatchTable& table) {
   };
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return badness(a) < badness(b); });
-  order.resize(std::min(order.size(), kWorstRuns));
+  // Of each recipe some: a bad one would hide what is wrong with the others.
+  const std::size_t most =
+      std::max(kWorstOfRecipe, kWorstRuns / std::max<std::size_t>(1, table.recipes.size()));
+  std::map<std::string, std::size_t> taken;
+  std::erase_if(
+      order, [&](int i) { return ++taken[table.runs[static_cast<std::size_t>(i)].recipe] > most; });
   return order;
 }
 

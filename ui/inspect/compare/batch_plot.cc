@@ -14,6 +14,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kTicks = 4;
+constexpr double kMostOverMeans = 3;
 
 /// 1, 2 or 5 times a power of ten, at least `value`.
 double RoundAbove(double value) {
@@ -27,12 +28,15 @@ double RoundAbove(double value) {
 
 double MostOf(const IntervalPlot& plot) {
   if (plot.unit == "%") return 100;
-  double most = 0;
+  double most = 0, mean = 0;
   for (const IntervalPlot::Series& series : plot.series) {
     for (const auto& at : series.at) {
-      if (at) most = std::max(most, at->high.value_or(at->mean));
+      if (!at) continue;
+      mean = std::max(mean, at->mean);
+      most = std::max(most, at->high.value_or(at->mean));
     }
   }
+  most = std::min(most, kMostOverMeans * mean);  // one wide interval would hide the others
   return RoundAbove(most);
 }
 
