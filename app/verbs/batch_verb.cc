@@ -56,6 +56,12 @@ Result<BatchRunOptions> RunOptionsOf(const BatchArguments& arguments, const Batc
   options.retry = arguments.retry;
   if (arguments.engine == "slurm") options.cluster = SlurmCommands(batch.plan.slurm);
   if (arguments.engine == "slurm" || arguments.engine == "local") return options;
+  std::error_code error;
+  if (!std::filesystem::exists(arguments.engine, error))
+    return Error{ErrorCode::kNotFound,
+                 "--engine is local, slurm or a file that describes another "
+                 "batch system; there is no file '" +
+                     arguments.engine + "'"};
   auto commands = ReadClusterCommands(arguments.engine);
   if (!commands.ok()) return commands.error();
   options.cluster = std::move(*commands);
@@ -183,7 +189,7 @@ Status DoBatch(const BatchArguments& arguments) {
   const auto options = RunOptionsOf(arguments, *batch);
   if (!options.ok()) return options.error();
   const std::size_t pending = PendingJobsOf(*batch).size(), all = batch->jobs.size();
-  std::fprintf(stderr, "%zu runs, %zu of them are done\n", all, all - pending);
+  std::fprintf(stderr, "%zu of %zu runs are done\n", all - pending, all);
   const Status status = RunBatch(*batch, *options, work);
   if (status.ok()) return TellBatch(arguments, *batch, work);
   if (status.error().code != ErrorCode::kCancelled) return status;

@@ -83,15 +83,16 @@ std::string Batch::HashOf(const std::filesystem::path& some_program) const {
 Result<std::map<std::string, std::string>> HashPrograms(const BatchPlan& plan,
                                                         const std::filesystem::path& program) {
   std::map<std::string, std::string> hashes;
-  std::vector<std::filesystem::path> programs = {program};
+  Result<std::string> own = HashFile(program);
+  if (!own.ok()) return own.error();
+  hashes[program.string()] = *own;
   for (const PlannedRecipe& recipe : plan.recipes) {
-    if (!recipe.program.empty()) programs.push_back(recipe.program);
-  }
-  for (const std::filesystem::path& one : programs) {
-    if (hashes.contains(one.string())) continue;
-    Result<std::string> hash = HashFile(one);
-    if (!hash.ok()) return hash.error();
-    hashes[one.string()] = *hash;
+    if (recipe.program.empty() || hashes.contains(recipe.program.string())) continue;
+    Result<std::string> hash = HashFile(recipe.program);
+    if (!hash.ok())
+      return Error{hash.error().code,
+                   "the program of recipe '" + recipe.name + "': " + hash.error().message};
+    hashes[recipe.program.string()] = *hash;
   }
   return hashes;
 }

@@ -121,10 +121,10 @@ TEST_F(BatchVerb, LeavesATableAndAPage) {
   EXPECT_THAT(page, HasSubstr("Differences to as it is"));
   EXPECT_THAT(page, HasSubstr("run.plb"));
   // Again it has nothing to do, and with one run more it does that one alone.
-  EXPECT_THAT(Batch(Plan(), "whole").output, HasSubstr("8 runs, 8 of them are done"));
+  EXPECT_THAT(Batch(Plan(), "whole").output, HasSubstr("8 of 8 runs are done"));
   json more = Plan();
   more["seeds"] = {0, 1, 2};
-  EXPECT_THAT(Batch(more, "whole").output, HasSubstr("12 runs, 8 of them are done"));
+  EXPECT_THAT(Batch(more, "whole").output, HasSubstr("8 of 12 runs are done"));
 }
 
 TEST_F(BatchVerb, KilledAgainAndAgainItEndsWithTheSameTable) {
