@@ -182,6 +182,12 @@ Status DoBatch(const BatchArguments& arguments) {
   }
   const auto batch = BatchOf(arguments);
   if (!batch.ok()) return batch.error();
+  std::error_code error;
+  for (const std::filesystem::path& own : {batch->folder, batch->folder / kBatchResults}) {
+    if (!arguments.against.empty() && std::filesystem::equivalent(own, arguments.against, error))
+      return InvalidInput(
+          "--against names this batch itself; name an earlier one in another folder");
+  }
   ConsoleWork console;
   const WorkContext work = console.context();
   if (arguments.task) return RunTask(*batch, *arguments.task, work);

@@ -263,7 +263,13 @@ Result<BatchGate> GateBatch(const BatchTable& now, const BatchTable& baseline,
     for (const int column : *columns) {
       const int before = ColumnIn(baseline, now.figures[static_cast<std::size_t>(column)].name);
       auto row = pairing.Compare(column, before);
-      if (!row) continue;
+      if (!row) {
+        if (pairing.pairs() > 0)
+          gate.remarks.push_back(
+              fmt::format("'{}' of '{}' is not tested: no pair of runs has it on both sides",
+                          now.figures[static_cast<std::size_t>(column)].name, now.recipes[recipe]));
+        continue;
+      }
       row->recipe = static_cast<int>(recipe);
       const auto [then, after] = pairing.Means(column, before);
       gate.before.push_back(then);

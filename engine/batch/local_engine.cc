@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
@@ -65,6 +66,7 @@ PendingJobs PendingJobsOf(const Batch& batch) {
 
 Status RunHere(const Batch& batch, const PendingJobs& jobs, int at_once, const WorkContext& work) {
   LocalQueue queue(batch, jobs, work);
+  at_once = std::min(at_once, static_cast<int>(jobs.size()));
   std::vector<std::jthread> threads;
   for (int i = 0; i < at_once; ++i) threads.emplace_back([&queue] { queue.Work(); });
   return queue.Wait(at_once);

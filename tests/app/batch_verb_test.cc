@@ -193,6 +193,8 @@ TEST_F(BatchVerb, TheGateCatchesWhatGotWorse) {
   plan["seeds"] = {0, 1, 2, 3};
   plan["gate"] = {"found"};
   ASSERT_EQ(Batch(plan, "before").exit_code, 0);
+  EXPECT_THAT(Batch(plan, "before", "--against before/results.sqlite").output,
+              HasSubstr("names this batch itself"));
   const ProgramRun same = Batch(plan, "same", "--jobs 2 --against before");
   EXPECT_EQ(same.exit_code, 0) << same.output;
   plan["recipes"][0]["frames"] = "0:3";  // too few to confirm anything

@@ -105,6 +105,9 @@ TEST(BatchGate, RunsThatHaveNoValueAreCounted) {
   const auto gate = GateBatch(now, before, {"translation"}).value();
   EXPECT_EQ(gate.rows[0].unpaired, 1);
   EXPECT_EQ(gate.rows[0].difference.mean.values, 15);
+  for (BatchRun& run : now.runs) run.figures[kTranslation] = std::nullopt;
+  EXPECT_THAT(GateBatch(now, before, {"found", "translation"})->remarks,
+              ElementsAre(HasSubstr("'translation' of 'x' is not tested")));
 }
 
 }  // namespace
