@@ -30,15 +30,18 @@ bool IsPlain(const std::string& word) {
 
 /// The child's side of fork: calls nothing but what is safe after it. What went wrong is written to
 /// `failed`, which closes by itself where the program starts.
-void BecomeProgram(char* const* argv, const ChildPlace& place, int output, int failed) {
+void BecomeProgram(char* const* argv, const ChildPlace& place, int output, int failed,
+                   pid_t parent) {
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   const int nothing = ::open("/dev/null", O_RDONLY);
-  const bool ready = nothing >= 0 && ::dup2(nothing, 0) == 0 && ::dup2(output, 1) == 1 &&
-                     ::dup2(output, 2) == 2 && ::chdir(place.folder.c_str()) == 0;
+  // A parent that was killed meanwhile sends no signal.
+  const bool ready = ::getppid() == parent && nothing >= 0 && ::dup2(nothing, 0) == 0 &&
+                     ::dup2(output, 1) == 1 && ::dup2(output, 2) == 2 &&
+                     ::chdir(place.folder.c_str()) == 0;
   if (ready) ::execvp(argv[0], argv);
   const int why = errno;
   [[maybe_unused]] const auto written = ::write(failed, &why, sizeof(why));
@@ -54,8 +57,9 @@ Result<pid_t> StartChild(const std::vector<std::string>& words, const ChildPlace
   int failed[2] = {-1, -1};
   const int output = ::open(place.output.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (output < 0) return Error{ErrorCode::kIo, "cannot write '" + place.output.string() + "'"};
+  const pid_t parent = ::getpid();
   pid_t process = ::pipe2(failed, O_CLOEXEC) == 0 ? ::fork() : -1;
-  if (process == 0) BecomeProgram(argv.data(), place, output, failed[1]);
+  if (process == 0) BecomeProgram(argv.data(), place, output, failed[1], parent);
   int why = errno;
   ::close(output);
   ::close(failed[1]);

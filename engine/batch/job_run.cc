@@ -2,8 +2,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <ctime>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -219,6 +221,14 @@ class JobRun {
   json result_;
 };
 
+/// Programs of a batch that was killed take a moment to end, and hold their run file until then.
+void WaitForTheDying(const std::filesystem::path& run, const std::stop_token& stop) {
+  constexpr double kLongestMs = 20'000;
+  const Stopwatch watch;
+  while (FileLock::IsHeld(run) && watch.Milliseconds() < kLongestMs && !stop.stop_requested())
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+}
+
 }  // namespace
 
 Status RunJob(const Batch& batch, const BatchJob& job, const std::stop_token& stop) {
@@ -231,6 +241,7 @@ Status RunJob(const Batch& batch, const BatchJob& job, const std::stop_token& st
   const auto lock = FileLock::Acquire(folder / "run");
   if (!lock.ok()) return lock.error();
   if (ReadJobResult(batch, job)) return {};
+  WaitForTheDying(folder / "run.plb", stop);
   return JobRun(batch, job).Do(stop);
 }
 

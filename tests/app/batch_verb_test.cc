@@ -75,6 +75,12 @@ class BatchVerb : public testing::Test {
       done += std::filesystem::exists(job.path() / "result.json", error) ? 1 : 0;
     return done;
   }
+  /// Why runs failed.
+  static std::string Reasons(const std::string& out) {
+    std::string reasons;
+    for (const BatchRun& run : ReadBatchResults(Path(out)).value().runs) reasons += run.reason;
+    return reasons;
+  }
   static void ExpectSameResults(const std::string& a, const std::string& b) {
     const BatchTable first = ReadBatchResults(Path(a)).value();
     const BatchTable other = ReadBatchResults(Path(b)).value();
@@ -137,7 +143,7 @@ TEST_F(BatchVerb, KilledAgainAndAgainItEndsWithTheSameTable) {
     ASSERT_EQ(waitpid(process, nullptr, 0), process);
   }
   const ProgramRun last = Batch(Plan(), "killed");
-  ASSERT_EQ(last.exit_code, 0) << last.output;
+  ASSERT_EQ(last.exit_code, 0) << last.output << Reasons("killed");
   ExpectSameResults("straight", "killed");
 }
 
