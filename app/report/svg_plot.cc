@@ -32,6 +32,10 @@ Axes AxesOf(const SvgPlot& plot, const std::vector<SvgSeries>& series, double mo
       axes.x1 = std::max(axes.x1, x);
     }
   }
+  if (!plot.x_names.empty()) {  // all of them, also where no series has a value
+    axes.x0 = 0;
+    axes.x1 = static_cast<double>(plot.x_names.size()) - 1;
+  }
   if (axes.x1 <= axes.x0) axes.x1 = axes.x0 + 1;
   axes.y1 = plot.y_most > 0 ? plot.y_most : NiceCeiling(most);
   return axes;
