@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "engine/sensor/distorted_camera.h"
 #include "engine/vio/rotation.h"
@@ -132,7 +131,6 @@ class Alignment {
   }
 
   Unknowns unknowns = Unknowns::Zero();
-  UnknownsMatrix information = UnknownsMatrix::Zero();
 
  private:
   void Integrate(const Eigen::Vector3d& bias) {
@@ -204,7 +202,7 @@ class Alignment {
   }
 
   void SolveLinear(const Eigen::Vector3d& gravity, double gravity_std) {
-    information.setZero();
+    UnknownsMatrix information = UnknownsMatrix::Zero();
     Unknowns right = Unknowns::Zero();
     for (const WindowTrack& track : tracks_) {
       if (!track.used) continue;
@@ -296,9 +294,6 @@ Result<MotionStart> AlignInMotion(const Camera& camera, const ImuCalibration& im
   start.velocity_in_body = alignment.unknowns.head<3>();
   start.gravity_in_body = imu.gravity_m_s2 * alignment.unknowns.tail<3>().normalized();
   start.gyro_bias = bias;
-  const UnknownsMatrix covariance = alignment.information.inverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> velocity(covariance.topLeftCorner<3, 3>());
-  start.velocity_std_m_s = std::sqrt(std::max(velocity.eigenvalues()(2), 0.0));
   return start;
 }
 

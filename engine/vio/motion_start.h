@@ -17,7 +17,6 @@ struct MotionStart {
   Eigen::Vector3d gravity_in_body{0, 0, 0};   ///< At the first image [m/s^2].
   Eigen::Vector3d velocity_in_body{0, 0, 0};  ///< At the first image, along the body's axes [m/s].
   Eigen::Vector3d gyro_bias{0, 0, 0};         ///< [rad/s]
-  double velocity_std_m_s = 0;                ///< Of the least certain direction.
   double residual_px = 0;                     ///< Median over the tracks of their rms.
   int tracks = 0;
 };

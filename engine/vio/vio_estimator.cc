@@ -10,6 +10,7 @@
 #include "engine/vio/clock_search.h"
 #include "engine/vio/motion_start.h"
 #include "engine/vio/rotation.h"
+#include "engine/vio/start_refinement.h"
 #include "engine/vio/start_state.h"
 
 namespace plumbline {
@@ -17,8 +18,10 @@ namespace {
 
 constexpr double kRestLookback = 0.5;  ///< Rest is judged over this time [s].
 constexpr double kMotionWindow = 1.2;  ///< That a start in motion is aligned in [s].
-/// The filter looks at so much twice before it starts in motion [s].
+/// A start in motion explains so much before the filter sees it [s].
 constexpr double kSettleWindow = 3;
+/// Between the images that it explains, at least [s].
+constexpr double kSettleStep = 0.1;
 constexpr double kMotionRetry = 0.4;  ///< Between attempts [s]; one costs as much as 20 images.
 constexpr int kLateReadings = 10, kLateImages = 4;  ///< In a row: a clock was set back.
 /// Clocks that are set back by nearly the same are one clock [s].
@@ -29,6 +32,16 @@ constexpr double kMinMotion = 6;  ///< Points wander more when the body moves at
 Camera WithReadOut(Camera camera, const VioOptions& options) {
   if (options.rolling_shutter_s != 0) camera.rolling_shutter_s = options.rolling_shutter_s;
   return camera;
+}
+
+/// Images that are some time apart, the first one among them.
+std::vector<TrackedImage> Thinned(const std::deque<TrackedImage>& window) {
+  std::vector<TrackedImage> kept;
+  for (const TrackedImage& image : window) {
+    if (kept.empty() || image.stamp_ns - kept.back().stamp_ns >= Nanoseconds(0.95 * kSettleStep))
+      kept.push_back(image);
+  }
+  return kept;
 }
 
 }  // namespace
@@ -146,36 +159,6 @@ void VioEstimator::SeekClock(std::span<const TrackedImage> images) {
   notes_ = WithNotes(text);
 }
 
-InertialState VioEstimator::LookedAtAgain(const InertialState& start,
-                                          const StartSpread& spread) const {
-  VioFilter filter(camera_, calibration_, options_);
-  filter.Start(MakeStart(start, camera_, calibration_.time_offset_s, spread, options_));
-  for (const TrackedImage& image : window_) filter.Step(image, imu_, false);
-  if (!filter.state().finite()) return start;
-  const InertialState& end = filter.state().inertial();
-  // From the state without motion and without gravity: what the readings alone say.
-  InertialState still = start;
-  still.world_from_body.setIdentity();
-  still.velocity_in_world.setZero();
-  still.gyro_bias = end.gyro_bias;
-  still.accel_bias = end.accel_bias;
-  IntegrationNoise noise = filter.noise();
-  const Eigen::Vector3d gravity(0, 0, -noise.gravity_m_s2);
-  noise.gravity_m_s2 = 0;
-  const std::vector<ImuSegment> segments = imu_.Between(start.stamp_ns, end.stamp_ns);
-  const InertialState moved = Integrate(still, segments, noise).state;
-  const Eigen::Matrix3d turned = end.world_from_body * moved.world_from_body.transpose();
-  const double seconds = static_cast<double>(end.stamp_ns - start.stamp_ns) * 1e-9;
-  // The heading of a start is nothing that could be known.
-  const Eigen::Matrix3d upright = UprightRotation(turned.transpose().col(2));
-  InertialState result = still;
-  result.world_from_body = upright;
-  result.velocity_in_world =
-      upright *
-      (turned.transpose() * (end.velocity_in_world - seconds * gravity) - moved.velocity_in_world);
-  return result;
-}
-
 std::string VioEstimator::TryMotionStart() {
   const std::int64_t begin_ns = window_.front().stamp_ns;
   const double looked = static_cast<double>(window_.back().stamp_ns - begin_ns) * 1e-9;
@@ -194,24 +177,29 @@ std::string VioEstimator::TryMotionStart() {
   if (clock_suspect_) SeekClock(images);
   const Result<MotionStart> motion = AlignInMotion(camera_, calibration_, imu_, images);
   if (!motion.ok()) return motion.error().message;
-  InertialState inertial;
-  inertial.stamp_ns = images.front().stamp_ns + Nanoseconds(calibration_.time_offset_s);
-  inertial.world_from_body = UprightRotation(-motion->gravity_in_body);
-  inertial.velocity_in_world = inertial.world_from_body * motion->velocity_in_body;
-  inertial.gyro_bias = motion->gyro_bias;
-  // The filter sees the same images again: the window gives it a place to start from, and no more
-  // certainty than one has without it.
+  InertialState guess;
+  guess.stamp_ns = images.front().stamp_ns + Nanoseconds(calibration_.time_offset_s);
+  guess.world_from_body = UprightRotation(-motion->gravity_in_body);
+  guess.velocity_in_world = guess.world_from_body * motion->velocity_in_body;
+  guess.gyro_bias = motion->gyro_bias;
+  const auto refined = RefineStart(camera_, calibration_, imu_, Thinned(window_), guess, options_);
+  if (!refined) return "waiting for a start in motion: no motion explains the points";
+  // The filter sees the same images again, so it begins with several times the spread that they
+  // leave. Not with much more: in slow motion a velocity that may be anything gives no point a
+  // depth, and without points the filter never learns it.
   StartSpread spread;
-  spread.tilt_rad = 0.05;
-  // Noise of the rays shortens the velocity by up to a third.
-  const double speed = motion->velocity_in_body.norm();
-  spread.velocity_m_s = std::clamp(std::max(3 * motion->velocity_std_m_s, 0.3 * speed), 0.1, 1.0);
-  spread.gyro_bias_rad_s = 0.02;
+  spread.tilt_rad = 0.02;
+  spread.velocity_m_s = std::clamp(
+      std::max(5 * refined->velocity_std_m_s, 0.1 * refined->inertial.velocity_in_world.norm()),
+      0.02, 1.0);
+  spread.gyro_bias_rad_s = 0.005;
   spread.accel_bias_m_s2 = options_.start_accel_bias_std_m_s2;
-  // Where the guess is far off, the filter's first updates are, and it believes in them. So the
-  // window is looked at twice, the second time from where the first look says that it began, with
-  // the same spread.
-  inertial = LookedAtAgain(inertial, spread);
+  InertialState inertial = refined->inertial;
+  // The heading of a start is nothing that could be known.
+  inertial.world_from_body = UprightRotation(inertial.world_from_body.transpose().col(2));
+  inertial.velocity_in_world =
+      inertial.world_from_body *
+      (refined->inertial.world_from_body.transpose() * refined->inertial.velocity_in_world);
   Begin(inertial, spread);
   return "";
 }

@@ -68,9 +68,6 @@ class VioEstimator {
   std::string TryRestStart(const TrackedImage& image);
   std::string TryMotionStart();
   std::string TryStart(const TrackedImage& image);
-  /// A better guess of a start: what a filter that begins with it knows at the end of the window,
-  /// carried back to the window's first image.
-  InertialState LookedAtAgain(const InertialState& start, const StartSpread& spread) const;
   void Begin(InertialState inertial, StartSpread spread);
   void BeginWith(const FilterState& state);
   /// Moves a start to where the last stretch ended, with the uncertainty that the gap leaves.

@@ -9,7 +9,7 @@ namespace plumbline {
 /// each.
 struct VioOptions {
   // Window and features
-  int window_clones = 11;
+  int window_clones = 20;
   int state_features = 30;
   int max_tracks = 120;
   double max_rate_hz = 25;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What goes wrong in recordings: each is survived, with a bounded error, and said.
+#include <algorithm>
+
 #include <gmock/gmock.h>
 
 #include "engine/geometry/angles.h"
@@ -240,14 +242,22 @@ TEST(VioRobustness, AStillCameraForAMinute) {
 }
 
 TEST(VioRobustness, PureRotation) {
-  // The camera hangs on an arm, whose swing is all the parallax there is.
-  const SimulatedRecording recording = Simulate({.seconds = 10, .moves = false, .seed = 8});
-  const VioRun run = Estimate(recording);
-  EXPECT_EQ(run.reports.back().phase, VioPhase::kTracking);
-  EXPECT_EQ(run.reports.back().stretch, 1);
-  EXPECT_LT(EndError(recording, run), 1);  // hardly more than the IMU alone, and it says so:
-  EXPECT_LT(EndErrorInSigmas(recording, run), 4);
-  EXPECT_LT(EndTiltDeg(recording, run), 0.5);
+  // The camera hangs on an arm, whose swing is all the parallax there is. Where it gives points a
+  // depth it holds the body within centimetres; where it does not there is hardly more than the IMU
+  // alone, which is 1 to 2 m off after ten seconds, and the filter says so.
+  std::vector<double> errors;
+  for (std::uint64_t seed = 8; seed < 13; ++seed) {
+    const SimulatedRecording recording = Simulate({.seconds = 10, .moves = false, .seed = seed});
+    const VioRun run = Estimate(recording);
+    EXPECT_EQ(run.reports.back().phase, VioPhase::kTracking) << seed;
+    EXPECT_EQ(run.reports.back().stretch, 1) << seed;
+    EXPECT_LT(EndErrorInSigmas(recording, run), 4) << seed;
+    EXPECT_LT(EndTiltDeg(recording, run), 0.5) << seed;
+    errors.push_back(EndError(recording, run));
+  }
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[2], 1);
+  EXPECT_LT(errors.back(), 2.5);
 }
 
 TEST(VioRobustness, RotationAboutTheCameraItself) {
