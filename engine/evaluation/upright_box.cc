@@ -37,6 +37,13 @@ Polygon LeftOf(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Polygon
   return left;
 }
 
+double SharedArea(const UprightBox& a, const UprightBox& b) {
+  Polygon shared(a.base.begin(), a.base.end());
+  for (std::size_t i = 0; i < b.base.size() && !shared.empty(); ++i)
+    shared = LeftOf(b.base[i], b.base[(i + 1) % b.base.size()], shared);
+  return std::max(0.0, AreaOf(shared));
+}
+
 }  // namespace
 
 double UprightBox::volume() const { return AreaOf(base) * (top_m - bottom_m); }
@@ -60,13 +67,42 @@ UprightBox BoxOf(const CadModel& model, const Eigen::Isometry3d& world_from_obje
   return box;
 }
 
+UprightBox BoxOf(const Eigen::Vector3d& size_m, const Eigen::Isometry3d& world_from_object,
+                 const UprightFrame& upright) {
+  const Eigen::Vector3d base =
+      upright.upright_rotation().transpose() * world_from_object.translation();
+  const Eigen::Rotation2Dd turn(upright.Azimuth(world_from_object.linear()));
+  const double x = 0.5 * size_m.x(), y = 0.5 * size_m.y();
+  const auto corner = [&](double along, double across) {
+    return Eigen::Vector2d(base.head<2>() + turn * Eigen::Vector2d(along, across));
+  };
+  UprightBox box;
+  box.base = {corner(-x, -y), corner(x, -y), corner(x, y), corner(-x, y)};
+  box.bottom_m = base.z();
+  box.top_m = base.z() + size_m.z();
+  return box;
+}
+
+std::array<Eigen::Vector3d, 8> CornersOf(const UprightBox& box, const UprightFrame& upright) {
+  std::array<Eigen::Vector3d, 8> corners;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Eigen::Vector2d& base = box.base[i % 4];
+    corners[i] = upright.upright_rotation() *
+                 Eigen::Vector3d(base.x(), base.y(), i < 4 ? box.bottom_m : box.top_m);
+  }
+  return corners;
+}
+
+double BaseIou(const UprightBox& a, const UprightBox& b) {
+  const double both = SharedArea(a, b);
+  const double together = AreaOf(a.base) + AreaOf(b.base) - both;
+  return together > 0 ? both / together : 0.0;
+}
+
 double Iou(const UprightBox& a, const UprightBox& b) {
   const double height_m = std::min(a.top_m, b.top_m) - std::max(a.bottom_m, b.bottom_m);
   if (!(height_m > 0)) return 0;
-  Polygon shared(a.base.begin(), a.base.end());
-  for (std::size_t i = 0; i < b.base.size() && !shared.empty(); ++i)
-    shared = LeftOf(b.base[i], b.base[(i + 1) % b.base.size()], shared);
-  const double both = std::max(0.0, AreaOf(shared)) * height_m;
+  const double both = SharedArea(a, b) * height_m;
   const double together = a.volume() + b.volume() - both;
   return together > 0 ? both / together : 0.0;
 }

@@ -23,6 +23,17 @@ struct UprightBox {
 UprightBox BoxOf(const CadModel& model, const Eigen::Isometry3d& world_from_object, double scale,
                  const UprightFrame& upright);
 
+/// A box of that length, width and height, along x, y and z of `object`, which stands on the middle
+/// of its underside, as data sets tell them.
+UprightBox BoxOf(const Eigen::Vector3d& size_m, const Eigen::Isometry3d& world_from_object,
+                 const UprightFrame& upright);
+
+/// The eight corners, in world.
+std::array<Eigen::Vector3d, 8> CornersOf(const UprightBox& box, const UprightFrame& upright);
+
+/// Area of the intersection of the bases over that of their union: the overlap seen from above.
+double BaseIou(const UprightBox& a, const UprightBox& b);
+
 /// Volume of the intersection over that of the union; 0 for boxes without volume.
 double Iou(const UprightBox& a, const UprightBox& b);
 
