@@ -19,7 +19,7 @@ struct LevelLimits {
 constexpr std::array<LevelLimits, 3> kLimits = {{{40, 0.15}, {25, 0.30}, {25, 0.50}}};
 constexpr double kNear_m = 0.1;
 
-double OverlapOf(const UprightBox& a, const UprightBox& b, KittiOverlap overlap) {
+double OverlapOf(const StandingBox& a, const StandingBox& b, KittiOverlap overlap) {
   return overlap == KittiOverlap::kVolume ? Iou(a, b) : BaseIou(a, b);
 }
 
@@ -55,7 +55,7 @@ double Interpolated(const std::vector<Point>& points, int truths, int places, bo
 
 }  // namespace
 
-std::optional<KittiLevel> LevelIn(const KittiViews& views, const UprightBox& box,
+std::optional<KittiLevel> LevelIn(const KittiViews& views, const StandingBox& box,
                                   const UprightFrame& upright) {
   const std::array<Eigen::Vector3d, 8> corners = CornersOf(box, upright);
   std::optional<KittiLevel> easiest;
@@ -136,7 +136,7 @@ Result<KittiMeasures> MeasureKitti(std::span<const EstimatedObject> candidates,
   const Result<CountedObjects> objects = CollectObjects(candidates, truth, database, {});
   if (!objects) return objects.error();
   const UprightFrame& upright = objects->upright;
-  const auto level_of = [&](const UprightBox& box) {
+  const auto level_of = [&](const StandingBox& box) {
     return views ? LevelIn(*views, box, upright) : std::optional(KittiLevel::kEasy);
   };
   KittiMeasures measures;

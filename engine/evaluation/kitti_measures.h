@@ -11,7 +11,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "engine/evaluation/map_evaluation.h"
-#include "engine/evaluation/upright_box.h"
+#include "engine/evaluation/standing_box.h"
 #include "engine/sensor/camera.h"
 
 namespace plumbline {
@@ -27,12 +27,12 @@ struct KittiViews {
   PinholeCamera camera;
   std::vector<Eigen::Isometry3d> cam_from_world;  ///< One for each image.
 };
-std::optional<KittiLevel> LevelIn(const KittiViews& views, const UprightBox& box,
+std::optional<KittiLevel> LevelIn(const KittiViews& views, const StandingBox& box,
                                   const UprightFrame& upright);
 
 /// A box and where it heads.
 struct KittiBox {
-  UprightBox box;
+  StandingBox box;
   double azimuth_rad = 0;
   std::optional<KittiLevel> level;
 };
