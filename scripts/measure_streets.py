@@ -92,7 +92,7 @@ def measure(arguments, seed, shapes):
     models, truth_file, settings = SHAPES[shapes]
     folder = film(arguments, seed)
     settings = settings + arguments.set
-    key = hashlib.sha256(json.dumps([arguments.program_hash, str(folder), shapes, settings]).encode()).hexdigest()[:8]
+    key = hashlib.sha256(json.dumps([arguments.program_hash, str(folder), shapes, arguments.edges, settings]).encode()).hexdigest()[:8]
     stem = arguments.out / "runs" / f"{folder.name}-{shapes}-{key}"
     judged_file, run_file = stem.with_suffix(".json"), stem.with_suffix(".plb")
     if not judged_file.exists():
@@ -181,7 +181,7 @@ def main():
     parser.add_argument("--seeds", type=integers, default=integers("301:311"), help="of the streets, as 301:311 (default) or 1,4")
     parser.add_argument("--shapes", choices=[*SHAPES, "both"], default="both", help="which shapes the mapper has")
     parser.add_argument("--frames", type=int, help="of each street; if not given, the scene's")
-    parser.add_argument("--edges", default="gradient", help="gradient, dataset or builtin (default: %(default)s)")
+    parser.add_argument("--edges", default="dataset", help="gradient, dataset or builtin (default: %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="an option of the filter")
     parser.add_argument("--keep", action="store_true", help="keep the run files")
     arguments = parser.parse_args()

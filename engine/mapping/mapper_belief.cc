@@ -156,8 +156,8 @@ double Mapper::Impl::Screened(const PoseHypothesis& pose, const Box2& visible_bo
                        *setup.database, MeanStates(true));
 }
 
-double Mapper::Impl::RememberedEvidence(const MapObject& object, const MapperInput& input,
-                                        const OcclusionMaps& occluders) const {
+void Mapper::Impl::UpdateRemembered(MapObject& object, const MapperInput& input,
+                                    const OcclusionMaps& occluders) const {
   const PoseHypothesis mean = ToHypothesis(object.mean(), map);
   const double looks_per_view = options().key_frame_distance_m / options().correlation_m;
   const auto look = [&](const MapperInput& from, const OcclusionMaps& maps, double weight) {
@@ -181,12 +181,16 @@ double Mapper::Impl::RememberedEvidence(const MapObject& object, const MapperInp
         EdgeSurplus(*setup.scorer, own.view.view, map, mean) * kUsualSurplus / edge_level);
     return weight / judging.telling * looks_per_view * SightingLogRatio(sighting, options());
   };
-  double sum = look(input, occluders, object.present_weight);
+  double sum = look(input, occluders, object.present_weight), still = 0;
   for (const ObjectView& seen : object.views) {
-    if (const KeyFrame* key = memory.Find(seen.frame))
-      sum += look(key->input, key->maps, seen.weight);
+    const KeyFrame* key = memory.Find(seen.frame);
+    if (key == nullptr) continue;
+    const double evidence = look(key->input, key->maps, seen.weight);
+    sum += evidence;
+    still += evidence;
   }
-  return sum;
+  object.remembered_evidence = sum;
+  object.still_evidence = still;
 }
 
 void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
@@ -517,7 +521,7 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
   sampler.Walk(population);
   Take(object, population);
   object.Summarize(map);
-  if (tentative) object.remembered_evidence = RememberedEvidence(object, input, occluders);
+  if (tentative) UpdateRemembered(object, input, occluders);
 }
 
 }  // namespace plumbline
