@@ -164,13 +164,18 @@ std::optional<SingleFrames> JudgeSingleFrames(const RunReview& review, const Tru
 }
 
 /// The category whose boxes are judged as KITTI does: the one asked for, or cars where there are.
-std::optional<std::string> KittiCategory(const Truth& truth, const EvaluateArguments& arguments) {
-  if (!arguments.kitti.empty()) return arguments.kitti;
+Result<std::optional<std::string>> KittiCategory(const Truth& truth,
+                                                 const EvaluateArguments& arguments) {
+  const std::string wanted = arguments.kitti.empty() ? "car" : arguments.kitti;
   const auto& instances = truth.instances.instances;
-  const bool cars =
+  const bool there =
       std::any_of(instances.begin(), instances.end(),
-                  [](const GroundTruthInstance& instance) { return instance.category == "car"; });
-  return cars ? std::optional<std::string>("car") : std::nullopt;
+                  [&](const GroundTruthInstance& instance) { return instance.category == wanted; });
+  if (there) return std::optional(wanted);
+  if (arguments.kitti.empty()) return std::optional<std::string>();
+  return Error{ErrorCode::kInvalidInput, "--kitti " + wanted + ": " + arguments.ground_truth +
+                                             " has no instance of that category; name one that "
+                                             "it has, or leave --kitti out"};
 }
 
 /// The images of the run, in the frame of the truth; nothing where the input is no run file, or its
@@ -205,9 +210,11 @@ Result<JudgedMap> Judge(const std::vector<EstimatedObject>& candidates, const Tr
                                                     *evaluation, arguments.options);
   if (!detection) return detection.error();
   JudgedMap map;
-  if (const std::optional<std::string> category = KittiCategory(truth, arguments)) {
+  const auto category = KittiCategory(truth, arguments);
+  if (!category) return category.error();
+  if (*category) {
     Result<KittiMeasures> kitti =
-        MeasureKitti(candidates, truth.instances, *truth.database, *evaluation, *category,
+        MeasureKitti(candidates, truth.instances, *truth.database, *evaluation, **category,
                      ViewsOf(arguments, evaluation->truth_from_estimate));
     if (!kitti) return kitti.error();
     map.kitti = std::move(*kitti);

@@ -48,7 +48,7 @@ double MotionTest::LogBayesFactor(const MapperOptions& options) const {
 double MotionTest::LogStanding(const MapperOptions& options, double still_evidence) const {
   if (options.moving_share <= 0) return 0;
   const double odds = std::log(options.moving_share / (1 - options.moving_share)) +
-                      LogBayesFactor(options) - still_evidence;
+                      (boxes_ < kLeastBoxes ? -still_evidence : LogBayesFactor(options));
   return odds > 0 ? -odds - std::log1p(std::exp(-odds)) : -std::log1p(std::exp(odds));
 }
 

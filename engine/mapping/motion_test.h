@@ -25,7 +25,8 @@ class MotionTest {
   /// log p(places | it moves) - log p(places | it stands); 0 before the fourth box.
   double LogBayesFactor(const MapperOptions& options) const;
   /// log P(it stands | places, E).
-  /// @param still_evidence  log p(E | it stands) - log p(E | it moves) of what else there is.
+  /// @param still_evidence  log p(E | it stands) - log p(E | it moves) of what else there is; it
+  ///                        counts before the fourth box: boxes know better.
   double LogStanding(const MapperOptions& options, double still_evidence = 0) const;
   /// How much less likely the places have made it that it stands; 0 where they have not.
   double LogAgainst(const MapperOptions& options) const;
