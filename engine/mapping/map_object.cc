@@ -7,7 +7,6 @@
 
 #include "engine/geometry/angles.h"
 #include "engine/mapping/bytes.h"
-#include "engine/vision/category_names.h"
 
 namespace plumbline {
 
@@ -92,18 +91,14 @@ ObjectReport ToReport(const MapObject& object) {
   }
   object.paper.Save(out);
   // Scales, then crops, then motion come last and only where there are any: older files have none.
-  const bool looked_at = !object.crops.looked_from().empty(),
-             followed = MovesByItself(object.category);
+  const bool looked_at = !object.crops.looked_from().empty(), followed = object.motion.boxes() > 0;
   if (looked_at || followed ||
       std::any_of(object.joined.begin(), object.joined.end(),
                   [](const PoseHypothesis& hypothesis) { return hypothesis.log_scale != 0; })) {
     for (const PoseHypothesis& hypothesis : object.joined) out.Put(hypothesis.log_scale);
   }
   if (looked_at || followed) object.crops.Save(out);
-  if (followed) {
-    object.motion.Save(out);
-    out.Put(object.still_evidence);
-  }
+  if (followed) object.motion.Save(out);
   report.filter_state = out.Take();
   return report;
 }
@@ -159,10 +154,7 @@ Result<MapObject> FromReport(const ObjectReport& report, const ModelDatabase& mo
     for (PoseHypothesis& hypothesis : object.joined) hypothesis.log_scale = in.Get<double>();
   }
   if (!in.rest().empty()) object.crops.Restore(in);
-  if (!in.rest().empty()) {
-    object.motion.Restore(in);
-    object.still_evidence = in.Get<double>();
-  }
+  if (!in.rest().empty()) object.motion.Restore(in);
   const auto known = [&models](int label) {
     return label >= 0 && label < static_cast<int>(models.models().size());
   };

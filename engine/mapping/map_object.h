@@ -43,11 +43,9 @@ struct MapObject : ObjectBelief {
   std::optional<Detection> last_proposal;  ///< The last proposal it explained while tentative, and
                                            ///< where that was seen from.
   Eigen::Isometry3d world_from_proposal_cam = Eigen::Isometry3d::Identity();
-  MotionTest motion;          ///< Of a category that moves by itself.
-  double still_evidence = 0;  ///< The part of `remembered_evidence` that is of `views`: the last
-                              ///< frame shows what moves just there, too.
-  CropBelief crops;           ///< Since it was confirmed.
-  PaperTrack paper;           ///< Of filter = paper.
+  MotionTest motion;  ///< Of a category that moves by itself.
+  CropBelief crops;   ///< Since it was confirmed.
+  PaperTrack paper;   ///< Of filter = paper.
 
   const PoseMode& mean() const { return modes.front(); }
   double remembered() const;  ///< Sum of the weights of `views`.

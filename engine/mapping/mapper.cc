@@ -163,8 +163,7 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, Fra
     const double least = object.state == ObjectState::kTentative ? options().dismiss_evidence
                                                                  : options().retire_evidence;
     const bool may_move = MovesByItself(object.category);
-    const double still = options().remembered_share * std::max(0.0, object.still_evidence);
-    const double standing = may_move ? object.motion.LogStanding(options(), still) : 0;
+    const double standing = may_move ? object.motion.LogStanding(options()) : 0;
     // What passes fast shows from a new side in every image: its pose needs some searches first.
     const bool judged = !may_move || object.state == ObjectState::kConfirmed ||
                         object.seen_s > options().confirm_age_s;

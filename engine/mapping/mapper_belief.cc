@@ -156,8 +156,8 @@ double Mapper::Impl::Screened(const PoseHypothesis& pose, const Box2& visible_bo
                        *setup.database, MeanStates(true));
 }
 
-void Mapper::Impl::UpdateRemembered(MapObject& object, const MapperInput& input,
-                                    const OcclusionMaps& occluders) const {
+double Mapper::Impl::RememberedEvidence(const MapObject& object, const MapperInput& input,
+                                        const OcclusionMaps& occluders) const {
   const PoseHypothesis mean = ToHypothesis(object.mean(), map);
   const double looks_per_view = options().key_frame_distance_m / options().correlation_m;
   const auto look = [&](const MapperInput& from, const OcclusionMaps& maps, double weight) {
@@ -181,16 +181,12 @@ void Mapper::Impl::UpdateRemembered(MapObject& object, const MapperInput& input,
         EdgeSurplus(*setup.scorer, own.view.view, map, mean) * kUsualSurplus / edge_level);
     return weight / judging.telling * looks_per_view * SightingLogRatio(sighting, options());
   };
-  double sum = look(input, occluders, object.present_weight), still = 0;
+  double sum = look(input, occluders, object.present_weight);
   for (const ObjectView& seen : object.views) {
-    const KeyFrame* key = memory.Find(seen.frame);
-    if (key == nullptr) continue;
-    const double evidence = look(key->input, key->maps, seen.weight);
-    sum += evidence;
-    still += evidence;
+    if (const KeyFrame* key = memory.Find(seen.frame))
+      sum += look(key->input, key->maps, seen.weight);
   }
-  object.remembered_evidence = sum;
-  object.still_evidence = still;
+  return sum;
 }
 
 void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
@@ -521,7 +517,7 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
   sampler.Walk(population);
   Take(object, population);
   object.Summarize(map);
-  if (tentative) UpdateRemembered(object, input, occluders);
+  if (tentative) object.remembered_evidence = RememberedEvidence(object, input, occluders);
 }
 
 }  // namespace plumbline

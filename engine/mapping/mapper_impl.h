@@ -235,9 +235,9 @@ struct Mapper::Impl {
   /// Share of the visible box of a pose that points of what no model explains stand before.
   double Screened(const PoseHypothesis& pose, const Box2& visible_box,
                   const MapperInput& input) const;
-  /// The evidence of the views that the object remembers and of this frame, for its mean pose.
-  void UpdateRemembered(MapObject& object, const MapperInput& input,
-                        const OcclusionMaps& occluders) const;
+  /// Of the views that the object remembers and of this frame, for its mean pose.
+  double RememberedEvidence(const MapObject& object, const MapperInput& input,
+                            const OcclusionMaps& occluders) const;
   void UpdateExistence(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders,
                        const Detection* matched, double dt_s, double novelty);
   /// Where on the ground the thing in a box stands, in level axes: where the ray through the middle

@@ -45,10 +45,10 @@ double MotionTest::LogBayesFactor(const MapperOptions& options) const {
   return 0.5 * of.pull.dot(posterior.inverse() * of.pull) - 0.5 * std::log(determinant);
 }
 
-double MotionTest::LogStanding(const MapperOptions& options, double still_evidence) const {
+double MotionTest::LogStanding(const MapperOptions& options) const {
   if (options.moving_share <= 0) return 0;
-  const double odds = std::log(options.moving_share / (1 - options.moving_share)) +
-                      (boxes_ < kLeastBoxes ? -still_evidence : LogBayesFactor(options));
+  const double odds =
+      std::log(options.moving_share / (1 - options.moving_share)) + LogBayesFactor(options);
   return odds > 0 ? -odds - std::log1p(std::exp(-odds)) : -std::log1p(std::exp(odds));
 }
 

@@ -24,10 +24,8 @@ class MotionTest {
            const Eigen::Matrix2d& information);
   /// log p(places | it moves) - log p(places | it stands); 0 before the fourth box.
   double LogBayesFactor(const MapperOptions& options) const;
-  /// log P(it stands | places, E).
-  /// @param still_evidence  log p(E | it stands) - log p(E | it moves) of what else there is; it
-  ///                        counts before the fourth box: boxes know better.
-  double LogStanding(const MapperOptions& options, double still_evidence = 0) const;
+  /// log P(it stands | places).
+  double LogStanding(const MapperOptions& options) const;
   /// How much less likely the places have made it that it stands; 0 where they have not.
   double LogAgainst(const MapperOptions& options) const;
   /// The velocity that is most likely if it moves [m/s].

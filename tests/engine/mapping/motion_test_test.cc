@@ -93,19 +93,6 @@ TEST(MotionTest, OfFewBoxesBelievesThePrior) {
   EXPECT_EQ(TestOf(Sights({10, 0}, 20, 1)).LogStanding(nothing_moves), 0);
 }
 
-TEST(MotionTest, WhatElseTellsThatItStandsCountsUntilBoxesTell) {
-  const MapperOptions options;
-  const MotionTest test = TestOf(Sights({0, 0}, 3, 3));
-  const double before = test.LogStanding(options), after = test.LogStanding(options, 2);
-  const auto odds = [](double log_p) { return log_p - std::log(-std::expm1(log_p)); };
-  EXPECT_NEAR(odds(after) - odds(before), 2, 1e-9);
-  // Without a box to tell, a place that views of several times agree on is enough.
-  EXPECT_LT(MotionTest().LogStanding(options), std::log(options.confirm_standing));
-  EXPECT_GT(MotionTest().LogStanding(options, 3), std::log(options.confirm_standing));
-  const MotionTest moving = TestOf(Sights({10, 0}, 20, 3));
-  EXPECT_EQ(moving.LogStanding(options, 10), moving.LogStanding(options));
-}
-
 TEST(MotionTest, SurvivesARunFile) {
   const MapperOptions options;
   const MotionTest test = TestOf(Sights({5, 1}, 9, 2));
