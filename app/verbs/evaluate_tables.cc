@@ -74,6 +74,8 @@ void PrintObjects(const JudgedMap& map) {
     std::printf("%-6s %-18s %-18s %59s\n", object.estimate.id.c_str(),
                 object.estimate.model.c_str(), "SPURIOUS",
                 Number("%.2f", 100 * object.surface.mean_m).c_str());
+    if (!object.moving.empty())
+      std::printf("       It is where %s moved.\n", object.moving.c_str());
   }
   PrintMissed(map);
 }
@@ -157,6 +159,34 @@ void PrintBins(const char* name, const std::vector<ShownBin>& bins) {
   std::printf("\n");
 }
 
+void PrintKitti(const KittiMeasures& kitti) {
+  std::printf("\nas KITTI counts, %s\n", kitti.category.c_str());
+  std::printf("  %-32s %9s", "[%], over 40 places of recall", "");
+  for (const std::string_view level : kKittiLevelNames)
+    std::printf(" %17s", std::string(level).c_str());
+  std::printf("%s\n", kitti.has_levels ? "" : "   (no poses of the camera: every box counts)");
+  const auto row = [&](const char* name, double least_iou, const auto& by_level) {
+    std::printf("  %-32s IoU >= %.1f", name, least_iou);
+    for (const KittiPrecision& p : by_level)
+      std::printf(" %5.1f AOS %5.1f %2d/%2d", 100 * p.ap_40, 100 * p.aos_40, p.found, p.truths);
+    std::printf("\n");
+  };
+  for (std::size_t k = 0; k < KittiMeasures::kLeastIous.size(); ++k) {
+    row("3-D boxes, AP", KittiMeasures::kLeastIous[k], kitti.volume[k]);
+    row("from above, AP", KittiMeasures::kLeastIous[k], kitti.base[k]);
+  }
+  if (kitti.pairs.empty()) return;
+  double iou = 0, base = 0, orientation = 0;
+  for (const KittiPair& pair : kitti.pairs) {
+    iou += pair.iou;
+    base += pair.base_iou;
+    orientation += pair.orientation;
+  }
+  const auto count = static_cast<double>(kitti.pairs.size());
+  std::printf("  %-32s IoU %.2f, from above %.2f, orientation similarity %.3f\n",
+              "matched objects, mean", iou / count, base / count, orientation / count);
+}
+
 void PrintOthers(const JudgedMap& map) {
   const PlacementSuccess& placement = map.placement;
   std::printf("\nas other benchmarks count\n");
@@ -210,6 +240,7 @@ void PrintJudgedMap(const JudgedMap& map) {
   PrintSurfaces(map);
   PrintMeans(map);
   PrintOthers(map);
+  if (map.kitti) PrintKitti(*map.kitti);
 }
 
 nlohmann::json JudgedMapToJson(const JudgedMap& map) {
@@ -217,6 +248,7 @@ nlohmann::json JudgedMapToJson(const JudgedMap& map) {
   json["surfaces"] = SurfacesToJson(map.surfaces);
   json["placement"] = PlacementToJson(map.placement);
   json["detection"] = DetectionToJson(map.detection);
+  if (map.kitti) json["kitti"] = KittiToJson(*map.kitti);
   if (map.single_frames) json["single_frames"] = SingleFramesToJson(*map.single_frames);
   if (map.truths) json["shown"] = ShownTruthsToJson(ShownTruthsOf(*map.truths));
   if (map.by_trajectory) {

@@ -13,6 +13,7 @@
 #include "engine/analysis/single_frames.h"
 #include "engine/analysis/trajectory_alignment.h"
 #include "engine/evaluation/box_detection.h"
+#include "engine/evaluation/kitti_measures.h"
 #include "engine/evaluation/placement_success.h"
 #include "engine/evaluation/surface_references.h"
 #include "engine/snapshot/truths_view.h"
@@ -30,6 +31,7 @@ struct JudgedMap {
   SurfaceReferences surfaces;
   PlacementSuccess placement;
   BoxDetection detection;
+  std::optional<KittiMeasures> kitti;
   std::optional<SequenceAlignment> by_trajectory;
   std::optional<TruthsView> truths;  ///< Why instances are missed; nothing: not known.
   PlantedTruths planted;

@@ -38,6 +38,7 @@ struct EvaluateArguments {
   ///< Empty: "yaw" of a trajectory; of a map "trajectory" where it has own poses, else "none".
   std::string align, truth = "both";
   int single_frames = 20;
+  std::string kitti;  ///< Category; empty: cars, where there are.
   std::string plant;  ///< Folder for forks in which what was missed is planted; empty: none.
   EvaluationOptions options;
   std::optional<SequenceAlignment> by_trajectory;
@@ -162,6 +163,38 @@ std::optional<SingleFrames> JudgeSingleFrames(const RunReview& review, const Tru
   return std::nullopt;
 }
 
+/// The category whose boxes are judged as KITTI does: the one asked for, or cars where there are.
+Result<std::optional<std::string>> KittiCategory(const Truth& truth,
+                                                 const EvaluateArguments& arguments) {
+  const std::string wanted = arguments.kitti.empty() ? "car" : arguments.kitti;
+  const auto& instances = truth.instances.instances;
+  const bool there =
+      std::any_of(instances.begin(), instances.end(),
+                  [&](const GroundTruthInstance& instance) { return instance.category == wanted; });
+  if (there) return std::optional(wanted);
+  if (arguments.kitti.empty()) return std::optional<std::string>();
+  return Error{ErrorCode::kInvalidInput, "--kitti " + wanted + ": " + arguments.ground_truth +
+                                             " has no instance of that category; name one that "
+                                             "it has, or leave --kitti out"};
+}
+
+/// The images of the run, in the frame of the truth; nothing where the input is no run file, or its
+/// sequence or poses are not at hand.
+std::optional<KittiViews> ViewsOf(const EvaluateArguments& arguments,
+                                  const Eigen::Isometry3d& truth_from_estimate) {
+  const auto header = HeaderOfRun(arguments);
+  if (!header.ok() || !*header) return std::nullopt;
+  const auto sequence = OpenSequenceOfRun({arguments.run, {}, arguments.models}, **header);
+  if (!sequence.ok()) return std::nullopt;
+  KittiViews views;
+  views.camera = (*sequence)->camera();
+  for (int frame = 0; frame < (*sequence)->num_frames(); ++frame) {
+    if (const auto pose = (*sequence)->world_from_cam(frame))
+      views.cam_from_world.push_back(pose->inverse() * truth_from_estimate.inverse());
+  }
+  return views.cam_from_world.empty() ? std::nullopt : std::optional(std::move(views));
+}
+
 /// Judges what a map holds against the truth.
 Result<JudgedMap> Judge(const std::vector<EstimatedObject>& candidates, const Truth& truth,
                         const EvaluateArguments& arguments) {
@@ -177,6 +210,15 @@ Result<JudgedMap> Judge(const std::vector<EstimatedObject>& candidates, const Tr
                                                     *evaluation, arguments.options);
   if (!detection) return detection.error();
   JudgedMap map;
+  const auto category = KittiCategory(truth, arguments);
+  if (!category) return category.error();
+  if (*category) {
+    Result<KittiMeasures> kitti =
+        MeasureKitti(candidates, truth.instances, *truth.database, *evaluation, **category,
+                     ViewsOf(arguments, evaluation->truth_from_estimate));
+    if (!kitti) return kitti.error();
+    map.kitti = std::move(*kitti);
+  }
   map.options = arguments.options;
   map.has_scan = scan != nullptr;
   map.placement = MeasurePlacement(*evaluation, truth.instances, *truth.database);
@@ -355,6 +397,16 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
                    "Leave objects and instances of this category out (may be given several times)")
       ->type_name("C")
       ->allow_extra_args(false);
+  verb->add_option("--match-distance", arguments->options.match_distance_m,
+                   "Largest distance of the origins of an object and the instance that it is; "
+                   "half a metre suits rooms, a metre streets")
+      ->check(CLI::Range(0.01, 100.0))
+      ->type_name("M")
+      ->capture_default_str();
+  verb->add_option("--kitti", arguments->kitti,
+                   "Judge boxes of this category as KITTI does, too (3-D and from above, average "
+                   "precision and orientation); if not given, cars where there are any")
+      ->type_name("C");
   verb->add_option("--samples", arguments->options.samples, "Points drawn on each surface")
       ->check(CLI::Range(1, 100'000'000))
       ->capture_default_str();

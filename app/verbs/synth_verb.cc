@@ -19,7 +19,7 @@ namespace {
 struct SynthArguments {
   std::string out_folder;
   std::string scene = "room";
-  std::string size = "960x500";
+  std::string size;  ///< Empty: that of the scene.
   std::uint64_t seed = 1;
   std::optional<int> frames, light_rays;
   std::optional<double> rate_hz, fov_deg;
@@ -57,7 +57,8 @@ Result<SyntheticOptions> OptionsOf(const SynthArguments& arguments) {
   if (arguments.light_rays) options.light_rays = *arguments.light_rays;
   if (arguments.fov_deg) options.horizontal_fov_rad = *arguments.fov_deg * kRadPerDeg;
   char rest = 0;
-  if (std::sscanf(arguments.size.c_str(), "%dx%d%c", &options.width, &options.height, &rest) != 2) {
+  if (!arguments.size.empty() &&
+      std::sscanf(arguments.size.c_str(), "%dx%d%c", &options.width, &options.height, &rest) != 2) {
     return Error{ErrorCode::kInvalidInput,
                  "--size is '" + arguments.size + "'; write width x height, for instance 640x480"};
   }
@@ -159,9 +160,9 @@ void AddSynthVerb(CLI::App& app, VerbFunction& chosen) {
                    "Frames per second; if not given, those of the scene")
       ->check(CLI::Range(1.0, 240.0))
       ->type_name("HZ");
-  verb->add_option("--size", arguments->size, "Width x height of the images [px]")
-      ->type_name("WxH")
-      ->capture_default_str();
+  verb->add_option("--size", arguments->size,
+                   "Width x height of the images [px]; if not given, 960x500 (street: 1242x375)")
+      ->type_name("WxH");
   verb->add_option("--fov", arguments->fov_deg,
                    "Field of view from left to right; if not given, 81 degrees")
       ->check(CLI::Range(20.0, 150.0))

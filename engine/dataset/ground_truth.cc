@@ -12,6 +12,12 @@
 namespace plumbline {
 namespace {
 
+std::optional<Eigen::Vector3d> SizeFromJson(const nlohmann::json& json) {
+  const std::optional<Eigen::VectorXd> size = VectorFromJson(json, 3);
+  if (!size || !(size->minCoeff() > 0 && size->maxCoeff() < 1000)) return std::nullopt;
+  return Eigen::Vector3d(*size);
+}
+
 /// The instance, or what is wrong with it.
 Result<GroundTruthInstance> ReadInstance(const nlohmann::json& json, const std::string& where) {
   const auto bad = [&](const std::string& what) {
@@ -37,10 +43,9 @@ Result<GroundTruthInstance> ReadInstance(const nlohmann::json& json, const std::
     instance.scale = json["scale"];
   }
   if (json.contains("size_m")) {
-    const std::optional<Eigen::VectorXd> size = VectorFromJson(json["size_m"], 3);
-    if (!size || !(size->minCoeff() > 0 && size->maxCoeff() < 1000))
+    instance.size_m = SizeFromJson(json["size_m"]);
+    if (!instance.size_m)
       return bad("(" + *id + ") has a 'size_m' that is not three lengths of less than 1000 m");
-    instance.size_m = *size;
   }
   const std::string quality =
       json.contains("quality") ? TextFromJson(json, "quality").value_or("") : "fine";
@@ -58,6 +63,44 @@ Result<GroundTruthInstance> ReadInstance(const nlohmann::json& json, const std::
       instance.azimuth_std_rad = value * kRadPerDeg;
   }
   return instance;
+}
+
+Result<MovingThing> ReadMoving(const nlohmann::json& json, const std::string& where) {
+  const auto bad = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidInput, where + " " + what};
+  };
+  MovingThing thing;
+  const std::optional<std::string> id = TextFromJson(json, "id");
+  const std::optional<std::string> category = TextFromJson(json, "category");
+  if (!id || !category) return bad("needs texts 'id' and 'category'");
+  thing.id = *id;
+  thing.category = *category;
+  const auto size = json.contains("size_m") ? SizeFromJson(json["size_m"]) : std::nullopt;
+  if (!size) return bad("(" + *id + ") needs a 'size_m' of three lengths of less than 1000 m");
+  thing.size_m = *size;
+  if (!json.contains("poses") || !json["poses"].is_array())
+    return bad("(" + *id + ") needs a list 'poses'");
+  for (const nlohmann::json& entry : json["poses"]) {
+    const bool whole = entry.is_object() && entry.contains("frame") &&
+                       entry["frame"].is_number_integer() && entry.contains("world_from_object");
+    const auto pose = whole ? IsometryFromJson(entry["world_from_object"]) : std::nullopt;
+    if (!pose)
+      return bad("(" + *id +
+                 ") has a pose without a whole 'frame' and a 4x4 rigid 'world_from_object'");
+    thing.places.push_back({entry["frame"].get<int>(), *pose});
+  }
+  return thing;
+}
+
+nlohmann::json MovingToJson(const MovingThing& thing) {
+  nlohmann::json poses = nlohmann::json::array();
+  for (const MovingThing::Place& place : thing.places)
+    poses.push_back(
+        {{"frame", place.frame}, {"world_from_object", IsometryToJson(place.world_from_object)}});
+  return {{"id", thing.id},
+          {"category", thing.category},
+          {"size_m", {thing.size_m.x(), thing.size_m.y(), thing.size_m.z()}},
+          {"poses", std::move(poses)}};
 }
 
 nlohmann::json InstanceToJson(const GroundTruthInstance& instance) {
@@ -109,6 +152,16 @@ Result<GroundTruth> ReadGroundTruth(const std::filesystem::path& file) {
       return bad("has two instances with the id '" + instance->id + "'");
     truth.instances.push_back(std::move(instance).value());
   }
+  if (!json.contains("moving")) return truth;
+  if (!json["moving"].is_array()) return bad("has 'moving' that is not a list");
+  for (const nlohmann::json& entry : json["moving"]) {
+    const std::string where =
+        "'" + file.string() + "': moving thing " + std::to_string(truth.moving.size());
+    Result<MovingThing> thing = ReadMoving(entry, where);
+    if (!thing.ok()) return thing.error();
+    if (!ids.insert(thing->id).second) return bad("has two things with the id '" + thing->id + "'");
+    truth.moving.push_back(std::move(thing).value());
+  }
   return truth;
 }
 
@@ -119,6 +172,7 @@ Status WriteGroundTruth(const std::filesystem::path& file, const GroundTruth& tr
   for (const GroundTruthInstance& instance : truth.instances) {
     json["instances"].push_back(InstanceToJson(instance));
   }
+  for (const MovingThing& thing : truth.moving) json["moving"].push_back(MovingToJson(thing));
   return WriteJson(file, json);
 }
 

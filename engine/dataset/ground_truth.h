@@ -36,9 +36,22 @@ struct TruthDeviation {
 };
 TruthDeviation DeviationOf(const GroundTruthInstance& instance);
 
+/// What moves while a sequence is recorded: no map should hold it.
+struct MovingThing {
+  std::string id;
+  std::string category;             ///< COCO name.
+  Eigen::Vector3d size_m{0, 0, 0};  ///< As of an instance.
+  struct Place {
+    int frame = 0;  ///< Of the sequence.
+    Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
+  };
+  std::vector<Place> places;  ///< By rising frame.
+};
+
 struct GroundTruth {
   Eigen::Vector3d gravity_in_world{0, 0, -1};  ///< Unit vector, down.
   std::vector<GroundTruthInstance> instances;
+  std::vector<MovingThing> moving;
 };
 
 /// Errors: kNotFound, kCorrupt, kInvalidInput (a rotation that is none, a duplicate id), naming

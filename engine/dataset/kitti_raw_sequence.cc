@@ -23,6 +23,9 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kOxtsStep_ns = 250'000'000;
 constexpr double kParkedWithin_m = 1;
+/// Of the cameras over the ground (Geiger et al., "Vision meets robotics: the KITTI dataset", IJRR
+/// 2013, the figure of the car).
+constexpr double kCameraHeight_m = 1.65;
 
 fs::path RawFile(const fs::path& folder, std::size_t number, const char* ending) {
   char name[32];
@@ -164,6 +167,12 @@ std::string CategoryOfKitti(const std::string& type) {
   return found == kCategories.end() ? "misc" : found->second;
 }
 
+std::string NameOfType(const std::string& type) {
+  std::string name;
+  for (const char c : type) name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
+
 /// Where it stands over its frames, in world; frames without a pose are passed over.
 std::optional<GroundTruthInstance> ParkedInstance(
     const KittiTracklet& tracklet, const std::map<int, Eigen::Isometry3d>& world_from_velo,
@@ -186,14 +195,32 @@ std::optional<GroundTruthInstance> ParkedInstance(
   if (moves) return std::nullopt;
   GroundTruthInstance instance;
   instance.category = CategoryOfKitti(tracklet.type);
-  for (const char c : tracklet.type)
-    instance.model += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  instance.model = NameOfType(tracklet.type);
   instance.fine = false;
   instance.size_m = tracklet.size_m;
   instance.world_from_object =
       Eigen::Translation3d(mean) *
       Eigen::AngleAxisd(std::atan2(front.y(), front.x()), Eigen::Vector3d::UnitZ());
   return instance;
+}
+
+/// Where it is, frame by frame; frames without a pose are passed over.
+MovingThing MovingThingOf(const KittiTracklet& tracklet, std::size_t number,
+                          const std::map<int, int>& frames,
+                          const std::map<int, Eigen::Isometry3d>& world_from_velo) {
+  MovingThing thing;
+  thing.id = NameOfType(tracklet.type) + "_" + std::to_string(number);
+  thing.category = CategoryOfKitti(tracklet.type);
+  thing.size_m = tracklet.size_m;
+  for (std::size_t i = 0; i < tracklet.places.size(); ++i) {
+    const auto velo = world_from_velo.find(tracklet.first_frame + static_cast<int>(i));
+    if (velo == world_from_velo.end()) continue;
+    const KittiTracklet::Place& place = tracklet.places[i];
+    thing.places.push_back(
+        {frames.at(velo->first), velo->second * Eigen::Translation3d(place.position_in_velo) *
+                                     Eigen::AngleAxisd(place.yaw_rad, Eigen::Vector3d::UnitZ())});
+  }
+  return thing;
 }
 
 }  // namespace
@@ -249,6 +276,7 @@ Result<std::shared_ptr<const Sequence>> OpenKittiRaw(const fs::path& folder,
     if (rig->cam_from_body && !packets->empty()) {
       JoinOxts(*packets, rig->cam_from_body->inverse(), recording.frames);
       recording.gravity_in_world = Eigen::Vector3d(0, 0, -1);
+      recording.camera_height_m = kCameraHeight_m;
     }
   }
   return MakeSequence(std::move(recording), options);
@@ -274,27 +302,30 @@ Result<std::optional<GroundTruth>> TruthOfKittiRaw(const Sequence& sequence,
     if ((*stamps)[i]) numbers.emplace(*(*stamps)[i], static_cast<int>(i));
   }
   std::map<int, Eigen::Isometry3d> world_from_velo;
+  std::map<int, int> frames;  // of the sequence
   for (int i = 0; i < sequence.num_frames(); ++i) {
     const auto number = numbers.find(sequence.stamp_ns(i));
-    if (const auto pose = sequence.world_from_cam(i); pose && number != numbers.end())
+    if (const auto pose = sequence.world_from_cam(i); pose && number != numbers.end()) {
       world_from_velo[number->second] = *pose * *rig->cam_from_velo;
+      frames[number->second] = i;
+    }
   }
   GroundTruth truth;
   truth.gravity_in_world = *sequence.gravity_in_world();
-  int moving = 0, unplaced = 0;
+  int unplaced = 0;
   for (std::size_t i = 0; i < tracklets->size(); ++i) {
     bool moves = false;
     std::optional<GroundTruthInstance> instance =
         ParkedInstance((*tracklets)[i], world_from_velo, moves);
-    moving += moves;
+    if (moves) truth.moving.push_back(MovingThingOf((*tracklets)[i], i, frames, world_from_velo));
     unplaced += !instance && !moves;
     if (!instance) continue;
     instance->id = instance->model + "_" + std::to_string(i);
     truth.instances.push_back(std::move(*instance));
   }
-  if (moving > 0)
-    warnings.push_back("'" + file.string() + "' has " + std::to_string(moving) +
-                       " objects that move; left out of the ground truth");
+  if (!truth.moving.empty())
+    warnings.push_back("'" + file.string() + "' has " + std::to_string(truth.moving.size()) +
+                       " objects that move; kept apart from the instances of the ground truth");
   if (unplaced > 0)
     warnings.push_back("'" + file.string() + "' has " + std::to_string(unplaced) +
                        " objects in frames without a pose; left out of the ground truth");

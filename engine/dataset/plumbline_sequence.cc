@@ -13,6 +13,7 @@
 #include "engine/dataset/trajectory.h"
 #include "engine/dataset/trajectory_writer.h"
 #include "engine/dataset/undistort.h"
+#include "engine/geometry/path_floor.h"
 #include "engine/sensor/image_file.h"
 #include "engine/sensor/undistorter.h"
 
@@ -32,6 +33,8 @@ bool Exists(const fs::path& path) {
 struct Surroundings {
   std::optional<Eigen::Vector3d> gravity_in_world;
   std::optional<Eigen::Vector4d> floor_in_world;
+  double floor_std_m = 0;
+  std::optional<double> camera_height_m;  ///< Over a floor that is not told.
   std::vector<FloorLevel> floor_levels;
 };
 
@@ -85,6 +88,12 @@ Result<Surroundings> ReadGravityFile(const fs::path& file, std::vector<std::stri
   Surroundings result;
   result.gravity_in_world = gravity->normalized();
   if (!json.contains("floor") || json["floor"].is_null()) {
+    if (json.contains("camera_height_m")) {
+      const nlohmann::json& height = json["camera_height_m"];
+      if (!height.is_number() || !(height > 0.05 && height < 100))
+        return bad("has a 'camera_height_m' that is not a number between 0.05 and 100");
+      result.camera_height_m = height;
+    }
     if (json.contains("levels"))
       return bad("has 'levels' but no 'floor' that their heights are measured from");
     return result;
@@ -153,6 +162,7 @@ class PlumblineSequence : public Sequence {
   std::optional<Eigen::Vector4d> floor_in_world() const override {
     return surroundings_.floor_in_world;
   }
+  double floor_std_m() const override { return surroundings_.floor_std_m; }
   std::vector<FloorLevel> floor_levels() const override { return surroundings_.floor_levels; }
 
   Result<Frame> ReadFrame(int index) const override;
@@ -192,6 +202,8 @@ class PlumblineSequence : public Sequence {
     return Exists(folder_ / name) ? std::optional(folder_ / name) : std::nullopt;
   }
   Status JoinUncertainties(const fs::path& file);
+  /// From the path and the height of the camera over it.
+  void FindFloor();
   /// @param file  Only for messages.
   void JoinPoses(const Trajectory& trajectory, const fs::path& file);
   /// For messages: the image's name or, without images, its time.
@@ -226,10 +238,25 @@ Status PlumblineSequence::ReadCompanions(const fs::path& poses) {
     const std::vector<std::string>& odd = trajectory.value().warnings;
     list_.warnings.insert(list_.warnings.end(), odd.begin(), odd.end());
     JoinPoses(trajectory.value(), file);
+    FindFloor();
     if (const fs::path beside = CovarianceFileOf(file); Exists(beside))
       return JoinUncertainties(beside);
   }
   return {};
+}
+
+void PlumblineSequence::FindFloor() {
+  if (!surroundings_.camera_height_m) return;
+  const auto floor =
+      FloorUnderPath(poses_, -*surroundings_.gravity_in_world, *surroundings_.camera_height_m);
+  if (!floor) {
+    list_.warnings.push_back("'" + (folder_ / "gravity.json").string() +
+                             "' tells the camera's height, but its path is too uneven for a plane "
+                             "as floor; there is none");
+    return;
+  }
+  surroundings_.floor_in_world = floor->floor_in_world;
+  surroundings_.floor_std_m = floor->std_m;
 }
 
 Status PlumblineSequence::JoinUncertainties(const fs::path& file) {

@@ -11,6 +11,7 @@
 #include "engine/dataset/stamp_statistics.h"
 #include "engine/dataset/stamped_rows.h"
 #include "engine/dataset/undistort.h"
+#include "engine/geometry/path_floor.h"
 #include "engine/sensor/image_file.h"
 #include "engine/sensor/undistorter.h"
 
@@ -22,7 +23,12 @@ namespace fs = std::filesystem;
 class RecordedSequence : public Sequence {
  public:
   RecordedSequence(Recording recording, double rate_hz)
-      : recording_(std::move(recording)), undistorter_(camera_), rate_hz_(rate_hz) {}
+      : recording_(std::move(recording)), undistorter_(camera_), rate_hz_(rate_hz) {
+    if (!recording_.gravity_in_world || !recording_.camera_height_m) return;
+    std::vector<std::optional<Eigen::Isometry3d>> poses;
+    for (const RecordedFrame& frame : recording_.frames) poses.push_back(frame.world_from_cam);
+    floor_ = FloorUnderPath(poses, -*recording_.gravity_in_world, *recording_.camera_height_m);
+  }
 
   const fs::path& path() const override { return recording_.path; }
   int num_frames() const override { return static_cast<int>(recording_.frames.size()); }
@@ -36,7 +42,10 @@ class RecordedSequence : public Sequence {
   std::optional<Eigen::Vector3d> gravity_in_world() const override {
     return recording_.gravity_in_world;
   }
-  std::optional<Eigen::Vector4d> floor_in_world() const override { return std::nullopt; }
+  std::optional<Eigen::Vector4d> floor_in_world() const override {
+    return floor_ ? std::optional(floor_->floor_in_world) : std::nullopt;
+  }
+  double floor_std_m() const override { return floor_ ? floor_->std_m : 0; }
 
   Result<cv::Mat> ReadRawImage(int index) const override {
     return recording_.read_image(frame(index).item);
@@ -90,6 +99,7 @@ class RecordedSequence : public Sequence {
   const Camera& camera_ = recording_.calibration.cameras.front().camera;
   Undistorter undistorter_;
   double rate_hz_;
+  std::optional<PathFloor> floor_;
 };
 
 }  // namespace

@@ -34,6 +34,8 @@ struct Recording {
   Calibration calibration;
   std::vector<RecordedFrame> frames;
   std::optional<Eigen::Vector3d> gravity_in_world;  ///< Unit vector, down.
+  /// Where a vehicle carries the camera: over the ground, which then follows from the path.
+  std::optional<double> camera_height_m;
   std::vector<std::string> warnings;
   /// As Sequence::ReadRawImage.
   std::function<Result<cv::Mat>(std::size_t item)> read_image;

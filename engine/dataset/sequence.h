@@ -68,6 +68,8 @@ class Sequence {
   virtual std::optional<Eigen::Vector3d> gravity_in_world() const = 0;
   /// (a, b, c, d) with (a, b, c) = up and a x + b y + c z + d = 0 on the floor.
   virtual std::optional<Eigen::Vector4d> floor_in_world() const = 0;
+  /// Of that floor's height [m]; 0: it is given.
+  virtual double floor_std_m() const { return 0; }
   /// Beside that floor; none without it.
   virtual std::vector<FloorLevel> floor_levels() const { return {}; }
 

@@ -7,20 +7,20 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/evaluation/object_pairs.h"
-#include "engine/evaluation/upright_box.h"
+#include "engine/evaluation/standing_box.h"
 
 namespace plumbline {
 namespace {
 
 struct RankedBox {
   double probability = 0;
-  UprightBox box;
+  StandingBox box;
 };
 
 /// What a category has.
 struct CategoryBoxes {
   std::vector<RankedBox> candidates;  ///< By falling probability.
-  std::vector<UprightBox> truths;
+  std::vector<StandingBox> truths;
 };
 
 /// Each candidate in turn takes the true box that it overlaps most, if by enough and not taken.

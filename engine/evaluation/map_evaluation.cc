@@ -2,6 +2,7 @@
 #include "engine/evaluation/map_evaluation.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/base/check.h"
 #include "engine/evaluation/object_pairs.h"
@@ -15,9 +16,9 @@ constexpr int kAlignmentRounds = 10;
 
 class Evaluator {
  public:
-  Evaluator(const CountedObjects& objects, const TriangleMesh* scan,
-            const EvaluationOptions& options)
-      : objects_(objects), scan_(scan), options_(options) {}
+  Evaluator(const CountedObjects& objects, std::span<const MovingThing> moving,
+            const TriangleMesh* scan, const EvaluationOptions& options)
+      : objects_(objects), moving_(moving), scan_(scan), options_(options) {}
 
   Result<MapEvaluation> Run() {
     PosedScene map;
@@ -123,7 +124,8 @@ class Evaluator {
     std::vector<bool> found(objects_.truths.size(), false);
     for (std::size_t i = 0; i < objects_.estimates.size(); ++i) {
       if (!pairs[i]) {
-        evaluation_.spurious.push_back({objects_.estimates[i], surface_of_estimate_[i]});
+        evaluation_.spurious.push_back(
+            {objects_.estimates[i], surface_of_estimate_[i], MovingAt(objects_.estimates[i])});
         continue;
       }
       const auto truth = static_cast<std::size_t>(*pairs[i]);
@@ -137,6 +139,22 @@ class Evaluator {
     }
     evaluation_.mean = MeanOf(evaluation_.matched, true);
     evaluation_.mean_all = MeanOf(evaluation_.matched, false);
+  }
+
+  /// The moving thing whose base, seen from above, holds the origin of an estimate at some time.
+  std::string MovingAt(const EstimatedObject& estimate) const {
+    const Eigen::Vector3d origin =
+        evaluation_.truth_from_estimate * estimate.world_from_object.translation();
+    for (const MovingThing& thing : moving_) {
+      if (thing.category != estimate.category) continue;
+      for (const MovingThing::Place& place : thing.places) {
+        const Eigen::Vector3d there = place.world_from_object.inverse() * origin;
+        if (std::abs(there.x()) <= thing.size_m.x() / 2 &&
+            std::abs(there.y()) <= thing.size_m.y() / 2)
+          return thing.id;
+      }
+    }
+    return {};
   }
 
   /// The walls of a scan are nothing that a map of objects could contain: from the true objects
@@ -169,6 +187,7 @@ class Evaluator {
   const Eigen::Vector3d& up_in_world() const { return objects_.upright.up_in_world(); }
 
   const CountedObjects& objects_;
+  std::span<const MovingThing> moving_;
   const TriangleMesh* scan_;
   const EvaluationOptions& options_;
   std::vector<ErrorStatistics> surface_of_estimate_;
@@ -184,7 +203,7 @@ Result<MapEvaluation> EvaluateMap(std::span<const EstimatedObject> estimates,
   const Result<CountedObjects> objects =
       CollectObjects(estimates, truth, database, options.ignored_categories);
   if (!objects) return objects.error();
-  return Evaluator(*objects, scan, options).Run();
+  return Evaluator(*objects, truth.moving, scan, options).Run();
 }
 
 }  // namespace plumbline

@@ -84,6 +84,8 @@ struct MatchedObject {
 struct SpuriousObject {
   EstimatedObject estimate;
   ErrorStatistics surface;
+  /// Id of a moving thing of its category that came over its place; empty: none did.
+  std::string moving;
 };
 
 /// Nothing where nothing was matched.

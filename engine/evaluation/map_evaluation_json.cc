@@ -83,6 +83,7 @@ nlohmann::json EvaluationToJson(const MapEvaluation& evaluation, const Evaluatio
                         {"model", object.estimate.model},
                         {"category", object.estimate.category},
                         {"surface_mean_m", MeanOrNull(object.surface)}});
+    if (!object.moving.empty()) spurious.back()["moving"] = object.moving;
   }
   nlohmann::json missed = nlohmann::json::array();
   for (const GroundTruthInstance& instance : evaluation.missed) {

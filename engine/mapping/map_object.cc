@@ -37,6 +37,7 @@ void MapObject::MoveTo(const PoseEstimate& reference, const MapFrame& map) {
   world_from_reference_cam = reference.world_from_cam;
   reference_uncertainty = reference.uncertainty;
   reference_epoch = reference.epoch;
+  motion = {};  // its places were of the world as it was
   last_search_s = -std::numeric_limits<double>::infinity();
   Summarize(map);
 }
@@ -89,14 +90,15 @@ ObjectReport ToReport(const MapObject& object) {
     out.Put(object.world_from_proposal_cam);
   }
   object.paper.Save(out);
-  // Scales, then crops, come last and only where there are any: older files have neither.
-  const bool looked_at = !object.crops.looked_from().empty();
-  if (looked_at ||
+  // Scales, then crops, then motion come last and only where there are any: older files have none.
+  const bool looked_at = !object.crops.looked_from().empty(), followed = object.motion.boxes() > 0;
+  if (looked_at || followed ||
       std::any_of(object.joined.begin(), object.joined.end(),
                   [](const PoseHypothesis& hypothesis) { return hypothesis.log_scale != 0; })) {
     for (const PoseHypothesis& hypothesis : object.joined) out.Put(hypothesis.log_scale);
   }
-  if (looked_at) object.crops.Save(out);
+  if (looked_at || followed) object.crops.Save(out);
+  if (followed) object.motion.Save(out);
   report.filter_state = out.Take();
   return report;
 }
@@ -152,6 +154,7 @@ Result<MapObject> FromReport(const ObjectReport& report, const ModelDatabase& mo
     for (PoseHypothesis& hypothesis : object.joined) hypothesis.log_scale = in.Get<double>();
   }
   if (!in.rest().empty()) object.crops.Restore(in);
+  if (!in.rest().empty()) object.motion.Restore(in);
   const auto known = [&models](int label) {
     return label >= 0 && label < static_cast<int>(models.models().size());
   };

@@ -8,6 +8,7 @@
 #include "engine/mapping/crop_belief.h"
 #include "engine/mapping/likelihood_sharpness.h"
 #include "engine/mapping/map_report.h"
+#include "engine/mapping/motion_test.h"
 #include "engine/mapping/paper_belief.h"
 #include "engine/mapping/particle_set.h"
 
@@ -42,8 +43,9 @@ struct MapObject : ObjectBelief {
   std::optional<Detection> last_proposal;  ///< The last proposal it explained while tentative, and
                                            ///< where that was seen from.
   Eigen::Isometry3d world_from_proposal_cam = Eigen::Isometry3d::Identity();
-  CropBelief crops;  ///< Since it was confirmed.
-  PaperTrack paper;  ///< Of filter = paper.
+  MotionTest motion;  ///< Of a category that moves by itself.
+  CropBelief crops;   ///< Since it was confirmed.
+  PaperTrack paper;   ///< Of filter = paper.
 
   const PoseMode& mean() const { return modes.front(); }
   double remembered() const;  ///< Sum of the weights of `views`.

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <tuple>
 
 #include "engine/mapping/association.h"
 #include "engine/mapping/bytes.h"
 #include "engine/mapping/mapper_impl.h"
+#include "engine/vision/category_names.h"
 
 namespace plumbline {
 namespace {
@@ -17,6 +19,13 @@ constexpr double kLooksBeforeMerging = 1;
 constexpr std::size_t kJoined = 60;  ///< Poses that a merged object leaves, about.
 constexpr double kPlanted_m = 0.02, kPlanted_rad = 0.03;  ///< Deviations of what is planted.
 constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
+
+std::string MotionInWords(const MotionTest& motion, const MapperOptions& options) {
+  char text[64];
+  std::snprintf(text, sizeof(text), "its boxes move, at about %.1f m/s",
+                motion.Velocity(options).norm());
+  return text;
+}
 
 }  // namespace
 
@@ -146,15 +155,30 @@ void Mapper::Impl::Retire(MapObject& object, EventKind kind, ObjectId other, std
 
 void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, FrameReport& report) {
   for (MapObject& object : objects) {
+    if (object.state == ObjectState::kTentative && !object.updated &&
+        (ToHypothesis(object.mean(), map).center_in_world - input.world_from_cam.translation())
+                .norm() > options().left_behind_m)
+      Retire(object, EventKind::kRetired, {}, "tentative and left behind", report);
     if (object.state == ObjectState::kRetired || !object.updated) continue;
     const double least = object.state == ObjectState::kTentative ? options().dismiss_evidence
                                                                  : options().retire_evidence;
-    if (object.log_evidence < least) {
+    const bool may_move = MovesByItself(object.category);
+    const double standing = may_move ? object.motion.LogStanding(options()) : 0;
+    // What passes fast shows from a new side in every image: its pose needs some searches first.
+    const bool judged = !may_move || object.state == ObjectState::kConfirmed ||
+                        object.seen_s > options().confirm_age_s;
+    if (object.log_evidence < least && judged) {
       Retire(object, EventKind::kRetired, {}, "seen where it should show, without support", report);
+    } else if (may_move && std::max(object.log_evidence, judged ? least : 0.0) +
+                                   object.motion.LogAgainst(options()) <
+                               least) {
+      Retire(object, EventKind::kRetired, {}, MotionInWords(object.motion, options()), report);
     } else if (object.state == ObjectState::kTentative &&
                object.log_evidence > options().confirm_evidence &&
                object.seen_s > options().confirm_age_s &&
-               object.mean().position_std_m < options().confirm_position_std_m &&
+               object.mean().position_std_m <
+                   options().confirm_position_std_m * map.LengthScale(object.mean().label) &&
+               (!may_move || standing >= std::log(options().confirm_standing)) &&
                BeliefInMean(object) >= options().confirm_mode_weight && object.shown >= 1) {
       object.state = ObjectState::kConfirmed;
       object.confirmed_frame = input.frame;
@@ -254,7 +278,8 @@ MapFrame MapFrameOf(const MapperSetup& setup) {
           {},
           setup.floor_std_m,
           {},
-          setup.floor_levels};
+          setup.floor_levels,
+          setup.options.room_thing_m};
 }
 
 Mapper::Mapper(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -403,6 +428,7 @@ void Mapper::Plant(ModelId label, const Eigen::Isometry3d& world_from_object, do
 
 void Mapper::SetOptions(const MapperOptions& options) {
   impl_->setup.options = options;
+  impl_->map.room_thing_m = options.room_thing_m;
   impl_->memory.SetOptions(options);
 }
 

@@ -5,11 +5,12 @@
 #include <limits>
 
 #include "engine/mapping/mapper_impl.h"
+#include "engine/vision/category_names.h"
 
 namespace plumbline {
 namespace {
 
-/// Modes within this are one pose, whatever their shapes.
+/// Modes within this (times LengthScale) are one pose, whatever their shapes.
 constexpr double kSamePose_m = 0.15, kSamePose_rad = 30 * kRadPerDeg;
 /// Particles that fit better than the mean count for what they expect by exp(this * Phi_edge).
 constexpr double kMarginalSharpness = 5;
@@ -26,6 +27,14 @@ constexpr float kRememberedIou = 0.3f;
 constexpr double kSharpening = 1.2;
 /// Views of an object that settle its pose, so that another tells how far views are off.
 constexpr double kSettlingViews = 3;
+/// Boxes of a detector err by some per cent of their size; what they tell of a place errs by so
+/// much of the distance along the ray, and of their width across it (what hides a part errs, too).
+constexpr double kBoxDepthError = 0.08, kBoxSideError = 0.1;
+/// Which end of a thing is the lowest that shows, and which part of it, changes as one passes it:
+/// of its horizontal diagonal.
+constexpr double kSeenEndError = 0.4, kSeenSideError = 0.15;
+constexpr float kImageBorder_px = 2;
+constexpr float kSameThingIou = 0.5f;
 constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
 constexpr int kNewcomerCount = 100;
 constexpr double kManyJumped =
@@ -218,6 +227,7 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
              object.visible_fraction >= options().confirm_shown) {
     object.shown += novelty;
   }
+  if (matched != nullptr && MovesByItself(object.category)) AddBoxTo(object, matched->box, input);
   // Only what has been seen to be there can be said to be hidden.
   if (object.state == ObjectState::kConfirmed) {
     Existence existence{object.log_evidence, object.hidden};
@@ -230,6 +240,48 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
     object.passing = existence.log_odds;
     object.log_evidence = TentativeLogOdds(object.passing, object.remembered_evidence, options());
   }
+}
+
+std::optional<Eigen::Vector2d> Mapper::Impl::GroundUnder(const Box2& box, double height_m,
+                                                         const MapperInput& input) const {
+  const Eigen::Vector2d below = setup.camera.Bearing({box.center_x(), box.y1});
+  const Eigen::Vector3d ray =
+      input.world_from_cam.linear() * Eigen::Vector3d(below.x(), below.y(), 1);
+  double depth = setup.camera.fy * height_m / std::max(1.0f, box.height());
+  if (map.floor_in_world) {
+    const Eigen::Vector3d up = map.floor_in_world->head<3>();
+    const double above = up.dot(input.world_from_cam.translation()) + (*map.floor_in_world)[3];
+    if (-up.dot(ray) <= 0) return std::nullopt;  // over the horizon
+    depth = above / -up.dot(ray);
+  }
+  const Eigen::Vector3d in_world = input.world_from_cam.translation() + depth * ray;
+  return Eigen::Vector2d((map.upright.upright_rotation().transpose() * in_world).head<2>());
+}
+
+void Mapper::Impl::AddBoxTo(MapObject& object, const Box2& box, const MapperInput& input) const {
+  const bool cut = box.x0 < kImageBorder_px || box.y0 < kImageBorder_px ||
+                   box.x1 > static_cast<float>(setup.camera.width) - 1 - kImageBorder_px ||
+                   box.y1 > static_cast<float>(setup.camera.height) - 1 - kImageBorder_px;
+  if (cut) return;  // where the rest is, it does not tell
+  const CadModel& model = setup.database->model(object.mean().label);
+  const auto place = GroundUnder(box, object.mean().scale * model.bounds.sizes().z(), input);
+  if (!place) return;
+  const Eigen::Matrix3d level_from_world = map.upright.upright_rotation().transpose();
+  const Eigen::Vector2d camera = (level_from_world * input.world_from_cam.translation()).head<2>();
+  const double distance = (*place - camera).norm();
+  const Eigen::Vector2d along = (*place - camera) / std::max(distance, 1e-3);
+  const Eigen::Vector2d across(-along.y(), along.x());
+  const double size = object.mean().scale * model.bounds.sizes().head<2>().norm();
+  const double along_std = std::hypot(kBoxDepthError * distance, kSeenEndError * size);
+  const double across_std =
+      std::hypot(kBoxSideError * box.width() / setup.camera.fx * distance, kSeenSideError * size);
+  const Eigen::Matrix2d information = along * along.transpose() / (along_std * along_std) +
+                                      across * across.transpose() / (across_std * across_std);
+  // A box of the thing beside it tells nothing of this one.
+  if (Iou(box, object.visible_box) < kSameThingIou &&
+      Iou(box, object.motion.last_box()) < kSameThingIou)
+    object.motion = {};
+  object.motion.Add(input.stamp_ns, box, *place, information);
 }
 
 std::vector<SupportSurface> Mapper::Impl::FindSupports() const {
@@ -254,7 +306,7 @@ double Mapper::Impl::BeliefInMean(const MapObject& object) const {
   for (const PoseMode& mode : object.modes) {
     const PoseHypothesis other = ToHypothesis(mode, map);
     const Eigen::Vector3d offset = other.center_in_world - mean.center_in_world;
-    if (offset.norm() < kSamePose_m &&
+    if (offset.norm() < kSamePose_m * map.LengthScale(mean.label) &&
         std::abs(AzimuthDifference(setup.database->model(mean.label), other.azimuth_rad,
                                    mean.azimuth_rad)) < kSamePose_rad) {
       sum += mode.weight;

@@ -240,6 +240,13 @@ struct Mapper::Impl {
                             const OcclusionMaps& occluders) const;
   void UpdateExistence(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders,
                        const Detection* matched, double dt_s, double novelty);
+  /// Where on the ground the thing in a box stands, in level axes: where the ray through the middle
+  /// of its lower side meets the floor or, without one, as far as its height says. Nothing where it
+  /// does not stand on the floor.
+  std::optional<Eigen::Vector2d> GroundUnder(const Box2& box, double height_m,
+                                             const MapperInput& input) const;
+  /// One more box to tell by whether the object stands still.
+  void AddBoxTo(MapObject& object, const Box2& box, const MapperInput& input) const;
   /// Share of the box of the object's bounds that lies inside the image.
   double InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const;
   /// Places of confirmed objects of its category that the object cannot have.

@@ -123,6 +123,13 @@ struct MapperOptions {
   double confirm_age_s = 0.5;
   double tentative_limit_s = 6.0;
 
+  // Outdoors (docs/algorithms/outdoors.md)
+  double room_thing_m = 3.0;
+  double moving_share = 0.3;
+  double moving_speed_m_s = 8;
+  double confirm_standing = 0.9;
+  double left_behind_m = 20;
+
   PaperOptions paper;  ///< Of filter = paper.
 };
 
@@ -275,6 +282,29 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"confirm_age_s", "s", "shortest time in view before confirmation", 0, 100});
   visit(o.tentative_limit_s, {"tentative_limit_s", "s",
                               "time in view after which a tentative object is retired", 0, 1000});
+  visit(o.room_thing_m,
+        {"room_thing_m", "m",
+         "horizontal diagonal of the largest things that the filter's lengths (of searches, of "
+         "poses that are one, confirm_position_std_m) are meant for; they grow with larger ones",
+         0.1, 1000});
+  visit(
+      o.moving_share,
+      {"moving_share", "",
+       "share of the things that move by themselves (cars, people) that do move; 0: nothing moves",
+       0, 0.99});
+  visit(o.moving_speed_m_s,
+        {"moving_speed_m_s", "m/s",
+         "standard deviation of the velocity of what moves, along each axis", 0.01, 100});
+  visit(o.confirm_standing,
+        {"confirm_standing", "",
+         "least probability that a thing of a kind that moves by itself stands still, for it to be "
+         "confirmed",
+         0, 1});
+  visit(o.left_behind_m,
+        {"left_behind_m", "m",
+         "distance from the camera at which a tentative object out of view is given up: no room is "
+         "as long, and on a street it makes place for what comes",
+         1, 1e6});
   VisitFields(o.paper, visit);
 }
 

@@ -9,8 +9,12 @@
 namespace plumbline {
 namespace {
 
-constexpr double kModeRadius_m = 0.20;
+constexpr double kModeRadius_m = 0.20, kModeCell_m = 0.15;  ///< Times LengthScale.
 constexpr double kModeAngle_rad = 40.0 * std::numbers::pi / 180.0;
+/// Lengths were measured on chairs, of a quarter of `room_thing_m`, and serve all furniture; on
+/// cars those serve that are as large beside the car as they are beside a stool and a sofa
+/// together.
+constexpr double kLengthGrowth = 3;
 constexpr double kMinModeWeight = 0.05;
 constexpr int kMaxModes = 4;
 constexpr double kNearestDepth_m = 0.05;
@@ -36,13 +40,18 @@ std::vector<Sample> ToSamples(std::span<const Particle> particles,
   return samples;
 }
 
-bool InMode(const Sample& sample, const CadModel& model, const Eigen::Vector3d& center,
-            double azimuth) {
-  return sample.label == model.id.value && (sample.center - center).norm() < kModeRadius_m &&
+bool InMode(const Sample& sample, const CadModel& model, double radius_m,
+            const Eigen::Vector3d& center, double azimuth) {
+  return sample.label == model.id.value && (sample.center - center).norm() < radius_m &&
          std::abs(AzimuthDifference(model, sample.azimuth, azimuth)) < kModeAngle_rad;
 }
 
 }  // namespace
+
+double MapFrame::LengthScale(ModelId label) const {
+  const double diagonal_m = database->model(label).bounds.sizes().head<2>().norm();
+  return 1 + kLengthGrowth * std::max(0.0, diagonal_m / room_thing_m - 1);
+}
 
 double MapFrame::BaseHeight(const PoseHypothesis& hypothesis) const {
   const Eigen::Vector3d base =
@@ -231,9 +240,10 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
       const Sample& s = rest[i];
       const CadModel& model = map.database->model(ModelId{s.label});
       const double folded = AzimuthDifference(model, s.azimuth, 0.0);
-      auto& cell = cells[{s.label, static_cast<int>(std::floor(s.center.x() / 0.15)),
-                          static_cast<int>(std::floor(s.center.y() / 0.15)),
-                          static_cast<int>(std::floor(s.center.z() / 0.15)),
+      const double side = kModeCell_m * map.LengthScale(model.id);
+      auto& cell = cells[{s.label, static_cast<int>(std::floor(s.center.x() / side)),
+                          static_cast<int>(std::floor(s.center.y() / side)),
+                          static_cast<int>(std::floor(s.center.z() / side)),
                           static_cast<int>(std::floor(folded / 0.5))}];
       if (cell.first == 0) cell.second = i;
       cell.first += s.weight;
@@ -243,6 +253,7 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
         [](const auto& a, const auto& b) { return a.second.first < b.second.first; });
     const Sample& seed = rest[fullest->second.second];
     const CadModel& model = map.database->model(ModelId{seed.label});
+    const double radius_m = kModeRadius_m * map.LengthScale(model.id);
     Eigen::Vector3d center = seed.center;
     double azimuth = seed.azimuth, log_scale = 0;
     PoseMode mode;
@@ -252,7 +263,7 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
       double turn = 0, weight = 0, squares = 0, turn_squares = 0;
       double growth = 0, growth_squares = 0;
       for (const Sample& s : rest) {
-        if (!InMode(s, model, center, azimuth)) continue;
+        if (!InMode(s, model, radius_m, center, azimuth)) continue;
         const double difference = AzimuthDifference(model, s.azimuth, azimuth);
         weight += s.weight;
         sum += s.weight * s.center;
@@ -277,7 +288,8 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
     mode.scale = std::exp(log_scale);
     if (modes.empty() || mode.weight >= kMinModeWeight) modes.push_back(mode);
     const std::size_t before = rest.size();
-    std::erase_if(rest, [&](const Sample& s) { return InMode(s, model, center, azimuth); });
+    std::erase_if(rest,
+                  [&](const Sample& s) { return InMode(s, model, radius_m, center, azimuth); });
     if (rest.size() == before)
       rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(fullest->second.second));
     double left = 0;
@@ -300,10 +312,11 @@ Eigen::Matrix4d ModeCovariance(const PoseMode& mode, std::span<const Particle> p
                                const MapFrame& map) {
   const PoseHypothesis mean = ToHypothesis(mode, map);
   const CadModel& model = map.database->model(mode.label);
+  const double radius_m = kModeRadius_m * map.LengthScale(mode.label);
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   double weight = 0;
   for (const Sample& s : ToSamples(particles, world_from_reference_cam)) {
-    if (!InMode(s, model, mean.center_in_world, mean.azimuth_rad)) continue;
+    if (!InMode(s, model, radius_m, mean.center_in_world, mean.azimuth_rad)) continue;
     Eigen::Vector4d difference;
     difference << s.center - mean.center_in_world,
         AzimuthDifference(model, s.azimuth, mean.azimuth_rad);

@@ -28,6 +28,11 @@ struct MapFrame {
   double floor_std_m = 0;                     ///< Of the floor's height; 0: given.
   std::vector<Eigen::Vector3f> points_in_world = {};  ///< Of surfaces, whatever they belong to.
   std::vector<FloorLevel> levels = {};                ///< Beside the floor, where one is known.
+  double room_thing_m = MapperOptions().room_thing_m;
+
+  /// How much larger than in a room lengths are that belong to a shape: 1 up to `room_thing_m` of
+  /// its horizontal diagonal, growing with that from there on.
+  double LengthScale(ModelId label) const;
 
   /// How far the base of what stands on the floor may be from it: both are uncertain.
   double BaseStd(const MapperOptions& options) const {
@@ -76,8 +81,9 @@ double EffectiveSampleSize(std::span<const Particle> particles);
 std::vector<Particle> SystematicResample(std::span<const Particle> particles, int count,
                                          RandomKey key);
 
-/// Clearly separate modes by falling weight: particles of one label within 20 cm and 40 degrees of
-/// their mean; modes below 5 % are left out (at least one is returned).
+/// Clearly separate modes by falling weight: particles of one label within 20 cm (times
+/// LengthScale) and 40 degrees of their mean; modes below 5 % are left out (at least one is
+/// returned).
 std::vector<PoseMode> FindModes(std::span<const Particle> particles,
                                 const Eigen::Isometry3d& world_from_reference_cam,
                                 const MapFrame& map);

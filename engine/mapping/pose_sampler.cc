@@ -12,6 +12,7 @@
 namespace plumbline {
 namespace {
 
+/// Lengths of searches and modes are times LengthScale.
 constexpr double kModeReach_m = 0.20, kModeReach_rad = 40 * kRadPerDeg;
 constexpr std::size_t kMostModes = 8;
 constexpr double kFaintMode = 12;  ///< Modes below the best by so much are not proposed [nats].
@@ -99,8 +100,11 @@ Eigen::Vector4d PoseSampler::Difference(const PoseHypothesis& a, const PoseHypot
   return difference;
 }
 
-PoseHypothesis PoseSampler::Step(PoseHypothesis hypothesis, double position_m, double azimuth_rad) {
+PoseHypothesis PoseSampler::Step(PoseHypothesis hypothesis, double room_step_m,
+                                 double azimuth_rad) {
   Random random = Next();
+  const double lengths = map_.LengthScale(hypothesis.label);
+  const double position_m = lengths * room_step_m;
   const double reach = random.Uniform() < 0.125 ? 3.0 : 1.0;
   const bool on_floor = options_.floor_prior && map_.StandsOnFloor(hypothesis.label);
   const Eigen::Vector3d step(
@@ -112,8 +116,9 @@ PoseHypothesis PoseSampler::Step(PoseHypothesis hypothesis, double position_m, d
       WrapAngle(hypothesis.azimuth_rad + reach * azimuth_rad * random.Gaussian());
   if (options_.scale_std <= 0) return hypothesis;
   const double before = hypothesis.scale();
-  hypothesis.log_scale +=
-      reach * options_.scale_std * std::min(1.0, position_m / kStepOfScale_m) * random.Gaussian();
+  hypothesis.log_scale += reach * options_.scale_std *
+                          std::min(1.0, position_m / (lengths * kStepOfScale_m)) *
+                          random.Gaussian();
   if (on_floor) {  // it grows from its base
     hypothesis.center_in_world += (hypothesis.scale() - before) *
                                   map_.database->model(hypothesis.label).center().z() *
@@ -208,7 +213,8 @@ PoseSpread PoseSampler::SpreadWithin(const Population& population) const {
       const PoseHypothesis& hypothesis = population.hypotheses[i];
       if (taken[i] || hypothesis.label != from.label) continue;
       const Eigen::Vector4d difference = Difference(hypothesis, from);
-      if (difference.head<3>().norm() > kModeReach_m || std::abs(difference[3]) > kModeReach_rad)
+      if (difference.head<3>().norm() > kModeReach_m * map_.LengthScale(from.label) ||
+          std::abs(difference[3]) > kModeReach_rad)
         continue;
       taken[i] = true;
       moments.Add(1, difference, hypothesis.log_scale - from.log_scale);
@@ -283,7 +289,8 @@ std::vector<ProposalMode> PoseSampler::ModesOf(const Population& population, dou
     for (std::size_t i = 0; i < population.size(); ++i) {
       if (taken[i] || population.hypotheses[i].label != from.label) continue;
       const Eigen::Vector4d difference = Difference(population.hypotheses[i], from);
-      if (difference.head<3>().norm() > kModeReach_m || std::abs(difference[3]) > kModeReach_rad)
+      if (difference.head<3>().norm() > kModeReach_m * map_.LengthScale(from.label) ||
+          std::abs(difference[3]) > kModeReach_rad)
         continue;
       taken[i] = true;
       moments.Add(std::exp(sharpness * (population.judged[i].log_target - best)), difference,
@@ -319,7 +326,7 @@ bool PoseSampler::Knows(const std::vector<ProposalMode>& modes, const ProposalMo
   return std::any_of(modes.begin(), modes.end(), [&](const ProposalMode& other) {
     if (other.mean.label != mode.mean.label) return false;
     const Eigen::Vector4d difference = Difference(mode.mean, other.mean);
-    return difference.head<3>().norm() < kModeReach_m / 4 &&
+    return difference.head<3>().norm() < kModeReach_m * map_.LengthScale(mode.mean.label) / 4 &&
            std::abs(difference[3]) < kModeReach_rad / 4;
   });
 }

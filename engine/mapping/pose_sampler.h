@@ -97,7 +97,8 @@ class PoseSampler {
                                           std::size_t count);
 
  private:
-  PoseHypothesis Step(PoseHypothesis hypothesis, double position_m, double azimuth_rad);
+  /// @param room_step_m  Times LengthScale.
+  PoseHypothesis Step(PoseHypothesis hypothesis, double room_step_m, double azimuth_rad);
   PoseHypothesis Turned(PoseHypothesis hypothesis);
   PoseHypothesis Relabelled(PoseHypothesis hypothesis);
   /// Indices drawn in proportion to exp(log target / temperature), systematically.

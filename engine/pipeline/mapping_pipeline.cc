@@ -223,6 +223,7 @@ struct MappingPipeline::Impl {
     setup.camera = sequence->camera();
     setup.gravity_in_world = *sequence->gravity_in_world();
     setup.floor_in_world = sequence->floor_in_world();
+    setup.floor_std_m = sequence->floor_std_m();
     setup.floor_levels = sequence->floor_levels();
     if (own_poses != nullptr && own_poses->last_floor())
       setup.floor_std_m = own_poses->last_floor()->std_m;

@@ -60,11 +60,11 @@ Eigen::Matrix3f FrameAround(const Vector3f& axis) {
 }
 
 /// Light that reaches one point straight from the lights and the sun.
-Vector3f DirectLight(const TracedScene& scene, std::span<const AreaLight> lights,
-                     const std::optional<SunLight>& sun, int rays, const Vector3f& position,
-                     const Vector3f& normal) {
+Vector3f DirectLight(const TracedScene& scene, const LightSources& sources, int rays,
+                     const Vector3f& position, const Vector3f& normal) {
+  const std::optional<SunLight>& sun = sources.sun;
   Vector3f sum = Vector3f::Zero();
-  for (const AreaLight& light : lights) {
+  for (const AreaLight& light : sources.lights) {
     const Vector3f area = light.u.cross(light.v);
     const Vector3f facing = area.normalized();
     float seen = 0;
@@ -147,8 +147,8 @@ std::vector<LightMap::Point> LightMap::PlacePoints(const TracedScene& scene, flo
   return points;
 }
 
-LightMap::Gathering LightMap::Gather(const TracedScene& scene, const Point& point,
-                                     std::size_t index, int rays) const {
+LightMap::Gathering LightMap::Gather(const TracedScene& scene, const std::optional<SkyLight>& sky,
+                                     const Point& point, std::size_t index, int rays) const {
   const Eigen::Matrix3f frame = FrameAround(point.normal);
   const auto number = static_cast<int>(index);
   const Vector2f shift(CellNoise(number, 0, 0, 1), CellNoise(number, 1, 0, 1));
@@ -157,7 +157,10 @@ LightMap::Gathering LightMap::Gather(const TracedScene& scene, const Point& poin
   for (int i = 0; i < rays; ++i) {
     const Vector3f direction = frame * CosineDirection(i, shift);
     const TracedScene::Hit hit = scene.Trace(point.position, direction);
-    if (!hit.valid()) continue;
+    if (!hit.valid()) {
+      if (sky) result.light += sky->Radiance(direction);
+      continue;
+    }
     const TracedScene::Triangle& triangle = scene.triangles()[hit.triangle];
     const bool inside = scene.FaceNormal(hit.triangle).dot(direction) > 0;
     covered += inside || hit.distance < kCoveredM;
@@ -225,9 +228,8 @@ void LightMap::FillCovered(std::vector<std::uint8_t> covered, std::vector<Vector
   }
 }
 
-Result<LightMap> LightMap::Compute(const TracedScene& scene, std::span<const AreaLight> lights,
-                                   const std::optional<SunLight>& sun, const LightQuality& quality,
-                                   const WorkContext& context) {
+Result<LightMap> LightMap::Compute(const TracedScene& scene, const LightSources& sources,
+                                   const LightQuality& quality, const WorkContext& context) {
   LightMap map;
   const std::vector<Point> points = map.PlacePoints(scene, static_cast<float>(quality.spacing));
   std::vector<Vector3f> direct(points.size()), light(points.size());
@@ -245,9 +247,9 @@ Result<LightMap> LightMap::Compute(const TracedScene& scene, std::span<const Are
       tbb::parallel_for(begin, std::min(begin + kBatch, points.size()), [&](std::size_t i) {
         if (bounce == 0) {
           light[i] =
-              DirectLight(scene, lights, sun, quality.rays, points[i].position, points[i].normal);
+              DirectLight(scene, sources, quality.rays, points[i].position, points[i].normal);
         } else {
-          const Gathering gathering = map.Gather(scene, points[i], i, quality.rays);
+          const Gathering gathering = map.Gather(scene, sources.sky, points[i], i, quality.rays);
           light[i] = gathering.light;
           covered[i] = gathering.covered;
         }
@@ -263,10 +265,15 @@ Result<LightMap> LightMap::Compute(const TracedScene& scene, std::span<const Are
     map.light_ = light;
   }
   context.report({"light", 3 * batches, 3 * batches});
+  if (sources.sky) {
+    map.FillCovered(covered, direct);
+    map.direct_ = std::move(direct);
+  }
   return map;
 }
 
-Vector3f LightMap::At(const TracedScene::Hit& hit) const {
+Vector3f LightMap::Interpolate(const std::vector<Vector3f>& values,
+                               const TracedScene::Hit& hit) const {
   const Lattice& lattice = lattices_[hit.triangle];
   const int steps = lattice.steps;
   const float x = std::clamp(hit.u, 0.0f, 1.0f) * static_cast<float>(steps);
@@ -276,7 +283,7 @@ Vector3f LightMap::At(const TracedScene::Hit& hit) const {
   const float dx = std::clamp(x - static_cast<float>(i), 0.0f, 1.0f);
   const float dy = std::clamp(y - static_cast<float>(j), 0.0f, 1.0f);
   const auto at = [&](int column, int row) {
-    return light_[indices_[lattice.first + static_cast<std::uint32_t>(Row(steps, row) + column)]];
+    return values[indices_[lattice.first + static_cast<std::uint32_t>(Row(steps, row) + column)]];
   };
   if (dx + dy <= 1 || i + j + 2 > steps) {
     const float weight = std::max(0.0f, 1 - dx - dy);

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/base/check.h"
 #include "engine/synthetic/decor.h"
 #include "engine/synthetic/furnisher.h"
 #include "engine/synthetic/places.h"
+#include "engine/synthetic/street.h"
 #include "engine/synthetic/walk.h"
 
 namespace plumbline {
@@ -150,12 +152,37 @@ void Furnish(Furnisher& furnisher) {
       return FurnishOffice(furnisher);
     case SyntheticScene::kPlatform:
       return FurnishPlatformRoom(furnisher);
+    case SyntheticScene::kStreet:
+    case SyntheticScene::kPavement:
+      return FurnishStreet(furnisher);
     default:
       return FurnishLivingRoom(furnisher);
   }
 }
 
 }  // namespace
+
+Eigen::Vector3f SkyLight::Radiance(const Eigen::Vector3f& direction) const {
+  if (direction.z() <= 0) return ground;
+  const float height = std::pow(direction.z(), 0.55f);
+  const Eigen::Vector3f clear = horizon + (zenith - horizon) * height;
+  // Clouds lie in a plane; towards the horizon they run together.
+  const float reach = 1 / (direction.z() + 0.12f);
+  const float cloud =
+      FractalNoise({1.3f * reach * direction.x(), 1.3f * reach * direction.y(), 0.5f}, 4, seed);
+  const float share = std::clamp(3.2f * (cloud - 0.52f), 0.0f, 0.85f);
+  return clear + (1.05f * horizon + Eigen::Vector3f::Constant(0.12f) - clear) * share;
+}
+
+std::span<const RoomPart> StillParts(const Room& room) {
+  const auto moving = std::find_if(room.parts.begin(), room.parts.end(), [](const RoomPart& part) {
+    return !part.velocity_m_s.isZero();
+  });
+  PLB_CHECK(std::all_of(moving, room.parts.end(), [](const RoomPart& part) {
+    return !part.velocity_m_s.isZero();
+  })) << "what moves comes last";
+  return {room.parts.begin(), moving};
+}
 
 Result<Room> FurnishRoom(const SyntheticOptions& options) {
   constexpr int kAttempts = 200;

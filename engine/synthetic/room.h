@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,8 @@ struct RoomPart {
   bool in_scan = true;  ///< Goes into scene.ply (the ceiling does not, so that one can look in).
   bool lets_light_in =
       false;  ///< The view behind a window: it is an area light and casts no shadow.
+  /// Moves evenly, without turning; the mesh is where it is at time 0. Such parts come last.
+  Eigen::Vector3d velocity_m_s{0, 0, 0};
 };
 
 /// A rectangle that shines towards the side from which corner, u, v turn counter-clockwise.
@@ -39,6 +42,17 @@ struct SunLight {
                          ///< real one's).
 };
 
+/// The sky above a street, bluer and darker upwards, with clouds; below the horizon the ground as
+/// it looks from afar.
+struct SkyLight {
+  Eigen::Vector3f zenith{0.32f, 0.5f, 0.85f}, horizon{0.75f, 0.82f, 0.88f};  ///< Radiance.
+  Eigen::Vector3f ground{0.25f, 0.25f, 0.24f};
+  std::uint32_t seed = 0;
+
+  /// @param direction  Unit vector.
+  Eigen::Vector3f Radiance(const Eigen::Vector3f& direction) const;
+};
+
 /// A modelled object standing in the room.
 struct RoomInstance {
   std::string id;  ///< Such as "chair_2".
@@ -46,6 +60,16 @@ struct RoomInstance {
   std::string category;
   Eigen::Isometry3d room_from_object = Eigen::Isometry3d::Identity();
   double scale = 1;  ///< Times as large as its model in the written database.
+  /// Of a thing that is only like its model: which model of `Room::right_catalogue` it is exactly,
+  /// and its own length, width and height.
+  std::string right_model;
+  std::optional<Eigen::Vector3d> size_m;
+  Eigen::Vector3d velocity_m_s{0, 0, 0};  ///< As of its part: of what moves.
+
+  bool moves() const { return !velocity_m_s.isZero(); }
+  Eigen::Isometry3d RoomFromObjectAt(double t_s) const {
+    return Eigen::Translation3d(t_s * velocity_m_s) * room_from_object;
+  }
 };
 
 /// An upright block that a walker must not enter: an oriented rectangle on the floor.
@@ -65,6 +89,9 @@ struct WalkPlan {
   /// Where given, the walk goes round and round along these points, which a smooth curve follows
   /// without quite reaching them; otherwise it goes round the focus.
   std::vector<RoutePoint> route;
+  bool once = false;            ///< From the first point of the route to the last, and ends there.
+  double start_m = 0;           ///< Of such a route: where on it the walk begins.
+  double sway = 1;              ///< Times that of a walker's steps and hands.
   Eigen::Vector2d focus{0, 0};  ///< The walker goes round this point [m] ...
   double radius_m = 1.85;       ///< ... at about this distance,
   double start_angle_rad = 0;   ///< from this direction (of the walker seen from the focus)
@@ -82,15 +109,24 @@ struct WalkPlan {
 struct Room {
   Eigen::Vector3d size{0, 0, 0};  ///< [m]
   std::vector<FurnitureModel> catalogue;
+  /// Where the catalogue has only the likes of what stands there: the very shapes.
+  std::vector<FurnitureModel> right_catalogue;
   std::vector<RoomInstance> instances;
   std::vector<RoomPart> parts;
   std::vector<AreaLight> lights;
   std::optional<SunLight> sun;
+  std::optional<SkyLight> sky;
   std::vector<Footprint> obstacles;
   std::vector<FloorLevel> levels;  ///< Beside the floor; their outlines in the room's frame.
   WalkPlan walk;
   int main_instance = 0;  ///< Number in masks of the object that the scene is about; 0 for none.
+  float scan_spacing_m = 0.04f;  ///< Of scene.ply.
+  /// Where the floor is not told but follows from the path: the camera's height over it [m].
+  std::optional<double> camera_height_m;
 };
+
+/// All parts but those that move.
+std::span<const RoomPart> StillParts(const Room& room);
 
 /// Furnishes a room. Layouts in which a walk cannot pass are drawn again. Errors: kDegenerate if
 /// none of many tries worked (a bug rather than bad luck).

@@ -38,8 +38,11 @@ using Eigen::Isometry3d;
 
 /// Instances count as visible in a frame from so many pixels of a 960x500 image on.
 constexpr double kVisiblePixels = 800;
+constexpr double kFarthestDepth_m = 65.5;  ///< In 16-bit millimetres.
 constexpr std::array<const char*, 6> kFolders = {"color", "edges", "proposals",
                                                  "depth", "masks", "models"};
+/// Of a street: the very shapes that stand there, and the truth that names them.
+constexpr const char* kRight = "right";
 /// Written only on request; those of an earlier sequence must not stay.
 constexpr std::array<const char*, 8> kFiles = {"imu.csv",    "imu.json",         "groundtruth.csv",
                                                "tracks.csv", "trajectory.txt",   "visibility.csv",
@@ -55,6 +58,7 @@ Status PrepareFolder(const fs::path& folder, const SyntheticOptions& options) {
           "'" + folder.string() + "' holds other files; give an empty or a new folder with --out"};
     }
     for (const char* name : kFolders) fs::remove_all(folder / name, error);
+    fs::remove_all(folder / kRight, error);
     for (const char* name : kFiles) fs::remove(folder / name, error);
   }
   fs::create_directories(folder, error);
@@ -126,8 +130,12 @@ std::string TrajectoryRow(double t_s, const Isometry3d& world_from_cam) {
 Status WriteGravity(const fs::path& folder, const SyntheticOptions& options, const Room& room) {
   const Eigen::Vector3d up = options.world_from_room.linear().col(2);
   const double offset = -up.dot(options.world_from_room.translation());
-  nlohmann::json json = {{"gravity", {-up.x(), -up.y(), -up.z()}},
-                         {"floor", {up.x(), up.y(), up.z(), offset}}};
+  nlohmann::json json = {{"gravity", {-up.x(), -up.y(), -up.z()}}};
+  if (room.camera_height_m) {
+    json["camera_height_m"] = *room.camera_height_m;
+  } else {
+    json["floor"] = {up.x(), up.y(), up.z(), offset};
+  }
   for (const FloorLevel& level : room.levels) {
     nlohmann::json outline = nlohmann::json::array();
     for (const Eigen::Vector3d& corner : level.outline_in_world) {
@@ -210,6 +218,8 @@ class SequenceJob {
   int SamplesFor(const Shutter& shutter) const;
   Status WriteFrame(int frame, const FramePictures& pictures);
   void Remember(int frame, const Visibility& visibility);
+  nlohmann::json InstanceToJson(std::size_t i) const;
+  nlohmann::json MovingToJson(std::size_t i, int frames) const;
 
   const SyntheticOptions& options_;
   fs::path folder_;
@@ -233,16 +243,24 @@ Status SequenceJob::WriteStill() {
   if (!status.ok()) return status;
   status = WriteModels(folder_ / "models", room_.catalogue);
   if (!status.ok()) return status;
-  return WritePly(folder_ / "scene.ply",
-                  Transformed(ScanOfRoom(room_, *tracer_, 0.04f), options_.world_from_room));
+  if (!room_.right_catalogue.empty()) {
+    std::error_code error;
+    fs::create_directories(folder_ / kRight / "models", error);
+    status = WriteModels(folder_ / kRight / "models", room_.right_catalogue);
+    if (!status.ok()) return status;
+  }
+  return WritePly(
+      folder_ / "scene.ply",
+      Transformed(ScanOfRoom(room_, *tracer_, room_.scan_spacing_m), options_.world_from_room));
 }
 
 /// More samples where the picture moves during the exposure, so that blur stays smooth.
 int SequenceJob::SamplesFor(const Shutter& shutter) const {
   const std::vector<Isometry3d> poses = shutter.Exposure(0.5 * (camera_.pinhole.height - 1));
   const Isometry3d motion = poses.front().inverse() * poses.back();
+  const double usual_m = IsStreet(options_.scene) ? 8 : 2;  // distance of what is seen
   const double moved = camera_.pinhole.fx * (Eigen::AngleAxisd(motion.linear()).angle() +
-                                             motion.translation().norm() / 2);
+                                             motion.translation().norm() / usual_m);
   return std::clamp(static_cast<int>(std::lround(moved)), options_.samples_per_pixel,
                     4 * options_.samples_per_pixel);
 }
@@ -277,6 +295,7 @@ Status SequenceJob::WriteFrame(int frame, const FramePictures& pictures) {
   const SurfaceMaps& maps = pictures.maps;
   cv::Mat depth_mm;
   maps.depth.convertTo(depth_mm, CV_16U, 1000);
+  depth_mm.setTo(0, maps.depth > kFarthestDepth_m);
   const EdgeMap edges = DetectSyntheticEdges(camera_.pinhole, maps, picture,
                                              options_.flawless ? EdgeFlaws{0, 0, 0} : EdgeFlaws(),
                                              options_.seed, frame);
@@ -331,21 +350,50 @@ Status SequenceJob::WriteFrames(const WorkContext& context) {
   return {};
 }
 
+nlohmann::json SequenceJob::InstanceToJson(std::size_t i) const {
+  const RoomInstance& instance = room_.instances[i];
+  nlohmann::json json = {
+      {"id", instance.id},
+      {"model", instance.model},
+      {"category", instance.category},
+      {"world_from_object", IsometryToJson(options_.world_from_room * instance.room_from_object)},
+      {"quality", "fine"},
+      {"position_std_m", 0},
+      {"azimuth_std_deg", 0},
+      {"mask_id", i + 1},
+      {"visible_frames", history_[i].visible.ToJson(1)}};
+  if (instance.scale != 1) json["scale"] = instance.scale;
+  if (instance.size_m)
+    json["size_m"] = {instance.size_m->x(), instance.size_m->y(), instance.size_m->z()};
+  return json;
+}
+
+nlohmann::json SequenceJob::MovingToJson(std::size_t i, int frames) const {
+  const RoomInstance& instance = room_.instances[i];
+  nlohmann::json poses = nlohmann::json::array();
+  for (int frame = 0; frame < frames; ++frame) {
+    const Isometry3d pose = instance.RoomFromObjectAt(frame / options_.rate_hz);
+    poses.push_back(
+        {{"frame", frame}, {"world_from_object", IsometryToJson(options_.world_from_room * pose)}});
+  }
+  return {{"id", instance.id},
+          {"category", instance.category},
+          {"size_m", {instance.size_m->x(), instance.size_m->y(), instance.size_m->z()}},
+          {"mask_id", i + 1},
+          {"visible_frames", history_[i].visible.ToJson(1)},
+          {"poses", std::move(poses)}};
+}
+
 Status SequenceJob::WriteTruth(int frames) {
-  nlohmann::json instances = nlohmann::json::array(), situations = nlohmann::json::array();
+  nlohmann::json instances = nlohmann::json::array(), moving = nlohmann::json::array(),
+                 situations = nlohmann::json::array();
   for (std::size_t i = 0; i < room_.instances.size(); ++i) {
     const RoomInstance& instance = room_.instances[i];
-    instances.push_back({{"id", instance.id},
-                         {"model", instance.model},
-                         {"category", instance.category},
-                         {"world_from_object",
-                          IsometryToJson(options_.world_from_room * instance.room_from_object)},
-                         {"quality", "fine"},
-                         {"position_std_m", 0},
-                         {"azimuth_std_deg", 0},
-                         {"mask_id", i + 1},
-                         {"visible_frames", history_[i].visible.ToJson(1)}});
-    if (instance.scale != 1) instances.back()["scale"] = instance.scale;
+    if (instance.moves()) {
+      moving.push_back(MovingToJson(i, frames));
+      continue;
+    }
+    instances.push_back(InstanceToJson(i));
     situations.push_back({{"instance", instance.id},
                           {"hidden_frames", history_[i].hidden.ToJson(10)},
                           {"truncated_frames", history_[i].truncated.ToJson(10)}});
@@ -365,8 +413,15 @@ Status SequenceJob::WriteTruth(int frames) {
   if (path_) scene["imu"] = ImuToJson(*options_.imu, *path_, frames, options_.rate_hz);
   if (room_.main_instance > 0)
     scene["main_instance"] = room_.instances[static_cast<std::size_t>(room_.main_instance - 1)].id;
-  Status status = WriteJson(folder_ / "ground_truth.json",
-                            {{"gravity", {-up.x(), -up.y(), -up.z()}}, {"instances", instances}});
+  nlohmann::json truth = {{"gravity", {-up.x(), -up.y(), -up.z()}},
+                          {"instances", std::move(instances)}};
+  if (!moving.empty()) truth["moving"] = std::move(moving);
+  Status status = WriteJson(folder_ / "ground_truth.json", truth);
+  if (status.ok() && !room_.right_catalogue.empty()) {
+    for (nlohmann::json& instance : truth["instances"])
+      instance["model"] = room_.instances[instance["mask_id"].get<std::size_t>() - 1].right_model;
+    status = WriteJson(folder_ / kRight / "ground_truth.json", truth);
+  }
   if (status.ok()) status = WriteFileAtomically(folder_ / "trajectory.txt", trajectory_);
   if (status.ok()) status = WriteFileAtomically(folder_ / "visibility.csv", visibility_);
   if (status.ok()) status = WriteJson(folder_ / "scene.json", scene);
@@ -392,7 +447,7 @@ Result<SyntheticSummary> WriteTracks(const SyntheticOptions& options, const fs::
   const Stopwatch timer;
   const BodyPath path =
       PathOfBody(walk, *options.imu, options.seed, options.frames / options.rate_hz);
-  const TracedScene scene(room.parts);
+  const TracedScene scene(StillParts(room));
   const Camera camera = SyntheticCamera(options);
   TrackSimulator simulator(scene, camera.pinhole, {}, options.seed);
   std::string rows = "# t[s],id,u,v[px]\n", trajectory = kTrajectoryHeader;

@@ -24,6 +24,9 @@ class Shutter {
   bool rolling() const { return camera_.rolling_shutter_s != 0; }
   /// room_from_cam at the picture's stamp.
   const Eigen::Isometry3d& middle() const { return middle_; }
+  /// Of the middle of a row's exposure [s]; 0 for a camera that holds still.
+  double TimeOf(double row_px) const { return stamp_s_ + camera_.RowDelay(row_px); }
+  double exposure_s() const { return exposure_s_; }
   /// At the middle of a row's exposure.
   Eigen::Isometry3d RoomFromCam(double row_px) const;
   /// 24 poses, evenly spread over a row's exposure.

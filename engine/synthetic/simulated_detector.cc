@@ -54,8 +54,10 @@ DetectorFlaws FlawsOf(const SyntheticOptions& options) {
 }
 
 struct VisibilityMeter::Body {
-  explicit Body(const RoomPart& part) : scene(std::span(&part, 1)) {}
+  explicit Body(const RoomPart& part)
+      : scene(std::span(&part, 1)), velocity_m_s(part.velocity_m_s) {}
   TracedScene scene;
+  Eigen::Vector3d velocity_m_s;
 };
 
 VisibilityMeter::VisibilityMeter(const Room& room) {
@@ -97,7 +99,8 @@ Visibility VisibilityMeter::Measure(const PinholeCamera& camera, const Shutter& 
     }
     Eigen::AlignedBox3f bounds;
     for (const Eigen::Vector3f& vertex : bodies_[i]->scene.vertices()) bounds.extend(vertex);
-    const Eigen::Vector3d center_in_room = bounds.center().cast<double>();
+    const Eigen::Vector3d moved = shutter.TimeOf(0) * bodies_[i]->velocity_m_s;
+    const Eigen::Vector3d center_in_room = bounds.center().cast<double>() + moved;
     const Eigen::Vector3d center = shutter.Seeing(center_in_room).inverse() * center_in_room;
     const double radius = bounds.sizes().cast<double>().norm() / 2;
     if (center.z() < -radius) continue;
@@ -114,7 +117,7 @@ Visibility VisibilityMeter::Measure(const PinholeCamera& camera, const Shutter& 
     for (int y = top - top % kStep + kStep / 2; y < bottom; y += kStep) {
       const Eigen::Isometry3d room_from_cam = shutter.RoomFromCam(y);
       const Eigen::Matrix3f rotation = room_from_cam.linear().cast<float>();
-      const Eigen::Vector3f origin = room_from_cam.translation().cast<float>();
+      const Eigen::Vector3f origin = (room_from_cam.translation() - moved).cast<float>();
       for (int x = left - left % kStep + kStep / 2; x < right; x += kStep) {
         const Eigen::Vector2d bearing = camera.Bearing({x, y});
         const Eigen::Vector3f in_cam(static_cast<float>(bearing.x()),

@@ -6,6 +6,16 @@
 #include <iterator>
 
 namespace plumbline {
+namespace {
+
+/// Of KITTI's rectified cameras, at 1242 px of width (Geiger et al., IJRR 2013).
+constexpr double kKittiFocal_px = 721.5377;
+/// The sky is even: fewer rays leave no grain, and a street has many surfaces.
+constexpr int kStreetLightRays = 16;
+constexpr int kStreetSamples = 3;
+constexpr double kLongestStreet_s = 60;
+
+}  // namespace
 
 std::optional<SyntheticScene> SyntheticSceneFromName(std::string_view name) {
   for (std::size_t i = 0; i < std::size(kSyntheticScenes); ++i) {
@@ -24,6 +34,14 @@ SyntheticOptions OptionsFor(SyntheticScene scene) {
   options.scene = scene;
   options.rate_hz = info.rate_hz;
   options.frames = info.frames;
+  options.width = info.width;
+  options.height = info.height;
+  if (IsStreet(scene)) {
+    options.light_rays = kStreetLightRays;
+    options.samples_per_pixel = kStreetSamples;
+  }
+  if (scene == SyntheticScene::kStreet)
+    options.horizontal_fov_rad = 2 * std::atan(0.5 * info.width / kKittiFocal_px);
   return options;
 }
 
@@ -49,6 +67,9 @@ std::vector<std::string> SyntheticOptions::Validate() const {
   within("noise_levels", noise_levels, 0, 64);
   within("jpeg_quality", jpeg_quality, 1, 100);
   within("model_error", model_error, 0, 0.2);
+  if (IsStreet(scene) && !(frames / rate_hz <= kLongestStreet_s))
+    problems.push_back(
+        "a street is filmed for a minute at most; give fewer frames or a higher rate");
   if (imu) {
     within("the IMU's rate", imu->rate_hz, 50, 2000);
     within("the IMU's noise", imu->noise, 0, 100);

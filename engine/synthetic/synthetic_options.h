@@ -28,7 +28,9 @@ enum class SyntheticScene {
   kTwins,
   kOffice,
   kRates,
-  kPlatform
+  kPlatform,
+  kStreet,
+  kPavement
 };
 
 /// What is told of a scene, and how long and how often it is filmed unless asked otherwise.
@@ -37,6 +39,7 @@ struct SyntheticSceneInfo {
   std::string_view summary;
   double rate_hz = 30;
   int frames = 300;
+  int width = 960, height = 500;  ///< [px]
 };
 
 /// In the order of the enumeration.
@@ -56,7 +59,14 @@ inline constexpr SyntheticSceneInfo kSyntheticScenes[] = {
     {"office", "desks, office chairs, shelves, plants", 30, 450},
     {"rates", "the same walk for any --rate", 30, 450},
     {"platform", "half of the room stands 30 cm higher", 30, 450},
+    {"street", "parked and moving cars, from a car", 10, 100, 1242, 375},
+    {"pavement", "the same kind of street, from its pavement", 10, 200},
 };
+
+/// Whether it lies outdoors: a street instead of a room.
+constexpr bool IsStreet(SyntheticScene scene) {
+  return scene == SyntheticScene::kStreet || scene == SyntheticScene::kPavement;
+}
 
 std::optional<SyntheticScene> SyntheticSceneFromName(std::string_view name);
 std::string_view NameOf(SyntheticScene scene);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/synthetic/traced_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -12,8 +13,9 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// Longer edges are cut, so that light lattices and mean colours stay local.
-constexpr float kMaxEdgeM = 0.5f;
+/// Longer edges are cut, so that light lattices and mean colours stay local; where light is
+/// computed at few points, at so many spacings.
+constexpr float kMaxEdgeM = 0.5f, kMaxEdgeSpacings = 4;
 /// Rays start this far off, so that they miss the surface that they leave.
 constexpr float kNear = 1e-4f;
 
@@ -96,7 +98,7 @@ TracedScene::~TracedScene() = default;
 
 void TracedScene::AddPart(const RoomPart& part, std::uint16_t index) {
   PaintedMesh mesh = part.body.mesh;
-  Refine(mesh, kMaxEdgeM);
+  Refine(mesh, std::max(kMaxEdgeM, kMaxEdgeSpacings * part.light_spacing_m));
   const int first_vertex = static_cast<int>(vertices_.size());
   const auto first_material = static_cast<std::uint32_t>(materials_.size());
   vertices_.insert(vertices_.end(), mesh.vertices.begin(), mesh.vertices.end());

@@ -88,12 +88,16 @@ void SmoothCircularly(std::vector<double>& values, int passes) {
   }
 }
 
-Vector2d SplineAt(const std::vector<Vector2d>& control, double parameter) {
+/// @param closed  The first point follows upon the last.
+Vector2d SplineAt(const std::vector<Vector2d>& control, double parameter, bool closed) {
   const int n = static_cast<int>(control.size());
   const double whole = std::floor(parameter);
   const double t = parameter - whole;
   const int i = static_cast<int>(whole);
-  const auto at = [&](int k) { return control[static_cast<std::size_t>(((i + k) % n + n) % n)]; };
+  const auto at = [&](int k) {
+    const int index = closed ? ((i + k) % n + n) % n : std::clamp(i + k, 0, n - 1);
+    return control[static_cast<std::size_t>(index)];
+  };
   const double a = (1 - t) * (1 - t) * (1 - t) / 6, d = t * t * t / 6;
   const double b = (3 * t * t * t - 6 * t * t + 4) / 6, c = 1 - a - b - d;
   return a * at(-1) + b * at(0) + c * at(1) + d * at(2);
@@ -131,9 +135,9 @@ Result<Walk> Walk::Plan(const Room& room, std::uint64_t seed, double rate_hz) {
     walk.targets_.push_back(point.look_at);
   }
   walk.MeasureLength();
-  const double step = static_cast<double>(walk.control_.size()) / kLengthSteps;
+  const double step = static_cast<double>(walk.Spans()) / kLengthSteps;
   for (int i = 0; i < kLengthSteps; i += 4) {
-    if (Clearance(room, SplineAt(walk.control_, i * step)) < kClearanceM) return blocked;
+    if (Clearance(room, walk.OnSpline(walk.control_, i * step)) < kClearanceM) return blocked;
   }
   Random random({.seed = seed, .object = 0x57414c});
   const auto waves = [&](double amplitude, double low_hz, double high_hz, int count) {
@@ -156,6 +160,10 @@ Result<Walk> Walk::Plan(const Room& room, std::uint64_t seed, double rate_hz) {
   walk.gaze_y_ = waves(0.45, 0.06, 0.14, 2);
   walk.gaze_z_ = waves(0.16, 0.05, 0.12, 2);
   return walk;
+}
+
+Vector2d Walk::OnSpline(const std::vector<Vector2d>& control, double parameter) const {
+  return SplineAt(control, parameter, !plan_.once);
 }
 
 double Walk::Sum(const std::vector<Wave>& waves, double t_s) const {
@@ -184,43 +192,48 @@ double Walk::ExposureSeconds(int frame) const {
 void Walk::MeasureLength() {
   length_.assign(1, 0.0);
   for (int i = 1; i <= kLengthSteps; ++i) {
-    const double scale = static_cast<double>(control_.size()) / kLengthSteps;
+    const double scale = static_cast<double>(Spans()) / kLengthSteps;
     length_.push_back(length_.back() +
-                      (SplineAt(control_, i * scale) - SplineAt(control_, (i - 1) * scale)).norm());
+                      (OnSpline(control_, i * scale) - OnSpline(control_, (i - 1) * scale)).norm());
   }
 }
 
 double Walk::ParameterAt(double t_s) const {
   // The integral of the pace: its waves only shift the distance walked.
   double distance = plan_.speed_m_s * t_s + plan_.speed_m_s * (Sum(pace_, t_s) - Sum(pace_, 0)) * 2;
-  distance = std::fmod(distance, length_.back());
-  if (distance < 0) distance += length_.back();
+  if (plan_.once) {
+    distance = std::clamp(plan_.start_m + distance, 0.0, length_.back());
+  } else {
+    distance = std::fmod(distance, length_.back());
+    if (distance < 0) distance += length_.back();
+  }
   const auto next = std::upper_bound(length_.begin(), length_.end(), distance);
   const auto i = std::clamp<std::ptrdiff_t>(next - length_.begin() - 1, 0, kLengthSteps - 1);
   const auto index = static_cast<std::size_t>(i);
   const double share =
       (distance - length_[index]) / std::max(1e-12, length_[index + 1] - length_[index]);
-  return (static_cast<double>(i) + share) * static_cast<double>(control_.size()) / kLengthSteps;
+  return (static_cast<double>(i) + share) * static_cast<double>(Spans()) / kLengthSteps;
 }
 
-Vector2d Walk::Position(double t_s) const { return SplineAt(control_, ParameterAt(t_s)); }
+Vector2d Walk::Position(double t_s) const { return OnSpline(control_, ParameterAt(t_s)); }
 
 Eigen::Isometry3d Walk::RoomFromCam(double t_s) const {
   const double parameter = ParameterAt(t_s);
-  const Vector2d stand = SplineAt(control_, parameter);
-  const Vector2d focus = targets_.empty() ? plan_.focus : SplineAt(targets_, parameter);
+  const Vector2d stand = OnSpline(control_, parameter);
+  const Vector2d focus = targets_.empty() ? plan_.focus : OnSpline(targets_, parameter);
   const Vector2d to_focus = (focus - stand).normalized();
   const Vector2d side(-to_focus.y(), to_focus.x());
-  const double sway = Sum(across_, t_s);
+  const double sway = plan_.sway * Sum(across_, t_s);
   const Vector3d eye(stand.x() + sway * side.x(), stand.y() + sway * side.y(),
-                     plan_.eye_height_m + Sum(up_, t_s));
+                     plan_.eye_height_m + plan_.sway * Sum(up_, t_s));
   const Vector3d target(focus.x() + Sum(gaze_x_, t_s), focus.y() + Sum(gaze_y_, t_s),
                         plan_.focus_height_m + Sum(gaze_z_, t_s));
   const Vector3d gaze = target - eye;
   const double shake = Shake(t_s);
-  const double yaw = std::atan2(gaze.y(), gaze.x()) + plan_.gaze_offset_rad + Sum(yaw_, t_s) +
+  const double yaw = std::atan2(gaze.y(), gaze.x()) + plan_.gaze_offset_rad +
+                     plan_.sway * Sum(yaw_, t_s) +
                      shake * 6 * kRadPerDeg * std::sin(2 * std::numbers::pi * 1.9 * t_s);
-  const double pitch = std::atan2(gaze.z(), gaze.head<2>().norm()) + Sum(pitch_, t_s) +
+  const double pitch = std::atan2(gaze.z(), gaze.head<2>().norm()) + plan_.sway * Sum(pitch_, t_s) +
                        shake * 3 * kRadPerDeg * std::sin(2 * std::numbers::pi * 2.6 * t_s + 1);
   const Vector3d forward(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch),
                          std::sin(pitch));
@@ -228,7 +241,8 @@ Eigen::Isometry3d Walk::RoomFromCam(double t_s) const {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() << right, forward.cross(right), forward;
   pose.linear() =
-      pose.linear() * Eigen::AngleAxisd(Sum(roll_, t_s), Vector3d::UnitZ()).toRotationMatrix();
+      pose.linear() *
+      Eigen::AngleAxisd(plan_.sway * Sum(roll_, t_s), Vector3d::UnitZ()).toRotationMatrix();
   pose.translation() = eye;
   return pose;
 }

@@ -16,8 +16,8 @@ namespace plumbline {
 double Clearance(const Room& room, const Eigen::Vector2d& point);
 
 /// A hand-held camera carried along a room's walk plan, round its focus or along its route: a
-/// closed, smooth path at a calm pace, with the sway of steps and the tremor of hands. A function
-/// of continuous time.
+/// smooth path, closed unless the route is gone once, at a calm pace, with the sway of steps and
+/// the tremor of hands. A function of continuous time.
 class Walk {
  public:
   /// Finds a loop round the focus that keeps `kClearanceM` from everything, or checks that the
@@ -30,7 +30,7 @@ class Walk {
   double ExposureSeconds(int frame) const;
   /// Where the walker stands [m].
   Eigen::Vector2d Position(double t_s) const;
-  /// Of once round [m].
+  /// Of once round, or of the whole route [m].
   double Length() const { return length_.back(); }
 
   static constexpr double kClearanceM = 0.32;
@@ -44,11 +44,14 @@ class Walk {
   /// Where the walker is on the way at a time, as a parameter of the splines.
   double ParameterAt(double t_s) const;
   void MeasureLength();
+  Eigen::Vector2d OnSpline(const std::vector<Eigen::Vector2d>& control, double parameter) const;
+  /// Pieces of the spline.
+  int Spans() const { return static_cast<int>(control_.size()) - (plan_.once ? 1 : 0); }
 
   WalkPlan plan_;
   double rate_hz_ = 30;
-  /// Control points of closed uniform cubic B-splines, from the start on: of the way, and (of a
-  /// route) of what is looked at.
+  /// Control points of uniform cubic B-splines, from the start on: of the way, and (of a route) of
+  /// what is looked at.
   std::vector<Eigen::Vector2d> control_, targets_;
   std::vector<double> length_;  ///< From the start to evenly spaced parameters [m].
   std::vector<Wave> yaw_, pitch_, roll_, across_, up_, pace_, gaze_x_, gaze_y_, gaze_z_;

@@ -93,6 +93,15 @@ std::optional<int> CocoNumber(std::string_view category) {
 std::span<const std::string_view> CocoCategories() { return kCoco; }
 std::span<const std::string_view> VocCategories() { return kVoc; }
 
+bool MovesByItself(std::string_view category) {
+  // In COCO's order from "person" to "boat" and from "bird" to "giraffe".
+  static constexpr std::string_view kMovers[] = {
+      "person", "bicycle",  "car",  "motorcycle", "airplane", "bus",   "train",
+      "truck",  "boat",     "bird", "cat",        "dog",      "horse", "sheep",
+      "cow",    "elephant", "bear", "zebra",      "giraffe"};
+  return std::find(std::begin(kMovers), std::end(kMovers), category) != std::end(kMovers);
+}
+
 std::string CategoryName(std::string_view name) {
   const std::string squeezed = Squeezed(name);
   for (const std::string_view coco : kCoco)

@@ -22,4 +22,7 @@ std::span<const std::string_view> VocCategories();
 /// spaces.
 std::string CategoryName(std::string_view name);
 
+/// Whether things of a category go from place to place by themselves: vehicles, people, animals.
+bool MovesByItself(std::string_view category);
+
 }  // namespace plumbline

@@ -68,6 +68,40 @@ TEST_F(GroundTruthFile, SaysHowWellAPoseIsKnown) {
       HasSubstr("'position_std_m'"));
 }
 
+TEST_F(GroundTruthFile, KeepsWhatMovesApart) {
+  GroundTruth truth;
+  truth.instances = {{"a", "car_sedan", "car"}};
+  MovingThing van;
+  van.id = "van";
+  van.category = "car";
+  van.size_m = {5, 2, 2.1};
+  Eigen::Isometry3d pose(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()));
+  pose.translation() << 10, -1.5, 0;
+  van.places = {{3, pose}, {4, pose * Eigen::Translation3d(1, 0, 0)}};
+  truth.moving = {van};
+  ASSERT_TRUE(WriteGroundTruth(file_, truth).ok());
+  const Result<GroundTruth> read = ReadGroundTruth(file_);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->instances.size(), 1u);
+  ASSERT_EQ(read->moving.size(), 1u);
+  EXPECT_EQ(read->moving[0].id, "van");
+  EXPECT_LT((read->moving[0].size_m - van.size_m).norm(), 1e-12);
+  ASSERT_EQ(read->moving[0].places.size(), 2u);
+  EXPECT_EQ(read->moving[0].places[1].frame, 4);
+  EXPECT_THAT(read->moving[0].places[0].world_from_object, IsometryNear(pose, 1e-9, 1e-9));
+  const std::string before = R"({"gravity": [0,0,-1], "instances": [], "moving": )";
+  EXPECT_THAT(Refusal(before + "3}"), HasSubstr("'moving'"));
+  EXPECT_THAT(Refusal(before + R"([{"id": "v"}]})"), HasSubstr("'category'"));
+  EXPECT_THAT(Refusal(before + R"([{"id": "v", "category": "car", "poses": []}]})"),
+              HasSubstr("'size_m'"));
+  EXPECT_THAT(Refusal(before + R"([{"id": "v", "category": "car", "size_m": [1,1,1]}]})"),
+              HasSubstr("'poses'"));
+  EXPECT_THAT(Refusal(before + R"([{"id": "v", "category": "car", "size_m": [1,1,1],
+                                   "poses": [{"frame": 0.5, "world_from_object": )" +
+                      std::string(kPose) + "}]}]}"),
+              HasSubstr("frame"));
+}
+
 TEST_F(GroundTruthFile, SaysHowMuchLargerThanItsModelAnInstanceIs) {
   GroundTruth truth;
   truth.instances = {{"a", "chair", "chair"}, {"b", "chair", "chair"}};

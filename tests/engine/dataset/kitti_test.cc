@@ -151,7 +151,16 @@ TEST_F(KittiRaw, TrackletsThatStandStillAreBoxesOfTheGroundTruth) {
   const auto truth = ReadTruthOf(*sequence, warnings);
   ASSERT_TRUE(truth.ok() && truth->has_value());
   ASSERT_EQ((*truth)->instances.size(), 2u);  // the van drives
-  EXPECT_THAT(warnings, testing::ElementsAre(HasSubstr("1 objects that move")));
+  EXPECT_THAT(warnings, testing::ElementsAre(HasSubstr("1 objects that move; kept apart")));
+  ASSERT_EQ((*truth)->moving.size(), 1u);
+  const MovingThing& van = (*truth)->moving[0];
+  EXPECT_EQ(van.category, "car");
+  ASSERT_GE(van.places.size(), 2u);
+  EXPECT_GT((van.places.back().world_from_object.translation() -
+             van.places.front().world_from_object.translation())
+                .norm(),
+            1);
+  EXPECT_GT(van.places[1].frame, van.places[0].frame);
   const GroundTruthInstance& car = (*truth)->instances[0];
   EXPECT_EQ(car.id, "car_0");
   EXPECT_EQ(car.category, "car");
@@ -163,6 +172,18 @@ TEST_F(KittiRaw, TrackletsThatStandStillAreBoxesOfTheGroundTruth) {
   EXPECT_THAT(car.world_from_object, IsometryNear(expected, 0.05, 1e-4));
   const GroundTruthInstance& person = (*truth)->instances[1];
   EXPECT_EQ(person.category, "person");
+}
+
+TEST_F(KittiRaw, TheFloorIsThePlaneUnderThePath) {
+  ASSERT_NO_FATAL_FAILURE(Write("kitti_raw"));
+  if (IsSkipped()) return;
+  const auto sequence = Open(kDrive);
+  ASSERT_TRUE(sequence->floor_in_world().has_value());
+  const Eigen::Vector4d floor = *sequence->floor_in_world();
+  for (int i = 0; i < sequence->num_frames(); ++i) {
+    const Eigen::Vector3d camera = sequence->world_from_cam(i)->translation();
+    EXPECT_NEAR(floor.head<3>().dot(camera) + floor[3], 1.65, 3 * sequence->floor_std_m() + 1e-6);
+  }
 }
 
 TEST_F(KittiRaw, ConvertedItKeepsItsBoxesAndItsImu) {

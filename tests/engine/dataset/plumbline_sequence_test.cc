@@ -255,6 +255,24 @@ TEST_F(OwnLayout, TurnsOverAFloorThatPointsDown) {
   EXPECT_THAT(sequence->warnings(), Contains(HasSubstr("points down")));
 }
 
+TEST_F(OwnLayout, FindsTheFloorUnderThePathOfACameraOfKnownHeight) {
+  WriteTinySequence(root_);  // the camera goes along x at a height of 1
+  WriteText(root_ / "gravity.json", R"({"gravity": [0, 0, -1], "camera_height_m": 1.65})");
+  const auto sequence = Open();
+  ASSERT_TRUE(sequence->floor_in_world().has_value());
+  EXPECT_LT((*sequence->floor_in_world() - Eigen::Vector4d(0, 0, 1, 0.65)).norm(), 1e-9);
+  EXPECT_NEAR(sequence->floor_std_m(), 0, 1e-9);
+  // A floor that is told is believed.
+  WriteText(root_ / "gravity.json",
+            R"({"gravity": [0, 0, -1], "floor": [0, 0, 1, 0], "camera_height_m": 1.65})");
+  EXPECT_EQ((*Open()->floor_in_world())[3], 0);
+  for (const char* wrong : {"0", "-1", "\"high\"", "1e9", "null"}) {
+    WriteText(root_ / "gravity.json",
+              R"({"gravity": [0, 0, -1], "camera_height_m": )" + std::string(wrong) + "}");
+    EXPECT_THAT(Refusal(), HasSubstr("'camera_height_m'")) << wrong;
+  }
+}
+
 TEST_F(OwnLayout, KnowsLevelsBesideTheFloor) {
   WriteTinySequence(root_);
   EXPECT_THAT(Open()->floor_levels(), IsEmpty());

@@ -199,7 +199,7 @@ TEST(LightMap, GivesTheLightOfASmallLampByTheInverseSquareLaw) {
   const TracedScene scene(std::span(&floor, 1));
   const std::vector<AreaLight> lights = {
       {{-0.05f, -0.05f, 1.5f}, {0, 0.1f, 0}, {0.1f, 0, 0}, {1, 2, 3}}};
-  const auto map = LightMap::Compute(scene, lights, std::nullopt, {16, 1}, {});
+  const auto map = LightMap::Compute(scene, {lights, {}, {}}, {16, 1}, {});
   ASSERT_TRUE(map.ok());
   for (const float x : {0.0f, 0.4f, 0.8f}) {
     const TracedScene::Hit hit = scene.Trace({x, 0.1f, 1}, {0, 0, -1});
@@ -219,7 +219,7 @@ TEST(LightMap, LeavesTheShadowOfAnOccluderDark) {
          {.center = {0, 0, 0.5f}, .size = {0.6f, 0.6f, 0.02f}});
   const TracedScene scene(parts);
   const SunLight sun{{0, 0, 1}, {1, 1, 1}, 0.01f};
-  const auto map = LightMap::Compute(scene, {}, sun, {16, 1}, {});
+  const auto map = LightMap::Compute(scene, {{}, sun, {}}, {16, 1}, {});
   ASSERT_TRUE(map.ok());
   EXPECT_NEAR(map->At(scene.Trace({0.1f, 0.1f, 0.3f}, {0, 0, -1})).y(), 0, 1e-6);
   EXPECT_NEAR(map->At(scene.Trace({0.6f, 0.1f, 0.3f}, {0, 0, -1})).y(), 1, 1e-3);

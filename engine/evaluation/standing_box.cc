@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/evaluation/upright_box.h"
+#include "engine/evaluation/standing_box.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,19 +37,26 @@ Polygon LeftOf(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Polygon
   return left;
 }
 
+double SharedArea(const StandingBox& a, const StandingBox& b) {
+  Polygon shared(a.base.begin(), a.base.end());
+  for (std::size_t i = 0; i < b.base.size() && !shared.empty(); ++i)
+    shared = LeftOf(b.base[i], b.base[(i + 1) % b.base.size()], shared);
+  return std::max(0.0, AreaOf(shared));
+}
+
 }  // namespace
 
-double UprightBox::volume() const { return AreaOf(base) * (top_m - bottom_m); }
+double StandingBox::volume() const { return AreaOf(base) * (top_m - bottom_m); }
 
-UprightBox BoxOf(const CadModel& model, const Eigen::Isometry3d& world_from_object, double scale,
-                 const UprightFrame& upright) {
+StandingBox BoxOf(const CadModel& model, const Eigen::Isometry3d& world_from_object, double scale,
+                  const UprightFrame& upright) {
   const double azimuth = upright.Azimuth(world_from_object.linear());
   const Eigen::Isometry3d level_from_object =
       upright.WorldFromObjectRotation(azimuth).transpose() * world_from_object;
   Eigen::AlignedBox3d bounds;
   for (const Eigen::Vector3f& vertex : model.mesh.vertices)
     bounds.extend(level_from_object * (scale * vertex.cast<double>()));
-  UprightBox box;
+  StandingBox box;
   box.bottom_m = bounds.min().z();
   box.top_m = bounds.max().z();
   const Eigen::Rotation2Dd turn(azimuth);
@@ -60,13 +67,42 @@ UprightBox BoxOf(const CadModel& model, const Eigen::Isometry3d& world_from_obje
   return box;
 }
 
-double Iou(const UprightBox& a, const UprightBox& b) {
+StandingBox BoxOf(const Eigen::Vector3d& size_m, const Eigen::Isometry3d& world_from_object,
+                  const UprightFrame& upright) {
+  const Eigen::Vector3d base =
+      upright.upright_rotation().transpose() * world_from_object.translation();
+  const Eigen::Rotation2Dd turn(upright.Azimuth(world_from_object.linear()));
+  const double x = 0.5 * size_m.x(), y = 0.5 * size_m.y();
+  const auto corner = [&](double along, double across) {
+    return Eigen::Vector2d(base.head<2>() + turn * Eigen::Vector2d(along, across));
+  };
+  StandingBox box;
+  box.base = {corner(-x, -y), corner(x, -y), corner(x, y), corner(-x, y)};
+  box.bottom_m = base.z();
+  box.top_m = base.z() + size_m.z();
+  return box;
+}
+
+std::array<Eigen::Vector3d, 8> CornersOf(const StandingBox& box, const UprightFrame& upright) {
+  std::array<Eigen::Vector3d, 8> corners;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Eigen::Vector2d& base = box.base[i % 4];
+    corners[i] = upright.upright_rotation() *
+                 Eigen::Vector3d(base.x(), base.y(), i < 4 ? box.bottom_m : box.top_m);
+  }
+  return corners;
+}
+
+double BaseIou(const StandingBox& a, const StandingBox& b) {
+  const double both = SharedArea(a, b);
+  const double together = AreaOf(a.base) + AreaOf(b.base) - both;
+  return together > 0 ? both / together : 0.0;
+}
+
+double Iou(const StandingBox& a, const StandingBox& b) {
   const double height_m = std::min(a.top_m, b.top_m) - std::max(a.bottom_m, b.bottom_m);
   if (!(height_m > 0)) return 0;
-  Polygon shared(a.base.begin(), a.base.end());
-  for (std::size_t i = 0; i < b.base.size() && !shared.empty(); ++i)
-    shared = LeftOf(b.base[i], b.base[(i + 1) % b.base.size()], shared);
-  const double both = std::max(0.0, AreaOf(shared)) * height_m;
+  const double both = SharedArea(a, b) * height_m;
   const double together = a.volume() + b.volume() - both;
   return together > 0 ? both / together : 0.0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/evaluation/upright_box.h"
+#include "engine/evaluation/standing_box.h"
 
 #include <numbers>
 
@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-class UprightBoxes : public testing::Test {
+class StandingBoxes : public testing::Test {
  protected:
   /// A cube of 1 m on the floor.
   CadModel Cube() const {
@@ -18,15 +18,15 @@ class UprightBoxes : public testing::Test {
     model.mesh = BoxMesh(1, 1, 1);
     return model;
   }
-  UprightBox Box(const Eigen::Isometry3d& pose, double scale = 1) const {
+  StandingBox Box(const Eigen::Isometry3d& pose, double scale = 1) const {
     return BoxOf(Cube(), pose, scale, upright_);
   }
 
   UprightFrame upright_{Eigen::Vector3d(0, 0, -1)};
 };
 
-TEST_F(UprightBoxes, OverlapByTheClosedForms) {
-  const UprightBox box = Box(UprightPose(0, 0, 0, 0));
+TEST_F(StandingBoxes, OverlapByTheClosedForms) {
+  const StandingBox box = Box(UprightPose(0, 0, 0, 0));
   EXPECT_NEAR(box.volume(), 1, 1e-12);
   EXPECT_NEAR(Iou(box, box), 1, 1e-12);
   EXPECT_NEAR(Iou(box, Box(UprightPose(0.5, 0, 0, 0))), 0.5 / 1.5, 1e-12);
@@ -41,7 +41,7 @@ TEST_F(UprightBoxes, OverlapByTheClosedForms) {
   EXPECT_NEAR(Iou(box, Box(UprightPose(0, 0, 0, 0), 0.5)), 0.125, 1e-12) << "one inside the other";
 }
 
-TEST_F(UprightBoxes, StandUprightRoundATiltedModel) {
+TEST_F(StandingBoxes, StandUprightRoundATiltedModel) {
   Eigen::Isometry3d tilted = UprightPose(0, 0, 0, 30);
   tilted.rotate(Eigen::AngleAxisd(std::numbers::pi / 4, Eigen::Vector3d::UnitY()));
   // Tilted by 45 degrees about its own y: sqrt(2) high and wide, 1 m deep.
@@ -49,7 +49,7 @@ TEST_F(UprightBoxes, StandUprightRoundATiltedModel) {
   EXPECT_NEAR(Box(tilted).top_m - Box(tilted).bottom_m, std::numbers::sqrt2, 1e-6);
 }
 
-TEST_F(UprightBoxes, DoNotDependOnTheDirectionOfGravity) {
+TEST_F(StandingBoxes, DoNotDependOnTheDirectionOfGravity) {
   Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
   turn.linear() =
       Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
