@@ -2,7 +2,7 @@
 """Measures the visual-inertial filter: the figures of docs/algorithms/vio.md.
 
 Recordings in the data folder (as for measure.sh: $PLUMBLINE_DATA), ten seeds of dropped tracks on the
-hand-held fisheye, and simulated walks (`plumbline synth --imu --tracks`): half from rest, half in
+hand-held fisheye, starts in motion all over the kitchen with three IMUs, and simulated walks (`plumbline synth --imu --tracks`): half from rest, half in
 motion, each with its own biases. Writes tables.md and results.json into build/measure/vio.
 """
 import argparse
@@ -11,6 +11,8 @@ import json
 import math
 import os
 import pathlib
+import random
+import shutil
 import statistics
 import subprocess
 import sys
@@ -20,6 +22,8 @@ LOOP_SEEDS = range(1, 11)
 WALK_SEEDS = range(301, 351)
 WALK_SECONDS, WALK_RATE_HZ, REST_S = 40, 20, 2
 DIVERGED_M = 1.0
+START_FRAMES = range(0, 401, 40)
+START_SECONDS, START_IMUS = 8, 3
 
 
 def commit():
@@ -139,6 +143,59 @@ def loops(measurement, data):
     return errors
 
 
+def rows_of(file):
+    lines = [line for line in file.read_text().splitlines() if line]
+    return lines[0], [[float(word) for word in line.split(",")] for line in lines[1:]]
+
+
+def piece(source, folder, first, seconds, imu):
+    """A part of a sequence as one of its own; with imu > 0 the biases and some noise of another IMU."""
+    shutil.rmtree(folder, ignore_errors=True)
+    (folder / "color").mkdir(parents=True)
+    for name in ("camera.json", "imu.json", "gravity.json"):
+        shutil.copy(source / name, folder / name)
+    rate = json.loads((source / "camera.json").read_text())["rate_hz"]
+    names = sorted(path.name for path in (source / "color").iterdir())[first:first + int(seconds * rate)]
+    for name in names:
+        (folder / "color" / name).symlink_to((source / "color" / name).resolve())
+    begin, end = first / rate - 0.05, (first + len(names) - 1) / rate + 0.3
+    title, readings = rows_of(source / "imu.csv")
+    states_title, states = rows_of(source / "groundtruth.csv")
+    if imu > 0:
+        noise = json.loads((source / "imu.json").read_text())
+        draw = random.Random(imu)
+        biases = [draw.gauss(0, 0.02) for _ in range(3)] + [draw.gauss(0, 0.1) for _ in range(3)]
+        spread = [0.7 * noise[name] * math.sqrt(noise["rate_hz"]) for name in ("gyro_noise_density", "accel_noise_density")]
+        stamps = [state[0] for state in states]
+        for reading in readings:
+            own = states[min(bisect.bisect_left(stamps, reading[0]), len(states) - 1)][11:17]
+            for i in range(6):
+                reading[1 + i] += biases[i] - own[i] + draw.gauss(0, spread[i // 3])
+        for state in states:
+            state[11:17] = biases
+    for name, first_line, rows in (("imu.csv", title, readings), ("groundtruth.csv", states_title, states)):
+        kept = [",".join(f"{value:.8f}" for value in row) for row in rows if begin <= row[0] <= end]
+        (folder / name).write_text("\n".join([first_line] + kept) + "\n")
+
+
+def starts(measurement, data):
+    kitchen = data / "kitchen"
+    if not kitchen.exists():
+        return []
+    records = []
+    for first in START_FRAMES:
+        for imu in range(START_IMUS):
+            folder = measurement.out / "piece"
+            piece(kitchen, folder, first, START_SECONDS, imu)
+            try:
+                records.append(measurement.judge(f"start {first}, IMU {imu}", folder, folder / "groundtruth.csv", "--no-loops"))
+                print("{name}: ATE {ate_m:.3f} m of {path_m:.2f}, NEES {nees:.1f}".format(**records[-1]), flush=True)
+            except RuntimeError as error:
+                print(f"start {first}, IMU {imu}: FAILED: {error}", flush=True)
+                records.append({"name": f"start {first}, IMU {imu}", "failed": str(error)})
+    return records
+
+
 def walks(measurement, seeds):
     records = []
     for seed in seeds:
@@ -181,6 +238,12 @@ def main():
             listed = " ".join(f"{error:.2f}" for error in results["loops"])
             lines += [f"**tango_lc**, 20 % of the tracks dropped, seeds 1 to 10, loop error m: {listed}; "
                       f"median {statistics.median(results['loops']):.2f}, largest {max(results['loops']):.2f}.", ""]
+        results["starts"] = starts(measurement, data)
+        good = [record for record in results["starts"] if "failed" not in record]
+        if good:
+            lines += [f"## Kitchen, {START_SECONDS} s from every 40th image on, with three IMUs", "",
+                      f"- without a pose: {len(results['starts']) - len(good)} of {len(results['starts'])}"]
+            lines += summary(good) + [""] + table(good) + [""]
     if arguments.walks > 0:
         results["walks"] = walks(measurement, list(WALK_SEEDS)[:arguments.walks])
         lines += [f"## {len(results['walks'])} simulated walks of {WALK_SECONDS} s", ""]
