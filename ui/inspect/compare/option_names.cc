@@ -8,7 +8,7 @@ constexpr std::string_view kScore = "What an image says", kSearch = "How edges a
                            kParticles = "Hypotheses", kMotion = "How hypotheses spread",
                            kBirth = "New objects", kMemory = "Remembered views",
                            kEvidence = "Whether it is there", kLife = "Confirmed or withdrawn",
-                           kPaper = "Filter as in the paper";
+                           kOutdoors = "Outdoors", kPaper = "Filter as in the paper";
 
 constexpr OptionName kNames[] = {
     {"filter", kScore, "Filter"},
@@ -83,6 +83,12 @@ constexpr OptionName kNames[] = {
     {"confirm_shown", kLife, "Contour that must have shown"},
     {"confirm_age_s", kLife, "Shortest time to confirm"},
     {"tentative_limit_s", kLife, "Longest time as a candidate"},
+
+    {"room_thing_m", kOutdoors, "Largest thing of a room"},
+    {"moving_share", kOutdoors, "Share of cars that move"},
+    {"moving_speed_m_s", kOutdoors, "Their speed"},
+    {"confirm_standing", kOutdoors, "Belief that it stands"},
+    {"left_behind_m", kOutdoors, "Left behind from"},
 
     {"paper_min_score", kPaper, "Least score of a box"},
     {"paper_min_box_share", kPaper, "Least size of a box"},
