@@ -11,12 +11,13 @@
 #include "app/verbs/verb.h"
 #include "engine/dataset/sequence.h"
 #include "engine/dataset/sequence_formats.h"
+#include "engine/models/model_source.h"
 
 namespace plumbline {
 namespace {
 
 struct ConvertArguments {
-  std::string source, layout = "plumbline", out_folder, poses, json;
+  std::string source, layout = "plumbline", out_folder, poses, models, json;
   std::optional<int> jpeg_quality;
 };
 
@@ -31,9 +32,21 @@ Status Convert(const ConvertArguments& arguments) {
   const auto sequence = OpenSequence(arguments.source, {arguments.poses});
   if (!sequence.ok()) return sequence.error();
   const SequenceFormat& layout = *FormatNamed(arguments.layout);
+  WriteOptions options{arguments.jpeg_quality, {}};
+  if (!arguments.models.empty()) {
+    auto frames = ReadObjectFromFile(arguments.models);
+    if (!frames.ok()) return frames.error();
+    if (frames->empty())
+      return Error{
+          ErrorCode::kInvalidInput,
+          "no model of '" + arguments.models +
+              "' tells where it stands in its mesh file; build them with `plumbline models "
+              "build`"};
+    options.models = std::move(*frames);
+  }
   ConsoleWork work;
   Result<WrittenSequence> written =
-      layout.write(**sequence, arguments.out_folder, {arguments.jpeg_quality}, work.context());
+      layout.write(**sequence, arguments.out_folder, options, work.context());
   if (!written.ok()) return written.error();
   if (layout.name == "plumbline") {
     if (Status cropped = CropSceneNnModels(**sequence, arguments.out_folder, written->warnings);
@@ -87,6 +100,10 @@ void AddConvertVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("--poses", arguments->poses,
                    "A trajectory (TUM) in place of the data set's poses")
       ->type_name("FILE");
+  verb->add_option("--models", arguments->models,
+                   "The models that `models build` made of the data set's meshes, for the ground "
+                   "truth to pose")
+      ->type_name("DIR");
   verb->add_option("--jpeg", arguments->jpeg_quality,
                    "Write images as JPEG of this quality; without it as PNG, which loses nothing")
       ->check(CLI::Range(1, 100))

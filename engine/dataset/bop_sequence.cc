@@ -124,8 +124,8 @@ void MergeView(const BopView& view, std::vector<BopView>& views) {
   views.push_back(view);
 }
 
-GroundTruthInstance BopInstance(const BopView& view, std::size_t number,
-                                const nlohmann::json& info) {
+GroundTruthInstance BopInstance(const BopView& view, std::size_t number, const nlohmann::json& info,
+                                const ModelFrames& models, std::vector<std::string>& warnings) {
   char name[40];
   std::snprintf(name, sizeof name, "obj_%06d", view.object);
   GroundTruthInstance instance;
@@ -137,6 +137,10 @@ GroundTruthInstance BopInstance(const BopView& view, std::size_t number,
     foot.z() = box->min.z();
     instance.world_from_object = view.world_from_model * Eigen::Translation3d(foot);
     instance.size_m = box->size;
+  }
+  if (const Eigen::Isometry3d* built = FindModelFrame(models, instance.model, warnings)) {
+    instance.world_from_object = view.world_from_model * built->inverse();
+    if (instance.size_m) instance.size_m = (built->linear() * *instance.size_m).cwiseAbs();
   }
   return instance;
 }
@@ -219,7 +223,7 @@ Result<std::shared_ptr<const Sequence>> OpenBop(const fs::path& folder,
   return MakeSequence(std::move(recording), options);
 }
 
-Result<std::optional<GroundTruth>> TruthOfBop(const Sequence& sequence,
+Result<std::optional<GroundTruth>> TruthOfBop(const Sequence& sequence, const ModelFrames& models,
                                               std::vector<std::string>& warnings) {
   const fs::path file = sequence.path() / "scene_gt.json";
   if (!IsThere(file)) return std::optional<GroundTruth>();
@@ -264,7 +268,7 @@ Result<std::optional<GroundTruth>> TruthOfBop(const Sequence& sequence,
   }
   const nlohmann::json info = BopModelsInfo(sequence.path());
   for (std::size_t i = 0; i < views.size(); ++i)
-    truth.instances.push_back(BopInstance(views[i], i, info));
+    truth.instances.push_back(BopInstance(views[i], i, info, models, warnings));
   return std::optional(std::move(truth));
 }
 

@@ -28,7 +28,7 @@ Result<std::shared_ptr<const Sequence>> OpenBop(const std::filesystem::path& fol
 /// origin in the middle of their box; with models_info.json (in models/ or models_eval/ of the data
 /// set) `object` stands in the middle of its underside and has `size_m`. `model` and `category` are
 /// obj_NNNNNN.
-Result<std::optional<GroundTruth>> TruthOfBop(const Sequence& sequence,
+Result<std::optional<GroundTruth>> TruthOfBop(const Sequence& sequence, const ModelFrames& models,
                                               std::vector<std::string>& warnings);
 
 }  // namespace plumbline

@@ -282,7 +282,7 @@ Result<std::shared_ptr<const Sequence>> OpenKittiRaw(const fs::path& folder,
   return MakeSequence(std::move(recording), options);
 }
 
-Result<std::optional<GroundTruth>> TruthOfKittiRaw(const Sequence& sequence,
+Result<std::optional<GroundTruth>> TruthOfKittiRaw(const Sequence& sequence, const ModelFrames&,
                                                    std::vector<std::string>& warnings) {
   const fs::path file = sequence.path() / "tracklet_labels.xml";
   if (!IsThere(file)) return std::optional<GroundTruth>();

@@ -32,7 +32,7 @@ Result<std::shared_ptr<const Sequence>> OpenKittiRaw(const std::filesystem::path
 /// others, and those without a pose of the camera, are left out with a warning. `model` is the type
 /// (car, van
 /// ..), `category` COCO's name for it.
-Result<std::optional<GroundTruth>> TruthOfKittiRaw(const Sequence& sequence,
+Result<std::optional<GroundTruth>> TruthOfKittiRaw(const Sequence& sequence, const ModelFrames&,
                                                    std::vector<std::string>& warnings);
 
 }  // namespace plumbline

@@ -217,7 +217,9 @@ std::optional<SimilarityParts> PartsOf(const nlohmann::json& owner) {
 
 /// The instance, or what is wrong with it.
 Result<GroundTruthInstance> InstanceOfScan2Cad(const nlohmann::json& model,
-                                               const SimilarityParts& scan) {
+                                               const SimilarityParts& scan,
+                                               const ModelFrames& models,
+                                               std::vector<std::string>& warnings) {
   const auto bad = [](const char* what) { return Error{ErrorCode::kInvalidInput, what}; };
   const auto parts = PartsOf(model);
   const auto id = TextFromJson(model, "id_cad"), category = TextFromJson(model, "catid_cad");
@@ -235,10 +237,14 @@ Result<GroundTruthInstance> InstanceOfScan2Cad(const nlohmann::json& model,
   cad_from_object.col(0) << 0, 0, -1;
   cad_from_object.col(1) << -1, 0, 0;
   cad_from_object.col(2) << 0, 1, 0;
-  const Eigen::Vector3d foot = *center - Eigen::Vector3d(0, (*half)[1], 0);
-  const Eigen::Vector3d foot_in_scaled = parts->scale.cwiseProduct(foot);
+  Eigen::Vector3d foot = *center - Eigen::Vector3d(0, (*half)[1], 0);
   GroundTruthInstance instance;
   instance.model = *id;
+  if (const Eigen::Isometry3d* built = FindModelFrame(models, *id, warnings)) {
+    cad_from_object = built->linear().transpose();
+    foot = built->inverse().translation();
+  }
+  const Eigen::Vector3d foot_in_scaled = parts->scale.cwiseProduct(foot);
   instance.category = CategoryOfShapeNet(*category);
   const Eigen::Matrix3d scan_from_their_world = scan.rigid.linear().transpose();
   instance.world_from_object.linear() =
@@ -246,7 +252,7 @@ Result<GroundTruthInstance> InstanceOfScan2Cad(const nlohmann::json& model,
   instance.world_from_object.translation() =
       by * (scan_from_their_world * (parts->rigid * foot_in_scaled - scan.rigid.translation()));
   const Eigen::Vector3d size = 2 * by * parts->scale.cwiseProduct(Eigen::Vector3d(*half));
-  instance.size_m = Eigen::Vector3d(size.z(), size.x(), size.y());
+  instance.size_m = (cad_from_object.transpose() * size).cwiseAbs();
   instance.scale = by * std::cbrt(parts->scale.prod());
   if (!(instance.scale > 0.1 && instance.scale < 10))
     return bad("has a 'scale' that is not between 0.1 and 10");
@@ -267,7 +273,8 @@ Result<std::shared_ptr<const Sequence>> OpenScanNet(const fs::path& path,
   return OpenExtractedScan(path, options);
 }
 
-Result<std::optional<GroundTruth>> ReadScan2Cad(const fs::path& file, const std::string& scan,
+Result<std::optional<GroundTruth>> ReadScan2Cad(const fs::path& file, const ModelFrames& models,
+                                                const std::string& scan,
                                                 std::vector<std::string>& warnings) {
   const Result<nlohmann::json> json = ReadJson(file);
   if (!json.ok()) return json.error();
@@ -286,7 +293,7 @@ Result<std::optional<GroundTruth>> ReadScan2Cad(const fs::path& file, const std:
     // The world of a scan of ScanNet is z up.
     truth.gravity_in_world = Eigen::Vector3d(0, 0, -1);
     for (const nlohmann::json& model : entry["aligned_models"]) {
-      Result<GroundTruthInstance> instance = InstanceOfScan2Cad(model, *parts);
+      Result<GroundTruthInstance> instance = InstanceOfScan2Cad(model, *parts, models, warnings);
       const std::string number = std::to_string(truth.instances.size());
       if (!instance.ok()) {
         warnings.push_back("'" + file.string() + "': a model of " + scan + " " +
@@ -302,12 +309,13 @@ Result<std::optional<GroundTruth>> ReadScan2Cad(const fs::path& file, const std:
 }
 
 Result<std::optional<GroundTruth>> TruthOfScanNet(const Sequence& sequence,
+                                                  const ModelFrames& models,
                                                   std::vector<std::string>& warnings) {
   fs::path folder = fs::absolute(sequence.path()).lexically_normal();
   if (!folder.has_filename() || folder.extension() == ".sens") folder = folder.parent_path();
   for (int level = 0; level < 3; ++level, folder = folder.parent_path()) {
     const fs::path file = folder / "full_annotations.json";
-    if (IsThere(file)) return ReadScan2Cad(file, ScanName(sequence.path()), warnings);
+    if (IsThere(file)) return ReadScan2Cad(file, models, ScanName(sequence.path()), warnings);
   }
   return std::optional<GroundTruth>();
 }

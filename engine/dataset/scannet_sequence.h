@@ -30,12 +30,13 @@ Result<std::shared_ptr<const Sequence>> OpenScanNet(const std::filesystem::path&
 /// `scale` is the geometric mean of the three; `size_m` the box as they stretch it. (Layout as of
 /// skanti/Scan2CAD, README.md and Annotation2Mesh.py.)
 Result<std::optional<GroundTruth>> TruthOfScanNet(const Sequence& sequence,
+                                                  const ModelFrames& models,
                                                   std::vector<std::string>& warnings);
 
 /// What full_annotations.json says of one scan; nothing where it has none of that name. Errors:
 /// kNotFound, kCorrupt, kInvalidInput.
 Result<std::optional<GroundTruth>> ReadScan2Cad(const std::filesystem::path& file,
-                                                const std::string& scan,
+                                                const ModelFrames& models, const std::string& scan,
                                                 std::vector<std::string>& warnings);
 
 }  // namespace plumbline

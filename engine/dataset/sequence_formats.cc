@@ -20,7 +20,7 @@
 namespace plumbline {
 namespace {
 
-Result<std::optional<GroundTruth>> TruthOfPlumbline(const Sequence& sequence,
+Result<std::optional<GroundTruth>> TruthOfPlumbline(const Sequence& sequence, const ModelFrames&,
                                                     std::vector<std::string>&) {
   const auto file = sequence.ground_truth_file();
   if (!file) return std::optional<GroundTruth>();
@@ -61,10 +61,11 @@ constexpr SequenceFormat kFormats[] = {
 std::span<const SequenceFormat> SequenceFormats() { return kFormats; }
 
 Result<std::optional<GroundTruth>> ReadTruthOf(const Sequence& sequence,
-                                               std::vector<std::string>& warnings) {
+                                               std::vector<std::string>& warnings,
+                                               const ModelFrames& models) {
   const SequenceFormat* format = FindSequenceFormat(sequence.path());
   if (format == nullptr || format->truth == nullptr) return std::optional<GroundTruth>();
-  return format->truth(sequence, warnings);
+  return format->truth(sequence, models, warnings);
 }
 
 const SequenceFormat* FindSequenceFormat(const std::filesystem::path& path) {

@@ -12,6 +12,7 @@
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
 #include "engine/dataset/ground_truth.h"
+#include "engine/dataset/model_frames.h"
 #include "engine/dataset/sequence.h"
 
 namespace plumbline {
@@ -22,6 +23,7 @@ enum class Likeness { kNone, kPossible, kCertain };
 /// How a sequence is written in another layout.
 struct WriteOptions {
   std::optional<int> jpeg_quality;  ///< 1 to 100; without it images are PNGs, which lose nothing.
+  ModelFrames models;               ///< That the ground truth is to pose.
 };
 
 /// What was written.
@@ -44,9 +46,10 @@ struct SequenceFormat {
   Result<WrittenSequence> (*write)(const Sequence& sequence, const std::filesystem::path& folder,
                                    const WriteOptions& options, const WorkContext& context);
   /// The ground truth of objects that comes with it, in `world` of the opened sequence; nothing
-  /// where this one has none. Null where such a data set never has. What is odd goes into the
-  /// warnings.
-  Result<std::optional<GroundTruth>> (*truth)(const Sequence& sequence,
+  /// where this one has none. Null where such a data set never has. It poses the models whose
+  /// frames are known; else what its mesh files become if they stand below their middle already.
+  /// What is odd goes into the warnings.
+  Result<std::optional<GroundTruth>> (*truth)(const Sequence& sequence, const ModelFrames& models,
                                               std::vector<std::string>& warnings);
 };
 
@@ -55,7 +58,8 @@ std::span<const SequenceFormat> SequenceFormats();
 /// The ground truth of objects that comes with an opened sequence, in whatever form its data set
 /// has; nothing where there is none. Errors: those of the files.
 Result<std::optional<GroundTruth>> ReadTruthOf(const Sequence& sequence,
-                                               std::vector<std::string>& warnings);
+                                               std::vector<std::string>& warnings,
+                                               const ModelFrames& models = {});
 
 /// The format whose reader is surest; of equally sure ones the first of the table. Null where none
 /// knows it.

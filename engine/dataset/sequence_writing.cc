@@ -105,7 +105,7 @@ Status WriteProposals(const Sequence& sequence, const fs::path& folder,
 
 /// The scan, the models and the truth, as far as they can be had.
 Status WriteSurroundings(const Sequence& sequence, const fs::path& folder,
-                         std::vector<std::string>& warnings) {
+                         const ModelFrames& frames, std::vector<std::string>& warnings) {
   std::error_code error;
   if (const auto scan = sequence.scene_file(); scan && scan->extension() == ".ply") {
     fs::copy_file(*scan, folder / "scene.ply", error);
@@ -119,7 +119,7 @@ Status WriteSurroundings(const Sequence& sequence, const fs::path& folder,
       return Error{ErrorCode::kIo,
                    "cannot copy the models '" + models->string() + "': " + error.message()};
   }
-  const Result<std::optional<GroundTruth>> truth = ReadTruthOf(sequence, warnings);
+  const Result<std::optional<GroundTruth>> truth = ReadTruthOf(sequence, warnings, frames);
   if (!truth.ok()) {
     warnings.push_back(truth.error().message + "; no ground_truth.json is written");
     return {};
@@ -252,7 +252,7 @@ Result<WrittenSequence> WritePlumblineSequence(const Sequence& sequence, const f
   // Proposals are asked for undistorted, and are written for the image as it was written.
   if (status.ok() && sequence.has_proposals() && camera.distortion.empty())
     status = WriteProposals(sequence, folder, images, written->warnings);
-  if (status.ok()) status = WriteSurroundings(sequence, folder, written->warnings);
+  if (status.ok()) status = WriteSurroundings(sequence, folder, options.models, written->warnings);
   if (!status.ok()) return status.error();
   written->poses = static_cast<int>(poses.size());
   return written;

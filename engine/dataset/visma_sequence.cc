@@ -156,7 +156,8 @@ Result<std::shared_ptr<const Sequence>> OpenVisma(const fs::path& folder,
   return MakeSequence(std::move(recording), options);
 }
 
-Result<GroundTruth> ReadVismaTruth(const fs::path& fragments, std::vector<std::string>& warnings) {
+Result<GroundTruth> ReadVismaTruth(const fs::path& fragments, const ModelFrames& models,
+                                   std::vector<std::string>& warnings) {
   const fs::path file = fragments / "alignment.json", list = fragments / "objects.json";
   const Result<nlohmann::json> alignment = ReadJson(file);
   if (!alignment.ok()) return alignment.error();
@@ -176,8 +177,8 @@ Result<GroundTruth> ReadVismaTruth(const fs::path& fragments, std::vector<std::s
   }
   GroundTruth truth;
   // What is z up of ours is y up of theirs.
-  Eigen::Isometry3d visma_from_object = Eigen::Isometry3d::Identity();
-  visma_from_object.linear() << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  Eigen::Isometry3d object_from_file = Eigen::Isometry3d::Identity();
+  object_from_file.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
   std::vector<std::string> seen;
   for (const std::string& entry : entries) {
@@ -194,7 +195,8 @@ Result<GroundTruth> ReadVismaTruth(const fs::path& fragments, std::vector<std::s
     instance.id = entry;
     instance.model = entry.substr(0, entry.rfind('_'));
     instance.category = CategoryOfVisma(instance.model);
-    instance.world_from_object = *pose * visma_from_object;
+    const Eigen::Isometry3d* built = FindModelFrame(models, instance.model, warnings);
+    instance.world_from_object = *pose * (built ? *built : object_from_file).inverse();
     up += instance.world_from_object.linear().col(2);
     truth.instances.push_back(std::move(instance));
   }
@@ -204,11 +206,11 @@ Result<GroundTruth> ReadVismaTruth(const fs::path& fragments, std::vector<std::s
   return truth;
 }
 
-Result<std::optional<GroundTruth>> TruthOfVisma(const Sequence& sequence,
+Result<std::optional<GroundTruth>> TruthOfVisma(const Sequence& sequence, const ModelFrames& models,
                                                 std::vector<std::string>& warnings) {
   const fs::path fragments = FragmentsOf(sequence.path());
   if (fragments.empty()) return std::optional<GroundTruth>();
-  Result<GroundTruth> truth = ReadVismaTruth(fragments, warnings);
+  Result<GroundTruth> truth = ReadVismaTruth(fragments, models, warnings);
   if (!truth.ok()) return truth.error();
   const Result<std::optional<Eigen::Isometry3d>> scan_from_world = ScanFromWorldOf(fragments);
   if (!scan_from_world.ok()) return scan_from_world.error();

@@ -25,14 +25,15 @@ Result<std::shared_ptr<const Sequence>> OpenVisma(const std::filesystem::path& f
 /// The truth of fragments/objects.json and alignment.json (12 numbers, model to the scan's frame,
 /// metres) of RGBD/SEQUENCE, which lies in the sequence itself, beside it or beside the folder it
 /// is in. result_alignment.json (T_ef_corvis, SLAM to scan) beside them takes it into `world`;
-/// without it the truth stays in the frame of the scan, with a warning. Models of VISMA have y up:
-/// `object` is that frame with y and z exchanged, (x, y, z) -> (x, -z, y). The model's name is what
+/// without it the truth stays in the frame of the scan, with a warning. The poses are
+/// those of the mesh files, which have y up: without the frame that a model was built into,
+/// `object` is that of the file turned upright, (x, y, z) -> (x, -z, y). The model's name is what
 /// stands before the last underscore of an entry.
-Result<std::optional<GroundTruth>> TruthOfVisma(const Sequence& sequence,
+Result<std::optional<GroundTruth>> TruthOfVisma(const Sequence& sequence, const ModelFrames& models,
                                                 std::vector<std::string>& warnings);
 
 /// As above, of a folder fragments. Errors: kNotFound, kCorrupt, kInvalidInput.
 Result<GroundTruth> ReadVismaTruth(const std::filesystem::path& fragments,
-                                   std::vector<std::string>& warnings);
+                                   const ModelFrames& models, std::vector<std::string>& warnings);
 
 }  // namespace plumbline

@@ -97,6 +97,7 @@ nlohmann::json UnsureOf(const ModelBuildReport& report) {
 
 nlohmann::json EntryOf(const BuiltModel& built) {
   const CadModel& model = built.model;
+  const Eigen::Vector3d origin = built.report.object_from_file.inverse().translation();
   nlohmann::json entry = {
       {"name", model.name},
       {"file", model.file},
@@ -112,6 +113,7 @@ nlohmann::json EntryOf(const BuiltModel& built) {
         {"unit", UnitText(built.report.unit.value)},
         {"up", built.report.up.value.text()},
         {"front", built.report.front.value.text()},
+        {"origin_m", {origin.x(), origin.y(), origin.z()}},
         {"faces", built.report.decimation.faces_before}}}};
   if (nlohmann::json unsure = UnsureOf(built.report); !unsure.empty())
     entry["source"]["unsure"] = std::move(unsure);

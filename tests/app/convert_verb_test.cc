@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `plumbline info` and `plumbline convert` on samples of public data sets.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -85,6 +86,43 @@ TEST_F(ConvertVerb, CutsTheInstancesOfSceneNnOutOfItsMesh) {
   const auto sequence = Open("ours");
   EXPECT_LT((*sequence->gravity_in_world() - Eigen::Vector3d(0, 1, 0)).norm(), 1e-4);
   EXPECT_NEAR((*sequence->floor_in_world())[3], 1.2, 1e-4);
+}
+
+TEST_F(ConvertVerb, PosesModelsAsTheyWereBuilt) {
+  ASSERT_NO_FATAL_FAILURE(Write("visma"));
+  if (IsSkipped()) return;
+  // A box, y up, its foot at (1.2, -0.5, 2.3).
+  std::string box;
+  for (int i = 0; i < 8; ++i)
+    box += fmt::format("v {} {} {}\n", i & 1 ? 1.5 : 0.9, i & 2 ? 0.4 : -0.5, i & 4 ? 2.6 : 2.0);
+  for (const char* face : {"1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"})
+    box += fmt::format("f {}\n", face);
+  ASSERT_TRUE(WriteFileAtomically(folder() / "swivel_chair.obj", box).ok());
+  const ProgramRun built = RunProgram(
+      "models build swivel_chair.obj --out db --unit m --up y --front +x 2>&1", folder());
+  ASSERT_EQ(built.exit_code, 0) << built.output;
+  const ProgramRun run =
+      RunProgram("convert clutter1 --out posed --models db --json - 2>&1", folder());
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("no model 'Aeron' was built of a mesh file"));
+  ASSERT_EQ(RunProgram("convert clutter1 --out plain 2>&1", folder()).exit_code, 0);
+  const auto posed = ReadGroundTruth(folder() / "posed/ground_truth.json");
+  const auto plain = ReadGroundTruth(folder() / "plain/ground_truth.json");
+  ASSERT_TRUE(posed.ok() && plain.ok());
+  EXPECT_LT((posed->instances[0].world_from_object.translation() -
+             plain->instances[0].world_from_object * Eigen::Vector3d(1.2, -2.3, -0.5))
+                .norm(),
+            1e-6);
+  const ProgramRun none =
+      RunProgram("convert clutter1 --out none --models clutter1 2>&1", folder());
+  EXPECT_NE(none.exit_code, 0);
+  EXPECT_THAT(none.output, HasSubstr("models.json"));
+  ASSERT_TRUE(WriteFileAtomically(folder() / "db/models.json",
+                                  R"({"models": [{"name": "a", "source": {"origin_m": [1, 2]}}]})")
+                  .ok());
+  const ProgramRun odd = RunProgram("convert clutter1 --out odd --models db 2>&1", folder());
+  EXPECT_NE(odd.exit_code, 0);
+  EXPECT_THAT(odd.output, HasSubstr("describes the file of 'a' by something else"));
 }
 
 TEST_F(ConvertVerb, WritesTumRgbdAndRefusesWhatItCannot) {

@@ -92,7 +92,7 @@ TEST_F(ExportRoom, Scan2CadIsReadBackWhereTheObjectsStand) {
   const std::string scan = Json("scan2cad/full_annotations.json")[0]["id_scan"];
   std::vector<std::string> warnings;
   const auto truth =
-      ReadScan2Cad(folder_.path() / "scan2cad/full_annotations.json", scan, warnings);
+      ReadScan2Cad(folder_.path() / "scan2cad/full_annotations.json", {}, scan, warnings);
   ASSERT_TRUE(truth.ok() && truth->has_value()) << (truth.ok() ? "" : truth.error().message);
   ASSERT_EQ((*truth)->instances.size(), 2u);
   const GroundTruthInstance& chair = (*truth)->instances[0];

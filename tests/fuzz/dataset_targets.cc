@@ -107,7 +107,8 @@ Status ScanNetSens(std::string_view input) {
 
 Status Scan2Cad(std::string_view input) {
   std::vector<std::string> warnings;
-  return StatusOf(ReadScan2Cad(FileOf("full_annotations.json", input), "scene0042_01", warnings));
+  return StatusOf(
+      ReadScan2Cad(FileOf("full_annotations.json", input), {}, "scene0042_01", warnings));
 }
 
 Status VismaDatasetFile(std::string_view input) {
@@ -120,7 +121,7 @@ Status VismaBoxes(std::string_view input) {
 
 Status VismaTruth(std::string_view input) {
   std::vector<std::string> warnings;
-  return StatusOf(ReadVismaTruth(FolderOf(input), warnings));
+  return StatusOf(ReadVismaTruth(FolderOf(input), {}, warnings));
 }
 
 Status SceneNnLabels(std::string_view input) {

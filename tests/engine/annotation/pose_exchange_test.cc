@@ -119,7 +119,7 @@ TEST_F(PoseExchange, VismaComesBack) {
 TEST_F(PoseExchange, VismaIsTheSameToTheReaderOfSequences) {
   ASSERT_TRUE(WriteVisma(document_, nullptr, folder_.path()).ok());
   std::vector<std::string> warnings;
-  const auto truth = ReadVismaTruth(folder_.path() / "fragments", warnings);
+  const auto truth = ReadVismaTruth(folder_.path() / "fragments", {}, warnings);
   ASSERT_TRUE(truth.ok()) << truth.error().message;
   EXPECT_TRUE(warnings.empty());
   ASSERT_EQ(truth->instances.size(), document_.instances.size());

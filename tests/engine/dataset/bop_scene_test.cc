@@ -76,6 +76,23 @@ TEST_F(BopScene, TheTruthOfAllImagesIsOneInstanceAnObject) {
   EXPECT_NEAR((*truth)->instances[1].world_from_object.translation().x(), 2.01, 1e-9);
 }
 
+TEST_F(BopScene, ModelsStandAsTheyWereBuilt) {
+  ASSERT_NO_FATAL_FAILURE(Write("bop_scene"));
+  if (IsSkipped()) return;
+  std::vector<std::string> warnings;
+  Eigen::Isometry3d object_from_file = Eigen::Isometry3d::Identity();
+  object_from_file.linear() << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+  object_from_file.translation() << 0.01, 0.02, 0.07;
+  const auto truth = ReadTruthOf(*Open(kScene), warnings, {{"obj_000003", object_from_file}});
+  ASSERT_TRUE(truth.ok()) << truth.error().message;
+  Eigen::Isometry3d world_from_file(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()));
+  world_from_file.translation() << 1, 2, 0.5;
+  const GroundTruthInstance& object = (*truth)->instances[0];
+  EXPECT_THAT(object.world_from_object,
+              IsometryNear(world_from_file * object_from_file.inverse(), 1e-6, 1e-9));
+  EXPECT_LT((*object.size_m - Eigen::Vector3d(0.12, 0.1, 0.14)).norm(), 1e-12);
+}
+
 TEST_F(BopScene, ACamKBesideACamModelIsAnError) {
   ASSERT_NO_FATAL_FAILURE(Write("bop_scene"));
   if (IsSkipped()) return;

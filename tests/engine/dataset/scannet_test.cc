@@ -122,6 +122,36 @@ TEST_F(ScanNet, Scan2CadIsGroundTruthInTheScansFrame) {
   }
 }
 
+TEST_F(ScanNet, ModelsOfScan2CadStandAsTheyWereBuilt) {
+  ASSERT_NO_FATAL_FAILURE(Write("scannet_sens"));
+  if (IsSkipped()) return;
+  ASSERT_NO_FATAL_FAILURE(Write("scan2cad"));
+  std::vector<std::string> warnings;
+  const auto plain = ReadTruthOf(*Open("scans/scene0042_01"), warnings);
+  ASSERT_TRUE(plain.ok() && plain->has_value());
+  // As it is without frames, front along -z and up y, but for a place of its own.
+  Eigen::Isometry3d object_from_file = Eigen::Isometry3d::Identity();
+  object_from_file.linear() << 0, 0, -1, -1, 0, 0, 0, 1, 0;
+  object_from_file.translation() << 0, 0, 0.25;
+  const auto lower =
+      ReadTruthOf(*Open("scans/scene0042_01"), warnings, {{"1a2b3c", object_from_file}});
+  object_from_file.translation().z() += 0.1;
+  const auto higher =
+      ReadTruthOf(*Open("scans/scene0042_01"), warnings, {{"1a2b3c", object_from_file}});
+  ASSERT_TRUE(lower.ok() && higher.ok());
+  const GroundTruthInstance& a = (*lower)->instances[0];
+  const GroundTruthInstance& b = (*higher)->instances[0];
+  EXPECT_LT(
+      (a.world_from_object.linear() - (*plain)->instances[0].world_from_object.linear()).norm(),
+      1e-9);
+  EXPECT_LT((*a.size_m - Eigen::Vector3d(0.36, 0.4, 0.8)).norm(), 1e-9);
+  // An origin 10 cm lower in the file, of a model that is 0.8 times as high.
+  EXPECT_LT((a.world_from_object.translation() - b.world_from_object.translation() -
+             Eigen::Vector3d(0, 0, 0.08))
+                .norm(),
+            1e-9);
+}
+
 TEST_F(ScanNet, OneThatWasCutOffIsRefusedInASentence) {
   ASSERT_NO_FATAL_FAILURE(Write("scannet_sens"));
   if (IsSkipped()) return;

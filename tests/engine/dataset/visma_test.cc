@@ -112,6 +112,31 @@ TEST_F(Visma, TheTruthOfTheScanComesIntoTheWorldOfTheRecording) {
   EXPECT_EQ((*truth)->instances[1].model, "Aeron");
 }
 
+TEST_F(Visma, ModelsStandAsTheyWereBuilt) {
+  ASSERT_NO_FATAL_FAILURE(Write("visma"));
+  if (IsSkipped()) return;
+  std::vector<std::string> warnings;
+  const auto plain = ReadTruthOf(*Open("clutter1"), warnings);
+  // Built with +z of its file for its front, from an origin half a metre up and 20 cm aside.
+  Eigen::Isometry3d object_from_file = Eigen::Isometry3d::Identity();
+  object_from_file.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  object_from_file.translation() << 0, -0.2, 0.5;
+  warnings.clear();
+  const auto truth = ReadTruthOf(*Open("clutter1"), warnings, {{"swivel_chair", object_from_file}});
+  ASSERT_TRUE(truth.ok() && truth->has_value());
+  EXPECT_THAT(warnings, Contains(HasSubstr("no model 'Aeron' was built")));
+  // Wherever a point of the file was placed, it is placed still.
+  Eigen::Isometry3d upright_from_file = Eigen::Isometry3d::Identity();
+  upright_from_file.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  const Eigen::Vector3d in_file(0.1, 0.7, -0.3);
+  EXPECT_LT(((*truth)->instances[0].world_from_object * (object_from_file * in_file) -
+             (*plain)->instances[0].world_from_object * (upright_from_file * in_file))
+                .norm(),
+            1e-9);
+  EXPECT_THAT((*truth)->instances[1].world_from_object,
+              IsometryNear((*plain)->instances[1].world_from_object, 1e-9, 1e-9));
+}
+
 TEST_F(Visma, WithoutTheAlignmentOfTheRecordingTheTruthStaysInTheScan) {
   ASSERT_NO_FATAL_FAILURE(Write("visma"));
   if (IsSkipped()) return;

@@ -10,6 +10,7 @@
 #include "engine/base/files.h"
 #include "engine/models/mesh_file.h"
 #include "engine/models/model_check.h"
+#include "engine/models/model_source.h"
 #include "tests/support/meshes.h"
 #include "tests/support/test_data.h"
 
@@ -319,6 +320,9 @@ TEST(ModelBuilder, WhatIsUnsureStaysMarkedUntilItIsStated) {
   const auto stated = BuildModel(file, options);
   ASSERT_TRUE(stated.ok());
   ASSERT_TRUE(StoreModel(*stated, folder.path() / "db").ok());
+  const auto frames = ReadObjectFromFile(folder.path() / "db");
+  ASSERT_TRUE(frames.ok()) << frames.error().message;
+  EXPECT_THAT(frames->at("thing"), IsometryNear(stated->report.object_from_file, 1e-9, 1e-9));
   checks = CheckModels(folder.path() / "db");
   ASSERT_TRUE(checks.ok());
   EXPECT_THAT((*checks)[0].warnings, testing::Not(testing::Contains(HasSubstr("state it"))));
