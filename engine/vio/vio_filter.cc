@@ -8,6 +8,7 @@
 #include "engine/base/timer.h"
 #include "engine/vio/one_point_ransac.h"
 #include "engine/vio/point_view.h"
+#include "engine/vio/rotation.h"
 
 namespace plumbline {
 namespace {
@@ -17,6 +18,13 @@ constexpr double kCertainBaseline = 3;
 /// Where the move is less certain, a depth must be clearer than max_depth_spread: of a camera that
 /// only turns, noise gives one point in twenty a depth of two standard deviations.
 constexpr double kClearDepthSpread = 0.2;
+
+/// How a velocity moves with (phi, xi_v): v = Exp(phi) v^ + xi_v.
+Eigen::Matrix<double, 3, 6> VelocityByState(const Eigen::Vector3d& velocity_in_world) {
+  Eigen::Matrix<double, 3, 6> by_state;
+  by_state << -Hat(velocity_in_world), Eigen::Matrix3d::Identity();
+  return by_state;
+}
 
 double MedianOf(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -82,6 +90,8 @@ FilterStep VioFilter::Step(const TrackedImage& image, const ImuBuffer& imu, bool
   step.propagate_ms = watch.Lap();
 
   UpdateWithPoints(image, step);
+  // A velocity that no rest explains: points that set off have hardly wandered yet.
+  resting = resting && MayBeAtRest();
   std::vector<std::pair<std::int64_t, Track>> for_state, used_up = TakeEnded();
   if (!resting) TakeFull(for_state, used_up);
   UpdateWithTracks(used_up, step);
@@ -422,15 +432,20 @@ const StatePoint* VioFilter::FindPoint(std::int64_t track) const {
   return &*found;
 }
 
+bool VioFilter::MayBeAtRest() const {
+  const Eigen::Vector3d v = state_.inertial().velocity_in_world;
+  const Eigen::Matrix<double, 3, 6> by_state = VelocityByState(v);
+  Eigen::Matrix3d innovation =
+      by_state * state_.covariance().block<6, 6>(kPhi, kPhi) * by_state.transpose();
+  innovation.diagonal().array() += options_.zero_velocity_std_m_s * options_.zero_velocity_std_m_s;
+  return v.dot(innovation.llt().solve(v)) <= gate_(3);
+}
+
 void VioFilter::UpdateAtRest() {
   const double std = options_.zero_velocity_std_m_s;
-  // Velocity v = Exp(phi) v^ + xi_v, so that it moves by xi_v - v^ x phi.
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(3, 6);
   const Eigen::Vector3d v = state_.inertial().velocity_in_world;
-  jacobian.leftCols<3>() << 0, v.z(), -v.y(), -v.z(), 0, v.x(), v.y(), -v.x(), 0;
-  jacobian.rightCols<3>().setIdentity();
   const RowRange rows[] = {{kPhi, 6}};
-  state_.Update(jacobian / std, rows, -v / std);
+  state_.Update(VelocityByState(v) / std, rows, -v / std);
 }
 
 void VioFilter::UpdateTurnAtRest(FilterStep& step) {

@@ -42,7 +42,8 @@ class VioFilter {
   void Start(const FilterState& state);
 
   /// Carries the state to the image and updates it. The IMU must cover the image's time as far as
-  /// it can. @param resting  The image shows what was seen half a second ago.
+  /// it can. @param resting  The image shows what was seen half a second ago; its velocity may
+  /// tell otherwise.
   FilterStep Step(const TrackedImage& image, const ImuBuffer& imu, bool resting);
 
   const FilterState& state() const { return state_; }
@@ -83,6 +84,7 @@ class VioFilter {
                         FilterStep& step);
   void UpdateWithParts(const std::vector<SplitRows>& parts, const ColumnLayout& layout);
   void AddPoints(const std::vector<std::pair<std::int64_t, Track>>& tracks, FilterStep& step);
+  bool MayBeAtRest() const;
   void UpdateAtRest();
   void UpdateTurnAtRest(FilterStep& step);
   void Marginalise(bool resting);

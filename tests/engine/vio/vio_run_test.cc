@@ -81,6 +81,18 @@ TEST(VioRun, StartsInMotion) {
   EXPECT_NEAR(last.velocity_in_world.norm(), speed, 0.08);  // 5 % of a speed of 1.5 m/s
 }
 
+TEST(VioRun, DoesNotRestWhereItsVelocityBeliesIt) {
+  const SimulatedRecording recording = Simulate({.seconds = 6, .seed = 3});
+  VioOptions options;
+  options.zero_velocity_px = 1e6;  // whatever the points do looks like rest
+  const VioReport& last = RunOn(recording, true, options).reports.back();
+  ASSERT_EQ(last.phase, VioPhase::kTracking);
+  EXPECT_EQ(last.stretch, 1);
+  const ReferenceState& truth = TruthAt(recording, last.stamp_ns);
+  ASSERT_GT(truth.velocity_in_world.norm(), 0.5);
+  EXPECT_LT((last.velocity_in_world - truth.velocity_in_world).norm(), 0.1);
+}
+
 TEST(VioRun, FindsTheCalibrationThatItWasGivenWrongly) {
   SimulatedRecording recording = Simulate({.seconds = 40, .time_offset_s = 0.01, .seed = 4});
   const Eigen::Isometry3d truth = *recording.camera.body_from_cam;
