@@ -58,7 +58,9 @@ TEST_F(LikelihoodTest, EqualFitsScoreAlikeHoweverMuchContourShows) {
 }
 
 TEST_F(LikelihoodTest, TheDetectorCountsMoreForWhatNoRoomHolds) {
-  const Eigen::AlignedBox3f table({-1, -0.5f, 0}, {1, 0.5f, 0.7f}), car({-2, -0.9f, 0}, {2, 0.9f, 1.5f});
+  using Eigen::Vector3f;
+  const Eigen::AlignedBox3f table(Vector3f(-1, -0.5f, 0), Vector3f(1, 0.5f, 0.7f)),
+      car(Vector3f(-2, -0.9f, 0), Vector3f(2, 0.9f, 1.5f));
   EXPECT_EQ(DetectorWeight(table, options_), options_.alpha);
   EXPECT_EQ(DetectorWeight(car, options_), options_.large_alpha);
   options_.room_thing_m = 5;

@@ -58,9 +58,8 @@ class MapperOfMoversTest : public MapperTest {
   }
   /// Of a walk past it, 12 cm a frame.
   MapperInput Passed(int frame, const PlacedModel& dog, float score = 0.8f) {
-    MapperInput input =
-        scene_.Input(frame, LookAt({0.12 * frame - 2, -2.2, 1.4}, {0.12 * frame - 0.5, 0.5, 0.3}),
-                     {&dog, 1});
+    MapperInput input = scene_.Input(
+        frame, LookAt({0.12 * frame - 2, -2.2, 1.4}, {0.12 * frame - 0.5, 0.5, 0.3}), {&dog, 1});
     std::vector<Detection> boxes;
     for (const Detection& box : input.detections->proposals())
       boxes.push_back({box.box, "dog", score});

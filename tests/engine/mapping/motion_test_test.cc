@@ -84,8 +84,8 @@ TEST(MotionTest, TellsWhatStandsFromWhatDrives) {
 }
 
 TEST(MotionTest, ErrorsThatChangeSlowlyAreNoMotion) {
-  // A bias of the distance that goes from 3 m to none within two seconds feigns 1.5 m/s; a walker is
-  // slower than that, a car is not.
+  // A bias of the distance that goes from 3 m to none within two seconds feigns 1.5 m/s; a walker
+  // is slower than that, a car is not.
   const MapperOptions options;
   MapperOptions without = options;
   without.feigned_speed_m_s = 0.01;
