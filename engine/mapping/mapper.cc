@@ -250,8 +250,7 @@ void Mapper::Impl::KeepFrame(const MapperInput& input) {
       }
       for (std::size_t i = 0; i < object.particles.size(); ++i) {
         const Particle& particle = object.particles[i];
-        const double detector =
-            DetectorWeight(setup.database->model(ModelId{particle.label}).bounds, options());
+        const double detector = DetectorWeightOf(object, ModelId{particle.label});
         object.memory[i] +=
             static_cast<float>(object.present_weight *
                                (detector * particle.phi_cnn + options().beta * particle.phi_edge));

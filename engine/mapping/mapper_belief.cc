@@ -318,8 +318,7 @@ std::vector<double> Mapper::Impl::LogLikelihoods(const MapObject& object) const 
   std::vector<double> result;
   for (std::size_t i = 0; i < object.particles.size(); ++i) {
     const Particle& particle = object.particles[i];
-    const double detector =
-        DetectorWeight(setup.database->model(ModelId{particle.label}).bounds, options());
+    const double detector = DetectorWeightOf(object, ModelId{particle.label});
     result.push_back(
         scale * (object.memory[i] + object.present_weight * (detector * particle.phi_cnn +
                                                              options().beta * particle.phi_edge)) +

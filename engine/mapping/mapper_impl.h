@@ -188,6 +188,14 @@ struct Mapper::Impl {
         .front();
   }
 
+  /// Boxes find what is large while it is far. Once it is settled, a box of what passes before it
+  /// must not draw it along.
+  double DetectorWeightOf(const MapObject& object, ModelId label) const {
+    return object.state == ObjectState::kConfirmed
+               ? options().alpha
+               : DetectorWeight(setup.database->model(label).bounds, options());
+  }
+
   /// How an image judges hypotheses of the object, and what it shows of the object's mean.
   struct Judging {
     JudgingView view;
@@ -208,6 +216,7 @@ struct Mapper::Impl {
   }
   Judging JudgeBy(JudgingView view, const MapObject& object) const {
     Judging result{std::move(view), 0, 0};
+    if (object.state == ObjectState::kConfirmed) result.view.detector_weight = options().alpha;
     const PoseHypothesis mean = ToHypothesis(object.mean(), map);
     HypothesisScore score;
     setup.scorer->Score(result.view.view, map.upright, {&mean, 1}, {&score, 1});

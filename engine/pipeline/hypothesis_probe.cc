@@ -206,7 +206,9 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
     frame.truth_hypothesis = ToHypothesis(mode, frame.map);
   }
   const ModelId asked = of_truth ? frame.truth_hypothesis.label : frame.object->label;
-  view.alpha = DetectorWeight(database_->model(asked).bounds, options_);
+  view.alpha = !of_truth && frame.object->state == ObjectState::kConfirmed
+                   ? options_.alpha
+                   : DetectorWeight(database_->model(asked).bounds, options_);
   frame.world_from_axes =
       of_truth ? *snapshot.report.world_from_cam : frame.object->world_from_reference_cam;
 
