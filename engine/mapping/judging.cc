@@ -20,6 +20,13 @@ Eigen::Vector3d CameraOf(const JudgingView& judging) {
   return judging.view.cam_from_world.inverse().translation();
 }
 
+double WeightOfDetector(const JudgingView& view, const MapFrame& map,
+                        const PoseHypothesis& hypothesis, const MapperOptions& options) {
+  return view.detector_weight
+             ? *view.detector_weight
+             : DetectorWeight(map.database->model(hypothesis.label).bounds, options);
+}
+
 }  // namespace
 
 double IndependentViews(double weight, double correlation) {
@@ -39,8 +46,9 @@ std::vector<double> SumOverViews(const HypothesisScorer& scorer, const MapFrame&
     const std::vector<Likelihood> likelihoods = Evaluate(
         scorer, judging.view, map, judging.detections, hypotheses, judging.normalizer, options);
     for (std::size_t i = 0; i < sums.size(); ++i) {
+      const double detector = WeightOfDetector(judging, map, hypotheses[i], options);
       sums[i] += judging.weight *
-                 (options.alpha * likelihoods[i].phi_cnn + options.beta * likelihoods[i].phi_edge);
+                 (detector * likelihoods[i].phi_cnn + options.beta * likelihoods[i].phi_edge);
     }
   }
   return sums;
@@ -176,9 +184,10 @@ Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
       judged[i].memory = static_cast<float>(memory[i]);
       judged[i].phi_cnn = now[i].phi_cnn;
       judged[i].phi_edge = now[i].phi_edge;
+      const double detector = WeightOfDetector(present, map, hypotheses[i], options);
       judged[i].log_target =
-          scale * (memory[i] + present.weight * (options.alpha * now[i].phi_cnn +
-                                                 options.beta * now[i].phi_edge)) +
+          scale * (memory[i] +
+                   present.weight * (detector * now[i].phi_cnn + options.beta * now[i].phi_edge)) +
           LogHeightPrior(map, hypotheses[i], options) + LogScalePrior(hypotheses[i], options) +
           LogBackPrior(map, cameras, hypotheses[i], options);
     }

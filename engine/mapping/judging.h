@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct JudgingView {
   /// EdgeNormalizer, fixed so that log-likelihoods of different calls compare.
   float normalizer = 0;
   double weight = 1;  ///< How much of an independent view it is.
+  /// Of Phi_cnn; nothing: as the shape has it (DetectorWeight).
+  std::optional<double> detector_weight = {};
 };
 
 /// How many independent views `weight` views amount to, if errors of any two of them correlate by

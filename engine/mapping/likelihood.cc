@@ -14,6 +14,11 @@ constexpr float kWholeShare = 0.2f;
 
 }  // namespace
 
+double DetectorWeight(const Eigen::AlignedBox3f& bounds, const MapperOptions& options) {
+  return bounds.sizes().head<2>().norm() > options.room_thing_m ? options.large_alpha
+                                                                : options.alpha;
+}
+
 float EdgeNormalizer(std::span<const HypothesisScore> scores) {
   if (scores.empty()) return 0;
   std::vector<float> visible, total;

@@ -19,6 +19,10 @@ struct Likelihood {
   Box2 whole_box, visible_box;
 };
 
+/// What Phi_cnn of a shape of these bounds is multiplied by: `large_alpha` beyond what rooms hold,
+/// else `alpha`.
+double DetectorWeight(const Eigen::AlignedBox3f& bounds, const MapperOptions& options);
+
 /// Phi_edge divides the agreement of a hypothesis by the visible length of its contour, at least by
 /// this length, which is common to all hypotheses of one object in one image: so neither showing
 /// few edges nor showing many is an advantage. It is a share of the typical visible length, at

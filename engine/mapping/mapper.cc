@@ -169,13 +169,16 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, Fra
                         object.seen_s > options().confirm_age_s;
     if (object.log_evidence < least && judged) {
       Retire(object, EventKind::kRetired, {}, "seen where it should show, without support", report);
-    } else if (may_move && std::max(object.log_evidence, judged ? least : 0.0) +
-                                   object.motion.LogAgainst(options()) <
-                               least) {
+    } else if (may_move && BeliefInMean(object) >= kInDoubt &&
+               std::max(object.log_evidence, judged ? least : 0.0) +
+                       object.motion.LogAgainst(options()) <
+                   least) {
       Retire(object, EventKind::kRetired, {}, MotionInWords(object.motion, options()), report);
     } else if (object.state == ObjectState::kTentative &&
                object.log_evidence > options().confirm_evidence &&
-               object.seen_s > options().confirm_age_s &&
+               // Its boxes of before it was spawned count.
+               (object.seen_s > options().confirm_age_s ||
+                (may_move && object.motion.boxes() >= MotionTest::kLeastBoxes)) &&
                object.mean().position_std_m <
                    options().confirm_position_std_m * map.LengthScale(object.mean().label) &&
                (!may_move || standing >= std::log(options().confirm_standing)) &&
@@ -247,9 +250,10 @@ void Mapper::Impl::KeepFrame(const MapperInput& input) {
       }
       for (std::size_t i = 0; i < object.particles.size(); ++i) {
         const Particle& particle = object.particles[i];
+        const double detector = DetectorWeightOf(object, ModelId{particle.label});
         object.memory[i] +=
-            static_cast<float>(object.present_weight * (options().alpha * particle.phi_cnn +
-                                                        options().beta * particle.phi_edge));
+            static_cast<float>(object.present_weight *
+                               (detector * particle.phi_cnn + options().beta * particle.phi_edge));
       }
       Remember(object, input.frame, object.present_weight);
       object.present_weight = 0;

@@ -16,10 +16,10 @@ constexpr double kSamePose_m = 0.15, kSamePose_rad = 30 * kRadPerDeg;
 constexpr double kMarginalSharpness = 5;
 /// How fast the level of the edges follows, per independent look at an object that is settled.
 constexpr double kLevelRate = 0.1;
+/// Of what settled objects show, a smaller share tells nothing of the level of the edges.
+constexpr double kLeastTelling = 0.1;
 /// The time between searches is the time in view over this, between the options' limits.
 constexpr double kSearchRelaxation = 8.0;
-/// Belief in the mean pose below which a look at the object has decided nothing.
-constexpr double kInDoubt = 0.8;
 /// Overlap of a box of a past image with an object's visible box that makes it the object's.
 constexpr float kRememberedIou = 0.3f;
 /// How much sharper from one frame to the next the views of a settled object are taken: particles
@@ -27,14 +27,6 @@ constexpr float kRememberedIou = 0.3f;
 constexpr double kSharpening = 1.2;
 /// Views of an object that settle its pose, so that another tells how far views are off.
 constexpr double kSettlingViews = 3;
-/// Boxes of a detector err by some per cent of their size; what they tell of a place errs by so
-/// much of the distance along the ray, and of their width across it (what hides a part errs, too).
-constexpr double kBoxDepthError = 0.08, kBoxSideError = 0.1;
-/// Which end of a thing is the lowest that shows, and which part of it, changes as one passes it:
-/// of its horizontal diagonal.
-constexpr double kSeenEndError = 0.4, kSeenSideError = 0.15;
-constexpr float kImageBorder_px = 2;
-constexpr float kSameThingIou = 0.5f;
 constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
 constexpr int kNewcomerCount = 100;
 constexpr double kManyJumped =
@@ -156,13 +148,15 @@ double Mapper::Impl::Screened(const PoseHypothesis& pose, const Box2& visible_bo
                        *setup.database, MeanStates(true));
 }
 
-double Mapper::Impl::RememberedEvidence(const MapObject& object, const MapperInput& input,
-                                        const OcclusionMaps& occluders) const {
+Mapper::Impl::RememberedLooks Mapper::Impl::LookBack(const MapObject& object,
+                                                     const MapperInput& input,
+                                                     const OcclusionMaps& occluders) const {
+  RememberedLooks looks;
   const PoseHypothesis mean = ToHypothesis(object.mean(), map);
   const double looks_per_view = options().key_frame_distance_m / options().correlation_m;
-  const auto look = [&](const MapperInput& from, const OcclusionMaps& maps, double weight) {
+  const auto add = [&](const MapperInput& from, const OcclusionMaps& maps, double weight) {
     const Judging judging = Judge(object, from, maps);
-    if (judging.telling <= 0) return 0.0;
+    if (judging.telling <= 0) return;
     const ScoringView& view = judging.view.view;
     const Likelihood shown = AtMean(object, view, nullptr);
     const Judging own = JudgeByOwnEdges(object, from, maps);
@@ -178,15 +172,16 @@ double Mapper::Impl::RememberedEvidence(const MapObject& object, const MapperInp
       }
     }
     sighting.edge_surplus = static_cast<float>(
-        EdgeSurplus(*setup.scorer, own.view.view, map, mean) * kUsualSurplus / edge_level);
-    return weight / judging.telling * looks_per_view * SightingLogRatio(sighting, options());
+        EdgeSurplus(*setup.scorer, own.view.view, map, mean) * kUsualSurplus / EdgeLevelOf(own));
+    const double views = weight / judging.telling;
+    looks.evidence += views * looks_per_view * SightingLogRatio(sighting, options());
+    if (ShowsEnough(sighting, shown.visible_fraction)) looks.shown += views;
   };
-  double sum = look(input, occluders, object.present_weight);
+  add(input, occluders, object.present_weight);
   for (const ObjectView& seen : object.views) {
-    if (const KeyFrame* key = memory.Find(seen.frame))
-      sum += look(key->input, key->maps, seen.weight);
+    if (const KeyFrame* key = memory.Find(seen.frame)) add(key->input, key->maps, seen.weight);
   }
-  return sum;
+  return looks;
 }
 
 void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
@@ -208,11 +203,13 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
   const double surplus = EdgeSurplus(*setup.scorer, own.view.view, map, mean) +
                          std::max(0.0, marginal - object.phi_edge);
   // Strong edges give more to everything, right or wrong: what settled objects get is the measure.
-  sighting.edge_surplus = static_cast<float>(surplus * kUsualSurplus / edge_level);
+  sighting.edge_surplus = static_cast<float>(surplus * kUsualSurplus / EdgeLevelOf(own));
   if (object.state == ObjectState::kConfirmed && object.log_evidence > kSettledLogOdds &&
       object.visible_fraction >= options().confirm_shown) {
+    const double at_full_size =
+        own.large ? surplus / std::max(kLeastTelling, own.telling) : surplus;
     edge_level =
-        std::max(kUsualSurplus, edge_level + kLevelRate * novelty * (surplus - edge_level));
+        std::max(kUsualSurplus, edge_level + kLevelRate * novelty * (at_full_size - edge_level));
     if (object.remembered() >= kSettlingViews) {
       const JudgingView view = Judge(object, input, occluders).view;
       const ViewSlope slope = SlopeOf(*setup.scorer, view, map, mean, options());
@@ -223,11 +220,10 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
   // One frame may tip the belief in one of two poses; a whole look at enough of it decides.
   if (BeliefInMean(object) < kInDoubt) {
     object.shown = 0;
-  } else if (sighting.edge_surplus > options().expected_edge &&
-             object.visible_fraction >= options().confirm_shown) {
+  } else if (ShowsEnough(sighting, object.visible_fraction)) {
     object.shown += novelty;
   }
-  if (matched != nullptr && MovesByItself(object.category)) AddBoxTo(object, matched->box, input);
+  if (MovesByItself(object.category)) Follow(object, matched, input);
   // Only what has been seen to be there can be said to be hidden.
   if (object.state == ObjectState::kConfirmed) {
     Existence existence{object.log_evidence, object.hidden};
@@ -240,48 +236,6 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
     object.passing = existence.log_odds;
     object.log_evidence = TentativeLogOdds(object.passing, object.remembered_evidence, options());
   }
-}
-
-std::optional<Eigen::Vector2d> Mapper::Impl::GroundUnder(const Box2& box, double height_m,
-                                                         const MapperInput& input) const {
-  const Eigen::Vector2d below = setup.camera.Bearing({box.center_x(), box.y1});
-  const Eigen::Vector3d ray =
-      input.world_from_cam.linear() * Eigen::Vector3d(below.x(), below.y(), 1);
-  double depth = setup.camera.fy * height_m / std::max(1.0f, box.height());
-  if (map.floor_in_world) {
-    const Eigen::Vector3d up = map.floor_in_world->head<3>();
-    const double above = up.dot(input.world_from_cam.translation()) + (*map.floor_in_world)[3];
-    if (-up.dot(ray) <= 0) return std::nullopt;  // over the horizon
-    depth = above / -up.dot(ray);
-  }
-  const Eigen::Vector3d in_world = input.world_from_cam.translation() + depth * ray;
-  return Eigen::Vector2d((map.upright.upright_rotation().transpose() * in_world).head<2>());
-}
-
-void Mapper::Impl::AddBoxTo(MapObject& object, const Box2& box, const MapperInput& input) const {
-  const bool cut = box.x0 < kImageBorder_px || box.y0 < kImageBorder_px ||
-                   box.x1 > static_cast<float>(setup.camera.width) - 1 - kImageBorder_px ||
-                   box.y1 > static_cast<float>(setup.camera.height) - 1 - kImageBorder_px;
-  if (cut) return;  // where the rest is, it does not tell
-  const CadModel& model = setup.database->model(object.mean().label);
-  const auto place = GroundUnder(box, object.mean().scale * model.bounds.sizes().z(), input);
-  if (!place) return;
-  const Eigen::Matrix3d level_from_world = map.upright.upright_rotation().transpose();
-  const Eigen::Vector2d camera = (level_from_world * input.world_from_cam.translation()).head<2>();
-  const double distance = (*place - camera).norm();
-  const Eigen::Vector2d along = (*place - camera) / std::max(distance, 1e-3);
-  const Eigen::Vector2d across(-along.y(), along.x());
-  const double size = object.mean().scale * model.bounds.sizes().head<2>().norm();
-  const double along_std = std::hypot(kBoxDepthError * distance, kSeenEndError * size);
-  const double across_std =
-      std::hypot(kBoxSideError * box.width() / setup.camera.fx * distance, kSeenSideError * size);
-  const Eigen::Matrix2d information = along * along.transpose() / (along_std * along_std) +
-                                      across * across.transpose() / (across_std * across_std);
-  // A box of the thing beside it tells nothing of this one.
-  if (Iou(box, object.visible_box) < kSameThingIou &&
-      Iou(box, object.motion.last_box()) < kSameThingIou)
-    object.motion = {};
-  object.motion.Add(input.stamp_ns, box, *place, information);
 }
 
 std::vector<SupportSurface> Mapper::Impl::FindSupports() const {
@@ -364,8 +318,9 @@ std::vector<double> Mapper::Impl::LogLikelihoods(const MapObject& object) const 
   std::vector<double> result;
   for (std::size_t i = 0; i < object.particles.size(); ++i) {
     const Particle& particle = object.particles[i];
+    const double detector = DetectorWeightOf(object, ModelId{particle.label});
     result.push_back(
-        scale * (object.memory[i] + object.present_weight * (options().alpha * particle.phi_cnn +
+        scale * (object.memory[i] + object.present_weight * (detector * particle.phi_cnn +
                                                              options().beta * particle.phi_edge)) +
         LogCrops(object.crops, ModelId{particle.label}, particle.azimuth, options()));
   }
@@ -413,15 +368,23 @@ std::vector<const KeyFrame*> Mapper::Impl::ChooseViews(const MapObject& object) 
     if (Judge(object, key.input, key.maps).visible_fraction >= kMinViewVisibility)
       rest.insert(rest.begin(), &key);  // from the newest back
   }
+  const Eigen::Vector3d center = ToHypothesis(object.mean(), map).center_in_world;
+  const bool large = map.LengthScale(object.mean().label) > 1;
+  const auto apart = [&](const KeyFrame& a, const KeyFrame& b) {
+    const Eigen::Vector3d from_a = a.input.world_from_cam.translation(),
+                          from_b = b.input.world_from_cam.translation();
+    // What is driven up to shows anew as its distance halves, not with every metre.
+    const double unit_m =
+        large ? std::max(1e-3, std::min((from_a - center).norm(), (from_b - center).norm())) : 1;
+    return (from_a - from_b).norm() / unit_m;
+  };
   while (!rest.empty() && static_cast<int>(chosen.size()) < options().views_per_object) {
     std::size_t pick = 0;
     double furthest = -1;
     for (std::size_t i = 0; i < rest.size(); ++i) {
       double nearest = std::numeric_limits<double>::infinity();
       for (const KeyFrame* other : chosen) {
-        nearest = std::min(nearest, (rest[i]->input.world_from_cam.translation() -
-                                     other->input.world_from_cam.translation())
-                                        .norm());
+        nearest = std::min(nearest, apart(*rest[i], *other));
       }
       if (nearest > furthest) {
         furthest = nearest;
@@ -517,7 +480,12 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
   sampler.Walk(population);
   Take(object, population);
   object.Summarize(map);
-  if (tentative) object.remembered_evidence = RememberedEvidence(object, input, occluders);
+  if (!tentative) return;
+  const RememberedLooks looks = LookBack(object, input, occluders);
+  object.remembered_evidence = looks.evidence;
+  // What passes has shown best before it is known where it stands.
+  if (map.LengthScale(object.mean().label) > 1 && BeliefInMean(object) >= kInDoubt)
+    object.shown = std::max(object.shown, looks.shown);
 }
 
 }  // namespace plumbline

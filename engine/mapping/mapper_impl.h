@@ -29,6 +29,8 @@ inline constexpr double kMinViewVisibility = 0.15;  ///< Of a contour, in a view
 inline constexpr double kUsualSurplus = 0.25;
 /// Log odds that it is there, above which an object is settled.
 inline constexpr double kSettledLogOdds = 4;
+/// Belief in the mean pose below which a look at the object has decided nothing.
+inline constexpr double kInDoubt = 0.8;
 inline constexpr double kFocalOfOptions_px = 500;  ///< Areas in pixels are of such a camera.
 
 /// What a random draw is for: each has numbers of its own.
@@ -186,11 +188,20 @@ struct Mapper::Impl {
         .front();
   }
 
+  /// Boxes find what is large while it is far. Once it is settled, a box of what passes before it
+  /// must not draw it along.
+  double DetectorWeightOf(const MapObject& object, ModelId label) const {
+    return object.state == ObjectState::kConfirmed
+               ? options().alpha
+               : DetectorWeight(setup.database->model(label).bounds, options());
+  }
+
   /// How an image judges hypotheses of the object, and what it shows of the object's mean.
   struct Judging {
     JudgingView view;
     double visible_fraction = 0;
     double telling = 0;  ///< In [0, 1]: a small or hidden contour says less than a long one.
+    bool large = false;  ///< Beyond what rooms hold (MapFrame::LengthScale).
   };
   Judging Judge(const MapObject& object, const MapperInput& from, const OcclusionMaps& maps) const {
     return JudgeBy({ViewOf(object, from, maps), from.detections.get(), 0, 1}, object);
@@ -205,6 +216,7 @@ struct Mapper::Impl {
   }
   Judging JudgeBy(JudgingView view, const MapObject& object) const {
     Judging result{std::move(view), 0, 0};
+    if (object.state == ObjectState::kConfirmed) result.view.detector_weight = options().alpha;
     const PoseHypothesis mean = ToHypothesis(object.mean(), map);
     HypothesisScore score;
     setup.scorer->Score(result.view.view, map.upright, {&mean, 1}, {&score, 1});
@@ -212,12 +224,24 @@ struct Mapper::Impl {
     result.visible_fraction = score.total_m > 0 ? score.visible_m / score.total_m : 0;
     const double depth = (result.view.view.cam_from_world * mean.center_in_world).z();
     if (depth > 0) {
-      result.telling = std::min(
-          1.0, score.visible_m * kFocalOfOptions_px / depth / options().telling_contour_px);
+      const double scale = map.LengthScale(mean.label);
+      result.large = scale > 1;
+      result.telling = std::min(1.0, score.visible_m * kFocalOfOptions_px / depth /
+                                         (scale * options().telling_contour_px));
     }
     return result;
   }
 
+  /// The edge surplus that a right object of that size has here: afar, the search for edges reaches
+  /// over a larger part of the thing, and finds edges wherever it looks.
+  double EdgeLevelOf(const Judging& judging) const {
+    return judging.large ? std::max(kUsualSurplus, edge_level * judging.telling) : edge_level;
+  }
+  /// Whether a look shows enough of a pose, with support of edges, to be decided by.
+  bool ShowsEnough(const Sighting& sighting, double visible_fraction) const {
+    return sighting.edge_surplus > options().expected_edge &&
+           visible_fraction >= options().confirm_shown;
+  }
   /// What confirmed objects on the floor offer to others to stand on.
   std::vector<SupportSurface> FindSupports() const;
   /// A whole frame of filter = paper (mapper_paper.cc).
@@ -236,17 +260,26 @@ struct Mapper::Impl {
   double Screened(const PoseHypothesis& pose, const Box2& visible_box,
                   const MapperInput& input) const;
   /// Of the views that the object remembers and of this frame, for its mean pose.
-  double RememberedEvidence(const MapObject& object, const MapperInput& input,
-                            const OcclusionMaps& occluders) const;
+  struct RememberedLooks {
+    double evidence = 0;
+    double shown = 0;  ///< In how many views enough of it showed.
+  };
+  RememberedLooks LookBack(const MapObject& object, const MapperInput& input,
+                           const OcclusionMaps& occluders) const;
   void UpdateExistence(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders,
                        const Detection* matched, double dt_s, double novelty);
-  /// Where on the ground the thing in a box stands, in level axes: where the ray through the middle
-  /// of its lower side meets the floor or, without one, as far as its height says. Nothing where it
-  /// does not stand on the floor.
-  std::optional<Eigen::Vector2d> GroundUnder(const Box2& box, double height_m,
-                                             const MapperInput& input) const;
-  /// One more box to tell by whether the object stands still.
-  void AddBoxTo(MapObject& object, const Box2& box, const MapperInput& input) const;
+  /// One more box to tell by whether the object stands still. While it is tentative, and may be
+  /// elsewhere than it was thought to be, the boxes of remembered frames are gone through anew.
+  void Follow(MapObject& object, const Detection* matched, const MapperInput& input) const;
+  /// Where on the ground a box has the object, in level axes; nothing if it does not tell.
+  struct PlaceOnGround {
+    Eigen::Vector2d place_m;
+    Eigen::Matrix2d information;
+  };
+  std::optional<PlaceOnGround> PlaceBy(const Box2& box, const Box2& expected,
+                                       const MapObject& object, const MapperInput& from) const;
+  /// The boxes of remembered frames that are of the object, by the box that it has now.
+  MotionTest MotionBefore(const MapObject& object, const Box2& now, std::int64_t stamp_ns) const;
   /// Share of the box of the object's bounds that lies inside the image.
   double InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const;
   /// Places of confirmed objects of its category that the object cannot have.

@@ -129,6 +129,8 @@ struct MapperOptions {
   double moving_speed_m_s = 8;
   double confirm_standing = 0.9;
   double left_behind_m = 20;
+  double large_alpha = 10;
+  double feigned_speed_m_s = 1.5;
 
   PaperOptions paper;  ///< Of filter = paper.
 };
@@ -305,6 +307,16 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
          "distance from the camera at which a tentative object out of view is given up: no room is "
          "as long, and on a street it makes place for what comes",
          1, 1e6});
+  visit(o.large_alpha,
+        {"large_alpha", "",
+         "alpha of what is larger than room_thing_m: in a street boxes tell places better than "
+         "edges, until it is near",
+         0, 1000});
+  visit(o.feigned_speed_m_s,
+        {"feigned_speed_m_s", "m/s",
+         "speed at which standing things seem to move, as their boxes err alike for a while "
+         "(standard deviation)",
+         0.01, 100});
   VisitFields(o.paper, visit);
 }
 

@@ -7,12 +7,7 @@
 #include <Eigen/Dense>
 
 namespace plumbline {
-namespace {
-
-/// One of few may be of something else.
-constexpr int kLeastBoxes = 4;
-
-}  // namespace
+namespace {}  // namespace
 
 void MotionTest::Add(std::int64_t stamp_ns, const Box2& box, const Eigen::Vector2d& place_m,
                      const Eigen::Matrix2d& information) {
@@ -38,11 +33,14 @@ MotionTest::Reduced MotionTest::OfVelocity() const {
 double MotionTest::LogBayesFactor(const MapperOptions& options) const {
   if (boxes_ < kLeastBoxes) return 0;
   const Reduced of = OfVelocity();
-  const double variance = options.moving_speed_m_s * options.moving_speed_m_s;
-  const Eigen::Matrix2d posterior = of.information + Eigen::Matrix2d::Identity() / variance;
-  const double determinant =
-      (Eigen::Matrix2d::Identity() + variance * of.information).determinant();
-  return 0.5 * of.pull.dot(posterior.inverse() * of.pull) - 0.5 * std::log(determinant);
+  const auto log_marginal = [&](double speed_m_s) {
+    const double variance = speed_m_s * speed_m_s;
+    const Eigen::Matrix2d posterior = of.information + Eigen::Matrix2d::Identity() / variance;
+    const double determinant =
+        (Eigen::Matrix2d::Identity() + variance * of.information).determinant();
+    return 0.5 * of.pull.dot(posterior.inverse() * of.pull) - 0.5 * std::log(determinant);
+  };
+  return log_marginal(options.moving_speed_m_s) - log_marginal(options.feigned_speed_m_s);
 }
 
 double MotionTest::LogStanding(const MapperOptions& options) const {

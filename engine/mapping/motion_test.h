@@ -12,11 +12,14 @@
 namespace plumbline {
 
 /// Whether something stands still, by where its boxes say that it is: two models of its place on
-/// the ground are compared, one that stays and one that moves evenly with a velocity that is normal
-/// about 0 (docs/algorithms/outdoors.md). Each box is a place with a covariance; of all together
-/// sums suffice.
+/// the ground are compared, with velocities that are normal about 0: what moves evenly, and what
+/// stands but seems to move as its boxes err alike (docs/algorithms/outdoors.md). Each box is a
+/// place with a covariance; of all together sums suffice.
 class MotionTest {
  public:
+  /// One of fewer may be of something else: they tell nothing.
+  static constexpr int kLeastBoxes = 4;
+
   /// @param box          In the image.
   /// @param place_m      On the ground, in any fixed level axes.
   /// @param information  Inverse of its covariance.

@@ -174,7 +174,6 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
   view.frame = snapshot.report.frame;
   view.object = request.truth.empty() ? request.object : ObjectId();
   view.truth = request.truth;
-  view.alpha = options_.alpha;
   view.beta = options_.beta;
   view.search_radius_px = static_cast<float>(SearchOptions(options_, camera_.fx).radius_px);
   Frame frame{{UprightFrame(-sequence.up_in_world), floor_in_world_, database_}};
@@ -206,6 +205,10 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
     mode.scale = frame.truth->scale;
     frame.truth_hypothesis = ToHypothesis(mode, frame.map);
   }
+  const ModelId asked = of_truth ? frame.truth_hypothesis.label : frame.object->label;
+  view.alpha = !of_truth && frame.object->state == ObjectState::kConfirmed
+                   ? options_.alpha
+                   : DetectorWeight(database_->model(asked).bounds, options_);
   frame.world_from_axes =
       of_truth ? *snapshot.report.world_from_cam : frame.object->world_from_reference_cam;
 
@@ -285,7 +288,7 @@ void HypothesisProbe::AddHypotheses(const Frame& frame, const ProbeCommand& requ
 void HypothesisProbe::AddParticles(const Frame& frame, const ProbeCommand& request,
                                    ProbeView& view) const {
   const std::vector<Particle>& particles = *frame.object->particles;
-  const std::vector<int> by_rank = ByRank(particles, options_.alpha, options_.beta);
+  const std::vector<int> by_rank = ByRank(particles, view.alpha, options_.beta);
   const auto add_particle = [&](const char* name, int index) {
     view.hypotheses.push_back(Named(fmt::format("{} ({})", name, index),
                                     frame.particles[static_cast<std::size_t>(index)]));

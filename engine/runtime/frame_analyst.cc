@@ -8,6 +8,7 @@
 #include "engine/analysis/object_spread.h"
 #include "engine/analysis/reliability.h"
 #include "engine/analysis/timing_statistics.h"
+#include "engine/mapping/likelihood.h"
 #include "engine/mapping/particle_rank.h"
 #include "engine/snapshot/map_snapshot.h"
 
@@ -23,7 +24,13 @@ std::shared_ptr<const FrameAnalysis> FrameAnalyst::OfFrame(std::shared_ptr<const
   for (const ObjectReport& object : snapshot.report.objects) {
     analysis->spreads.push_back(SpreadOf(object, sequence));
     if (object.id == watched_.object && object.particles != nullptr)
-      analysis->by_rank = ByRank(*object.particles, options.alpha, options.beta);
+      analysis->by_rank = ByRank(
+          *object.particles,
+          object.state == ObjectState::kConfirmed
+              ? options.alpha
+              : DetectorWeight(sequence.models[static_cast<std::size_t>(object.label.value)].bounds,
+                               options),
+          options.beta);
   }
   if (watched_.relations)
     analysis->relations = relations_.Find(snapshot.report, sequence, snapshot.depth, snapshot.id);

@@ -57,6 +57,16 @@ TEST_F(LikelihoodTest, EqualFitsScoreAlikeHoweverMuchContourShows) {
   EXPECT_NEAR(likelihoods[1].phi_edge, 0.5, 1e-6);
 }
 
+TEST_F(LikelihoodTest, TheDetectorCountsMoreForWhatNoRoomHolds) {
+  using Eigen::Vector3f;
+  const Eigen::AlignedBox3f table(Vector3f(-1, -0.5f, 0), Vector3f(1, 0.5f, 0.7f)),
+      car(Vector3f(-2, -0.9f, 0), Vector3f(2, 0.9f, 1.5f));
+  EXPECT_EQ(DetectorWeight(table, options_), options_.alpha);
+  EXPECT_EQ(DetectorWeight(car, options_), options_.large_alpha);
+  options_.room_thing_m = 5;
+  EXPECT_EQ(DetectorWeight(car, options_), options_.alpha);
+}
+
 TEST_F(LikelihoodTest, ShowingLittleIsNoAdvantage) {
   // A perfect fit of a tenth of the contour is worth less than a good fit of all of it.
   const auto likelihoods =

@@ -41,6 +41,71 @@ class MapperTest : public testing::Test {
   MappingScene& scene_ = MappingScene::Get();
 };
 
+/// The chairs of the scene are things that move by themselves.
+class MapperOfMoversTest : public MapperTest {
+ protected:
+  std::unique_ptr<Mapper> NewMapperOfMovers(const MapperOptions& options = {}) {
+    std::vector<CadModel> models = scene_.database()->models();
+    for (CadModel& model : models)
+      if (model.category == "chair") model.category = "dog";
+    MapperSetup setup;
+    setup.camera = scene_.camera();
+    setup.floor_in_world = scene_.map().floor_in_world;
+    setup.database = ModelDatabase::FromModels(std::move(models));
+    setup.scorer = scene_.scorer();
+    setup.options = options;
+    return Mapper::Create(setup).value();
+  }
+  /// Of a walk past it, 12 cm a frame.
+  MapperInput Passed(int frame, const PlacedModel& dog, float score = 0.8f) {
+    MapperInput input = scene_.Input(
+        frame, LookAt({0.12 * frame - 2, -2.2, 1.4}, {0.12 * frame - 0.5, 0.5, 0.3}), {&dog, 1});
+    std::vector<Detection> boxes;
+    for (const Detection& box : input.detections->proposals())
+      boxes.push_back({box.box, "dog", score});
+    input.detections = DetectionsFromProposals(std::move(boxes));
+    return input;
+  }
+  static bool HasConfirmed(const FrameReport& report) {
+    const ObjectReport* best = Best(report);
+    return best != nullptr && best->state == ObjectState::kConfirmed;
+  }
+};
+
+TEST_F(MapperOfMoversTest, WhatStandsIsMappedAndWhatWalksAlongIsNot) {
+  constexpr int kFrames = 24;
+  for (const double step_m : {0.0, 0.12}) {
+    const auto mapper = NewMapperOfMovers();
+    int confirmed = 0;
+    for (int frame = 0; frame < kFrames; ++frame)
+      confirmed += HasConfirmed(
+          mapper->Step(Passed(frame, scene_.Place("chair", step_m * frame - 0.5, 0.3, 30))));
+    if (step_m > 0)
+      EXPECT_EQ(confirmed, 0);
+    else
+      EXPECT_GT(confirmed, 0);
+  }
+}
+
+TEST_F(MapperOfMoversTest, BoxesOfBeforeItWasSpawnedTellThatItStands) {
+  // Boxes below min_spawn_score spawn nothing, but are remembered.
+  constexpr int kSpawnedFrom = 10;
+  MapperOptions options;
+  options.confirm_age_s = 1.5;  // 15 frames
+  const PlacedModel chair = scene_.Place("chair", 0, 0.3, 30);
+  const auto frames_until_confirmed = [&](int first_frame) {
+    const auto mapper = NewMapperOfMovers(options);
+    for (int frame = first_frame; frame < 30; ++frame) {
+      if (HasConfirmed(mapper->Step(Passed(frame, chair, frame < kSpawnedFrom ? 0.3f : 0.8f))))
+        return frame - kSpawnedFrom;
+    }
+    return 100;
+  };
+  const int with = frames_until_confirmed(0);
+  EXPECT_LT(with, 15);
+  EXPECT_LT(with, frames_until_confirmed(kSpawnedFrom));
+}
+
 /// Takes a millisecond for every question.
 class SlowDetections : public FrameDetections {
  public:

@@ -63,9 +63,9 @@ TEST(MotionTest, IsTheRatioOfTheMarginalLikelihoods) {
     const Eigen::LDLT<Eigen::MatrixXd> solved(covariance);
     return -0.5 * places.dot(solved.solve(places)) - 0.5 * solved.vectorD().array().log().sum();
   };
-  const double speed = options.moving_speed_m_s;
+  const double speed = options.moving_speed_m_s, feigned = options.feigned_speed_m_s;
   EXPECT_NEAR(TestOf(sights).LogBayesFactor(options),
-              log_likelihood(speed * speed) - log_likelihood(0),
+              log_likelihood(speed * speed) - log_likelihood(feigned * feigned),
               1e-3);  // what the prior of a kilometre adds
 }
 
@@ -81,6 +81,19 @@ TEST(MotionTest, TellsWhatStandsFromWhatDrives) {
   }
   // 30 boxes: 3 / (sqrt(30) 0.87) = 0.63 m/s; three deviations.
   EXPECT_NEAR(TestOf(Sights({9, 1}, 30, 1)).Velocity(options).x(), 9, 1.9);
+}
+
+TEST(MotionTest, ErrorsThatChangeSlowlyAreNoMotion) {
+  // A bias of the distance that goes from 3 m to none within two seconds feigns 1.5 m/s; a walker
+  // is slower than that, a car is not.
+  const MapperOptions options;
+  MapperOptions without = options;
+  without.feigned_speed_m_s = 0.01;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const MotionTest test = TestOf(Sights({-1.5, 0}, 20, seed));
+    EXPECT_GT(test.LogStanding(options), std::log(0.9)) << seed;
+    EXPECT_LT(test.LogStanding(without), test.LogStanding(options)) << seed;
+  }
 }
 
 TEST(MotionTest, OfFewBoxesBelievesThePrior) {

@@ -89,6 +89,8 @@ constexpr OptionName kNames[] = {
     {"moving_speed_m_s", kOutdoors, "Their speed"},
     {"confirm_standing", kOutdoors, "Belief that it stands"},
     {"left_behind_m", kOutdoors, "Left behind from"},
+    {"large_alpha", kOutdoors, "Weight of the detector"},
+    {"feigned_speed_m_s", kOutdoors, "Speed that errors feign"},
 
     {"paper_min_score", kPaper, "Least score of a box"},
     {"paper_min_box_share", kPaper, "Least size of a box"},
