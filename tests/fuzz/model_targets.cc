@@ -7,6 +7,7 @@
 #include "engine/models/mesh_file.h"
 #include "engine/models/model_check.h"
 #include "engine/models/model_database.h"
+#include "engine/models/model_source.h"
 #include "engine/models/pcd_file.h"
 #include "engine/models/ply_file.h"
 #include "engine/models/scan_file.h"
@@ -45,6 +46,7 @@ Status Collada(std::string_view input) { return ByAssimp(".dae", input); }
 Status Models(std::string_view input) {
   const auto folder = FolderOf(input);
   (void)CheckModels(folder);
+  (void)ReadObjectFromFile(folder);
   return StatusOf(ModelDatabase::Load(folder));
 }
 
