@@ -263,6 +263,11 @@ cat >"$work/inertial.json" <<'JSON'
 JSON
 (cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
   "$program" gui walk.plb --frame 150 --size 1600x1000 --ui-scale 1 --script inertial.json)
+# A street: what the paper shows in its figure 3, on one of ours.
+"$program" synth --out "$work/street" --scene street --seed 303
+"$program" run "$work/street" --models "$work/street/right/models" --edges dataset --frames 0:46 --out "$work/street.plb"
+"$program" render "$work/street.plb" --models "$work/street/right/models" --layout insets --frames 45:46 --size 1400x480 --out "$work/street_frame"
+mv "$work/street_frame/000045.png" "$work/street.png"
 # The film: every fourth frame of the run that the window left, made small.
 "$program" render "$work/demo.plb" --layout column --frames 0:120:4 --rate 8 --size 800x480 --ui-scale 0.7 --out "$work/large.gif"
 ffmpeg -v error -y -i "$work/large.gif" -vf "scale=640:-1:flags=lanczos,split[a][b];\
