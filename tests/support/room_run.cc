@@ -59,21 +59,21 @@ std::map<std::string, int> ShownFrames(const std::filesystem::path& folder) {
   return shown;
 }
 
-double Distance(const ObjectReport& object, const RoomInstance& instance) {
+double Distance(const ObjectReport& object, const RunInstance& instance) {
   return (object.world_from_object.translation() - instance.truth.world_from_object.translation())
       .norm();
 }
 
 }  // namespace
 
-const RoomInstance& RoomRun::Instance(const std::string& id) const {
-  for (const RoomInstance& instance : instances) {
+const RunInstance& RoomRun::Instance(const std::string& id) const {
+  for (const RunInstance& instance : instances) {
     if (instance.truth.id == id) return instance;
   }
   throw std::runtime_error("no instance " + id);
 }
 
-const ObjectReport* RoomRun::Find(const FrameReport& report, const RoomInstance& instance) const {
+const ObjectReport* RoomRun::Find(const FrameReport& report, const RunInstance& instance) const {
   const ObjectReport* best = nullptr;
   for (const ObjectReport& object : report.objects) {
     if (object.state != ObjectState::kConfirmed || object.category != instance.truth.category ||
@@ -101,7 +101,7 @@ RoomRun MapRoom(const SyntheticOptions& options, const std::string& edges) {
   const GroundTruth ground_truth = Must(ReadGroundTruth(folder / "ground_truth.json"));
   run.gravity_in_world = ground_truth.gravity_in_world;
   for (const GroundTruthInstance& truth : ground_truth.instances) {
-    RoomInstance instance{truth, shown[truth.id], {}, {}};
+    RunInstance instance{truth, shown[truth.id], {}, {}};
     for (const auto& situation : scene["situations"]) {
       if (situation["instance"] != truth.id) continue;
       instance.hidden = ToRuns(situation["hidden_frames"]);
@@ -130,7 +130,7 @@ RoomFigures Judge(const RoomRun& run) {
   std::ostringstream text;
   std::set<std::int32_t> matched;
   const FrameReport& last = run.reports.back();
-  for (const RoomInstance& instance : run.instances) {
+  for (const RunInstance& instance : run.instances) {
     const ObjectReport* object = run.Find(last, instance);
     if (object != nullptr) matched.insert(object->id.value);
     if (instance.shown_frames < kShownFrames) continue;

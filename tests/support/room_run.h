@@ -18,7 +18,7 @@ struct FrameRun {
 };
 
 /// What is true of an object of a synthetic room.
-struct RoomInstance {
+struct RunInstance {
   GroundTruthInstance truth;
   int shown_frames = 0;  ///< Frames that show at least 2000 of its pixels.
   std::vector<FrameRun> hidden, truncated;
@@ -28,14 +28,14 @@ struct RoomInstance {
 struct RoomRun {
   std::shared_ptr<const ModelDatabase> database;
   Eigen::Vector3d gravity_in_world{0, 0, -1};
-  std::vector<RoomInstance> instances;
+  std::vector<RunInstance> instances;
   std::string main_instance;  ///< Of scenes about one object.
   std::vector<FrameRun> shaken;
   std::vector<FrameReport> reports;
 
-  const RoomInstance& Instance(const std::string& id) const;
+  const RunInstance& Instance(const std::string& id) const;
   /// The confirmed object of the instance's category nearest to it, within half a metre.
-  const ObjectReport* Find(const FrameReport& report, const RoomInstance& instance) const;
+  const ObjectReport* Find(const FrameReport& report, const RunInstance& instance) const;
 };
 
 /// A room whose light is good enough for a test, in a third of the time.

@@ -14,13 +14,13 @@ RoomRun Map(SyntheticScene scene, int frames = 180, const std::string& edges = "
   return MapRoom(options, edges);
 }
 
-double ErrorOf(const ObjectReport& object, const RoomInstance& instance) {
+double ErrorOf(const ObjectReport& object, const RunInstance& instance) {
   return (object.world_from_object.translation() - instance.truth.world_from_object.translation())
       .norm();
 }
 
 /// First frame in which the instance is confirmed; -1 never.
-int ConfirmedFrame(const RoomRun& run, const RoomInstance& instance) {
+int ConfirmedFrame(const RoomRun& run, const RunInstance& instance) {
   for (const FrameReport& report : run.reports) {
     if (run.Find(report, instance) != nullptr) return report.frame;
   }
@@ -46,7 +46,7 @@ void ExpectFurnished(const RoomRun& run, double mean_m, double mean_deg) {
 
 TEST(Claims, AHiddenObjectStaysWhereItIsThroughSixtyFramesWithoutADetection) {
   const RoomRun run = Map(SyntheticScene::kOcclusion, 300, "dataset");
-  const RoomInstance& chair = run.Instance(run.main_instance);
+  const RunInstance& chair = run.Instance(run.main_instance);
   const int confirmed = ConfirmedFrame(run, chair);
   ASSERT_GE(confirmed, 0);
   int longest = 0;
@@ -78,7 +78,7 @@ TEST(Claims, WhatIsConfirmedOutlastsBlur) {
   int kept = 0;
   for (const FrameRun& shaken : run.shaken) {
     if (shaken.last + 1 >= static_cast<int>(run.reports.size())) continue;
-    for (const RoomInstance& instance : run.instances) {
+    for (const RunInstance& instance : run.instances) {
       const ObjectReport* before =
           run.Find(run.reports[static_cast<std::size_t>(shaken.first)], instance);
       if (before == nullptr || ErrorOf(*before, instance) > 0.05) continue;
@@ -104,7 +104,7 @@ TEST(Claims, FurnitureCutByTheImageBorderIsPlaced) {
   ASSERT_GT(figures.found, 0);
   EXPECT_LT(figures.sum_m / figures.found, 0.05);
   int cut = 0, placed = 0;
-  for (const RoomInstance& instance : run.instances) {
+  for (const RunInstance& instance : run.instances) {
     int frames = 0;
     for (const FrameRun& truncated : instance.truncated)
       frames += truncated.last - truncated.first + 1;
@@ -120,7 +120,7 @@ TEST(Claims, FurnitureCutByTheImageBorderIsPlaced) {
 TEST(Claims, SplitAndDoubleBoxesMakeNoSecondObject) {
   const RoomRun run = Map(SyntheticScene::kDuplicate);
   for (const FrameReport& report : run.reports) {
-    for (const RoomInstance& instance : run.instances) {
+    for (const RunInstance& instance : run.instances) {
       int there = 0;
       for (const ObjectReport& object : report.objects) {
         there += object.state == ObjectState::kConfirmed &&
@@ -137,7 +137,7 @@ TEST(Claims, SplitAndDoubleBoxesMakeNoSecondObject) {
 
 TEST(Claims, AnObjectThatDiffersModestlyFromItsModelIsPlaced) {
   const RoomRun run = Map(SyntheticScene::kVariant);
-  const RoomInstance& chair = run.Instance(run.main_instance);
+  const RunInstance& chair = run.Instance(run.main_instance);
   const ObjectReport* object = run.Find(run.reports.back(), chair);
   ASSERT_NE(object, nullptr);
   EXPECT_EQ(run.database->model(object->label).name, chair.truth.model);
