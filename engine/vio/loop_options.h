@@ -23,10 +23,10 @@ struct LoopOptions {
   double loop_max_tilt_deg = 4;
   double loop_gate_probability = 0.999;
   double loop_agree_s = 4;
-  double loop_gate_factor = 10;
+  double loop_gate_factor = 3.3;
 
   // Weights
-  double loop_drift_factor = 3;
+  double loop_drift_factor = 1;
   double loop_std_m = 0.02;
   double loop_std_deg = 0.3;
 };
@@ -54,9 +54,9 @@ void VisitFields(LoopOptions& o, Visitor&& visit) {
         {"loop_agree_s", "s", "within which a second key frame must say the same", 0, 1000});
   visit(o.loop_gate_factor,
         {"loop_gate_factor", "",
-         "times the filter's standard deviations: a loop that is farther off is false", 0.1, 1000});
+         "times the standard deviations of the poses: a loop that is farther off is false", 0.1, 1000});
   visit(o.loop_drift_factor, {"loop_drift_factor", "",
-                              "times the filter's standard deviations: what weighs against loops; "
+                              "times the standard deviations of the poses: what weighs against loops; "
                               "beyond it, twice as many "
                               "key frames must agree",
                               0.1, 100});

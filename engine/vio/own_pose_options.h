@@ -38,8 +38,8 @@ struct OwnPoseOptions {
   LoopOptions closing;
 
   // When poses serve a mapper
-  double ready_tilt_deg = 1.0;
-  double ready_velocity_m_s = 0.05;
+  double ready_tilt_deg = 3.0;
+  double ready_velocity_m_s = 0.15;
 
   // Floor
   double floor_camera_height_m = 0.9;

@@ -185,14 +185,15 @@ class Recorder {
     return view ? static_cast<float>((pixel - view->pixel).norm()) : 0;
   }
 
-  static void AddPose(const FilterState& state, OwnPoseReport& frame) {
+  void AddPose(const FilterState& state, OwnPoseReport& frame) const {
+    const double inflation = options_.filter.covariance_inflation;
     frame.vio.world_from_body = state.inertial().pose();
     frame.vio.velocity_in_world = state.inertial().velocity_in_world;
-    frame.vio.covariance = state.PoseCovariance();
+    frame.vio.covariance = inflation * state.PoseCovariance();
     frame.world_from_cam = frame.vio.world_from_body * state.body_from_cam();
-    frame.cam_covariance = CamCovariance(state);
-    frame.tilt_std_rad = TiltStd(state);
-    frame.velocity_std_m_s = VelocityStd(state);
+    frame.cam_covariance = inflation * CamCovariance(state);
+    frame.tilt_std_rad = std::sqrt(inflation) * TiltStd(state);
+    frame.velocity_std_m_s = std::sqrt(inflation) * VelocityStd(state);
     if (frame.vio.step.nis_dof > 0)
       frame.nis_gate = ChiSquareGate(kGateOfPlots)(frame.vio.step.nis_dof);
   }

@@ -35,6 +35,9 @@ struct VioOptions {
   double gate_probability = 0.95;
   bool one_point_ransac = true;
 
+  // What is told
+  double covariance_inflation = 9;
+
   // What is estimated besides poses, velocity and biases
   bool estimate_extrinsics = true;
   bool estimate_time_offset = true;
@@ -116,6 +119,11 @@ void VisitFields(VioOptions& o, Visitor&& visit) {
         {"one_point_ransac", "",
          "points of the state are used where most agree on a pose, the others where they pass the "
          "gate after that"});
+  visit(o.covariance_inflation,
+        {"covariance_inflation", "",
+         "covariances that are told are the filter's times this: tracks on images err together for "
+         "longer than it knows; not of tracks that are given",
+         1, 1000});
   visit(o.estimate_extrinsics,
         {"estimate_extrinsics", "", "refine the pose of the camera on the body"});
   visit(o.estimate_time_offset, {"estimate_time_offset", "", "refine the offset of the clocks"});

@@ -44,7 +44,8 @@ struct VioReport {
 
   // While tracking, at the time of the image:
   Eigen::Isometry3d world_from_body = Eigen::Isometry3d::Identity();
-  /// In the order of PosePerturbation (sensor/pose_estimate.h), of the body.
+  /// In the order of PosePerturbation (sensor/pose_estimate.h), of the body; like the spreads below
+  /// the filter's, inflated (VioOptions::covariance_inflation).
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Vector3d velocity_in_world{0, 0, 0};  ///< [m/s]
   Eigen::Vector3d gyro_bias{0, 0, 0};          ///< [rad/s]

@@ -57,6 +57,7 @@ VioRun RunVio(const VioInput& input, std::span<const TrackedImage> images,
   VioOptions given = options;
   given.creep_px = options.given_creep_px;
   given.blur_noise = 0;
+  given.covariance_inflation = 1;
   Feeder feeder(input, given);
   for (const TrackedImage& image : images) {
     if (work.stop.stop_requested()) break;
