@@ -32,6 +32,16 @@ constexpr int kNewcomerCount = 100;
 constexpr double kManyJumped =
     0.3;  ///< Share of accepted jumps that makes a second round worth it.
 
+/// How far apart two views of what is driven up to are: it shows anew as its distance halves, not
+/// with every metre.
+double SharesApart(const KeyFrame& a, const KeyFrame& b, const Eigen::Vector3d& center_in_world) {
+  const Eigen::Vector3d from_a = a.input.world_from_cam.translation(),
+                        from_b = b.input.world_from_cam.translation();
+  const double near_m =
+      std::min((from_a - center_in_world).norm(), (from_b - center_in_world).norm());
+  return (from_a - from_b).norm() / std::max(1e-3, near_m);
+}
+
 }  // namespace
 
 void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
@@ -371,12 +381,9 @@ std::vector<const KeyFrame*> Mapper::Impl::ChooseViews(const MapObject& object) 
   const Eigen::Vector3d center = ToHypothesis(object.mean(), map).center_in_world;
   const bool large = map.LengthScale(object.mean().label) > 1;
   const auto apart = [&](const KeyFrame& a, const KeyFrame& b) {
-    const Eigen::Vector3d from_a = a.input.world_from_cam.translation(),
-                          from_b = b.input.world_from_cam.translation();
-    // What is driven up to shows anew as its distance halves, not with every metre.
-    const double unit_m =
-        large ? std::max(1e-3, std::min((from_a - center).norm(), (from_b - center).norm())) : 1;
-    return (from_a - from_b).norm() / unit_m;
+    return large ? SharesApart(a, b, center)
+                 : (a.input.world_from_cam.translation() - b.input.world_from_cam.translation())
+                       .norm();
   };
   while (!rest.empty() && static_cast<int>(chosen.size()) < options().views_per_object) {
     std::size_t pick = 0;
@@ -400,16 +407,20 @@ std::vector<const KeyFrame*> Mapper::Impl::ChooseViews(const MapObject& object) 
 void Mapper::Impl::Remember(MapObject& object, int frame, double weight) {
   object.views.push_back({frame, weight});
   if (static_cast<int>(object.views.size()) <= options().views_per_object) return;
-  // Of the two views that are closest to each other the older goes; the other stands for it.
+  // Of the two views that are closest to each other the older goes; the other stands for it. In
+  // metres, those of what is passed in a street would always be the last two, and all that it had
+  // been seen by would come to weigh on the image that it leaves.
+  const Eigen::Vector3d center = ToHypothesis(object.mean(), map).center_in_world;
+  const bool large = map.LengthScale(object.mean().label) > 1;
   std::size_t drop = 0, heir = 1;
   double closest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < object.views.size(); ++i) {
     for (std::size_t j = i + 1; j < object.views.size(); ++j) {
       const KeyFrame *a = memory.Find(object.views[i].frame),
                      *b = memory.Find(object.views[j].frame);
-      const double d = a == nullptr || b == nullptr
-                           ? 0.0
-                           : memory.Distance(a->input.world_from_cam, b->input.world_from_cam);
+      const double d = a == nullptr || b == nullptr ? 0.0
+                       : large                      ? SharesApart(*a, *b, center)
+                               : memory.Distance(a->input.world_from_cam, b->input.world_from_cam);
       if (d < closest) {
         closest = d;
         drop = i;

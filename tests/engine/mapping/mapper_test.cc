@@ -106,6 +106,40 @@ TEST_F(MapperOfMoversTest, BoxesOfBeforeItWasSpawnedTellThatItStands) {
   EXPECT_LT(with, frames_until_confirmed(kSpawnedFrom));
 }
 
+TEST_F(MapperOfMoversTest, WhatIsPassedIsNotKnownByTheImageThatItLeavesAlone) {
+  MapperOptions options;
+  options.room_thing_m = 0.5;  // so that chairs are large
+  const PlacedModel chair = scene_.Place("chair", 0, 0.3, 30);
+  const auto mapper = NewMapperOfMovers(options);
+  double seen = 0, most = 0;
+  bool confirmed = false;
+  for (int frame = 0; frame < 24; ++frame) {
+    const double x = 0.25 * frame - 5;
+    MapperInput input = scene_.Input(frame, LookAt({x, -0.9, 1.4}, {x + 3, -0.2, 0.3}), {&chair, 1});
+    std::vector<Detection> boxes;
+    for (const Detection& box : input.detections->proposals())
+      boxes.push_back({box.box, "dog", 0.8f});
+    input.detections = DetectionsFromProposals(std::move(boxes));
+    const FrameReport report = mapper->Step(input);
+    const ObjectReport* best = Best(report);
+    if (best == nullptr || best->state != ObjectState::kConfirmed) continue;
+    confirmed = true;
+    const Result<MapObject> object = FromReport(*best, *scene_.database());
+    ASSERT_TRUE(object.ok());
+    seen = most = 0;
+    for (const ObjectView& view : object->views) {
+      seen += view.weight;
+      most = std::max(most, view.weight);
+    }
+    EXPECT_LT((best->world_from_object.translation() - chair.world_from_object.translation()).norm(),
+              0.05)
+        << "frame " << frame;
+    printf("frame %d seen %.2f most %.2f n %d vis %.2f\n", frame, seen, most, (int)object->views.size(), best->visible_fraction);
+  }
+  ASSERT_TRUE(confirmed);
+  EXPECT_LT(most, 0.3 * seen);
+}
+
 /// Takes a millisecond for every question.
 class SlowDetections : public FrameDetections {
  public:
