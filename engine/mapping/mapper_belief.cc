@@ -407,25 +407,29 @@ std::vector<const KeyFrame*> Mapper::Impl::ChooseViews(const MapObject& object) 
 void Mapper::Impl::Remember(MapObject& object, int frame, double weight) {
   object.views.push_back({frame, weight});
   if (static_cast<int>(object.views.size()) <= options().views_per_object) return;
-  // Of the two views that are closest to each other the older goes; the other stands for it. In
-  // metres, those of what is passed in a street would always be the last two, and all that it had
-  // been seen by would come to weigh on the image that it leaves.
+  // Of the two views that are closest to each other the older goes; the other stands for it. So the
+  // last view of what is driven past would come to stand for all, and it would be known by the
+  // image that it leaves: of large things those two are joined by which least is lost (Ward, 1963),
+  // and the heavier stays.
   const Eigen::Vector3d center = ToHypothesis(object.mean(), map).center_in_world;
   const bool large = map.LengthScale(object.mean().label) > 1;
+  const auto loss = [&](const ObjectView& a, const ObjectView& b) {
+    const KeyFrame *key_a = memory.Find(a.frame), *key_b = memory.Find(b.frame);
+    if (key_a == nullptr || key_b == nullptr) return 0.0;
+    if (!large) return memory.Distance(key_a->input.world_from_cam, key_b->input.world_from_cam);
+    const double apart = SharesApart(*key_a, *key_b, center);
+    return a.weight * b.weight / std::max(1e-6, a.weight + b.weight) * apart * apart;
+  };
   std::size_t drop = 0, heir = 1;
-  double closest = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < object.views.size(); ++i) {
     for (std::size_t j = i + 1; j < object.views.size(); ++j) {
-      const KeyFrame *a = memory.Find(object.views[i].frame),
-                     *b = memory.Find(object.views[j].frame);
-      const double d = a == nullptr || b == nullptr ? 0.0
-                       : large                      ? SharesApart(*a, *b, center)
-                               : memory.Distance(a->input.world_from_cam, b->input.world_from_cam);
-      if (d < closest) {
-        closest = d;
-        drop = i;
-        heir = j;
-      }
+      const double lost = loss(object.views[i], object.views[j]);
+      if (lost >= least) continue;
+      least = lost;
+      drop = i;
+      heir = j;
+      if (large && object.views[i].weight > object.views[j].weight) std::swap(drop, heir);
     }
   }
   object.views[heir].weight += object.views[drop].weight;

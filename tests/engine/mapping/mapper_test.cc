@@ -115,7 +115,8 @@ TEST_F(MapperOfMoversTest, WhatIsPassedIsNotKnownByTheImageThatItLeavesAlone) {
   bool confirmed = false;
   for (int frame = 0; frame < 24; ++frame) {
     const double x = 0.25 * frame - 5;
-    MapperInput input = scene_.Input(frame, LookAt({x, -0.9, 1.4}, {x + 3, -0.2, 0.3}), {&chair, 1});
+    MapperInput input =
+        scene_.Input(frame, LookAt({x, -0.9, 1.4}, {x + 3, -0.2, 0.3}), {&chair, 1});
     std::vector<Detection> boxes;
     for (const Detection& box : input.detections->proposals())
       boxes.push_back({box.box, "dog", 0.8f});
@@ -131,10 +132,10 @@ TEST_F(MapperOfMoversTest, WhatIsPassedIsNotKnownByTheImageThatItLeavesAlone) {
       seen += view.weight;
       most = std::max(most, view.weight);
     }
-    EXPECT_LT((best->world_from_object.translation() - chair.world_from_object.translation()).norm(),
-              0.05)
+    EXPECT_LT(
+        (best->world_from_object.translation() - chair.world_from_object.translation()).norm(),
+        0.05)
         << "frame " << frame;
-    printf("frame %d seen %.2f most %.2f n %d vis %.2f\n", frame, seen, most, (int)object->views.size(), best->visible_fraction);
   }
   ASSERT_TRUE(confirmed);
   EXPECT_LT(most, 0.3 * seen);
