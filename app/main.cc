@@ -36,7 +36,8 @@ int main(int argc, char** argv) {
       {plumbline::AddInfoVerb},   {plumbline::AddConvertVerb},   {plumbline::AddRenderVerb},
       {plumbline::AddReportVerb}, {plumbline::AddCompareVerb},   {plumbline::AddSmoothVerb},
       {plumbline::AddVioVerb},    {plumbline::AddCalibrateVerb}, {plumbline::AddNetworksVerb},
-      {plumbline::AddBatchVerb},
+      {plumbline::AddBatchVerb},  {plumbline::AddUpVerb},        {plumbline::AddGraphVerb},
+      {plumbline::AddNodeVerb},   {plumbline::AddKeysVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
                "plumbline");

@@ -28,13 +28,6 @@ struct BatchArguments {
   std::optional<int> task;  ///< Of a cluster; the program calls itself with it.
 };
 
-Result<std::filesystem::path> ThisProgram() {
-  std::error_code error;
-  std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (!error) return program;
-  return Error{ErrorCode::kIo, "cannot tell where this program is: " + error.message()};
-}
-
 Result<Batch> BatchOf(const BatchArguments& arguments) {
   const auto program = ThisProgram();
   if (!program.ok()) return program.error();

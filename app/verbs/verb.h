@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -43,9 +44,16 @@ void AddVioVerb(CLI::App& app, VerbFunction& chosen);
 void AddCalibrateVerb(CLI::App& app, VerbFunction& chosen);
 void AddNetworksVerb(CLI::App& app, VerbFunction& chosen);
 void AddDemoVerb(CLI::App& app, VerbFunction& chosen);
+void AddUpVerb(CLI::App& app, VerbFunction& chosen);
+void AddNodeVerb(CLI::App& app, VerbFunction& chosen);
+void AddGraphVerb(CLI::App& app, VerbFunction& chosen);
+void AddKeysVerb(CLI::App& app, VerbFunction& chosen);
 
 /// Says on standard error what was odd in what was read.
 void Warn(const std::vector<std::string>& warnings);
+
+/// The file of this program, which starts itself as other processes. Errors: kIo.
+Result<std::filesystem::path> ThisProgram();
 
 /// Writes results for machines: to standard output for "-".
 Status WriteJsonResult(const std::string& file, const nlohmann::json& json);

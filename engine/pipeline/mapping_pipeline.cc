@@ -14,6 +14,7 @@
 #include "engine/pipeline/corrected_poses.h"
 #include "engine/pipeline/frame_preparer.h"
 #include "engine/pipeline/own_pose_sequence.h"
+#include "engine/pipeline/pipeline_parts.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/sources/folder_source.h"
 #include "engine/sources/live_pace.h"
@@ -62,12 +63,20 @@ Result<DetectorChoice> DetectorOf(const Sequence& sequence, const RunRecipe& rec
 
 /// The sequence with the poses that the recipe asks for. What else lacks is said before they are
 /// estimated, which takes long.
+/// @param given  Null: that of the recipe.
 Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
                                                       const WorkContext& work,
+                                                      std::shared_ptr<const Sequence> given,
                                                       std::shared_ptr<const OwnPoses> own_poses) {
+  if (given != nullptr && recipe.poses.source == PoseSource::kVio) {
+    return Error{ErrorCode::kUnsupported,
+                 "poses of the visual-inertial filter (--poses vio) cannot be had from another "
+                 "process; map in one process, or give a trajectory"};
+  }
   SequenceOptions poses;
   if (recipe.poses.source == PoseSource::kTrajectory) poses.poses = recipe.poses.file;
-  Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(recipe.sequence, poses);
+  Result<std::shared_ptr<const Sequence>> sequence =
+      given != nullptr ? std::move(given) : OpenSequence(recipe.sequence, poses);
   if (!sequence.ok()) return sequence.error();
   if (!(*sequence)->has_images()) {
     return Error{ErrorCode::kInvalidInput, "'" + recipe.sequence.string() +
@@ -101,7 +110,9 @@ Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
 }
 
 /// Makes the recipe of what was opened complete: absolute paths, content hashes.
-Status Complete(const ModelDatabase& database, RunRecipe& recipe) {
+/// @param own_detector, own_edges  False: they were given, and what they are is told already.
+Status Complete(const ModelDatabase& database, bool own_detector, bool own_edges,
+                RunRecipe& recipe) {
   recipe.sequence = std::filesystem::absolute(recipe.sequence);
   recipe.models = std::filesystem::absolute(database.folder());
   const auto complete = [](auto& choice, auto hash_of) -> Status {
@@ -114,7 +125,10 @@ Status Complete(const ModelDatabase& database, RunRecipe& recipe) {
   };
   if (Status status = complete(recipe.poses, HashFile); !status.ok()) return status;
   if (recipe.poses.source == PoseSource::kVio) recipe.poses.hash = HashOf(recipe.own_poses);
-  if (Status status = complete(*recipe.detector, HashOfNetwork); !status.ok()) return status;
+  if (own_detector) {
+    if (Status status = complete(*recipe.detector, HashOfNetwork); !status.ok()) return status;
+  }
+  if (!own_edges) return {};
   if (recipe.edges->source == EdgeSource::kBuiltin ||
       recipe.edges->source == EdgeSource::kBuiltinHalf)
     recipe.edges->hash = HashOfBuiltinEdges(recipe.edges->source == EdgeSource::kBuiltinHalf);
@@ -247,6 +261,10 @@ struct MappingPipeline::Impl {
     options_version = preparer->options_version();
   }
 
+  static Result<std::unique_ptr<MappingPipeline>> Open(const RunRecipe& recipe,
+                                                       const WorkContext& work,
+                                                       PipelineParts parts,
+                                                       std::shared_ptr<const OwnPoses> own_poses);
   std::shared_ptr<MapSnapshot> Map(Prepared& prepared);
   /// The map as the last used frame left it.
   FrameReport Skip(const Prepared& prepared) const {
@@ -282,10 +300,21 @@ MappingPipeline::~MappingPipeline() = default;
 
 Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
     const RunRecipe& recipe, const WorkContext& work, std::shared_ptr<const OwnPoses> own_poses) {
+  return Impl::Open(recipe, work, {}, std::move(own_poses));
+}
+
+Result<std::unique_ptr<MappingPipeline>> MappingPipeline::OpenWith(
+    PipelineParts parts, const RunRecipe& recipe, const WorkContext& work) {
+  return Impl::Open(recipe, work, std::move(parts), {});
+}
+
+Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Impl::Open(
+    const RunRecipe& recipe, const WorkContext& work, PipelineParts parts,
+    std::shared_ptr<const OwnPoses> own_poses) {
   if (Status status = CheckLive(recipe); !status.ok()) return status.error();
   auto impl = std::make_unique<Impl>();
   Result<std::shared_ptr<const Sequence>> sequence =
-      OpenWithPoses(recipe, work, std::move(own_poses));
+      OpenWithPoses(recipe, work, std::move(parts.sequence), std::move(own_poses));
   if (!sequence.ok()) return sequence.error();
   impl->sequence = *sequence;
   impl->own_poses = OwnPoseStoreOf(**sequence);
@@ -301,18 +330,28 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
   if (!database.ok()) return database.error();
   impl->database = *database;
   impl->recipe = recipe;
-  if (!recipe.edges) impl->recipe.edges = DefaultEdges(frames);
-  Result<DetectorChoice> boxes = DetectorOf(frames, recipe);
-  if (!boxes.ok()) return boxes.error();
-  impl->recipe.detector = std::move(boxes).value();
+  const bool own_edges = parts.edges == nullptr, own_detector = parts.detector == nullptr;
   const bool cache = !recipe.live_speed;  // no camera gives an image that is known already
-  Result<std::unique_ptr<Detector>> detector =
-      CreateDetector(ToText(*impl->recipe.detector), impl->sequence, {.cache = cache});
-  if (!detector.ok()) return detector.error();
-  Result<std::unique_ptr<EdgeDetector>> edges =
-      CreateEdgeDetector(ToText(*impl->recipe.edges), impl->sequence, {.cache = cache});
-  if (!edges.ok()) return edges.error();
-  if (Status status = Complete(**database, impl->recipe); !status.ok()) return status.error();
+  if (own_detector) {
+    Result<DetectorChoice> boxes = DetectorOf(frames, recipe);
+    if (!boxes.ok()) return boxes.error();
+    parts.detector_choice = std::move(boxes).value();
+    Result<std::unique_ptr<Detector>> detector =
+        CreateDetector(ToText(parts.detector_choice), impl->sequence, {.cache = cache});
+    if (!detector.ok()) return detector.error();
+    parts.detector = std::move(detector).value();
+  }
+  if (own_edges) {
+    parts.edge_choice = recipe.edges.value_or(DefaultEdges(frames));
+    Result<std::unique_ptr<EdgeDetector>> edges =
+        CreateEdgeDetector(ToText(parts.edge_choice), impl->sequence, {.cache = cache});
+    if (!edges.ok()) return edges.error();
+    parts.edges = std::move(edges).value();
+  }
+  impl->recipe.detector = parts.detector_choice;
+  impl->recipe.edges = parts.edge_choice;
+  if (Status status = Complete(**database, own_detector, own_edges, impl->recipe); !status.ok())
+    return status.error();
 
   const int end = std::min(recipe.frames.end.value_or(frames.num_frames()), frames.num_frames());
   for (int i = recipe.frames.begin; i < end; i += recipe.frames.step) impl->selected.push_back(i);
@@ -330,7 +369,7 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
       CreateScorer(recipe.scorer, impl->database, work);
   if (!scorer.ok()) return scorer.error();
   impl->preparer = std::make_unique<FramePreparer>(
-      std::move(detector).value(), std::move(edges).value(), recipe.options, frames.camera().fx);
+      std::move(parts.detector), std::move(parts.edges), recipe.options, frames.camera().fx);
   impl->scorer = *scorer;
   impl->crops = std::make_shared<CropComparer>(impl->database);
   impl->options = impl->mapped_with = recipe.options;

@@ -24,6 +24,7 @@ struct MapperInput;
 struct MapperSetup;
 struct MapSnapshot;
 struct OwnPoses;
+struct PipelineParts;
 
 /// A candidate that no box gave birth to.
 struct PlantedObject {
@@ -44,6 +45,11 @@ class MappingPipeline {
   static Result<std::unique_ptr<MappingPipeline>> Open(
       const RunRecipe& recipe, const WorkContext& work,
       std::shared_ptr<const OwnPoses> own_poses = {});
+  /// The same with parts that are there already (pipeline_parts.h). Errors: also kUnsupported for a
+  /// given sequence with poses = vio.
+  static Result<std::unique_ptr<MappingPipeline>> OpenWith(PipelineParts parts,
+                                                           const RunRecipe& recipe,
+                                                           const WorkContext& work);
   ~MappingPipeline();
 
   const Sequence& sequence() const;

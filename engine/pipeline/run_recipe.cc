@@ -60,8 +60,9 @@ std::string TextOf(const InputChoice<Source>& choice) {
   return choice.file.empty() ? std::string(SourceName(choice.source)) : choice.file.string();
 }
 
-/// "" stays "".
+/// "" stays "", and so does what is no file but another process (docs/processes.md).
 std::string Absolute(const std::filesystem::path& path) {
+  if (path.string().starts_with("process:")) return path.string();
   return path.empty() ? std::string() : std::filesystem::absolute(path).string();
 }
 

@@ -51,7 +51,7 @@ std::vector<Target> Targets() {
   std::vector<Target> all;
   for (const std::span<const Target> some :
        {TextTargets(), DatasetTargets(), ModelTargets(), VisionTargets(), AnnotationTargets(),
-        RunTargets(), BatchTargets(), SessionTargets(), WindowTargets()}) {
+        RunTargets(), BatchTargets(), NodeTargets(), SessionTargets(), WindowTargets()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
 #ifdef PLUMBLINE_FUZZ_PANELS

@@ -28,6 +28,7 @@ std::span<const Target> VisionTargets();      ///< engine/vision
 std::span<const Target> AnnotationTargets();  ///< engine/annotation
 std::span<const Target> RunTargets();         ///< engine/recording, engine/pipeline
 std::span<const Target> BatchTargets();       ///< engine/batch
+std::span<const Target> NodeTargets();        ///< engine/transport, engine/nodes
 std::span<const Target> SessionTargets();     ///< engine/session
 std::span<const Target> WindowTargets();      ///< ui/files
 /// ui/inspect; linked only where the window is built (PLUMBLINE_FUZZ_PANELS).

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "engine/base/progress.h"
+#include "engine/base/result.h"
+#include "engine/nodes/graph_plan.h"
+
+namespace plumbline {
+
+struct GraphRunOptions {
+  std::filesystem::path program;  ///< Ours, which the nodes are started with.
+  std::filesystem::path graph_file;  ///< The resolved plan, for the nodes.
+  /// Told of what happens, one line each, from several threads.
+  std::function<void(const std::string&)> tell = [](const std::string&) {};
+};
+
+struct GraphRunEnd {
+  std::map<std::string, int> restarts;  ///< Of nodes that died.
+};
+
+/// Starts the nodes of a resolved graph as processes, watches them, starts again what died, and
+/// ends them in order, askers before those whom they ask, when the recorder has ended its run or
+/// `work.stop` is requested. A node goes on where it was: the mapper from the last frame that the
+/// recorder has, the recorder at the end of its file; the others know nothing that is lost.
+/// Errors: the sentence of a node that fails by itself again and again (what it says is in
+/// NAME.log of the graph's folder); kIo where none can be started; kCancelled.
+Result<GraphRunEnd> RunGraph(const GraphPlan& plan, const GraphRunOptions& options,
+                             const WorkContext& work);
+
+}  // namespace plumbline

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <deque>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "engine/base/files.h"
+#include "engine/base/json_text.h"
+#include "engine/mapping/map_report.h"
+#include "engine/nodes/our_nodes.h"
+#include "engine/nodes/remote_sequence.h"
+#include "engine/nodes/report_message.h"
+#include "engine/recording/option_history.h"
+#include "engine/recording/run_file.h"
+
+namespace plumbline {
+namespace {
+
+class RecorderProcess {
+ public:
+  RecorderProcess(const NodeSetup& setup, NodeLink& link)
+      : setup_(setup), link_(link), stop_(setup.work.stop), out_(setup.plan.out) {}
+
+  Status Run() {
+    const Result<NodeClient*> mapper = link_.Ask(setup_.node.reports);
+    if (!mapper.ok()) return mapper.error();
+    const Result<NodeClient*> player = link_.Ask(setup_.node.images);
+    if (!player.ok()) return player.error();
+    link_.SetState("waiting for '" + setup_.node.reports + "'");
+    wire::Request request;
+    request.mutable_header();
+    const Result<SharedReply> reply = (*mapper)->AskAndWait(std::move(request), stop_);
+    if (!reply.ok()) return reply.error();
+    if (Status status = OpenRun((*reply)->header().json()); !status.ok()) return status;
+    std::jthread serving([this](const std::stop_token& end) { Serve(end); });
+    const Status status = Record(**mapper, **player);
+    const std::lock_guard lock(mutex_);
+    const Status closed = writer_->Close();
+    return status.ok() ? closed : status;
+  }
+
+ private:
+  /// That this graph has begun the run file: whoever starts this node again must go on with it.
+  std::filesystem::path Begun() const { return setup_.plan.folder / "recording"; }
+
+  Status OpenRun(const std::string& json) {
+    Result<RunHeader> header = HeaderFromJson(ParseJson(json));
+    if (!header.ok())
+      return Error{header.error().code, "the mapper sent a run whose header is none: " +
+                                            header.error().message};
+    num_models_ = static_cast<int>(header->models.size());
+    std::error_code ignored;
+    const bool go_on = std::filesystem::exists(out_, ignored) &&
+                       (setup_.plan.resume || std::filesystem::exists(Begun(), ignored));
+    if (go_on) {
+      Result<RunWriter::Resumed> resumed = RunWriter::OpenToResume(out_, *header);
+      if (!resumed.ok()) return resumed.error();
+      writer_ = std::move(resumed->writer);
+      if (resumed->last) handed_ = kept_ = resumed->last->frame;
+    } else {
+      Result<std::unique_ptr<RunWriter>> created = RunWriter::Create(out_, *header);
+      if (!created.ok()) return created.error();
+      writer_ = std::move(created).value();
+    }
+    num_handed_ = writer_->num_written();
+    return WriteFileAtomically(Begun(), out_.string() + "\n");
+  }
+
+  Status Record(NodeClient& mapper, NodeClient& player) {
+    StreamMeter& recorded = link_.AddStream("reports");
+    RequestsAhead images(player, FramesOf(*setup_.plan.recipe), ImageRequestOf);
+    while (true) {
+      wire::Request request;
+      request.mutable_report()->set_after(handed_);
+      request.mutable_report()->set_kept(Kept());
+      const Result<SharedReply> reply = mapper.AskAndWait(std::move(request), stop_);
+      if (!reply.ok()) return reply.error();
+      const wire::Report& message = (*reply)->report();
+      if (message.end()) return {};
+      Result<FrameReport> report = ReportFromWire(message, num_models_);
+      if (!report.ok()) return report.error();
+      if (report->frame <= handed_)
+        return Error{ErrorCode::kCorrupt, "the mapper sent frame " +
+                                              std::to_string(report->frame) + " again"};
+      ShareParticles(message, *report);
+      // As in one process, a frame whose image cannot be read has no picture.
+      const Result<cv::Mat> image =
+          TakePixels(images, report->frame, stop_, [](const wire::Reply& answer) {
+            return PixelsFromWire(answer.image().pixels());
+          });
+      if (!image.ok() && image.error().code == ErrorCode::kCancelled) return image.error();
+      {
+        const std::lock_guard lock(mutex_);
+        handed_ = report->frame;
+        ++num_handed_;
+        waiting_.push_back(handed_);
+        if (Status status = writer_->Write(std::move(*report), image.ok() ? *image : cv::Mat());
+            !status.ok())
+          return status;
+      }
+      recorded.Count(0);
+      link_.SetState("recorded " + std::to_string(message.done()) + " of " +
+                     std::to_string(message.selected()) + " frames");
+    }
+  }
+
+  /// Sets of particles that an object has kept since the frame before are one set again, as the
+  /// mapper has them: the run file stores them once.
+  void ShareParticles(const wire::Report& message, FrameReport& report) {
+    std::map<int, KeptParticles> now;
+    for (int i = 0; i < message.objects_size(); ++i) {
+      const std::string& bytes = message.objects(i).particles();
+      if (bytes.empty()) continue;
+      auto& particles = report.objects[static_cast<std::size_t>(i)].particles;
+      const auto before = particles_.find(message.objects(i).id());
+      if (before != particles_.end() && before->second.bytes == bytes)
+        particles = before->second.particles;
+      now[message.objects(i).id()] = {bytes, particles};
+    }
+    particles_ = std::move(now);
+  }
+
+  /// The last frame that is safely in the file.
+  int Kept() {
+    const std::lock_guard lock(mutex_);
+    const int written = writer_->num_written();
+    while (!waiting_.empty() && num_handed_ - static_cast<int>(waiting_.size()) < written) {
+      kept_ = waiting_.front();
+      waiting_.pop_front();
+    }
+    return kept_;
+  }
+
+  void Serve(const std::stop_token& end) {
+    link_.Serve(end, [&](const wire::Request& request) -> Result<wire::Reply> {
+      if (!request.has_resume()) return DoesNotAnswer(request, setup_.node);
+      return Resume(end);
+    });
+  }
+
+  /// Where a mapper that starts now goes on: read from the file, as `run --resume` does.
+  Result<wire::Reply> Resume(const std::stop_token& end) {
+    const std::lock_guard lock(mutex_);
+    while (writer_->num_written() < num_handed_) {
+      if (end.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    wire::Reply reply;
+    wire::Resume& resume = *reply.mutable_resume();
+    if (num_handed_ == 0) return reply;
+    const Result<std::unique_ptr<RunReader>> reader = RunReader::Open(out_);
+    if (!reader.ok()) return reader.error();
+    const Result<FrameReport> last = (*reader)->LastFrame();
+    if (!last.ok()) return last.error();
+    const Result<OptionHistory> options = OptionHistory::Read(**reader);
+    if (!options.ok()) return options.error();
+    resume.set_has_frames(true);
+    *resume.mutable_last() = ReportToWire(*last, true);
+    resume.set_options(OptionsToJson(options->newest()).dump());
+    return reply;
+  }
+
+  struct KeptParticles {
+    std::string bytes;
+    std::shared_ptr<const std::vector<Particle>> particles;
+  };
+
+  const NodeSetup& setup_;
+  NodeLink& link_;
+  const std::stop_token stop_;
+  const std::filesystem::path out_;
+  int num_models_ = 0;
+  std::map<int, KeptParticles> particles_;  ///< By object, of the last frame.
+
+  std::mutex mutex_;  ///< Of what follows.
+  std::unique_ptr<RunWriter> writer_;
+  std::deque<int> waiting_;  ///< Frames handed over that are not known to be written.
+  int num_handed_ = 0;       ///< Frames in the file and on their way.
+  int handed_ = std::numeric_limits<int>::min(), kept_ = std::numeric_limits<int>::min();
+};
+
+}  // namespace
+
+Status RunRecorderNode(const NodeSetup& setup) {
+  Result<std::unique_ptr<NodeLink>> link = NodeLink::Open(setup);
+  if (!link.ok()) return link.error();
+  const Status status = RecorderProcess(setup, **link).Run();
+  if (!status.ok() && status.error().code == ErrorCode::kCancelled) {
+    return Error{ErrorCode::kCancelled,
+                 "stopped; '" + setup.plan.out.string() + "' keeps what was recorded"};
+  }
+  return status;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// Modules as processes: the same run as in one process, whatever dies on the way.
+#include <signal.h>
+
+#include <chrono>
+#include <map>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/files.h"
+#include "engine/base/random.h"
+#include "engine/mapping/map_report.h"
+#include "engine/recording/run_file.h"
+#include "tests/app/graph_run.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kFrames = 40;
+
+class UpVerb : public GraphRun {
+ protected:
+  UpVerb() : GraphRun(kFrames) {}
+
+  std::vector<std::string> Arguments(const std::string& verb, const std::string& out,
+                                     const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {verb};
+    if (verb == "up") arguments.emplace_back("paper");
+    for (const std::string& word : {Path("sequence"), std::string("--out"), Path(out),
+                                    std::string("--seed"), std::string("3")})
+      arguments.push_back(word);
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+};
+
+TEST_F(UpVerb, MapsAsOneProcessDoesBitForBit) {
+  ASSERT_EQ(Run(Arguments("run", "one.plb")), 0) << Output();
+  ASSERT_EQ(Run(Arguments("up", "five.plb", {"--json", Path("result.json")})), 0) << Output();
+  EXPECT_EQ(Difference("one.plb", "five.plb"), "");
+  EXPECT_EQ(FramesIn("five.plb"), kFrames);
+  const nlohmann::json result = ReadJson(Path("result.json")).value();
+  EXPECT_EQ(result.at("frames"), kFrames);
+  EXPECT_TRUE(result.at("restarts").empty()) << result;
+}
+
+TEST_F(UpVerb, AlsoWhereEdgesAreComputedAndFramesAreLeftOut) {
+  const std::vector<std::string> more = {"--edges", "gradient", "--frames", "3:31:2"};
+  ASSERT_EQ(Run(Arguments("run", "one.plb", more)), 0) << Output();
+  ASSERT_EQ(Run(Arguments("up", "five.plb", more)), 0) << Output();
+  EXPECT_EQ(Difference("one.plb", "five.plb"), "");
+  EXPECT_EQ(FramesIn("five.plb"), 14);
+}
+
+TEST_F(UpVerb, AFrameThatCannotBeReadIsSkippedAsInOneProcess) {
+  ASSERT_TRUE(WriteFileAtomically(Path("sequence/color/000012.jpg"), "no image").ok());
+  ASSERT_TRUE(WriteFileAtomically(Path("sequence/proposals/000015.json"), "no boxes").ok());
+  ASSERT_EQ(Run(Arguments("run", "one.plb")), 0) << Output();
+  ASSERT_EQ(Run(Arguments("up", "five.plb")), 0) << Output();
+  EXPECT_EQ(Difference("one.plb", "five.plb"), "");
+  EXPECT_FALSE(RunReader::Open(Path("five.plb")).value()->ReadFrame(12).value().skipped.empty());
+}
+
+TEST_F(UpVerb, OneLineOfTheGraphSaysWhatRunsWhere) {
+  nlohmann::json graph = ReadJson(SourceDirectory() / "assets/graphs/paper.json").value();
+  graph["nodes"][3].erase("edges");      // the mapper finds edges by itself
+  graph["nodes"][3].erase("proposals");  // and takes recorded boxes from the player
+  graph["nodes"].erase(2);
+  graph["nodes"].erase(1);
+  ASSERT_TRUE(WriteJson(Path("three.json"), graph).ok());
+  ASSERT_EQ(Run(Arguments("run", "one.plb")), 0) << Output();
+  auto arguments = Arguments("up", "three.plb");
+  arguments[1] = Path("three.json");
+  ASSERT_EQ(Run(arguments), 0) << Output();
+  EXPECT_EQ(Difference("one.plb", "three.plb"), "");
+}
+
+TEST_F(UpVerb, EachNodeKilledAtRandomItEndsWithTheSameRun) {
+  ASSERT_EQ(Run(Arguments("run", "one.plb")), 0) << Output();
+  const auto seed = std::chrono::steady_clock::now().time_since_epoch().count();
+  Random random({.seed = static_cast<std::uint64_t>(seed)});
+  std::map<std::string, int> kills;
+  const pid_t up = Start(Arguments("up", "killed.plb", {"--folder", Path("graph")}));
+  const std::vector<std::string> kinds = {"player", "edges", "detector", "mapper", "recorder"};
+  for (std::size_t turn = 0; Running(up) && kills.size() < kinds.size() && turn < 200; ++turn) {
+    std::this_thread::sleep_for(std::chrono::microseconds(random.Index(150000)));
+    const std::string& kind = kinds[turn % kinds.size()];
+    if (FramesIn("killed.plb") == 0 || kills.contains(kind)) continue;
+    for (const pid_t child : ChildrenOf(up)) {
+      if (CommandOf(child).find(" node " + kind + " ") == std::string::npos) continue;
+      if (kill(child, SIGKILL) == 0) ++kills[kind];
+    }
+  }
+  ASSERT_EQ(Wait(up), 0) << Output();
+  EXPECT_GE(kills.size(), 3u) << "it was over too soon";
+  EXPECT_THAT(Output(), testing::HasSubstr("starting it again"));
+  EXPECT_EQ(Difference("one.plb", "killed.plb"), "") << Output();
+}
+
+TEST_F(UpVerb, InterruptedItKeepsWhatIsDoneAndGoesOnInOneProcessOrSeveral) {
+  ASSERT_EQ(Run(Arguments("run", "one.plb")), 0) << Output();
+  const pid_t up = Start(Arguments("up", "stopped.plb"));
+  while (Running(up) && FramesIn("stopped.plb") < 5)
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  kill(up, SIGINT);
+  EXPECT_EQ(Wait(up), 1) << Output();
+  EXPECT_THAT(Output(), testing::HasSubstr("--resume"));
+  const int done = FramesIn("stopped.plb");
+  EXPECT_GE(done, 5);
+  EXPECT_LT(done, kFrames);
+  std::filesystem::copy_file(Path("stopped.plb"), Path("alone.plb"));
+  ASSERT_EQ(Run(Arguments("up", "stopped.plb", {"--resume"})), 0) << Output();
+  EXPECT_EQ(Difference("one.plb", "stopped.plb"), "");
+  ASSERT_EQ(Run(Arguments("run", "alone.plb", {"--resume"})), 0) << Output();
+  EXPECT_EQ(Difference("one.plb", "alone.plb"), "");
+}
+
+TEST_F(UpVerb, WhatCannotWorkIsSaidInTheNodesOwnSentence) {
+  EXPECT_EQ(Run(Arguments("up", "none.plb", {"--detector", Path("none.onnx")})), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("none.onnx"));
+  EXPECT_EQ(Run({"up", "paper", Path("nothing"), "--out", Path("none.plb")}), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("nothing"));
+  EXPECT_FALSE(std::filesystem::exists(Path("none.plb")));
+  EXPECT_EQ(Run(Arguments("up", "none.plb", {"--poses", "vio"})), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("use 'run'"));
+}
+
+TEST_F(UpVerb, ARunningGraphTellsHowItIs) {
+  const pid_t up = Start(Arguments("up", "seen.plb", {"--folder", Path("graph")}));
+  while (Running(up) && FramesIn("seen.plb") < 3)
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  ASSERT_EQ(std::system(("'" + ProgramFile().string() + "' graph '" + Path("graph") +
+                         "' --json '" + Path("state.json") + "' > '" + Path("state.txt") + "'")
+                            .c_str()),
+            0);
+  ASSERT_EQ(Wait(up), 0) << Output();
+  const nlohmann::json state = ReadJson(Path("state.json")).value();
+  ASSERT_EQ(state.at("nodes").size(), 5u);
+  for (const nlohmann::json& node : state.at("nodes")) {
+    ASSERT_TRUE(node.at("answers").get<bool>()) << node.dump(1);
+    EXPECT_EQ(node.at("served").at("refused").at("malformed"), 0);
+  }
+  EXPECT_GT(state.at("nodes")[0].at("served").at("images_shared").get<int>(), 0);
+  EXPECT_EQ(state.at("nodes")[0].at("served").at("images_sent"), 0);
+  EXPECT_THAT(ReadFile(Path("state.txt")).value(), testing::HasSubstr("mapped "));
+}
+
+/// python3 with the three packages that the example needs, and protoc; "" where they are missing.
+std::string ThirdPartyPython(const std::string& schema_folder) {
+  const std::string make =
+      "protoc --proto_path='" + (SourceDirectory() / "engine/transport").string() +
+      "' --python_out='" + schema_folder + "' plumbline.proto && PYTHONPATH='" + schema_folder +
+      "' /usr/bin/python3 -c 'import numpy, zmq, plumbline_pb2' 2> /dev/null";
+  return std::system(make.c_str()) == 0 ? "/usr/bin/python3" : "";
+}
+
+TEST_F(UpVerb, AnotherProgramsDetectorReplacesOurs) {
+  std::filesystem::create_directories(Path("schema"));
+  const std::string python = ThirdPartyPython(Path("schema"));
+  if (python.empty()) GTEST_SKIP() << "python3 with numpy, zmq and protobuf is not here";
+  nlohmann::json graph = ReadJson(SourceDirectory() / "assets/graphs/paper.json").value();
+  const std::string script = (SourceDirectory() / "python/plumbline_node/detector.py").string();
+  graph["nodes"][2] = {{"name", "detector"},
+                       {"kind", "other"},
+                       {"images", "player"},
+                       {"command",
+                        {"env", "PYTHONPATH=" + Path("schema"), python, script, "{endpoint}",
+                         "{images}"}}};
+  ASSERT_TRUE(WriteJson(Path("graph.json"), graph).ok());
+  const auto run = [&](const std::string& out) {
+    auto arguments = Arguments("up", out, {"--folder", Path(out + " graph")});
+    arguments[1] = Path("graph.json");
+    return Start(arguments);
+  };
+  ASSERT_EQ(Wait(run("theirs.plb")), 0) << Output();
+  const auto reader = RunReader::Open(Path("theirs.plb")).value();
+  EXPECT_EQ(ToText(*reader->header().recipe.detector), "process:detector");
+  ASSERT_EQ(reader->NumFrames().value(), kFrames);
+  int boxes = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    for (const ProposalReport& proposal : reader->ReadFrame(i).value().proposals) {
+      EXPECT_EQ(proposal.category, "chair");
+      EXPECT_FLOAT_EQ(proposal.score, 0.6f);
+      ++boxes;
+    }
+  }
+  EXPECT_GT(boxes, kFrames / 2);
+  // It may die, too.
+  const pid_t up = run("killed.plb");
+  while (Running(up) && FramesIn("killed.plb") < 5)
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  for (const pid_t child : ChildrenOf(up))
+    if (CommandOf(child).find("detector.py") != std::string::npos) kill(child, SIGKILL);
+  ASSERT_EQ(Wait(up), 0) << Output();
+  EXPECT_EQ(Difference("theirs.plb", "killed.plb"), "");
+}
+
+}  // namespace
+}  // namespace plumbline
