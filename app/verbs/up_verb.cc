@@ -95,6 +95,11 @@ Status Up(UpArguments& arguments) {
   const Stopwatch watch;
   const Result<GraphRunEnd> end = RunGraph(*plan, options, work);
   const double seconds = watch.Milliseconds() / 1000;
+  // What a node that failed has said is kept.
+  if (arguments.folder.empty() && (end.ok() || console.interrupted())) {
+    std::error_code ignored;
+    std::filesystem::remove_all(*folder, ignored);
+  }
   if (console.interrupted()) {
     return Error{ErrorCode::kCancelled,
                  "stopped; '" + arguments.out + "' keeps what was done, --resume goes on with it"};
@@ -115,10 +120,6 @@ Status Up(UpArguments& arguments) {
                 frames / seconds, plan->nodes.size());
     if (restarts > 0) std::printf(", %d started again", restarts);
     std::printf("; wrote %s\n", arguments.out.c_str());
-  }
-  if (arguments.folder.empty()) {
-    std::error_code ignored;
-    std::filesystem::remove_all(*folder, ignored);
   }
   return arguments.json.empty() ? Status() : WriteJsonResult(arguments.json, json);
 }
