@@ -25,14 +25,14 @@ Status ShowGraph(const GraphArguments& arguments) {
   if (!plan.ok()) return plan.error();
   if (plan->folder.empty()) {
     return Error{ErrorCode::kInvalidInput,
-                 "'" + arguments.graph + "' is not running; name the folder that 'plumbline up' "
-                                         "told when it started"};
+                 "'" + arguments.graph +
+                     "' is not running; name the folder that 'plumbline up' "
+                     "told when it started"};
   }
   std::stop_source stop;
   const Interrupts interrupts([&stop] { stop.request_stop(); });
   while (true) {
-    const auto states =
-        AskGraph(*plan, arguments.name, arguments.patience_s, stop.get_token());
+    const auto states = AskGraph(*plan, arguments.name, arguments.patience_s, stop.get_token());
     if (!states.ok()) return states.error();
     if (arguments.json != "-") std::printf("%s\n", GraphInWords(*states).c_str());
     std::fflush(stdout);
@@ -55,8 +55,7 @@ void AddGraphVerb(CLI::App& app, VerbFunction& chosen) {
   auto arguments = std::make_shared<GraphArguments>();
   CLI::App* verb = app.add_subcommand(
       "graph", "Show a running graph: its nodes, rates, latencies, and what was dropped");
-  verb->add_option("graph", arguments->graph,
-                   "The folder that 'up' told, or the graph.json in it")
+  verb->add_option("graph", arguments->graph, "The folder that 'up' told, or the graph.json in it")
       ->required();
   verb->add_option("--watch", arguments->watch_s, "Again every so many seconds, until Ctrl-C")
       ->check(CLI::Range(0.1, 3600.0));

@@ -24,14 +24,14 @@ Status RunOneNode(const NodeArguments& arguments) {
   }
   NodeSetup setup;
   for (const GraphNode& node : plan->nodes) {
-    const bool meant = arguments.name.empty() ? NameOf(node.kind) == arguments.kind
-                                              : node.name == arguments.name;
+    const bool meant =
+        arguments.name.empty() ? NameOf(node.kind) == arguments.kind : node.name == arguments.name;
     if (meant && NameOf(node.kind) == arguments.kind && setup.node.name.empty()) setup.node = node;
   }
   if (setup.node.name.empty()) {
-    return Error{ErrorCode::kNotFound, "'" + arguments.graph + "' has no " + arguments.kind +
-                                           (arguments.name.empty() ? "" : " '" + arguments.name +
-                                                                              "'")};
+    return Error{ErrorCode::kNotFound,
+                 "'" + arguments.graph + "' has no " + arguments.kind +
+                     (arguments.name.empty() ? "" : " '" + arguments.name + "'")};
   }
   setup.plan = std::move(plan).value();
   setup.program_version = PLUMBLINE_VERSION;

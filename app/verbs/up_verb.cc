@@ -36,8 +36,8 @@ Result<std::filesystem::path> NewGraphFolder() {
   if (runtime != nullptr && std::filesystem::is_directory(runtime, error)) place = runtime;
   std::string name = (place / "plumbline-XXXXXX").string();
   if (::mkdtemp(name.data()) != nullptr) return std::filesystem::path(name);
-  return Error{ErrorCode::kIo, "cannot make a folder in '" + place.string() +
-                                   "'; name another with --folder"};
+  return Error{ErrorCode::kIo,
+               "cannot make a folder in '" + place.string() + "'; name another with --folder"};
 }
 
 Result<std::filesystem::path> GraphFolder(const std::string& wanted) {
@@ -95,9 +95,14 @@ Status Up(UpArguments& arguments) {
   const Stopwatch watch;
   const Result<GraphRunEnd> end = RunGraph(*plan, options, work);
   const double seconds = watch.Milliseconds() / 1000;
+  // What a node that failed has said is kept.
+  if (arguments.folder.empty() && (end.ok() || console.interrupted())) {
+    std::error_code ignored;
+    std::filesystem::remove_all(*folder, ignored);
+  }
   if (console.interrupted()) {
-    return Error{ErrorCode::kCancelled, "stopped; '" + arguments.out +
-                                            "' keeps what was done, --resume goes on with it"};
+    return Error{ErrorCode::kCancelled,
+                 "stopped; '" + arguments.out + "' keeps what was done, --resume goes on with it"};
   }
   if (!end.ok()) return end.error();
   const int frames = FramesRecorded(plan->out);
@@ -115,10 +120,6 @@ Status Up(UpArguments& arguments) {
                 frames / seconds, plan->nodes.size());
     if (restarts > 0) std::printf(", %d started again", restarts);
     std::printf("; wrote %s\n", arguments.out.c_str());
-  }
-  if (arguments.folder.empty()) {
-    std::error_code ignored;
-    std::filesystem::remove_all(*folder, ignored);
   }
   return arguments.json.empty() ? Status() : WriteJsonResult(arguments.json, json);
 }
@@ -138,8 +139,9 @@ void AddUpVerb(CLI::App& app, VerbFunction& chosen) {
   arguments->pipeline.AddTo(*verb);
   arguments->pipeline.AddLiveTo(*verb);
   verb->add_flag("--resume", arguments->resume, "Resume the run in --out, if it exists");
-  verb->add_option("--folder", arguments->folder,
-                   "Where sockets and logs lie; kept (default: a new one, removed if all went well)");
+  verb->add_option(
+      "--folder", arguments->folder,
+      "Where sockets and logs lie; kept (default: a new one, removed if all went well)");
   verb->add_option("--json", arguments->json, "Write the result here; - for standard output");
   verb->callback([arguments, &chosen] { chosen = [arguments] { return Up(*arguments); }; });
 }

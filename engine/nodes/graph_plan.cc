@@ -92,9 +92,9 @@ void CheckWiring(const GraphPlan& plan) {
       if (found == nullptr)
         throw std::runtime_error("\"" + std::string(input.key) + "\" of '" + node.name +
                                  "' names the node '" + name + "', which is not there");
-      const bool fits = found->kind == NodeKind::kOther ||
-                        std::find(input.kinds.begin(), input.kinds.end(), found->kind) !=
-                            input.kinds.end();
+      const bool fits =
+          found->kind == NodeKind::kOther ||
+          std::find(input.kinds.begin(), input.kinds.end(), found->kind) != input.kinds.end();
       if (!fits)
         throw std::runtime_error("\"" + std::string(input.key) + "\" of '" + node.name +
                                  "' names '" + name + "', a " + std::string(NameOf(found->kind)) +
@@ -155,9 +155,9 @@ Result<GraphPlan> GraphFromJson(const nlohmann::json& json) {
     CheckKeys(json, {"version", "note", "nodes", "keys", "recipe", "out", "resume", "folder"});
     const int version = IntFromJson(json.at("version"));
     if (version != kGraphVersion) {
-      return Error{ErrorCode::kUnsupported,
-                   "it is a graph of version " + std::to_string(version) +
-                       ", and this program reads version " + std::to_string(kGraphVersion)};
+      return Error{ErrorCode::kUnsupported, "it is a graph of version " + std::to_string(version) +
+                                                ", and this program reads version " +
+                                                std::to_string(kGraphVersion)};
     }
     for (const nlohmann::json& node : json.at("nodes")) {
       if (plan.nodes.size() >= kMostNodes) throw std::runtime_error("it has too many nodes");

@@ -90,8 +90,13 @@ class GraphRunner {
 
   std::vector<std::string> WordsFor(const GraphNode& node) const {
     if (node.command.empty())
-      return {options_.program.string(), "node",          std::string(NameOf(node.kind)), "--graph",
-              options_.graph_file.string(), "--name", node.name};
+      return {options_.program.string(),
+              "node",
+              std::string(NameOf(node.kind)),
+              "--graph",
+              options_.graph_file.string(),
+              "--name",
+              node.name};
     std::vector<std::string> words = node.command;
     const GraphNode* images = plan_.Find(node.images);
     for (std::string& word : words) {
@@ -118,10 +123,9 @@ class GraphRunner {
       const std::string how = "the node '" + node.name + "' " + InWords(*end);
       if (end->signal == 0 && ++failures >= kMostFailures) {
         const std::string why = LastLineOf(log);
-        return Fail({ErrorCode::kInvalidInput,
-                     how + " " + std::to_string(failures) + " times" +
-                         (why.empty() ? "" : "; it last said: " + why) + " (" + log.string() +
-                         ")"});
+        return Fail({ErrorCode::kInvalidInput, how + " " + std::to_string(failures) + " times" +
+                                                   (why.empty() ? "" : "; it last said: " + why) +
+                                                   " (" + log.string() + ")"});
       }
       options_.tell(how + "; starting it again");
       {

@@ -13,7 +13,7 @@
 namespace plumbline {
 
 struct GraphRunOptions {
-  std::filesystem::path program;  ///< Ours, which the nodes are started with.
+  std::filesystem::path program;     ///< Ours, which the nodes are started with.
   std::filesystem::path graph_file;  ///< The resolved plan, for the nodes.
   /// Told of what happens, one line each, from several threads.
   std::function<void(const std::string&)> tell = [](const std::string&) {};

@@ -40,9 +40,9 @@ std::string NodeInWords(const NodeState& state) {
                       static_cast<unsigned long long>(stream.dropped()));
   for (const wire::Peer& peer : about.peers())
     text += Formatted(
-        "             asks %-10s %6llu requests, waits %.1f ms, %.1f MB%s%s\n",
-        peer.name().c_str(), static_cast<unsigned long long>(peer.requests()),
-        peer.mean_wait_ms(), static_cast<double>(peer.bytes_in()) / 1e6,
+        "             asks %-10s %6llu requests, waits %.1f ms, %.1f MB%s%s\n", peer.name().c_str(),
+        static_cast<unsigned long long>(peer.requests()), peer.mean_wait_ms(),
+        static_cast<double>(peer.bytes_in()) / 1e6,
         peer.asked_again() > 0
             ? Formatted(", %llu asked again", static_cast<unsigned long long>(peer.asked_again()))
                   .c_str()

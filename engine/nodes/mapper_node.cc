@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <condition_variable>
 #include <deque>
 #include <limits>
@@ -114,9 +115,8 @@ class ReportShelf {
       return true;
     }
     if (after < forgotten_) {
-      reply = RefusalOf({ErrorCode::kNotFound,
-                         "the report after frame " + std::to_string(after) +
-                             " is not here any more; the run file has it"});
+      reply = RefusalOf({ErrorCode::kNotFound, "the report after frame " + std::to_string(after) +
+                                                   " is not here any more; the run file has it"});
       return true;
     }
     const auto next =
@@ -144,8 +144,8 @@ class ReportShelf {
 
 /// What a node says that it finds things with. Another program's has a name at least.
 template <typename Source>
-Result<InputChoice<Source>> ChoiceOf(NodeClient& node, const GraphNode& described,
-                                     Source with_file, const std::stop_token& stop) {
+Result<InputChoice<Source>> ChoiceOf(NodeClient& node, const GraphNode& described, Source with_file,
+                                     const std::stop_token& stop) {
   while (true) {
     wire::Request request;
     request.mutable_about();
@@ -216,8 +216,7 @@ class MapperProcess {
       link_.SetState("waiting for '" + node.edges + "'");
       const Result<NodeClient*> edges = link_.Ask(node.edges);
       if (!edges.ok()) return edges.error();
-      auto choice =
-          ChoiceOf(**edges, *setup_.plan.Find(node.edges), EdgeSource::kNetwork, stop_);
+      auto choice = ChoiceOf(**edges, *setup_.plan.Find(node.edges), EdgeSource::kNetwork, stop_);
       if (!choice.ok()) return choice.error();
       parts.edge_choice = std::move(choice).value();
       parts.edges = MakeRemoteEdgeDetector(**edges, ahead, stop_);
@@ -246,8 +245,8 @@ class MapperProcess {
     if (!reply.ok()) return reply.error();
     const wire::Resume& resume = (*reply)->resume();
     if (!resume.has_frames()) return {};
-    const auto last = ReportFromWire(
-        resume.last(), static_cast<int>(pipeline.database()->models().size()));
+    const auto last =
+        ReportFromWire(resume.last(), static_cast<int>(pipeline.database()->models().size()));
     if (!last.ok()) return last.error();
     link_.SetState("going on after frame " + std::to_string(last->frame));
     MapperOptions options = pipeline.recipe().options;
@@ -278,12 +277,15 @@ class MapperProcess {
       if (stop_.stop_requested()) return {};
       const FrameReport& report = (*snapshot)->report;
       mapped.Count(sequence_->AgeMs(report.frame).value_or(0));
+      std::string state = "mapped " + std::to_string((*pipeline)->num_done()) + " of " +
+                          std::to_string(selected) + " frames";
       if (const auto live = (*pipeline)->live()) {
         mapped.Drop(live->passed_over - passed_over);
         passed_over = live->passed_over;
+        state += ", passed over " + std::to_string(passed_over) + ", an image was " +
+                 std::to_string(std::lround(live->done_age_ms)) + " ms old when it was mapped";
       }
-      link_.SetState("mapped " + std::to_string((*pipeline)->num_done()) + " of " +
-                     std::to_string(selected) + " frames");
+      link_.SetState(state);
       if (!shelf_.Put(report, (*pipeline)->num_done(), selected, stop_)) return {};
     }
     if (stop_.stop_requested()) return {};

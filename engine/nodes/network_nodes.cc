@@ -30,8 +30,7 @@ Result<ImageNode> OpenImageNode(const NodeSetup& setup) {
   node.link->SetState("waiting for '" + setup.node.images + "'");
   const Result<NodeClient*> player = node.link->Ask(setup.node.images);
   if (!player.ok()) return player.error();
-  auto sequence =
-      RemoteSequence::Open(**player, FramesOf(*setup.plan.recipe), setup.work.stop);
+  auto sequence = RemoteSequence::Open(**player, FramesOf(*setup.plan.recipe), setup.work.stop);
   if (!sequence.ok()) return sequence.error();
   node.sequence = std::move(sequence).value();
   return node;
@@ -76,8 +75,8 @@ Status ServeEdges(const NodeSetup& setup) {
   if (Status status = CompleteFile(choice); !status.ok()) return status;
   if (choice.source == EdgeSource::kBuiltin || choice.source == EdgeSource::kBuiltinHalf)
     choice.hash = HashOfBuiltinEdges(choice.source == EdgeSource::kBuiltinHalf);
-  link.SetChoice(ChoiceText(
-      choice, EnumNames<EdgeSource>::names[static_cast<std::size_t>(choice.source)]));
+  link.SetChoice(
+      ChoiceText(choice, EnumNames<EdgeSource>::names[static_cast<std::size_t>(choice.source)]));
   StreamMeter& found = link.AddStream("edges");
   FrameAnswers<FoundEdges> answers(kEdgesKept);
   link.SetState("ready");

@@ -64,8 +64,7 @@ void NodeLink::Board::Tell(wire::About& about) {
   about.set_kind(kind);
   about.set_program(program);
   about.set_process(::getpid());
-  about.set_up_s(
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count());
+  about.set_up_s(std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count());
   about.set_cpu_s(CpuSeconds());
   about.set_resident_bytes(ResidentBytes());
   wire::Served& served = *about.mutable_served();
@@ -117,8 +116,7 @@ NodeLink::~NodeLink() {
 
 Result<NodeClient*> NodeLink::Ask(const std::string& name) {
   const GraphNode* node = plan_.Find(name);
-  if (node == nullptr)
-    return Error{ErrorCode::kNotFound, "the graph has no node '" + name + "'"};
+  if (node == nullptr) return Error{ErrorCode::kNotFound, "the graph has no node '" + name + "'"};
   const Result<Endpoint> endpoint = Endpoint::Parse(node->endpoint);
   if (!endpoint.ok()) return endpoint.error();
   Result<std::unique_ptr<NodeClient>> client = NodeClient::Connect(context_, name, *endpoint);
@@ -154,7 +152,7 @@ void NodeLink::Serve(const std::stop_token& stop,
 }
 
 Error DoesNotAnswer(const wire::Request& request, const GraphNode& node) {
-  static constexpr const char* kAsked[] = {"about",  "sequence", "images", "edges",  "proposals",
+  static constexpr const char* kAsked[] = {"about",  "sequence", "images",  "edges",  "proposals",
                                            "scores", "header",   "reports", "resume", "map"};
   const int index = static_cast<int>(request.what_case()) - static_cast<int>(wire::Request::kAbout);
   const bool known = index >= 0 && index < static_cast<int>(std::size(kAsked));

@@ -9,7 +9,8 @@ namespace plumbline {
 
 // The modules as processes. Each runs until its work is asked to stop, and then ends without an
 // error; the recorder ends without one when the run has ended, and with kCancelled where it was
-// stopped before. Errors: what it cannot begin with, in one sentence. docs/processes.md says what each answers.
+// stopped before. Errors: what it cannot begin with, in one sentence. docs/processes.md says what
+// each answers.
 
 /// Plays the sequence of the recipe: stamps, poses, images, edges and proposals that were recorded.
 Status RunPlayerNode(const NodeSetup& setup);

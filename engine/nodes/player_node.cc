@@ -44,9 +44,9 @@ class Player {
  private:
   Status CheckFrame(int frame) const {
     if (frame >= 0 && frame < sequence_->num_frames()) return {};
-    return Error{ErrorCode::kInvalidInput,
-                 "frame " + std::to_string(frame) + " was asked for; the sequence has " +
-                     std::to_string(sequence_->num_frames())};
+    return Error{ErrorCode::kInvalidInput, "frame " + std::to_string(frame) +
+                                               " was asked for; the sequence has " +
+                                               std::to_string(sequence_->num_frames())};
   }
 
   Result<wire::Reply> Image(const wire::Request& request) {

@@ -48,8 +48,8 @@ class RecorderProcess {
   Status OpenRun(const std::string& json) {
     Result<RunHeader> header = HeaderFromJson(ParseJson(json));
     if (!header.ok())
-      return Error{header.error().code, "the mapper sent a run whose header is none: " +
-                                            header.error().message};
+      return Error{header.error().code,
+                   "the mapper sent a run whose header is none: " + header.error().message};
     num_models_ = static_cast<int>(header->models.size());
     std::error_code ignored;
     const bool go_on = std::filesystem::exists(out_, ignored) &&
@@ -82,14 +82,13 @@ class RecorderProcess {
       Result<FrameReport> report = ReportFromWire(message, num_models_);
       if (!report.ok()) return report.error();
       if (report->frame <= handed_)
-        return Error{ErrorCode::kCorrupt, "the mapper sent frame " +
-                                              std::to_string(report->frame) + " again"};
+        return Error{ErrorCode::kCorrupt,
+                     "the mapper sent frame " + std::to_string(report->frame) + " again"};
       ShareParticles(message, *report);
       // As in one process, a frame whose image cannot be read has no picture.
-      const Result<cv::Mat> image =
-          TakePixels(images, report->frame, stop_, [](const wire::Reply& answer) {
-            return PixelsFromWire(answer.image().pixels());
-          });
+      const Result<cv::Mat> image = TakePixels(
+          images, report->frame, stop_,
+          [](const wire::Reply& answer) { return PixelsFromWire(answer.image().pixels()); });
       if (!image.ok() && image.error().code == ErrorCode::kCancelled) return image.error();
       {
         const std::lock_guard lock(mutex_);

@@ -13,7 +13,8 @@ namespace plumbline {
 namespace {
 
 Error BadSequence(const std::string& what) {
-  return {ErrorCode::kCorrupt, "the player sent a sequence whose " + what + "; is it another program's?"};
+  return {ErrorCode::kCorrupt,
+          "the player sent a sequence whose " + what + "; is it another program's?"};
 }
 
 bool IsFinite(std::initializer_list<double> values) {
@@ -169,10 +170,10 @@ Result<Frame> RemoteSequence::ReadFrame(int index) const {
       TakePixels(*images_, index, stop_, [&](const wire::Reply& reply) -> Result<cv::Mat> {
         Result<cv::Mat> pixels = PixelsFromWire(reply.image().pixels());
         if (!pixels.ok()) return pixels;
-        if (pixels->size() != cv::Size(camera_.width, camera_.height) ||
-            pixels->type() != CV_8UC3)
-          return Error{ErrorCode::kCorrupt, "the player sent an image of another size than its "
-                                            "camera has, or not in colour"};
+        if (pixels->size() != cv::Size(camera_.width, camera_.height) || pixels->type() != CV_8UC3)
+          return Error{ErrorCode::kCorrupt,
+                       "the player sent an image of another size than its "
+                       "camera has, or not in colour"};
         return pixels;
       });
   if (!image.ok()) return image.error();
@@ -201,9 +202,8 @@ Result<cv::Mat> RemoteSequence::ReadRawImage(int index) const {
 Result<std::optional<EdgeMap>> RemoteSequence::ReadEdges(int index) const {
   PLB_CHECK(edges_ != nullptr);
   if (!has_edges_) return std::optional<EdgeMap>();
-  Result<EdgeMap> edges = TakePixels(*edges_, index, stop_, [](const wire::Reply& reply) {
-    return EdgesFromWire(reply.edges());
-  });
+  Result<EdgeMap> edges = TakePixels(
+      *edges_, index, stop_, [](const wire::Reply& reply) { return EdgesFromWire(reply.edges()); });
   if (!edges.ok()) {
     if (edges.error().code == ErrorCode::kNotFound) return std::optional<EdgeMap>();
     return edges.error();

@@ -10,9 +10,9 @@ namespace plumbline {
 namespace {
 
 Error BadReport(int frame) {
-  return {ErrorCode::kCorrupt,
-          "the mapper's report of frame " + std::to_string(frame) + " cannot be read; is it of "
-          "another version?"};
+  return {ErrorCode::kCorrupt, "the mapper's report of frame " + std::to_string(frame) +
+                                   " cannot be read; is it of "
+                                   "another version?"};
 }
 
 }  // namespace

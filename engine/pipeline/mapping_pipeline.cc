@@ -262,8 +262,7 @@ struct MappingPipeline::Impl {
   }
 
   static Result<std::unique_ptr<MappingPipeline>> Open(const RunRecipe& recipe,
-                                                       const WorkContext& work,
-                                                       PipelineParts parts,
+                                                       const WorkContext& work, PipelineParts parts,
                                                        std::shared_ptr<const OwnPoses> own_poses);
   std::shared_ptr<MapSnapshot> Map(Prepared& prepared);
   /// The map as the last used frame left it.
@@ -303,8 +302,9 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
   return Impl::Open(recipe, work, {}, std::move(own_poses));
 }
 
-Result<std::unique_ptr<MappingPipeline>> MappingPipeline::OpenWith(
-    PipelineParts parts, const RunRecipe& recipe, const WorkContext& work) {
+Result<std::unique_ptr<MappingPipeline>> MappingPipeline::OpenWith(PipelineParts parts,
+                                                                   const RunRecipe& recipe,
+                                                                   const WorkContext& work) {
   return Impl::Open(recipe, work, std::move(parts), {});
 }
 

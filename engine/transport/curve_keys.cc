@@ -67,7 +67,7 @@ Result<CurveKeys> ReadCurveKeys(const std::filesystem::path& folder, const std::
   CurveKeys keys;
   keys.own_name = name;
   const std::filesystem::path secret = folder / (name + ".secret");
-  struct stat state{};
+  struct stat state {};
   if (::stat(secret.c_str(), &state) != 0) {
     return Error{ErrorCode::kNotFound, "'" + secret.string() +
                                            "' is not there; make it with 'plumbline keys " + name +

@@ -23,9 +23,8 @@ Error WrongEndpoint(std::string_view text, const std::string& why) {
 bool IsLoopback(std::string_view host) {
   if (host == "localhost" || host == "[::1]") return true;
   const auto dots = std::count(host.begin(), host.end(), '.');
-  const bool numeric = std::all_of(host.begin(), host.end(), [](unsigned char c) {
-    return std::isdigit(c) != 0 || c == '.';
-  });
+  const bool numeric = std::all_of(
+      host.begin(), host.end(), [](unsigned char c) { return std::isdigit(c) != 0 || c == '.'; });
   return numeric && dots == 3 && host.substr(0, 4) == "127.";
 }
 
@@ -33,9 +32,8 @@ bool IsLoopback(std::string_view host) {
 
 Result<Endpoint> Endpoint::Parse(std::string_view text) {
   constexpr std::string_view kIpc = "ipc://", kTcp = "tcp://";
-  const bool printable = std::all_of(text.begin(), text.end(), [](unsigned char c) {
-    return c > ' ' && c != 0x7f;
-  });
+  const bool printable =
+      std::all_of(text.begin(), text.end(), [](unsigned char c) { return c >= ' ' && c != 0x7f; });
   if (!printable) return WrongEndpoint(text, "has characters that no address has");
   if (text.substr(0, kIpc.size()) == kIpc) {
     const std::string_view file = text.substr(kIpc.size());
@@ -56,7 +54,7 @@ Result<Endpoint> Endpoint::Parse(std::string_view text) {
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
   if (error != std::errc() || end != digits.data() + digits.size() || port == 0 || port > 65535)
     return WrongEndpoint(text, "has no port from 1 to 65535");
-  if (host.find_first_of("/;@") != std::string_view::npos)
+  if (host.find_first_of("/;@ ") != std::string_view::npos)
     return WrongEndpoint(text, "has no host");
   return Endpoint(std::string(text), IsLoopback(host));
 }

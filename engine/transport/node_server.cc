@@ -5,9 +5,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
-#include <algorithm>
 #include <deque>
 #include <limits>
 #include <map>
@@ -32,7 +32,8 @@ constexpr std::size_t kMostPeers = 256;
 /// Requests of one connection.
 struct PeerLoad {
   std::set<std::uint64_t> open;
-  double tokens = std::numeric_limits<double>::max();  ///< Of a bucket that holds those of a second.
+  double tokens =
+      std::numeric_limits<double>::max();  ///< Of a bucket that holds those of a second.
   ServerClock::time_point filled = ServerClock::now();
   ServerClock::time_point heard = ServerClock::now();
 
@@ -68,8 +69,7 @@ class NodeServer::Impl {
 
   Status Listen(const Endpoint& endpoint) {
     try {
-      if (Status status = context_->PrepareToListen(socket_, endpoint); !status.ok())
-        return status;
+      if (Status status = context_->PrepareToListen(socket_, endpoint); !status.ok()) return status;
       // What a peer that does not read may leave here is bounded by what it may ask for.
       socket_.set(zmq::sockopt::sndhwm, static_cast<int>(options_.most_open) * 2);
       socket_.bind(endpoint.text());
@@ -146,8 +146,7 @@ class NodeServer::Impl {
   }
 
   void Send(const std::string& peer, const std::string& bytes) {
-    const zmq::const_buffer parts[] = {zmq::buffer(peer), zmq::const_buffer(),
-                                       zmq::buffer(bytes)};
+    const zmq::const_buffer parts[] = {zmq::buffer(peer), zmq::const_buffer(), zmq::buffer(bytes)};
     // To a peer that is gone or does not read: dropped; it asks again when it is back.
     socket_.send(parts[0], zmq::send_flags::sndmore | zmq::send_flags::dontwait);
     socket_.send(parts[1], zmq::send_flags::sndmore | zmq::send_flags::dontwait);

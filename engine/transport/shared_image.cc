@@ -75,7 +75,7 @@ Result<std::shared_ptr<const SharedImage>> SharedImage::Create(const cv::Mat& im
   for (int row = 0; row < image.rows; ++row)
     std::memcpy(static_cast<char*>(pages) + row * row_bytes, image.ptr(row), row_bytes);
   ::munmap(pages, bytes);
-  struct stat state{};
+  struct stat state {};
   if (::fcntl(shared->descriptor_, F_ADD_SEALS, kSeals) != 0 ||
       ::fstat(shared->descriptor_, &state) != 0)
     return no_room;
@@ -106,11 +106,11 @@ Result<cv::Mat> MapSharedImage(const wire::SharedMemory& name, const cv::Size& s
   if (name.bytes() != bytes || bytes == 0)
     return Error{ErrorCode::kCorrupt, "a shared image has another size than it says"};
   const Error gone = {ErrorCode::kNotFound, "a shared image is gone"};
-  const std::string file = "/proc/" + std::to_string(name.process()) + "/fd/" +
-                           std::to_string(name.file());
+  const std::string file =
+      "/proc/" + std::to_string(name.process()) + "/fd/" + std::to_string(name.file());
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (descriptor < 0) return gone;
-  struct stat state{};
+  struct stat state {};
   // Whoever sealed it against shrinking cannot make reading it end this program.
   const int seals = ::fcntl(descriptor, F_GET_SEALS);
   Result<cv::Mat> image = gone;

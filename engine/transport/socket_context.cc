@@ -66,11 +66,10 @@ struct SocketContext::Impl {
         if (!let_in && refused++ < 10)
           log::warn("a peer at {} was refused: its key is not known", asked[3].to_string());
         std::vector<zmq::message_t> answer;
-        for (const std::string_view part :
-             {std::string_view("1.0"), asked[1].to_string_view(),
-              std::string_view(let_in ? "200" : "400"),
-              std::string_view(let_in ? "" : "this key is not known"), std::string_view(),
-              std::string_view()})
+        for (const std::string_view part : {std::string_view("1.0"), asked[1].to_string_view(),
+                                            std::string_view(let_in ? "200" : "400"),
+                                            std::string_view(let_in ? "" : "this key is not known"),
+                                            std::string_view(), std::string_view()})
           answer.emplace_back(part.data(), part.size());
         zmq::send_multipart(socket, answer);
       }
@@ -128,8 +127,9 @@ Status SocketContext::PrepareToAsk(zmq::socket_t& socket, const Endpoint& endpoi
   if (!impl_->keys) return endpoint.is_local() ? Status() : Status(NeedsKeys(endpoint));
   const auto found = impl_->keys->public_of.find(peer);
   if (found == impl_->keys->public_of.end()) {
-    return Error{ErrorCode::kNotFound, "there is no public key of the node '" + peer +
-                                           "' (" + peer + ".public) in the folder of keys; copy "
+    return Error{ErrorCode::kNotFound, "there is no public key of the node '" + peer + "' (" +
+                                           peer +
+                                           ".public) in the folder of keys; copy "
                                            "it from where it was made"};
   }
   socket.set(zmq::sockopt::curve_serverkey, found->second);

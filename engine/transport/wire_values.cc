@@ -6,7 +6,6 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-
 namespace plumbline {
 namespace {
 
@@ -64,8 +63,7 @@ Result<wire::Pixels> SendablePixels::For(const wire::Request& request) {
   ++counts_->sent;
   if (request.plain_pixels()) {
     std::string& plain = *pixels.mutable_plain();
-    for (int row = 0; row < image_.rows; ++row)
-      plain.append(image_.ptr<char>(row), row_bytes);
+    for (int row = 0; row < image_.rows; ++row) plain.append(image_.ptr<char>(row), row_bytes);
     counts_->copied_bytes += bytes;
     return pixels;
   }
@@ -201,8 +199,7 @@ Result<std::vector<Detection>> ProposalsFromWire(const wire::Proposals& proposal
                          std::isfinite(row.x1()) && std::isfinite(row.y1());
     if (!numbers || !(row.score() >= 0 && row.score() <= 1))
       return BadMessage("a box that is none");
-    detections.push_back(
-        {{row.x0(), row.y0(), row.x1(), row.y1()}, row.category(), row.score()});
+    detections.push_back({{row.x0(), row.y0(), row.x1(), row.y1()}, row.category(), row.score()});
   }
   return detections;
 }

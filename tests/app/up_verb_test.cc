@@ -14,6 +14,7 @@
 #include "engine/mapping/map_report.h"
 #include "engine/recording/run_file.h"
 #include "tests/app/graph_run.h"
+#include "tests/support/tiny_network.h"
 
 namespace plumbline {
 namespace {
@@ -52,6 +53,24 @@ TEST_F(UpVerb, AlsoWhereEdgesAreComputedAndFramesAreLeftOut) {
   ASSERT_EQ(Run(Arguments("up", "five.plb", more)), 0) << Output();
   EXPECT_EQ(Difference("one.plb", "five.plb"), "");
   EXPECT_EQ(FramesIn("five.plb"), 14);
+}
+
+TEST_F(UpVerb, AlsoWhereNetworksFindEdgesAndScoreBoxes) {
+  // Sees a chair in every cell of its grids.
+  WriteTinyNetwork(Path("chairs.onnx"), {.kind = NetworkKind::kYolov8,
+                                         .width = 96,
+                                         .height = 96,
+                                         .categories = 80,
+                                         .best_category = 56});
+  ASSERT_EQ(Run({"networks", "check", Path("chairs.onnx"), "--write"}), 0) << Output();
+  const std::vector<std::string> more = {"--detector",   Path("chairs.onnx"), "--edges",
+                                         "builtin-half", "--frames",          "0:8"};
+  ASSERT_EQ(Run(Arguments("run", "one.plb", more)), 0) << Output();
+  ASSERT_EQ(Run(Arguments("up", "five.plb", more)), 0) << Output();
+  EXPECT_EQ(Difference("one.plb", "five.plb"), "");
+  const FrameReport last = RunReader::Open(Path("five.plb")).value()->LastFrame().value();
+  EXPECT_FALSE(last.proposals.empty());
+  EXPECT_FALSE(last.objects.empty()) << "nothing was scored";
 }
 
 TEST_F(UpVerb, AFrameThatCannotBeReadIsSkippedAsInOneProcess) {
@@ -131,8 +150,8 @@ TEST_F(UpVerb, ARunningGraphTellsHowItIs) {
   const pid_t up = Start(Arguments("up", "seen.plb", {"--folder", Path("graph")}));
   while (Running(up) && FramesIn("seen.plb") < 3)
     std::this_thread::sleep_for(std::chrono::milliseconds(3));
-  ASSERT_EQ(std::system(("'" + ProgramFile().string() + "' graph '" + Path("graph") +
-                         "' --json '" + Path("state.json") + "' > '" + Path("state.txt") + "'")
+  ASSERT_EQ(std::system(("'" + ProgramFile().string() + "' graph '" + Path("graph") + "' --json '" +
+                         Path("state.json") + "' > '" + Path("state.txt") + "'")
                             .c_str()),
             0);
   ASSERT_EQ(Wait(up), 0) << Output();
@@ -149,10 +168,10 @@ TEST_F(UpVerb, ARunningGraphTellsHowItIs) {
 
 /// python3 with the three packages that the example needs, and protoc; "" where they are missing.
 std::string ThirdPartyPython(const std::string& schema_folder) {
-  const std::string make =
-      "protoc --proto_path='" + (SourceDirectory() / "engine/transport").string() +
-      "' --python_out='" + schema_folder + "' plumbline.proto && PYTHONPATH='" + schema_folder +
-      "' /usr/bin/python3 -c 'import numpy, zmq, plumbline_pb2' 2> /dev/null";
+  const std::string make = "protoc --proto_path='" +
+                           (SourceDirectory() / "engine/transport").string() + "' --python_out='" +
+                           schema_folder + "' plumbline.proto && PYTHONPATH='" + schema_folder +
+                           "' /usr/bin/python3 -c 'import numpy, zmq, plumbline_pb2' 2> /dev/null";
   return std::system(make.c_str()) == 0 ? "/usr/bin/python3" : "";
 }
 
@@ -162,12 +181,12 @@ TEST_F(UpVerb, AnotherProgramsDetectorReplacesOurs) {
   if (python.empty()) GTEST_SKIP() << "python3 with numpy, zmq and protobuf is not here";
   nlohmann::json graph = ReadJson(SourceDirectory() / "assets/graphs/paper.json").value();
   const std::string script = (SourceDirectory() / "python/plumbline_node/detector.py").string();
-  graph["nodes"][2] = {{"name", "detector"},
-                       {"kind", "other"},
-                       {"images", "player"},
-                       {"command",
-                        {"env", "PYTHONPATH=" + Path("schema"), python, script, "{endpoint}",
-                         "{images}"}}};
+  graph["nodes"][2] = {
+      {"name", "detector"},
+      {"kind", "other"},
+      {"images", "player"},
+      {"command",
+       {"env", "PYTHONPATH=" + Path("schema"), python, script, "{endpoint}", "{images}"}}};
   ASSERT_TRUE(WriteJson(Path("graph.json"), graph).ok());
   const auto run = [&](const std::string& out) {
     auto arguments = Arguments("up", out, {"--folder", Path(out + " graph")});

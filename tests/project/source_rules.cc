@@ -19,11 +19,10 @@ struct Include {
 /// The modules of the engine from the lowest layer up. Those of one layer do not include one
 /// another, except as `MayUseSibling` says.
 constexpr std::array<std::string_view, 25> kModules = {
-    "base",       "geometry", "sensor",    "dataset",   "sources",      "models",
-    "render",     "vision",   "tracking",  "mapping",   "registration", "annotation",
-    "evaluation", "vio",      "synthetic", "smoothing", "snapshot",     "transport",
-    "pipeline",   "recording", "session",  "analysis",  "batch",        "nodes",
-    "runtime"};
+    "base",      "geometry",  "sensor",   "dataset",      "sources",    "models",     "render",
+    "vision",    "tracking",  "mapping",  "registration", "annotation", "evaluation", "vio",
+    "synthetic", "smoothing", "snapshot", "transport",    "pipeline",   "recording",  "session",
+    "analysis",  "batch",     "nodes",    "runtime"};
 bool IsSibling(int layer) { return layer >= 9 && layer <= 13; }
 
 bool StartsWith(std::string_view text, std::string_view start) {

@@ -10,9 +10,7 @@
 namespace plumbline {
 namespace {
 
-nlohmann::json Paper() {
-  return ReadJson(SourceDirectory() / "assets/graphs/paper.json").value();
-}
+nlohmann::json Paper() { return ReadJson(SourceDirectory() / "assets/graphs/paper.json").value(); }
 
 /// What is said of the paper's graph once `change` was at it.
 template <typename Change>

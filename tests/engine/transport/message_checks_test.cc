@@ -45,9 +45,9 @@ TEST(MessageChecks, TakeFieldsThatAreNotKnown) {
 }
 
 TEST(MessageChecks, RefusalsKeepCodeAndSentence) {
-  for (const ErrorCode code : {ErrorCode::kInvalidInput, ErrorCode::kNotFound, ErrorCode::kCorrupt,
-                               ErrorCode::kDegenerate, ErrorCode::kCancelled, ErrorCode::kIo,
-                               ErrorCode::kUnsupported}) {
+  for (const ErrorCode code :
+       {ErrorCode::kInvalidInput, ErrorCode::kNotFound, ErrorCode::kCorrupt, ErrorCode::kDegenerate,
+        ErrorCode::kCancelled, ErrorCode::kIo, ErrorCode::kUnsupported}) {
     const Error error = ErrorOf(RefusalOf({code, "no \xff"}).refusal());
     EXPECT_EQ(error.code, code);
     EXPECT_EQ(error.message, "no \xff") << "also where a file's name is not UTF-8";

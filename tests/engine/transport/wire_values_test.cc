@@ -70,7 +70,7 @@ TEST(WireValues, WhatIsNoSharedImageIsNotMapped) {
   ASSERT_GE(descriptor, 0);
   unlink(file);
   ASSERT_EQ(ftruncate(descriptor, 300), 0);
-  struct stat state{};
+  struct stat state {};
   fstat(descriptor, &state);
   wire::SharedMemory name;
   name.set_process(getpid());
@@ -115,7 +115,8 @@ TEST(WireValues, PosesKeepEveryBit) {
 }
 
 TEST(WireValues, ScoresOutsideTheirRangeAreRefused) {
-  wire::Proposals proposals = ProposalsToWire(std::vector<Detection>{{{1, 2, 3, 4}, "chair", 0.5f}});
+  wire::Proposals proposals =
+      ProposalsToWire(std::vector<Detection>{{{1, 2, 3, 4}, "chair", 0.5f}});
   ASSERT_TRUE(ProposalsFromWire(proposals).ok());
   proposals.mutable_proposals(0)->set_score(1.5f);
   EXPECT_FALSE(ProposalsFromWire(proposals).ok());
