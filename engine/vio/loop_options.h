@@ -54,12 +54,14 @@ void VisitFields(LoopOptions& o, Visitor&& visit) {
         {"loop_agree_s", "s", "within which a second key frame must say the same", 0, 1000});
   visit(o.loop_gate_factor,
         {"loop_gate_factor", "",
-         "times the standard deviations of the poses: a loop that is farther off is false", 0.1, 1000});
-  visit(o.loop_drift_factor, {"loop_drift_factor", "",
-                              "times the standard deviations of the poses: what weighs against loops; "
-                              "beyond it, twice as many "
-                              "key frames must agree",
-                              0.1, 100});
+         "times the standard deviations of the poses: a loop that is farther off is false", 0.1,
+         1000});
+  visit(o.loop_drift_factor,
+        {"loop_drift_factor", "",
+         "times the standard deviations of the poses: what weighs against loops; "
+         "beyond it, twice as many "
+         "key frames must agree",
+         0.1, 100});
   visit(o.loop_std_m, {"loop_std_m", "m", "of a loop, whatever its points say", 1e-4, 10});
   visit(o.loop_std_deg, {"loop_std_deg", "deg", "of a loop, whatever its points say", 1e-3, 90});
 }
