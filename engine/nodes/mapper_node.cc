@@ -6,6 +6,7 @@
 #include <limits>
 #include <list>
 #include <thread>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -54,6 +55,9 @@ class ReportShelf {
     message.set_selected(selected);
     std::unique_lock lock(mutex_);
     if (!room_.wait(lock, stop, [&] { return NumAhead() < kReportsAhead; })) return false;
+    mapped_.push_back(report.frame);
+    newest_ = message;
+    for (wire::ReportObject& object : *newest_.mutable_objects()) object.clear_particles();
     reports_.push_back(std::move(message));
     AnswerAll();
     return true;
@@ -103,15 +107,10 @@ class ReportShelf {
     }
     const int after = request.has_report() ? request.report().after() : request.map().after();
     if (request.has_map()) {
-      if (reports_.empty() || reports_.back().frame() <= after) return false;
-      wire::Map& map = *reply.mutable_map();
-      *map.mutable_report() = reports_.back();
-      for (wire::ReportObject& object : *map.mutable_report()->mutable_objects())
-        object.clear_particles();
-      map.set_dropped(static_cast<int>(
-          std::count_if(reports_.begin(), reports_.end(),
-                        [&](const wire::Report& one) { return one.frame() > after; }) -
-          1));
+      const auto unseen = std::upper_bound(mapped_.begin(), mapped_.end(), after);
+      if (unseen == mapped_.end()) return false;
+      reply.mutable_map()->set_dropped(static_cast<int>(mapped_.end() - unseen) - 1);
+      *reply.mutable_map()->mutable_report() = newest_;
       return true;
     }
     if (after < forgotten_) {
@@ -136,6 +135,8 @@ class ReportShelf {
   std::condition_variable_any room_;
   std::string header_;
   std::deque<wire::Report> reports_;
+  wire::Report newest_;      ///< Without particles, for who looks on ...
+  std::vector<int> mapped_;  ///< ... and all frames since this mapper began, to count drops.
   std::list<AskedRequest> waiting_;
   int asked_after_ = kBeforeAll;  ///< By the recorder, the last time.
   int forgotten_ = kBeforeAll;    ///< Up to this frame reports are not here any more.

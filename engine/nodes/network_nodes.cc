@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/timer.h"
+#include "engine/base/worker.h"
 #include "engine/nodes/frame_answers.h"
 #include "engine/nodes/our_nodes.h"
 #include "engine/nodes/remote_sequence.h"
@@ -103,57 +104,73 @@ Status ServeEdges(const NodeSetup& setup) {
   return {};
 }
 
-Status ServeDetections(const NodeSetup& setup) {
-  Result<ImageNode> opened = OpenImageNode(setup);
-  if (!opened.ok()) return opened.error();
-  NodeLink& link = *opened->link;
-  const RemoteSequence& sequence = *opened->sequence;
-  Result<DetectorChoice> choice = setup.plan.recipe->detector
-                                      ? Result<DetectorChoice>(*setup.plan.recipe->detector)
-                                      : DefaultDetector(sequence);
-  if (!choice.ok()) return choice.error();
-  Result<std::unique_ptr<Detector>> detector = CreateDetector(ToText(*choice), opened->sequence);
-  if (!detector.ok()) return detector.error();
-  if (Status status = CompleteFile(*choice); !status.ok()) return status;
-  link.SetChoice(ChoiceText(
-      *choice, EnumNames<DetectorSource>::names[static_cast<std::size_t>(choice->source)]));
-  const bool scores_boxes = choice->source != DetectorSource::kDataset;
-  StreamMeter& found = link.AddStream("proposals");
-  StreamMeter& scored = link.AddStream("scores");
-  FrameAnswers<const FrameDetections> answers(kDetectionsKept);
-  const auto detections_of = [&](int frame) {
-    return answers.Of(frame, [&]() -> Result<std::shared_ptr<const FrameDetections>> {
-      const Stopwatch watch;
-      Frame image;
-      image.index = frame;
-      if (scores_boxes) {  // recorded boxes need no image
-        Result<Frame> read = sequence.ReadFrame(frame);
-        if (!read.ok()) return read.error();
-        image = std::move(read).value();
+/// Answers of the detector. Objects are found in one thread; boxes of a frame that was looked at
+/// are scored in that of the requests, so that the mapper does not wait while its next frames are
+/// looked at.
+class DetectorProcess {
+ public:
+  DetectorProcess(const NodeSetup& setup, ImageNode node, std::unique_ptr<Detector> detector,
+                  bool scores_boxes)
+      : setup_(setup),
+        node_(std::move(node)),
+        detector_(std::move(detector)),
+        scores_boxes_(scores_boxes),
+        found_(node_.link->AddStream("proposals")),
+        scored_(node_.link->AddStream("scores")) {}
+
+  void Serve(const std::stop_token& stop) {
+    Worker detecting;
+    node_.link->SetState("ready");
+    while (auto asked = node_.link->server().Next(stop)) {
+      const wire::Request& request = asked->request;
+      if (request.has_scores()) {
+        if (const auto known = answers_.Known(request.scores().frame()); known != nullptr) {
+          node_.link->Answer(*asked, Scores(request, *known));
+          continue;
+        }
       }
-      Result<std::unique_ptr<const FrameDetections>> detections = (*detector)->Detect(image);
-      if (!detections.ok()) return detections.error();
-      found.Count(watch.Milliseconds());
-      link.SetState("found objects in frame " + std::to_string(frame));
-      return std::shared_ptr<const FrameDetections>(std::move(detections).value());
-    });
-  };
-  link.SetState("ready");
-  link.Serve(setup.work.stop, [&](const wire::Request& request) -> Result<wire::Reply> {
-    if (!request.has_proposals() && !request.has_scores())
-      return DoesNotAnswer(request, setup.node);
-    const int frame = request.has_scores() ? request.scores().frame() : request.proposals().frame();
-    if (frame < 0 || frame >= sequence.num_frames())
-      return InvalidInput("there is no frame " + std::to_string(frame));
-    const auto detections = detections_of(frame);
-    if (!detections.ok()) return detections.error();
-    wire::Reply reply;
-    if (request.has_proposals()) {
-      *reply.mutable_proposals() = ProposalsToWire((*detections)->proposals());
-      reply.mutable_proposals()->set_frame(frame);
-      reply.mutable_proposals()->set_scores_boxes(scores_boxes);
-      return reply;
+      detecting.Do([this, stop, waiting = std::move(*asked)] {
+        if (!stop.stop_requested()) node_.link->Answer(waiting, Detected(waiting.request));
+      });
     }
+  }
+
+ private:
+  using Detections = FrameDetections;
+
+  Result<wire::Reply> Detected(const wire::Request& request) {
+    if (!request.has_proposals() && !request.has_scores())
+      return DoesNotAnswer(request, setup_.node);
+    const int frame = request.has_scores() ? request.scores().frame() : request.proposals().frame();
+    if (frame < 0 || frame >= node_.sequence->num_frames())
+      return InvalidInput("there is no frame " + std::to_string(frame));
+    const auto detections = answers_.Of(frame, [&] { return Look(frame); });
+    if (!detections.ok()) return detections.error();
+    if (request.has_scores()) return Scores(request, **detections);
+    wire::Reply reply;
+    *reply.mutable_proposals() = ProposalsToWire((*detections)->proposals());
+    reply.mutable_proposals()->set_frame(frame);
+    reply.mutable_proposals()->set_scores_boxes(scores_boxes_);
+    return reply;
+  }
+
+  Result<std::shared_ptr<const Detections>> Look(int frame) {
+    const Stopwatch watch;
+    Frame image;
+    image.index = frame;
+    if (scores_boxes_) {  // recorded boxes need no image
+      Result<Frame> read = node_.sequence->ReadFrame(frame);
+      if (!read.ok()) return read.error();
+      image = std::move(read).value();
+    }
+    Result<std::unique_ptr<const Detections>> detections = detector_->Detect(image);
+    if (!detections.ok()) return detections.error();
+    found_.Count(watch.Milliseconds());
+    node_.link->SetState("found objects in frame " + std::to_string(frame));
+    return std::shared_ptr<const Detections>(std::move(detections).value());
+  }
+
+  Result<wire::Reply> Scores(const wire::Request& request, const Detections& detections) {
     const Stopwatch watch;
     const auto& edges = request.scores().boxes();
     if (edges.size() % 4 != 0) return InvalidInput("a box has four numbers");
@@ -161,11 +178,37 @@ Status ServeDetections(const NodeSetup& setup) {
     for (int i = 0; i < edges.size(); i += 4)
       boxes.push_back({edges[i], edges[i + 1], edges[i + 2], edges[i + 3]});
     std::vector<float> scores(boxes.size());
-    (*detections)->ScoreBoxes(request.scores().category(), boxes, scores);
+    detections.ScoreBoxes(request.scores().category(), boxes, scores);
+    wire::Reply reply;
     reply.mutable_scores()->mutable_scores()->Add(scores.begin(), scores.end());
-    scored.Count(watch.Milliseconds());
+    scored_.Count(watch.Milliseconds());
     return reply;
-  });
+  }
+
+  const NodeSetup& setup_;
+  const ImageNode node_;
+  const std::unique_ptr<Detector> detector_;
+  const bool scores_boxes_;
+  StreamMeter& found_;
+  StreamMeter& scored_;
+  FrameAnswers<const Detections> answers_{kDetectionsKept};
+};
+
+Status ServeDetections(const NodeSetup& setup) {
+  Result<ImageNode> opened = OpenImageNode(setup);
+  if (!opened.ok()) return opened.error();
+  Result<DetectorChoice> choice = setup.plan.recipe->detector
+                                      ? Result<DetectorChoice>(*setup.plan.recipe->detector)
+                                      : DefaultDetector(*opened->sequence);
+  if (!choice.ok()) return choice.error();
+  Result<std::unique_ptr<Detector>> detector = CreateDetector(ToText(*choice), opened->sequence);
+  if (!detector.ok()) return detector.error();
+  if (Status status = CompleteFile(*choice); !status.ok()) return status;
+  opened->link->SetChoice(ChoiceText(
+      *choice, EnumNames<DetectorSource>::names[static_cast<std::size_t>(choice->source)]));
+  DetectorProcess process(setup, std::move(opened).value(), std::move(detector).value(),
+                          choice->source != DetectorSource::kDataset);
+  process.Serve(setup.work.stop);
   return {};
 }
 

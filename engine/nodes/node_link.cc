@@ -142,13 +142,14 @@ StreamMeter& NodeLink::AddStream(const std::string& name) {
   return *board_->streams.back();
 }
 
+void NodeLink::Answer(const AskedRequest& asked, Result<wire::Reply> reply) {
+  if (!reply.ok() && reply.error().code == ErrorCode::kCancelled) return;
+  server_->Answer(asked, reply.ok() ? std::move(reply).value() : RefusalOf(reply.error()));
+}
+
 void NodeLink::Serve(const std::stop_token& stop,
                      const std::function<Result<wire::Reply>(const wire::Request&)>& answer) {
-  while (const auto asked = server_->Next(stop)) {
-    Result<wire::Reply> reply = answer(asked->request);
-    if (!reply.ok() && reply.error().code == ErrorCode::kCancelled) continue;
-    server_->Answer(*asked, reply.ok() ? std::move(reply).value() : RefusalOf(reply.error()));
-  }
+  while (const auto asked = server_->Next(stop)) Answer(*asked, answer(asked->request));
 }
 
 Error DoesNotAnswer(const wire::Request& request, const GraphNode& node) {

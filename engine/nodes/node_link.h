@@ -60,8 +60,10 @@ class NodeLink {
   void SetChoice(const std::string& json);
   StreamMeter& AddStream(const std::string& name);
 
-  /// Answers requests in the caller's thread until `stop` is requested. What `answer` gives as
-  /// kCancelled is not answered: this node ends, and the next one of its name will be asked again.
+  /// Answers a request, or refuses it. kCancelled is not answered: this node ends, and the next one
+  /// of its name will be asked again.
+  void Answer(const AskedRequest& asked, Result<wire::Reply> reply);
+  /// Answers requests in the caller's thread, one after another, until `stop` is requested.
   void Serve(const std::stop_token& stop,
              const std::function<Result<wire::Reply>(const wire::Request&)>& answer);
 

@@ -38,7 +38,7 @@ TEST_F(UpKill, TheRunIsTheSameAfterEveryKill) {
   for (; done < most; ++graphs) {
     const pid_t process = Start(up);
     while (Running(process)) {
-      std::this_thread::sleep_for(std::chrono::microseconds(random.Index(900000)));
+      std::this_thread::sleep_for(std::chrono::microseconds(random.Index(2000000)));
       const std::vector<pid_t> children = ChildrenOf(process);
       if (children.empty() || done >= most) continue;
       const pid_t child = children[random.Index(static_cast<std::uint32_t>(children.size()))];

@@ -3,7 +3,9 @@
 #include <signal.h>
 
 #include <chrono>
+#include <cstdio>
 #include <map>
+#include <sstream>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -173,6 +175,33 @@ std::string ThirdPartyPython(const std::string& schema_folder) {
                            schema_folder + "' plumbline.proto && PYTHONPATH='" + schema_folder +
                            "' /usr/bin/python3 -c 'import numpy, zmq, plumbline_pb2' 2> /dev/null";
   return std::system(make.c_str()) == 0 ? "/usr/bin/python3" : "";
+}
+
+TEST_F(UpVerb, WhoLooksOnGetsTheNewestMapAndDisturbsNobody) {
+  std::filesystem::create_directories(Path("schema"));
+  const std::string python = ThirdPartyPython(Path("schema"));
+  if (python.empty()) GTEST_SKIP() << "python3 with numpy, zmq and protobuf is not here";
+  ASSERT_EQ(Run(Arguments("run", "one.plb")), 0) << Output();
+  const pid_t up = Start(Arguments("up", "seen.plb", {"--folder", Path("graph")}));
+  const std::string follow = "PYTHONPATH='" + Path("schema") + "' timeout 60 " + python + " '" +
+                             (SourceDirectory() / "python/plumbline_node/follow.py").string() +
+                             "' 'ipc://" + Path("graph/mapper") + "' 5 > '" + Path("seen.txt") +
+                             "'";
+  // It may come first; and it goes in the middle.
+  ASSERT_EQ(std::system(follow.c_str()), 0);
+  ASSERT_EQ(Wait(up), 0) << Output();
+  EXPECT_EQ(Difference("one.plb", "seen.plb"), "");
+  std::istringstream lines(ReadFile(Path("seen.txt")).value());
+  int frame = 0, objects = 0, dropped = 0, last = -1, num = 0;
+  for (std::string line; std::getline(lines, line); ++num) {
+    ASSERT_EQ(std::sscanf(line.c_str(), "frame %d: %d objects, %d reports passed over", &frame,
+                          &objects, &dropped),
+              3)
+        << line;
+    EXPECT_EQ(frame, last + 1 + dropped) << "what was passed over is counted";
+    last = frame;
+  }
+  EXPECT_EQ(num, 5);
 }
 
 TEST_F(UpVerb, AnotherProgramsDetectorReplacesOurs) {
