@@ -139,9 +139,12 @@ TEST_F(UpVerb, InterruptedItKeepsWhatIsDoneAndGoesOnInOneProcessOrSeveral) {
 }
 
 TEST_F(UpVerb, WhatCannotWorkIsSaidInTheNodesOwnSentence) {
-  EXPECT_EQ(Run(Arguments("up", "none.plb", {"--detector", Path("none.onnx")})), 1);
+  EXPECT_EQ(
+      Run(Arguments("up", "none.plb", {"--detector", Path("none.onnx"), "--folder", Path("a")})),
+      1);
   EXPECT_THAT(Output(), testing::HasSubstr("none.onnx"));
-  EXPECT_EQ(Run({"up", "paper", Path("nothing"), "--out", Path("none.plb")}), 1);
+  EXPECT_EQ(Run({"up", "paper", Path("nothing"), "--out", Path("none.plb"), "--folder", Path("b")}),
+            1);
   EXPECT_THAT(Output(), testing::HasSubstr("nothing"));
   EXPECT_FALSE(std::filesystem::exists(Path("none.plb")));
   EXPECT_EQ(Run(Arguments("up", "none.plb", {"--poses", "vio"})), 1);
