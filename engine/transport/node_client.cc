@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/transport/node_client.h"
 
-#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -17,6 +16,7 @@
 #include "engine/base/log.h"
 #include "engine/transport/message_checks.h"
 #include "engine/transport/shared_image.h"
+#include "engine/transport/wake_signal.h"
 
 namespace plumbline {
 namespace {
@@ -33,16 +33,14 @@ class NodeClient::Impl {
       : context_(std::move(context)),
         peer_(std::move(peer)),
         endpoint_(endpoint),
-        wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
         socket_(context_->zmq(), zmq::socket_type::dealer),
         monitor_(context_->zmq(), zmq::socket_type::pair) {}
 
   ~Impl() {
     thread_.request_stop();
-    Wake();
+    wake_.Send();
     if (thread_.joinable()) thread_.join();
     for (auto& [id, open] : open_) open.promise.set_value(kStopped);
-    ::close(wake_);
   }
 
   Status Connect() {
@@ -50,7 +48,7 @@ class NodeClient::Impl {
       if (Status status = context_->PrepareToAsk(socket_, endpoint_, peer_); !status.ok())
         return status;
       socket_.set(zmq::sockopt::sndhwm, 0);  // what is open is bounded by who asks
-      const std::string events = "inproc://events of " + std::to_string(wake_);
+      const std::string events = "inproc://events of " + std::to_string(wake_.descriptor());
       if (zmq_socket_monitor(socket_.handle(), events.c_str(),
                              ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) != 0)
@@ -79,7 +77,7 @@ class NodeClient::Impl {
       unsent_.push_back(id);
       ++health_.requests;
     }
-    Wake();
+    wake_.Send();
     return future;
   }
 
@@ -108,22 +106,14 @@ class NodeClient::Impl {
     ClientClock::time_point asked = ClientClock::now();
   };
 
-  void Wake() const {
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof(one));
-  }
-
   void Work(const std::stop_token& stop) {
     try {
       while (!stop.stop_requested()) {
         zmq::pollitem_t items[] = {{socket_.handle(), 0, ZMQ_POLLIN, 0},
                                    {monitor_.handle(), 0, ZMQ_POLLIN, 0},
-                                   {nullptr, wake_, ZMQ_POLLIN, 0}};
+                                   {nullptr, wake_.descriptor(), ZMQ_POLLIN, 0}};
         zmq::poll(items, 3, std::chrono::milliseconds(500));
-        if ((items[2].revents & ZMQ_POLLIN) != 0) {
-          std::uint64_t count = 0;
-          [[maybe_unused]] const auto size = ::read(wake_, &count, sizeof(count));
-        }
+        if ((items[2].revents & ZMQ_POLLIN) != 0) wake_.Take();
         TakeReplies();
         TakeEvents();
         SendUnsent();
@@ -233,7 +223,7 @@ class NodeClient::Impl {
   const std::shared_ptr<SocketContext> context_;
   const std::string peer_;
   const Endpoint endpoint_;
-  const int wake_;
+  const WakeSignal wake_;
   zmq::socket_t socket_, monitor_;  ///< Of the thread alone once that runs.
 
   mutable std::mutex mutex_;  ///< Of what follows.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/transport/node_server.h"
 
-#include <sys/eventfd.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -21,6 +20,7 @@
 #include "engine/base/log.h"
 #include "engine/transport/message_checks.h"
 #include "engine/transport/shared_image.h"
+#include "engine/transport/wake_signal.h"
 
 namespace plumbline {
 namespace {
@@ -57,14 +57,12 @@ class NodeServer::Impl {
       : context_(std::move(context)),
         about_(std::move(about)),
         options_(options),
-        wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
         socket_(context_->zmq(), zmq::socket_type::router) {}
 
   ~Impl() {
     thread_.request_stop();
-    Wake();
+    wake_.Send();
     if (thread_.joinable()) thread_.join();
-    ::close(wake_);
   }
 
   Status Listen(const Endpoint& endpoint) {
@@ -98,7 +96,7 @@ class NodeServer::Impl {
       const std::lock_guard lock(mutex_);
       answers_.push_back({asked.peer, asked.request.id(), std::move(bytes)});
     }
-    Wake();
+    wake_.Send();
   }
 
  private:
@@ -108,21 +106,13 @@ class NodeServer::Impl {
     std::string bytes;
   };
 
-  void Wake() const {
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof(one));
-  }
-
   void Serve(const std::stop_token& stop) {
     try {
       while (!stop.stop_requested()) {
         zmq::pollitem_t items[] = {{socket_.handle(), 0, ZMQ_POLLIN, 0},
-                                   {nullptr, wake_, ZMQ_POLLIN, 0}};
+                                   {nullptr, wake_.descriptor(), ZMQ_POLLIN, 0}};
         zmq::poll(items, 2, std::chrono::milliseconds(500));
-        if ((items[1].revents & ZMQ_POLLIN) != 0) {
-          std::uint64_t count = 0;
-          [[maybe_unused]] const auto size = ::read(wake_, &count, sizeof(count));
-        }
+        if ((items[1].revents & ZMQ_POLLIN) != 0) wake_.Take();
         SendAnswers();
         if ((items[0].revents & ZMQ_POLLIN) != 0) TakeRequests();
       }
@@ -261,7 +251,7 @@ class NodeServer::Impl {
   const std::shared_ptr<SocketContext> context_;
   const std::function<void(wire::About&)> about_;
   const NodeServerOptions options_;
-  const int wake_;
+  const WakeSignal wake_;
   zmq::socket_t socket_;  ///< Of the thread alone once that runs.
   Counts served_;
   std::map<std::string, PeerLoad> peers_;

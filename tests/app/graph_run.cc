@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/app/graph_run.h"
 
-#include <fcntl.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -14,9 +9,8 @@
 #include "engine/recording/run_file.h"
 #include "engine/recording/sqlite.h"
 #include "tests/support/drawn_sequence.h"
+#include "tests/support/program_process.h"
 #include "tests/support/report_bytes.h"
-
-extern char** environ;
 
 namespace plumbline {
 namespace {
@@ -40,31 +34,7 @@ GraphRun::GraphRun(int frames) {
 }
 
 pid_t GraphRun::Start(std::vector<std::string> arguments) const {
-  std::string program = ProgramFile().string();
-  std::vector<char*> argv = {program.data()};
-  for (std::string& argument : arguments) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  const std::string output = Path("output.txt");
-  posix_spawn_file_actions_addopen(&actions, 1, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  posix_spawn_file_actions_adddup2(&actions, 1, 2);
-  pid_t process = 0;
-  PLB_CHECK(posix_spawn(&process, program.c_str(), &actions, nullptr, argv.data(), environ) == 0);
-  posix_spawn_file_actions_destroy(&actions);
-  return process;
-}
-
-int GraphRun::Wait(pid_t process) {
-  int status = 0;
-  PLB_CHECK(waitpid(process, &status, 0) == process);
-  return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
-}
-
-bool GraphRun::Running(pid_t process) {
-  siginfo_t info{};
-  waitid(P_PID, static_cast<id_t>(process), &info, WEXITED | WNOHANG | WNOWAIT);
-  return info.si_pid == 0;
+  return StartProgram(std::move(arguments), Path("output.txt"));
 }
 
 std::string GraphRun::Output() const { return ReadFile(Path("output.txt")).value(); }

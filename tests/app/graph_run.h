@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/support/program_process.h"
 #include "tests/support/test_data.h"
 
 namespace plumbline {
@@ -20,10 +21,7 @@ class GraphRun : public testing::Test {
   std::string Path(const std::string& name) const { return (folder_.path() / name).string(); }
   /// Starts the program; its output goes to output.txt.
   pid_t Start(std::vector<std::string> arguments) const;
-  /// Exit code; minus the signal that ended it.
-  static int Wait(pid_t process);
-  static bool Running(pid_t process);
-  int Run(std::vector<std::string> arguments) const { return Wait(Start(std::move(arguments))); }
+  int Run(std::vector<std::string> arguments) const { return WaitFor(Start(std::move(arguments))); }
   std::string Output() const;
   int FramesIn(const std::string& file) const;
 

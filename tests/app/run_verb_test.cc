@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command `run` as a script meets it: killed at any time it goes on as if it had never stopped.
 
-#include <fcntl.h>
 #include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <chrono>
 #include <fstream>
@@ -19,10 +16,9 @@
 #include "engine/dataset/json_fields.h"
 #include "engine/recording/run_file.h"
 #include "tests/support/drawn_sequence.h"
+#include "tests/support/program_process.h"
 #include "tests/support/report_bytes.h"
 #include "tests/support/test_data.h"
-
-extern char** environ;
 
 namespace plumbline {
 namespace {
@@ -35,39 +31,14 @@ class RunVerb : public testing::Test {
 
   std::string Path(const char* name) const { return (folder_.path() / name).string(); }
 
-  /// Starts the program; its output goes to a file.
   pid_t Start(std::vector<std::string> arguments) const {
-    std::string program = ProgramFile().string();
-    std::vector<char*> argv = {program.data()};
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    const std::string output = Path("output.txt");
-    posix_spawn_file_actions_addopen(&actions, 1, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
-                                     0644);
-    posix_spawn_file_actions_adddup2(&actions, 1, 2);
-    pid_t process = 0;
-    PLB_CHECK(posix_spawn(&process, program.c_str(), &actions, nullptr, argv.data(), environ) == 0);
-    posix_spawn_file_actions_destroy(&actions);
-    return process;
+    return StartProgram(std::move(arguments), Path("output.txt"));
   }
   pid_t StartRun(const char* file, bool resume) const {
     std::vector<std::string> arguments = {"run",      Path("sequence"), "--out",
                                           Path(file), "--seed",         "3"};
     if (resume) arguments.push_back("--resume");
     return Start(arguments);
-  }
-  /// Exit code; -9 for one that was killed.
-  static int Wait(pid_t process) {
-    int status = 0;
-    PLB_CHECK(waitpid(process, &status, 0) == process);
-    return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
-  }
-  static bool Running(pid_t process) {
-    siginfo_t info{};
-    waitid(P_PID, static_cast<id_t>(process), &info, WEXITED | WNOHANG | WNOWAIT);
-    return info.si_pid == 0;
   }
   int FramesIn(const char* file) const {
     const auto reader = RunReader::Open(Path(file));
@@ -80,7 +51,7 @@ class RunVerb : public testing::Test {
 };
 
 TEST_F(RunVerb, KilledAgainAndAgainItEndsWithTheSameRun) {
-  ASSERT_EQ(Wait(StartRun("whole.plb", false)), 0) << *ReadFile(Path("output.txt"));
+  ASSERT_EQ(WaitFor(StartRun("whole.plb", false)), 0) << *ReadFile(Path("output.txt"));
   ASSERT_EQ(FramesIn("whole.plb"), kFrames);
 
   Random random({.seed = static_cast<std::uint64_t>(
@@ -91,15 +62,15 @@ TEST_F(RunVerb, KilledAgainAndAgainItEndsWithTheSameRun) {
     const pid_t process = StartRun("killed.plb", true);
     // Sometimes before it has done anything, sometimes in the middle of a frame.
     const int more = static_cast<int>(random.Index(18));
-    while (Running(process) && FramesIn("killed.plb") < before + more)
+    while (IsRunning(process) && FramesIn("killed.plb") < before + more)
       std::this_thread::sleep_for(std::chrono::milliseconds(3));
     std::this_thread::sleep_for(std::chrono::microseconds(random.Index(60000)));
-    if (Running(process)) kills += kill(process, SIGKILL) == 0 ? 1 : 0;
-    const int code = Wait(process);
+    if (IsRunning(process)) kills += kill(process, SIGKILL) == 0 ? 1 : 0;
+    const int code = WaitFor(process);
     ASSERT_TRUE(code == 0 || code == -SIGKILL) << code << ": " << *ReadFile(Path("output.txt"));
   }
   // The last frame may have been written before the end of the run was.
-  ASSERT_EQ(Wait(StartRun("killed.plb", true)), 0) << *ReadFile(Path("output.txt"));
+  ASSERT_EQ(WaitFor(StartRun("killed.plb", true)), 0) << *ReadFile(Path("output.txt"));
   EXPECT_GE(kills, 2);
   RecordProperty("kills", kills);
 
@@ -116,22 +87,22 @@ TEST_F(RunVerb, KilledAgainAndAgainItEndsWithTheSameRun) {
 
 TEST_F(RunVerb, InterruptedItKeepsWhatIsDone) {
   const pid_t process = StartRun("stopped.plb", false);
-  while (Running(process) && FramesIn("stopped.plb") < 5)
+  while (IsRunning(process) && FramesIn("stopped.plb") < 5)
     std::this_thread::sleep_for(std::chrono::milliseconds(3));
   kill(process, SIGINT);
-  EXPECT_EQ(Wait(process), 1);
+  EXPECT_EQ(WaitFor(process), 1);
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("--resume"));
   EXPECT_GE(FramesIn("stopped.plb"), 5);
-  ASSERT_EQ(Wait(StartRun("stopped.plb", true)), 0) << *ReadFile(Path("output.txt"));
+  ASSERT_EQ(WaitFor(StartRun("stopped.plb", true)), 0) << *ReadFile(Path("output.txt"));
   EXPECT_EQ(FramesIn("stopped.plb"), kFrames);
 }
 
 TEST_F(RunVerb, SmoothsBesideItsResultNowOrLater) {
-  ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--seed", "3", "--json",
-                        Path("now.json"), "--smooth"})),
+  ASSERT_EQ(WaitFor(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--seed", "3", "--json",
+                           Path("now.json"), "--smooth"})),
             0)
       << *ReadFile(Path("output.txt"));
-  ASSERT_EQ(Wait(StartRun("b.plb", false)), 0);
+  ASSERT_EQ(WaitFor(StartRun("b.plb", false)), 0);
   const auto causal = RunReader::Open(Path("b.plb")).value();
   EXPECT_EQ(BytesOf(RunReader::Open(Path("a.plb")).value()->LastFrame().value()),
             BytesOf(causal->LastFrame().value()))
@@ -140,19 +111,19 @@ TEST_F(RunVerb, SmoothsBesideItsResultNowOrLater) {
   const pid_t stopped = Start({"smooth", Path("b.plb")});
   std::this_thread::sleep_for(std::chrono::milliseconds(400));
   kill(stopped, SIGINT);
-  if (Wait(stopped) == 1) {  // it may have been faster
+  if (WaitFor(stopped) == 1) {  // it may have been faster
     EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("keeps the run"));
     EXPECT_EQ(FramesIn("b.plb"), kFrames);
   }
-  ASSERT_EQ(Wait(Start({"smooth", Path("b.plb"), "--json", Path("later.json")})), 0)
+  ASSERT_EQ(WaitFor(Start({"smooth", Path("b.plb"), "--json", Path("later.json")})), 0)
       << *ReadFile(Path("output.txt"));
   const nlohmann::json now = ReadJson(Path("now.json")).value();
   const nlohmann::json later = ReadJson(Path("later.json")).value();
   EXPECT_EQ(now.at("objects"), later.at("objects"));
   EXPECT_EQ(now.at("smoothed"), later.at("smoothed")) << "the same, from the same run";
   EXPECT_EQ(now.at("smoothed").at("objects").size(), 3u);
-  EXPECT_EQ(Wait(Start({"export", Path("b.plb"), "--format", "ply", "--smoothed", "--out",
-                        Path("b.ply")})),
+  EXPECT_EQ(WaitFor(Start({"export", Path("b.plb"), "--format", "ply", "--smoothed", "--out",
+                           Path("b.ply")})),
             0)
       << *ReadFile(Path("output.txt"));
 }
@@ -161,7 +132,7 @@ TEST_F(RunVerb, LiveItSaysWhatItPassedOverAndCanBeForkedButNotResumed) {
   const auto run = [&](std::vector<std::string> more) {
     std::vector<std::string> arguments = {"run", Path("sequence")};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return Wait(Start(arguments));
+    return WaitFor(Start(arguments));
   };
   const auto said = [&] { return ReadFile(Path("output.txt")).value(); };
   ASSERT_EQ(run({"--out", Path("live.plb"), "--live=50", "--json", Path("live.json")}), 0)
@@ -175,9 +146,9 @@ TEST_F(RunVerb, LiveItSaysWhatItPassedOverAndCanBeForkedButNotResumed) {
   const auto whole = RunReader::Open(Path("live.plb")).value();
   EXPECT_EQ(whole->header().recipe.live_speed, 50);
   EXPECT_EQ(whole->LastFrame()->frame, kFrames - 1) << "the last is always mapped";
-  ASSERT_EQ(Wait(Start({"info", Path("live.plb")})), 0);
+  ASSERT_EQ(WaitFor(Start({"info", Path("live.plb")})), 0);
   EXPECT_THAT(said(), testing::HasSubstr(std::to_string(mapped) + " of 50 frames that came"));
-  EXPECT_EQ(Wait(Start({"smooth", Path("live.plb")})), 0) << said();
+  EXPECT_EQ(WaitFor(Start({"smooth", Path("live.plb")})), 0) << said();
 
   EXPECT_EQ(run({"--out", Path("b.plb"), "--live", "--resume"}), 1);
   EXPECT_THAT(said(), testing::HasSubstr("--live cannot go with --resume"));
@@ -197,12 +168,12 @@ TEST_F(RunVerb, LiveItSaysWhatItPassedOverAndCanBeForkedButNotResumed) {
 }
 
 TEST_F(RunVerb, ForkedWithTheSameOptionsItIsTheSameRun) {
-  ASSERT_EQ(Wait(StartRun("whole.plb", false)), 0);
+  ASSERT_EQ(WaitFor(StartRun("whole.plb", false)), 0);
   const auto fork = [&](const char* file, std::vector<std::string> more) {
     std::vector<std::string> arguments = {"run",    Path("sequence"),  "--out", Path(file),
                                           "--fork", Path("whole.plb"), "--at",  "20"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return Wait(Start(arguments));
+    return WaitFor(Start(arguments));
   };
   ASSERT_EQ(fork("same.plb", {"--seed", "3"}), 0) << ReadFile(Path("output.txt")).value();
   ASSERT_EQ(fork("other.plb", {"--seed", "4", "--set", "alpha=1"}), 0);
@@ -216,8 +187,8 @@ TEST_F(RunVerb, ForkedWithTheSameOptionsItIsTheSameRun) {
     EXPECT_EQ(BytesOf(same->ReadFrame(i).value()), BytesOf(whole->ReadFrame(i).value())) << i;
   EXPECT_EQ(BytesOf(other->ReadFrame(20).value()), BytesOf(whole->ReadFrame(20).value()));
   EXPECT_NE(BytesOf(other->LastFrame().value()), BytesOf(whole->LastFrame().value()));
-  EXPECT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("whole.plb"), "--fork",
-                        Path("whole.plb")})),
+  EXPECT_EQ(WaitFor(Start({"run", Path("sequence"), "--out", Path("whole.plb"), "--fork",
+                           Path("whole.plb")})),
             1);
   EXPECT_EQ(FramesIn("whole.plb"), kFrames) << "a run is not overwritten by its own fork";
 }
@@ -234,12 +205,12 @@ TEST_F(RunVerb, WhatItMissedCanBePlanted) {
   const nlohmann::json truth = {{"gravity", {0, 0, -1}}, {"instances", instances}};
   ASSERT_TRUE(WriteFileAtomically(Path("sequence/ground_truth.json"), truth.dump()).ok());
   // Nothing is ever confirmed, so every instance is missed.
-  ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("shy.plb"), "--set",
-                        "confirm_evidence=50"})),
+  ASSERT_EQ(WaitFor(Start({"run", Path("sequence"), "--out", Path("shy.plb"), "--set",
+                           "confirm_evidence=50"})),
             0);
-  ASSERT_EQ(Wait(Start({"evaluate", Path("shy.plb"), "--ground-truth",
-                        Path("sequence/ground_truth.json"), "--models", Path("sequence/models"),
-                        "--plant", Path("planted"), "--json", Path("result.json")})),
+  ASSERT_EQ(WaitFor(Start({"evaluate", Path("shy.plb"), "--ground-truth",
+                           Path("sequence/ground_truth.json"), "--models", Path("sequence/models"),
+                           "--plant", Path("planted"), "--json", Path("result.json")})),
             0)
       << ReadFile(Path("output.txt")).value();
   const nlohmann::json result = ReadJson(Path("result.json")).value();
@@ -255,9 +226,10 @@ TEST_F(RunVerb, WhatItMissedCanBePlanted) {
 }
 
 TEST_F(RunVerb, DoesNotResumeAnotherRun) {
-  ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--frames", "0:3"})), 0);
-  EXPECT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--resume", "--set",
-                        "particles=300"})),
+  ASSERT_EQ(WaitFor(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--frames", "0:3"})),
+            0);
+  EXPECT_EQ(WaitFor(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--resume", "--set",
+                           "particles=300"})),
             1);
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("a.plb"));
 }
@@ -267,7 +239,7 @@ TEST_F(RunVerb, KeepsThePresetInTheRun) {
       "run", Path("sequence"), "--frames", "0:12", "--preset", "paper", "--set", "paper_depth_m=3"};
   const auto start = [&](std::vector<std::string> arguments, std::vector<std::string> more) {
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return Wait(Start(arguments));
+    return WaitFor(Start(arguments));
   };
   ASSERT_EQ(start(paper, {"--out", Path("whole.plb")}), 0) << *ReadFile(Path("output.txt"));
   const auto whole = RunReader::Open(Path("whole.plb")).value();
@@ -277,16 +249,16 @@ TEST_F(RunVerb, KeepsThePresetInTheRun) {
   const auto fork = RunReader::Open(Path("fork.plb")).value();
   EXPECT_EQ(BytesOf(fork->LastFrame().value()), BytesOf(whole->LastFrame().value()));
 
-  EXPECT_EQ(Wait(Start({"run", Path("sequence"), "--frames", "0:12", "--out", Path("whole.plb"),
-                        "--resume"})),
+  EXPECT_EQ(WaitFor(Start({"run", Path("sequence"), "--frames", "0:12", "--out", Path("whole.plb"),
+                           "--resume"})),
             1);
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("'filter'"));
 }
 
 TEST_F(RunVerb, WritesItsResultAsJson) {
-  ASSERT_EQ(
-      Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--json", Path("result.json")})),
-      0)
+  ASSERT_EQ(WaitFor(Start(
+                {"run", Path("sequence"), "--out", Path("a.plb"), "--json", Path("result.json")})),
+            0)
       << *ReadFile(Path("output.txt"));
   const nlohmann::json result = ReadJson(Path("result.json")).value();
   EXPECT_EQ(result.at("frames"), kFrames);
@@ -300,8 +272,9 @@ TEST_F(RunVerb, WritesItsResultAsJson) {
 }
 
 TEST_F(RunVerb, ExportsHowObjectsStandToOneAnother) {
-  ASSERT_EQ(Wait(StartRun("a.plb", false)), 0);
-  ASSERT_EQ(Wait(Start({"export", Path("a.plb"), "--format", "json", "--out", Path("a.json")})), 0)
+  ASSERT_EQ(WaitFor(StartRun("a.plb", false)), 0);
+  ASSERT_EQ(WaitFor(Start({"export", Path("a.plb"), "--format", "json", "--out", Path("a.json")})),
+            0)
       << *ReadFile(Path("output.txt"));
   const nlohmann::json last = ReadJson(Path("a.json")).value().at("last_frame");
   EXPECT_EQ(last.at("frame"), kFrames - 1);
@@ -315,39 +288,41 @@ TEST_F(RunVerb, ExportsHowObjectsStandToOneAnother) {
 TEST_F(RunVerb, GoesOnOnlyWithTheSamePoses) {
   const auto poses = folder_.path() / "poses.txt";
   std::filesystem::rename(folder_.path() / "sequence/trajectory.txt", poses);
-  EXPECT_EQ(Wait(StartRun("none.plb", false)), 1);
+  EXPECT_EQ(WaitFor(StartRun("none.plb", false)), 1);
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("--poses FILE"));
   EXPECT_FALSE(std::filesystem::exists(Path("none.plb")));
 
   std::vector<std::string> run = {"run",     Path("sequence"), "--out",    Path("run.plb"),
                                   "--poses", poses.string(),   "--frames", "0:8"};
-  ASSERT_EQ(Wait(Start(run)), 0) << *ReadFile(Path("output.txt"));
+  ASSERT_EQ(WaitFor(Start(run)), 0) << *ReadFile(Path("output.txt"));
   const RunHeader header = RunReader::Open(Path("run.plb")).value()->header();
   EXPECT_EQ(header.recipe.poses.file, poses);
   const std::vector<std::string> fork = {"run",      Path("sequence"), "--out", Path("fork.plb"),
                                          "--frames", "0:12",           "--at",  "4",
                                          "--fork",   Path("run.plb")};
-  EXPECT_EQ(Wait(Start(fork)), 1);
+  EXPECT_EQ(WaitFor(Start(fork)), 1);
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("poses"));
   run.back() = "0:12";
   run.push_back("--resume");
   std::filesystem::rename(poses, Path("moved.txt"));
   run[5] = Path("moved.txt");
-  EXPECT_EQ(Wait(Start(run)), 0) << "the content counts, not the path";
+  EXPECT_EQ(WaitFor(Start(run)), 0) << "the content counts, not the path";
   ASSERT_TRUE(WriteFileAtomically(Path("moved.txt"), *ReadFile(Path("moved.txt")) + "\n").ok());
-  EXPECT_EQ(Wait(Start(run)), 1);
+  EXPECT_EQ(WaitFor(Start(run)), 1);
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("the source of poses"));
 }
 
 TEST_F(RunVerb, ARefusedForkLeavesTheRunThatIsThere) {
-  ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--frames", "4:9"})), 0);
-  ASSERT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("b.plb"), "--frames", "0:6"})), 0);
+  ASSERT_EQ(WaitFor(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--frames", "4:9"})),
+            0);
+  ASSERT_EQ(WaitFor(Start({"run", Path("sequence"), "--out", Path("b.plb"), "--frames", "0:6"})),
+            0);
   const std::string before = *ReadFile(Path("b.plb"));
   const auto fork = [&](std::vector<std::string> more) {
     std::vector<std::string> arguments = {"run",         Path("sequence"), "--out",
                                           Path("b.plb"), "--fork",         Path("a.plb")};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return Wait(Start(arguments));
+    return WaitFor(Start(arguments));
   };
   EXPECT_EQ(fork({"--frames", "4:9", "--at", "-5"}), 1);
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("has no frame that early"));
@@ -357,17 +332,17 @@ TEST_F(RunVerb, ARefusedForkLeavesTheRunThatIsThere) {
 
 TEST_F(RunVerb, TwoRunsDoNotWriteOneFile) {
   const pid_t first = StartRun("a.plb", false);
-  while (Running(first) && FramesIn("a.plb") < 1)
+  while (IsRunning(first) && FramesIn("a.plb") < 1)
     std::this_thread::sleep_for(std::chrono::milliseconds(3));
   kill(first, SIGSTOP);
   for (const bool resume : {false, true}) {
-    EXPECT_EQ(Wait(StartRun("a.plb", resume)), 1);
+    EXPECT_EQ(WaitFor(StartRun("a.plb", resume)), 1);
     EXPECT_THAT(*ReadFile(Path("output.txt")),
                 testing::HasSubstr("a.plb' is open in another window or command (process " +
                                    std::to_string(first)));
   }
   kill(first, SIGCONT);
-  EXPECT_EQ(Wait(first), 0);
+  EXPECT_EQ(WaitFor(first), 0);
   EXPECT_EQ(FramesIn("a.plb"), kFrames);
   EXPECT_FALSE(std::filesystem::exists(Path("a.plb.lock")));
 }
@@ -377,7 +352,7 @@ TEST_F(RunVerb, WithoutAUsableFrameItFailsAndSaysWhy) {
        std::filesystem::directory_iterator(folder_.path() / "sequence" / "color")) {
     std::ofstream(image.path()) << "no image";
   }
-  EXPECT_EQ(Wait(StartRun("a.plb", false)), 1);
+  EXPECT_EQ(WaitFor(StartRun("a.plb", false)), 1);
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("none of the 50 frames of"));
 }
 
@@ -385,7 +360,7 @@ TEST_F(RunVerb, OwnPosesNeedAnImuAndSaySo) {
   const auto run = [&](std::vector<std::string> more) {
     std::vector<std::string> arguments = {"run", Path("sequence"), "--out", Path("a.plb")};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return Wait(Start(arguments));
+    return WaitFor(Start(arguments));
   };
   EXPECT_EQ(run({"--poses", "vio"}), 1);
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("no readings of an IMU"));
@@ -396,16 +371,16 @@ TEST_F(RunVerb, OwnPosesNeedAnImuAndSaySo) {
 }
 
 TEST_F(RunVerb, LiveItFindsItsPosesWhileItPlays) {
-  ASSERT_EQ(Wait(Start({"synth", "--imu", "--rest", "2", "--size", "320x240", "--rate", "10",
-                        "--frames", "60", "--light-rays", "4", "--out", Path("film")})),
+  ASSERT_EQ(WaitFor(Start({"synth", "--imu", "--rest", "2", "--size", "320x240", "--rate", "10",
+                           "--frames", "60", "--light-rays", "4", "--out", Path("film")})),
             0);
   const auto run = [&](const char* file, const char* speed) {
-    return Wait(Start({"run", Path("film"), "--poses", "vio", "--set-poses", "loops=causal",
-                       "--out", Path(file), speed}));
+    return WaitFor(Start({"run", Path("film"), "--poses", "vio", "--set-poses", "loops=causal",
+                          "--out", Path(file), speed}));
   };
   ASSERT_EQ(run("live.plb", "--live=1"), 0) << *ReadFile(Path("output.txt"));
-  ASSERT_EQ(Wait(Start({"run", Path("film"), "--poses", "vio", "--set-poses", "loops=causal",
-                        "--out", Path("whole.plb")})),
+  ASSERT_EQ(WaitFor(Start({"run", Path("film"), "--poses", "vio", "--set-poses", "loops=causal",
+                           "--out", Path("whole.plb")})),
             0)
       << *ReadFile(Path("output.txt"));
   const auto poses = [&](const char* file) {
@@ -427,8 +402,8 @@ TEST_F(RunVerb, LiveItFindsItsPosesWhileItPlays) {
   }
   EXPECT_TRUE(live->frames.back().ready) << live->frames.back().waits_for;
   // What goes on from it has the same poses.
-  ASSERT_EQ(Wait(Start({"run", Path("film"), "--poses", "vio", "--set-poses", "loops=causal",
-                        "--fork", Path("live.plb"), "--at", "30", "--out", Path("fork.plb")})),
+  ASSERT_EQ(WaitFor(Start({"run", Path("film"), "--poses", "vio", "--set-poses", "loops=causal",
+                           "--fork", Path("live.plb"), "--at", "30", "--out", Path("fork.plb")})),
             0)
       << *ReadFile(Path("output.txt"));
   EXPECT_EQ(poses("fork.plb")->frames.size(), 60u);
@@ -437,9 +412,9 @@ TEST_F(RunVerb, LiveItFindsItsPosesWhileItPlays) {
 TEST_F(RunVerb, AsksForNamesInUtf8AndWholeSeeds) {
   const std::string folder = Path("caf\xe9");
   std::filesystem::rename(Path("sequence"), folder);
-  EXPECT_EQ(Wait(Start({"run", folder, "--out", Path("a.plb")})), 2);
+  EXPECT_EQ(WaitFor(Start({"run", folder, "--out", Path("a.plb")})), 2);
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("is not UTF-8 text; rename"));
-  EXPECT_EQ(Wait(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--seed", "-1"})), 2);
+  EXPECT_EQ(WaitFor(Start({"run", Path("sequence"), "--out", Path("a.plb"), "--seed", "-1"})), 2);
   EXPECT_THAT(*ReadFile(Path("output.txt")), testing::HasSubstr("'-1' is no seed"));
 }
 

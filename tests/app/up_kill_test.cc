@@ -37,7 +37,7 @@ TEST_F(UpKill, TheRunIsTheSameAfterEveryKill) {
   int done = 0, graphs = 0;
   for (; done < most; ++graphs) {
     const pid_t process = Start(up);
-    while (Running(process)) {
+    while (IsRunning(process)) {
       std::this_thread::sleep_for(std::chrono::microseconds(random.Index(2000000)));
       const std::vector<pid_t> children = ChildrenOf(process);
       if (children.empty() || done >= most) continue;
@@ -48,7 +48,7 @@ TEST_F(UpKill, TheRunIsTheSameAfterEveryKill) {
       ++kills[command.substr(kind + 6, command.find(' ', kind + 6) - kind - 6)];
       ++done;
     }
-    ASSERT_EQ(Wait(process), 0) << Output() << "\nkills: " << testing::PrintToString(kills);
+    ASSERT_EQ(WaitFor(process), 0) << Output() << "\nkills: " << testing::PrintToString(kills);
     ASSERT_EQ(Difference("one.plb", "killed.plb"), "")
         << Output() << "\nkills: " << testing::PrintToString(kills);
     std::filesystem::remove(Path("killed.plb"));

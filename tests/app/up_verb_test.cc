@@ -105,7 +105,7 @@ TEST_F(UpVerb, EachNodeKilledAtRandomItEndsWithTheSameRun) {
   std::map<std::string, int> kills;
   const pid_t up = Start(Arguments("up", "killed.plb", {"--folder", Path("graph")}));
   const std::vector<std::string> kinds = {"player", "edges", "detector", "mapper", "recorder"};
-  for (std::size_t turn = 0; Running(up) && kills.size() < kinds.size() && turn < 200; ++turn) {
+  for (std::size_t turn = 0; IsRunning(up) && kills.size() < kinds.size() && turn < 200; ++turn) {
     std::this_thread::sleep_for(std::chrono::microseconds(random.Index(150000)));
     const std::string& kind = kinds[turn % kinds.size()];
     if (FramesIn("killed.plb") == 0 || kills.contains(kind)) continue;
@@ -114,7 +114,7 @@ TEST_F(UpVerb, EachNodeKilledAtRandomItEndsWithTheSameRun) {
       if (kill(child, SIGKILL) == 0) ++kills[kind];
     }
   }
-  ASSERT_EQ(Wait(up), 0) << Output();
+  ASSERT_EQ(WaitFor(up), 0) << Output();
   EXPECT_GE(kills.size(), 3u) << "it was over too soon";
   EXPECT_THAT(Output(), testing::HasSubstr("starting it again"));
   EXPECT_EQ(Difference("one.plb", "killed.plb"), "") << Output();
@@ -123,10 +123,10 @@ TEST_F(UpVerb, EachNodeKilledAtRandomItEndsWithTheSameRun) {
 TEST_F(UpVerb, InterruptedItKeepsWhatIsDoneAndGoesOnInOneProcessOrSeveral) {
   ASSERT_EQ(Run(Arguments("run", "one.plb")), 0) << Output();
   const pid_t up = Start(Arguments("up", "stopped.plb"));
-  while (Running(up) && FramesIn("stopped.plb") < 5)
+  while (IsRunning(up) && FramesIn("stopped.plb") < 5)
     std::this_thread::sleep_for(std::chrono::milliseconds(3));
   kill(up, SIGINT);
-  EXPECT_EQ(Wait(up), 1) << Output();
+  EXPECT_EQ(WaitFor(up), 1) << Output();
   EXPECT_THAT(Output(), testing::HasSubstr("--resume"));
   const int done = FramesIn("stopped.plb");
   EXPECT_GE(done, 5);
@@ -153,13 +153,13 @@ TEST_F(UpVerb, WhatCannotWorkIsSaidInTheNodesOwnSentence) {
 
 TEST_F(UpVerb, ARunningGraphTellsHowItIs) {
   const pid_t up = Start(Arguments("up", "seen.plb", {"--folder", Path("graph")}));
-  while (Running(up) && FramesIn("seen.plb") < 3)
+  while (IsRunning(up) && FramesIn("seen.plb") < 3)
     std::this_thread::sleep_for(std::chrono::milliseconds(3));
   ASSERT_EQ(std::system(("'" + ProgramFile().string() + "' graph '" + Path("graph") + "' --json '" +
                          Path("state.json") + "' > '" + Path("state.txt") + "'")
                             .c_str()),
             0);
-  ASSERT_EQ(Wait(up), 0) << Output();
+  ASSERT_EQ(WaitFor(up), 0) << Output();
   const nlohmann::json state = ReadJson(Path("state.json")).value();
   ASSERT_EQ(state.at("nodes").size(), 5u);
   for (const nlohmann::json& node : state.at("nodes")) {
@@ -192,7 +192,7 @@ TEST_F(UpVerb, WhoLooksOnGetsTheNewestMapAndDisturbsNobody) {
                              "'";
   // It may come first; and it goes in the middle.
   ASSERT_EQ(std::system(follow.c_str()), 0);
-  ASSERT_EQ(Wait(up), 0) << Output();
+  ASSERT_EQ(WaitFor(up), 0) << Output();
   EXPECT_EQ(Difference("one.plb", "seen.plb"), "");
   std::istringstream lines(ReadFile(Path("seen.txt")).value());
   int frame = 0, objects = 0, dropped = 0, last = -1, num = 0;
@@ -225,7 +225,7 @@ TEST_F(UpVerb, AnotherProgramsDetectorReplacesOurs) {
     arguments[1] = Path("graph.json");
     return Start(arguments);
   };
-  ASSERT_EQ(Wait(run("theirs.plb")), 0) << Output();
+  ASSERT_EQ(WaitFor(run("theirs.plb")), 0) << Output();
   const auto reader = RunReader::Open(Path("theirs.plb")).value();
   EXPECT_EQ(ToText(*reader->header().recipe.detector), "process:detector");
   ASSERT_EQ(reader->NumFrames().value(), kFrames);
@@ -240,11 +240,11 @@ TEST_F(UpVerb, AnotherProgramsDetectorReplacesOurs) {
   EXPECT_GT(boxes, kFrames / 2);
   // It may die, too.
   const pid_t up = run("killed.plb");
-  while (Running(up) && FramesIn("killed.plb") < 5)
+  while (IsRunning(up) && FramesIn("killed.plb") < 5)
     std::this_thread::sleep_for(std::chrono::milliseconds(3));
   for (const pid_t child : ChildrenOf(up))
     if (CommandOf(child).find("detector.py") != std::string::npos) kill(child, SIGKILL);
-  ASSERT_EQ(Wait(up), 0) << Output();
+  ASSERT_EQ(WaitFor(up), 0) << Output();
   EXPECT_EQ(Difference("theirs.plb", "killed.plb"), "");
 }
 

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -65,10 +66,9 @@ TEST(WireValues, SharedImagesAreSealedAndOutliveTheirOwner) {
 }
 
 TEST(WireValues, WhatIsNoSharedImageIsNotMapped) {
-  char file[] = "/tmp/plumbline_not_sealed_XXXXXX";
-  const int descriptor = mkstemp(file);
-  ASSERT_GE(descriptor, 0);
-  unlink(file);
+  std::FILE* file = std::tmpfile();
+  ASSERT_NE(file, nullptr);
+  const int descriptor = fileno(file);
   ASSERT_EQ(ftruncate(descriptor, 300), 0);
   struct stat state {};
   fstat(descriptor, &state);
@@ -78,7 +78,7 @@ TEST(WireValues, WhatIsNoSharedImageIsNotMapped) {
   name.set_inode(state.st_ino);
   name.set_bytes(300);
   EXPECT_EQ(MapSharedImage(name, {10, 10}, CV_8UC3).error().code, ErrorCode::kCorrupt);
-  close(descriptor);
+  std::fclose(file);
 }
 
 TEST(WireValues, ImagesThatLieAboutThemselvesAreRefused) {
