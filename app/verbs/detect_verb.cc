@@ -70,10 +70,7 @@ Result<std::unique_ptr<Detector>> ChooseDetector(const DetectArguments& argument
   if (arguments.detector.empty()) {
     const auto best = BestFetchedDetector();
     if (best) return CreateDetector(best->string(), nullptr, arguments.options);
-    return Error{
-        ErrorCode::kNotFound,
-        "no detector is at hand; fetch one with 'plumbline networks get yolox_nano', or name "
-        "one with --detector FILE.onnx"};
+    return CreateDetector("builtin", nullptr, arguments.options);
   }
   const Result<std::string> choice = ResolveNetworkName(arguments.detector);
   if (!choice.ok()) return choice.error();
@@ -125,8 +122,9 @@ void AddDetectVerb(CLI::App& app, VerbFunction& chosen) {
       ->required()
       ->type_name("IMAGES");
   verb->add_option("--detector", arguments->detector,
-                   "A network that 'plumbline networks get' has fetched, or FILE.onnx with its "
-                   "sidecar FILE.json beside it (default: the best that was fetched)");
+                   "builtin (our network), one that 'plumbline networks get' has fetched, or "
+                   "FILE.onnx with its sidecar FILE.json beside it (default: the best that was "
+                   "fetched, else builtin)");
   auto* json =
       verb->add_option(
               "--json", arguments->json_file,

@@ -35,6 +35,8 @@ Status ListNetworks() {
                "  builtin         edges; what --edges is where a sequence has none\n"
                "  builtin-half    edges, on images of half the size: four times as fast\n"
                "  gradient        edges from image gradients, no network: the fastest\n"
+               "  builtin         boxes of furniture; what --detector is where a sequence has none "
+               "and none was fetched\n"
                "to fetch with 'plumbline networks get NAME' (detectors; "
             << NetworksFolder().string() << "):\n";
   for (const ListedNetwork& network : ListedNetworks()) {

@@ -32,9 +32,9 @@ void PipelineArguments::AddTo(CLI::App& verb) {
       ->capture_default_str();
   verb.add_option(
       "--detector", detector,
-      "dataset (the sequence's proposals), a network that 'networks get' has fetched, or "
-      "FILE.onnx with its sidecar (default: dataset where there are any, else the "
-      "best that was fetched)");
+      "dataset (the sequence's proposals), builtin (our network), one that 'networks get' has "
+      "fetched, or FILE.onnx with its sidecar (default: dataset where there are any, else the best "
+      "that was fetched, else builtin)");
   verb.add_option(
       "--edges", edges,
       "dataset, builtin (our network), builtin-half (four times as fast), gradient, or "

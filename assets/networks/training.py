@@ -38,10 +38,12 @@ class Training:
         self.step += 1
         keep = min(remember, self.step / (self.step + 10))
         with torch.no_grad():
-            for mine, other in zip(self.average.state_dict().values(), self.net.state_dict().values()):
-                if mine.dtype.is_floating_point:
-                    mine.mul_(keep).add_(other, alpha=1 - keep)
-                else:
+            pairs = list(zip(self.average.state_dict().values(), self.net.state_dict().values()))
+            averaged = [pair for pair in pairs if pair[0].dtype.is_floating_point]
+            torch._foreach_mul_([mine for mine, _ in averaged], keep)
+            torch._foreach_add_([mine for mine, _ in averaged], [other for _, other in averaged], alpha=1 - keep)
+            for mine, other in pairs:
+                if not mine.dtype.is_floating_point:
                     mine.copy_(other)
 
     def save(self, log, means):

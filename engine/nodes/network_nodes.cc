@@ -10,6 +10,7 @@
 #include "engine/vision/edge_detector.h"
 #include "engine/vision/edge_network.h"
 #include "engine/vision/network.h"
+#include "engine/vision/two_stage_detector.h"
 
 namespace plumbline {
 namespace {
@@ -197,17 +198,15 @@ class DetectorProcess {
 Status ServeDetections(const NodeSetup& setup) {
   Result<ImageNode> opened = OpenImageNode(setup);
   if (!opened.ok()) return opened.error();
-  Result<DetectorChoice> choice = setup.plan.recipe->detector
-                                      ? Result<DetectorChoice>(*setup.plan.recipe->detector)
-                                      : DefaultDetector(*opened->sequence);
-  if (!choice.ok()) return choice.error();
-  Result<std::unique_ptr<Detector>> detector = CreateDetector(ToText(*choice), opened->sequence);
+  DetectorChoice choice = setup.plan.recipe->detector.value_or(DefaultDetector(*opened->sequence));
+  Result<std::unique_ptr<Detector>> detector = CreateDetector(ToText(choice), opened->sequence);
   if (!detector.ok()) return detector.error();
-  if (Status status = CompleteFile(*choice); !status.ok()) return status;
+  if (Status status = CompleteFile(choice); !status.ok()) return status;
+  if (choice.source == DetectorSource::kBuiltin) choice.hash = HashOfBuiltinDetector();
   opened->link->SetChoice(ChoiceText(
-      *choice, EnumNames<DetectorSource>::names[static_cast<std::size_t>(choice->source)]));
+      choice, EnumNames<DetectorSource>::names[static_cast<std::size_t>(choice.source)]));
   DetectorProcess process(setup, std::move(opened).value(), std::move(detector).value(),
-                          choice->source != DetectorSource::kDataset);
+                          choice.source != DetectorSource::kDataset);
   process.Serve(setup.work.stop);
   return {};
 }

@@ -24,6 +24,7 @@
 #include "engine/vision/edge_detector.h"
 #include "engine/vision/edge_network.h"
 #include "engine/vision/network.h"
+#include "engine/vision/two_stage_detector.h"
 
 namespace plumbline {
 namespace {
@@ -55,10 +56,6 @@ Result<std::filesystem::path> ModelsOf(const Sequence& sequence, const RunRecipe
   return Error{ErrorCode::kInvalidInput,
                "'" + recipe.sequence.string() +
                    "' has no models of its own; name a folder of CAD models with --models"};
-}
-
-Result<DetectorChoice> DetectorOf(const Sequence& sequence, const RunRecipe& recipe) {
-  return recipe.detector ? Result<DetectorChoice>(*recipe.detector) : DefaultDetector(sequence);
 }
 
 /// The sequence with the poses that the recipe asks for. What else lacks is said before they are
@@ -96,7 +93,6 @@ Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
     own_poses = nullptr;  // of a live run that was stopped
   if (own_poses == nullptr) {
     if (const auto models = ModelsOf(**sequence, recipe); !models.ok()) return models.error();
-    if (const auto boxes = DetectorOf(**sequence, recipe); !boxes.ok()) return boxes.error();
     if (recipe.live_speed) {
       auto estimator = OwnPoseEstimator::Create(*sequence, end, recipe.own_poses);
       if (!estimator.ok()) return estimator.error();
@@ -126,6 +122,8 @@ Status Complete(const ModelDatabase& database, bool own_detector, bool own_edges
   if (Status status = complete(recipe.poses, HashFile); !status.ok()) return status;
   if (recipe.poses.source == PoseSource::kVio) recipe.poses.hash = HashOf(recipe.own_poses);
   if (own_detector) {
+    if (recipe.detector->source == DetectorSource::kBuiltin)
+      recipe.detector->hash = HashOfBuiltinDetector();
     if (Status status = complete(*recipe.detector, HashOfNetwork); !status.ok()) return status;
   }
   if (!own_edges) return {};
@@ -333,9 +331,7 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Impl::Open(
   const bool own_edges = parts.edges == nullptr, own_detector = parts.detector == nullptr;
   const bool cache = !recipe.live_speed;  // no camera gives an image that is known already
   if (own_detector) {
-    Result<DetectorChoice> boxes = DetectorOf(frames, recipe);
-    if (!boxes.ok()) return boxes.error();
-    parts.detector_choice = std::move(boxes).value();
+    parts.detector_choice = recipe.detector.value_or(DefaultDetector(frames));
     Result<std::unique_ptr<Detector>> detector =
         CreateDetector(ToText(parts.detector_choice), impl->sequence, {.cache = cache});
     if (!detector.ok()) return detector.error();

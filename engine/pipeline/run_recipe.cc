@@ -122,14 +122,11 @@ EdgeChoice DefaultEdges(const Sequence& sequence) {
   return {sequence.has_edges() ? EdgeSource::kDataset : EdgeSource::kBuiltin, {}, {}};
 }
 
-Result<DetectorChoice> DefaultDetector(const Sequence& sequence) {
+DetectorChoice DefaultDetector(const Sequence& sequence) {
   if (sequence.has_proposals()) return DetectorChoice{DetectorSource::kDataset, {}, {}};
   if (const auto file = BestFetchedDetector())
     return DetectorChoice{DetectorSource::kNetwork, *file, {}};
-  return Error{ErrorCode::kNotFound,
-               "'" + sequence.path().string() +
-                   "' has no boxes (proposals/) and no detector is at hand; fetch one with "
-                   "'plumbline networks get yolox_nano', or name one with --detector FILE.onnx"};
+  return DetectorChoice{DetectorSource::kBuiltin, {}, {}};
 }
 
 namespace {

@@ -31,7 +31,7 @@ Result<FrameRange> ParseFrameRange(std::string_view text);
 
 enum class PoseSource { kDataset, kVio, kTrajectory };
 enum class EdgeSource { kDataset, kGradient, kBuiltin, kBuiltinHalf, kNetwork };
-enum class DetectorSource { kDataset, kNetwork };
+enum class DetectorSource { kDataset, kBuiltin, kNetwork };
 enum class ScorerKind { kViewpoint, kRendered };
 
 template <>
@@ -45,7 +45,7 @@ struct EnumNames<EdgeSource> {
 };
 template <>
 struct EnumNames<DetectorSource> {
-  static constexpr std::string_view names[] = {"dataset", "network"};
+  static constexpr std::string_view names[] = {"dataset", "builtin", "network"};
 };
 template <>
 struct EnumNames<ScorerKind> {
@@ -111,8 +111,8 @@ std::string HashOf(const OwnPoseOptions& options);
 EdgeChoice DefaultEdges(const Sequence& sequence);
 
 /// The sequence's own proposals where it has any, else the best network that `plumbline networks
-/// get` has fetched. Errors: kNotFound, saying how to come by one.
-Result<DetectorChoice> DefaultDetector(const Sequence& sequence);
+/// get` has fetched, else the built-in one.
+DetectorChoice DefaultDetector(const Sequence& sequence);
 
 /// {"version": 2, ..}, paths absolute.
 nlohmann::json RecipeToJson(const RunRecipe& recipe);

@@ -50,7 +50,7 @@ OtherEdges NetworkAnalyst::EdgesOf(const cv::Mat& image, const std::string& choi
 const FrameDetections* NetworkAnalyst::Detect(const MapSnapshot& snapshot, const RunRecipe* recipe,
                                               std::string& problem) {
   const bool by_network =
-      recipe != nullptr && recipe->detector && recipe->detector->source == DetectorSource::kNetwork;
+      recipe != nullptr && recipe->detector && recipe->detector->source != DetectorSource::kDataset;
   const std::string choice = by_network ? ToText(*recipe->detector) : "";
   if (choice != detector_choice_) {
     detector_choice_ = choice;

@@ -31,7 +31,7 @@ struct Tremor {
 
   Tremor(double strength, std::uint64_t seed) {
     Random random({.seed = seed, .object = kTremorSource});
-    const auto direction = [&](double size) {
+    const auto direction = [&](double size) -> Vector3d {
       return size * strength *
              Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized();
     };

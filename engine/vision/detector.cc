@@ -36,16 +36,17 @@ Result<std::unique_ptr<Detector>> CreateDetector(std::string_view choice,
     if (sequence == nullptr || !sequence->has_proposals()) {
       return sequence == nullptr
                  ? Error{ErrorCode::kInvalidInput, "the detector 'dataset' needs a sequence"}
-                 : Error{ErrorCode::kNotFound,
-                         "the sequence '" + sequence->path().string() +
-                             "' has no proposals/; name a detector instead (FILE.onnx, or one that "
-                             "'plumbline networks get' has fetched)"};
+                 : Error{ErrorCode::kNotFound, "the sequence '" + sequence->path().string() +
+                                                   "' has no proposals/; name a detector instead "
+                                                   "(builtin, FILE.onnx, or one "
+                                                   "that 'plumbline networks get' has fetched)"};
     }
     return std::unique_ptr<Detector>(std::make_unique<DatasetDetector>(std::move(sequence)));
   }
+  if (choice == "builtin") return BuiltinDetector(options);
   if (!choice.ends_with(".onnx")) {
     return Error{ErrorCode::kInvalidInput, "there is no detector '" + std::string(choice) +
-                                               "'; it must be dataset or a FILE.onnx"};
+                                               "'; it must be dataset, builtin or a FILE.onnx"};
   }
   const std::filesystem::path file(choice);
   Result<NetworkSidecar> sidecar = ReadNetworkSidecar(file);

@@ -46,8 +46,8 @@ struct DetectorOptions {
 };
 
 /// `dataset` (the sequence's proposals; a box scores the maximum over proposals of its category of
-/// score * IoU) or the path of an ONNX network with its sidecar. Errors: kNotFound, kCorrupt,
-/// kInvalidInput, kUnsupported.
+/// score * IoU), `builtin` (our two-stage network) or the path of an ONNX network with its sidecar.
+/// Errors: kNotFound, kCorrupt, kInvalidInput, kUnsupported.
 Result<std::unique_ptr<Detector>> CreateDetector(std::string_view choice,
                                                  std::shared_ptr<const Sequence> sequence,
                                                  const DetectorOptions& options = {});

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <onnx/onnx_pb.h>
+#include <Eigen/Core>
 
 #include "engine/base/check.h"
 #include "engine/vision/onnx_folding.h"
@@ -45,6 +46,39 @@ std::vector<Number> NumbersOf(const onnx::TensorProto& tensor, const Field& fiel
   if (numbers.empty()) return numbers;
   std::memcpy(numbers.data(), tensor.raw_data().data(), numbers.size() * sizeof(Number));
   return numbers;
+}
+
+/// Numbers of 16 bits become ones of 32.
+void WidenTensor(onnx::TensorProto& tensor) {
+  if (tensor.data_type() != onnx::TensorProto::FLOAT16) return;
+  const auto halves = NumbersOf<std::uint16_t>(tensor, tensor.int32_data());
+  std::vector<float> numbers;
+  numbers.reserve(halves.size());
+  for (const std::uint16_t half : halves)
+    numbers.push_back(static_cast<float>(Eigen::half(Eigen::half_impl::raw_uint16_to_half(half))));
+  tensor.clear_int32_data();
+  tensor.set_data_type(onnx::TensorProto::FLOAT);
+  tensor.set_raw_data(numbers.data(), numbers.size() * sizeof(float));
+}
+
+void WidenType(onnx::ValueInfoProto& value) {
+  onnx::TypeProto::Tensor& type = *value.mutable_type()->mutable_tensor_type();
+  if (type.elem_type() == onnx::TensorProto::FLOAT16) type.set_elem_type(onnx::TensorProto::FLOAT);
+}
+
+/// A network of half precision as one of single precision.
+void WidenHalves(onnx::GraphProto& graph) {
+  for (onnx::TensorProto& weight : *graph.mutable_initializer()) WidenTensor(weight);
+  for (auto* values : {graph.mutable_input(), graph.mutable_output(), graph.mutable_value_info()})
+    for (onnx::ValueInfoProto& value : *values) WidenType(value);
+  for (onnx::NodeProto& node : *graph.mutable_node()) {
+    for (onnx::AttributeProto& attribute : *node.mutable_attribute()) {
+      if (attribute.has_t()) WidenTensor(*attribute.mutable_t());
+      if (node.op_type() == "Cast" && attribute.name() == "to" &&
+          attribute.i() == onnx::TensorProto::FLOAT16)
+        attribute.set_i(onnx::TensorProto::FLOAT);
+    }
+  }
 }
 
 /// Constants by name: those of the graph, and those that nodes give.
@@ -143,6 +177,7 @@ std::string OnnxForOpenCv(const std::string& bytes, std::optional<cv::Size> inpu
   onnx::ModelProto model;
   PLB_CHECK(model.ParseFromString(bytes));
   onnx::GraphProto& graph = *model.mutable_graph();
+  WidenHalves(graph);
   std::set<std::string> weights;
   for (const auto& weight : graph.initializer()) weights.insert(weight.name());
   DropWeightsFromInputs(graph, weights);

@@ -201,4 +201,11 @@ Result<std::unique_ptr<Detector>> CreateTwoStageDetector(const std::filesystem::
       std::make_unique<TwoStageDetector>(std::move(network).value(), options));
 }
 
+Result<std::unique_ptr<Detector>> BuiltinDetector(const DetectorOptions& options) {
+  auto network = TwoStageNetwork::Builtin();
+  if (!network.ok()) return network.error();
+  return std::unique_ptr<Detector>(
+      std::make_unique<TwoStageDetector>(std::move(network).value(), options));
+}
+
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "engine/base/result.h"
 #include "engine/vision/detector.h"
@@ -17,5 +18,11 @@ namespace plumbline {
 Result<std::unique_ptr<Detector>> CreateTwoStageDetector(const std::filesystem::path& onnx_file,
                                                          NetworkSidecar sidecar,
                                                          const DetectorOptions& options);
+
+/// Ours, which is built into the program (assets/networks/detector). Errors: kCorrupt, if OpenCV
+/// cannot run it.
+Result<std::unique_ptr<Detector>> BuiltinDetector(const DetectorOptions& options);
+/// Of its networks and their sidecar.
+std::string HashOfBuiltinDetector();
 
 }  // namespace plumbline

@@ -4,7 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "engine/base/check.h"
+#include "engine/base/files.h"
+#include "engine/vision/onnx_for_opencv.h"
+#include "engine/vision/two_stage_detector.h"
+#include "engine/vision/vision_resources.h"
 
 namespace plumbline {
 namespace {
@@ -18,6 +24,10 @@ constexpr int kHeadColumns = 32;
 
 std::filesystem::path HeadFileOf(std::filesystem::path onnx_file) {
   return onnx_file.replace_extension(".head.onnx");
+}
+
+std::string BuiltinFile(std::string_view name) {
+  return VisionResource("assets/networks/detector/" + std::string(name));
 }
 
 /// N x channels x bins as 1 x (channels * bins) x N x 1.
@@ -39,6 +49,11 @@ void Softmax(const float* logits, int count, float* probabilities) {
 
 }  // namespace
 
+std::string HashOfBuiltinDetector() {
+  return HashHex(HashHex(BuiltinFile("detector.json")) + HashHex(BuiltinFile("detector.onnx")) +
+                 HashHex(BuiltinFile("detector.head.onnx")));
+}
+
 cv::Size2f ImagePart(const FittedImage& fitted) {
   return {static_cast<float>(std::lround(fitted.original.width * fitted.scale_x)),
           static_cast<float>(std::lround(fitted.original.height * fitted.scale_y))};
@@ -57,8 +72,26 @@ Result<std::shared_ptr<TwoStageNetwork>> TwoStageNetwork::Load(
   Result<Network> head = LoadNetwork(head_file, std::move(sidecar));
   if (!head.ok()) return head.error();
   trunk->content_hash += head->content_hash;
-  std::shared_ptr<TwoStageNetwork> network(
-      new TwoStageNetwork(std::move(trunk).value(), std::move(head).value()));
+  return Tried(std::move(trunk).value(), std::move(head).value());
+}
+
+Result<std::shared_ptr<TwoStageNetwork>> TwoStageNetwork::Builtin() {
+  Result<NetworkSidecar> sidecar =
+      SidecarFromJson(nlohmann::json::parse(BuiltinFile("detector.json")));
+  PLB_CHECK(sidecar.ok());
+  const auto make = [&](std::string_view file) {
+    return MakeNetwork(OnnxForOpenCv(BuiltinFile(file), std::nullopt), *sidecar, "builtin",
+                       HashOfBuiltinDetector());
+  };
+  Result<Network> trunk = make("detector.onnx");
+  if (!trunk.ok()) return trunk.error();
+  Result<Network> head = make("detector.head.onnx");
+  if (!head.ok()) return head.error();
+  return Tried(std::move(trunk).value(), std::move(head).value());
+}
+
+Result<std::shared_ptr<TwoStageNetwork>> TwoStageNetwork::Tried(Network trunk, Network head) {
+  std::shared_ptr<TwoStageNetwork> network(new TwoStageNetwork(std::move(trunk), std::move(head)));
   const cv::Mat gray(network->sidecar().height, network->sidecar().width, CV_8UC3,
                      cv::Scalar::all(128));
   const auto levels = network->RunTrunk(FitImage(gray, network->sidecar()));

@@ -31,6 +31,8 @@ class TwoStageNetwork {
   /// the sidecar says. Errors: kNotFound, kCorrupt, kInvalidInput, naming the file.
   static Result<std::shared_ptr<TwoStageNetwork>> Load(const std::filesystem::path& onnx_file,
                                                        NetworkSidecar sidecar);
+  /// The one that is built into the program (assets/networks/detector).
+  static Result<std::shared_ptr<TwoStageNetwork>> Builtin();
 
   const NetworkSidecar& sidecar() const { return trunk_.sidecar; }
   /// Of both files and the sidecar.
@@ -54,6 +56,8 @@ class TwoStageNetwork {
   Result<HeadScores> RunHead(std::span<const FeatureMap> features, std::span<const Box2> boxes);
 
  private:
+  /// Runs both once.
+  static Result<std::shared_ptr<TwoStageNetwork>> Tried(Network trunk, Network head);
   TwoStageNetwork(Network trunk, Network head) : trunk_(std::move(trunk)), head_(std::move(head)) {}
   int channels_of(const cv::Mat& level, std::size_t index) const;
   /// N x 5 (1 + categories): logits, then deltas.

@@ -84,8 +84,7 @@ TEST_F(NetworksVerb, ListsAndRefusesInOneSentence) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.output, HasSubstr("yolox_nano"));
   run = Run("detect photo.png --json out.json");
-  EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.output, HasSubstr("networks get"));
+  EXPECT_EQ(run.exit_code, 0) << run.output << "the built-in detector needs no file";
   run = Run("detect photo.png --detector yolox_nano --json out.json");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.output, HasSubstr("networks get yolox_nano"));

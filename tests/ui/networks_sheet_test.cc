@@ -50,6 +50,9 @@ TEST_F(NetworksSheetTest, AsksForWhatIsClickedUnlessItIsUsedOrNotThere) {
   EXPECT_EQ(use->detector, "");
   EXPECT_EQ(Clicked("networks.edges.builtin"), nullptr) << "the run uses it";
   EXPECT_EQ(Clicked("networks.edges.dataset"), nullptr) << "the sequence has none";
+  use = Clicked("networks.detector.builtin");
+  ASSERT_NE(use, nullptr);
+  EXPECT_EQ(use->detector, "builtin");
   EXPECT_EQ(Clicked("networks.detector.yolox_nano"), nullptr) << "the run uses it";
   EXPECT_EQ(Clicked("networks.detector.yolox_s"), nullptr) << "it has not been fetched";
 }

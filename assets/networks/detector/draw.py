@@ -18,10 +18,12 @@ import numpy as np
 import vtk
 from vtk.util import numpy_support
 
+import catalog
 import shapes
 
-WIDTH, HEIGHT = 384, 288
+WIDTH, HEIGHT = 448, 336
 LEAST_PIXELS, LEAST_SHARE = 120, .15  # of an object that is labelled
+PIECE = 176  # pixels, the longer side of one drawn alone
 LEFT_OUT = {'chair_slat', 'chair_slat_arms', 'chair_shell', 'table_rectangular', 'sofa_wide', 'lamp_floor', 'sideboard', 'tv_wide'}
 CHANCE = {'chair': .34, 'dining table': .12, 'couch': .08, 'tv': .08, 'cabinet': .08, 'desk': .06, 'lamp': .05, 'shelf': .05,
           'potted plant': .04, 'cup': .05, 'bed': .025, 'refrigerator': .025}
@@ -30,7 +32,8 @@ HOLDS = {'dining table', 'desk', 'cabinet'}
 
 
 class Photos:
-    def __init__(self, folders):
+    def __init__(self, folders, textures=None):
+        self.textures = sorted(glob.glob(os.path.join(textures, '*.jpg'))) if textures else []
         self.files = sorted(f for folder in folders for f in glob.glob(os.path.join(folder, '*.jpg')))
         if not self.files:
             raise SystemExit('no .jpg in %s' % ' '.join(folders))
@@ -57,15 +60,16 @@ def texture_of(image):
     return texture
 
 
-def actor_of(mesh, rng, photos, share_photo):
-    """An actor with its own colours, other ones, or a photograph as cloth."""
+def actor_of(part, rng, photos, share_photo, share_own):
+    """An actor with its own colours, other ones, or a photograph as cloth. A part: mesh, texture, RGB."""
+    mesh, own_texture, own_color = part
     mapper, actor = vtk.vtkPolyDataMapper(), vtk.vtkActor()
     choice = rng.random()
-    if choice < share_photo:
+    if choice < share_photo and np.count_nonzero(np.ptp(np.array(mesh.GetBounds()).reshape(3, 2), axis=1) > 1e-4) > 1:
         project = vtk.vtkTextureMapToPlane()
         project.SetInputData(mesh)
         low, high = np.array(mesh.GetBounds()).reshape(3, 2).T
-        along = rng.permutation(3)[:2]
+        along = np.argsort(high - low)[1:][rng.permutation(2)]
         points = [low.copy() for _ in range(3)]
         points[1][along[0]], points[2][along[1]] = high[along[0]], high[along[1]]
         project.SetOrigin(*points[0])
@@ -76,9 +80,15 @@ def actor_of(mesh, rng, photos, share_photo):
         actor.SetTexture(texture_of(photos.crop(rng, 128, 128)))
     else:
         mapper.SetInputData(mesh)
-        if choice > .7 or mesh.GetPointData().GetScalars() is None:
+        if choice > share_photo + share_own or (mesh.GetPointData().GetScalars() is None and own_color is None):
             mapper.ScalarVisibilityOff()
             actor.GetProperty().SetColor(*shapes.paint(rng))
+            if own_texture and rng.random() < .5:
+                actor.SetTexture(own_texture)
+        elif own_color is not None:
+            actor.GetProperty().SetColor(*own_color)
+            if own_texture:
+                actor.SetTexture(own_texture)
     actor.SetMapper(mapper)
     look = actor.GetProperty()
     look.SetAmbient(rng.uniform(.05, .4))
@@ -89,23 +99,44 @@ def actor_of(mesh, rng, photos, share_photo):
     return actor
 
 
+def assembly_of(parts, rng, photos, share_photo):
+    """What a model's parts make, in their own colours or in others."""
+    assembly, share_own = vtk.vtkAssembly(), 1 if len(parts) > 1 and rng.random() < .55 else .55
+    if share_own == 1:
+        share_photo = 0
+    for part in parts:
+        assembly.AddPart(actor_of(part, rng, photos, share_photo, share_own * (1 - share_photo)))
+    return assembly
+
+
+def actors_of(prop):
+    parts = prop.GetParts() if prop.IsA('vtkAssembly') else [prop]
+    return [part for part in parts]
+
+
+def half_bounds(parts):
+    """Low and high corner of a model."""
+    bounds = np.array([mesh.GetBounds() for mesh, _, _ in parts]).reshape(-1, 3, 2)
+    return bounds[:, :, 0].min(0), bounds[:, :, 1].max(0)
+
+
 class Scene:
     """Furniture on a floor, maybe in a room, in a renderer of its own."""
 
     def __init__(self, rng, photos, models):
         self.rng, self.photos, self.models = rng, photos, models
         self.renderer = vtk.vtkRenderer()
-        self.objects, self.others = [], []  # (actor, category), actors
+        self.objects, self.others, self.shades = [], [], []  # (prop, category), props
         self.half = rng.uniform(1.6, 3.2, 2)
         self.in_room = rng.random() < .7
         taken = []
         categories = list(CHANCE)
-        count = rng.integers(2, 9)
+        count = rng.integers(2, 9) if rng.random() < .4 else rng.integers(5, 16)
         favourite = rng.choice(categories, p=np.array(list(CHANCE.values())) / sum(CHANCE.values()))
         for _ in range(count):
             category = favourite if rng.random() < .35 else rng.choice(categories, p=np.array(list(CHANCE.values())) / sum(CHANCE.values()))
             self.place(category, taken)
-        for _ in range(rng.integers(0, 10)):
+        for _ in range(rng.integers(0, 10) if count < 6 else rng.integers(6, 30)):
             self.clutter(taken)
         if self.in_room:
             self.shell()
@@ -113,15 +144,15 @@ class Scene:
 
     def shape(self, category):
         own = self.models.get(category, [])
-        if own and self.rng.random() < .4:
+        if own and self.rng.random() < min(.75, .1 * len(own)):
             return own[self.rng.integers(len(own))]
-        return shapes.MAKERS[category](self.rng)
+        return [(shapes.MAKERS[category](self.rng), None, None)]
 
     def place(self, category, taken):
-        rng, mesh = self.rng, self.shape(category)
+        rng, parts = self.rng, self.shape(category)
         stretch = rng.uniform(.85, 1.18, 3)
-        bounds = np.array(mesh.GetBounds()).reshape(3, 2) * stretch[:, None]
-        extent = (bounds[:, 1] - bounds[:, 0]) / 2
+        low, high = half_bounds(parts)
+        extent = (high - low) * stretch / 2
         radius = np.hypot(extent[0], extent[1])
         holders = [(actor, c) for actor, c in self.objects if c in HOLDS]
         yaw = rng.choice([0, 90, 180, 270]) + rng.normal(0, 8) if rng.random() < .4 else rng.uniform(0, 360)
@@ -138,20 +169,75 @@ class Scene:
             z = rng.uniform(.6, 1.6) if category == 'tv' and rng.random() < .3 else rng.uniform(.4, 1.) if category == 'cup' else 0
             if z == 0:
                 taken.append((x, y, radius))
-        actor = actor_of(mesh, rng, self.photos, .2)
+        actor = assembly_of(parts, rng, self.photos, .2)
         actor.SetScale(*stretch)
         actor.SetPosition(x, y, z)
         actor.RotateZ(yaw)
         self.renderer.AddActor(actor)
         self.objects.append((actor, category))
+        if z == 0 and rng.random() < .7:
+            self.shade(x, y, yaw, extent)
+        if category in HOLDS and category != 'cabinet' and rng.random() < .6:
+            self.seats(x, y, yaw, extent)
+
+    def seats(self, x, y, yaw, extent):
+        """Equal chairs around a table, as people leave them."""
+        rng, parts, looks = self.rng, self.shape('chair'), self.rng.integers(2 ** 31)
+        for side in rng.permutation(6)[:rng.integers(1, 7)]:
+            along, across = (0, 1) if side < 4 else (1, 0)
+            out = extent[across] + rng.uniform(-.15, .35)
+            offset = np.zeros(2)
+            offset[across] = out if side % 2 else -out
+            offset[along] = (rng.uniform(.3, .6) * extent[along] * (1 if side % 4 < 2 else -1) if side < 4 else 0) + rng.normal(0, .06)
+            turn = np.radians(yaw)
+            at = np.array([x, y]) + np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ offset
+            prop = assembly_of(parts, np.random.default_rng(looks), self.photos, .2)
+            prop.SetPosition(*at, 0)
+            prop.RotateZ(yaw + np.degrees(np.arctan2(-offset[1], -offset[0])) + rng.choice([0, 90, 180], p=[.6, .2, .2]) + rng.normal(0, 20))
+            self.renderer.AddActor(prop)
+            self.objects.append((prop, 'chair'))
+
+    def shade(self, x, y, yaw, extent):
+        """The dark that furniture leaves on the floor below it."""
+        image = np.zeros((64, 64, 4), np.uint8)
+        side = np.clip((1.25 - np.abs(np.linspace(-1.4, 1.4, 64))) * 3, 0, 1)
+        image[:, :, 3] = 255 * self.rng.uniform(.2, .6) * np.outer(side, side)
+        data, texture, source = vtk.vtkImageData(), vtk.vtkTexture(), vtk.vtkPlaneSource()
+        data.SetDimensions(64, 64, 1)
+        data.GetPointData().SetScalars(numpy_support.numpy_to_vtk(image.reshape(-1, 4), deep=True))
+        texture.SetInputData(data)
+        mapper, actor = vtk.vtkPolyDataMapper(), vtk.vtkActor()
+        mapper.SetInputConnection(source.GetOutputPort())
+        actor.SetMapper(mapper)
+        actor.SetTexture(texture)
+        actor.GetProperty().LightingOff()
+        actor.SetScale(2.8 * extent[0], 2.8 * extent[1], 1)
+        actor.SetPosition(x, y, .004)
+        actor.RotateZ(yaw)
+        self.renderer.AddActor(actor)
+        self.shades.append(actor)
 
     def clutter(self, taken):
-        """Boxes, balls and rolls that are nothing."""
-        rng = self.rng
+        """Boxes, balls and rolls, and things of a catalog, that are nothing."""
+        rng, things = self.rng, self.models.get('', [])
+        if things and rng.random() < .6:
+            parts = things[rng.integers(len(things))]
+            actor = assembly_of(parts, rng, self.photos, .1)
+            z = 0
+            x, y = rng.uniform(-self.half, self.half) * 1.1
+            holders = [(a, c) for a, c in self.objects if c in HOLDS]
+            if half_bounds(parts)[1][2] < .5 and holders and rng.random() < .8:
+                low_x, high_x, low_y, high_y, _, z = holders[rng.integers(len(holders))][0].GetBounds()
+                x, y = rng.uniform(low_x, high_x), rng.uniform(low_y, high_y)
+            actor.SetPosition(x, y, z)
+            actor.RotateZ(rng.uniform(0, 360))
+            self.renderer.AddActor(actor)
+            self.others.append(actor)
+            return
         source = [vtk.vtkCubeSource, vtk.vtkSphereSource, vtk.vtkCylinderSource, vtk.vtkConeSource, vtk.vtkCubeSource][rng.integers(5)]()
         source.Update()
         size = np.exp(rng.uniform(np.log(.05), np.log(.6), 3))
-        actor = actor_of(source.GetOutput(), rng, self.photos, .5)
+        actor = actor_of((source.GetOutput(), None, None), rng, self.photos, .5, .2)
         x, y = rng.uniform(-self.half, self.half) * 1.1
         z = 0
         if self.objects and rng.random() < .4:
@@ -190,6 +276,9 @@ class Scene:
         if choice < .4:
             return None, 1
         if choice < .65:
+            if self.photos.textures and rng.random() < .6:
+                image = cv2.imread(self.photos.textures[rng.integers(len(self.photos.textures))])
+                return np.clip(image * rng.uniform(.5, 1.3) * rng.uniform(.85, 1.15, 3), 0, 255).astype(np.uint8), rng.uniform(3, 12)
             return self.photos.crop(rng, 256, 256), rng.uniform(.5, 3)
         base = 255 * np.array(shapes.paint(rng))[::-1]
         image = np.clip(base + rng.normal(0, rng.uniform(2, 15), (128, 128, 1)), 0, 255)
@@ -277,13 +366,17 @@ class Drawer:
         picture = self.grab()[:, :, ::-1].copy()
         scene.renderer.UseFXAAOff()
         everything = [(a, k + 1) for k, (a, _) in enumerate(scene.objects)] + [(a, 255) for a in scene.others]
-        for actor, number in everything:
-            actor.SetTexture(None)
-            actor.GetMapper().ScalarVisibilityOff()
-            actor.GetProperty().LightingOff()
-            actor.GetProperty().SetAmbient(1)
-            actor.GetProperty().SetDiffuse(0)
-            actor.GetProperty().SetColor(number / 255, 0, 0)
+        for prop in scene.shades:
+            prop.VisibilityOff()
+        for prop, number in everything:
+            for actor in actors_of(prop):
+                actor.SetTexture(None)
+                actor.GetMapper().ScalarVisibilityOff()
+                actor.GetProperty().LightingOff()
+                actor.GetProperty().SetOpacity(1)
+                actor.GetProperty().SetAmbient(1)
+                actor.GetProperty().SetDiffuse(0)
+                actor.GetProperty().SetColor(number / 255, 0, 0)
         numbers = self.grab()[:, :, 0].copy()
         alone = []
         for actor, _ in everything:
@@ -303,6 +396,45 @@ def boxes_of(scene, numbers, alone):
             yield [category, int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1]
 
 
+def draw_alone(drawer, rng, photos, models, file):
+    """One piece before nothing: FILE.webp, at most PIECE px wide and high, and FILE.json with its category ('' for none of ours)."""
+    scene = Scene.__new__(Scene)
+    scene.rng, scene.photos, scene.models, scene.renderer = rng, photos, models, vtk.vtkRenderer()
+    scene.objects, scene.others, scene.shades, scene.half, scene.in_room = [], [], [], np.array([2., 2.]), False
+    category = '' if rng.random() < .3 and models.get('') else rng.choice(list(CHANCE), p=np.array(list(CHANCE.values())) / sum(CHANCE.values()))
+    parts = models[''][rng.integers(len(models['']))] if category == '' else scene.shape(category)
+    prop = assembly_of(parts, rng, photos, .2)
+    prop.SetScale(*rng.uniform(.85, 1.18, 3))
+    prop.RotateZ(rng.uniform(0, 360))
+    scene.renderer.AddActor(prop)
+    scene.objects.append((prop, category))
+    scene.light()
+    low, high = np.array(prop.GetBounds()).reshape(3, 2).T
+    reach, aim = np.linalg.norm(high - low), (low + high) / 2
+    up, angle = np.radians(rng.uniform(0, 45)), rng.uniform(0, 2 * np.pi)
+    distance = reach * np.exp(rng.uniform(np.log(.9), np.log(2.5)))
+    camera = scene.renderer.GetActiveCamera()
+    camera.SetPosition(*(aim + distance * np.array([np.cos(up) * np.cos(angle), np.cos(up) * np.sin(angle), np.sin(up)])))
+    camera.SetFocalPoint(*aim)
+    camera.SetViewUp(0, 0, 1)
+    camera.SetViewAngle(2 * np.degrees(np.arctan(reach * .62 / distance)))
+    camera.SetRoll(camera.GetRoll() + rng.normal(0, 4))
+    camera.SetClippingRange(reach * .05, reach * 6)
+    picture, numbers, _ = drawer.draw(scene)
+    rows, columns = np.nonzero(numbers)
+    if len(rows) < LEAST_PIXELS:
+        return
+    cut = np.s_[rows.min():rows.max() + 1, columns.min():columns.max() + 1]
+    alpha = np.where(numbers[cut] > 0, 255, 0).astype(np.uint8)[:, :, None]
+    piece = np.concatenate((np.where(alpha > 0, picture[cut], 0), alpha), 2)
+    share = min(1, PIECE / max(piece.shape[:2]))
+    piece = cv2.resize(piece, None, fx=share, fy=share, interpolation=cv2.INTER_AREA)
+    cv2.imwrite(file + '.webp', piece, [cv2.IMWRITE_WEBP_QUALITY, 80])
+    with open(file + '.new', 'w') as out:
+        json.dump(category, out)
+    os.replace(file + '.new', file + '.json')
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--out', required=True)
@@ -310,12 +442,17 @@ def main():
     parser.add_argument('--first', type=int, default=0)
     parser.add_argument('--photos', nargs='+', required=True, help='folders of .jpg')
     parser.add_argument('--models', nargs='*', default=[], help='databases of models; those of the demo are left out')
+    parser.add_argument('--textures', help='folder of .jpg for floors and walls')
+    parser.add_argument('--catalogs', help='folder with the unpacked catalogs of sweethome3d-furniture')
+    parser.add_argument('--alone', action='store_true', help='single pieces instead: BGR times alpha, and alpha, as .webp; a third of them nothing of ours')
     args = parser.parse_args()
-    photos, models = Photos(args.photos), {}
+    photos, models = Photos(args.photos, args.textures), {}
     for folder in args.models:
         for name, category, mesh in shapes.database(folder):
             if category in CHANCE and name not in LEFT_OUT:
-                models.setdefault(category, []).append(mesh)
+                models.setdefault(category, []).append([(mesh, None, None)])
+    for category, parts in catalog.models(args.catalogs) if args.catalogs else []:
+        models.setdefault(category, []).append(parts)
     os.makedirs(args.out, exist_ok=True)
     drawer = Drawer()
     for number in range(args.first, args.first + args.count):
@@ -323,6 +460,9 @@ def main():
         if os.path.exists(file + '.json'):
             continue
         rng = np.random.default_rng([7, number])
+        if args.alone:
+            draw_alone(drawer, rng, photos, models, file)
+            continue
         scene = Scene(rng, photos, models)
         scene.view()
         picture, numbers, alone = drawer.draw(scene)

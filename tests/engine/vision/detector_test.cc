@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <gmock/gmock.h>
+#include <opencv2/imgcodecs.hpp>
 
 #include "engine/dataset/sequence.h"
 #include "engine/vision/detector_heads.h"
@@ -162,6 +163,49 @@ TEST_F(FastestDetOnKitchen, GivesTheSameAnswerWhateverTheNumberOfThreads) {
       EXPECT_EQ(result[i].score, results[0][i].score);
     }
   }
+}
+
+std::unique_ptr<const FrameDetections> BuiltinDetections(const cv::Mat& image) {
+  auto detector = CreateDetector("builtin", nullptr, {.cache = false});
+  EXPECT_TRUE(detector.ok()) << detector.error().message;
+  Frame frame;
+  frame.image = image;
+  return detector.value()->Detect(frame).value();
+}
+
+TEST(BuiltinDetector, SeesNothingInGreyAndScoresAnyBox) {
+  for (const cv::Size size : {cv::Size(640, 480), cv::Size(333, 777), cv::Size(64, 48)}) {
+    const auto found = BuiltinDetections(cv::Mat(size, CV_8UC3, cv::Scalar::all(128)));
+    for (const Detection& proposal : found->proposals()) EXPECT_LT(proposal.score, 0.5f);
+    const Box2 boxes[] = {{2, 2, 40, 40}, {0, 0, 1, 1}, {-50, -50, -10, -10}, {30, 30, 900, 900}};
+    float scores[4];
+    found->ScoreBoxes("chair", boxes, scores);
+    for (const float score : scores) {
+      EXPECT_GE(score, 0);
+      EXPECT_LT(score, 0.5f);
+    }
+    EXPECT_EQ(scores[2], 0) << "beside the image";
+    found->ScoreBoxes("spaceship", boxes, scores);
+    EXPECT_EQ(scores[0], 0);
+  }
+}
+
+/// Of one real image that it was not trained on: the chair that fills its middle.
+TEST(BuiltinDetector, FindsARealChair) {
+  if (!SharedData()) GTEST_SKIP() << kNoSharedData;
+  const cv::Mat image = cv::imread((*SharedData() / "data/kitchen/color/000100.jpg").string());
+  if (image.empty()) GTEST_SKIP() << kNoSharedData;
+  const auto found = BuiltinDetections(image);
+  const Box2 chair{391, 153, 597, 478};  // by another detector, looked at (its README)
+  ASSERT_FALSE(found->proposals().empty());
+  EXPECT_EQ(found->proposals()[0].category, "chair");
+  EXPECT_GT(found->proposals()[0].score, 0.6f);
+  EXPECT_GT(Iou(found->proposals()[0].box, chair), 0.6f);
+  float there[2];
+  const Box2 asked[] = {chair, {20, 200, 226, 470}};
+  found->ScoreBoxes("chair", asked, there);
+  EXPECT_GT(there[0], 0.5f);
+  EXPECT_LT(there[1], 0.2f) << "the floor beside it";
 }
 
 }  // namespace

@@ -20,9 +20,13 @@ namespace plumbline {
 namespace {
 
 TEST(DetectorTraining, DrawsPicturesTrainsGoesOnAndExports) {
-  if (std::system("/usr/bin/python3 -c 'import torch, torchvision, cv2, vtk' 2>/dev/null && "
+  if (std::system("/usr/bin/python3 -c 'import torch, torchvision, cv2, vtk, onnx' 2>/dev/null && "
                   "command -v xvfb-run > /dev/null") != 0)
-    GTEST_SKIP() << "needs python3-torch, python3-torchvision, python3-opencv, python3-vtk9, xvfb";
+    GTEST_SKIP() << "needs python3-torch, python3-torchvision, python3-opencv, python3-vtk9, "
+                    "python3-onnx, xvfb";
+  if (!SharedData()) GTEST_SKIP() << kNoSharedData;
+  const std::filesystem::path teacher = *SharedData() / "models/picodet_s_416/picodet_s_416.onnx";
+  if (!std::filesystem::exists(teacher)) GTEST_SKIP() << "needs " << teacher;
   const TemporaryFolder folder;
   const std::string recipe = (SourceDirectory() / "assets/networks/detector").string();
   const auto command = [&](const std::string& words) {
@@ -41,7 +45,7 @@ TEST(DetectorTraining, DrawsPicturesTrainsGoesOnAndExports) {
   for (int i = 0; i < 26; ++i) {
     const std::string name = i < 10 ? "00000" + std::to_string(i) : "0000" + std::to_string(i);
     const cv::Mat picture = cv::imread((folder.path() / "pictures" / (name + ".jpg")).string());
-    ASSERT_EQ(picture.size(), cv::Size(384, 288));
+    ASSERT_EQ(picture.size(), cv::Size(448, 336));
     const auto labels =
         nlohmann::json::parse(ReadFile(folder.path() / "pictures" / (name + ".json")).value());
     for (const auto& label : labels) {
@@ -54,17 +58,26 @@ TEST(DetectorTraining, DrawsPicturesTrainsGoesOnAndExports) {
   }
   EXPECT_GT(boxes, 26u) << "more than one object a picture";
 
+  ASSERT_EQ(command("xvfb-run -a /usr/bin/python3 '" + recipe +
+                    "/draw.py' --alone --out pieces --count 12 --photos photos"),
+            0)
+      << ReadFile(folder.path() / "log").value();
+
   for (const char* steps : {"2", "4"}) {
-    ASSERT_EQ(
-        command("/usr/bin/python3 '" + recipe + "/train.py' --drawn pictures --drawn-at-first " +
-                "20 --batch 2 --out out --steps " + steps),
-        0)
+    ASSERT_EQ(command("/usr/bin/python3 '" + recipe + "/train.py' --photos photos --drawn " +
+                      "pictures --pieces pieces --teacher '" + teacher.string() +
+                      "' --batch 2 --out out --minutes 60 --steps " + steps),
+              0)
         << ReadFile(folder.path() / "log").value();
   }
   const std::string log = ReadFile(folder.path() / "out/log.csv").value();
   EXPECT_TRUE(log.starts_with("2,")) << log;
   EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 2) << log;
 
+  ASSERT_EQ(
+      command("/usr/bin/python3 '" + recipe + "/export.py' out/weights.pt --out out/detector.onnx"),
+      0)
+      << ReadFile(folder.path() / "log").value();
   const auto detector = CreateDetector((folder.path() / "out/detector.onnx").string(), nullptr, {});
   ASSERT_TRUE(detector.ok()) << detector.error().message;
   Frame frame;

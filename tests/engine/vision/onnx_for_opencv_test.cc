@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/vision/onnx_for_opencv.h"
 
+#include <cstdint>
+#include <cstring>
+
 #include <gtest/gtest.h>
 
 #include "engine/base/files.h"
@@ -56,6 +59,37 @@ TEST(OnnxForOpenCv, SplitsIntoPartsOfTheGivenLengths) {
   ASSERT_EQ(outputs.size(), 2u);
   EXPECT_EQ(outputs[0].size[1], 1);
   EXPECT_EQ(outputs[1].size[1], 2);
+}
+
+TEST(OnnxForOpenCv, TakesNumbersOfSixteenBits) {
+  TinyGraph graph(kTiny);
+  graph.Output(graph.Node("Mul", {graph.image(), graph.Floats({2}, {0.5f, -3})}));
+  const TemporaryFolder folder;
+  graph.Write(folder.path() / "net.onnx");
+  onnx::ModelProto model;
+  ASSERT_TRUE(model.ParseFromString(ReadFile(folder.path() / "net.onnx").value()));
+  int halves = 0;
+  for (onnx::TensorProto& tensor : *model.mutable_graph()->mutable_initializer()) {
+    if (tensor.dims_size() != 1 || tensor.dims(0) != 2) continue;
+    const std::uint16_t numbers[] = {0x3800, 0xC200};  // 0.5, -3
+    tensor.clear_float_data();
+    tensor.set_data_type(onnx::TensorProto::FLOAT16);
+    tensor.set_raw_data(numbers, sizeof(numbers));
+    ++halves;
+  }
+  ASSERT_EQ(halves, 1);
+  onnx::ModelProto widened;
+  ASSERT_TRUE(widened.ParseFromString(OnnxForOpenCv(model.SerializeAsString(), std::nullopt)));
+  for (const onnx::TensorProto& tensor : widened.graph().initializer()) {
+    ASSERT_EQ(tensor.data_type(), onnx::TensorProto::FLOAT);
+    if (tensor.raw_data().size() != 2 * sizeof(float)) continue;
+    float numbers[2];
+    std::memcpy(numbers, tensor.raw_data().data(), sizeof(numbers));
+    EXPECT_EQ(numbers[0], 0.5f);
+    EXPECT_EQ(numbers[1], -3);
+    --halves;
+  }
+  EXPECT_EQ(halves, 0);
 }
 
 }  // namespace
