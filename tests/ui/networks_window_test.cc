@@ -112,7 +112,18 @@ TEST_F(NetworksWindow, AWrongFileIsToldAndTheRunGoesOn) {
   EXPECT_EQ(State("on.json")["newest_frame"], 6);
 }
 
-TEST_F(NetworksWindow, AFileOfOnesOwnHelpsWhereThereAreNoBoxes) {
+TEST_F(NetworksWindow, BoxesThatAreNotThereAreFoundByTheBuiltInDetector) {
+  std::filesystem::remove_all(folder_.path() / "sequence/proposals");
+  ASSERT_EQ(Window(R"(
+      {"wait_for": {"open": true, "frame": 0, "state": "paused"}},
+      {"dump_state": "open.json"})",
+                   "sequence"),
+            0)
+      << *ReadFile(File("output.txt"));
+  EXPECT_EQ(State("open.json")["detector"], "builtin");
+}
+
+TEST_F(NetworksWindow, AFileOfOnesOwnHelpsWhereAnotherFails) {
   std::filesystem::remove_all(folder_.path() / "sequence/proposals");
   ASSERT_EQ(Window(R"(
       {"wait_for": {"state": "failed"}},
@@ -129,10 +140,10 @@ TEST_F(NetworksWindow, AFileOfOnesOwnHelpsWhereThereAreNoBoxes) {
       {"click": "networks.use"},
       {"wait_for": {"open": true, "frame": 0, "state": "paused"}},
       {"dump_state": "open.json"})",
-                   "sequence"),
+                   "sequence --detector wrong.onnx"),
             0)
       << *ReadFile(File("output.txt"));
-  EXPECT_THAT(State("failed.json")["message"].get<std::string>(), HasSubstr("networks get"));
+  EXPECT_THAT(State("failed.json")["message"].get<std::string>(), HasSubstr("wrong.onnx"));
   const nlohmann::json looked = State("looked.json");
   EXPECT_THAT(looked["networks.file_is"].get<std::string>(), HasSubstr("yolox"));
   EXPECT_EQ(looked["networks.file_guessed"], true);

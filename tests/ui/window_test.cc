@@ -175,19 +175,20 @@ TEST_F(Window, SaysThatPosesLackAndFindsThem) {
 }
 
 TEST_F(Window, WhatLacksBesidesPosesIsSaidInTheirPlace) {
-  WriteTinySequence(File("boxless"));
-  std::filesystem::remove(File("boxless") + "/trajectory.txt");
-  WriteText(File("boxless") + "/imu.csv", "0,0,0,0,0,0,9.81\n");
+  WriteTinySequence(File("modelless"));
+  std::filesystem::remove_all(File("modelless") + "/models");
+  std::filesystem::remove(File("modelless") + "/trajectory.txt");
+  WriteText(File("modelless") + "/imu.csv", "0,0,0,0,0,0,9.81\n");
   ASSERT_EQ(Run(R"(
       {"wait_for": {"lacks_poses": true}},
       {"wait_frames": 3},
       {"click": "welcome.find_poses"},
-      {"wait_for": {"lacks_poses": false, "message": "'boxless' has no boxes"}},
+      {"wait_for": {"lacks_poses": false, "message": "'modelless' has no models"}},
       {"wait_frames": 3},
-      {"dump_state": "boxless.json"})",
-                "--open boxless", false),
+      {"dump_state": "modelless.json"})",
+                "--open modelless", false),
             0);
-  const nlohmann::json state = State("boxless.json");
+  const nlohmann::json state = State("modelless.json");
   EXPECT_EQ(state["state"], "failed");
   EXPECT_TRUE(state["widgets"].contains("welcome.networks")) << "the remedy";
   EXPECT_FALSE(state["widgets"].contains("welcome.find_poses"));
