@@ -117,6 +117,7 @@ TEST(ImuSimulator, WithoutNoiseItsReadingsLeadAlongTheTruePoses) {
   imu.noise = imu.gyro_bias_std_rad_s = imu.accel_bias_std_m_s2 = 0;
   imu.rest_s = 1;
   imu.tremor = 1;
+  imu.rate_hz = 1000;  // trapezoids follow a tremor of 12 Hz to 0.1 %
   imu.time_offset_s = 0.01;
   ASSERT_TRUE(WriteSyntheticSequence(TracksOnly(imu, 10), folder.path(), {}).ok());
   ReckonAndCompare(folder.path(), imu.time_offset_s, 10);
