@@ -53,9 +53,9 @@ int main(int argc, char** argv) {
       if (!models.empty()) std::ofstream("models.txt") << models;
       if (path == "missing")
         return plumbline::Error{plumbline::ErrorCode::kNotFound, "there is no sequence 'missing'"};
-      if (path == "boxless" && find_poses)
-        return plumbline::Error{plumbline::ErrorCode::kNotFound, "'boxless' has no boxes"};
-      if ((path == "poseless" || path == "boxless") && !find_poses)
+      if (path == "modelless" && find_poses)
+        return plumbline::Error{plumbline::ErrorCode::kNotFound, "'modelless' has no models"};
+      if ((path == "poseless" || path == "modelless") && !find_poses)
         return plumbline::Error{plumbline::ErrorCode::kInvalidInput, "'" + path + "' has no poses"};
       return plumbline::MakeFakeSource(fake);
     };
