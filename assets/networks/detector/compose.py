@@ -187,7 +187,7 @@ class Pictures:
         def uniform(low, high, *shape):
             return torch.rand(shape, generator=generator, device=device) * (high - low) + low
         one = (count, 1, 1, 1)
-        blurred = count // 3
+        blurred = max(1, count // 3)
         kernels = self.kernels(blurred, generator)
         part = image[:blurred].reshape(1, blurred * 3, *image.shape[2:])
         size = kernels.shape[-1]

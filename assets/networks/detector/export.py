@@ -33,7 +33,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('weights')
     parser.add_argument('--out', required=True)
-    parser.add_argument('--size', default='448x336', help="of the network's input")
+    parser.add_argument('--size', default='448x352', help="of the network's input, multiples of 32")
     parser.add_argument('--half', action='store_true', help='numbers of 16 bits')
     args = parser.parse_args()
     net = detector_net.detector_net()

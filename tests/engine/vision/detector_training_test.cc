@@ -74,9 +74,9 @@ TEST(DetectorTraining, DrawsPicturesTrainsGoesOnAndExports) {
   EXPECT_TRUE(log.starts_with("2,")) << log;
   EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 2) << log;
 
-  ASSERT_EQ(
-      command("/usr/bin/python3 '" + recipe + "/export.py' out/weights.pt --out out/detector.onnx"),
-      0)
+  ASSERT_EQ(command("/usr/bin/python3 '" + recipe +
+                    "/export.py' out/weights.pt --out out/detector.onnx --half"),
+            0)
       << ReadFile(folder.path() / "log").value();
   const auto detector = CreateDetector((folder.path() / "out/detector.onnx").string(), nullptr, {});
   ASSERT_TRUE(detector.ok()) << detector.error().message;
