@@ -71,6 +71,10 @@ class Pictures:
             real = list(pool.map(read_photo, sorted(f for folder in photos for f in glob.glob(os.path.join(folder, '*.jpg')) + glob.glob(os.path.join(folder, '*.webp')))))
             drawn = list(pool.map(lambda s: read_picture(*s), scenes))
             cut = list(pool.map(read_piece, sorted(glob.glob(os.path.join(pieces, '*.webp')))))
+        for found, what in ((real, 'photograph (.jpg, .webp) in %s' % ' '.join(photos)), (scenes, 'scene in the folders of draw.py, and no room'),
+                            (cut, "piece of 'draw.py --alone' in %s" % pieces)):
+            if not found:
+                raise SystemExit('there is no ' + what)
         self.real = len(real)
         everything = real + drawn
         self.pictures = torch.from_numpy(np.stack([p[0] for p in everything])).to(device)
@@ -98,8 +102,8 @@ class Pictures:
 
         def whole(most, *shape):
             return (torch.rand(shape or (count,), generator=generator, device=device) * most).long()
-        real = chance(real_share) if self.real < len(self.pictures) else chance(1.1)
-        index = torch.where(real, whole(self.real), self.real + whole(max(1, len(self.pictures) - self.real)).clamp(max=len(self.pictures) - 1 - self.real))
+        real = chance(real_share)
+        index = torch.where(real, whole(self.real), self.real + whole(len(self.pictures) - self.real))
         # A window of the picture, its width and height in the picture's pixels.
         size = self.sizes[index]
         part = torch.where(real, uniform(math.log(.3), 0.), uniform(math.log(.6), math.log(1.1))).exp()

@@ -7,8 +7,8 @@
 
 It learns three things at once: what the teacher, a published detector of COCO, says and computes of every picture; where
 furniture stands in drawn pictures; and, of photographs, the boxes that the teacher is sure of. Writes OUT/detector.pt now and
-then (run the same command again to go on), OUT/log.csv and, at the end, OUT/detector.onnx, its head and its sidecar. Needs
-torch, torchvision, OpenCV and onnx for Python; a GPU or patience.
+then (run the same command again to go on), OUT/log.csv and OUT/weights.pt, of which export.py makes the detector. Needs torch,
+torchvision, OpenCV and onnx for Python; a GPU or patience.
 """
 import argparse
 import os
@@ -28,7 +28,7 @@ import teacher as teachers
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
 from training import Training  # noqa: E402
 
-SIDE, EXPORTED = 416, (448, 320)  # of training pictures, of the exported network's input
+SIDE = 416  # pixels, of training pictures
 EMA = .999
 SURE, MAYBE = .4, .25  # a teacher's box of a photograph is one; is neither one nor none
 TEACHER_BOXES = 12
@@ -207,6 +207,8 @@ def main():
     parser.add_argument('--out', required=True)
     args = parser.parse_args()
 
+    if not os.path.exists(args.teacher):
+        raise SystemExit("there is no teacher '%s'; it is PicoDet-S of PaddleDetection as ONNX, with the bounds of its Clip nodes as attributes" % args.teacher)
     device = 'cuda' if torch.cuda.is_available() else 'cpu'
     torch.backends.cudnn.benchmark = True
     torch.manual_seed(args.seed)
