@@ -24,6 +24,10 @@ namespace {
 constexpr std::size_t kMostCachedBytes = 4 << 20;
 constexpr float kLeastBoxSide = 1e-2f;  // [px of the input], as torchvision
 constexpr float kStepsPerPixel = 4;     // of boxes that are scored, in the image
+/// Of the built-in detector large boxes have longer steps, powers of two times as long, up to a
+/// side over this: its head sees 7 x 7 bins, and hypotheses of one object then ask much the same.
+constexpr int kStepsPerSide = 16;
+constexpr int kExact = 0;
 
 /// A box of the image in steps from its edge.
 using BoxKey = std::array<int, 4>;
@@ -37,28 +41,40 @@ struct BoxKeyHash {
   }
 };
 
+void RoundTogether(int steps_per_side, int& low, int& high) {
+  if (steps_per_side == kExact) return;
+  int step = 1;
+  while (2 * step * steps_per_side <= high - low) step *= 2;
+  low = (low + step / 2) / step * step;
+  high = (high + step / 2) / step * step;
+}
+
 /// Edges of a box: pixel centres lie at integers, the image spans [-0.5, size - 0.5].
-std::optional<BoxKey> KeyOf(const Box2& box, const cv::Size& image) {
+std::optional<BoxKey> KeyOf(const Box2& box, const cv::Size& image, int steps_per_side) {
   if (box.empty()) return std::nullopt;
   const auto steps = [](float at, int size) {
     const float inside = std::clamp(at + 0.5f, 0.0f, static_cast<float>(size));
     return static_cast<int>(std::lround(inside * kStepsPerPixel));
   };
-  const BoxKey key = {steps(box.x0, image.width), steps(box.y0, image.height),
-                      steps(box.x1, image.width), steps(box.y1, image.height)};
+  BoxKey key = {steps(box.x0, image.width), steps(box.y0, image.height), steps(box.x1, image.width),
+                steps(box.y1, image.height)};
   if (key[0] >= key[2] || key[1] >= key[3]) return std::nullopt;
+  RoundTogether(steps_per_side, key[0], key[2]);
+  RoundTogether(steps_per_side, key[1], key[3]);
   return key;
 }
 
 class TwoStageDetections : public FrameDetections {
  public:
   TwoStageDetections(std::shared_ptr<TwoStageNetwork> network, std::vector<FeatureMap> features,
-                     const FittedImage& fitted, std::vector<Detection> proposals)
+                     const FittedImage& fitted, int steps_per_side,
+                     std::vector<Detection> proposals)
       : network_(std::move(network)),
         features_(std::move(features)),
         image_(fitted.original),
         scale_x_(static_cast<float>(fitted.scale_x)),
         scale_y_(static_cast<float>(fitted.scale_y)),
+        steps_per_side_(steps_per_side),
         proposals_(std::move(proposals)) {}
 
   std::span<const Detection> proposals() const override { return proposals_; }
@@ -75,7 +91,7 @@ class TwoStageDetections : public FrameDetections {
     std::vector<std::optional<std::size_t>> rows(boxes.size());
     std::vector<BoxKey> unknown;
     for (std::size_t i = 0; i < boxes.size(); ++i) {
-      const std::optional<BoxKey> key = KeyOf(boxes[i], image_);
+      const std::optional<BoxKey> key = KeyOf(boxes[i], image_, steps_per_side_);
       if (!key) continue;
       const auto [entry, is_new] = rows_.try_emplace(*key, rows_.size());
       if (is_new) unknown.push_back(*key);
@@ -114,6 +130,7 @@ class TwoStageDetections : public FrameDetections {
   const std::vector<FeatureMap> features_;
   const cv::Size image_;
   const float scale_x_, scale_y_;  ///< [px of the input per px of the image]
+  const int steps_per_side_;
   const std::vector<Detection> proposals_;
 
   mutable std::mutex mutex_;
@@ -123,8 +140,9 @@ class TwoStageDetections : public FrameDetections {
 
 class TwoStageDetector : public Detector {
  public:
-  TwoStageDetector(std::shared_ptr<TwoStageNetwork> network, const DetectorOptions& options)
-      : network_(std::move(network)), options_(options) {}
+  TwoStageDetector(std::shared_ptr<TwoStageNetwork> network, const DetectorOptions& options,
+                   int steps_per_side)
+      : network_(std::move(network)), options_(options), steps_per_side_(steps_per_side) {}
 
   Result<std::unique_ptr<const FrameDetections>> Detect(const Frame& frame) override {
     PLB_CHECK(frame.image.type() == CV_8UC3 && !frame.image.empty());
@@ -138,7 +156,7 @@ class TwoStageDetector : public Detector {
     const Result<HeadScores> scores = network_->RunHead(features, regions);
     if (!scores.ok()) return scores.error();
     return std::unique_ptr<const FrameDetections>(std::make_unique<TwoStageDetections>(
-        network_, std::move(features), fitted, Choose(regions, *scores, fitted)));
+        network_, std::move(features), fitted, steps_per_side_, Choose(regions, *scores, fitted)));
   }
 
  private:
@@ -188,6 +206,7 @@ class TwoStageDetector : public Detector {
 
   std::shared_ptr<TwoStageNetwork> network_;
   DetectorOptions options_;
+  int steps_per_side_;
 };
 
 }  // namespace
@@ -198,14 +217,14 @@ Result<std::unique_ptr<Detector>> CreateTwoStageDetector(const std::filesystem::
   auto network = TwoStageNetwork::Load(onnx_file, std::move(sidecar));
   if (!network.ok()) return network.error();
   return std::unique_ptr<Detector>(
-      std::make_unique<TwoStageDetector>(std::move(network).value(), options));
+      std::make_unique<TwoStageDetector>(std::move(network).value(), options, kExact));
 }
 
 Result<std::unique_ptr<Detector>> BuiltinDetector(const DetectorOptions& options) {
   auto network = TwoStageNetwork::Builtin();
   if (!network.ok()) return network.error();
   return std::unique_ptr<Detector>(
-      std::make_unique<TwoStageDetector>(std::move(network).value(), options));
+      std::make_unique<TwoStageDetector>(std::move(network).value(), options, kStepsPerSide));
 }
 
 }  // namespace plumbline

@@ -206,6 +206,9 @@ TEST(BuiltinDetector, FindsARealChair) {
   found->ScoreBoxes("chair", asked, there);
   EXPECT_GT(there[0], 0.5f);
   EXPECT_LT(there[1], 0.2f) << "the floor beside it";
+  const Box2 close[] = {{400, 160, 590, 470}, {400.4f, 160.3f, 590.2f, 470.3f}};
+  found->ScoreBoxes("chair", close, there);
+  EXPECT_EQ(there[0], there[1]) << "large boxes are rounded together";
 }
 
 }  // namespace
