@@ -76,23 +76,25 @@ TEST_F(UpVerb, AlsoWhereNetworksFindEdgesAndScoreBoxes) {
 }
 
 TEST_F(UpVerb, AFrameThatCannotBeReadIsSkippedAsInOneProcess) {
+  const std::vector<std::string> few = {"--frames", "0:18"};
   ASSERT_TRUE(WriteFileAtomically(Path("sequence/color/000012.jpg"), "no image").ok());
   ASSERT_TRUE(WriteFileAtomically(Path("sequence/proposals/000015.json"), "no boxes").ok());
-  ASSERT_EQ(Run(Arguments("run", "one.plb")), 0) << Output();
-  ASSERT_EQ(Run(Arguments("up", "five.plb")), 0) << Output();
+  ASSERT_EQ(Run(Arguments("run", "one.plb", few)), 0) << Output();
+  ASSERT_EQ(Run(Arguments("up", "five.plb", few)), 0) << Output();
   EXPECT_EQ(Difference("one.plb", "five.plb"), "");
   EXPECT_FALSE(RunReader::Open(Path("five.plb")).value()->ReadFrame(12).value().skipped.empty());
 }
 
 TEST_F(UpVerb, OneLineOfTheGraphSaysWhatRunsWhere) {
+  const std::vector<std::string> few = {"--frames", "0:12"};
   nlohmann::json graph = ReadJson(SourceDirectory() / "assets/graphs/paper.json").value();
   graph["nodes"][3].erase("edges");      // the mapper finds edges by itself
   graph["nodes"][3].erase("proposals");  // and takes recorded boxes from the player
   graph["nodes"].erase(2);
   graph["nodes"].erase(1);
   ASSERT_TRUE(WriteJson(Path("three.json"), graph).ok());
-  ASSERT_EQ(Run(Arguments("run", "one.plb")), 0) << Output();
-  auto arguments = Arguments("up", "three.plb");
+  ASSERT_EQ(Run(Arguments("run", "one.plb", few)), 0) << Output();
+  auto arguments = Arguments("up", "three.plb", few);
   arguments[1] = Path("three.json");
   ASSERT_EQ(Run(arguments), 0) << Output();
   EXPECT_EQ(Difference("one.plb", "three.plb"), "");
