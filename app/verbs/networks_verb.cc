@@ -36,7 +36,7 @@ Status ListNetworks() {
                "  builtin-half    edges, on images of half the size: four times as fast\n"
                "  gradient        edges from image gradients, no network: the fastest\n"
                "  builtin         boxes of furniture; what --detector is where a sequence has none "
-               "(or what was fetched)\n"
+               "and nothing better was fetched before\n"
                "to fetch with 'plumbline networks get NAME' (detectors; "
             << NetworksFolder().string() << "):\n";
   for (const ListedNetwork& network : ListedNetworks()) {

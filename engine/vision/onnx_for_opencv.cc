@@ -62,6 +62,7 @@ void WidenTensor(onnx::TensorProto& tensor) {
 }
 
 void WidenType(onnx::ValueInfoProto& value) {
+  if (!value.type().has_tensor_type()) return;
   onnx::TypeProto::Tensor& type = *value.mutable_type()->mutable_tensor_type();
   if (type.elem_type() == onnx::TensorProto::FLOAT16) type.set_elem_type(onnx::TensorProto::FLOAT);
 }

@@ -41,12 +41,13 @@ struct BoxKeyHash {
   }
 };
 
-void RoundTogether(int steps_per_side, int& low, int& high) {
+/// Never beyond `end`, the image's.
+void RoundTogether(int steps_per_side, int end, int& low, int& high) {
   if (steps_per_side == kExact) return;
   int step = 1;
   while (2 * step * steps_per_side <= high - low) step *= 2;
   low = (low + step / 2) / step * step;
-  high = (high + step / 2) / step * step;
+  high = std::min((high + step / 2) / step * step, end);
 }
 
 /// Edges of a box: pixel centres lie at integers, the image spans [-0.5, size - 0.5].
@@ -59,8 +60,9 @@ std::optional<BoxKey> KeyOf(const Box2& box, const cv::Size& image, int steps_pe
   BoxKey key = {steps(box.x0, image.width), steps(box.y0, image.height), steps(box.x1, image.width),
                 steps(box.y1, image.height)};
   if (key[0] >= key[2] || key[1] >= key[3]) return std::nullopt;
-  RoundTogether(steps_per_side, key[0], key[2]);
-  RoundTogether(steps_per_side, key[1], key[3]);
+  constexpr auto kSteps = static_cast<int>(kStepsPerPixel);
+  RoundTogether(steps_per_side, kSteps * image.width, key[0], key[2]);
+  RoundTogether(steps_per_side, kSteps * image.height, key[1], key[3]);
   return key;
 }
 

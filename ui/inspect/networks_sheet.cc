@@ -172,7 +172,7 @@ void NetworksSheet::DrawDetectors(const FrameContext& context, CommandSink& sink
   Heading(context, "Boxes");
   draw({"dataset", "dataset", "The sequence's own boxes.",
         has_none ? "It has none (proposals/)." : ""});
-  draw({"builtin", "builtin", "Our network of furniture, trained on drawings."});
+  draw({"builtin", "builtin", "Our network: chairs, tables, cups and nine other kinds of things."});
   bool listed = !IsFile(now);
   if (context.networks != nullptr) {
     for (const ListedDetector& detector : context.networks->detectors) {
