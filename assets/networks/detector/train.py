@@ -204,6 +204,7 @@ def main():
     parser.add_argument('--rate', type=float, default=2e-3)
     parser.add_argument('--seed', type=int, default=0)
     parser.add_argument('--save-every', type=float, default=120, help='seconds')
+    parser.add_argument('--start', help='weights.pt of an earlier training, with which this one begins')
     parser.add_argument('--out', required=True)
     args = parser.parse_args()
 
@@ -216,6 +217,9 @@ def main():
     pictures = compose.Pictures(args.photos, args.drawn, args.rooms, args.pieces, device)
     teacher = teachers.Teacher(args.teacher).eval().to(device).requires_grad_(False)
     training = Training(lambda: Student().to(device), args.rate, 2e-2, os.path.join(args.out, 'detector.pt'))
+    if args.start and training.step == 0:
+        for net in (training.net, training.average):
+            net.detector.load_state_dict(torch.load(args.start, map_location=device))
     student = training.net.train()
     student.detector.backbone.to(memory_format=torch.channels_last)
     generator = torch.Generator(device=device).manual_seed(args.seed * 1000003 + training.step)
