@@ -12,6 +12,7 @@
 #include "engine/evaluation/credible_region.h"
 #include "engine/geometry/gravity.h"
 #include "engine/mapping/map_report.h"
+#include "engine/sensor/pose_estimate.h"
 
 namespace plumbline {
 namespace {
@@ -23,6 +24,20 @@ double AzimuthError(const ModelView& model, double azimuth_rad) {
   if (model.any_azimuth) return 0;
   const double period = 2 * std::numbers::pi / std::max(1, model.symmetry_order);
   return std::remainder(azimuth_rad, period);
+}
+
+/// What the belief does not know of: where the image is that it refers to. Of (centre, azimuth).
+Eigen::Matrix4d ReferenceError(const ObjectReport& object, const Eigen::Vector3d& center_in_world,
+                               const SequenceView& view) {
+  const auto frame = static_cast<std::size_t>(object.reference_frame);
+  if (frame >= view.aligned_pose_covariance.size()) return Eigen::Matrix4d::Zero();
+  const PoseCovariance moved =
+      MovedBy(center_in_world - object.world_from_reference_cam.translation(),
+              view.aligned_pose_covariance[frame]);
+  Eigen::Matrix<double, 4, 6> of_object = Eigen::Matrix<double, 4, 6>::Zero();
+  of_object.topLeftCorner<3, 3>().setIdentity();
+  of_object.block<1, 3>(3, 3) = view.up_in_world.transpose();
+  return of_object * moved * of_object.transpose();
 }
 
 /// The object's belief, about the centres of the models; its heaviest mode, which is the mean that
@@ -57,6 +72,8 @@ std::vector<BeliefMode> ModesOf(const ObjectReport& object, const SequenceView& 
     modes.resize(1);
     modes.front().weight = 1;
   }
+  const Eigen::Matrix4d reference = ReferenceError(object, modes.front().mean.head<3>(), view);
+  for (BeliefMode& mode : modes) mode.covariance += reference;
   return modes;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "engine/analysis/aligned_pose_error.h"
 #include "engine/analysis/trajectory_alignment.h"
 #include "engine/base/log.h"
 #include "engine/geometry/vertex_clustering.h"
@@ -39,6 +40,17 @@ void AddScan(const std::filesystem::path& file, const Eigen::Isometry3d& world_f
   view.scan = std::move(fine);
 }
 
+/// Of the frames by which the trajectories were aligned.
+std::vector<std::optional<ToldPose>> ToldPoses(const SequenceView& view) {
+  std::vector<std::optional<ToldPose>> told(view.given_world_from_cam.size());
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    const auto known = view.own_poses->LastKnown(static_cast<int>(i));
+    if (known && view.given_world_from_cam[i])
+      told[i] = ToldPose{known->translation(), view.own_poses->frames[i].cam_covariance};
+  }
+  return told;
+}
+
 /// Brings the poses that the sequence was given into the world of its own poses. False where
 /// nothing says how they lie to them.
 bool AlignGiven(const Sequence& sequence, const LandmarkLoops* corrected, SequenceView& view) {
@@ -51,6 +63,7 @@ bool AlignGiven(const Sequence& sequence, const LandmarkLoops* corrected, Sequen
     if (const auto pose = given.world_from_cam(i))
       view.given_world_from_cam[static_cast<std::size_t>(i)] = view.world_from_given * *pose;
   }
+  view.aligned_pose_covariance = ErrorsAfterAlignment(ToldPoses(view), view.up_in_world);
   return true;
 }
 

@@ -54,6 +54,9 @@ struct SequenceView {
   std::shared_ptr<const SmoothedMap> smoothed;
   /// Of a run with poses = vio, else null. `world` is then the filter's.
   std::shared_ptr<const OwnPoses> own_poses;
+  /// By frame: what these may still be off by after the alignment below, as they are told
+  /// (sensor/pose_estimate.h); empty without it.
+  std::vector<Eigen::Matrix<double, 6, 6>> aligned_pose_covariance;
   /// From the world of the poses, the scan and the truth that came with the sequence, by aligning
   /// the trajectories; all of these have been moved already.
   Eigen::Isometry3d world_from_given = Eigen::Isometry3d::Identity();

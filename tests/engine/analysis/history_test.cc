@@ -106,6 +106,23 @@ TEST(TruthError, KnowsHowWellTheTruthIsKnown) {
   EXPECT_NEAR(ErrorOf(object, room)->credible_level, 1 - std::exp(-1.5) * 2.5, 1e-3);
 }
 
+TEST(TruthError, KnowsThatTheImageItRefersToMayBeElsewhere) {
+  SequenceView room = Room();
+  ObjectReport object = Object("chair", 0, At(0.03, 10));
+  object.reference_frame = 1;
+  object.world_from_reference_cam = At(-2, 0);
+  room.aligned_pose_covariance.resize(2, Eigen::Matrix<double, 6, 6>::Zero());
+  EXPECT_GT(ErrorOf(object, room)->nees, 1e6) << "the other frame's pose is exact";
+  // A turn about up moves the object, 2 m away, sideways and turns it: not along x.
+  room.aligned_pose_covariance[1](5, 5) = 0.02 * 0.02;
+  EXPECT_GT(ErrorOf(object, room)->nees, 1e6);
+  room.aligned_pose_covariance[1](0, 0) = 0.03 * 0.03;
+  EXPECT_NEAR(ErrorOf(object, room)->nees, 1, 1e-3);
+  object.world_from_object = At(0, 10 + 2 / kRadPerDeg * 0.02);
+  object.world_from_object.translation().y() = 2.03 * 2 * 0.02;
+  EXPECT_NEAR(ErrorOf(object, room)->nees, 4, 0.15) << "turned by two deviations, and moved";
+}
+
 TEST(TruthError, KnowsWhetherTheShapeIsAQuestion) {
   EXPECT_FALSE(ErrorOf(Object("chair", 0, At(0, 0)), Room())->several_models);
   EXPECT_TRUE(ErrorOf(Object("dining table", 1, At(2, 0)), Room())->several_models);
