@@ -3,12 +3,15 @@
 
 #include <Eigen/Geometry>
 
+#include "engine/geometry/symmetric_matrix.h"
+
 namespace plumbline {
 namespace {
 
 using Gauge = Eigen::Matrix<double, 6, 4>;  ///< A shift and a turn about up, as a pose's error.
 using OfGauge = Eigen::Matrix<double, 4, 6>;
 
+constexpr double kNothing = 1e-12;     ///< Of covariances in m and rad: a micrometre.
 constexpr double kTurnless_m2 = 1e-6;  ///< Poses nearer together than this have no heading.
 
 /// A pose about the middle of all.
@@ -40,13 +43,25 @@ std::vector<Step> AboutTheMiddle(std::span<const std::optional<ToldPose>> poses)
   return steps;
 }
 
+/// What two errors have in common at most: the largest covariance of its kind that is within both.
+PoseCovariance Common(const PoseCovariance& one, const PoseCovariance& other) {
+  const SymmetricEigen axes = EigenOf(one);
+  const Eigen::VectorXd deviations = axes.values.cwiseMax(kNothing).cwiseSqrt();
+  const PoseCovariance root = axes.vectors * deviations.asDiagonal() * axes.vectors.transpose();
+  const PoseCovariance inverse_root =
+      axes.vectors * deviations.cwiseInverse().asDiagonal() * axes.vectors.transpose();
+  // Where the first is 1 in every direction, the other is `shares` along its own axes.
+  const SymmetricEigen shares = EigenOf(inverse_root * other * inverse_root);
+  const PoseCovariance turned = root * shares.vectors;
+  return turned * shares.values.cwiseMax(0).cwiseMin(1).asDiagonal() * turned.transpose();
+}
+
 /// Poses that a closed loop has made better than ones before: those have an error of their own,
 /// which later ones do not go on from.
 void SplitWhatIsKept(std::vector<Step>& steps) {
-  const PoseCovariance* least = nullptr;
-  for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
-    if (least == nullptr || step->whole.trace() < least->trace()) least = &step->whole;
-    step->kept = *least;
+  for (std::size_t i = steps.size(); i-- > 0;) {
+    const bool last = i + 1 == steps.size();
+    steps[i].kept = last ? steps[i].whole : Common(steps[i].whole, steps[i + 1].kept);
   }
 }
 

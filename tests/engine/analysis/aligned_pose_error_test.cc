@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/evaluation/trajectory_error.h"
+#include "engine/geometry/symmetric_matrix.h"
 
 namespace plumbline {
 namespace {
@@ -113,16 +114,19 @@ TEST(ErrorsAfterAlignment, AreNoneWhereAllPosesShareOne) {
   told.insert(told.begin(), std::nullopt);
   const auto errors = ErrorsAfterAlignment(told, kUp);
   ASSERT_EQ(errors.size(), told.size());
-  for (const PoseCovariance& error : errors) EXPECT_LT(error.cwiseAbs().maxCoeff(), 1e-12);
+  for (const PoseCovariance& error : errors) EXPECT_LT(error.cwiseAbs().maxCoeff(), 1e-9);
 }
 
 TEST(ErrorsAfterAlignment, OfPosesThatALoopMadeBetterStayWhereTheyAre) {
   const std::vector<Eigen::Isometry3d> walk = Walk();
   auto told = Told(walk);
-  for (std::size_t i = 40; i < told.size(); ++i) told[i]->covariance = told[10]->covariance;
+  for (std::size_t i = 40; i < told.size(); ++i) {
+    told[i]->covariance = told[10]->covariance;
+    told[i]->covariance(5, 5) *= 3;  // the place is known again, less so the heading
+  }
   const auto errors = ErrorsAfterAlignment(told, kUp);
   for (std::size_t i = 0; i < told.size(); ++i) {
-    EXPECT_GE(errors[i].diagonal().minCoeff(), 0) << i;
+    EXPECT_GE(EigenOf(errors[i]).values.minCoeff(), -1e-9) << i;
     EXPECT_LE(PositionVariance(errors[i]),
               2 * PositionVariance(told[59]->covariance) + PositionVariance(told[i]->covariance))
         << i;
@@ -133,7 +137,7 @@ TEST(ErrorsAfterAlignment, OfPosesThatALoopMadeBetterStayWhereTheyAre) {
 TEST(ErrorsAfterAlignment, OfNoPosesAreNone) {
   EXPECT_TRUE(ErrorsAfterAlignment({}, kUp).empty());
   const std::vector<std::optional<ToldPose>> one = {ToldPose{}};
-  EXPECT_TRUE(ErrorsAfterAlignment(one, kUp).front().isZero());
+  EXPECT_TRUE(ErrorsAfterAlignment(one, kUp).front().isZero(1e-9));
 }
 
 }  // namespace
