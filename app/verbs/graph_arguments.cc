@@ -16,10 +16,11 @@ Result<GraphPlan> GraphNamed(const std::string& name) {
   std::error_code error;
   if (std::filesystem::is_directory(name, error))
     return ReadGraph(std::filesystem::path(name) / "graph.json");
-  if (name != "paper" || std::filesystem::exists(name, error)) return ReadGraph(name);
+  if ((name != "paper" && name != "paper_vio") || std::filesystem::exists(name, error))
+    return ReadGraph(name);
   static std::once_flag registered;
   std::call_once(registered, RegisterResources_plumbline);
-  const Result<std::string> text = LoadResource("assets/graphs/paper.json");
+  const Result<std::string> text = LoadResource("assets/graphs/" + name + ".json");
   if (!text.ok()) return text.error();
   return GraphFromJson(ParseJson(*text));
 }

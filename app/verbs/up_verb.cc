@@ -63,15 +63,32 @@ int FramesRecorded(const std::filesystem::path& run) {
   return frames.ok() ? *frames : 0;
 }
 
+/// Poses of the filter come from a node of its own, and others do not.
+Status CheckPoses(const GraphPlan& plan, const RunRecipe& recipe) {
+  const GraphNode* mapper = plan.FirstOf(NodeKind::kMapper);
+  const bool found = mapper != nullptr && !mapper->poses.empty();
+  if (recipe.poses.source == PoseSource::kVio && !found) {
+    return Error{ErrorCode::kInvalidInput,
+                 "this graph has nobody who finds poses: --poses vio needs a node of kind vio, as "
+                 "the graph paper_vio has it"};
+  }
+  if (recipe.poses.source != PoseSource::kVio && found) {
+    return Error{ErrorCode::kInvalidInput,
+                 "in this graph the node '" + mapper->poses +
+                     "' finds poses; say --poses vio, or choose a graph without it (paper)"};
+  }
+  if (found && recipe.live_speed) {
+    return Error{ErrorCode::kUnsupported,
+                 "--live with --poses vio maps in one process so far; use 'run'"};
+  }
+  return {};
+}
+
 Status Up(UpArguments& arguments) {
   if (Status status = arguments.pipeline.Finish(); !status.ok()) return status;
   Result<GraphPlan> plan = GraphNamed(arguments.graph);
   if (!plan.ok()) return plan.error();
-  if (arguments.pipeline.recipe.poses.source == PoseSource::kVio) {
-    return Error{ErrorCode::kUnsupported,
-                 "--poses vio maps in one process so far; use 'run', or give a trajectory that "
-                 "'plumbline vio' has written"};
-  }
+  if (Status status = CheckPoses(*plan, arguments.pipeline.recipe); !status.ok()) return status;
   if (arguments.resume && arguments.pipeline.recipe.live_speed)
     return Error{ErrorCode::kInvalidInput, "--live cannot go with --resume"};
   const Result<std::filesystem::path> program = ThisProgram();
@@ -131,7 +148,8 @@ void AddUpVerb(CLI::App& app, VerbFunction& chosen) {
   CLI::App* verb = app.add_subcommand(
       "up", "Map a sequence with modules as processes of their own, as a graph says");
   verb->add_option("graph", arguments->graph,
-                   "GRAPH.json, or paper: player, edges, detector, mapper and recorder")
+                   "GRAPH.json, or paper: player, edges, detector, mapper and recorder; paper_vio: "
+                   "also a node that finds poses (--poses vio)")
       ->required();
   verb->add_option("sequence", arguments->pipeline.recipe.sequence, "Folder of the sequence")
       ->required();

@@ -33,8 +33,8 @@ NodeKind KindFromName(const std::string& name) {
   const auto found = std::find(std::begin(names), std::end(names), name);
   if (found == std::end(names))
     throw std::runtime_error("'" + name +
-                             "' is no kind of node; it is player, edges, detector, mapper, "
-                             "recorder or other");
+                             "' is no kind of node; it is player, edges, detector, vio, "
+                             "mapper, recorder or other");
   return static_cast<NodeKind>(found - std::begin(names));
 }
 
@@ -52,13 +52,14 @@ const std::vector<NamedInput>& NamedInputs() {
       {"edges", &GraphNode::edges, {NodeKind::kEdges, NodeKind::kPlayer}},
       {"proposals", &GraphNode::proposals, {NodeKind::kDetector, NodeKind::kPlayer}},
       {"reports", &GraphNode::reports, {NodeKind::kMapper}},
-      {"recorder", &GraphNode::recorder, {NodeKind::kRecorder}}};
+      {"recorder", &GraphNode::recorder, {NodeKind::kRecorder}},
+      {"poses", &GraphNode::poses, {NodeKind::kVio}}};
   return kInputs;
 }
 
 GraphNode NodeFromJson(const nlohmann::json& json) {
   CheckKeys(json, {"name", "kind", "endpoint", "images", "edges", "proposals", "reports",
-                   "recorder", "command", "start"});
+                   "recorder", "poses", "command", "start"});
   GraphNode node;
   node.name = json.at("name").get<std::string>();
   if (!IsFileName(node.name)) throw std::runtime_error("'" + node.name + "' is no name of a node");
@@ -108,6 +109,7 @@ void CheckWiring(const GraphPlan& plan) {
     switch (node.kind) {
       case NodeKind::kEdges:
       case NodeKind::kDetector:
+      case NodeKind::kVio:
         needs(node.images, "images");
         break;
       case NodeKind::kMapper:
@@ -122,6 +124,10 @@ void CheckWiring(const GraphPlan& plan) {
         break;
     }
   }
+  const GraphNode* mapper = plan.FirstOf(NodeKind::kMapper);
+  const GraphNode* recorder = plan.FirstOf(NodeKind::kRecorder);
+  if (mapper != nullptr && recorder != nullptr && mapper->poses != recorder->poses)
+    throw std::runtime_error("the mapper and the recorder need the same \"poses\"");
   for (const NodeKind kind : {NodeKind::kPlayer, NodeKind::kMapper, NodeKind::kRecorder}) {
     const auto count = std::count_if(plan.nodes.begin(), plan.nodes.end(),
                                      [&](const GraphNode& node) { return node.kind == kind; });

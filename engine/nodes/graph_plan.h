@@ -14,11 +14,11 @@
 namespace plumbline {
 
 /// What a node of ours does; others are programs of other people.
-enum class NodeKind { kPlayer, kEdges, kDetector, kMapper, kRecorder, kOther };
+enum class NodeKind { kPlayer, kEdges, kDetector, kVio, kMapper, kRecorder, kOther };
 
 template <>
 struct EnumNames<NodeKind> {
-  static constexpr std::string_view names[] = {"player", "edges",    "detector",
+  static constexpr std::string_view names[] = {"player", "edges",    "detector", "vio",
                                                "mapper", "recorder", "other"};
 };
 std::string_view NameOf(NodeKind kind);
@@ -32,6 +32,7 @@ struct GraphNode {
   std::string images, edges, proposals;  ///< Whom it asks for them.
   std::string reports;                   ///< The recorder: whom it records.
   std::string recorder;                  ///< The mapper: who knows where it stood.
+  std::string poses;                     ///< Mapper and recorder: who found them (poses = vio).
   /// The program that is started, with {endpoint}, {images} (the endpoint of that node) and {name}
   /// replaced; empty: our own.
   std::vector<std::string> command;

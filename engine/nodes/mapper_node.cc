@@ -15,6 +15,7 @@
 #include "engine/base/timer.h"
 #include "engine/models/model_database.h"
 #include "engine/nodes/our_nodes.h"
+#include "engine/nodes/own_pose_message.h"
 #include "engine/nodes/remote_detectors.h"
 #include "engine/nodes/remote_sequence.h"
 #include "engine/nodes/report_message.h"
@@ -23,6 +24,7 @@
 #include "engine/recording/run_header.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/transport/message_checks.h"
+#include "engine/vio/landmark_loops.h"
 
 namespace plumbline {
 namespace {
@@ -213,6 +215,14 @@ class MapperProcess {
     sequence_ = *sequence;
     parts.sequence = *sequence;
     ahead.end = std::min(ahead.end, sequence_->num_frames());
+    if (!node.poses.empty()) {
+      link_.SetState("waiting for '" + node.poses + "'");
+      const Result<NodeClient*> vio = link_.Ask(node.poses);
+      if (!vio.ok()) return vio.error();
+      auto poses = AskForOwnPoses(**vio, stop_);
+      if (!poses.ok()) return poses.error();
+      parts.own_poses = std::move(poses).value();
+    }
     if (!node.edges.empty()) {
       link_.SetState("waiting for '" + node.edges + "'");
       const Result<NodeClient*> edges = link_.Ask(node.edges);
@@ -253,7 +263,13 @@ class MapperProcess {
     MapperOptions options = pipeline.recipe().options;
     const nlohmann::json stored = ParseJson(resume.options());
     if (stored.is_object()) options = KnownOptions(stored);
-    if (Status status = pipeline.Resume(*last, options); !status.ok()) return status;
+    LandmarkHistory landmarks;
+    for (const wire::Landmarks& row : resume.landmarks()) {
+      auto edges = LandmarkEdgesFromText(row.edges());
+      if (!edges.ok()) return edges.error();
+      landmarks[row.frame()] = std::move(edges).value();
+    }
+    if (Status status = pipeline.Resume(*last, options, landmarks); !status.ok()) return status;
     shelf_.Begin(last->frame);
     return {};
   }

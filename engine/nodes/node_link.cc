@@ -153,8 +153,9 @@ void NodeLink::Serve(const std::stop_token& stop,
 }
 
 Error DoesNotAnswer(const wire::Request& request, const GraphNode& node) {
-  static constexpr const char* kAsked[] = {"about",  "sequence", "images",  "edges",  "proposals",
-                                           "scores", "header",   "reports", "resume", "map"};
+  static constexpr const char* kAsked[] = {"about",     "sequence", "images", "edges",
+                                           "proposals", "scores",   "header", "reports",
+                                           "resume",    "map",      "imu",    "poses"};
   const int index = static_cast<int>(request.what_case()) - static_cast<int>(wire::Request::kAbout);
   const bool known = index >= 0 && index < static_cast<int>(std::size(kAsked));
   return {ErrorCode::kUnsupported, "the node '" + node.name + "' (" +

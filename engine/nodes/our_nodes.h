@@ -18,6 +18,8 @@ Status RunPlayerNode(const NodeSetup& setup);
 Status RunEdgesNode(const NodeSetup& setup);
 /// Finds objects, and scores boxes, as the recipe says.
 Status RunDetectorNode(const NodeSetup& setup);
+/// Finds poses from images and the IMU as the recipe says, of all its frames before it answers.
+Status RunVioNode(const NodeSetup& setup);
 /// Maps, from where the recorder stands.
 Status RunMapperNode(const NodeSetup& setup);
 /// Writes the run file.

@@ -4,6 +4,7 @@
 #include "engine/base/timer.h"
 #include "engine/nodes/frame_answers.h"
 #include "engine/nodes/our_nodes.h"
+#include "engine/nodes/own_pose_message.h"
 
 namespace plumbline {
 namespace {
@@ -32,6 +33,8 @@ class Player {
         return reply;
       case wire::Request::kImage:
         return Image(request);
+      case wire::Request::kImu:
+        return Imu(request);
       case wire::Request::kEdges:
         return Edges(request);
       case wire::Request::kProposals:
@@ -52,14 +55,18 @@ class Player {
   Result<wire::Reply> Image(const wire::Request& request) {
     const int frame = request.image().frame();
     if (Status status = CheckFrame(frame); !status.ok()) return status.error();
-    const auto pixels = images_.Of(frame, [&]() -> Result<std::shared_ptr<SendablePixels>> {
+    const bool raw = request.image().raw();
+    auto& kept = raw ? raw_images_ : images_;
+    const auto pixels = kept.Of(frame, [&]() -> Result<std::shared_ptr<SendablePixels>> {
       const Stopwatch watch;
-      Result<Frame> read = sequence_->ReadFrame(frame);
+      Result<cv::Mat> read = raw ? sequence_->ReadRawImage(frame) : ReadImage(frame);
       if (!read.ok()) return read.error();
+      if (read->depth() != CV_8U)
+        return Error{ErrorCode::kUnsupported, "images of more than 8 bits are not played"};
       images_read_.Count(watch.Milliseconds());
       link_.SetState("read frame " + std::to_string(frame) + " of " +
                      std::to_string(sequence_->num_frames()));
-      return std::make_shared<SendablePixels>(read->image, link_.pixels());
+      return std::make_shared<SendablePixels>(*read, link_.pixels());
     });
     if (!pixels.ok()) return pixels.error();
     Result<wire::Pixels> sent = (*pixels)->For(request);
@@ -68,6 +75,23 @@ class Player {
     reply.mutable_image()->set_frame(frame);
     reply.mutable_image()->set_stamp_ns(sequence_->stamp_ns(frame));
     *reply.mutable_image()->mutable_pixels() = std::move(sent).value();
+    return reply;
+  }
+
+  Result<cv::Mat> ReadImage(int frame) const {
+    Result<Frame> read = sequence_->ReadFrame(frame);
+    if (!read.ok()) return read.error();
+    return std::move(read->image);
+  }
+
+  Result<wire::Reply> Imu(const wire::Request& request) {
+    if (!imu_) {
+      Result<ImuRecording> read = sequence_->ReadImu();
+      if (!read.ok()) return read.error();
+      imu_ = std::move(read).value();
+    }
+    wire::Reply reply;
+    *reply.mutable_imu() = ImuToWire(sequence_->calibration(), *imu_, request.imu().from());
     return reply;
   }
 
@@ -106,8 +130,9 @@ class Player {
   NodeLink& link_;
   const std::shared_ptr<const Sequence> sequence_;
   StreamMeter& images_read_;
-  FrameAnswers<SendablePixels> images_{kFramesKept};
+  FrameAnswers<SendablePixels> images_{kFramesKept}, raw_images_{kFramesKept};
   FrameAnswers<RecordedEdges> edges_{kFramesKept};
+  std::optional<ImuRecording> imu_;  ///< Once it was asked for.
 };
 
 }  // namespace
@@ -158,6 +183,8 @@ Status RunNode(const NodeSetup& setup) {
       return RunEdgesNode(setup);
     case NodeKind::kDetector:
       return RunDetectorNode(setup);
+    case NodeKind::kVio:
+      return RunVioNode(setup);
     case NodeKind::kMapper:
       return RunMapperNode(setup);
     case NodeKind::kRecorder:

@@ -10,8 +10,10 @@
 #include "engine/base/json_text.h"
 #include "engine/mapping/map_report.h"
 #include "engine/nodes/our_nodes.h"
+#include "engine/nodes/own_pose_message.h"
 #include "engine/nodes/remote_sequence.h"
 #include "engine/nodes/report_message.h"
+#include "engine/recording/landmark_history.h"
 #include "engine/recording/option_history.h"
 #include "engine/recording/run_file.h"
 
@@ -33,7 +35,16 @@ class RecorderProcess {
     request.mutable_header();
     const Result<SharedReply> reply = (*mapper)->AskAndWait(std::move(request), stop_);
     if (!reply.ok()) return reply.error();
-    if (Status status = OpenRun((*reply)->header().json()); !status.ok()) return status;
+    std::shared_ptr<const OwnPoses> poses;
+    if (!setup_.node.poses.empty()) {
+      const Result<NodeClient*> vio = link_.Ask(setup_.node.poses);
+      if (!vio.ok()) return vio.error();
+      auto found = AskForOwnPoses(**vio, stop_);
+      if (!found.ok()) return found.error();
+      poses = std::move(found).value();
+    }
+    if (Status status = OpenRun((*reply)->header().json(), poses.get()); !status.ok())
+      return status;
     std::jthread serving([this](const std::stop_token& end) { Serve(end); });
     const Status status = Record(**mapper, **player);
     const std::lock_guard lock(mutex_);
@@ -45,7 +56,8 @@ class RecorderProcess {
   /// That this graph has begun the run file: whoever starts this node again must go on with it.
   std::filesystem::path Begun() const { return setup_.plan.folder / "recording"; }
 
-  Status OpenRun(const std::string& json) {
+  /// @param poses  Null unless poses = vio.
+  Status OpenRun(const std::string& json, const OwnPoses* poses) {
     Result<RunHeader> header = HeaderFromJson(ParseJson(json));
     if (!header.ok())
       return Error{header.error().code,
@@ -55,12 +67,12 @@ class RecorderProcess {
     const bool go_on = std::filesystem::exists(out_, ignored) &&
                        (setup_.plan.resume || std::filesystem::exists(Begun(), ignored));
     if (go_on) {
-      Result<RunWriter::Resumed> resumed = RunWriter::OpenToResume(out_, *header);
+      Result<RunWriter::Resumed> resumed = RunWriter::OpenToResume(out_, *header, poses);
       if (!resumed.ok()) return resumed.error();
       writer_ = std::move(resumed->writer);
       if (resumed->last) handed_ = kept_ = resumed->last->frame;
     } else {
-      Result<std::unique_ptr<RunWriter>> created = RunWriter::Create(out_, *header);
+      Result<std::unique_ptr<RunWriter>> created = RunWriter::Create(out_, *header, {}, poses);
       if (!created.ok()) return created.error();
       writer_ = std::move(created).value();
     }
@@ -155,6 +167,13 @@ class RecorderProcess {
     if (!last.ok()) return last.error();
     const Result<OptionHistory> options = OptionHistory::Read(**reader);
     if (!options.ok()) return options.error();
+    const Result<LandmarkHistory> landmarks = ReadLandmarks(**reader);
+    if (!landmarks.ok()) return landmarks.error();
+    for (const auto& [frame, edges] : *landmarks) {
+      wire::Landmarks& row = *resume.add_landmarks();
+      row.set_frame(frame);
+      row.set_edges(LandmarkEdgesToText(edges));
+    }
     resume.set_has_frames(true);
     *resume.mutable_last() = ReportToWire(*last, true);
     resume.set_options(OptionsToJson(options->newest()).dump());

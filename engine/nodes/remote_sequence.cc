@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/nodes/own_pose_message.h"
 #include "engine/transport/wire_values.h"
 
 namespace plumbline {
@@ -48,6 +49,12 @@ wire::Request ImageRequestOf(int frame) {
   return request;
 }
 
+wire::Request RawImageRequestOf(int frame) {
+  wire::Request request = ImageRequestOf(frame);
+  request.mutable_image()->set_raw(true);
+  return request;
+}
+
 wire::Request EdgesRequestOf(int frame) {
   wire::Request request;
   request.mutable_edges()->set_frame(frame);
@@ -82,6 +89,31 @@ Result<std::shared_ptr<const RemoteSequence>> RemoteSequence::Open(NodeClient& p
   const Result<SharedReply> reply = player.AskAndWait(std::move(request), stop);
   if (!reply.ok()) return reply.error();
   return FromWire((*reply)->sequence(), &player, ahead, std::move(stop));
+}
+
+Result<std::shared_ptr<const RemoteSequence>> RemoteSequence::OpenForFilter(NodeClient& player,
+                                                                            FramesAhead ahead,
+                                                                            std::stop_token stop) {
+  wire::Request request;
+  request.mutable_sequence();
+  const Result<SharedReply> reply = player.AskAndWait(std::move(request), stop);
+  if (!reply.ok()) return reply.error();
+  std::shared_ptr<RemoteSequence> sequence(new RemoteSequence());
+  if (Status status = sequence->Take((*reply)->sequence()); !status.ok()) return status.error();
+  sequence->stop_ = stop;
+  ahead.end = std::min(ahead.end, sequence->num_frames());
+  sequence->raw_images_ = std::make_unique<RequestsAhead>(player, ahead, RawImageRequestOf);
+  while (true) {
+    wire::Request rest;
+    rest.mutable_imu()->set_from(static_cast<int>(sequence->imu_.samples.size()));
+    const Result<SharedReply> more = player.AskAndWait(std::move(rest), stop);
+    if (!more.ok()) return more.error();
+    const auto complete =
+        AddImuFromWire((*more)->imu(), sequence->calibration_, sequence->imu_.samples);
+    if (!complete.ok()) return complete.error();
+    if (*complete) break;
+  }
+  return std::shared_ptr<const RemoteSequence>(std::move(sequence));
 }
 
 Result<std::shared_ptr<const RemoteSequence>> RemoteSequence::FromWire(
@@ -194,6 +226,17 @@ std::optional<double> RemoteSequence::AgeMs(int frame) const {
 }
 
 Result<cv::Mat> RemoteSequence::ReadRawImage(int index) const {
+  if (raw_images_ != nullptr) {
+    const PinholeCamera& raw = calibration_.cameras.front().camera.pinhole;
+    return TakePixels(*raw_images_, index, stop_, [&](const wire::Reply& reply) -> Result<cv::Mat> {
+      Result<cv::Mat> pixels = PixelsFromWire(reply.image().pixels());
+      if (pixels.ok() && pixels->size() != cv::Size(raw.width, raw.height))
+        return Error{ErrorCode::kCorrupt,
+                     "the player sent an image of another size than its camera "
+                     "has"};
+      return pixels;
+    });
+  }
   const Result<Frame> frame = ReadFrame(index);
   if (!frame.ok()) return frame.error();
   return frame->image;

@@ -17,8 +17,8 @@
 namespace plumbline {
 
 /// A sequence that another process plays. Stamps, poses, gravity and floor are asked for once; of
-/// each frame the image, edges and proposals when they are read, images ahead. IMU, depth and raw
-/// images are not played. A read that is stopped gives kCancelled.
+/// each frame the image, edges and proposals when they are read, images ahead. Raw images and the
+/// IMU are played only to OpenForFilter, depth is not. A read that is stopped gives kCancelled.
 class RemoteSequence : public Sequence {
  public:
   /// Asks the player, waiting until it is there.
@@ -27,6 +27,12 @@ class RemoteSequence : public Sequence {
   /// Errors: what the player refuses; kCorrupt; kCancelled.
   static Result<std::shared_ptr<const RemoteSequence>> Open(NodeClient& player, FramesAhead ahead,
                                                             std::stop_token stop);
+
+  /// The same with the IMU and the calibration of raw images, which are then read ahead in the
+  /// place of undistorted ones. The camera is the first one.
+  static Result<std::shared_ptr<const RemoteSequence>> OpenForFilter(NodeClient& player,
+                                                                     FramesAhead ahead,
+                                                                     std::stop_token stop);
 
   const std::filesystem::path& path() const override { return path_; }
   int num_frames() const override { return static_cast<int>(frames_.size()); }
@@ -50,9 +56,9 @@ class RemoteSequence : public Sequence {
   Result<std::optional<cv::Mat>> ReadDepth(int) const override { return std::optional<cv::Mat>(); }
   Result<std::optional<EdgeMap>> ReadEdges(int index) const override;
   Result<std::optional<std::vector<Detection>>> ReadProposals(int index) const override;
-  Result<ImuRecording> ReadImu() const override { return ImuRecording(); }
+  Result<ImuRecording> ReadImu() const override { return imu_; }
   bool has_images() const override { return has_images_; }
-  bool has_imu() const override { return false; }
+  bool has_imu() const override { return !imu_.samples.empty(); }
   bool has_depth() const override { return false; }
   bool has_edges() const override { return has_edges_; }
   bool has_proposals() const override { return has_proposals_; }
@@ -88,6 +94,7 @@ class RemoteSequence : public Sequence {
   std::filesystem::path path_;
   PinholeCamera camera_;
   Calibration calibration_;
+  ImuRecording imu_;  ///< Only of OpenForFilter.
   double rate_hz_ = 30;
   std::vector<FrameRow> frames_;
   std::optional<Eigen::Vector3d> gravity_;
@@ -99,6 +106,7 @@ class RemoteSequence : public Sequence {
   std::vector<std::string> warnings_;
   std::stop_token stop_;
   std::unique_ptr<RequestsAhead> images_, edges_, proposals_;
+  std::unique_ptr<RequestsAhead> raw_images_;  ///< Null unless OpenForFilter.
   mutable std::mutex mutex_;
   mutable std::map<int, std::chrono::steady_clock::time_point> came_;  ///< Of the last frames.
 };
@@ -107,6 +115,7 @@ class RemoteSequence : public Sequence {
 Result<EdgeMap> EdgesFromWire(const wire::Edges& edges);
 
 wire::Request ImageRequestOf(int frame);
+wire::Request RawImageRequestOf(int frame);
 wire::Request EdgesRequestOf(int frame);
 wire::Request ProposalsRequestOf(int frame);
 

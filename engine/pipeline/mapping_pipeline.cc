@@ -65,11 +65,7 @@ Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
                                                       const WorkContext& work,
                                                       std::shared_ptr<const Sequence> given,
                                                       std::shared_ptr<const OwnPoses> own_poses) {
-  if (given != nullptr && recipe.poses.source == PoseSource::kVio) {
-    return Error{ErrorCode::kUnsupported,
-                 "poses of the visual-inertial filter (--poses vio) cannot be had from another "
-                 "process; map in one process, or give a trajectory"};
-  }
+  const bool all_given = given != nullptr;
   SequenceOptions poses;
   if (recipe.poses.source == PoseSource::kTrajectory) poses.poses = recipe.poses.file;
   Result<std::shared_ptr<const Sequence>> sequence =
@@ -91,6 +87,12 @@ Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
       std::min(recipe.frames.end.value_or((*sequence)->num_frames()), (*sequence)->num_frames());
   if (own_poses != nullptr && static_cast<int>(own_poses->frames.size()) < end)
     own_poses = nullptr;  // of a live run that was stopped
+  if (all_given && own_poses == nullptr) {
+    return Error{ErrorCode::kInvalidInput,
+                 "the poses of the visual-inertial filter (--poses vio) that another process gave "
+                 "end before frame " +
+                     std::to_string(end)};
+  }
   if (own_poses == nullptr) {
     if (const auto models = ModelsOf(**sequence, recipe); !models.ok()) return models.error();
     if (recipe.live_speed) {
@@ -303,7 +305,8 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Open(
 Result<std::unique_ptr<MappingPipeline>> MappingPipeline::OpenWith(PipelineParts parts,
                                                                    const RunRecipe& recipe,
                                                                    const WorkContext& work) {
-  return Impl::Open(recipe, work, std::move(parts), {});
+  auto own_poses = std::move(parts.own_poses);
+  return Impl::Open(recipe, work, std::move(parts), std::move(own_poses));
 }
 
 Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Impl::Open(

@@ -111,6 +111,7 @@ class Recorder {
       }
       AddFloor(moment.image, frame);
     }
+    MakeSymmetric(frame);
     Judge(frame);
   }
 
@@ -126,6 +127,7 @@ class Recorder {
       frame.vio.covariance = of_body;
       frame.cam_covariance = MovedBy(
           frame.world_from_cam->translation() - frame.vio.world_from_body.translation(), of_body);
+      MakeSymmetric(frame);
       AddFloor(static_cast<int>(i), frame);
       if (frame.ready) ready_stretch_ = frame.vio.stretch;
     }
@@ -229,6 +231,13 @@ class Recorder {
     poses.corrections.push_back(std::move(correction));
     const VioReport& vio = poses.frames[static_cast<std::size_t>(image)].vio;
     drift_ = Drift{vio.covariance, closed.CovarianceAt(vio.stamp_ns, vio.covariance)};
+  }
+
+  /// To the last bit, which products of matrices are not. Run files and messages keep one half: who
+  /// maps from those must have what the first run had.
+  static void MakeSymmetric(OwnPoseReport& frame) {
+    for (auto* covariance : {&frame.vio.covariance, &frame.cam_covariance})
+      covariance->triangularView<Eigen::StrictlyLower>() = covariance->transpose().eval();
   }
 
   static void MoveFrame(const Eigen::Isometry3d& move, OwnPoseReport& frame) {

@@ -6,8 +6,10 @@
 
 #include "engine/base/check.h"
 #include "engine/base/files.h"
+#include "engine/recording/frame_codec.h"
 #include "engine/recording/run_file.h"
 #include "engine/recording/sqlite.h"
+#include "engine/vio/own_pose_report.h"
 #include "tests/support/drawn_sequence.h"
 #include "tests/support/program_process.h"
 #include "tests/support/report_bytes.h"
@@ -25,6 +27,11 @@ std::vector<std::string> Rows(const std::string& file, const std::string& column
   std::vector<std::string> text;
   while (rows->Step().value()) text.emplace_back(rows->Text(0));
   return text;
+}
+
+std::string WithoutTimes(OwnPoseReport report) {
+  report.tracking_ms = report.vio.step.propagate_ms = report.vio.step.update_ms = 0;
+  return EncodeOwnPose(report);
 }
 
 }  // namespace
@@ -78,6 +85,16 @@ std::string GraphRun::Difference(const std::string& one, const std::string& othe
   for (int i = 0; i < frames; ++i) {
     if (BytesOf(a->ReadFrame(i).value()) != BytesOf(b->ReadFrame(i).value()))
       return "the frame at position " + std::to_string(i);
+  }
+  const auto poses_a = a->ReadOwnPoses().value(), poses_b = b->ReadOwnPoses().value();
+  if ((poses_a == nullptr) != (poses_b == nullptr)) return "one found no poses";
+  if (poses_a != nullptr) {
+    if (poses_a->frames.size() != poses_b->frames.size() || poses_a->causal != poses_b->causal)
+      return "the poses found are of other images";
+    for (std::size_t i = 0; i < poses_a->frames.size(); ++i) {
+      if (WithoutTimes(poses_a->frames[i]) != WithoutTimes(poses_b->frames[i]))
+        return "the pose found of image " + std::to_string(i);
+    }
   }
   // A resumed run stores once more what it has; all else is the same, row for row.
   for (const auto& [table, columns] :

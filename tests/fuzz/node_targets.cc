@@ -5,12 +5,14 @@
 
 #include "engine/base/json_text.h"
 #include "engine/nodes/graph_plan.h"
+#include "engine/nodes/own_pose_message.h"
 #include "engine/nodes/remote_sequence.h"
 #include "engine/nodes/report_message.h"
 #include "engine/recording/run_header.h"
 #include "engine/transport/curve_keys.h"
 #include "engine/transport/message_checks.h"
 #include "engine/transport/wire_values.h"
+#include "engine/vio/landmark_loops.h"
 #include "tests/fuzz/fuzz_targets.h"
 
 namespace plumbline::fuzz {
@@ -51,7 +53,18 @@ Status NodeReply(std::string_view input) {
     case wire::Reply::kResume:
       if (const auto options = ParseJson(reply->resume().options()); options.is_object())
         (void)KnownOptions(options);  // as the mapper does
+      for (const wire::Landmarks& row : reply->resume().landmarks())
+        (void)LandmarkEdgesFromText(row.edges());
       return StatusOf(ReportFromWire(reply->resume().last(), kModels));
+    case wire::Reply::kImu: {
+      Calibration calibration;
+      std::vector<ImuSample> samples;
+      return StatusOf(AddImuFromWire(reply->imu(), calibration, samples));
+    }
+    case wire::Reply::kOwnPoses: {
+      OwnPoses poses;
+      return StatusOf(AddOwnPosesFromWire(reply->own_poses(), poses));
+    }
     case wire::Reply::kMap:
       return StatusOf(ReportFromWire(reply->map().report(), kModels));
     default:

@@ -31,6 +31,14 @@ TEST(GraphPlan, OfThePaperIsReadAndWritten) {
   EXPECT_EQ(GraphToJson(*again), GraphToJson(*plan));
 }
 
+TEST(GraphPlan, WithANodeThatFindsPosesIsReadAndWritten) {
+  const auto plan = ReadGraph(SourceDirectory() / "assets/graphs/paper_vio.json");
+  ASSERT_TRUE(plan.ok()) << plan.error().message;
+  EXPECT_EQ(plan->FirstOf(NodeKind::kMapper)->poses, "vio");
+  EXPECT_EQ(plan->Find("vio")->kind, NodeKind::kVio);
+  EXPECT_EQ(GraphToJson(GraphFromJson(GraphToJson(*plan)).value()), GraphToJson(*plan));
+}
+
 TEST(GraphPlan, SaysWhatIsWrongWithAGraph) {
   using testing::HasSubstr;
   EXPECT_THAT(Refused([](auto& json) { json["version"] = 2; }), HasSubstr("version 2"));
@@ -54,6 +62,13 @@ TEST(GraphPlan, SaysWhatIsWrongWithAGraph) {
   EXPECT_THAT(Refused([](auto& json) { json["nodes"][2]["kind"] = "other"; }),
               HasSubstr("no \"command\""));
   EXPECT_THAT(Refused([](auto& json) { json = {1, 2}; }), HasSubstr("no graph"));
+  EXPECT_THAT(Refused([](auto& json) { json["nodes"][3]["poses"] = "player"; }),
+              HasSubstr("names 'player', a player"));
+  EXPECT_THAT(Refused([](auto& json) {
+                json["nodes"].push_back({{"name", "vio"}, {"kind", "vio"}, {"images", "player"}});
+                json["nodes"][3]["poses"] = "vio";
+              }),
+              HasSubstr("the same \"poses\""));
 }
 
 TEST(GraphPlan, GivesEveryNodeASocketOfItsOwn) {

@@ -29,6 +29,11 @@ TEST(OwnPoses, TellOfEachImageWhatIsKnownThen) {
   EXPECT_LT(last.tilt_std_rad, 0.02);
   EXPECT_GT(last.tracks.size(), 30u);
   EXPECT_GT(last.cam_covariance(0, 0), 0);
+  // To the last bit: a run file keeps one half.
+  for (const OwnPoseReport& frame : poses->frames) {
+    EXPECT_EQ(frame.cam_covariance, frame.cam_covariance.transpose());
+    EXPECT_EQ(frame.vio.covariance, frame.vio.covariance.transpose());
+  }
   // Down in the camera is told right: three times what the simulator's start leaves.
   const Eigen::Matrix3d truth = sequence->world_from_cam(119)->linear();
   EXPECT_GT(last.world_from_cam->linear().row(2).dot(truth.row(2)), std::cos(0.03));

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a visual-inertial filter in another process is given besides images, and what it found.
+
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "engine/base/result.h"
+#include "engine/dataset/imu_file.h"
+#include "engine/sensor/calibration.h"
+#include "engine/transport/node_client.h"
+#include "engine/transport/plumbline.pb.h"
+#include "engine/vio/own_pose_report.h"
+
+namespace plumbline {
+
+/// The calibration of the first camera and of the IMU, and readings from the `from`th on, as many
+/// as fit a message.
+wire::Imu ImuToWire(const Calibration& calibration, const ImuRecording& imu, int from);
+/// Adds the readings of a message to those before, and takes its calibration.
+/// @return whether these are all. Errors: kCorrupt.
+Result<bool> AddImuFromWire(const wire::Imu& message, Calibration& calibration,
+                            std::vector<ImuSample>& samples);
+
+/// Images from the `from`th on, as many as fit a message.
+wire::OwnPoses OwnPosesToWire(const OwnPoses& poses, int from);
+/// Adds the images of a message to those before. @return whether these are all. Errors: kCorrupt.
+Result<bool> AddOwnPosesFromWire(const wire::OwnPoses& message, OwnPoses& poses);
+
+/// Waits until the filter has seen all images. Errors: what it refuses; kCorrupt; kCancelled.
+Result<std::shared_ptr<const OwnPoses>> AskForOwnPoses(NodeClient& vio,
+                                                       const std::stop_token& stop);
+
+}  // namespace plumbline
