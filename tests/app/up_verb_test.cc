@@ -15,7 +15,6 @@
 #include "engine/base/random.h"
 #include "engine/mapping/map_report.h"
 #include "engine/recording/run_file.h"
-#include "engine/vio/own_pose_report.h"
 #include "tests/app/graph_run.h"
 #include "tests/support/tiny_network.h"
 
@@ -74,38 +73,6 @@ TEST_F(UpVerb, AlsoWhereNetworksFindEdgesAndScoreBoxes) {
   const FrameReport last = RunReader::Open(Path("five.plb")).value()->LastFrame().value();
   EXPECT_FALSE(last.proposals.empty());
   EXPECT_FALSE(last.objects.empty()) << "nothing was scored";
-}
-
-TEST_F(UpVerb, PosesOfANodeThatFindsThemAreThoseOfOneProcess) {
-  ASSERT_EQ(Run({"synth", "--imu", "--rest", "1.5", "--size", "320x240", "--rate", "10", "--frames",
-                 "34", "--light-rays", "4", "--out", Path("film")}),
-            0);
-  const std::vector<std::string> more = {"--poses",  "vio",     "--edges", "gradient",
-                                         "--frames", "10:34:3", "--out"};
-  std::vector<std::string> run = {"run", Path("film")}, up = {"up", "paper_vio", Path("film")};
-  for (auto* arguments : {&run, &up}) arguments->insert(arguments->end(), more.begin(), more.end());
-  run.push_back(Path("one.plb"));
-  up.insert(up.end(), {Path("six.plb"), "--folder", Path("graph")});
-  ASSERT_EQ(WaitFor(Start(run)), 0) << Output();
-  const pid_t pid = Start(up);
-  // Each of those that know something is killed once it knows it.
-  for (const char* kind : {"vio", "mapper"}) {
-    while (IsRunning(pid) && FramesIn("six.plb") < 2)
-      std::this_thread::sleep_for(std::chrono::milliseconds(3));
-    for (const pid_t child : ChildrenOf(pid))
-      if (CommandOf(child).find(std::string(" node ") + kind + " ") != std::string::npos)
-        kill(child, SIGKILL);
-  }
-  ASSERT_EQ(WaitFor(pid), 0) << Output();
-  EXPECT_THAT(Output(), testing::HasSubstr("starting it again"));
-  EXPECT_EQ(Difference("one.plb", "six.plb"), "");
-  EXPECT_EQ(FramesIn("six.plb"), 8);
-  const auto poses = RunReader::Open(Path("six.plb")).value()->ReadOwnPoses().value();
-  ASSERT_NE(poses, nullptr);
-  EXPECT_TRUE(poses->frames.back().ready) << poses->frames.back().waits_for;
-  up[1] = "paper";
-  EXPECT_EQ(Run(up), 1);
-  EXPECT_THAT(Output(), testing::HasSubstr("as the graph paper_vio has it"));
 }
 
 TEST_F(UpVerb, AFrameThatCannotBeReadIsSkippedAsInOneProcess) {
@@ -182,6 +149,8 @@ TEST_F(UpVerb, WhatCannotWorkIsSaidInTheNodesOwnSentence) {
             1);
   EXPECT_THAT(Output(), testing::HasSubstr("nothing"));
   EXPECT_FALSE(std::filesystem::exists(Path("none.plb")));
+  EXPECT_EQ(Run(Arguments("up", "none.plb", {"--poses", "vio"})), 1);
+  EXPECT_THAT(Output(), testing::HasSubstr("as the graph paper_vio has it"));
 }
 
 TEST_F(UpVerb, ARunningGraphTellsHowItIs) {
