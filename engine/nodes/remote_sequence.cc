@@ -41,6 +41,12 @@ std::optional<std::filesystem::path> FileFromWire(const std::string& text) {
 
 Eigen::Vector3d VectorFromWire(const wire::Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
+Result<SharedReply> AskForSequence(NodeClient& player, const std::stop_token& stop) {
+  wire::Request request;
+  request.mutable_sequence();
+  return player.AskAndWait(std::move(request), stop);
+}
+
 }  // namespace
 
 wire::Request ImageRequestOf(int frame) {
@@ -84,9 +90,7 @@ Result<EdgeMap> EdgesFromWire(const wire::Edges& edges) {
 Result<std::shared_ptr<const RemoteSequence>> RemoteSequence::Open(NodeClient& player,
                                                                    FramesAhead ahead,
                                                                    std::stop_token stop) {
-  wire::Request request;
-  request.mutable_sequence();
-  const Result<SharedReply> reply = player.AskAndWait(std::move(request), stop);
+  const Result<SharedReply> reply = AskForSequence(player, stop);
   if (!reply.ok()) return reply.error();
   return FromWire((*reply)->sequence(), &player, ahead, std::move(stop));
 }
@@ -94,9 +98,7 @@ Result<std::shared_ptr<const RemoteSequence>> RemoteSequence::Open(NodeClient& p
 Result<std::shared_ptr<const RemoteSequence>> RemoteSequence::OpenForFilter(NodeClient& player,
                                                                             FramesAhead ahead,
                                                                             std::stop_token stop) {
-  wire::Request request;
-  request.mutable_sequence();
-  const Result<SharedReply> reply = player.AskAndWait(std::move(request), stop);
+  const Result<SharedReply> reply = AskForSequence(player, stop);
   if (!reply.ok()) return reply.error();
   std::shared_ptr<RemoteSequence> sequence(new RemoteSequence());
   if (Status status = sequence->Take((*reply)->sequence()); !status.ok()) return status.error();

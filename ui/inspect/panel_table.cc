@@ -110,8 +110,8 @@ constexpr PanelEntry kPanels[] = {
       "How the hypotheses of the selected object spread along each parameter, in the camera of its "
       "reference time; what it was believed to be over time; and, where there is ground truth, "
       "whether the beliefs of this run are reliable: the truth should lie in half of the 50 % "
-      "regions "
-      "and in 95 of 100 of the 95 % regions."},
+      "regions and in 95 of 100 of the 95 % regions. Where the poses are the run's own, what the "
+      "image of reference may be off by is added before that is counted."},
      PanelPlace::kAboutObject,
      MakePosteriorPanel},
     {{"particle_table", "Particle list",
