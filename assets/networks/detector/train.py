@@ -210,6 +210,8 @@ def main():
 
     if not os.path.exists(args.teacher):
         raise SystemExit("there is no teacher '%s'; it is PicoDet-S of PaddleDetection as ONNX, with the bounds of its Clip nodes as attributes" % args.teacher)
+    if args.start and not os.path.exists(args.start):
+        raise SystemExit("there is no '%s' to begin with; it is the weights.pt of an earlier training" % args.start)
     device = 'cuda' if torch.cuda.is_available() else 'cpu'
     torch.backends.cudnn.benchmark = True
     torch.manual_seed(args.seed)
