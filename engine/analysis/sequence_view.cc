@@ -41,12 +41,16 @@ void AddScan(const std::filesystem::path& file, const Eigen::Isometry3d& world_f
 }
 
 /// Of the frames by which the trajectories were aligned.
-std::vector<std::optional<ToldPose>> ToldPoses(const SequenceView& view) {
+std::vector<std::optional<ToldPose>> ToldPoses(const SequenceView& view,
+                                               const LandmarkLoops* corrected) {
   std::vector<std::optional<ToldPose>> told(view.given_world_from_cam.size());
   for (std::size_t i = 0; i < told.size(); ++i) {
-    const auto known = view.own_poses->LastKnown(static_cast<int>(i));
-    if (known && view.given_world_from_cam[i])
-      told[i] = ToldPose{known->translation(), view.own_poses->frames[i].cam_covariance};
+    const auto frame = static_cast<int>(i);
+    const auto known = view.own_poses->LastKnown(frame);
+    if (!known || !view.given_world_from_cam[i]) continue;
+    told[i] = ToldPose{known->translation(), view.own_poses->frames[i].cam_covariance};
+    if (const auto moved = corrected != nullptr ? corrected->Known(PoseId{frame}) : std::nullopt)
+      told[i] = ToldPose{moved->world_from_cam.translation(), moved->uncertainty.drift};
   }
   return told;
 }
@@ -63,7 +67,7 @@ bool AlignGiven(const Sequence& sequence, const LandmarkLoops* corrected, Sequen
     if (const auto pose = given.world_from_cam(i))
       view.given_world_from_cam[static_cast<std::size_t>(i)] = view.world_from_given * *pose;
   }
-  view.aligned_pose_covariance = ErrorsAfterAlignment(ToldPoses(view), view.up_in_world);
+  view.aligned_pose_covariance = ErrorsAfterAlignment(ToldPoses(view, corrected), view.up_in_world);
   return true;
 }
 
