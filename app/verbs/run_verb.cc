@@ -265,6 +265,8 @@ Status Run(RunArguments& arguments) {
     work.report({"mapping", pipeline.num_done(), pipeline.num_selected()});
   }
   skipped.Tell();
+  if (pipeline.grows())
+    (*writer)->SetGrown(HeaderOf(pipeline, PLUMBLINE_VERSION), pipeline.own_poses());
   if (Status status = (*writer)->Close(); !status.ok()) return status;
   const double seconds = watch.Milliseconds() / 1000;
   const auto withdrawn = WithdrawnOf(arguments.out);

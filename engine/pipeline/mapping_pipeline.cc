@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/pipeline/mapping_pipeline.h"
 
+#include <limits>
 #include <mutex>
 #include <thread>
 
 #include "engine/base/files.h"
+#include "engine/base/log.h"
 #include "engine/base/queue.h"
 #include "engine/base/timer.h"
+#include "engine/dataset/growing_recording.h"
+#include "engine/dataset/growing_sequence.h"
 #include "engine/mapping/mapper.h"
 #include "engine/mapping/option_changes.h"
 #include "engine/mapping/rendered_scorer.h"
@@ -58,6 +62,14 @@ Result<std::filesystem::path> ModelsOf(const Sequence& sequence, const RunRecipe
                    "' has no models of its own; name a folder of CAD models with --models"};
 }
 
+/// One past the last frame that may be selected, whether it is recorded yet or not.
+int EndOf(const RunRecipe& recipe, const Sequence& sequence) {
+  const int most = GrowingRecordingOf(GivenSequence(sequence)) != nullptr
+                       ? std::numeric_limits<int>::max()
+                       : sequence.num_frames();
+  return std::min(recipe.frames.end.value_or(most), most);
+}
+
 /// The sequence with the poses that the recipe asks for. What else lacks is said before they are
 /// estimated, which takes long.
 /// @param given  Null: that of the recipe.
@@ -68,8 +80,21 @@ Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
   const bool all_given = given != nullptr;
   SequenceOptions poses;
   if (recipe.poses.source == PoseSource::kTrajectory) poses.poses = recipe.poses.file;
+  const bool follow = recipe.live_speed && recipe.poses.source == PoseSource::kVio && !all_given &&
+                      IsBeingRecorded(recipe.sequence);
+  if (!follow && !all_given && IsBeingRecorded(recipe.sequence)) {
+    log::warn("'{}' is being recorded; what it has now is mapped (--live --poses vio follows it)",
+              recipe.sequence.string());
+  }
+  if (follow && *recipe.live_speed != 1) {
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + recipe.sequence.string() +
+                     "' is being recorded, at the speed of life; say --live without another"};
+  }
   Result<std::shared_ptr<const Sequence>> sequence =
-      given != nullptr ? std::move(given) : OpenSequence(recipe.sequence, poses);
+      all_given ? std::move(given)
+                : (follow ? FollowRecording(recipe.sequence, work)
+                          : OpenSequence(recipe.sequence, poses));
   if (!sequence.ok()) return sequence.error();
   if (!(*sequence)->has_images()) {
     return Error{ErrorCode::kInvalidInput, "'" + recipe.sequence.string() +
@@ -83,8 +108,7 @@ Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
                  "'" + recipe.sequence.string() +
                      "' has no gravity.json; objects stand upright, so the mapper needs gravity"};
   }
-  const int end =
-      std::min(recipe.frames.end.value_or((*sequence)->num_frames()), (*sequence)->num_frames());
+  const int end = EndOf(recipe, **sequence);
   if (own_poses != nullptr && static_cast<int>(own_poses->frames.size()) < end)
     own_poses = nullptr;  // of a live run that was stopped
   if (all_given && own_poses == nullptr) {
@@ -159,13 +183,14 @@ Result<std::shared_ptr<HypothesisScorer>> CreateScorer(
 struct MappingPipeline::Impl {
   RunRecipe recipe;
   std::shared_ptr<const Sequence> sequence;
-  std::shared_ptr<OwnPoseStore> own_poses;  ///< Null unless poses = vio.
-  Stopwatch since_grown;                    ///< Since TakeGrownPoses gave any ...
-  double pause_ms = 0;                      ///< ... and how long it waits.
-  std::unique_ptr<RecordedSource> source;   ///< Next is called by the thread below alone.
-  std::unique_ptr<SelectedFrames> wanted;   ///< Of `source`.
-  std::unique_ptr<LiveSource> live;         ///< Of `wanted`; null: every frame is mapped.
-  LivePace pace;                            ///< Of `live`.
+  std::shared_ptr<OwnPoseStore> own_poses;    ///< Null unless poses = vio.
+  Stopwatch since_grown;                      ///< Since TakeGrownPoses gave any ...
+  double pause_ms = 0;                        ///< ... and how long it waits.
+  const GrowingRecording* growing = nullptr;  ///< Null: all frames are recorded.
+  std::unique_ptr<RecordedSource> source;     ///< Next is called by the thread below alone.
+  std::unique_ptr<SelectedFrames> wanted;     ///< Of `source`.
+  std::unique_ptr<LiveSource> live;           ///< Of `wanted`; null: every frame is mapped.
+  LivePace pace;                              ///< Of `live`.
   std::shared_ptr<const ModelDatabase> database;
   std::unique_ptr<FramePreparer> preparer;
   std::mutex preparer_mutex;
@@ -175,12 +200,27 @@ struct MappingPipeline::Impl {
   MapperOptions options;      ///< Of the next frame.
   MapperOptions mapped_with;  ///< Of the last frame.
   int options_version = 0;    ///< The preparer's, of `options`.
+  /// Of a recording that grows those that have come, and the next where more may come.
   std::vector<int> selected;
+  bool ended = false;  ///< Nothing more will come of a recording that grows.
   std::size_t next = 0;
   FrameReport last_report;  ///< A skipped frame leaves the map as it was.
   CorrectedPoses poses;
   std::unique_ptr<BoundedQueue<Prepared>> ahead;
   std::jthread thread;  ///< Last: stops before what it uses goes.
+
+  void Select() {
+    const bool expects = growing != nullptr && !ended;
+    const int end = EndOf(recipe, *sequence), come = sequence->num_frames();
+    const int step = recipe.frames.step;
+    while (!selected.empty() && selected.back() >= come) selected.pop_back();
+    for (int i = selected.empty() ? recipe.frames.begin : selected.back() + step; i < end;
+         i += step) {
+      if (i >= come && !expects) break;
+      selected.push_back(i);
+      if (i >= come) break;
+    }
+  }
 
   void StartAhead() {
     ahead = std::make_unique<BoundedQueue<Prepared>>(live ? kFramesAheadLive : kFramesAhead);
@@ -352,17 +392,21 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Impl::Open(
   if (Status status = Complete(**database, own_detector, own_edges, impl->recipe); !status.ok())
     return status.error();
 
-  const int end = std::min(recipe.frames.end.value_or(frames.num_frames()), frames.num_frames());
-  for (int i = recipe.frames.begin; i < end; i += recipe.frames.step) impl->selected.push_back(i);
+  impl->growing = GrowingRecordingOf(GivenSequence(frames));
+  impl->Select();
   if (impl->selected.empty()) {
     return Error{ErrorCode::kInvalidInput, "the range selects none of the " +
                                                std::to_string(frames.num_frames()) +
                                                " frames of '" + recipe.sequence.string() + "'"};
   }
-  impl->wanted = std::make_unique<SelectedFrames>(*impl->source, recipe.frames.begin,
-                                                  impl->selected.back(), recipe.frames.step);
-  if (recipe.live_speed)
+  const FrameRange& range = recipe.frames;
+  const int last = impl->growing != nullptr ? EndOf(recipe, frames) - 1 : impl->selected.back();
+  impl->wanted = std::make_unique<SelectedFrames>(*impl->source, range.begin, last, range.step);
+  if (impl->growing != nullptr) {
+    impl->live = std::make_unique<LiveSource>(*impl->wanted, *impl->growing, range.step);
+  } else if (recipe.live_speed) {
     impl->live = std::make_unique<LiveSource>(*impl->wanted, *recipe.live_speed);
+  }
 
   Result<std::shared_ptr<HypothesisScorer>> scorer =
       CreateScorer(recipe.scorer, impl->database, work);
@@ -409,6 +453,8 @@ int MappingPipeline::num_done() const { return static_cast<int>(impl_->next); }
 int MappingPipeline::num_selected() const { return static_cast<int>(impl_->selected.size()); }
 void MappingPipeline::SetOptions(const MapperOptions& options) { impl_->UseOptions(options); }
 
+bool MappingPipeline::grows() const { return impl_->growing != nullptr; }
+
 std::optional<LiveReport> MappingPipeline::live() const {
   return impl_->live ? std::optional(impl_->live->report()) : std::nullopt;
 }
@@ -421,6 +467,11 @@ std::optional<std::shared_ptr<MapSnapshot>> MappingPipeline::Next(const std::sto
   m.pace.Asked();
   std::optional<Prepared> prepared = m.ahead->Pop();
   m.pace.Given();
+  if (m.growing != nullptr) {
+    m.ended = !prepared && !stop.stop_requested();
+    m.Select();
+    if (m.ended) m.next = m.selected.size();
+  }
   if (!prepared) return std::nullopt;
   std::shared_ptr<MapSnapshot> snapshot = m.Map(*prepared);
   if (m.live) m.live->Done(prepared->frame.index);

@@ -64,9 +64,12 @@ class MappingPipeline {
   const LandmarkLoops* landmarks() const;
   /// What it was opened with, complete: absolute paths, the edges chosen, the hashes of files.
   const RunRecipe& recipe() const;
-  /// One past the last frame that the range selects.
+  /// Whether the sequence is a recording that is followed while it is made.
+  bool grows() const;
+  /// One past the last frame that the range selects; of a recording that grows, so far.
   int end_frame() const;
-  /// Frames that the range selects.
+  /// Frames that the range selects; of a recording that grows those that have come, and one more
+  /// until Next has found that none comes any more.
   int num_selected() const;
   /// Of those, the ones that are mapped, skipped or passed over, the resumed ones included.
   int num_done() const;

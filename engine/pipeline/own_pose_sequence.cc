@@ -100,7 +100,7 @@ void OwnPoseStore::Estimate(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (!ended_ && changed_.wait(lock, stop, [&] { return estimator_->next() < wanted_; })) {
     lock.unlock();
-    const bool looked = estimator_->Next();
+    const bool looked = estimator_->Next(stop);
     const OwnPoses& now = estimator_->poses();
     lock.lock();
     ended_ = !looked;
@@ -194,7 +194,8 @@ const Sequence& GivenSequence(const Sequence& sequence) {
 }
 
 OwnPoseSource::OwnPoseSource(const std::shared_ptr<const Sequence>& sequence)
-    : poses_(OwnPoseStoreOf(*sequence)), folder_(sequence, false) {
+    : poses_(OwnPoseStoreOf(*sequence)),
+      folder_(sequence, GrowingRecordingOf(GivenSequence(*sequence))) {
   PLB_CHECK(poses_ != nullptr);
 }
 

@@ -62,6 +62,10 @@ class RunWriter {
   Status Write(FrameReport report, const cv::Mat& image,
                std::shared_ptr<const OwnPoses> own_poses = {});
 
+  /// Of a run whose sequence grew: what it has become by now, kept by Close.
+  /// @param header  Its `end_frame` and `sequence_hash` take the place of those of Create.
+  void SetGrown(const RunHeader& header, std::shared_ptr<const OwnPoses> own_poses);
+
   /// Frames safely in the file, those of a resumed run included. May be called from any thread.
   int num_written() const;
 

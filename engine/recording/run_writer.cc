@@ -102,6 +102,7 @@ class RunWriter::Worker {
 
   /// Begins a new run.
   Status Begin(const RunHeader& header, const OwnPoses* own_poses) {
+    header_ = header;
     Status status = UseWriteAheadLog(*database_);
     if (status.ok()) status = database_->Execute("BEGIN");
     if (status.ok()) status = database_->Execute(kRunSchema);
@@ -139,12 +140,19 @@ class RunWriter::Worker {
     return {};
   }
 
+  void SetGrown(const RunHeader& header, std::shared_ptr<const OwnPoses> own_poses) {
+    header_.end_frame = header.end_frame;
+    header_.sequence_hash = header.sequence_hash;
+    grown_ = std::move(own_poses);
+  }
+
   int num_written() const { return num_written_; }
 
   Status Close() {
     Drain();
     if (database_) {
-      const Status status = CurrentStatus();
+      Status status = CurrentStatus();
+      if (status.ok() && grown_ != nullptr) SetStatus(status = StoreGrown());
       if (status.ok())
         SetStatus(database_->Execute("UPDATE run SET value = '1' WHERE key = 'finished'"));
       (void)FoldLog(*database_);
@@ -218,6 +226,13 @@ class RunWriter::Worker {
     ++position_;
     num_written_ = position_;
     return {};
+  }
+
+  Status StoreGrown() {
+    Status status = database_->Execute("BEGIN");
+    if (status.ok()) status = StoreHeader(*database_, header_);
+    if (status.ok()) status = AddOwnPoses(*database_, *grown_, num_own_poses_);
+    return status.ok() ? database_->Execute("COMMIT") : status;
   }
 
   Status StoreFrame(const Item& item, const std::string& details, const std::string& thumbnail) {
@@ -300,6 +315,8 @@ class RunWriter::Worker {
   int position_;
   std::map<ObjectId, StoredParticles> stored_;
   std::size_t num_own_poses_ = 0;  ///< Of a live run.
+  RunHeader header_;
+  std::shared_ptr<const OwnPoses> grown_;  ///< Null unless the sequence grew.
   std::atomic<int> num_written_;
   mutable std::mutex mutex_;
   Status status_;
@@ -405,6 +422,9 @@ RunWriter::~RunWriter() = default;
 Status RunWriter::Write(FrameReport report, const cv::Mat& image,
                         std::shared_ptr<const OwnPoses> own_poses) {
   return worker_->Write(std::move(report), image, std::move(own_poses));
+}
+void RunWriter::SetGrown(const RunHeader& header, std::shared_ptr<const OwnPoses> own_poses) {
+  worker_->SetGrown(header, std::move(own_poses));
 }
 int RunWriter::num_written() const { return worker_->num_written(); }
 Status RunWriter::Close() { return worker_->Close(); }

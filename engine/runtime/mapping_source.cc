@@ -108,6 +108,10 @@ class MappingSource : public SnapshotSource {
     if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
     const auto next = pipeline_->Next(stop);
     if (!next && stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+    if (!next && pipeline_->grows()) {
+      writer_->SetGrown(HeaderOf(*pipeline_, header_->program_version), pipeline_->own_poses());
+      return Error{ErrorCode::kCancelled, "the recording has ended"};
+    }
     if (!next) return Error{ErrorCode::kIo, "the sequence ended before its last frame"};
     const PinholeCamera& camera = pipeline_->sequence().camera();
     (*next)->outlines = OutlinesOf((*next)->id, {camera.width, camera.height});

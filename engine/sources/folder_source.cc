@@ -71,8 +71,10 @@ void FolderSource::Seek(int frame) {
   sample_ = static_cast<std::size_t>(first - samples.begin());
 }
 
-void FolderSource::Refill() {
-  const bool last = frame_ >= num_frames();
+void FolderSource::Refill(const std::stop_token& stop) {
+  const bool last =
+      growing_ != nullptr ? !growing_->WaitForFrame(frame_, stop) : frame_ >= num_frames();
+  if (stop.stop_requested()) return;
   const std::int64_t until =
       last ? std::numeric_limits<std::int64_t>::max() : sequence_->stamp_ns(frame_);
   if (!told_world_) {
@@ -100,7 +102,8 @@ Result<std::optional<Packet>> FolderSource::Next(const std::stop_token& stop) {
     imu_ = std::move(imu).value();
     Seek(frame_);
   }
-  if (ready_.empty() && !ended_) Refill();
+  if (ready_.empty() && !ended_) Refill(stop);
+  if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
   if (ready_.empty()) return std::optional<Packet>();
   std::optional<Packet> packet = std::move(ready_.front());
   ready_.pop_front();

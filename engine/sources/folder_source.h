@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 
+#include "engine/dataset/growing_recording.h"
 #include "engine/dataset/imu_file.h"
 #include "engine/sources/frame_source.h"
 
@@ -18,6 +20,10 @@ class FolderSource : public RecordedSource {
  public:
   /// @param with_imu  Whether Next gives IMU samples; imu.csv is not read without.
   explicit FolderSource(std::shared_ptr<const Sequence> sequence, bool with_imu = true);
+  /// Of a sequence that grows: Next waits for frames that have not come yet, and gives no IMU
+  /// samples. @param growing  As of the sequence; null: it does not grow.
+  FolderSource(std::shared_ptr<const Sequence> sequence, const GrowingRecording* growing)
+      : sequence_(std::move(sequence)), growing_(growing), with_imu_(false) {}
 
   const Calibration& calibration() const override;
   /// Errors: also kCorrupt for imu.csv, which is read with the first packet.
@@ -29,9 +35,10 @@ class FolderSource : public RecordedSource {
 
  private:
   /// Puts all that comes up to the next frame into `ready_`.
-  void Refill();
+  void Refill(const std::stop_token& stop);
 
   std::shared_ptr<const Sequence> sequence_;
+  const GrowingRecording* growing_ = nullptr;
   bool with_imu_;
   std::optional<ImuRecording> imu_;
   std::deque<Packet> ready_;

@@ -42,6 +42,9 @@ LiveSource::LiveSource(FrameSource& recorded, double speed, std::shared_ptr<Live
   report_.speed = speed;
 }
 
+LiveSource::LiveSource(FrameSource& recorded, const GrowingRecording& growing, int step)
+    : recorded_(recorded), growing_(&growing), step_(step), speed_(1), clock_(SteadyLiveClock()) {}
+
 Result<std::optional<Packet>> LiveSource::Next(const std::stop_token& stop) {
   while (ready_.empty()) {
     if (!read_) read_ = Read(stop);
@@ -49,8 +52,9 @@ Result<std::optional<Packet>> LiveSource::Next(const std::stop_token& stop) {
       clock_->WaitUntil(*read_->comes_ns, stop);
       if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
       Stretch newest = std::move(*read_);
-      for (read_ = Read(stop); read_->comes_ns && *read_->comes_ns <= clock_->NowNs();
-           read_ = Read(stop)) {
+      for (read_ = ReadWhatCame(stop);
+           read_ && read_->comes_ns && *read_->comes_ns <= clock_->NowNs();
+           read_ = ReadWhatCame(stop)) {
         PassOver(std::exchange(newest, std::move(*read_)), newest);
       }
       Take(std::move(newest));
@@ -73,20 +77,26 @@ LiveSource::Stretch LiveSource::Read(const std::stop_token& stop) {
     Result<std::optional<Packet>> packet = recorded_.Next(stop);
     if (!packet.ok()) stretch.error = packet.error();
     if (!packet.ok() || !packet.value()) break;
-    if (const auto* frame = std::get_if<FramePacket>(&**packet))
-      stretch.comes_ns = ComesAt(frame->stamp_ns);
+    if (const auto* frame = std::get_if<FramePacket>(&**packet)) stretch.comes_ns = ComesAt(*frame);
     stretch.packets.push_back(std::move(**packet));
   }
   return stretch;
 }
 
-std::int64_t LiveSource::ComesAt(std::int64_t stamp_ns) {
+std::optional<LiveSource::Stretch> LiveSource::ReadWhatCame(const std::stop_token& stop) {
+  if (growing_ != nullptr && !growing_->HasFrame(last_read_ + step_)) return std::nullopt;
+  return Read(stop);
+}
+
+std::int64_t LiveSource::ComesAt(const FramePacket& frame) {
+  last_read_ = frame.frame;
   if (!first_stamp_ns_) {
-    first_stamp_ns_ = stamp_ns;
+    first_stamp_ns_ = frame.stamp_ns;
     start_ns_ = newest_ns_ = clock_->NowNs();
   }
+  if (growing_ != nullptr) return growing_->CameNs(frame.frame);  // in the past
   const double after_ns =
-      (static_cast<double>(stamp_ns) - static_cast<double>(*first_stamp_ns_)) / speed_;
+      (static_cast<double>(frame.stamp_ns) - static_cast<double>(*first_stamp_ns_)) / speed_;
   const std::int64_t comes_ns = start_ns_ + std::llround(std::clamp(after_ns, 0.0, kLongest_ns));
   newest_ns_ = std::max(newest_ns_, comes_ns);
   return newest_ns_;
@@ -106,7 +116,9 @@ void LiveSource::Take(Stretch newest) {
   {
     const std::lock_guard lock(mutex_);
     at_work_.emplace_back(frame.frame, comes_ns);
-    report_.recorded_s = 1e-9 * static_cast<double>(comes_ns - start_ns_) * speed_;
+    report_.recorded_s =
+        1e-9 * (growing_ != nullptr ? static_cast<double>(frame.stamp_ns - *first_stamp_ns_)
+                                    : static_cast<double>(comes_ns - start_ns_) * speed_);
     AddToMean(1e-6 * static_cast<double>(clock_->NowNs() - comes_ns), ++report_.taken,
               report_.taken_age_ms);
   }

@@ -9,6 +9,7 @@
 #include <stop_token>
 #include <utility>
 
+#include "engine/dataset/growing_recording.h"
 #include "engine/sources/frame_source.h"
 #include "engine/sources/live_report.h"
 
@@ -33,6 +34,8 @@ std::shared_ptr<LiveClock> SteadyLiveClock();
 /// counted, the last is always given. What is no frame is never lost: all of it comes in order,
 /// with the frame that follows. A stamp that does not rise comes with the frame before it.
 ///
+/// Of a recording that grows a frame comes when it is recorded.
+///
 /// What is given depends on how fast the consumer is: nothing here can be repeated.
 class LiveSource : public FrameSource {
  public:
@@ -40,6 +43,11 @@ class LiveSource : public FrameSource {
   /// @param speed  Times as fast as recorded, > 0.
   LiveSource(FrameSource& recorded, double speed,
              std::shared_ptr<LiveClock> clock = SteadyLiveClock());
+
+  /// @param recorded  Waits for frames that are not recorded yet; outlives this.
+  /// @param growing  What is recorded; outlives this. @param step  From one frame of `recorded` to
+  /// its next.
+  LiveSource(FrameSource& recorded, const GrowingRecording& growing, int step);
 
   const Calibration& calibration() const override { return recorded_.calibration(); }
   Result<std::optional<Packet>> Next(const std::stop_token& stop) override;
@@ -58,15 +66,20 @@ class LiveSource : public FrameSource {
     std::optional<Error> error;            ///< That ended the recording.
   };
   Stretch Read(const std::stop_token& stop);
-  std::int64_t ComesAt(std::int64_t stamp_ns);
+  /// The next stretch where reading it does not have to wait for a recording that grows.
+  std::optional<Stretch> ReadWhatCame(const std::stop_token& stop);
+  std::int64_t ComesAt(const FramePacket& frame);
   void Take(Stretch newest);
   void PassOver(Stretch older, Stretch& newer);
 
   FrameSource& recorded_;
+  const GrowingRecording* growing_ = nullptr;
+  const int step_ = 1;
   const double speed_;
   const std::shared_ptr<LiveClock> clock_;
   std::deque<Packet> ready_;     ///< Given next.
   std::optional<Stretch> read_;  ///< Read ahead; its frame may not have come yet.
+  int last_read_ = -1;           ///< Frame.
   std::optional<std::int64_t> first_stamp_ns_;
   std::int64_t start_ns_ = 0, newest_ns_ = 0;  ///< By the clock: the first and the newest frame.
 

@@ -10,6 +10,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "engine/dataset/growing_recording.h"
 #include "engine/geometry/angles.h"
 #include "engine/vio/chi_square_gate.h"
 #include "engine/vio/floor_finder.h"
@@ -334,11 +335,13 @@ struct OwnPoseEstimator::Impl {
   Impl(std::shared_ptr<const Sequence> given, ImuRecording recorded, int count,
        const OwnPoseOptions& chosen)
       : sequence(std::move(given)),
+        growing(GrowingRecordingOf(*sequence)),
         imu(std::move(recorded)),
         input(VioInputOf(*sequence, imu).value()),
         options(chosen),
-        end(count),
-        recorder(input, options, count),
+        most(count),
+        end(growing != nullptr ? 0 : std::min(count, sequence->num_frames())),
+        recorder(input, options, end),
         closer(input.camera, options.closing),
         runner(input, Images(), options.filter, options.tracker) {}
 
@@ -364,10 +367,36 @@ struct OwnPoseEstimator::Impl {
     recorder.poses.loops = std::move(report);
   }
 
+  /// Says nothing yet of an image.
+  void Expect(int image) {
+    OwnPoseReport& frame = recorder.poses.frames[static_cast<std::size_t>(image)];
+    frame.vio.stamp_ns = sequence->stamp_ns(image);
+    frame.waits_for = "the image could not be read";
+  }
+
+  /// Waits for the next image of a recording that grows. False: it ended, or was stopped.
+  bool Grow(const std::stop_token& stop) {
+    const int image = runner.next();
+    if (image < end) return true;
+    if (image >= most || !growing->WaitForFrame(image, stop)) return false;
+    const std::int64_t stamp_ns = sequence->stamp_ns(image);
+    const auto more = growing->WaitForImu(imu.samples.size(), runner.ImuTimeOf(stamp_ns), stop);
+    if (stop.stop_requested()) return false;
+    imu.samples.insert(imu.samples.end(), more.begin(), more.end());
+    input.samples = imu.samples;
+    runner.Extend(stamp_ns, imu.samples);
+    recorder.poses.frames.emplace_back();
+    Expect(image);
+    end = image + 1;
+    return true;
+  }
+
   std::shared_ptr<const Sequence> sequence;
+  const GrowingRecording* growing;  ///< Null: all images are there.
   ImuRecording imu;
   VioInput input;
   OwnPoseOptions options;
+  int most;  ///< Images from this one on are not looked at.
   int end;
   Recorder recorder;
   LoopCloser closer;
@@ -388,17 +417,13 @@ Result<std::unique_ptr<OwnPoseEstimator>> OwnPoseEstimator::Create(
   Result<ImuRecording> imu = sequence->ReadImu();
   if (!imu.ok()) return imu.error();
   if (const auto input = VioInputOf(*sequence, *imu); !input.ok()) return input.error();
-  const int count = std::min(end_frame, sequence->num_frames());
-  auto impl = std::make_unique<Impl>(sequence, std::move(imu).value(), count, options);
-  for (int i = 0; i < count; ++i) {
-    OwnPoseReport& frame = impl->recorder.poses.frames[static_cast<std::size_t>(i)];
-    frame.vio.stamp_ns = sequence->stamp_ns(i);
-    frame.waits_for = "the image could not be read";
-  }
+  auto impl = std::make_unique<Impl>(sequence, std::move(imu).value(), end_frame, options);
+  for (int i = 0; i < impl->end; ++i) impl->Expect(i);
   return std::unique_ptr<OwnPoseEstimator>(new OwnPoseEstimator(std::move(impl)));
 }
 
-bool OwnPoseEstimator::Next() {
+bool OwnPoseEstimator::Next(const std::stop_token& stop) {
+  if (impl_->growing != nullptr && !impl_->Grow(stop)) return false;
   return impl_->runner.Next([this](const VioMoment& moment) { impl_->See(moment); });
 }
 int OwnPoseEstimator::next() const { return impl_->runner.next(); }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
@@ -21,6 +22,7 @@ Result<VioInput> VioInputOf(const Sequence& sequence, const ImuRecording& imu);
 /// EstimateOwnPoses, image by image. Single-threaded.
 class OwnPoseEstimator {
  public:
+  /// @param sequence  May be one that grows (GrowingRecordingOf).
   /// @param end_frame  Images from this one on are not looked at.
   /// Errors: as of VioInputOf; kNotFound for a sequence without images.
   static Result<std::unique_ptr<OwnPoseEstimator>> Create(std::shared_ptr<const Sequence> sequence,
@@ -28,11 +30,12 @@ class OwnPoseEstimator {
                                                           const OwnPoseOptions& options);
   ~OwnPoseEstimator();
 
-  /// Looks at the next image; false where there is none.
-  bool Next();
+  /// Looks at the next image, of a recording that grows once it and the readings of the IMU up to
+  /// it have come; false where there is none, or once `stop` is requested.
+  bool Next(const std::stop_token& stop = {});
   /// First image that was not looked at.
   int next() const;
-  /// One past the last image that will be.
+  /// One past the last image that will be; of a recording that grows, that has come.
   int end() const;
   /// With a report for every image up to end(); those from next() on say nothing yet.
   const OwnPoses& poses() const;

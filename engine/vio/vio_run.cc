@@ -121,6 +121,15 @@ bool VioRunner::Next(const VioObserver& seen) {
   return true;
 }
 
+void VioRunner::Extend(std::int64_t stamp_ns, std::span<const ImuSample> samples) {
+  impl_->images.stamps_ns.push_back(stamp_ns);
+  impl_->input.samples = samples;
+}
+
+std::int64_t VioRunner::ImuTimeOf(std::int64_t image_ns) const {
+  return impl_->feeder.estimator().ImuTimeOf(image_ns);
+}
+
 int VioRunner::next() const { return impl_->next; }
 VioRun VioRunner::TakeRun() { return std::move(impl_->feeder.run); }
 

@@ -72,6 +72,11 @@ class VioRunner {
 
   /// Looks at the next image; false where there is none.
   bool Next(const VioObserver& seen = {});
+  /// The recording has grown by an image. @param samples  All readings that there are now, those of
+  /// before first; they outlive this.
+  void Extend(std::int64_t stamp_ns, std::span<const ImuSample> samples);
+  /// On the IMU's clock, as far as its offset is known now [ns].
+  std::int64_t ImuTimeOf(std::int64_t image_ns) const;
   /// Index of the image that Next looks at.
   int next() const;
   /// What it gave so far; once.

@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/base/file_lock.h"
+#include "engine/dataset/growing_recording.h"
+#include "engine/dataset/growing_sequence.h"
+#include "engine/dataset/sequence_formats.h"
+#include "tests/support/replayed_recording.h"
 #include "tests/support/simulated_sequence.h"
 #include "tests/support/test_data.h"
 #include "tests/support/tiny_sequence.h"
@@ -149,6 +154,53 @@ TEST(OwnPoseStore, FindsPosesAsTheyAreAskedFor) {
   std::stop_source stopped;
   stopped.request_stop();
   store->Advance(1000, stopped.get_token());  // returns
+}
+
+TEST_F(OwnPoseSourceTest, ARecordingThatGrowsGetsThePosesOfTheWholeOne) {
+  const auto simulated =
+      SimulatedSequence(Simulate({.seconds = 4, .points = 80, .pixel_noise_px = 0}));
+  const std::filesystem::path whole = folder_.path() / "whole", grown = folder_.path() / "grown";
+  const SequenceFormat* format = FindSequenceFormat(folder_.path() / "sequence");
+  ASSERT_TRUE(format->write(*simulated, whole, {}, {}).ok());
+  const auto recorded = OpenSequence(whole).value();
+  OwnPoseOptions options;
+  options.loops = LoopUse::kCausal;
+  const OwnPoses all = EstimateOwnPoses(recorded, recorded->num_frames(), options, {}).value();
+
+  ReplayedRecording writer(whole, grown);
+  writer.Add(2);
+  const auto following = FollowRecording(grown, {}).value();
+  const auto sequence = WithOwnPoses(
+      following,
+      OwnPoseEstimator::Create(following, std::numeric_limits<int>::max(), options).value());
+  std::jthread recorder([&] {
+    // Now the readings are far ahead, now just there, now the images come in bursts.
+    for (int i = 0; writer.Add(1 + i % 4, i % 3 == 0 ? 300 : 12); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(i % 5));
+    writer.End();
+  });
+  OwnPoseSource source(sequence);
+  int frames = 0;
+  while (true) {
+    const auto packet = source.Next({});
+    ASSERT_TRUE(packet.ok());
+    if (!*packet) break;
+    frames += std::holds_alternative<FramePacket>(**packet);
+  }
+  EXPECT_EQ(frames, recorded->num_frames());
+  const auto found = OwnPosesOf(*sequence);
+  ASSERT_EQ(found->frames.size(), all.frames.size());
+  int poses = 0;
+  for (std::size_t i = 0; i < all.frames.size(); ++i) {
+    const OwnPoseReport &now = found->frames[i], &then = all.frames[i];
+    EXPECT_EQ(now.waits_for, then.waits_for) << i;
+    ASSERT_EQ(now.world_from_cam.has_value(), then.world_from_cam.has_value()) << i;
+    if (!now.world_from_cam) continue;
+    ++poses;
+    EXPECT_EQ(now.world_from_cam->matrix(), then.world_from_cam->matrix()) << i;
+    EXPECT_EQ(now.cam_covariance, then.cam_covariance) << i;
+  }
+  EXPECT_GT(poses, 30);
 }
 
 }  // namespace
