@@ -77,10 +77,6 @@ Status CheckPoses(const GraphPlan& plan, const RunRecipe& recipe) {
                  "in this graph the node '" + mapper->poses +
                      "' finds poses; say --poses vio, or choose a graph without it (paper)"};
   }
-  if (found && recipe.live_speed) {
-    return Error{ErrorCode::kUnsupported,
-                 "--live with --poses vio maps in one process so far; use 'run'"};
-  }
   return {};
 }
 

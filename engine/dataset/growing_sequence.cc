@@ -154,7 +154,9 @@ class GrowingSequence : public Sequence, public GrowingRecording {
   bool has_proposals() const override { return false; }
   std::optional<std::filesystem::path> scene_file() const override { return std::nullopt; }
   std::optional<std::filesystem::path> ground_truth_file() const override { return std::nullopt; }
-  std::optional<std::filesystem::path> models_folder() const override { return std::nullopt; }
+  std::optional<std::filesystem::path> models_folder() const override {
+    return as_opened_->models_folder();
+  }
   std::optional<std::filesystem::path> tracks_file() const override { return std::nullopt; }
   std::optional<std::filesystem::path> reference_file() const override { return std::nullopt; }
   const std::vector<std::string>& warnings() const override { return as_opened_->warnings(); }

@@ -214,14 +214,19 @@ class MapperProcess {
     if (!sequence.ok()) return sequence.error();
     sequence_ = *sequence;
     parts.sequence = *sequence;
-    ahead.end = std::min(ahead.end, sequence_->num_frames());
+    if (GrowingRecordingOf(*sequence_) == nullptr)
+      ahead.end = std::min(ahead.end, sequence_->num_frames());
     if (!node.poses.empty()) {
       link_.SetState("waiting for '" + node.poses + "'");
       const Result<NodeClient*> vio = link_.Ask(node.poses);
       if (!vio.ok()) return vio.error();
-      auto poses = AskForOwnPoses(**vio, stop_);
-      if (!poses.ok()) return poses.error();
-      parts.own_poses = std::move(poses).value();
+      if (setup_.plan.recipe->live_speed) {
+        parts.own_pose_feed = MakeRemoteOwnPoses(**vio);
+      } else {
+        auto poses = AskForOwnPoses(**vio, stop_);
+        if (!poses.ok()) return poses.error();
+        parts.own_poses = std::move(poses).value();
+      }
     }
     if (!node.edges.empty()) {
       link_.SetState("waiting for '" + node.edges + "'");
@@ -285,7 +290,6 @@ class MapperProcess {
     shelf_.SetHeader(JsonText(HeaderToJson(HeaderOf(**pipeline, setup_.program_version))));
     if (Status status = GoOn(**pipeline); !status.ok()) return status;
     StreamMeter& mapped = link_.AddStream("map");
-    const int selected = (*pipeline)->num_selected();
     int passed_over = 0;
     while (!stop_.stop_requested()) {
       const auto snapshot = (*pipeline)->Next(stop_);
@@ -295,7 +299,7 @@ class MapperProcess {
       const FrameReport& report = (*snapshot)->report;
       mapped.Count(sequence_->AgeMs(report.frame).value_or(0));
       std::string state = "mapped " + std::to_string((*pipeline)->num_done()) + " of " +
-                          std::to_string(selected) + " frames";
+                          std::to_string((*pipeline)->num_selected()) + " frames";
       if (const auto live = (*pipeline)->live()) {
         mapped.Drop(live->passed_over - passed_over);
         passed_over = live->passed_over;
@@ -303,11 +307,14 @@ class MapperProcess {
                  std::to_string(std::lround(live->done_age_ms)) + " ms old when it was mapped";
       }
       link_.SetState(state);
-      if (!shelf_.Put(report, (*pipeline)->num_done(), selected, stop_)) return {};
+      if (!shelf_.Put(report, (*pipeline)->num_done(), (*pipeline)->num_selected(), stop_))
+        return {};
     }
     if (stop_.stop_requested()) return {};
+    if ((*pipeline)->grows())  // what it has become
+      shelf_.SetHeader(JsonText(HeaderToJson(HeaderOf(**pipeline, setup_.program_version))));
     shelf_.End();
-    link_.SetState("mapped all " + std::to_string(selected) + " frames");
+    link_.SetState("mapped all " + std::to_string((*pipeline)->num_selected()) + " frames");
     std::mutex mutex;
     std::condition_variable_any stopped;
     std::unique_lock lock(mutex);

@@ -85,7 +85,7 @@ Status ServeEdges(const NodeSetup& setup) {
   link.Serve(setup.work.stop, [&](const wire::Request& request) -> Result<wire::Reply> {
     if (!request.has_edges()) return DoesNotAnswer(request, setup.node);
     const int frame = request.edges().frame();
-    if (frame < 0 || frame >= sequence.num_frames())
+    if (!sequence.AwaitFrame(frame, setup.work.stop))
       return InvalidInput("there is no frame " + std::to_string(frame));
     const auto kept = answers.Of(frame, [&]() -> Result<std::shared_ptr<FoundEdges>> {
       const Stopwatch watch;
@@ -143,7 +143,7 @@ class DetectorProcess {
     if (!request.has_proposals() && !request.has_scores())
       return DoesNotAnswer(request, setup_.node);
     const int frame = request.has_scores() ? request.scores().frame() : request.proposals().frame();
-    if (frame < 0 || frame >= node_.sequence->num_frames())
+    if (!node_.sequence->AwaitFrame(frame, setup_.work.stop))
       return InvalidInput("there is no frame " + std::to_string(frame));
     const auto detections = answers_.Of(frame, [&] { return Look(frame); });
     if (!detections.ok()) return detections.error();

@@ -2,12 +2,16 @@
 #include "engine/nodes/own_pose_message.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <exception>
+#include <limits>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
 #include "engine/base/json_text.h"
+#include "engine/base/log.h"
 #include "engine/recording/frame_codec.h"
 #include "engine/transport/wire_values.h"
 
@@ -16,6 +20,7 @@ namespace {
 
 constexpr int kReadingsAMessage = 100'000;               // 5.6 MB
 constexpr std::size_t kRecordBytesAMessage = 4'000'000;  // a record more may be added to them
+constexpr std::size_t kImagesAMessage = 200, kCorrectionsAMessage = 8;
 
 Error BadImu(const std::string& what) {
   return {ErrorCode::kCorrupt,
@@ -26,6 +31,107 @@ Error BadPoses() {
   return {ErrorCode::kCorrupt,
           "the poses that a node found cannot be read; is it of another version?"};
 }
+
+template <typename Message>
+void AddReading(const ImuSample& sample, Message& message) {
+  message.add_stamps_ns(sample.stamp_ns);
+  for (const double rate : sample.angular_velocity_rad_s) message.add_readings(rate);
+  for (const double force : sample.specific_force_m_s2) message.add_readings(force);
+}
+
+/// Adds the readings of a message to those before. Errors: kCorrupt.
+template <typename Message>
+Status AddReadings(const Message& message, std::vector<ImuSample>& samples) {
+  if (message.readings_size() != 6 * message.stamps_ns_size()) return BadImu("readings");
+  for (int i = 0; i < message.stamps_ns_size(); ++i) {
+    ImuSample sample{message.stamps_ns(i), {}, {}};
+    for (int axis = 0; axis < 3; ++axis) {
+      sample.angular_velocity_rad_s[axis] = message.readings(6 * i + axis);
+      sample.specific_force_m_s2[axis] = message.readings(6 * i + 3 + axis);
+    }
+    const bool rises = samples.empty() || sample.stamp_ns > samples.back().stamp_ns;
+    if (!rises || !sample.angular_velocity_rad_s.allFinite() ||
+        !sample.specific_force_m_s2.allFinite())
+      return BadImu("readings");
+    samples.push_back(sample);
+  }
+  return {};
+}
+
+/// Errors: kCorrupt. @param known  Images.
+Status AddCorrections(const wire::OwnPoses& message, int known,
+                      std::vector<PastCorrection>& corrections) {
+  for (const wire::PastCorrection& row : message.corrections()) {
+    PastCorrection correction{row.image(), row.epoch(), {}};
+    if (!DecodePoses(row.poses(), correction.world_from_cam).ok() || row.image() > known ||
+        static_cast<int>(correction.world_from_cam.size()) != row.image() ||
+        (!corrections.empty() && row.epoch() <= corrections.back().epoch))
+      return BadPoses();
+    corrections.push_back(std::move(correction));
+  }
+  return {};
+}
+
+Status TakeLoops(const wire::OwnPoses& message, OwnPoses& poses) {
+  try {
+    poses.loops = LoopReportFromJson(ParseJson(message.loops()));
+  } catch (const std::exception&) {
+    return BadPoses();
+  }
+  return {};
+}
+
+void AddCorrection(const PastCorrection& correction, wire::OwnPoses& message) {
+  wire::PastCorrection& row = *message.add_corrections();
+  row.set_image(correction.image);
+  row.set_epoch(correction.epoch);
+  row.set_poses(EncodePoses(correction.world_from_cam));
+}
+
+class RemoteOwnPoses : public OwnPoseFeed {
+ public:
+  explicit RemoteOwnPoses(NodeClient& vio) : vio_(vio) {}
+
+  bool Next(const std::stop_token& stop) override {
+    while (next_ >= static_cast<int>(poses_.frames.size())) {
+      if (stop.stop_requested() || !finding_) return false;
+      if (const Result<bool> more = Ask(stop); !more.ok()) {
+        if (more.error().code != ErrorCode::kCancelled) log::warn("{}", more.error().message);
+        return false;
+      } else if (!*more && finding_) {
+        std::this_thread::sleep_for(kAskPeriod);
+      }
+    }
+    ++next_;
+    return true;
+  }
+  int next() const override { return next_; }
+  const OwnPoses& poses() const override { return poses_; }
+
+ private:
+  static constexpr auto kAskPeriod = std::chrono::milliseconds(4);
+
+  /// @return whether there was anything new.
+  Result<bool> Ask(const std::stop_token& stop) {
+    wire::Request request;
+    wire::OwnPosesRequest& known = *request.mutable_own_poses();
+    known.set_from(static_cast<int>(poses_.frames.size()));
+    known.set_corrections(static_cast<int>(poses_.corrections.size()));
+    known.set_by_now(true);
+    const Result<SharedReply> reply = vio_.AskAndWait(std::move(request), stop);
+    if (!reply.ok()) return reply.error();
+    const wire::OwnPoses& message = (*reply)->own_poses();
+    const Result<bool> finding = AddOwnPosesByNow(message, poses_);
+    if (!finding.ok()) return finding.error();
+    finding_ = *finding;
+    return message.records_size() > 0 || message.corrections_size() > 0;
+  }
+
+  NodeClient& vio_;
+  OwnPoses poses_;
+  int next_ = 0;
+  bool finding_ = true;
+};
 
 void SetNoise(const ImuCalibration& imu, wire::ImuNoise& out) {
   out.set_rate_hz(imu.rate_hz);
@@ -108,12 +214,29 @@ wire::Imu ImuToWire(const Calibration& calibration, const ImuRecording& imu, int
   message.set_total(total);
   const int begin = std::clamp(from, 0, total);
   for (int i = begin; i < std::min(total, begin + kReadingsAMessage); ++i) {
-    const ImuSample& sample = imu.samples[static_cast<std::size_t>(i)];
-    message.add_stamps_ns(sample.stamp_ns);
-    for (const double rate : sample.angular_velocity_rad_s) message.add_readings(rate);
-    for (const double force : sample.specific_force_m_s2) message.add_readings(force);
+    AddReading(imu.samples[static_cast<std::size_t>(i)], message);
   }
   return message;
+}
+
+wire::Growth GrowthToWire(const Sequence& sequence, const GrowingRecording& growing,
+                          const wire::GrowthRequest& known) {
+  wire::Growth growth;
+  // Asked first: what came before the end is in the message that tells of it, or in one before.
+  const bool ended = growing.ended();
+  const int frames = sequence.num_frames();
+  for (int i = std::clamp(known.frames(), 0, frames); i < frames; ++i)
+    growth.add_frame_stamps_ns(sequence.stamp_ns(i));
+  const auto readings = growing.WaitForImu(static_cast<std::size_t>(std::max(known.readings(), 0)),
+                                           std::numeric_limits<std::int64_t>::min(), {});
+  const std::size_t sent = std::min<std::size_t>(readings.size(), kReadingsAMessage);
+  for (std::size_t i = 0; i < sent; ++i) AddReading(readings[i], growth);
+  growth.set_ended(ended && sent == readings.size());
+  return growth;
+}
+
+Status AddGrowthFromWire(const wire::Growth& growth, std::vector<ImuSample>& samples) {
+  return AddReadings(growth, samples);
 }
 
 Result<bool> AddImuFromWire(const wire::Imu& message, Calibration& calibration,
@@ -127,19 +250,7 @@ Result<bool> AddImuFromWire(const wire::Imu& message, Calibration& calibration,
     if (!noise.ok()) return noise.error();
     calibration.imu = *noise;
   }
-  if (message.readings_size() != 6 * message.stamps_ns_size()) return BadImu("readings");
-  for (int i = 0; i < message.stamps_ns_size(); ++i) {
-    ImuSample sample{message.stamps_ns(i), {}, {}};
-    for (int axis = 0; axis < 3; ++axis) {
-      sample.angular_velocity_rad_s[axis] = message.readings(6 * i + axis);
-      sample.specific_force_m_s2[axis] = message.readings(6 * i + 3 + axis);
-    }
-    const bool rises = samples.empty() || sample.stamp_ns > samples.back().stamp_ns;
-    if (!rises || !sample.angular_velocity_rad_s.allFinite() ||
-        !sample.specific_force_m_s2.allFinite())
-      return BadImu("readings");
-    samples.push_back(sample);
-  }
+  if (Status status = AddReadings(message, samples); !status.ok()) return status.error();
   const int known = static_cast<int>(samples.size());
   if (known > message.total() || (known < message.total() && message.stamps_ns().empty()))
     return BadImu("readings");
@@ -158,12 +269,7 @@ wire::OwnPoses OwnPosesToWire(const OwnPoses& poses, int from) {
   if (next < total) return message;
   message.set_causal(poses.causal);
   message.set_loops(ToJson(poses.loops).dump());
-  for (const PastCorrection& correction : poses.corrections) {
-    wire::PastCorrection& row = *message.add_corrections();
-    row.set_image(correction.image);
-    row.set_epoch(correction.epoch);
-    row.set_poses(EncodePoses(correction.world_from_cam));
-  }
+  for (const PastCorrection& correction : poses.corrections) AddCorrection(correction, message);
   return message;
 }
 
@@ -175,21 +281,46 @@ Result<bool> AddOwnPosesFromWire(const wire::OwnPoses& message, OwnPoses& poses)
     return BadPoses();
   if (known < message.total()) return false;
   poses.causal = message.causal();
-  try {
-    poses.loops = LoopReportFromJson(ParseJson(message.loops()));
-  } catch (const std::exception&) {
-    return BadPoses();
-  }
+  if (Status status = TakeLoops(message, poses); !status.ok()) return status.error();
   poses.corrections.clear();
-  for (const wire::PastCorrection& row : message.corrections()) {
-    PastCorrection correction{row.image(), row.epoch(), {}};
-    if (!DecodePoses(row.poses(), correction.world_from_cam).ok() || row.image() > known ||
-        static_cast<int>(correction.world_from_cam.size()) != row.image() ||
-        (!poses.corrections.empty() && row.epoch() <= poses.corrections.back().epoch))
-      return BadPoses();
-    poses.corrections.push_back(std::move(correction));
-  }
+  if (Status status = AddCorrections(message, known, poses.corrections); !status.ok())
+    return status.error();
   return true;
+}
+
+wire::OwnPoses OwnPosesByNow(const OwnPoseStore& store, const wire::OwnPosesRequest& known) {
+  const auto at_least_0 = [](int number) { return static_cast<std::size_t>(std::max(number, 0)); };
+  const OwnPoseStore::Growth growth =
+      store.Since(at_least_0(known.from()), at_least_0(known.corrections()), kImagesAMessage,
+                  kCorrectionsAMessage);
+  wire::OwnPoses message;
+  for (const OwnPoseReport& frame : growth.poses.frames) message.add_records(EncodeOwnPose(frame));
+  const int told = known.from() + message.records_size();
+  bool all = told == growth.images;
+  for (const PastCorrection& correction : growth.poses.corrections) {
+    // One belongs to an image: it is told after it.
+    if (correction.image > told) break;
+    AddCorrection(correction, message);
+  }
+  all = all && growth.poses.corrections.size() < kCorrectionsAMessage;
+  message.set_total(growth.images);
+  message.set_causal(true);
+  message.set_loops(ToJson(growth.poses.loops).dump());
+  message.set_finding(!growth.ended || !all);
+  return message;
+}
+
+Result<bool> AddOwnPosesByNow(const wire::OwnPoses& message, OwnPoses& poses) {
+  for (const std::string& record : message.records())
+    if (!DecodeOwnPose(record, poses.frames.emplace_back()).ok()) return BadPoses();
+  Status status = AddCorrections(message, static_cast<int>(poses.frames.size()), poses.corrections);
+  if (status.ok()) status = TakeLoops(message, poses);
+  if (!status.ok()) return status.error();
+  return message.finding();
+}
+
+std::unique_ptr<OwnPoseFeed> MakeRemoteOwnPoses(NodeClient& vio) {
+  return std::make_unique<RemoteOwnPoses>(vio);
 }
 
 Result<std::shared_ptr<const OwnPoses>> AskForOwnPoses(NodeClient& vio,

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "engine/base/result.h"
+#include "engine/dataset/growing_recording.h"
 #include "engine/dataset/imu_file.h"
+#include "engine/pipeline/own_pose_sequence.h"
 #include "engine/sensor/calibration.h"
 #include "engine/transport/node_client.h"
 #include "engine/transport/plumbline.pb.h"
@@ -28,6 +30,23 @@ Result<bool> AddImuFromWire(const wire::Imu& message, Calibration& calibration,
 wire::OwnPoses OwnPosesToWire(const OwnPoses& poses, int from);
 /// Adds the images of a message to those before. @return whether these are all. Errors: kCorrupt.
 Result<bool> AddOwnPosesFromWire(const wire::OwnPoses& message, OwnPoses& poses);
+
+/// What a player has that grows after so many frames and readings. @param growing  As of
+/// `sequence`.
+wire::Growth GrowthToWire(const Sequence& sequence, const GrowingRecording& growing,
+                          const wire::GrowthRequest& known);
+
+/// Adds its readings to those before. Errors: kCorrupt.
+Status AddGrowthFromWire(const wire::Growth& growth, std::vector<ImuSample>& samples);
+
+/// What a filter has found by now after what is known, as much as fits a message.
+wire::OwnPoses OwnPosesByNow(const OwnPoseStore& store, const wire::OwnPosesRequest& known);
+/// Adds them to what was known. @return whether more may come. Errors: kCorrupt.
+Result<bool> AddOwnPosesByNow(const wire::OwnPoses& message, OwnPoses& poses);
+
+/// Poses of a filter in another process, as it finds them.
+/// @param vio  Outlives it.
+std::unique_ptr<OwnPoseFeed> MakeRemoteOwnPoses(NodeClient& vio);
 
 /// Waits until the filter has seen all images. Errors: what it refuses; kCorrupt; kCancelled.
 Result<std::shared_ptr<const OwnPoses>> AskForOwnPoses(NodeClient& vio,

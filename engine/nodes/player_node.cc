@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "engine/base/timer.h"
+#include "engine/dataset/growing_sequence.h"
 #include "engine/nodes/frame_answers.h"
 #include "engine/nodes/our_nodes.h"
 #include "engine/nodes/own_pose_message.h"
@@ -23,6 +24,7 @@ class Player {
       : setup_(setup),
         link_(link),
         sequence_(std::move(sequence)),
+        growing_(GrowingRecordingOf(*sequence_)),
         images_read_(link.AddStream("images")) {}
 
   Result<wire::Reply> Answer(const wire::Request& request) {
@@ -30,6 +32,11 @@ class Player {
     switch (request.what_case()) {
       case wire::Request::kSequence:
         *reply.mutable_sequence() = SequenceToWire(*sequence_);
+        reply.mutable_sequence()->set_grows(growing_ != nullptr);
+        return reply;
+      case wire::Request::kGrowth:
+        if (growing_ == nullptr) return DoesNotAnswer(request, setup_.node);
+        *reply.mutable_growth() = GrowthToWire(*sequence_, *growing_, request.growth());
         return reply;
       case wire::Request::kImage:
         return Image(request);
@@ -85,7 +92,7 @@ class Player {
   }
 
   Result<wire::Reply> Imu(const wire::Request& request) {
-    if (!imu_) {
+    if (!imu_ || growing_ != nullptr) {
       Result<ImuRecording> read = sequence_->ReadImu();
       if (!read.ok()) return read.error();
       imu_ = std::move(read).value();
@@ -129,6 +136,7 @@ class Player {
   const NodeSetup& setup_;
   NodeLink& link_;
   const std::shared_ptr<const Sequence> sequence_;
+  const GrowingRecording* const growing_;  ///< Null: all is recorded.
   StreamMeter& images_read_;
   FrameAnswers<SendablePixels> images_{kFramesKept}, raw_images_{kFramesKept};
   FrameAnswers<RecordedEdges> edges_{kFramesKept};
@@ -164,10 +172,16 @@ Status RunPlayerNode(const NodeSetup& setup) {
   const RunRecipe& recipe = *setup.plan.recipe;
   SequenceOptions options;
   if (recipe.poses.source == PoseSource::kTrajectory) options.poses = recipe.poses.file;
-  Result<std::shared_ptr<const Sequence>> sequence = OpenSequence(recipe.sequence, options);
-  if (!sequence.ok()) return sequence.error();
   Result<std::unique_ptr<NodeLink>> link = NodeLink::Open(setup);
   if (!link.ok()) return link.error();
+  const bool follow = recipe.live_speed && recipe.poses.source == PoseSource::kVio &&
+                      IsBeingRecorded(recipe.sequence);
+  if (follow) (*link)->SetState("waiting for the first images of the recording");
+  Result<std::shared_ptr<const Sequence>> sequence =
+      follow ? FollowRecording(recipe.sequence, setup.work)
+             : OpenSequence(recipe.sequence, options);
+  if (!sequence.ok() && setup.work.stop.stop_requested()) return {};
+  if (!sequence.ok()) return sequence.error();
   Player player(setup, **link, *sequence);
   (*link)->SetState("ready");
   (*link)->Serve(setup.work.stop,

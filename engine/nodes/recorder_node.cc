@@ -8,6 +8,7 @@
 
 #include "engine/base/files.h"
 #include "engine/base/json_text.h"
+#include "engine/base/timer.h"
 #include "engine/mapping/map_report.h"
 #include "engine/nodes/our_nodes.h"
 #include "engine/nodes/own_pose_message.h"
@@ -39,14 +40,19 @@ class RecorderProcess {
     if (!setup_.node.poses.empty()) {
       const Result<NodeClient*> vio = link_.Ask(setup_.node.poses);
       if (!vio.ok()) return vio.error();
-      auto found = AskForOwnPoses(**vio, stop_);
-      if (!found.ok()) return found.error();
-      poses = std::move(found).value();
+      if (setup_.plan.recipe->live_speed) {
+        own_poses_ = std::make_unique<OwnPoseStore>(MakeRemoteOwnPoses(**vio));
+      } else {
+        auto found = AskForOwnPoses(**vio, stop_);
+        if (!found.ok()) return found.error();
+        poses = std::move(found).value();
+      }
     }
     if (Status status = OpenRun((*reply)->header().json(), poses.get()); !status.ok())
       return status;
     std::jthread serving([this](const std::stop_token& end) { Serve(end); });
-    const Status status = Record(**mapper, **player);
+    Status status = Record(**mapper, **player);
+    if (status.ok() && own_poses_ != nullptr) status = TellWhatItBecame(**mapper);
     const std::lock_guard lock(mutex_);
     const Status closed = writer_->Close();
     return status.ok() ? closed : status;
@@ -80,6 +86,31 @@ class RecorderProcess {
     return WriteFileAtomically(Begun(), out_.string() + "\n");
   }
 
+  /// Of a live run: its last frame, and poses up to it.
+  Status TellWhatItBecame(NodeClient& mapper) {
+    wire::Request request;
+    request.mutable_header();
+    const Result<SharedReply> reply = mapper.AskAndWait(std::move(request), stop_);
+    if (!reply.ok()) return reply.error();
+    const Result<RunHeader> header = HeaderFromJson(ParseJson((*reply)->header().json()));
+    if (!header.ok()) return header.error();
+    own_poses_->Advance(header->end_frame - 1, stop_);
+    const std::lock_guard lock(mutex_);
+    writer_->SetGrown(*header, own_poses_->Copy());
+    return {};
+  }
+
+  /// Of a live run, those that are known by now; about once a second, else null.
+  std::shared_ptr<const OwnPoses> GrownPoses(int frame) {
+    if (own_poses_ == nullptr) return nullptr;
+    own_poses_->Advance(frame, stop_);
+    if (since_grown_.Milliseconds() < grown_pause_ms_) return nullptr;
+    since_grown_ = Stopwatch();
+    auto poses = own_poses_->Copy();
+    grown_pause_ms_ = std::max(1000.0, 20 * since_grown_.Milliseconds());
+    return poses;
+  }
+
   Status Record(NodeClient& mapper, NodeClient& player) {
     StreamMeter& recorded = link_.AddStream("reports");
     RequestsAhead images(player, FramesOf(*setup_.plan.recipe), ImageRequestOf);
@@ -102,12 +133,14 @@ class RecorderProcess {
           images, report->frame, stop_,
           [](const wire::Reply& answer) { return PixelsFromWire(answer.image().pixels()); });
       if (!image.ok() && image.error().code == ErrorCode::kCancelled) return image.error();
+      const auto grown = GrownPoses(report->frame);
       {
         const std::lock_guard lock(mutex_);
         handed_ = report->frame;
         ++num_handed_;
         waiting_.push_back(handed_);
-        if (Status status = writer_->Write(std::move(*report), image.ok() ? *image : cv::Mat());
+        if (Status status =
+                writer_->Write(std::move(*report), image.ok() ? *image : cv::Mat(), grown);
             !status.ok())
           return status;
       }
@@ -190,7 +223,10 @@ class RecorderProcess {
   const std::stop_token stop_;
   const std::filesystem::path out_;
   int num_models_ = 0;
-  std::map<int, KeptParticles> particles_;  ///< By object, of the last frame.
+  std::map<int, KeptParticles> particles_;   ///< By object, of the last frame.
+  std::unique_ptr<OwnPoseStore> own_poses_;  ///< Of a live run with poses = vio, else null.
+  Stopwatch since_grown_;
+  double grown_pause_ms_ = 0;
 
   std::mutex mutex_;  ///< Of what follows.
   std::unique_ptr<RunWriter> writer_;

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <thread>
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/base/log.h"
+#include "engine/dataset/growing_recording.h"
 #include "engine/nodes/own_pose_message.h"
 #include "engine/transport/wire_values.h"
 
@@ -40,6 +43,12 @@ std::optional<std::filesystem::path> FileFromWire(const std::string& text) {
 }
 
 Eigen::Vector3d VectorFromWire(const wire::Vector3& v) { return {v.x(), v.y(), v.z()}; }
+
+constexpr auto kGrowthPeriod = std::chrono::milliseconds(4);
+/// A frame that is told of and not here yet is at most so many after the last one that is.
+constexpr int kMostToldAhead = 100;
+/// As in a recording on this machine (growing_sequence.cc).
+constexpr std::int64_t kSilentNs = 500'000'000;
 
 Result<SharedReply> AskForSequence(NodeClient& player, const std::stop_token& stop) {
   wire::Request request;
@@ -87,24 +96,129 @@ Result<EdgeMap> EdgesFromWire(const wire::Edges& edges) {
   return map;
 }
 
+/// One that the player records.
+class GrowingRemoteSequence : public RemoteSequence, public GrowingRecording {
+ public:
+  ~GrowingRemoteSequence() override {
+    thread_.request_stop();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  /// @param readings  Whether the IMU's are wanted.
+  void Start(NodeClient& player, bool readings) {
+    thread_ = std::jthread(
+        [this, &player, readings](const std::stop_token& stop) { Follow(player, readings, stop); });
+  }
+
+  bool HasFrame(int frame) const override { return frame < num_frames(); }
+  bool WaitForFrame(int frame, const std::stop_token& stop) const override {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, stop, [&] { return ended_ || Has(frame); });
+    return Has(frame);
+  }
+  std::vector<ImuSample> WaitForImu(std::size_t from, std::int64_t time_ns,
+                                    const std::stop_token& stop) const override {
+    std::unique_lock lock(mutex_);
+    const std::vector<ImuSample>& samples = imu_.samples;
+    changed_.wait(lock, stop, [&] {
+      return ended_ || (!samples.empty() && samples.back().stamp_ns > time_ns) ||
+             (!frames_.empty() && frames_.back().stamp_ns > time_ns + kSilentNs);
+    });
+    return {samples.begin() + static_cast<std::ptrdiff_t>(std::min(from, samples.size())),
+            samples.end()};
+  }
+  std::int64_t CameNs(int frame) const override { return RowOf(frame).came_ns; }
+  bool ended() const override {
+    const std::lock_guard lock(mutex_);
+    return ended_;
+  }
+
+ private:
+  bool Has(int frame) const { return frame < static_cast<int>(frames_.size()); }
+
+  void Follow(NodeClient& player, bool readings, const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      wire::Request request;
+      request.mutable_growth()->set_frames(num_frames());
+      request.mutable_growth()->set_readings(NumReadings(readings));
+      const Result<SharedReply> reply = player.AskAndWait(std::move(request), stop);
+      Status status = reply.ok() ? Add((*reply)->growth(), readings) : Status(reply.error());
+      if (!status.ok() && !stop.stop_requested()) log::warn("{}", status.error().message);
+      if (!status.ok() || (*reply)->growth().ended()) break;
+      std::unique_lock lock(mutex_);
+      changed_.wait_for(lock, stop, kGrowthPeriod, [] { return false; });
+    }
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+    changed_.notify_all();
+  }
+
+  /// All, where none are wanted.
+  int NumReadings(bool wanted) const {
+    if (!wanted) return std::numeric_limits<int>::max();
+    const std::lock_guard lock(mutex_);
+    return static_cast<int>(imu_.samples.size());
+  }
+
+  Status Add(const wire::Growth& growth, bool readings) {
+    const std::int64_t now_ns =
+        std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
+    const std::lock_guard lock(mutex_);
+    for (const std::int64_t stamp_ns : growth.frame_stamps_ns()) {
+      if (!frames_.empty() && stamp_ns < frames_.back().stamp_ns) return BadSequence("stamps fall");
+      FrameRow row;
+      row.stamp_ns = stamp_ns;
+      row.came_ns = now_ns;
+      frames_.push_back(row);
+    }
+    if (readings) {
+      if (Status status = AddGrowthFromWire(growth, imu_.samples); !status.ok()) return status;
+    }
+    changed_.notify_all();
+    return {};
+  }
+
+  bool ended_ = false;
+  std::jthread thread_;
+};
+
+/// The description; `ahead` as it is then.
+Result<std::shared_ptr<RemoteSequence>> RemoteSequence::Ask(NodeClient& player, FramesAhead& ahead,
+                                                            const std::stop_token& stop) {
+  const Result<SharedReply> reply = AskForSequence(player, stop);
+  if (!reply.ok()) return reply.error();
+  const wire::Sequence& message = (*reply)->sequence();
+  std::shared_ptr<RemoteSequence> sequence(message.grows() ? new GrowingRemoteSequence()
+                                                           : new RemoteSequence());
+  if (Status status = sequence->Take(message); !status.ok()) return status.error();
+  sequence->stop_ = stop;
+  if (message.grows()) {
+    ahead.window = 1;  // what comes next has not come yet
+  } else {
+    ahead.end = std::min(ahead.end, sequence->num_frames());
+  }
+  return sequence;
+}
+
 Result<std::shared_ptr<const RemoteSequence>> RemoteSequence::Open(NodeClient& player,
                                                                    FramesAhead ahead,
                                                                    std::stop_token stop) {
-  const Result<SharedReply> reply = AskForSequence(player, stop);
-  if (!reply.ok()) return reply.error();
-  return FromWire((*reply)->sequence(), &player, ahead, std::move(stop));
+  auto sequence = Ask(player, ahead, stop);
+  if (!sequence.ok()) return sequence.error();
+  (*sequence)->AskAhead(player, ahead);
+  if (auto* growing = dynamic_cast<GrowingRemoteSequence*>(sequence->get()))
+    growing->Start(player, false);
+  return std::shared_ptr<const RemoteSequence>(std::move(sequence).value());
 }
 
 Result<std::shared_ptr<const RemoteSequence>> RemoteSequence::OpenForFilter(NodeClient& player,
                                                                             FramesAhead ahead,
                                                                             std::stop_token stop) {
-  const Result<SharedReply> reply = AskForSequence(player, stop);
-  if (!reply.ok()) return reply.error();
-  std::shared_ptr<RemoteSequence> sequence(new RemoteSequence());
-  if (Status status = sequence->Take((*reply)->sequence()); !status.ok()) return status.error();
-  sequence->stop_ = stop;
-  ahead.end = std::min(ahead.end, sequence->num_frames());
+  auto asked = Ask(player, ahead, stop);
+  if (!asked.ok()) return asked.error();
+  const std::shared_ptr<RemoteSequence>& sequence = *asked;
   sequence->raw_images_ = std::make_unique<RequestsAhead>(player, ahead, RawImageRequestOf);
+  auto* growing = dynamic_cast<GrowingRemoteSequence*>(sequence.get());
   while (true) {
     wire::Request rest;
     rest.mutable_imu()->set_from(static_cast<int>(sequence->imu_.samples.size()));
@@ -113,9 +227,16 @@ Result<std::shared_ptr<const RemoteSequence>> RemoteSequence::OpenForFilter(Node
     const auto complete =
         AddImuFromWire((*more)->imu(), sequence->calibration_, sequence->imu_.samples);
     if (!complete.ok()) return complete.error();
-    if (*complete) break;
+    if (*complete || growing != nullptr) break;
   }
-  return std::shared_ptr<const RemoteSequence>(std::move(sequence));
+  if (growing != nullptr) growing->Start(player, true);
+  return std::shared_ptr<const RemoteSequence>(sequence);
+}
+
+void RemoteSequence::AskAhead(NodeClient& player, const FramesAhead& ahead) {
+  images_ = std::make_unique<RequestsAhead>(player, ahead, ImageRequestOf);
+  edges_ = std::make_unique<RequestsAhead>(player, ahead, EdgesRequestOf);
+  proposals_ = std::make_unique<RequestsAhead>(player, ahead, ProposalsRequestOf);
 }
 
 Result<std::shared_ptr<const RemoteSequence>> RemoteSequence::FromWire(
@@ -124,17 +245,23 @@ Result<std::shared_ptr<const RemoteSequence>> RemoteSequence::FromWire(
   if (Status status = sequence->Take(message); !status.ok()) return status.error();
   sequence->stop_ = std::move(stop);
   ahead.end = std::min(ahead.end, sequence->num_frames());
-  if (player != nullptr) {
-    sequence->images_ = std::make_unique<RequestsAhead>(*player, ahead, ImageRequestOf);
-    sequence->edges_ = std::make_unique<RequestsAhead>(*player, ahead, EdgesRequestOf);
-    sequence->proposals_ = std::make_unique<RequestsAhead>(*player, ahead, ProposalsRequestOf);
-  }
+  if (player != nullptr) sequence->AskAhead(*player, ahead);
   return std::shared_ptr<const RemoteSequence>(std::move(sequence));
 }
 
-std::size_t RemoteSequence::Checked(int index) const {
-  PLB_CHECK(index >= 0 && index < num_frames()) << "frame " << index << " of " << num_frames();
-  return static_cast<std::size_t>(index);
+RemoteSequence::FrameRow RemoteSequence::RowOf(int index) const {
+  const std::lock_guard lock(mutex_);
+  const auto at = static_cast<std::size_t>(index);
+  PLB_CHECK(index >= 0 && at < frames_.size()) << "frame " << index << " of " << frames_.size();
+  return frames_[at];
+}
+
+bool RemoteSequence::AwaitFrame(int index, const std::stop_token& stop) const {
+  const int known = num_frames();
+  if (index < 0) return false;
+  const GrowingRecording* growing = GrowingRecordingOf(*this);
+  if (growing == nullptr || index >= known + kMostToldAhead) return index < known;
+  return growing->WaitForFrame(index, stop);
 }
 
 Status RemoteSequence::Take(const wire::Sequence& message) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -19,6 +20,9 @@ namespace plumbline {
 /// A sequence that another process plays. Stamps, poses, gravity and floor are asked for once; of
 /// each frame the image, edges and proposals when they are read, images ahead. Raw images and the
 /// IMU are played only to OpenForFilter, depth is not. A read that is stopped gives kCancelled.
+///
+/// One that is being recorded (GrowingRecordingOf) is asked for its growth every few milliseconds,
+/// on a thread of its own.
 class RemoteSequence : public Sequence {
  public:
   /// Asks the player, waiting until it is there.
@@ -35,17 +39,21 @@ class RemoteSequence : public Sequence {
                                                                      std::stop_token stop);
 
   const std::filesystem::path& path() const override { return path_; }
-  int num_frames() const override { return static_cast<int>(frames_.size()); }
+  int num_frames() const override {
+    const std::lock_guard lock(mutex_);
+    return static_cast<int>(frames_.size());
+  }
+  /// Whether there is such a frame; of a recording that grows waits for one that the player told
+  /// somebody else of a moment ago.
+  bool AwaitFrame(int index, const std::stop_token& stop) const;
   const PinholeCamera& camera() const override { return camera_; }
   const Calibration& calibration() const override { return calibration_; }
   double rate_hz() const override { return rate_hz_; }
-  std::int64_t stamp_ns(int index) const override { return frames_[Checked(index)].stamp_ns; }
+  std::int64_t stamp_ns(int index) const override { return RowOf(index).stamp_ns; }
   std::optional<Eigen::Isometry3d> world_from_cam(int index) const override {
-    return frames_[Checked(index)].world_from_cam;
+    return RowOf(index).world_from_cam;
   }
-  PoseUncertainty pose_uncertainty(int index) const override {
-    return frames_[Checked(index)].uncertainty;
-  }
+  PoseUncertainty pose_uncertainty(int index) const override { return RowOf(index).uncertainty; }
   std::optional<Eigen::Vector3d> gravity_in_world() const override { return gravity_; }
   std::optional<Eigen::Vector4d> floor_in_world() const override { return floor_; }
   double floor_std_m() const override { return floor_std_m_; }
@@ -56,9 +64,15 @@ class RemoteSequence : public Sequence {
   Result<std::optional<cv::Mat>> ReadDepth(int) const override { return std::optional<cv::Mat>(); }
   Result<std::optional<EdgeMap>> ReadEdges(int index) const override;
   Result<std::optional<std::vector<Detection>>> ReadProposals(int index) const override;
-  Result<ImuRecording> ReadImu() const override { return imu_; }
+  Result<ImuRecording> ReadImu() const override {
+    const std::lock_guard lock(mutex_);
+    return imu_;
+  }
   bool has_images() const override { return has_images_; }
-  bool has_imu() const override { return !imu_.samples.empty(); }
+  bool has_imu() const override {
+    const std::lock_guard lock(mutex_);
+    return !imu_.samples.empty();
+  }
   bool has_depth() const override { return false; }
   bool has_edges() const override { return has_edges_; }
   bool has_proposals() const override { return has_proposals_; }
@@ -80,23 +94,33 @@ class RemoteSequence : public Sequence {
                                                                 FramesAhead ahead,
                                                                 std::stop_token stop);
 
- private:
+ protected:
   struct FrameRow {
     std::int64_t stamp_ns = 0;
     std::optional<Eigen::Isometry3d> world_from_cam;
     PoseUncertainty uncertainty;
+    std::int64_t came_ns = 0;  ///< By the steady clock, of a recording that grows.
   };
 
   RemoteSequence() = default;
-  std::size_t Checked(int index) const;
+  FrameRow RowOf(int index) const;
+
+  mutable std::mutex mutex_;  ///< Of what follows.
+  mutable std::condition_variable_any changed_;
+  std::vector<FrameRow> frames_;
+  ImuRecording imu_;  ///< Only of OpenForFilter.
+
+ private:
+  friend class GrowingRemoteSequence;
+  static Result<std::shared_ptr<RemoteSequence>> Ask(NodeClient& player, FramesAhead& ahead,
+                                                     const std::stop_token& stop);
   Status Take(const wire::Sequence& message);
+  void AskAhead(NodeClient& player, const FramesAhead& ahead);
 
   std::filesystem::path path_;
   PinholeCamera camera_;
   Calibration calibration_;
-  ImuRecording imu_;  ///< Only of OpenForFilter.
   double rate_hz_ = 30;
-  std::vector<FrameRow> frames_;
   std::optional<Eigen::Vector3d> gravity_;
   std::optional<Eigen::Vector4d> floor_;
   double floor_std_m_ = 0;
@@ -107,8 +131,8 @@ class RemoteSequence : public Sequence {
   std::stop_token stop_;
   std::unique_ptr<RequestsAhead> images_, edges_, proposals_;
   std::unique_ptr<RequestsAhead> raw_images_;  ///< Null unless OpenForFilter.
-  mutable std::mutex mutex_;
-  mutable std::map<int, std::chrono::steady_clock::time_point> came_;  ///< Of the last frames.
+  /// Of the last frames, under `mutex_`.
+  mutable std::map<int, std::chrono::steady_clock::time_point> came_;
 };
 
 /// The edges of a reply. Errors: kNotFound for shared memory that is gone; kCorrupt.

@@ -76,7 +76,8 @@ int EndOf(const RunRecipe& recipe, const Sequence& sequence) {
 Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
                                                       const WorkContext& work,
                                                       std::shared_ptr<const Sequence> given,
-                                                      std::shared_ptr<const OwnPoses> own_poses) {
+                                                      std::shared_ptr<const OwnPoses> own_poses,
+                                                      std::unique_ptr<OwnPoseFeed> feed) {
   const bool all_given = given != nullptr;
   SequenceOptions poses;
   if (recipe.poses.source == PoseSource::kTrajectory) poses.poses = recipe.poses.file;
@@ -108,6 +109,7 @@ Result<std::shared_ptr<const Sequence>> OpenWithPoses(const RunRecipe& recipe,
                  "'" + recipe.sequence.string() +
                      "' has no gravity.json; objects stand upright, so the mapper needs gravity"};
   }
+  if (feed != nullptr) return WithOwnPoses(*sequence, std::move(feed));
   const int end = EndOf(recipe, **sequence);
   if (own_poses != nullptr && static_cast<int>(own_poses->frames.size()) < end)
     own_poses = nullptr;  // of a live run that was stopped
@@ -355,7 +357,8 @@ Result<std::unique_ptr<MappingPipeline>> MappingPipeline::Impl::Open(
   if (Status status = CheckLive(recipe); !status.ok()) return status.error();
   auto impl = std::make_unique<Impl>();
   Result<std::shared_ptr<const Sequence>> sequence =
-      OpenWithPoses(recipe, work, std::move(parts.sequence), std::move(own_poses));
+      OpenWithPoses(recipe, work, std::move(parts.sequence), std::move(own_poses),
+                    std::move(parts.own_pose_feed));
   if (!sequence.ok()) return sequence.error();
   impl->sequence = *sequence;
   impl->own_poses = OwnPoseStoreOf(**sequence);
@@ -518,6 +521,7 @@ Status MappingPipeline::Resume(const FrameReport& report,
   m.mapped_with = m.options;
   while (m.next < m.selected.size() && m.selected[m.next] <= report.frame) ++m.next;
   m.last_report = report;
+  if (m.own_poses != nullptr) m.own_poses->Advance(report.frame, {});
   // The report is of before its own landmarks corrected anything.
   LandmarkHistory before = landmarks;
   const bool corrects = before.erase(report.frame) > 0;

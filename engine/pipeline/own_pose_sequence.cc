@@ -90,18 +90,17 @@ bool Differs(const FloorReport& now, const std::optional<FloorReport>& told) {
 
 }  // namespace
 
-OwnPoseStore::OwnPoseStore(std::unique_ptr<OwnPoseEstimator> estimator)
-    : estimator_(std::move(estimator)),
-      thread_([this](const std::stop_token& stop) { Estimate(stop); }) {}
+OwnPoseStore::OwnPoseStore(std::unique_ptr<OwnPoseFeed> feed)
+    : feed_(std::move(feed)), thread_([this](const std::stop_token& stop) { Follow(stop); }) {}
 
 OwnPoseStore::~OwnPoseStore() = default;
 
-void OwnPoseStore::Estimate(const std::stop_token& stop) {
+void OwnPoseStore::Follow(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (!ended_ && changed_.wait(lock, stop, [&] { return estimator_->next() < wanted_; })) {
+  while (!ended_ && changed_.wait(lock, stop, [&] { return feed_->next() < wanted_; })) {
     lock.unlock();
-    const bool looked = estimator_->Next(stop);
-    const OwnPoses& now = estimator_->poses();
+    const bool looked = feed_->Next(stop);
+    const OwnPoses& now = feed_->poses();
     lock.lock();
     ended_ = !looked;
     if (looked) {
@@ -160,6 +159,25 @@ int OwnPoseStore::known() const {
   return static_cast<int>(poses().frames.size());
 }
 
+OwnPoseStore::Growth OwnPoseStore::Since(std::size_t image, std::size_t correction,
+                                         std::size_t most_images,
+                                         std::size_t most_corrections) const {
+  const std::lock_guard lock(mutex_);
+  const auto part = [](const auto& all, std::size_t from, std::size_t most) {
+    const std::size_t begin = std::min(from, all.size());
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(begin);
+    return std::vector(first,
+                       first + static_cast<std::ptrdiff_t>(std::min(most, all.size() - begin)));
+  };
+  Growth growth;
+  growth.poses.frames = part(poses().frames, image, most_images);
+  growth.poses.corrections = part(poses().corrections, correction, most_corrections);
+  growth.poses.loops = poses().loops;
+  growth.images = static_cast<int>(poses().frames.size());
+  growth.ended = all_ != nullptr || ended_;
+  return growth;
+}
+
 std::shared_ptr<const OwnPoses> OwnPoseStore::Copy() const {
   if (all_ != nullptr) return all_;
   const std::lock_guard lock(mutex_);
@@ -173,9 +191,9 @@ std::shared_ptr<const Sequence> WithOwnPoses(std::shared_ptr<const Sequence> giv
 }
 
 std::shared_ptr<const Sequence> WithOwnPoses(std::shared_ptr<const Sequence> given,
-                                             std::unique_ptr<OwnPoseEstimator> estimator) {
-  return std::make_shared<const OwnPoseSequence>(
-      std::move(given), std::make_shared<OwnPoseStore>(std::move(estimator)));
+                                             std::unique_ptr<OwnPoseFeed> feed) {
+  return std::make_shared<const OwnPoseSequence>(std::move(given),
+                                                 std::make_shared<OwnPoseStore>(std::move(feed)));
 }
 
 std::shared_ptr<OwnPoseStore> OwnPoseStoreOf(const Sequence& sequence) {

@@ -26,7 +26,7 @@ namespace plumbline {
 class OwnPoseStore {
  public:
   explicit OwnPoseStore(std::shared_ptr<const OwnPoses> all) : all_(std::move(all)) {}
-  explicit OwnPoseStore(std::unique_ptr<OwnPoseEstimator> estimator);
+  explicit OwnPoseStore(std::unique_ptr<OwnPoseFeed> feed);
 
   ~OwnPoseStore();
 
@@ -48,14 +48,24 @@ class OwnPoseStore {
   int known() const;
   /// As known now; of poses that are all known the poses themselves.
   std::shared_ptr<const OwnPoses> Copy() const;
-  bool grows() const { return estimator_ != nullptr; }
+  bool grows() const { return feed_ != nullptr; }
+
+  /// What was found after so many images and corrections.
+  struct Growth {
+    OwnPoses poses;  ///< Of these alone; with the loops of all.
+    int images = 0;  ///< Looked at in all.
+    bool ended = false;
+  };
+  /// @param most_images, most_corrections  Not more of them.
+  Growth Since(std::size_t image, std::size_t correction, std::size_t most_images,
+               std::size_t most_corrections) const;
 
  private:
   const OwnPoses& poses() const { return all_ != nullptr ? *all_ : found_; }
 
   std::shared_ptr<const OwnPoses> all_;  ///< Null while they grow.
-  std::unique_ptr<OwnPoseEstimator> estimator_;
-  void Estimate(const std::stop_token& stop);
+  std::unique_ptr<OwnPoseFeed> feed_;
+  void Follow(const std::stop_token& stop);
 
   mutable std::mutex mutex_;  ///< Of what follows.
   std::condition_variable_any changed_;
@@ -71,7 +81,7 @@ std::shared_ptr<const Sequence> WithOwnPoses(std::shared_ptr<const Sequence> giv
                                              std::shared_ptr<const OwnPoses> poses);
 /// The same while the filter finds them: OwnPoseSource has it look at each image as it comes.
 std::shared_ptr<const Sequence> WithOwnPoses(std::shared_ptr<const Sequence> given,
-                                             std::unique_ptr<OwnPoseEstimator> estimator);
+                                             std::unique_ptr<OwnPoseFeed> feed);
 
 /// What WithOwnPoses was given, or what is known by now; null for any other sequence.
 std::shared_ptr<const OwnPoses> OwnPosesOf(const Sequence& sequence);

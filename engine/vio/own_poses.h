@@ -19,8 +19,21 @@ namespace plumbline {
 /// the body.
 Result<VioInput> VioInputOf(const Sequence& sequence, const ImuRecording& imu);
 
+/// Poses that somebody finds, image by image. Single-threaded.
+class OwnPoseFeed {
+ public:
+  virtual ~OwnPoseFeed() = default;
+  /// Waits for what is said of the next image; false where there is none, or once `stop` is
+  /// requested.
+  virtual bool Next(const std::stop_token& stop) = 0;
+  /// First image that nothing is said of.
+  virtual int next() const = 0;
+  /// What was said so far; of images from next() on it may hold more, which counts for nothing.
+  virtual const OwnPoses& poses() const = 0;
+};
+
 /// EstimateOwnPoses, image by image. Single-threaded.
-class OwnPoseEstimator {
+class OwnPoseEstimator : public OwnPoseFeed {
  public:
   /// @param sequence  May be one that grows (GrowingRecordingOf).
   /// @param end_frame  Images from this one on are not looked at.
@@ -28,17 +41,16 @@ class OwnPoseEstimator {
   static Result<std::unique_ptr<OwnPoseEstimator>> Create(std::shared_ptr<const Sequence> sequence,
                                                           int end_frame,
                                                           const OwnPoseOptions& options);
-  ~OwnPoseEstimator();
+  ~OwnPoseEstimator() override;
 
   /// Looks at the next image, of a recording that grows once it and the readings of the IMU up to
   /// it have come; false where there is none, or once `stop` is requested.
-  bool Next(const std::stop_token& stop = {});
-  /// First image that was not looked at.
-  int next() const;
+  bool Next(const std::stop_token& stop = {}) override;
+  int next() const override;
   /// One past the last image that will be; of a recording that grows, that has come.
   int end() const;
   /// With a report for every image up to end(); those from next() on say nothing yet.
-  const OwnPoses& poses() const;
+  const OwnPoses& poses() const override;
   /// After the last image: corrects the whole trajectory where that is asked for. Errors:
   /// kDegenerate where no image got a pose that a mapper may use.
   Result<OwnPoses> Finish();

@@ -10,6 +10,7 @@
 #include "engine/recording/run_file.h"
 #include "engine/vio/own_pose_report.h"
 #include "tests/app/graph_run.h"
+#include "tests/support/replayed_recording.h"
 
 namespace plumbline {
 namespace {
@@ -46,6 +47,43 @@ TEST_F(UpVio, MapsAsOneProcessDoesBitForBitWhoeverIsKilled) {
   const auto poses = RunReader::Open(Path("six.plb")).value()->ReadOwnPoses().value();
   ASSERT_NE(poses, nullptr);
   EXPECT_TRUE(poses->frames.back().ready) << poses->frames.back().waits_for;
+}
+
+TEST_F(UpVio, FollowsARecordingWhileItIsMade) {
+  ASSERT_EQ(Run({"synth", "--imu", "--rest", "1.5", "--size", "320x240", "--rate", "10", "--frames",
+                 "40", "--light-rays", "4", "--out", Path("film")}),
+            0);
+  std::vector<std::string> options = {
+      "--live",  "--poses",  "vio",      "--set-poses",       "loops=off",
+      "--edges", "gradient", "--models", Path("film/models"), "--out"};
+  const auto map_while_recording = [&](std::vector<std::string> command, const std::string& out) {
+    std::filesystem::remove_all(Path("recording"));
+    ReplayedRecording recorder(Path("film"), Path("recording"));
+    command.push_back(Path("recording"));
+    command.insert(command.end(), options.begin(), options.end());
+    command.push_back(Path(out));
+    const pid_t pid = Start(command);
+    while (recorder.Add(1)) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    recorder.End();
+    ASSERT_EQ(WaitFor(pid), 0) << Output();
+    const auto run = RunReader::Open(Path(out)).value();
+    EXPECT_EQ(run->header().end_frame, 40) << "as it was in the end";
+    EXPECT_GE(FramesIn(out), 1);
+    const auto poses = run->ReadOwnPoses().value();
+    ASSERT_NE(poses, nullptr);
+    EXPECT_EQ(poses->frames.size(), 40u);
+    EXPECT_TRUE(poses->frames.back().ready) << poses->frames.back().waits_for;
+  };
+  map_while_recording({"run"}, "one.plb");
+  map_while_recording({"up", "paper_vio"}, "six.plb");
+  // The filter has seen the same in both, whatever was mapped of it.
+  const auto one = RunReader::Open(Path("one.plb")).value()->ReadOwnPoses().value();
+  const auto six = RunReader::Open(Path("six.plb")).value()->ReadOwnPoses().value();
+  for (std::size_t i = 0; i < one->frames.size(); ++i) {
+    ASSERT_EQ(one->frames[i].world_from_cam.has_value(), six->frames[i].world_from_cam.has_value());
+    if (!one->frames[i].world_from_cam) continue;
+    EXPECT_EQ(one->frames[i].world_from_cam->matrix(), six->frames[i].world_from_cam->matrix());
+  }
 }
 
 }  // namespace

@@ -62,8 +62,13 @@ Status NodeReply(std::string_view input) {
       return StatusOf(AddImuFromWire(reply->imu(), calibration, samples));
     }
     case wire::Reply::kOwnPoses: {
-      OwnPoses poses;
+      OwnPoses by_now, poses;
+      (void)AddOwnPosesByNow(reply->own_poses(), by_now);
       return StatusOf(AddOwnPosesFromWire(reply->own_poses(), poses));
+    }
+    case wire::Reply::kGrowth: {
+      std::vector<ImuSample> samples;
+      return AddGrowthFromWire(reply->growth(), samples);
     }
     case wire::Reply::kMap:
       return StatusOf(ReportFromWire(reply->map().report(), kModels));

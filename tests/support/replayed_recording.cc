@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/replayed_recording.h"
 
+#include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <utility>
 #include <vector>
 
 #include "engine/base/files.h"
+#include "engine/dataset/sequence.h"
 #include "engine/dataset/text_table.h"
 
 namespace plumbline {
@@ -19,6 +22,25 @@ std::vector<std::string> RowsOf(const fs::path& file) {
   for (const std::string_view line : SplitLines(text)) {
     const auto fields = SplitFields(line);
     if (!fields.empty() && ParseStampNs(fields[0])) rows.emplace_back(line);
+  }
+  return rows;
+}
+
+/// Of color.csv or, without it, of the names in color/.
+std::vector<std::string> ImageRowsOf(const fs::path& folder) {
+  if (fs::exists(folder / "color.csv")) return RowsOf(folder / "color.csv");
+  std::vector<std::string> rows;
+  const auto sequence = OpenSequence(folder).value();
+  std::vector<fs::path> names;
+  for (const auto& entry : fs::directory_iterator(folder / "color"))
+    names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  for (int i = 0; i < sequence->num_frames(); ++i) {
+    char row[80];
+    std::snprintf(row, sizeof(row), "%.9f,color/%s",
+                  1e-9 * static_cast<double>(sequence->stamp_ns(i)),
+                  names[static_cast<std::size_t>(i)].c_str());
+    rows.emplace_back(row);
   }
   return rows;
 }
@@ -40,7 +62,7 @@ ReplayedRecording::ReplayedRecording(fs::path recorded, fs::path folder)
     if (name != "color" && name != "color.csv" && name != "imu.csv")
       fs::copy(entry.path(), folder_ / name, fs::copy_options::recursive);
   }
-  image_rows_ = RowsOf(recorded_ / "color.csv");
+  image_rows_ = ImageRowsOf(recorded_);
   imu_rows_ = RowsOf(recorded_ / "imu.csv");
   Append(folder_ / "color.csv", "stamp_s,file\n");
   Append(folder_ / "imu.csv", "t,wx,wy,wz,ax,ay,az\n");

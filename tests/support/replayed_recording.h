@@ -14,7 +14,7 @@ namespace plumbline {
 class ReplayedRecording {
  public:
   /// Copies all but images, color.csv and imu.csv, and claims the new folder.
-  /// @param recorded  With color.csv and imu.csv.
+  /// @param recorded  With imu.csv.
   ReplayedRecording(std::filesystem::path recorded, std::filesystem::path folder);
 
   /// Adds the next images, each once the readings up to its time plus `imu_ahead_ms` are there.

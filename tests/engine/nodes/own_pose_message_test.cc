@@ -3,10 +3,12 @@
 
 #include <limits>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "engine/recording/frame_codec.h"
+#include "tests/support/test_data.h"
+#include "tests/support/tiny_sequence.h"
 
 namespace plumbline {
 namespace {
@@ -143,6 +145,70 @@ TEST(OwnPoseMessage, RefusesPosesThatAreNone) {
   EXPECT_TRUE(refused([](wire::OwnPoses& m) { m.mutable_corrections(0)->set_image(6); }));
   EXPECT_TRUE(refused([](wire::OwnPoses& m) { *m.add_corrections() = m.corrections(0); }));
   EXPECT_TRUE(refused([](wire::OwnPoses& m) { m.clear_records(); }));
+}
+
+TEST(OwnPoseMessage, TellsByNowWhatIsNotKnownYet) {
+  auto all = std::make_shared<OwnPoses>(SomePoses(450));
+  all->corrections.clear();
+  for (int epoch = 1; epoch <= 20; ++epoch) all->corrections.push_back({20 * epoch, epoch, {}});
+  for (PastCorrection& correction : all->corrections)
+    correction.world_from_cam.assign(static_cast<std::size_t>(correction.image),
+                                     Eigen::Isometry3d(Eigen::Translation3d(1.0 / 3, 2, 3)));
+  const OwnPoseStore store(all);
+  OwnPoses known;
+  int messages = 0;
+  for (bool finding = true; finding; ++messages) {
+    ASSERT_LT(messages, 10);
+    wire::OwnPosesRequest request;
+    request.set_from(static_cast<int>(known.frames.size()));
+    request.set_corrections(static_cast<int>(known.corrections.size()));
+    const auto added = AddOwnPosesByNow(OwnPosesByNow(store, request), known);
+    ASSERT_TRUE(added.ok()) << added.error().message;
+    finding = *added;
+    if (!known.corrections.empty()) {
+      EXPECT_LE(known.corrections.back().image, static_cast<int>(known.frames.size()));
+    }
+  }
+  EXPECT_GT(messages, 2) << "not all in one";
+  ASSERT_EQ(known.frames.size(), 450u);
+  for (std::size_t i = 0; i < known.frames.size(); ++i)
+    ASSERT_EQ(EncodeOwnPose(known.frames[i]), EncodeOwnPose(all->frames[i])) << i;
+  ASSERT_EQ(known.corrections.size(), 20u);
+  EXPECT_EQ(known.corrections[19].world_from_cam[399].matrix(),
+            all->corrections[19].world_from_cam[399].matrix());
+}
+
+/// Three frames and their readings have come.
+class ThreeFrames : public GrowingRecording {
+ public:
+  bool HasFrame(int frame) const override { return frame < 3; }
+  bool WaitForFrame(int frame, const std::stop_token&) const override { return frame < 3; }
+  std::vector<ImuSample> WaitForImu(std::size_t from, std::int64_t,
+                                    const std::stop_token&) const override {
+    auto samples = Readings(7).samples;
+    return {samples.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(from, 7)),
+            samples.end()};
+  }
+  std::int64_t CameNs(int) const override { return 0; }
+  bool ended() const override { return true; }
+};
+
+TEST(OwnPoseMessage, TellsWhatHasBeenRecordedSince) {
+  const TemporaryFolder folder;
+  WriteTinySequence(folder.path() / "sequence", {.frames = 3});
+  const auto sequence = OpenSequence(folder.path() / "sequence").value();
+  wire::GrowthRequest known;
+  known.set_frames(1);
+  known.set_readings(5);
+  const wire::Growth growth = GrowthToWire(*sequence, ThreeFrames(), known);
+  EXPECT_THAT(growth.frame_stamps_ns(),
+              testing::ElementsAre(sequence->stamp_ns(1), sequence->stamp_ns(2)));
+  EXPECT_TRUE(growth.ended());
+  std::vector<ImuSample> samples = Readings(5).samples;
+  ASSERT_TRUE(AddGrowthFromWire(growth, samples).ok());
+  ASSERT_EQ(samples.size(), 7u);
+  EXPECT_EQ(samples[6].specific_force_m_s2, Readings(7).samples[6].specific_force_m_s2);
+  EXPECT_FALSE(AddGrowthFromWire(growth, samples).ok()) << "the same again does not rise";
 }
 
 }  // namespace

@@ -158,7 +158,7 @@ TEST(OwnPoseStore, FindsPosesAsTheyAreAskedFor) {
 
 TEST_F(OwnPoseSourceTest, ARecordingThatGrowsGetsThePosesOfTheWholeOne) {
   const auto simulated =
-      SimulatedSequence(Simulate({.seconds = 4, .points = 80, .pixel_noise_px = 0}));
+      SimulatedSequence(Simulate({.seconds = 5, .points = 80, .pixel_noise_px = 0}));
   const std::filesystem::path whole = folder_.path() / "whole", grown = folder_.path() / "grown";
   const SequenceFormat* format = FindSequenceFormat(folder_.path() / "sequence");
   ASSERT_TRUE(format->write(*simulated, whole, {}, {}).ok());

@@ -243,5 +243,61 @@ TEST(SelectedFrames, LeavesOutTheOtherFramesAndEndsAfterTheLast) {
   EXPECT_THAT(poses, ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
+/// So many frames have come.
+class Come : public GrowingRecording {
+ public:
+  bool HasFrame(int frame) const override { return frame < frames; }
+  bool WaitForFrame(int frame, const std::stop_token&) const override { return frame < frames; }
+  std::vector<ImuSample> WaitForImu(std::size_t, std::int64_t,
+                                    const std::stop_token&) const override {
+    return {};
+  }
+  std::int64_t CameNs(int) const override { return 0; }
+  bool ended() const override { return false; }
+  int frames = 0;
+};
+
+TEST(LiveSource, OfARecordingThatGrowsGivesTheNewestAndWaitsForNoOther) {
+  Recording recording(kTenHz);
+  Come come;
+  LiveSource live(recording, come, 1);
+  const auto next_frame = [&](int& samples) {
+    while (true) {
+      const auto packet = live.Next({});
+      if (std::holds_alternative<ImuSample>(**packet)) ++samples;
+      if (const auto* frame = std::get_if<FramePacket>(&**packet)) return frame->frame;
+    }
+  };
+  int samples = 0;
+  come.frames = 3;
+  EXPECT_EQ(next_frame(samples), 2);
+  EXPECT_EQ(samples, 3) << "what is no frame is never lost";
+  EXPECT_EQ(live.report().passed_over, 2);
+  come.frames = 4;
+  EXPECT_EQ(next_frame(samples), 3) << "at once, though the next has not come";
+  come.frames = 7;
+  EXPECT_EQ(next_frame(samples), 6);
+  EXPECT_EQ(samples, 7);
+  EXPECT_EQ(live.report().came(), 7);
+  EXPECT_THAT(live.report().recorded_s, DoubleNear(0.6, 1e-9));
+}
+
+TEST(LiveSource, OfARecordingThatGrowsWaitsForTheStep) {
+  Recording recording(kTenHz);
+  SelectedFrames every_third(recording, 0, 1000, 3);
+  Come come;
+  LiveSource live(every_third, come, 3);
+  const auto next_frame = [&] {
+    while (true) {
+      const auto packet = live.Next({});
+      if (const auto* frame = std::get_if<FramePacket>(&**packet)) return frame->frame;
+    }
+  };
+  come.frames = 6;
+  EXPECT_EQ(next_frame(), 3) << "6 has not come";
+  come.frames = 7;
+  EXPECT_EQ(next_frame(), 6);
+}
+
 }  // namespace
 }  // namespace plumbline
