@@ -44,7 +44,7 @@ std::optional<std::filesystem::path> FileFromWire(const std::string& text) {
 
 Eigen::Vector3d VectorFromWire(const wire::Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
-constexpr auto kGrowthPeriod = std::chrono::milliseconds(4);
+constexpr auto kGrowthPeriod = std::chrono::milliseconds(10);
 /// A frame that is told of and not here yet is at most so many after the last one that is.
 constexpr int kMostToldAhead = 100;
 /// As in a recording on this machine (growing_sequence.cc).
