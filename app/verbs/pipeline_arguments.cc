@@ -108,6 +108,8 @@ Status PipelineArguments::Finish() {
   }
   if (!pose_settings.empty() && recipe.poses.source != PoseSource::kVio)
     return Error{ErrorCode::kInvalidInput, "--set-poses goes with --poses vio"};
+  // Nobody who maps while images come can wait for poses that later ones correct.
+  if (recipe.live_speed) recipe.own_poses.loops = LoopUse::kCausal;
   for (const std::string& setting : pose_settings) {
     if (Status status = SetOption(setting, recipe.own_poses); !status.ok()) return status;
   }

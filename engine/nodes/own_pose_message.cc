@@ -219,16 +219,25 @@ wire::Imu ImuToWire(const Calibration& calibration, const ImuRecording& imu, int
   return message;
 }
 
-wire::Growth GrowthToWire(const Sequence& sequence, const GrowingRecording& growing,
-                          const wire::GrowthRequest& known) {
+Result<wire::Growth> GrowthToWire(const Sequence& sequence, const GrowingRecording* growing,
+                                  const wire::GrowthRequest& known) {
   wire::Growth growth;
   // Asked first: what came before the end is in the message that tells of it, or in one before.
-  const bool ended = growing.ended();
+  const bool ended = growing == nullptr || growing->ended();
   const int frames = sequence.num_frames();
   for (int i = std::clamp(known.frames(), 0, frames); i < frames; ++i)
     growth.add_frame_stamps_ns(sequence.stamp_ns(i));
-  const auto readings = growing.WaitForImu(static_cast<std::size_t>(std::max(known.readings(), 0)),
-                                           std::numeric_limits<std::int64_t>::min(), {});
+  const auto from = static_cast<std::size_t>(std::max(known.readings(), 0));
+  std::vector<ImuSample> readings;
+  if (growing != nullptr) {
+    readings = growing->WaitForImu(from, std::numeric_limits<std::int64_t>::min(), {});
+  } else if (known.readings() != kEveryReading) {
+    Result<ImuRecording> imu = sequence.ReadImu();
+    if (!imu.ok()) return imu.error();
+    readings.assign(
+        imu->samples.begin() + static_cast<std::ptrdiff_t>(std::min(from, imu->samples.size())),
+        imu->samples.end());
+  }
   const std::size_t sent = std::min<std::size_t>(readings.size(), kReadingsAMessage);
   for (std::size_t i = 0; i < sent; ++i) AddReading(readings[i], growth);
   growth.set_ended(ended && sent == readings.size());

@@ -3,6 +3,7 @@
 
 // What a visual-inertial filter in another process is given besides images, and what it found.
 
+#include <limits>
 #include <memory>
 #include <stop_token>
 #include <vector>
@@ -31,11 +32,14 @@ wire::OwnPoses OwnPosesToWire(const OwnPoses& poses, int from);
 /// Adds the images of a message to those before. @return whether these are all. Errors: kCorrupt.
 Result<bool> AddOwnPosesFromWire(const wire::OwnPoses& message, OwnPoses& poses);
 
-/// What a player has that grows after so many frames and readings. @param growing  As of
-/// `sequence`.
-wire::Growth GrowthToWire(const Sequence& sequence, const GrowingRecording& growing,
-                          const wire::GrowthRequest& known);
+/// As the number of readings that are known: none are wanted.
+inline constexpr int kEveryReading = std::numeric_limits<int>::max();
 
+/// What a player has after so many frames and readings.
+/// @param growing  As of `sequence`; null: it is recorded by now, who asks began before.
+/// Errors: of the readings.
+Result<wire::Growth> GrowthToWire(const Sequence& sequence, const GrowingRecording* growing,
+                                  const wire::GrowthRequest& known);
 /// Adds its readings to those before. Errors: kCorrupt.
 Status AddGrowthFromWire(const wire::Growth& growth, std::vector<ImuSample>& samples);
 

@@ -35,9 +35,7 @@ class Player {
         reply.mutable_sequence()->set_grows(growing_ != nullptr);
         return reply;
       case wire::Request::kGrowth:
-        if (growing_ == nullptr) return DoesNotAnswer(request, setup_.node);
-        *reply.mutable_growth() = GrowthToWire(*sequence_, *growing_, request.growth());
-        return reply;
+        return Growth(request);
       case wire::Request::kImage:
         return Image(request);
       case wire::Request::kImu:
@@ -57,6 +55,14 @@ class Player {
     return Error{ErrorCode::kInvalidInput, "frame " + std::to_string(frame) +
                                                " was asked for; the sequence has " +
                                                std::to_string(sequence_->num_frames())};
+  }
+
+  Result<wire::Reply> Growth(const wire::Request& request) const {
+    Result<wire::Growth> growth = GrowthToWire(*sequence_, growing_, request.growth());
+    if (!growth.ok()) return growth.error();
+    wire::Reply reply;
+    *reply.mutable_growth() = std::move(growth).value();
+    return reply;
   }
 
   Result<wire::Reply> Image(const wire::Request& request) {

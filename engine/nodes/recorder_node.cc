@@ -73,7 +73,9 @@ class RecorderProcess {
     const bool go_on = std::filesystem::exists(out_, ignored) &&
                        (setup_.plan.resume || std::filesystem::exists(Begun(), ignored));
     if (go_on) {
-      Result<RunWriter::Resumed> resumed = RunWriter::OpenToResume(out_, *header, poses);
+      Result<RunWriter::Resumed> resumed = setup_.plan.recipe->live_speed
+                                               ? RunWriter::Reopen(out_)
+                                               : RunWriter::OpenToResume(out_, *header, poses);
       if (!resumed.ok()) return resumed.error();
       writer_ = std::move(resumed->writer);
       if (resumed->last) handed_ = kept_ = resumed->last->frame;

@@ -153,9 +153,8 @@ class GrowingRemoteSequence : public RemoteSequence, public GrowingRecording {
     changed_.notify_all();
   }
 
-  /// All, where none are wanted.
   int NumReadings(bool wanted) const {
-    if (!wanted) return std::numeric_limits<int>::max();
+    if (!wanted) return kEveryReading;
     const std::lock_guard lock(mutex_);
     return static_cast<int>(imu_.samples.size());
   }

@@ -111,7 +111,6 @@ class RemoteSequence : public Sequence {
   ImuRecording imu_;  ///< Only of OpenForFilter.
 
  private:
-  friend class GrowingRemoteSequence;
   static Result<std::shared_ptr<RemoteSequence>> Ask(NodeClient& player, FramesAhead& ahead,
                                                      const std::stop_token& stop);
   Status Take(const wire::Sequence& message);

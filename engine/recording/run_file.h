@@ -51,6 +51,11 @@ class RunWriter {
   static Result<Resumed> OpenToResume(const std::filesystem::path& file, const RunHeader& header,
                                       const OwnPoses* own_poses = nullptr);
 
+  /// Goes on with a run whose writer died, for whoever knows that it is the same run: one of a live
+  /// graph, which OpenToResume refuses. Its own poses are to be given again from the first on.
+  /// Errors: kNotFound, kCorrupt, kUnsupported; kInvalidInput if somebody is writing the file.
+  static Result<Resumed> Reopen(const std::filesystem::path& file);
+
   /// As if closed; an error is then lost (call Close to see it).
   ~RunWriter();
 
@@ -76,6 +81,9 @@ class RunWriter {
  private:
   class Worker;
   explicit RunWriter(std::unique_ptr<Worker> worker);
+  /// @param header  Null: that of the file.
+  static Result<Resumed> GoOn(const std::filesystem::path& file, const RunHeader* header,
+                              const OwnPoses* own_poses);
   std::unique_ptr<Worker> worker_;
 };
 

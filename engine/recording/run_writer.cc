@@ -112,6 +112,12 @@ class RunWriter::Worker {
     return status.ok() ? Start() : status;
   }
 
+  /// Continues a run that is in place.
+  Status GoOn(const RunHeader& header) {
+    header_ = header;
+    return Start();
+  }
+
   /// What was written so far becomes the run of that name, and is continued there.
   Status PutInPlace() {
     Drain();
@@ -354,13 +360,18 @@ struct Found {
   double elapsed_s = 0;
 };
 
-Result<Found> FindEnd(const std::filesystem::path& file, const RunHeader& header) {
+/// @param header  Null: that of the file.
+Result<Found> FindEnd(const std::filesystem::path& file, const RunHeader* header) {
   Result<std::unique_ptr<RunReader>> reader = RunReader::Open(file);
   if (!reader) return reader.error();
-  if (const Status same = CheckContinues((*reader)->header(), AsStored(header)); !same.ok()) {
-    return Error{same.error().code, "cannot resume " + file.string() + ": " + same.error().message};
+  const RunHeader& stored_header = (*reader)->header();
+  if (header != nullptr) {
+    if (const Status same = CheckContinues(stored_header, AsStored(*header)); !same.ok()) {
+      return Error{same.error().code,
+                   "cannot resume " + file.string() + ": " + same.error().message};
+    }
   }
-  Found found{.header = header};
+  Found found{.header = header != nullptr ? *header : stored_header};
   found.header.forked_after = (*reader)->header().forked_after;
   const Result<int> stored = (*reader)->NumFrames();
   if (!stored) return stored.error();
@@ -380,6 +391,15 @@ Result<Found> FindEnd(const std::filesystem::path& file, const RunHeader& header
 Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& file,
                                                    const RunHeader& header,
                                                    const OwnPoses* own_poses) {
+  return GoOn(file, &header, own_poses);
+}
+
+Result<RunWriter::Resumed> RunWriter::Reopen(const std::filesystem::path& file) {
+  return GoOn(file, nullptr, nullptr);
+}
+
+Result<RunWriter::Resumed> RunWriter::GoOn(const std::filesystem::path& file,
+                                           const RunHeader* header, const OwnPoses* own_poses) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) {
     return Error{ErrorCode::kNotFound, file.string() + " does not exist; check the path"};
@@ -412,7 +432,7 @@ Result<RunWriter::Resumed> RunWriter::OpenToResume(const std::filesystem::path& 
   const int last_frame = found->last ? found->last->frame : std::numeric_limits<int>::min();
   auto worker = std::make_unique<Worker>(file, std::move(*lock), std::move(*database),
                                          found->num_frames, last_frame, found->elapsed_s);
-  if (const Status started = worker->Start(); !started.ok()) return started.error();
+  if (const Status started = worker->GoOn(found->header); !started.ok()) return started.error();
   return Resumed{std::unique_ptr<RunWriter>(new RunWriter(std::move(worker))),
                  std::move(found->last)};
 }

@@ -375,8 +375,7 @@ TEST_F(RunVerb, LiveItFindsItsPosesWhileItPlays) {
                            "--frames", "60", "--light-rays", "4", "--out", Path("film")})),
             0);
   const auto run = [&](const char* file, const char* speed) {
-    return WaitFor(Start({"run", Path("film"), "--poses", "vio", "--set-poses", "loops=causal",
-                          "--out", Path(file), speed}));
+    return WaitFor(Start({"run", Path("film"), "--poses", "vio", "--out", Path(file), speed}));
   };
   ASSERT_EQ(run("live.plb", "--live=1"), 0) << *ReadFile(Path("output.txt"));
   ASSERT_EQ(WaitFor(Start({"run", Path("film"), "--poses", "vio", "--set-poses", "loops=causal",

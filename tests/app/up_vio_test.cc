@@ -51,31 +51,43 @@ TEST_F(UpVio, MapsAsOneProcessDoesBitForBitWhoeverIsKilled) {
 
 TEST_F(UpVio, FollowsARecordingWhileItIsMade) {
   ASSERT_EQ(Run({"synth", "--imu", "--rest", "1.5", "--size", "320x240", "--rate", "10", "--frames",
-                 "40", "--light-rays", "4", "--out", Path("film")}),
+                 "100", "--light-rays", "4", "--out", Path("film")}),
             0);
-  std::vector<std::string> options = {
-      "--live",  "--poses",  "vio",      "--set-poses",       "loops=off",
-      "--edges", "gradient", "--models", Path("film/models"), "--out"};
-  const auto map_while_recording = [&](std::vector<std::string> command, const std::string& out) {
+  const std::vector<std::string> options = {"--live",  "--poses",  "vio",
+                                            "--edges", "gradient", "--out"};
+  const auto map_while_recording = [&](std::vector<std::string> command, const std::string& out,
+                                       bool kill_all) {
     std::filesystem::remove_all(Path("recording"));
     ReplayedRecording recorder(Path("film"), Path("recording"));
     command.push_back(Path("recording"));
     command.insert(command.end(), options.begin(), options.end());
     command.push_back(Path(out));
     const pid_t pid = Start(command);
-    while (recorder.Add(1)) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    for (int image = 1; recorder.Add(1); ++image) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      // Each kind once, a second apart, from when there is something to lose.
+      static const std::vector<std::string> kKinds = {"recorder", "mapper", "vio",
+                                                      "detector", "edges",  "player"};
+      if (!kill_all || image < 34 || image % 10 != 4) continue;
+      const auto kind = static_cast<std::size_t>(image / 10 - 3);
+      for (const pid_t child : ChildrenOf(pid))
+        if (kind < kKinds.size() &&
+            CommandOf(child).find(" node " + kKinds[kind] + " ") != std::string::npos)
+          kill(child, SIGKILL);
+    }
     recorder.End();
     ASSERT_EQ(WaitFor(pid), 0) << Output();
     const auto run = RunReader::Open(Path(out)).value();
-    EXPECT_EQ(run->header().end_frame, 40) << "as it was in the end";
+    EXPECT_EQ(run->header().end_frame, 100) << "as it was in the end";
     EXPECT_GE(FramesIn(out), 1);
     const auto poses = run->ReadOwnPoses().value();
     ASSERT_NE(poses, nullptr);
-    EXPECT_EQ(poses->frames.size(), 40u);
+    EXPECT_EQ(poses->frames.size(), 100u);
     EXPECT_TRUE(poses->frames.back().ready) << poses->frames.back().waits_for;
   };
-  map_while_recording({"run"}, "one.plb");
-  map_while_recording({"up", "paper_vio"}, "six.plb");
+  map_while_recording({"run"}, "one.plb", false);
+  map_while_recording({"up", "paper_vio"}, "six.plb", true);
+  EXPECT_THAT(Output(), testing::HasSubstr("starting it again"));
   // The filter has seen the same in both, whatever was mapped of it.
   const auto one = RunReader::Open(Path("one.plb")).value()->ReadOwnPoses().value();
   const auto six = RunReader::Open(Path("six.plb")).value()->ReadOwnPoses().value();

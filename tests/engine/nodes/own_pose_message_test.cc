@@ -200,7 +200,8 @@ TEST(OwnPoseMessage, TellsWhatHasBeenRecordedSince) {
   wire::GrowthRequest known;
   known.set_frames(1);
   known.set_readings(5);
-  const wire::Growth growth = GrowthToWire(*sequence, ThreeFrames(), known);
+  const ThreeFrames growing;
+  const wire::Growth growth = GrowthToWire(*sequence, &growing, known).value();
   EXPECT_THAT(growth.frame_stamps_ns(),
               testing::ElementsAre(sequence->stamp_ns(1), sequence->stamp_ns(2)));
   EXPECT_TRUE(growth.ended());
@@ -209,6 +210,12 @@ TEST(OwnPoseMessage, TellsWhatHasBeenRecordedSince) {
   ASSERT_EQ(samples.size(), 7u);
   EXPECT_EQ(samples[6].specific_force_m_s2, Readings(7).samples[6].specific_force_m_s2);
   EXPECT_FALSE(AddGrowthFromWire(growth, samples).ok()) << "the same again does not rise";
+  // A player that was started again finds the recording ended.
+  known.set_readings(kEveryReading);
+  const wire::Growth rest = GrowthToWire(*sequence, nullptr, known).value();
+  EXPECT_THAT(rest.frame_stamps_ns(),
+              testing::ElementsAre(sequence->stamp_ns(1), sequence->stamp_ns(2)));
+  EXPECT_TRUE(rest.ended());
 }
 
 }  // namespace
