@@ -408,6 +408,41 @@ TEST(RunFile, ResumesBehindTheLastCompleteFrame) {
   EXPECT_EQ(reader->ReadFrame(5)->frame, 10);
 }
 
+TEST(RunFile, OfARecordingThatGrewKeepsWhatItBecameThoughItsWriterDied) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.plb";
+  RunHeader header = RandomHeader(1);
+  header.recipe.live_speed = 1;
+  header.end_frame = 3;
+  auto poses = std::make_shared<OwnPoses>();
+  poses->frames.resize(4);
+  {
+    const auto writer = RunWriter::Create(file, header).value();
+    ASSERT_TRUE(writer->Write(RandomFrame(1, 2, 2, 10), {}, poses).ok());
+  }
+  EXPECT_FALSE(RunWriter::OpenToResume(file, header).ok()) << "it is live";
+  const auto reopened = RunWriter::Reopen(file);
+  ASSERT_TRUE(reopened.ok()) << reopened.error().message;
+  EXPECT_EQ(reopened->last->frame, 2);
+  EXPECT_EQ(reopened->writer->num_written(), 1);
+  ASSERT_TRUE(reopened->writer->Write(RandomFrame(1, 5, 2, 10), {}).ok());
+  poses = std::make_shared<OwnPoses>();
+  poses->frames.resize(7);
+  RunHeader now = header;
+  now.end_frame = 7;
+  now.sequence_hash = "of all seven";
+  now.started = "later";
+  reopened->writer->SetGrown(now, poses);
+  ASSERT_TRUE(reopened->writer->Close().ok());
+  const auto reader = OpenRun(file);
+  EXPECT_EQ(*reader->NumFrames(), 2);
+  EXPECT_TRUE(*reader->Finished());
+  EXPECT_EQ(reader->header().end_frame, 7);
+  EXPECT_EQ(reader->header().sequence_hash, "of all seven");
+  EXPECT_EQ(reader->header().started, header.started);
+  EXPECT_EQ(reader->ReadOwnPoses().value()->frames.size(), 7u);
+}
+
 TEST(RunFile, DoesNotResumeARunOfOtherOptionsSeedOrInputs) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "run.plb";
