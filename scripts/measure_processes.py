@@ -23,9 +23,12 @@ def measure(words, looking=None):
     """(seconds, processor seconds) of a command; `looking` is called while it works."""
     before, began = cpu_s(), time.monotonic()
     process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    looked = began
     while looking and process.poll() is None:
-        looking()
-        time.sleep(0.5)
+        time.sleep(0.1)
+        if time.monotonic() - looked > 3:  # looking costs processor time, too
+            looking()
+            looked = time.monotonic()
     if process.wait() != 0:
         sys.exit("failed: " + " ".join(words))
     return time.monotonic() - began, cpu_s() - before
