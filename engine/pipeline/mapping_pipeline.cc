@@ -211,6 +211,7 @@ struct MappingPipeline::Impl {
   std::unique_ptr<BoundedQueue<Prepared>> ahead;
   std::jthread thread;  ///< Last: stops before what it uses goes.
 
+  /// The frames of the range that have come and, of a recording that grows, the next of them.
   void Select() {
     const bool expects = growing != nullptr && !ended;
     const int end = EndOf(recipe, *sequence), come = sequence->num_frames();
