@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
       {plumbline::AddReportVerb}, {plumbline::AddCompareVerb},   {plumbline::AddSmoothVerb},
       {plumbline::AddVioVerb},    {plumbline::AddCalibrateVerb}, {plumbline::AddNetworksVerb},
       {plumbline::AddBatchVerb},  {plumbline::AddUpVerb},        {plumbline::AddGraphVerb},
-      {plumbline::AddNodeVerb},   {plumbline::AddKeysVerb},
+      {plumbline::AddNodeVerb},   {plumbline::AddKeysVerb},      {plumbline::AddRecordVerb},
   };
   CLI::App app("Plumbline maps objects from video with camera poses and gravity, and shows why.",
                "plumbline");

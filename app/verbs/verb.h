@@ -34,6 +34,7 @@ void AddAnnotateVerb(CLI::App& app, VerbFunction& chosen);
 void AddGravityVerb(CLI::App& app, VerbFunction& chosen);
 void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen);
 void AddExportVerb(CLI::App& app, VerbFunction& chosen);
+void AddRecordVerb(CLI::App& app, VerbFunction& chosen);
 void AddReportVerb(CLI::App& app, VerbFunction& chosen);
 void AddCompareVerb(CLI::App& app, VerbFunction& chosen);
 void AddRenderVerb(CLI::App& app, VerbFunction& chosen);

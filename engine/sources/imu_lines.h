@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include "engine/sensor/imu.h"
+
+namespace plumbline {
+
+/// A line that an IMU sends: `t,wx,wy,wz,ax,ay,az` or, where it has no clock, `wx,wy,wz,ax,ay,az`
+/// [s or ns, rad/s, m/s^2]; between commas, spaces or tabs.
+struct ImuLine {
+  std::optional<std::int64_t> stamp_ns;  ///< On the IMU's own clock.
+  Eigen::Vector3d angular_velocity_rad_s, specific_force_m_s2;
+};
+
+/// Nothing for any other text, and where a number is not finite.
+std::optional<ImuLine> ParseImuLine(std::string_view line);
+
+/// Carries the stamps of an IMU over to this machine's clock. Whatever delays a reading on its way
+/// only adds: the clocks are as far apart as the least that an arrival was later than its stamp. So
+/// many readings are looked at for it, then it stays, and stamps keep their steps. How long the
+/// least delay itself is stays unknown; that is `time_offset_s`, which the filter estimates.
+class ClockCarrier {
+ public:
+  explicit ClockCarrier(int readings) : wanted_(readings) {}
+  void See(std::int64_t stamp_ns, std::int64_t arrived_ns);
+  /// Whether enough were seen.
+  bool ready() const { return seen_ >= wanted_; }
+  /// As known now [ns]: what a stamp of the IMU is to be added to.
+  std::int64_t offset_ns() const { return offset_ns_; }
+
+ private:
+  int wanted_, seen_ = 0;
+  std::int64_t offset_ns_ = 0;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`plumbline record` with sequences that are played again, a serial port, UDP and standard input."""
+import json
+import os
+import pty
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import tty
+import unittest
+
+PLUMBLINE = os.environ["PLUMBLINE_BINARY"]
+
+
+def rows(file):
+    with open(file) as lines:
+        return [line.strip().split(",") for line in lines if line[:1].isdigit()]
+
+
+def steps(table):
+    return [float(b[0]) - float(a[0]) for a, b in zip(table, table[1:])]
+
+
+class RecordVerb(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.film = os.path.join(cls.folder.name, "film")
+        subprocess.run([PLUMBLINE, "synth", "--imu", "--size", "160x120", "--rate", "10", "--frames", "12",
+                        "--light-rays", "4", "--out", cls.film], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def record(self, name, *more, **options):
+        out = os.path.join(self.folder.name, name)
+        result = os.path.join(self.folder.name, name + ".json")
+        words = [PLUMBLINE, "record", "--calibration", self.film, "--out", out, "--json", result, *more]
+        options.setdefault("stderr", subprocess.DEVNULL)
+        return out, result, subprocess.Popen(words, stdout=subprocess.DEVNULL, **options)
+
+    def result(self, file):
+        with open(file) as text:
+            return json.load(text)
+
+    def wait_for_images(self, out, number):
+        for _ in range(4000):
+            table = os.path.join(out, "color.csv")
+            if os.path.exists(table) and len(rows(table)) >= number:
+                return
+            time.sleep(0.005)
+        self.fail("no images came")
+
+    def test_plays_a_sequence_again_and_records_it(self):
+        out, result, process = self.record("again", "--camera", "play:" + self.film, "--imu", "play:" + self.film)
+        self.assertEqual(process.wait(), 0)
+        told = self.result(result)
+        self.assertEqual((told["images"], told["gaps"], told["not_understood"]), (12, 0, 0))
+        images, readings = rows(os.path.join(out, "color.csv")), rows(os.path.join(out, "imu.csv"))
+        for step in steps(images):
+            self.assertAlmostEqual(step, 0.1, delta=1e-6)
+        were = rows(os.path.join(self.film, "imu.csv"))
+        self.assertEqual(len(readings), len(were))
+        for was, now, step_was, step_now in zip(were, readings, steps(were), steps(readings)):
+            self.assertAlmostEqual(step_was, step_now, delta=1e-7)
+            for a, b in zip(map(float, was[1:]), map(float, now[1:])):
+                self.assertAlmostEqual(a, b, delta=1e-8 * max(1, abs(a)))
+        # Images and readings are as far apart as they were.
+        self.assertAlmostEqual(float(images[0][0]) - float(readings[0][0]), -float(were[0][0]), delta=1e-6)
+        info = subprocess.run([PLUMBLINE, "info", out, "--json", "-"], check=True, capture_output=True, text=True)
+        self.assertEqual(json.loads(info.stdout)["frames"]["count"], 12)
+        self.assertFalse(os.path.exists(os.path.join(out, "color.csv.lock")))
+
+    def test_is_whole_when_it_is_killed(self):
+        out, _, process = self.record("killed", "--camera", "play:" + self.film, "--imu", "play:" + self.film)
+        self.wait_for_images(out, 4)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        info = subprocess.run([PLUMBLINE, "info", out, "--json", "-"], check=True, capture_output=True, text=True)
+        self.assertGreaterEqual(json.loads(info.stdout)["frames"]["count"], 4)
+
+    def send(self, write, out, process):
+        """150 readings of an IMU whose clock began at 1000 s, and two lines that are none."""
+        self.wait_for_images(out, 1)
+        write(b"hello\n")
+        for i in range(150):
+            write(b"%.3f,1,2,3,4,5,%d\n" % (1000 + 0.005 * i, i))
+            time.sleep(0.002)
+        write(b"1,2,3\n")
+        process.wait()
+
+    def check_sent(self, out, result):
+        told = self.result(result)
+        self.assertEqual((told["readings"], told["not_understood"], told["not_later"]), (150, 2, 0))
+        readings = rows(os.path.join(out, "imu.csv"))
+        for step in steps(readings):
+            self.assertAlmostEqual(step, 0.005, delta=1e-7)
+        images = rows(os.path.join(out, "color.csv"))
+        # On the camera's clock: the first came after the first image.
+        self.assertLess(abs(float(readings[0][0]) - float(images[0][0])), 5)
+        self.assertEqual(float(readings[149][6]), 149)
+
+    def test_reads_a_serial_port(self):
+        ours, theirs = pty.openpty()
+        tty.setraw(ours)
+        out, result, process = self.record("serial", "--camera", "play:" + self.film, "--imu",
+                                           "serial:" + os.ttyname(theirs), "--seconds", "3")
+        self.send(lambda line: os.write(ours, line), out, process)
+        self.check_sent(out, result)
+        os.close(ours)
+        os.close(theirs)
+
+    def test_reads_datagrams(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        out, result, process = self.record("udp", "--camera", "play:" + self.film, "--imu", f"udp:{port}", "--seconds", "3")
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            self.send(lambda line: sender.sendto(line, ("127.0.0.1", port)), out, process)
+        self.check_sent(out, result)
+
+    def test_reads_standard_input(self):
+        out, result, process = self.record("stdin", "--camera", "play:" + self.film, "--imu", "-", "--seconds", "3",
+                                           stdin=subprocess.PIPE)
+
+        def write(line):
+            process.stdin.write(line)
+            process.stdin.flush()
+
+        self.send(write, out, process)
+        process.stdin.close()
+        self.check_sent(out, result)
+
+    def refusal(self, *more):
+        _, _, process = self.record("refused" + str(time.monotonic_ns()), *more, stderr=subprocess.PIPE, text=True)
+        text = process.communicate()[1]
+        self.assertNotEqual(process.returncode, 0)
+        return text
+
+    def test_refuses_in_one_sentence(self):
+        self.assertIn("there is no camera '/dev/video77'", self.refusal("--camera", "77"))
+        self.assertIn("is no camera, video or stream", self.refusal("--camera", "/nowhere.mp4"))
+        self.assertIn("is no IMU: write serial", self.refusal("--camera", "play:" + self.film, "--imu", "bluetooth"))
+        self.assertIn("is no serial port", self.refusal("--camera", "play:" + self.film, "--imu", "serial:/dev/nothing"))
+        self.assertIn("names no port", self.refusal("--camera", "play:" + self.film, "--imu", "udp:0"))
+        out, _, process = self.record("film", "--camera", "play:" + self.film, stderr=subprocess.PIPE, text=True)
+        self.assertIn("is there already", process.communicate()[1])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/sources/imu_lines.h"
+
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+TEST(ImuLine, IsReadWithAndWithoutAStamp) {
+  const auto with = ParseImuLine("12.000000005,1,-2,3e-1,0.1,0.2,9.8\r");
+  ASSERT_TRUE(with.has_value());
+  EXPECT_EQ(with->stamp_ns, 12'000'000'005);
+  EXPECT_EQ(with->angular_velocity_rad_s, Eigen::Vector3d(1, -2, 0.3));
+  EXPECT_EQ(with->specific_force_m_s2, Eigen::Vector3d(0.1, 0.2, 9.8));
+  const auto without = ParseImuLine("1 2 3\t4 5 6");
+  ASSERT_TRUE(without.has_value());
+  EXPECT_FALSE(without->stamp_ns.has_value());
+  EXPECT_EQ(without->specific_force_m_s2, Eigen::Vector3d(4, 5, 6));
+  EXPECT_EQ(ParseImuLine("1403636579763555584,1,2,3,4,5,6")->stamp_ns, 1403636579763555584);
+}
+
+TEST(ImuLine, IsNothingElse) {
+  for (const char* text : {"", "t,wx,wy,wz,ax,ay,az", "1,2,3,4,5", "1,2,3,4,5,6,7,8",
+                           "1,2,3,4,5,6,x", "1,2,3,nan,5,6,7", "1,2,3,4,inf,6", "{\"ax\": 1}"})
+    EXPECT_FALSE(ParseImuLine(text).has_value()) << text;
+}
+
+TEST(ClockCarrier, TakesTheLeastDelayForTheClocks) {
+  // The IMU's clock is 5 s behind, a reading takes 2 ms and up to 9 ms more.
+  ClockCarrier carrier(200);
+  constexpr std::int64_t kMillisecond = 1'000'000;
+  for (int i = 0; i < 200; ++i) {
+    EXPECT_FALSE(carrier.ready());
+    const std::int64_t stamp_ns = 5 * kMillisecond * i;
+    carrier.See(stamp_ns,
+                stamp_ns + 5000 * kMillisecond + 2 * kMillisecond + (i * 37 % 10) * kMillisecond);
+  }
+  EXPECT_TRUE(carrier.ready());
+  EXPECT_EQ(carrier.offset_ns(), 5002 * kMillisecond);
+}
+
+}  // namespace
+}  // namespace plumbline
