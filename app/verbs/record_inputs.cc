@@ -221,7 +221,10 @@ Status ReadLines(int descriptor, bool datagrams, const RecordWork& work, const T
     const ssize_t size = ::read(descriptor, bytes, sizeof(bytes));
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (size == 0 && datagrams) continue;
-    if (size <= 0) return {};  // the other side is gone
+    if (size <= 0) {
+      work.tell("the IMU is gone: no readings come any more");
+      return {};
+    }
     const std::int64_t arrived_ns = SteadyNs();
     rest.append(bytes, static_cast<std::size_t>(size));
     if (datagrams && !rest.ends_with('\n')) rest += '\n';

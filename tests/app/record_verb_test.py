@@ -7,35 +7,20 @@ import pty
 import signal
 import socket
 import subprocess
-import tempfile
+import sys
 import time
 import tty
 import unittest
 
-PLUMBLINE = os.environ["PLUMBLINE_BINARY"]
-
-
-def rows(file):
-    with open(file) as lines:
-        return [line.strip().split(",") for line in lines if line[:1].isdigit()]
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from recorded_film import PLUMBLINE, RecordedFilm, rows  # noqa: E402
 
 
 def steps(table):
     return [float(b[0]) - float(a[0]) for a, b in zip(table, table[1:])]
 
 
-class RecordVerb(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.film = os.path.join(cls.folder.name, "film")
-        subprocess.run([PLUMBLINE, "synth", "--imu", "--size", "160x120", "--rate", "10", "--frames", "12",
-                        "--light-rays", "4", "--out", cls.film], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
+class RecordVerb(RecordedFilm):
     def record(self, name, *more, **options):
         out = os.path.join(self.folder.name, name)
         result = os.path.join(self.folder.name, name + ".json")
@@ -46,14 +31,6 @@ class RecordVerb(unittest.TestCase):
     def result(self, file):
         with open(file) as text:
             return json.load(text)
-
-    def wait_for_images(self, out, number):
-        for _ in range(4000):
-            table = os.path.join(out, "color.csv")
-            if os.path.exists(table) and len(rows(table)) >= number:
-                return
-            time.sleep(0.005)
-        self.fail("no images came")
 
     def test_plays_a_sequence_again_and_records_it(self):
         out, result, process = self.record("again", "--camera", "play:" + self.film, "--imu", "play:" + self.film)
@@ -71,8 +48,7 @@ class RecordVerb(unittest.TestCase):
                 self.assertAlmostEqual(a, b, delta=1e-8 * max(1, abs(a)))
         # Images and readings are as far apart as they were.
         self.assertAlmostEqual(float(images[0][0]) - float(readings[0][0]), -float(were[0][0]), delta=1e-6)
-        info = subprocess.run([PLUMBLINE, "info", out, "--json", "-"], check=True, capture_output=True, text=True)
-        self.assertEqual(json.loads(info.stdout)["frames"]["count"], 12)
+        self.assertEqual(self.frames(out), 12)
         self.assertFalse(os.path.exists(os.path.join(out, "color.csv.lock")))
 
     def test_is_whole_when_it_is_killed(self):
@@ -80,8 +56,7 @@ class RecordVerb(unittest.TestCase):
         self.wait_for_images(out, 4)
         process.send_signal(signal.SIGKILL)
         process.wait()
-        info = subprocess.run([PLUMBLINE, "info", out, "--json", "-"], check=True, capture_output=True, text=True)
-        self.assertGreaterEqual(json.loads(info.stdout)["frames"]["count"], 4)
+        self.assertGreaterEqual(self.frames(out), 4)
 
     def send(self, write, out, process):
         """150 readings of an IMU whose clock began at 1000 s, and two lines that are none."""

@@ -2,53 +2,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """python/plumbline_record: what it records is the sequence that it plays, and is whole up to its last row when it is killed."""
 import fcntl
-import json
 import os
 import signal
 import subprocess
 import sys
-import tempfile
-import time
 import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from recorded_film import PLUMBLINE, RecordedFilm, rows  # noqa: E402
 
 SOURCE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 PLAY_AGAIN = os.path.join(SOURCE, "python", "plumbline_record", "play_again.py")
-PLUMBLINE = os.environ["PLUMBLINE_BINARY"]
 
 
-def rows(file):
-    with open(file) as lines:
-        return [line.strip().split(",") for line in lines if line[:1].isdigit()]
-
-
-class PlayAgain(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.film = os.path.join(cls.folder.name, "film")
-        subprocess.run([PLUMBLINE, "synth", "--imu", "--size", "160x120", "--rate", "10", "--frames", "12",
-                        "--light-rays", "4", "--out", cls.film], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
+class PlayAgain(RecordedFilm):
     def start(self, name, speed):
         out = os.path.join(self.folder.name, name)
         return out, subprocess.Popen([sys.executable, "-B", PLAY_AGAIN, self.film, out, "--speed", speed],
                                      stdout=subprocess.DEVNULL)
-
-    def frames(self, out):
-        info = subprocess.run([PLUMBLINE, "info", out, "--json", "-"], check=True, capture_output=True, text=True)
-        return json.loads(info.stdout)["frames"]["count"]
-
-    def wait_for_images(self, out, number):
-        for _ in range(2000):
-            table = os.path.join(out, "color.csv")
-            if os.path.exists(table) and len(rows(table)) >= number:
-                return
-            time.sleep(0.005)
-        self.fail("no images came")
 
     def test_records_what_it_plays(self):
         out, process = self.start("again", "2")
