@@ -207,12 +207,18 @@ Status Record(const RecordArguments& arguments) {
                  file.c_str());
   }
   ConsoleWork console;
-  Recorder recorder(arguments, *camera, std::move(writer).value(), console.context().stop);
-  while (recorder.WaitASecond())
-    std::fprintf(stderr, "%s\n", InWords(recorder.counts(), recorder.seconds()).c_str());
-  const double seconds = recorder.seconds();
-  const Status status = recorder.Finish();
-  const Counts& counts = recorder.counts();
+  auto recorder = std::make_unique<Recorder>(arguments, *camera, std::move(writer).value(),
+                                             console.context().stop);
+  while (recorder->WaitASecond())
+    std::fprintf(stderr, "%s\n", InWords(recorder->counts(), recorder->seconds()).c_str());
+  const double seconds = recorder->seconds();
+  const Status status = recorder->Finish();
+  const Counts& counts = recorder->counts();
+  if (!status.ok() && counts.images == 0 && counts.readings == 0) {
+    recorder.reset();
+    fs::remove_all(arguments.out, ignored);  // it was new, and nothing came
+    return status;
+  }
   if (arguments.json != "-")
     std::printf("%s; wrote %s\n", InWords(counts, seconds).c_str(), arguments.out.c_str());
   if (!arguments.json.empty()) {

@@ -111,9 +111,11 @@ class RecordVerb(RecordedFilm):
         self.check_sent(out, result)
 
     def refusal(self, *more):
-        _, _, process = self.record("refused" + str(time.monotonic_ns()), *more, stderr=subprocess.PIPE, text=True)
+        out, _, process = self.record("refused" + str(time.monotonic_ns()), *more, stderr=subprocess.PIPE, text=True)
         text = process.communicate()[1]
         self.assertNotEqual(process.returncode, 0)
+        if "play:" + self.film not in more:
+            self.assertFalse(os.path.exists(out), "nothing came")
         return text
 
     def test_refuses_in_one_sentence(self):
