@@ -83,7 +83,7 @@ class RecordVerb(RecordedFilm):
         ours, theirs = pty.openpty()
         tty.setraw(ours)
         out, result, process = self.record("serial", "--camera", "play:" + self.film, "--imu",
-                                           "serial:" + os.ttyname(theirs), "--seconds", "3")
+                                           "serial:" + os.ttyname(theirs), "--seconds", "5")
         self.send(lambda line: os.write(ours, line), out, process)
         self.check_sent(out, result)
         os.close(ours)
@@ -93,13 +93,13 @@ class RecordVerb(RecordedFilm):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
-        out, result, process = self.record("udp", "--camera", "play:" + self.film, "--imu", f"udp:{port}", "--seconds", "3")
+        out, result, process = self.record("udp", "--camera", "play:" + self.film, "--imu", f"udp:{port}", "--seconds", "5")
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             self.send(lambda line: sender.sendto(line, ("127.0.0.1", port)), out, process)
         self.check_sent(out, result)
 
     def test_reads_standard_input(self):
-        out, result, process = self.record("stdin", "--camera", "play:" + self.film, "--imu", "-", "--seconds", "3",
+        out, result, process = self.record("stdin", "--camera", "play:" + self.film, "--imu", "-", "--seconds", "5",
                                            stdin=subprocess.PIPE)
 
         def write(line):
