@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -110,37 +111,45 @@ class Recorder {
   }
 
   Status ReadImuHere() {
-    std::vector<std::pair<ImuLine, std::int64_t>> before;  // the clock is known
-    std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
-    const auto add = [&](const ImuLine& reading, std::int64_t arrived_ns) -> Status {
-      const std::int64_t offset_ns = carried_ ? 0 : carrier_.offset_ns();
-      const ImuSample sample{reading.stamp_ns ? *reading.stamp_ns + offset_ns : arrived_ns,
-                             reading.angular_velocity_rad_s, reading.specific_force_m_s2};
-      if (sample.stamp_ns <= last_ns) {
-        ++counts_.not_later;
-        return {};
-      }
-      last_ns = sample.stamp_ns;
-      ++counts_.readings;
-      return writer_->AddReadings({&sample, 1});
-    };
-    return ReadImuInput(arguments_.imu, Work(),
-                        [&](const std::optional<ImuLine>& line, std::int64_t arrived_ns) -> Status {
-                          if (!line) {
-                            ++counts_.not_understood;
-                            return {};
-                          }
-                          if (carried_ || !line->stamp_ns || carrier_.ready())
-                            return add(*line, arrived_ns);
-                          carrier_.See(*line->stamp_ns, arrived_ns);
-                          before.emplace_back(*line, arrived_ns);
-                          if (!carrier_.ready()) return {};
-                          counts_.offset_ns = carrier_.offset_ns();
-                          for (const auto& [reading, came_ns] : before)
-                            if (Status status = add(reading, came_ns); !status.ok()) return status;
-                          before.clear();
-                          return {};
-                        });
+    Status status =
+        ReadImuInput(arguments_.imu, Work(),
+                     [this](const std::optional<ImuLine>& line, std::int64_t arrived_ns) {
+                       return TakeLine(line, arrived_ns);
+                     });
+    const Status held = AddHeld();  // of an IMU that gave few readings
+    return status.ok() ? held : status;
+  }
+
+  Status TakeLine(const std::optional<ImuLine>& line, std::int64_t arrived_ns) {
+    if (!line) {
+      ++counts_.not_understood;
+      return {};
+    }
+    if (carried_ || !line->stamp_ns || carrier_.ready()) return AddReading(*line, arrived_ns);
+    carrier_.See(*line->stamp_ns, arrived_ns);
+    held_.emplace_back(*line, arrived_ns);
+    return carrier_.ready() ? AddHeld() : Status();
+  }
+
+  Status AddHeld() {
+    if (held_.empty()) return {};
+    counts_.offset_ns = carrier_.offset_ns();
+    for (const auto& [reading, arrived_ns] : std::exchange(held_, {}))
+      if (Status status = AddReading(reading, arrived_ns); !status.ok()) return status;
+    return {};
+  }
+
+  Status AddReading(const ImuLine& reading, std::int64_t arrived_ns) {
+    const std::int64_t offset_ns = carried_ ? 0 : carrier_.offset_ns();
+    const ImuSample sample{reading.stamp_ns ? *reading.stamp_ns + offset_ns : arrived_ns,
+                           reading.angular_velocity_rad_s, reading.specific_force_m_s2};
+    if (sample.stamp_ns <= last_reading_ns_) {
+      ++counts_.not_later;
+      return {};
+    }
+    last_reading_ns_ = sample.stamp_ns;
+    ++counts_.readings;
+    return writer_->AddReadings({&sample, 1});
   }
 
   /// One of both has ended. Without images a recording is over; readings that are played again
@@ -157,7 +166,10 @@ class Recorder {
   const RecordArguments& arguments_;
   const Camera camera_;
   const std::unique_ptr<RecordingWriter> writer_;
-  ClockCarrier carrier_;  ///< Of the IMU's thread.
+  // Of the IMU's thread.
+  ClockCarrier carrier_;
+  std::vector<std::pair<ImuLine, std::int64_t>> held_;  ///< Until the clocks are known.
+  std::int64_t last_reading_ns_ = std::numeric_limits<std::int64_t>::min();
   const bool carried_;
   std::int64_t began_ns_ = 0;
   Counts counts_;
@@ -179,6 +191,13 @@ std::string InWords(const Counts& counts, double seconds) {
                 counts.readings.load(), counts.readings / seconds, counts.not_understood.load(),
                 counts.not_later.load());
   return text;
+}
+
+/// Of a recording to which nothing came; what is not of it stays.
+void RemoveBeginning(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (const char* name : {"camera.json", "imu.json", "imu.csv", "color.csv", "color", ""})
+    std::filesystem::remove(folder / name, ignored);
 }
 
 Status Record(const RecordArguments& arguments) {
@@ -216,7 +235,7 @@ Status Record(const RecordArguments& arguments) {
   const Counts& counts = recorder->counts();
   if (!status.ok() && counts.images == 0 && counts.readings == 0) {
     recorder.reset();
-    fs::remove_all(arguments.out, ignored);  // it was new, and nothing came
+    RemoveBeginning(arguments.out);
     return status;
   }
   if (arguments.json != "-")

@@ -110,6 +110,15 @@ class RecordVerb(RecordedFilm):
         process.stdin.close()
         self.check_sent(out, result)
 
+    def test_keeps_the_readings_of_an_imu_that_gave_few(self):
+        out, result, process = self.record("few", "--camera", "play:" + self.film, "--imu", "-", stdin=subprocess.PIPE)
+        process.stdin.write(b"".join(b"%.1f,1,2,3,4,5,6\n" % (1000 + 0.1 * i) for i in range(7)))
+        process.stdin.close()
+        self.assertEqual(process.wait(), 0)
+        self.assertEqual(self.result(result)["readings"], 7)
+        for step in steps(rows(os.path.join(out, "imu.csv"))):
+            self.assertAlmostEqual(step, 0.1, delta=1e-7)
+
     def refusal(self, *more):
         out, _, process = self.record("refused" + str(time.monotonic_ns()), *more, stderr=subprocess.PIPE, text=True)
         text = process.communicate()[1]

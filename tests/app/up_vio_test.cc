@@ -87,7 +87,8 @@ TEST_F(UpVio, FollowsARecordingWhileItIsMade) {
   };
   map_while_recording({"run"}, "one.plb", false);
   map_while_recording({"up", "paper_vio"}, "six.plb", true);
-  EXPECT_THAT(Output(), testing::HasSubstr("starting it again"));
+  for (const char* name : {"recorder", "mapper", "vio", "detector", "edges", "player"})
+    EXPECT_THAT(Output(), testing::HasSubstr("the node '" + std::string(name) + "' ")) << "killed";
   // The filter has seen the same in both, whatever was mapped of it.
   const auto one = RunReader::Open(Path("one.plb")).value()->ReadOwnPoses().value();
   const auto six = RunReader::Open(Path("six.plb")).value()->ReadOwnPoses().value();
