@@ -31,13 +31,14 @@ Status ShowGraph(const GraphArguments& arguments) {
   }
   std::stop_source stop;
   const Interrupts interrupts([&stop] { stop.request_stop(); });
+  const auto watch = GraphWatch::Create(*plan, arguments.name);
+  if (!watch.ok()) return watch.error();
   while (true) {
-    const auto states = AskGraph(*plan, arguments.name, arguments.patience_s, stop.get_token());
-    if (!states.ok()) return states.error();
-    if (arguments.json != "-") std::printf("%s\n", GraphInWords(*states).c_str());
+    const auto states = (*watch)->Ask(arguments.patience_s, stop.get_token());
+    if (arguments.json != "-") std::printf("%s\n", GraphInWords(states).c_str());
     std::fflush(stdout);
     if (!arguments.json.empty()) {
-      if (Status status = WriteJsonResult(arguments.json, GraphStateToJson(*states)); !status.ok())
+      if (Status status = WriteJsonResult(arguments.json, GraphStateToJson(states)); !status.ok())
         return status;
     }
     if (arguments.watch_s <= 0) return {};

@@ -1,14 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <thread>
+#include <utility>
 
+#include "app/verbs/console_work.h"
+#include "app/verbs/graph_arguments.h"
 #include "app/verbs/open_source.h"
 #include "app/verbs/pipeline_arguments.h"
 #include "app/verbs/verb.h"
 #include "app/verbs/window_arguments.h"
 #include "app/window/application.h"
+#include "engine/nodes/our_nodes.h"
+#include "engine/nodes/run_mirror.h"
+#include "engine/runtime/run_file_place.h"
 
 namespace plumbline {
 namespace {
@@ -16,7 +25,7 @@ namespace {
 struct GuiArguments {
   PipelineArguments pipeline;
   WindowArguments window;
-  std::string path, sequence, out, compare;
+  std::string path, sequence, out, compare, attach, as = "viewer";
   std::optional<int> frame;
   bool demo = false;
   std::string state_file;
@@ -36,6 +45,70 @@ Status CheckLiveGui(const GuiArguments& arguments) {
   return {};
 }
 
+/// A graph that is mapping, and the run file that shows what it maps.
+struct Attached {
+  GraphChoice graph;
+  std::optional<RunFilePlace> place;  ///< Of a copy; before what writes there.
+  std::unique_ptr<RunMirror> mirror;  ///< Null where the graph's own file is at hand.
+  std::filesystem::path run;
+};
+
+Status CheckAttach(const GuiArguments& arguments) {
+  if (!arguments.path.empty())
+    return Error{ErrorCode::kInvalidInput,
+                 "--attach shows what the graph maps; leave out '" + arguments.path + "'"};
+  if (arguments.pipeline.recipe.live_speed)
+    return Error{ErrorCode::kInvalidInput,
+                 "--live is said to 'plumbline up'; --attach shows what it maps"};
+  return {};
+}
+
+/// Of a graph of this machine: its run file, once the recorder has begun it.
+Result<std::filesystem::path> RunOfGraph(const GraphPlan& plan, const WorkContext& work) {
+  std::error_code ignored;
+  while (!std::filesystem::exists(plan.folder / kRunBegun, ignored)) {
+    if (work.stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
+    if (!std::filesystem::is_directory(plan.folder, ignored))
+      return Error{ErrorCode::kNotFound,
+                   "the graph in '" + plan.folder.string() + "' has ended before its run began"};
+    work.report({"Waiting for the run to begin"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return plan.out;
+}
+
+Result<std::unique_ptr<Attached>> Attach(const GuiArguments& arguments) {
+  if (Status status = CheckAttach(arguments); !status.ok()) return status.error();
+  auto plan = GraphNamed(arguments.attach);
+  if (!plan.ok()) return plan.error();
+  if (plan->folder.empty())
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + arguments.attach +
+                     "' is not running; name the folder that 'plumbline up' told when it started"};
+  auto attached = std::make_unique<Attached>();
+  attached->graph = {*plan, arguments.attach, arguments.as};
+  ConsoleWork console;
+  const WorkContext work = console.context();
+  std::error_code ignored;
+  const GraphNode* recorder = plan->FirstOf(NodeKind::kRecorder);
+  const bool here = recorder != nullptr && recorder->endpoint.starts_with("ipc://") &&
+                    std::filesystem::is_directory(plan->folder, ignored);
+  if (here) {
+    auto run = RunOfGraph(*plan, work);
+    if (!run.ok()) return run.error();
+    attached->run = *run;
+    return attached;
+  }
+  auto place = RunFilePlace::Choose(arguments.out);
+  if (!place.ok()) return place.error();
+  attached->place.emplace(std::move(place).value());
+  attached->run = attached->place->path();
+  auto mirror = RunMirror::Start(*plan, arguments.as, attached->run, work);
+  if (!mirror.ok()) return mirror.error();
+  attached->mirror = std::move(mirror).value();
+  return attached;
+}
+
 Status Gui(GuiArguments& arguments) {
   if (Status status = arguments.pipeline.Finish(); !status.ok()) return status;
   if (Status status = CheckLiveGui(arguments); !status.ok()) return status;
@@ -48,6 +121,14 @@ Status Gui(GuiArguments& arguments) {
   options.annotation = {"", arguments.pipeline.recipe.models, arguments.sequence,
                         user != nullptr ? user : ""};
   options.path = arguments.path;
+  std::unique_ptr<Attached> attached;
+  if (!arguments.attach.empty()) {
+    auto found = Attach(arguments);
+    if (!found.ok()) return found.error();
+    attached = std::move(found).value();
+    options.path = attached->run.string();
+    options.inspect.graph = attached->graph;
+  }
   options.compare = arguments.compare;
   options.inspect.program_version = PLUMBLINE_VERSION;
   options.inspect.present = arguments.demo;
@@ -81,6 +162,12 @@ void AddGuiVerb(CLI::App& app, VerbFunction& chosen) {
   verb->add_option("--compare", arguments->compare,
                    "Another run of the same sequence, shown on the same clock")
       ->type_name("OTHER.plb");
+  verb->add_option("--attach", arguments->attach,
+                   "Show what a running graph maps, and how its processes are: the folder that "
+                   "'up' told, or a copy of its graph.json on another machine")
+      ->type_name("GRAPH");
+  verb->add_option("--as", arguments->as, "Whose key to use, where the graph has keys")
+      ->capture_default_str();
   verb->add_option(
       "--sequence", arguments->sequence,
       "Where the sequence of a run file is now, or the sequence that belongs to a scan");

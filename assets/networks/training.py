@@ -14,14 +14,14 @@ class Training:
         """Goes on from `file` where it is there, else from the average of `start`."""
         self.net, self.average = make_net(), make_net()
         if start:
-            self.net.load_state_dict(torch.load(start)['average'])
+            self.net.load_state_dict(torch.load(start, map_location='cpu')['average'])
         self.average.load_state_dict(self.net.state_dict())
         decayed = [p for p in self.net.parameters() if p.ndim > 1]
         plain = [p for p in self.net.parameters() if p.ndim <= 1]
         self.optimizer = torch.optim.AdamW([{'params': decayed, 'weight_decay': decay}, {'params': plain, 'weight_decay': 0}], lr=rate)
         self.file, self.step, spent = file, 0, 0.0
         if os.path.exists(file):
-            saved = torch.load(file)
+            saved = torch.load(file, map_location='cpu')
             for name in ('net', 'average', 'optimizer'):
                 getattr(self, name).load_state_dict(saved[name])
             self.step, spent = saved['step'], saved['seconds']

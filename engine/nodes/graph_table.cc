@@ -2,8 +2,10 @@
 #include "engine/nodes/graph_table.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <future>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -11,6 +13,9 @@
 
 namespace plumbline {
 namespace {
+
+/// Clocks that differ by no more than this are taken for one.
+constexpr double kSameClock_ms = 1;
 
 template <typename... Arguments>
 std::string Formatted(const char* format, Arguments... arguments) {
@@ -33,6 +38,10 @@ std::string NodeInWords(const NodeState& state) {
   text += Formatted("process %d, up %.0f s, %.0f %% of a core, %.0f MB: %s\n", about.process(),
                     about.up_s(), about.up_s() > 0 ? 100 * about.cpu_s() / about.up_s() : 0,
                     static_cast<double>(about.resident_bytes()) / 1e6, about.state().c_str());
+  if (state.clock && std::abs(state.clock->offset_ms) > state.clock->uncertainty_ms + kSameClock_ms)
+    text += Formatted("             its clock is %.1f ms %s, within %.1f ms\n",
+                      std::abs(state.clock->offset_ms),
+                      state.clock->offset_ms > 0 ? "ahead" : "behind", state.clock->uncertainty_ms);
   for (const wire::Stream& stream : about.streams())
     text += Formatted("             %-10s %6llu, %6.1f /s, %7.1f ms, %llu dropped\n",
                       stream.name().c_str(), static_cast<unsigned long long>(stream.items()),
@@ -75,6 +84,9 @@ nlohmann::json NodeToJson(const NodeState& state) {
   json["cpu_s"] = about.cpu_s();
   json["resident_bytes"] = about.resident_bytes();
   json["state"] = about.state();
+  if (state.clock)
+    json["clock"] = {{"offset_ms", state.clock->offset_ms},
+                     {"uncertainty_ms", state.clock->uncertainty_ms}};
   json["served"] = {{"requests", served.requests()},
                     {"replies", served.replies()},
                     {"bytes_in", served.bytes_in()},
@@ -113,32 +125,64 @@ nlohmann::json NodeToJson(const NodeState& state) {
 
 }  // namespace
 
-Result<std::vector<NodeState>> AskGraph(const GraphPlan& plan, const std::string& name,
-                                        double patience_s, const std::stop_token& stop) {
+struct GraphWatch::Asked {
+  GraphNode node;
+  std::unique_ptr<NodeClient> client;
+  std::future<Result<SharedReply>> reply;  ///< Valid while a question is open.
+  std::int64_t asked_ns = 0;
+};
+
+Result<std::unique_ptr<GraphWatch>> GraphWatch::Create(const GraphPlan& plan,
+                                                       const std::string& name) {
   const Result<std::shared_ptr<SocketContext>> context = ContextOf(plan, name);
   if (!context.ok()) return context.error();
-  std::vector<std::unique_ptr<NodeClient>> clients;
-  std::vector<std::future<Result<SharedReply>>> replies;
-  std::vector<NodeState> states;
+  std::unique_ptr<GraphWatch> watch(new GraphWatch());
   for (const GraphNode& node : plan.nodes) {
     const Result<Endpoint> endpoint = Endpoint::Parse(node.endpoint);
     if (!endpoint.ok()) return endpoint.error();
     auto client = NodeClient::Connect(*context, node.name, *endpoint);
     if (!client.ok()) return client.error();
+    auto asked = std::make_unique<Asked>();
+    asked->node = node;
+    asked->client = std::move(client).value();
+    watch->nodes_.push_back(std::move(asked));
+  }
+  return watch;
+}
+
+GraphWatch::~GraphWatch() = default;
+
+std::vector<NodeState> GraphWatch::Ask(double patience_s, const std::stop_token& stop) {
+  std::vector<NodeState> states;
+  for (const auto& asked : nodes_) {
+    states.push_back({asked->node, {}, {}});
+    if (asked->reply.valid()) continue;
     wire::Request request;
     request.mutable_about();
-    replies.push_back((*client)->Ask(std::move(request)));
-    clients.push_back(std::move(client).value());
-    states.push_back({node, {}});
+    asked->asked_ns = SystemClockNs();
+    asked->reply = asked->client->Ask(std::move(request));
   }
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
-  for (std::size_t i = 0; i < replies.size(); ++i) {
-    while (!stop.stop_requested() && std::chrono::steady_clock::now() < until &&
-           replies[i].wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
-      continue;
-    if (replies[i].wait_for(std::chrono::seconds(0)) != std::future_status::ready) continue;
-    const Result<SharedReply> reply = replies[i].get();
-    if (reply.ok() && (*reply)->has_about()) states[i].about = (*reply)->about();
+  bool all = false;
+  while (!all && !stop.stop_requested() && std::chrono::steady_clock::now() < until) {
+    all = true;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      Asked& asked = *nodes_[i];
+      if (!asked.reply.valid()) continue;
+      if (asked.reply.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+        all = false;
+        continue;
+      }
+      const Result<SharedReply> reply = asked.reply.get();
+      if (!reply.ok() || !(*reply)->has_about()) continue;
+      states[i].about = (*reply)->about();
+      if (states[i].about->clock_ns() == 0) continue;
+      const std::int64_t now_ns = SystemClockNs(), took_ns = now_ns - asked.asked_ns;
+      const std::int64_t ahead_ns = states[i].about->clock_ns() - (asked.asked_ns + took_ns / 2);
+      states[i].clock = NodeState::ClockOffset{1e-6 * static_cast<double>(ahead_ns),
+                                               0.5e-6 * static_cast<double>(took_ns)};
+    }
+    if (!all) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   return states;
 }

@@ -32,6 +32,11 @@ std::uint64_t ResidentBytes() {
 
 }  // namespace
 
+std::int64_t SystemClockNs() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
+
 void StreamMeter::Count(double latency_ms) {
   const std::lock_guard lock(mutex_);
   ++items_;
@@ -67,6 +72,7 @@ void NodeLink::Board::Tell(wire::About& about) {
   about.set_up_s(std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count());
   about.set_cpu_s(CpuSeconds());
   about.set_resident_bytes(ResidentBytes());
+  about.set_clock_ns(SystemClockNs());
   wire::Served& served = *about.mutable_served();
   served.set_images_shared(pixels->shared);
   served.set_images_sent(pixels->sent);
@@ -153,9 +159,9 @@ void NodeLink::Serve(const std::stop_token& stop,
 }
 
 Error DoesNotAnswer(const wire::Request& request, const GraphNode& node) {
-  static constexpr const char* kAsked[] = {"about",     "sequence", "images", "edges",
-                                           "proposals", "scores",   "header", "reports",
-                                           "resume",    "map",      "imu",    "poses"};
+  static constexpr const char* kAsked[] = {"about",  "sequence", "images",  "edges",   "proposals",
+                                           "scores", "header",   "reports", "resume",  "map",
+                                           "imu",    "poses",    "growth",  "recorded"};
   const int index = static_cast<int>(request.what_case()) - static_cast<int>(wire::Request::kAbout);
   const bool known = index >= 0 && index < static_cast<int>(std::size(kAsked));
   return {ErrorCode::kUnsupported, "the node '" + node.name + "' (" +

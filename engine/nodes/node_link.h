@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -25,6 +26,9 @@ struct NodeSetup {
   std::string program_version;
   WorkContext work;
 };
+
+/// Since 1970, by the clock of this machine.
+std::int64_t SystemClockNs();
 
 /// Counts what flows through a node. Safe to use from several threads.
 class StreamMeter {

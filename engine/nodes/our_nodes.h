@@ -27,6 +27,9 @@ Status RunRecorderNode(const NodeSetup& setup);
 
 Status RunNode(const NodeSetup& setup);
 
+/// In the graph's folder once its recorder has begun the run file.
+inline constexpr const char* kRunBegun = "recording";
+
 /// Edges as an answer.
 Result<wire::Reply> EdgesReply(const wire::Request& request, SendablePixels& probability,
                                SendablePixels& angle);

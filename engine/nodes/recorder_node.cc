@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <atomic>
 #include <deque>
 #include <limits>
-#include <map>
 #include <mutex>
 #include <thread>
 
@@ -11,7 +11,7 @@
 #include "engine/base/timer.h"
 #include "engine/mapping/map_report.h"
 #include "engine/nodes/our_nodes.h"
-#include "engine/nodes/own_pose_message.h"
+#include "engine/nodes/recording_parts.h"
 #include "engine/nodes/remote_sequence.h"
 #include "engine/nodes/report_message.h"
 #include "engine/recording/landmark_history.h"
@@ -20,6 +20,12 @@
 
 namespace plumbline {
 namespace {
+
+/// A message for a copy of the run is not larger than this and one frame.
+constexpr std::size_t kRecordedBytes = std::size_t{2} << 20;
+/// How long a recorder waits at its end for copies that have asked lately.
+constexpr std::int64_t kLinger_ns = 1'000'000'000;
+constexpr double kMostLinger_ms = 10'000;
 
 class RecorderProcess {
  public:
@@ -36,34 +42,31 @@ class RecorderProcess {
     request.mutable_header();
     const Result<SharedReply> reply = (*mapper)->AskAndWait(std::move(request), stop_);
     if (!reply.ok()) return reply.error();
-    std::shared_ptr<const OwnPoses> poses;
     if (!setup_.node.poses.empty()) {
       const Result<NodeClient*> vio = link_.Ask(setup_.node.poses);
       if (!vio.ok()) return vio.error();
-      if (setup_.plan.recipe->live_speed) {
-        own_poses_ = std::make_unique<OwnPoseStore>(MakeRemoteOwnPoses(**vio));
-      } else {
-        auto found = AskForOwnPoses(**vio, stop_);
-        if (!found.ok()) return found.error();
-        poses = std::move(found).value();
-      }
+      auto poses = RunPoses::Ask(**vio, setup_.plan.recipe->live_speed.has_value(), stop_);
+      if (!poses.ok()) return poses.error();
+      poses_ = std::move(poses).value();
     }
-    if (Status status = OpenRun((*reply)->header().json(), poses.get()); !status.ok())
-      return status;
+    if (Status status = OpenRun((*reply)->header().json()); !status.ok()) return status;
     std::jthread serving([this](const std::stop_token& end) { Serve(end); });
     Status status = Record(**mapper, **player);
-    if (status.ok() && own_poses_ != nullptr) status = TellWhatItBecame(**mapper);
-    const std::lock_guard lock(mutex_);
-    const Status closed = writer_->Close();
-    return status.ok() ? closed : status;
+    if (status.ok()) status = KeepWhatItBecame(**mapper);
+    {
+      const std::lock_guard lock(mutex_);
+      const Status closed = writer_->Close();
+      if (status.ok()) status = closed;
+    }
+    if (status.ok()) LetCopiesEnd();
+    return status;
   }
 
  private:
   /// That this graph has begun the run file: whoever starts this node again must go on with it.
-  std::filesystem::path Begun() const { return setup_.plan.folder / "recording"; }
+  std::filesystem::path Begun() const { return setup_.plan.folder / kRunBegun; }
 
-  /// @param poses  Null unless poses = vio.
-  Status OpenRun(const std::string& json, const OwnPoses* poses) {
+  Status OpenRun(const std::string& json) {
     Result<RunHeader> header = HeaderFromJson(ParseJson(json));
     if (!header.ok())
       return Error{header.error().code,
@@ -73,14 +76,15 @@ class RecorderProcess {
     const bool go_on = std::filesystem::exists(out_, ignored) &&
                        (setup_.plan.resume || std::filesystem::exists(Begun(), ignored));
     if (go_on) {
-      Result<RunWriter::Resumed> resumed = setup_.plan.recipe->live_speed
-                                               ? RunWriter::Reopen(out_)
-                                               : RunWriter::OpenToResume(out_, *header, poses);
+      Result<RunWriter::Resumed> resumed =
+          setup_.plan.recipe->live_speed ? RunWriter::Reopen(out_)
+                                         : RunWriter::OpenToResume(out_, *header, poses_.all());
       if (!resumed.ok()) return resumed.error();
       writer_ = std::move(resumed->writer);
       if (resumed->last) handed_ = kept_ = resumed->last->frame;
     } else {
-      Result<std::unique_ptr<RunWriter>> created = RunWriter::Create(out_, *header, {}, poses);
+      Result<std::unique_ptr<RunWriter>> created =
+          RunWriter::Create(out_, *header, {}, poses_.all());
       if (!created.ok()) return created.error();
       writer_ = std::move(created).value();
     }
@@ -88,29 +92,28 @@ class RecorderProcess {
     return WriteFileAtomically(Begun(), out_.string() + "\n");
   }
 
-  /// Of a live run: its last frame, and poses up to it.
-  Status TellWhatItBecame(NodeClient& mapper) {
+  /// Of a live run whose poses grew: its last frame, and poses up to it.
+  Status KeepWhatItBecame(NodeClient& mapper) {
+    if (setup_.node.poses.empty() || !setup_.plan.recipe->live_speed) return {};
     wire::Request request;
     request.mutable_header();
     const Result<SharedReply> reply = mapper.AskAndWait(std::move(request), stop_);
     if (!reply.ok()) return reply.error();
     const Result<RunHeader> header = HeaderFromJson(ParseJson((*reply)->header().json()));
     if (!header.ok()) return header.error();
-    own_poses_->Advance(header->end_frame - 1, stop_);
+    auto poses = poses_.AllUpTo(header->end_frame - 1, stop_);
     const std::lock_guard lock(mutex_);
-    writer_->SetGrown(*header, own_poses_->Copy());
+    writer_->SetGrown(*header, std::move(poses));
     return {};
   }
 
-  /// Of a live run, those that are known by now; about once a second, else null.
-  std::shared_ptr<const OwnPoses> GrownPoses(int frame) {
-    if (own_poses_ == nullptr) return nullptr;
-    own_poses_->Advance(frame, stop_);
-    if (since_grown_.Milliseconds() < grown_pause_ms_) return nullptr;
-    since_grown_ = Stopwatch();
-    auto poses = own_poses_->Copy();
-    grown_pause_ms_ = std::max(1000.0, 20 * since_grown_.Milliseconds());
-    return poses;
+  /// Whoever keeps a copy asks until it is told the end.
+  void LetCopiesEnd() {
+    ended_ = true;
+    const Stopwatch since;
+    while (!stop_.stop_requested() && since.Milliseconds() < kMostLinger_ms &&
+           SystemClockNs() - copied_ns_ < kLinger_ns)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 
   Status Record(NodeClient& mapper, NodeClient& player) {
@@ -129,13 +132,13 @@ class RecorderProcess {
       if (report->frame <= handed_)
         return Error{ErrorCode::kCorrupt,
                      "the mapper sent frame " + std::to_string(report->frame) + " again"};
-      ShareParticles(message, *report);
+      sharing_.Share(message, *report);
       // As in one process, a frame whose image cannot be read has no picture.
       const Result<cv::Mat> image = TakePixels(
           images, report->frame, stop_,
           [](const wire::Reply& answer) { return PixelsFromWire(answer.image().pixels()); });
       if (!image.ok() && image.error().code == ErrorCode::kCancelled) return image.error();
-      const auto grown = GrownPoses(report->frame);
+      const auto grown = poses_.GrownUpTo(report->frame, stop_);
       {
         const std::lock_guard lock(mutex_);
         handed_ = report->frame;
@@ -152,22 +155,6 @@ class RecorderProcess {
     }
   }
 
-  /// Sets of particles that an object has kept since the frame before are one set again, as the
-  /// mapper has them: the run file stores them once.
-  void ShareParticles(const wire::Report& message, FrameReport& report) {
-    std::map<int, KeptParticles> now;
-    for (int i = 0; i < message.objects_size(); ++i) {
-      const std::string& bytes = message.objects(i).particles();
-      if (bytes.empty()) continue;
-      auto& particles = report.objects[static_cast<std::size_t>(i)].particles;
-      const auto before = particles_.find(message.objects(i).id());
-      if (before != particles_.end() && before->second.bytes == bytes)
-        particles = before->second.particles;
-      now[message.objects(i).id()] = {bytes, particles};
-    }
-    particles_ = std::move(now);
-  }
-
   /// The last frame that is safely in the file.
   int Kept() {
     const std::lock_guard lock(mutex_);
@@ -181,9 +168,44 @@ class RecorderProcess {
 
   void Serve(const std::stop_token& end) {
     link_.Serve(end, [&](const wire::Request& request) -> Result<wire::Reply> {
-      if (!request.has_resume()) return DoesNotAnswer(request, setup_.node);
-      return Resume(end);
+      if (request.has_resume()) return Resume(end);
+      if (request.has_recorded()) return Recorded(request);
+      return DoesNotAnswer(request, setup_.node);
     });
+  }
+
+  /// Frames that the file has, for a copy of it.
+  Result<wire::Reply> Recorded(const wire::Request& request) {
+    const bool ended = ended_;  // before the file is looked at
+    copied_ns_ = SystemClockNs();
+    if (reader_ == nullptr || ended) {  // the end may have changed the header
+      auto reader = RunReader::Open(out_);
+      if (!reader.ok()) return reader.error();
+      reader_ = std::move(reader).value();
+    }
+    const Result<int> frames = reader_->NumFrames();
+    if (!frames.ok()) return frames.error();
+    wire::Reply reply;
+    wire::Recorded& recorded = *reply.mutable_recorded();
+    recorded.set_header(HeaderToJson(reader_->header()).dump());
+    std::size_t bytes = 0;
+    int position = std::max(0, request.recorded().from());
+    for (; position < *frames && bytes < kRecordedBytes; ++position) {
+      const Result<FrameReport> report = reader_->ReadFrame(position);
+      if (!report.ok()) return report.error();
+      wire::RecordedFrame& frame = *recorded.add_frames();
+      *frame.mutable_report() = ReportToWire(*report, true);
+      const Result<cv::Mat> thumbnail = reader_->ReadThumbnail(position);
+      if (thumbnail.ok() && !thumbnail->empty()) {
+        wire::Request elsewhere;  // as for another machine: no shared memory for so little
+        Result<wire::Pixels> pixels = SendablePixels(*thumbnail, link_.pixels()).For(elsewhere);
+        if (!pixels.ok()) return pixels.error();
+        *frame.mutable_thumbnail() = std::move(pixels).value();
+      }
+      bytes += frame.ByteSizeLong();
+    }
+    recorded.set_end(ended && position >= *frames);
+    return reply;
   }
 
   /// Where a mapper that starts now goes on: read from the file, as `run --resume` does.
@@ -215,20 +237,18 @@ class RecorderProcess {
     return reply;
   }
 
-  struct KeptParticles {
-    std::string bytes;
-    std::shared_ptr<const std::vector<Particle>> particles;
-  };
-
   const NodeSetup& setup_;
   NodeLink& link_;
   const std::stop_token stop_;
   const std::filesystem::path out_;
   int num_models_ = 0;
-  std::map<int, KeptParticles> particles_;   ///< By object, of the last frame.
-  std::unique_ptr<OwnPoseStore> own_poses_;  ///< Of a live run with poses = vio, else null.
-  Stopwatch since_grown_;
-  double grown_pause_ms_ = 0;
+  ParticleSharing sharing_;
+  RunPoses poses_;
+
+  // Of whoever keeps a copy.
+  std::unique_ptr<RunReader> reader_;  ///< Of the thread that serves.
+  std::atomic<std::int64_t> copied_ns_{0};
+  std::atomic<bool> ended_{false};
 
   std::mutex mutex_;  ///< Of what follows.
   std::unique_ptr<RunWriter> writer_;

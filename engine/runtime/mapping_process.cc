@@ -14,7 +14,8 @@ namespace plumbline {
 
 namespace {
 constexpr auto kHistoryPeriod = std::chrono::milliseconds(150);
-}
+constexpr auto kLookForMore = std::chrono::milliseconds(50);
+}  // namespace
 
 MappingProcess::MappingProcess(OpenSource open, std::optional<int> start_frame,
                                std::function<void()> on_publish)
@@ -75,12 +76,13 @@ void MappingProcess::Loop(std::stop_token stop) {
   }
   PublishView();
   state_.frame = source_->FrameAt(0);
-  if (source_->live() && !start_frame_)
+  if (source_->grows() && !start_frame_)
     Follow(true);
   else
     SetTarget(start_frame_ ? PositionOf(*start_frame_) : 0);
   PublishPlayback();
   while (!stop.stop_requested()) {
+    LookForMore();
     if (target_ || (playing_ && Clock::now() >= due_)) {
       TakeCommands();
       Advance(stop);
@@ -106,7 +108,24 @@ std::optional<PlaybackCommand> MappingProcess::NextCommand() {
       PublishPlayback();
     }
   }
+  const auto look = Clock::now() + kLookForMore;
+  if (growing()) return commands_.PopUntil(playing_ ? std::min(due_, look) : look);
   return playing_ ? commands_.PopUntil(due_) : commands_.Pop();
+}
+
+/// A run that somebody is mapping: its frames come by themselves.
+bool MappingProcess::growing() const { return source_->recorded() && source_->grows() && !failed_; }
+
+void MappingProcess::LookForMore() {
+  if (!growing()) return;
+  const Result<bool> more = source_->Grow();
+  if (!more.ok()) return Fail(more.error().message);
+  if (!*more) return;
+  reads_ahead_ = true;
+  if (source_->view_version() != published_view_) PublishView();
+  if (state_.follow && position_ < LastPosition()) SetTarget(LastPosition());
+  if (!growing()) state_.follow = false;
+  PublishPlayback();
 }
 
 void MappingProcess::TakeCommands() {
@@ -138,7 +157,8 @@ int MappingProcess::RangeEnd() const {
 /// Nobody can tell what a live source will have mapped by then: it goes as far as the newest frame.
 void MappingProcess::SetTarget(int position) {
   const int last = LastPosition();
-  target_ = std::clamp(position, 0, source_->live() ? std::min(last, source_->mapped()) : last);
+  const bool unknown = source_->grows() && !source_->recorded();
+  target_ = std::clamp(position, 0, unknown ? std::min(last, source_->mapped()) : last);
 }
 
 void MappingProcess::Apply(const PlaybackCommand& command) {
@@ -163,6 +183,7 @@ void MappingProcess::Apply(const PlaybackCommand& command) {
 void MappingProcess::Play(bool on) {
   if (!on) state_.mapping = false;
   state_.follow = false;
+  if (on && growing() && position_ >= LastPosition() && !state_.loop) return Follow(true);
   playing_ = on && !(failed_ && position_ >= LastPosition());
   if (playing_ && (position_ >= RangeEnd() || position_ < RangeBegin())) SetTarget(RangeBegin());
   if (!on) target_.reset();
@@ -179,13 +200,14 @@ void MappingProcess::TogglePlay() {
 
 void MappingProcess::Step(int frames) {
   playing_ = false;
-  SetTarget(target_.value_or(position_) + frames);
-  state_.follow = state_.mapping && *target_ >= source_->mapped();
+  const int wanted = target_.value_or(position_) + frames;
+  SetTarget(wanted);
+  state_.follow = (state_.mapping || growing()) && wanted >= source_->mapped();
 }
 
 void MappingProcess::Seek(int frame) {
   SetTarget(PositionOf(frame));
-  state_.follow = state_.mapping && *target_ + 1 >= source_->mapped();
+  state_.follow = (state_.mapping || growing()) && *target_ + 1 >= source_->mapped();
 }
 
 void MappingProcess::SetRange(const SetRangeCommand& range) {
@@ -217,7 +239,8 @@ void MappingProcess::Watch(const WatchCommand& what) {
 void MappingProcess::Follow(bool on) {
   playing_ = false;
   target_.reset();
-  state_.follow = state_.mapping = on && !failed_ && source_->mapped() < source_->size();
+  state_.mapping = on && !failed_ && source_->mapped() < source_->size();
+  state_.follow = on && (state_.mapping || growing());
   if (on && source_->mapped() > 0 && position_ + 1 < source_->mapped())
     SetTarget(source_->mapped() - 1);
 }
@@ -248,6 +271,7 @@ void MappingProcess::Advance(std::stop_token stop) {
   if (wanted > (target_ ? LastPosition() : RangeEnd())) {
     playing_ = false;
     target_.reset();
+    if (growing() && !state_.range_end) Follow(true);
     return PublishPlayback();
   }
   if (wanted < source_->mapped()) {
@@ -331,8 +355,9 @@ void MappingProcess::PublishPlayback() {
                                              source_->options()));
       timings_.Publish(analyst_.OfTimings(source_->history()));
     }
-    const bool at_end =
-        !playing_ && !target_ && !state_.mapping && position_ + 1 >= source_->size();
+    state_.growing = growing();
+    const bool at_end = !playing_ && !target_ && !state_.mapping && !state_.growing &&
+                        position_ + 1 >= source_->size();
     state_.state = failed_                     ? PlaybackState::kFailed
                    : playing_ || state_.follow ? PlaybackState::kPlaying
                    : at_end                    ? PlaybackState::kFinished

@@ -85,6 +85,8 @@ class MappingProcess {
   void TakeCommands();
   void Advance(std::stop_token stop);
   bool MapsOn() const;
+  bool growing() const;
+  void LookForMore();
   void MapOn(std::stop_token stop);
   void Follow(bool on);
   void PublishView();

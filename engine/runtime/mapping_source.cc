@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/runtime/mapping_source.h"
 
-#include <stdlib.h>
-#include <unistd.h>
-
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -18,46 +15,14 @@
 #include "engine/recording/run_file.h"
 #include "engine/runtime/past_frame.h"
 #include "engine/runtime/probe_answer.h"
+#include "engine/runtime/run_file_place.h"
 #include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
 namespace {
 
 constexpr std::size_t kMemoryBytes = 300u << 20;
-constexpr const char *kTemporaryFolder = "plumbline_XXXXXX", *kTemporaryRun = "live.plb";
 constexpr auto kWriterPatience = std::chrono::seconds(5);
-
-/// A run file, removed with its companions if it is only for the time being.
-class RunFilePlace {
- public:
-  static Result<RunFilePlace> Choose(const std::filesystem::path& wanted) {
-    RunFilePlace place;
-    place.path_ = wanted;
-    if (!wanted.empty()) return place;
-    std::string folder = (std::filesystem::temp_directory_path() / kTemporaryFolder).string();
-    if (mkdtemp(folder.data()) == nullptr) {
-      return Error{ErrorCode::kIo, "cannot make a temporary folder in '" +
-                                       std::filesystem::temp_directory_path().string() +
-                                       "' to record into"};
-    }
-    place.folder_ = folder;
-    place.path_ = place.folder_ / kTemporaryRun;
-    return place;
-  }
-  RunFilePlace(RunFilePlace&& other) noexcept
-      : path_(std::move(other.path_)), folder_(std::exchange(other.folder_, {})) {}
-  RunFilePlace(const RunFilePlace&) = delete;
-  RunFilePlace& operator=(const RunFilePlace&) = delete;
-  ~RunFilePlace() {
-    std::error_code ignored;
-    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  RunFilePlace() = default;
-  std::filesystem::path path_, folder_;
-};
 
 class MappingSource : public SnapshotSource {
  public:
@@ -184,13 +149,6 @@ class MappingSource : public SnapshotSource {
 };
 
 }  // namespace
-
-bool IsTemporaryRun(const std::filesystem::path& run) {
-  std::error_code ignored;
-  const std::filesystem::path folder = run.parent_path();
-  return run.filename() == kTemporaryRun && folder.filename().string().starts_with("plumbline_") &&
-         folder.parent_path() == std::filesystem::temp_directory_path(ignored);
-}
 
 Result<std::unique_ptr<SnapshotSource>> OpenMappingSource(const MappingChoice& choice,
                                                           const WorkContext& work) {

@@ -21,7 +21,4 @@ struct MappingChoice {
 Result<std::unique_ptr<SnapshotSource>> OpenMappingSource(const MappingChoice& choice,
                                                           const WorkContext& work);
 
-/// Whether a run file is one that OpenMappingSource keeps only for as long as the source lives.
-bool IsTemporaryRun(const std::filesystem::path& run);
-
 }  // namespace plumbline

@@ -66,6 +66,12 @@ class SnapshotSource {
   /// mapped. Such a source leaves frames out: what comes after the mapped ones moves up, and size()
   /// falls, with each that it passes over.
   virtual std::optional<LiveReport> live() const { return std::nullopt; }
+  /// Frames come by themselves, so the newest is what is shown first: a live source, or a run that
+  /// somebody is mapping.
+  virtual bool grows() const { return live().has_value(); }
+  /// Of a recorded source that grows: takes what has come since; true if there is a new frame, or
+  /// if no more will come. Returns at once. Errors: of the file.
+  virtual Result<bool> Grow() { return false; }
   /// Reads a little more of the history, for some milliseconds; false once there is no more to
   /// read.
   virtual bool ReadAhead() { return false; }

@@ -33,14 +33,15 @@ struct PlaybackView {
   std::optional<int> seek_target;  ///< Mapping towards this frame.
   double frames_per_second =
       0;                  ///< Measured over the last frames that were shown; 0 while it rests.
-  bool recorded = false;  ///< All frames come from a run file: nothing is mapped.
+  bool recorded = false;  ///< All frames come from a run file: nothing is mapped here.
+  bool growing = false;   ///< Somebody else is mapping that run: more frames come.
   /// Life events of all frames so far, by frame; never null.
   std::shared_ptr<const std::vector<FrameEvent>> events =
       std::make_shared<const std::vector<FrameEvent>>();
   /// Never null.
   std::shared_ptr<const RunHistory> history = std::make_shared<const RunHistory>();
   bool mapping = false;  ///< The mapper goes on, whatever is shown.
-  bool follow = false;   ///< Shows every frame that is mapped; only while `mapping`.
+  bool follow = false;   ///< Shows the newest frame; only while `mapping` or `growing`.
   bool loop = false;     ///< Playing starts again at the end.
   /// Of the frame that is mapped next; null until the source is open.
   std::shared_ptr<const MapperOptions> options;

@@ -70,6 +70,16 @@ Status NodeReply(std::string_view input) {
       std::vector<ImuSample> samples;
       return AddGrowthFromWire(reply->growth(), samples);
     }
+    case wire::Reply::kRecorded: {
+      const auto header = HeaderFromJson(ParseJson(reply->recorded().header()));
+      if (!header.ok()) return header.error();
+      for (const wire::RecordedFrame& frame : reply->recorded().frames()) {
+        if (auto report = ReportFromWire(frame.report(), kModels); !report.ok())
+          return report.error();
+        (void)PixelsFromWire(frame.thumbnail());
+      }
+      return Status();
+    }
     case wire::Reply::kMap:
       return StatusOf(ReportFromWire(reply->map().report(), kModels));
     default:

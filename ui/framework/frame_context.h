@@ -18,6 +18,7 @@
 #include "engine/snapshot/comparison_view.h"
 #include "engine/snapshot/fork_view.h"
 #include "engine/snapshot/frame_analysis.h"
+#include "engine/snapshot/graph_view.h"
 #include "engine/snapshot/networks_view.h"
 #include "engine/snapshot/object_history.h"
 #include "engine/snapshot/object_look.h"
@@ -115,6 +116,7 @@ struct FrameContext {
   std::shared_ptr<const ForkOffer> fork_offer;   ///< Null: nothing is open.
   std::shared_ptr<const ForkView> fork;          ///< The last one; null: none yet.
   std::shared_ptr<const NetworksView> networks;  ///< Null until it is known.
+  std::shared_ptr<const GraphView> graph;        ///< That maps what is open; null: none is told.
   /// Of the run that is to take the place of what is open, once it is open or has failed to; null:
   /// none.
   std::shared_ptr<const PlaybackView> reopening;

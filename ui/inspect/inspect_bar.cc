@@ -26,6 +26,15 @@ std::string LiveText(const PlaybackView& playback, const std::string& rate) {
   return fmt::format("Paused; what comes now is passed over. Space goes on. So far {}.", fares);
 }
 
+/// Of a run that somebody else is mapping.
+std::string GrowingText(const PlaybackView& playback, const std::string& rate) {
+  if (playback.follow)
+    return fmt::format("Following the run as it is mapped: frame {}{}", playback.frame, rate);
+  const char* doing = playback.state == PlaybackState::kPlaying ? "Playing" : "Looking back at";
+  return fmt::format("{} frame {}; the run is mapped up to {}, and goes on. N shows the newest.",
+                     doing, playback.frame, playback.newest_mapped_frame);
+}
+
 std::string StatusText(const FrameContext& context) {
   const PlaybackView& playback = *context.playback;
   const std::string rate = playback.frames_per_second > 0 ? fmt::format("  \u00b7  {:.1f} frames/s",
@@ -37,6 +46,7 @@ std::string StatusText(const FrameContext& context) {
   const bool at_newest = playback.frame >= playback.newest_mapped_frame;
   const char* doing = playback.recorded || !at_newest ? "Playing the recording" : "Mapping";
   if (playback.live && playback.state != PlaybackState::kFailed) return LiveText(playback, rate);
+  if (playback.growing) return GrowingText(playback, rate);
   switch (playback.state) {
     case PlaybackState::kFailed:
       return playback.message;
@@ -94,9 +104,12 @@ void DrawSequenceName(const FrameContext& context, const LayoutRect& bar) {
   if (context.sequence == nullptr) return;
   Tooltip(context, context.sequence->path);
   const SequenceView& sequence = *context.sequence;
-  const std::string more = fmt::format(
-      "{} frames, {} \u00d7 {} px, {:g} Hz{}", sequence.num_frames, sequence.image_width,
-      sequence.image_height, sequence.rate_hz, context.playback->recorded ? ", recorded run" : "");
+  const char* kind = context.playback->growing    ? ", being mapped elsewhere"
+                     : context.playback->recorded ? ", recorded run"
+                                                  : "";
+  const std::string more =
+      fmt::format("{} frames, {} \u00d7 {} px, {:g} Hz{}", sequence.num_frames,
+                  sequence.image_width, sequence.image_height, sequence.rate_hz, kind);
   if (width > room) ImGui::SetCursorScreenPos({x + room, bar.low.y});
   if (width > room) return ImGui::Dummy({0, 0});
   if (width + context.Scaled(12) + ImGui::CalcTextSize(more.c_str()).x > room) return;
@@ -166,7 +179,7 @@ void LayoutMenu::DrawPopup(const FrameContext& context, CommandSink& sink) {
   ImGui::Separator();
   DimText("Panels");
   for (const PanelEntry& entry : InspectPanels()) {
-    if (!CanHide(entry)) continue;
+    if (!CanHide(entry) || (entry.is_there != nullptr && !entry.is_there(context))) continue;
     const bool hidden = context.hidden_panels.contains(entry.info.id);
     if (ImGui::Selectable(
             fmt::format("{}  {}", hidden ? "\u2013" : "\u2022", entry.info.title).c_str(), false,

@@ -23,6 +23,7 @@
 #include "ui/inspect/object/posterior_panel.h"
 #include "ui/inspect/object/relations_panel.h"
 #include "ui/inspect/object/why_panel.h"
+#include "ui/inspect/processes/processes_panel.h"
 #include "ui/inspect/timeline/flow_panel.h"
 #include "ui/inspect/timeline/timeline_actions.h"
 #include "ui/inspect/timeline/timeline_panel.h"
@@ -94,6 +95,13 @@ constexpr PanelEntry kPanels[] = {
      PanelPlace::kAboutMap,
      MakeWhatIfPanel,
      TwoRunActions},
+    {{"processes", "Processes",
+      "The processes that map what is shown (plumbline up): whether each answers, what it says of "
+      "itself, how much flows through it and how long that takes. Point at one for whom it asks."},
+     PanelPlace::kAboutMap,
+     MakeProcessesPanel,
+     nullptr,
+     [](const FrameContext& context) { return context.graph != nullptr; }},
     {{"details", "Selected object",
       "What the filter believes about the selected object: which shape it is, where, and how "
       "surely."},
@@ -217,7 +225,8 @@ std::vector<ActionGroup> InspectActions() {
                                .run = Posts(MaximizePanelCommand{entry.info.id})});
     if (tab)
       shown.actions.push_back({.text = std::string("Show panel: ") + entry.info.title,
-                               .run = Posts(ShowPanelCommand{entry.info.id})});
+                               .run = Posts(ShowPanelCommand{entry.info.id}),
+                               .is_offered = entry.is_there});
     if (entry.place == PanelPlace::kFigure || entry.place == PanelPlace::kOtherRun) continue;
     shown.actions.push_back(
         {.text = std::string("Save a picture of the panel: ") + entry.info.title,

@@ -30,6 +30,8 @@ struct PanelEntry {
   PanelPlace place = PanelPlace::kFigure;
   std::unique_ptr<Panel> (*make)() = nullptr;
   ActionGroup (*actions)() = nullptr;  ///< Keys and commands that belong to it; null: none.
+  /// Whether there is something that it could show at all; null: always.
+  bool (*is_there)(const FrameContext&) = nullptr;
 };
 std::span<const PanelEntry> InspectPanels();
 

@@ -53,8 +53,13 @@ void InspectWorkspace::DrawFigure(const FrameContext& context, ImVec2 size, Comm
 }
 
 std::vector<Panel*> InspectWorkspace::ShownAt(const FrameContext& context, PanelPlace place) const {
-  std::vector<Panel*> shown = PanelsAt(place);
-  std::erase_if(shown, [&](Panel* p) { return context.hidden_panels.contains(p->id()); });
+  std::vector<Panel*> shown;
+  for (std::size_t i = 0; i < panels_.size(); ++i) {
+    const PanelEntry& entry = InspectPanels()[i];
+    const bool there = entry.is_there == nullptr || entry.is_there(context);
+    if (entry.place == place && there && !context.hidden_panels.contains(entry.info.id))
+      shown.push_back(panels_[i]);
+  }
   return shown;
 }
 
@@ -214,6 +219,7 @@ void InspectWorkspace::AddState(const FrameContext& context, nlohmann::json& sta
        {"state", StateName(playback.state)},
        {"seeking", playback.seek_target.has_value()},
        {"recorded", playback.recorded},
+       {"growing", playback.growing},
        {"speed", playback.speed},
        {"mapping", playback.mapping},
        {"follow_newest", playback.follow},

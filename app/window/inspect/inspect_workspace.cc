@@ -9,7 +9,7 @@
 #include "engine/base/overloaded.h"
 #include "engine/dataset/sequence.h"
 #include "engine/geometry/gravity.h"
-#include "engine/runtime/mapping_source.h"
+#include "engine/runtime/run_file_place.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/sequence_view.h"
 #include "ui/framework/particle_place.h"
@@ -41,6 +41,7 @@ InspectWorkspace::InspectWorkspace(InspectOptions options, bool software_gl, Fra
   what_if_ = std::make_unique<WhatIf>(
       [this](const std::string& path) { return options_.opener(path, with_); }, options_.inputs,
       options_.program_version, wake_);
+  if (options_.graph) graph_ = std::make_unique<GraphProcess>(std::move(*options_.graph), wake_);
   context.playback = std::make_shared<const PlaybackView>();
   context.viewport = &viewport_;
   context.scene = scene_.get();
@@ -77,6 +78,7 @@ void InspectWorkspace::Open(const std::string& path, std::optional<int> frame,
   process_.reset();
   if (path != source_) with_ = {.models = with_.models};
   source_ = path;
+  if (graph_source_.empty()) graph_source_ = path;
   Begin(std::make_unique<MappingProcess>(options_.opener(path, with_), frame, wake_), context);
 }
 
@@ -176,6 +178,8 @@ void InspectWorkspace::ReadSlots(FrameContext& context) {
   context.ask_frame = std::exchange(ask_frame_, false);
   AddBookmarksRead(context);
   context.networks = networks_.View();
+  const bool mapped_by_graph = graph_ != nullptr && source_ == graph_source_;
+  context.graph = mapped_by_graph ? graph_->View() : nullptr;
   TakeReopened(context);
   if (process_ == nullptr) return;
   AskForWhatIsNeeded(context);

@@ -16,6 +16,7 @@
 #include "app/window/inspect/what_if.h"
 #include "app/window/workspace.h"
 #include "engine/runtime/batch_reader.h"
+#include "engine/runtime/graph_process.h"
 #include "engine/runtime/mapping_process.h"
 #include "engine/runtime/network_process.h"
 #include "ui/framework/scene_surface.h"
@@ -45,6 +46,7 @@ struct InspectOptions {
   const RenderLayout* layout = nullptr;  ///< Shows these panels alone; null: the whole window.
   ObjectId select;                       ///< Selected at the start; not valid: one in view.
   std::filesystem::path settings;        ///< Of the window; bookmarks of sequences lie beside it.
+  std::optional<GraphChoice> graph;      ///< That maps what is opened first; nothing: none.
 };
 
 /// Plays a sequence through the mapper, or a recorded run.
@@ -163,6 +165,8 @@ class InspectWorkspace : public Workspace {
   NetworkProcess networks_;
   BatchReader batches_;
   std::unique_ptr<WhatIf> what_if_;
+  std::unique_ptr<GraphProcess> graph_;  ///< Null: none is told.
+  std::string graph_source_;             ///< What it maps.
   std::unique_ptr<MappingProcess> process_;
   std::unique_ptr<MappingProcess> reopened_;  ///< Takes the place of `process_` once it is open.
 };

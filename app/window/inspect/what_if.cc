@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "engine/analysis/true_instances.h"
-#include "engine/runtime/mapping_source.h"
+#include "engine/runtime/run_file_place.h"
 #include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {

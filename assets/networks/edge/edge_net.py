@@ -33,9 +33,9 @@ class EdgeNet(nn.Module):
 
     Input: N x 3 x H x W, BGR, (value - MEAN) * SCALE, H and W multiples of 16."""
 
-    def __init__(self):
+    def __init__(self, width=1.0):
         super().__init__()
-        a, b, c, d = WIDTHS
+        a, b, c, d = (round(width * channels) for channels in WIDTHS)
         self.levels = nn.ModuleList([Level(3, a, (1,)), Level(a, b, (1,)), Level(b, c, (1, 1)), Level(c, d, (1, 2))])
         self.reduce = nn.ModuleList([nn.Conv2d(d, c, 1), nn.Conv2d(c, b, 1), nn.Conv2d(b, a, 1)])
         self.join = nn.ModuleList([convolution(c, c), convolution(b, b), convolution(a, a)])
@@ -67,6 +67,6 @@ class Exported(nn.Module):
 
 
 def export(net, file, width=640, height=480):
-    net.eval()
+    net.cpu().eval()
     torch.onnx.export(Exported(net), torch.zeros(1, 3, height, width), file, opset_version=11, input_names=['image'],
                       output_names=['edge'])

@@ -5,13 +5,14 @@
   train.py --bsds bsds500 --split train --steps 12000 --out build/networks/edge
 
 Writes OUT/edge.pt after every 500 steps (run the same command again to go on), OUT/log.csv and, at the end, OUT/edge.onnx.
-Needs python3-torch and python3-opencv. The same options and --threads 1 give the same weights.
+Needs python3-torch and python3-pil; takes a GPU where torch finds one. The same options, --device cpu and --threads 1 give the
+same weights.
 """
 import argparse
+import math
 import os
 import sys
 
-import numpy as np
 import torch
 from torch.nn import functional as F
 
@@ -48,16 +49,14 @@ def loss_of(output, agreement):
 def rate_at(step, steps, rate):
     """Rises for 50 steps, stays for 60 %, falls as a cosine."""
     share = max(0.0, (step / steps - .6) / .4)
-    return rate * min(1.0, (step + 1) / 50) * .5 * (1 + np.cos(np.pi * share))
+    return rate * min(1.0, (step + 1) / 50) * .5 * (1 + math.cos(math.pi * share))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--bsds', required=True, help='folder with images/SPLIT/ID.jpg and gt/SPLIT/ID_k.png')
     parser.add_argument('--split', nargs='+', default=['train'], help='train, or train val')
-    parser.add_argument('--rooms', nargs='*', default=[], help='sequences of plumbline synth')
-    parser.add_argument('--rooms-share', type=float, default=.4, help='of the crops, how many come from rooms')
-    parser.add_argument('--start', help='weights to begin with (.pt)')
+    parser.add_argument('--width', type=float, default=1, help='the channels, in those of the network that ships')
     parser.add_argument('--steps', type=int, required=True)
     parser.add_argument('--batch', type=int, default=8)
     parser.add_argument('--crop', type=int, default=256)
@@ -65,33 +64,29 @@ def main():
     parser.add_argument('--rate', type=float, default=3e-3)
     parser.add_argument('--seed', type=int, default=0)
     parser.add_argument('--threads', type=int, default=1)
+    parser.add_argument('--device', default='cuda' if torch.cuda.is_available() else 'cpu')
     parser.add_argument('--out', required=True)
     args = parser.parse_args()
 
     torch.set_num_threads(args.threads)
     torch.manual_seed(args.seed)
-    pictures = [s for split in args.split for s in samples.bsds(args.bsds, split)]
-    room_pictures = list(samples.rooms(args.rooms))
-    print('%d pictures of BSDS500 (%s), %d of rooms' % (len(pictures), ' '.join(args.split), len(room_pictures)), flush=True)
+    pictures = [pair for split in args.split for pair in samples.bsds(args.bsds, split)]
+    print('%d pictures of BSDS500 (%s)' % (len(pictures), ' '.join(args.split)), flush=True)
+    crops = samples.Crops(pictures, args.device)
+    mean = torch.tensor(edge_net.MEAN, device=args.device)[None, :, None, None]
+    generator = torch.Generator(args.device)
     os.makedirs(args.out, exist_ok=True)
-    training = Training(edge_net.EdgeNet, args.rate, 1e-3, os.path.join(args.out, 'edge.pt'), args.start)
+    training = Training(lambda: edge_net.EdgeNet(args.width).to(args.device), args.rate, 1e-3, os.path.join(args.out, 'edge.pt'))
     sum_of_loss = 0.0
-    mean = np.array(edge_net.MEAN, np.float32)
     while training.step < args.steps:
-        rng = np.random.default_rng([args.seed, training.step])
-        images, maps = [], []
-        for _ in range(args.batch):
-            source = room_pictures if rng.random() < args.rooms_share and room_pictures else pictures
-            _, image, agreement = source[rng.integers(len(source))]
-            image, agreement = samples.crop(rng, image, agreement, args.crop, args.scales)
-            images.append(((image - mean) * edge_net.SCALE).transpose(2, 0, 1))
-            maps.append(agreement[None])
+        generator.manual_seed(args.seed * 1000003 + training.step)
+        images, agreement = crops.batch(generator, args.batch, args.crop, args.scales)
         training.net.train()
-        loss = loss_of(training.net(torch.from_numpy(np.stack(images))), torch.from_numpy(np.stack(maps)))
+        loss = loss_of(training.net((images - mean) * edge_net.SCALE), agreement)
         training.descend(loss, rate_at(training.step, args.steps, args.rate), EMA)
-        sum_of_loss += loss.item()
+        sum_of_loss = sum_of_loss + loss.detach()
         if training.step % EVERY == 0 or training.step == args.steps:
-            mean_loss = sum_of_loss / ((training.step - 1) % EVERY + 1)
+            mean_loss = sum_of_loss.item() / ((training.step - 1) % EVERY + 1)
             seconds = training.save(os.path.join(args.out, 'log.csv'), [mean_loss])
             print('step %d of %d: loss %.4f, %.0f s' % (training.step, args.steps, mean_loss, seconds), flush=True)
             sum_of_loss = 0.0

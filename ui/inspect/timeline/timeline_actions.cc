@@ -81,7 +81,9 @@ void AddSpeeds(std::vector<Action>& actions) {
 }
 
 void AddMapping(std::vector<Action>& actions) {
-  const auto maps = [](const FrameContext& context) { return !context.playback->recorded; };
+  const auto maps = [](const FrameContext& context) {
+    return !context.playback->recorded || context.playback->growing;
+  };
   actions.push_back(
       {.text = "Resume mapping and follow the newest frame",
        .keys = {{keys::kN}},

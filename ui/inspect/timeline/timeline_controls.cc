@@ -93,13 +93,16 @@ void TimelineControls::DrawRange(const FrameContext& context, CommandSink& sink)
   const PlaybackView& playback = *context.playback;
   ImGui::SameLine(0, context.Scaled(20));
   ImGui::SetCursorPosY(ImGui::GetCursorPosY() + context.Scaled(1));
-  if (!playback.recorded) {
+  if (!playback.recorded || playback.growing) {
     bool follow = playback.follow;
-    const bool behind = playback.mapping && !follow;
+    const bool behind = (playback.mapping || playback.growing) && !follow;
     if (Toggle(context, "timeline.live", behind ? "Back to live" : "Live", follow,
                behind ? "The mapper keeps running: back to its newest frame (N)."
-                      : "Maps as fast as it can and shows the newest frame. Look back whenever "
-                        "you like: the mapper goes on (N)."))
+               : playback.growing
+                   ? "Shows the newest frame of the run that is being mapped. Look back whenever "
+                     "you like (N)."
+                   : "Maps as fast as it can and shows the newest frame. Look back whenever "
+                     "you like: the mapper goes on (N)."))
       sink.Post(FollowNewestCommand{follow});
     ImGui::SameLine(0, context.Scaled(3));
   }

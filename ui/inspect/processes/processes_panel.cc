@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/inspect/processes/processes_panel.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "engine/snapshot/graph_view.h"
+#include "ui/framework/widgets.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kColumns = 6;
+constexpr double kYoung_s = 3;  ///< A node that is not older was started (again) just now.
+
+class ProcessesPanel : public Panel {
+ public:
+  void Draw(const FrameContext& context, CommandSink&) override {
+    if (context.graph == nullptr)
+      return EmptyState(context, "Asking the processes", "They are asked once a second.");
+    const GraphView& graph = *context.graph;
+    if (!graph.problem.empty())
+      return EmptyState(context, "The processes cannot be asked", graph.problem.c_str());
+    ImGui::PushFont(context.fonts.small);
+    DrawSummary(context, graph);
+    constexpr auto kFlags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
+                            ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_NoBordersInBody;
+    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(3)});
+    if (ImGui::BeginTable("processes.table", kColumns, kFlags, ImGui::GetContentRegionAvail())) {
+      ImGui::TableSetupColumn("node");
+      ImGui::TableSetupColumn("says", ImGuiTableColumnFlags_WidthStretch);
+      ImGui::TableSetupScrollFreeze(0, 1);
+      DrawHeading(context);
+      for (const NodeView& node : graph.nodes) DrawNode(context, node);
+      ImGui::EndTable();
+    }
+    ImGui::PopStyleVar();
+    ImGui::PopFont();
+  }
+
+ private:
+  static void DrawSummary(const FrameContext& context, const GraphView& graph) {
+    double cores = 0, resident_mb = 0;
+    int silent = 0;
+    for (const NodeView& node : graph.nodes) {
+      silent += !node.answers;
+      if (!node.answers) continue;
+      cores += node.cores;
+      resident_mb += node.resident_mb;
+    }
+    const auto total = graph.nodes.size();
+    if (silent > 0)
+      SmallText(context, colors::kWarning, "%d of %zu do not answer", silent, total);
+    else
+      SmallText(context, colors::kGood, "%zu processes, all answer", total);
+    LogItem(context, "processes.summary");
+    Tooltip(context, graph.name);
+    ImGui::SameLine(0, context.Scaled(12));
+    DimText("%.1f cores, %.0f MB", cores, resident_mb);
+    Tooltip(context, "Processor time of the last second, and memory, of those that answer.");
+    for (const NodeView& node : graph.nodes) {
+      if (node.kind != "mapper" || node.streams.empty()) continue;
+      ImGui::SameLine(0, context.Scaled(12));
+      DimText("image to map %.0f ms", node.streams.front().latency_ms);
+      Tooltip(context,
+              "From when the mapper had the image until its report was done, mean of late. Where "
+              "every frame is mapped, frames wait in its queue first.");
+    }
+  }
+
+  static void Right(ImU32 color, const std::string& text) {
+    ImGui::TableNextColumn();
+    const float width = ImGui::CalcTextSize("000000").x;
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() +
+                         std::max(0.0f, width - ImGui::CalcTextSize(text.c_str()).x));
+    ImGui::PushStyleColor(ImGuiCol_Text, color);
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopStyleColor();
+  }
+
+  static void DrawHeading(const FrameContext& context) {
+    constexpr const char* kHelp[] = {"Of late.",
+                                     "How long one took, mean of late: reading an image, finding "
+                                     "edges, asking the detector, mapping a frame.",
+                                     "Passed over: of a live run, images that were too old.",
+                                     "Processor time over the last second, in cores."};
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::TableNextColumn();
+    int column = 0;
+    for (const char* title : {"a second", "ms", "dropped", "cores"}) {
+      Right(colors::kFaint, title);
+      Tooltip(context, kHelp[column++]);
+    }
+  }
+
+  static void DrawNode(const FrameContext& context, const NodeView& node) {
+    const bool young = node.answers && node.restarts > 0 && node.up_s < kYoung_s;
+    const ImU32 color = !node.answers               ? colors::kBad
+                        : young || node.refused > 0 ? colors::kWarning
+                                                    : colors::kGood;
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float line = ImGui::GetTextLineHeight();
+    ImGui::GetWindowDrawList()->AddCircleFilled({at.x + 0.35f * line, at.y + 0.55f * line},
+                                                0.24f * line, color);
+    ImGui::SetCursorScreenPos({at.x + 0.95f * line, at.y});
+    ImGui::TextUnformatted(node.name.c_str());
+    LogItem(context, "processes." + node.name);
+    Tooltip(context, About(node));
+    ImGui::TableNextColumn();
+    std::string says = node.answers ? node.state : "does not answer";
+    if (node.restarts > 0)
+      says += node.restarts == 1 ? ", started again once"
+                                 : fmt::format(", started again {} times", node.restarts);
+    if (node.refused > 0) says += fmt::format(", refused {}", node.refused);
+    ImGui::PushStyleColor(ImGuiCol_Text, color == colors::kGood ? colors::kDimText : color);
+    ImGui::TextUnformatted(says.c_str());
+    ImGui::PopStyleColor();
+    Tooltip(context, About(node));
+    DrawStream(node.streams.empty() ? nullptr : &node.streams.front());
+    Right(colors::kDimText, node.answers ? fmt::format("{:.2f}", node.cores) : "");
+    for (std::size_t i = 1; i < node.streams.size(); ++i) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TableNextColumn();
+      DimText("%s", node.streams[i].name.c_str());
+      DrawStream(&node.streams[i]);
+    }
+  }
+
+  static void DrawStream(const StreamView* stream) {
+    if (stream == nullptr) {
+      for (int i = 0; i < 3; ++i) ImGui::TableNextColumn();
+      return;
+    }
+    Right(colors::kText, fmt::format("{:.1f}", stream->per_s));
+    Right(colors::kText, stream->latency_ms > 0 ? fmt::format("{:.0f}", stream->latency_ms) : "");
+    Right(stream->dropped > 0 ? colors::kWarning : colors::kFaint,
+          fmt::format("{}", stream->dropped));
+  }
+
+  static std::string About(const NodeView& node) {
+    std::string text = fmt::format("{} ({}), at {}", node.name, node.kind, node.endpoint);
+    if (node.process == 0) return text + "\nIt has not answered yet.";
+    text += fmt::format("\nProcess {}, up {:.0f} s, {:.0f} MB; {} requests, {} wait", node.process,
+                        node.up_s, node.resident_mb, node.requests, node.waiting);
+    for (const StreamView& stream : node.streams)
+      text += fmt::format("\n{}: {}", stream.name, stream.items);
+    for (const PeerView& peer : node.peers) {
+      text += fmt::format("\nasks {}: {} requests, {} open, {:.1f} ms each", peer.name,
+                          peer.requests, peer.open, peer.mean_wait_ms);
+      if (peer.asked_again > 0) text += fmt::format(", {} asked again", peer.asked_again);
+      if (!peer.connected) text += ", not connected";
+    }
+    if (node.clock_ahead_ms)
+      text += fmt::format(
+          "\nIts clock is {:.1f} ms {} ours, within {:.1f} ms", std::abs(*node.clock_ahead_ms),
+          *node.clock_ahead_ms > 0 ? "ahead of" : "behind", node.clock_uncertainty_ms);
+    return text;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> MakeProcessesPanel() { return std::make_unique<ProcessesPanel>(); }
+
+}  // namespace plumbline
