@@ -263,6 +263,27 @@ cat >"$work/inertial.json" <<'JSON'
 JSON
 (cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
   "$program" gui walk.plb --frame 150 --size 1600x1000 --ui-scale 1 --script inertial.json)
+# A graph of processes with the window attached, whose player is killed.
+"$program" up paper "$room" --models "$room/models" --edges gradient --frames 0:200 --out "$work/graph.plb" --folder "$work/graph" &
+graph=$!
+until [ -e "$work/graph/graph.json" ]; do sleep 0.1; done
+cat >"$work/attached.json" <<'JSON'
+{"steps": [
+  {"wait_for": {"nodes_answer": 5, "newest_frame": {"min": 100}}, "timeout_s": 600},
+  {"click": "processes.title"},
+  {"hover": "panel.image", "at": [0.02, 0.99]},
+  {"wait_frames": 10},
+  {"dump_state": "attached.state"},
+  {"wait_for": {"newest_frame": {"min": 118}}, "timeout_s": 600},
+  {"screenshot": "attached.png"},
+  {"screenshot": "panel-processes.png", "of": "panel.processes"}
+]}
+JSON
+(until [ -e "$work/attached.state" ]; do sleep 0.1; done; pkill -KILL -f "node player --graph $work/graph") &
+(cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
+  "$program" gui --attach graph --size 1600x1000 --ui-scale 1 --script attached.json)
+kill -INT "$graph"
+wait "$graph" || true
 # A street: what the paper shows in its figure 3, on one of ours.
 "$program" synth --out "$work/street" --scene street --seed 303
 "$program" run "$work/street" --models "$work/street/right/models" --edges dataset --frames 0:46 --out "$work/street.plb"

@@ -65,7 +65,7 @@ void AddEdgesVerb(CLI::App& app, VerbFunction& chosen) {
       ->type_name("DIR");
   verb->add_option(
           "--network", arguments->network,
-          "builtin (our network), builtin-half (on half the size, four times as fast), gradient "
+          "builtin (our network), builtin-half (half as wide, two to three times as fast), gradient "
           "(no network), or FILE.onnx with its sidecar FILE.json beside it")
       ->capture_default_str();
   verb->add_flag("--raw", arguments->raw,

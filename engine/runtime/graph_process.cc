@@ -14,6 +14,8 @@ namespace {
 
 constexpr auto kPeriod = std::chrono::seconds(1);
 constexpr double kPatience_s = 0.8;
+/// Over less time than this nothing is said of the processor.
+constexpr double kLeastTime_s = 0.5;
 /// Clocks that differ by no more than this beyond what asking takes are taken for one.
 constexpr double kSameClock_ms = 1;
 
@@ -44,7 +46,8 @@ void Take(const NodeState& state, Before& before) {
   const bool same = view.process == about.process() && about.up_s() > before.up_s;
   if (view.process != 0 && !same) ++view.restarts;
   const double since_s = about.up_s() - (same ? before.up_s : 0);
-  view.cores = since_s > 0 ? (about.cpu_s() - (same ? before.cpu_s : 0)) / since_s : 0;
+  const double used_s = about.cpu_s() - (same ? before.cpu_s : 0);
+  view.cores = since_s > kLeastTime_s ? used_s / since_s : 0;
   before.cpu_s = about.cpu_s();
   before.up_s = about.up_s();
   view.process = about.process();

@@ -98,8 +98,8 @@ class EdgeNetwork : public EdgeDetector {
 /// Network and sidecar.
 std::pair<std::string, std::string> BuiltinFiles(bool half) {
   const std::string folder = "assets/networks/edge/";
-  return {VisionResource(folder + "edge.onnx"),
-          VisionResource(folder + (half ? "edge_half.json" : "edge.json"))};
+  const std::string name = half ? "edge_half" : "edge";
+  return {VisionResource(folder + name + ".onnx"), VisionResource(folder + name + ".json")};
 }
 
 }  // namespace

@@ -72,7 +72,10 @@ std::string GraphRun::CommandOf(pid_t process) {
   return text;
 }
 
-std::string GraphRun::Difference(const std::string& one, const std::string& other) const {
+std::string GraphRun::Difference(const std::string& one, const std::string& other,
+                                 Pictures pictures) const {
+  std::string of_frames = "frame || ' ' || stamp_ns || skipped || num_objects";
+  if (pictures == Pictures::kCompare) of_frames += " || hex(thumbnail)";
   const auto a = RunReader::Open(Path(one)).value(), b = RunReader::Open(Path(other)).value();
   const int frames = a->NumFrames().value();
   if (b->NumFrames().value() != frames)
@@ -98,7 +101,7 @@ std::string GraphRun::Difference(const std::string& one, const std::string& othe
   }
   // A resumed run stores once more what it has; all else is the same, row for row.
   for (const auto& [table, columns] :
-       {std::pair{"frames", "frame || ' ' || stamp_ns || skipped || num_objects || hex(thumbnail)"},
+       {std::pair{"frames", of_frames.c_str()},
         std::pair{"events", "position || ' ' || kind || ' ' || object || ' ' || other || text"},
         std::pair{"objects",
                   "position || ' ' || object || ' ' || state || category || label || "

@@ -32,7 +32,9 @@ class GraphRun : public testing::Test {
 
   /// All that differs between two run files, but for times; "" where they are the same, bit for
   /// bit.
-  std::string Difference(const std::string& one, const std::string& other) const;
+  enum class Pictures { kCompare, kLeaveOut };
+  std::string Difference(const std::string& one, const std::string& other,
+                         Pictures pictures = Pictures::kCompare) const;
 
   TemporaryFolder folder_;
 };

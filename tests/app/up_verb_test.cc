@@ -14,6 +14,7 @@
 #include "engine/base/files.h"
 #include "engine/base/random.h"
 #include "engine/mapping/map_report.h"
+#include "engine/nodes/run_mirror.h"
 #include "engine/recording/run_file.h"
 #include "tests/app/graph_run.h"
 #include "tests/support/tiny_network.h"
@@ -171,6 +172,29 @@ TEST_F(UpVerb, ARunningGraphTellsHowItIs) {
   EXPECT_GT(state.at("nodes")[0].at("served").at("images_shared").get<int>(), 0);
   EXPECT_EQ(state.at("nodes")[0].at("served").at("images_sent"), 0);
   EXPECT_THAT(ReadFile(Path("state.txt")).value(), testing::HasSubstr("mapped "));
+}
+
+TEST_F(UpVerb, ACopyThatIsKeptElsewhereIsTheRun) {
+  const pid_t up = Start(Arguments("up", "five.plb", {"--folder", Path("graph")}));
+  while (IsRunning(up) && !ReadGraph(Path("graph/graph.json")).ok())
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  const auto plan = ReadGraph(Path("graph/graph.json"));
+  ASSERT_TRUE(plan.ok()) << Output();
+  auto copy = RunMirror::Start(*plan, "viewer", Path("copy.plb"), WorkContext());
+  ASSERT_TRUE(copy.ok()) << copy.error().message;
+  while (IsRunning(up) && FramesIn("copy.plb") < 5)
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  for (const pid_t child : ChildrenOf(up)) {
+    if (CommandOf(child).find(" node recorder ") != std::string::npos) kill(child, SIGKILL);
+  }
+  ASSERT_EQ(WaitFor(up), 0) << Output();
+  EXPECT_THAT(Output(), testing::HasSubstr("starting it again"));
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (FramesIn("copy.plb") < kFrames && std::chrono::steady_clock::now() < patience)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  copy->reset();
+  // The small pictures are compressed once more.
+  EXPECT_EQ(Difference("five.plb", "copy.plb", Pictures::kLeaveOut), "");
 }
 
 /// python3 with the three packages that the example needs, and protoc; "" where they are missing.

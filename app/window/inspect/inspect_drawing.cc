@@ -220,6 +220,11 @@ void InspectWorkspace::AddState(const FrameContext& context, nlohmann::json& sta
        {"seeking", playback.seek_target.has_value()},
        {"recorded", playback.recorded},
        {"growing", playback.growing},
+       {"nodes_answer",
+        context.graph == nullptr
+            ? -1
+            : std::count_if(context.graph->nodes.begin(), context.graph->nodes.end(),
+                            [](const NodeView& node) { return node.answers; })},
        {"speed", playback.speed},
        {"mapping", playback.mapping},
        {"follow_newest", playback.follow},

@@ -135,7 +135,7 @@ TEST(BuiltinEdges, FindOutlinesOfAnySizeAlike) {
       ASSERT_EQ(edges->probability.size(), size);
       cv::Mat border(size, CV_8UC1, cv::Scalar(0)), near_border;
       cv::rectangle(border, box, 255);
-      const int around = std::string(choice) == "builtin" ? 7 : 13;  // [px]
+      constexpr int around = 7;  // [px]
       cv::dilate(border, near_border, cv::Mat::ones(around, around, CV_8U));
       const cv::Mat strong = edges->probability > 100;
       EXPECT_GT(cv::countNonZero(strong & near_border), 1.4 * (box.width + box.height))

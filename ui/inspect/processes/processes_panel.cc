@@ -18,6 +18,24 @@ constexpr double kYoung_s = 3;  ///< A node that is not older was started (again
 
 class ProcessesPanel : public Panel {
  public:
+  void DrawHeader(const FrameContext& context, CommandSink&) override {
+    if (context.graph == nullptr || !context.graph->problem.empty()) return;
+    const bool over = IsOver(context);
+    const std::string text = over ? "the run has ended" : Summary(*context.graph);
+    const bool warns = !over && NumSilent(*context.graph) > 0;
+    AlignRight(
+        context.fonts.small->CalcTextSizeA(context.fonts.small->FontSize, 1e6f, 0, text.c_str()).x);
+    ImGui::SetCursorPosY(ImGui::GetCursorPosY() + context.Scaled(3));
+    SmallText(context, warns ? colors::kWarning : colors::kDimText, "%s", text.c_str());
+    LogItem(context, "processes.summary");
+    Tooltip(
+        context,
+        context.graph->name +
+            "\nProcessor time of the last second and memory of those that answer. From image to "
+            "map: from when\nthe mapper had the image until its report was done; where every "
+            "frame is mapped, it waits in a queue first.");
+  }
+
   void Draw(const FrameContext& context, CommandSink&) override {
     if (context.graph == nullptr)
       return EmptyState(context, "Asking the processes", "They are asked once a second.");
@@ -25,10 +43,9 @@ class ProcessesPanel : public Panel {
     if (!graph.problem.empty())
       return EmptyState(context, "The processes cannot be asked", graph.problem.c_str());
     ImGui::PushFont(context.fonts.small);
-    DrawSummary(context, graph);
     constexpr auto kFlags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg |
                             ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_NoBordersInBody;
-    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(3)});
+    ImGui::PushStyleVar(ImGuiStyleVar_CellPadding, {context.Scaled(6), context.Scaled(1.5f)});
     if (ImGui::BeginTable("processes.table", kColumns, kFlags, ImGui::GetContentRegionAvail())) {
       ImGui::TableSetupColumn("node");
       ImGui::TableSetupColumn("says", ImGuiTableColumnFlags_WidthStretch);
@@ -42,33 +59,31 @@ class ProcessesPanel : public Panel {
   }
 
  private:
-  static void DrawSummary(const FrameContext& context, const GraphView& graph) {
+  /// They have ended because the run has.
+  static bool IsOver(const FrameContext& context) {
+    return !context.playback->growing &&
+           NumSilent(*context.graph) == std::ssize(context.graph->nodes);
+  }
+
+  static long NumSilent(const GraphView& graph) {
+    return std::count_if(graph.nodes.begin(), graph.nodes.end(),
+                         [](const NodeView& node) { return !node.answers; });
+  }
+
+  static std::string Summary(const GraphView& graph) {
     double cores = 0, resident_mb = 0;
-    int silent = 0;
+    std::string latency;
     for (const NodeView& node : graph.nodes) {
-      silent += !node.answers;
       if (!node.answers) continue;
       cores += node.cores;
       resident_mb += node.resident_mb;
+      if (node.kind == "mapper" && !node.streams.empty())
+        latency = fmt::format("image to map {:.0f} ms, ", node.streams.front().latency_ms);
     }
-    const auto total = graph.nodes.size();
-    if (silent > 0)
-      SmallText(context, colors::kWarning, "%d of %zu do not answer", silent, total);
-    else
-      SmallText(context, colors::kGood, "%zu processes, all answer", total);
-    LogItem(context, "processes.summary");
-    Tooltip(context, graph.name);
-    ImGui::SameLine(0, context.Scaled(12));
-    DimText("%.1f cores, %.0f MB", cores, resident_mb);
-    Tooltip(context, "Processor time of the last second, and memory, of those that answer.");
-    for (const NodeView& node : graph.nodes) {
-      if (node.kind != "mapper" || node.streams.empty()) continue;
-      ImGui::SameLine(0, context.Scaled(12));
-      DimText("image to map %.0f ms", node.streams.front().latency_ms);
-      Tooltip(context,
-              "From when the mapper had the image until its report was done, mean of late. Where "
-              "every frame is mapped, frames wait in its queue first.");
-    }
+    const std::string usage = fmt::format("{}{:.1f} cores, {:.0f} MB", latency, cores, resident_mb);
+    if (const long silent = NumSilent(graph); silent > 0)
+      return fmt::format("{} of {} do not answer; {}", silent, graph.nodes.size(), usage);
+    return usage;
   }
 
   static void Right(ImU32 color, const std::string& text) {
@@ -99,7 +114,9 @@ class ProcessesPanel : public Panel {
 
   static void DrawNode(const FrameContext& context, const NodeView& node) {
     const bool young = node.answers && node.restarts > 0 && node.up_s < kYoung_s;
-    const ImU32 color = !node.answers               ? colors::kBad
+    const bool over = IsOver(context);
+    const ImU32 color = over                        ? colors::kFaint
+                        : !node.answers             ? colors::kBad
                         : young || node.refused > 0 ? colors::kWarning
                                                     : colors::kGood;
     ImGui::TableNextRow();
@@ -113,24 +130,17 @@ class ProcessesPanel : public Panel {
     LogItem(context, "processes." + node.name);
     Tooltip(context, About(node));
     ImGui::TableNextColumn();
-    std::string says = node.answers ? node.state : "does not answer";
+    std::string says = node.answers ? node.state : over ? "has ended" : "does not answer";
     if (node.restarts > 0)
       says += node.restarts == 1 ? ", started again once"
                                  : fmt::format(", started again {} times", node.restarts);
     if (node.refused > 0) says += fmt::format(", refused {}", node.refused);
-    ImGui::PushStyleColor(ImGuiCol_Text, color == colors::kGood ? colors::kDimText : color);
+    ImGui::PushStyleColor(ImGuiCol_Text, color == colors::kGood || over ? colors::kDimText : color);
     ImGui::TextUnformatted(says.c_str());
     ImGui::PopStyleColor();
     Tooltip(context, About(node));
     DrawStream(node.streams.empty() ? nullptr : &node.streams.front());
     Right(colors::kDimText, node.answers ? fmt::format("{:.2f}", node.cores) : "");
-    for (std::size_t i = 1; i < node.streams.size(); ++i) {
-      ImGui::TableNextRow();
-      ImGui::TableNextColumn();
-      ImGui::TableNextColumn();
-      DimText("%s", node.streams[i].name.c_str());
-      DrawStream(&node.streams[i]);
-    }
   }
 
   static void DrawStream(const StreamView* stream) {
@@ -150,7 +160,8 @@ class ProcessesPanel : public Panel {
     text += fmt::format("\nProcess {}, up {:.0f} s, {:.0f} MB; {} requests, {} wait", node.process,
                         node.up_s, node.resident_mb, node.requests, node.waiting);
     for (const StreamView& stream : node.streams)
-      text += fmt::format("\n{}: {}", stream.name, stream.items);
+      text += fmt::format("\n{}: {}, {:.1f} a second, {:.1f} ms each", stream.name, stream.items,
+                          stream.per_s, stream.latency_ms);
     for (const PeerView& peer : node.peers) {
       text += fmt::format("\nasks {}: {} requests, {} open, {:.1f} ms each", peer.name,
                           peer.requests, peer.open, peer.mean_wait_ms);
