@@ -63,10 +63,10 @@ void AddEdgesVerb(CLI::App& app, VerbFunction& chosen) {
           "(direction of its normal, 0 to pi as 0 to 256), as a sequence's edges/ wants them")
       ->required()
       ->type_name("DIR");
-  verb->add_option(
-          "--network", arguments->network,
-          "builtin (our network), builtin-half (half as wide, two to three times as fast), gradient "
-          "(no network), or FILE.onnx with its sidecar FILE.json beside it")
+  verb->add_option("--network", arguments->network,
+                   "builtin (our network), builtin-half (half as wide, two to three times as "
+                   "fast), gradient "
+                   "(no network), or FILE.onnx with its sidecar FILE.json beside it")
       ->capture_default_str();
   verb->add_flag("--raw", arguments->raw,
                  "Write raw scores instead of probabilities (to measure a calibration)");

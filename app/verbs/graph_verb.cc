@@ -10,13 +10,14 @@
 #include "app/platform/interrupts.h"
 #include "app/verbs/graph_arguments.h"
 #include "app/verbs/verb.h"
+#include "engine/base/files.h"
 #include "engine/nodes/graph_table.h"
 
 namespace plumbline {
 namespace {
 
 struct GraphArguments {
-  std::string graph, json, name = "viewer";
+  std::string graph, json, dot, name = "viewer";
   double patience_s = 2, watch_s = 0;
 };
 
@@ -35,8 +36,15 @@ Status ShowGraph(const GraphArguments& arguments) {
   if (!watch.ok()) return watch.error();
   while (true) {
     const auto states = (*watch)->Ask(arguments.patience_s, stop.get_token());
-    if (arguments.json != "-") std::printf("%s\n", GraphInWords(states).c_str());
+    if (arguments.dot == "-")
+      std::printf("%s", GraphAsDot(states).c_str());
+    else if (arguments.json != "-")
+      std::printf("%s\n", GraphInWords(states).c_str());
     std::fflush(stdout);
+    if (!arguments.dot.empty() && arguments.dot != "-") {
+      if (Status status = WriteFileAtomically(arguments.dot, GraphAsDot(states)); !status.ok())
+        return status;
+    }
     if (!arguments.json.empty()) {
       if (Status status = WriteJsonResult(arguments.json, GraphStateToJson(states)); !status.ok())
         return status;
@@ -65,6 +73,8 @@ void AddGraphVerb(CLI::App& app, VerbFunction& chosen) {
       ->capture_default_str();
   verb->add_option("--as", arguments->name, "Whose key to use, where the graph has keys")
       ->capture_default_str();
+  verb->add_option("--dot", arguments->dot,
+                   "Draw it: for Graphviz (dot -Tsvg); - for standard output");
   verb->add_option("--json", arguments->json, "Write it here; - for standard output");
   verb->callback([arguments, &chosen] { chosen = [arguments] { return ShowGraph(*arguments); }; });
 }

@@ -37,7 +37,8 @@ void PipelineArguments::AddTo(CLI::App& verb) {
       "that was fetched, else builtin)");
   verb.add_option(
       "--edges", edges,
-      "dataset, builtin (our network), builtin-half (half as wide, two to three times as fast), gradient, or "
+      "dataset, builtin (our network), builtin-half (half as wide, two to three times as fast), "
+      "gradient, or "
       "FILE.onnx with its sidecar (default: dataset where there are any, else builtin)");
   verb.add_option(
           "--poses", poses,

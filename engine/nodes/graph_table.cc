@@ -29,6 +29,20 @@ std::uint64_t Refused(const wire::Served& served) {
          served.refused_rate() + served.refused_peers();
 }
 
+/// For Graphviz; what a node says of itself may be anything.
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '\n') {
+      quoted += "\\n";
+      continue;
+    }
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
 std::string NodeInWords(const NodeState& state) {
   std::string text = Formatted("%-10s %-9s ", state.node.name.c_str(),
                                std::string(NameOf(state.node.kind)).c_str());
@@ -191,6 +205,36 @@ std::string GraphInWords(const std::vector<NodeState>& states) {
   std::string text;
   for (const NodeState& state : states) text += NodeInWords(state);
   return text;
+}
+
+std::string GraphAsDot(const std::vector<NodeState>& states) {
+  std::string text =
+      "digraph plumbline {\n  rankdir=LR;\n"
+      "  node [shape=box, style=\"rounded,filled\", fillcolor=white, fontname=\"sans-serif\"];\n"
+      "  edge [fontname=\"sans-serif\", fontsize=10];\n";
+  for (const NodeState& state : states) {
+    std::string label = state.node.name;
+    if (!state.about) {
+      label += "\ndoes not answer";
+    } else {
+      label += "\n" + state.about->state();
+      for (const wire::Stream& stream : state.about->streams())
+        label +=
+            Formatted("\n%s %.1f /s, %.0f ms, %llu dropped", stream.name().c_str(), stream.per_s(),
+                      stream.latency_ms(), static_cast<unsigned long long>(stream.dropped()));
+    }
+    text += "  " + Quoted(state.node.name) + " [label=" + Quoted(label) +
+            (state.about ? "" : ", fillcolor=\"#ffd0c8\"") + "];\n";
+  }
+  for (const NodeState& state : states) {
+    if (!state.about) continue;
+    for (const wire::Peer& peer : state.about->peers())
+      text += "  " + Quoted(peer.name()) + " -> " + Quoted(state.node.name) + " [label=" +
+              Quoted(Formatted("%llu, %.1f ms", static_cast<unsigned long long>(peer.replies()),
+                               peer.mean_wait_ms())) +
+              (peer.connected() ? "" : ", style=dashed") + "];\n";
+  }
+  return text + "}\n";
 }
 
 nlohmann::json GraphStateToJson(const std::vector<NodeState>& states) {

@@ -49,6 +49,8 @@ class GraphWatch {
 /// The graph as a table for people: nodes, whom they ask, rates, latencies, what was dropped,
 /// refused and asked again.
 std::string GraphInWords(const std::vector<NodeState>& states);
+/// The graph as a drawing of Graphviz: an arrow from each node to who asks it, as data flows.
+std::string GraphAsDot(const std::vector<NodeState>& states);
 nlohmann::json GraphStateToJson(const std::vector<NodeState>& states);
 
 }  // namespace plumbline

@@ -2,31 +2,55 @@
 #include "engine/sources/imu_lines.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "engine/dataset/text_table.h"
 
 namespace plumbline {
 
+namespace {
+
+std::optional<Eigen::Vector3d> VectorOf(std::span<const std::string_view> fields) {
+  Eigen::Vector3d vector;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::optional<double> number = ParseNumber(fields[i]);
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    vector[static_cast<Eigen::Index>(i)] = *number;
+  }
+  return vector;
+}
+
+/// Of a phone; nothing where it lacks one of the two.
+std::optional<ImuLine> PhoneLine(std::span<const std::string_view> fields) {
+  const std::optional<std::int64_t> stamp_ns = ParseStampNs(fields[0]);
+  std::optional<Eigen::Vector3d> gyroscope, accelerometer;
+  for (std::size_t i = 1; i + 3 < fields.size(); i += 4) {
+    if (fields[i] == "3") accelerometer = VectorOf(fields.subspan(i + 1, 3));
+    if (fields[i] == "4") gyroscope = VectorOf(fields.subspan(i + 1, 3));
+  }
+  if (!stamp_ns || !gyroscope || !accelerometer) return std::nullopt;
+  return ImuLine{stamp_ns, *gyroscope, *accelerometer};
+}
+
+}  // namespace
+
 std::optional<ImuLine> ParseImuLine(std::string_view line) {
   if (line.ends_with('\r')) line.remove_suffix(1);
-  const std::vector<std::string_view> fields = SplitFields(line);
+  const std::vector<std::string_view> all = SplitFields(line);
+  const std::span<const std::string_view> fields(all);
+  if (fields.size() >= 9 && fields.size() % 4 == 1) return PhoneLine(fields);
   if (fields.size() != 6 && fields.size() != 7) return std::nullopt;
   ImuLine reading;
   if (fields.size() == 7) {
     reading.stamp_ns = ParseStampNs(fields[0]);
     if (!reading.stamp_ns) return std::nullopt;
   }
-  std::array<double, 6> numbers;
-  for (std::size_t i = 0; i < 6; ++i) {
-    const std::optional<double> number = ParseNumber(fields[fields.size() - 6 + i]);
-    if (!number || !std::isfinite(*number)) return std::nullopt;
-    numbers[i] = *number;
-  }
-  reading.angular_velocity_rad_s = {numbers[0], numbers[1], numbers[2]};
-  reading.specific_force_m_s2 = {numbers[3], numbers[4], numbers[5]};
+  const auto angular = VectorOf(fields.last(6).first(3)), force = VectorOf(fields.last(3));
+  if (!angular || !force) return std::nullopt;
+  reading.angular_velocity_rad_s = *angular;
+  reading.specific_force_m_s2 = *force;
   return reading;
 }
 

@@ -13,7 +13,9 @@
 namespace plumbline {
 
 /// A line that an IMU sends: `t,wx,wy,wz,ax,ay,az` or, where it has no clock, `wx,wy,wz,ax,ay,az`
-/// [s or ns, rad/s, m/s^2]; between commas, spaces or tabs.
+/// [s or ns, rad/s, m/s^2]; or as phones stream theirs (Wireless IMU, IMU+GPS-Stream: a stamp [s],
+/// then an Android sensor's number and its three values, again and again: 3 is the accelerometer,
+/// 4 the gyroscope, others are left out). Between commas, spaces or tabs.
 struct ImuLine {
   std::optional<std::int64_t> stamp_ns;  ///< On the IMU's own clock.
   Eigen::Vector3d angular_velocity_rad_s, specific_force_m_s2;

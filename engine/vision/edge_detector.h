@@ -25,9 +25,9 @@ struct EdgeOptions {
   bool cache = true;
 };
 
-/// `builtin` (our network; `builtin-half`: one with half the channels), `gradient` (multi-scale, oriented),
-/// `dataset` (the sequence's edges), or the path of an ONNX edge network with its sidecar. Errors:
-/// kNotFound, kCorrupt, kInvalidInput, kUnsupported.
+/// `builtin` (our network; `builtin-half`: one with half the channels), `gradient` (multi-scale,
+/// oriented), `dataset` (the sequence's edges), or the path of an ONNX edge network with its
+/// sidecar. Errors: kNotFound, kCorrupt, kInvalidInput, kUnsupported.
 Result<std::unique_ptr<EdgeDetector>> CreateEdgeDetector(std::string_view choice,
                                                          std::shared_ptr<const Sequence> sequence,
                                                          const EdgeOptions& options = {});

@@ -162,12 +162,22 @@ TEST_F(UpVerb, ARunningGraphTellsHowItIs) {
                          Path("state.json") + "' > '" + Path("state.txt") + "'")
                             .c_str()),
             0);
+  ASSERT_EQ(std::system(("'" + ProgramFile().string() + "' graph '" + Path("graph") + "' --dot '" +
+                         Path("state.dot") + "' > /dev/null")
+                            .c_str()),
+            0);
   ASSERT_EQ(WaitFor(up), 0) << Output();
+  const std::string drawing = ReadFile(Path("state.dot")).value();
+  EXPECT_THAT(drawing, testing::StartsWith("digraph"));
+  EXPECT_THAT(drawing, testing::HasSubstr("\"player\" -> \"mapper\""));
   const nlohmann::json state = ReadJson(Path("state.json")).value();
   ASSERT_EQ(state.at("nodes").size(), 5u);
   for (const nlohmann::json& node : state.at("nodes")) {
     ASSERT_TRUE(node.at("answers").get<bool>()) << node.dump(1);
     EXPECT_EQ(node.at("served").at("refused").at("malformed"), 0);
+    const nlohmann::json& clock = node.at("clock");  // ours
+    EXPECT_LE(std::abs(clock.at("offset_ms").get<double>()),
+              clock.at("uncertainty_ms").get<double>() + 1);
   }
   EXPECT_GT(state.at("nodes")[0].at("served").at("images_shared").get<int>(), 0);
   EXPECT_EQ(state.at("nodes")[0].at("served").at("images_sent"), 0);

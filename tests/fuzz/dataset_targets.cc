@@ -17,12 +17,14 @@
 #include "engine/dataset/scenenn_sequence.h"
 #include "engine/dataset/sequence.h"
 #include "engine/dataset/sequence_formats.h"
+#include "engine/dataset/text_table.h"
 #include "engine/dataset/tracks_file.h"
 #include "engine/dataset/trajectory.h"
 #include "engine/dataset/trajectory_writer.h"
 #include "engine/dataset/visma_dataset.h"
 #include "engine/dataset/visma_sequence.h"
 #include "engine/sensor/image_file.h"
+#include "engine/sources/imu_lines.h"
 #include "tests/fuzz/fuzz_targets.h"
 
 namespace plumbline::fuzz {
@@ -71,6 +73,13 @@ Status AslSensor(std::string_view input) {
   return StatusOf(ReadAslCamera(file));
 }
 
+Status ImuLines(std::string_view input) {
+  Status status;
+  for (const std::string_view line : SplitLines(input)) {
+    if (!ParseImuLine(line)) status = InvalidInput("a line that is no reading");
+  }
+  return status;
+}
 Status AslImu(std::string_view input) { return StatusOf(ReadAslImu(FileOf("imu.yaml", input))); }
 
 /// All that is asked of a sequence; images that cannot be read are passed over by those who ask.
@@ -150,6 +159,7 @@ Status Image(std::string_view input) {
 constexpr std::array kDatasetTargets = {Target{"trajectory", TrajectoryFile},
                                         Target{"covariances", CovarianceFile},
                                         Target{"imu", ImuFile},
+                                        Target{"imu_lines", ImuLines},
                                         Target{"tracks", TracksFile},
                                         Target{"reference_states", ReferenceFile},
                                         Target{"ground_truth", GroundTruthFile},

@@ -125,7 +125,8 @@ void NetworksSheet::DrawEdges(const FrameContext& context, CommandSink& sink) co
   std::vector<Choice> choices = {
       {"dataset", "dataset", "The sequence's own edges.", has_none ? "It has none (edges/)." : ""},
       {"builtin", "builtin", "Our edge network."},
-      {"builtin-half", "builtin-half", "One half as wide, for live work: two to three times as fast."},
+      {"builtin-half", "builtin-half",
+       "One half as wide, for live work: two to three times as fast."},
       {"gradient", "gradient", "Image gradients, no network: the fastest."}};
   if (IsFile(now)) choices.push_back({now, NetworkName(now), now});
   Heading(context, "Edges");

@@ -6,6 +6,19 @@
 namespace plumbline {
 namespace {
 
+TEST(ImuLines, OfPhonesGiveTheirGyroscopeAndAccelerometerWhateverTheirOrder) {
+  const auto reading = ParseImuLine("12.25, 3, 0.1,9.7,0.2, 4, 0.01,-0.02,0.03, 5, 20.1,-3.2,40");
+  ASSERT_TRUE(reading.has_value());
+  EXPECT_EQ(reading->stamp_ns, 12'250'000'000);
+  EXPECT_EQ(reading->specific_force_m_s2, Eigen::Vector3d(0.1, 9.7, 0.2));
+  EXPECT_EQ(reading->angular_velocity_rad_s, Eigen::Vector3d(0.01, -0.02, 0.03));
+  const auto turned = ParseImuLine("12.25,4,0.01,-0.02,0.03,3,0.1,9.7,0.2");
+  ASSERT_TRUE(turned.has_value());
+  EXPECT_EQ(turned->specific_force_m_s2, reading->specific_force_m_s2);
+  EXPECT_FALSE(ParseImuLine("12.25,3,0.1,9.7,0.2,5,1,2,3").has_value()) << "no gyroscope";
+  EXPECT_FALSE(ParseImuLine("12.25,3,0.1,nan,0.2,4,1,2,3").has_value());
+}
+
 TEST(ImuLine, IsReadWithAndWithoutAStamp) {
   const auto with = ParseImuLine("12.000000005,1,-2,3e-1,0.1,0.2,9.8\r");
   ASSERT_TRUE(with.has_value());

@@ -69,8 +69,8 @@ Quality Compare(EdgeDetector& detector, unsigned seed, int least) {
 }
 
 TEST(EdgeTraining, LearnsToLeaveOutStripesAndGoesOnAfterABreak) {
-  if (std::system("/usr/bin/python3 -c 'import torch, cv2' 2>/dev/null") != 0)
-    GTEST_SKIP() << "needs python3-torch and python3-opencv";
+  if (std::system("/usr/bin/python3 -c 'import torch, PIL' 2>/dev/null") != 0)
+    GTEST_SKIP() << "needs python3-torch and python3-pil";
   const TemporaryFolder folder;
   for (unsigned i = 0; i < 24; ++i) {
     const auto [image, truth] = Draw(i);
