@@ -303,8 +303,9 @@ class MapperProcess {
       if (const auto live = (*pipeline)->live()) {
         mapped.Drop(live->passed_over - passed_over);
         passed_over = live->passed_over;
-        state += ", passed over " + std::to_string(passed_over) + ", an image was " +
-                 std::to_string(std::lround(live->done_age_ms)) + " ms old when it was mapped";
+        state = "mapped " + std::to_string(live->done) + " of " + std::to_string(live->came()) +
+                " images that came, " + std::to_string(std::lround(live->done_age_ms)) +
+                " ms old by then";
       }
       link_.SetState(state);
       if (!shelf_.Put(report, (*pipeline)->num_done(), (*pipeline)->num_selected(), stop_))

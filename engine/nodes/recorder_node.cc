@@ -150,9 +150,17 @@ class RecorderProcess {
           return status;
       }
       recorded.Count(0);
-      link_.SetState("recorded " + std::to_string(message.done()) + " of " +
-                     std::to_string(message.selected()) + " frames");
+      const std::string state = setup_.plan.recipe->live_speed
+                                    ? std::to_string(NumHanded()) + " frames"
+                                    : std::to_string(message.done()) + " of " +
+                                          std::to_string(message.selected()) + " frames";
+      link_.SetState("recorded " + state);
     }
+  }
+
+  int NumHanded() {
+    const std::lock_guard lock(mutex_);
+    return num_handed_;
   }
 
   /// The last frame that is safely in the file.

@@ -41,6 +41,7 @@ struct Inputs {
   std::unique_ptr<FramePictures> pictures;
   SequenceView view;
   std::shared_ptr<const ModelDatabase> database;
+  bool has_sequence = false;
 };
 
 enum class Scan { kRead, kLeaveOut };
@@ -64,6 +65,7 @@ Result<Inputs> OpenInputs(const RunChoice& choice, RunReader& reader,
     auto pictures = FramePictures::Create(*sequence, database, header.recipe.edges);
     if (!pictures.ok()) return pictures.error();
     inputs.pictures = std::move(pictures).value();
+    inputs.has_sequence = true;
     inputs.view = scan == Scan::kRead ? MakeSequenceView(**sequence, *database, work)
                                       : MakeViewWithoutScan(**sequence, *database);
     if (Status status = MoveWithCorrections(*sequence, reader, inputs.view); !status.ok())
@@ -89,6 +91,7 @@ class RunSource : public SnapshotSource {
         database_(std::move(inputs.database)),
         pictures_(std::move(inputs.pictures)),
         view_(std::move(inputs.view)),
+        has_sequence_(inputs.has_sequence),
         truths_(view_),
         probe_(std::move(probe)),
         mapped_with_(reader_->header()),
@@ -192,7 +195,7 @@ class RunSource : public SnapshotSource {
     Take(std::move(last).value());
     if (Status status = ReadEvents(); !status.ok()) return status.error();
     grows_ = false;
-    if (!view_.own_poses && !SequenceGrew() && !poses_corrected_) return true;
+    if (!has_sequence_ || (!view_.own_poses && !SequenceGrew() && !poses_corrected_)) return true;
     if (Status status = Reopen(Scan::kRead); !status.ok()) return status.error();
     return true;
   }
@@ -200,6 +203,13 @@ class RunSource : public SnapshotSource {
   /// A sequence that is being recorded, too, has more frames by now; and corrected poses move the
   /// past.
   Status FollowSequence(Clock::time_point now) {
+    if (!has_sequence_) {
+      if (SequenceGrew()) {
+        view_.num_frames = frames_.back().frame + 1;
+        ++view_version_;
+      }
+      return {};
+    }
     const RunRecipe& recipe = reader_->header().recipe;
     const bool poses_grow = recipe.live_speed && recipe.poses.source == PoseSource::kVio;
     if ((!SequenceGrew() && !poses_grow && !poses_corrected_) || now < reopen_) return {};
@@ -231,6 +241,7 @@ class RunSource : public SnapshotSource {
   std::shared_ptr<const ModelDatabase> database_;
   std::unique_ptr<FramePictures> pictures_;
   SequenceView view_;
+  bool has_sequence_;  ///< Which may be gone.
   int view_version_ = 0;
   TruthVisibility truths_;
   LazyProbe probe_;
