@@ -263,27 +263,37 @@ cat >"$work/inertial.json" <<'JSON'
 JSON
 (cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
   "$program" gui walk.plb --frame 150 --size 1600x1000 --ui-scale 1 --script inertial.json)
-# A graph of processes with the window attached, whose player is killed.
-"$program" up paper "$room" --models "$room/models" --edges gradient --frames 0:200 --out "$work/graph.plb" --folder "$work/graph" &
+# A graph of processes with the window attached, whose nodes are killed one after another: a film and the panel.
+"$program" up paper "$room" --models "$room/models" --edges gradient --out "$work/graph.plb" --folder "$work/graph" &
 graph=$!
 until [ -e "$work/graph/graph.json" ]; do sleep 0.1; done
-cat >"$work/attached.json" <<'JSON'
+steps=''
+for i in $(seq 10 39); do
+  steps+="{\"wait_frames\": 12}, {\"screenshot\": \"film-$i.png\"},"
+  [ "$i" -ne 26 ] || steps+='{"screenshot": "panel-processes.png", "of": "panel.processes"},'
+done
+cat >"$work/attached.json" <<JSON
 {"steps": [
-  {"wait_for": {"nodes_answer": 5, "newest_frame": {"min": 100}}, "timeout_s": 600},
+  {"wait_for": {"nodes_answer": 5, "newest_frame": {"min": 5}}, "timeout_s": 600},
   {"click": "processes.title"},
   {"hover": "panel.image", "at": [0.02, 0.99]},
-  {"wait_frames": 10},
-  {"dump_state": "attached.state"},
-  {"wait_for": {"newest_frame": {"min": 118}}, "timeout_s": 600},
-  {"screenshot": "attached.png"},
-  {"screenshot": "panel-processes.png", "of": "panel.processes"}
+  $steps
+  {"wait_for": {"growing": false}, "timeout_s": 600}
 ]}
 JSON
-(until [ -e "$work/attached.state" ]; do sleep 0.1; done; pkill -KILL -f "node player --graph $work/graph") &
+(for kill in 14:detector 19:mapper 24:player 29:recorder 34:edges; do
+  until [ -e "$work/film-${kill%:*}.png" ]; do sleep 0.1; done
+  pkill -KILL -f "node ${kill#*:} --graph $work/graph"
+done) &
+killer=$!
 (cd "$work" && xvfb-run -a -s "-screen 0 1600x1000x24" \
   "$program" gui --attach graph --size 1600x1000 --ui-scale 1 --script attached.json)
-kill -INT "$graph"
+kill "$killer" 2>/dev/null || true
+kill -INT "$graph" || true
 wait "$graph" || true
+ffmpeg -v error -y -framerate 3 -start_number 10 -i "$work/film-%d.png" -vf "scale=800:-1:flags=lanczos,split[a][b];\
+[a]palettegen=max_colors=96:stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=5:diff_mode=rectangle" "$out/attached.gif"
+rm "$work"/film-*.png
 # A street: what the paper shows in its figure 3, on one of ours.
 "$program" synth --out "$work/street" --scene street --seed 303
 "$program" run "$work/street" --models "$work/street/right/models" --edges dataset --frames 0:46 --out "$work/street.plb"

@@ -54,7 +54,7 @@ TEST_F(AttachWindow, FollowsTheRunLooksBackAndComesToItsEnd) {
   while (IsRunning(up) && !std::filesystem::exists(Path("graph/graph.json")))
     std::this_thread::sleep_for(std::chrono::milliseconds(3));
   ASSERT_EQ(Window(R"(
-      {"wait_for": {"nodes_answer": 5}},
+      {"wait_for": {"nodes_answer": 5, "growing": true}},
       {"dump_state": "attached.json"},
       {"key": "left", "times": 2},
       {"wait_for": {"follow_newest": false}},
