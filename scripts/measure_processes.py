@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Maps a sequence in one process and in the five of the paper's graph, by turns, and tells throughput, processor time
-and how old images are when they are mapped. Usage: measure_processes.py PLUMBLINE SEQUENCE [--turns N] [-- OPTIONS OF RUN]"""
+and how old images are when they are mapped. What networks make of an image is computed every time, not read from the cache.
+Usage: measure_processes.py PLUMBLINE SEQUENCE [--turns N] [-- OPTIONS OF RUN]"""
 import argparse
 import json
 import os
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -17,10 +19,21 @@ def cpu_s():
     return used.ru_utime + used.ru_stime
 
 
+def use_cache_in(folder):
+    """From now on programs keep things there; views of models are taken over, as they take long to make."""
+    theirs = os.path.join(os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache")), "plumbline")
+    ours = os.path.join(folder, "cache", "plumbline")
+    os.makedirs(ours)
+    for name in os.listdir(theirs) if os.path.isdir(theirs) else []:
+        if name.startswith("viewpoints-"):
+            shutil.copy(os.path.join(theirs, name), ours)
+    os.environ["XDG_CACHE_HOME"] = os.path.join(folder, "cache")
+    return os.path.join(ours, "networks")
 
 
-def measure(words, looking=None):
+def measure(words, networks, looking=None):
     """(seconds, processor seconds) of a command; `looking` is called while it works."""
+    shutil.rmtree(networks, ignore_errors=True)
     before, began = cpu_s(), time.monotonic()
     process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     looked = began
@@ -43,12 +56,13 @@ def main():
     options = [word for word in options if word != "--"]
     plumbline = arguments.plumbline
     with tempfile.TemporaryDirectory() as folder:
+        networks = use_cache_in(folder)
         run = os.path.join(folder, "run.plb")
         result = os.path.join(folder, "result.json")
         state = os.path.join(folder, "state.json")
         for turn in range(arguments.turns):
             common = [arguments.sequence, "--out", run, "--json", result] + options
-            seconds, cpu = measure([plumbline, "run"] + common)
+            seconds, cpu = measure([plumbline, "run"] + common, networks)
             one = json.load(open(result))
             live = one.get("live")
             print(f"one process:    {one['frames'] / seconds:6.2f} frames/s, {1000 * cpu / one['frames']:6.0f} ms of processor a frame"
@@ -63,7 +77,7 @@ def main():
                     nodes = {node["name"]: node for node in json.load(open(state))["nodes"] if node["answers"]}
                     seen.update(nodes)
 
-            seconds, cpu = measure([plumbline, "up", "paper", "--folder", graph] + common, look)
+            seconds, cpu = measure([plumbline, "up", "paper", "--folder", graph] + common, networks, look)
             five = json.load(open(result))
             mapper, player = seen.get("mapper", {}), seen.get("player", {})
             copied = sum(node["served"]["copied_bytes"] for node in seen.values()) / 1e6
