@@ -32,7 +32,7 @@ class AttachWindow : public GraphRun {
   int Window(const std::string& steps, const std::string& arguments) const {
     std::ofstream(Path("script.json")) << "{\"steps\": [" << steps << "]}";
     const std::string command = "cd '" + folder_.path().string() +
-                                "' && DISPLAY=" + display_->name() + " timeout 120 '" +
+                                "' && DISPLAY=" + display_->name() + " timeout 300 '" +
                                 ProgramFile().string() + "' gui " + arguments +
                                 " --size 1600x1000 --ui-scale 1 --script script.json "
                                 ">window.txt 2>&1";
@@ -54,13 +54,13 @@ TEST_F(AttachWindow, FollowsTheRunLooksBackAndComesToItsEnd) {
   while (IsRunning(up) && !std::filesystem::exists(Path("graph/graph.json")))
     std::this_thread::sleep_for(std::chrono::milliseconds(3));
   ASSERT_EQ(Window(R"(
-      {"wait_for": {"nodes_answer": 5, "growing": true}},
+      {"wait_for": {"nodes_answer": 5, "growing": true}, "timeout_s": 60},
       {"dump_state": "attached.json"},
       {"key": "left", "times": 2},
       {"wait_for": {"follow_newest": false}},
       {"dump_state": "back.json"},
       {"key": "n"},
-      {"wait_for": {"growing": false}},
+      {"wait_for": {"growing": false}, "timeout_s": 200},
       {"wait_for": {"state": "finished"}},
       {"dump_state": "end.json"})",
                    "--attach graph"),
