@@ -93,6 +93,10 @@ Result<std::unique_ptr<Attached>> Attach(const GuiArguments& arguments) {
   const GraphNode* recorder = plan->FirstOf(NodeKind::kRecorder);
   const bool here = recorder != nullptr && recorder->endpoint.starts_with("ipc://") &&
                     std::filesystem::is_directory(plan->folder, ignored);
+  if (here && !arguments.out.empty())
+    return Error{ErrorCode::kInvalidInput,
+                 "--out keeps a copy of what a graph on another machine maps; this one writes '" +
+                     plan->out.string() + "' here"};
   if (here) {
     auto run = RunOfGraph(*plan, work);
     if (!run.ok()) return run.error();

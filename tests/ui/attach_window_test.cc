@@ -66,6 +66,8 @@ TEST_F(AttachWindow, FollowsTheRunLooksBackAndComesToItsEnd) {
                    "--attach graph"),
             0)
       << ReadFile(Path("window.txt")).value();
+  EXPECT_EQ(Window("", "--attach graph --out copy.plb"), 1);
+  EXPECT_THAT(ReadFile(Path("window.txt")).value(), testing::HasSubstr("run.plb' here"));
   ASSERT_EQ(WaitFor(up), 0) << Output();
   EXPECT_TRUE(State("attached.json").at("growing").get<bool>());
   EXPECT_TRUE(State("attached.json").at("recorded").get<bool>());
