@@ -20,8 +20,13 @@ constexpr std::size_t kKeyBytes = 32;
 /// 4096 fits.
 constexpr std::int64_t kMostBytes = std::int64_t{64} << 20;
 
+/// How long a closed socket still hands on what was sent. Not 0: libzmq 4.3 then takes the message
+/// that it is sending from under itself, and aborts ("session_base.cpp:260") where the connection
+/// breaks in that moment, as it does when the processes of a graph end together.
+constexpr int kLinger_ms = 100;
+
 void SetCommon(zmq::socket_t& socket) {
-  socket.set(zmq::sockopt::linger, 0);
+  socket.set(zmq::sockopt::linger, kLinger_ms);
   socket.set(zmq::sockopt::maxmsgsize, kMostBytes);
   socket.set(zmq::sockopt::ipv6, true);
   // A peer that is cut off without a word is missed after a few seconds.
