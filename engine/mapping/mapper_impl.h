@@ -175,9 +175,10 @@ struct Mapper::Impl {
   ScoringView ViewOf(const MapObject& object, const MapperInput& input,
                      const OcclusionMaps& occluders) const {
     ScoringView view = View(input, occluders, object.id);
-    view.shifts = ImageShiftsOf(
-        RelativeCovariance(input.pose_uncertainty, object.reference_uncertainty),
-        input.world_from_cam, setup.camera, ToHypothesis(object.mean(), map).center_in_world);
+    view.shifts = ImageShiftsOf(ToHypothesis(object.mean(), map).center_in_world,
+                                {input.world_from_cam, input.pose_uncertainty},
+                                {object.world_from_reference_cam, object.reference_uncertainty},
+                                setup.camera);
     return view;
   }
 

@@ -30,17 +30,13 @@ constexpr double kContourStd_m = 0.008, kContourStdRad = 0.008;
 constexpr double kMinModeWeight = 0.9;
 constexpr double kAnyAzimuth = 100;  ///< Variance where every azimuth looks alike [rad^2].
 
-/// Covariance of where something seen in one view stands relative to what was seen in another, in
-/// (x, y, z, turn about z), as poses drift in between.
-Eigen::Matrix4d DriftAt(const PoseUncertainty& view, const PoseUncertainty& reference,
-                        const Eigen::Vector3d& from_cam) {
-  const PoseCovariance there =
-      MovedBy(from_cam, RelativeCovariance({.drift = view.drift}, {.drift = reference.drift}));
+/// In (x, y, z, turn about z), as what was located in one view stands relative to another.
+Eigen::Matrix4d InFour(const PoseCovariance& covariance) {
   constexpr int kRows[] = {0, 1, 2, 5};
-  Eigen::Matrix4d drift;
+  Eigen::Matrix4d four;
   for (int r = 0; r < 4; ++r)
-    for (int c = 0; c < 4; ++c) drift(r, c) = there(kRows[r], kRows[c]);
-  return drift;
+    for (int c = 0; c < 4; ++c) four(r, c) = covariance(kRows[r], kRows[c]);
+  return four;
 }
 
 double PositionStd(const Eigen::Matrix4d& covariance) {
@@ -78,19 +74,21 @@ std::optional<LandmarkSighting> Mapper::Impl::SeenAgain(const MapObject& object,
       object.mean().weight < kMinModeWeight)
     return std::nullopt;
   const PoseHypothesis known = ToHypothesis(object.mean(), map);
-  const Eigen::Vector3d from_cam = known.center_in_world - input.world_from_cam.translation();
+  const UncertainView present{input.world_from_cam, input.pose_uncertainty};
   const Eigen::Matrix4d drift =
-      DriftAt(input.pose_uncertainty, object.reference_uncertainty, from_cam);
+      InFour(DriftAt(known.center_in_world, present,
+                     {object.world_from_reference_cam, object.reference_uncertainty}));
   if (PositionStd(drift) < options().landmark_drift_m) return std::nullopt;
 
   // Views that hang together with this one, whatever was before.
   MapObject now = object;
+  now.world_from_reference_cam = input.world_from_cam;
   now.reference_uncertainty = input.pose_uncertainty;
   std::vector<JudgingView> views;
   double weight = 0;
   for (const KeyFrame& key : memory.frames()) {
-    const Eigen::Matrix4d since =
-        DriftAt(input.pose_uncertainty, key.input.pose_uncertainty, from_cam);
+    const Eigen::Matrix4d since = InFour(DriftAt(
+        known.center_in_world, present, {key.input.world_from_cam, key.input.pose_uncertainty}));
     if (PositionStd(since) > 0.5 * options().landmark_drift_m) continue;
     Judging judging = Judge(now, key.input, key.maps);
     if (judging.visible_fraction < kMinVisible || judging.telling < kMinTelling) continue;

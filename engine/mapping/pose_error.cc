@@ -10,35 +10,44 @@ namespace {
 
 // The search along normals has 2.5 px: with one more, 2.7.
 constexpr double kNegligible_px = 1, kFocal_px = 500;
-constexpr double kStep = 1e-5;  ///< Of the numerical derivative [m, rad].
+constexpr double kStep_m = 1e-5;  ///< Of the numerical derivative.
 constexpr double kNear_m = 0.1;
+
+PoseCovariance AtPoint(const Eigen::Vector3d& point_in_world,
+                       const Eigen::Isometry3d& world_from_cam, const PoseCovariance& covariance) {
+  return MovedBy(point_in_world - world_from_cam.translation(), covariance);
+}
 
 }  // namespace
 
-PoseCovariance RelativeCovariance(const PoseUncertainty& view, const PoseUncertainty& reference) {
-  PoseCovariance drift = view.drift - reference.drift;
-  // Seen before the reference was: the later of the two has drifted further.
-  if (drift.trace() < 0) drift = -drift;
-  return drift + view.own;
+PoseCovariance DriftAt(const Eigen::Vector3d& point_in_world, const UncertainView& view,
+                       const UncertainView& reference) {
+  return AtPoint(point_in_world, view.world_from_cam, view.uncertainty.drift) -
+         AtPoint(point_in_world, reference.world_from_cam, reference.uncertainty.drift);
 }
 
-std::vector<ImageShift> ImageShiftsOf(const PoseCovariance& relative,
-                                      const Eigen::Isometry3d& world_from_cam,
-                                      const PinholeCamera& camera,
-                                      const Eigen::Vector3d& point_in_world) {
-  if (relative.isZero(0)) return {};
-  const auto pixel = [&](const PosePerturbation& error) -> Eigen::Vector2d {
-    return camera.Project(Perturbed(world_from_cam, error).inverse() * point_in_world);
-  };
-  if ((world_from_cam.inverse() * point_in_world).z() < kNear_m) return {};
-  Eigen::Matrix<double, 2, 6> jacobian;
-  for (int k = 0; k < 6; ++k) {
-    const PosePerturbation step = kStep * PosePerturbation::Unit(k);
-    jacobian.col(k) = (pixel(step) - pixel(-step)) / (2 * kStep);
+std::vector<ImageShift> ImageShiftsOf(const Eigen::Vector3d& point_in_world,
+                                      const UncertainView& view, const UncertainView& reference,
+                                      const PinholeCamera& camera) {
+  const PoseUncertainty& own = view.uncertainty;
+  if (own.drift.isZero(0) && reference.uncertainty.drift.isZero(0) && own.own.isZero(0)) return {};
+  const Eigen::Isometry3d cam_from_world = view.world_from_cam.inverse();
+  if ((cam_from_world * point_in_world).z() < kNear_m) return {};
+  Eigen::Matrix<double, 2, 3> jacobian;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d step = kStep_m * Eigen::Vector3d::Unit(k);
+    jacobian.col(k) = (camera.Project(cam_from_world * (point_in_world + step)) -
+                       camera.Project(cam_from_world * (point_in_world - step))) /
+                      (2 * kStep_m);
   }
-  const Eigen::Matrix2d in_image = jacobian * relative * jacobian.transpose();
-  const SymmetricEigen axes = EigenOf(in_image);
-  // A difference of covariances may be negative along a direction: then nothing is added there.
+  const auto in_image = [&](const PoseCovariance& at_point) -> Eigen::Matrix2d {
+    return jacobian * at_point.topLeftCorner<3, 3>() * jacobian.transpose();
+  };
+  // Grown or shrunk, an error that two views do not share.
+  const SymmetricEigen drift = EigenOf(in_image(DriftAt(point_in_world, view, reference)));
+  const SymmetricEigen axes =
+      EigenOf(drift.vectors * drift.values.cwiseAbs().asDiagonal() * drift.vectors.transpose() +
+              in_image(AtPoint(point_in_world, view.world_from_cam, own.own)));
   const Eigen::Vector2d deviations = axes.values.cwiseMax(0).cwiseSqrt();
   if (deviations.maxCoeff() < kNegligible_px * camera.fx / kFocal_px) return {};
   std::vector<ImageShift> shifts = {{0, 0, 1.0 / 3}};

@@ -17,6 +17,7 @@ namespace plumbline {
 inline constexpr int kCamRotation = 15, kCamTranslation = 18, kTimeOffset = 21, kLens = 22,
                      kLensSize = 9, kCalibratedSize = 31;
 inline constexpr int kPoseSize = 6, kPointSize = 3;
+using CalibratedMatrix = Eigen::Matrix<double, kCalibratedSize, kCalibratedSize>;
 
 /// DistortedCamera::Intrinsics, then the time from the first row of an image to the last [s].
 using LensVector = Eigen::Matrix<double, kLensSize, 1>;
@@ -50,14 +51,16 @@ struct RowRange {
   int begin = 0, size = 0;
 };
 
+/// What a measurement is off by.
+enum class NoiseOf { kImages, kRest };
+
 /// The filter's state and the covariance of its error, on their manifold. The error is that of
 /// the InertialState, then calibration, then clones and points in any order.
 class FilterState {
  public:
   FilterState() = default;
   FilterState(const InertialState& inertial, const Eigen::Isometry3d& body_from_cam,
-              double time_offset_s, const LensVector& lens,
-              const Eigen::Matrix<double, kCalibratedSize, kCalibratedSize>& covariance);
+              double time_offset_s, const LensVector& lens, const CalibratedMatrix& covariance);
 
   const InertialState& inertial() const { return inertial_; }
   const Eigen::Isometry3d& body_from_cam() const { return body_from_cam_; }
@@ -68,6 +71,9 @@ class FilterState {
   const std::vector<StatePoint>& points() const { return points_; }
   const PoseClone* FindClone(std::int64_t id) const;
   const Eigen::MatrixXd& covariance() const { return covariance_; }
+  /// The part of the covariance that errors of images cause, by the gains that were applied: all
+  /// but what the start, the readings of the IMU and rest leave uncertain.
+  const Eigen::MatrixXd& covariance_by_images() const { return by_images_; }
   int size() const { return static_cast<int>(covariance_.rows()); }
 
   /// Carries the inertial part forward. `integration` started from inertial().
@@ -86,7 +92,7 @@ class FilterState {
   /// `jacobian` are those of `rows`, in their order.
   /// @return false, without a change, where the innovation's covariance is not positive.
   bool Update(const Eigen::MatrixXd& jacobian, std::span<const RowRange> rows,
-              const Eigen::VectorXd& residual);
+              const Eigen::VectorXd& residual, NoiseOf noise);
 
   /// jacobian * covariance * jacobian' of these rows alone.
   Eigen::MatrixXd Projected(const Eigen::MatrixXd& jacobian, std::span<const RowRange> rows) const;
@@ -104,19 +110,22 @@ class FilterState {
   void RemoveClone(std::int64_t id);
   void RemovePoint(std::int64_t track);
 
-  /// Covariance of the present pose's error as files and mapper have it: translation and rotation
-  /// vector along `world`, the rotation not moving the body (sensor/pose_estimate.h).
-  Eigen::Matrix<double, 6, 6> PoseCovariance() const;
+  /// The covariance of InertialState and calibration where errors of images last `inflation` times
+  /// as long as the gains took them to: P + (inflation - 1) * covariance_by_images().
+  CalibratedMatrix InflatedCovariance(double inflation) const;
 
-  /// Adds to the covariance of an independent part, as unmodelled motion.
-  void Inflate(RowRange rows, double variance);
+  /// By it the present pose's error as files and mapper have it: translation and rotation vector
+  /// along `world`, the rotation not moving the body (sensor/pose_estimate.h).
+  Eigen::Matrix<double, 6, 6> PoseCovariance(double inflation) const;
+
+  /// Adds to the covariance of points, which are not the ones that images show.
+  void Creep(RowRange rows, double variance);
 
   bool finite() const;
 
  private:
   void Retract(const Eigen::VectorXd& error);
   void RemoveRows(RowRange rows);
-  Eigen::MatrixXd Columns(std::span<const RowRange> rows) const;
 
   InertialState inertial_;
   Eigen::Isometry3d body_from_cam_ = Eigen::Isometry3d::Identity();
@@ -124,7 +133,7 @@ class FilterState {
   LensVector lens_ = LensVector::Zero();
   std::vector<PoseClone> clones_;
   std::vector<StatePoint> points_;
-  Eigen::MatrixXd covariance_;
+  Eigen::MatrixXd covariance_, by_images_;
   std::int64_t next_clone_ = 0;
 };
 

@@ -27,7 +27,8 @@ constexpr double kGateOfPlots = 0.95;
 constexpr double kSamePlace_m = 0.15;
 
 /// Covariance of the camera's pose, in the order of PosePerturbation.
-Eigen::Matrix<double, 6, 6> CamCovariance(const FilterState& state) {
+Eigen::Matrix<double, 6, 6> CamCovariance(const FilterState& state,
+                                          const CalibratedMatrix& covariance) {
   const Eigen::Isometry3d world_from_body = state.inertial().pose();
   const Eigen::Vector3d cam_in_world = (world_from_body * state.body_from_cam()).translation();
   Eigen::MatrixXd to_cam = Eigen::MatrixXd::Zero(6, kCalibratedSize);
@@ -36,22 +37,21 @@ Eigen::Matrix<double, 6, 6> CamCovariance(const FilterState& state) {
   to_cam.block<3, 3>(0, kCamTranslation) = world_from_body.linear();
   to_cam.block<3, 3>(3, kPhi).setIdentity();
   to_cam.block<3, 3>(3, kCamRotation) = world_from_body.linear();
-  return to_cam * state.covariance().topLeftCorner<kCalibratedSize, kCalibratedSize>() *
-         to_cam.transpose();
+  return to_cam * covariance * to_cam.transpose();
 }
 
-double TiltStd(const FilterState& state) {
-  const Eigen::Matrix2d covariance = state.covariance().block<2, 2>(kPhi, kPhi);
-  return std::sqrt(std::max(0.0, covariance.eigenvalues().real().maxCoeff()));
+double TiltStd(const CalibratedMatrix& covariance) {
+  const Eigen::Matrix2d tilt = covariance.block<2, 2>(kPhi, kPhi);
+  return std::sqrt(std::max(0.0, tilt.eigenvalues().real().maxCoeff()));
 }
 
 /// Of the worst axis: v = v^ + xi_v + phi x v^.
-double VelocityStd(const FilterState& state) {
+double VelocityStd(const FilterState& state, const CalibratedMatrix& covariance) {
   Eigen::Matrix<double, 3, 6> by_state;
   by_state << -Hat(state.inertial().velocity_in_world), Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3d covariance =
-      by_state * state.covariance().block<6, 6>(kPhi, kPhi) * by_state.transpose();
-  return std::sqrt(std::max(0.0, covariance.diagonal().maxCoeff()));
+  const Eigen::Matrix3d velocity =
+      by_state * covariance.block<6, 6>(kPhi, kPhi) * by_state.transpose();
+  return std::sqrt(std::max(0.0, velocity.diagonal().maxCoeff()));
 }
 
 template <typename... Arguments>
@@ -189,14 +189,14 @@ class Recorder {
   }
 
   void AddPose(const FilterState& state, OwnPoseReport& frame) const {
-    const double inflation = options_.filter.covariance_inflation;
+    const CalibratedMatrix told = state.InflatedCovariance(options_.filter.covariance_inflation);
     frame.vio.world_from_body = state.inertial().pose();
     frame.vio.velocity_in_world = state.inertial().velocity_in_world;
-    frame.vio.covariance = inflation * state.PoseCovariance();
+    frame.vio.covariance = state.PoseCovariance(options_.filter.covariance_inflation);
     frame.world_from_cam = frame.vio.world_from_body * state.body_from_cam();
-    frame.cam_covariance = inflation * CamCovariance(state);
-    frame.tilt_std_rad = std::sqrt(inflation) * TiltStd(state);
-    frame.velocity_std_m_s = std::sqrt(inflation) * VelocityStd(state);
+    frame.cam_covariance = CamCovariance(state, told);
+    frame.tilt_std_rad = TiltStd(told);
+    frame.velocity_std_m_s = VelocityStd(state, told);
     if (frame.vio.step.nis_dof > 0)
       frame.nis_gate = ChiSquareGate(kGateOfPlots)(frame.vio.step.nis_dof);
   }

@@ -109,7 +109,8 @@ void UpdateWithForce(const Eigen::Vector3d& force_in_body, double gravity_m_s2,
   const RowRange rows[] = {{kPhi, 3}, {kAccelBias, 3}};
   const Eigen::Vector3d residual =
       force_in_body - body_from_world * up - state.inertial().accel_bias;
-  PLB_CHECK(state.Update(jacobian / kRestAcceleration, rows, residual / kRestAcceleration));
+  PLB_CHECK(state.Update(jacobian / kRestAcceleration, rows, residual / kRestAcceleration,
+                         NoiseOf::kRest));
 }
 
 }  // namespace plumbline

@@ -79,10 +79,8 @@ void VioEstimator::JoinLastStretch(InertialState& inertial, StartSpread& spread)
   inertial.position_in_world = last_good_->world_from_body.translation();
   const auto variance = last_good_->covariance.diagonal();
   const double wandered = gap * std::max(1.0, last_good_->velocity_in_world.norm());
-  // What is told of the new stretch is inflated like all else.
-  const double inflation = std::sqrt(options_.covariance_inflation);
-  spread.position_m = std::hypot(std::sqrt(variance.head<3>().maxCoeff()), wandered) / inflation;
-  spread.yaw_rad = std::hypot(std::sqrt(variance(5)), std::min(0.5 * gap, 1.5)) / inflation;
+  spread.position_m = std::hypot(std::sqrt(variance.head<3>().maxCoeff()), wandered);
+  spread.yaw_rad = std::hypot(std::sqrt(variance(5)), std::min(0.5 * gap, 1.5));
 }
 
 void VioEstimator::BeginWith(const FilterState& state) {
@@ -362,14 +360,14 @@ VioReport VioEstimator::Report(const TrackedImage& image, const FilterStep& step
   report.phase = VioPhase::kTracking;
   report.stretch = stretch_;
   report.world_from_body = state.inertial().pose();
-  report.covariance = options_.covariance_inflation * state.PoseCovariance();
+  report.covariance = state.PoseCovariance(options_.covariance_inflation);
   report.velocity_in_world = state.inertial().velocity_in_world;
   report.gyro_bias = state.inertial().gyro_bias;
   report.accel_bias = state.inertial().accel_bias;
   report.body_from_cam = state.body_from_cam();
   report.time_offset_s = state.time_offset_s();
   const Eigen::VectorXd spread =
-      (options_.covariance_inflation * state.covariance().diagonal()).cwiseMax(0).cwiseSqrt();
+      state.InflatedCovariance(options_.covariance_inflation).diagonal().cwiseMax(0).cwiseSqrt();
   report.spread = spread.segment<13>(kGyroBias);
   report.lens = state.lens();
   report.lens_spread = spread.segment<kLensSize>(kLens);

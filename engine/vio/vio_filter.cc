@@ -253,7 +253,7 @@ void VioFilter::UpdateWithParts(const std::vector<SplitRows>& parts, const Colum
     row += part.residual.size();
   }
   Compress(jacobian, residual);
-  state_.Update(jacobian, layout.rows(), residual);
+  state_.Update(jacobian, layout.rows(), residual, NoiseOf::kImages);
 }
 
 void VioFilter::AddPoints(const std::vector<std::pair<std::int64_t, Track>>& tracks,
@@ -283,7 +283,7 @@ void VioFilter::AddPoints(const std::vector<std::pair<std::int64_t, Track>>& tra
     point.bearing_and_inverse_depth = value;
     state_.AddPoint(point, split.point_by_state, layout.rows(), split.by_point,
                     split.point_residual);
-    state_.Update(split.by_state, layout.rows(), split.residual);
+    state_.Update(split.by_state, layout.rows(), split.residual, NoiseOf::kImages);
   }
 }
 
@@ -332,7 +332,7 @@ std::pair<Eigen::MatrixXd, Eigen::VectorXd> VioFilter::Stacked(std::span<const P
 void VioFilter::UpdateWithSights(std::span<const PointSight> sights, const ColumnLayout& layout) {
   if (sights.empty()) return;
   const auto [jacobian, residual] = Stacked(sights);
-  state_.Update(jacobian, layout.rows(), residual);
+  state_.Update(jacobian, layout.rows(), residual, NoiseOf::kImages);
 }
 
 std::vector<std::int64_t> VioFilter::UpdateWithAgreeing(std::vector<PointSight> sights,
@@ -384,7 +384,7 @@ void VioFilter::UpdateWithPoints(const TrackedImage& image, FilterStep& step) {
   std::vector<int> columns;
   for (const StatePoint& point : state_.points()) {
     columns.push_back(layout.AddPoint(point));
-    state_.Inflate({point.row, 2}, creep_rad_ * creep_rad_);
+    state_.Creep({point.row, 2}, creep_rad_ * creep_rad_);
   }
   std::vector<PointSight> sights;
   std::vector<std::int64_t> lost;
@@ -445,7 +445,7 @@ void VioFilter::UpdateAtRest() {
   const double std = options_.zero_velocity_std_m_s;
   const Eigen::Vector3d v = state_.inertial().velocity_in_world;
   const RowRange rows[] = {{kPhi, 6}};
-  state_.Update(VelocityByState(v) / std, rows, -v / std);
+  state_.Update(VelocityByState(v) / std, rows, -v / std, NoiseOf::kRest);
 }
 
 void VioFilter::UpdateTurnAtRest(FilterStep& step) {

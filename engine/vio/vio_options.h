@@ -121,8 +121,8 @@ void VisitFields(VioOptions& o, Visitor&& visit) {
          "gate after that"});
   visit(o.covariance_inflation,
         {"covariance_inflation", "",
-         "covariances that are told are the filter's times this: tracks on images err together for "
-         "longer than it knows; not of tracks that are given",
+         "what errors of images cause in covariances that are told counts so many times: tracks on "
+         "images err together for longer than the filter knows; not tracks that are given",
          1, 1000});
   visit(o.estimate_extrinsics,
         {"estimate_extrinsics", "", "refine the pose of the camera on the body"});

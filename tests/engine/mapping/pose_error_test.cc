@@ -23,7 +23,9 @@ TEST(ImageShifts, HaveTheMomentsOfProjectionsByPosesThatErr) {
   const PinholeCamera camera{640, 480, 500, 500, 319.5, 239.5};
   const Eigen::Vector3d point(0.1, -0.2, 0.4);
   const PoseCovariance covariance = Covariance(0.01, 0.3 * 3.14159 / 180);
-  const std::vector<ImageShift> shifts = ImageShiftsOf(covariance, world_from_cam, camera, point);
+  const PoseUncertainty own{.own = covariance}, exact;
+  const std::vector<ImageShift> shifts =
+      ImageShiftsOf(point, {world_from_cam, own}, {world_from_cam, exact}, camera);
   ASSERT_EQ(shifts.size(), 5u);
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
@@ -55,20 +57,50 @@ TEST(ImageShifts, AreNotMadeForWhatIsExactOrHardlyErrs) {
   const Eigen::Isometry3d world_from_cam = LookAt({2, 1, 1.5}, {0, 0, 0.5});
   const PinholeCamera camera{640, 480, 500, 500, 319.5, 239.5};
   const Eigen::Vector3d in_front(0, 0, 0.5), behind(4, 2, 2.5);
-  EXPECT_TRUE(ImageShiftsOf(PoseCovariance::Zero(), world_from_cam, camera, in_front).empty());
-  EXPECT_TRUE(ImageShiftsOf(Covariance(1e-4, 1e-5), world_from_cam, camera, in_front).empty());
-  EXPECT_TRUE(ImageShiftsOf(Covariance(0.01, 0.01), world_from_cam, camera, behind).empty());
+  const auto shifts = [&](const PoseCovariance& own, const Eigen::Vector3d& point) {
+    return ImageShiftsOf(point, {world_from_cam, {.own = own}}, {world_from_cam, {}}, camera);
+  };
+  EXPECT_TRUE(shifts(PoseCovariance::Zero(), in_front).empty());
+  EXPECT_TRUE(shifts(Covariance(1e-4, 1e-5), in_front).empty());
+  EXPECT_TRUE(shifts(Covariance(0.01, 0.01), behind).empty());
+  EXPECT_FALSE(shifts(Covariance(0.01, 0.01), in_front).empty());
 }
 
-TEST(RelativeCovariance, OfADriftIsWhatItGrewByAndOfOwnErrorsAllOfThem) {
-  PoseUncertainty early, late;
-  early.drift = Covariance(0.02, 0.001);
-  late.drift = 2 * early.drift;
-  EXPECT_TRUE(RelativeCovariance(late, early).isApprox(early.drift, 1e-12));
-  EXPECT_TRUE(RelativeCovariance(early, late).isApprox(early.drift, 1e-12)) << "whichever is later";
-  EXPECT_TRUE(RelativeCovariance(early, early).isZero());
+TEST(ImageShifts, OfADriftAreAsLargeWhicheverOfTwoViewsKnowsBetterAndAddToOwnErrors) {
+  const Eigen::Isometry3d world_from_cam = LookAt({2, 1, 1.5}, {0, 0, 0.5});
+  const PinholeCamera camera{640, 480, 500, 500, 319.5, 239.5};
+  const Eigen::Vector3d point(0.1, -0.2, 0.4);
+  const auto spread = [&](const PoseUncertainty& view, const PoseUncertainty& reference) {
+    double sum = 0;
+    for (const ImageShift& shift :
+         ImageShiftsOf(point, {world_from_cam, view}, {world_from_cam, reference}, camera))
+      sum += shift.weight * (shift.x_px * shift.x_px + shift.y_px * shift.y_px);
+    return sum;
+  };
+  const PoseUncertainty early{.drift = Covariance(0.02, 0.001)};
+  PoseUncertainty late{.drift = 2 * early.drift};
+  const double drifted = spread(late, early);
+  EXPECT_NEAR(drifted, spread({.own = early.drift}, {}), 1e-9 * drifted);
+  EXPECT_NEAR(spread(early, late), drifted, 1e-9 * drifted) << "corrected by as much";
+  EXPECT_EQ(spread(early, early), 0);
   late.own = Covariance(0.01, 0.002);
-  EXPECT_TRUE(RelativeCovariance(late, early).isApprox(early.drift + late.own, 1e-12));
+  EXPECT_NEAR(spread(late, early), drifted + spread({.own = late.own}, {}), 1e-9 * drifted);
+}
+
+TEST(DriftAt, ATurnOfTheWholeWorldMovesNoPointBetweenTwoViews) {
+  const Eigen::Isometry3d here = LookAt({2, 1, 1.5}, {0, 0, 0.5}),
+                          there = LookAt({-3, 2, 1.2}, {0, 0, 0.5});
+  // An error common to both, as it shows in each: what turns about the origin moves a camera.
+  const PoseCovariance world = Covariance(0.03, 0.02), zero = PoseCovariance::Zero();
+  const PoseUncertainty at_here{.drift = MovedBy(here.translation(), world)},
+      at_there{.drift = MovedBy(there.translation(), world)};
+  EXPECT_GT((at_here.drift - at_there.drift).norm(), 0.1 * world.norm());
+  EXPECT_LT(DriftAt({0.1, -0.2, 0.4}, {here, at_here}, {there, at_there}).norm(), 1e-12);
+  // What one alone has turned by moves what is far by more.
+  const PoseUncertainty turned{.drift = Covariance(0, 0.01)}, exact{.drift = zero};
+  const Eigen::Vector3d far = here * Eigen::Vector3d(0, 0, 4);
+  EXPECT_NEAR(DriftAt(far, {here, turned}, {here, exact}).topLeftCorner<3, 3>().trace(),
+              2 * 0.04 * 0.04, 1e-9);
 }
 
 /// The edge term of poses across the line of sight of a view that is 6 px off.

@@ -26,7 +26,7 @@ FilterState StartedState() {
 }
 
 TEST(FilterState, AStartSpeaksOfThePlainErrorsThatWereGiven) {
-  const auto covariance = StartedState().PoseCovariance();
+  const auto covariance = StartedState().PoseCovariance(1);
   EXPECT_NEAR(std::sqrt(covariance(0, 0)), 0.5, 1e-9);
   EXPECT_NEAR(std::sqrt(covariance(5, 5)), 0.1, 1e-9);
   EXPECT_NEAR(covariance(0, 5), 0, 1e-9);
@@ -63,12 +63,72 @@ TEST(FilterState, AnUpdateIsThatOfTheTextbookAndRemovingRowsIsMarginalisation) {
   whole.middleCols(first, 6) = H;
   const Eigen::MatrixXd S = whole * P * whole.transpose() + Eigen::MatrixXd::Identity(2, 2);
   const Eigen::MatrixXd expected = P - P * whole.transpose() * S.inverse() * whole * P;
-  ASSERT_TRUE(state.Update(H, rows, Eigen::Vector2d::Zero()));
+  ASSERT_TRUE(state.Update(H, rows, Eigen::Vector2d::Zero(), NoiseOf::kImages));
   EXPECT_LT((state.covariance() - expected).norm(), 1e-10);
   state.RemoveClone(0);
   EXPECT_EQ(state.size(), P.rows() - 6);
   EXPECT_LT((state.covariance().bottomRightCorner(6, 6) - expected.bottomRightCorner(6, 6)).norm(),
             1e-10);
+}
+
+TEST(FilterState, ErrorsOfImagesAreToldAsManyTimesAndThoseOfTheStartAndOfRestOnce) {
+  constexpr double kInflation = 9;
+  FilterState state = StartedState();
+  const CalibratedMatrix start = state.covariance();
+  EXPECT_TRUE(state.InflatedCovariance(kInflation).isApprox(start)) << "no image was seen yet";
+
+  // Joseph's form, which holds for any gain, of measurements that err by three of what the gain
+  // takes them to; then of one that errs by what it says.
+  Eigen::MatrixXd truth = start;
+  const auto expect = [&](const Eigen::MatrixXd& whole, double noise_variance) {
+    const Eigen::MatrixXd P = state.covariance();
+    const Eigen::MatrixXd S = whole * P * whole.transpose() + Eigen::MatrixXd::Identity(2, 2);
+    const Eigen::MatrixXd K = P * whole.transpose() * S.inverse();
+    const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(P.rows(), P.rows()) - K * whole;
+    truth = left * truth * left.transpose() + noise_variance * K * K.transpose();
+  };
+  Eigen::MatrixXd H(2, 6);
+  H << 40, 20, 0, -10, 5, 0, 0, 10, 30, 0, 0, 20;
+  const RowRange rows[] = {{kPhi, 6}};
+  Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(2, kCalibratedSize);
+  whole.middleCols(kPhi, 6) = H;
+  for (const NoiseOf noise : {NoiseOf::kImages, NoiseOf::kRest, NoiseOf::kImages}) {
+    expect(whole, noise == NoiseOf::kImages ? kInflation : 1);
+    ASSERT_TRUE(state.Update(H, rows, Eigen::Vector2d::Zero(), noise));
+    EXPECT_LT((state.InflatedCovariance(kInflation) - truth).norm(), 1e-9 * truth.norm());
+    const ImuSegment segment{0, 100'000'000, {0.1, 0.2, 0}, {0, 0, 9.8}, 1};
+    IntegrationNoise shaking;
+    shaking.accel_density = 0.01;
+    const Integration moved = Integrate(state.inertial(), std::span(&segment, 1), shaking);
+    Eigen::MatrixXd transition = Eigen::MatrixXd::Identity(kCalibratedSize, kCalibratedSize);
+    transition.topLeftCorner<kInertialSize, kInertialSize>() = moved.transition;
+    truth = transition * truth * transition.transpose();
+    truth.topLeftCorner<kInertialSize, kInertialSize>() += moved.noise;
+    state.Propagate(moved);
+    EXPECT_LT((state.InflatedCovariance(kInflation) - truth).norm(), 1e-9 * truth.norm());
+  }
+  EXPECT_GT(state.InflatedCovariance(kInflation)(kPhi, kPhi), state.covariance()(kPhi, kPhi));
+  EXPECT_TRUE(state.InflatedCovariance(1).isApprox(state.covariance()));
+}
+
+TEST(FilterState, WhatAPoseAndAPointOfImagesErrByGrowsWithThem) {
+  FilterState state = StartedState();
+  state.AddClone(0, {0, 0, 0}, 0, 1e-3, 2e-3);
+  const int clone = state.clones()[0].row;
+  EXPECT_NEAR(state.covariance_by_images()(clone, clone), 1e-6, 1e-15);
+  EXPECT_NEAR(state.covariance_by_images()(kPhi, kPhi), 0, 1e-15) << "of the clone alone";
+  StatePoint point;
+  const RowRange rows[] = {{clone, 6}};
+  const Eigen::Matrix3d by_point = 100 * Eigen::Matrix3d::Identity();
+  state.AddPoint(point, Eigen::MatrixXd::Zero(3, 6), rows, by_point, Eigen::Vector3d::Zero());
+  const int row = state.points()[0].row;
+  EXPECT_NEAR(state.covariance_by_images()(row, row), 1e-4, 1e-12);
+  state.Creep({row, 2}, 3e-4);
+  EXPECT_NEAR(state.covariance_by_images()(row, row), 4e-4, 1e-12);
+  state.RemoveClone(0);
+  EXPECT_EQ(state.covariance_by_images().rows(), state.size());
+  EXPECT_NEAR(state.covariance_by_images()(state.points()[0].row, state.points()[0].row), 4e-4,
+              1e-12);
 }
 
 TEST(FilterState, TheCovarianceOfAPoseIsOfTheErrorThatFilesState) {
