@@ -99,8 +99,8 @@ TEST(DriftAt, ATurnOfTheWholeWorldMovesNoPointBetweenTwoViews) {
   // What one alone has turned by moves what is far by more.
   const PoseUncertainty turned{.drift = Covariance(0, 0.01)}, exact{.drift = zero};
   const Eigen::Vector3d far = here * Eigen::Vector3d(0, 0, 4);
-  EXPECT_NEAR(DriftAt(far, {here, turned}, {here, exact}).topLeftCorner<3, 3>().trace(),
-              2 * 0.04 * 0.04, 1e-9);
+  const PoseCovariance moved = DriftAt(far, {here, turned}, {here, exact});
+  EXPECT_NEAR(moved.diagonal().head<3>().sum(), 2 * 0.04 * 0.04, 1e-9);
 }
 
 /// The edge term of poses across the line of sight of a view that is 6 px off.
