@@ -189,8 +189,11 @@ std::shared_ptr<const OwnPoses> PosesThatDrift(const Sequence& truth, int from,
     frame.vio.stamp_ns = truth.stamp_ns(i);
     frame.world_from_cam = moved * *truth.world_from_cam(i);
     const double spread = 1e-4 + 0.09 * share;  // as it is told, inflated
-    frame.cam_covariance.diagonal() << spread * spread, spread * spread, spread * spread, 1e-8,
-        1e-8, 0.1 * spread * spread;
+    // Of a turn about the origin and a move, as the drift is; and as it shows in each camera.
+    PoseCovariance of_world = PoseCovariance::Zero();
+    of_world.diagonal() << spread * spread, spread * spread, spread * spread, 1e-8, 1e-8,
+        0.1 * spread * spread;
+    frame.cam_covariance = MovedBy(frame.world_from_cam->translation(), of_world);
     frame.floor = FloorReport{0, 0.01, 100};
   }
   return poses;
