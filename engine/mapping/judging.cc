@@ -22,9 +22,9 @@ Eigen::Vector3d CameraOf(const JudgingView& judging) {
 
 double WeightOfDetector(const JudgingView& view, const MapFrame& map,
                         const PoseHypothesis& hypothesis, const MapperOptions& options) {
-  return view.detector_weight
-             ? *view.detector_weight
-             : DetectorWeight(map.database->model(hypothesis.label).bounds, options);
+  if (view.detector_weight) return *view.detector_weight;
+  const CadModel& model = map.database->model(hypothesis.label);
+  return DetectorWeight(model.category, model.bounds, options);
 }
 
 }  // namespace

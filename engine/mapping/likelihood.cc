@@ -14,9 +14,10 @@ constexpr float kWholeShare = 0.2f;
 
 }  // namespace
 
-double DetectorWeight(const Eigen::AlignedBox3f& bounds, const MapperOptions& options) {
-  return bounds.sizes().head<2>().norm() > options.room_thing_m ? options.large_alpha
-                                                                : options.alpha;
+double DetectorWeight(std::string_view category, const Eigen::AlignedBox3f& bounds,
+                      const MapperOptions& options) {
+  return LengthScale(category, bounds, options.room_thing_m) > 1 ? options.large_alpha
+                                                                 : options.alpha;
 }
 
 float EdgeNormalizer(std::span<const HypothesisScore> scores) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "engine/mapping/hypothesis_scorer.h"
@@ -19,9 +20,10 @@ struct Likelihood {
   Box2 whole_box, visible_box;
 };
 
-/// What Phi_cnn of a shape of these bounds is multiplied by: `large_alpha` beyond what rooms hold,
-/// else `alpha`.
-double DetectorWeight(const Eigen::AlignedBox3f& bounds, const MapperOptions& options);
+/// What Phi_cnn of a shape of this category and these bounds is multiplied by: `large_alpha` if it
+/// is large (LengthScale), else `alpha`.
+double DetectorWeight(std::string_view category, const Eigen::AlignedBox3f& bounds,
+                      const MapperOptions& options);
 
 /// Phi_edge divides the agreement of a hypothesis by the visible length of its contour, at least by
 /// this length, which is common to all hypotheses of one object in one image: so neither showing

@@ -192,9 +192,9 @@ struct Mapper::Impl {
   /// Boxes find what is large while it is far. Once it is settled, a box of what passes before it
   /// must not draw it along.
   double DetectorWeightOf(const MapObject& object, ModelId label) const {
-    return object.state == ObjectState::kConfirmed
-               ? options().alpha
-               : DetectorWeight(setup.database->model(label).bounds, options());
+    if (object.state == ObjectState::kConfirmed) return options().alpha;
+    const CadModel& model = setup.database->model(label);
+    return DetectorWeight(model.category, model.bounds, options());
   }
 
   /// How an image judges hypotheses of the object, and what it shows of the object's mean.

@@ -287,7 +287,8 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.room_thing_m,
         {"room_thing_m", "m",
          "horizontal diagonal of the largest things that the filter's lengths (of searches, of "
-         "poses that are one, confirm_position_std_m) are meant for; they grow with larger ones",
+         "poses that are one, confirm_position_std_m) are meant for; they grow with larger ones "
+         "of kinds that move by themselves (cars)",
          0.1, 1000});
   visit(
       o.moving_share,
@@ -307,11 +308,11 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
          "distance from the camera at which a tentative object out of view is given up: no room is "
          "as long, and on a street it makes place for what comes",
          1, 1e6});
-  visit(o.large_alpha,
-        {"large_alpha", "",
-         "alpha of what is larger than room_thing_m: in a street boxes tell places better than "
-         "edges, until it is near",
-         0, 1000});
+  visit(o.large_alpha, {"large_alpha", "",
+                        "alpha of what moves by itself and is larger than room_thing_m: in a "
+                        "street boxes tell places better than "
+                        "edges, until it is near",
+                        0, 1000});
   visit(o.feigned_speed_m_s,
         {"feigned_speed_m_s", "m/s",
          "speed at which standing things seem to move, as their boxes err alike for a while "

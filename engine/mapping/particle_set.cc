@@ -6,6 +6,8 @@
 #include <map>
 #include <numbers>
 
+#include "engine/vision/category_names.h"
+
 namespace plumbline {
 namespace {
 
@@ -48,9 +50,17 @@ bool InMode(const Sample& sample, const CadModel& model, double radius_m,
 
 }  // namespace
 
+double LengthScale(std::string_view category, const Eigen::AlignedBox3f& bounds,
+                   double room_thing_m) {
+  const double diagonal_m = bounds.sizes().head<2>().norm();
+  // The lengths first: this is asked for every particle.
+  if (diagonal_m <= room_thing_m || !MovesByItself(category)) return 1;
+  return 1 + kLengthGrowth * (diagonal_m / room_thing_m - 1);
+}
+
 double MapFrame::LengthScale(ModelId label) const {
-  const double diagonal_m = database->model(label).bounds.sizes().head<2>().norm();
-  return 1 + kLengthGrowth * std::max(0.0, diagonal_m / room_thing_m - 1);
+  const CadModel& model = database->model(label);
+  return plumbline::LengthScale(model.category, model.bounds, room_thing_m);
 }
 
 double MapFrame::BaseHeight(const PoseHypothesis& hypothesis) const {

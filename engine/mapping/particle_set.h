@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,6 +20,13 @@
 
 namespace plumbline {
 
+/// How much larger than in a room lengths are that belong to a shape: 1, but for what moves by
+/// itself (MovesByItself), the kind of thing that streets are filmed for, and whose horizontal
+/// diagonal is longer than `room_thing_m`; growing with that from there on. Such things are called
+/// large.
+double LengthScale(std::string_view category, const Eigen::AlignedBox3f& bounds,
+                   double room_thing_m);
+
 /// What poses of a map's objects refer to: gravity, the floor if one is known, the shapes.
 struct MapFrame {
   UprightFrame upright;
@@ -30,8 +38,7 @@ struct MapFrame {
   std::vector<FloorLevel> levels = {};                ///< Beside the floor, where one is known.
   double room_thing_m = MapperOptions().room_thing_m;
 
-  /// How much larger than in a room lengths are that belong to a shape: 1 up to `room_thing_m` of
-  /// its horizontal diagonal, growing with that from there on.
+  /// plumbline::LengthScale of a shape.
   double LengthScale(ModelId label) const;
 
   /// How far the base of what stands on the floor may be from it: both are uncertain.

@@ -205,10 +205,11 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
     mode.scale = frame.truth->scale;
     frame.truth_hypothesis = ToHypothesis(mode, frame.map);
   }
-  const ModelId asked = of_truth ? frame.truth_hypothesis.label : frame.object->label;
+  const CadModel& asked =
+      database_->model(of_truth ? frame.truth_hypothesis.label : frame.object->label);
   view.alpha = !of_truth && frame.object->state == ObjectState::kConfirmed
                    ? options_.alpha
-                   : DetectorWeight(database_->model(asked).bounds, options_);
+                   : DetectorWeight(asked.category, asked.bounds, options_);
   frame.world_from_axes =
       of_truth ? *snapshot.report.world_from_cam : frame.object->world_from_reference_cam;
 

@@ -22,15 +22,14 @@ std::shared_ptr<const FrameAnalysis> FrameAnalyst::OfFrame(std::shared_ptr<const
   const MapSnapshot& snapshot = *frame;
   analysis->object = watched_.object;
   for (const ObjectReport& object : snapshot.report.objects) {
+    const ModelView& model = sequence.models[static_cast<std::size_t>(object.label.value)];
     analysis->spreads.push_back(SpreadOf(object, sequence));
     if (object.id == watched_.object && object.particles != nullptr)
-      analysis->by_rank = ByRank(
-          *object.particles,
-          object.state == ObjectState::kConfirmed
-              ? options.alpha
-              : DetectorWeight(sequence.models[static_cast<std::size_t>(object.label.value)].bounds,
-                               options),
-          options.beta);
+      analysis->by_rank = ByRank(*object.particles,
+                                 object.state == ObjectState::kConfirmed
+                                     ? options.alpha
+                                     : DetectorWeight(model.category, model.bounds, options),
+                                 options.beta);
   }
   if (watched_.relations)
     analysis->relations = relations_.Find(snapshot.report, sequence, snapshot.depth, snapshot.id);

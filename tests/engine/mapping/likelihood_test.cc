@@ -57,14 +57,16 @@ TEST_F(LikelihoodTest, EqualFitsScoreAlikeHoweverMuchContourShows) {
   EXPECT_NEAR(likelihoods[1].phi_edge, 0.5, 1e-6);
 }
 
-TEST_F(LikelihoodTest, TheDetectorCountsMoreForWhatNoRoomHolds) {
+TEST_F(LikelihoodTest, TheDetectorCountsMoreForCars) {
   using Eigen::Vector3f;
   const Eigen::AlignedBox3f table(Vector3f(-1, -0.5f, 0), Vector3f(1, 0.5f, 0.7f)),
       car(Vector3f(-2, -0.9f, 0), Vector3f(2, 0.9f, 1.5f));
-  EXPECT_EQ(DetectorWeight(table, options_), options_.alpha);
-  EXPECT_EQ(DetectorWeight(car, options_), options_.large_alpha);
+  EXPECT_EQ(DetectorWeight("dining table", table, options_), options_.alpha);
+  EXPECT_EQ(DetectorWeight("car", car, options_), options_.large_alpha);
+  // A conference table is as long as a car, and stands in a room.
+  EXPECT_EQ(DetectorWeight("dining table", car, options_), options_.alpha);
   options_.room_thing_m = 5;
-  EXPECT_EQ(DetectorWeight(car, options_), options_.alpha);
+  EXPECT_EQ(DetectorWeight("car", car, options_), options_.alpha);
 }
 
 TEST_F(LikelihoodTest, ShowingLittleIsNoAdvantage) {
