@@ -153,6 +153,19 @@ void Mapper::Impl::Retire(MapObject& object, EventKind kind, ObjectId other, std
   report.events.push_back({kind, object.id, other, std::move(why)});
 }
 
+bool Mapper::Impl::IsPlaced(const MapObject& object) const {
+  const bool may_move = MovesByItself(object.category);
+  return object.log_evidence > options().confirm_evidence &&
+         // Its boxes of before it was spawned count.
+         (object.seen_s > options().confirm_age_s ||
+          (may_move && object.motion.boxes() >= MotionTest::kLeastBoxes)) &&
+         object.mean().position_std_m <
+             options().confirm_position_std_m * map.LengthScale(object.mean().label) &&
+         (!may_move ||
+          object.motion.LogStanding(options()) >= std::log(options().confirm_standing)) &&
+         BeliefInMean(object) >= options().confirm_mode_weight;
+}
+
 void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, FrameReport& report) {
   for (MapObject& object : objects) {
     if (object.state == ObjectState::kTentative && !object.updated &&
@@ -163,7 +176,6 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, Fra
     const double least = object.state == ObjectState::kTentative ? options().dismiss_evidence
                                                                  : options().retire_evidence;
     const bool may_move = MovesByItself(object.category);
-    const double standing = may_move ? object.motion.LogStanding(options()) : 0;
     // What passes fast shows from a new side in every image: its pose needs some searches first.
     const bool judged = !may_move || object.state == ObjectState::kConfirmed ||
                         object.seen_s > options().confirm_age_s;
@@ -174,20 +186,12 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, Fra
                        object.motion.LogAgainst(options()) <
                    least) {
       Retire(object, EventKind::kRetired, {}, MotionInWords(object.motion, options()), report);
-    } else if (object.state == ObjectState::kTentative &&
-               object.log_evidence > options().confirm_evidence &&
-               // Its boxes of before it was spawned count.
-               (object.seen_s > options().confirm_age_s ||
-                (may_move && object.motion.boxes() >= MotionTest::kLeastBoxes)) &&
-               object.mean().position_std_m <
-                   options().confirm_position_std_m * map.LengthScale(object.mean().label) &&
-               (!may_move || standing >= std::log(options().confirm_standing)) &&
-               BeliefInMean(object) >= options().confirm_mode_weight && object.shown >= 1) {
+    } else if (object.state == ObjectState::kTentative && IsPlaced(object) && object.shown >= 1) {
       object.state = ObjectState::kConfirmed;
       object.confirmed_frame = input.frame;
       report.events.push_back({EventKind::kConfirmed, object.id, {}, "evidence has accumulated"});
     } else if (object.state == ObjectState::kTentative &&
-               object.seen_s > options().tentative_limit_s) {
+               object.seen_s > options().tentative_limit_s && !IsPlaced(object)) {
       Retire(object, EventKind::kRetired, {}, "tentative for too long", report);
     }
   }

@@ -308,9 +308,14 @@ Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& inp
 std::vector<TakenPlace> Mapper::Impl::TakenPlaces(const MapObject& object) const {
   std::vector<TakenPlace> taken;
   for (const MapObject& other : objects) {
-    if (other.state != ObjectState::kConfirmed || other.category != object.category ||
-        other.id == object.id)
-      continue;
+    if (other.category != object.category || other.id == object.id) continue;
+    // A chair of which a rail shows above a table is known long before it is confirmed, and would
+    // draw its neighbours' hypotheses until then.
+    const bool has_it =
+        other.state == ObjectState::kConfirmed ||
+        (other.state == ObjectState::kTentative && object.state == ObjectState::kTentative &&
+         other.log_evidence > object.log_evidence && IsPlaced(other));
+    if (!has_it) continue;
     const TakenPlace place = PlaceOf(setup.database->model(other.mean().label),
                                      other.mean().world_from_object, other.mean().scale);
     // Of two settled ones in one place both have a claim: they compete, and one is merged.

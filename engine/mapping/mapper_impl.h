@@ -283,7 +283,11 @@ struct Mapper::Impl {
   MotionTest MotionBefore(const MapObject& object, const Box2& now, std::int64_t stamp_ns) const;
   /// Share of the box of the object's bounds that lies inside the image.
   double InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const;
-  /// Places of confirmed objects of its category that the object cannot have.
+  /// Whether a tentative object is there, and where, as far as can be said of what shows of it; it
+  /// is confirmed when enough of it has.
+  bool IsPlaced(const MapObject& object) const;
+  /// Places of objects of its category that the object cannot have: of those that are confirmed,
+  /// and, while it is tentative, of those that are placed and have more evidence.
   std::vector<TakenPlace> TakenPlaces(const MapObject& object) const;
   /// Its posterior with the views it remembers, and the present frame.
   Target PosteriorOf(const MapObject& object, const MapperInput& input,
