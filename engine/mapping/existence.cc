@@ -19,6 +19,7 @@ constexpr double kNearestPlace = 0.6, kFarthestPlace = 1.5;  ///< In sizes of th
 constexpr double kLeastSize_m = 0.3;
 constexpr int kLeastPlaces = 6;
 constexpr double kMostLogOdds = 15;
+constexpr double kTellingBoxes = 2;  ///< More boxes, or fewer, tell little more [nats].
 
 }  // namespace
 
@@ -26,26 +27,33 @@ double SightingLogRatio(const Sighting& sighting, const MapperOptions& options) 
   const double surplus = std::clamp(static_cast<double>(sighting.edge_surplus),
                                     -options.most_edge_surplus, options.most_edge_surplus);
   const double edges = options.evidence_per_edge * (surplus - options.expected_edge);
+  // Few visible edges say little either way.
+  return sighting.telling * std::min(1.0, sighting.edge_fraction / 0.3) * edges +
+         BoxLogRatio(sighting, options);
+}
+
+double BoxLogRatio(const Sighting& sighting, const MapperOptions& options) {
   // The detector finds what is large enough, shows enough of itself and lies inside the image.
   const double found = options.detection_rate *
                        std::min(1.0, sighting.visible_px / options.detectable_px) *
                        std::min(1.0, sighting.visible_fraction / 0.5) * sighting.inside_fraction;
   const double quality = sighting.box_score * sighting.box_iou;
-  const double boxes =
-      sighting.box_score > 0
-          ? std::min(options.most_box_evidence,
-                     std::log(1 - found + found * quality / options.false_box_quality))
-          : std::log(1 - found);
-  // Few visible edges say little either way.
-  return sighting.telling * std::min(1.0, sighting.edge_fraction / 0.3) * edges + boxes;
+  return sighting.box_score > 0
+             ? std::min(options.most_box_evidence,
+                        std::log(1 - found + found * quality / options.false_box_quality))
+             : std::log(1 - found);
 }
 
-double TentativeLogOdds(double passing, double remembered, const MapperOptions& options) {
+double TentativeLogOdds(const TentativeEvidence& evidence, const MapperOptions& options) {
   // Without a memory of views frames are all there is.
-  if (options.key_frames == 0) return passing;
-  const auto limited = [](double evidence) { return std::clamp(evidence, -5.0, kMostLogOdds); };
-  return options.tentative_odds + options.passing_share * limited(passing) +
-         options.remembered_share * limited(remembered);
+  if (options.key_frames == 0) return evidence.passing;
+  const auto limited = [](double sum) { return std::clamp(sum, -5.0, kMostLogOdds); };
+  const double passing = options.passing_share * limited(evidence.passing);
+  if (evidence.shown) {
+    return options.shown_odds + passing +
+           options.box_share * kTellingBoxes * std::tanh(evidence.boxes / kTellingBoxes);
+  }
+  return options.tentative_odds + passing + options.remembered_share * limited(evidence.remembered);
 }
 
 void Existence::Update(const Sighting& sighting, double dt_s, const MapperOptions& options) {

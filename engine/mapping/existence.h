@@ -19,11 +19,22 @@ struct Sighting {
 
 /// log p(sighting | there and not hidden) - log p(sighting | not there).
 double SightingLogRatio(const Sighting& sighting, const MapperOptions& options);
+/// The part of it that the box has, or that none was matched.
+double BoxLogRatio(const Sighting& sighting, const MapperOptions& options);
 
-/// Log odds of a tentative object. Its frames were judged as they passed, by poses that may have
-/// been wrong, while its remembered views are judged by the pose that they have led to: neither sum
-/// is a log ratio, and they share what they saw.
-double TentativeLogOdds(double passing, double remembered, const MapperOptions& options);
+/// What speaks for a tentative object. Its frames were judged as they passed, by poses that may
+/// have been wrong, while its remembered views are judged by the pose that they have led to:
+/// neither sum is a log ratio, and they share what they saw.
+struct TentativeEvidence {
+  double passing = 0;     ///< Log ratios of the frames as they passed, summed,
+  double remembered = 0;  ///< those of its remembered views, for the pose of the last search,
+  double boxes = 0;       ///< and what boxes have of the latter.
+  bool shown = false;     ///< Enough of it has shown, at a pose that is believed (confirm_shown).
+};
+
+/// Log odds of a tentative object. Edges decide whether enough of it has shown; of what has, boxes
+/// alone tell right from wrong.
+double TentativeLogOdds(const TentativeEvidence& evidence, const MapperOptions& options);
 
 /// Two beliefs that go together: whether an object is there, and whether something that is not
 /// mapped hides it. Being hidden begins seldom and ends seldom, so a wall costs little however long

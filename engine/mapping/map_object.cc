@@ -90,15 +90,18 @@ ObjectReport ToReport(const MapObject& object) {
     out.Put(object.world_from_proposal_cam);
   }
   object.paper.Save(out);
-  // Scales, then crops, then motion come last and only where there are any: older files have none.
-  const bool looked_at = !object.crops.looked_from().empty(), followed = object.motion.boxes() > 0;
-  if (looked_at || followed ||
+  // Scales, then crops, motion and boxes come last and only where there are any: older files have
+  // none.
+  const bool boxed = object.remembered_boxes != 0, followed = boxed || object.motion.boxes() > 0,
+             looked_at = followed || !object.crops.looked_from().empty();
+  if (looked_at ||
       std::any_of(object.joined.begin(), object.joined.end(),
                   [](const PoseHypothesis& hypothesis) { return hypothesis.log_scale != 0; })) {
     for (const PoseHypothesis& hypothesis : object.joined) out.Put(hypothesis.log_scale);
   }
-  if (looked_at || followed) object.crops.Save(out);
+  if (looked_at) object.crops.Save(out);
   if (followed) object.motion.Save(out);
+  if (boxed) out.Put(object.remembered_boxes);
   report.filter_state = out.Take();
   return report;
 }
@@ -155,6 +158,7 @@ Result<MapObject> FromReport(const ObjectReport& report, const ModelDatabase& mo
   }
   if (!in.rest().empty()) object.crops.Restore(in);
   if (!in.rest().empty()) object.motion.Restore(in);
+  if (!in.rest().empty()) object.remembered_boxes = in.Get<double>();
   const auto known = [&models](int label) {
     return label >= 0 && label < static_cast<int>(models.models().size());
   };

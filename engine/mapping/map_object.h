@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/mapping/crop_belief.h"
+#include "engine/mapping/existence.h"
 #include "engine/mapping/likelihood_sharpness.h"
 #include "engine/mapping/map_report.h"
 #include "engine/mapping/motion_test.h"
@@ -31,8 +32,8 @@ struct MapObject : ObjectBelief {
   double present_weight = 0;   ///< How much of a view the last frame was, beside `views`.
   LikelihoodSharpness slopes;  ///< Of its views since it was confirmed,
   double sharpness = 1;        ///< and how sharply they are taken.
-  double passing = 0;  ///< While tentative: log ratios of the frames as they passed, summed,
-  double remembered_evidence = 0;  ///< and of `views`, for the pose of the last search.
+  double passing = 0;          ///< While tentative, see TentativeEvidence.
+  double remembered_evidence = 0, remembered_boxes = 0;  ///< The same.
   double hidden = 0;   ///< Probability that something unmapped hides it, if it is there.
   double shown = 0;    ///< Independent looks in which enough of it showed, see confirm_shown.
   double seen_s = 0;   ///< Time in which it was updated.
@@ -48,6 +49,9 @@ struct MapObject : ObjectBelief {
   PaperTrack paper;   ///< Of filter = paper.
 
   const PoseMode& mean() const { return modes.front(); }
+  TentativeEvidence evidence() const {
+    return {passing, remembered_evidence, remembered_boxes, shown >= 1};
+  }
   double remembered() const;  ///< Sum of the weights of `views`.
   /// Goes where its reference view has gone. What it has been judged by may be elsewhere relative
   /// to it now: the next search judges it anew.

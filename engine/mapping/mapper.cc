@@ -79,7 +79,7 @@ void Mapper::Impl::Populate(MapObject& object, const std::vector<PoseHypothesis>
   object.effective_sample_size = EffectiveSampleSize(object.particles);
   object.Summarize(map);
   object.updated = true;
-  object.log_evidence = TentativeLogOdds(0, 0, options());
+  object.log_evidence = TentativeLogOdds({}, options());
 }
 
 void Mapper::Impl::SpawnPlanted(const MapperInput& input, const OcclusionMaps& occluders,
@@ -154,6 +154,7 @@ void Mapper::Impl::Retire(MapObject& object, EventKind kind, ObjectId other, std
 }
 
 bool Mapper::Impl::IsPlaced(const MapObject& object) const {
+  if (options().filter == FilterKind::kPaper) return false;
   const bool may_move = MovesByItself(object.category);
   return object.log_evidence > options().confirm_evidence &&
          // Its boxes of before it was spawned count.

@@ -78,10 +78,13 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
   if (remembers) LookAtCrop(object, input, view);
   // What an unmapped thing hides shows edges of that thing.
   object.present_weight = weight * now.telling * (1 - object.hidden);
-  object.sharpness =
-      object.state == ObjectState::kConfirmed
-          ? std::min(object.slopes.ValueWithin(sharpness), kSharpening * object.sharpness)
-          : 1;
+  // Where views are sharper than stated, the search for one pose needs it too; but of twins they
+  // are not as sure as of a pixel.
+  const double measured = object.slopes.ValueWithin(sharpness);
+  object.sharpness = std::min(object.state == ObjectState::kConfirmed
+                                  ? measured
+                                  : std::clamp(measured, 1.0, options().tentative_sharpness),
+                              kSharpening * object.sharpness);
   for (std::size_t i = 0; i < object.particles.size(); ++i) {
     object.particles[i].phi_cnn = likelihoods[i].phi_cnn;
     object.particles[i].phi_edge = likelihoods[i].phi_edge;
@@ -185,6 +188,7 @@ Mapper::Impl::RememberedLooks Mapper::Impl::LookBack(const MapObject& object,
         EdgeSurplus(*setup.scorer, own.view.view, map, mean) * kUsualSurplus / EdgeLevelOf(own));
     const double views = weight / judging.telling;
     looks.evidence += views * looks_per_view * SightingLogRatio(sighting, options());
+    looks.boxes += views * looks_per_view * BoxLogRatio(sighting, options());
     if (ShowsEnough(sighting, shown.visible_fraction)) looks.shown += views;
   };
   add(input, occluders, object.present_weight);
@@ -244,7 +248,7 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
     Existence existence{object.passing, 0};
     existence.UpdateInView(sighting, options());
     object.passing = existence.log_odds;
-    object.log_evidence = TentativeLogOdds(object.passing, object.remembered_evidence, options());
+    object.log_evidence = TentativeLogOdds(object.evidence(), options());
   }
 }
 
@@ -503,6 +507,7 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
   if (!tentative) return;
   const RememberedLooks looks = LookBack(object, input, occluders);
   object.remembered_evidence = looks.evidence;
+  object.remembered_boxes = looks.boxes;
   // What passes has shown best before it is known where it stands.
   if (map.LengthScale(object.mean().label) > 1 && BeliefInMean(object) >= kInDoubt)
     object.shown = std::max(object.shown, looks.shown);

@@ -149,10 +149,11 @@ struct Mapper::Impl {
     return input;
   }
 
-  std::vector<PlacedModel> MeanStates(bool confirmed_only) const {
+  /// @param known_only  Of objects that are confirmed, or placed (IsPlaced).
+  std::vector<PlacedModel> MeanStates(bool known_only) const {
     std::vector<PlacedModel> placed;
     for (const MapObject& object : objects) {
-      if (confirmed_only && object.state != ObjectState::kConfirmed) continue;
+      if (known_only && object.state != ObjectState::kConfirmed && !IsPlaced(object)) continue;
       placed.push_back(
           {object.id, object.mean().label, object.mean().world_from_object, object.mean().scale});
     }
@@ -212,7 +213,8 @@ struct Mapper::Impl {
   Judging JudgeByOwnEdges(const MapObject& object, const MapperInput& from,
                           const OcclusionMaps& maps) const {
     JudgingView view{ViewOf(object, from, maps), from.detections.get(), 0, 1};
-    if (object.state == ObjectState::kTentative) view.view.occluder_depth = maps.DepthAndContours();
+    if (object.state == ObjectState::kTentative)
+      view.view.occluder_depth = maps.DepthAndContours(object.id);
     return JudgeBy(std::move(view), object);
   }
   Judging JudgeBy(JudgingView view, const MapObject& object) const {
@@ -262,8 +264,8 @@ struct Mapper::Impl {
                   const MapperInput& input) const;
   /// Of the views that the object remembers and of this frame, for its mean pose.
   struct RememberedLooks {
-    double evidence = 0;
-    double shown = 0;  ///< In how many views enough of it showed.
+    double evidence = 0, boxes = 0;  ///< As of TentativeEvidence.
+    double shown = 0;                ///< In how many views enough of it showed.
   };
   RememberedLooks LookBack(const MapObject& object, const MapperInput& input,
                            const OcclusionMaps& occluders) const;

@@ -58,6 +58,7 @@ struct MapperOptions {
   double alpha = 2.5;
   double beta = 10.0;
   double view_correlation = 0.03;
+  double tentative_sharpness = 4;
   double landmark_drift_m = 0.02;
   double telling_contour_px = 150;
   double crop_sharpness = 0;
@@ -114,6 +115,8 @@ struct MapperOptions {
   double tentative_odds = -0.87;
   double passing_share = 0.41;
   double remembered_share = 0.26;
+  double shown_odds = 0.9;
+  double box_share = 1.8;
   double confirm_evidence = 0.8;
   double dismiss_evidence = -2.0;
   double retire_evidence = -3.0;
@@ -158,6 +161,11 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.view_correlation,
         {"view_correlation", "",
          "correlation of the errors of any two views: what never averages out", 0, 1});
+  visit(o.tentative_sharpness,
+        {"tentative_sharpness", "",
+         "how much sharper than stated the views of a tentative object are taken, at most, where "
+         "those of settled objects are sharper",
+         1, 16});
   visit(o.telling_contour_px,
         {"telling_contour_px", "px",
          "visible contour from which a view counts fully, at a focal length of 500", 1, 100000});
@@ -267,6 +275,12 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.remembered_share,
         {"remembered_share", "",
          "share of the evidence of remembered views, for its present pose, in them", 0, 10});
+  visit(o.shown_odds, {"shown_odds", "",
+                       "log odds, before evidence, of a tentative object of which enough has shown "
+                       "at one pose",
+                       -100, 100});
+  visit(o.box_share,
+        {"box_share", "", "share of the evidence of the boxes of remembered views in them", 0, 10});
   visit(o.confirm_evidence, {"confirm_evidence", "", "log odds that confirm an object", -100, 100});
   visit(o.dismiss_evidence,
         {"dismiss_evidence", "", "log odds that retire a tentative object", -100, 100});

@@ -59,15 +59,18 @@ const cv::Mat& OcclusionMaps::DepthBefore(ObjectId object) const {
   return found->second = before;
 }
 
-const cv::Mat& OcclusionMaps::DepthAndContours() const {
-  if (depth_and_contours_.empty() && !maps_.depth.empty()) {
-    depth_and_contours_ = maps_.depth.clone();
-    cv::Mat band;
-    const int width = 2 * kBand_px + 1;
-    cv::dilate(maps_.contour, band, cv::getStructuringElement(cv::MORPH_ELLIPSE, {width, width}));
-    depth_and_contours_.setTo(kInFrontOfAll_m, band);
-  }
-  return depth_and_contours_;
+const cv::Mat& OcclusionMaps::DepthAndContours(ObjectId object) const {
+  if (maps_.depth.empty()) return maps_.depth;
+  const auto [found, is_new] = depth_and_contours_.try_emplace(object);
+  if (!is_new) return found->second;
+  cv::Mat others = maps_.contour.clone();
+  others.setTo(0, maps_.id == object.value);
+  cv::Mat band;
+  const int width = 2 * kBand_px + 1;
+  cv::dilate(others, band, cv::getStructuringElement(cv::MORPH_ELLIPSE, {width, width}));
+  cv::Mat depth = DepthBefore(object).clone();
+  depth.setTo(kInFrontOfAll_m, band);
+  return found->second = depth;
 }
 
 }  // namespace plumbline

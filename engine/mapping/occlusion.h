@@ -49,14 +49,13 @@ class OcclusionMaps {
   /// Z [m] of the nearest surface that is not the object's own; 0 none. Empty if nothing is drawn.
   /// Worked out once for each object: not for two threads at a time.
   const cv::Mat& DepthBefore(ObjectId object) const;
-  /// Z [m] of all that is drawn, and next to nothing along its contours: whatever is scored with it
-  /// is not seen there either. Empty if nothing is drawn. Worked out once, as above.
-  const cv::Mat& DepthAndContours() const;
+  /// The same, and next to nothing along the contours of the others: whatever is scored with it is
+  /// not seen there either. Empty if nothing is drawn. Worked out once, as above.
+  const cv::Mat& DepthAndContours(ObjectId object) const;
 
  private:
   RenderedMaps maps_;
-  mutable std::map<ObjectId, cv::Mat> depth_before_;
-  mutable cv::Mat depth_and_contours_;
+  mutable std::map<ObjectId, cv::Mat> depth_before_, depth_and_contours_;
 };
 
 }  // namespace plumbline

@@ -54,6 +54,33 @@ TEST(SightingLogRatio, AMissingBoxSaysLittleWhereTheDetectorFindsNothing) {
   EXPECT_GT(missing([](Sighting& s) { s.inside_fraction = 0.2; }), 0.3 * full);
 }
 
+TEST(SightingLogRatio, TheBoxHasItsPart) {
+  Sighting no_edges = Seen();
+  no_edges.telling = 0;
+  EXPECT_EQ(BoxLogRatio(Seen(), kOptions), SightingLogRatio(no_edges, kOptions));
+}
+
+TEST(TentativeLogOdds, OfWhatHasShownBoxesTellRightFromWrong) {
+  // A television on a wall: edges as of a screen, in full view for long, and never a box.
+  TentativeEvidence picture{2.3, 0.7, -3.6, true};
+  EXPECT_LT(TentativeLogOdds(picture, kOptions), kOptions.confirm_evidence);
+  // A chair behind a table that few edges speak for, with a box now and then.
+  TentativeEvidence chair{0, -0.1, 0.3, true};
+  EXPECT_GT(TentativeLogOdds(chair, kOptions), kOptions.confirm_evidence);
+  // Before enough has shown, edges count.
+  chair.shown = picture.shown = false;
+  EXPECT_LT(TentativeLogOdds(chair, kOptions), kOptions.confirm_evidence);
+  TentativeEvidence sharp = picture;
+  sharp.remembered += 2;
+  EXPECT_GT(TentativeLogOdds(sharp, kOptions), TentativeLogOdds(picture, kOptions));
+}
+
+TEST(TentativeLogOdds, ManyBoxesTellLittleMoreThanSome) {
+  const auto with = [](double boxes) { return TentativeLogOdds({0, 0, boxes, true}, kOptions); };
+  EXPECT_GT(with(2) - with(0), 5 * (with(20) - with(6)));
+  EXPECT_EQ(with(0), kOptions.shown_odds);
+}
+
 TEST(Existence, AWallCostsLittleAndIsForgottenAtOnce) {
   Existence existence{12, 0};
   for (int frame = 0; frame < 60 * 30; ++frame) {

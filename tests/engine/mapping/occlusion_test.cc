@@ -27,7 +27,7 @@ class OcclusionMapsTest : public testing::Test {
 TEST_F(OcclusionMapsTest, NothingIsHiddenByNothing) {
   const OcclusionMaps maps;
   EXPECT_TRUE(maps.DepthBefore(ObjectId{1}).empty());
-  EXPECT_TRUE(maps.DepthAndContours().empty());
+  EXPECT_TRUE(maps.DepthAndContours(ObjectId{1}).empty());
 }
 
 TEST_F(OcclusionMapsTest, AnObjectDoesNotHideItself) {
@@ -41,11 +41,12 @@ TEST_F(OcclusionMapsTest, OfAnObjectInTheLinesOfAnotherNothingIsItsOwn) {
   const PlacedModel chair = scene_.Place("chair", 0, 0, 30, 1);
   const OcclusionMaps maps(
       scene_.renderer().Render(scene_.camera(), front_.inverse(), {&chair, 1}));
-  EXPECT_LT(Shown(scene_.Place("chair", 0, 0, 30, 2), maps.DepthAndContours()), 0.15);
-  EXPECT_LT(Shown(scene_.Place("chair", 0.01, 0, 30, 2), maps.DepthAndContours()), 0.25);
+  EXPECT_LT(Shown(scene_.Place("chair", 0, 0, 30, 2), maps.DepthAndContours(ObjectId{2})), 0.15);
+  EXPECT_LT(Shown(scene_.Place("chair", 0.01, 0, 30, 2), maps.DepthAndContours(ObjectId{2})), 0.25);
   const PlacedModel beside = scene_.Place("chair", 0.2, -0.7, 100, 2);
-  EXPECT_GT(Shown(beside, maps.DepthAndContours()),
+  EXPECT_GT(Shown(beside, maps.DepthAndContours(ObjectId{2})),
             0.9 * Shown(beside, maps.DepthBefore(ObjectId{2})));
+  EXPECT_GT(Shown(chair, maps.DepthAndContours(ObjectId{1})), 0.95) << "its own lines are its own";
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ constexpr OptionName kNames[] = {
     {"alpha", kScore, "Weight of the detector"},
     {"box", kScore, "Box that is scored"},
     {"view_correlation", kScore, "Error that never averages out"},
+    {"tentative_sharpness", kScore, "Sharpest views of candidates"},
     {"landmark_drift_m", kScore, "Drift that objects correct"},
     {"telling_contour_px", kScore, "Contour that counts fully"},
     {"crop_sharpness", kScore, "Weight of crops"},
@@ -74,6 +75,8 @@ constexpr OptionName kNames[] = {
     {"tentative_odds", kEvidence, "Odds before evidence"},
     {"passing_share", kEvidence, "Share of passing frames"},
     {"remembered_share", kEvidence, "Share of remembered views"},
+    {"shown_odds", kEvidence, "Log odds of what has shown"},
+    {"box_share", kEvidence, "Share of remembered boxes"},
 
     {"confirm_evidence", kLife, "Evidence that confirms"},
     {"dismiss_evidence", kLife, "That withdraws a candidate"},
