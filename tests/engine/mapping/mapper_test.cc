@@ -178,20 +178,28 @@ TEST_F(MapperTest, TopDownScoresAreAStageOfTheirOwn) {
 }
 
 TEST_F(MapperTest, WhatIsSpawnedLateIsJudgedByTheViewsBefore) {
-  constexpr int kBoxedFrom = 14, kEnd = 20;
+  constexpr int kSpawnedFrom = 14, kEnd = 20;
   const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
-  const auto log_odds_after = [&](int first_frame) {
+  // Until then boxes are too weak to spawn anything, or there are none.
+  const auto log_odds_after = [&](bool boxed) {
     const auto mapper = NewMapper();
     double log_odds = 0;
-    for (int frame = first_frame; frame < kEnd; ++frame) {
+    for (int frame = 0; frame < kEnd; ++frame) {
       MapperInput input = Seen(frame, {&chair, 1});
-      if (frame < kBoxedFrom) input.detections = DetectionsFromProposals({});
+      if (frame < kSpawnedFrom) {
+        std::vector<Detection> boxes;
+        for (const Detection& box : input.detections->proposals())
+          if (boxed) boxes.push_back({box.box, box.category, 0.3f});
+        input.detections = DetectionsFromProposals(std::move(boxes));
+      }
       const FrameReport report = mapper->Step(input);
       if (const ObjectReport* best = Best(report)) log_odds = best->log_evidence;
     }
     return log_odds;
   };
-  EXPECT_GT(log_odds_after(0), log_odds_after(kBoxedFrom) + 1);
+  const double without = log_odds_after(false);
+  EXPECT_GT(log_odds_after(true), without + 1) << "it was in full view without a box";
+  EXPECT_GT(without, MapperOptions().confirm_evidence);
 }
 
 TEST_F(MapperTest, WhatIsPlantedHasToEarnItsPlace) {
