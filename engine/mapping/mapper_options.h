@@ -58,7 +58,7 @@ struct MapperOptions {
   double alpha = 2.5;
   double beta = 10.0;
   double view_correlation = 0.03;
-  double tentative_sharpness = 4;
+  double tentative_sharpness = 1;
   double landmark_drift_m = 0.02;
   double telling_contour_px = 150;
   double crop_sharpness = 0;
