@@ -61,10 +61,13 @@ const cv::Mat& OcclusionMaps::DepthBefore(ObjectId object) const {
 
 const cv::Mat& OcclusionMaps::DepthAndContours(ObjectId object) const {
   if (maps_.depth.empty()) return maps_.depth;
+  const cv::Mat own = maps_.id == object.value;
+  // One for all that are not drawn: there are many.
+  if (cv::countNonZero(own) == 0) object = {};
   const auto [found, is_new] = depth_and_contours_.try_emplace(object);
   if (!is_new) return found->second;
   cv::Mat others = maps_.contour.clone();
-  others.setTo(0, maps_.id == object.value);
+  others.setTo(0, own);
   cv::Mat band;
   const int width = 2 * kBand_px + 1;
   cv::dilate(others, band, cv::getStructuringElement(cv::MORPH_ELLIPSE, {width, width}));
