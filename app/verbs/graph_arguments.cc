@@ -16,7 +16,8 @@ Result<GraphPlan> GraphNamed(const std::string& name) {
   std::error_code error;
   if (std::filesystem::is_directory(name, error))
     return ReadGraph(std::filesystem::path(name) / "graph.json");
-  if ((name != "paper" && name != "paper_vio") || std::filesystem::exists(name, error))
+  if ((name != "paper" && name != "paper_vio" && name != "live") ||
+      std::filesystem::exists(name, error))
     return ReadGraph(name);
   static std::once_flag registered;
   std::call_once(registered, RegisterResources_plumbline);

@@ -47,8 +47,10 @@ void AddNodeVerb(CLI::App& app, VerbFunction& chosen) {
   auto arguments = std::make_shared<NodeArguments>();
   CLI::App* verb = app.add_subcommand(
       "node", "Be one process of a graph; 'up' starts them, this is for those on other machines");
-  verb->add_option("kind", arguments->kind, "player, edges, detector, vio, mapper or recorder")
-      ->check(CLI::IsMember({"player", "edges", "detector", "vio", "mapper", "recorder"}))
+  verb->add_option("kind", arguments->kind,
+                   "player, edges, detector, vio, mapper, recorder, camera or imu")
+      ->check(CLI::IsMember(
+          {"player", "edges", "detector", "vio", "mapper", "recorder", "camera", "imu"}))
       ->required();
   verb->add_option("--graph", arguments->graph, "The graph.json that 'up' has written")->required();
   verb->add_option("--name", arguments->name, "Its name there (default: the only one of the kind)");

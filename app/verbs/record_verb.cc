@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <atomic>
 #include <condition_variable>
 #include <cstdio>
-#include <filesystem>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -14,31 +11,22 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "app/verbs/console_work.h"
-#include "app/verbs/record_inputs.h"
 #include "app/verbs/verb.h"
 #include "engine/base/files.h"
 #include "engine/dataset/recording_writer.h"
+#include "engine/sources/recording_rig.h"
+#include "engine/sources/sensor_recorder.h"
 
 namespace plumbline {
 namespace {
 
-constexpr int kJpegQuality = 95;
-constexpr int kReadingsForClock = 100;
-constexpr double kGapPeriods = 1.5;  ///< Of a camera: longer, images are missing.
-
 struct RecordArguments {
-  std::string camera, imu, calibration, out, json;
+  CameraInput camera;
+  std::string exposure = "auto", imu, calibration, out, json;
   double seconds = 0;
   bool png = false;
-};
-
-/// What has come, for the status line.
-struct Counts {
-  std::atomic<int> images = 0, gaps = 0, readings = 0, not_understood = 0, not_later = 0;
-  std::atomic<std::int64_t> offset_ns = 0;
 };
 
 class Recorder {
@@ -46,16 +34,18 @@ class Recorder {
   Recorder(const RecordArguments& arguments, const Camera& camera,
            std::unique_ptr<RecordingWriter> writer, const std::stop_token& stop)
       : arguments_(arguments),
-        camera_(camera),
         writer_(std::move(writer)),
-        carrier_(kReadingsForClock),
-        carried_(IsPlayed(arguments.imu)) {
+        camera_(camera, arguments.png, *writer_),
+        imu_(*writer_),
+        imu_played_(IsPlayed(arguments.imu)) {
     began_ns_ = SteadyNs();
-    if (carried_ && IsPlayed(arguments.camera)) began_ns_ += 500'000'000;  // both open it first
+    if (imu_played_ && IsPlayed(arguments.camera.spec))
+      began_ns_ += 500'000'000;  // both open it first
     outside_.emplace(stop, [this] { stop_.request_stop(); });
     imu_ended_ = arguments_.imu.empty();
-    threads_.emplace_back([this] { End(ReadCameraHere(), camera_ended_); });
-    if (!arguments_.imu.empty()) threads_.emplace_back([this] { End(ReadImuHere(), imu_ended_); });
+    threads_.emplace_back([this] { End(camera_.Run(arguments_.camera, Work()), camera_ended_); });
+    if (!arguments_.imu.empty())
+      threads_.emplace_back([this] { End(imu_.Run(arguments_.imu, Work()), imu_ended_); });
   }
 
   /// Whether it still goes on, after at most a second.
@@ -77,79 +67,16 @@ class Recorder {
   double seconds() const {
     return std::max(1e-9 * static_cast<double>(SteadyNs() - began_ns_), 1e-3);
   }
-  const Counts& counts() const { return counts_; }
+  const CameraRecorder& camera() const { return camera_; }
+  const ImuRecorder& imu() const { return imu_; }
 
  private:
-  RecordWork Work() {
-    return {began_ns_, stop_.get_token(),
-            [](const std::string& sentence) { std::fprintf(stderr, "%s\n", sentence.c_str()); }};
-  }
-
-  Status ReadCameraHere() {
-    std::vector<unsigned char> encoded;
-    std::int64_t last_ns = 0;
-    const char* ending = arguments_.png ? ".png" : ".jpg";
-    return ReadCamera(
-        arguments_.camera, camera_, Work(),
-        [&](const cv::Mat& picture, std::int64_t stamp_ns) -> Status {
-          const PinholeCamera& size = camera_.pinhole;
-          if (picture.cols != size.width || picture.rows != size.height) {
-            return Error{ErrorCode::kInvalidInput,
-                         "the camera gives images of " + std::to_string(picture.cols) + "x" +
-                             std::to_string(picture.rows) + ", its calibration is of " +
-                             std::to_string(size.width) + "x" + std::to_string(size.height)};
-          }
-          if (counts_.images > 0 && stamp_ns <= last_ns) return {};
-          const double step_s = 1e-9 * static_cast<double>(stamp_ns - last_ns);
-          if (counts_.images > 0 && step_s * camera_.rate_hz > kGapPeriods) ++counts_.gaps;
-          last_ns = stamp_ns;
-          cv::imencode(ending, picture, encoded, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
-          ++counts_.images;
-          return writer_->AddImage(
-              stamp_ns, {reinterpret_cast<const char*>(encoded.data()), encoded.size()}, ending);
-        });
-  }
-
-  Status ReadImuHere() {
-    Status status =
-        ReadImuInput(arguments_.imu, Work(),
-                     [this](const std::optional<ImuLine>& line, std::int64_t arrived_ns) {
-                       return TakeLine(line, arrived_ns);
-                     });
-    const Status held = AddHeld();  // of an IMU that gave few readings
-    return status.ok() ? held : status;
-  }
-
-  Status TakeLine(const std::optional<ImuLine>& line, std::int64_t arrived_ns) {
-    if (!line) {
-      ++counts_.not_understood;
-      return {};
-    }
-    if (carried_ || !line->stamp_ns || carrier_.ready()) return AddReading(*line, arrived_ns);
-    carrier_.See(*line->stamp_ns, arrived_ns);
-    held_.emplace_back(*line, arrived_ns);
-    return carrier_.ready() ? AddHeld() : Status();
-  }
-
-  Status AddHeld() {
-    if (held_.empty()) return {};
-    counts_.offset_ns = carrier_.offset_ns();
-    for (const auto& [reading, arrived_ns] : std::exchange(held_, {}))
-      if (Status status = AddReading(reading, arrived_ns); !status.ok()) return status;
-    return {};
-  }
-
-  Status AddReading(const ImuLine& reading, std::int64_t arrived_ns) {
-    const std::int64_t offset_ns = carried_ ? 0 : carrier_.offset_ns();
-    const ImuSample sample{reading.stamp_ns ? *reading.stamp_ns + offset_ns : arrived_ns,
-                           reading.angular_velocity_rad_s, reading.specific_force_m_s2};
-    if (sample.stamp_ns <= last_reading_ns_) {
-      ++counts_.not_later;
-      return {};
-    }
-    last_reading_ns_ = sample.stamp_ns;
-    ++counts_.readings;
-    return writer_->AddReadings({&sample, 1});
+  SensorWork Work() {
+    SensorWork work;
+    work.began_ns = began_ns_;
+    work.stop = stop_.get_token();
+    work.tell = [](const std::string& sentence) { std::fprintf(stderr, "%s\n", sentence.c_str()); };
+    return work;
   }
 
   /// One of both has ended. Without images a recording is over; readings that are played again
@@ -158,21 +85,17 @@ class Recorder {
     const std::lock_guard lock(mutex_);
     ended = true;
     if (status_.ok()) status_ = status;
-    const bool waits = !imu_ended_ && (carried_ || arguments_.seconds > 0);
+    const bool waits = !imu_ended_ && (imu_played_ || arguments_.seconds > 0);
     over_ = over_ || !status.ok() || (camera_ended_ && !waits);
     changed_.notify_all();
   }
 
   const RecordArguments& arguments_;
-  const Camera camera_;
   const std::unique_ptr<RecordingWriter> writer_;
-  // Of the IMU's thread.
-  ClockCarrier carrier_;
-  std::vector<std::pair<ImuLine, std::int64_t>> held_;  ///< Until the clocks are known.
-  std::int64_t last_reading_ns_ = std::numeric_limits<std::int64_t>::min();
-  const bool carried_;
+  CameraRecorder camera_;
+  ImuRecorder imu_;
+  const bool imu_played_;
   std::int64_t began_ns_ = 0;
-  Counts counts_;
   std::stop_source stop_;
   std::optional<std::stop_callback<std::function<void()>>> outside_;
   std::mutex mutex_;  ///< Of what follows.
@@ -182,72 +105,51 @@ class Recorder {
   std::vector<std::jthread> threads_;  ///< Last: they use all of the above.
 };
 
-std::string InWords(const Counts& counts, double seconds) {
+std::string InWords(const Recorder& recorder, double seconds) {
+  const int images = recorder.camera().images(), readings = recorder.imu().readings();
   char text[300];
   std::snprintf(text, sizeof(text),
                 "%.0f s: %d images (%.1f Hz, %d gaps), %d readings (%.1f Hz), %d lines not "
                 "understood, %d not later",
-                seconds, counts.images.load(), counts.images / seconds, counts.gaps.load(),
-                counts.readings.load(), counts.readings / seconds, counts.not_understood.load(),
-                counts.not_later.load());
+                seconds, images, images / seconds, recorder.camera().gaps(), readings,
+                readings / seconds, recorder.imu().not_understood(), recorder.imu().not_later());
   return text;
 }
 
-/// Of a recording to which nothing came; what is not of it stays.
-void RemoveBeginning(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  for (const char* name : {"camera.json", "imu.json", "imu.csv", "color.csv", "color", ""})
-    std::filesystem::remove(folder / name, ignored);
-}
-
-Status Record(const RecordArguments& arguments) {
-  namespace fs = std::filesystem;
-  fs::path file = arguments.calibration;
-  std::error_code ignored;
-  std::optional<nlohmann::json> imu_json;
-  if (fs::is_directory(file, ignored)) {
-    if (const fs::path imu = file / "imu.json"; fs::exists(imu, ignored)) {
-      auto read = ReadJson(imu);
-      if (!read.ok()) return read.error();
-      imu_json = std::move(read).value();
-    }
-    file /= "camera.json";
-  }
-  auto camera_json = ReadJson(file);
-  if (!camera_json.ok()) return camera_json.error();
-  const Result<Camera> camera = CameraFromJson(*camera_json, file);
-  if (!camera.ok()) return camera.error();
-  auto writer = RecordingWriter::Create(arguments.out, *camera_json, imu_json);
+Status Record(RecordArguments& arguments) {
+  auto exposure = ParseExposure(arguments.exposure);
+  if (!exposure.ok()) return exposure.error();
+  arguments.camera.exposure = *exposure;
+  const Result<RecordingRig> rig = ReadRecordingRig(arguments.calibration);
+  if (!rig.ok()) return rig.error();
+  auto writer = RecordingWriter::Create(arguments.out, rig->camera_json, rig->imu_json);
   if (!writer.ok()) return writer.error();
-  if (!camera->body_from_cam) {
-    std::fprintf(stderr,
-                 "'%s' does not say where the camera sits on the IMU (body_from_cam): no "
-                 "poses can be found from this recording\n",
-                 file.c_str());
-  }
+  if (!rig->camera.body_from_cam)
+    std::fprintf(stderr, "%s\n", NoBodyFromCam(arguments.calibration).c_str());
   ConsoleWork console;
-  auto recorder = std::make_unique<Recorder>(arguments, *camera, std::move(writer).value(),
+  auto recorder = std::make_unique<Recorder>(arguments, rig->camera, std::move(writer).value(),
                                              console.context().stop);
   while (recorder->WaitASecond())
-    std::fprintf(stderr, "%s\n", InWords(recorder->counts(), recorder->seconds()).c_str());
+    std::fprintf(stderr, "%s\n", InWords(*recorder, recorder->seconds()).c_str());
   const double seconds = recorder->seconds();
   const Status status = recorder->Finish();
-  const Counts& counts = recorder->counts();
-  if (!status.ok() && counts.images == 0 && counts.readings == 0) {
+  const CameraRecorder& camera = recorder->camera();
+  const ImuRecorder& imu = recorder->imu();
+  if (!status.ok() && camera.images() == 0 && imu.readings() == 0) {
     recorder.reset();
-    RemoveBeginning(arguments.out);
+    RecordingWriter::RemoveIfEmpty(arguments.out);
     return status;
   }
   if (arguments.json != "-")
-    std::printf("%s; wrote %s\n", InWords(counts, seconds).c_str(), arguments.out.c_str());
+    std::printf("%s; wrote %s\n", InWords(*recorder, seconds).c_str(), arguments.out.c_str());
   if (!arguments.json.empty()) {
     const nlohmann::json json = {{"seconds", seconds},
-                                 {"images", counts.images.load()},
-                                 {"gaps", counts.gaps.load()},
-                                 {"readings", counts.readings.load()},
-                                 {"not_understood", counts.not_understood.load()},
-                                 {"not_later", counts.not_later.load()},
-                                 {"clock_offset_s", 1e-9 * static_cast<double>(counts.offset_ns)}};
+                                 {"images", camera.images()},
+                                 {"gaps", camera.gaps()},
+                                 {"readings", imu.readings()},
+                                 {"not_understood", imu.not_understood()},
+                                 {"not_later", imu.not_later()},
+                                 {"clock_offset_s", 1e-9 * static_cast<double>(imu.offset_ns())}};
     if (Status written = WriteJsonResult(arguments.json, json); !written.ok()) return written;
   }
   return status;
@@ -260,13 +162,17 @@ void AddRecordVerb(CLI::App& app, VerbFunction& chosen) {
   CLI::App* verb = app.add_subcommand(
       "record", "Record a camera and an IMU, kill-safe; run --live maps the folder meanwhile");
   verb->add_option(
-          "--camera", arguments->camera,
+          "--camera", arguments->camera.spec,
           "A number or /dev/videoN, a video file or URL, or play:SEQUENCE: its images again "
           "by the clock")
       ->required();
   verb->add_option("--imu", arguments->imu,
-                   "serial:DEVICE[@BAUD], udp:PORT (of this machine), - for standard input, or "
-                   "play:SEQUENCE; lines t,wx,wy,wz,ax,ay,az or the same without t");
+                   "serial:DEVICE[@BAUD], udp:PORT (of this machine), tcp:HOST:PORT (who listens "
+                   "there), - for standard input, or play:SEQUENCE; lines t,wx,wy,wz,ax,ay,az or "
+                   "the same without t");
+  verb->add_option("--exposure", arguments->exposure,
+                   "Of a V4L2 camera: auto, lock (as it is after two seconds), or milliseconds")
+      ->capture_default_str();
   verb->add_option("--calibration", arguments->calibration,
                    "camera.json of the camera, or a folder with it and imu.json")
       ->required();

@@ -18,14 +18,22 @@
 #include "engine/base/timer.h"
 #include "engine/nodes/graph_runner.h"
 #include "engine/recording/run_file.h"
+#include "engine/sources/recording_rig.h"
+#include "engine/sources/sensor_recorder.h"
 
 namespace plumbline {
 namespace {
+
+/// What is played again begins once its nodes have opened it.
+constexpr std::int64_t kNodesStart_ns = 1'500'000'000;
 
 struct UpArguments {
   PipelineArguments pipeline;
   std::string graph, out, json, folder;
   bool resume = false;
+  std::string camera, imu, calibration, exposure = "auto";  ///< Of a graph that records.
+  double seconds = 0;
+  bool png = false;
 };
 
 /// A new folder that this user alone can enter, with a name short enough for sockets.
@@ -80,10 +88,69 @@ Status CheckPoses(const GraphPlan& plan, const RunRecipe& recipe) {
   return {};
 }
 
+/// Gives camera and IMU of the graph what they read. Errors: kInvalidInput.
+Status TakeSensors(UpArguments& arguments, GraphPlan& plan) {
+  bool camera = false;
+  for (GraphNode& node : plan.nodes) {
+    if (node.kind != NodeKind::kCamera && node.kind != NodeKind::kImu) continue;
+    const bool is_camera = node.kind == NodeKind::kCamera;
+    camera = camera || is_camera;
+    const std::string& named = is_camera ? arguments.camera : arguments.imu;
+    if (!named.empty()) node.source = named;
+    if (node.source.empty()) {
+      return Error{ErrorCode::kInvalidInput, "the node '" + node.name + "' needs a " +
+                                                 (is_camera ? "--camera" : "--imu") +
+                                                 ", or a \"source\" in the graph"};
+    }
+    if (node.source == "-")
+      return Error{ErrorCode::kInvalidInput, "a node has no standard input to read an IMU from"};
+    // Nodes are started where this was, but their names have to mean the same on any day.
+    if (IsPlayed(node.source))
+      node.source = "play:" + std::filesystem::absolute(node.source.substr(5)).string();
+  }
+  if (!camera) {
+    if (arguments.camera.empty() && arguments.imu.empty() && arguments.calibration.empty())
+      return {};
+    return Error{ErrorCode::kInvalidInput,
+                 "this graph has no camera; --camera, --imu and --calibration go with one that "
+                 "has, as the graph live"};
+  }
+  if (arguments.calibration.empty())
+    return Error{ErrorCode::kInvalidInput, "a graph with a camera needs --calibration"};
+  const auto exposure = ParseExposure(arguments.exposure);
+  if (!exposure.ok()) return exposure.error();
+  if (*exposure) plan.recording.exposure_ms = (*exposure)->milliseconds;
+  if (arguments.resume)
+    return Error{ErrorCode::kInvalidInput, "what is recorded cannot go with --resume"};
+  plan.recording.seconds = arguments.seconds;
+  plan.recording.lossless = arguments.png;
+  if (arguments.pipeline.live.empty()) arguments.pipeline.live = "true";
+  arguments.pipeline.poses = "vio";
+  return {};
+}
+
+/// Makes the folder that camera and IMU write into; what is returned keeps it open.
+Result<std::unique_ptr<FileLock>> BeginRecording(const UpArguments& arguments, GraphPlan& plan) {
+  const Result<RecordingRig> rig = ReadRecordingRig(arguments.calibration);
+  if (!rig.ok()) return rig.error();
+  if (!rig->camera.body_from_cam)
+    return Error{ErrorCode::kInvalidInput, NoBodyFromCam(arguments.calibration)};
+  const auto writer =
+      RecordingWriter::Create(plan.recipe->sequence, rig->camera_json, rig->imu_json);
+  if (!writer.ok()) return writer.error();
+  plan.recording.began_ns = SteadyNs() + kNodesStart_ns;
+  return (*writer)->TakeLock();
+}
+
 Status Up(UpArguments& arguments) {
-  if (Status status = arguments.pipeline.Finish(); !status.ok()) return status;
   Result<GraphPlan> plan = GraphNamed(arguments.graph);
   if (!plan.ok()) return plan.error();
+  if (Status status = TakeSensors(arguments, *plan); !status.ok()) return status;
+  if (Status status = arguments.pipeline.Finish(); !status.ok()) return status;
+  const bool records = plan->FirstOf(NodeKind::kCamera) != nullptr;
+  if (records)
+    arguments.pipeline.recipe.sequence =
+        std::filesystem::absolute(arguments.pipeline.recipe.sequence);
   if (Status status = CheckPoses(*plan, arguments.pipeline.recipe); !status.ok()) return status;
   if (arguments.resume && arguments.pipeline.recipe.live_speed)
     return Error{ErrorCode::kInvalidInput, "--live cannot go with --resume"};
@@ -96,6 +163,15 @@ Status Up(UpArguments& arguments) {
   plan->resume = arguments.resume;
   if (Status status = ResolveGraph(*folder, *plan); !status.ok()) return status;
   GraphRunOptions options;
+  if (records) {
+    auto recording = BeginRecording(arguments, *plan);
+    if (!recording.ok()) {
+      std::error_code ignored;
+      if (arguments.folder.empty()) std::filesystem::remove_all(*folder, ignored);
+      return recording.error();
+    }
+    options.recording = std::move(recording).value();
+  }
   options.program = *program;
   options.graph_file = *folder / "graph.json";
   if (Status status = WriteJson(options.graph_file, GraphToJson(*plan)); !status.ok())
@@ -106,14 +182,15 @@ Status Up(UpArguments& arguments) {
   ConsoleWork console;
   const WorkContext work = console.context();
   const Stopwatch watch;
-  const Result<GraphRunEnd> end = RunGraph(*plan, options, work);
+  const Result<GraphRunEnd> end = RunGraph(*plan, std::move(options), work);
   const double seconds = watch.Milliseconds() / 1000;
+  if (records && !end.ok()) RecordingWriter::RemoveIfEmpty(plan->recipe->sequence);
   // What a node that failed has said is kept.
   if (arguments.folder.empty() && (end.ok() || console.interrupted())) {
     std::error_code ignored;
     std::filesystem::remove_all(*folder, ignored);
   }
-  if (console.interrupted()) {
+  if (console.interrupted() && !end.ok()) {
     return Error{ErrorCode::kCancelled,
                  "stopped; '" + arguments.out + "' keeps what was done, --resume goes on with it"};
   }
@@ -145,13 +222,22 @@ void AddUpVerb(CLI::App& app, VerbFunction& chosen) {
       "up", "Map a sequence with modules as processes of their own, as a graph says");
   verb->add_option("graph", arguments->graph,
                    "GRAPH.json, or paper: player, edges, detector, mapper and recorder; paper_vio: "
-                   "also a node that finds poses (--poses vio)")
+                   "also a node that finds poses (--poses vio); live: also a camera and an IMU")
       ->required();
-  verb->add_option("sequence", arguments->pipeline.recipe.sequence, "Folder of the sequence")
+  verb->add_option("sequence", arguments->pipeline.recipe.sequence,
+                   "Folder of the sequence; of a graph with a camera: the folder to record into")
       ->required();
   verb->add_option("--out", arguments->out, "Run file to write (.plb)")->required();
   arguments->pipeline.AddTo(*verb);
   arguments->pipeline.AddLiveTo(*verb);
+  verb->add_option("--camera", arguments->camera, "What a node of kind camera reads, as of record");
+  verb->add_option("--imu", arguments->imu, "What a node of kind imu reads, as of record");
+  verb->add_option("--calibration", arguments->calibration, "Of both, as of record");
+  verb->add_option("--exposure", arguments->exposure, "As of record")->capture_default_str();
+  verb->add_option("--seconds", arguments->seconds,
+                   "Record so long (default: until Ctrl-C, or until the camera gives no more)")
+      ->check(CLI::PositiveNumber);
+  verb->add_flag("--png", arguments->png, "Record images as PNG (default: JPEG)");
   verb->add_flag("--resume", arguments->resume, "Resume the run in --out, if it exists");
   verb->add_option(
       "--folder", arguments->folder,

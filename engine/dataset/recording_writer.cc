@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cinttypes>
 #include <cstdio>
@@ -60,14 +61,48 @@ Result<std::unique_ptr<RecordingWriter>> RecordingWriter::Create(
   std::unique_ptr<RecordingWriter> writer(new RecordingWriter(folder, std::move(lock).value()));
   Status status = WriteJson(folder / "camera.json", camera);
   if (status.ok() && imu) status = WriteJson(folder / "imu.json", *imu);
+  if (status.ok()) status = writer->OpenTables();
   if (!status.ok()) return status.error();
-  writer->readings_ = OpenToAppend(folder / "imu.csv");
-  writer->images_ = OpenToAppend(folder / "color.csv");
-  if (writer->readings_ < 0 || writer->images_ < 0) return CannotWrite(folder / "color.csv");
   status = writer->Append(writer->readings_, "imu.csv", "t,wx,wy,wz,ax,ay,az\n");
   if (status.ok()) status = writer->Append(writer->images_, "color.csv", "stamp_s,file\n");
   if (!status.ok()) return status.error();
   return writer;
+}
+
+Result<std::unique_ptr<RecordingWriter>> RecordingWriter::Join(const fs::path& folder) {
+  std::unique_ptr<RecordingWriter> writer(new RecordingWriter(folder, nullptr));
+  for (const char* name : {"imu.csv", "color.csv"}) {
+    const Result<std::string> text = ReadFile(folder / name);
+    if (!text.ok()) return text.error();
+    const auto lines = static_cast<int>(std::count(text->begin(), text->end(), '\n'));
+    // Of a row that was being written when its writer was killed nothing is known.
+    const bool torn = !text->empty() && text->back() != '\n';
+    if (std::string_view(name) == "color.csv") writer->num_images_ = lines - 1 + (torn ? 1 : 0);
+    const int table = torn ? OpenToAppend(folder / name) : -1;
+    if (table < 0) continue;
+    const Status ended = writer->Append(table, name, "\n");
+    ::close(table);
+    if (!ended.ok()) return ended.error();
+  }
+  if (Status status = writer->OpenTables(); !status.ok()) return status.error();
+  return writer;
+}
+
+void RecordingWriter::RemoveIfEmpty(const fs::path& folder) {
+  for (const char* name : {"imu.csv", "color.csv"}) {
+    const Result<std::string> text = ReadFile(folder / name);
+    if (!text.ok() || std::count(text->begin(), text->end(), '\n') > 1) return;
+  }
+  std::error_code ignored;
+  for (const char* name : {"camera.json", "imu.json", "imu.csv", "color.csv", "color", ""})
+    fs::remove(folder / name, ignored);
+}
+
+Status RecordingWriter::OpenTables() {
+  readings_ = OpenToAppend(folder_ / "imu.csv");
+  images_ = OpenToAppend(folder_ / "color.csv");
+  if (readings_ < 0 || images_ < 0) return CannotWrite(folder_ / "color.csv");
+  return {};
 }
 
 RecordingWriter::~RecordingWriter() {

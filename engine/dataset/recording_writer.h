@@ -28,6 +28,12 @@ class RecordingWriter {
   static Result<std::unique_ptr<RecordingWriter>> Create(const std::filesystem::path& folder,
                                                          const nlohmann::json& camera,
                                                          const std::optional<nlohmann::json>& imu);
+  /// Goes on with a recording that this made, while somebody else holds color.csv locked: a camera
+  /// and an IMU may be recorded by processes of their own, and one that died is started again. Each
+  /// adds its own kind only. Errors: kNotFound, kIo.
+  static Result<std::unique_ptr<RecordingWriter>> Join(const std::filesystem::path& folder);
+  /// Removes a recording to which nothing came; what is not of it stays.
+  static void RemoveIfEmpty(const std::filesystem::path& folder);
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
@@ -38,10 +44,13 @@ class RecordingWriter {
   Status AddImage(std::int64_t stamp_ns, std::string_view encoded, std::string_view ending);
 
   int num_images() const { return num_images_; }
+  /// Gives the lock away, which whoever keeps it holds the recording open by.
+  std::unique_ptr<FileLock> TakeLock() { return std::move(lock_); }
 
  private:
   RecordingWriter(std::filesystem::path folder, std::unique_ptr<FileLock> lock)
       : folder_(std::move(folder)), lock_(std::move(lock)) {}
+  Status OpenTables();
   Status Append(int descriptor, const char* name, std::string_view rows) const;
 
   std::filesystem::path folder_;

@@ -26,9 +26,10 @@ struct MapObject : ObjectBelief {
   std::vector<Particle> particles;
   std::vector<ObjectView> views;
   std::vector<float> memory;  ///< Of each particle: the sum over `views`, see judging.h.
-  PoseUncertainty reference_uncertainty;  ///< Of `world_from_reference_cam`.
-  PoseId reference_pose;                  ///< Names it,
-  int reference_epoch = 0;                ///< and how often it has been corrected.
+  PoseUncertainty reference_uncertainty;                   ///< Of `world_from_reference_cam`.
+  Eigen::Matrix3d shared_error = Eigen::Matrix3d::Zero();  ///< Of its place, see SharedError.
+  PoseId reference_pose;                                   ///< Names it,
+  int reference_epoch = 0;                                 ///< and how often it has been corrected.
   double present_weight = 0;   ///< How much of a view the last frame was, beside `views`.
   LikelihoodSharpness slopes;  ///< Of its views since it was confirmed,
   double sharpness = 1;        ///< and how sharply they are taken.
@@ -56,7 +57,8 @@ struct MapObject : ObjectBelief {
   /// Goes where its reference view has gone. What it has been judged by may be elsewhere relative
   /// to it now: the next search judges it anew.
   void MoveTo(const PoseEstimate& reference, const MapFrame& map);
-  /// Works out modes, covariance, label and pose from the particles.
+  /// Works out modes, covariance, label and pose from the particles; the covariance has the shared
+  /// error besides.
   void Summarize(const MapFrame& map);
 };
 

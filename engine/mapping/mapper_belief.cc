@@ -115,7 +115,7 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
       object.memory.assign(object.particles.size(), 0.0f);
     }
   }
-  object.Summarize(map);
+  Summarize(object, input);
 
   const Likelihood after = AtMean(object, view, input.detections.get());
   object.phi_cnn = after.phi_cnn;
@@ -252,6 +252,19 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
   }
 }
 
+void Mapper::Impl::Summarize(MapObject& object, const MapperInput& input) const {
+  std::vector<WeightedView> views = {
+      {{input.world_from_cam, input.pose_uncertainty}, object.present_weight}};
+  for (const ObjectView& seen : object.views) {
+    if (const KeyFrame* key = memory.Find(seen.frame))
+      views.push_back({{key->input.world_from_cam, key->input.pose_uncertainty}, seen.weight});
+  }
+  object.shared_error = SharedError(object.mean().world_from_object.translation(), views,
+                                    {object.world_from_reference_cam, object.reference_uncertainty},
+                                    options().scale_std);
+  object.Summarize(map);
+}
+
 std::vector<SupportSurface> Mapper::Impl::FindSupports() const {
   std::vector<SupportSurface> supports;
   for (const MapObject& object : objects) {
@@ -260,7 +273,9 @@ std::vector<SupportSurface> Mapper::Impl::FindSupports() const {
     const std::optional<double> height = support_heights[static_cast<std::size_t>(label.value)];
     if (!height || setup.database->model(label).support != Support::kFloor) continue;
     const Eigen::Vector3d& up = map.upright.up_in_world();
-    const double variance = up.dot(object.covariance.topLeftCorner<3, 3>() * up);
+    // What stands on it is seen by the same views, and errs with it.
+    const double variance =
+        up.dot((object.covariance.topLeftCorner<3, 3>() - object.shared_error) * up);
     supports.push_back(MakeSupportSurface(
         setup.database->model(label), *height, object.mean().world_from_object, object.mean().scale,
         map.upright, std::hypot(std::sqrt(variance), options().floor_std_m)));
@@ -503,7 +518,7 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
   if (sampler.Jump(population, modes) > kManyJumped) sampler.Jump(population, modes);
   sampler.Walk(population);
   Take(object, population);
-  object.Summarize(map);
+  Summarize(object, input);
   if (!tentative) return;
   const RememberedLooks looks = LookBack(object, input, occluders);
   object.remembered_evidence = looks.evidence;

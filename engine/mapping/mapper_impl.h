@@ -245,6 +245,8 @@ struct Mapper::Impl {
     return sighting.edge_surplus > options().expected_edge &&
            visible_fraction >= options().confirm_shown;
   }
+  /// MapObject::Summarize, with what its views share.
+  void Summarize(MapObject& object, const MapperInput& input) const;
   /// What confirmed objects on the floor offer to others to stand on.
   std::vector<SupportSurface> FindSupports() const;
   /// A whole frame of filter = paper (mapper_paper.cc).

@@ -12,6 +12,7 @@ namespace {
 constexpr double kNegligible_px = 1, kFocal_px = 500;
 constexpr double kStep_m = 1e-5;  ///< Of the numerical derivative.
 constexpr double kNear_m = 0.1;
+constexpr double kLeastWay_m = 0.01;
 
 PoseCovariance AtPoint(const Eigen::Vector3d& point_in_world,
                        const Eigen::Isometry3d& world_from_cam, const PoseCovariance& covariance) {
@@ -24,6 +25,26 @@ PoseCovariance DriftAt(const Eigen::Vector3d& point_in_world, const UncertainVie
                        const UncertainView& reference) {
   return AtPoint(point_in_world, view.world_from_cam, view.uncertainty.drift) -
          AtPoint(point_in_world, reference.world_from_cam, reference.uncertainty.drift);
+}
+
+Eigen::Matrix3d SharedError(const Eigen::Vector3d& point_in_world,
+                            std::span<const WeightedView> views, const UncertainView& reference,
+                            double size_std) {
+  const Eigen::Vector3d origin = reference.world_from_cam.translation();
+  double drift = 0, way = 0;
+  for (const auto& [view, weight] : views) {
+    const Eigen::Vector3d to = view.world_from_cam.translation();
+    const Eigen::Vector3d moved = to - origin;
+    const double length = moved.norm();
+    if (length < kLeastWay_m) continue;
+    const Eigen::Matrix3d error = DriftAt(to, view, reference).topLeftCorner<3, 3>();
+    drift += weight * std::abs(moved.dot(error * moved)) / (length * length);
+    way += weight * length * length;
+  }
+  if (drift <= 0 || size_std <= 0) return Eigen::Matrix3d::Zero();
+  const double share = 1 / (way / drift + 1 / (size_std * size_std));
+  const Eigen::Vector3d ray = point_in_world - origin;
+  return share * ray * ray.transpose();
 }
 
 std::vector<ImageShift> ImageShiftsOf(const Eigen::Vector3d& point_in_world,

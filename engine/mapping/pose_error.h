@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -23,6 +24,22 @@ struct UncertainView {
 /// and has been corrected by so much.
 PoseCovariance DriftAt(const Eigen::Vector3d& point_in_world, const UncertainView& view,
                        const UncertainView& reference);
+
+/// A view, and how much it counts.
+struct WeightedView {
+  UncertainView view;
+  double weight = 1;
+};
+
+/// The covariance of a place relative to its reference camera, from errors that all views of it
+/// share: poses that drift make a way too long or too short by one share all along, and with it the
+/// world that is seen from it. No view contradicts that, so however many there are it stays.
+/// The share's variance is that of the drift along the ways from the reference to the views; a size
+/// that is known limits it.
+/// @param size_std  Of the size of what stands there, as a share; > 0.
+Eigen::Matrix3d SharedError(const Eigen::Vector3d& point_in_world,
+                            std::span<const WeightedView> views, const UncertainView& reference,
+                            double size_std);
 
 /// Where the image of a point may be, as the pose of its view errs relative to that of an object's
 /// reference view: five sigma points of a normal distribution in the image (centre, and sqrt(3)

@@ -34,7 +34,7 @@ NodeKind KindFromName(const std::string& name) {
   if (found == std::end(names))
     throw std::runtime_error("'" + name +
                              "' is no kind of node; it is player, edges, detector, vio, "
-                             "mapper, recorder or other");
+                             "mapper, recorder, camera, imu or other");
   return static_cast<NodeKind>(found - std::begin(names));
 }
 
@@ -59,13 +59,14 @@ const std::vector<NamedInput>& NamedInputs() {
 
 GraphNode NodeFromJson(const nlohmann::json& json) {
   CheckKeys(json, {"name", "kind", "endpoint", "images", "edges", "proposals", "reports",
-                   "recorder", "poses", "command", "start"});
+                   "recorder", "poses", "source", "command", "start"});
   GraphNode node;
   node.name = json.at("name").get<std::string>();
   if (!IsFileName(node.name)) throw std::runtime_error("'" + node.name + "' is no name of a node");
   node.kind = KindFromName(json.at("kind").get<std::string>());
   node.endpoint = json.value("endpoint", "");
   for (const NamedInput& input : NamedInputs()) node.*input.field = json.value(input.key, "");
+  node.source = json.value("source", "");
   node.command = json.value("command", std::vector<std::string>());
   node.start = json.value("start", true);
   if (!node.endpoint.empty()) {
@@ -76,6 +77,11 @@ GraphNode NodeFromJson(const nlohmann::json& json) {
     throw std::runtime_error("the node '" + node.name +
                              "' of kind other has no \"command\" to start it with");
   return node;
+}
+
+std::ptrdiff_t CountOf(const GraphPlan& plan, NodeKind kind) {
+  return std::count_if(plan.nodes.begin(), plan.nodes.end(),
+                       [kind](const GraphNode& node) { return node.kind == kind; });
 }
 
 /// What is missing or names something else. Throws std::runtime_error.
@@ -124,17 +130,41 @@ void CheckWiring(const GraphPlan& plan) {
         break;
     }
   }
+  for (const NodeKind kind : {NodeKind::kCamera, NodeKind::kImu}) {
+    if (CountOf(plan, kind) > 1)
+      throw std::runtime_error("it has two nodes of kind " + std::string(NameOf(kind)) +
+                               "; one recording has one");
+  }
+  if (plan.FirstOf(NodeKind::kImu) != nullptr && plan.FirstOf(NodeKind::kCamera) == nullptr)
+    throw std::runtime_error("it has a node of kind imu, and none of kind camera");
   const GraphNode* mapper = plan.FirstOf(NodeKind::kMapper);
   const GraphNode* recorder = plan.FirstOf(NodeKind::kRecorder);
   if (mapper != nullptr && recorder != nullptr && mapper->poses != recorder->poses)
     throw std::runtime_error("the mapper and the recorder need the same \"poses\"");
   for (const NodeKind kind : {NodeKind::kPlayer, NodeKind::kMapper, NodeKind::kRecorder}) {
-    const auto count = std::count_if(plan.nodes.begin(), plan.nodes.end(),
-                                     [&](const GraphNode& node) { return node.kind == kind; });
+    const auto count = CountOf(plan, kind);
     if (count != 1)
       throw std::runtime_error("it has " + std::to_string(count) + " nodes of kind " +
                                std::string(NameOf(kind)) + "; one is needed");
   }
+}
+
+GraphRecording RecordingFromJson(const nlohmann::json& json) {
+  CheckKeys(json, {"began_ns", "seconds", "lossless", "exposure_ms"});
+  GraphRecording recording;
+  recording.began_ns = json.value("began_ns", std::int64_t{0});
+  recording.seconds = json.value("seconds", 0.0);
+  recording.lossless = json.value("lossless", false);
+  if (json.contains("exposure_ms")) recording.exposure_ms = json.at("exposure_ms").get<double>();
+  return recording;
+}
+
+nlohmann::json RecordingToJson(const GraphRecording& recording) {
+  nlohmann::json json = {{"began_ns", recording.began_ns},
+                         {"seconds", recording.seconds},
+                         {"lossless", recording.lossless}};
+  if (recording.exposure_ms) json["exposure_ms"] = *recording.exposure_ms;
+  return json;
 }
 
 }  // namespace
@@ -158,7 +188,8 @@ const GraphNode* GraphPlan::FirstOf(NodeKind kind) const {
 Result<GraphPlan> GraphFromJson(const nlohmann::json& json) {
   GraphPlan plan;
   try {
-    CheckKeys(json, {"version", "note", "nodes", "keys", "recipe", "out", "resume", "folder"});
+    CheckKeys(json, {"version", "note", "nodes", "keys", "recipe", "out", "resume", "folder",
+                     "recording"});
     const int version = IntFromJson(json.at("version"));
     if (version != kGraphVersion) {
       return Error{ErrorCode::kUnsupported, "it is a graph of version " + std::to_string(version) +
@@ -173,6 +204,7 @@ Result<GraphPlan> GraphFromJson(const nlohmann::json& json) {
     plan.out = json.value("out", "");
     plan.resume = json.value("resume", false);
     plan.folder = json.value("folder", "");
+    if (json.contains("recording")) plan.recording = RecordingFromJson(json.at("recording"));
     if (json.contains("recipe")) {
       Result<RunRecipe> recipe = RecipeFromJson(json.at("recipe"));
       if (!recipe.ok()) return recipe.error();
@@ -192,6 +224,7 @@ nlohmann::json GraphToJson(const GraphPlan& plan) {
     if (!node.endpoint.empty()) row["endpoint"] = node.endpoint;
     for (const NamedInput& input : NamedInputs())
       if (!(node.*input.field).empty()) row[input.key] = node.*input.field;
+    if (!node.source.empty()) row["source"] = node.source;
     if (!node.command.empty()) row["command"] = node.command;
     if (!node.start) row["start"] = false;
     nodes.push_back(std::move(row));
@@ -201,6 +234,8 @@ nlohmann::json GraphToJson(const GraphPlan& plan) {
   if (!plan.out.empty()) json["out"] = std::filesystem::absolute(plan.out).string();
   if (!plan.folder.empty()) json["folder"] = std::filesystem::absolute(plan.folder).string();
   if (plan.resume) json["resume"] = true;
+  if (plan.FirstOf(NodeKind::kCamera) != nullptr)
+    json["recording"] = RecordingToJson(plan.recording);
   if (plan.recipe) json["recipe"] = RecipeToJson(*plan.recipe);
   return json;
 }

@@ -14,12 +14,12 @@
 namespace plumbline {
 
 /// What a node of ours does; others are programs of other people.
-enum class NodeKind { kPlayer, kEdges, kDetector, kVio, kMapper, kRecorder, kOther };
+enum class NodeKind { kPlayer, kEdges, kDetector, kVio, kMapper, kRecorder, kCamera, kImu, kOther };
 
 template <>
 struct EnumNames<NodeKind> {
-  static constexpr std::string_view names[] = {"player", "edges",    "detector", "vio",
-                                               "mapper", "recorder", "other"};
+  static constexpr std::string_view names[] = {"player",   "edges",  "detector", "vio",  "mapper",
+                                               "recorder", "camera", "imu",      "other"};
 };
 std::string_view NameOf(NodeKind kind);
 
@@ -33,11 +33,20 @@ struct GraphNode {
   std::string reports;                   ///< The recorder: whom it records.
   std::string recorder;                  ///< The mapper: who knows where it stood.
   std::string poses;                     ///< Mapper and recorder: who found them (poses = vio).
+  std::string source;  ///< Camera and IMU: what they read (CameraInput::spec, ReadImuInput).
   /// The program that is started, with {endpoint}, {images} (the endpoint of that node) and {name}
   /// replaced; empty: our own.
   std::vector<std::string> command;
   /// False: somebody starts it, on another machine perhaps.
   bool start = true;
+};
+
+/// How a graph with a camera records: into the folder of its recipe's sequence.
+struct GraphRecording {
+  std::int64_t began_ns = 0;  ///< Of this machine's steady clock; what is played again begins then.
+  double seconds = 0;         ///< 0: until it is stopped, or nothing more comes.
+  bool lossless = false;      ///< PNG instead of JPEG.
+  std::optional<double> exposure_ms = {};  ///< Exposure::milliseconds.
 };
 
 /// Which parts of a run are processes of their own, and how they find one another.
@@ -49,6 +58,7 @@ struct GraphPlan {
   std::optional<RunRecipe> recipe;
   std::filesystem::path out;  ///< Run file.
   bool resume = false;
+  GraphRecording recording;      ///< Where a node is a camera.
   std::filesystem::path folder;  ///< Of sockets and logs, its own.
 
   /// Null where there is none.

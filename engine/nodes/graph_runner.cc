@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "engine/base/files.h"
@@ -19,6 +20,8 @@ using RunnerClock = std::chrono::steady_clock;
 /// One that ends with an error of its own so often within this time will not do better.
 constexpr int kMostFailures = 3;
 constexpr auto kFailsSoon = std::chrono::seconds(10);
+/// A recording that was stopped is mapped to its end within this, or as far as it has come.
+constexpr auto kMapsTheRest = std::chrono::seconds(20);
 constexpr auto kPauseAfterFailure = std::chrono::milliseconds(300);
 
 /// Whoever asks is ended before those whom it asks.
@@ -55,8 +58,8 @@ void ReplaceAll(std::string& text, const std::string& what, const std::string& w
 
 class GraphRunner {
  public:
-  GraphRunner(const GraphPlan& plan, const GraphRunOptions& options)
-      : plan_(plan), options_(options) {}
+  GraphRunner(const GraphPlan& plan, GraphRunOptions options)
+      : plan_(plan), options_(std::move(options)), records_(options_.recording != nullptr) {}
 
   Result<GraphRunEnd> Run(const std::stop_token& stop) {
     for (const GraphNode& node : plan_.nodes) {
@@ -65,15 +68,20 @@ class GraphRunner {
       watched->node = &node;
       watched->thread = std::jthread([this, one = watched.get()] { Watch(*one); });
     }
+    const auto over = [this] { return recorded_ || !failure_.ok(); };
+    if (options_.recording != nullptr) Record(stop);
     {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, stop, [&] { return recorded_ || !failure_.ok(); });
+      if (records_ && stop.stop_requested())
+        changed_.wait_for(lock, kMapsTheRest, over);
+      else
+        changed_.wait(lock, stop, over);
     }
     for (int turn = 0; turn <= 3; ++turn) {
       for (const auto& one : watched_)
         if (EndsBy(one->node->kind) == turn) one->stop.request_stop();
       for (const auto& one : watched_)
-        if (EndsBy(one->node->kind) == turn) one->thread.join();
+        if (EndsBy(one->node->kind) == turn && one->thread.joinable()) one->thread.join();
     }
     const std::lock_guard lock(mutex_);
     if (!failure_.ok()) return failure_.error();
@@ -82,6 +90,35 @@ class GraphRunner {
   }
 
  private:
+  static bool IsSensor(NodeKind kind) {
+    return kind == NodeKind::kCamera || kind == NodeKind::kImu;
+  }
+
+  /// Until there is nothing more to record.
+  void Record(const std::stop_token& stop) {
+    {
+      std::unique_lock lock(mutex_);
+      const auto over = [this] { return sensor_ended_ || recorded_ || !failure_.ok(); };
+      if (plan_.recording.seconds > 0) {
+        const auto until = std::chrono::steady_clock::time_point(
+            std::chrono::nanoseconds(plan_.recording.began_ns) +
+            std::chrono::duration_cast<std::chrono::nanoseconds>(
+                std::chrono::duration<double>(plan_.recording.seconds)));
+        changed_.wait_until(lock, stop, until, over);
+      } else {
+        changed_.wait(lock, stop, over);
+      }
+    }
+    for (const auto& one : watched_)
+      if (IsSensor(one->node->kind)) one->stop.request_stop();
+    for (const auto& one : watched_)
+      if (IsSensor(one->node->kind)) one->thread.join();
+    options_.recording.reset();
+    const std::lock_guard lock(mutex_);
+    if (failure_.ok() && !recorded_)
+      options_.tell("the recording has ended; mapping what has come");
+  }
+
   struct Watched {
     const GraphNode* node = nullptr;
     std::stop_source stop;
@@ -119,6 +156,7 @@ class GraphRunner {
       if (stop.stop_requested()) return;
       if (!end.ok()) return Fail(end.error());
       if (end->ok() && node.kind == NodeKind::kRecorder) return Recorded();
+      if (end->ok() && IsSensor(node.kind)) return SensorEnded(node.kind);
       if (RunnerClock::now() - started > kFailsSoon) failures = 0;
       const std::string how = "the node '" + node.name + "' " + InWords(*end);
       if (end->signal == 0 && ++failures >= kMostFailures) {
@@ -143,6 +181,12 @@ class GraphRunner {
     never.wait_for(lock, stop, kPauseAfterFailure, [] { return false; });
   }
 
+  /// Without a camera a recording is over; an IMU that is gone may be that it was played.
+  void SensorEnded(NodeKind kind) {
+    const std::lock_guard lock(mutex_);
+    sensor_ended_ = sensor_ended_ || kind == NodeKind::kCamera;
+    changed_.notify_all();
+  }
   void Recorded() {
     const std::lock_guard lock(mutex_);
     recorded_ = true;
@@ -155,10 +199,11 @@ class GraphRunner {
   }
 
   const GraphPlan& plan_;
-  const GraphRunOptions& options_;
+  GraphRunOptions options_;
+  const bool records_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  bool recorded_ = false;
+  bool recorded_ = false, sensor_ended_ = false;
   Status failure_;
   GraphRunEnd end_;
   std::vector<std::unique_ptr<Watched>> watched_;
@@ -166,9 +211,9 @@ class GraphRunner {
 
 }  // namespace
 
-Result<GraphRunEnd> RunGraph(const GraphPlan& plan, const GraphRunOptions& options,
+Result<GraphRunEnd> RunGraph(const GraphPlan& plan, GraphRunOptions options,
                              const WorkContext& work) {
-  return GraphRunner(plan, options).Run(work.stop);
+  return GraphRunner(plan, std::move(options)).Run(work.stop);
 }
 
 }  // namespace plumbline

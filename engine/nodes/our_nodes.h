@@ -20,6 +20,10 @@ Status RunEdgesNode(const NodeSetup& setup);
 Status RunDetectorNode(const NodeSetup& setup);
 /// Finds poses from images and the IMU as the recipe says, of all its frames before it answers.
 Status RunVioNode(const NodeSetup& setup);
+/// Records a camera, or an IMU, into the folder of the recipe's sequence, which BeginRecording
+/// made; goes on with what is there. Ends without an error, too, when nothing more can come.
+Status RunCameraNode(const NodeSetup& setup);
+Status RunImuNode(const NodeSetup& setup);
 /// Maps, from where the recorder stands.
 Status RunMapperNode(const NodeSetup& setup);
 /// Writes the run file.

@@ -180,8 +180,11 @@ Status RunPlayerNode(const NodeSetup& setup) {
   if (recipe.poses.source == PoseSource::kTrajectory) options.poses = recipe.poses.file;
   Result<std::unique_ptr<NodeLink>> link = NodeLink::Open(setup);
   if (!link.ok()) return link.error();
-  const bool follow = recipe.live_speed && recipe.poses.source == PoseSource::kVio &&
-                      IsBeingRecorded(recipe.sequence);
+  // A recording of this graph's own is followed also when a player that was started again comes to
+  // its end.
+  const bool follow = setup.plan.FirstOf(NodeKind::kCamera) != nullptr ||
+                      (recipe.live_speed && recipe.poses.source == PoseSource::kVio &&
+                       IsBeingRecorded(recipe.sequence));
   if (follow) (*link)->SetState("waiting for the first images of the recording");
   Result<std::shared_ptr<const Sequence>> sequence =
       follow ? FollowRecording(recipe.sequence, setup.work)
@@ -205,6 +208,10 @@ Status RunNode(const NodeSetup& setup) {
       return RunDetectorNode(setup);
     case NodeKind::kVio:
       return RunVioNode(setup);
+    case NodeKind::kCamera:
+      return RunCameraNode(setup);
+    case NodeKind::kImu:
+      return RunImuNode(setup);
     case NodeKind::kMapper:
       return RunMapperNode(setup);
     case NodeKind::kRecorder:

@@ -55,9 +55,32 @@ std::optional<ImuLine> ParseImuLine(std::string_view line) {
 }
 
 void ClockCarrier::See(std::int64_t stamp_ns, std::int64_t arrived_ns) {
+  last_ = {stamp_ns, arrived_ns};
+  if (ready()) return;
   const std::int64_t later_ns = arrived_ns - stamp_ns;
   offset_ns_ = seen_ == 0 ? later_ns : std::min(offset_ns_, later_ns);
   ++seen_;
+}
+
+void ClockCarrier::Know(std::int64_t offset_ns) {
+  offset_ns_ = offset_ns;
+  seen_ = wanted_;
+}
+
+double ClockCarrier::JumpBefore(std::int64_t stamp_ns, std::int64_t arrived_ns) const {
+  constexpr std::int64_t kJump = 1'000'000'000;
+  std::int64_t jump_ns = 0;
+  if (last_) {
+    const std::int64_t step_ns = stamp_ns - last_->stamp_ns;
+    if (step_ns < -kJump) jump_ns = step_ns;
+    if (step_ns > arrived_ns - last_->arrived_ns + kJump)
+      jump_ns = step_ns - (arrived_ns - last_->arrived_ns);
+  } else if (ready()) {
+    // Of what somebody else has found: nothing comes before it was sent, nor very late.
+    const std::int64_t early_ns = stamp_ns + offset_ns_ - arrived_ns;
+    if (early_ns > kJump || early_ns < -20 * kJump) jump_ns = early_ns;
+  }
+  return 1e-9 * static_cast<double>(jump_ns);
 }
 
 }  // namespace plumbline

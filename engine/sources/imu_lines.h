@@ -31,7 +31,14 @@ std::optional<ImuLine> ParseImuLine(std::string_view line);
 class ClockCarrier {
  public:
   explicit ClockCarrier(int readings) : wanted_(readings) {}
+  /// A reading; by rising arrival. Once enough were seen, it changes nothing more.
   void See(std::int64_t stamp_ns, std::int64_t arrived_ns);
+  /// Takes what another has found.
+  void Know(std::int64_t offset_ns);
+  /// By how much [s] the IMU's clock must have jumped before this reading; 0 where it has not: back
+  /// by over a second, or on by a second more than time has passed. Readings that were held up on
+  /// their way and come late are no jump.
+  double JumpBefore(std::int64_t stamp_ns, std::int64_t arrived_ns) const;
   /// Whether enough were seen.
   bool ready() const { return seen_ >= wanted_; }
   /// As known now [ns]: what a stamp of the IMU is to be added to.
@@ -40,6 +47,10 @@ class ClockCarrier {
  private:
   int wanted_, seen_ = 0;
   std::int64_t offset_ns_ = 0;
+  struct Reading {
+    std::int64_t stamp_ns, arrived_ns;
+  };
+  std::optional<Reading> last_;
 };
 
 }  // namespace plumbline

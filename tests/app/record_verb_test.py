@@ -98,6 +98,64 @@ class RecordVerb(RecordedFilm):
             self.send(lambda line: sender.sendto(line, ("127.0.0.1", port)), out, process)
         self.check_sent(out, result)
 
+    def test_reads_a_connection_and_connects_again(self):
+        listener = socket.create_server(("127.0.0.1", 0))
+        out, result, process = self.record("tcp", "--camera", "play:" + self.film, "--imu",
+                                           f"tcp:127.0.0.1:{listener.getsockname()[1]}", "--seconds", "6")
+        sender, _ = listener.accept()
+        for i in range(120):
+            sender.sendall(b"%.3f,1,2,3,4,5,%d\n" % (1000 + 0.005 * i, i))
+            time.sleep(0.002)
+        sender.close()
+        # Back after a while, and its clock begins anew.
+        sender, _ = listener.accept()
+        for i in range(120):
+            sender.sendall(b"%.3f,1,2,3,4,5,%d\n" % (5 + 0.005 * i, 200 + i))
+            time.sleep(0.002)
+        self.assertEqual(process.wait(), 0)
+        sender.close()
+        listener.close()
+        told = self.result(result)
+        self.assertEqual((told["readings"], told["not_understood"], told["not_later"]), (240, 0, 0))
+        readings = rows(os.path.join(out, "imu.csv"))
+        between = float(readings[120][0]) - float(readings[119][0])
+        self.assertGreater(between, 0.2, "the time for which it was gone")
+        self.assertLess(between, 4)
+        self.assertEqual(float(readings[239][6]), 319)
+
+    def test_reads_a_serial_port_that_is_unplugged_and_back(self):
+        port = os.path.join(self.folder.name, "port")
+        ours, theirs = pty.openpty()
+        tty.setraw(ours)
+        os.symlink(os.ttyname(theirs), port)
+        out, result, process = self.record("unplugged", "--camera", "play:" + self.film, "--imu", "serial:" + port,
+                                           "--seconds", "6")
+        self.wait_for_images(out, 1)
+        for i in range(120):
+            os.write(ours, b"%.3f,1,2,3,4,5,%d\n" % (1000 + 0.005 * i, i))
+            time.sleep(0.002)
+        began = time.monotonic()
+        os.close(ours)
+        os.close(theirs)
+        ours, theirs = pty.openpty()
+        tty.setraw(ours)
+        os.remove(port)
+        os.symlink(os.ttyname(theirs), port)
+        # What it sends before anybody listens is lost, or comes late.
+        while time.monotonic() < began + 2:
+            time.sleep(0.05)
+        for i in range(50):
+            os.write(ours, b"%.3f,1,2,3,4,5,%d\n" % (1000.6 + time.monotonic() - began, 900 + i))
+            time.sleep(0.005)
+        self.assertEqual(process.wait(), 0)
+        readings = rows(os.path.join(out, "imu.csv"))
+        self.assertEqual(len(readings), 170)
+        self.assertEqual(self.result(result)["not_later"], 0)
+        # The same clock: the gap is as long as it was.
+        self.assertAlmostEqual(float(readings[120][0]) - float(readings[119][0]), 2.0, delta=0.1)
+        os.close(ours)
+        os.close(theirs)
+
     def test_reads_standard_input(self):
         out, result, process = self.record("stdin", "--camera", "play:" + self.film, "--imu", "-", "--seconds", "5",
                                            stdin=subprocess.PIPE)
@@ -133,6 +191,11 @@ class RecordVerb(RecordedFilm):
         self.assertIn("is no IMU: write serial", self.refusal("--camera", "play:" + self.film, "--imu", "bluetooth"))
         self.assertIn("is no serial port", self.refusal("--camera", "play:" + self.film, "--imu", "serial:/dev/nothing"))
         self.assertIn("names no port", self.refusal("--camera", "play:" + self.film, "--imu", "udp:0"))
+        self.assertIn("is not tcp:HOST:PORT", self.refusal("--camera", "play:" + self.film, "--imu", "tcp:1234"))
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            port = free.getsockname()[1]
+        self.assertIn("nobody listens at", self.refusal("--camera", "play:" + self.film, "--imu", f"tcp:127.0.0.1:{port}"))
+        self.assertIn("is no exposure", self.refusal("--camera", "play:" + self.film, "--exposure", "dark"))
         out, _, process = self.record("film", "--camera", "play:" + self.film, stderr=subprocess.PIPE, text=True)
         self.assertIn("is there already", process.communicate()[1])
 

@@ -2,11 +2,14 @@
 // Poses that a node of its own finds: the same run as in one process.
 #include <signal.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
 #include <gmock/gmock.h>
 
+#include "engine/base/files.h"
+#include "engine/dataset/growing_sequence.h"
 #include "engine/recording/run_file.h"
 #include "engine/vio/own_pose_report.h"
 #include "tests/app/graph_run.h"
@@ -97,6 +100,50 @@ TEST_F(UpVio, FollowsARecordingWhileItIsMade) {
     if (!one->frames[i].world_from_cam) continue;
     EXPECT_EQ(one->frames[i].world_from_cam->matrix(), six->frames[i].world_from_cam->matrix());
   }
+}
+
+TEST_F(UpVio, RecordsACameraAndAnImuWhicheverIsKilled) {
+  ASSERT_EQ(Run({"synth", "--imu", "--rest", "1.5", "--size", "320x240", "--rate", "10", "--frames",
+                 "80", "--light-rays", "4", "--out", Path("film")}),
+            0);
+  const std::string played = "play:" + Path("film");
+  const pid_t pid =
+      Start({"up", "live", Path("walk"), "--camera", played, "--imu", played, "--calibration",
+             Path("film"), "--models", Path("film") + "/models", "--edges", "gradient", "--out",
+             Path("walk.plb"), "--folder", Path("graph")});
+  const auto images = [&] {
+    const auto text = ReadFile(Path("walk/color.csv"));
+    return text.ok() ? std::count(text->begin(), text->end(), '\n') - 1 : 0;
+  };
+  const auto kill_node = [&](const std::string& kind, int at_image) {
+    while (IsRunning(pid) && images() < at_image)
+      std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    for (const pid_t child : ChildrenOf(pid))
+      if (CommandOf(child).find(" node " + kind + " ") != std::string::npos) kill(child, SIGKILL);
+  };
+  kill_node("camera", 25);
+  kill_node("imu", 40);
+  kill_node("player", 50);
+  ASSERT_EQ(WaitFor(pid), 0) << Output();
+  for (const char* name : {"camera", "imu", "player"})
+    EXPECT_THAT(Output(), testing::HasSubstr("the node '" + std::string(name) + "' ")) << "killed";
+  EXPECT_FALSE(IsBeingRecorded(Path("walk")));
+  // What a camera would have given while nobody read it is missing, and nothing else.
+  const auto sequence = OpenSequence(Path("walk")).value();
+  EXPECT_GE(sequence->num_frames(), 50);
+  EXPECT_LT(sequence->num_frames(), 80);
+  for (int i = 0; i < sequence->num_frames(); ++i)
+    EXPECT_TRUE(sequence->ReadRawImage(i).ok()) << "image " << i;
+  for (int i = 1; i < sequence->num_frames(); ++i)
+    EXPECT_GT(sequence->stamp_ns(i), sequence->stamp_ns(i - 1));
+  const auto readings = sequence->ReadImu().value().samples;
+  for (std::size_t i = 1; i < readings.size(); ++i)
+    ASSERT_GT(readings[i].stamp_ns, readings[i - 1].stamp_ns);
+  const auto run = RunReader::Open(Path("walk.plb")).value();
+  EXPECT_EQ(run->header().end_frame, sequence->num_frames());
+  const auto poses = run->ReadOwnPoses().value();
+  ASSERT_NE(poses, nullptr);
+  EXPECT_EQ(static_cast<int>(poses->frames.size()), sequence->num_frames());
 }
 
 }  // namespace

@@ -57,6 +57,37 @@ TEST_F(RecordingWriterTest, WhatItWritesIsFollowedAndThenOpened) {
   EXPECT_EQ(imu.samples[1].stamp_ns, 2'000'000'001);
 }
 
+TEST_F(RecordingWriterTest, IsJoinedByTwoThatMayDie) {
+  auto begun = RecordingWriter::Create(folder_, Camera(), {}).value();
+  const std::unique_ptr<FileLock> kept = begun->TakeLock();
+  begun.reset();
+  EXPECT_TRUE(IsBeingRecorded(folder_));
+  auto camera = RecordingWriter::Join(folder_).value(),
+       imu = RecordingWriter::Join(folder_).value();
+  ASSERT_TRUE(camera->AddImage(1'000'000'000, Image(0), ".jpg").ok());
+  ASSERT_TRUE(imu->AddReadings(std::vector{ImuSample{0, {0, 0, 0}, {0, 0, 9.8}}}).ok());
+  // The camera dies in the middle of a row.
+  camera.reset();
+  std::ofstream(folder_ / "color.csv", std::ios::app) << "1.0500";
+  camera = RecordingWriter::Join(folder_).value();
+  ASSERT_TRUE(camera->AddImage(1'100'000'000, Image(1), ".jpg").ok());
+  ASSERT_TRUE(imu->AddReadings(std::vector{ImuSample{5'000'000, {0, 0, 0}, {0, 0, 9.8}}}).ok());
+  const auto sequence = OpenSequence(folder_).value();
+  ASSERT_EQ(sequence->num_frames(), 2);
+  EXPECT_EQ(sequence->stamp_ns(1), 1'100'000'000);
+  EXPECT_TRUE(sequence->ReadRawImage(0).ok());
+  EXPECT_TRUE(sequence->ReadRawImage(1).ok());
+  EXPECT_EQ(sequence->ReadImu().value().samples.size(), 2u);
+  RecordingWriter::RemoveIfEmpty(folder_);
+  EXPECT_TRUE(std::filesystem::exists(folder_)) << "something came";
+}
+
+TEST_F(RecordingWriterTest, LeavesNothingWhereNothingCame) {
+  RecordingWriter::Create(folder_, Camera(), {}).value().reset();
+  RecordingWriter::RemoveIfEmpty(folder_);
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+}
+
 TEST_F(RecordingWriterTest, RecordsIntoNoFolderThatHoldsAnything) {
   const auto refused = RecordingWriter::Create(temporary_.path() / "tiny", Camera(), {});
   ASSERT_FALSE(refused.ok());

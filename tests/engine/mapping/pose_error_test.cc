@@ -103,6 +103,64 @@ TEST(DriftAt, ATurnOfTheWholeWorldMovesNoPointBetweenTwoViews) {
   EXPECT_NEAR(moved.diagonal().head<3>().sum(), 2 * 0.04 * 0.04, 1e-9);
 }
 
+/// Cameras along a way that drift by one share of it, all looking at a point.
+class LongerWay : public testing::Test {
+ protected:
+  static constexpr double kShareStd = 0.02;
+  LongerWay() {
+    for (int i = 0; i < 6; ++i) {
+      ways_.emplace_back(0.3 * i, 0.1 * i * i, 0.02 * i);
+      cameras_.push_back(LookAt(Eigen::Vector3d(-1, -2, 1.4) + ways_.back(), point_));
+      PoseUncertainty uncertainty;
+      uncertainty.drift.topLeftCorner<3, 3>() =
+          kShareStd * kShareStd * ways_.back() * ways_.back().transpose();
+      uncertainties_.push_back(uncertainty);
+    }
+    for (std::size_t i = 1; i < cameras_.size(); ++i)
+      views_.push_back({{cameras_[i], uncertainties_[i]}, 1.0 + 0.2 * static_cast<double>(i)});
+  }
+  Eigen::Matrix3d Told(double size_std) const {
+    return SharedError(point_, views_, {cameras_[0], uncertainties_[0]}, size_std);
+  }
+  const Eigen::Vector3d point_{0.5, 1.5, 0.4};
+  std::vector<Eigen::Vector3d> ways_;
+  std::vector<Eigen::Isometry3d> cameras_;
+  std::vector<PoseUncertainty> uncertainties_;
+  std::vector<WeightedView> views_;
+};
+
+TEST_F(LongerWay, MovesAPointAsTriangulationByItDoes) {
+  const Eigen::Matrix3d told = Told(1e3);
+  Random random(RandomKey{5, 0, 0, 0});
+  Eigen::Matrix3d found = Eigen::Matrix3d::Zero();
+  constexpr int kDraws = 4000;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const double share = kShareStd * random.Gaussian();
+    // The point nearest to all lines of sight, from where the cameras are believed to be.
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+      const Eigen::Vector3d ray = (point_ - cameras_[i].translation()).normalized();
+      const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
+      normal += across;
+      right += across * (cameras_[i].translation() + share * ways_[i]);
+    }
+    const Eigen::Vector3d off = normal.inverse() * right - point_;
+    found += off * off.transpose() / kDraws;
+  }
+  EXPECT_LT((found - told).norm(), 0.06 * told.norm());
+  EXPECT_NEAR(std::sqrt(told.trace()), kShareStd * (point_ - cameras_[0].translation()).norm(),
+              1e-9);
+}
+
+TEST_F(LongerWay, IsLimitedByASizeThatIsKnownAndNothingWherePosesAreExact) {
+  EXPECT_NEAR(Told(kShareStd).trace(), Told(1e3).trace() / 2, 1e-3 * Told(1e3).trace());
+  EXPECT_LT(Told(1e-4).trace(), 1e-4 * Told(1e3).trace());
+  for (PoseUncertainty& uncertainty : uncertainties_) uncertainty = {};
+  EXPECT_TRUE(Told(0.02).isZero(0));
+  EXPECT_TRUE(SharedError(point_, {}, {cameras_[0], uncertainties_[0]}, 0.02).isZero(0));
+}
+
 /// The edge term of poses across the line of sight of a view that is 6 px off.
 class ShiftedView : public testing::Test {
  protected:

@@ -52,5 +52,28 @@ TEST(ClockCarrier, TakesTheLeastDelayForTheClocks) {
   EXPECT_EQ(carrier.offset_ns(), 5002 * kMillisecond);
 }
 
+TEST(ClockCarrier, TellsAClockThatJumpedFromReadingsThatComeLate) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  ClockCarrier carrier(3);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(carrier.JumpBefore(i * kSecond / 100, 50 * kSecond + i * kSecond / 100), 0);
+    carrier.See(i * kSecond / 100, 50 * kSecond + i * kSecond / 100);
+  }
+  const std::int64_t last_ns = 4 * kSecond / 100, arrived_ns = 50 * kSecond + last_ns;
+  EXPECT_EQ(carrier.JumpBefore(last_ns + kSecond / 100, arrived_ns + 10 * kSecond), 0) << "held up";
+  EXPECT_EQ(carrier.JumpBefore(last_ns + 10 * kSecond, arrived_ns + 10 * kSecond), 0)
+      << "unplugged";
+  EXPECT_EQ(carrier.JumpBefore(last_ns - kSecond / 10, arrived_ns), 0) << "out of order";
+  EXPECT_NEAR(carrier.JumpBefore(last_ns - 30 * kSecond, arrived_ns + kSecond), -30, 1e-9);
+  EXPECT_NEAR(carrier.JumpBefore(last_ns + 7 * kSecond, arrived_ns + 2 * kSecond), 5, 1e-9);
+
+  ClockCarrier next(3);
+  next.Know(50 * kSecond);
+  EXPECT_TRUE(next.ready());
+  EXPECT_EQ(next.JumpBefore(5 * kSecond, 56 * kSecond), 0);
+  EXPECT_NEAR(next.JumpBefore(0, 95 * kSecond), -45, 1e-9) << "it began anew";
+  EXPECT_NEAR(next.JumpBefore(60 * kSecond, 100 * kSecond), 10, 1e-9) << "ahead of its time";
+}
+
 }  // namespace
 }  // namespace plumbline
