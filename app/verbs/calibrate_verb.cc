@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "app/verbs/console_work.h"
 #include "app/verbs/verb.h"
 #include "engine/base/files.h"
+#include "engine/dataset/growing_sequence.h"
 #include "engine/dataset/sequence.h"
 #include "engine/dataset/tracks_file.h"
 #include "engine/geometry/angles.h"
@@ -29,7 +31,7 @@ struct CalibrateArguments {
   std::string sequence, tracks, out, report, json;
   std::vector<std::string> settings, tracker_settings;
   int passes = 8;
-  bool lens = false, read_out = false;
+  bool lens = false, read_out = false, live = false;
   VioOptions options = [] {
     VioOptions wide;  // what is asked for is known less well than usual
     wide.extrinsic_rotation_std_deg = 1;
@@ -262,6 +264,51 @@ Status WriteSensorFiles(const fs::path& folder, const Sequence& sequence, const 
                               {"time_offset_s", result.time_offset_s}});
 }
 
+/// What the filter knows by now of a recording that is being made.
+std::string InWords(const VioReport& report, double seconds) {
+  if (report.phase != VioPhase::kTracking)
+    return fmt::format("{:4.0f} s: {}", seconds,
+                       report.message.empty() ? "waiting" : report.message);
+  RigEstimate estimate;
+  estimate.body_from_cam = report.body_from_cam;
+  estimate.time_offset_s = report.time_offset_s;
+  const Told told = InWords(estimate);
+  return fmt::format(
+      "{:4.0f} s: clocks {:+.2f} +- {:.2f} ms; camera turned {:.2f} {:.2f} {:.2f} +- {:.2f} deg, "
+      "at "
+      "{:.1f} {:.1f} {:.1f} +- {:.1f} cm",
+      seconds, told.offset_ms, 1e3 * report.spread[12], told.turn_deg.x(), told.turn_deg.y(),
+      told.turn_deg.z(), kDegPerRad * report.spread.segment<3>(6).norm(), told.arm_cm.x(),
+      told.arm_cm.y(), told.arm_cm.z(), 100 * report.spread.segment<3>(9).norm());
+}
+
+/// Tells once a second what is known, until the recording ends, or Ctrl-C is pressed. Errors: as of
+/// FollowRecording and OwnPoseEstimator.
+Status WatchRecording(const CalibrateArguments& arguments, const WorkContext& work) {
+  const auto sequence = FollowRecording(arguments.sequence, work);
+  if (!sequence.ok()) return sequence.error();
+  OwnPoseOptions options;
+  options.filter = arguments.options;
+  options.filter.estimate_extrinsics = true;
+  options.tracker = arguments.tracker;
+  options.loops = LoopUse::kOff;
+  auto estimator = OwnPoseEstimator::Create(*sequence, std::numeric_limits<int>::max(), options);
+  if (!estimator.ok()) return estimator.error();
+  std::int64_t told_ns = std::numeric_limits<std::int64_t>::min();
+  while ((*estimator)->Next(work.stop)) {
+    const auto image = static_cast<std::size_t>((*estimator)->next() - 1);
+    const VioReport& now = (*estimator)->poses().frames[image].vio;
+    const std::int64_t first_ns = (*estimator)->poses().frames.front().vio.stamp_ns;
+    if (told_ns != std::numeric_limits<std::int64_t>::min() &&
+        now.stamp_ns - told_ns < 1'000'000'000)
+      continue;
+    told_ns = now.stamp_ns;
+    std::fprintf(stderr, "%s\n",
+                 InWords(now, 1e-9 * static_cast<double>(now.stamp_ns - first_ns)).c_str());
+  }
+  return {};
+}
+
 Status Calibrate(CalibrateArguments arguments) {
   for (const std::string& setting : arguments.settings) {
     if (Status status = SetOption(setting, arguments.options); !status.ok()) return status;
@@ -285,6 +332,16 @@ Status Calibrate(CalibrateArguments arguments) {
       return Error{ErrorCode::kNotFound, "cannot write '" + file + "': there is no folder '" +
                                              folder.string() + "'; create it first"};
   }
+  ConsoleWork console;
+  if (arguments.live && !IsBeingRecorded(arguments.sequence)) {
+    return Error{ErrorCode::kInvalidInput, "nobody records into '" + arguments.sequence +
+                                               "' now; without --live its recording is used"};
+  }
+  if (arguments.live) {
+    if (Status status = WatchRecording(arguments, console.context()); !status.ok()) return status;
+    if (console.interrupted()) return Error{ErrorCode::kCancelled, "stopped"};
+    std::fprintf(stderr, "the recording has ended; forward and backward over all of it:\n");
+  }
   const auto sequence = OpenSequence(arguments.sequence);
   if (!sequence.ok()) return sequence.error();
   const Result<ImuRecording> imu = (*sequence)->ReadImu();
@@ -293,7 +350,6 @@ Status Calibrate(CalibrateArguments arguments) {
   Warn(imu->warnings);
   const Result<VioInput> input = VioInputOf(**sequence, *imu);
   if (!input.ok()) return input.error();
-  ConsoleWork console;
   const auto tracks = TracksOf(arguments, **sequence, *input, console.context());
   if (!tracks.ok()) return tracks.error();
   const Result<RigCalibration> calibration =
@@ -338,6 +394,9 @@ void AddCalibrateVerb(CLI::App& app, VerbFunction& chosen) {
                  "Find focal lengths, centre and distortion as well, near those given");
   verb->add_flag("--read-out", arguments->read_out,
                  "Find the time from the first row of an image to its last, of a rolling shutter");
+  verb->add_flag("--live", arguments->live,
+                 "While somebody records: tell once a second what is known of clocks and camera, "
+                 "until the recording ends");
   verb->add_option("--passes", arguments->passes, "Most passes, forward and backward in turn")
       ->check(CLI::Range(2, 100))
       ->capture_default_str();

@@ -107,6 +107,9 @@ class RemoteOwnPoses : public OwnPoseFeed {
   }
   int next() const override { return next_; }
   const OwnPoses& poses() const override { return poses_; }
+  void ForgetTracks(std::size_t image) override {
+    std::vector<TrackReport>().swap(poses_.frames[image].tracks);
+  }
 
  private:
   static constexpr auto kAskPeriod = std::chrono::milliseconds(4);

@@ -105,6 +105,11 @@ void OwnPoseStore::Follow(const std::stop_token& stop) {
     ended_ = !looked;
     if (looked) {
       found_.frames.push_back(now.frames[found_.frames.size()]);
+      if (found_.frames.size() > kTracksKept) {
+        const std::size_t old = found_.frames.size() - 1 - kTracksKept;
+        std::vector<TrackReport>().swap(found_.frames[old].tracks);
+        feed_->ForgetTracks(old);
+      }
       found_.loops = now.loops;
       found_.corrections.insert(
           found_.corrections.end(),

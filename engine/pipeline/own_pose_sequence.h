@@ -22,9 +22,13 @@
 namespace plumbline {
 
 /// The poses of a filter: all of them, or those that it has found so far, on a thread of its own.
-/// Functions are safe to call from any thread.
+/// Of those that it finds, tracks are kept of the last kTracksKept images only: whoever records
+/// them takes them long before, and a recording may go on for hours. Functions are safe to call
+/// from any thread.
 class OwnPoseStore {
  public:
+  static constexpr std::size_t kTracksKept = 2400;  ///< Two minutes of 20 Hz, some 20 MB.
+
   explicit OwnPoseStore(std::shared_ptr<const OwnPoses> all) : all_(std::move(all)) {}
   explicit OwnPoseStore(std::unique_ptr<OwnPoseFeed> feed);
 

@@ -428,6 +428,9 @@ bool OwnPoseEstimator::Next(const std::stop_token& stop) {
 }
 int OwnPoseEstimator::next() const { return impl_->runner.next(); }
 int OwnPoseEstimator::end() const { return impl_->end; }
+void OwnPoseEstimator::ForgetTracks(std::size_t image) {
+  std::vector<TrackReport>().swap(impl_->recorder.poses.frames[image].tracks);
+}
 const OwnPoses& OwnPoseEstimator::poses() const { return impl_->recorder.poses; }
 
 Result<OwnPoses> OwnPoseEstimator::Finish() {

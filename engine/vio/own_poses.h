@@ -30,6 +30,8 @@ class OwnPoseFeed {
   virtual int next() const = 0;
   /// What was said so far; of images from next() on it may hold more, which counts for nothing.
   virtual const OwnPoses& poses() const = 0;
+  /// Lets go of the tracks of an image, which are most of what is kept of it.
+  virtual void ForgetTracks(std::size_t image) = 0;
 };
 
 /// EstimateOwnPoses, image by image. Single-threaded.
@@ -51,6 +53,7 @@ class OwnPoseEstimator : public OwnPoseFeed {
   int end() const;
   /// With a report for every image up to end(); those from next() on say nothing yet.
   const OwnPoses& poses() const override;
+  void ForgetTracks(std::size_t image) override;
   /// After the last image: corrects the whole trajectory where that is asked for. Errors:
   /// kDegenerate where no image got a pose that a mapper may use.
   Result<OwnPoses> Finish();

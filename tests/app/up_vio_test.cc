@@ -146,5 +146,21 @@ TEST_F(UpVio, RecordsACameraAndAnImuWhicheverIsKilled) {
   EXPECT_EQ(static_cast<int>(poses->frames.size()), sequence->num_frames());
 }
 
+TEST_F(UpVio, CalibratesWhileItIsRecorded) {
+  ASSERT_EQ(Run({"synth", "--imu", "--rest", "1.5", "--size", "320x240", "--rate", "10", "--frames",
+                 "60", "--light-rays", "4", "--out", Path("film")}),
+            0);
+  ReplayedRecording recorder(Path("film"), Path("recording"));
+  const pid_t pid = Start({"calibrate", Path("recording"), "--live", "--passes", "2"});
+  while (recorder.Add(1)) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  recorder.End();
+  ASSERT_EQ(WaitFor(pid), 0) << Output();
+  EXPECT_THAT(Output(), testing::HasSubstr("0 s: waiting for"));
+  EXPECT_THAT(Output(), testing::ContainsRegex("5 s: clocks .* ms; camera turned .* cm"));
+  EXPECT_THAT(Output(), testing::HasSubstr("2 backward"));
+  EXPECT_NE(Run({"calibrate", Path("recording"), "--live"}), 0);
+  EXPECT_THAT(Output(), testing::HasSubstr("nobody records into"));
+}
+
 }  // namespace
 }  // namespace plumbline

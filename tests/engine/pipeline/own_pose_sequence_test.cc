@@ -203,5 +203,41 @@ TEST_F(OwnPoseSourceTest, ARecordingThatGrowsGetsThePosesOfTheWholeOne) {
   EXPECT_GT(poses, 30);
 }
 
+/// Finds many images, each with a track.
+class ManyPoses : public OwnPoseFeed {
+ public:
+  explicit ManyPoses(std::size_t images) : images_(images) {}
+  bool Next(const std::stop_token&) override {
+    if (poses_.frames.size() >= images_) return false;
+    poses_.frames.emplace_back().tracks.resize(1);
+    poses_.frames.back().points_in_world.resize(1);
+    return true;
+  }
+  int next() const override { return static_cast<int>(poses_.frames.size()); }
+  const OwnPoses& poses() const override { return poses_; }
+  void ForgetTracks(std::size_t image) override { poses_.frames[image].tracks.clear(); }
+
+ private:
+  const std::size_t images_;
+  OwnPoses poses_;
+};
+
+TEST(OwnPoseStoreOfHours, KeepsTheTracksOfItsLastImagesOnly) {
+  constexpr std::size_t kImages = OwnPoseStore::kTracksKept + 300;
+  auto feed = std::make_unique<ManyPoses>(kImages);
+  const ManyPoses& found = *feed;
+  OwnPoseStore store(std::move(feed));
+  store.Advance(kImages, {});
+  const auto poses = store.Copy();
+  ASSERT_EQ(poses->frames.size(), kImages);
+  for (const OwnPoses* kept : {poses.get(), &found.poses()}) {
+    std::size_t tracks = 0;
+    for (const OwnPoseReport& frame : kept->frames) tracks += frame.tracks.size();
+    EXPECT_EQ(tracks, OwnPoseStore::kTracksKept);
+    EXPECT_FALSE(kept->frames.back().tracks.empty());
+    EXPECT_EQ(kept->frames.front().points_in_world.size(), 1u) << "a mapper may begin anew";
+  }
+}
+
 }  // namespace
 }  // namespace plumbline
