@@ -18,6 +18,7 @@
 #include "engine/nodes/our_nodes.h"
 #include "engine/nodes/run_mirror.h"
 #include "engine/runtime/run_file_place.h"
+#include "engine/runtime/running_graph.h"
 
 namespace plumbline {
 namespace {
@@ -25,7 +26,7 @@ namespace {
 struct GuiArguments {
   PipelineArguments pipeline;
   WindowArguments window;
-  std::string path, sequence, out, compare, attach, as = "viewer";
+  std::string path, sequence, out, compare, attach, as = kViewerName;
   std::optional<int> frame;
   bool demo = false;
   std::string state_file;
@@ -81,18 +82,12 @@ Result<std::unique_ptr<Attached>> Attach(const GuiArguments& arguments) {
   if (Status status = CheckAttach(arguments); !status.ok()) return status.error();
   auto plan = GraphNamed(arguments.attach);
   if (!plan.ok()) return plan.error();
-  if (plan->folder.empty())
-    return Error{ErrorCode::kInvalidInput,
-                 "'" + arguments.attach +
-                     "' is not running; name the folder that 'plumbline up' told when it started"};
+  if (Status status = CheckStarted(*plan, arguments.attach); !status.ok()) return status.error();
   auto attached = std::make_unique<Attached>();
   attached->graph = {*plan, arguments.attach, arguments.as};
   ConsoleWork console;
   const WorkContext work = console.context();
-  std::error_code ignored;
-  const GraphNode* recorder = plan->FirstOf(NodeKind::kRecorder);
-  const bool here = recorder != nullptr && recorder->endpoint.starts_with("ipc://") &&
-                    std::filesystem::is_directory(plan->folder, ignored);
+  const bool here = RecordsHere(*plan);
   if (here && !arguments.out.empty())
     return Error{ErrorCode::kInvalidInput,
                  "--out keeps a copy of what a graph on another machine maps; this one writes '" +

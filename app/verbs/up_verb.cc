@@ -18,6 +18,7 @@
 #include "engine/base/timer.h"
 #include "engine/nodes/graph_runner.h"
 #include "engine/recording/run_file.h"
+#include "engine/runtime/running_graph.h"
 #include "engine/sources/recording_rig.h"
 #include "engine/sources/sensor_recorder.h"
 
@@ -38,11 +39,8 @@ struct UpArguments {
 
 /// A new folder that this user alone can enter, with a name short enough for sockets.
 Result<std::filesystem::path> NewGraphFolder() {
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  std::error_code error;
-  std::filesystem::path place = std::filesystem::temp_directory_path(error);
-  if (runtime != nullptr && std::filesystem::is_directory(runtime, error)) place = runtime;
-  std::string name = (place / "plumbline-XXXXXX").string();
+  const std::filesystem::path place = PlaceOfGraphs();
+  std::string name = (place / (std::string(kGraphFolderPrefix) + "XXXXXX")).string();
   if (::mkdtemp(name.data()) != nullptr) return std::filesystem::path(name);
   return Error{ErrorCode::kIo,
                "cannot make a folder in '" + place.string() + "'; name another with --folder"};

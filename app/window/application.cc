@@ -114,6 +114,11 @@ Workspace& Application::WorkspaceOf(WorkspaceId id) const {
 }
 
 void Application::Open(const std::string& path, std::optional<int> frame) {
+  if (NamesGraph(path)) {  // not remembered: it ends
+    context_.workspace = WorkspaceId::kInspect;
+    if (MayLose(*inspect_, "open " + path)) inspect_->Open(path, frame, context_);
+    return;
+  }
   if (std::filesystem::exists(std::filesystem::path(path) / "models.json") &&
       !std::filesystem::exists(std::filesystem::path(path) / "camera.json"))
     return OpenModels(path);
@@ -284,11 +289,18 @@ void Application::DrawSheetsAndTakeKeys() {
   const bool help = context_.help_shown, palette = palette_.open;
   if (help) DrawHelpSheet(context_, Actions(), *this);
   const bool sheet = workspace.DrawSheets(context_, *this);
+  if (palette && !graphs_read_) graphs_ = GraphsOfThisMachine();
+  graphs_read_ = palette;
   if (palette) {
     const std::vector<ActionGroup> actions = Actions();
     std::vector<PaletteEntry> entries = EntriesOf(actions, context_);
     workspace.AddPaletteEntries(context_, entries);
     AddRecentEntries(context_, entries);
+    for (const RunningGraph& running : graphs_)
+      entries.push_back(EntryFor("Look on at the graph that writes " +
+                                     running.run.filename().string() + " (" + running.graph.name +
+                                     ")",
+                                 OpenCommand{running.graph.name}));
     DrawPalette(
         context_, palette_, std::move(entries),
         [&](const std::string& query) { return workspace.AnswerPalette(context_, query); }, *this);

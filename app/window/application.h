@@ -18,6 +18,7 @@
 #include "app/window/inspect/inspect_workspace.h"
 #include "app/window/ui_script.h"
 #include "engine/runtime/folder_reader.h"
+#include "engine/runtime/running_graph.h"
 #include "engine/snapshot/commands.h"
 #include "ui/common/palette.h"
 #include "ui/framework/frame_context.h"
@@ -104,6 +105,8 @@ class Application : public CommandSink {
   Status script_status_;
 
   PaletteState palette_;
+  std::vector<RunningGraph> graphs_;  ///< When the palette was opened.
+  bool graphs_read_ = false;
   PathDialog path_dialog_;
   bool quit_ = false;
   std::optional<double> wanted_scale_;

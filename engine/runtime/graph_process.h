@@ -12,6 +12,9 @@
 
 namespace plumbline {
 
+/// Who looks on without a name of its own.
+inline constexpr const char* kViewerName = "viewer";
+
 /// A running graph, and as whom it is asked.
 struct GraphChoice {
   GraphPlan plan;

@@ -77,6 +77,23 @@ TEST_F(AttachWindow, FollowsTheRunLooksBackAndComesToItsEnd) {
   EXPECT_EQ(FramesIn("run.plb"), kFrames) << "nobody was disturbed";
 }
 
+TEST_F(AttachWindow, OpensARunningGraphLikeAnythingElse) {
+  const pid_t up =
+      Start({"up", "paper", Path("sequence"), "--out", Path("run.plb"), "--folder", Path("graph")});
+  while (IsRunning(up) && FramesIn("run.plb") < 2)
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  ASSERT_EQ(Window(R"(
+      {"open": "graph"},
+      {"wait_for": {"nodes_answer": 5, "growing": true}, "timeout_s": 60},
+      {"dump_state": "opened.json"})",
+                   ""),
+            0)
+      << ReadFile(Path("window.txt")).value();
+  EXPECT_TRUE(State("opened.json").at("recorded").get<bool>());
+  ASSERT_EQ(WaitFor(up), 0) << Output();
+  EXPECT_EQ(FramesIn("run.plb"), kFrames) << "nobody was disturbed";
+}
+
 TEST_F(AttachWindow, WhatCannotBeAttachedToIsSaid) {
   const auto says = [&](const std::string& arguments) {
     EXPECT_EQ(Window("", arguments), 1) << arguments;

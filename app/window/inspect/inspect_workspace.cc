@@ -10,6 +10,7 @@
 #include "engine/dataset/sequence.h"
 #include "engine/geometry/gravity.h"
 #include "engine/runtime/run_file_place.h"
+#include "engine/runtime/running_graph.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "engine/snapshot/sequence_view.h"
 #include "ui/framework/particle_place.h"
@@ -78,8 +79,22 @@ void InspectWorkspace::Open(const std::string& path, std::optional<int> frame,
   process_.reset();
   if (path != source_) with_ = {.models = with_.models};
   source_ = path;
-  if (graph_source_.empty()) graph_source_ = path;
-  Begin(std::make_unique<MappingProcess>(options_.opener(path, with_), frame, wake_), context);
+  MappingProcess::OpenSource open;
+  if (NamesGraph(path)) {
+    open = OpenGraph(path);
+  } else {
+    if (graph_source_.empty()) graph_source_ = path;
+    open = options_.opener(path, with_);
+  }
+  Begin(std::make_unique<MappingProcess>(std::move(open), frame, wake_), context);
+}
+
+MappingProcess::OpenSource InspectWorkspace::OpenGraph(const std::string& place) {
+  auto found = FindRunningGraph(place, kViewerName);
+  if (!found.ok()) return [error = found.error()](const WorkContext&) { return error; };
+  source_ = graph_source_ = found->run.string();
+  graph_ = std::make_unique<GraphProcess>(std::move(found->graph), wake_);
+  return options_.opener(source_, with_);
 }
 
 void InspectWorkspace::Begin(std::unique_ptr<MappingProcess> process, FrameContext& context) {

@@ -117,6 +117,8 @@ class InspectWorkspace : public Workspace {
   void HoverParticle(int particle, FrameContext& context);
   void ShowPanel(const std::string& id);
   /// `process` is what is open from now on.
+  /// Looks on at a graph that is mapping on this machine: at the run that its recorder writes.
+  MappingProcess::OpenSource OpenGraph(const std::string& place);
   void Begin(std::unique_ptr<MappingProcess> process, FrameContext& context);
   /// Opens the sequence once more with other networks; what is open goes on until that is ready.
   void Reopen(const UseNetworksCommand& networks, const FrameContext& context);

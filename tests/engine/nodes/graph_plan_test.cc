@@ -39,11 +39,33 @@ TEST(GraphPlan, WithANodeThatFindsPosesIsReadAndWritten) {
   EXPECT_EQ(GraphToJson(GraphFromJson(GraphToJson(*plan)).value()), GraphToJson(*plan));
 }
 
+TEST(GraphPlan, WithACameraAndAnImuIsReadAndWritten) {
+  auto plan = ReadGraph(SourceDirectory() / "assets/graphs/live.json").value();
+  EXPECT_EQ(plan.Find("imu")->kind, NodeKind::kImu);
+  plan.nodes[0].source = "/dev/video0";
+  plan.recording = {123456789012, 7.5, true, 12.5};
+  const auto again = GraphFromJson(GraphToJson(plan)).value();
+  EXPECT_EQ(again.FirstOf(NodeKind::kCamera)->source, "/dev/video0");
+  EXPECT_EQ(again.recording.began_ns, 123456789012);
+  EXPECT_EQ(again.recording.seconds, 7.5);
+  EXPECT_TRUE(again.recording.lossless);
+  EXPECT_EQ(again.recording.exposure_ms, 12.5);
+}
+
 TEST(GraphPlan, SaysWhatIsWrongWithAGraph) {
   using testing::HasSubstr;
   EXPECT_THAT(Refused([](auto& json) { json["version"] = 2; }), HasSubstr("version 2"));
-  EXPECT_THAT(Refused([](auto& json) { json["nodes"][0]["kind"] = "camera"; }),
-              HasSubstr("'camera' is no kind of node"));
+  EXPECT_THAT(Refused([](auto& json) { json["nodes"][0]["kind"] = "lidar"; }),
+              HasSubstr("'lidar' is no kind of node"));
+  EXPECT_THAT(Refused([](auto& json) {
+                json["nodes"].push_back({{"name", "imu"}, {"kind", "imu"}});
+              }),
+              HasSubstr("of kind imu, and none of kind camera"));
+  EXPECT_THAT(Refused([](auto& json) {
+                json["nodes"].push_back({{"name", "left"}, {"kind", "camera"}});
+                json["nodes"].push_back({{"name", "right"}, {"kind", "camera"}});
+              }),
+              HasSubstr("two nodes of kind camera"));
   EXPECT_THAT(Refused([](auto& json) { json["nodes"][1]["image"] = "player"; }),
               HasSubstr("did you mean 'images'?"));
   EXPECT_THAT(Refused([](auto& json) { json["nodes"][1]["images"] = "nobody"; }),
