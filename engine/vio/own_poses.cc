@@ -424,7 +424,9 @@ Result<std::unique_ptr<OwnPoseEstimator>> OwnPoseEstimator::Create(
 
 bool OwnPoseEstimator::Next(const std::stop_token& stop) {
   if (impl_->growing != nullptr && !impl_->Grow(stop)) return false;
-  return impl_->runner.Next([this](const VioMoment& moment) { impl_->See(moment); });
+  const bool looked = impl_->runner.Next([this](const VioMoment& moment) { impl_->See(moment); });
+  impl_->runner.TakeRun();  // all of it was seen, and a recording may go on for hours
+  return looked;
 }
 int OwnPoseEstimator::next() const { return impl_->runner.next(); }
 int OwnPoseEstimator::end() const { return impl_->end; }

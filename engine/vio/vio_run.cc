@@ -131,7 +131,7 @@ std::int64_t VioRunner::ImuTimeOf(std::int64_t image_ns) const {
 }
 
 int VioRunner::next() const { return impl_->next; }
-VioRun VioRunner::TakeRun() { return std::move(impl_->feeder.run); }
+VioRun VioRunner::TakeRun() { return std::exchange(impl_->feeder.run, {}); }
 
 VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions& options,
               const TrackerOptions& tracker, const WorkContext& work, const VioObserver& seen) {

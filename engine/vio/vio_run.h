@@ -79,7 +79,7 @@ class VioRunner {
   std::int64_t ImuTimeOf(std::int64_t image_ns) const;
   /// Index of the image that Next looks at.
   int next() const;
-  /// What it gave so far; once.
+  /// What it gave since this was asked last.
   VioRun TakeRun();
 
  private:
