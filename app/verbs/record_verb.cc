@@ -24,7 +24,7 @@ namespace {
 
 struct RecordArguments {
   CameraInput camera;
-  std::string exposure = "auto", imu, calibration, out, json;
+  std::string exposure = kNoExposure, imu, calibration, out, json;
   double seconds = 0;
   bool png = false;
 };

@@ -32,7 +32,7 @@ struct UpArguments {
   PipelineArguments pipeline;
   std::string graph, out, json, folder;
   bool resume = false;
-  std::string camera, imu, calibration, exposure = "auto";  ///< Of a graph that records.
+  std::string camera, imu, calibration, exposure = kNoExposure;  ///< Of a graph that records.
   double seconds = 0;
   bool png = false;
 };
@@ -96,22 +96,23 @@ Status TakeSensors(UpArguments& arguments, GraphPlan& plan) {
     const std::string& named = is_camera ? arguments.camera : arguments.imu;
     if (!named.empty()) node.source = named;
     if (node.source.empty()) {
-      return Error{ErrorCode::kInvalidInput, "the node '" + node.name + "' needs a " +
+      return Error{ErrorCode::kInvalidInput, "the node '" + node.name + "' needs " +
                                                  (is_camera ? "--camera" : "--imu") +
                                                  ", or a \"source\" in the graph"};
     }
     if (node.source == "-")
       return Error{ErrorCode::kInvalidInput, "a node has no standard input to read an IMU from"};
-    // Nodes are started where this was, but their names have to mean the same on any day.
+    // graph.json is read by processes that may be started elsewhere.
     if (IsPlayed(node.source))
       node.source = "play:" + std::filesystem::absolute(node.source.substr(5)).string();
   }
   if (!camera) {
-    if (arguments.camera.empty() && arguments.imu.empty() && arguments.calibration.empty())
+    if (arguments.camera.empty() && arguments.imu.empty() && arguments.calibration.empty() &&
+        arguments.exposure == kNoExposure && arguments.seconds == 0 && !arguments.png)
       return {};
     return Error{ErrorCode::kInvalidInput,
-                 "this graph has no camera; --camera, --imu and --calibration go with one that "
-                 "has, as the graph live"};
+                 "this graph has no camera; --camera, --imu, --calibration, --exposure, --seconds "
+                 "and --png go with one that has, as the graph live"};
   }
   if (arguments.calibration.empty())
     return Error{ErrorCode::kInvalidInput, "a graph with a camera needs --calibration"};
@@ -122,7 +123,7 @@ Status TakeSensors(UpArguments& arguments, GraphPlan& plan) {
     return Error{ErrorCode::kInvalidInput, "what is recorded cannot go with --resume"};
   plan.recording.seconds = arguments.seconds;
   plan.recording.lossless = arguments.png;
-  if (arguments.pipeline.live.empty()) arguments.pipeline.live = "true";
+  arguments.pipeline.live = "true";
   arguments.pipeline.poses = "vio";
   return {};
 }

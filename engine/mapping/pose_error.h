@@ -36,7 +36,8 @@ struct WeightedView {
 /// world that is seen from it. No view contradicts that, so however many there are it stays.
 /// The share's variance is that of the drift along the ways from the reference to the views; a size
 /// that is known limits it.
-/// @param size_std  Of the size of what stands there, as a share; > 0.
+/// @param size_std  Of the size of what stands there, as a share; 0: known exactly, as is then
+/// where it stands.
 Eigen::Matrix3d SharedError(const Eigen::Vector3d& point_in_world,
                             std::span<const WeightedView> views, const UncertainView& reference,
                             double size_std);

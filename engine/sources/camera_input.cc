@@ -36,11 +36,10 @@ class Device {
     video_.set(cv::CAP_PROP_FRAME_WIDTH, camera.pinhole.width);
     video_.set(cv::CAP_PROP_FRAME_HEIGHT, camera.pinhole.height);
     video_.set(cv::CAP_PROP_FPS, camera.rate_hz);
-    if (exposure && exposure->milliseconds > 0) {
-      Lock(exposure->milliseconds / kExposureUnit_ms);
-    } else if (exposure) {
-      video_.set(cv::CAP_PROP_AUTO_EXPOSURE, kExposureByItself);
-    }
+    if (!exposure) return;
+    // Some cameras take what is set by hand only when they come from setting it themselves.
+    video_.set(cv::CAP_PROP_AUTO_EXPOSURE, kExposureByItself);
+    if (exposure->milliseconds > 0) Lock(exposure->milliseconds / kExposureUnit_ms);
   }
   bool is_open() const { return video_.isOpened(); }
   bool Read(cv::Mat& picture) {
@@ -142,7 +141,7 @@ Status ReadVideo(const std::string& spec, const SensorWork& work, const TakeImag
 }  // namespace
 
 Result<std::optional<Exposure>> ParseExposure(const std::string& text) {
-  if (text == "auto") return std::optional<Exposure>();
+  if (text == kNoExposure) return std::optional<Exposure>();
   if (text == "lock") return std::optional<Exposure>(Exposure());
   const std::optional<double> milliseconds = ParseNumber(text);
   if (milliseconds && *milliseconds > 0 && *milliseconds <= 1000)

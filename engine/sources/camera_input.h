@@ -26,6 +26,9 @@ struct CameraInput {
   std::optional<Exposure> exposure = {};  ///< Nothing: whatever the camera does. V4L2 only.
 };
 
+/// As text, that an exposure is left to the camera.
+inline constexpr const char* kNoExposure = "auto";
+
 /// `auto`, `lock` (as Exposure of 0), or milliseconds. Errors: kInvalidInput.
 Result<std::optional<Exposure>> ParseExposure(const std::string& text);
 

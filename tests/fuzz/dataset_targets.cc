@@ -25,6 +25,7 @@
 #include "engine/dataset/visma_sequence.h"
 #include "engine/sensor/image_file.h"
 #include "engine/sources/imu_lines.h"
+#include "engine/sources/recording_rig.h"
 #include "tests/fuzz/fuzz_targets.h"
 
 namespace plumbline::fuzz {
@@ -156,10 +157,13 @@ Status Image(std::string_view input) {
   return StatusOf(ReadImage(file, ImageKind::kColor));
 }
 
+Status Rig(std::string_view input) { return StatusOf(ReadRecordingRig(FolderOf(input))); }
+
 constexpr std::array kDatasetTargets = {Target{"trajectory", TrajectoryFile},
                                         Target{"covariances", CovarianceFile},
                                         Target{"imu", ImuFile},
                                         Target{"imu_lines", ImuLines},
+                                        Target{"recording_rig", Rig},
                                         Target{"tracks", TracksFile},
                                         Target{"reference_states", ReferenceFile},
                                         Target{"ground_truth", GroundTruthFile},
