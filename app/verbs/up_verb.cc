@@ -190,8 +190,9 @@ Status Up(UpArguments& arguments) {
     std::filesystem::remove_all(*folder, ignored);
   }
   if (console.interrupted() && !end.ok()) {
+    const char* then = plan->recipe->live_speed ? "" : ", --resume goes on with it";
     return Error{ErrorCode::kCancelled,
-                 "stopped; '" + arguments.out + "' keeps what was done, --resume goes on with it"};
+                 "stopped; '" + arguments.out + "' keeps what was done" + then};
   }
   if (!end.ok()) return end.error();
   const int frames = FramesRecorded(plan->out);

@@ -77,7 +77,10 @@ Result<std::unique_ptr<RecordingWriter>> RecordingWriter::Join(const fs::path& f
     const auto lines = static_cast<int>(std::count(text->begin(), text->end(), '\n'));
     // Of a row that was being written when its writer was killed nothing is known.
     const bool torn = !text->empty() && text->back() != '\n';
-    if (std::string_view(name) == "color.csv") writer->num_images_ = lines - 1 + (torn ? 1 : 0);
+    if (std::string_view(name) == "color.csv")
+      writer->num_images_ = lines - 1 + (torn ? 1 : 0);
+    else
+      writer->joined_readings_ = lines > 1;
     const int table = torn ? OpenToAppend(folder / name) : -1;
     if (table < 0) continue;
     const Status ended = writer->Append(table, name, "\n");

@@ -44,6 +44,8 @@ class RecordingWriter {
   Status AddImage(std::int64_t stamp_ns, std::string_view encoded, std::string_view ending);
 
   int num_images() const { return num_images_; }
+  /// Whether another had added readings before this joined.
+  bool joined_readings() const { return joined_readings_; }
   /// Gives the lock away, which whoever keeps it holds the recording open by.
   std::unique_ptr<FileLock> TakeLock() { return std::move(lock_); }
 
@@ -57,6 +59,7 @@ class RecordingWriter {
   std::unique_ptr<FileLock> lock_;
   int images_ = -1, readings_ = -1;  ///< color.csv and imu.csv.
   std::atomic<int> num_images_ = 0;
+  bool joined_readings_ = false;
 };
 
 }  // namespace plumbline

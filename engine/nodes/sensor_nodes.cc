@@ -92,16 +92,13 @@ Status RunImuNode(const NodeSetup& setup) {
   if (!writer.ok()) return writer.error();
   const Result<std::unique_ptr<NodeLink>> link = NodeLink::Open(setup);
   if (!link.ok()) return link.error();
-  const std::filesystem::path clock_file = setup.plan.folder / "imu_clock.json";
-  std::error_code ignored;
-  const bool was_there = std::filesystem::exists(clock_file, ignored);
-  ImuRecorder recorder(**writer, clock_file);
+  ImuRecorder recorder(**writer, setup.plan.folder / "imu_clock.json");
   const auto in_words = [&] {
     return std::to_string(recorder.readings()) + " readings, " +
            std::to_string(recorder.not_understood()) + " lines not understood, " +
            std::to_string(recorder.not_later()) + " not later";
   };
-  const SensorStory story{(*link)->AddStream("readings"), in_words, was_there};
+  const SensorStory story{(*link)->AddStream("readings"), in_words, (*writer)->joined_readings()};
   return RecordWhileServing(setup, **link, story, [&](const SensorWork& work) {
     return recorder.Run(setup.node.source, work);
   });

@@ -64,12 +64,14 @@ TEST_F(RecordingWriterTest, IsJoinedByTwoThatMayDie) {
   EXPECT_TRUE(IsBeingRecorded(folder_));
   auto camera = RecordingWriter::Join(folder_).value(),
        imu = RecordingWriter::Join(folder_).value();
+  EXPECT_FALSE(imu->joined_readings());
   ASSERT_TRUE(camera->AddImage(1'000'000'000, Image(0), ".jpg").ok());
   ASSERT_TRUE(imu->AddReadings(std::vector{ImuSample{0, {0, 0, 0}, {0, 0, 9.8}}}).ok());
   // The camera dies in the middle of a row.
   camera.reset();
   std::ofstream(folder_ / "color.csv", std::ios::app) << "1.0500";
   camera = RecordingWriter::Join(folder_).value();
+  EXPECT_TRUE(camera->joined_readings());
   ASSERT_TRUE(camera->AddImage(1'100'000'000, Image(1), ".jpg").ok());
   ASSERT_TRUE(imu->AddReadings(std::vector{ImuSample{5'000'000, {0, 0, 0}, {0, 0, 9.8}}}).ok());
   const auto sequence = OpenSequence(folder_).value();
