@@ -294,17 +294,14 @@ Status WatchRecording(const CalibrateArguments& arguments, const WorkContext& wo
   options.loops = LoopUse::kOff;
   auto estimator = OwnPoseEstimator::Create(*sequence, std::numeric_limits<int>::max(), options);
   if (!estimator.ok()) return estimator.error();
-  std::int64_t told_ns = std::numeric_limits<std::int64_t>::min();
+  std::optional<std::int64_t> first_ns, told_ns;
   while ((*estimator)->Next(work.stop)) {
-    const auto image = static_cast<std::size_t>((*estimator)->next() - 1);
-    const VioReport& now = (*estimator)->poses().frames[image].vio;
-    const std::int64_t first_ns = (*estimator)->poses().frames.front().vio.stamp_ns;
-    if (told_ns != std::numeric_limits<std::int64_t>::min() &&
-        now.stamp_ns - told_ns < 1'000'000'000)
-      continue;
+    const VioReport now = (*estimator)->TakeReport().vio;
+    if (!first_ns) first_ns = now.stamp_ns;
+    if (told_ns && now.stamp_ns - *told_ns < 1'000'000'000) continue;
     told_ns = now.stamp_ns;
     std::fprintf(stderr, "%s\n",
-                 InWords(now, 1e-9 * static_cast<double>(now.stamp_ns - first_ns)).c_str());
+                 InWords(now, 1e-9 * static_cast<double>(now.stamp_ns - *first_ns)).c_str());
   }
   return {};
 }

@@ -266,7 +266,7 @@ Status Run(RunArguments& arguments) {
   }
   skipped.Tell();
   if (pipeline.grows())
-    (*writer)->SetGrown(HeaderOf(pipeline, PLUMBLINE_VERSION), pipeline.own_poses());
+    (*writer)->SetGrown(HeaderOf(pipeline, PLUMBLINE_VERSION), pipeline.TakeGrownPoses(true));
   if (Status status = (*writer)->Close(); !status.ok()) return status;
   const double seconds = watch.Milliseconds() / 1000;
   const auto withdrawn = WithdrawnOf(arguments.out);

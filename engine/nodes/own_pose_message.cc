@@ -7,6 +7,7 @@
 #include <exception>
 #include <limits>
 #include <thread>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -62,10 +63,12 @@ Status AddReadings(const Message& message, std::vector<ImuSample>& samples) {
 Status AddCorrections(const wire::OwnPoses& message, int known,
                       std::vector<PastCorrection>& corrections) {
   for (const wire::PastCorrection& row : message.corrections()) {
-    PastCorrection correction{row.image(), row.epoch(), {}};
-    if (!DecodePoses(row.poses(), correction.world_from_cam).ok() || row.image() > known ||
-        static_cast<int>(correction.world_from_cam.size()) != row.image() ||
-        (!corrections.empty() && row.epoch() <= corrections.back().epoch))
+    PastCorrection correction;
+    correction.image = row.image();
+    correction.epoch = row.epoch();
+    const PastCorrection* last = corrections.empty() ? nullptr : &corrections.back();
+    if (!DecodeMoves(row.moves(), correction).ok() || row.image() < 0 || row.image() > known ||
+        (last != nullptr && (row.epoch() <= last->epoch || row.image() <= last->image)))
       return BadPoses();
     corrections.push_back(std::move(correction));
   }
@@ -85,15 +88,16 @@ void AddCorrection(const PastCorrection& correction, wire::OwnPoses& message) {
   wire::PastCorrection& row = *message.add_corrections();
   row.set_image(correction.image);
   row.set_epoch(correction.epoch);
-  row.set_poses(EncodePoses(correction.world_from_cam));
+  row.set_moves(EncodeMoves(correction));
 }
 
 class RemoteOwnPoses : public OwnPoseFeed {
  public:
-  explicit RemoteOwnPoses(NodeClient& vio) : vio_(vio) {}
+  RemoteOwnPoses(NodeClient& vio, std::size_t images, std::size_t corrections)
+      : vio_(vio), images_(images), corrections_(corrections) {}
 
   bool Next(const std::stop_token& stop) override {
-    while (next_ >= static_cast<int>(poses_.frames.size())) {
+    while (come_.frames.size() == taken_) {
       if (stop.stop_requested() || !finding_) return false;
       if (const Result<bool> more = Ask(stop); !more.ok()) {
         if (more.error().code != ErrorCode::kCancelled) log::warn("{}", more.error().message);
@@ -102,14 +106,13 @@ class RemoteOwnPoses : public OwnPoseFeed {
         std::this_thread::sleep_for(kAskPeriod);
       }
     }
-    ++next_;
     return true;
   }
-  int next() const override { return next_; }
-  const OwnPoses& poses() const override { return poses_; }
-  void ForgetTracks(std::size_t image) override {
-    std::vector<TrackReport>().swap(poses_.frames[image].tracks);
+  OwnPoseReport TakeReport() override { return std::move(come_.frames[taken_++]); }
+  std::vector<PastCorrection> TakeCorrections() override {
+    return std::exchange(come_.corrections, {});
   }
+  const LoopReport& loops() const override { return come_.loops; }
 
  private:
   static constexpr auto kAskPeriod = std::chrono::milliseconds(4);
@@ -118,21 +121,27 @@ class RemoteOwnPoses : public OwnPoseFeed {
   Result<bool> Ask(const std::stop_token& stop) {
     wire::Request request;
     wire::OwnPosesRequest& known = *request.mutable_own_poses();
-    known.set_from(static_cast<int>(poses_.frames.size()));
-    known.set_corrections(static_cast<int>(poses_.corrections.size()));
+    known.set_from(static_cast<int>(images_));
+    known.set_corrections(static_cast<int>(corrections_));
     known.set_by_now(true);
     const Result<SharedReply> reply = vio_.AskAndWait(std::move(request), stop);
     if (!reply.ok()) return reply.error();
     const wire::OwnPoses& message = (*reply)->own_poses();
-    const Result<bool> finding = AddOwnPosesByNow(message, poses_);
+    come_.frames.clear();
+    taken_ = 0;
+    const std::size_t corrections_before = come_.corrections.size();
+    const Result<bool> finding = AddOwnPosesByNow(message, static_cast<int>(images_), come_);
     if (!finding.ok()) return finding.error();
+    images_ += come_.frames.size();
+    corrections_ += come_.corrections.size() - corrections_before;
     finding_ = *finding;
     return message.records_size() > 0 || message.corrections_size() > 0;
   }
 
   NodeClient& vio_;
-  OwnPoses poses_;
-  int next_ = 0;
+  std::size_t images_, corrections_;  ///< That have come.
+  OwnPoses come_;                     ///< Frames of the last message; corrections not taken.
+  std::size_t taken_ = 0;             ///< Of those frames.
   bool finding_ = true;
 };
 
@@ -302,7 +311,7 @@ Result<bool> AddOwnPosesFromWire(const wire::OwnPoses& message, OwnPoses& poses)
 
 wire::OwnPoses OwnPosesByNow(const OwnPoseStore& store, const wire::OwnPosesRequest& known) {
   const auto at_least_0 = [](int number) { return static_cast<std::size_t>(std::max(number, 0)); };
-  const OwnPoseStore::Growth growth =
+  const OwnPoseGrowth growth =
       store.Since(at_least_0(known.from()), at_least_0(known.corrections()), kImagesAMessage,
                   kCorrectionsAMessage);
   wire::OwnPoses message;
@@ -322,17 +331,18 @@ wire::OwnPoses OwnPosesByNow(const OwnPoseStore& store, const wire::OwnPosesRequ
   return message;
 }
 
-Result<bool> AddOwnPosesByNow(const wire::OwnPoses& message, OwnPoses& poses) {
+Result<bool> AddOwnPosesByNow(const wire::OwnPoses& message, int images, OwnPoses& poses) {
   for (const std::string& record : message.records())
     if (!DecodeOwnPose(record, poses.frames.emplace_back()).ok()) return BadPoses();
-  Status status = AddCorrections(message, static_cast<int>(poses.frames.size()), poses.corrections);
+  Status status = AddCorrections(message, images + message.records_size(), poses.corrections);
   if (status.ok()) status = TakeLoops(message, poses);
   if (!status.ok()) return status.error();
   return message.finding();
 }
 
-std::unique_ptr<OwnPoseFeed> MakeRemoteOwnPoses(NodeClient& vio) {
-  return std::make_unique<RemoteOwnPoses>(vio);
+std::unique_ptr<OwnPoseFeed> MakeRemoteOwnPoses(NodeClient& vio, std::size_t images,
+                                                std::size_t corrections) {
+  return std::make_unique<RemoteOwnPoses>(vio, images, corrections);
 }
 
 Result<std::shared_ptr<const OwnPoses>> AskForOwnPoses(NodeClient& vio,

@@ -45,12 +45,14 @@ Status AddGrowthFromWire(const wire::Growth& growth, std::vector<ImuSample>& sam
 
 /// What a filter has found by now after what is known, as much as fits a message.
 wire::OwnPoses OwnPosesByNow(const OwnPoseStore& store, const wire::OwnPosesRequest& known);
-/// Adds them to what was known. @return whether more may come. Errors: kCorrupt.
-Result<bool> AddOwnPosesByNow(const wire::OwnPoses& message, OwnPoses& poses);
+/// Adds them to what was not taken yet. @param images  That were known before. @return whether more
+/// may come. Errors: kCorrupt.
+Result<bool> AddOwnPosesByNow(const wire::OwnPoses& message, int images, OwnPoses& poses);
 
 /// Poses of a filter in another process, as it finds them.
-/// @param vio  Outlives it.
-std::unique_ptr<OwnPoseFeed> MakeRemoteOwnPoses(NodeClient& vio);
+/// @param vio  Outlives it. @param images, corrections  That are known already.
+std::unique_ptr<OwnPoseFeed> MakeRemoteOwnPoses(NodeClient& vio, std::size_t images = 0,
+                                                std::size_t corrections = 0);
 
 /// Waits until the filter has seen all images. Errors: what it refuses; kCorrupt; kCancelled.
 Result<std::shared_ptr<const OwnPoses>> AskForOwnPoses(NodeClient& vio,

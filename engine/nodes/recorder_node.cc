@@ -42,14 +42,27 @@ class RecorderProcess {
     request.mutable_header();
     const Result<SharedReply> reply = (*mapper)->AskAndWait(std::move(request), stop_);
     if (!reply.ok()) return reply.error();
+    NodeClient* vio = nullptr;
     if (!setup_.node.poses.empty()) {
-      const Result<NodeClient*> vio = link_.Ask(setup_.node.poses);
-      if (!vio.ok()) return vio.error();
-      auto poses = RunPoses::Ask(**vio, setup_.plan.recipe->live_speed.has_value(), stop_);
+      const Result<NodeClient*> found = link_.Ask(setup_.node.poses);
+      if (!found.ok()) return found.error();
+      vio = *found;
+    }
+    const bool live = setup_.plan.recipe->live_speed.has_value();
+    if (vio != nullptr && !live) {
+      auto poses = RunPoses::Ask(*vio, stop_);
       if (!poses.ok()) return poses.error();
       poses_ = std::move(poses).value();
     }
-    if (Status status = OpenRun((*reply)->header().json()); !status.ok()) return status;
+    auto opened = OpenRun((*reply)->header().json());
+    if (!opened.ok()) return opened.error();
+    writer_ = std::move(opened->writer);
+    if (opened->last) handed_ = kept_ = opened->last->frame;
+    num_handed_ = writer_->num_written();
+    if (Status status = WriteFileAtomically(Begun(), out_.string() + "\n"); !status.ok())
+      return status;
+    if (vio != nullptr && live)
+      poses_ = RunPoses::Follow(*vio, opened->own_pose_images, opened->own_pose_corrections);
     std::jthread serving([this](const std::stop_token& end) { Serve(end); });
     Status status = Record(**mapper, **player);
     if (status.ok()) status = KeepWhatItBecame(**mapper);
@@ -66,7 +79,8 @@ class RecorderProcess {
   /// That this graph has begun the run file: whoever starts this node again must go on with it.
   std::filesystem::path Begun() const { return setup_.plan.folder / kRunBegun; }
 
-  Status OpenRun(const std::string& json) {
+  /// Begins the run, or goes on with it.
+  Result<RunWriter::Resumed> OpenRun(const std::string& json) {
     Result<RunHeader> header = HeaderFromJson(ParseJson(json));
     if (!header.ok())
       return Error{header.error().code,
@@ -76,20 +90,12 @@ class RecorderProcess {
     const bool go_on = std::filesystem::exists(out_, ignored) &&
                        (setup_.plan.resume || std::filesystem::exists(Begun(), ignored));
     if (go_on) {
-      Result<RunWriter::Resumed> resumed =
-          setup_.plan.recipe->live_speed ? RunWriter::Reopen(out_)
-                                         : RunWriter::OpenToResume(out_, *header, poses_.all());
-      if (!resumed.ok()) return resumed.error();
-      writer_ = std::move(resumed->writer);
-      if (resumed->last) handed_ = kept_ = resumed->last->frame;
-    } else {
-      Result<std::unique_ptr<RunWriter>> created =
-          RunWriter::Create(out_, *header, {}, poses_.all());
-      if (!created.ok()) return created.error();
-      writer_ = std::move(created).value();
+      return setup_.plan.recipe->live_speed ? RunWriter::Reopen(out_)
+                                            : RunWriter::OpenToResume(out_, *header, poses_.all());
     }
-    num_handed_ = writer_->num_written();
-    return WriteFileAtomically(Begun(), out_.string() + "\n");
+    Result<std::unique_ptr<RunWriter>> created = RunWriter::Create(out_, *header, {}, poses_.all());
+    if (!created.ok()) return created.error();
+    return RunWriter::Resumed{std::move(created).value(), nullptr};
   }
 
   /// Of a live run whose poses grew: its last frame, and poses up to it.
@@ -101,7 +107,7 @@ class RecorderProcess {
     if (!reply.ok()) return reply.error();
     const Result<RunHeader> header = HeaderFromJson(ParseJson((*reply)->header().json()));
     if (!header.ok()) return header.error();
-    auto poses = poses_.AllUpTo(header->end_frame - 1, stop_);
+    auto poses = poses_.RestUpTo(header->end_frame - 1, stop_);
     const std::lock_guard lock(mutex_);
     writer_->SetGrown(*header, std::move(poses));
     return {};

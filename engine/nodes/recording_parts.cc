@@ -23,32 +23,32 @@ void ParticleSharing::Share(const wire::Report& message, FrameReport& report) {
   kept_ = std::move(now);
 }
 
-Result<RunPoses> RunPoses::Ask(NodeClient& vio, bool live, const std::stop_token& stop) {
-  RunPoses poses;
-  if (live) {
-    poses.growing_ = std::make_unique<OwnPoseStore>(MakeRemoteOwnPoses(vio));
-    return poses;
-  }
+Result<RunPoses> RunPoses::Ask(NodeClient& vio, const std::stop_token& stop) {
   auto found = AskForOwnPoses(vio, stop);
   if (!found.ok()) return found.error();
+  RunPoses poses;
   poses.all_ = std::move(found).value();
   return poses;
 }
 
-std::shared_ptr<const OwnPoses> RunPoses::GrownUpTo(int frame, const std::stop_token& stop) {
-  if (growing_ == nullptr) return nullptr;
-  growing_->Advance(frame, stop);
-  if (since_grown_.Milliseconds() < pause_ms_) return nullptr;
-  since_grown_ = Stopwatch();
-  auto poses = growing_->Copy();
-  pause_ms_ = std::max(1000.0, 20 * since_grown_.Milliseconds());
+RunPoses RunPoses::Follow(NodeClient& vio, std::size_t images, std::size_t corrections) {
+  RunPoses poses;
+  poses.growing_ = std::make_unique<OwnPoseStore>(MakeRemoteOwnPoses(vio, images, corrections),
+                                                  images, corrections);
+  poses.taken_ = OwnPosesTaken(images, corrections);
   return poses;
 }
 
-std::shared_ptr<const OwnPoses> RunPoses::AllUpTo(int frame, const std::stop_token& stop) {
+std::shared_ptr<const OwnPoseGrowth> RunPoses::GrownUpTo(int frame, const std::stop_token& stop) {
   if (growing_ == nullptr) return nullptr;
   growing_->Advance(frame, stop);
-  return growing_->Copy();
+  return taken_.NowAndThen(*growing_);
+}
+
+std::shared_ptr<const OwnPoseGrowth> RunPoses::RestUpTo(int frame, const std::stop_token& stop) {
+  if (growing_ == nullptr) return nullptr;
+  growing_->Advance(frame, stop);
+  return taken_.Rest(*growing_);
 }
 
 }  // namespace plumbline

@@ -38,21 +38,22 @@ class RunPoses {
  public:
   /// Of a run whose poses nobody finds: none, ever.
   RunPoses() = default;
-  /// Waits for them unless the run is live. Errors: kCancelled; what the node refused.
-  static Result<RunPoses> Ask(NodeClient& vio, bool live, const std::stop_token& stop);
+  /// Of a run that is not live: waits for them. Errors: kCancelled; what the node refused.
+  static Result<RunPoses> Ask(NodeClient& vio, const std::stop_token& stop);
+  /// Of a live run. @param images, corrections  That the run file has already.
+  static RunPoses Follow(NodeClient& vio, std::size_t images, std::size_t corrections);
 
   /// Of a run that is not live, all; else null.
   const OwnPoses* all() const { return all_.get(); }
-  /// Of a live run, those that are known by now; about once a second, else null.
-  std::shared_ptr<const OwnPoses> GrownUpTo(int frame, const std::stop_token& stop);
-  /// Of a live run at its end, all up to that frame; else null.
-  std::shared_ptr<const OwnPoses> AllUpTo(int frame, const std::stop_token& stop);
+  /// Of a live run, what has become known since; about once a second, else null.
+  std::shared_ptr<const OwnPoseGrowth> GrownUpTo(int frame, const std::stop_token& stop);
+  /// Of a live run at its end, the rest up to that frame; else null.
+  std::shared_ptr<const OwnPoseGrowth> RestUpTo(int frame, const std::stop_token& stop);
 
  private:
   std::shared_ptr<const OwnPoses> all_;
   std::unique_ptr<OwnPoseStore> growing_;
-  Stopwatch since_grown_;
-  double pause_ms_ = 0;
+  OwnPosesTaken taken_;
 };
 
 }  // namespace plumbline

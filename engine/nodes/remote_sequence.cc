@@ -49,6 +49,7 @@ constexpr auto kGrowthPeriod = std::chrono::milliseconds(10);
 constexpr int kMostToldAhead = 100;
 /// As in a recording on this machine (growing_sequence.cc).
 constexpr std::int64_t kSilentNs = 500'000'000;
+constexpr std::size_t kReadingsKept = 20'000;  ///< Of those that were asked for.
 
 Result<SharedReply> AskForSequence(NodeClient& player, const std::stop_token& stop) {
   wire::Request request;
@@ -119,13 +120,19 @@ class GrowingRemoteSequence : public RemoteSequence, public GrowingRecording {
   std::vector<ImuSample> WaitForImu(std::size_t from, std::int64_t time_ns,
                                     const std::stop_token& stop) const override {
     std::unique_lock lock(mutex_);
-    const std::vector<ImuSample>& samples = imu_.samples;
+    std::vector<ImuSample>& samples = imu_.samples;
     changed_.wait(lock, stop, [&] {
       return ended_ || (!samples.empty() && samples.back().stamp_ns > time_ns) ||
              (!frames_.empty() && frames_.back().stamp_ns > time_ns + kSilentNs);
     });
-    return {samples.begin() + static_cast<std::ptrdiff_t>(std::min(from, samples.size())),
-            samples.end()};
+    if (from > forgotten_ + kReadingsKept && !samples.empty()) {
+      // Whoever asks has those before. The last one tells how far the IMU has been read.
+      const std::size_t old = std::min(from - forgotten_, samples.size()) - 1;
+      samples.erase(samples.begin(), samples.begin() + static_cast<std::ptrdiff_t>(old));
+      forgotten_ += old;
+    }
+    const std::size_t first = std::min(std::max(from, forgotten_) - forgotten_, samples.size());
+    return {samples.begin() + static_cast<std::ptrdiff_t>(first), samples.end()};
   }
   std::int64_t CameNs(int frame) const override { return RowOf(frame).came_ns; }
   bool ended() const override {
@@ -156,7 +163,7 @@ class GrowingRemoteSequence : public RemoteSequence, public GrowingRecording {
   int NumReadings(bool wanted) const {
     if (!wanted) return kEveryReading;
     const std::lock_guard lock(mutex_);
-    return static_cast<int>(imu_.samples.size());
+    return static_cast<int>(forgotten_ + imu_.samples.size());
   }
 
   Status Add(const wire::Growth& growth, bool readings) {
@@ -178,6 +185,7 @@ class GrowingRemoteSequence : public RemoteSequence, public GrowingRecording {
   }
 
   bool ended_ = false;
+  mutable std::size_t forgotten_ = 0;  ///< Readings before those that are kept.
   std::jthread thread_;
 };
 
@@ -290,8 +298,8 @@ Status RemoteSequence::Take(const wire::Sequence& message) {
     const auto own = CovarianceFromWire(row.pose().own());
     if (!drift.ok()) return drift.error();
     if (!own.ok()) return own.error();
-    frame.world_from_cam = *pose;
-    frame.uncertainty = {*drift, *own};
+    frame.given =
+        std::make_shared<const GivenPose>(GivenPose{*pose, PoseUncertainty{*drift, *own}});
   }
   if (message.has_gravity_in_world()) {
     gravity_ = VectorFromWire(message.gravity_in_world());

@@ -51,9 +51,13 @@ class RemoteSequence : public Sequence {
   double rate_hz() const override { return rate_hz_; }
   std::int64_t stamp_ns(int index) const override { return RowOf(index).stamp_ns; }
   std::optional<Eigen::Isometry3d> world_from_cam(int index) const override {
-    return RowOf(index).world_from_cam;
+    const FrameRow row = RowOf(index);
+    return row.given ? std::optional(row.given->world_from_cam) : std::nullopt;
   }
-  PoseUncertainty pose_uncertainty(int index) const override { return RowOf(index).uncertainty; }
+  PoseUncertainty pose_uncertainty(int index) const override {
+    const FrameRow row = RowOf(index);
+    return row.given ? row.given->uncertainty : PoseUncertainty();
+  }
   std::optional<Eigen::Vector3d> gravity_in_world() const override { return gravity_; }
   std::optional<Eigen::Vector4d> floor_in_world() const override { return floor_; }
   double floor_std_m() const override { return floor_std_m_; }
@@ -95,11 +99,15 @@ class RemoteSequence : public Sequence {
                                                                 std::stop_token stop);
 
  protected:
+  struct GivenPose {
+    Eigen::Isometry3d world_from_cam;
+    PoseUncertainty uncertainty;
+  };
+  /// Few bytes: a recording that grows may have very many, and none of them has a pose.
   struct FrameRow {
     std::int64_t stamp_ns = 0;
-    std::optional<Eigen::Isometry3d> world_from_cam;
-    PoseUncertainty uncertainty;
     std::int64_t came_ns = 0;  ///< By the steady clock, of a recording that grows.
+    std::shared_ptr<const GivenPose> given;
   };
 
   RemoteSequence() = default;
@@ -108,7 +116,7 @@ class RemoteSequence : public Sequence {
   mutable std::mutex mutex_;  ///< Of what follows.
   mutable std::condition_variable_any changed_;
   std::vector<FrameRow> frames_;
-  ImuRecording imu_;  ///< Only of OpenForFilter.
+  mutable ImuRecording imu_;  ///< Only of OpenForFilter. Of a recording that grows the last ones.
 
  private:
   static Result<std::shared_ptr<RemoteSequence>> Ask(NodeClient& player, FramesAhead& ahead,

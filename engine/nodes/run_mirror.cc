@@ -71,9 +71,13 @@ Result<std::unique_ptr<RunMirror>> RunMirror::Start(const GraphPlan& plan, const
     if (!vio.ok()) return vio.error();
     mirror->vio_ = std::move(vio).value();
     work.report({"Waiting for the poses of '" + recorder->poses + "'"});
-    auto poses = RunPoses::Ask(*mirror->vio_, header->recipe.live_speed.has_value(), work.stop);
-    if (!poses.ok()) return poses.error();
-    *mirror->poses_ = std::move(poses).value();
+    if (header->recipe.live_speed) {
+      *mirror->poses_ = RunPoses::Follow(*mirror->vio_, 0, 0);
+    } else {
+      auto poses = RunPoses::Ask(*mirror->vio_, work.stop);
+      if (!poses.ok()) return poses.error();
+      *mirror->poses_ = std::move(poses).value();
+    }
   }
   auto writer = RunWriter::Create(file, *header, {}, mirror->poses_->all());
   if (!writer.ok()) return writer.error();
@@ -120,7 +124,7 @@ Status RunMirror::Copy(const std::stop_token& stop) {
     if (recorded.end()) {
       const Result<RunHeader> header = HeaderFromJson(ParseJson(recorded.header()));
       if (!header.ok()) return header.error();
-      if (auto poses = poses_->AllUpTo(last_frame, stop)) writer_->SetGrown(*header, poses);
+      if (auto poses = poses_->RestUpTo(last_frame, stop)) writer_->SetGrown(*header, poses);
       return {};
     }
     if (recorded.frames().empty()) {

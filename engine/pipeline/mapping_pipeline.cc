@@ -34,7 +34,6 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kFramesAhead = 4;
-constexpr double kGrownPause_ms = 1000;      ///< Poses of a live run are kept about as often.
 constexpr std::size_t kFramesAheadLive = 1;  ///< What waits here grows old.
 
 Status CheckLive(const RunRecipe& recipe) {
@@ -186,8 +185,7 @@ struct MappingPipeline::Impl {
   RunRecipe recipe;
   std::shared_ptr<const Sequence> sequence;
   std::shared_ptr<OwnPoseStore> own_poses;    ///< Null unless poses = vio.
-  Stopwatch since_grown;                      ///< Since TakeGrownPoses gave any ...
-  double pause_ms = 0;                        ///< ... and how long it waits.
+  OwnPosesTaken taken;                        ///< By TakeGrownPoses.
   const GrowingRecording* growing = nullptr;  ///< Null: all frames are recorded.
   std::unique_ptr<RecordedSource> source;     ///< Next is called by the thread below alone.
   std::unique_ptr<SelectedFrames> wanted;     ///< Of `source`.
@@ -438,15 +436,11 @@ std::shared_ptr<const OwnPoses> MappingPipeline::own_poses() const {
   return impl_->own_poses != nullptr ? impl_->own_poses->Copy() : nullptr;
 }
 
-std::shared_ptr<const OwnPoses> MappingPipeline::TakeGrownPoses() {
+std::shared_ptr<const OwnPoseGrowth> MappingPipeline::TakeGrownPoses(bool rest) {
   Impl& m = *impl_;
   if (m.own_poses == nullptr || !m.own_poses->grows()) return nullptr;
-  const bool last = m.next >= m.selected.size();
-  if (!last && m.since_grown.Milliseconds() < m.pause_ms) return nullptr;
-  m.since_grown = Stopwatch();
-  auto poses = m.own_poses->Copy();
-  m.pause_ms = std::max(kGrownPause_ms, 20 * m.since_grown.Milliseconds());
-  return poses;
+  return rest || m.next >= m.selected.size() ? m.taken.Rest(*m.own_poses)
+                                             : m.taken.NowAndThen(*m.own_poses);
 }
 
 const LandmarkLoops* MappingPipeline::landmarks() const { return impl_->poses.loops(); }

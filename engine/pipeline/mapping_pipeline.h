@@ -24,6 +24,7 @@ struct MapperInput;
 struct MapperSetup;
 struct MapSnapshot;
 struct OwnPoses;
+struct OwnPoseGrowth;
 struct PipelineParts;
 
 /// A candidate that no box gave birth to.
@@ -57,9 +58,10 @@ class MappingPipeline {
   std::shared_ptr<const ModelDatabase> database() const;
   /// Of a live run those that are known by now; null unless poses = vio.
   std::shared_ptr<const OwnPoses> own_poses() const;
-  /// The same where they have grown: of a live run about once a second, and after its last frame.
-  /// Null otherwise. To be kept with the run.
-  std::shared_ptr<const OwnPoses> TakeGrownPoses();
+  /// What has become known since they were taken last, to be kept with the run: of a live run about
+  /// once a second, and after its last frame. Null otherwise.
+  /// @param rest  At any time: the run ends here.
+  std::shared_ptr<const OwnPoseGrowth> TakeGrownPoses(bool rest = false);
   /// What objects seen again have corrected so far; null unless poses = vio.
   const LandmarkLoops* landmarks() const;
   /// What it was opened with, complete: absolute paths, the edges chosen, the hashes of files.

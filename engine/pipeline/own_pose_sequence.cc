@@ -14,7 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The filter looks at so many images more than were asked for: it is a module of its own.
-constexpr int kImagesAhead = 16;
+constexpr std::size_t kImagesAhead = 16;
+constexpr double kGrownPause_ms = 1000;  ///< Poses of a live run are kept about as often.
 
 Eigen::Vector4d PlaneOf(const FloorReport& floor) { return {0, 0, 1, -floor.height_m}; }
 
@@ -90,103 +91,201 @@ bool Differs(const FloorReport& now, const std::optional<FloorReport>& told) {
 
 }  // namespace
 
-OwnPoseStore::OwnPoseStore(std::unique_ptr<OwnPoseFeed> feed)
-    : feed_(std::move(feed)), thread_([this](const std::stop_token& stop) { Follow(stop); }) {}
+OwnPoseStore::OwnPoseStore(std::shared_ptr<const OwnPoses> all) : all_(std::move(all)) {}
+
+OwnPoseStore::OwnPoseStore(std::unique_ptr<OwnPoseFeed> feed, std::size_t first_image,
+                           std::size_t first_correction)
+    : feed_(std::move(feed)),
+      first_image_(first_image),
+      first_correction_(first_correction),
+      thread_([this](const std::stop_token& stop) { Follow(stop); }) {}
 
 OwnPoseStore::~OwnPoseStore() = default;
 
 void OwnPoseStore::Follow(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (!ended_ && changed_.wait(lock, stop, [&] { return feed_->next() < wanted_; })) {
+  while (!ended_ && changed_.wait(lock, stop, [&] { return end() < wanted_; })) {
     lock.unlock();
     const bool looked = feed_->Next(stop);
-    const OwnPoses& now = feed_->poses();
+    OwnPoseReport report;
+    std::vector<PastCorrection> corrections;
+    if (looked) {
+      report = feed_->TakeReport();
+      corrections = feed_->TakeCorrections();
+    }
     lock.lock();
     ended_ = !looked;
-    if (looked) {
-      found_.frames.push_back(now.frames[found_.frames.size()]);
-      if (found_.frames.size() > kTracksKept) {
-        const std::size_t old = found_.frames.size() - 1 - kTracksKept;
-        std::vector<TrackReport>().swap(found_.frames[old].tracks);
-        feed_->ForgetTracks(old);
-      }
-      found_.loops = now.loops;
-      found_.corrections.insert(
-          found_.corrections.end(),
-          now.corrections.begin() + static_cast<std::ptrdiff_t>(found_.corrections.size()),
-          now.corrections.end());
-    }
+    if (looked) Keep(std::move(report), std::move(corrections));
     changed_.notify_all();
   }
 }
 
+OwnPoseStore::OldPose OwnPoseStore::ShortOf(const OwnPoseReport& report) {
+  OldPose old;
+  old.stamp_ns = report.vio.stamp_ns;
+  old.ready = report.ready;
+  old.has_pose = report.world_from_cam.has_value();
+  if (!old.has_pose) return old;
+  old.world_from_cam = report.world_from_cam->matrix().topRows<3>();
+  old.body_in_world = report.vio.world_from_body.translation();
+  for (int row = 0, i = 0; row < 6; ++row) {
+    for (int column = 0; column <= row; ++column)
+      old.cam_covariance[i++] = report.cam_covariance(row, column);
+  }
+  return old;
+}
+
+OwnPoseReport OwnPoseStore::ReportOf(const OldPose& old) {
+  OwnPoseReport report;
+  report.vio.stamp_ns = old.stamp_ns;
+  report.ready = old.ready;
+  if (!old.ready) report.waits_for = "why it had no pose was let go of";
+  if (!old.has_pose) return report;
+  report.world_from_cam.emplace();
+  report.world_from_cam->matrix().topRows<3>() = old.world_from_cam;
+  report.world_from_cam->makeAffine();
+  report.vio.world_from_body.translation() = old.body_in_world;
+  for (int row = 0, i = 0; row < 6; ++row) {
+    for (int column = 0; column <= row; ++column, ++i)
+      report.cam_covariance(row, column) = report.cam_covariance(column, row) =
+          old.cam_covariance[i];
+  }
+  return report;
+}
+
+void OwnPoseStore::Keep(OwnPoseReport report, std::vector<PastCorrection> corrections) {
+  recent_.push_back(std::move(report));
+  if (recent_.size() > kTracksKept)
+    std::vector<TrackReport>().swap(recent_[recent_.size() - 1 - kTracksKept].tracks);
+  if (recent_.size() > kReportsKept) {
+    old_.push_back(ShortOf(recent_.front()));
+    recent_.pop_front();
+  }
+  for (PastCorrection& correction : corrections) {
+    corrections_.push_back(std::move(correction));
+    if (corrections_.size() > kCorrectionsKept)
+      corrections_[corrections_.size() - 1 - kCorrectionsKept].past = {};
+  }
+  loops_ = feed_->loops();
+}
+
+template <typename Use>
+auto OwnPoseStore::WithReport(std::size_t image, Use use) const {
+  if (all_ != nullptr) return use(all_->frames[image]);
+  const std::size_t at = image - first_image_;
+  return at < old_.size() ? use(ReportOf(old_[at])) : use(recent_[at - old_.size()]);
+}
+
+int OwnPoseStore::EpochAt(int image) const {
+  return all_ != nullptr ? all_->EpochAt(image) : loops_.EpochAt(image);
+}
+
+std::span<const PastCorrection> OwnPoseStore::corrections() const {
+  return all_ != nullptr ? all_->corrections : corrections_;
+}
+
+std::optional<PoseEstimate> OwnPoseStore::EstimateOf(const OwnPoseReport& report, int frame) const {
+  if (!report.ready || !report.world_from_cam) return std::nullopt;
+  return PoseEstimate{PoseId{frame},
+                      report.vio.stamp_ns,
+                      *report.world_from_cam,
+                      {.drift = report.cam_covariance},
+                      EpochAt(frame)};
+}
+
 void OwnPoseStore::Advance(int frame, const std::stop_token& stop) {
-  if (all_ != nullptr) return;
+  if (all_ != nullptr || frame < 0) return;
+  const auto next = static_cast<std::size_t>(frame) + 1;
   std::unique_lock lock(mutex_);
-  wanted_ = std::max(wanted_, frame + 1 + kImagesAhead);
+  wanted_ = std::max(wanted_, next + kImagesAhead);
   changed_.notify_all();
-  changed_.wait(lock, stop,
-                [&] { return ended_ || static_cast<int>(found_.frames.size()) > frame; });
+  changed_.wait(lock, stop, [&] { return ended_ || end() >= next; });
 }
 
 std::optional<OwnPoseStore::Known> OwnPoseStore::At(int frame) const {
   const std::lock_guard lock(mutex_);
-  const auto at = static_cast<std::size_t>(frame);
-  if (at >= poses().frames.size()) return std::nullopt;
-  const OwnPoseReport& report = poses().frames[at];
-  Known known;
-  known.waits_for = report.waits_for;
-  known.floor = report.floor;
-  known.points_in_world = report.points_in_world;
-  if (report.ready && report.world_from_cam) {
-    known.pose = PoseEstimate{PoseId{frame},
-                              report.vio.stamp_ns,
-                              *report.world_from_cam,
-                              {.drift = report.cam_covariance},
-                              poses().EpochAt(frame)};
-  }
-  return known;
+  const auto image = static_cast<std::size_t>(frame);
+  if (frame < 0 || image < first_image_ || image >= end()) return std::nullopt;
+  return WithReport(image, [&](const OwnPoseReport& report) {
+    return Known{EstimateOf(report, frame), report.waits_for, report.floor, report.points_in_world};
+  });
 }
 
-std::vector<PastCorrection> OwnPoseStore::Corrections(std::size_t from) const {
+std::optional<int> OwnPoseStore::ImageOfCorrection(std::size_t number) const {
   const std::lock_guard lock(mutex_);
-  const auto& all = poses().corrections;
-  return {all.begin() + static_cast<std::ptrdiff_t>(std::min(from, all.size())), all.end()};
+  if (number < first_correction_ || number - first_correction_ >= corrections().size())
+    return std::nullopt;
+  return corrections()[number - first_correction_].image;
+}
+
+std::vector<PoseEstimate> OwnPoseStore::CorrectedPast(std::size_t number) const {
+  const std::lock_guard lock(mutex_);
+  const auto all = corrections();
+  const PastCorrection& correction = all[number - first_correction_];
+  std::vector<PoseEstimate> poses;
+  if (correction.past.empty()) return poses;
+  const int end = std::min(correction.image, known_images());
+  for (int i = static_cast<int>(first_image_); i < end; ++i) {
+    WithReport(static_cast<std::size_t>(i), [&](const OwnPoseReport& report) {
+      auto pose = EstimateOf(report, i);
+      if (!pose) return;
+      pose->world_from_cam = CorrectedBy(
+          correction, all,
+          {i, pose->stamp_ns, pose->world_from_cam, report.vio.world_from_body.translation()});
+      pose->epoch = correction.epoch;
+      poses.push_back(*std::move(pose));
+    });
+  }
+  return poses;
 }
 
 std::optional<FloorReport> OwnPoseStore::last_floor() const {
   const std::lock_guard lock(mutex_);
-  return poses().last_floor();
+  if (all_ != nullptr) return all_->last_floor();
+  return recent_.empty() ? std::nullopt : recent_.back().floor;
 }
 
 int OwnPoseStore::known() const {
   const std::lock_guard lock(mutex_);
-  return static_cast<int>(poses().frames.size());
+  return known_images();
 }
 
-OwnPoseStore::Growth OwnPoseStore::Since(std::size_t image, std::size_t correction,
-                                         std::size_t most_images,
-                                         std::size_t most_corrections) const {
+OwnPoseGrowth OwnPoseStore::Since(std::size_t image, std::size_t correction,
+                                  std::size_t most_images, std::size_t most_corrections) const {
   const std::lock_guard lock(mutex_);
-  const auto part = [](const auto& all, std::size_t from, std::size_t most) {
-    const std::size_t begin = std::min(from, all.size());
-    const auto first = all.begin() + static_cast<std::ptrdiff_t>(begin);
-    return std::vector(first,
-                       first + static_cast<std::ptrdiff_t>(std::min(most, all.size() - begin)));
-  };
-  Growth growth;
-  growth.poses.frames = part(poses().frames, image, most_images);
-  growth.poses.corrections = part(poses().corrections, correction, most_corrections);
-  growth.poses.loops = poses().loops;
-  growth.images = static_cast<int>(poses().frames.size());
+  OwnPoseGrowth growth;
+  growth.first_image = std::max(image, first_image_);
+  for (std::size_t i = growth.first_image; i < end() && growth.poses.frames.size() < most_images;
+       ++i)
+    growth.poses.frames.push_back(
+        WithReport(i, [](const OwnPoseReport& report) { return report; }));
+  const auto all = corrections();
+  const std::size_t from =
+      std::min(std::max(correction, first_correction_) - first_correction_, all.size());
+  const auto part = all.subspan(from, std::min(most_corrections, all.size() - from));
+  growth.poses.corrections.assign(part.begin(), part.end());
+  growth.poses.loops = all_ != nullptr ? all_->loops : loops_;
+  growth.images = known_images();
   growth.ended = all_ != nullptr || ended_;
   return growth;
 }
 
+std::shared_ptr<const OwnPoseGrowth> OwnPosesTaken::Rest(const OwnPoseStore& store) {
+  since_taken_ = Stopwatch();
+  auto growth = std::make_shared<const OwnPoseGrowth>(store.Since(images_, corrections_));
+  images_ = growth->first_image + growth->poses.frames.size();
+  corrections_ += growth->poses.corrections.size();
+  return growth;
+}
+
+std::shared_ptr<const OwnPoseGrowth> OwnPosesTaken::NowAndThen(const OwnPoseStore& store) {
+  if (since_taken_ && since_taken_->Milliseconds() < kGrownPause_ms) return nullptr;
+  return Rest(store);
+}
+
 std::shared_ptr<const OwnPoses> OwnPoseStore::Copy() const {
   if (all_ != nullptr) return all_;
-  const std::lock_guard lock(mutex_);
-  return std::make_shared<const OwnPoses>(found_);
+  return std::make_shared<const OwnPoses>(std::move(Since(0, 0).poses));
 }
 
 std::shared_ptr<const Sequence> WithOwnPoses(std::shared_ptr<const Sequence> given,
@@ -259,15 +358,11 @@ void OwnPoseSource::Seek(int frame) {
 }
 
 void OwnPoseSource::TellCorrections(int frame) {
-  for (const PastCorrection& correction : poses_->Corrections(told_corrections_)) {
-    if (correction.image > frame) return;
-    ++told_corrections_;
-    for (int i = 0; i < static_cast<int>(correction.world_from_cam.size()); ++i) {
-      std::optional<PoseEstimate> pose = Pose(i);
-      if (!pose) continue;
-      pose->world_from_cam = correction.world_from_cam[static_cast<std::size_t>(i)];
-      pose->epoch = correction.epoch;
-      held_.push_back(*std::move(pose));
+  for (auto image = poses_->ImageOfCorrection(told_corrections_); image && *image <= frame;
+       image = poses_->ImageOfCorrection(++told_corrections_)) {
+    for (PoseEstimate& pose : poses_->CorrectedPast(told_corrections_)) {
+      pose.stamp_ns = folder_.Frame(pose.id.value).stamp_ns;
+      held_.push_back(std::move(pose));
     }
   }
 }
@@ -310,19 +405,16 @@ LandmarkLoops ReplayLandmarks(const std::shared_ptr<const Sequence>& sequence,
                               const RunRecipe& recipe, int last_frame,
                               const LandmarkHistory& history) {
   const OwnPoseSource source(sequence);
-  const std::vector<PastCorrection> corrections = OwnPoseStoreOf(*sequence)->Corrections(0);
+  const auto store = OwnPoseStoreOf(*sequence);
   LandmarkLoops loops(recipe.own_poses.closing);
   std::size_t told = 0;  // corrections
   const int end = std::min(last_frame + 1, source.num_frames());
   for (int frame = recipe.frames.begin; frame < end; frame += recipe.frames.step) {
-    for (; told < corrections.size() && corrections[told].image <= frame; ++told) {
-      const PastCorrection& correction = corrections[told];
-      for (int i = 0; i < correction.image; ++i) {
-        std::optional<PoseEstimate> pose = source.Pose(i);
-        if (!pose) continue;
-        pose->world_from_cam = correction.world_from_cam[static_cast<std::size_t>(i)];
-        pose->epoch = correction.epoch;
-        loops.See(*pose);
+    for (auto image = store->ImageOfCorrection(told); image && *image <= frame;
+         image = store->ImageOfCorrection(++told)) {
+      for (PoseEstimate& pose : store->CorrectedPast(told)) {
+        pose.stamp_ns = source.Frame(pose.id.value).stamp_ns;
+        loops.See(pose);
       }
       loops.Refresh();
     }

@@ -288,6 +288,14 @@ void VisitOwnPose(Coder& code, Report& report) {
   VisitLens(code, report.vio);
 }
 
+template <typename Coder, typename Node>
+void VisitNode(Coder& code, Node& node) {
+  code(node.stamp_ns);
+  VisitVector(code, node.filter_position_in_world);
+  code(node.corrected.yaw_rad);
+  VisitVector(code, node.corrected.position_in_world);
+}
+
 // Level 1: higher ones gain 1 % on floating-point numbers.
 std::string Compress(std::string_view bytes) {
   uLongf size = compressBound(bytes.size());
@@ -414,16 +422,26 @@ Status DecodeOwnPose(std::string_view bytes, OwnPoseReport& report) {
   return DecodeCompressed(bytes, [&](Decoder& decoder) { VisitOwnPose(decoder, report); });
 }
 
-std::string EncodePoses(const std::vector<Eigen::Isometry3d>& poses) {
+std::string EncodeMoves(const PastCorrection& correction) {
   Encoder encoder;
-  VisitList(encoder, poses, [&](const auto& pose) { VisitPose(encoder, pose); });
+  encoder(correction.present.yaw_rad);
+  VisitVector(encoder, correction.present.shift_m);
+  VisitList(encoder, correction.past.nodes(),
+            [&](const TrajectoryMoves::Node& node) { VisitNode(encoder, node); });
   return Compress(encoder.bytes());
 }
 
-Status DecodePoses(std::string_view bytes, std::vector<Eigen::Isometry3d>& poses) {
-  return DecodeCompressed(bytes, [&](Decoder& decoder) {
-    VisitList(decoder, poses, [&](auto& pose) { VisitPose(decoder, pose); });
+Status DecodeMoves(std::string_view bytes, PastCorrection& correction) {
+  std::vector<TrajectoryMoves::Node> nodes;
+  Status status = DecodeCompressed(bytes, [&](Decoder& decoder) {
+    decoder(correction.present.yaw_rad);
+    VisitVector(decoder, correction.present.shift_m);
+    VisitList(decoder, nodes, [&](TrajectoryMoves::Node& node) { VisitNode(decoder, node); });
+    for (std::size_t i = 1; i < nodes.size(); ++i)
+      decoder.Require(nodes[i - 1].stamp_ns < nodes[i].stamp_ns);
   });
+  correction.past = TrajectoryMoves(std::move(nodes));
+  return status;
 }
 
 std::string EncodeParticles(const std::vector<Particle>& particles) {

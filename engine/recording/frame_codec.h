@@ -37,8 +37,8 @@ bool NameModels(const std::vector<Particle>& particles, int num_models);
 /// What the table `own_poses` holds of one frame.
 std::string EncodeOwnPose(const OwnPoseReport& report);
 Status DecodeOwnPose(std::string_view bytes, OwnPoseReport& report);
-/// What the table `own_pose_corrections` holds of one correction.
-std::string EncodePoses(const std::vector<Eigen::Isometry3d>& poses);
-Status DecodePoses(std::string_view bytes, std::vector<Eigen::Isometry3d>& poses);
+/// What the table `own_pose_moves` holds of one correction beside its columns.
+std::string EncodeMoves(const PastCorrection& correction);
+Status DecodeMoves(std::string_view bytes, PastCorrection& correction);
 
 }  // namespace plumbline

@@ -2,6 +2,7 @@
 #include "engine/recording/own_pose_record.h"
 
 #include <exception>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -18,8 +19,8 @@ constexpr const char* kOwnPosesSchema =
     "CREATE TABLE own_poses (frame INTEGER PRIMARY KEY, details BLOB NOT NULL);"
     "DROP TABLE IF EXISTS own_pose_loops;"
     "CREATE TABLE own_pose_loops (causal INTEGER NOT NULL, report TEXT NOT NULL);"
-    "DROP TABLE IF EXISTS own_pose_corrections;"
-    "CREATE TABLE own_pose_corrections (epoch INTEGER PRIMARY KEY, image INTEGER NOT NULL, poses "
+    "DROP TABLE IF EXISTS own_pose_moves;"
+    "CREATE TABLE own_pose_moves (epoch INTEGER PRIMARY KEY, image INTEGER NOT NULL, moves "
     "BLOB NOT NULL)";
 
 Result<bool> HasTable(sqlite::Database& database, const char* query) {
@@ -60,10 +61,10 @@ Status LoadLoops(sqlite::Database& database, OwnPoses& poses) {
 
 Status StoreCorrections(sqlite::Database& database, const OwnPoses& poses) {
   Result<sqlite::Statement> insert =
-      database.Prepare("INSERT INTO own_pose_corrections VALUES (?1, ?2, ?3)");
+      database.Prepare("INSERT OR REPLACE INTO own_pose_moves VALUES (?1, ?2, ?3)");
   if (!insert) return insert.error();
   for (const PastCorrection& correction : poses.corrections) {
-    const std::string moved = EncodePoses(correction.world_from_cam);
+    const std::string moved = EncodeMoves(correction);
     insert->Bind(1, static_cast<std::int64_t>(correction.epoch));
     insert->Bind(2, static_cast<std::int64_t>(correction.image));
     insert->BindBlob(3, moved);
@@ -76,20 +77,22 @@ Status StoreCorrections(sqlite::Database& database, const OwnPoses& poses) {
 Status LoadCorrections(sqlite::Database& database, OwnPoses& poses) {
   const Result<bool> present = HasTable(
       database,
-      "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'own_pose_corrections'");
+      "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'own_pose_moves'");
   if (!present) return present.error();
   if (!*present) return {};
   Result<sqlite::Statement> rows =
-      database.Prepare("SELECT epoch, image, poses FROM own_pose_corrections ORDER BY epoch");
+      database.Prepare("SELECT epoch, image, moves FROM own_pose_moves ORDER BY epoch");
   if (!rows) return rows.error();
   while (true) {
     const Result<bool> row = rows->Step();
     if (!row) return row.error();
     if (!*row) return {};
-    PastCorrection correction{
-        static_cast<int>(rows->Integer(1)), static_cast<int>(rows->Integer(0)), {}};
-    if (!DecodePoses(rows->Blob(2), correction.world_from_cam).ok() ||
-        static_cast<int>(correction.world_from_cam.size()) != correction.image) {
+    PastCorrection correction;
+    correction.image = static_cast<int>(rows->Integer(1));
+    correction.epoch = static_cast<int>(rows->Integer(0));
+    const bool rises =
+        poses.corrections.empty() || correction.image > poses.corrections.back().image;
+    if (!rises || !DecodeMoves(rows->Blob(2), correction).ok()) {
       return Error{ErrorCode::kCorrupt, "the corrected poses in " + database.file().string() +
                                             " are damaged; repeat the run"};
     }
@@ -97,27 +100,48 @@ Status LoadCorrections(sqlite::Database& database, OwnPoses& poses) {
   }
 }
 
-}  // namespace
-
-Status StoreOwnPoses(sqlite::Database& database, const OwnPoses& poses) {
-  return AddOwnPoses(database, poses, 0);
-}
-
-Status AddOwnPoses(sqlite::Database& database, const OwnPoses& poses, std::size_t stored) {
-  Status status = database.Execute(stored == 0 ? kOwnPosesSchema
-                                               : "DELETE FROM own_pose_loops;"
-                                                 "DELETE FROM own_pose_corrections");
+/// @param first_image  Of the frames; 0 begins anew.
+Status Store(sqlite::Database& database, std::size_t first_image, const OwnPoses& poses) {
+  Status status =
+      database.Execute(first_image == 0 ? kOwnPosesSchema : "DELETE FROM own_pose_loops");
   if (!status.ok()) return status;
-  Result<sqlite::Statement> insert = database.Prepare("INSERT INTO own_poses VALUES (?1, ?2)");
+  Result<sqlite::Statement> insert =
+      database.Prepare("INSERT OR REPLACE INTO own_poses VALUES (?1, ?2)");
   if (!insert) return insert.error();
-  for (std::size_t i = stored; i < poses.frames.size(); ++i) {
+  for (std::size_t i = 0; i < poses.frames.size(); ++i) {
     const std::string details = EncodeOwnPose(poses.frames[i]);
-    insert->Bind(1, static_cast<std::int64_t>(i));
+    insert->Bind(1, static_cast<std::int64_t>(first_image + i));
     insert->BindBlob(2, details);
     if (status = insert->Run(); !status.ok()) return status;
   }
   if (status = StoreLoops(database, poses); !status.ok()) return status;
   return StoreCorrections(database, poses);
+}
+
+}  // namespace
+
+Status StoreOwnPoses(sqlite::Database& database, const OwnPoses& poses) {
+  return Store(database, 0, poses);
+}
+
+Status AddOwnPoses(sqlite::Database& database, const OwnPoseGrowth& growth) {
+  return Store(database, growth.first_image, growth.poses);
+}
+
+Result<StoredOwnPoses> CountOwnPoses(sqlite::Database& database) {
+  StoredOwnPoses stored;
+  const Result<bool> present = HasTable(
+      database, "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'own_poses'");
+  if (!present) return present.error();
+  if (!*present) return stored;
+  for (const auto& [count, query] :
+       {std::pair{&stored.images, "SELECT COUNT(*) FROM own_poses"},
+        std::pair{&stored.corrections, "SELECT COUNT(*) FROM own_pose_moves"}}) {
+    const Result<std::int64_t> found = database.QueryInteger(query);
+    if (!found) return found.error();
+    *count = static_cast<std::size_t>(*found);
+  }
+  return stored;
 }
 
 Result<std::shared_ptr<const OwnPoses>> LoadOwnPoses(sqlite::Database& database) {

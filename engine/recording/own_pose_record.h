@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "engine/base/result.h"
@@ -13,9 +14,15 @@ namespace plumbline {
 /// docs/run_file.md explains the table.
 Status StoreOwnPoses(sqlite::Database& database, const OwnPoses& poses);
 
-/// Adds what has been found since: poses of a live run grow. Inside of a transaction.
-/// @param stored  Frames of `poses` that are there already; 0 begins the tables.
-Status AddOwnPoses(sqlite::Database& database, const OwnPoses& poses, std::size_t stored);
+/// Adds what has been found since: poses of a live run grow. Inside of a transaction. Growth from
+/// the first image on begins anew.
+Status AddOwnPoses(sqlite::Database& database, const OwnPoseGrowth& growth);
+
+/// What a file holds of them.
+struct StoredOwnPoses {
+  std::size_t images = 0, corrections = 0;
+};
+Result<StoredOwnPoses> CountOwnPoses(sqlite::Database& database);
 
 /// Null where the file has none. Errors: kCorrupt.
 Result<std::shared_ptr<const OwnPoses>> LoadOwnPoses(sqlite::Database& database);

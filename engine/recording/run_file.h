@@ -24,6 +24,7 @@ namespace plumbline {
 
 struct FrameReport;
 struct OwnPoses;
+struct OwnPoseGrowth;
 
 /// Writes a run file on a thread of its own, one transaction a frame: whatever ends the program,
 /// every frame counted by num_written() can be read afterwards. Nobody else can write that file
@@ -52,7 +53,7 @@ class RunWriter {
                                       const OwnPoses* own_poses = nullptr);
 
   /// Goes on with a run whose writer died, for whoever knows that it is the same run: one of a live
-  /// graph, which OpenToResume refuses. Its own poses are to be given again from the first on.
+  /// graph, which OpenToResume refuses. Its own poses are to be given from those on that it has.
   /// Errors: kNotFound, kCorrupt, kUnsupported; kInvalidInput if somebody is writing the file.
   static Result<Resumed> Reopen(const std::filesystem::path& file);
 
@@ -63,13 +64,15 @@ class RunWriter {
   /// is stored 160 pixels wide; it may be empty and must not be written to afterwards. Frames come
   /// by rising number. Errors (kIo): what stopped the writer earlier; nothing was or will be
   /// written since.
-  /// @param own_poses  Of a live run whose poses grow: all that are known now, or null.
+  /// @param own_poses  Of a live run whose poses grow: what was found since they were last given,
+  ///                   or null.
   Status Write(FrameReport report, const cv::Mat& image,
-               std::shared_ptr<const OwnPoses> own_poses = {});
+               std::shared_ptr<const OwnPoseGrowth> own_poses = {});
 
   /// Of a run whose sequence grew: what it has become by now, kept by Close.
   /// @param header  Its `end_frame` and `sequence_hash` take the place of those of Create.
-  void SetGrown(const RunHeader& header, std::shared_ptr<const OwnPoses> own_poses);
+  /// @param own_poses  As of Write.
+  void SetGrown(const RunHeader& header, std::shared_ptr<const OwnPoseGrowth> own_poses);
 
   /// Frames safely in the file, those of a resumed run included. May be called from any thread.
   int num_written() const;
@@ -91,6 +94,7 @@ struct RunWriter::Resumed {
   std::unique_ptr<RunWriter> writer;
   /// The last complete frame: where the mapper goes on. Null in an empty run.
   std::shared_ptr<const FrameReport> last;
+  std::size_t own_pose_images = 0, own_pose_corrections = 0;  ///< Of a live run.
 };
 
 /// A life event and when it happened.

@@ -134,7 +134,7 @@ class RunWriter::Worker {
   }
 
   Status Write(FrameReport report, const cv::Mat& image,
-               std::shared_ptr<const OwnPoses> own_poses) {
+               std::shared_ptr<const OwnPoseGrowth> own_poses) {
     PLB_CHECK(report.frame > last_frame_) << "frame " << report.frame << " after " << last_frame_;
     last_frame_ = report.frame;
     const Status status = CurrentStatus();
@@ -146,7 +146,7 @@ class RunWriter::Worker {
     return {};
   }
 
-  void SetGrown(const RunHeader& header, std::shared_ptr<const OwnPoses> own_poses) {
+  void SetGrown(const RunHeader& header, std::shared_ptr<const OwnPoseGrowth> own_poses) {
     header_.end_frame = header.end_frame;
     header_.sequence_hash = header.sequence_hash;
     grown_ = std::move(own_poses);
@@ -173,7 +173,7 @@ class RunWriter::Worker {
     FrameReport report;
     cv::Mat image;
     double elapsed_s;
-    std::shared_ptr<const OwnPoses> own_poses;
+    std::shared_ptr<const OwnPoseGrowth> own_poses;
   };
   struct StoredParticles {
     std::shared_ptr<const std::vector<Particle>> particles;
@@ -222,10 +222,7 @@ class RunWriter::Worker {
     for (std::size_t i = 0; i < report.events.size() && status.ok(); ++i) {
       status = StoreEvent(report.events[i], static_cast<int>(i));
     }
-    if (status.ok() && item.own_poses != nullptr) {
-      status = AddOwnPoses(*database_, *item.own_poses, num_own_poses_);
-      num_own_poses_ = item.own_poses->frames.size();
-    }
+    if (status.ok() && item.own_poses != nullptr) status = AddOwnPoses(*database_, *item.own_poses);
     if (status.ok()) status = commit_.Run();
     if (!status.ok()) return status;
     Forget(report);
@@ -237,7 +234,7 @@ class RunWriter::Worker {
   Status StoreGrown() {
     Status status = database_->Execute("BEGIN");
     if (status.ok()) status = StoreHeader(*database_, header_);
-    if (status.ok()) status = AddOwnPoses(*database_, *grown_, num_own_poses_);
+    if (status.ok()) status = AddOwnPoses(*database_, *grown_);
     return status.ok() ? database_->Execute("COMMIT") : status;
   }
 
@@ -320,9 +317,8 @@ class RunWriter::Worker {
   int last_frame_;
   int position_;
   std::map<ObjectId, StoredParticles> stored_;
-  std::size_t num_own_poses_ = 0;  ///< Of a live run.
   RunHeader header_;
-  std::shared_ptr<const OwnPoses> grown_;  ///< Null unless the sequence grew.
+  std::shared_ptr<const OwnPoseGrowth> grown_;  ///< Null unless the sequence grew.
   std::atomic<int> num_written_;
   mutable std::mutex mutex_;
   Status status_;
@@ -429,21 +425,23 @@ Result<RunWriter::Resumed> RunWriter::GoOn(const std::filesystem::path& file,
   if (status.ok() && own_poses != nullptr) status = StoreOwnPoses(**database, *own_poses);
   if (status.ok()) status = (*database)->Execute("COMMIT");
   if (!status.ok()) return status.error();
+  const Result<StoredOwnPoses> stored = CountOwnPoses(**database);
+  if (!stored) return stored.error();
   const int last_frame = found->last ? found->last->frame : std::numeric_limits<int>::min();
   auto worker = std::make_unique<Worker>(file, std::move(*lock), std::move(*database),
                                          found->num_frames, last_frame, found->elapsed_s);
   if (const Status started = worker->GoOn(found->header); !started.ok()) return started.error();
   return Resumed{std::unique_ptr<RunWriter>(new RunWriter(std::move(worker))),
-                 std::move(found->last)};
+                 std::move(found->last), stored->images, stored->corrections};
 }
 
 RunWriter::RunWriter(std::unique_ptr<Worker> worker) : worker_(std::move(worker)) {}
 RunWriter::~RunWriter() = default;
 Status RunWriter::Write(FrameReport report, const cv::Mat& image,
-                        std::shared_ptr<const OwnPoses> own_poses) {
+                        std::shared_ptr<const OwnPoseGrowth> own_poses) {
   return worker_->Write(std::move(report), image, std::move(own_poses));
 }
-void RunWriter::SetGrown(const RunHeader& header, std::shared_ptr<const OwnPoses> own_poses) {
+void RunWriter::SetGrown(const RunHeader& header, std::shared_ptr<const OwnPoseGrowth> own_poses) {
   worker_->SetGrown(header, std::move(own_poses));
 }
 int RunWriter::num_written() const { return worker_->num_written(); }

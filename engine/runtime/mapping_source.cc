@@ -74,7 +74,8 @@ class MappingSource : public SnapshotSource {
     const auto next = pipeline_->Next(stop);
     if (!next && stop.stop_requested()) return Error{ErrorCode::kCancelled, "stopped"};
     if (!next && pipeline_->grows()) {
-      writer_->SetGrown(HeaderOf(*pipeline_, header_->program_version), pipeline_->own_poses());
+      writer_->SetGrown(HeaderOf(*pipeline_, header_->program_version),
+                        pipeline_->TakeGrownPoses());
       return Error{ErrorCode::kCancelled, "the recording has ended"};
     }
     if (!next) return Error{ErrorCode::kIo, "the sequence ended before its last frame"};

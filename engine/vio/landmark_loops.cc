@@ -160,17 +160,16 @@ void LandmarkLoops::Solve() {
     graph.AddEdge(edge);
   }
   graph.Optimise();
-  const std::vector<Eigen::Matrix4d> marginals = graph.Marginals();
+  std::vector<Eigen::Matrix4d> covariances = graph.Marginals();
   const Eigen::Vector3d begin = nodes.front()->world_from_cam.translation();
-  std::vector<TrajectoryCorrection::Node> corrected;
+  std::vector<TrajectoryMoves::Node> corrected;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const GraphPose& pose = graph.poses()[i];
-    const Eigen::Matrix4d common =
+    covariances[i] +=
         InFour(MovedBy(pose.position_in_world - begin, nodes.front()->uncertainty.drift));
-    corrected.push_back(
-        {nodes[i]->stamp_ns, nodes[i]->world_from_cam.translation(), pose, marginals[i] + common});
+    corrected.push_back({nodes[i]->stamp_ns, nodes[i]->world_from_cam.translation(), pose});
   }
-  correction_ = TrajectoryCorrection(std::move(corrected));
+  correction_ = TrajectoryCorrection(std::move(corrected), std::move(covariances));
   const PoseEstimate& newest = told_.rbegin()->second;
   Turn& turn = turns_.back();
   turn.move = correction_.At(newest.stamp_ns, newest.world_from_cam.translation());

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -20,6 +21,8 @@ constexpr int kMaxLooked = 20;        ///< Older key frames that are compared wi
 constexpr int kMaxVerified = 3;       ///< Of those, the ones whose pose is sought.
 constexpr double kMaxTurnDeg = 60;    ///< Between two views of one place.
 constexpr std::size_t kAgreeing = 2;  ///< Key frames that have to say the same.
+constexpr int kLetGoShare = 10;       ///< Of key frames, the part that is let go of at once.
+constexpr std::size_t kNewest = 30;   ///< Key frames that are not let go of.
 constexpr double kPauseS = 2;         ///< After a loop is closed, before the next is sought.
 
 Eigen::Vector4d Squared(double std_m, double std_deg) {
@@ -90,27 +93,59 @@ void LoopCloser::AddKeyFrame(PlaceFrame key_frame) {
     graph_.AddPose(pose);
   }
   key_frames_.push_back(std::move(key_frame));
+  ++num_kept_;
+  KeepFew();
 }
 
-std::vector<std::pair<int, std::vector<PointMatch>>> LoopCloser::Candidates() const {
-  const PlaceFrame& newest = key_frames_.back();
-  const Eigen::Vector3d& here = graph_.poses().back().position_in_world;
+double LoopCloser::TurnBetween(std::size_t one, std::size_t other) const {
   const auto axis = [&](std::size_t i) -> Eigen::Vector3d {
     return Eigen::AngleAxisd(graph_.poses()[i].yaw_rad, Eigen::Vector3d::UnitZ()) *
            Axis(key_frames_[i]);
   };
+  return std::acos(std::clamp(axis(one).dot(axis(other)), -1.0, 1.0));
+}
+
+double LoopCloser::DistanceBetween(std::size_t one, std::size_t other) const {
+  return (graph_.poses()[one].position_in_world - graph_.poses()[other].position_in_world).norm();
+}
+
+void LoopCloser::KeepFew() {
+  // Seldom and many at once: all are compared with all.
+  if (num_kept_ <= options_.key_frames_kept + options_.key_frames_kept / kLetGoShare) return;
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i + kNewest < key_frames_.size(); ++i) {
+    if (!key_frames_[i].let_go) kept.push_back(i);
+  }
+  std::vector<std::pair<double, std::size_t>> near;  // each by how far off the nearest older one is
+  for (std::size_t i = 1; i < kept.size(); ++i) {
+    double nearest = std::numeric_limits<double>::max();
+    for (std::size_t j = 0; j < i; ++j) {  // a metre is like a radian
+      nearest =
+          std::min(nearest, DistanceBetween(kept[i], kept[j]) + TurnBetween(kept[i], kept[j]));
+    }
+    near.emplace_back(nearest, kept[i]);
+  }
+  std::sort(near.begin(), near.end());
+  const auto excess = static_cast<std::size_t>(num_kept_ - options_.key_frames_kept);
+  for (std::size_t i = 0; i < std::min(excess, near.size()); ++i, --num_kept_)
+    key_frames_[near[i].second].LetGo();
+}
+
+std::vector<std::pair<int, std::vector<PointMatch>>> LoopCloser::Candidates() const {
+  const PlaceFrame& newest = key_frames_.back();
   std::vector<std::pair<double, int>> near;  // by how far off
   for (std::size_t i = 0; i + 1 < key_frames_.size(); ++i) {
     const PlaceFrame& older = key_frames_[i];
     if (Seconds(older.stamp_ns, newest.stamp_ns) < options_.loop_min_age_s) break;
+    if (older.let_go) continue;
     const Eigen::Vector4d drift =
         DriftBetween(older, newest, 3 * options_.loop_drift_factor).diagonal().cwiseSqrt();
-    const double distance = (graph_.poses()[i].position_in_world - here).norm();
-    const double turn = std::acos(std::clamp(axis(i).dot(axis(key_frames_.size() - 1)), -1.0, 1.0));
+    const double distance = DistanceBetween(i, key_frames_.size() - 1);
+    const double turn = TurnBetween(i, key_frames_.size() - 1);
     if (distance > options_.loop_reach_m + drift.head<3>().norm() ||
         turn > kMaxTurnDeg * kRadPerDeg + drift(3))
       continue;
-    near.emplace_back(distance + turn, static_cast<int>(i));  // a metre is like a radian
+    near.emplace_back(distance + turn, static_cast<int>(i));
   }
   std::sort(near.begin(), near.end());
   if (near.size() > kMaxLooked) near.resize(kMaxLooked);
@@ -212,18 +247,17 @@ YawMove LoopCloser::PresentMove() const {
 
 TrajectoryCorrection LoopCloser::Correction() const {
   if (report_.closures.empty()) return {};
-  const std::vector<Eigen::Matrix4d> marginals = graph_.Marginals();
+  std::vector<Eigen::Matrix4d> covariances = graph_.Marginals();
   const Eigen::Vector3d& begin = graph_.poses().front().position_in_world;
-  std::vector<TrajectoryCorrection::Node> nodes;
+  std::vector<TrajectoryMoves::Node> nodes;
   for (std::size_t i = 0; i < key_frames_.size(); ++i) {
     const GraphPose& pose = graph_.poses()[i];
     // The first key frame's own error turns and shifts all that hangs on it.
-    const Eigen::Matrix4d common =
+    covariances[i] +=
         InFour(MovedBy(pose.position_in_world - begin, key_frames_.front().covariance));
-    nodes.push_back({key_frames_[i].stamp_ns, key_frames_[i].world_from_body.translation(), pose,
-                     marginals[i] + common});
+    nodes.push_back({key_frames_[i].stamp_ns, key_frames_[i].world_from_body.translation(), pose});
   }
-  return TrajectoryCorrection(std::move(nodes));
+  return TrajectoryCorrection(std::move(nodes), std::move(covariances));
 }
 
 LoopReport LoopCloser::Report() const {

@@ -54,6 +54,10 @@ class LoopCloser {
 
   bool IsKeyFrame(const VioReport& report) const;
   void AddKeyFrame(PlaceFrame key_frame);
+  double TurnBetween(std::size_t one, std::size_t other) const;      ///< Of what they look at.
+  double DistanceBetween(std::size_t one, std::size_t other) const;  ///< [m]
+  /// Of many key frames, lets go of those that are nearest to an older one.
+  void KeepFew();
   /// Older key frames that may show the newest one's place, those with most points alike first.
   std::vector<std::pair<int, std::vector<PointMatch>>> Candidates() const;
   void Search();
@@ -67,6 +71,7 @@ class LoopCloser {
   PlaceFrameMaker maker_;
   std::vector<PlaceFrame> key_frames_;
   PoseGraph graph_;
+  int num_kept_ = 0;  ///< Key frames that were not let go of.
   std::vector<Pending> pending_;
   std::int64_t last_closed_ns_ = 0;
   LoopReport report_;

@@ -11,6 +11,7 @@ struct LoopOptions {
   double key_move_m = 0.25;
   double key_turn_deg = 15;
   int key_corners = 500;
+  int key_frames_kept = 1500;
 
   // Search
   double loop_min_age_s = 10;
@@ -38,6 +39,10 @@ void VisitFields(LoopOptions& o, Visitor&& visit) {
   visit(o.key_turn_deg,
         {"key_turn_deg", "deg", "a key frame each time the camera has turned so far", 1, 180});
   visit(o.key_corners, {"key_corners", "", "described in each key frame", 50, 5000});
+  visit(o.key_frames_kept,
+        {"key_frames_kept", "",
+         "can be come back to; of more, those that are nearest to an older one are let go of", 50,
+         1000000});
   visit(o.loop_min_age_s,
         {"loop_min_age_s", "s", "younger key frames are not come back to", 0, 1e6});
   visit(o.loop_reach_m, {"loop_reach_m", "m",

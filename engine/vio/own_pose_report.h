@@ -15,6 +15,7 @@
 
 #include "engine/base/options.h"
 #include "engine/vio/loop_report.h"
+#include "engine/vio/past_correction.h"
 #include "engine/vio/vio_report.h"
 
 namespace plumbline {
@@ -67,13 +68,6 @@ struct OwnPoseReport {
   std::optional<FloorReport> floor;              ///< As known after this image.
 };
 
-/// Where a closed loop moved the poses of the images before it.
-struct PastCorrection {
-  int image = 0;  ///< At which it became known: poses from here on contain it.
-  int epoch = 0;
-  std::vector<Eigen::Isometry3d> world_from_cam;  ///< Of each image before; without a pose: any.
-};
-
 /// Poses of a sequence from its own images and IMU. `world` has z up; it begins where the filter
 /// began.
 struct OwnPoses {
@@ -92,12 +86,27 @@ struct OwnPoses {
   std::optional<Eigen::Isometry3d> LastKnown(int frame) const {
     const auto at = static_cast<std::size_t>(frame);
     if (at >= frames.size() || !frames[at].ready) return std::nullopt;
-    if (!corrections.empty() && frame < corrections.back().image)
-      return corrections.back().world_from_cam[at];
-    return frames[at].world_from_cam;
+    if (corrections.empty() || frame >= corrections.back().image ||
+        corrections.back().past.empty() || !frames[at].world_from_cam)
+      return frames[at].world_from_cam;
+    return CorrectedBy(corrections.back(), corrections, WhenTold(frame));
+  }
+  /// Of a frame with a pose.
+  PoseWhenTold WhenTold(int frame) const {
+    const OwnPoseReport& report = frames[static_cast<std::size_t>(frame)];
+    return {frame, report.vio.stamp_ns, *report.world_from_cam,
+            report.vio.world_from_body.translation()};
   }
   /// Corrections that a frame's pose contains.
   int EpochAt(int frame) const { return causal ? loops.EpochAt(frame) : loops.epochs; }
+};
+
+/// What was found after what is known already.
+struct OwnPoseGrowth {
+  std::size_t first_image = 0;
+  OwnPoses poses;  ///< Frames from `first_image` on and new corrections; with the loops of all.
+  int images = 0;  ///< Looked at in all.
+  bool ended = false;
 };
 
 }  // namespace plumbline

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <unordered_map>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
 
+#include "engine/base/check.h"
 #include "engine/dataset/growing_recording.h"
 #include "engine/geometry/angles.h"
 #include "engine/vio/chi_square_gate.h"
@@ -25,6 +25,8 @@ constexpr double kGateOfPlots = 0.95;
 /// A stretch that began anew is somewhere near the last one. Farther than this from it, what is
 /// mapped would stand twice.
 constexpr double kSamePlace_m = 0.15;
+/// Of a recording that grows, behind the filter: more than a minute at 300 Hz.
+constexpr std::size_t kReadingsKept = 20'000;
 
 /// Covariance of the camera's pose, in the order of PosePerturbation.
 Eigen::Matrix<double, 6, 6> CamCovariance(const FilterState& state,
@@ -64,18 +66,24 @@ std::string Sentence(const char* format, Arguments... arguments) {
 /// Turns what the estimator did with each image into a report of it.
 class Recorder {
  public:
-  Recorder(const VioInput& input, const OwnPoseOptions& options, int num_frames)
-      : input_(input), options_(options), camera_(input.camera), floor_(options) {
-    poses.frames.resize(static_cast<std::size_t>(num_frames));
+  Recorder(const VioInput& input, const OwnPoseOptions& options)
+      : input_(input), options_(options), camera_(input.camera), floor_(options) {}
+
+  /// Says nothing yet of the next image.
+  void Expect(std::int64_t stamp_ns) {
+    OwnPoseReport& frame = poses.frames.emplace_back();
+    frame.vio.stamp_ns = stamp_ns;
+    frame.waits_for = "the image could not be read";
   }
 
   /// @param move  new_world_from_world: what closed loops correct this image's pose by.
   /// @param closed  What is known of the trajectory, where loops were closed that no correction
   ///                has told yet; else null. It is told with the next image that has a pose.
   /// @param epoch   Of `closed`.
-  void See(const VioMoment& moment, const Eigen::Isometry3d& move,
-           const TrajectoryCorrection* closed, int epoch) {
-    OwnPoseReport& frame = poses.frames[static_cast<std::size_t>(moment.image)];
+  void See(const VioMoment& moment, const YawMove& move, const TrajectoryCorrection* closed,
+           int epoch) {
+    OwnPoseReport& frame = poses.frames.back();
+    frame.waits_for.clear();
     frame.tracking_ms = moment.tracking_ms;
     frame.measured = !moment.reports.empty();
     if (frame.measured) {
@@ -95,13 +103,17 @@ class Recorder {
       AddPose(*state, frame);
       for (const MapPoint& point : moment.points)
         frame.points_in_world.push_back(point.point_in_world.cast<float>());
-      if (closed != nullptr) CorrectPast(moment.image, *closed, epoch);
-      filter_poses_.emplace(
-          moment.image, FilterPose{frame.vio.world_from_body.translation(), *frame.world_from_cam});
+      if (closed != nullptr) {
+        poses.corrections.push_back({moment.image, epoch, move, closed->moves()});
+        told_epoch_ = epoch;
+        drift_ = Drift{frame.vio.covariance,
+                       closed->CovarianceAt(frame.vio.stamp_ns, frame.vio.covariance)};
+      }
       const PoseCovariance of_filter = frame.vio.covariance;
-      MoveFrame(move, frame);
+      const Eigen::Isometry3d moved = move.AsIsometry();
+      MoveFrame(moved, frame);
       if (drift_) {
-        const Eigen::Matrix3d turn = move.linear();
+        const Eigen::Matrix3d turn = moved.linear();
         PoseCovariance by = PoseCovariance::Zero();
         by.topLeftCorner<3, 3>() = by.bottomRightCorner<3, 3>() = turn;
         frame.vio.covariance =
@@ -138,7 +150,7 @@ class Recorder {
   std::string last_wait() const { return last_wait_; }
   bool any_ready() const { return any_ready_; }
   /// @return the epoch of the last correction that was told; 0 before any.
-  int told_epoch() const { return poses.corrections.empty() ? 0 : poses.corrections.back().epoch; }
+  int told_epoch() const { return told_epoch_; }
   OwnPoses poses;
 
  private:
@@ -217,23 +229,6 @@ class Recorder {
     frame.floor = found_floor_;
   }
 
-  /// Poses that were told stand as they were told then; what they are known to have been is told
-  /// beside them.
-  void CorrectPast(int image, const TrajectoryCorrection& closed, int epoch) {
-    PastCorrection correction{image, epoch, {}};
-    for (int i = 0; i < image; ++i) {
-      const auto known = filter_poses_.find(i);
-      const std::int64_t stamp = poses.frames[static_cast<std::size_t>(i)].vio.stamp_ns;
-      correction.world_from_cam.push_back(known == filter_poses_.end()
-                                              ? Eigen::Isometry3d::Identity()
-                                              : closed.At(stamp, known->second.body_in_world) *
-                                                    known->second.world_from_cam);
-    }
-    poses.corrections.push_back(std::move(correction));
-    const VioReport& vio = poses.frames[static_cast<std::size_t>(image)].vio;
-    drift_ = Drift{vio.covariance, closed.CovarianceAt(vio.stamp_ns, vio.covariance)};
-  }
-
   /// To the last bit, which products of matrices are not. Run files and messages keep one half: who
   /// maps from those must have what the first run had.
   static void MakeSymmetric(OwnPoseReport& frame) {
@@ -292,18 +287,13 @@ class Recorder {
   std::optional<FloorReport> found_floor_;
   VioReport last_;
   std::unordered_map<std::int64_t, int> first_seen_;  ///< Image of each track in sight.
-  /// Of images, as the filter had them, with no loop closed.
-  struct FilterPose {
-    Eigen::Vector3d body_in_world;
-    Eigen::Isometry3d world_from_cam;
-  };
-  std::unordered_map<int, FilterPose> filter_poses_;
   /// Covariances of the body where the last loop was closed: from there on the filter's growth
   /// adds.
   struct Drift {
     PoseCovariance of_filter, corrected;
   };
   std::optional<Drift> drift_;
+  int told_epoch_ = 0;
   int floor_stretch_ = 0, ready_stretch_ = 0;
   bool any_ready_ = false;
   std::string last_wait_;
@@ -341,7 +331,7 @@ struct OwnPoseEstimator::Impl {
         options(chosen),
         most(count),
         end(growing != nullptr ? 0 : std::min(count, sequence->num_frames())),
-        recorder(input, options, end),
+        recorder(input, options),
         closer(input.camera, options.closing),
         runner(input, Images(), options.filter, options.tracker) {}
 
@@ -353,25 +343,16 @@ struct OwnPoseEstimator::Impl {
   }
 
   void See(const VioMoment& moment) {
-    recorder.poses.frames[static_cast<std::size_t>(moment.image)].waits_for.clear();
     if (options.loops != LoopUse::kOff) closer.See(moment);
     if (options.loops != LoopUse::kCausal) {
-      recorder.See(moment, Eigen::Isometry3d::Identity(), nullptr, 0);
+      recorder.See(moment, {}, nullptr, 0);
       return;
     }
     LoopReport report = closer.Report();
     std::optional<TrajectoryCorrection> closed;
     if (report.epochs > recorder.told_epoch()) closed = closer.Correction();
-    recorder.See(moment, closer.PresentMove().AsIsometry(), closed ? &*closed : nullptr,
-                 report.epochs);
+    recorder.See(moment, closer.PresentMove(), closed ? &*closed : nullptr, report.epochs);
     recorder.poses.loops = std::move(report);
-  }
-
-  /// Says nothing yet of an image.
-  void Expect(int image) {
-    OwnPoseReport& frame = recorder.poses.frames[static_cast<std::size_t>(image)];
-    frame.vio.stamp_ns = sequence->stamp_ns(image);
-    frame.waits_for = "the image could not be read";
   }
 
   /// Waits for the next image of a recording that grows. False: it ended, or was stopped.
@@ -380,20 +361,24 @@ struct OwnPoseEstimator::Impl {
     if (image < end) return true;
     if (image >= most || !growing->WaitForFrame(image, stop)) return false;
     const std::int64_t stamp_ns = sequence->stamp_ns(image);
-    const auto more = growing->WaitForImu(imu.samples.size(), runner.ImuTimeOf(stamp_ns), stop);
+    const auto more =
+        growing->WaitForImu(forgotten + imu.samples.size(), runner.ImuTimeOf(stamp_ns), stop);
     if (stop.stop_requested()) return false;
+    const std::size_t old =
+        runner.readings_used() > 2 * kReadingsKept ? runner.readings_used() - kReadingsKept : 0;
+    imu.samples.erase(imu.samples.begin(), imu.samples.begin() + static_cast<std::ptrdiff_t>(old));
+    forgotten += old;
     imu.samples.insert(imu.samples.end(), more.begin(), more.end());
     input.samples = imu.samples;
-    runner.Extend(stamp_ns, imu.samples);
-    recorder.poses.frames.emplace_back();
-    Expect(image);
+    runner.Extend(stamp_ns, imu.samples, old);
     end = image + 1;
     return true;
   }
 
   std::shared_ptr<const Sequence> sequence;
   const GrowingRecording* growing;  ///< Null: all images are there.
-  ImuRecording imu;
+  ImuRecording imu;                 ///< Of one that grows the last readings.
+  std::size_t forgotten = 0;        ///< Readings before those.
   VioInput input;
   OwnPoseOptions options;
   int most;  ///< Images from this one on are not looked at.
@@ -418,25 +403,36 @@ Result<std::unique_ptr<OwnPoseEstimator>> OwnPoseEstimator::Create(
   if (!imu.ok()) return imu.error();
   if (const auto input = VioInputOf(*sequence, *imu); !input.ok()) return input.error();
   auto impl = std::make_unique<Impl>(sequence, std::move(imu).value(), end_frame, options);
-  for (int i = 0; i < impl->end; ++i) impl->Expect(i);
   return std::unique_ptr<OwnPoseEstimator>(new OwnPoseEstimator(std::move(impl)));
 }
 
 bool OwnPoseEstimator::Next(const std::stop_token& stop) {
-  if (impl_->growing != nullptr && !impl_->Grow(stop)) return false;
-  const bool looked = impl_->runner.Next([this](const VioMoment& moment) { impl_->See(moment); });
-  impl_->runner.TakeRun();  // all of it was seen, and a recording may go on for hours
-  return looked;
+  Impl& m = *impl_;
+  if (m.growing != nullptr && !m.Grow(stop)) return false;
+  if (m.runner.next() >= m.end) return false;
+  m.recorder.Expect(m.sequence->stamp_ns(m.runner.next()));
+  m.runner.Next([&m](const VioMoment& moment) { m.See(moment); });
+  m.runner.TakeRun();  // all of it was seen, and a recording may go on for hours
+  return true;
 }
 int OwnPoseEstimator::next() const { return impl_->runner.next(); }
 int OwnPoseEstimator::end() const { return impl_->end; }
-void OwnPoseEstimator::ForgetTracks(std::size_t image) {
-  std::vector<TrackReport>().swap(impl_->recorder.poses.frames[image].tracks);
+const LoopReport& OwnPoseEstimator::loops() const { return impl_->recorder.poses.loops; }
+
+OwnPoseReport OwnPoseEstimator::TakeReport() {
+  std::vector<OwnPoseReport>& frames = impl_->recorder.poses.frames;
+  OwnPoseReport report = std::move(frames.back());
+  frames.pop_back();
+  return report;
 }
-const OwnPoses& OwnPoseEstimator::poses() const { return impl_->recorder.poses; }
+
+std::vector<PastCorrection> OwnPoseEstimator::TakeCorrections() {
+  return std::exchange(impl_->recorder.poses.corrections, {});
+}
 
 Result<OwnPoses> OwnPoseEstimator::Finish() {
   Recorder& recorder = impl_->recorder;
+  PLB_CHECK(std::ssize(recorder.poses.frames) == next()) << "reports were taken";
   if (!recorder.any_ready()) {
     return Error{
         ErrorCode::kDegenerate,

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <stop_token>
+#include <vector>
 
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
@@ -26,12 +27,13 @@ class OwnPoseFeed {
   /// Waits for what is said of the next image; false where there is none, or once `stop` is
   /// requested.
   virtual bool Next(const std::stop_token& stop) = 0;
-  /// First image that nothing is said of.
-  virtual int next() const = 0;
-  /// What was said so far; of images from next() on it may hold more, which counts for nothing.
-  virtual const OwnPoses& poses() const = 0;
-  /// Lets go of the tracks of an image, which are most of what is kept of it.
-  virtual void ForgetTracks(std::size_t image) = 0;
+  /// What is said of the image that Next came to; to be taken once.
+  virtual OwnPoseReport TakeReport() = 0;
+  /// Corrections that came since they were taken last, perhaps of images that Next has yet to come
+  /// to.
+  virtual std::vector<PastCorrection> TakeCorrections() = 0;
+  /// Places known again so far.
+  virtual const LoopReport& loops() const = 0;
 };
 
 /// EstimateOwnPoses, image by image. Single-threaded.
@@ -48,14 +50,15 @@ class OwnPoseEstimator : public OwnPoseFeed {
   /// Looks at the next image, of a recording that grows once it and the readings of the IMU up to
   /// it have come; false where there is none, or once `stop` is requested.
   bool Next(const std::stop_token& stop = {}) override;
-  int next() const override;
+  OwnPoseReport TakeReport() override;
+  std::vector<PastCorrection> TakeCorrections() override;
+  const LoopReport& loops() const override;
+  /// First image that was not looked at.
+  int next() const;
   /// One past the last image that will be; of a recording that grows, that has come.
   int end() const;
-  /// With a report for every image up to end(); those from next() on say nothing yet.
-  const OwnPoses& poses() const override;
-  void ForgetTracks(std::size_t image) override;
-  /// After the last image: corrects the whole trajectory where that is asked for. Errors:
-  /// kDegenerate where no image got a pose that a mapper may use.
+  /// After the last image, of which no report was taken: corrects the whole trajectory where that
+  /// is asked for. Errors: kDegenerate where no image got a pose that a mapper may use.
   Result<OwnPoses> Finish();
 
  private:

@@ -36,6 +36,15 @@ std::size_t PlaceFrame::bytes() const {
          point_of_row.size() * sizeof(int);
 }
 
+void PlaceFrame::LetGo() {
+  let_go = true;
+  std::vector<PlaceCorner>().swap(corners);
+  std::vector<Eigen::Vector3d>().swap(points_in_body);
+  std::vector<int>().swap(point_of_row);
+  descriptors.release();
+  point_descriptors.release();
+}
+
 PlaceFrameMaker::PlaceFrameMaker(const Camera& camera, int corners)
     : camera_(camera),
       orb_(cv::ORB::create(corners, kScale, kLevels, kPatch / 2 + 4, 0, 2, cv::ORB::HARRIS_SCORE,

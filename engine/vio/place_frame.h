@@ -41,8 +41,11 @@ struct PlaceFrame {
   std::vector<Eigen::Vector3d> points_in_body;
   cv::Mat point_descriptors;      ///< CV_8U; several rows for each point, one for each size.
   std::vector<int> point_of_row;  ///< Index into points_in_body.
+  bool let_go = false;            ///< What it looked like is forgotten.
 
   std::size_t bytes() const;
+  /// Nobody can come back to it any more; where it is stays known.
+  void LetGo();
 };
 
 /// Makes key frames: ORB descriptors (Rublee et al., ICCV 2011; OpenCV's) of corners and of tracked

@@ -151,8 +151,64 @@ class Covariances {
     return factor_.solve(unit);
   }
 
+  /// Covariance of each pose but the first, without those between poses: entries of the inverse
+  /// where the factor has any, column by column from the last one (Takahashi, Fagan and Chin, 1973;
+  /// Erisman and Tinney, CACM 1975). What it costs grows with the factor, not with its square.
+  std::vector<Eigen::Matrix4d> OfEachPose() const {
+    const Inverse inverse(factor_);
+    const auto& order = factor_.permutationP().indices();
+    std::vector<Eigen::Matrix4d> blocks(static_cast<std::size_t>(factor_.rows() / 4));
+    for (std::size_t pose = 0; pose < blocks.size(); ++pose) {
+      for (int row = 0; row < 4; ++row) {
+        for (int column = 0; column < 4; ++column)
+          blocks[pose](row, column) =
+              inverse.At(order[static_cast<Eigen::Index>(4 * pose) + row],
+                         order[static_cast<Eigen::Index>(4 * pose) + column]);
+      }
+    }
+    return blocks;
+  }
+
  private:
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+  using Factor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
+
+  /// Of the permuted information L D L', where L has an entry, and on the diagonal.
+  class Inverse {
+   public:
+    explicit Inverse(const Factor& factor)
+        : lower_(factor.matrixL().nestedExpression()), diagonal_(factor.rows()) {
+      const Eigen::SparseMatrix<double>& l = factor.matrixL().nestedExpression();
+      const auto& d = factor.vectorD();
+      for (Eigen::Index column = factor.rows() - 1; column >= 0; --column) {
+        const int begin = l.outerIndexPtr()[column], end = l.outerIndexPtr()[column + 1];
+        double own = 1 / d[column];
+        for (int row = begin; row < end; ++row) {
+          double sum = 0;
+          for (int k = begin; k < end; ++k)
+            sum += l.valuePtr()[k] * At(l.innerIndexPtr()[row], l.innerIndexPtr()[k]);
+          lower_.valuePtr()[row] = -sum;
+          own += l.valuePtr()[row] * sum;
+        }
+        diagonal_[column] = own;
+      }
+    }
+    /// In the order of the factor, where it has an entry.
+    double At(Eigen::Index row, Eigen::Index column) const {
+      if (row == column) return diagonal_[row];
+      if (row < column) std::swap(row, column);
+      const int* begin = lower_.innerIndexPtr() + lower_.outerIndexPtr()[column];
+      const int* end = lower_.innerIndexPtr() + lower_.outerIndexPtr()[column + 1];
+      const int* found = std::lower_bound(begin, end, static_cast<int>(row));
+      PLB_CHECK(found != end && *found == row);
+      return lower_.valuePtr()[found - lower_.innerIndexPtr()];
+    }
+
+   private:
+    Eigen::SparseMatrix<double> lower_;
+    Eigen::VectorXd diagonal_;
+  };
+
+  Factor factor_;
 };
 
 Eigen::Matrix4d RowsOfPose(const Eigen::MatrixXd& columns, int pose) {
@@ -207,11 +263,8 @@ Eigen::Matrix4d PoseGraph::RelativeCovariance(int from, int to) const {
 std::vector<Eigen::Matrix4d> PoseGraph::Marginals() const {
   std::vector<Eigen::Matrix4d> marginals(poses_.size(), Eigen::Matrix4d::Zero());
   if (poses_.size() < 2) return marginals;
-  const Covariances covariances(*this);
-  for (int pose = 1; pose < static_cast<int>(poses_.size()); ++pose) {
-    const Eigen::Matrix4d own = RowsOfPose(covariances.ColumnsOf(pose), pose);
-    marginals[static_cast<std::size_t>(pose)] = (own + own.transpose()) / 2;
-  }
+  const std::vector<Eigen::Matrix4d> others = Covariances(*this).OfEachPose();
+  std::copy(others.begin(), others.end(), marginals.begin() + 1);
   return marginals;
 }
 

@@ -22,36 +22,38 @@ YawMove MoveTo(const GraphPose& corrected, const Eigen::Vector3d& filter_positio
   return move;
 }
 
-TrajectoryCorrection::Between TrajectoryCorrection::Around(std::int64_t stamp_ns) const {
+TrajectoryMoves::Between TrajectoryMoves::Around(std::int64_t stamp_ns) const {
   PLB_CHECK(!nodes_.empty());
-  const auto after =
+  const auto found =
       std::lower_bound(nodes_.begin(), nodes_.end(), stamp_ns,
                        [](const Node& node, std::int64_t ns) { return node.stamp_ns < ns; });
-  if (after == nodes_.begin()) return {*after, *after, 1};
-  const auto before = after - 1;
-  if (after == nodes_.end()) return {*before, *before, 1};
-  const double share = static_cast<double>(stamp_ns - before->stamp_ns) /
-                       static_cast<double>(after->stamp_ns - before->stamp_ns);
-  return {*before, *after, share};
+  const auto after = static_cast<std::size_t>(found - nodes_.begin());
+  if (after == 0) return {0, 0, 1};
+  if (after == nodes_.size()) return {after - 1, after - 1, 1};
+  const std::int64_t before_ns = nodes_[after - 1].stamp_ns;
+  const double share = static_cast<double>(stamp_ns - before_ns) /
+                       static_cast<double>(nodes_[after].stamp_ns - before_ns);
+  return {after - 1, after, share};
 }
 
-Eigen::Isometry3d TrajectoryCorrection::At(std::int64_t stamp_ns,
-                                           const Eigen::Vector3d& position_in_world) const {
-  const auto [before, after, share] = Around(stamp_ns);
+Eigen::Isometry3d TrajectoryMoves::At(std::int64_t stamp_ns,
+                                      const Eigen::Vector3d& position_in_world) const {
+  const Between at = Around(stamp_ns);
+  const Node &before = nodes_[at.before], &after = nodes_[at.after];
   GraphPose corrected;
   const double turn = std::remainder(after.corrected.yaw_rad - before.corrected.yaw_rad, 2 * M_PI);
-  corrected.yaw_rad = before.corrected.yaw_rad + share * turn;
+  corrected.yaw_rad = before.corrected.yaw_rad + at.share * turn;
   const auto carried = [&](const Node& node) -> Eigen::Vector3d {
     return MoveTo(node.corrected, node.filter_position_in_world).AsIsometry() * position_in_world;
   };
-  corrected.position_in_world = (1 - share) * carried(before) + share * carried(after);
+  corrected.position_in_world = (1 - at.share) * carried(before) + at.share * carried(after);
   return MoveTo(corrected, position_in_world).AsIsometry();
 }
 
 PoseCovariance TrajectoryCorrection::CovarianceAt(std::int64_t stamp_ns,
                                                   const PoseCovariance& of_filter) const {
-  const auto [before, after, share] = Around(stamp_ns);
-  const Eigen::Matrix4d of_graph = (1 - share) * before.covariance + share * after.covariance;
+  const auto [before, after, share] = moves_.Around(stamp_ns);
+  const Eigen::Matrix4d of_graph = (1 - share) * covariances_[before] + share * covariances_[after];
   PoseCovariance covariance = PoseCovariance::Zero();
   covariance.topLeftCorner<3, 3>() = of_graph.topLeftCorner<3, 3>();
   covariance.block<3, 1>(0, 5) = of_graph.block<3, 1>(0, 3);

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "engine/base/check.h"
 #include "engine/base/random.h"
 #include "engine/tracking/point_tracker.h"
 #include "engine/vio/imu_buffer.h"
@@ -29,6 +30,13 @@ class Feeder {
     while (next_ < input_.samples.size() &&
            input_.samples[next_].stamp_ns <= estimator_.ImuTimeOf(image_ns) + kImuMarginNs)
       estimator_.AddImu(input_.samples[next_++]);
+  }
+
+  std::size_t used() const { return next_; }
+  /// Of the readings the first ones were taken away, which were used.
+  void Forget(std::size_t readings) {
+    PLB_CHECK(readings <= next_);
+    next_ -= readings;
   }
 
   /// @return the reports and points that it added to the run.
@@ -121,9 +129,11 @@ bool VioRunner::Next(const VioObserver& seen) {
   return true;
 }
 
-void VioRunner::Extend(std::int64_t stamp_ns, std::span<const ImuSample> samples) {
+void VioRunner::Extend(std::int64_t stamp_ns, std::span<const ImuSample> samples,
+                       std::size_t forgotten) {
   impl_->images.stamps_ns.push_back(stamp_ns);
   impl_->input.samples = samples;
+  impl_->feeder.Forget(forgotten);
 }
 
 std::int64_t VioRunner::ImuTimeOf(std::int64_t image_ns) const {
@@ -131,6 +141,7 @@ std::int64_t VioRunner::ImuTimeOf(std::int64_t image_ns) const {
 }
 
 int VioRunner::next() const { return impl_->next; }
+std::size_t VioRunner::readings_used() const { return impl_->feeder.used(); }
 VioRun VioRunner::TakeRun() { return std::exchange(impl_->feeder.run, {}); }
 
 VioRun RunVio(const VioInput& input, const ImageSource& images, const VioOptions& options,

@@ -72,9 +72,12 @@ class VioRunner {
 
   /// Looks at the next image; false where there is none.
   bool Next(const VioObserver& seen = {});
-  /// The recording has grown by an image. @param samples  All readings that there are now, those of
-  /// before first; they outlive this.
-  void Extend(std::int64_t stamp_ns, std::span<const ImuSample> samples);
+  /// The recording has grown by an image. @param samples  Readings that there are now, those of
+  /// before first; they outlive this. @param forgotten  How many of those of before, which were
+  /// used, are gone.
+  void Extend(std::int64_t stamp_ns, std::span<const ImuSample> samples, std::size_t forgotten);
+  /// Of the readings that there are.
+  std::size_t readings_used() const;
   /// On the IMU's clock, as far as its offset is known now [ns].
   std::int64_t ImuTimeOf(std::int64_t image_ns) const;
   /// Index of the image that Next looks at.

@@ -63,7 +63,7 @@ Status NodeReply(std::string_view input) {
     }
     case wire::Reply::kOwnPoses: {
       OwnPoses by_now, poses;
-      (void)AddOwnPosesByNow(reply->own_poses(), by_now);
+      (void)AddOwnPosesByNow(reply->own_poses(), 0, by_now);
       return StatusOf(AddOwnPosesFromWire(reply->own_poses(), poses));
     }
     case wire::Reply::kGrowth: {

@@ -94,8 +94,11 @@ Status ParticleBytes(std::string_view input) {
 }
 
 Status CorrectionBytes(std::string_view input) {
-  std::vector<Eigen::Isometry3d> poses;
-  return DecodePoses(Compressed(input), poses);
+  PastCorrection correction;
+  if (const Status read = DecodeMoves(Compressed(input), correction); !read.ok()) return read;
+  correction.image = 1;
+  if (!correction.past.empty()) (void)CorrectedBy(correction, {}, {});
+  return {};
 }
 
 Status OwnPoseBytes(std::string_view input) {

@@ -37,6 +37,12 @@ ImuRecording Readings(int count) {
   return imu;
 }
 
+PastCorrection SomeCorrection(int image, int epoch) {
+  std::vector<TrajectoryMoves::Node> nodes;
+  for (int i = 0; i < image; ++i) nodes.push_back({i, {i / 3.0, 2, 3}, {0.1 / 3, {i / 7.0, 5, 6}}});
+  return {image, epoch, {0.1 / 7, {1.0 / 3, 2, 3}}, TrajectoryMoves(std::move(nodes))};
+}
+
 OwnPoses SomePoses(int count) {
   OwnPoses poses;
   poses.frames.resize(static_cast<std::size_t>(count));
@@ -50,8 +56,7 @@ OwnPoses SomePoses(int count) {
   poses.causal = false;
   poses.loops.epochs = 1;
   poses.loops.closures = {{2, 0, 2, 31, 0.5, 1.25, 0.875, 1}};
-  poses.corrections.push_back(
-      {2, 1, {Eigen::Isometry3d::Identity(), *poses.frames[1].world_from_cam}});
+  poses.corrections.push_back(SomeCorrection(2, 1));
   return poses;
 }
 
@@ -127,8 +132,8 @@ TEST(OwnPoseMessage, KeepsEveryBitOfThePoses) {
   EXPECT_FALSE(back.causal);
   EXPECT_EQ(ToJson(back.loops), ToJson(poses.loops));
   ASSERT_EQ(back.corrections.size(), 1u);
-  EXPECT_EQ(back.corrections[0].world_from_cam[1].matrix(),
-            poses.corrections[0].world_from_cam[1].matrix());
+  EXPECT_EQ(back.corrections[0].image, 2);
+  EXPECT_EQ(EncodeMoves(back.corrections[0]), EncodeMoves(poses.corrections[0]));
 }
 
 TEST(OwnPoseMessage, RefusesPosesThatAreNone) {
@@ -150,10 +155,8 @@ TEST(OwnPoseMessage, RefusesPosesThatAreNone) {
 TEST(OwnPoseMessage, TellsByNowWhatIsNotKnownYet) {
   auto all = std::make_shared<OwnPoses>(SomePoses(450));
   all->corrections.clear();
-  for (int epoch = 1; epoch <= 20; ++epoch) all->corrections.push_back({20 * epoch, epoch, {}});
-  for (PastCorrection& correction : all->corrections)
-    correction.world_from_cam.assign(static_cast<std::size_t>(correction.image),
-                                     Eigen::Isometry3d(Eigen::Translation3d(1.0 / 3, 2, 3)));
+  for (int epoch = 1; epoch <= 20; ++epoch)
+    all->corrections.push_back(SomeCorrection(20 * epoch, epoch));
   const OwnPoseStore store(all);
   OwnPoses known;
   int messages = 0;
@@ -162,7 +165,8 @@ TEST(OwnPoseMessage, TellsByNowWhatIsNotKnownYet) {
     wire::OwnPosesRequest request;
     request.set_from(static_cast<int>(known.frames.size()));
     request.set_corrections(static_cast<int>(known.corrections.size()));
-    const auto added = AddOwnPosesByNow(OwnPosesByNow(store, request), known);
+    const auto added = AddOwnPosesByNow(OwnPosesByNow(store, request),
+                                        static_cast<int>(known.frames.size()), known);
     ASSERT_TRUE(added.ok()) << added.error().message;
     finding = *added;
     if (!known.corrections.empty()) {
@@ -174,8 +178,8 @@ TEST(OwnPoseMessage, TellsByNowWhatIsNotKnownYet) {
   for (std::size_t i = 0; i < known.frames.size(); ++i)
     ASSERT_EQ(EncodeOwnPose(known.frames[i]), EncodeOwnPose(all->frames[i])) << i;
   ASSERT_EQ(known.corrections.size(), 20u);
-  EXPECT_EQ(known.corrections[19].world_from_cam[399].matrix(),
-            all->corrections[19].world_from_cam[399].matrix());
+  EXPECT_EQ(known.corrections[19].past.nodes().size(), 400u);
+  EXPECT_EQ(EncodeMoves(known.corrections[19]), EncodeMoves(all->corrections[19]));
 }
 
 /// Three frames and their readings have come.

@@ -81,8 +81,13 @@ TEST_F(OwnPoseSourceTest, KnowsTheFloorAndThePointsAgainAfterASeek) {
 
 TEST_F(OwnPoseSourceTest, TellsWhatALoopCorrectedBeforeTheFrameThatClosedIt) {
   auto poses = std::make_shared<OwnPoses>(*Poses());
-  const auto moved = [](double x) { return Eigen::Isometry3d(Eigen::Translation3d(x, 0, 0)); };
-  poses->corrections.push_back({3, 1, {moved(0), moved(7), moved(8)}});
+  // Stamps are those of images 1 and 2.
+  TrajectoryMoves::Node first, second;
+  first.stamp_ns = poses->frames[1].vio.stamp_ns = 1;
+  second.stamp_ns = poses->frames[2].vio.stamp_ns = 2;
+  first.corrected.position_in_world.x() = 7;
+  second.corrected.position_in_world.x() = 8;
+  poses->corrections.push_back({3, 1, {}, TrajectoryMoves({first, second})});
   const auto sequence = WithOwnPoses(OpenSequence(folder_.path() / "sequence").value(), poses);
   OwnPoseSource source(sequence);
   const std::vector<std::string> expected = {
@@ -203,40 +208,125 @@ TEST_F(OwnPoseSourceTest, ARecordingThatGrowsGetsThePosesOfTheWholeOne) {
   EXPECT_GT(poses, 30);
 }
 
-/// Finds many images, each with a track.
+/// Finds many images, each with a track; every 100th one corrects the past.
 class ManyPoses : public OwnPoseFeed {
  public:
-  explicit ManyPoses(std::size_t images) : images_(images) {}
-  bool Next(const std::stop_token&) override {
-    if (poses_.frames.size() >= images_) return false;
-    poses_.frames.emplace_back().tracks.resize(1);
-    poses_.frames.back().points_in_world.resize(1);
-    return true;
+  static constexpr int kStep = 100;
+
+  explicit ManyPoses(int images) : images_(images) {}
+  bool Next(const std::stop_token&) override { return ++image_ < images_; }
+  OwnPoseReport TakeReport() override { return ReportOf(image_); }
+  std::vector<PastCorrection> TakeCorrections() override {
+    if (image_ == 0 || image_ % kStep != 0) return {};
+    ++loops_.epochs;
+    LoopClosure& closure = loops_.closures.emplace_back();
+    closure.closed_image = image_;
+    closure.epoch = loops_.epochs;
+    return {CorrectionOf(image_, loops_.epochs)};
   }
-  int next() const override { return static_cast<int>(poses_.frames.size()); }
-  const OwnPoses& poses() const override { return poses_; }
-  void ForgetTracks(std::size_t image) override { poses_.frames[image].tracks.clear(); }
+  const LoopReport& loops() const override { return loops_; }
+
+  static OwnPoseReport ReportOf(int image) {
+    OwnPoseReport report;
+    report.tracks.resize(1);
+    report.points_in_world.resize(1);
+    report.vio.stamp_ns = image;
+    report.ready = image % 7 != 0;
+    report.world_from_cam =
+        Eigen::Isometry3d(Eigen::AngleAxisd(0.001 * image, Eigen::Vector3d(0.6, 0, 0.8)));
+    report.world_from_cam->translation() = Eigen::Vector3d(0.01 * image, 1.0 / 3, 0);
+    report.vio.world_from_body.translation() = Eigen::Vector3d(0.01 * image, 1.0 / 7, 0);
+    const Eigen::Matrix<double, 6, 6> root = Eigen::Matrix<double, 6, 6>::Random();
+    report.cam_covariance = (root * root.transpose()).selfadjointView<Eigen::Lower>();
+    return report;
+  }
+  static PastCorrection CorrectionOf(int image, int epoch) {
+    TrajectoryMoves::Node first, last;
+    last.stamp_ns = image;
+    last.filter_position_in_world.x() = 0.01 * image;
+    last.corrected = {0.01 * epoch, last.filter_position_in_world * 0.99};
+    return {image, epoch, MoveTo(last.corrected, last.filter_position_in_world),
+            TrajectoryMoves({first, last})};
+  }
 
  private:
-  const std::size_t images_;
-  OwnPoses poses_;
+  const int images_;
+  int image_ = -1;
+  LoopReport loops_;
 };
 
-TEST(OwnPoseStoreOfHours, KeepsTheTracksOfItsLastImagesOnly) {
-  constexpr std::size_t kImages = OwnPoseStore::kTracksKept + 300;
-  auto feed = std::make_unique<ManyPoses>(kImages);
-  const ManyPoses& found = *feed;
-  OwnPoseStore store(std::move(feed));
+TEST(OwnPoseStoreOfHours, KeepsThePosesOfOldAndAllElseOfItsLastImages) {
+  constexpr auto kTracks = static_cast<int>(OwnPoseStore::kTracksKept),
+                 kReports = static_cast<int>(OwnPoseStore::kReportsKept);
+  constexpr int kImages = kReports + 300;
+  OwnPoseStore store(std::make_unique<ManyPoses>(kImages));
   store.Advance(kImages, {});
+  EXPECT_EQ(store.known(), kImages);
   const auto poses = store.Copy();
-  ASSERT_EQ(poses->frames.size(), kImages);
-  for (const OwnPoses* kept : {poses.get(), &found.poses()}) {
-    std::size_t tracks = 0;
-    for (const OwnPoseReport& frame : kept->frames) tracks += frame.tracks.size();
-    EXPECT_EQ(tracks, OwnPoseStore::kTracksKept);
-    EXPECT_FALSE(kept->frames.back().tracks.empty());
-    EXPECT_EQ(kept->frames.front().points_in_world.size(), 1u) << "a mapper may begin anew";
+  ASSERT_EQ(poses->frames.size(), std::size_t{kImages});
+  int tracks = 0, points = 0;
+  for (const OwnPoseReport& frame : poses->frames) {
+    tracks += static_cast<int>(frame.tracks.size());
+    points += static_cast<int>(frame.points_in_world.size());
   }
+  EXPECT_EQ(tracks, kTracks);
+  EXPECT_EQ(points, kReports);
+  EXPECT_FALSE(poses->frames.back().tracks.empty());
+  for (const int image : {0, 1, 120, 299, 300, kImages - 1}) {
+    const OwnPoseReport &kept = poses->frames[static_cast<std::size_t>(image)],
+                        told = ManyPoses::ReportOf(image);
+    EXPECT_EQ(kept.world_from_cam->matrix(), told.world_from_cam->matrix());
+    EXPECT_EQ(kept.vio.world_from_body.translation(), told.vio.world_from_body.translation());
+    EXPECT_EQ(kept.cam_covariance, kept.cam_covariance.transpose());
+    EXPECT_EQ(kept.vio.stamp_ns, image);
+    EXPECT_EQ(store.At(image)->pose.has_value(), image % 7 != 0) << image;
+  }
+
+  const int corrections = static_cast<int>(poses->corrections.size());
+  EXPECT_EQ(corrections, (kImages - 1) / ManyPoses::kStep);
+  const auto last = static_cast<std::size_t>(corrections - 1);
+  EXPECT_EQ(store.ImageOfCorrection(last), corrections * ManyPoses::kStep);
+  EXPECT_FALSE(store.ImageOfCorrection(last + 1).has_value());
+  EXPECT_TRUE(store.CorrectedPast(last - OwnPoseStore::kCorrectionsKept).empty()) << "let go of";
+  const std::vector<PoseEstimate> past = store.CorrectedPast(last);
+  EXPECT_EQ(past.size(), static_cast<std::size_t>(*store.ImageOfCorrection(last)) * 6 / 7);
+  for (const std::size_t i : {std::size_t{0}, std::size_t{90}, std::size_t{17'000}}) {
+    const int image = past[i].id.value;
+    const auto told = ManyPoses::ReportOf(image);
+    // What it was moved by when it was told, taken back.
+    const Eigen::Isometry3d told_from_filter =
+        image < ManyPoses::kStep
+            ? Eigen::Isometry3d::Identity()
+            : ManyPoses::CorrectionOf(image - image % ManyPoses::kStep, image / ManyPoses::kStep)
+                  .present.AsIsometry();
+    const Eigen::Isometry3d filter = told_from_filter.inverse() * *told.world_from_cam;
+    const Eigen::Vector3d body =
+        told_from_filter.inverse() * told.vio.world_from_body.translation();
+    const Eigen::Isometry3d expected =
+        ManyPoses::CorrectionOf(corrections * ManyPoses::kStep, corrections).past.At(image, body) *
+        filter;
+    EXPECT_TRUE(past[i].world_from_cam.isApprox(expected, 1e-9)) << image;
+    EXPECT_EQ(past[i].epoch, corrections);
+  }
+}
+
+TEST(OwnPoseStoreOfHours, TellsEachImageOnceToWhoeverKeepsThem) {
+  constexpr int kImages = 250, kBefore = 120;
+  OwnPoseStore store(std::make_unique<ManyPoses>(kImages));
+  store.Advance(150, {});
+  OwnPosesTaken taken(kBefore, 1);  // the file has these
+  const auto first = taken.NowAndThen(store);
+  ASSERT_NE(first, nullptr);
+  EXPECT_EQ(first->first_image, std::size_t{kBefore});
+  EXPECT_EQ(taken.NowAndThen(store), nullptr) << "not at once again";
+  store.Advance(kImages, {});
+  const auto rest = taken.Rest(store);
+  EXPECT_EQ(rest->first_image, kBefore + first->poses.frames.size());
+  EXPECT_EQ(first->poses.frames.size() + rest->poses.frames.size(),
+            static_cast<std::size_t>(kImages - kBefore));
+  EXPECT_EQ(first->poses.corrections.size() + rest->poses.corrections.size(), 1u);
+  EXPECT_TRUE(rest->ended);
+  EXPECT_TRUE(taken.Rest(store)->poses.frames.empty());
 }
 
 }  // namespace

@@ -148,16 +148,35 @@ TEST(RunFile, KeepsPosesThatGrowAndWhatTheFilterFoundOfTheLens) {
   all.frames[3].vio.lens << 500, 501, 320, 240, 0.1, 0.2, 0, 0, 0.02;
   all.frames[3].vio.lens_spread.setConstant(0.5);
   all.loops.closures = {{2, 0, 2, 31, 0.5, 1.25, 0.875, 1}};
-  all.corrections.push_back({2, 1, {Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()}});
+  const TrajectoryMoves past({{1, {1.0 / 3, 0, 0}, {0.1, {1, 2, 3}}}, {7, {2, 0, 0}, {0.2, {}}}});
+  all.corrections.push_back({2, 1, {0.25, {1, 2, 1.0 / 3}}, past});
+  all.corrections.push_back({4, 2, {0.5, {0, 2, 1}}, {}});
+  std::size_t frames_told = 0, corrections_told = 0;
   const auto up_to = [&](std::size_t count) {
-    auto some = std::make_shared<OwnPoses>(all);
-    some->frames.resize(count);
-    if (count < 3) some->loops.closures.clear(), some->corrections.clear();
-    return some;
+    auto growth = std::make_shared<OwnPoseGrowth>();
+    growth->first_image = frames_told;
+    growth->poses.frames.assign(all.frames.begin() + static_cast<std::ptrdiff_t>(frames_told),
+                                all.frames.begin() + static_cast<std::ptrdiff_t>(count));
+    frames_told = count;
+    for (; corrections_told < all.corrections.size() &&
+           all.corrections[corrections_told].image < static_cast<int>(count);
+         ++corrections_told)
+      growth->poses.corrections.push_back(all.corrections[corrections_told]);
+    if (count >= 3) growth->poses.loops = all.loops;
+    return growth;
   };
-  auto writer = RunWriter::Create(file, RandomHeader(1), {}, &*up_to(0));
+  const OwnPoses none;
+  auto writer = RunWriter::Create(file, RandomHeader(1), {}, &none);
   ASSERT_TRUE(writer.ok()) << writer.error().message;
   for (int i = 0; i < 5; ++i) {
+    if (i == 4) {  // whoever wrote it died, and is told from there on
+      ASSERT_TRUE((*writer)->Close().ok());
+      auto again = RunWriter::Reopen(file);
+      ASSERT_TRUE(again.ok()) << again.error().message;
+      EXPECT_EQ(again->own_pose_images, 4u);
+      EXPECT_EQ(again->own_pose_corrections, 1u);
+      *writer = std::move(again->writer);
+    }
     FrameReport report;
     report.frame = i;
     const bool tells = i == 1 || i == 3 || i == 4;
@@ -175,8 +194,12 @@ TEST(RunFile, KeepsPosesThatGrowAndWhatTheFilterFoundOfTheLens) {
   EXPECT_EQ((*read)->frames[3].vio.lens_spread[8], 0.5);
   EXPECT_EQ((*read)->frames[2].vio.lens_spread[0], 0);  // not estimated
   EXPECT_EQ((*read)->loops.closures.size(), 1u);
-  ASSERT_EQ((*read)->corrections.size(), 1u);
-  EXPECT_EQ((*read)->corrections[0].world_from_cam.size(), 2u);
+  ASSERT_EQ((*read)->corrections.size(), 2u);
+  EXPECT_EQ((*read)->corrections[0].image, 2);
+  EXPECT_EQ((*read)->corrections[0].past.nodes().size(), 2u);
+  EXPECT_EQ(EncodeMoves((*read)->corrections[0]), EncodeMoves(all.corrections[0]));
+  EXPECT_TRUE((*read)->corrections[1].past.empty());
+  EXPECT_EQ((*read)->corrections[1].present.yaw_rad, 0.5);
 }
 
 TEST(RunFile, KeepsTheHeader) {
@@ -414,8 +437,8 @@ TEST(RunFile, OfARecordingThatGrewKeepsWhatItBecameThoughItsWriterDied) {
   RunHeader header = RandomHeader(1);
   header.recipe.live_speed = 1;
   header.end_frame = 3;
-  auto poses = std::make_shared<OwnPoses>();
-  poses->frames.resize(4);
+  auto poses = std::make_shared<OwnPoseGrowth>();
+  poses->poses.frames.resize(4);
   {
     const auto writer = RunWriter::Create(file, header).value();
     ASSERT_TRUE(writer->Write(RandomFrame(1, 2, 2, 10), {}, poses).ok());
@@ -426,8 +449,9 @@ TEST(RunFile, OfARecordingThatGrewKeepsWhatItBecameThoughItsWriterDied) {
   EXPECT_EQ(reopened->last->frame, 2);
   EXPECT_EQ(reopened->writer->num_written(), 1);
   ASSERT_TRUE(reopened->writer->Write(RandomFrame(1, 5, 2, 10), {}).ok());
-  poses = std::make_shared<OwnPoses>();
-  poses->frames.resize(7);
+  poses = std::make_shared<OwnPoseGrowth>();
+  poses->first_image = reopened->own_pose_images;
+  poses->poses.frames.resize(3);
   RunHeader now = header;
   now.end_frame = 7;
   now.sequence_hash = "of all seven";

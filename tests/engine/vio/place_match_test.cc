@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/vio/past_correction.h"
+
 #include "engine/base/random.h"
 #include "engine/geometry/angles.h"
 #include "engine/vio/loop_closer.h"
@@ -125,14 +127,14 @@ TEST(DriftBetween, IsTheGrowthAtThePlaceOfTheLater) {
 }
 
 TEST(TrajectoryCorrection, ChangesEvenlyBetweenKeyFramesAndKeepsTheFiltersTilt) {
-  TrajectoryCorrection::Node a, b;
+  TrajectoryMoves::Node a, b;
   a.stamp_ns = 1'000'000'000;
   a.corrected = {0, {0, 0, 0}};
   b.stamp_ns = 2'000'000'000;
   b.filter_position_in_world = {2, 0, 0};
   b.corrected = {0.1, {2.2, 0.1, 0}};
-  b.covariance.diagonal().setConstant(0.04);
-  const TrajectoryCorrection correction({a, b});
+  const TrajectoryCorrection correction(
+      {a, b}, {Eigen::Matrix4d::Zero(), Eigen::Vector4d::Constant(0.04).asDiagonal()});
   EXPECT_TRUE(correction.At(500'000'000, {0, 0, 0}).matrix().isIdentity(1e-12));
   EXPECT_LT((correction.At(b.stamp_ns, {2, 0, 0}) * Eigen::Vector3d(2, 0, 0) -
              b.corrected.position_in_world)
@@ -149,6 +151,48 @@ TEST(TrajectoryCorrection, ChangesEvenlyBetweenKeyFramesAndKeepsTheFiltersTilt) 
   EXPECT_DOUBLE_EQ(covariance(0, 0), 0.02);
   EXPECT_DOUBLE_EQ(covariance(5, 5), 0.02);
   EXPECT_DOUBLE_EQ(covariance(3, 3), 0.25);
+}
+
+/// A walk along x whose filter takes it for longer than it is: loops were closed at images 10 and
+/// 20.
+TEST(PastCorrection, MovesWhatWasToldBeforeWithWhatWasKnownThen) {
+  const auto filter = [](int image) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.rotate(Eigen::AngleAxisd(0.05 * image, Eigen::Vector3d(1, 2, 3).normalized()));
+    pose.pretranslate(Eigen::Vector3d(0.1 * image, 0, 1.5));
+    return pose;
+  };
+  const auto moves = [&](int images, double by) {
+    std::vector<TrajectoryMoves::Node> nodes;
+    for (const int image : {0, images / 2, images}) {
+      TrajectoryMoves::Node& node = nodes.emplace_back();
+      node.stamp_ns = image;
+      node.filter_position_in_world = filter(image).translation();
+      node.corrected = {by * image,
+                        node.filter_position_in_world - Eigen::Vector3d(by * image, 0, 0)};
+    }
+    return TrajectoryMoves(std::move(nodes));
+  };
+  std::vector<PastCorrection> all;
+  for (const auto& [image, by] : {std::pair{10, 0.01}, std::pair{20, 0.02}}) {
+    const TrajectoryMoves past = moves(image, by);
+    const auto& newest = past.nodes().back();
+    all.push_back(
+        {image, image / 10, MoveTo(newest.corrected, newest.filter_position_in_world), past});
+  }
+  for (int image = 0; image < 20; ++image) {
+    const Eigen::Isometry3d told_from_filter =
+        image < 10 ? Eigen::Isometry3d::Identity() : all[0].present.AsIsometry();
+    const Eigen::Isometry3d told = told_from_filter * filter(image);
+    const PoseWhenTold when{image, image, told, told.translation()};
+    const Eigen::Isometry3d expected =
+        all[1].past.At(image, filter(image).translation()) * filter(image);
+    EXPECT_TRUE(CorrectedBy(all[1], all, when).isApprox(expected, 1e-12)) << image;
+    if (image < 10) {
+      EXPECT_EQ(CorrectedBy(all[0], all, when).matrix(),
+                (all[0].past.At(image, told.translation()) * told).matrix());
+    }
+  }
 }
 
 }  // namespace

@@ -68,6 +68,28 @@ TEST(PoseGraph, KnowsHowUncertainOnePoseIsFromAnother) {
   EXPECT_TRUE(graph.RelativeCovariance(0, 2).isApprox(graph.Marginals()[2], 1e-9));
 }
 
+TEST(PoseGraph, MarginalsAreTheBlocksOfTheWholeInverse) {
+  PoseGraph graph(kDoubt);
+  constexpr int kPoses = 60;
+  for (int i = 0; i < kPoses; ++i) {
+    graph.AddPose({0.1 * i, {std::cos(0.3 * i), std::sin(0.3 * i), 0.01 * i}});
+    if (i > 0) graph.AddEdge({i - 1, i, {0.3, 0, 0.01}, 0.1, Covariance(0.02, 0.01), false});
+  }
+  for (const auto& [from, to] :
+       {std::pair{0, 21}, std::pair{3, 24}, std::pair{5, 59}, std::pair{30, 51}, std::pair{0, 58}})
+    graph.AddEdge({from, to, {0, 0, 0.2}, 0.3, Covariance(0.05, 0.02), true});
+  const auto marginals = graph.Marginals();
+  ASSERT_EQ(marginals.size(), std::size_t{kPoses});
+  EXPECT_TRUE(marginals[0].isZero(0));
+  // The first pose is certain and its heading is 0: what is known of a pose from there is in the
+  // same axes.
+  for (int i = 1; i < kPoses; ++i) {
+    EXPECT_TRUE(
+        graph.RelativeCovariance(0, i).isApprox(marginals[static_cast<std::size_t>(i)], 1e-8))
+        << i;
+  }
+}
+
 /// Twice round a square of 10 m, as odometry has it whose every step turns a little too far.
 struct Walk {
   static constexpr int kCount = 81;
