@@ -26,6 +26,7 @@ constexpr std::size_t kRecordedBytes = std::size_t{2} << 20;
 /// How long a recorder waits at its end for copies that have asked lately.
 constexpr std::int64_t kLinger_ns = 1'000'000'000;
 constexpr double kMostLinger_ms = 10'000;
+constexpr double kMostLingerStopped_ms = 3'000;  ///< Whoever stops a graph waits for this.
 
 class RecorderProcess {
  public:
@@ -71,7 +72,8 @@ class RecorderProcess {
       const Status closed = writer_->Close();
       if (status.ok()) status = closed;
     }
-    if (status.ok()) LetCopiesEnd();
+    interrupted_ = !status.ok() && status.error().code == ErrorCode::kCancelled;
+    if (status.ok() || interrupted_) LetCopiesEnd();
     return status;
   }
 
@@ -117,8 +119,10 @@ class RecorderProcess {
   void LetCopiesEnd() {
     ended_ = true;
     const Stopwatch since;
-    while (!stop_.stop_requested() && since.Milliseconds() < kMostLinger_ms &&
-           SystemClockNs() - copied_ns_ < kLinger_ns)
+    const auto most_ms = [this] {
+      return stop_.stop_requested() ? kMostLingerStopped_ms : kMostLinger_ms;
+    };
+    while (since.Milliseconds() < most_ms() && SystemClockNs() - copied_ns_ < kLinger_ns)
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 
@@ -219,6 +223,7 @@ class RecorderProcess {
       bytes += frame.ByteSizeLong();
     }
     recorded.set_end(ended && position >= *frames);
+    recorded.set_interrupted(recorded.end() && interrupted_);
     return reply;
   }
 
@@ -262,7 +267,7 @@ class RecorderProcess {
   // Of whoever keeps a copy.
   std::unique_ptr<RunReader> reader_;  ///< Of the thread that serves.
   std::atomic<std::int64_t> copied_ns_{0};
-  std::atomic<bool> ended_{false};
+  std::atomic<bool> ended_{false}, interrupted_{false};
 
   std::mutex mutex_;  ///< Of what follows.
   std::unique_ptr<RunWriter> writer_;

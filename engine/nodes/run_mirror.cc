@@ -121,6 +121,10 @@ Status RunMirror::Copy(const std::stop_token& stop) {
         return status;
       ++position;
     }
+    if (recorded.interrupted()) {
+      log::info("the graph was stopped; what came until then is kept");
+      return {};
+    }
     if (recorded.end()) {
       const Result<RunHeader> header = HeaderFromJson(ParseJson(recorded.header()));
       if (!header.ok()) return header.error();

@@ -18,8 +18,9 @@ class SocketContext;
 class RunPoses;
 
 /// A copy of the run that a graph's recorder writes, kept by whoever looks on from another machine:
-/// a thread asks for the frames that have come. Whatever dies there is waited for. The destructor
-/// stops and leaves the copy as far as it came.
+/// a thread asks for the frames that have come, until the run has ended or somebody has stopped the
+/// graph. Whatever dies there is waited for. The destructor stops and leaves the copy as far as it
+/// came.
 class RunMirror {
  public:
   /// Waits until the run has begun, and makes the copy.

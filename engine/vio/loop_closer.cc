@@ -22,8 +22,9 @@ constexpr int kMaxVerified = 3;       ///< Of those, the ones whose pose is soug
 constexpr double kMaxTurnDeg = 60;    ///< Between two views of one place.
 constexpr std::size_t kAgreeing = 2;  ///< Key frames that have to say the same.
 constexpr int kLetGoShare = 10;       ///< Of key frames, the part that is let go of at once.
-constexpr std::size_t kNewest = 30;   ///< Key frames that are not let go of.
-constexpr double kPauseS = 2;         ///< After a loop is closed, before the next is sought.
+constexpr std::size_t kNewest = PlaceFrameMaker::kWaitingKeyFrames;  ///< Are not let go of.
+constexpr double kPauseS = 2;            ///< After a loop is closed, before the next is sought ...
+constexpr double kPauseOfPoseS = 0.005;  ///< ... of a large graph as much for each of its poses.
 
 Eigen::Vector4d Squared(double std_m, double std_deg) {
   const double rad = std_deg * kRadPerDeg;
@@ -127,8 +128,32 @@ void LoopCloser::KeepFew() {
   }
   std::sort(near.begin(), near.end());
   const auto excess = static_cast<std::size_t>(num_kept_ - options_.key_frames_kept);
-  for (std::size_t i = 0; i < std::min(excess, near.size()); ++i, --num_kept_)
+  std::vector<bool> unwanted(key_frames_.size(), false);
+  for (std::size_t i = 0; i < std::min(excess, near.size()); ++i, --num_kept_) {
     key_frames_[near[i].second].LetGo();
+    unwanted[near[i].second] = true;
+  }
+  for (const Pending& loop : pending_) {
+    unwanted[static_cast<std::size_t>(loop.edge.from)] = false;
+    unwanted[static_cast<std::size_t>(loop.edge.to)] = false;
+  }
+  TakeOut(unwanted);
+}
+
+void LoopCloser::TakeOut(const std::vector<bool>& unwanted) {
+  const std::vector<int> number = graph_.TakeOut(unwanted);
+  std::vector<PlaceFrame> left;
+  for (std::size_t i = 0; i < key_frames_.size(); ++i) {
+    if (number[i] >= 0) left.push_back(std::move(key_frames_[i]));
+  }
+  const std::size_t gone = key_frames_.size() - left.size();
+  key_frames_ = std::move(left);
+  maker_.Renumber(gone);
+  report_.key_frames += static_cast<int>(gone);
+  for (Pending& loop : pending_) {
+    loop.edge.from = number[static_cast<std::size_t>(loop.edge.from)];
+    loop.edge.to = number[static_cast<std::size_t>(loop.edge.to)];
+  }
 }
 
 std::vector<std::pair<int, std::vector<PointMatch>>> LoopCloser::Candidates() const {
@@ -163,7 +188,9 @@ std::vector<std::pair<int, std::vector<PointMatch>>> LoopCloser::Candidates() co
 
 void LoopCloser::Search() {
   const PlaceFrame& newest = key_frames_.back();
-  if (!report_.closures.empty() && Seconds(last_closed_ns_, newest.stamp_ns) < kPauseS) return;
+  const double pause_s =
+      std::max(kPauseS, kPauseOfPoseS * static_cast<double>(graph_.poses().size()));
+  if (!report_.closures.empty() && Seconds(last_closed_ns_, newest.stamp_ns) < pause_s) return;
   std::erase_if(pending_, [&](const Pending& loop) {
     const bool late = Seconds(loop.stamp_ns, newest.stamp_ns) > options_.loop_agree_s;
     if (late) ++report_.unconfirmed;
@@ -262,7 +289,7 @@ TrajectoryCorrection LoopCloser::Correction() const {
 
 LoopReport LoopCloser::Report() const {
   LoopReport report = report_;
-  report.key_frames = static_cast<int>(key_frames_.size());
+  report.key_frames += static_cast<int>(key_frames_.size());
   report.unconfirmed += static_cast<int>(pending_.size());
   std::size_t next = 0;
   for (const GraphEdge& edge : graph_.edges()) {

@@ -58,6 +58,7 @@ class LoopCloser {
   double DistanceBetween(std::size_t one, std::size_t other) const;  ///< [m]
   /// Of many key frames, lets go of those that are nearest to an older one.
   void KeepFew();
+  void TakeOut(const std::vector<bool>& unwanted);
   /// Older key frames that may show the newest one's place, those with most points alike first.
   std::vector<std::pair<int, std::vector<PointMatch>>> Candidates() const;
   void Search();

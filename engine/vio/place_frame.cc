@@ -16,8 +16,6 @@ constexpr double kScale = 1.2;  ///< Between levels of ORB's pyramid.
 constexpr int kLevels = 8, kFastThreshold = 10, kPatch = 31;
 /// Tracked points are described at these levels, so that they are known again from nearer by.
 constexpr int kPointLevels[] = {0, 2, 4};
-/// Depth that comes later than this many key frames was found from another place.
-constexpr std::size_t kWaitingKeyFrames = 12;
 /// Corners carry this; tracked points their index.
 constexpr int kNoTrack = -1;
 
@@ -133,6 +131,11 @@ void PlaceFrameMaker::AddPoints(std::span<const MapPoint> finished,
     for (const MapPoint& point : finished)
       Place(point.track, point.point_in_world, waiting, key_frame);
   }
+}
+
+void PlaceFrameMaker::Renumber(std::size_t gone) {
+  made_ -= gone;
+  for (Waiting& waiting : waiting_) waiting.key_frame -= gone;
 }
 
 void PlaceFrameMaker::AddStatePoints(const FilterState& state, std::span<PlaceFrame> key_frames) {

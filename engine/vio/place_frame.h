@@ -66,6 +66,11 @@ class PlaceFrameMaker {
   void AddPoints(std::span<const MapPoint> finished, std::span<PlaceFrame> key_frames);
   void AddStatePoints(const FilterState& state, std::span<PlaceFrame> key_frames);
 
+  /// So many key frames were taken out that are older than the newest kWaitingKeyFrames.
+  void Renumber(std::size_t gone);
+  /// Depth that comes later than this many key frames was found from another place.
+  static constexpr std::size_t kWaitingKeyFrames = 12;
+
  private:
   /// What a key frame's tracks look like, until their depth is known.
   struct Waiting {

@@ -211,6 +211,21 @@ class Covariances {
   Factor factor_;
 };
 
+/// One edge for two that meet: what they say of each other's far ends.
+GraphEdge Joined(const GraphEdge& first, const GraphEdge& second) {
+  const Eigen::Matrix3d turn = AboutUp(first.yaw_rad);
+  GraphEdge joined = first;
+  joined.to = second.to;
+  joined.step = first.step + turn * second.step;
+  joined.yaw_rad = first.yaw_rad + second.yaw_rad;
+  Eigen::Matrix4d by_first = Eigen::Matrix4d::Identity(), by_second = Eigen::Matrix4d::Identity();
+  by_first.topRightCorner<3, 1>() = Eigen::Vector3d::UnitZ().cross(turn * second.step);
+  by_second.topLeftCorner<3, 3>() = turn;
+  joined.covariance = by_first * first.covariance * by_first.transpose() +
+                      by_second * second.covariance * by_second.transpose();
+  return joined;
+}
+
 Eigen::Matrix4d RowsOfPose(const Eigen::MatrixXd& columns, int pose) {
   if (pose == 0) return Eigen::Matrix4d::Zero();
   return columns.middleRows<4>(4 * (pose - 1));
@@ -223,6 +238,49 @@ void PoseGraph::AddEdge(const GraphEdge& edge) {
   PLB_CHECK(edge.from >= 0 && edge.to >= 0 && edge.from < count && edge.to < count);
   PLB_CHECK(edge.from != edge.to);
   edges_.push_back(edge);
+}
+
+std::vector<int> PoseGraph::TakeOut(const std::vector<bool>& unwanted) {
+  // Of each pose the certain edge that leads there and the one that leads on.
+  constexpr int kNone = -1, kSeveral = -2;
+  std::vector<int> before(poses_.size(), kNone), after(poses_.size(), kNone);
+  const auto note = [](int edge, int& noted) { noted = noted == kNone ? edge : kSeveral; };
+  for (int i = 0; i < static_cast<int>(edges_.size()); ++i) {
+    const GraphEdge& edge = edges_[static_cast<std::size_t>(i)];
+    const auto from = static_cast<std::size_t>(edge.from), to = static_cast<std::size_t>(edge.to);
+    note(i, after[from]);
+    note(i, before[to]);
+    if (!edge.doubtful) continue;
+    after[from] = before[from] = after[to] = before[to] = kSeveral;
+  }
+  std::vector<bool> joined(edges_.size(), false);
+  std::vector<int> number(poses_.size());
+  int count = 0;
+  for (std::size_t pose = 0; pose < poses_.size(); ++pose) {
+    const bool goes = unwanted[pose] && before[pose] >= 0 && after[pose] >= 0;
+    number[pose] = goes ? -1 : count++;
+    if (!goes) continue;
+    const auto last = static_cast<std::size_t>(after[pose]);
+    GraphEdge& edge = edges_[static_cast<std::size_t>(before[pose])];
+    edge = Joined(edge, edges_[last]);
+    joined[last] = true;
+    int& of_next = before[static_cast<std::size_t>(edge.to)];
+    if (of_next >= 0) of_next = before[pose];
+  }
+  std::vector<GraphPose> poses;
+  for (std::size_t pose = 0; pose < poses_.size(); ++pose) {
+    if (number[pose] >= 0) poses.push_back(poses_[pose]);
+  }
+  std::vector<GraphEdge> edges;
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    if (joined[i]) continue;
+    GraphEdge& edge = edges.emplace_back(edges_[i]);
+    edge.from = number[static_cast<std::size_t>(edge.from)];
+    edge.to = number[static_cast<std::size_t>(edge.to)];
+  }
+  poses_ = std::move(poses);
+  edges_ = std::move(edges);
+  return number;
 }
 
 void PoseGraph::RemoveLastEdge() { edges_.pop_back(); }

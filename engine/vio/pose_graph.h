@@ -38,6 +38,10 @@ class PoseGraph {
   void AddPose(const GraphPose& pose) { poses_.push_back(pose); }
   /// Between poses that were added; the covariance is positive definite.
   void AddEdge(const GraphEdge& edge);
+  /// Takes poses out that two certain edges alone tie to others: these become one.
+  /// @param unwanted  For each pose. The first, the last and those of other edges stay.
+  /// @return for each pose its number now; -1 for those that are gone.
+  std::vector<int> TakeOut(const std::vector<bool>& unwanted);
   /// Takes the edge that was added last away again.
   void RemoveLastEdge();
 

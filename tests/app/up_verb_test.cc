@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/base/file_lock.h"
 #include "engine/base/files.h"
 #include "engine/base/random.h"
 #include "engine/mapping/map_report.h"
@@ -205,6 +206,28 @@ TEST_F(UpVerb, ACopyThatIsKeptElsewhereIsTheRun) {
   copy->reset();
   // The small pictures are compressed once more.
   EXPECT_EQ(Difference("five.plb", "copy.plb", Pictures::kLeaveOut), "");
+}
+
+TEST_F(UpVerb, ACopyEndsWithAGraphThatIsStopped) {
+  const pid_t up = Start(Arguments("up", "five.plb", {"--folder", Path("graph")}));
+  while (IsRunning(up) && !ReadGraph(Path("graph/graph.json")).ok())
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  const auto plan = ReadGraph(Path("graph/graph.json"));
+  ASSERT_TRUE(plan.ok()) << Output();
+  const auto copy = RunMirror::Start(*plan, "viewer", Path("copy.plb"), WorkContext());
+  ASSERT_TRUE(copy.ok()) << copy.error().message;
+  while (IsRunning(up) && FramesIn("copy.plb") < 3)
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  EXPECT_TRUE(FileLock::IsHeld(Path("copy.plb")));
+  kill(up, SIGTERM);
+  EXPECT_NE(WaitFor(up), 0);
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+  while (FileLock::IsHeld(Path("copy.plb")) && std::chrono::steady_clock::now() < patience)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_FALSE(FileLock::IsHeld(Path("copy.plb"))) << "it does not wait for more";
+  const int frames = FramesIn("copy.plb");
+  EXPECT_EQ(frames, FramesIn("five.plb"));
+  EXPECT_LT(frames, kFrames) << "this test needs a graph that is slower";
 }
 
 /// python3 with the three packages that the example needs, and protoc; "" where they are missing.

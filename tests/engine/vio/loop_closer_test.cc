@@ -93,6 +93,22 @@ TEST_F(LoopCloserTest, CausalPosesKnowOfNoLaterImage) {
   EXPECT_LT(ReturnError(causal), 0.75 * ReturnError(off_));
 }
 
+TEST_F(LoopCloserTest, OfManyKeyFramesThoseNearAnOlderOneAreLetGoOf) {
+  OwnPoseOptions options;
+  options.loops = LoopUse::kCausal;
+  const auto run = [&](int kept) {
+    options.closing.key_frames_kept = kept;
+    return EstimateOwnPoses(round_, round_->num_frames(), options, {}).value().loops;
+  };
+  const LoopReport all = run(1000), few = run(60);
+  EXPECT_EQ(all.key_frames, few.key_frames);
+  ASSERT_GT(all.key_frames, 120);
+  std::printf("%d key frames, %.1f MB, %d closures; of 60 to 66 kept %.1f MB, %d closures\n",
+              all.key_frames, all.bytes / 1e6, all.believed(), few.bytes / 1e6, few.believed());
+  EXPECT_LT(few.bytes, 0.7 * all.bytes);
+  EXPECT_GT(few.believed(), 0) << "the place is known again by the others";
+}
+
 TEST_F(LoopCloserTest, WithoutAReturnNothingChanges) {
   const auto sequence = Film(8);
   const OwnPoses off = Estimate(LoopUse::kOff, sequence),

@@ -90,6 +90,41 @@ TEST(PoseGraph, MarginalsAreTheBlocksOfTheWholeInverse) {
   }
 }
 
+TEST(PoseGraph, PosesThatAreTakenOutChangeNothingForTheOthers) {
+  PoseGraph graph(kDoubt);
+  constexpr int kPoses = 40;
+  for (int i = 0; i < kPoses; ++i) {
+    graph.AddPose({0.05 * i, {0.9 * std::cos(0.3 * i), std::sin(0.3 * i), 0.01 * i}});
+    if (i > 0) {
+      const Eigen::Matrix4d covariance = Covariance(0.02 + 0.001 * i, 0.01);
+      graph.AddEdge({i - 1, i, {0.3, 0.01 * i, 0.01}, 0.05, covariance, false});
+    }
+  }
+  graph.AddEdge({2, 23, {0, 0, 0.2}, 1.0, Covariance(0.05, 0.02), true});
+  graph.AddEdge({10, 39, {0, 0, 0.2}, 1.4, Covariance(0.05, 0.02), true});
+  PoseGraph few = graph;
+  std::vector<bool> unwanted(kPoses, false);
+  for (const int i : {0, 2, 5, 6, 7, 22, 24, 38, 39}) unwanted[static_cast<std::size_t>(i)] = true;
+  const std::vector<int> number = few.TakeOut(unwanted);
+  ASSERT_EQ(few.poses().size(), std::size_t{kPoses - 6}) << "0, 2 and 39 stay";
+  EXPECT_EQ(few.edges().size(), graph.edges().size() - 6);
+  EXPECT_EQ(number[4], 4);
+  EXPECT_EQ(number[6], -1);
+  EXPECT_EQ(number[39], 33);
+  graph.Optimise();
+  few.Optimise();
+  const auto marginals = graph.Marginals(), of_few = few.Marginals();
+  for (std::size_t i = 0; i < kPoses; ++i) {
+    if (number[i] < 0) continue;
+    const auto at = static_cast<std::size_t>(number[i]);
+    const GraphPose &one = graph.poses()[i], &other = few.poses()[at];
+    // A joined edge is of first order in the turn between its poses.
+    EXPECT_LT((one.position_in_world - other.position_in_world).norm(), 2e-3) << i;
+    EXPECT_NEAR(one.yaw_rad, other.yaw_rad, 1e-3) << i;
+    EXPECT_LT((marginals[i] - of_few[at]).norm(), 0.02 * marginals[i].norm() + 1e-12) << i;
+  }
+}
+
 /// Twice round a square of 10 m, as odometry has it whose every step turns a little too far.
 struct Walk {
   static constexpr int kCount = 81;
