@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Maps hours of a recording by the clock, in processes, and watches their memory.
 
-  scripts/soak.py build/bin/plumbline SEQUENCE [--hours 8] [--speed 20] [--kill-every 60] [--deaf] [--out DIR] [-- OPTIONS OF UP]
+  scripts/soak.py build/bin/plumbline SEQUENCE [--hours 8 | --own-poses] [--speed 20] [--kill-every 60] [--deaf] [--out DIR] [-- OPTIONS OF UP]
 
 The recording is SEQUENCE (with poses) played to its end and back again and again, ten frames a second: files linked under many
-names. One of the nodes, by turns, is killed every --kill-every seconds (0: none). --deaf adds somebody who asks the mapper for its newest map
+names. With --own-poses SEQUENCE is played once, as long as it is, and its poses are found from its images and IMU by a node. One of the nodes, by turns, is killed every --kill-every seconds (0: none). --deaf adds somebody who asks the mapper for its newest map
 again and again and never reads an answer (needs python3-zmq and protoc). Every ten seconds the nodes are asked for their memory.
 """
 import argparse
@@ -77,6 +77,7 @@ def main():
     parser.add_argument('plumbline')
     parser.add_argument('sequence')
     parser.add_argument('--hours', type=float, default=8)
+    parser.add_argument('--own-poses', action='store_true')
     parser.add_argument('--speed', type=float, default=20)
     parser.add_argument('--kill-every', type=float, default=60)
     parser.add_argument('--deaf', action='store_true')
@@ -87,11 +88,15 @@ def main():
         out = arguments.out or folder
         os.makedirs(out, exist_ok=True)
         long, graph, run = os.path.join(folder, 'long'), os.path.join(folder, 'graph'), os.path.join(out, 'run.plb')
-        os.makedirs(long)
-        frames = int(arguments.hours * 3600 * RATE_HZ)
-        link_frames(os.path.abspath(arguments.sequence), long, frames)
-        print('%d frames, %.1f h, in %.1f minutes' % (frames, arguments.hours, arguments.hours * 60 / arguments.speed), flush=True)
-        up = subprocess.Popen([arguments.plumbline, 'up', 'paper', long, '--live=%g' % arguments.speed, '--out', run, '--folder', graph] + options,
+        words = ['paper', long]
+        if arguments.own_poses:
+            words = ['paper_vio', arguments.sequence, '--poses', 'vio']
+        else:
+            os.makedirs(long)
+            frames = int(arguments.hours * 3600 * RATE_HZ)
+            link_frames(os.path.abspath(arguments.sequence), long, frames)
+            print('%d frames, %.1f h, in %.1f minutes' % (frames, arguments.hours, arguments.hours * 60 / arguments.speed), flush=True)
+        up = subprocess.Popen([arguments.plumbline, 'up'] + words + ['--live=%g' % arguments.speed, '--out', run, '--folder', graph] + options,
                               stdout=subprocess.DEVNULL, stderr=open(os.path.join(out, 'up.log'), 'w'))
         listener, seen, kills, began, killed = None, [], [], time.monotonic(), time.monotonic()
         while up.poll() is None:

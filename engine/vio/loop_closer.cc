@@ -23,8 +23,9 @@ constexpr double kMaxTurnDeg = 60;    ///< Between two views of one place.
 constexpr std::size_t kAgreeing = 2;  ///< Key frames that have to say the same.
 constexpr int kLetGoShare = 10;       ///< Of key frames, the part that is let go of at once.
 constexpr std::size_t kNewest = PlaceFrameMaker::kWaitingKeyFrames;  ///< Are not let go of.
-constexpr double kPauseS = 2;            ///< After a loop is closed, before the next is sought ...
-constexpr double kPauseOfPoseS = 0.005;  ///< ... of a large graph as much for each of its poses.
+/// After a loop is closed, before the next is sought. Of a large graph it grows with the work of
+/// factoring it, which is done some dozen times: loops take a tenth of the time, however many.
+constexpr double kPauseS = 2, kPauseOfWorkS = 0.6e-6;
 
 Eigen::Vector4d Squared(double std_m, double std_deg) {
   const double rad = std_deg * kRadPerDeg;
@@ -188,9 +189,7 @@ std::vector<std::pair<int, std::vector<PointMatch>>> LoopCloser::Candidates() co
 
 void LoopCloser::Search() {
   const PlaceFrame& newest = key_frames_.back();
-  const double pause_s =
-      std::max(kPauseS, kPauseOfPoseS * static_cast<double>(graph_.poses().size()));
-  if (!report_.closures.empty() && Seconds(last_closed_ns_, newest.stamp_ns) < pause_s) return;
+  if (!report_.closures.empty() && Seconds(last_closed_ns_, newest.stamp_ns) < pause_s_) return;
   std::erase_if(pending_, [&](const Pending& loop) {
     const bool late = Seconds(loop.stamp_ns, newest.stamp_ns) > options_.loop_agree_s;
     if (late) ++report_.unconfirmed;
@@ -265,6 +264,7 @@ void LoopCloser::Close(const std::vector<Pending>& loops) {
     report_.closures.push_back(closure);
   }
   last_closed_ns_ = key_frames_.back().stamp_ns;
+  pause_s_ = std::max(kPauseS, kPauseOfWorkS * graph_.Work());
 }
 
 YawMove LoopCloser::PresentMove() const {

@@ -75,6 +75,7 @@ class LoopCloser {
   int num_kept_ = 0;  ///< Key frames that were not let go of.
   std::vector<Pending> pending_;
   std::int64_t last_closed_ns_ = 0;
+  double pause_s_ = 0;  ///< After that.
   LoopReport report_;
 };
 

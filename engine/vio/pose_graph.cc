@@ -151,6 +151,17 @@ class Covariances {
     return factor_.solve(unit);
   }
 
+  /// Multiplications that a factor like this one takes, about.
+  double Work() const {
+    const Eigen::SparseMatrix<double>& l = factor_.matrixL().nestedExpression();
+    double work = 0;
+    for (Eigen::Index column = 0; column < l.outerSize(); ++column) {
+      const double below = l.outerIndexPtr()[column + 1] - l.outerIndexPtr()[column];
+      work += below * below;
+    }
+    return work;
+  }
+
   /// Covariance of each pose but the first, without those between poses: entries of the inverse
   /// where the factor has any, column by column from the last one (Takahashi, Fagan and Chin, 1973;
   /// Erisman and Tinney, CACM 1975). What it costs grows with the factor, not with its square.
@@ -325,5 +336,7 @@ std::vector<Eigen::Matrix4d> PoseGraph::Marginals() const {
   std::copy(others.begin(), others.end(), marginals.begin() + 1);
   return marginals;
 }
+
+double PoseGraph::Work() const { return poses_.size() < 2 ? 0 : Covariances(*this).Work(); }
 
 }  // namespace plumbline

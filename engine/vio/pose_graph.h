@@ -62,6 +62,8 @@ class PoseGraph {
   Eigen::Matrix4d RelativeCovariance(int from, int to) const;
   /// Covariance of each pose against the first, in the order (x, y, z, yaw).
   std::vector<Eigen::Matrix4d> Marginals() const;
+  /// About how many multiplications it takes to factor its information: more, the more loops meet.
+  double Work() const;
 
  private:
   double doubt_;

@@ -68,6 +68,15 @@ TEST(PoseGraph, KnowsHowUncertainOnePoseIsFromAnother) {
   EXPECT_TRUE(graph.RelativeCovariance(0, 2).isApprox(graph.Marginals()[2], 1e-9));
 }
 
+TEST(PoseGraph, WorkGrowsWithLoops) {
+  PoseGraph graph = Chain(60, 0.02, 0.01);
+  // A chain has no fill: below the diagonal 7, 6, 5 and 4 entries for each pose but the last.
+  EXPECT_EQ(graph.Work(), 58 * (49 + 36 + 25 + 16) + (9 + 4 + 1));
+  graph.AddEdge({5, 40, {0, 0, 0.2}, 0.3, Covariance(0.05, 0.02), true});
+  EXPECT_GT(graph.Work(), 58 * 126 + 14);
+  EXPECT_EQ(Chain(1, 0.02, 0.01).Work(), 0);
+}
+
 TEST(PoseGraph, MarginalsAreTheBlocksOfTheWholeInverse) {
   PoseGraph graph(kDoubt);
   constexpr int kPoses = 60;
