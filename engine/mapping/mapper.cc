@@ -274,7 +274,7 @@ FrameReport Mapper::Impl::Finished(FrameReport report) const {
   report.next_object_id = next_object_id;
   ByteWriter state;
   clock.Save(state);
-  state.Put(edge_level);
+  edge_level.Save(state);
   sharpness.Save(state);
   report.mapper_state = state.Take() + memory.Save();
   return report;
@@ -382,7 +382,7 @@ Status Mapper::Restore(const FrameReport& report,
   m.last_stamp_ns = report.stamp_ns;
   ByteReader state(report.mapper_state);
   m.clock.Restore(state);
-  m.edge_level = state.Get<double>();
+  m.edge_level.Restore(state);
   m.sharpness.Restore(state);
   const auto load_timed = [&](int frame) -> Result<MapperInput> {
     Result<MapperInput> input = load(frame);

@@ -14,8 +14,6 @@ namespace {
 constexpr double kSamePose_m = 0.15, kSamePose_rad = 30 * kRadPerDeg;
 /// Particles that fit better than the mean count for what they expect by exp(this * Phi_edge).
 constexpr double kMarginalSharpness = 5;
-/// How fast the level of the edges follows, per independent look at an object that is settled.
-constexpr double kLevelRate = 0.1;
 /// Of what settled objects show, a smaller share tells nothing of the level of the edges.
 constexpr double kLeastTelling = 0.1;
 /// The time between searches is the time in view over this, between the options' limits.
@@ -184,8 +182,9 @@ Mapper::Impl::RememberedLooks Mapper::Impl::LookBack(const MapObject& object,
         sighting.box_iou = iou;
       }
     }
-    sighting.edge_surplus = static_cast<float>(
-        EdgeSurplus(*setup.scorer, own.view.view, map, mean) * kUsualSurplus / EdgeLevelOf(own));
+    sighting.edge_surplus =
+        static_cast<float>(EdgeSurplus(*setup.scorer, own.view.view, map, mean) *
+                           EdgeLevel::kUsual / EdgeLevelOf(object, own));
     const double views = weight / judging.telling;
     looks.evidence += views * looks_per_view * SightingLogRatio(sighting, options());
     looks.boxes += views * looks_per_view * BoxLogRatio(sighting, options());
@@ -217,13 +216,13 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
   const double surplus = EdgeSurplus(*setup.scorer, own.view.view, map, mean) +
                          std::max(0.0, marginal - object.phi_edge);
   // Strong edges give more to everything, right or wrong: what settled objects get is the measure.
-  sighting.edge_surplus = static_cast<float>(surplus * kUsualSurplus / EdgeLevelOf(own));
+  sighting.edge_surplus =
+      static_cast<float>(surplus * EdgeLevel::kUsual / EdgeLevelOf(object, own));
   if (object.state == ObjectState::kConfirmed && object.log_evidence > kSettledLogOdds &&
       object.visible_fraction >= options().confirm_shown) {
     const double at_full_size =
         own.large ? surplus / std::max(kLeastTelling, own.telling) : surplus;
-    edge_level =
-        std::max(kUsualSurplus, edge_level + kLevelRate * novelty * (at_full_size - edge_level));
+    edge_level.Add(object.category, at_full_size, novelty);
     if (object.remembered() >= kSettlingViews) {
       const JudgingView view = Judge(object, input, occluders).view;
       const ViewSlope slope = SlopeOf(*setup.scorer, view, map, mean, options());

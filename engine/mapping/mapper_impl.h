@@ -12,6 +12,7 @@
 
 #include "engine/base/timer.h"
 #include "engine/mapping/birth.h"
+#include "engine/mapping/edge_level.h"
 #include "engine/mapping/existence.h"
 #include "engine/mapping/judging.h"
 #include "engine/mapping/likelihood_sharpness.h"
@@ -25,10 +26,10 @@
 namespace plumbline {
 
 inline constexpr double kMinViewVisibility = 0.15;  ///< Of a contour, in a view worth remembering.
-/// Edge surplus of right objects in the sequences that the constants of existence were fitted on.
-inline constexpr double kUsualSurplus = 0.25;
 /// Log odds that it is there, above which an object is settled.
 inline constexpr double kSettledLogOdds = 4;
+/// Score times overlap with the visible contour of a box that speaks for edges that are weak.
+inline constexpr float kTellingBox = 0.35f;
 /// Belief in the mean pose below which a look at the object has decided nothing.
 inline constexpr double kInDoubt = 0.8;
 inline constexpr double kFocalOfOptions_px = 500;  ///< Areas in pixels are of such a camera.
@@ -117,8 +118,8 @@ struct Mapper::Impl {
   std::int32_t next_object_id = 1;
   std::optional<std::int64_t> last_stamp_ns;
   NoveltyClock clock;
-  double edge_level = kUsualSurplus;  ///< Mean edge surplus of settled objects in this sequence.
-  LikelihoodSharpness sharpness;      ///< Of the views of this sequence.
+  EdgeLevel edge_level;           ///< Of this sequence.
+  LikelihoodSharpness sharpness;  ///< Of the views of this sequence.
   /// Some of `map.points_in_world`, in their order.
   struct SeenPoints {
     PoseEstimate seen_from;
@@ -237,12 +238,15 @@ struct Mapper::Impl {
 
   /// The edge surplus that a right object of that size has here: afar, the search for edges reaches
   /// over a larger part of the thing, and finds edges wherever it looks.
-  double EdgeLevelOf(const Judging& judging) const {
-    return judging.large ? std::max(kUsualSurplus, edge_level * judging.telling) : edge_level;
+  double EdgeLevelOf(const MapObject& object, const Judging& judging) const {
+    const double level = edge_level.Of(object.category);
+    return judging.large ? std::max(EdgeLevel::kUsual, level * judging.telling) : level;
   }
-  /// Whether a look shows enough of a pose, with support of edges, to be decided by.
+  /// Whether a look shows enough of a pose, with support of edges, to be decided by. Where a box
+  /// says that this very contour is there, half of that support will do.
   bool ShowsEnough(const Sighting& sighting, double visible_fraction) const {
-    return sighting.edge_surplus > options().expected_edge &&
+    const bool boxed = sighting.box_score * sighting.box_iou > kTellingBox;
+    return sighting.edge_surplus > options().expected_edge * (boxed ? 0.5 : 1.0) &&
            visible_fraction >= options().confirm_shown;
   }
   /// MapObject::Summarize, with what its views share.
