@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -70,6 +71,20 @@ class Device {
   bool locked_ = false, refused_ = false;
 };
 
+/// Images that come from elsewhere.
+class Stream {
+ public:
+  explicit Stream(const std::string& address) : video_(address) {}
+  bool is_open() const { return video_.isOpened(); }
+  bool Read(cv::Mat& picture) { return video_.read(picture) && !picture.empty(); }
+  /// When it came.
+  static std::int64_t StampNs() { return SteadyNs(); }
+  static bool RefusedNow() { return false; }
+
+ private:
+  cv::VideoCapture video_;
+};
+
 using TakeImage = std::function<Status(const cv::Mat&, std::int64_t)>;
 
 Status PlayImages(const std::string& spec, const SensorWork& work, const TakeImage& image) {
@@ -90,49 +105,46 @@ Status PlayImages(const std::string& spec, const SensorWork& work, const TakeIma
   return {};
 }
 
-Status ReadDevice(int number, const CameraInput& input, const Camera& camera,
-                  const SensorWork& work, const TakeImage& image) {
-  const std::string name = "/dev/video" + std::to_string(number);
-  std::optional<Device> device(std::in_place, number, camera, input.exposure);
-  if (!device->is_open() && !work.patient) {
-    return Error{ErrorCode::kNotFound,
-                 "there is no camera '" + name + "', or another program has it"};
-  }
+/// What gives images until it is stopped: opened again whenever it gives none.
+/// @param open  Makes a Device or a Stream; called again only when the one before is gone.
+template <typename Open>
+Status ReadLive(const std::string& name, const std::string& not_there, const Open& open,
+                const SensorWork& work, const TakeImage& image) {
+  auto source = open();
+  if (!source->is_open() && !work.patient) return Error{ErrorCode::kNotFound, not_there};
   cv::Mat picture;
   bool gives = true;
   while (!work.stop.stop_requested()) {
-    if (device->is_open() && device->Read(picture)) {
-      if (device->RefusedNow())
+    if (source->is_open() && source->Read(picture)) {
+      if (source->RefusedNow())
         work.tell("the camera '" + name + "' does not let its exposure be set; it sets it itself");
       gives = true;
-      if (Status status = image(picture, device->StampNs()); !status.ok()) return status;
+      if (Status status = image(picture, source->StampNs()); !status.ok()) return status;
       continue;
     }
     if (std::exchange(gives, false))
       work.tell("the camera '" + name + "' gives no images; trying again until it does");
-    device.reset();  // a device that is gone comes back as itself only once nobody has it open
+    source.reset();  // a device that is gone comes back as itself only once nobody has it open
     work.WaitToTryAgain();
-    device.emplace(number, camera, input.exposure);
+    source = open();
   }
   return {};
 }
 
-/// A video file comes by its own time, a stream when it comes.
+std::string CannotBeOpened(const std::string& spec) {
+  return "'" + spec + "' is no camera, video or stream that can be opened";
+}
+
+/// A video file comes by its own time.
 Status ReadVideo(const std::string& spec, const SensorWork& work, const TakeImage& image) {
   cv::VideoCapture video(spec);
-  if (!video.isOpened()) {
-    return Error{ErrorCode::kNotFound,
-                 "'" + spec + "' is no camera, video or stream that can be opened"};
-  }
-  const bool paced = spec.find("://") == std::string::npos;
+  if (!video.isOpened()) return Error{ErrorCode::kNotFound, CannotBeOpened(spec)};
   cv::Mat picture;
   while (!work.stop.stop_requested() && video.read(picture)) {
-    std::int64_t stamp_ns = SteadyNs();
-    if (paced) {
-      stamp_ns = work.began_ns + std::llround(1e6 * video.get(cv::CAP_PROP_POS_MSEC));
-      if (stamp_ns < work.joined_ns) continue;
-      work.WaitUntil(stamp_ns);
-    }
+    const std::int64_t stamp_ns =
+        work.began_ns + std::llround(1e6 * video.get(cv::CAP_PROP_POS_MSEC));
+    if (stamp_ns < work.joined_ns) continue;
+    work.WaitUntil(stamp_ns);
     if (Status status = image(picture, stamp_ns); !status.ok()) return status;
   }
   return {};
@@ -153,8 +165,16 @@ Result<std::optional<Exposure>> ParseExposure(const std::string& text) {
 Status ReadCamera(const CameraInput& input, const Camera& camera, const SensorWork& work,
                   const TakeImage& image) {
   if (IsPlayed(input.spec)) return PlayImages(input.spec, work, image);
-  if (const auto number = DeviceNumber(input.spec))
-    return ReadDevice(*number, input, camera, work, image);
+  if (const auto number = DeviceNumber(input.spec)) {
+    const std::string name = "/dev/video" + std::to_string(*number);
+    const auto open = [&] { return std::make_unique<Device>(*number, camera, input.exposure); };
+    return ReadLive(name, "there is no camera '" + name + "', or another program has it", open,
+                    work, image);
+  }
+  if (input.spec.find("://") != std::string::npos) {
+    const auto open = [&] { return std::make_unique<Stream>(input.spec); };
+    return ReadLive(input.spec, CannotBeOpened(input.spec), open, work, image);
+  }
   return ReadVideo(input.spec, work, image);
 }
 

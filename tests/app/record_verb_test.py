@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """`plumbline record` with sequences that are played again, a serial port, UDP and standard input."""
+import itertools
 import json
 import os
 import pty
@@ -8,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 import tty
 import unittest
@@ -122,6 +124,54 @@ class RecordVerb(RecordedFilm):
         self.assertGreater(between, 0.2, "the time for which it was gone")
         self.assertLess(between, 4)
         self.assertEqual(float(readings[239][6]), 319)
+
+    def test_reads_a_stream_that_breaks_off_and_is_back(self):
+        folder = os.path.join(self.film, "color")
+        pictures = []
+        for name in sorted(os.listdir(folder)):
+            with open(os.path.join(folder, name), "rb") as file:
+                pictures.append(file.read())
+        listener = socket.create_server(("127.0.0.1", 0))
+        on = threading.Event()
+        on.set()
+
+        def show(viewer):
+            try:
+                viewer.recv(4096)
+                viewer.sendall(b"HTTP/1.0 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary=image\r\n\r\n")
+                for i in itertools.count():
+                    if not on.is_set():
+                        return
+                    picture = pictures[i % len(pictures)]
+                    viewer.sendall(b"--image\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(picture) + picture + b"\r\n")
+                    time.sleep(0.02)
+            except OSError:  # nobody looks any more
+                pass
+            finally:
+                viewer.close()
+
+        def serve():
+            while True:
+                try:
+                    viewer, _ = listener.accept()
+                except OSError:  # the end of this test
+                    return
+                threading.Thread(target=show, args=(viewer,), daemon=True).start()
+
+        threading.Thread(target=serve, daemon=True).start()
+        out, _, process = self.record("stream", "--camera", f"http://127.0.0.1:{listener.getsockname()[1]}/video.mjpg",
+                                      "--imu", "play:" + self.film)
+        self.wait_for_images(out, 10)
+        on.clear()
+        time.sleep(2.5)
+        before = len(rows(os.path.join(out, "color.csv")))
+        on.set()
+        self.wait_for_images(out, before + 10)
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(process.wait(), 0)
+        listener.close()
+        self.assertGreater(max(steps(rows(os.path.join(out, "color.csv")))), 2, "the time for which it was gone")
+        self.assertGreaterEqual(self.frames(out), before + 10)
 
     def test_reads_a_serial_port_that_is_unplugged_and_back(self):
         port = os.path.join(self.folder.name, "port")
