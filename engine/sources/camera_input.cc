@@ -171,7 +171,7 @@ Status ReadCamera(const CameraInput& input, const Camera& camera, const SensorWo
     return ReadLive(name, "there is no camera '" + name + "', or another program has it", open,
                     work, image);
   }
-  if (input.spec.find("://") != std::string::npos) {
+  if (input.spec.find("://") != std::string::npos && !input.spec.starts_with("file:")) {
     const auto open = [&] { return std::make_unique<Stream>(input.spec); };
     return ReadLive(input.spec, CannotBeOpened(input.spec), open, work, image);
   }
