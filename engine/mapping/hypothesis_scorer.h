@@ -47,6 +47,8 @@ struct ScoringView {
       0.05;                 ///< A point hides only behind a surface at least this much nearer.
   double near_m = 0.15;     ///< Nearer points are not seen.
   bool inner_lines = true;  ///< Creases and marks count too.
+  /// How far outside of the outline the edges are looked for, all around [px].
+  double outline_offset_px = 0;
   /// Where the image may be instead, as its pose errs (Evaluate marginalises over them; scorers
   /// look where the pose says). Empty: there.
   std::vector<ImageShift> shifts = {};

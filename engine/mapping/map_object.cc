@@ -14,6 +14,7 @@ void MapObject::Summarize(const MapFrame& map) {
   modes = FindModes(particles, world_from_reference_cam, map);
   covariance = ModeCovariance(modes.front(), particles, world_from_reference_cam, map);
   covariance.topLeftCorner<3, 3>() += shared_error;
+  covariance += outline_error * outline_error.transpose();
   label_probability = LabelPosterior(particles);
   label = mean().label;
   world_from_object = mean().world_from_object;
@@ -91,9 +92,10 @@ ObjectReport ToReport(const MapObject& object) {
     out.Put(object.world_from_proposal_cam);
   }
   object.paper.Save(out);
-  // Scales, then crops, motion, boxes and shared errors come last and only where there are any:
-  // older files have none.
-  const bool shares = !object.shared_error.isZero(0),
+  // Scales, then crops, motion, boxes, shared errors and those of outlines come last and only where
+  // there are any: older files have none.
+  const bool outlined = !object.outline_error.isZero(0),
+             shares = outlined || !object.shared_error.isZero(0),
              boxed = shares || object.remembered_boxes != 0,
              followed = boxed || object.motion.boxes() > 0,
              looked_at = followed || !object.crops.looked_from().empty();
@@ -107,6 +109,9 @@ ObjectReport ToReport(const MapObject& object) {
   if (boxed) out.Put(object.remembered_boxes);
   if (shares) {
     for (const double value : object.shared_error.reshaped()) out.Put(value);
+  }
+  if (outlined) {
+    for (const double value : object.outline_error) out.Put(value);
   }
   report.filter_state = out.Take();
   return report;
@@ -167,6 +172,9 @@ Result<MapObject> FromReport(const ObjectReport& report, const ModelDatabase& mo
   if (!in.rest().empty()) object.remembered_boxes = in.Get<double>();
   if (!in.rest().empty()) {
     for (double& value : object.shared_error.reshaped()) value = in.Get<double>();
+  }
+  if (!in.rest().empty()) {
+    for (double& value : object.outline_error) value = in.Get<double>();
   }
   const auto known = [&models](int label) {
     return label >= 0 && label < static_cast<int>(models.models().size());

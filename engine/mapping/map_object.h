@@ -28,6 +28,8 @@ struct MapObject : ObjectBelief {
   std::vector<float> memory;  ///< Of each particle: the sum over `views`, see judging.h.
   PoseUncertainty reference_uncertainty;                   ///< Of `world_from_reference_cam`.
   Eigen::Matrix3d shared_error = Eigen::Matrix3d::Zero();  ///< Of its place, see SharedError.
+  /// Of place and azimuth, one standard deviation of what OutlineSensitivity tells.
+  Eigen::Vector4d outline_error = Eigen::Vector4d::Zero();
   PoseId reference_pose;                                   ///< Names it,
   int reference_epoch = 0;                                 ///< and how often it has been corrected.
   double present_weight = 0;   ///< How much of a view the last frame was, beside `views`.
@@ -57,8 +59,8 @@ struct MapObject : ObjectBelief {
   /// Goes where its reference view has gone. What it has been judged by may be elsewhere relative
   /// to it now: the next search judges it anew.
   void MoveTo(const PoseEstimate& reference, const MapFrame& map);
-  /// Works out modes, covariance, label and pose from the particles; the covariance has the shared
-  /// error besides.
+  /// Works out modes, covariance, label and pose from the particles; the covariance has the errors
+  /// that views share besides.
   void Summarize(const MapFrame& map);
 };
 

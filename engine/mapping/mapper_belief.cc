@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/mapping/mapper_impl.h"
+#include "engine/mapping/outline_error.h"
 #include "engine/vision/category_names.h"
 
 namespace plumbline {
@@ -25,6 +26,7 @@ constexpr float kRememberedIou = 0.3f;
 constexpr double kSharpening = 1.2;
 /// Views of an object that settle its pose, so that another tells how far views are off.
 constexpr double kSettlingViews = 3;
+constexpr std::size_t kOutlineSample = 128;  ///< Particles that tell how a belief follows outlines.
 constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
 constexpr int kNewcomerCount = 100;
 constexpr double kManyJumped =
@@ -271,28 +273,39 @@ std::vector<SupportSurface> Mapper::Impl::FindSupports() const {
     const ModelId label = object.mean().label;
     const std::optional<double> height = support_heights[static_cast<std::size_t>(label.value)];
     if (!height || setup.database->model(label).support != Support::kFloor) continue;
-    const Eigen::Vector3d& up = map.upright.up_in_world();
-    // What stands on it is seen by the same views, and errs with it.
-    const double variance =
-        up.dot((object.covariance.topLeftCorner<3, 3>() - object.shared_error) * up);
+    // The spread of its top, as place and size have it. What views share is left out: what stands
+    // on it is seen by the same views, and errs with it.
+    double weight = 0, sum = 0, squares = 0;
+    for (const Particle& particle : object.particles) {
+      if (particle.label != label.value) continue;
+      const PoseHypothesis hypothesis = ToHypothesis(particle, object.world_from_reference_cam);
+      const double top = map.BaseInUpright(hypothesis).z() + hypothesis.scale() * *height;
+      const double w = std::exp(static_cast<double>(particle.log_weight));
+      weight += w;
+      sum += w * top;
+      squares += w * top * top;
+    }
+    if (weight <= 0) continue;
+    const double variance = std::max(0.0, squares / weight - sum * sum / (weight * weight));
     supports.push_back(MakeSupportSurface(
         setup.database->model(label), *height, object.mean().world_from_object, object.mean().scale,
-        map.upright, std::hypot(std::sqrt(variance), options().floor_std_m)));
+        map.upright, std::hypot(std::sqrt(variance), kContact_m)));
   }
   return supports;
+}
+
+bool Mapper::Impl::IsSamePose(const PoseHypothesis& pose, const PoseHypothesis& mean) const {
+  const Eigen::Vector3d offset = pose.center_in_world - mean.center_in_world;
+  return offset.norm() < kSamePose_m * map.LengthScale(mean.label) &&
+         std::abs(AzimuthDifference(setup.database->model(mean.label), pose.azimuth_rad,
+                                    mean.azimuth_rad)) < kSamePose_rad;
 }
 
 double Mapper::Impl::BeliefInMean(const MapObject& object) const {
   const PoseHypothesis mean = ToHypothesis(object.mean(), map);
   double sum = 0;
   for (const PoseMode& mode : object.modes) {
-    const PoseHypothesis other = ToHypothesis(mode, map);
-    const Eigen::Vector3d offset = other.center_in_world - mean.center_in_world;
-    if (offset.norm() < kSamePose_m * map.LengthScale(mean.label) &&
-        std::abs(AzimuthDifference(setup.database->model(mean.label), other.azimuth_rad,
-                                   mean.azimuth_rad)) < kSamePose_rad) {
-      sum += mode.weight;
-    }
+    if (IsSamePose(ToHypothesis(mode, map), mean)) sum += mode.weight;
   }
   return sum;
 }
@@ -306,17 +319,39 @@ double Mapper::Impl::InsideFraction(const PoseHypothesis& mean, const MapperInpu
   return Intersection(*whole, image).area() / std::max(1.0f, whole->area());
 }
 
-Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& input,
-                                 const OcclusionMaps& occluders) const {
-  std::vector<JudgingView> remembered;
+std::vector<JudgingView> Mapper::Impl::ViewsOf(const MapObject& object, const MapperInput& input,
+                                               const OcclusionMaps& occluders) const {
+  std::vector<JudgingView> views;
   for (const ObjectView& seen : object.views) {
     const KeyFrame* key = memory.Find(seen.frame);
     if (key == nullptr) continue;
-    remembered.push_back(Judge(object, key->input, key->maps).view);
-    remembered.back().weight = seen.weight;
+    views.push_back(Judge(object, key->input, key->maps).view);
+    views.back().weight = seen.weight;
   }
-  JudgingView present = Judge(object, input, occluders).view;
-  present.weight = object.present_weight;
+  views.push_back(Judge(object, input, occluders).view);
+  views.back().weight = object.present_weight;
+  return views;
+}
+
+Eigen::Vector4d Mapper::Impl::OutlineErrorOf(const MapObject& object, const MapperInput& input,
+                                             const OcclusionMaps& occluders) const {
+  const PoseHypothesis mean = ToHypothesis(object.mean(), map);
+  const std::size_t stride = std::max<std::size_t>(1, object.particles.size() / kOutlineSample);
+  std::vector<PoseHypothesis> sample;
+  for (std::size_t i = 0; i < object.particles.size(); i += stride) {
+    const PoseHypothesis drawn =
+        ToHypothesis(object.particles[i], object.world_from_reference_cam);
+    if (drawn.label == mean.label && IsSamePose(drawn, mean)) sample.push_back(drawn);
+  }
+  return kOutline_px * OutlineSensitivity(*setup.scorer, map, ViewsOf(object, input, occluders),
+                                          sample, mean, options(), object.sharpness);
+}
+
+Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& input,
+                                 const OcclusionMaps& occluders) const {
+  std::vector<JudgingView> remembered = ViewsOf(object, input, occluders);
+  const JudgingView present = std::move(remembered.back());
+  remembered.pop_back();
   Target posterior =
       Posterior(*setup.scorer, map, std::move(remembered), present, options(), object.sharpness);
   // Of equal things in a row the one that shows best draws all; what is settled keeps its own.
@@ -518,6 +553,10 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
   sampler.Walk(population);
   Take(object, population);
   Summarize(object, input);
+  if (!tentative || IsPlaced(object)) {
+    object.outline_error = OutlineErrorOf(object, input, occluders);
+    Summarize(object, input);
+  }
   if (!tentative) return;
   const RememberedLooks looks = LookBack(object, input, occluders);
   object.remembered_evidence = looks.evidence;

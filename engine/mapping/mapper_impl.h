@@ -30,6 +30,8 @@ inline constexpr double kMinViewVisibility = 0.15;  ///< Of a contour, in a view
 inline constexpr double kSettledLogOdds = 4;
 /// Score times overlap with the visible contour of a box that speaks for edges that are weak.
 inline constexpr float kTellingBox = 0.35f;
+inline constexpr double kContact_m = 0.005;
+inline constexpr double kOutline_px = 0.65;
 /// Belief in the mean pose below which a look at the object has decided nothing.
 inline constexpr double kInDoubt = 0.8;
 inline constexpr double kFocalOfOptions_px = 500;  ///< Areas in pixels are of such a camera.
@@ -298,6 +300,12 @@ struct Mapper::Impl {
   /// and, while it is tentative, of those that are placed and have more evidence.
   std::vector<TakenPlace> TakenPlaces(const MapObject& object) const;
   /// Its posterior with the views it remembers, and the present frame.
+  /// Views of an object: those it remembers, and the present one as the last.
+  std::vector<JudgingView> ViewsOf(const MapObject& object, const MapperInput& input,
+                                   const OcclusionMaps& occluders) const;
+  /// One standard deviation of what its views err by alike, as outlines and edges differ.
+  Eigen::Vector4d OutlineErrorOf(const MapObject& object, const MapperInput& input,
+                                 const OcclusionMaps& occluders) const;
   Target PosteriorOf(const MapObject& object, const MapperInput& input,
                      const OcclusionMaps& occluders) const;
   /// Equally weighted particles, judged anew: what hides the object in past views may be known
@@ -332,6 +340,8 @@ struct Mapper::Impl {
                 const OcclusionMaps& occluders);
   void UpdateLifecycle(const MapperInput& input, double novelty, FrameReport& report);
   void KeepFrame(const MapperInput& input);
+  /// Whether two poses are one, whatever their shapes.
+  bool IsSamePose(const PoseHypothesis& pose, const PoseHypothesis& mean) const;
   /// Share of the particles near the mean pose, whatever their shape.
   double BeliefInMean(const MapObject& object) const;
   void MergeDuplicates(double novelty, FrameReport& report);

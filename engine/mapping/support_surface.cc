@@ -12,6 +12,7 @@ namespace {
 constexpr double kLevel_m = 0.02;       ///< Faces within this are of one level.
 constexpr double kLevelCosine = 0.985;  ///< Of their slope: 10 degrees.
 constexpr double kLeastCover = 0.5;     ///< Of the footprint.
+constexpr double kNoSurface = 0.02;     ///< Chance that a mapped surface is not where it is mapped.
 constexpr double kHeights_m = 2;  ///< That things are found at, where they stand on nothing mapped.
 
 }  // namespace
@@ -73,15 +74,17 @@ SupportSurface MakeSupportSurface(const CadModel& model, double support_height_m
 }
 
 double LogSupportPrior(const std::vector<SupportSurface>& surfaces,
-                       const Eigen::Vector3d& base_in_upright) {
-  double on = 0;
+                       const Eigen::Vector3d& base_in_upright, double height_m) {
+  double on = 0, elsewhere = 1;
   for (const SupportSurface& surface : surfaces) {
     if (!surface.Holds(base_in_upright.head<2>())) continue;
+    if (base_in_upright.z() < surface.height_m && base_in_upright.z() + height_m > surface.height_m)
+      elsewhere = kNoSurface;
     const double off = (base_in_upright.z() - surface.height_m) / surface.height_std_m;
     on = std::max(
         on, std::exp(-0.5 * off * off) / (std::sqrt(2 * std::numbers::pi) * surface.height_std_m));
   }
-  return std::log1p(kHeights_m * on);
+  return std::log(elsewhere + kHeights_m * on);
 }
 
 }  // namespace plumbline

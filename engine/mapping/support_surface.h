@@ -34,8 +34,11 @@ SupportSurface MakeSupportSurface(const CadModel& model, double support_height_m
                                   const UprightFrame& upright, double height_std_m);
 
 /// Log density of the height of a base over that point, unnormalised, for something that stands on
-/// one of the surfaces as likely as not; 0 over none of them.
+/// one of the surfaces as likely as not; 0 over none of them. Nothing reaches through a surface: of
+/// what begins below one and ends above it only standing on it is left, and the chance that the
+/// surface is not there.
+/// @param height_m  Of the whole thing.
 double LogSupportPrior(const std::vector<SupportSurface>& surfaces,
-                       const Eigen::Vector3d& base_in_upright);
+                       const Eigen::Vector3d& base_in_upright, double height_m);
 
 }  // namespace plumbline

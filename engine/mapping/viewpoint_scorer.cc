@@ -77,6 +77,23 @@ void Project(const ContourView& contour, const Projection& p, Projected& out) {
     out.u[i] = out.v[i] = out.turn[i] = 0, out.z[i] = -1;
 }
 
+/// Moves the outline outwards in the image.
+void Widen(const ContourView& contour, const Projection& p, float offset_px, Projected& points) {
+  for (int i = 0; i < contour.outline_size; ++i) {
+    const Eigen::Vector3f normal(contour.nx[i], contour.ny[i], contour.nz[i]);
+    const auto rotated = [&](int row) {
+      return Eigen::Vector3f(p.r[row][0], p.r[row][1], p.r[row][2]).dot(normal);
+    };
+    const float along_ray = rotated(2);
+    const Eigen::Vector2f across(p.fx * rotated(0) - along_ray * (points.u[i] - p.cx),
+                                 p.fy * rotated(1) - along_ray * (points.v[i] - p.cy));
+    const float length = across.norm();
+    if (length <= 0) continue;
+    points.u[i] += offset_px / length * across.x();
+    points.v[i] += offset_px / length * across.y();
+  }
+}
+
 struct Bounds {
   float x0 = std::numeric_limits<float>::max(), y0 = x0, x1 = -x0, y1 = -x0;
   Box2 Clipped(const PinholeCamera& camera) const {
@@ -222,6 +239,8 @@ void ViewpointScorer::Score(const ScoringView& view, const UprightFrame& upright
       p.cx = static_cast<float>(view.camera.cx);
       p.cy = static_cast<float>(view.camera.cy);
       Project(contour, p, projected);
+      if (view.outline_offset_px != 0)
+        Widen(contour, p, static_cast<float>(view.outline_offset_px), projected);
       scores[i] = ScoreProjected(view, contour, projected);
     }
   };
