@@ -19,6 +19,8 @@ constexpr double kMarginalSharpness = 5;
 constexpr double kLeastTelling = 0.1;
 /// The time between searches is the time in view over this, between the options' limits.
 constexpr double kSearchRelaxation = 8.0;
+/// Of the height of a surface, the base of what may stand on it.
+constexpr double kStandsWithin_m = 0.1;
 /// Overlap of a box of a past image with an object's visible box that makes it the object's.
 constexpr float kRememberedIou = 0.3f;
 /// How much sharper from one frame to the next the views of a settled object are taken: particles
@@ -290,8 +292,24 @@ std::vector<SupportSurface> Mapper::Impl::FindSupports() const {
     supports.push_back(MakeSupportSurface(
         setup.database->model(label), *height, object.mean().world_from_object, object.mean().scale,
         map.upright, std::hypot(std::sqrt(variance), kContact_m)));
+    supports.back().object = object.id;
   }
   return supports;
+}
+
+ObjectId Mapper::Impl::SupportUnder(const MapObject& object,
+                                    const Eigen::Isometry3d& world_from_cam) const {
+  if (map.supports.empty() ||
+      setup.database->model(object.mean().label).support == Support::kFloor)
+    return {};
+  const Eigen::Vector3d base = map.BaseInUpright(ToHypothesis(object.mean(), map));
+  const double camera_m = map.upright.up_in_world().dot(world_from_cam.translation());
+  for (const SupportSurface& surface : map.supports) {
+    if (surface.Holds(base.head<2>()) && camera_m > surface.height_m &&
+        std::abs(base.z() - surface.height_m) < kStandsWithin_m)
+      return surface.object;
+  }
+  return {};
 }
 
 bool Mapper::Impl::IsSamePose(const PoseHypothesis& pose, const PoseHypothesis& mean) const {

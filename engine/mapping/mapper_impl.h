@@ -163,13 +163,14 @@ struct Mapper::Impl {
     return placed;
   }
 
-  ScoringView View(const MapperInput& input, const OcclusionMaps& occluders,
-                   ObjectId object) const {
+  /// @param support  What the object stands on, if that cannot hide it.
+  ScoringView View(const MapperInput& input, const OcclusionMaps& occluders, ObjectId object,
+                   ObjectId support = {}) const {
     ScoringView view;
     view.camera = setup.camera;
     view.cam_from_world = input.world_from_cam.inverse();
     view.table = input.table.get();
-    view.occluder_depth = occluders.DepthBefore(object);
+    view.occluder_depth = occluders.DepthBefore(object, support);
     view.occlusion_margin_m = options().occlusion_margin_m;
     view.inner_lines = options().inner_lines;
     return view;
@@ -178,7 +179,8 @@ struct Mapper::Impl {
   /// With what the pose of the image may be off by, relative to the object's reference view.
   ScoringView ViewOf(const MapObject& object, const MapperInput& input,
                      const OcclusionMaps& occluders) const {
-    ScoringView view = View(input, occluders, object.id);
+    ScoringView view =
+        View(input, occluders, object.id, SupportUnder(object, input.world_from_cam));
     view.shifts = ImageShiftsOf(ToHypothesis(object.mean(), map).center_in_world,
                                 {input.world_from_cam, input.pose_uncertainty},
                                 {object.world_from_reference_cam, object.reference_uncertainty},
@@ -217,7 +219,8 @@ struct Mapper::Impl {
                           const OcclusionMaps& maps) const {
     JudgingView view{ViewOf(object, from, maps), from.detections.get(), 0, 1};
     if (object.state == ObjectState::kTentative)
-      view.view.occluder_depth = maps.DepthAndContours(object.id);
+      view.view.occluder_depth =
+          maps.DepthAndContours(object.id, SupportUnder(object, from.world_from_cam));
     return JudgeBy(std::move(view), object);
   }
   Judging JudgeBy(JudgingView view, const MapObject& object) const {
@@ -255,6 +258,9 @@ struct Mapper::Impl {
   void Summarize(MapObject& object, const MapperInput& input) const;
   /// What confirmed objects on the floor offer to others to stand on.
   std::vector<SupportSurface> FindSupports() const;
+  /// The one that an object stands on, if the camera looks down on it: then it hides nothing of the
+  /// object, and a pose that sinks into it gains nothing by what would be hidden. Else none.
+  ObjectId SupportUnder(const MapObject& object, const Eigen::Isometry3d& world_from_cam) const;
   /// A whole frame of filter = paper (mapper_paper.cc).
   void StepAsPaper(const MapperInput& input, double dt_s, FrameReport& report);
   class PaperStep;

@@ -43,9 +43,9 @@ RenderedMaps OcclusionRenderer::Render(const PinholeCamera& camera,
   return renderer_->Render(camera.Scaled(0.5), instances, options);
 }
 
-const cv::Mat& OcclusionMaps::DepthBefore(ObjectId object) const {
+const cv::Mat& OcclusionMaps::DepthBefore(ObjectId object, ObjectId support) const {
   if (maps_.depth.empty()) return maps_.depth;
-  const auto [found, is_new] = depth_before_.try_emplace(object);
+  const auto [found, is_new] = depth_before_.try_emplace({object, support});
   if (!is_new) return found->second;
   cv::Mat before = maps_.depth.clone();
   for (int y = 0; y < before.rows; ++y) {
@@ -53,25 +53,26 @@ const cv::Mat& OcclusionMaps::DepthBefore(ObjectId object) const {
     const float* second = maps_.second_depth.empty() ? nullptr : maps_.second_depth.ptr<float>(y);
     float* out = before.ptr<float>(y);
     for (int x = 0; x < before.cols; ++x) {
-      if (id[x] == object.value) out[x] = second != nullptr ? second[x] : 0.0f;
+      if (id[x] == object.value || (support != ObjectId{} && id[x] == support.value))
+        out[x] = second != nullptr ? second[x] : 0.0f;
     }
   }
   return found->second = before;
 }
 
-const cv::Mat& OcclusionMaps::DepthAndContours(ObjectId object) const {
+const cv::Mat& OcclusionMaps::DepthAndContours(ObjectId object, ObjectId support) const {
   if (maps_.depth.empty()) return maps_.depth;
   const cv::Mat own = maps_.id == object.value;
   // One for all that are not drawn: there are many.
   if (cv::countNonZero(own) == 0) object = {};
-  const auto [found, is_new] = depth_and_contours_.try_emplace(object);
+  const auto [found, is_new] = depth_and_contours_.try_emplace({object, support});
   if (!is_new) return found->second;
   cv::Mat others = maps_.contour.clone();
   others.setTo(0, own);
   cv::Mat band;
   const int width = 2 * kBand_px + 1;
   cv::dilate(others, band, cv::getStructuringElement(cv::MORPH_ELLIPSE, {width, width}));
-  cv::Mat depth = DepthBefore(object).clone();
+  cv::Mat depth = DepthBefore(object, support).clone();
   depth.setTo(kInFrontOfAll_m, band);
   return found->second = depth;
 }

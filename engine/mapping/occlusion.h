@@ -46,16 +46,17 @@ class OcclusionMaps {
   explicit OcclusionMaps(RenderedMaps maps) : maps_(std::move(maps)) {}
 
   const RenderedMaps& rendered() const { return maps_; }
-  /// Z [m] of the nearest surface that is not the object's own; 0 none. Empty if nothing is drawn.
-  /// Worked out once for each object: not for two threads at a time.
-  const cv::Mat& DepthBefore(ObjectId object) const;
+  /// Z [m] of the nearest surface that is neither the object's own nor that of what it stands on, if
+  /// anything; 0 none. Empty if nothing is drawn. Worked out once for each object: not for two
+  /// threads at a time.
+  const cv::Mat& DepthBefore(ObjectId object, ObjectId support = {}) const;
   /// The same, and next to nothing along the contours of the others: whatever is scored with it is
   /// not seen there either. Empty if nothing is drawn. Worked out once, as above.
-  const cv::Mat& DepthAndContours(ObjectId object) const;
+  const cv::Mat& DepthAndContours(ObjectId object, ObjectId support = {}) const;
 
  private:
   RenderedMaps maps_;
-  mutable std::map<ObjectId, cv::Mat> depth_before_, depth_and_contours_;
+  mutable std::map<std::pair<ObjectId, ObjectId>, cv::Mat> depth_before_, depth_and_contours_;
 };
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "engine/base/ids.h"
 #include "engine/base/random.h"
 #include "engine/geometry/gravity.h"
 #include "engine/models/model_database.h"
@@ -19,6 +20,7 @@ std::optional<double> SupportHeight(const CadModel& model);
 
 /// The flat top of a mapped object, in the axes of the upright frame.
 struct SupportSurface {
+  ObjectId object;
   Eigen::Vector2d corner{0, 0};  ///< One of four, and where the two next to it lie from there:
   Eigen::Vector2d side_a{0, 0}, side_b{0, 0};
   double height_m = 0;

@@ -70,12 +70,22 @@ TEST_F(SupportSurfaceTest, LiesWhereTheObjectStands) {
 
 TEST_F(SupportSurfaceTest, PriorPrefersStandingOnIt) {
   const std::vector<SupportSurface> tops = {TableTop()};
-  EXPECT_EQ(LogSupportPrior({}, {2, -1, 0.74}), 0);
-  EXPECT_EQ(LogSupportPrior(tops, {4, -1, 0.74}), 0) << "beside it";
-  EXPECT_NEAR(LogSupportPrior(tops, {2, -1, 1.2}), 0, 1e-6) << "above it, on nothing";
+  EXPECT_EQ(LogSupportPrior({}, {2, -1, 0.74}, 0.3), 0);
+  EXPECT_EQ(LogSupportPrior(tops, {4, -1, 0.74}, 0.3), 0) << "beside it";
+  EXPECT_NEAR(LogSupportPrior(tops, {2, -1, 1.2}, 0.3), 0, 1e-6) << "above it, on nothing";
+  EXPECT_NEAR(LogSupportPrior(tops, {2, -1, 0.1}, 0.3), 0, 1e-6) << "on the floor under it";
   // Against heights that are equally likely over two metres: the Gaussian at its mean.
-  EXPECT_NEAR(LogSupportPrior(tops, {2, -1, 0.74}),
+  EXPECT_NEAR(LogSupportPrior(tops, {2, -1, 0.74}, 0.3),
               std::log1p(2 / (std::sqrt(2 * std::numbers::pi) * tops[0].height_std_m)), 1e-2);
+}
+
+TEST_F(SupportSurfaceTest, NothingReachesThroughIt) {
+  const std::vector<SupportSurface> tops = {TableTop()};
+  EXPECT_LT(LogSupportPrior(tops, {2, -1, 0.6}, 0.3), -3) << "14 cm into the top";
+  EXPECT_LT(LogSupportPrior(tops, {2, -1, 0.3}, 0.5), -3) << "through it from below";
+  EXPECT_NEAR(LogSupportPrior(tops, {2, -1, 0.3}, 0.4), 0, 1e-6) << "below it";
+  EXPECT_GT(LogSupportPrior(tops, {2, -1, 0.73}, 0.3), 3) << "as near as the top is known";
+  EXPECT_NEAR(LogSupportPrior(tops, {4, -1, 0.6}, 0.3), 0, 1e-6) << "beside it";
 }
 
 TEST_F(SupportSurfaceTest, OnlyWhatNeedNotStandOnTheFloorKnowsOfIt) {

@@ -118,6 +118,25 @@ TEST_F(ViewpointScorerTest, TwiceAsLargeAndTwiceAsFarLooksTheSame) {
   }
 }
 
+TEST_F(ViewpointScorerTest, LooksForEdgesBesideTheOutline) {
+  const PlacedModel crate = scene_.Place("crate", 0, 0, 25);
+  Image image = Seen(front_, {&crate, 1});
+  const PoseHypothesis truth = scene_.Hypothesis(crate);
+  const double distance = (front_.translation() - truth.center_in_world).norm();
+  // Edges of the crate as outlines of one that is larger by two pixels to each side lie inside.
+  PoseHypothesis larger = truth;
+  const double radius_px = scene_.camera().fx * 0.2 / distance;
+  larger.log_scale = std::log1p(2 / radius_px);
+  const auto agreement = [&](const PoseHypothesis& hypothesis, double offset_px) {
+    image.view.outline_offset_px = offset_px;
+    return Score(image.view, hypothesis).agreement_m;
+  };
+  EXPECT_GT(agreement(larger, -2), 1.05 * agreement(larger, 0));
+  EXPECT_LT(agreement(larger, 2), agreement(larger, 0));
+  EXPECT_LT(agreement(truth, -2), agreement(truth, 0));
+  EXPECT_LT(agreement(truth, 2), agreement(truth, 0));
+}
+
 TEST_F(ViewpointScorerTest, ScoresHighestAtItsScale) {
   for (const double scale : {0.95, 1.05}) {
     PlacedModel chair = scene_.Place("chair", 0, 0, 25);
