@@ -97,6 +97,8 @@ def all_sets():
         RoomSet("own-poses", "rooms filmed with an IMU after 2 s of rest, edges of the images; poses given, then estimated from images and IMU "
                 "and aligned by the trajectories", [0], scene="room", room_seeds=OWN_POSE_SEEDS, film=OWN_POSE_FILM, own_poses=True,
                 asked_for=True),
+        RoomSet("rooms-imu", "the rooms of own-poses and ten more, poses given, edges of the images", list(range(3)), scene="room",
+                room_seeds=HELD_OUT_SEEDS, film=OWN_POSE_FILM, asked_for=True),
         RoomSet("tuning", "synthetic rooms for tuning, edges of the images", [0], scene="room", room_seeds=TUNING_SEEDS,
                 film=ROOM_FRAMES, asked_for=True),
     ]
@@ -722,7 +724,7 @@ def parse():
     parser = argparse.ArgumentParser(prog="measure.sh", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", metavar="SET,..",
-                        help="sets to measure (default: all but tuning, rooms-flawless and own-poses; 'claims' and 'scenes' mean all of these): "
+                        help="sets to measure (default: all but tuning, rooms-flawless, rooms-imu and own-poses; 'claims' and 'scenes' mean all of these): "
                         + ", ".join(names))
     parser.add_argument("--seeds", type=integers, metavar="A:B", help="seeds of the mapper, B not included")
     parser.add_argument("--rooms", type=integers, metavar="A:B", help="seeds of the synthetic rooms")

@@ -30,8 +30,8 @@ struct MapObject : ObjectBelief {
   Eigen::Matrix3d shared_error = Eigen::Matrix3d::Zero();  ///< Of its place, see SharedError.
   /// Of place and azimuth, one standard deviation of what OutlineSensitivity tells.
   Eigen::Vector4d outline_error = Eigen::Vector4d::Zero();
-  PoseId reference_pose;                                   ///< Names it,
-  int reference_epoch = 0;                                 ///< and how often it has been corrected.
+  PoseId reference_pose;       ///< Names it,
+  int reference_epoch = 0;     ///< and how often it has been corrected.
   double present_weight = 0;   ///< How much of a view the last frame was, beside `views`.
   LikelihoodSharpness slopes;  ///< Of its views since it was confirmed,
   double sharpness = 1;        ///< and how sharply they are taken.

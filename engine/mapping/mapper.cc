@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kFirstFrame_s = 1.0 / 30.0;
 constexpr double kLooksBeforeMerging = 1;
+constexpr double kHeldLooks =
+    2;  ///< In which a belief below 80 % would have begun anew, see kInDoubt.
 constexpr std::size_t kJoined = 60;  ///< Poses that a merged object leaves, about.
 constexpr double kPlanted_m = 0.02, kPlanted_rad = 0.03;  ///< Deviations of what is planted.
 constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
@@ -164,7 +166,8 @@ bool Mapper::Impl::IsPlaced(const MapObject& object) const {
              options().confirm_position_std_m * map.LengthScale(object.mean().label) &&
          (!may_move ||
           object.motion.LogStanding(options()) >= std::log(options().confirm_standing)) &&
-         BeliefInMean(object) >= options().confirm_mode_weight;
+         BeliefInMean(object) >= (object.shown >= kHeldLooks ? options().confirm_held_weight
+                                                             : options().confirm_mode_weight);
 }
 
 void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, FrameReport& report) {

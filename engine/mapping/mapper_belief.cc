@@ -291,7 +291,7 @@ std::vector<SupportSurface> Mapper::Impl::FindSupports() const {
     const double variance = std::max(0.0, squares / weight - sum * sum / (weight * weight));
     supports.push_back(MakeSupportSurface(
         setup.database->model(label), *height, object.mean().world_from_object, object.mean().scale,
-        map.upright, std::hypot(std::sqrt(variance), kContact_m)));
+        map.upright, std::hypot(std::sqrt(variance), options().contact_std_m)));
     supports.back().object = object.id;
   }
   return supports;
@@ -299,8 +299,7 @@ std::vector<SupportSurface> Mapper::Impl::FindSupports() const {
 
 ObjectId Mapper::Impl::SupportUnder(const MapObject& object,
                                     const Eigen::Isometry3d& world_from_cam) const {
-  if (map.supports.empty() ||
-      setup.database->model(object.mean().label).support == Support::kFloor)
+  if (map.supports.empty() || setup.database->model(object.mean().label).support == Support::kFloor)
     return {};
   const Eigen::Vector3d base = map.BaseInUpright(ToHypothesis(object.mean(), map));
   const double camera_m = map.upright.up_in_world().dot(world_from_cam.translation());
@@ -353,16 +352,17 @@ std::vector<JudgingView> Mapper::Impl::ViewsOf(const MapObject& object, const Ma
 
 Eigen::Vector4d Mapper::Impl::OutlineErrorOf(const MapObject& object, const MapperInput& input,
                                              const OcclusionMaps& occluders) const {
+  if (options().outline_std_px <= 0) return Eigen::Vector4d::Zero();
   const PoseHypothesis mean = ToHypothesis(object.mean(), map);
   const std::size_t stride = std::max<std::size_t>(1, object.particles.size() / kOutlineSample);
   std::vector<PoseHypothesis> sample;
   for (std::size_t i = 0; i < object.particles.size(); i += stride) {
-    const PoseHypothesis drawn =
-        ToHypothesis(object.particles[i], object.world_from_reference_cam);
+    const PoseHypothesis drawn = ToHypothesis(object.particles[i], object.world_from_reference_cam);
     if (drawn.label == mean.label && IsSamePose(drawn, mean)) sample.push_back(drawn);
   }
-  return kOutline_px * OutlineSensitivity(*setup.scorer, map, ViewsOf(object, input, occluders),
-                                          sample, mean, options(), object.sharpness);
+  return options().outline_std_px * OutlineSensitivity(*setup.scorer, map,
+                                                       ViewsOf(object, input, occluders), sample,
+                                                       mean, options(), object.sharpness);
 }
 
 Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& input,

@@ -28,10 +28,6 @@ namespace plumbline {
 inline constexpr double kMinViewVisibility = 0.15;  ///< Of a contour, in a view worth remembering.
 /// Log odds that it is there, above which an object is settled.
 inline constexpr double kSettledLogOdds = 4;
-/// Score times overlap with the visible contour of a box that speaks for edges that are weak.
-inline constexpr float kTellingBox = 0.35f;
-inline constexpr double kContact_m = 0.005;
-inline constexpr double kOutline_px = 0.65;
 /// Belief in the mean pose below which a look at the object has decided nothing.
 inline constexpr double kInDoubt = 0.8;
 inline constexpr double kFocalOfOptions_px = 500;  ///< Areas in pixels are of such a camera.
@@ -250,7 +246,7 @@ struct Mapper::Impl {
   /// Whether a look shows enough of a pose, with support of edges, to be decided by. Where a box
   /// says that this very contour is there, half of that support will do.
   bool ShowsEnough(const Sighting& sighting, double visible_fraction) const {
-    const bool boxed = sighting.box_score * sighting.box_iou > kTellingBox;
+    const bool boxed = sighting.box_score * sighting.box_iou > options().telling_box;
     return sighting.edge_surplus > options().expected_edge * (boxed ? 0.5 : 1.0) &&
            visible_fraction >= options().confirm_shown;
   }

@@ -61,6 +61,7 @@ struct MapperOptions {
   double tentative_sharpness = 1;
   double landmark_drift_m = 0.02;
   double telling_contour_px = 150;
+  double outline_std_px = 0.65;
   double crop_sharpness = 0;
   bool inner_lines = true;
   ScoredBox scored_box = ScoredBox::kBest;
@@ -78,6 +79,7 @@ struct MapperOptions {
   JumpScope jump_scope = JumpScope::kCategory;
   bool floor_prior = true;
   double floor_std_m = 0.015;
+  double contact_std_m = 0.005;
   double scale_std = 0.02;
   double seen_from_behind = 0.05;
 
@@ -104,6 +106,7 @@ struct MapperOptions {
   double correlation_m = 0.1;
   double correlation_deg = 5;
   double expected_edge = 0.16;
+  double telling_box = 0.35;
   double most_edge_surplus = 0.4;
   double evidence_per_edge = 5.0;
   double detection_rate = 0.4;
@@ -122,6 +125,7 @@ struct MapperOptions {
   double retire_evidence = -3.0;
   double confirm_position_std_m = 0.10;
   double confirm_mode_weight = 0.95;
+  double confirm_held_weight = 0.85;
   double confirm_shown = 0.25;
   double confirm_age_s = 0.5;
   double tentative_limit_s = 6.0;
@@ -169,6 +173,11 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.telling_contour_px,
         {"telling_contour_px", "px",
          "visible contour from which a view counts fully, at a focal length of 500", 1, 100000});
+  visit(o.outline_std_px,
+        {"outline_std_px", "px",
+         "how far outside or inside of an outline its edges lie all around, in all views alike "
+         "(standard deviation, at a focal length of 500)",
+         0, 20});
   visit(
       o.crop_sharpness,
       {"crop_sharpness", "",
@@ -201,6 +210,11 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"floor_prior", "", "models that stand on floors stand on the floor, where one is known"});
   visit(o.floor_std_m,
         {"floor_std_m", "m", "standard deviation of the base's height above the floor", 0.0001, 1});
+  visit(o.contact_std_m,
+        {"contact_std_m", "m",
+         "standard deviation of the base's height above a mapped object that it stands on, beside "
+         "what is known of that object's top",
+         0.0001, 1});
   visit(o.scale_std,
         {"scale_std", "",
          "standard deviation of how much larger than its model an object is, 0.03 for 3 %; 0: as "
@@ -248,6 +262,11 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"expected_edge", "",
          "edge term beyond that of places around that speaks neither for nor against an object", -1,
          1});
+  visit(o.telling_box,
+        {"telling_box", "",
+         "score times overlap of a box that speaks for edges that are weak: then half of "
+         "expected_edge makes a look",
+         0, 1});
   visit(o.most_edge_surplus, {"most_edge_surplus", "",
                               "edge term beyond that of places around that counts at most", 0, 1});
   visit(o.evidence_per_edge,
@@ -290,6 +309,9 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"confirm_position_std_m", "m", "largest uncertainty of a confirmed object", 0, 100});
   visit(o.confirm_mode_weight,
         {"confirm_mode_weight", "", "least belief in the mean pose of a confirmed object", 0, 1});
+  visit(o.confirm_held_weight,
+        {"confirm_held_weight", "",
+         "the same, of an object that has shown in two whole looks while it was believed", 0, 1});
   visit(
       o.confirm_shown,
       {"confirm_shown", "",

@@ -46,8 +46,8 @@ class OcclusionMaps {
   explicit OcclusionMaps(RenderedMaps maps) : maps_(std::move(maps)) {}
 
   const RenderedMaps& rendered() const { return maps_; }
-  /// Z [m] of the nearest surface that is neither the object's own nor that of what it stands on, if
-  /// anything; 0 none. Empty if nothing is drawn. Worked out once for each object: not for two
+  /// Z [m] of the nearest surface that is neither the object's own nor that of what it stands on,
+  /// if anything; 0 none. Empty if nothing is drawn. Worked out once for each object: not for two
   /// threads at a time.
   const cv::Mat& DepthBefore(ObjectId object, ObjectId support = {}) const;
   /// The same, and next to nothing along the contours of the others: whatever is scored with it is

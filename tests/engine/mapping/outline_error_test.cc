@@ -20,8 +20,7 @@ class LineScorer : public HypothesisScorer {
              std::span<HypothesisScore> scores) const override {
     for (std::size_t i = 0; i < scores.size(); ++i) {
       const double offset = view.outline_offset_px * 500 / view.camera.fx;
-      const double off =
-          (hypotheses[i].center_in_world.x() - kMetresPerPixel * offset) / kStd_m;
+      const double off = (hypotheses[i].center_in_world.x() - kMetresPerPixel * offset) / kStd_m;
       scores[i].agreement_m = static_cast<float>(-0.5 * off * off / 10);
       scores[i].visible_m = scores[i].total_m = 1;
     }
@@ -41,8 +40,7 @@ TEST(OutlineSensitivity, IsByHowMuchTheMeanOfTheBeliefFollows) {
   view.normalizer = 1;
   Random random({.seed = 5});
   for (const double prior_std_m : {1e3, kStd_m}) {
-    const double posterior =
-        1 / (1 / (kStd_m * kStd_m) + 1 / (prior_std_m * prior_std_m));
+    const double posterior = 1 / (1 / (kStd_m * kStd_m) + 1 / (prior_std_m * prior_std_m));
     std::vector<PoseHypothesis> drawn(20000, mean);
     for (PoseHypothesis& hypothesis : drawn) {
       hypothesis.center_in_world.x() += std::sqrt(posterior) * random.Gaussian();

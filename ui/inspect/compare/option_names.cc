@@ -16,6 +16,7 @@ constexpr OptionName kNames[] = {
     {"alpha", kScore, "Weight of the detector"},
     {"box", kScore, "Box that is scored"},
     {"view_correlation", kScore, "Error that never averages out"},
+    {"outline_std_px", kScore, "Edges beside the outline"},
     {"tentative_sharpness", kScore, "Sharpest views of candidates"},
     {"landmark_drift_m", kScore, "Drift that objects correct"},
     {"telling_contour_px", kScore, "Contour that counts fully"},
@@ -41,6 +42,7 @@ constexpr OptionName kNames[] = {
     {"jump_scope", kMotion, "Shapes to change to"},
     {"floor_prior", kMotion, "Stand on the floor"},
     {"floor_std_m", kMotion, "Height above the floor"},
+    {"contact_std_m", kMotion, "Height above what it stands on"},
     {"scale_std", kMotion, "Size against the model"},
     {"seen_from_behind", kMotion, "Backs that are looked at"},
 
@@ -61,6 +63,7 @@ constexpr OptionName kNames[] = {
     {"confirmed_search_s", kMemory, "Search again: confirmed"},
 
     {"expected_edge", kEvidence, "Edge term that says nothing"},
+    {"telling_box", kEvidence, "Box that speaks for weak edges"},
     {"most_edge_surplus", kEvidence, "Most that edges count"},
     {"evidence_per_edge", kEvidence, "Evidence of edges"},
     {"detection_rate", kEvidence, "Share that the detector finds"},
@@ -83,6 +86,7 @@ constexpr OptionName kNames[] = {
     {"retire_evidence", kLife, "That withdraws a confirmed one"},
     {"confirm_position_std_m", kLife, "Largest spread to confirm"},
     {"confirm_mode_weight", kLife, "Least belief in one place"},
+    {"confirm_held_weight", kLife, "Belief that has held for two looks"},
     {"confirm_shown", kLife, "Contour that must have shown"},
     {"confirm_age_s", kLife, "Shortest time to confirm"},
     {"tentative_limit_s", kLife, "Longest time as a candidate"},
