@@ -16,6 +16,10 @@ namespace {
 
 constexpr double kFirstFrame_s = 1.0 / 30.0;
 constexpr double kLooksBeforeMerging = 1;
+/// A camera that walks fast gives a look an image, and a single image may mislead.
+constexpr double kConfirmingLooks = 1.5;
+/// Of the contour, for a belief that has held: a quarter hardly tells front from back.
+constexpr double kHeldVisible = 0.3;
 constexpr double kHeldLooks =
     2;  ///< In which a belief below 80 % would have begun anew, see kInDoubt.
 constexpr std::size_t kJoined = 60;  ///< Poses that a merged object leaves, about.
@@ -156,6 +160,17 @@ void Mapper::Impl::Retire(MapObject& object, EventKind kind, ObjectId other, std
 }
 
 bool Mapper::Impl::IsPlaced(const MapObject& object) const {
+  return IsKnown(object, options().confirm_mode_weight);
+}
+
+bool Mapper::Impl::MayBeConfirmed(const MapObject& object) const {
+  if (object.shown < kConfirmingLooks) return false;
+  const bool held = object.shown >= kHeldLooks && object.visible_fraction >= kHeldVisible &&
+                    !HasRivalMode(object);
+  return IsKnown(object, held ? options().confirm_held_weight : options().confirm_mode_weight);
+}
+
+bool Mapper::Impl::IsKnown(const MapObject& object, double least_belief) const {
   if (options().filter == FilterKind::kPaper) return false;
   const bool may_move = MovesByItself(object.category);
   return object.log_evidence > options().confirm_evidence &&
@@ -166,8 +181,7 @@ bool Mapper::Impl::IsPlaced(const MapObject& object) const {
              options().confirm_position_std_m * map.LengthScale(object.mean().label) &&
          (!may_move ||
           object.motion.LogStanding(options()) >= std::log(options().confirm_standing)) &&
-         BeliefInMean(object) >= (object.shown >= kHeldLooks ? options().confirm_held_weight
-                                                             : options().confirm_mode_weight);
+         BeliefInMean(object) >= least_belief;
 }
 
 void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, FrameReport& report) {
@@ -190,7 +204,7 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, Fra
                        object.motion.LogAgainst(options()) <
                    least) {
       Retire(object, EventKind::kRetired, {}, MotionInWords(object.motion, options()), report);
-    } else if (object.state == ObjectState::kTentative && IsPlaced(object) && object.shown >= 1) {
+    } else if (object.state == ObjectState::kTentative && MayBeConfirmed(object)) {
       object.state = ObjectState::kConfirmed;
       object.confirmed_frame = input.frame;
       report.events.push_back({EventKind::kConfirmed, object.id, {}, "evidence has accumulated"});

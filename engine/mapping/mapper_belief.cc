@@ -327,6 +327,13 @@ double Mapper::Impl::BeliefInMean(const MapObject& object) const {
   return sum;
 }
 
+bool Mapper::Impl::HasRivalMode(const MapObject& object) const {
+  const PoseHypothesis mean = ToHypothesis(object.mean(), map);
+  return std::any_of(object.modes.begin(), object.modes.end(), [&](const PoseMode& mode) {
+    return !IsSamePose(ToHypothesis(mode, map), mean);
+  });
+}
+
 double Mapper::Impl::InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const {
   const std::optional<Box2> whole = ProjectedBounds(setup.database->model(mean.label), mean, map,
                                                     setup.camera, input.world_from_cam.inverse());

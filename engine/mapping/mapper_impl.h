@@ -298,6 +298,11 @@ struct Mapper::Impl {
   /// Whether a tentative object is there, and where, as far as can be said of what shows of it; it
   /// is confirmed when enough of it has.
   bool IsPlaced(const MapObject& object) const;
+  /// The same with another least belief in the mean pose.
+  bool IsKnown(const MapObject& object, double least_belief) const;
+  /// Whether enough of a tentative object has shown besides. Where the belief has held for some
+  /// looks, and what is left of it is scattered, less will do.
+  bool MayBeConfirmed(const MapObject& object) const;
   /// Places of objects of its category that the object cannot have: of those that are confirmed,
   /// and, while it is tentative, of those that are placed and have more evidence.
   std::vector<TakenPlace> TakenPlaces(const MapObject& object) const;
@@ -346,6 +351,8 @@ struct Mapper::Impl {
   bool IsSamePose(const PoseHypothesis& pose, const PoseHypothesis& mean) const;
   /// Share of the particles near the mean pose, whatever their shape.
   double BeliefInMean(const MapObject& object) const;
+  /// Whether a part of the belief that is in one place is elsewhere than the mean pose.
+  bool HasRivalMode(const MapObject& object) const;
   void MergeDuplicates(double novelty, FrameReport& report);
   void Retire(MapObject& object, EventKind kind, ObjectId other, std::string why,
               FrameReport& report);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/support/mapping_scene.h"
 
 namespace plumbline {
@@ -35,6 +37,18 @@ TEST_F(OcclusionMapsTest, AnObjectDoesNotHideItself) {
   const OcclusionMaps maps(
       scene_.renderer().Render(scene_.camera(), front_.inverse(), {&chair, 1}));
   EXPECT_GT(Shown(chair, maps.DepthBefore(ObjectId{1})), 0.95);
+}
+
+TEST_F(OcclusionMapsTest, WhatItSinksIntoDoesNotHideIt) {
+  const PlacedModel table = scene_.Place("table", 0, 0, 30, 1);
+  PlacedModel crate = scene_.Place("crate", 0, 0, 30, 2);
+  crate.world_from_object.translation().z() = 0.6;  // 14 cm into the top
+  const OcclusionMaps maps(
+      scene_.renderer().Render(scene_.camera(), front_.inverse(), std::array{table, crate}));
+  EXPECT_LT(Shown(crate, maps.DepthBefore(ObjectId{2})), 0.9);
+  EXPECT_GT(Shown(crate, maps.DepthBefore(ObjectId{2}, ObjectId{1})), 0.95);
+  EXPECT_GT(Shown(crate, maps.DepthAndContours(ObjectId{2}, ObjectId{1})),
+            Shown(crate, maps.DepthAndContours(ObjectId{2})));
 }
 
 TEST_F(OcclusionMapsTest, OfAnObjectInTheLinesOfAnotherNothingIsItsOwn) {
