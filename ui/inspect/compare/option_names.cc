@@ -86,7 +86,7 @@ constexpr OptionName kNames[] = {
     {"retire_evidence", kLife, "That withdraws a confirmed one"},
     {"confirm_position_std_m", kLife, "Largest spread to confirm"},
     {"confirm_mode_weight", kLife, "Least belief in one place"},
-    {"confirm_held_weight", kLife, "Belief that has held for two looks"},
+    {"confirm_held_weight", kLife, "Belief held for two looks"},
     {"confirm_shown", kLife, "Contour that must have shown"},
     {"confirm_age_s", kLife, "Shortest time to confirm"},
     {"tentative_limit_s", kLife, "Longest time as a candidate"},
