@@ -77,16 +77,22 @@ void Project(const ContourView& contour, const Projection& p, Projected& out) {
     out.u[i] = out.v[i] = out.turn[i] = 0, out.z[i] = -1;
 }
 
+/// How a point of the contour moves in the image as it moves by its normal at a depth of 1.
+Eigen::Vector2f Outwards(const ContourView& contour, const Projection& p, const Projected& points,
+                         int i) {
+  const Eigen::Vector3f normal(contour.nx[i], contour.ny[i], contour.nz[i]);
+  const auto rotated = [&](int row) {
+    return Eigen::Vector3f(p.r[row][0], p.r[row][1], p.r[row][2]).dot(normal);
+  };
+  const float along_ray = rotated(2);
+  return {p.fx * rotated(0) - along_ray * (points.u[i] - p.cx),
+          p.fy * rotated(1) - along_ray * (points.v[i] - p.cy)};
+}
+
 /// Moves the outline outwards in the image.
 void Widen(const ContourView& contour, const Projection& p, float offset_px, Projected& points) {
   for (int i = 0; i < contour.outline_size; ++i) {
-    const Eigen::Vector3f normal(contour.nx[i], contour.ny[i], contour.nz[i]);
-    const auto rotated = [&](int row) {
-      return Eigen::Vector3f(p.r[row][0], p.r[row][1], p.r[row][2]).dot(normal);
-    };
-    const float along_ray = rotated(2);
-    const Eigen::Vector2f across(p.fx * rotated(0) - along_ray * (points.u[i] - p.cx),
-                                 p.fy * rotated(1) - along_ray * (points.v[i] - p.cy));
+    const Eigen::Vector2f across = Outwards(contour, p, points, i);
     const float length = across.norm();
     if (length <= 0) continue;
     points.u[i] += offset_px / length * across.x();
@@ -165,8 +171,29 @@ Boxes FindBoxes(float near_m, const Projected& points) {
   return {{least(0), least(1), most(2), most(3)}, {least(4), least(5), most(6), most(7)}};
 }
 
+/// What seen points of the outline gain where the edge runs along their rim [of 255].
+std::int64_t RimGain(const OrientedTable& table, const ContourView& contour, const Projection& p,
+                     const Projected& points) {
+  const std::uint8_t* cells = table.cells();
+  std::int64_t gain = 0;
+  for (int i = 0; i < contour.outline_size; ++i) {
+    if (contour.rim[i] <= 0 || points.cell[i] < 0) continue;
+    const Eigen::Vector2f inwards = -contour.rim[i] / points.z[i] * Outwards(contour, p, points, i);
+    const float weight = RimWeight(inwards.norm());
+    const int x = static_cast<int>(std::floor(points.u[i] + inwards.x() + 0.5f)),
+              y = static_cast<int>(std::floor(points.v[i] + inwards.y() + 0.5f));
+    if (weight <= 0 || x < 0 || y < 0 || x >= table.width() || y >= table.height()) continue;
+    const int bin =
+        static_cast<int>(points.turn[i] * OrientedTable::kBins) & (OrientedTable::kBins - 1);
+    const int there = cells[(bin * table.height() + y) * table.width() + x];
+    gain += std::max(0, static_cast<int>(std::lround(weight * static_cast<float>(there))) -
+                            cells[points.cell[i]]);
+  }
+  return gain;
+}
+
 HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& contour,
-                               Projected& points) {
+                               const Projection& p, Projected& points) {
   const OrientedTable& table = *view.table;
   const float near_m = static_cast<float>(view.near_m);
   FindCells(near_m, table.width(), table.height(), points);
@@ -184,6 +211,7 @@ HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& conto
     ++looked_up;
     seen += i < contour.outline_size ? 1 : 0;
   }
+  hits += RimGain(table, contour, p, points);
   const Boxes boxes = FindBoxes(near_m, points);
   HypothesisScore score;
   score.agreement_m =
@@ -241,7 +269,7 @@ void ViewpointScorer::Score(const ScoringView& view, const UprightFrame& upright
       Project(contour, p, projected);
       if (view.outline_offset_px != 0)
         Widen(contour, p, static_cast<float>(view.outline_offset_px), projected);
-      scores[i] = ScoreProjected(view, contour, projected);
+      scores[i] = ScoreProjected(view, contour, p, projected);
     }
   };
   if (hypotheses.size() < 64) {

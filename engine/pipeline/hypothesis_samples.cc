@@ -64,10 +64,9 @@ std::vector<ContourSample> HypothesisProbe::Samples(const Frame& frame,
     ContourSample sample;
     sample.pixel =
         Eigen::Vector2d(camera_.fx * bx + camera_.cx, camera_.fy * by + camera_.cy).cast<float>();
-    sample.normal =
-        Eigen::Vector2d(camera_.fx * (n.x() - n.z() * bx), camera_.fy * (n.y() - n.z() * by))
-            .normalized()
-            .cast<float>();
+    const Eigen::Vector2d outwards(camera_.fx * (n.x() - n.z() * bx),
+                                   camera_.fy * (n.y() - n.z() * by));
+    sample.normal = outwards.normalized().cast<float>();
     const int x = static_cast<int>(std::floor(sample.pixel.x() + 0.5f));
     const int y = static_cast<int>(std::floor(sample.pixel.y() + 0.5f));
     if (x < 0 || y < 0 || x >= table_->width() || y >= table_->height()) continue;
@@ -82,6 +81,16 @@ std::vector<ContourSample> HypothesisProbe::Samples(const Frame& frame,
     const int bin =
         std::min(OrientedTable::kBins - 1, static_cast<int>(turn * OrientedTable::kBins));
     sample.hit = static_cast<float>(table_->Hit(x, y, bin)) / 255.0f;
+    if (i < contour.outline_size && contour.rim[i] > 0) {
+      const Eigen::Vector2f inwards = (-contour.rim[i] / p.z() * outwards).cast<float>();
+      const Eigen::Vector2f along = sample.pixel + inwards;
+      const int u = static_cast<int>(std::floor(along.x() + 0.5f)),
+                v = static_cast<int>(std::floor(along.y() + 0.5f));
+      if (u >= 0 && v >= 0 && u < table_->width() && v < table_->height()) {
+        sample.hit = std::max(sample.hit, RimWeight(inwards.norm()) *
+                                              static_cast<float>(table_->Hit(u, v, bin)) / 255.0f);
+      }
+    }
     sample.edge_at_px = BestEdge(edges, table_options, sample.pixel, sample.normal);
     samples.push_back(sample);
   }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -65,6 +66,7 @@ class ViewBuilder {
         step_(step),
         inner_weight_(static_cast<float>(options.inner_weight)),
         mark_contrast_(static_cast<float>(options.mark_contrast)),
+        rim_m_(static_cast<float>(options.rim_m)),
         crease_cosine_(static_cast<float>(std::cos(options.crease_angle_deg * kRadPerDeg))),
         hits_(static_cast<std::size_t>(camera.size) * camera.size) {
     for (int v = 0; v < camera_.size; ++v) {
@@ -298,12 +300,50 @@ class ViewBuilder {
     }
     const Eigen::Vector3f across =
         candidate.normal.x() * camera_.right + candidate.normal.y() * camera_.down;
-    return {camera_.origin + last.distance * last_ray, across.normalized()};
+    return {camera_.origin + last.distance * last_ray, across.normalized(),
+            RimOf(candidate, inside, last.distance)};
+  }
+
+  /// How far inside of the contour, which lies `at` pixels along the normal, the first mark is [m].
+  float RimOf(const Candidate& candidate, float at, float depth) const {
+    constexpr float kStep_px = 0.5f;
+    constexpr std::size_t kApart = 4;  ///< Steps over which a colour changes, as of MarkAt.
+    const auto cast = [&](float inwards) {
+      const float by = at - inwards;
+      const Eigen::Vector3f ray =
+          camera_.Direction(static_cast<float>(candidate.u) + by * candidate.normal.x(),
+                            static_cast<float>(candidate.v) + by * candidate.normal.y());
+      return std::pair(scene_.Cast(camera_.origin, ray), ray);
+    };
+    const float metres_per_pixel = camera_.pixel * depth;
+    std::vector<float> luminance;
+    auto [last, last_ray] = cast(kStep_px);
+    for (float inwards = kStep_px; inwards * metres_per_pixel <= rim_m_; inwards += kStep_px) {
+      const auto [hit, ray] = cast(inwards);
+      if (hit.distance == 0 || IsStep(hit, ray, last, last_ray, step_) ||
+          IsStep(last, last_ray, hit, ray, step_)) {
+        return 0;
+      }
+      luminance.push_back(hit.luminance);
+      const std::size_t now = luminance.size() - 1;
+      const float before = luminance[now - std::min(now, kApart)];
+      if (std::abs(hit.luminance - before) >= mark_contrast_) {
+        // Halfway between the two colours.
+        std::size_t edge = now;
+        while (edge > 0 &&
+               std::abs(luminance[edge - 1] - before) > 0.5f * std::abs(hit.luminance - before))
+          --edge;
+        return (static_cast<float>(edge) + 0.5f) * kStep_px * metres_per_pixel;
+      }
+      last = hit;
+      last_ray = ray;
+    }
+    return 0;
   }
 
   const RayScene& scene_;
   const ViewCamera& camera_;
-  float step_, inner_weight_, mark_contrast_, crease_cosine_;
+  float step_, inner_weight_, mark_contrast_, rim_m_, crease_cosine_;
   std::vector<RayScene::Hit> hits_;
 };
 

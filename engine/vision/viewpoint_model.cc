@@ -19,7 +19,9 @@
 namespace plumbline {
 namespace {
 
-constexpr char kFormat[] = "plumbline-viewpoints-11";
+constexpr std::size_t kFloatsPerPoint = 7;
+
+constexpr char kFormat[] = "plumbline-viewpoints-12";
 
 std::string CacheKey(const CadModel& model, const ViewpointModelOptions& o) {
   std::string key = std::string(kFormat) + "|" + model.content_hash + "|" +
@@ -27,7 +29,7 @@ std::string CacheKey(const CadModel& model, const ViewpointModelOptions& o) {
   for (const double value :
        {static_cast<double>(o.azimuths), static_cast<double>(o.elevations), o.min_elevation_deg,
         o.max_elevation_deg, static_cast<double>(o.points), static_cast<double>(o.image_px),
-        o.contour_step_m, o.inner_weight, o.crease_angle_deg, o.mark_contrast}) {
+        o.contour_step_m, o.inner_weight, o.crease_angle_deg, o.mark_contrast, o.rim_m}) {
     key += "|" + std::to_string(value);
   }
   for (const double distance : o.distances) key += "|" + std::to_string(distance);
@@ -134,7 +136,8 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(
           result->length_per_point_m_[static_cast<std::size_t>(view - azimuth_index)];
       result->outline_size_[static_cast<std::size_t>(view)] =
           result->outline_size_[static_cast<std::size_t>(view - azimuth_index)];
-      for (ContourPoint& point : points) point = {turn * point.position, turn * point.normal};
+      for (ContourPoint& point : points)
+        point = {turn * point.position, turn * point.normal, point.rim};
     }
     for (int k = 0; k < 3; ++k) {
       for (const ContourPoint& point : points) result->points_.push_back(point.position[k]);
@@ -142,7 +145,9 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(
     for (int k = 0; k < 3; ++k) {
       for (const ContourPoint& point : points) result->points_.push_back(point.normal[k]);
     }
-    result->first_point_.push_back(static_cast<std::int32_t>(result->points_.size() / 6));
+    for (const ContourPoint& point : points) result->points_.push_back(point.rim);
+    result->first_point_.push_back(
+        static_cast<std::int32_t>(result->points_.size() / kFloatsPerPoint));
   }
   return std::shared_ptr<const ViewpointModel>(result);
 }
@@ -196,7 +201,7 @@ bool ViewpointModel::IsWhole() const {
   const auto views = static_cast<std::size_t>(NumViews());
   if (!center_.allFinite() || first_point_.size() != views + 1 || outline_size_.size() != views ||
       length_per_point_m_.size() != views || first_point_.front() != 0 ||
-      points_.size() != 6 * static_cast<std::size_t>(first_point_.back())) {
+      points_.size() != kFloatsPerPoint * static_cast<std::size_t>(first_point_.back())) {
     return false;
   }
   for (std::size_t view = 0; view < views; ++view) {
@@ -231,9 +236,9 @@ ContourView ViewpointModel::View(const Eigen::Vector3f& camera_in_object) const 
       static_cast<std::size_t>((shell * options_.elevations + ring) * options_.azimuths + azimuth);
   const std::int32_t first = first_point_[view];
   const int n = first_point_[view + 1] - first;
-  const float* x = points_.data() + 6 * static_cast<std::size_t>(first);
-  return {n,         outline_size_[view],      x, x + n, x + 2 * n, x + 3 * n, x + 4 * n,
-          x + 5 * n, length_per_point_m_[view]};
+  const float* x = points_.data() + kFloatsPerPoint * static_cast<std::size_t>(first);
+  return {n,         outline_size_[view], x,         x + n,     x + 2 * n,
+          x + 3 * n, x + 4 * n,           x + 5 * n, x + 6 * n, length_per_point_m_[view]};
 }
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -24,6 +25,8 @@ struct ContourPoint {
   Eigen::Vector3f position;
   Eigen::Vector3f normal;  ///< Unit vector across the contour, from the near side outwards,
                            ///< parallel to the image plane.
+  float rim = 0;  ///< Of the contour: how far inside of it, along -normal, a mark runs beside it
+                  ///< [m], as the frame of a screen has it; 0 none.
 };
 
 /// The contour from one viewpoint: points evenly spaced along it, by coordinate.
@@ -36,6 +39,7 @@ struct ContourView {
   const float* nx = nullptr;
   const float* ny = nullptr;
   const float* nz = nullptr;
+  const float* rim = nullptr;    ///< As of ContourPoint.
   float length_per_point_m = 0;  ///< Contour length (of inner lines: weighted) that one point
                                  ///< stands for, measured at the object's centre depth.
 };
@@ -53,7 +57,16 @@ struct ViewpointModelOptions {
   double inner_weight = 0.5;  ///< Of a length of crease or mark beside the same length of contour.
   double crease_angle_deg = 40;  ///< Between faces that make a crease.
   double mark_contrast = 0.15;   ///< Step of luminance (0 .. 1) that makes a mark.
+  double rim_m = 0.05;           ///< A mark beside a contour by at most this is its rim.
 };
+
+/// Where the contour and the mark inside of it are so close in an image, edge detectors draw one
+/// line for both, along the stronger: how much an edge along the mark counts for the contour. 1
+/// where they cannot be told apart, 0 where each has a line of its own.
+inline float RimWeight(float width_px) {
+  constexpr float kOneLine_px = 3, kTwoLines_px = 6;
+  return std::clamp((kTwoLines_px - width_px) / (kTwoLines_px - kOneLine_px), 0.0f, 1.0f);
+}
 
 /// From where a model may be seen: what stands on the floor not from below, what stands or hangs
 /// higher also from there. Rings are 10 degrees apart.
@@ -93,7 +106,8 @@ class ViewpointModel {
   ViewpointModelOptions options_;
   Eigen::Vector3f center_{0, 0, 0};
   float bounding_radius_ = 0;
-  std::vector<float> points_;  ///< View after view: all x, all y, all z, all nx, all ny, all nz.
+  /// View after view: all x, all y, all z, all nx, all ny, all nz, all rims.
+  std::vector<float> points_;
   std::vector<std::int32_t> first_point_;  ///< NumViews() + 1; counts points.
   std::vector<std::int32_t> outline_size_;
   std::vector<float> length_per_point_m_;

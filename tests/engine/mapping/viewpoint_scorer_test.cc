@@ -4,10 +4,12 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "engine/base/random.h"
 #include "engine/geometry/angles.h"
 #include "tests/support/mapping_scene.h"
+#include "tests/support/meshes.h"
 
 namespace plumbline {
 namespace {
@@ -135,6 +137,54 @@ TEST_F(ViewpointScorerTest, LooksForEdgesBesideTheOutline) {
   EXPECT_LT(agreement(larger, 2), agreement(larger, 0));
   EXPECT_LT(agreement(truth, -2), agreement(truth, 0));
   EXPECT_LT(agreement(truth, 2), agreement(truth, 0));
+}
+
+// From afar a frame and what it frames give one line, along whichever is stronger: the true pose
+// explains both. From nearby each gives its own.
+TEST_F(ViewpointScorerTest, AnEdgeAlongTheRimIsTheOutlinesWhereTheyCannotBeToldApart) {
+  constexpr float kRim_m = 0.02f;
+  TriangleMesh mesh = MakeBox({-0.02f, -0.3f, 0}, {0.02f, 0.3f, 0.4f});
+  mesh.colors.assign(mesh.vertices.size(), {30, 30, 30});
+  TriangleMesh screen =
+      MakeBox({0, -0.3f + kRim_m, kRim_m}, {0.021f, 0.3f - kRim_m, 0.4f - kRim_m});
+  screen.colors.assign(screen.vertices.size(), {120, 140, 160});
+  Append(screen, mesh);
+  CadModel model;
+  model.name = "screen";
+  model.mesh = mesh;
+  const std::shared_ptr<const ModelDatabase> database = ModelDatabase::FromModels({model});
+  Result<std::shared_ptr<const ViewpointModel>> views =
+      ViewpointModel::Build(database->models().front(), ViewpointModelOptions{}, {});
+  ASSERT_TRUE(views.ok());
+  const ViewpointScorer scorer({*views}, database);
+  const PinholeCamera camera{640, 480, 500, 500, 319.5, 239.5};
+  const MapFrame map{UprightFrame({0, 0, -1}), {}, database};
+  // The score of the true pose, of the outline alone, where all edges lie `inside` of it.
+  const auto score = [&](double distance, float inside) {
+    ScoringView view;
+    view.camera = camera;
+    view.inner_lines = false;
+    view.cam_from_world = LookAt({distance, 0, 0.2}, {0, 0, 0.2}).inverse();
+    cv::Mat lines(camera.height, camera.width, CV_8U, cv::Scalar(0));
+    const auto at = [&](double y, double z) {
+      const Eigen::Vector2d pixel =
+          camera.Project(view.cam_from_world * Eigen::Vector3d(0.02, y, z));
+      return cv::Point(cvRound(pixel.x()), cvRound(pixel.y()));
+    };
+    cv::rectangle(lines, at(-0.3 + inside, inside), at(0.3 - inside, 0.4 - inside),
+                  cv::Scalar(255));
+    const OrientedTable table(EdgesOfContour(lines), OrientedTableOptions{});
+    view.table = &table;
+    HypothesisScore found;
+    const PoseHypothesis truth{ModelId{0}, 0, {0, 0, 0.2}};
+    scorer.Score(view, map.upright, {&truth, 1}, {&found, 1});
+    return found.agreement_m / found.visible_m;
+  };
+  const float far_m = 5, near_m = 1;  // 2 and 10 pixels
+  EXPECT_GT(score(far_m, kRim_m), 0.95f * score(far_m, 0));
+  EXPECT_LT(score(near_m, kRim_m), 0.3f * score(near_m, 0));
+  EXPECT_LT(score(far_m, 3 * kRim_m), 0.6f * score(far_m, 0)) << "further inside than the rim";
+  EXPECT_LT(score(far_m, -2 * kRim_m), 0.7f * score(far_m, 0)) << "outside";
 }
 
 TEST_F(ViewpointScorerTest, ScoresHighestAtItsScale) {

@@ -326,6 +326,39 @@ TEST(ViewpointModel, InnerLinesAreCreasesAndStepsOfColour) {
   EXPECT_LE(turned, 0.06 * marks) << "of " << marks << ": where the mark ends, the window is cut";
 }
 
+TEST(ViewpointModel, AMarkBesideTheContourIsItsRim) {
+  // A screen in a frame 2 cm wide, a millimetre proud of it, seen from the front.
+  TriangleMesh framed = MakeBox({-0.02f, -0.3f, 0}, {0.02f, 0.3f, 0.4f});
+  framed.colors.assign(framed.vertices.size(), {30, 30, 30});
+  TriangleMesh plain = framed;
+  TriangleMesh screen = MakeBox({0, -0.28f, 0.02f}, {0.021f, 0.28f, 0.38f});
+  screen.colors.assign(screen.vertices.size(), {120, 140, 160});
+  Append(screen, framed);
+  const ViewpointModelOptions options = FewViews();
+  const Eigen::Vector3f front(2, 0, 0.2f), back(-2, 0, 0.2f);
+  const auto model = Built(ModelOf(framed), options);
+  const ContourView view = model->View(front);
+  int rimmed = 0;
+  for (int i = 0; i < view.outline_size; ++i) {
+    // Nearer to a corner than the window over which a normal is taken, it runs askew.
+    const bool corner = std::abs(view.y[i]) > 0.26f && std::abs(view.z[i] - 0.2f) > 0.16f;
+    if (corner) continue;
+    EXPECT_NEAR(view.rim[i], 0.02f, 0.006f) << view.y[i] << ' ' << view.z[i];
+    ++rimmed;
+  }
+  EXPECT_GT(rimmed, 150);
+  for (const ContourView& without :
+       {model->View(back), Built(ModelOf(plain), options)->View(front)}) {
+    for (int i = 0; i < without.outline_size; ++i) EXPECT_EQ(without.rim[i], 0);
+  }
+  // A mark further inside is a line of its own.
+  ViewpointModelOptions narrow = options;
+  narrow.rim_m = 0.01;
+  const auto narrow_model = Built(ModelOf(framed), narrow);
+  const ContourView apart = narrow_model->View(front);
+  for (int i = 0; i < apart.outline_size; ++i) EXPECT_EQ(apart.rim[i], 0);
+}
+
 TEST(ViewpointModel, TakesTheNearestView) {
   const CadModel model = ModelOf(MakeBox({-0.3f, -0.2f, 0}, {0.3f, 0.2f, 0.5f}));
   const ViewpointModelOptions options = FewViews();
@@ -368,7 +401,7 @@ class ViewpointCache : public testing::Test {
       const ContourView vb = b.View(viewpoint.camera_in_object);
       ASSERT_EQ(va.size, vb.size);
       EXPECT_EQ(va.length_per_point_m, vb.length_per_point_m);
-      EXPECT_TRUE(std::equal(va.x, va.x + 6 * va.size, vb.x));
+      EXPECT_TRUE(std::equal(va.x, va.x + 7 * va.size, vb.x));
     }
   }
   TemporaryFolder folder_;
