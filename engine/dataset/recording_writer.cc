@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cinttypes>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -16,22 +15,12 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/files.h"
+#include "engine/dataset/sequence_writing.h"
 
 namespace plumbline {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Decimal seconds to the nanosecond.
-std::string SecondsText(std::int64_t stamp_ns) {
-  char text[40];
-  const bool negative = stamp_ns < 0;
-  const std::uint64_t size =
-      negative ? 0 - static_cast<std::uint64_t>(stamp_ns) : static_cast<std::uint64_t>(stamp_ns);
-  std::snprintf(text, sizeof(text), "%s%" PRIu64 ".%09" PRIu64, negative ? "-" : "",
-                size / 1'000'000'000, size % 1'000'000'000);
-  return text;
-}
 
 int OpenToAppend(const fs::path& file) {
   return ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
@@ -130,7 +119,7 @@ Status RecordingWriter::AddReadings(std::span<const ImuSample> samples) {
     char numbers[200];
     std::snprintf(numbers, sizeof(numbers), ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", w.x(), w.y(), w.z(),
                   a.x(), a.y(), a.z());
-    rows += SecondsText(sample.stamp_ns) + numbers;
+    rows += StampText(sample.stamp_ns) + numbers;
   }
   return Append(readings_, "imu.csv", rows);
 }
@@ -151,7 +140,7 @@ Status RecordingWriter::AddImage(std::int64_t stamp_ns, std::string_view encoded
   fs::rename(part, file, error);
   if (error) return CannotWrite(file);
   ++num_images_;
-  return Append(images_, "color.csv", SecondsText(stamp_ns) + ",color/" + name + "\n");
+  return Append(images_, "color.csv", StampText(stamp_ns) + ",color/" + name + "\n");
 }
 
 }  // namespace plumbline

@@ -132,9 +132,11 @@ Status WriteSurroundings(const Sequence& sequence, const fs::path& folder,
 
 std::string StampText(std::int64_t stamp_ns) {
   char text[40];
-  const std::int64_t seconds = stamp_ns / 1'000'000'000, rest = stamp_ns % 1'000'000'000;
-  std::snprintf(text, sizeof text, "%s%" PRId64 ".%09" PRId64, stamp_ns < 0 ? "-" : "",
-                std::abs(seconds), std::abs(rest));
+  const bool negative = stamp_ns < 0;
+  const std::uint64_t size =
+      negative ? 0 - static_cast<std::uint64_t>(stamp_ns) : static_cast<std::uint64_t>(stamp_ns);
+  std::snprintf(text, sizeof text, "%s%" PRIu64 ".%09" PRIu64, negative ? "-" : "",
+                size / 1'000'000'000, size % 1'000'000'000);
   return text;
 }
 

@@ -1,29 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/dataset/trajectory_writer.h"
 
-#include <cinttypes>
 #include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "engine/base/files.h"
+#include "engine/dataset/sequence_writing.h"
 #include "engine/dataset/stamped_rows.h"
 #include "engine/dataset/text_table.h"
 
 namespace plumbline {
-namespace {
-
-/// Decimal seconds with every nanosecond.
-std::string SecondsText(std::int64_t stamp_ns) {
-  char text[40];
-  std::snprintf(text, sizeof(text), "%s%" PRId64 ".%09" PRId64, stamp_ns < 0 ? "-" : "",
-                std::abs(stamp_ns) / 1'000'000'000, std::abs(stamp_ns) % 1'000'000'000);
-  return text;
-}
-
-}  // namespace
-
 Status WriteTrajectory(const std::filesystem::path& file, std::string_view frames,
                        std::span<const WrittenPose> poses) {
   std::string text = "# " + std::string(frames) + ": t[s] tx ty tz[m] qx qy qz qw\n";
@@ -33,7 +21,7 @@ Status WriteTrajectory(const std::filesystem::path& file, std::string_view frame
     char row[200];
     std::snprintf(row, sizeof(row), " %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", t.x(), t.y(), t.z(),
                   q.x(), q.y(), q.z(), q.w());
-    text += SecondsText(pose.stamp_ns) + row;
+    text += StampText(pose.stamp_ns) + row;
   }
   return WriteFileAtomically(file, text);
 }
@@ -50,7 +38,7 @@ Status WriteCovariances(const std::filesystem::path& file, std::string_view fram
                      " row by row; order x y z [m] rx ry rz [rad], all along the axes of world: "
                      "t = t_estimate + (x y z), R = Exp(rx ry rz) R_estimate\n";
   for (const WrittenPose& pose : poses) {
-    text += SecondsText(pose.stamp_ns);
+    text += StampText(pose.stamp_ns);
     for (int row = 0; row < 6; ++row) {
       for (int column = 0; column < 6; ++column) {
         char number[32];

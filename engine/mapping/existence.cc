@@ -10,6 +10,12 @@
 namespace plumbline {
 namespace {
 
+/// A camera that walks fast gives a look an image, and a single image may mislead.
+constexpr double kConfirmingLooks = 1.5;
+/// In which a belief below 80 % would have begun anew (kInDoubt of mapper_belief.cc).
+constexpr double kHeldLooks = 2;
+/// Of the contour, for a belief that has held: a quarter hardly tells front from back.
+constexpr double kHeldVisible = 0.3;
 constexpr int kPlacesAround = 24;
 /// As sharp as this a marginal over shifts is within 0.02 of the best: where a view is off is free
 /// here, for the object as for the places around it. A likelihood would charge the object alone.
@@ -54,6 +60,13 @@ double TentativeLogOdds(const TentativeEvidence& evidence, const MapperOptions& 
            options.box_share * kTellingBoxes * std::tanh(evidence.boxes / kTellingBoxes);
   }
   return options.tentative_odds + passing + options.remembered_share * limited(evidence.remembered);
+}
+
+std::optional<double> BeliefToConfirm(double shown, double visible_fraction, bool rival,
+                                      const MapperOptions& options) {
+  if (shown < kConfirmingLooks) return std::nullopt;
+  const bool held = shown >= kHeldLooks && visible_fraction >= kHeldVisible && !rival;
+  return held ? options.confirm_held_weight : options.confirm_mode_weight;
 }
 
 void Existence::Update(const Sighting& sighting, double dt_s, const MapperOptions& options) {

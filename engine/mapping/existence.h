@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "engine/mapping/judging.h"
 
 namespace plumbline {
@@ -35,6 +37,15 @@ struct TentativeEvidence {
 /// Log odds of a tentative object. Edges decide whether enough of it has shown; of what has, boxes
 /// alone tell right from wrong.
 double TentativeLogOdds(const TentativeEvidence& evidence, const MapperOptions& options);
+
+/// What of its particles the mean pose of a tentative object must have to be confirmed, in [0, 1];
+/// nothing while too little of it has shown. Where a belief has held for some looks, and what is
+/// left of it is scattered, less will do.
+/// @param shown  Independent looks in which enough of it showed at a pose that was believed.
+/// @param visible_fraction  Of its contour, now.
+/// @param rival  Whether a second mode has some of the belief.
+std::optional<double> BeliefToConfirm(double shown, double visible_fraction, bool rival,
+                                      const MapperOptions& options);
 
 /// Two beliefs that go together: whether an object is there, and whether something that is not
 /// mapped hides it. Being hidden begins seldom and ends seldom, so a wall costs little however long

@@ -182,7 +182,9 @@ Status KeyFrameMemory::Restore(std::string_view bytes,
         OcclusionMaps(renderer.Render(camera_, key.input.world_from_cam.inverse(), key.occluders));
   }
   if (!in.ok())
-    return Error{ErrorCode::kCorrupt, "the run file's key frames are damaged; start the run again"};
+    return Error{ErrorCode::kCorrupt,
+                 "the run's key frames are damaged, or of another version of Plumbline; start the "
+                 "run again"};
   return {};
 }
 

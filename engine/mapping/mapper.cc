@@ -16,12 +16,6 @@ namespace {
 
 constexpr double kFirstFrame_s = 1.0 / 30.0;
 constexpr double kLooksBeforeMerging = 1;
-/// A camera that walks fast gives a look an image, and a single image may mislead.
-constexpr double kConfirmingLooks = 1.5;
-/// Of the contour, for a belief that has held: a quarter hardly tells front from back.
-constexpr double kHeldVisible = 0.3;
-constexpr double kHeldLooks =
-    2;  ///< In which a belief below 80 % would have begun anew, see kInDoubt.
 constexpr std::size_t kJoined = 60;  ///< Poses that a merged object leaves, about.
 constexpr double kPlanted_m = 0.02, kPlanted_rad = 0.03;  ///< Deviations of what is planted.
 constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
@@ -164,10 +158,9 @@ bool Mapper::Impl::IsPlaced(const MapObject& object) const {
 }
 
 bool Mapper::Impl::MayBeConfirmed(const MapObject& object) const {
-  if (object.shown < kConfirmingLooks) return false;
-  const bool held = object.shown >= kHeldLooks && object.visible_fraction >= kHeldVisible &&
-                    !HasRivalMode(object);
-  return IsKnown(object, held ? options().confirm_held_weight : options().confirm_mode_weight);
+  const std::optional<double> least =
+      BeliefToConfirm(object.shown, object.visible_fraction, HasRivalMode(object), options());
+  return least && IsKnown(object, *least);
 }
 
 bool Mapper::Impl::IsKnown(const MapObject& object, double least_belief) const {

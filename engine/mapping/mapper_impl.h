@@ -300,8 +300,7 @@ struct Mapper::Impl {
   bool IsPlaced(const MapObject& object) const;
   /// The same with another least belief in the mean pose.
   bool IsKnown(const MapObject& object, double least_belief) const;
-  /// Whether enough of a tentative object has shown besides. Where the belief has held for some
-  /// looks, and what is left of it is scattered, less will do.
+  /// Whether enough of a tentative object has shown besides (BeliefToConfirm).
   bool MayBeConfirmed(const MapObject& object) const;
   /// Places of objects of its category that the object cannot have: of those that are confirmed,
   /// and, while it is tentative, of those that are placed and have more evidence.

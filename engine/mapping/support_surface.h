@@ -20,7 +20,7 @@ std::optional<double> SupportHeight(const CadModel& model);
 
 /// The flat top of a mapped object, in the axes of the upright frame.
 struct SupportSurface {
-  ObjectId object;
+  ObjectId object;               ///< Whose top it is.
   Eigen::Vector2d corner{0, 0};  ///< One of four, and where the two next to it lie from there:
   Eigen::Vector2d side_a{0, 0}, side_b{0, 0};
   double height_m = 0;

@@ -8,6 +8,7 @@ import unittest
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+import accuracy_page  # noqa: E402
 import measure  # noqa: E402
 
 
@@ -106,6 +107,33 @@ class Statistics(unittest.TestCase):
             self.assertEqual(measure.shown_frames(sequence, "0:2"), {"x": 1})
             (sequence / "visibility.csv").write_text("frame,instance_id,pixels\n3,x,2000\n4,x,1999\n6,x,2500\n")
             self.assertEqual(measure.shown_frames(sequence, None), {"x": 2})
+
+
+class AccuracyPage(unittest.TestCase):
+    def part(self, records):
+        arguments = {"detector": None, "edges": "gradient", "set": [], "seeds": [0, 1], "rooms": None, "ablate": None}
+        return accuracy_page.Part("rooms-imu", arguments, records, "as it is")
+
+    def test_means_are_over_objects_and_misses_are_named(self):
+        records = [record("room 101", 0, [instance("chair_1", position_m=0.01), instance("couch_1", False)],
+                          [believed(.9, "chair_1")]),
+                   record("room 101", 1, [instance("chair_1", position_m=0.01), instance("couch_1", position_m=0.07)],
+                          [believed(.9, "chair_1")])]
+        part = self.part(records)
+        row = accuracy_page.summary_row("rooms", part)
+        self.assertIn("| dataset, gradient | 2 | 3 of 4 (75 %) | 3 of 3 | 0 | 0 | 0 | 3.00, 1.00 |", row)
+        lines = "\n".join(accuracy_page.outlier_lines(part))
+        self.assertIn("couch_1 of 101 (1 of 2).", lines)
+        self.assertIn("couch_1 of 101 (1 of 2, up to 7.0 cm and 1 deg)", lines)
+        self.assertIn("False: none.", lines)
+        self.assertEqual(part.command, "scripts/measure.sh --only rooms-imu --seeds 0:2 --edges gradient")
+
+    def test_results_of_something_else_are_told(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "results.json"
+            file.write_text("{}")
+            sys.argv = ["accuracy_page.py", "--commit", "x", str(file)]
+            self.assertIn("no results of scripts/measure.sh", accuracy_page.main())
 
 
 if __name__ == "__main__":

@@ -152,6 +152,17 @@ TEST(NoveltyClock, ComesBackFromBytes) {
             restored.Advance(66'000'000, world_from_cam, kOptions));
 }
 
+TEST(BeliefToConfirm, IsLessWhereABeliefHasHeldWithoutARival) {
+  const double sure = kOptions.confirm_mode_weight, held = kOptions.confirm_held_weight;
+  ASSERT_LT(held, sure);
+  EXPECT_EQ(BeliefToConfirm(1.4, 1, false, kOptions), std::nullopt) << "a single image may mislead";
+  EXPECT_EQ(BeliefToConfirm(1.6, 1, false, kOptions), sure) << "has not held yet";
+  EXPECT_EQ(BeliefToConfirm(2, 1, false, kOptions), held);
+  EXPECT_EQ(BeliefToConfirm(2, 1, true, kOptions), sure) << "of two modes neither";
+  EXPECT_EQ(BeliefToConfirm(9, 0.25, false, kOptions), sure) << "front or back";
+  EXPECT_EQ(BeliefToConfirm(9, 0.3, false, kOptions), held);
+}
+
 TEST(EdgeSurplus, IsLargeWhereTheObjectStandsAndSmallElsewhere) {
   MappingScene& scene = MappingScene::Get();
   const PlacedModel chair = scene.Place("chair", 0, 0, 30),
