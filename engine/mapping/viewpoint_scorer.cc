@@ -172,6 +172,7 @@ Boxes FindBoxes(float near_m, const Projected& points) {
 }
 
 /// What seen points of the outline gain where the edge runs along their rim [of 255].
+/// RenderedScorer does not know of rims.
 std::int64_t RimGain(const OrientedTable& table, const ContourView& contour, const Projection& p,
                      const Projected& points) {
   const std::uint8_t* cells = table.cells();
