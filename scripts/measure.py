@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the mapper: every figure of README.md, docs/algorithms/semantic_filter.md and smoothing.md.
+"""Measures the mapper: every figure of README.md, docs/accuracy.md (by accuracy_page.py) and docs/algorithms/smoothing.md.
 
 Runs `plumbline run` and `plumbline evaluate` on real and synthetic rooms, over seeds, and writes into one folder
   tables.md     for each set of rooms: a row for each run, a row for each instance, found or missed

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Measures the mapper: every figure of README.md, docs/algorithms/semantic_filter.md and smoothing.md.
+# Measures the mapper: every figure of README.md, docs/accuracy.md (by accuracy_page.py) and docs/algorithms/smoothing.md.
 #   scripts/measure.sh --help
 # The visual-inertial filter, for docs/algorithms/vio.md:
 #   scripts/measure.sh --only vio [--help]
