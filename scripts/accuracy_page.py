@@ -9,6 +9,7 @@ on that page is written by hand; words about figures are in the pages that it na
 """
 import argparse
 import collections
+import copy
 import json
 import pathlib
 import statistics
@@ -130,9 +131,8 @@ def room_number(record):
 
 
 def named(pairs):
-    """'chair_3 of 109 (2 of 3 seeds)', from (record, instance) pairs, of all runs of its room."""
-    counts = collections.Counter((room_number(record), instance["id"]) for record, instance in pairs)
-    return counts
+    """How often each (room, instance) is among (record, instance) pairs."""
+    return collections.Counter((room_number(record), instance["id"]) for record, instance in pairs)
 
 
 def outlier_lines(part):
@@ -242,8 +242,8 @@ def main():
             lines.append(summary_row(title, part))
             held_out = [r for r in part.records if name == "rooms-imu" and int(room_number(r)) > 120]
             if held_out and len(held_out) < len(part.records):
-                only = Part.__new__(Part)
-                only.__dict__.update(part.__dict__, records=held_out)
+                only = copy.copy(part)
+                only.records = held_out
                 lines.append(summary_row("of these, 121 to 126 (held out)", only))
     lines += [""]
     for name, title in TITLES.items():
