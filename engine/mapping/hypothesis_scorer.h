@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -47,8 +48,12 @@ struct ScoringView {
       0.05;                 ///< A point hides only behind a surface at least this much nearer.
   double near_m = 0.15;     ///< Nearer points are not seen.
   bool inner_lines = true;  ///< Creases and marks count too.
-  /// How far outside of the outline the edges are looked for, all around [px].
-  double outline_offset_px = 0;
+  /// An edge along a rim of the outline counts for it where they are too close to be told apart
+  /// (ContourPoint::rim): tells where an object stands, not whether it is there.
+  bool rims = false;
+  /// How far outside of the outline the edges are looked for, where it faces right, down, left and
+  /// up in the image [px].
+  std::array<double, 4> outline_offsets_px = {};
   /// Where the image may be instead, as its pose errs (Evaluate marginalises over them; scorers
   /// look where the pose says). Empty: there.
   std::vector<ImageShift> shifts = {};
@@ -66,8 +71,8 @@ struct HypothesisScore {
 };
 
 /// Computes the edge term for many hypotheses. The two implementations compute this same score:
-/// from contours rendered for each hypothesis (RenderedScorer, the reference), and from precomputed
-/// ones (ViewpointScorer, fast).
+/// from contours rendered for each hypothesis (RenderedScorer, the reference, which does not know
+/// of rims), and from precomputed ones (ViewpointScorer, fast).
 class HypothesisScorer {
  public:
   virtual ~HypothesisScorer() = default;

@@ -14,7 +14,7 @@ void MapObject::Summarize(const MapFrame& map) {
   modes = FindModes(particles, world_from_reference_cam, map);
   covariance = ModeCovariance(modes.front(), particles, world_from_reference_cam, map);
   covariance.topLeftCorner<3, 3>() += shared_error;
-  covariance += outline_error * outline_error.transpose();
+  covariance += outline_covariance;
   label_probability = LabelPosterior(particles);
   label = mean().label;
   world_from_object = mean().world_from_object;
@@ -94,7 +94,7 @@ ObjectReport ToReport(const MapObject& object) {
   object.paper.Save(out);
   // Scales, then crops, motion, boxes, shared errors and those of outlines come last and only where
   // there are any: older files have none.
-  const bool outlined = !object.outline_error.isZero(0),
+  const bool outlined = !object.outline_covariance.isZero(0),
              shares = outlined || !object.shared_error.isZero(0),
              boxed = shares || object.remembered_boxes != 0,
              followed = boxed || object.motion.boxes() > 0,
@@ -111,7 +111,7 @@ ObjectReport ToReport(const MapObject& object) {
     for (const double value : object.shared_error.reshaped()) out.Put(value);
   }
   if (outlined) {
-    for (const double value : object.outline_error) out.Put(value);
+    for (const double value : object.outline_covariance.reshaped()) out.Put(value);
   }
   report.filter_state = out.Take();
   return report;
@@ -173,8 +173,12 @@ Result<MapObject> FromReport(const ObjectReport& report, const ModelDatabase& mo
   if (!in.rest().empty()) {
     for (double& value : object.shared_error.reshaped()) value = in.Get<double>();
   }
-  if (!in.rest().empty()) {
-    for (double& value : object.outline_error) value = in.Get<double>();
+  if (in.rest().size() == sizeof(double) * 4) {  // until 2026-11-28: one deviation, all around
+    Eigen::Vector4d outline_error;
+    for (double& value : outline_error) value = in.Get<double>();
+    object.outline_covariance = outline_error * outline_error.transpose();
+  } else if (!in.rest().empty()) {
+    for (double& value : object.outline_covariance.reshaped()) value = in.Get<double>();
   }
   const auto known = [&models](int label) {
     return label >= 0 && label < static_cast<int>(models.models().size());

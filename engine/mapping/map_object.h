@@ -28,8 +28,8 @@ struct MapObject : ObjectBelief {
   std::vector<float> memory;  ///< Of each particle: the sum over `views`, see judging.h.
   PoseUncertainty reference_uncertainty;                   ///< Of `world_from_reference_cam`.
   Eigen::Matrix3d shared_error = Eigen::Matrix3d::Zero();  ///< Of its place, see SharedError.
-  /// Of place and azimuth, one standard deviation of what OutlineSensitivity tells.
-  Eigen::Vector4d outline_error = Eigen::Vector4d::Zero();
+  /// Of place and azimuth, see OutlineCovariance.
+  Eigen::Matrix4d outline_covariance = Eigen::Matrix4d::Zero();
   PoseId reference_pose;       ///< Names it,
   int reference_epoch = 0;     ///< and how often it has been corrected.
   double present_weight = 0;   ///< How much of a view the last frame was, beside `views`.

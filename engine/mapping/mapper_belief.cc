@@ -357,9 +357,10 @@ std::vector<JudgingView> Mapper::Impl::ViewsOf(const MapObject& object, const Ma
   return views;
 }
 
-Eigen::Vector4d Mapper::Impl::OutlineErrorOf(const MapObject& object, const MapperInput& input,
+Eigen::Matrix4d Mapper::Impl::OutlineErrorOf(const MapObject& object, const MapperInput& input,
                                              const OcclusionMaps& occluders) const {
-  if (options().outline_std_px <= 0) return Eigen::Vector4d::Zero();
+  if (options().outline_std_px <= 0 && options().outline_side_std_px <= 0)
+    return Eigen::Matrix4d::Zero();
   const PoseHypothesis mean = ToHypothesis(object.mean(), map);
   const std::size_t stride = std::max<std::size_t>(1, object.particles.size() / kOutlineSample);
   std::vector<PoseHypothesis> sample;
@@ -367,9 +368,9 @@ Eigen::Vector4d Mapper::Impl::OutlineErrorOf(const MapObject& object, const Mapp
     const PoseHypothesis drawn = ToHypothesis(object.particles[i], object.world_from_reference_cam);
     if (drawn.label == mean.label && IsSamePose(drawn, mean)) sample.push_back(drawn);
   }
-  return options().outline_std_px * OutlineSensitivity(*setup.scorer, map,
-                                                       ViewsOf(object, input, occluders), sample,
-                                                       mean, options(), object.sharpness);
+  return OutlineCovariance(OutlineSensitivity(*setup.scorer, map, ViewsOf(object, input, occluders),
+                                              sample, mean, options(), object.sharpness),
+                           options().outline_std_px, options().outline_side_std_px);
 }
 
 Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& input,
@@ -579,7 +580,7 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
   Take(object, population);
   Summarize(object, input);
   if (!tentative || IsPlaced(object)) {
-    object.outline_error = OutlineErrorOf(object, input, occluders);
+    object.outline_covariance = OutlineErrorOf(object, input, occluders);
     Summarize(object, input);
   }
   if (!tentative) return;

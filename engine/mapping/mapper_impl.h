@@ -177,6 +177,7 @@ struct Mapper::Impl {
                      const OcclusionMaps& occluders) const {
     ScoringView view =
         View(input, occluders, object.id, SupportUnder(object, input.world_from_cam));
+    view.rims = object.state == ObjectState::kConfirmed;
     view.shifts = ImageShiftsOf(ToHypothesis(object.mean(), map).center_in_world,
                                 {input.world_from_cam, input.pose_uncertainty},
                                 {object.world_from_reference_cam, object.reference_uncertainty},
@@ -214,6 +215,7 @@ struct Mapper::Impl {
   Judging JudgeByOwnEdges(const MapObject& object, const MapperInput& from,
                           const OcclusionMaps& maps) const {
     JudgingView view{ViewOf(object, from, maps), from.detections.get(), 0, 1};
+    view.view.rims = false;
     if (object.state == ObjectState::kTentative)
       view.view.occluder_depth =
           maps.DepthAndContours(object.id, SupportUnder(object, from.world_from_cam));
@@ -310,7 +312,7 @@ struct Mapper::Impl {
   std::vector<JudgingView> ViewsOf(const MapObject& object, const MapperInput& input,
                                    const OcclusionMaps& occluders) const;
   /// One standard deviation of what its views err by alike, as outlines and edges differ.
-  Eigen::Vector4d OutlineErrorOf(const MapObject& object, const MapperInput& input,
+  Eigen::Matrix4d OutlineErrorOf(const MapObject& object, const MapperInput& input,
                                  const OcclusionMaps& occluders) const;
   Target PosteriorOf(const MapObject& object, const MapperInput& input,
                      const OcclusionMaps& occluders) const;

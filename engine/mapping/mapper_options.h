@@ -62,6 +62,7 @@ struct MapperOptions {
   double landmark_drift_m = 0.02;
   double telling_contour_px = 150;
   double outline_std_px = 0.65;
+  double outline_side_std_px = 0.65;
   double crop_sharpness = 0;
   bool inner_lines = true;
   ScoredBox scored_box = ScoredBox::kBest;
@@ -178,6 +179,10 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
          "how far outside or inside of an outline its edges lie all around, in all views alike "
          "(standard deviation, at a focal length of 500)",
          0, 20});
+  visit(o.outline_side_std_px,
+        {"outline_side_std_px", "px",
+         "the same of the sides of an outline that face right, down, left and up, each its own", 0,
+         20});
   visit(
       o.crop_sharpness,
       {"crop_sharpness", "",

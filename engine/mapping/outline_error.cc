@@ -11,38 +11,50 @@ constexpr double kOffsetStep_px = 1, kOffsetFocal_px = 500;
 
 }  // namespace
 
-Eigen::Vector4d OutlineSensitivity(const HypothesisScorer& scorer, const MapFrame& map,
+Eigen::Matrix4d OutlineSensitivity(const HypothesisScorer& scorer, const MapFrame& map,
                                    std::vector<JudgingView> views,
                                    std::span<const PoseHypothesis> hypotheses,
                                    const PoseHypothesis& from, const MapperOptions& options,
                                    double sharpness) {
-  if (hypotheses.empty()) return Eigen::Vector4d::Zero();
+  Eigen::Matrix4d sensitivity = Eigen::Matrix4d::Zero();
+  if (hypotheses.empty()) return sensitivity;
   double weight = 0;
   for (JudgingView& view : views) {
     weight += view.weight;
     view.detections = nullptr;  // boxes know nothing of outlines
   }
-  const auto moved_by = [&](double step_px) {
-    for (JudgingView& view : views)
-      view.view.outline_offset_px = step_px * view.view.camera.fx / kOffsetFocal_px;
+  const Eigen::Index count = static_cast<Eigen::Index>(hypotheses.size());
+  const CadModel& model = map.database->model(from.label);
+  Eigen::Matrix4Xd poses(4, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const PoseHypothesis& hypothesis = hypotheses[static_cast<std::size_t>(i)];
+    poses.col(i) << hypothesis.center_in_world - from.center_in_world,
+        AzimuthDifference(model, hypothesis.azimuth_rad, from.azimuth_rad);
+  }
+  poses.colwise() -= poses.rowwise().mean().eval();
+  const auto moved_by = [&](std::size_t side, double step_px) {
+    for (JudgingView& view : views) {
+      view.view.outline_offsets_px = {};
+      view.view.outline_offsets_px[side] = step_px * view.view.camera.fx / kOffsetFocal_px;
+    }
     return SumOverViews(scorer, map, views, hypotheses, options);
   };
-  const std::vector<double> outside = moved_by(kOffsetStep_px), inside = moved_by(-kOffsetStep_px);
   const double scale = ViewScale(weight, sharpness, options) / (2 * kOffsetStep_px);
-  const CadModel& model = map.database->model(from.label);
-  Eigen::Vector4d pose_sum = Eigen::Vector4d::Zero(), product_sum = Eigen::Vector4d::Zero();
-  double slope_sum = 0;
-  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
-    Eigen::Vector4d pose;
-    pose << hypotheses[i].center_in_world - from.center_in_world,
-        AzimuthDifference(model, hypotheses[i].azimuth_rad, from.azimuth_rad);
-    const double slope = scale * (outside[i] - inside[i]);
-    pose_sum += pose;
-    slope_sum += slope;
-    product_sum += slope * pose;
+  for (std::size_t side = 0; side < 4; ++side) {
+    const std::vector<double> outside = moved_by(side, kOffsetStep_px),
+                              inside = moved_by(side, -kOffsetStep_px);
+    const Eigen::VectorXd slopes = scale * (Eigen::VectorXd::Map(outside.data(), count) -
+                                            Eigen::VectorXd::Map(inside.data(), count));
+    sensitivity.col(static_cast<Eigen::Index>(side)) = poses * slopes / static_cast<double>(count);
   }
-  const double count = static_cast<double>(hypotheses.size());
-  return product_sum / count - slope_sum / count * pose_sum / count;
+  return sensitivity;
+}
+
+Eigen::Matrix4d OutlineCovariance(const Eigen::Matrix4d& sensitivity, double all_around_std_px,
+                                  double side_std_px) {
+  const Eigen::Vector4d grown = all_around_std_px * sensitivity.rowwise().sum();
+  return grown * grown.transpose() +
+         side_std_px * side_std_px * sensitivity * sensitivity.transpose();
 }
 
 }  // namespace plumbline

@@ -27,7 +27,8 @@ void RenderedScorer::Score(const ScoringView& view, const UprightFrame& upright,
   PLB_CHECK(scores.size() == hypotheses.size());
   PLB_CHECK(view.table != nullptr && view.table->width() == view.camera.width &&
             view.table->height() == view.camera.height);
-  PLB_CHECK(view.outline_offset_px == 0) << "the reference has outlines where they are";
+  PLB_CHECK(view.outline_offsets_px == (std::array<double, 4>{}))
+      << "the reference has outlines where they are";
   static_assert(OrientedTable::kBins == 16);
   AtlasView image;
   image.camera = view.camera;

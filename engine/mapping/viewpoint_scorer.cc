@@ -89,12 +89,16 @@ Eigen::Vector2f Outwards(const ContourView& contour, const Projection& p, const 
           p.fy * rotated(1) - along_ray * (points.v[i] - p.cy)};
 }
 
-/// Moves the outline outwards in the image.
-void Widen(const ContourView& contour, const Projection& p, float offset_px, Projected& points) {
+/// Moves the outline outwards in the image, each side of it by its own offset.
+void Widen(const ContourView& contour, const Projection& p, const std::array<double, 4>& offsets_px,
+           Projected& points) {
   for (int i = 0; i < contour.outline_size; ++i) {
     const Eigen::Vector2f across = Outwards(contour, p, points, i);
     const float length = across.norm();
     if (length <= 0) continue;
+    const bool sideways = std::abs(across.x()) > std::abs(across.y());
+    const std::size_t side = sideways ? (across.x() > 0 ? 0 : 2) : (across.y() > 0 ? 1 : 3);
+    const float offset_px = static_cast<float>(offsets_px[side]);
     points.u[i] += offset_px / length * across.x();
     points.v[i] += offset_px / length * across.y();
   }
@@ -172,7 +176,6 @@ Boxes FindBoxes(float near_m, const Projected& points) {
 }
 
 /// What seen points of the outline gain where the edge runs along their rim [of 255].
-/// RenderedScorer does not know of rims.
 std::int64_t RimGain(const OrientedTable& table, const ContourView& contour, const Projection& p,
                      const Projected& points) {
   const std::uint8_t* cells = table.cells();
@@ -212,7 +215,7 @@ HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& conto
     ++looked_up;
     seen += i < contour.outline_size ? 1 : 0;
   }
-  hits += RimGain(table, contour, p, points);
+  if (view.rims) hits += RimGain(table, contour, p, points);
   const Boxes boxes = FindBoxes(near_m, points);
   HypothesisScore score;
   score.agreement_m =
@@ -268,8 +271,8 @@ void ViewpointScorer::Score(const ScoringView& view, const UprightFrame& upright
       p.cx = static_cast<float>(view.camera.cx);
       p.cy = static_cast<float>(view.camera.cy);
       Project(contour, p, projected);
-      if (view.outline_offset_px != 0)
-        Widen(contour, p, static_cast<float>(view.outline_offset_px), projected);
+      if (view.outline_offsets_px != std::array<double, 4>{})
+        Widen(contour, p, view.outline_offsets_px, projected);
       scores[i] = ScoreProjected(view, contour, p, projected);
     }
   };

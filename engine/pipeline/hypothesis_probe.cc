@@ -207,9 +207,8 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
   }
   const CadModel& asked =
       database_->model(of_truth ? frame.truth_hypothesis.label : frame.object->label);
-  view.alpha = !of_truth && frame.object->state == ObjectState::kConfirmed
-                   ? options_.alpha
-                   : DetectorWeight(asked.category, asked.bounds, options_);
+  const bool confirmed = !of_truth && frame.object->state == ObjectState::kConfirmed;
+  view.alpha = confirmed ? options_.alpha : DetectorWeight(asked.category, asked.bounds, options_);
   frame.world_from_axes =
       of_truth ? *snapshot.report.world_from_cam : frame.object->world_from_reference_cam;
 
@@ -229,6 +228,7 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
   }
   frame.view.occluder_depth = renderer_->Render(camera_, frame.view.cam_from_world, others).depth;
   frame.view.occlusion_margin_m = options_.occlusion_margin_m;
+  frame.view.rims = confirmed;
   std::vector<Detection> proposals;
   for (const ProposalReport& proposal : snapshot.report.proposals)
     proposals.push_back({proposal.box, proposal.category, proposal.score});

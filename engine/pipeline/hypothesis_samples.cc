@@ -81,7 +81,7 @@ std::vector<ContourSample> HypothesisProbe::Samples(const Frame& frame,
     const int bin =
         std::min(OrientedTable::kBins - 1, static_cast<int>(turn * OrientedTable::kBins));
     sample.hit = static_cast<float>(table_->Hit(x, y, bin)) / 255.0f;
-    if (i < contour.outline_size && contour.rim[i] > 0) {
+    if (frame.view.rims && i < contour.outline_size && contour.rim[i] > 0) {
       const Eigen::Vector2f inwards = (-contour.rim[i] / p.z() * outwards).cast<float>();
       const Eigen::Vector2f along = sample.pixel + inwards;
       const int u = static_cast<int>(std::floor(along.x() + 0.5f)),

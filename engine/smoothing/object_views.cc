@@ -43,6 +43,7 @@ ScoringView ViewOf(const MapperSetup& setup, const Eigen::Isometry3d& world_from
   view.occluder_depth = OcclusionMaps(maps).DepthBefore(object);
   view.occlusion_margin_m = setup.options.occlusion_margin_m;
   view.inner_lines = setup.options.inner_lines;
+  view.rims = true;
   return view;
 }
 

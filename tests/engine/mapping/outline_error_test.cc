@@ -11,17 +11,21 @@ namespace {
 
 constexpr double kStd_m = 0.02, kMetresPerPixel = 0.004;
 
-/// Edges that are best explained where x is `kMetresPerPixel` for every pixel of the offset, with
-/// the curvature that gives x the deviation `kStd_m` with beta = 10 and one view.
+/// Edges that are best explained where x is `kMetresPerPixel` for every pixel that they are farther
+/// outside on the right than on the left and y the same for every pixel below, with the curvature
+/// that gives x the deviation `kStd_m` and y half of it with beta = 10 and one view.
 class LineScorer : public HypothesisScorer {
  public:
   void Score(const ScoringView& view, const UprightFrame&,
              std::span<const PoseHypothesis> hypotheses,
              std::span<HypothesisScore> scores) const override {
     for (std::size_t i = 0; i < scores.size(); ++i) {
-      const double offset = view.outline_offset_px * 500 / view.camera.fx;
-      const double off = (hypotheses[i].center_in_world.x() - kMetresPerPixel * offset) / kStd_m;
-      scores[i].agreement_m = static_cast<float>(-0.5 * off * off / 10);
+      const auto& [right, below, left, above] = view.outline_offsets_px;
+      const Eigen::Vector2d best =
+          kMetresPerPixel * 500 / view.camera.fx * Eigen::Vector2d(right - left, below);
+      const Eigen::Vector2d off = (hypotheses[i].center_in_world.head<2>() - best) / kStd_m;
+      scores[i].agreement_m =
+          static_cast<float>(-0.5 * (off.x() * off.x() + 4 * off.y() * off.y()) / 10);
       scores[i].visible_m = scores[i].total_m = 1;
     }
   }
@@ -44,22 +48,37 @@ TEST(OutlineSensitivity, IsByHowMuchTheMeanOfTheBeliefFollows) {
     std::vector<PoseHypothesis> drawn(20000, mean);
     for (PoseHypothesis& hypothesis : drawn) {
       hypothesis.center_in_world.x() += std::sqrt(posterior) * random.Gaussian();
-      hypothesis.center_in_world.y() += 0.01 * random.Gaussian();
+      hypothesis.center_in_world.y() += 0.5 * kStd_m * random.Gaussian();
       hypothesis.azimuth_rad += 0.03 * random.Gaussian();
     }
-    const Eigen::Vector4d moved =
+    const Eigen::Matrix4d moved =
         OutlineSensitivity(LineScorer(), map, {view}, drawn, mean, options, 1);
     const double expected = kMetresPerPixel * posterior / (kStd_m * kStd_m);
-    EXPECT_NEAR(moved.x(), expected, 0.03 * kMetresPerPixel);
-    EXPECT_NEAR(moved.y(), 0, 0.03 * kMetresPerPixel);
-    EXPECT_NEAR(moved.z(), 0, 1e-12);
-    EXPECT_NEAR(moved[3], 0, 0.002);
+    Eigen::Matrix4d sides = Eigen::Matrix4d::Zero();
+    sides.row(0) << expected, 0, -expected, 0;
+    sides(1, 1) = kMetresPerPixel;
+    EXPECT_TRUE(moved.topRows<3>().isApprox(sides.topRows<3>(), 0.04)) << moved;
+    EXPECT_LT(moved.row(3).cwiseAbs().maxCoeff(), 0.003);
     // Twice the views against the prior: it follows more.
-    const Eigen::Vector4d sharper =
+    const Eigen::Matrix4d sharper =
         OutlineSensitivity(LineScorer(), map, {view, view}, drawn, mean, options, 1);
-    EXPECT_NEAR(sharper.x(), 2 * moved.x(), 1e-9) << "of the same spread";
+    EXPECT_TRUE(sharper.isApprox(2 * moved, 1e-9)) << "of the same spread";
   }
   EXPECT_TRUE(OutlineSensitivity(LineScorer(), map, {view}, {}, mean, options, 1).isZero(0));
+}
+
+// Sides that are off alike cancel in x; sides that are off by themselves do not.
+TEST(OutlineCovariance, IsOfOffsetsAllAroundAndOfEachSide) {
+  Eigen::Matrix4d sides = Eigen::Matrix4d::Zero();
+  sides.row(0) << 0.003, 0, -0.003, 0;
+  sides.row(1) << 0, 0.002, 0, 0;
+  const Eigen::Matrix4d alike = OutlineCovariance(sides, 2, 0),
+                        own = OutlineCovariance(sides, 0, 2);
+  EXPECT_NEAR(alike(0, 0), 0, 1e-15);
+  EXPECT_NEAR(alike(1, 1), 0.004 * 0.004, 1e-15);
+  EXPECT_NEAR(own(0, 0), 2 * 0.006 * 0.006, 1e-15);
+  EXPECT_NEAR(own(1, 1), 0.004 * 0.004, 1e-15);
+  EXPECT_TRUE(OutlineCovariance(sides, 2, 2).isApprox(alike + own, 1e-12));
 }
 
 }  // namespace

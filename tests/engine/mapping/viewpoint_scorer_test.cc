@@ -130,13 +130,27 @@ TEST_F(ViewpointScorerTest, LooksForEdgesBesideTheOutline) {
   const double radius_px = scene_.camera().fx * 0.2 / distance;
   larger.log_scale = std::log1p(2 / radius_px);
   const auto agreement = [&](const PoseHypothesis& hypothesis, double offset_px) {
-    image.view.outline_offset_px = offset_px;
+    image.view.outline_offsets_px.fill(offset_px);
     return Score(image.view, hypothesis).agreement_m;
   };
   EXPECT_GT(agreement(larger, -2), 1.05 * agreement(larger, 0));
   EXPECT_LT(agreement(larger, 2), agreement(larger, 0));
   EXPECT_LT(agreement(truth, -2), agreement(truth, 0));
   EXPECT_LT(agreement(truth, 2), agreement(truth, 0));
+
+  // Edges of the crate two pixels to its right are outside of its right side and inside of its left
+  // one.
+  PoseHypothesis aside = truth;
+  const Eigen::Vector3d right = front_.linear().col(0);
+  aside.center_in_world -= 2 * distance / scene_.camera().fx * right;
+  const auto sideways = [&](double right_px, double left_px) {
+    image.view.outline_offsets_px = {right_px, 0, left_px, 0};
+    return Score(image.view, aside).agreement_m;
+  };
+  EXPECT_GT(sideways(2, -2), 1.05 * sideways(0, 0));
+  EXPECT_GT(sideways(2, -2), sideways(2, 0));
+  EXPECT_GT(sideways(2, -2), sideways(0, -2));
+  EXPECT_LT(sideways(-2, 2), sideways(0, 0));
 }
 
 // From afar a frame and what it frames give one line, along whichever is stronger: the true pose
@@ -164,6 +178,7 @@ TEST_F(ViewpointScorerTest, AnEdgeAlongTheRimIsTheOutlinesWhereTheyCannotBeToldA
     ScoringView view;
     view.camera = camera;
     view.inner_lines = false;
+    view.rims = true;
     view.cam_from_world = LookAt({distance, 0, 0.2}, {0, 0, 0.2}).inverse();
     cv::Mat lines(camera.height, camera.width, CV_8U, cv::Scalar(0));
     const auto at = [&](double y, double z) {

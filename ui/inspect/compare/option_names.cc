@@ -17,6 +17,7 @@ constexpr OptionName kNames[] = {
     {"box", kScore, "Box that is scored"},
     {"view_correlation", kScore, "Error that never averages out"},
     {"outline_std_px", kScore, "Edges beside the outline"},
+    {"outline_side_std_px", kScore, "The same, of one side"},
     {"tentative_sharpness", kScore, "Sharpest views of candidates"},
     {"landmark_drift_m", kScore, "Drift that objects correct"},
     {"telling_contour_px", kScore, "Contour that counts fully"},
