@@ -57,12 +57,12 @@ struct MapperOptions {
   // Likelihood of a view: alpha * Phi_cnn + beta * Phi_edge
   double alpha = 2.5;
   double beta = 10.0;
-  double view_correlation = 0.03;
+  double view_correlation = 0.02;
   double tentative_sharpness = 1;
   double landmark_drift_m = 0.02;
   double telling_contour_px = 150;
   double outline_std_px = 0.65;
-  double outline_side_std_px = 0.65;
+  double outline_side_std_px = 1;
   double crop_sharpness = 0;
   bool inner_lines = true;
   ScoredBox scored_box = ScoredBox::kBest;
