@@ -205,6 +205,7 @@ def section(title, parts):
     return lines
 
 
+LOOKED_AT = 126  # Synthetic rooms from 101 to this were looked at while rules were made.
 INTRODUCTION = """# How accurate its maps are
 
 Written by `scripts/accuracy_page.py` from results of `scripts/measure.sh`, all of one program (commit {commit}); no figure here is put in by hand.
@@ -212,7 +213,7 @@ What each setting is, what was tuned on what, and what fails: [the semantic filt
 
 Means are over all objects found, turned round or not, of all runs together. *Found*: confirmed within 50 cm of an instance of its category. *Shows well*: for 2 s or more (in synthetic pictures with 2000 pixels).
 *Truth in 50 %*: in the highest-density region of the belief, at the end of the run; 50 % of the objects is honest. NEES: 4 on average is. `dataset`: boxes that come with the data (of the office PicoDet's; of synthetic rooms drawn with errors). `builtin`: our own networks; `gradient`: no network.
-± is half of the 95 % confidence interval. Synthetic rooms 101 to 120 were looked at while rules were made ([which, and when](algorithms/semantic_filter.md#measured)); 121 to 126 were not, but for two runs (123 and 125) while rims were made.
+± is half of the 95 % confidence interval. Synthetic rooms 101 to {looked_at} were looked at while rules were made ([which, and when](algorithms/semantic_filter.md#measured)); later ones were not.
 """
 
 
@@ -226,7 +227,7 @@ def main():
     except (OSError, ValueError, KeyError) as error:
         return f"accuracy_page: these are no results of scripts/measure.sh: {error}"
     plain = [part for part in parts if part.variant == "as it is" or part.name == "own-poses"]
-    lines = [INTRODUCTION.format(commit=arguments.commit), "## At a glance", "", *summary_header()]
+    lines = [INTRODUCTION.format(commit=arguments.commit, looked_at=LOOKED_AT), "## At a glance", "", *summary_header()]
     for name in [*TITLES, *sorted({p.name for p in plain} - TITLES.keys())]:
         for part in (p for p in plain if p.name == name):
             title = TITLES.get(name, name)
@@ -240,11 +241,12 @@ def main():
                 title += f", {rooms[0]} to {rooms[-1]}"
             title += f", seed {seeds[0]}" if len(seeds) == 1 else f", seeds {seeds[0]} to {seeds[-1]}"
             lines.append(summary_row(title, part))
-            held_out = [r for r in part.records if name == "rooms-imu" and int(room_number(r)) > 120]
+            held_out = [r for r in part.records if name == "rooms-imu" and int(room_number(r)) > LOOKED_AT]
             if held_out and len(held_out) < len(part.records):
                 only = copy.copy(part)
                 only.records = held_out
-                lines.append(summary_row("of these, 121 to 126 (held out)", only))
+                numbers = sorted(int(room_number(r)) for r in held_out)
+                lines.append(summary_row(f"of these, {numbers[0]} to {numbers[-1]} (held out)", only))
     lines += [""]
     for name, title in TITLES.items():
         of = [part for part in plain if part.name == name]
