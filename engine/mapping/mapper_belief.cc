@@ -6,6 +6,7 @@
 
 #include "engine/mapping/mapper_impl.h"
 #include "engine/mapping/outline_error.h"
+#include "engine/mapping/outline_lines.h"
 #include "engine/vision/category_names.h"
 
 namespace plumbline {
@@ -28,6 +29,7 @@ constexpr float kRememberedIou = 0.3f;
 constexpr double kSharpening = 1.2;
 /// Views of an object that settle its pose, so that another tells how far views are off.
 constexpr double kSettlingViews = 3;
+constexpr double kLinesOfTable = 1.5;        ///< OutlineLines of a thing with `view_correlation`.
 constexpr std::size_t kOutlineSample = 128;  ///< Particles that tell how a belief follows outlines.
 constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
 constexpr int kNewcomerCount = 100;
@@ -357,6 +359,14 @@ std::vector<JudgingView> Mapper::Impl::ViewsOf(const MapObject& object, const Ma
   return views;
 }
 
+const MapperOptions& Mapper::Impl::OptionsFor(ModelId label) const {
+  const auto known = options_for.find(label.value);
+  if (known != options_for.end()) return known->second;
+  MapperOptions result = options();
+  result.view_correlation *= kLinesOfTable / OutlineLines(*setup.scorer, map, label);
+  return options_for.emplace(label.value, result).first->second;
+}
+
 Eigen::Matrix4d Mapper::Impl::OutlineErrorOf(const MapObject& object, const MapperInput& input,
                                              const OcclusionMaps& occluders) const {
   if (options().outline_std_px <= 0 && options().outline_side_std_px <= 0)
@@ -368,9 +378,10 @@ Eigen::Matrix4d Mapper::Impl::OutlineErrorOf(const MapObject& object, const Mapp
     const PoseHypothesis drawn = ToHypothesis(object.particles[i], object.world_from_reference_cam);
     if (drawn.label == mean.label && IsSamePose(drawn, mean)) sample.push_back(drawn);
   }
-  return OutlineCovariance(OutlineSensitivity(*setup.scorer, map, ViewsOf(object, input, occluders),
-                                              sample, mean, options(), object.sharpness),
-                           options().outline_std_px, options().outline_side_std_px);
+  return OutlineCovariance(
+      OutlineSensitivity(*setup.scorer, map, ViewsOf(object, input, occluders), sample, mean,
+                         OptionsFor(mean.label), object.sharpness),
+      options().outline_std_px, options().outline_side_std_px);
 }
 
 Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& input,
@@ -378,8 +389,8 @@ Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& inp
   std::vector<JudgingView> remembered = ViewsOf(object, input, occluders);
   const JudgingView present = std::move(remembered.back());
   remembered.pop_back();
-  Target posterior =
-      Posterior(*setup.scorer, map, std::move(remembered), present, options(), object.sharpness);
+  Target posterior = Posterior(*setup.scorer, map, std::move(remembered), present,
+                               OptionsFor(object.mean().label), object.sharpness);
   // Of equal things in a row the one that shows best draws all; what is settled keeps its own.
   return WithCrops(object.crops, options(), Outside(TakenPlaces(object), std::move(posterior)));
 }
@@ -407,8 +418,8 @@ std::vector<TakenPlace> Mapper::Impl::TakenPlaces(const MapObject& object) const
 }
 
 std::vector<double> Mapper::Impl::LogLikelihoods(const MapObject& object) const {
-  const double scale =
-      ViewScale(object.remembered() + object.present_weight, object.sharpness, options());
+  const double scale = ViewScale(object.remembered() + object.present_weight, object.sharpness,
+                                 OptionsFor(object.mean().label));
   std::vector<double> result;
   for (std::size_t i = 0; i < object.particles.size(); ++i) {
     const Particle& particle = object.particles[i];

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -116,8 +117,9 @@ struct Mapper::Impl {
   std::int32_t next_object_id = 1;
   std::optional<std::int64_t> last_stamp_ns;
   NoveltyClock clock;
-  EdgeLevel edge_level;           ///< Of this sequence.
-  LikelihoodSharpness sharpness;  ///< Of the views of this sequence.
+  EdgeLevel edge_level;                                       ///< Of this sequence.
+  LikelihoodSharpness sharpness;                              ///< Of the views of this sequence.
+  mutable std::map<std::int32_t, MapperOptions> options_for;  ///< By label, see OptionsFor.
   /// Some of `map.points_in_world`, in their order.
   struct SeenPoints {
     PoseEstimate seen_from;
@@ -140,6 +142,10 @@ struct Mapper::Impl {
   }
 
   const MapperOptions& options() const { return setup.options; }
+
+  /// As views of an object of that shape are judged together: `view_correlation` is that of a thing
+  /// with as many lines as a table. Does not move.
+  const MapperOptions& OptionsFor(ModelId label) const;
 
   /// The same, but what its top-down scores take is added to `boxes_ms`.
   MapperInput Timed(MapperInput input) {

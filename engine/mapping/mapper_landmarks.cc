@@ -97,7 +97,7 @@ std::optional<LandmarkSighting> Mapper::Impl::SeenAgain(const MapObject& object,
     views.push_back(std::move(judging.view));
   }
   if (views.size() < kMinViews) return std::nullopt;
-  const double scale = ViewScale(weight, object.sharpness, options());
+  const double scale = ViewScale(weight, object.sharpness, OptionsFor(object.mean().label));
   // Neither the floor nor what it knew says anything here: a drift in height would be hidden.
   const Target target = [&](std::span<const PoseHypothesis> hypotheses) {
     const std::vector<double> sums = SumOverViews(*setup.scorer, map, views, hypotheses, options());
