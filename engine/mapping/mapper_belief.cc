@@ -363,7 +363,7 @@ const MapperOptions& Mapper::Impl::OptionsFor(ModelId label) const {
   const auto known = options_for.find(label.value);
   if (known != options_for.end()) return known->second;
   MapperOptions result = options();
-  result.view_correlation *= kLinesOfTable / OutlineLines(*setup.scorer, map, label);
+  result.view_correlation *= kLinesOfTable / OutlineLines(*setup.scorer, *setup.database, label);
   return options_for.emplace(label.value, result).first->second;
 }
 

@@ -313,13 +313,13 @@ struct Mapper::Impl {
   /// Places of objects of its category that the object cannot have: of those that are confirmed,
   /// and, while it is tentative, of those that are placed and have more evidence.
   std::vector<TakenPlace> TakenPlaces(const MapObject& object) const;
-  /// Its posterior with the views it remembers, and the present frame.
   /// Views of an object: those it remembers, and the present one as the last.
   std::vector<JudgingView> ViewsOf(const MapObject& object, const MapperInput& input,
                                    const OcclusionMaps& occluders) const;
-  /// One standard deviation of what its views err by alike, as outlines and edges differ.
+  /// Covariance of what its views err by alike, as outlines and edges differ.
   Eigen::Matrix4d OutlineErrorOf(const MapObject& object, const MapperInput& input,
                                  const OcclusionMaps& occluders) const;
+  /// Its posterior with the views it remembers, and the present frame.
   Target PosteriorOf(const MapObject& object, const MapperInput& input,
                      const OcclusionMaps& occluders) const;
   /// Equally weighted particles, judged anew: what hides the object in past views may be known

@@ -15,13 +15,14 @@ const PinholeCamera kLinesCamera{640, 480, 500, 500, 319.5, 239.5};
 
 }  // namespace
 
-double OutlineLines(const HypothesisScorer& scorer, const MapFrame& map, ModelId label) {
+double OutlineLines(const HypothesisScorer& scorer, const ModelDatabase& database, ModelId label) {
   EdgeMap no_edges;
   no_edges.probability = cv::Mat::zeros(kLinesCamera.height, kLinesCamera.width, CV_8U);
   no_edges.angle = cv::Mat::zeros(kLinesCamera.height, kLinesCamera.width, CV_8U);
   const OrientedTable table(no_edges, {});
-  const double distance = kLinesDistance * map.database->model(label).bounds.sizes().norm();
-  const Eigen::Matrix3d world_from_level = map.upright.WorldFromObjectRotation(0);
+  const UprightFrame upright({0, 0, -1});  // any: the same for every map
+  const double distance = kLinesDistance * database.model(label).bounds.sizes().norm();
+  const Eigen::Matrix3d world_from_level = upright.WorldFromObjectRotation(0);
   Eigen::Isometry3d world_from_cam = Eigen::Isometry3d::Identity();
   world_from_cam.linear().col(0) = world_from_level * -Eigen::Vector3d::UnitY();
   world_from_cam.linear().col(2) =
@@ -39,7 +40,7 @@ double OutlineLines(const HypothesisScorer& scorer, const MapFrame& map, ModelId
     const PoseHypothesis seen{
         label, kLinesFirst_rad + 2 * std::numbers::pi * i / kLinesDirections, {0, 0, 0}};
     HypothesisScore score;
-    scorer.Score(view, map.upright, {&seen, 1}, {&score, 1});
+    scorer.Score(view, upright, {&seen, 1}, {&score, 1});
     const Box2& box = score.whole_box;
     const double perimeter_m = 2 * (box.x1 - box.x0 + box.y1 - box.y0) * distance / kLinesCamera.fx;
     sum += perimeter_m > 0 ? score.total_m / perimeter_m : 1;

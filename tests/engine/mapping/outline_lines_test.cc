@@ -17,8 +17,7 @@ double LinesOf(TriangleMesh mesh) {
   Result<std::shared_ptr<const ViewpointModel>> views =
       ViewpointModel::Build(database->models().front(), ViewpointModelOptions{}, {});
   if (!views.ok()) return 0;
-  return OutlineLines(ViewpointScorer({*views}, database), {UprightFrame({0, 0, -1}), {}, database},
-                      ModelId{0});
+  return OutlineLines(ViewpointScorer({*views}, database), *database, ModelId{0});
 }
 
 // A block's silhouette is about the box around it. A row of thin posts has two lines for each.
