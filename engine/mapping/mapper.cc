@@ -9,6 +9,7 @@
 #include "engine/mapping/association.h"
 #include "engine/mapping/bytes.h"
 #include "engine/mapping/mapper_impl.h"
+#include "engine/mapping/outline_lines.h"
 #include "engine/vision/category_names.h"
 
 namespace plumbline {
@@ -16,7 +17,8 @@ namespace {
 
 constexpr double kFirstFrame_s = 1.0 / 30.0;
 constexpr double kLooksBeforeMerging = 1;
-constexpr std::size_t kJoined = 60;  ///< Poses that a merged object leaves, about.
+constexpr double kLinesOfTable = 1.5;  ///< OutlineLines of a thing with `view_correlation`.
+constexpr std::size_t kJoined = 60;    ///< Poses that a merged object leaves, about.
 constexpr double kPlanted_m = 0.02, kPlanted_rad = 0.03;  ///< Deviations of what is planted.
 constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
 
@@ -151,6 +153,14 @@ void Mapper::Impl::Retire(MapObject& object, EventKind kind, ObjectId other, std
                           FrameReport& report) {
   object.state = ObjectState::kRetired;
   report.events.push_back({kind, object.id, other, std::move(why)});
+}
+
+const MapperOptions& Mapper::Impl::OptionsFor(ModelId label) const {
+  const auto known = options_for.find(label.value);
+  if (known != options_for.end()) return known->second;
+  MapperOptions result = options();
+  result.view_correlation *= kLinesOfTable / OutlineLines(*setup.scorer, *setup.database, label);
+  return options_for.emplace(label.value, result).first->second;
 }
 
 bool Mapper::Impl::IsPlaced(const MapObject& object) const {

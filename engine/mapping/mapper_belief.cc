@@ -6,7 +6,6 @@
 
 #include "engine/mapping/mapper_impl.h"
 #include "engine/mapping/outline_error.h"
-#include "engine/mapping/outline_lines.h"
 #include "engine/vision/category_names.h"
 
 namespace plumbline {
@@ -29,7 +28,6 @@ constexpr float kRememberedIou = 0.3f;
 constexpr double kSharpening = 1.2;
 /// Views of an object that settle its pose, so that another tells how far views are off.
 constexpr double kSettlingViews = 3;
-constexpr double kLinesOfTable = 1.5;        ///< OutlineLines of a thing with `view_correlation`.
 constexpr std::size_t kOutlineSample = 128;  ///< Particles that tell how a belief follows outlines.
 constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
 constexpr int kNewcomerCount = 100;
@@ -357,14 +355,6 @@ std::vector<JudgingView> Mapper::Impl::ViewsOf(const MapObject& object, const Ma
   views.push_back(Judge(object, input, occluders).view);
   views.back().weight = object.present_weight;
   return views;
-}
-
-const MapperOptions& Mapper::Impl::OptionsFor(ModelId label) const {
-  const auto known = options_for.find(label.value);
-  if (known != options_for.end()) return known->second;
-  MapperOptions result = options();
-  result.view_correlation *= kLinesOfTable / OutlineLines(*setup.scorer, *setup.database, label);
-  return options_for.emplace(label.value, result).first->second;
 }
 
 Eigen::Matrix4d Mapper::Impl::OutlineErrorOf(const MapObject& object, const MapperInput& input,

@@ -140,6 +140,8 @@ MapObject RandomObject() {
   object.present_weight = 0.25;
   object.views = {{12, 1}, {40, 2.5}};
   object.memory.assign(100, 0.5f);
+  object.outline_covariance = Eigen::Vector4d(1e-4, 2e-4, 3e-4, 4e-4).asDiagonal();
+  object.outline_covariance(0, 3) = object.outline_covariance(3, 0) = 1e-5;
   object.last_proposal = Detection{{1, 2, 30, 40}, "chair", 0.7f};
   object.world_from_proposal_cam = LookAt({1, 2, 1.3}, {0, 0, 0.5});
   object.Summarize(MappingScene::Get().map());
@@ -170,7 +172,19 @@ TEST(MapObject, ComesBackFromItsReport) {
   EXPECT_TRUE(back->world_from_proposal_cam.isApprox(object.world_from_proposal_cam, 0));
   EXPECT_TRUE(back->mean().world_from_object.isApprox(object.mean().world_from_object, 0));
   ASSERT_EQ(back->particles.size(), object.particles.size());
+  EXPECT_EQ(back->outline_covariance, object.outline_covariance);
   EXPECT_EQ(ToReport(*back).filter_state, report.filter_state);
+
+  // Until 2026-11-28 one deviation of four numbers stood in its place.
+  ObjectReport older = report;
+  const double deviation[] = {0.01, 0.02, 0.03, 0.04};
+  older.filter_state.resize(report.filter_state.size() - 16 * sizeof(double) + sizeof(deviation));
+  std::memcpy(older.filter_state.data() + older.filter_state.size() - sizeof(deviation), deviation,
+              sizeof(deviation));
+  const Result<MapObject> restored = FromReport(older, Models());
+  ASSERT_TRUE(restored.ok());
+  const Eigen::Vector4d d = Eigen::Vector4d::Map(deviation);
+  EXPECT_EQ(restored->outline_covariance, Eigen::Matrix4d(d * d.transpose()));
 }
 
 TEST(MapObject, AReportThatLacksWhatResumingNeedsIsAnError) {
