@@ -31,8 +31,9 @@ std::vector<ProposalReport> ExplainProposals(std::span<const Detection> proposal
                                              const MapperOptions& options);
 
 /// Whether two objects of one category cannot both be there: their footprints overlap by more than
-/// 30 % of the smaller one, or they lie within one object's size of each other and explain nearly
-/// the same part of the image (the twin of a chair of which only the back rest shows).
+/// 30 % of the smaller one (10 % where both are confirmed, so that their places are known), or they
+/// lie within one object's size of each other and explain nearly the same part of the image (the
+/// twin of a chair of which only the back rest shows).
 bool Compete(const MapObject& a, const MapObject& b, const MapFrame& map);
 
 }  // namespace plumbline

@@ -174,6 +174,14 @@ TEST_F(AssociationTest, ObjectsOfOneCategoryWithSharedFootprintsCompete) {
       << "a chair may stand under a table";
 }
 
+TEST_F(AssociationTest, ConfirmedObjectsThatReachIntoEachOtherCompete) {
+  MapObject a = Object(1, "chair", 0, 0, 0), b = Object(2, "chair", 0.38, 0, 0);
+  a.updated = false;  // boxes do not speak
+  EXPECT_TRUE(Compete(a, b, map_));
+  b.state = ObjectState::kTentative;  // it may still be a hand's breadth off
+  EXPECT_FALSE(Compete(a, b, map_));
+}
+
 TEST_F(AssociationTest, ObjectsOnTopOfEachOtherDoNotCompete) {
   MapObject upper = Object(2, "crate", 0, 0, 0);
   upper.modes[0].world_from_object.translation().z() = 0.35;
