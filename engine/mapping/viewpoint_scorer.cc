@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "engine/base/check.h"
+#include "engine/base/vectorised.h"
 
 namespace plumbline {
 namespace {
@@ -46,13 +47,6 @@ inline float HalfTurn(float x, float y) {
   turn = ay > ax ? 0.5f - turn : turn;
   return (x < 0) != (y < 0) ? 1.0f - turn : turn;
 }
-
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define PLUMBLINE_VECTORISED __attribute__((target_clones("arch=x86-64-v3", "default")))
-#else
-#define PLUMBLINE_VECTORISED
-#endif
 
 PLUMBLINE_VECTORISED
 void Project(const ContourView& contour, const Projection& p, Projected& out) {
@@ -122,7 +116,8 @@ struct Boxes {
 PLUMBLINE_VECTORISED
 void FindCells(float near_m, int width, int height, Projected& points) {
   const float right = static_cast<float>(width), bottom = static_cast<float>(height);
-  for (int i = 0; i < points.lanes_end; ++i) {
+  const int end = points.lanes_end;  // A copy, which no cell that is written may change.
+  for (int i = 0; i < end; ++i) {
     // Pixel centres are at integers: pixel 0 spans [-0.5, 0.5).
     const float u = points.u[i] + 0.5f, v = points.v[i] + 0.5f;
     const bool inside = (points.z[i] >= near_m) & (u >= 0) & (v >= 0) & (u < right) & (v < bottom);

@@ -11,18 +11,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/check.h"
+#include "engine/base/vectorised.h"
 #include "engine/vision/edge_gradient_model.h"
 #include "engine/vision/thinning.h"
-
-// Hot loops are compiled twice, the second time for machines that take eight floats at once. The
-// results are the same bit for bit: without contraction both round every operation alike. The
-// sanitizers are not up yet when the loader chooses.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define PLB_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define PLB_WIDE
-#endif
 
 namespace plumbline {
 namespace {
@@ -103,7 +94,7 @@ struct CrestRows {
 /// Marks with 1 the pixels that no neighbour along the normal exceeds, as interpolated between the
 /// two pixels next to the normal (as Canny does). Without branches, so that the compiler can take
 /// many pixels at once.
-PLB_WIDE void MarkCrests(const CrestRows& rows, int columns, float* marks) {
+PLUMBLINE_VECTORISED void MarkCrests(const CrestRows& rows, int columns, float* marks) {
   constexpr float kLeast = kLeastGradient * kLeastGradient * kSobelScale * kSobelScale;
   const float *above = rows.above, *crest = rows.crest, *below = rows.below;
   for (int x = 1; x < columns - 1; ++x) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/base/check.h"
+#include "engine/base/vectorised.h"
 
 namespace plumbline {
 namespace {
@@ -19,11 +20,17 @@ struct CellShare {
 /// The shares of each bin along one axis. Bilinear samples and their mean are products of one
 /// function of x and one of y, so that a crop is (bins x rows) * map * (columns x bins).
 struct AxisShares {
-  std::vector<std::vector<CellShare>> bins;
+  std::vector<CellShare> shares;  ///< Of bin i from starts[i] to starts[i + 1].
+  std::vector<std::size_t> starts;
   int first = 0, end = 0;  ///< The cells that any bin takes from.
+
+  std::span<const CellShare> bin(int i) const {
+    return std::span(shares).subspan(starts[i], starts[i + 1] - starts[i]);
+  }
 };
 
-AxisShares SharesAlong(float start, float end, int cells, int stride, const TwoStageSettings& s) {
+void FindShares(float start, float end, int cells, int stride, const TwoStageSettings& s,
+                AxisShares& found) {
   const float scale = 1 / static_cast<float>(stride), from = start * scale;
   const float length = std::max(end * scale - from, 1.0f);
   const float bin = length / static_cast<float>(s.crop_size);
@@ -31,7 +38,9 @@ AxisShares SharesAlong(float start, float end, int cells, int stride, const TwoS
                           ? s.crop_sampling
                           : static_cast<int>(std::ceil(length / static_cast<float>(s.crop_size)));
   const float weight = 1 / static_cast<float>(samples);
-  AxisShares shares{std::vector<std::vector<CellShare>>(s.crop_size), cells, 0};
+  found.shares.clear();
+  found.starts.assign(1, 0);
+  found.first = cells, found.end = 0;
   for (int i = 0; i < s.crop_size; ++i) {
     for (int sample = 0; sample < samples; ++sample) {
       const float at = from + static_cast<float>(i) * bin +
@@ -40,56 +49,67 @@ AxisShares SharesAlong(float start, float end, int cells, int stride, const TwoS
       const float inside = std::clamp(at, 0.0f, static_cast<float>(cells - 1));
       const int low = static_cast<int>(inside), high = std::min(low + 1, cells - 1);
       const float share = inside - static_cast<float>(low);
-      shares.bins[i].push_back({low, weight * (1 - share)});
-      if (share > 0) shares.bins[i].push_back({high, weight * share});
-      shares.first = std::min(shares.first, low);
-      shares.end = std::max(shares.end, high + 1);
+      found.shares.push_back({low, weight * (1 - share)});
+      if (share > 0) found.shares.push_back({high, weight * share});
+      found.first = std::min(found.first, low);
+      found.end = std::max(found.end, high + 1);
     }
+    found.starts.push_back(found.shares.size());
   }
-  return shares;
+}
+
+/// sums[i] = sum over shares of weight * cells[cell * step + i].
+PLUMBLINE_VECTORISED
+void SumShares(const CellShare* shares, std::size_t share_count, const float* cells,
+               std::size_t step, std::size_t count, float* __restrict sums) {
+  if (share_count == 0) {
+    std::fill(sums, sums + count, 0.0f);
+    return;
+  }
+  const float* values = cells + static_cast<std::size_t>(shares[0].cell) * step;
+  for (std::size_t i = 0; i < count; ++i) sums[i] = shares[0].weight * values[i];
+  for (std::size_t k = 1; k < share_count; ++k) {
+    const float weight = shares[k].weight;
+    values = cells + static_cast<std::size_t>(shares[k].cell) * step;
+    for (std::size_t i = 0; i < count; ++i) sums[i] += weight * values[i];
+  }
 }
 
 /// One crop: rows are combined into one for each bin down, then its columns into bins across.
 class Cropper {
  public:
   Cropper(const TwoStageSettings& settings, int channels)
-      : settings_(settings), sum_(static_cast<std::size_t>(channels)) {}
+      : settings_(settings),
+        channels_(static_cast<std::size_t>(channels)),
+        bins_(static_cast<std::size_t>(settings.crop_size * settings.crop_size)),
+        sums_(bins_ * channels_) {}
 
   void Crop(const FeatureMap& map, const Box2& box, float* crop) {
-    const AxisShares across = SharesAlong(box.x0, box.x1, map.columns, map.stride, settings_);
-    const AxisShares down = SharesAlong(box.y0, box.y1, map.rows, map.stride, settings_);
-    const int size = settings_.crop_size, bins = size * size;
-    for (int y = 0; y < size; ++y) {
-      CombineRows(map, down.bins[y], across.first, across.end);
-      for (int x = 0; x < size; ++x) {
-        std::fill(sum_.begin(), sum_.end(), 0.0f);
-        for (const auto& [cell, weight] : across.bins[x])
-          AddWeighted(&row_[static_cast<std::size_t>(cell - across.first) * map.channels],
-                      map.channels, weight, sum_.data());
-        float* target = crop + y * size + x;
-        for (int c = 0; c < map.channels; ++c) target[c * bins] = sum_[c];
+    FindShares(box.x0, box.x1, map.columns, map.stride, settings_, across_);
+    FindShares(box.y0, box.y1, map.rows, map.stride, settings_, down_);
+    const std::size_t width = std::max(0, across_.end - across_.first) * channels_;
+    row_.resize(width);
+    for (CellShare& share : across_.shares) share.cell -= across_.first;  // `row_` begins there
+    float* sums = sums_.data();
+    for (int y = 0; y < settings_.crop_size; ++y) {
+      const auto rows = down_.bin(y);
+      SumShares(rows.data(), rows.size(), map.values.data() + across_.first * channels_,
+                map.columns * channels_, width, row_.data());
+      for (int x = 0; x < settings_.crop_size; ++x, sums += channels_) {
+        const auto columns = across_.bin(x);
+        SumShares(columns.data(), columns.size(), row_.data(), channels_, channels_, sums);
       }
+    }
+    for (std::size_t c = 0; c < channels_; ++c) {
+      for (std::size_t bin = 0; bin < bins_; ++bin) *crop++ = sums_[bin * channels_ + c];
     }
   }
 
  private:
-  static void AddWeighted(const float* values, int count, float weight, float* sums) {
-    for (int i = 0; i < count; ++i) sums[i] += weight * values[i];
-  }
-
-  void CombineRows(const FeatureMap& map, const std::vector<CellShare>& shares, int first,
-                   int end) {
-    const int count = std::max(0, end - first) * map.channels;
-    row_.assign(static_cast<std::size_t>(count), 0.0f);
-    for (const auto& [cell, weight] : shares) {
-      const std::size_t start =
-          (static_cast<std::size_t>(cell) * map.columns + first) * map.channels;
-      AddWeighted(map.values.data() + start, count, weight, row_.data());
-    }
-  }
-
   const TwoStageSettings& settings_;
-  std::vector<float> row_, sum_;
+  const std::size_t channels_, bins_;
+  AxisShares across_, down_;
+  std::vector<float> row_, sums_;
 };
 
 }  // namespace
@@ -124,7 +144,9 @@ cv::Mat CropRegions(std::span<const FeatureMap> maps, std::span<const Box2> boxe
   PLB_CHECK(!maps.empty() && filled >= static_cast<int>(boxes.size()));
   const int channels = maps.front().channels;
   const int shape[] = {filled, channels, settings.crop_size, settings.crop_size};
-  cv::Mat crops(4, shape, CV_32FC1, cv::Scalar(0));
+  cv::Mat crops(4, shape, CV_32FC1);
+  std::fill(crops.ptr<float>(0) + boxes.size() * crops.step1(0),
+            crops.ptr<float>(0) + crops.total(), 0.0f);
   cv::parallel_for_({0, static_cast<int>(boxes.size())}, [&](const cv::Range& range) {
     Cropper cropper(settings, channels);
     for (int i = range.start; i < range.end; ++i)
