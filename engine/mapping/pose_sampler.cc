@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "engine/geometry/angles.h"
+#include "engine/geometry/random_vector.h"
 
 namespace plumbline {
 namespace {
@@ -107,10 +108,10 @@ PoseHypothesis PoseSampler::Step(PoseHypothesis hypothesis, double room_step_m,
   const double position_m = lengths * room_step_m;
   const double reach = random.Uniform() < 0.125 ? 3.0 : 1.0;
   const bool on_floor = options_.floor_prior && map_.StandsOnFloor(hypothesis.label);
-  const Eigen::Vector3d step(
-      reach * position_m * random.Gaussian(), reach * position_m * random.Gaussian(),
-      (on_floor ? std::min(position_m, map_.BaseStd(options_)) : reach * position_m) *
-          random.Gaussian());
+  const double across_m = reach * position_m,
+               up_m = on_floor ? std::min(position_m, map_.BaseStd(options_)) : across_m;
+  const Eigen::Vector3d step =
+      GaussianVector<3>(random).cwiseProduct(Eigen::Vector3d(across_m, across_m, up_m));
   hypothesis.center_in_world += map_.upright.upright_rotation() * step;
   hypothesis.azimuth_rad =
       WrapAngle(hypothesis.azimuth_rad + reach * azimuth_rad * random.Gaussian());
@@ -131,8 +132,9 @@ PoseHypothesis PoseSampler::Turned(PoseHypothesis hypothesis) {
   Random random = Next();
   const Eigen::Vector3d size =
       hypothesis.scale() * map_.database->model(hypothesis.label).bounds.sizes().cast<double>();
-  Eigen::Vector3d pivot(random.Uniform(-0.5, 0.5) * size.x(), random.Uniform(-0.5, 0.5) * size.y(),
-                        0);
+  const double pivot_y = random.Uniform(-0.5, 0.5) * size.y(),
+               pivot_x = random.Uniform(-0.5, 0.5) * size.x();
+  Eigen::Vector3d pivot(pivot_x, pivot_y, 0);
   // What shows of a chair at a table is its back: the twin has it in the same place.
   if (random.Uniform() < kTurnedAboutSide) {
     const double side = random.Uniform() < 0.5 ? 0.5 : -0.5;
@@ -245,8 +247,7 @@ double PoseSampler::WalkAt(Population& population, double temperature) {
     Random random = Next();
     // Small steps are accepted, large ones go far: both, in turn.
     const double scale = random.Uniform() < 0.5 ? 0.5 : 1.3;
-    const Eigen::Vector4d normal(random.Gaussian(), random.Gaussian(), random.Gaussian(),
-                                 random.Gaussian());
+    const Eigen::Vector4d normal = GaussianVector<4>(random);
     const Eigen::Vector4d step = scale * root * normal;
     PoseHypothesis moved = hypothesis;
     moved.center_in_world += map_.upright.upright_rotation() * step.head<3>();
@@ -410,8 +411,7 @@ PoseHypothesis PoseSampler::Draw(const std::vector<ProposalMode>& modes) {
     chi_square += g * g;
   }
   const double stretch = std::sqrt(kTailFreedom / chi_square);
-  const Eigen::Vector4d normal(random.Gaussian(), random.Gaussian(), random.Gaussian(),
-                               random.Gaussian());
+  const Eigen::Vector4d normal = GaussianVector<4>(random);
   const Eigen::Vector4d step = stretch * (mode.root * normal);
   PoseHypothesis drawn = mode.mean;
   drawn.center_in_world += map_.upright.upright_rotation() * step.head<3>();

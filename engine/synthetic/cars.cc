@@ -385,10 +385,10 @@ CarShape DrawCar(Random& random) {
 }
 
 double OutlineDifference(const CarShape& a, const CarShape& b) {
-  constexpr float kStep = 0.05f;
+  constexpr float kStep_m = 0.05f;
   const std::vector<Vector2f> outline_a = Outline(a), outline_b = Outline(b);
   const float longer = std::max(a.length, b.length);
-  const int steps = static_cast<int>(std::ceil(longer / kStep));
+  const int steps = static_cast<int>(std::ceil(longer / kStep_m));
   double sum = 0;
   for (int i = 0; i <= steps; ++i) {
     const float from_middle = longer * (static_cast<float>(i) / static_cast<float>(steps) - 0.5f);

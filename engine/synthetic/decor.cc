@@ -53,8 +53,9 @@ PaintedBody BookRow(float length_m, Random& random) {
     const Matrix3f tilt = Eigen::AngleAxisf(lean, Vector3f::UnitX()).toRotationMatrix();
     const float rise = 0.5f * (high * std::cos(lean) + thick * std::sin(lean));
     const float shift = 0.5f * (thick * std::cos(lean) + high * std::sin(lean));
+    const float x = Between(random, -0.01f, 0.01f);
     AddBox(body.mesh, body.Paint(BookCover(random)),
-           {.center = {Between(random, -0.01f, 0.01f), y + shift, rise},
+           {.center = {x, y + shift, rise},
             .size = {deep, thick, high},
             .radius = 0.003f,
             .rotation = tilt,
@@ -70,11 +71,13 @@ PaintedBody BookStack(int books, Random& random) {
   float z = 0;
   for (int i = 0; i < books; ++i) {
     const float thick = Between(random, 0.015f, 0.04f);
+    const float deep = Between(random, 0.14f, 0.19f), high = Between(random, 0.20f, 0.26f);
+    const Matrix3f turn = TurnZ(Between(random, -0.3f, 0.3f));
     AddBox(body.mesh, body.Paint(BookCover(random)),
            {.center = {0, 0, z + thick / 2},
-            .size = {Between(random, 0.14f, 0.19f), Between(random, 0.20f, 0.26f), thick},
+            .size = {deep, high, thick},
             .radius = 0.003f,
-            .rotation = TurnZ(Between(random, -0.3f, 0.3f)),
+            .rotation = turn,
             .grain = 1});
     z += thick;
   }
@@ -123,9 +126,11 @@ PaintedBody PottedPlant(float height_m, Random& random) {
       const auto at = static_cast<std::size_t>(
           static_cast<float>(path.size() - 1) *
           (0.45f + 0.55f * static_cast<float>(k + 1) / static_cast<float>(leaves)));
-      AddLeaf(body.mesh, leaf, path[at], azimuth + Between(random, -1.3f, 1.3f),
-              Between(random, 0.1f, 0.9f), height_m * Between(random, 0.18f, 0.30f),
-              height_m * Between(random, 0.07f, 0.11f));
+      const float width_m = height_m * Between(random, 0.07f, 0.11f),
+                  leaf_m = height_m * Between(random, 0.18f, 0.30f),
+                  elevation = Between(random, 0.1f, 0.9f),
+                  turned = azimuth + Between(random, -1.3f, 1.3f);
+      AddLeaf(body.mesh, leaf, path[at], turned, elevation, leaf_m, width_m);
     }
   }
   return body;

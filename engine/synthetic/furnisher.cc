@@ -198,8 +198,9 @@ void Furnisher::SetTable(const Isometry3d& room_from_table, double height, doubl
   std::vector<Footprint> taken;
   const auto put = [&](const PaintedBody& body) {
     for (int attempt = 0; attempt < 12; ++attempt) {
-      const Isometry3d at = Upright(Draw(-reach_x, reach_x), Draw(-reach_y, reach_y), height,
-                                    Draw(-std::numbers::pi, std::numbers::pi));
+      const double azimuth = Draw(-std::numbers::pi, std::numbers::pi), y = Draw(-reach_y, reach_y),
+                   x = Draw(-reach_x, reach_x);
+      const Isometry3d at = Upright(x, y, height, azimuth);
       const Footprint footprint = FootprintOf(body.mesh, at);
       if (std::any_of(taken.begin(), taken.end(),
                       [&](const Footprint& other) { return Overlap(footprint, other, 0.01); }))
@@ -226,8 +227,9 @@ void Furnisher::HangPictures(const Isometry3d& frame, double from, double to, do
   while (true) {
     const double width = Draw(0.35, 0.75), high = width * Draw(0.7, 1.35);
     if (y + width > to) return;
-    Decorate(FramedPicture(static_cast<float>(width), static_cast<float>(high), random_),
-             frame * Upright(0, y + width / 2, height + Draw(-0.06, 0.06), 0), 0.03f);
+    const Isometry3d at = frame * Upright(0, y + width / 2, height + Draw(-0.06, 0.06), 0);
+    Decorate(FramedPicture(static_cast<float>(width), static_cast<float>(high), random_), at,
+             0.03f);
     y += width + Draw(0.12, 0.3);
   }
 }
@@ -266,12 +268,14 @@ void Furnisher::SideboardWall(int wall) {
   Place("sideboard", board);
   const double top = Size("sideboard").z();
   const bool tv = demo() || Chance(0.5);
+  const double screen_azimuth = Draw(-0.08, 0.08), screen_y = Draw(-0.08, 0.08);
   PlaceOnTop(tv ? "tv_wide" : "monitor_desk",
-             board * Upright(-0.02, Draw(-0.08, 0.08), top, Draw(-0.08, 0.08)));
+             board * Upright(-0.02, screen_y, top, screen_azimuth));
   const double side = Chance(0.5) ? 1 : -1;
-  Decorate(BookStack(4, random_), board * Upright(0.02, side * 0.62, top, Draw(-0.5, 0.5)), 0.015f);
-  Decorate(PottedPlant(0.34f, random_), board * Upright(-0.02, -side * 0.62, top, Draw(-3, 3)),
-           0.02f);
+  const Isometry3d books = board * Upright(0.02, side * 0.62, top, Draw(-0.5, 0.5));
+  Decorate(BookStack(4, random_), books, 0.015f);
+  const Isometry3d pot = board * Upright(-0.02, -side * 0.62, top, Draw(-3, 3));
+  Decorate(PottedPlant(0.34f, random_), pot, 0.02f);
   const PaintedBody basket = Basket(random_);
   const Isometry3d beside = frame * Upright(0.36, shift + side * 1.15, 0, Draw(-3, 3));
   DecorateFloor(basket, beside);
@@ -291,9 +295,9 @@ void Furnisher::DoorWall(int wall) {
     Place(books ? "bookshelf" : "cabinet_doors", shelf);
     for (int i = 0; books && i < 5; ++i) {
       const double length = Draw(0.35, 0.7);
-      Decorate(BookRow(static_cast<float>(length), random_),
-               shelf * Upright(-0.02, Draw(-1, 1) * (0.76 - length) / 2, 0.081 + 0.333 * i, 0),
-               0.03f);
+      const Isometry3d row =
+          shelf * Upright(-0.02, Draw(-1, 1) * (0.76 - length) / 2, 0.081 + 0.333 * i, 0);
+      Decorate(BookRow(static_cast<float>(length), random_), row, 0.03f);
     }
   } else {
     Decorate(WallShelf(1.1f, random_), frame * Upright(0, x, 1.35, 0), 0.02f);

@@ -11,6 +11,7 @@
 #include "engine/base/files.h"
 #include "engine/base/random.h"
 #include "engine/geometry/angles.h"
+#include "engine/geometry/random_vector.h"
 
 namespace plumbline {
 namespace {
@@ -32,8 +33,7 @@ struct Tremor {
   Tremor(double strength, std::uint64_t seed) {
     Random random({.seed = seed, .object = kTremorSource});
     const auto direction = [&](double size) -> Vector3d {
-      return size * strength *
-             Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized();
+      return size * strength * GaussianVector<3>(random).normalized();
     };
     for (Wave& wave : waves) {
       wave = {direction(0.04 * kRadPerDeg), direction(0.00015), random.Uniform(8, 12),

@@ -360,8 +360,9 @@ FurnitureModel TallPlant() {
       const auto at =
           static_cast<std::size_t>(3 + i * static_cast<int>(path.size() - 4) / (kLeaves - 1));
       const float turn = azimuth + 2.4f * static_cast<float>(i) + Within(random, -0.3f, 0.3f);
-      AddLeaf(body.mesh, leaf, path[at], turn, Within(random, 0.5f, 0.95f),
-              Within(random, 0.22f, 0.30f), Within(random, 0.10f, 0.13f), {4, 2});
+      const float width = Within(random, 0.10f, 0.13f), length = Within(random, 0.22f, 0.30f),
+                  rise = Within(random, 0.5f, 0.95f);
+      AddLeaf(body.mesh, leaf, path[at], turn, rise, length, width, {4, 2});
     }
   }
   StandOnOrigin(body.mesh);
@@ -383,8 +384,8 @@ FurnitureModel SmallPlant() {
     const float turn = 2.4f * static_cast<float>(i) + Within(random, -0.2f, 0.2f);
     const Vector3f root =
         0.03f * (1 - inner) * Vector3f(std::cos(turn), std::sin(turn), 0) + Vector3f(0, 0, 0.12f);
-    AddLeaf(body.mesh, leaf, root, turn, 0.55f + 0.85f * inner, Within(random, 0.19f, 0.25f),
-            Within(random, 0.035f, 0.05f), {4, 2});
+    const float width = Within(random, 0.035f, 0.05f), length = Within(random, 0.19f, 0.25f);
+    AddLeaf(body.mesh, leaf, root, turn, 0.55f + 0.85f * inner, length, width, {4, 2});
   }
   StandOnOrigin(body.mesh);
   return model;

@@ -66,8 +66,8 @@ void FurnishDividedRoom(Furnisher& furnisher) {
   const Vector2d chair(-1.9, -0.9);
   constexpr std::array<const char*, 4> kChairs = {"chair_slat", "chair_slat_arms", "chair_shell",
                                                   "chair_office"};
-  furnisher.Place(DrawOf(furnisher, kChairs),
-                  Upright(chair.x(), chair.y(), 0, furnisher.Draw(-kPi, kPi)));
+  const double azimuth = furnisher.Draw(-kPi, kPi);
+  furnisher.Place(DrawOf(furnisher, kChairs), Upright(chair.x(), chair.y(), 0, azimuth));
   room.main_instance = 1;
   const Isometry3d south = RoomFromWall(room, 3);  // its y points to -x
   furnisher.Place("sofa_small", south * Upright(0.47, 2.1, 0, furnisher.Draw(-0.04, 0.04)));
@@ -118,13 +118,13 @@ void FurnishSeminarRoom(Furnisher& furnisher) {
   const std::string chair = DrawOf(furnisher, kChairs);
   for (int row = 0; row < 3; ++row) {
     for (int seat = 0; seat < 4; ++seat) {
-      furnisher.Place(
-          chair, Upright((row - 1) * 0.95 + furnisher.Draw(-0.01, 0.01),
-                         (seat - 1.5) * kChairSpacingM, 0, furnisher.Draw(-1, 1) * 3 * kRadPerDeg));
+      const double azimuth = furnisher.Draw(-1, 1) * 3 * kRadPerDeg,
+                   x = (row - 1) * 0.95 + furnisher.Draw(-0.01, 0.01);
+      furnisher.Place(chair, Upright(x, (seat - 1.5) * kChairSpacingM, 0, azimuth));
     }
   }
-  furnisher.Place("table_rectangular",
-                  Upright(3.0, furnisher.Draw(1.3, 1.7), 0, furnisher.Draw(-0.1, 0.1)));
+  const double table_azimuth = furnisher.Draw(-0.1, 0.1), table_y = furnisher.Draw(1.3, 1.7);
+  furnisher.Place("table_rectangular", Upright(3.0, table_y, 0, table_azimuth));
   furnisher.SideboardWall(0);
   furnisher.DoorWall(2);
   furnisher.HangPictures(RoomFromWall(room, 3), -3.2, 3.2, 1.55);
@@ -230,23 +230,24 @@ void FurnishOffice(Furnisher& furnisher) {
   const auto half = [&](int turn) { return WallLength(room, (style.window_wall + turn) % 4) / 2; };
 
   // Two desks face to face, each with a chair, a screen and a pedestal at its end.
-  const Isometry3d bench =
-      Upright(furnisher.Draw(-0.2, 0.2), furnisher.Draw(-0.2, 0.2), 0, furnisher.Draw(-kPi, kPi));
+  const double bench_azimuth = furnisher.Draw(-kPi, kPi), bench_y = furnisher.Draw(-0.2, 0.2),
+               bench_x = furnisher.Draw(-0.2, 0.2);
+  const Isometry3d bench = Upright(bench_x, bench_y, 0, bench_azimuth);
   const double depth = furnisher.Size("desk_straight").x(),
                top = furnisher.Size("desk_straight").z();
   const char* const seats[] = {"chair_office", "chair_visitor"};
   for (int i = 0; i < 2; ++i) {
     const Isometry3d desk = bench * Upright(0, 0, 0, i * kPi) * Upright(depth / 2 + 0.02, 0, 0, 0);
     const int index = furnisher.Place("desk_straight", desk);
-    furnisher.Place(seats[i],
-                    desk * Upright(depth / 2 + furnisher.Draw(0.30, 0.5),
-                                   furnisher.Draw(-0.25, 0.25), 0, kPi + furnisher.Draw(-0.5, 0.5)),
-                    index);
-    furnisher.PlaceOnTop("monitor_desk", desk * Upright(-0.18, furnisher.Draw(-0.15, 0.15), top,
-                                                        furnisher.Draw(-0.1, 0.1)));
+    const double seat_azimuth = kPi + furnisher.Draw(-0.5, 0.5),
+                 seat_y = furnisher.Draw(-0.25, 0.25),
+                 seat_x = depth / 2 + furnisher.Draw(0.30, 0.5);
+    furnisher.Place(seats[i], desk * Upright(seat_x, seat_y, 0, seat_azimuth), index);
+    const double screen_azimuth = furnisher.Draw(-0.1, 0.1), screen_y = furnisher.Draw(-0.15, 0.15);
+    furnisher.PlaceOnTop("monitor_desk", desk * Upright(-0.18, screen_y, top, screen_azimuth));
     furnisher.Decorate(Mug(furnisher.random()), desk * Upright(0.2, -0.55, top, 1), 0.015f);
-    furnisher.Decorate(BookStack(3, furnisher.random()),
-                       desk * Upright(-0.05, -0.6, top, furnisher.Draw(-0.4, 0.4)), 0.015f);
+    const Isometry3d books = desk * Upright(-0.05, -0.6, top, furnisher.Draw(-0.4, 0.4));
+    furnisher.Decorate(BookStack(3, furnisher.random()), books, 0.015f);
   }
   furnisher.PlaceOnTop("plant_small", bench * Upright(0.25, 0.62, top, furnisher.Draw(-kPi, kPi)));
   furnisher.Place("pedestal_drawers", bench * Upright(0.32, 1.10, 0, furnisher.Draw(-0.1, 0.1)));
@@ -260,21 +261,22 @@ void FurnishOffice(Furnisher& furnisher) {
                        tall * Upright(-0.03, 0, z, 0), 0.03f);
   const Isometry3d cubes = back * Upright(0.21, furnisher.Draw(0.3, 0.5), 0, 0);
   furnisher.Place("shelf_cubes", cubes);
-  for (const double z : {0.038, 0.395})
-    furnisher.Decorate(BookRow(0.28f, furnisher.random()),
-                       cubes * Upright(0, furnisher.Chance(0.5) ? 0.18 : -0.18, z, 0), 0.03f);
+  for (const double z : {0.038, 0.395}) {
+    const Isometry3d row = cubes * Upright(0, furnisher.Chance(0.5) ? 0.18 : -0.18, z, 0);
+    furnisher.Decorate(BookRow(0.28f, furnisher.random()), row, 0.03f);
+  }
+  const double plant_azimuth = furnisher.Draw(-kPi, kPi), plant_y = furnisher.Draw(-0.2, 0.2);
   furnisher.PlaceOnTop(
-      "plant_small", cubes * Upright(0, furnisher.Draw(-0.2, 0.2),
-                                     furnisher.Size("shelf_cubes").z(), furnisher.Draw(-kPi, kPi)));
+      "plant_small", cubes * Upright(0, plant_y, furnisher.Size("shelf_cubes").z(), plant_azimuth));
   furnisher.Place("plant_tall", back * Upright(0.5, half(2) - 0.55, 0, furnisher.Draw(-kPi, kPi)));
 
   const Isometry3d left = wall(1), right = wall(3);
   const Isometry3d side_desk = left * Upright(0.34, furnisher.Draw(-0.4, 0.4), 0, 0);
   const int side_index = furnisher.Place("desk_drawers", side_desk);
-  furnisher.Place(
-      "chair_visitor",
-      side_desk * Upright(0.62, furnisher.Draw(-0.2, 0.2), 0, kPi + furnisher.Draw(-0.4, 0.4)),
-      side_index);
+  const double visitor_azimuth = kPi + furnisher.Draw(-0.4, 0.4),
+               visitor_y = furnisher.Draw(-0.2, 0.2);
+  furnisher.Place("chair_visitor", side_desk * Upright(0.62, visitor_y, 0, visitor_azimuth),
+                  side_index);
   furnisher.Decorate(Laptop(), side_desk * Upright(0.05, 0.1, 0.75, furnisher.Draw(-0.2, 0.2)),
                      0.015f);
   furnisher.HangPictures(left, -1.0, 1.2, 1.55);
@@ -282,9 +284,9 @@ void FurnishOffice(Furnisher& furnisher) {
   furnisher.HangPictures(right, -half(3) + 0.5, half(3) - 1.7, 1.55);
   furnisher.Place("plant_tall",
                   wall(0) * Upright(0.5, half(0) - 0.6, 0, furnisher.Draw(-kPi, kPi)));
-  furnisher.DecorateFloor(
-      CardboardBox({0.32f, 0.44f, 0.28f}, furnisher.random()),
-      right * Upright(0.3, furnisher.Draw(-1.5, 0), 0, furnisher.Draw(-0.3, 0.3)));
+  const double box_azimuth = furnisher.Draw(-0.3, 0.3), box_y = furnisher.Draw(-1.5, 0);
+  furnisher.DecorateFloor(CardboardBox({0.32f, 0.44f, 0.28f}, furnisher.random()),
+                          right * Upright(0.3, box_y, 0, box_azimuth));
 
   WalkPlan& walk = room.walk;
   walk.focus = bench.translation().head<2>();
@@ -306,26 +308,33 @@ void FurnishPlatformRoom(Furnisher& furnisher) {
   BuildShell(style, room);
   constexpr double kEdge = 0.6, kHeight = 0.3;
   const int platform = BuildPlatform(style, kEdge, kHeight, room);
-  const auto raised = [&](const char* model, double x, double y, double azimuth) {
-    furnisher.Place(model, Upright(x, y, kHeight, azimuth), platform);
+  // Somewhere along y, turned by up to `turn` from an azimuth.
+  const auto somewhere = [&](double x, double least_y, double most_y, double azimuth, double turn) {
+    const double turned = azimuth + furnisher.Draw(-turn, turn);
+    return Upright(x, furnisher.Draw(least_y, most_y), kHeight, turned);
   };
 
   constexpr std::array<const char*, 3> kChairs = {"chair_slat", "chair_shell", "chair_office"};
-  const Isometry3d table =
-      Upright(-0.75, furnisher.Draw(-0.15, 0.15), 0, furnisher.Draw(-0.15, 0.15));
+  const double table_azimuth = furnisher.Draw(-0.15, 0.15), table_y = furnisher.Draw(-0.15, 0.15);
+  const Isometry3d table = Upright(-0.75, table_y, 0, table_azimuth);
   const int index = furnisher.Place("table_rectangular", table);
-  furnisher.Place(DrawOf(furnisher, kChairs),
-                  table * Upright(0.1, 1.05, 0, -kPi / 2 + furnisher.Draw(-0.3, 0.3)), index);
-  furnisher.Place(DrawOf(furnisher, kChairs),
-                  table * Upright(-0.05, -1.05, 0, kPi / 2 + furnisher.Draw(-0.3, 0.3)), index);
+  for (const double side : {1.0, -1.0}) {
+    const double azimuth = -side * kPi / 2 + furnisher.Draw(-0.3, 0.3);
+    furnisher.Place(DrawOf(furnisher, kChairs),
+                    table * Upright(side > 0 ? 0.1 : -0.05, side * 1.05, 0, azimuth), index);
+  }
 
-  raised(DrawOf(furnisher, kChairs).c_str(), 1.3, furnisher.Draw(-1.5, -1.2),
-         furnisher.Draw(-kPi, kPi));
-  raised("table_coffee", 1.7, furnisher.Draw(0.2, 0.4), furnisher.Draw(-0.2, 0.2));
-  raised("stool_round", 1.4, furnisher.Draw(1.5, 1.8), furnisher.Draw(-kPi, kPi));
-  raised("sofa_small", 2.9, furnisher.Draw(0.1, 0.3), kPi + furnisher.Draw(-0.05, 0.05));
-  raised("bookshelf", room.size.x() / 2 - 0.17, furnisher.Draw(-2.3, -2.0), kPi);
-  raised("cabinet_doors", room.size.x() / 2 - 0.26, furnisher.Draw(1.9, 2.2), kPi);
+  const Isometry3d chair = somewhere(1.3, -1.5, -1.2, 0, kPi);
+  furnisher.Place(DrawOf(furnisher, kChairs), chair, platform);
+  furnisher.Place("table_coffee", somewhere(1.7, 0.2, 0.4, 0, 0.2), platform);
+  furnisher.Place("stool_round", somewhere(1.4, 1.5, 1.8, 0, kPi), platform);
+  furnisher.Place("sofa_small", somewhere(2.9, 0.1, 0.3, kPi, 0.05), platform);
+  furnisher.Place("bookshelf",
+                  Upright(room.size.x() / 2 - 0.17, furnisher.Draw(-2.3, -2.0), kHeight, kPi),
+                  platform);
+  furnisher.Place("cabinet_doors",
+                  Upright(room.size.x() / 2 - 0.26, furnisher.Draw(1.9, 2.2), kHeight, kPi),
+                  platform);
   furnisher.HangPictures(RoomFromWall(room, 0), -1.0, 1.0, 1.7);
   furnisher.HangPictures(RoomFromWall(room, 3), -3.5, 3.5, 1.7);
 

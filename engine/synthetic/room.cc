@@ -58,10 +58,9 @@ void ScatterClutter(Furnisher& furnisher) {
         i % 4 == 3
             ? Basket(furnisher.random())
             : CardboardBox({draw(0.2, 0.42), draw(0.25, 0.5), draw(0.15, 0.4)}, furnisher.random());
-    const Isometry3d at =
-        RoomFromWall(furnisher.room(), wall) * Upright(furnisher.Draw(0.28, 0.5),
-                                                       furnisher.Draw(-half + 0.4, half - 0.4), 0,
-                                                       furnisher.Draw(-0.6, 0.6));
+    const double azimuth = furnisher.Draw(-0.6, 0.6), y = furnisher.Draw(-half + 0.4, half - 0.4),
+                 x = furnisher.Draw(0.28, 0.5);
+    const Isometry3d at = RoomFromWall(furnisher.room(), wall) * Upright(x, y, 0, azimuth);
     placed += furnisher.DecorateFloor(body, at);
   }
 }

@@ -57,7 +57,9 @@ class ScanBuilder {
                 ca = (At(c) - At(a)).norm();
     const float longest = std::max({ab, bc, ca});
     if (longest <= spacing_m_) {
-      Emit(Vertex(a), Vertex(b), Vertex(c));
+      // New vertices are numbered as they are asked for, which the order of arguments leaves open.
+      const int third = Vertex(c), second = Vertex(b), first = Vertex(a);
+      Emit(first, second, third);
     } else if (ab == longest) {
       Halve(a, b, c);
     } else if (bc == longest) {

@@ -173,14 +173,14 @@ void SimulatedDetector::BoxObject(int frame, int instance, const PinholeCamera& 
         upright ? truth.y0 + cut * truth.height() : truth.x0 + cut * truth.width();
     (upright ? second.y0 : second.x0) = upright ? first.y1 : first.x1;
     Report(Noisy(first, flaws_.box_noise, random), category, score, camera, found);
-    Report(Noisy(second, flaws_.box_noise, random), category,
-           random.Uniform(flaws_.least_score, kBestScore), camera, found);
+    const double second_score = random.Uniform(flaws_.least_score, kBestScore);
+    Report(Noisy(second, flaws_.box_noise, random), category, second_score, camera, found);
     return;
   }
   Report(Noisy(truth, flaws_.box_noise, random), category, score, camera, found);
   if (fate < flaws_.split + flaws_.doubled) {
-    Report(Noisy(truth, 2 * flaws_.box_noise, random), category,
-           random.Uniform(flaws_.least_score, kBestScore), camera, found);
+    const double second_score = random.Uniform(flaws_.least_score, kBestScore);
+    Report(Noisy(truth, 2 * flaws_.box_noise, random), category, second_score, camera, found);
   }
 }
 

@@ -81,8 +81,8 @@ void PaveStreet(Furnisher& furnisher, float begin, float end) {
     AddQuad(marks.mesh, white, {x, -0.06f, 0.004f}, {3, 0, 0}, {0, 0.12f, 0});
   for (float x = begin + Between(random, 2, 9); x + 4 < end; x += Between(random, 8, 22)) {
     const Vector3f corner(x, Between(random, -kKerb + 0.3, kKerb - 1.8), 0.002f);
-    AddQuad(marks.mesh, patch, corner, {Between(random, 0.8, 3.5), 0, 0},
-            {0, Between(random, 0.6, 1.5), 0});
+    const float across = Between(random, 0.6, 1.5), along = Between(random, 0.8, 3.5);
+    AddQuad(marks.mesh, patch, corner, {along, 0, 0}, {0, across, 0});
     AddLathe(marks.mesh, lid, {x + 4, Between(random, -1, 1) + 1.75f, 0},
              {{0.33f, 0.0f}, {0.32f, 0.006f}, {0, 0.006f}}, 20);
   }
@@ -222,8 +222,9 @@ PaintedBody Tree(Random& random) {
   const std::uint32_t seed = random.Bits() % 1000;
   for (int ball = 0; ball < 6; ++ball) {
     const float size = Between(random, 0.8, 1.4);
-    const Vector3f middle(Between(random, -0.8, 0.8), Between(random, -0.8, 0.8),
-                          height + Between(random, 0.2, 1.8));
+    const float z = height + Between(random, 0.2, 1.8), y = Between(random, -0.8, 0.8),
+                x = Between(random, -0.8, 0.8);
+    const Vector3f middle(x, y, z);
     std::vector<Eigen::Vector2f> profile;
     for (int i = 0; i <= 12; ++i) {
       const float angle = kPiF * (static_cast<float>(i) / 12 - 0.5f);
@@ -272,9 +273,9 @@ void LinePavements(Furnisher& furnisher, double begin, double end) {
       furnisher.Decorate(body, Upright(x, row, kKerbHeight, turned), post ? 0.1f : 0.12f);
     }
     for (double x = begin + furnisher.Draw(3, 15); x < end; x += furnisher.Draw(12, 30)) {
+      const double azimuth = turned + furnisher.Draw(-0.2, 0.2);
       furnisher.DecorateFloor(Bin(furnisher.random()),
-                              Upright(x, side * (kKerb + kPavement - 0.35), kKerbHeight,
-                                      turned + furnisher.Draw(-0.2, 0.2)),
+                              Upright(x, side * (kKerb + kPavement - 0.35), kKerbHeight, azimuth),
                               0.1f);
     }
   }
@@ -359,8 +360,8 @@ void AddTraffic(Furnisher& furnisher, const std::vector<StreetShape>& shapes,
   }
   if (passage.speed_m_s > 5) {
     const double gap = furnisher.Draw(14, 24);
-    AddCar(furnisher, any_shape(), Upright(passage.from_m + gap, -kLane, 0, 0),
-           {passage.speed_m_s + furnisher.Draw(-0.6, 1.2), 0, 0});
+    const double speed = passage.speed_m_s + furnisher.Draw(-0.6, 1.2);
+    AddCar(furnisher, any_shape(), Upright(passage.from_m + gap, -kLane, 0, 0), {speed, 0, 0});
     return;
   }
   for (int i = 0; i < 2; ++i) {

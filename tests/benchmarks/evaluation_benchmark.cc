@@ -18,6 +18,7 @@
 
 #include "engine/base/random.h"
 #include "engine/geometry/closest_triangle.h"
+#include "engine/geometry/random_vector.h"
 #include "engine/geometry/surface_sampling.h"
 
 namespace plumbline {
@@ -58,7 +59,7 @@ std::vector<Eigen::Vector3d> Queries(double offset_m) {
   SurfaceSamples samples = SampleSurface(Scan(), kSamples, 1).value();
   Random random({.seed = 2});
   for (Eigen::Vector3d& point : samples.points) {
-    point += offset_m * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+    point += offset_m * GaussianVector<3>(random);
   }
   return std::move(samples.points);
 }

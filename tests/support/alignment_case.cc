@@ -5,6 +5,7 @@
 
 #include "engine/base/random.h"
 #include "engine/geometry/gravity.h"
+#include "engine/geometry/random_vector.h"
 #include "engine/render/renderer.h"
 #include "tests/support/meshes.h"
 
@@ -52,10 +53,10 @@ std::vector<Placed> Clutter(const ModelDatabase& models, const Eigen::AlignedBox
   placed.push_back({MakeBox({-side / 2, -side / 2, 0}, {side / 2, side / 2, side}),
                     Upright(random.Uniform(0, 6), {(radius + 0.3 * side) * std::cos(at),
                                                    (radius + 0.3 * side) * std::sin(at), 0})});
-  placed.push_back(
-      {MakeParallelogram({-3, 0, 0}, {6, 0, 0}, {0, 0, 2.5}),
-       Upright(toward_cameras + std::numbers::pi / 2 + random.Uniform(-0.4, 0.4), {0, 0, 0}) *
-           Eigen::Translation3d(0, radius + random.Uniform(0.3, 0.8), 0)});
+  const double behind = radius + random.Uniform(0.3, 0.8),
+               turned = toward_cameras + std::numbers::pi / 2 + random.Uniform(-0.4, 0.4);
+  placed.push_back({MakeParallelogram({-3, 0, 0}, {6, 0, 0}, {0, 0, 2.5}),
+                    Upright(turned, {0, 0, 0}) * Eigen::Translation3d(0, behind, 0)});
   return placed;
 }
 
@@ -76,8 +77,7 @@ void Scan(const std::vector<Placed>& scene, const Eigen::Isometry3d& world_from_
       const double depth = maps.depth.at<float>(y, x);
       if (depth <= 0 || depth > 5) continue;
       const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
-      const Eigen::Vector3d noise =
-          noise_m * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+      const Eigen::Vector3d noise = noise_m * GaussianVector<3>(random);
       scan.vertices.push_back((world_from_cam * (depth * ray) + noise).cast<float>());
     }
   }
@@ -119,11 +119,10 @@ AlignmentCase MakeAlignmentCase(const ModelDatabase& models, ModelId model, std:
   }
   Eigen::Isometry3d scan_from_world = Eigen::Isometry3d::Identity();
   if (options.tilted_scan) {
-    const Eigen::Vector4d q(random.Gaussian(), random.Gaussian(), random.Gaussian(),
-                            random.Gaussian());
+    const Eigen::Vector4d q = GaussianVector<4>(random);
     scan_from_world.linear() = Eigen::Quaterniond(q.normalized()).toRotationMatrix();
-    scan_from_world.translation() =
-        Eigen::Vector3d(random.Uniform(-3, 3), random.Uniform(-3, 3), 1);
+    const double y = random.Uniform(-3, 3), x = random.Uniform(-3, 3);
+    scan_from_world.translation() = Eigen::Vector3d(x, y, 1);
   }
   const double turn = random.Uniform(-options.azimuth_rad, options.azimuth_rad);
   Eigen::Vector3d offset;

@@ -13,6 +13,7 @@
 #include "engine/analysis/history.h"
 #include "engine/base/random.h"
 #include "engine/geometry/gravity.h"
+#include "engine/geometry/random_vector.h"
 #include "engine/snapshot/map_snapshot.h"
 
 namespace plumbline {
@@ -166,8 +167,9 @@ class FakeSource : public SnapshotSource {
     auto scan = std::make_shared<TriangleMesh>();
     Random random({7, 0, 0, 0});
     for (int i = 0; i < 6000; ++i) {
-      const Vector3d point(random.Uniform(-3, 3), random.Uniform(-2.6, 2.6),
-                           random.Gaussian() * 0.004);
+      const double z = random.Gaussian() * 0.004, y = random.Uniform(-2.6, 2.6),
+                   x = random.Uniform(-3, 3);
+      const Vector3d point(x, y, z);
       scan->vertices.push_back(point.cast<float>());
       const auto grey = static_cast<std::uint8_t>(120 + 20 * random.Gaussian());
       scan->colors.push_back({grey, grey, static_cast<std::uint8_t>(grey - 12)});
@@ -234,8 +236,7 @@ class FakeSource : public SnapshotSource {
     if (object.model != 2) report.label_probability.push_back({{1 - object.model}, 1 - sure});
     Random random({11, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(index), 0});
     report.world_from_object = object.world_from_object;
-    report.world_from_object.translation() +=
-        0.3 * sigma * Vector3d(random.Gaussian(), random.Gaussian(), 0);
+    report.world_from_object.translation().head<2>() += 0.3 * sigma * GaussianVector<2>(random);
     report.covariance =
         Eigen::Vector4d(sigma * sigma, sigma * sigma, 0.2 * sigma * sigma, sigma * sigma)
             .asDiagonal();
@@ -257,7 +258,7 @@ class FakeSource : public SnapshotSource {
           object.model != 2 && random.Uniform() > sure ? 1 - object.model : object.model);
       particle.azimuth = static_cast<float>(
           WrapAngle(upright.Azimuth(mean.linear()) + sigma * 1.5 * random.Gaussian()));
-      const Vector3d noise(random.Gaussian(), random.Gaussian(), 0.4 * random.Gaussian());
+      const Vector3d noise = GaussianVector<3>(random).cwiseProduct(Vector3d(1, 1, 0.4));
       const Vector3d center =
           ref_from_world * (mean * view_.models[object.model].center + sigma * noise);
       particle.x_c = static_cast<float>(center.x() / center.z());

@@ -10,6 +10,7 @@
 
 #include "engine/base/random.h"
 #include "engine/geometry/angles.h"
+#include "engine/geometry/random_vector.h"
 #include "engine/vision/edge_gradient.h"
 #include "engine/vision/model_lines.h"
 
@@ -67,7 +68,8 @@ Picture Photograph(const TriangleMesh& mesh, const PinholeCamera& camera,
   }
   for (int stroke = 0; stroke < 30; ++stroke) {
     const double angle = std::numbers::pi * random.Uniform();
-    const cv::Point2d from(camera.width * random.Uniform(), camera.height * random.Uniform());
+    const double y = camera.height * random.Uniform(), x = camera.width * random.Uniform();
+    const cv::Point2d from(x, y);
     cv::line(shade, cv::Point(from),
              cv::Point(from + 60 * cv::Point2d(-std::sin(angle), std::cos(angle))),
              cv::Scalar(60 + 140 * random.Uniform()), 3, cv::LINE_AA);
@@ -141,8 +143,7 @@ std::vector<PoseHypothesis> Scattered(const ScoringScene& scene, int count, doub
   for (int i = 0; i < count; ++i) {
     PoseHypothesis hypothesis = scene.truth;
     hypothesis.azimuth_rad += angle_deg * kRadPerDeg * random.Gaussian();
-    hypothesis.center_in_world +=
-        position_m * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+    hypothesis.center_in_world += position_m * GaussianVector<3>(random);
     hypotheses.push_back(hypothesis);
   }
   return hypotheses;

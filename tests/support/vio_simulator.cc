@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "engine/base/random.h"
+#include "engine/geometry/random_vector.h"
 #include "engine/sensor/distorted_camera.h"
 
 namespace plumbline {
@@ -58,9 +59,7 @@ class Path {
   VioSimulation options_;
 };
 
-Eigen::Vector3d Noise(Random& random, double sigma) {
-  return sigma * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
-}
+Eigen::Vector3d Noise(Random& random, double sigma) { return sigma * GaussianVector<3>(random); }
 
 Camera SimulatedCamera(double arm) {
   Camera camera;
@@ -95,7 +94,8 @@ std::vector<Eigen::Vector3d> RoomPoints(const VioSimulation& options) {
   Random random({options.seed, 1});
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < options.room_points; ++i) {
-    Eigen::Vector3d p(random.Uniform(-4, 4), random.Uniform(-4, 4), random.Uniform(0, 4));
+    const double z = random.Uniform(0, 4), y = random.Uniform(-4, 4), x = random.Uniform(-4, 4);
+    Eigen::Vector3d p(x, y, z);
     const std::uint32_t wall = random.Index(6);
     p[static_cast<int>(wall / 2)] = wall % 2 == 0 ? -4 : 4;
     if (wall / 2 == 2) p.z() = wall % 2 == 0 ? 0 : 4;
@@ -133,9 +133,7 @@ void SimulateImages(const VioSimulation& options, const Path& path, SimulatedRec
       Eigen::Vector2d pixel = seen[i];
       if (t > options.sliding_from_s && static_cast<double>(i % 100) < 100 * options.sliding_share)
         pixel.x() += options.sliding_px * options.image_hz * (t - options.sliding_from_s);
-      image.points.push_back(
-          {id,
-           pixel + options.pixel_noise_px * Eigen::Vector2d(random.Gaussian(), random.Gaussian())});
+      image.points.push_back({id, pixel + options.pixel_noise_px * GaussianVector<2>(random)});
     }
     result.images.push_back(image);
     result.truth.push_back({image.stamp_ns, path.At(imu_t), path.Velocity(imu_t), options.gyro_bias,

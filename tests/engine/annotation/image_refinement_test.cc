@@ -8,6 +8,7 @@
 #include "engine/base/random.h"
 #include "engine/geometry/angles.h"
 #include "engine/geometry/gravity.h"
+#include "engine/geometry/random_vector.h"
 #include "tests/engine/annotation/checked_room.h"
 #include "tests/support/meshes.h"
 #include "tests/support/test_data.h"
@@ -71,8 +72,7 @@ TEST_F(RefineSeat, ComesBackFromFiveCentimetresAndFiveDegrees) {
 TEST_F(RefineSeat, KeepsUprightExactlyForAnyGravity) {
   for (std::uint32_t i = 0; i < 5; ++i) {
     Random random({7, i});
-    const UprightFrame upright(
-        Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()));
+    const UprightFrame upright(GaussianVector<3>(random));
     Eigen::Isometry3d truth = Eigen::Isometry3d::Identity();
     truth.linear() = upright.WorldFromObjectRotation(random.Uniform(-3, 3));
     truth.translation() = Eigen::Vector3d(1, -2, 3);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/engine/annotation/random_edits.h"
 
+#include "engine/geometry/random_vector.h"
 #include "tests/support/random_pose.h"
 
 namespace plumbline {
@@ -131,8 +132,7 @@ Edit RandomEdit(const AnnotationDocument& document, Random& random) {
     }
   }
   if (kind == 3) {
-    const Eigen::Vector3d down =
-        Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized();
+    const Eigen::Vector3d down = GaussianVector<3>(random).normalized();
     return SetGravity{down, Eigen::Vector4d(-down.x(), -down.y(), -down.z(), random.Gaussian())};
   }
   if (kind == 4) return SetSceneAlignment{RandomPose(random)};

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/base/random.h"
+#include "engine/geometry/random_vector.h"
 #include "tests/engine/evaluation/test_scene.h"
 
 namespace plumbline {
@@ -13,9 +14,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-Eigen::Vector3d RandomDirection(Random& random) {
-  return Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized();
-}
+Eigen::Vector3d RandomDirection(Random& random) { return GaussianVector<3>(random).normalized(); }
 
 TEST(ComparePoses, SplitsAKnownErrorIntoItsParts) {
   const UprightFrame upright({0, 0, -1});

@@ -16,13 +16,14 @@
 #include <Eigen/Geometry>
 
 #include "engine/base/random.h"
+#include "engine/geometry/random_vector.h"
 #include "tests/support/meshes.h"
 
 namespace plumbline {
 namespace {
 
 Eigen::Vector3d RandomPoint(Random& random, double spread) {
-  return spread * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+  return spread * GaussianVector<3>(random);
 }
 
 Eigen::Vector3d Corner(const TriangleMesh& mesh, std::size_t triangle, int corner) {

@@ -8,6 +8,7 @@
 
 #include "engine/base/check.h"
 #include "engine/base/random.h"
+#include "engine/geometry/random_vector.h"
 
 namespace plumbline {
 namespace {
@@ -20,8 +21,7 @@ std::vector<Eigen::Vector3d> ManyGravities() {
   }
   Random random({.seed = 7});
   for (int i = 0; i < 1000; ++i) {
-    all.push_back(
-        Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized());
+    all.push_back(GaussianVector<3>(random).normalized());
   }
   return all;
 }
@@ -71,7 +71,7 @@ TEST(UprightFrame, EqualsAtan2InAWorldWithZUp) {
 }
 
 TEST(UprightFrame, RefusesAGravityWithoutDirection) {
-  EXPECT_THROW(UprightFrame(Eigen::Vector3d::Zero()), ContractError);
+  EXPECT_THROW(UprightFrame{Eigen::Vector3d::Zero()}, ContractError);
 }
 
 }  // namespace

@@ -34,9 +34,9 @@ std::vector<Sight> Sights(const Eigen::Vector2d& velocity_m_s, int count, unsign
     const Eigen::Vector2d place = Eigen::Vector2d(30, 4) + t_s * velocity_m_s;
     const double distance = std::max(3.0, place.x() - 10 * t_s);
     const Eigen::Vector2d deviations(0.1 * distance, 0.2);
-    sights.push_back(
-        {t_s, place + deviations.cwiseProduct(Eigen::Vector2d(normal(random), normal(random))),
-         deviations.cwiseAbs2().asDiagonal()});
+    const double across = normal(random), along = normal(random);
+    sights.push_back({t_s, place + deviations.cwiseProduct(Eigen::Vector2d(along, across)),
+                      deviations.cwiseAbs2().asDiagonal()});
   }
   return sights;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/mapping/particle_set.h"
+#include "engine/geometry/random_vector.h"
 
 #include <gmock/gmock.h>
 
@@ -118,8 +119,7 @@ TEST(ParticleSet, ACentreBehindTheReferenceCameraIsMovedBeforeIt) {
 TEST(ParticleSet, PosesAreUprightForAnyGravity) {
   for (std::uint32_t i = 0; i < 200; ++i) {
     Random random({.seed = 2, .particle = i});
-    const Eigen::Vector3d gravity =
-        Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized();
+    const Eigen::Vector3d gravity = GaussianVector<3>(random).normalized();
     MapFrame map{UprightFrame(gravity), std::nullopt, MakeFurnitureDatabase()};
     Eigen::Vector4d floor;
     floor << -gravity, random.Gaussian();
@@ -311,8 +311,7 @@ void AddCloud(const PoseHypothesis& middle, int count, double weight,
   for (int i = 0; i < count; ++i) {
     Random random({.seed = 21, .particle = static_cast<std::uint32_t>(particles.size())});
     PoseHypothesis hypothesis = middle;
-    hypothesis.center_in_world +=
-        0.03 * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+    hypothesis.center_in_world += 0.03 * GaussianVector<3>(random);
     hypothesis.azimuth_rad += 4 * kRadPerDeg * random.Gaussian();
     particles.push_back(ToParticle(hypothesis, WatchingCamera()));
     particles.back().log_weight = static_cast<float>(std::log(weight / count));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/mapping/pose_sampler.h"
+#include "engine/geometry/random_vector.h"
 
 #include <gmock/gmock.h>
 
@@ -52,8 +53,7 @@ class PoseSamplerTest : public testing::TestWithParam<int> {
     for (std::size_t i = 0; i < count(); ++i) {
       Random random({.seed = 8, .particle = static_cast<std::uint32_t>(i)});
       PoseHypothesis h = mean;
-      h.center_in_world +=
-          std_m * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+      h.center_in_world += std_m * GaussianVector<3>(random);
       h.azimuth_rad = WrapAngle(h.azimuth_rad + std_rad * random.Gaussian());
       population.hypotheses.push_back(h);
     }

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "engine/base/random.h"
+#include "engine/geometry/random_vector.h"
 #include "tests/support/random_pose.h"
 
 namespace plumbline {
@@ -147,8 +148,7 @@ RunHeader RandomHeader(std::uint64_t seed) {
   header.models_hash = "fedcba9876543210";
   header.models = {{"chair_kitchen", "chair"}, {"mug \"A\"", "cup"}, {"table", "dining table"}};
   while (header.models.size() < 8) header.models.push_back({"sofa", "couch"});  // labels go up to 7
-  header.gravity_in_world =
-      Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian()).normalized();
+  header.gravity_in_world = GaussianVector<3>(random).normalized();
   header.floor_in_world = Eigen::Vector4d(0, 0, 1, random.Gaussian());
   header.camera = {640, 480, 525.1 + random.Uniform(), 525, 319.5, 239.5};
   header.rate_hz = 29.97;

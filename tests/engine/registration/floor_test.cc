@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/registration/floor.h"
+#include "engine/geometry/random_vector.h"
 
 #include <cmath>
 
@@ -20,16 +21,15 @@ struct Room {
 Room MakeRoom(std::uint64_t seed) {
   Random random({.seed = seed});
   Room room;
-  const Eigen::Vector4d q(random.Gaussian(), random.Gaussian(), random.Gaussian(),
-                          random.Gaussian());
+  const Eigen::Vector4d q = GaussianVector<4>(random);
   room.scan_from_world.linear() = Eigen::Quaterniond(q.normalized()).toRotationMatrix();
   room.scan_from_world.translation() = Eigen::Vector3d(random.Uniform(-2, 2), 1, 3);
   const auto add = [&](const Eigen::Vector3d& corner, const Eigen::Vector3d& a,
                        const Eigen::Vector3d& b, int count) {
     for (int i = 0; i < count; ++i) {
-      const Eigen::Vector3d noise(random.Gaussian(), random.Gaussian(), random.Gaussian());
-      const Eigen::Vector3d point =
-          corner + random.Uniform() * a + random.Uniform() * b + 0.005 * noise;
+      const Eigen::Vector3d noise = GaussianVector<3>(random);
+      const double along_b = random.Uniform(), along_a = random.Uniform();
+      const Eigen::Vector3d point = corner + along_a * a + along_b * b + 0.005 * noise;
       room.scan.vertices.push_back((room.scan_from_world * point).cast<float>());
     }
   };
@@ -88,9 +88,9 @@ Room MakeCorridor(std::uint64_t seed) {
                        const Eigen::Vector3d& b) {
     const int count = static_cast<int>(2000 * a.cross(b).norm());
     for (int i = 0; i < count; ++i) {
-      const Eigen::Vector3d noise(random.Gaussian(), random.Gaussian(), random.Gaussian());
-      const Eigen::Vector3d point =
-          corner + random.Uniform() * a + random.Uniform() * b + 0.004 * noise;
+      const Eigen::Vector3d noise = GaussianVector<3>(random);
+      const double along_b = random.Uniform(), along_a = random.Uniform();
+      const Eigen::Vector3d point = corner + along_a * a + along_b * b + 0.004 * noise;
       room.scan.vertices.push_back((room.scan_from_world * point).cast<float>());
     }
   };

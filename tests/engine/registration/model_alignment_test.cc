@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/registration/model_alignment.h"
+#include "engine/geometry/random_vector.h"
 #include "engine/registration/scale_fit.h"
 
 #include <cmath>
@@ -43,8 +44,7 @@ class ModelAlignmentTest : public testing::Test {
     for (std::size_t i = 0; i < samples.points.size(); ++i) {
       const auto face = surface_->face(samples.triangles[i]);
       if (upper_half_only && samples.points[i].x() > 0) continue;
-      const Eigen::Vector3d noise =
-          noise_m * Eigen::Vector3d(random.Gaussian(), random.Gaussian(), random.Gaussian());
+      const Eigen::Vector3d noise = noise_m * GaussianVector<3>(random);
       scan.vertices.push_back((Truth() * samples.points[i] + noise).cast<float>());
       scan.normals.push_back((Truth().linear() * face.normal).cast<float>());
     }
@@ -151,7 +151,7 @@ TriangleMesh ScanWithErrors(const SurfaceSamples& samples, const ModelSurface& s
   constexpr int kWaves = 8;
   Eigen::Matrix<double, 4, kWaves> waves;
   for (int k = 0; k < kWaves; ++k) {
-    const Eigen::Vector3d direction(random.Gaussian(), random.Gaussian(), random.Gaussian());
+    const Eigen::Vector3d direction = GaussianVector<3>(random);
     const double length_m = errors.longest_wave_m * random.Uniform(0.5, 1);
     waves.col(k) << direction.normalized() * 2 * std::numbers::pi / length_m,
         random.Uniform(0, 2 * std::numbers::pi);
@@ -480,7 +480,7 @@ class BluntTop : public testing::Test {
                                          .normalized();
       const bool keep = normal.z() > 0.5f || (rims && std::abs(normal.z()) < 0.5f);
       if (!keep) continue;
-      const Eigen::Vector3d noise(random.Gaussian(), random.Gaussian(), random.Gaussian());
+      const Eigen::Vector3d noise = GaussianVector<3>(random);
       scan.vertices.push_back((samples.points[i] + 0.002 * noise).cast<float>());
       scan.normals.push_back(normal);
     }

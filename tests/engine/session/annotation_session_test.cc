@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "engine/geometry/random_vector.h"
 #include "tests/engine/session/annotation_session_fixture.h"
 
 #include <cstdlib>
@@ -495,7 +496,7 @@ TEST_F(AnnotationSessionTest, RegistersASequenceByThePointsOfItsMap) {
   Random random({3, 0});
   TriangleMesh map;
   for (std::size_t i = 0; i < scan.vertices.size(); i += 37) {
-    const Eigen::Vector3d noise(random.Gaussian(), random.Gaussian(), random.Gaussian());
+    const Eigen::Vector3d noise = GaussianVector<3>(random);
     map.vertices.push_back(
         (world_from_scan * (scan.vertices[i].cast<double>() + 0.005 * noise)).cast<float>());
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/vio/one_point_ransac.h"
+#include "engine/geometry/random_vector.h"
 
 #include <gtest/gtest.h>
 
@@ -26,8 +27,8 @@ Seen Measure(int wrong, bool alike) {
     Eigen::Vector3d truth = error;
     if (i < wrong)
       truth = alike ? other : Eigen::Vector3d(random.Uniform(-30, 30), random.Uniform(-30, 30), 0);
-    seen.residual.segment<2>(2 * i) = seen.jacobian.middleRows<2>(2 * i) * truth +
-                                      0.7 * Eigen::Vector2d(random.Gaussian(), random.Gaussian());
+    seen.residual.segment<2>(2 * i) =
+        seen.jacobian.middleRows<2>(2 * i) * truth + 0.7 * GaussianVector<2>(random);
   }
   const Eigen::Vector3d variance(100, 100, 1e-6);
   seen.projected = seen.jacobian * variance.asDiagonal() * seen.jacobian.transpose();

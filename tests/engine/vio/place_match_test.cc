@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/vio/place_match.h"
+#include "engine/geometry/random_vector.h"
 
 #include <gtest/gtest.h>
 
@@ -48,8 +49,7 @@ class PlaceMatchTest : public testing::Test {
                                   random.Uniform(0.5, 2.8));
       const auto view = lens.Project((truth_ * seen_.body_from_cam).inverse() * point);
       if (!view) continue;
-      const Eigen::Vector2d pixel =
-          view->pixel + 0.7 * Eigen::Vector2d(random.Gaussian(), random.Gaussian());
+      const Eigen::Vector2d pixel = view->pixel + 0.7 * GaussianVector<2>(random);
       cv::Mat row(1, 32, CV_8U), again;
       for (int k = 0; k < 32; ++k) row.at<uchar>(0, k) = static_cast<uchar>(random.Index(256));
       again = row.clone();
