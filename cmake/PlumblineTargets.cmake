@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 # One interface target carries the warnings and sanitizers; nothing is set globally.
 add_library(plumbline_settings INTERFACE)
-target_compile_options(plumbline_settings INTERFACE -Wall -Wextra -Werror -Wshadow -Wno-missing-field-initializers
-  # GCC 12 reports false positives inside Eigen and the standard library at -O2 and above.
-  -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict)
-if(PLUMBLINE_UNITY)  # GCC takes what a source keeps to itself for a header's, as the large piece includes the source.
-  target_compile_options(plumbline_settings INTERFACE -Wno-subobject-linkage)
+target_compile_options(plumbline_settings INTERFACE -Wall -Wextra -Werror -Wshadow -Wno-missing-field-initializers)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # GCC 12 reports false positives inside Eigen and the standard library at -O2 and above; and it takes what a source
+  # keeps to itself for a header's where a large piece includes the source.
+  target_compile_options(plumbline_settings INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow
+    -Wno-stringop-overread -Wno-restrict $<$<BOOL:${PLUMBLINE_UNITY}>:-Wno-subobject-linkage>)
 endif()
 # A hundred programs are linked: gold takes a third of the time that the usual linker takes.
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT PLUMBLINE_SANITIZE)
+if(NOT PLUMBLINE_SANITIZE)
   include(CheckLinkerFlag)
   check_linker_flag(CXX -fuse-ld=gold PLUMBLINE_HAS_GOLD)
   if(PLUMBLINE_HAS_GOLD)

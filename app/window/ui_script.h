@@ -63,7 +63,6 @@ class UiScript {
   Action current_;
   ImVec2 mouse_{-1, -1};
   bool buttons_[3] = {false, false, false};
-  bool shift_ = false, control_ = false;
   std::optional<int> held_key_;
   std::optional<std::chrono::steady_clock::time_point> waiting_since_;
 };

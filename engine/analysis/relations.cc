@@ -47,12 +47,13 @@ void AddHiders(const Body& hidden, const std::vector<Body>& bodies, const FrameR
     else
       ++found->second;
   }
-  for (const auto& [other, count] : counts) {
-    const double share = double(count) / in_view;
-    const bool confirmed = std::any_of(bodies.begin(), bodies.end(),
-                                       [&](const Body& body) { return body.id.value == other; });
+  for (const auto& count : counts) {
+    const double share = double(count.second) / in_view;
+    const bool confirmed = std::any_of(bodies.begin(), bodies.end(), [&](const Body& body) {
+      return body.id.value == count.first;
+    });
     if (confirmed && share >= kLeastHidden)
-      relations.push_back({RelationKind::kHides, {other}, hidden.id, share});
+      relations.push_back({RelationKind::kHides, {count.first}, hidden.id, share});
   }
 }
 

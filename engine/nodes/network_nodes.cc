@@ -96,8 +96,8 @@ Status ServeEdges(const NodeSetup& setup) {
       found.Count(watch.Milliseconds());
       link.SetState("found edges of frame " + std::to_string(frame));
       return std::make_shared<FoundEdges>(
-          std::make_shared<SendablePixels>(edges->probability, link.pixels()),
-          std::make_shared<SendablePixels>(edges->angle, link.pixels()));
+          FoundEdges{std::make_shared<SendablePixels>(edges->probability, link.pixels()),
+                     std::make_shared<SendablePixels>(edges->angle, link.pixels())});
     });
     if (!kept.ok()) return kept.error();
     return EdgesReply(request, *(*kept)->probability, *(*kept)->angle);

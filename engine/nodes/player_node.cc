@@ -118,8 +118,8 @@ class Player {
         return Error{ErrorCode::kNotFound,
                      "no edges were recorded with frame " + std::to_string(frame)};
       return std::make_shared<RecordedEdges>(
-          std::make_shared<SendablePixels>((*read)->probability, link_.pixels()),
-          std::make_shared<SendablePixels>((*read)->angle, link_.pixels()));
+          RecordedEdges{std::make_shared<SendablePixels>((*read)->probability, link_.pixels()),
+                        std::make_shared<SendablePixels>((*read)->angle, link_.pixels())});
     });
     if (!kept.ok()) return kept.error();
     return EdgesReply(request, *(*kept)->probability, *(*kept)->angle);

@@ -247,7 +247,7 @@ ObjectId ObjectAt(const FrameContext& context, const Eigen::Vector2f& pixel) {
 }
 
 void DrawTrackOverlay(const FrameContext& context, const ImageCanvas& canvas) {
-  constexpr float kNear_px = 6;
+  constexpr float kNearMouse_px = 6;
   const OwnPoses* poses = context.sequence->own_poses.get();
   const auto at = static_cast<std::size_t>(context.snapshot->report.frame);
   if (poses == nullptr || at >= poses->frames.size()) return;
@@ -261,7 +261,7 @@ void DrawTrackOverlay(const FrameContext& context, const ImageCanvas& canvas) {
     const float radius = context.Scaled(1.5 + 0.5 * std::min(3.0, track.age / 10.0));
     canvas.draw().AddCircleFilled(point, radius + context.Scaled(1), IM_COL32(0, 0, 0, 140), 10);
     canvas.draw().AddCircleFilled(point, radius, color, 10);
-    if (std::hypot(mouse.x - point.x, mouse.y - point.y) < context.Scaled(kNear_px))
+    if (std::hypot(mouse.x - point.x, mouse.y - point.y) < context.Scaled(kNearMouse_px))
       hovered = &track;
   }
   if (hovered == nullptr || !canvas.hovered()) return;
@@ -271,7 +271,7 @@ void DrawTrackOverlay(const FrameContext& context, const ImageCanvas& canvas) {
   if (hovered->state != TrackState::kFollowed)
     text += fmt::format("\n{:.1f} px from where the filter expects it", hovered->residual_px);
   const ImVec2 point = canvas.ToScreen(hovered->pixel);
-  const float around = context.Scaled(2 * kNear_px);
+  const float around = context.Scaled(2 * kNearMouse_px);
   PutTooltipBeside(context, {point.x - around, point.y - around},
                    {point.x + around, point.y + around});
   ImGui::SetTooltip("%s", text.c_str());

@@ -111,7 +111,8 @@ std::pair<double, double> RangeOf(const InertialPlot& plot) {
 void DrawPlot(const FrameContext& context, const InertialPlot& plot, ImVec2 low, ImVec2 high,
               int frame) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  const auto [least, greatest] = RangeOf(plot);
+  const auto limits = RangeOf(plot);
+  const double least = limits.first, greatest = limits.second;
   draw.AddText(low, colors::kDimText, fmt::format("{} [{}]", plot.name, plot.unit).c_str());
   const std::string range = fmt::format("{:.3g} to {:.3g}", least, greatest);
   draw.AddText({high.x - ImGui::CalcTextSize(range.c_str()).x, low.y}, colors::kFaint,

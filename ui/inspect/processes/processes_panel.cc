@@ -98,8 +98,8 @@ class ProcessesPanel : public Panel {
 
   static void DrawHeading(const FrameContext& context) {
     constexpr const char* kHelp[] = {"Of late.",
-                                     "How long one took, mean of late: reading an image, finding "
-                                     "edges, asking the detector, mapping a frame.",
+                                     ("How long one took, mean of late: reading an image, finding "
+                                      "edges, asking the detector, mapping a frame."),
                                      "Passed over: of a live run, images that were too old.",
                                      "Processor time over the last second, in cores."};
     ImGui::TableNextRow();
