@@ -70,6 +70,10 @@ struct HypothesisScore {
   Box2 visible_box;       ///< Of the visible samples.
 };
 
+/// Scores with one side of the outline moved at a time, in the order of `outline_offsets_px`: first
+/// each outwards, then each inwards. Boxes may be empty.
+using SideScores = std::array<std::vector<HypothesisScore>, 8>;
+
 /// Computes the edge term for many hypotheses. The two implementations compute this same score:
 /// from contours rendered for each hypothesis (RenderedScorer, the reference, which does not know
 /// of rims), and from precomputed ones (ViewpointScorer, fast).
@@ -80,6 +84,13 @@ class HypothesisScorer {
   virtual void Score(const ScoringView& view, const UprightFrame& upright,
                      std::span<const PoseHypothesis> hypotheses,
                      std::span<HypothesisScore> scores) const = 0;
+  /// The offsets of the view are replaced. Scores what Score() does with each of eight, which is
+  /// what this does unless a scorer knows better.
+  virtual SideScores ScoreSides(const ScoringView& view, const UprightFrame& upright,
+                                std::span<const PoseHypothesis> hypotheses, double offset_px) const;
 };
+
+/// The offsets of the `k`th of SideScores.
+std::array<double, 4> SideOffsets(std::size_t k, double offset_px);
 
 }  // namespace plumbline

@@ -19,10 +19,7 @@ Eigen::Matrix4d OutlineSensitivity(const HypothesisScorer& scorer, const MapFram
   Eigen::Matrix4d sensitivity = Eigen::Matrix4d::Zero();
   if (hypotheses.empty()) return sensitivity;
   double weight = 0;
-  for (JudgingView& view : views) {
-    weight += view.weight;
-    view.detections = nullptr;  // boxes know nothing of outlines
-  }
+  for (const JudgingView& view : views) weight += view.weight;
   const Eigen::Index count = static_cast<Eigen::Index>(hypotheses.size());
   const CadModel& model = map.database->model(from.label);
   Eigen::Matrix4Xd poses(4, count);
@@ -32,19 +29,23 @@ Eigen::Matrix4d OutlineSensitivity(const HypothesisScorer& scorer, const MapFram
         AzimuthDifference(model, hypothesis.azimuth_rad, from.azimuth_rad);
   }
   poses.colwise() -= poses.rowwise().mean().eval();
-  const auto moved_by = [&](std::size_t side, double step_px) {
-    for (JudgingView& view : views) {
-      view.view.outline_offsets_px = {};
-      view.view.outline_offsets_px[side] = step_px * view.view.camera.fx / kOffsetFocal_px;
+  std::array<std::vector<double>, 8> sums;
+  sums.fill(std::vector<double>(hypotheses.size(), 0.0));
+  for (JudgingView& view : views) {
+    const double offset_px = kOffsetStep_px * view.view.camera.fx / kOffsetFocal_px;
+    const SideScores scores = scorer.ScoreSides(view.view, map.upright, hypotheses, offset_px);
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      view.view.outline_offsets_px = SideOffsets(k, offset_px);  // where its pose may err
+      const std::vector<float> terms = EdgeTerms(scorer, view.view, map.upright, hypotheses,
+                                                 scores[k], view.normalizer, options.beta);
+      for (std::size_t i = 0; i < terms.size(); ++i)
+        sums[k][i] += view.weight * (options.beta * terms[i]);
     }
-    return SumOverViews(scorer, map, views, hypotheses, options);
-  };
+  }
   const double scale = ViewScale(weight, sharpness, options) / (2 * kOffsetStep_px);
   for (std::size_t side = 0; side < 4; ++side) {
-    const std::vector<double> outside = moved_by(side, kOffsetStep_px),
-                              inside = moved_by(side, -kOffsetStep_px);
-    const Eigen::VectorXd slopes = scale * (Eigen::VectorXd::Map(outside.data(), count) -
-                                            Eigen::VectorXd::Map(inside.data(), count));
+    const Eigen::VectorXd slopes = scale * (Eigen::VectorXd::Map(sums[side].data(), count) -
+                                            Eigen::VectorXd::Map(sums[side + 4].data(), count));
     sensitivity.col(static_cast<Eigen::Index>(side)) = poses * slopes / static_cast<double>(count);
   }
   return sensitivity;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 
 #include "engine/vision/category_names.h"
 
@@ -42,10 +43,46 @@ std::vector<Sample> ToSamples(std::span<const Particle> particles,
   return samples;
 }
 
-bool InMode(const Sample& sample, const CadModel& model, double radius_m,
-            const Eigen::Vector3d& center, double azimuth) {
-  return sample.label == model.id.value && (sample.center - center).norm() < radius_m &&
-         std::abs(AzimuthDifference(model, sample.azimuth, azimuth)) < kModeAngle_rad;
+/// By how much a sample of the mode is turned; nothing for one that is not of it.
+std::optional<double> TurnInMode(const Sample& sample, const CadModel& model, double radius_m,
+                                 const Eigen::Vector3d& center, double azimuth) {
+  if (sample.label != model.id.value || !((sample.center - center).norm() < radius_m)) return {};
+  const double turn = AzimuthDifference(model, sample.azimuth, azimuth);
+  return std::abs(turn) < kModeAngle_rad ? std::optional(turn) : std::nullopt;
+}
+
+/// The first sample of the fullest cell of a grid over label, position and azimuth.
+std::size_t InFullestCell(std::span<const Sample> samples, const MapFrame& map) {
+  std::vector<std::pair<std::array<int, 5>, std::size_t>> cells;
+  cells.reserve(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Sample& s = samples[i];
+    const CadModel& model = map.database->model(ModelId{s.label});
+    const double folded = AzimuthDifference(model, s.azimuth, 0.0);
+    const double side = kModeCell_m * map.LengthScale(model.id);
+    cells.push_back({{s.label, static_cast<int>(std::floor(s.center.x() / side)),
+                      static_cast<int>(std::floor(s.center.y() / side)),
+                      static_cast<int>(std::floor(s.center.z() / side)),
+                      static_cast<int>(std::floor(folded / 0.5))},
+                     i});
+  }
+  std::sort(cells.begin(), cells.end());
+  std::size_t best = 0;
+  double most = -1;
+  for (auto cell = cells.begin(); cell != cells.end();) {
+    double weight = 0;
+    std::size_t first = cell->second;
+    const auto begin = cell;
+    for (; cell != cells.end() && cell->first == begin->first; ++cell) {
+      if (weight == 0) first = cell->second;
+      weight += samples[cell->second].weight;
+    }
+    if (weight > most) {
+      most = weight;
+      best = first;
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -244,24 +281,8 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
   std::vector<Sample> rest = ToSamples(particles, world_from_reference_cam);
   std::vector<PoseMode> modes;
   while (!rest.empty() && static_cast<int>(modes.size()) < kMaxModes) {
-    // Start at the fullest cell of a grid over label, position and azimuth.
-    std::map<std::array<int, 5>, std::pair<double, std::size_t>> cells;
-    for (std::size_t i = 0; i < rest.size(); ++i) {
-      const Sample& s = rest[i];
-      const CadModel& model = map.database->model(ModelId{s.label});
-      const double folded = AzimuthDifference(model, s.azimuth, 0.0);
-      const double side = kModeCell_m * map.LengthScale(model.id);
-      auto& cell = cells[{s.label, static_cast<int>(std::floor(s.center.x() / side)),
-                          static_cast<int>(std::floor(s.center.y() / side)),
-                          static_cast<int>(std::floor(s.center.z() / side)),
-                          static_cast<int>(std::floor(folded / 0.5))}];
-      if (cell.first == 0) cell.second = i;
-      cell.first += s.weight;
-    }
-    const auto fullest = std::max_element(
-        cells.begin(), cells.end(),
-        [](const auto& a, const auto& b) { return a.second.first < b.second.first; });
-    const Sample& seed = rest[fullest->second.second];
+    const std::size_t start = InFullestCell(rest, map);
+    const Sample& seed = rest[start];
     const CadModel& model = map.database->model(ModelId{seed.label});
     const double radius_m = kModeRadius_m * map.LengthScale(model.id);
     Eigen::Vector3d center = seed.center;
@@ -273,8 +294,9 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
       double turn = 0, weight = 0, squares = 0, turn_squares = 0;
       double growth = 0, growth_squares = 0;
       for (const Sample& s : rest) {
-        if (!InMode(s, model, radius_m, center, azimuth)) continue;
-        const double difference = AzimuthDifference(model, s.azimuth, azimuth);
+        const std::optional<double> within = TurnInMode(s, model, radius_m, center, azimuth);
+        if (!within) continue;
+        const double difference = *within;
         weight += s.weight;
         sum += s.weight * s.center;
         squares += s.weight * (s.center - center).squaredNorm();
@@ -298,10 +320,10 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
     mode.scale = std::exp(log_scale);
     if (modes.empty() || mode.weight >= kMinModeWeight) modes.push_back(mode);
     const std::size_t before = rest.size();
-    std::erase_if(rest,
-                  [&](const Sample& s) { return InMode(s, model, radius_m, center, azimuth); });
-    if (rest.size() == before)
-      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(fullest->second.second));
+    std::erase_if(rest, [&](const Sample& s) {
+      return TurnInMode(s, model, radius_m, center, azimuth).has_value();
+    });
+    if (rest.size() == before) rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(start));
     double left = 0;
     for (const Sample& s : rest) left += s.weight;
     if (left < kMinModeWeight) break;
@@ -326,7 +348,7 @@ Eigen::Matrix4d ModeCovariance(const PoseMode& mode, std::span<const Particle> p
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   double weight = 0;
   for (const Sample& s : ToSamples(particles, world_from_reference_cam)) {
-    if (!InMode(s, model, radius_m, mean.center_in_world, mean.azimuth_rad)) continue;
+    if (!TurnInMode(s, model, radius_m, mean.center_in_world, mean.azimuth_rad)) continue;
     Eigen::Vector4d difference;
     difference << s.center - mean.center_in_world,
         AzimuthDifference(model, s.azimuth, mean.azimuth_rad);

@@ -83,6 +83,12 @@ Eigen::Vector2f Outwards(const ContourView& contour, const Projection& p, const 
           p.fy * rotated(1) - along_ray * (points.v[i] - p.cy)};
 }
 
+/// Which of ScoringView::outline_offsets_px is of an outline that faces there.
+std::size_t SideOf(const Eigen::Vector2f& across) {
+  const bool sideways = std::abs(across.x()) > std::abs(across.y());
+  return sideways ? (across.x() > 0 ? 0 : 2) : (across.y() > 0 ? 1 : 3);
+}
+
 /// Moves the outline outwards in the image, each side of it by its own offset.
 void Widen(const ContourView& contour, const Projection& p, const std::array<double, 4>& offsets_px,
            Projected& points) {
@@ -90,9 +96,7 @@ void Widen(const ContourView& contour, const Projection& p, const std::array<dou
     const Eigen::Vector2f across = Outwards(contour, p, points, i);
     const float length = across.norm();
     if (length <= 0) continue;
-    const bool sideways = std::abs(across.x()) > std::abs(across.y());
-    const std::size_t side = sideways ? (across.x() > 0 ? 0 : 2) : (across.y() > 0 ? 1 : 3);
-    const float offset_px = static_cast<float>(offsets_px[side]);
+    const float offset_px = static_cast<float>(offsets_px[SideOf(across)]);
     points.u[i] += offset_px / length * across.x();
     points.v[i] += offset_px / length * across.y();
   }
@@ -170,57 +174,104 @@ Boxes FindBoxes(float near_m, const Projected& points) {
   return {{least(0), least(1), most(2), most(3)}, {least(4), least(5), most(6), most(7)}};
 }
 
-/// What seen points of the outline gain where the edge runs along their rim [of 255].
-std::int64_t RimGain(const OrientedTable& table, const ContourView& contour, const Projection& p,
-                     const Projected& points) {
-  const std::uint8_t* cells = table.cells();
-  std::int64_t gain = 0;
-  for (int i = 0; i < contour.outline_size; ++i) {
-    if (contour.rim[i] <= 0 || points.cell[i] < 0) continue;
-    const Eigen::Vector2f inwards = -contour.rim[i] / points.z[i] * Outwards(contour, p, points, i);
-    const float weight = RimWeight(inwards.norm());
-    const int x = static_cast<int>(std::floor(points.u[i] + inwards.x() + 0.5f)),
-              y = static_cast<int>(std::floor(points.v[i] + inwards.y() + 0.5f));
-    if (weight <= 0 || x < 0 || y < 0 || x >= table.width() || y >= table.height()) continue;
-    const int bin =
-        static_cast<int>(points.turn[i] * OrientedTable::kBins) & (OrientedTable::kBins - 1);
-    const int there = cells[(bin * table.height() + y) * table.width() + x];
-    gain += std::max(0, static_cast<int>(std::lround(weight * static_cast<float>(there))) -
-                            cells[points.cell[i]]);
-  }
-  return gain;
+/// What a seen point of the outline gains where the edge runs along its rim [of 255].
+int RimGain(const OrientedTable& table, const ContourView& contour, const Projection& p,
+            const Projected& points, int i) {
+  if (contour.rim[i] <= 0) return 0;
+  const Eigen::Vector2f inwards = -contour.rim[i] / points.z[i] * Outwards(contour, p, points, i);
+  const float weight = RimWeight(inwards.norm());
+  const int x = static_cast<int>(std::floor(points.u[i] + inwards.x() + 0.5f)),
+            y = static_cast<int>(std::floor(points.v[i] + inwards.y() + 0.5f));
+  if (weight <= 0 || x < 0 || y < 0 || x >= table.width() || y >= table.height()) return 0;
+  const int bin =
+      static_cast<int>(points.turn[i] * OrientedTable::kBins) & (OrientedTable::kBins - 1);
+  const int there = table.cells()[(bin * table.height() + y) * table.width() + x];
+  return std::max(0, static_cast<int>(std::lround(weight * static_cast<float>(there))) -
+                         table.cells()[points.cell[i]]);
 }
 
-HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& contour,
-                               const Projection& p, Projected& points) {
+/// What points of a contour find in the table.
+struct Tally {
+  std::int64_t hits = 0;  ///< [of 255]
+  int seen = 0;           ///< Points of the outline,
+  int looked_up = 0;      ///< and with those of inner lines.
+
+  void Add(const Tally& other, int sign) {
+    hits += sign * other.hits;
+    seen += sign * other.seen;
+    looked_up += sign * other.looked_up;
+  }
+};
+
+/// Finds the cells of the points that are seen.
+void LookFor(const ScoringView& view, Projected& points) {
   const OrientedTable& table = *view.table;
-  const float near_m = static_cast<float>(view.near_m);
-  FindCells(near_m, table.width(), table.height(), points);
+  FindCells(static_cast<float>(view.near_m), table.width(), table.height(), points);
   if (!view.occluder_depth.empty()) {
     Hide(view.occluder_depth, static_cast<float>(view.occlusion_margin_m), table.width(),
          table.height(), points);
   }
-  const std::uint8_t* cells = table.cells();
-  std::int64_t hits = 0;
-  int seen = 0, looked_up = 0;
+}
+
+HypothesisScore ScoreOf(const Tally& tally, const ContourView& contour,
+                        const OrientedTable& table) {
+  HypothesisScore score;
+  score.agreement_m =
+      contour.length_per_point_m * static_cast<float>(static_cast<double>(tally.hits) / 255.0 -
+                                                      tally.looked_up * table.chance());
+  score.visible_m = contour.length_per_point_m * static_cast<float>(tally.seen);
+  score.total_m = contour.length_per_point_m * static_cast<float>(contour.outline_size);
+  return score;
+}
+
+HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& contour,
+                               const Projection& p, Projected& points) {
+  LookFor(view, points);
+  const std::uint8_t* cells = view.table->cells();
+  Tally tally;
   const int scored = view.inner_lines ? contour.size : contour.outline_size;
   for (int i = 0; i < scored; ++i) {
     if (points.cell[i] < 0) continue;
-    hits += cells[points.cell[i]];
-    ++looked_up;
-    seen += i < contour.outline_size ? 1 : 0;
+    tally.hits += cells[points.cell[i]];
+    ++tally.looked_up;
+    tally.seen += i < contour.outline_size ? 1 : 0;
   }
-  if (view.rims) hits += RimGain(table, contour, p, points);
-  const Boxes boxes = FindBoxes(near_m, points);
-  HypothesisScore score;
-  score.agreement_m =
-      contour.length_per_point_m *
-      static_cast<float>(static_cast<double>(hits) / 255.0 - looked_up * table.chance());
-  score.visible_m = contour.length_per_point_m * static_cast<float>(seen);
-  score.total_m = contour.length_per_point_m * static_cast<float>(contour.outline_size);
+  for (int i = 0; view.rims && i < contour.outline_size; ++i)
+    if (points.cell[i] >= 0) tally.hits += RimGain(*view.table, contour, p, points, i);
+  const Boxes boxes = FindBoxes(static_cast<float>(view.near_m), points);
+  HypothesisScore score = ScoreOf(tally, contour, *view.table);
   score.whole_box = boxes.whole.Clipped(view.camera);
   score.visible_box = boxes.seen.Clipped(view.camera);
   return score;
+}
+
+/// Of each side of the outline by itself.
+using SideTallies = std::array<Tally, 4>;
+
+SideTallies TallyOutline(const ScoringView& view, const ContourView& contour, const Projection& p,
+                         const Projected& points, std::span<const std::uint8_t> sides) {
+  SideTallies tallies;
+  for (int i = 0; i < contour.outline_size; ++i) {
+    if (points.cell[i] < 0) continue;
+    Tally& tally = tallies[sides[static_cast<std::size_t>(i)]];
+    tally.hits += view.table->cells()[points.cell[i]];
+    if (view.rims) tally.hits += RimGain(*view.table, contour, p, points, i);
+    ++tally.looked_up;
+    ++tally.seen;
+  }
+  return tallies;
+}
+
+Tally TallyInnerLines(const ScoringView& view, const ContourView& contour,
+                      const Projected& points) {
+  Tally tally;
+  if (!view.inner_lines) return tally;
+  for (int i = contour.outline_size; i < contour.size; ++i) {
+    if (points.cell[i] < 0) continue;
+    tally.hits += view.table->cells()[points.cell[i]];
+    ++tally.looked_up;
+  }
+  return tally;
 }
 
 }  // namespace
@@ -231,10 +282,10 @@ ViewpointScorer::ViewpointScorer(std::vector<std::shared_ptr<const ViewpointMode
   PLB_CHECK(models_.size() == database_->models().size()) << "one viewpoint model for each model";
 }
 
-void ViewpointScorer::Score(const ScoringView& view, const UprightFrame& upright,
-                            std::span<const PoseHypothesis> hypotheses,
-                            std::span<HypothesisScore> scores) const {
-  PLB_CHECK(scores.size() == hypotheses.size());
+template <typename ScoreOne>
+void ViewpointScorer::ForEach(const ScoringView& view, const UprightFrame& upright,
+                              std::span<const PoseHypothesis> hypotheses,
+                              const ScoreOne& score_one) const {
   PLB_CHECK(view.table != nullptr && view.table->width() == view.camera.width &&
             view.table->height() == view.camera.height);
   const Eigen::Vector3d camera_in_world = view.cam_from_world.inverse().translation();
@@ -266,9 +317,7 @@ void ViewpointScorer::Score(const ScoringView& view, const UprightFrame& upright
       p.cx = static_cast<float>(view.camera.cx);
       p.cy = static_cast<float>(view.camera.cy);
       Project(contour, p, projected);
-      if (view.outline_offsets_px != std::array<double, 4>{})
-        Widen(contour, p, view.outline_offsets_px, projected);
-      scores[i] = ScoreProjected(view, contour, p, projected);
+      score_one(i, contour, p, projected);
     }
   };
   if (hypotheses.size() < 64) {
@@ -277,6 +326,52 @@ void ViewpointScorer::Score(const ScoringView& view, const UprightFrame& upright
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, hypotheses.size(), 32),
                       [&](const auto& range) { score_range(range.begin(), range.end()); });
   }
+}
+
+void ViewpointScorer::Score(const ScoringView& view, const UprightFrame& upright,
+                            std::span<const PoseHypothesis> hypotheses,
+                            std::span<HypothesisScore> scores) const {
+  PLB_CHECK(scores.size() == hypotheses.size());
+  ForEach(view, upright, hypotheses,
+          [&](std::size_t i, const ContourView& contour, const Projection& p, Projected& points) {
+            if (view.outline_offsets_px != std::array<double, 4>{})
+              Widen(contour, p, view.outline_offsets_px, points);
+            scores[i] = ScoreProjected(view, contour, p, points);
+          });
+}
+
+SideScores ViewpointScorer::ScoreSides(const ScoringView& view, const UprightFrame& upright,
+                                       std::span<const PoseHypothesis> hypotheses,
+                                       double offset_px) const {
+  SideScores scores;
+  scores.fill(std::vector<HypothesisScore>(hypotheses.size()));
+  ForEach(view, upright, hypotheses,
+          [&](std::size_t i, const ContourView& contour, const Projection& p, Projected& points) {
+            static thread_local Projected moved;
+            std::array<std::uint8_t, kMaxPoints> sides;
+            for (int k = 0; k < contour.outline_size; ++k)
+              sides[static_cast<std::size_t>(k)] =
+                  static_cast<std::uint8_t>(SideOf(Outwards(contour, p, points, k)));
+            std::array<SideTallies, 2> beside;
+            for (const std::size_t inwards : {0, 1}) {
+              moved = points;
+              const double by_px = inwards == 0 ? offset_px : -offset_px;
+              Widen(contour, p, {by_px, by_px, by_px, by_px}, moved);
+              LookFor(view, moved);
+              beside[inwards] = TallyOutline(view, contour, p, moved, sides);
+            }
+            LookFor(view, points);
+            const SideTallies there = TallyOutline(view, contour, p, points, sides);
+            Tally all = TallyInnerLines(view, contour, points);
+            for (const Tally& side : there) all.Add(side, 1);
+            for (std::size_t k = 0; k < scores.size(); ++k) {
+              Tally tally = all;
+              tally.Add(there[k % 4], -1);
+              tally.Add(beside[k / 4][k % 4], 1);
+              scores[k][i] = ScoreOf(tally, contour, *view.table);
+            }
+          });
+  return scores;
 }
 
 }  // namespace plumbline

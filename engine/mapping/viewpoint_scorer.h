@@ -20,8 +20,16 @@ class ViewpointScorer : public HypothesisScorer {
   void Score(const ScoringView& view, const UprightFrame& upright,
              std::span<const PoseHypothesis> hypotheses,
              std::span<HypothesisScore> scores) const override;
+  /// Each contour is projected once; leaves boxes empty.
+  SideScores ScoreSides(const ScoringView& view, const UprightFrame& upright,
+                        std::span<const PoseHypothesis> hypotheses,
+                        double offset_px) const override;
 
  private:
+  template <typename ScoreOne>
+  void ForEach(const ScoringView& view, const UprightFrame& upright,
+               std::span<const PoseHypothesis> hypotheses, const ScoreOne& score_one) const;
+
   std::vector<std::shared_ptr<const ViewpointModel>> models_;
   std::shared_ptr<const ModelDatabase> database_;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/geometry/gravity.h"
 
+#include <cmath>
 #include <numbers>
 #include <vector>
 
@@ -36,6 +37,25 @@ TEST(UprightFrame, IsARotationThatKeepsTheObjectUpright) {
     EXPECT_LT((rotation.col(2) + gravity).norm(), 1e-12);
     EXPECT_LT(frame.Tilt(rotation), 1e-9);
   }
+}
+
+// As by the library's remainder, to the last bit.
+TEST(WrapAngle, IsTheRemainder) {
+  constexpr double kPi = std::numbers::pi;
+  const auto expect_remainder = [](double angle) {
+    const double wrapped = std::remainder(angle, 2 * kPi);
+    EXPECT_EQ(WrapAngle(angle), wrapped <= -kPi ? wrapped + 2 * kPi : wrapped) << angle;
+  };
+  Random random({.seed = 11});
+  for (int i = 0; i < 20000; ++i) expect_remainder(random.Uniform(-15, 15));
+  for (int half_turns = -6; half_turns <= 6; ++half_turns) {
+    const double angle = half_turns * kPi;
+    for (const double beside : {-1.0, 0.0, 1.0})
+      expect_remainder(std::nextafter(angle, 99 * beside));
+    expect_remainder(angle);
+  }
+  EXPECT_EQ(WrapAngle(-kPi), kPi);
+  EXPECT_TRUE(std::isnan(WrapAngle(std::nan(""))));
 }
 
 TEST(UprightFrame, AzimuthIsTheInverseOfTheRotation) {

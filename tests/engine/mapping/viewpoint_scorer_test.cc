@@ -8,6 +8,7 @@
 
 #include "engine/base/random.h"
 #include "engine/geometry/angles.h"
+#include "engine/geometry/random_vector.h"
 #include "tests/support/mapping_scene.h"
 #include "tests/support/meshes.h"
 
@@ -151,6 +152,44 @@ TEST_F(ViewpointScorerTest, LooksForEdgesBesideTheOutline) {
   EXPECT_GT(sideways(2, -2), sideways(2, 0));
   EXPECT_GT(sideways(2, -2), sideways(0, -2));
   EXPECT_LT(sideways(-2, 2), sideways(0, 0));
+}
+
+// What is written for speed says what is written to be read.
+TEST_F(ViewpointScorerTest, SidesAreScoredAsEachByItself) {
+  const std::vector<PlacedModel> placed = {scene_.Place("chair", 0, 0, 25),
+                                           scene_.Place("crate", 0.5, -0.4, 10)};
+  Image image = Seen(front_, placed);
+  image.view.occluder_depth = cv::Mat(60, 80, CV_32F, cv::Scalar(0));
+  image.view.occluder_depth.colRange(0, 40).setTo(0.5);
+  std::vector<PoseHypothesis> hypotheses;
+  Random random({.seed = 3});
+  for (int i = 0; i < 100; ++i) {
+    PoseHypothesis hypothesis = Moved(scene_.Hypothesis(placed[static_cast<std::size_t>(i) % 2]),
+                                      0.1 * GaussianVector<3>(random), 30 * random.Gaussian());
+    hypothesis.log_scale = 0.02 * random.Gaussian();
+    hypotheses.push_back(hypothesis);
+  }
+  int differ = 0;
+  for (const bool rims : {false, true}) {
+    for (const bool inner_lines : {false, true}) {
+      image.view.rims = rims;
+      image.view.inner_lines = inner_lines;
+      const SideScores quick = scene_.scorer()->ScoreSides(image.view, scene_.map().upright,
+                                                           hypotheses, 1.5),
+                       plain = scene_.scorer()->HypothesisScorer::ScoreSides(
+                           image.view, scene_.map().upright, hypotheses, 1.5);
+      const std::vector<HypothesisScore> unmoved = Score(image.view, hypotheses);
+      for (std::size_t k = 0; k < quick.size(); ++k) {
+        for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+          ASSERT_EQ(quick[k][i].agreement_m, plain[k][i].agreement_m) << k << ' ' << i;
+          ASSERT_EQ(quick[k][i].visible_m, plain[k][i].visible_m) << k << ' ' << i;
+          ASSERT_EQ(quick[k][i].total_m, plain[k][i].total_m) << k << ' ' << i;
+          differ += quick[k][i].agreement_m != unmoved[i].agreement_m ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(differ, 1000) << "of 3200: sides that nothing hides";
 }
 
 // From afar a frame and what it frames give one line, along whichever is stronger: the true pose
