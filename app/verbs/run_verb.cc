@@ -276,6 +276,10 @@ Status Run(RunArguments& arguments) {
     PrintWithdrawn(*withdrawn);
     const std::string poses = PosesInWords(pipeline.own_poses().get());
     if (!poses.empty()) std::printf("%s\n", poses.c_str());
+    const RunRecipe& used = pipeline.recipe();
+    if (used.detector && used.edges)
+      std::printf("boxes: %s, edges: %s\n", ToText(*used.detector).c_str(),
+                  ToText(*used.edges).c_str());
     std::printf("%d frames in %.1f s, %.1f frames/s; wrote %s\n", summary.frames(), seconds,
                 summary.frames() / seconds, arguments.out.c_str());
     if (const auto live = pipeline.live())

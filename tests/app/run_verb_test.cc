@@ -138,6 +138,7 @@ TEST_F(RunVerb, LiveItSaysWhatItPassedOverAndCanBeForkedButNotResumed) {
   ASSERT_EQ(run({"--out", Path("live.plb"), "--live=50", "--json", Path("live.json")}), 0)
       << said();
   EXPECT_THAT(said(), testing::HasSubstr(" of 50 frames as they came (4.9 s at speed 50); "));
+  EXPECT_THAT(said(), testing::HasSubstr("boxes: dataset, edges: dataset\n"));
   const nlohmann::json live = ReadJson(Path("live.json")).value().at("live");
   EXPECT_EQ(live.at("mapped").get<int>() + live.at("passed_over").get<int>(), kFrames);
   EXPECT_GT(live.at("passed_over"), 0);
