@@ -6,7 +6,7 @@
 namespace plumbline {
 namespace {
 
-constexpr PathKind kKinds[] = {
+constexpr KnownPath kKinds[] = {
     {"sequence", "a sequence", ProbeSequence, DescribeSequence},
     {"run", "a run (.plb)", ProbeRun, DescribeRun},
     {"models", "a folder of models (models.json)", ProbeModels, DescribeModels},
@@ -18,7 +18,7 @@ constexpr PathKind kKinds[] = {
 
 }  // namespace
 
-std::span<const PathKind> PathKinds() { return kKinds; }
+std::span<const KnownPath> PathKinds() { return kKinds; }
 
 Result<PathInfo> DescribePath(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -31,10 +31,10 @@ Result<PathInfo> DescribePath(const std::filesystem::path& path) {
         ErrorCode::kInvalidInput,
         "'" + path.string() + "' is a device, pipe or socket; a file or a folder is needed"};
   }
-  const PathKind* best = nullptr;
+  const KnownPath* best = nullptr;
   Likeness surest = Likeness::kNone;
   std::string expected;
-  for (const PathKind& kind : kKinds) {
+  for (const KnownPath& kind : kKinds) {
     expected += (expected.empty() ? "" : ", ") + std::string(kind.expects);
     const Likeness likeness = kind.probe(path);
     if (likeness <= surest) continue;

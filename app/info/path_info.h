@@ -29,14 +29,14 @@ struct PathInfo {
 
 /// Something that `plumbline info` knows. A new kind is a probe and a description, and a line of
 /// the table in path_info.cc.
-struct PathKind {
+struct KnownPath {
   std::string_view name;     ///< "kind" in JSON.
   std::string_view expects;  ///< As "a sequence"; for messages.
   Likeness (*probe)(const std::filesystem::path& path);
   Result<PathInfo> (*describe)(const std::filesystem::path& path);
 };
 
-std::span<const PathKind> PathKinds();
+std::span<const KnownPath> PathKinds();
 
 /// Errors: kNotFound; kUnsupported where no kind fits; kCorrupt and others of what it is.
 Result<PathInfo> DescribePath(const std::filesystem::path& path);

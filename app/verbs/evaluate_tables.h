@@ -32,7 +32,7 @@ struct JudgedMap {
   PlacementSuccess placement;
   BoxDetection detection;
   std::optional<KittiMeasures> kitti;
-  std::optional<SequenceAlignment> by_trajectory;
+  std::optional<TrajectoryFit> by_trajectory;
   std::optional<TruthsView> truths;  ///< Why instances are missed; nothing: not known.
   PlantedTruths planted;
   std::optional<SingleFrames> single_frames;  ///< Nothing where the map is of no single frames.

@@ -41,7 +41,7 @@ struct EvaluateArguments {
   std::string kitti;  ///< Category; empty: cars, where there are.
   std::string plant;  ///< Folder for forks in which what was missed is planted; empty: none.
   EvaluationOptions options;
-  std::optional<SequenceAlignment> by_trajectory;
+  std::optional<TrajectoryFit> by_trajectory;
 };
 
 template <typename E>
@@ -76,8 +76,8 @@ Result<std::optional<RunHeader>> HeaderOfRun(const EvaluateArguments& arguments)
 }
 
 /// How the poses of the run lie to those that its sequence was given, or to --reference.
-Result<SequenceAlignment> AlignByTrajectory(const EvaluateArguments& arguments,
-                                            const RunHeader& header) {
+Result<TrajectoryFit> AlignByTrajectory(const EvaluateArguments& arguments,
+                                        const RunHeader& header) {
   const RunChoice choice{arguments.run, {}, arguments.models};
   const auto mapped = OpenSequenceOfRun(choice, header);
   if (!mapped.ok()) return mapped.error();
@@ -108,7 +108,7 @@ Status Align(EvaluateArguments& arguments) {
                  "'" + arguments.run + "' has no camera poses; give the run file (.plb)"};
   }
   if (!wanted && !(own && arguments.align != "none")) return {};
-  Result<SequenceAlignment> alignment = AlignByTrajectory(arguments, **header);
+  Result<TrajectoryFit> alignment = AlignByTrajectory(arguments, **header);
   if (!alignment.ok() && wanted) return alignment.error();
   if (!alignment.ok()) return {};  // the objects are where the search begins
   arguments.options.truth_from_estimate = alignment->reference_from_mapped;

@@ -62,7 +62,7 @@ Status CropSceneNnModels(const Sequence& sequence, const std::filesystem::path& 
                          "'; left out");
       continue;
     }
-    const CroppedModel model = UprightModel(crop, truth.gravity_in_world);
+    const UprightCrop model = UprightModel(crop, truth.gravity_in_world);
     if (Status written = WritePly(folder / "models" / (name + ".ply"), model.mesh); !written.ok())
       return written;
     models.push_back({{"name", name},

@@ -17,8 +17,8 @@ Eigen::Isometry3d UprightFromWorld(const Eigen::Vector3d& gravity_in_world) {
 
 }  // namespace
 
-Result<SequenceAlignment> AlignTrajectories(const Sequence& mapped, const Sequence& reference,
-                                            const LandmarkLoops* corrected) {
+Result<TrajectoryFit> AlignTrajectories(const Sequence& mapped, const Sequence& reference,
+                                        const LandmarkLoops* corrected) {
   const auto mapped_gravity = mapped.gravity_in_world();
   const auto reference_gravity = reference.gravity_in_world();
   if (!mapped_gravity || !reference_gravity) {
@@ -41,7 +41,7 @@ Result<SequenceAlignment> AlignTrajectories(const Sequence& mapped, const Sequen
   }
   Result<TrajectoryErrors> errors = CompareTrajectories(poses, references, {});
   if (!errors.ok()) return errors.error();
-  SequenceAlignment alignment;
+  TrajectoryFit alignment;
   alignment.errors = std::move(errors).value();
   const Eigen::Isometry3d upright(alignment.errors.reference_from_estimate);
   alignment.reference_from_mapped = reference_upright.inverse() * upright * mapped_upright;

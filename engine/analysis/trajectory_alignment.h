@@ -9,7 +9,7 @@
 namespace plumbline {
 
 /// How the poses that a run was made with lie to those of a reference, by the trajectories alone.
-struct SequenceAlignment {
+struct TrajectoryFit {
   /// Turns about gravity and moves; both worlds' gravity is brought together exactly.
   Eigen::Isometry3d reference_from_mapped = Eigen::Isometry3d::Identity();
   TrajectoryErrors errors;  ///< After the alignment.
@@ -20,7 +20,7 @@ struct SequenceAlignment {
 /// @param reference  The same frames with other poses.
 /// @param corrected  What corrected poses while the run mapped; null: nothing.
 /// Errors: kDegenerate for fewer than 3 such frames; kInvalidInput without gravity.
-Result<SequenceAlignment> AlignTrajectories(const Sequence& mapped, const Sequence& reference,
-                                            const LandmarkLoops* corrected = nullptr);
+Result<TrajectoryFit> AlignTrajectories(const Sequence& mapped, const Sequence& reference,
+                                        const LandmarkLoops* corrected = nullptr);
 
 }  // namespace plumbline

@@ -61,7 +61,7 @@ PoseHypothesis PaperCandidate(const Detection& proposal, const PinholeCamera& ca
 }
 
 /// How far from the camera the centre of a shape may be whose box, in whole or in part, is this.
-DepthRange DepthsOf(const CadModel& model, const Box2& box, const PinholeCamera& camera) {
+DepthSpan DepthsOf(const CadModel& model, const Box2& box, const PinholeCamera& camera) {
   const Eigen::Vector3d size = model.bounds.sizes().cast<double>();
   const double nearest = kShortestSight_m + 0.5 * size.minCoeff();
   const double seen = std::max(box.width() / camera.fx, box.height() / camera.fy);
@@ -133,7 +133,7 @@ std::vector<PoseHypothesis> SampleBirth(const Detection& proposal, const Pinhole
   const Eigen::Isometry3d cam_from_world = world_from_cam.inverse();
   const bool informed = options.prior == SpawnPrior::kInformed;
   const int candidates = informed ? count * kCandidatesPerParticle : count;
-  const std::optional<DepthRange> shown =
+  const std::optional<DepthSpan> shown =
       informed ? DepthsInside(proposal.box, map.points_in_world, camera, cam_from_world)
                : std::nullopt;
   std::vector<PoseHypothesis> drawn;

@@ -18,10 +18,10 @@ constexpr float kInModel_m = 0.04;  ///< Beyond the bounds of a model that a poi
 
 }  // namespace
 
-std::optional<DepthRange> DepthsInside(const Box2& box,
-                                       std::span<const Eigen::Vector3f> points_in_world,
-                                       const PinholeCamera& camera,
-                                       const Eigen::Isometry3d& cam_from_world) {
+std::optional<DepthSpan> DepthsInside(const Box2& box,
+                                      std::span<const Eigen::Vector3f> points_in_world,
+                                      const PinholeCamera& camera,
+                                      const Eigen::Isometry3d& cam_from_world) {
   const float dx = 0.5f * (1 - kMiddle) * box.width(), dy = 0.5f * (1 - kMiddle) * box.height();
   const Box2 middle{box.x0 + dx, box.y0 + dy, box.x1 - dx, box.y1 - dy};
   std::vector<double> depths;
@@ -36,7 +36,7 @@ std::optional<DepthRange> DepthsInside(const Box2& box,
   if (depths.size() < kLeastPoints) return std::nullopt;
   std::sort(depths.begin(), depths.end());
   const std::size_t tenth = (depths.size() + 5) / 10;
-  return DepthRange{depths[tenth], depths[depths.size() - 1 - tenth]};
+  return DepthSpan{depths[tenth], depths[depths.size() - 1 - tenth]};
 }
 
 double ScreenedShare(const Box2& box, double depth_m,

@@ -16,16 +16,16 @@
 namespace plumbline {
 
 /// From the nearest to the farthest [m].
-struct DepthRange {
+struct DepthSpan {
   double nearest_m = 0, farthest_m = 0;
 };
 
 /// Depths (z in `cam`) of what the middle of a box shows, as far as points of the map tell: without
 /// the nearest and the farthest tenth of those that project there. Nothing if they are too few.
-std::optional<DepthRange> DepthsInside(const Box2& box,
-                                       std::span<const Eigen::Vector3f> points_in_world,
-                                       const PinholeCamera& camera,
-                                       const Eigen::Isometry3d& cam_from_world);
+std::optional<DepthSpan> DepthsInside(const Box2& box,
+                                      std::span<const Eigen::Vector3f> points_in_world,
+                                      const PinholeCamera& camera,
+                                      const Eigen::Isometry3d& cam_from_world);
 
 /// Share of a box that points of the map stand before, nearer than `depth_m`, of things that no
 /// model explains: of 6 x 6 cells those with two points or more. Points in the bounds of

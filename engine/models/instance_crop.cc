@@ -46,8 +46,8 @@ TriangleMesh CropByLabel(const LabelledMesh& scan, int label) {
   return crop;
 }
 
-CroppedModel UprightModel(const TriangleMesh& crop, const Eigen::Vector3d& gravity_in_scan) {
-  CroppedModel model;
+UprightCrop UprightModel(const TriangleMesh& crop, const Eigen::Vector3d& gravity_in_scan) {
+  UprightCrop model;
   model.scan_from_object.linear() = UprightFrame(gravity_in_scan).upright_rotation();
   model.mesh = Transformed(crop, model.scan_from_object.inverse());
   const Eigen::AlignedBox3f box = BoundingBox(model.mesh);

@@ -25,12 +25,12 @@ Result<LabelledMesh> ReadLabelledMesh(const std::filesystem::path& file);
 TriangleMesh CropByLabel(const LabelledMesh& scan, int label);
 
 /// A model cut out of a scan, as models.json wants one.
-struct CroppedModel {
+struct UprightCrop {
   TriangleMesh mesh;  ///< In `object`: z up, the origin in the middle of its footprint.
   Eigen::Isometry3d scan_from_object = Eigen::Isometry3d::Identity();
 };
 /// Brings a crop upright, at azimuth 0 (UprightFrame): its own front is not known.
 /// @param gravity_in_scan  Down; any length > 0.
-CroppedModel UprightModel(const TriangleMesh& crop, const Eigen::Vector3d& gravity_in_scan);
+UprightCrop UprightModel(const TriangleMesh& crop, const Eigen::Vector3d& gravity_in_scan);
 
 }  // namespace plumbline

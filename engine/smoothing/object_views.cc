@@ -11,12 +11,12 @@ namespace {
 constexpr double kFullyVisible = 0.5;   ///< More does not make a better view.
 constexpr double kSameView_rad = 0.02;  ///< Nearer to another one, a view adds nothing.
 
-double Difference(const Sight& a, const Sight& b) {
+double Difference(const ObjectSight& a, const ObjectSight& b) {
   const double angle = std::acos(std::clamp(a.from.dot(b.from), -1.0, 1.0));
   return angle + 0.5 * std::abs(std::log(a.distance_m / b.distance_m));
 }
 
-double Quality(const Sight& sight) {
+double Quality(const ObjectSight& sight) {
   return sight.steadiness * sight.telling * std::min(1.0, sight.visible_fraction / kFullyVisible);
 }
 
@@ -57,13 +57,14 @@ std::vector<PlacedModel> MeanStates(std::span<const MapObject> objects, bool con
   return placed;
 }
 
-std::vector<std::vector<Sight>> FindSights(const MapperSetup& setup, OcclusionRenderer& renderer,
-                                           std::span<const Look> looks,
-                                           std::span<const MapObject> objects) {
+std::vector<std::vector<ObjectSight>> FindSights(const MapperSetup& setup,
+                                                 OcclusionRenderer& renderer,
+                                                 std::span<const Look> looks,
+                                                 std::span<const MapObject> objects) {
   const MapFrame map = MapFrameOf(setup);
   const OrientedTable blank = BlankTable(setup.camera);
   const std::vector<PlacedModel> solid = MeanStates(objects, true);
-  std::vector<std::vector<Sight>> sights(objects.size());
+  std::vector<std::vector<ObjectSight>> sights(objects.size());
   for (std::size_t k = 0; k < looks.size(); ++k) {
     const Eigen::Isometry3d& world_from_cam = looks[k].at.world_from_cam;
     const RenderedMaps maps = renderer.Render(setup.camera, world_from_cam.inverse(), solid);
@@ -84,7 +85,7 @@ std::vector<std::vector<Sight>> FindSights(const MapperSetup& setup, OcclusionRe
   return sights;
 }
 
-std::vector<std::size_t> ChooseViews(std::span<const Sight> sights, int count) {
+std::vector<std::size_t> ChooseViews(std::span<const ObjectSight> sights, int count) {
   std::vector<std::size_t> chosen;
   std::vector<double> apart(sights.size(), 1.0);
   while (static_cast<int>(chosen.size()) < count) {

@@ -20,7 +20,7 @@ inline constexpr double kLeastSight = 0.15;
 double Telling(const HypothesisScore& score, double depth_m, const MapperOptions& options);
 
 /// What a look shows of an object at its believed pose.
-struct Sight {
+struct ObjectSight {
   int frame = 0;                  ///< Of the look.
   double visible_fraction = 0;    ///< Of its contour, in (0, 1].
   double telling = 0;             ///< How much its contour can say, in (0, 1].
@@ -39,13 +39,14 @@ std::vector<PlacedModel> MeanStates(std::span<const MapObject> objects, bool con
 
 /// Of each object, the looks that show it, as far as the confirmed ones leave it to be seen.
 /// Renders each look once and reads no image.
-std::vector<std::vector<Sight>> FindSights(const MapperSetup& setup, OcclusionRenderer& renderer,
-                                           std::span<const Look> looks,
-                                           std::span<const MapObject> objects);
+std::vector<std::vector<ObjectSight>> FindSights(const MapperSetup& setup,
+                                                 OcclusionRenderer& renderer,
+                                                 std::span<const Look> looks,
+                                                 std::span<const MapObject> objects);
 
 /// Indices of at most `count` sights that show much of the object and from as different sides and
 /// distances as there are, the best one first; over the whole recording, whenever the object was
 /// found.
-std::vector<std::size_t> ChooseViews(std::span<const Sight> sights, int count);
+std::vector<std::size_t> ChooseViews(std::span<const ObjectSight> sights, int count);
 
 }  // namespace plumbline

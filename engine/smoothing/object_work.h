@@ -15,7 +15,7 @@ namespace plumbline {
 struct ObjectWork {
   ObjectReport causal;
   MapObject object;
-  std::vector<Sight> sights;
+  std::vector<ObjectSight> sights;
   std::vector<std::size_t> views;  ///< Of `sights`, the best one first.
   Presence presence;
   bool kept = false;  ///< It is there.

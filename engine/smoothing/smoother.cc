@@ -108,7 +108,7 @@ class Smoother {
 
   Status FindViews() {
     const std::vector<MapObject> objects = Objects();
-    std::vector<std::vector<Sight>> sights = FindSights(setup_, *renderer_, looks_, objects);
+    std::vector<std::vector<ObjectSight>> sights = FindSights(setup_, *renderer_, looks_, objects);
     std::set<int> wanted;
     for (std::size_t i = 0; i < items_.size(); ++i) {
       items_[i].sights = std::move(sights[i]);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/project/source_rules.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -153,6 +156,58 @@ TEST(ProjectFiles, LinkOnlyToWhatIsThere) {
           << file << " links to " << match->str(1);
     }
   }
+}
+
+/// Names of the types that a source file defines for others to see: at the start of a line and
+/// outside of unnamed namespaces, as clang-format leaves them. With their namespaces inside of
+/// `plumbline`.
+std::vector<std::string> TypesOf(const std::string& content) {
+  static const std::regex kNamespace(R"(^namespace ?([\w:]*) ?\{$)"),
+      kEnd(R"(^\}  // namespace.*)"),
+      kType(R"(^(?:struct|class|enum class) (\w+)(?: final)?(?: : [^;]*)?(?: \{.*)?$)");
+  std::vector<std::string> types, namespaces;
+  std::istringstream lines(content);
+  std::smatch match;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() || std::string_view("ncse}").find(line.front()) == std::string_view::npos)
+      continue;  // most lines
+    if (std::regex_match(line, match, kNamespace)) {
+      namespaces.push_back(match[1]);
+    } else if (std::regex_match(line, kEnd) && !namespaces.empty()) {
+      namespaces.pop_back();
+    } else if (std::regex_match(line, match, kType) &&
+               std::find(namespaces.begin(), namespaces.end(), "") == namespaces.end()) {
+      std::string name;
+      for (const std::string& outer : namespaces) name += outer + "::";
+      types.push_back(name + match.str(1));
+    }
+  }
+  return types;
+}
+
+TEST(TypesOf, AreThoseThatOthersSee) {
+  EXPECT_THAT(TypesOf("namespace plumbline {\nnamespace {\nstruct Own {\n};\n}  // namespace\n"
+                      "struct Seen {\n  struct Inner {\n};\n};\nclass Named;\n"
+                      "class Derived final : public Seen {\nstruct Seen::Other {\n"
+                      "namespace sqlite {\nenum class Access { kRead };\n}  // namespace sqlite\n"),
+              ElementsAre("plumbline::Seen", "plumbline::Derived", "plumbline::sqlite::Access"));
+}
+
+// Two types of one name in one program share their templates, whichever the linker finds first: a
+// vector of the larger was grown as one of the smaller (Sight of smoothing and of vio, 2026-11-28).
+TEST(ProjectFiles, DefineATypeOnce) {
+  std::map<std::string, std::string> places;
+  for (const std::string& file : ProjectFiles()) {
+    const bool program =
+        file.starts_with("engine/") || file.starts_with("ui/") || file.starts_with("app/");
+    if (!program || !(file.ends_with(".h") || file.ends_with(".cc"))) continue;
+    for (const std::string& type : TypesOf(ReadFile(SourceDirectory() / file).value())) {
+      const auto [place, is_new] = places.emplace(type, file);
+      EXPECT_TRUE(is_new) << type << " is defined in " << place->second << " and in " << file
+                          << "; rename one of them";
+    }
+  }
+  EXPECT_GT(places.size(), 500u);
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ TEST(InstanceCrop, StandsUprightOnTheMiddleOfItsFootprint) {
   ASSERT_TRUE(WriteFileAtomically(file, kPly).ok());
   const TriangleMesh crop = CropByLabel(*ReadLabelledMesh(file), 7);
   // Gravity along +z of the scan: what is at z = -1 is lowest.
-  const CroppedModel model = UprightModel(crop, Eigen::Vector3d(0, 0, 9.8));
+  const UprightCrop model = UprightModel(crop, Eigen::Vector3d(0, 0, 9.8));
   const Eigen::AlignedBox3f box = BoundingBox(model.mesh);
   EXPECT_NEAR(box.min().z(), 0, 1e-6);
   EXPECT_NEAR(box.max().z(), 1, 1e-6);

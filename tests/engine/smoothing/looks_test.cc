@@ -41,7 +41,7 @@ TEST(Looks, TheSteadiestFrameOfAStretchIsChosen) {
 }
 
 TEST(Looks, ViewsAreTakenFromAllSides) {
-  std::vector<Sight> sights;
+  std::vector<ObjectSight> sights;
   for (int i = 0; i < 40; ++i) {  // many from the front, one from the side
     const double angle = i == 39 ? 1.5 : 0.005 * i;
     sights.push_back({i, 0.8, 1, 1, {std::cos(angle), std::sin(angle), 0}, 2.0});

@@ -52,7 +52,7 @@ class TimelinePanel : public Panel {
     Zoom(last, axis);
     Seek(axis, last, sink);
     lanes_.Update(context, controls_.all_truths());
-    const TrackRows rows = PlanRows(context, corner.y, corner.y + room.y, lanes_.size());
+    const TimelineRows rows = PlanRows(context, corner.y, corner.y + room.y, lanes_.size());
     DrawRuler(context, axis, rows.ruler, rows.bar);
     if (rows.bar > rows.thumbnails) DrawThumbnails(context, axis, rows.thumbnails, rows.bar);
     DrawPlayed(context, axis, rows.bar, rows.lanes);
@@ -68,7 +68,7 @@ class TimelinePanel : public Panel {
   }
 
   static void DrawPlayhead(const FrameContext& context, const TimeAxis& axis,
-                           const TrackRows& rows) {
+                           const TimelineRows& rows) {
     const float x = axis.XOf(context.playback->frame);
     if (x < axis.x0 - 1 || x > axis.x1 + 1) return;
     ImDrawList& draw = *ImGui::GetWindowDrawList();

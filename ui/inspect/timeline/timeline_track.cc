@@ -38,8 +38,8 @@ std::string TimeName(double seconds) {
   return fmt::format("{}:{:05.2f}", minutes, seconds - 60 * minutes);
 }
 
-TrackRows PlanRows(const FrameContext& context, float top, float bottom, std::size_t lanes) {
-  TrackRows rows;
+TimelineRows PlanRows(const FrameContext& context, float top, float bottom, std::size_t lanes) {
+  TimelineRows rows;
   const float room = bottom - top;
   rows.ruler = top;
   float y = top + context.Scaled(kRulerHeight);
@@ -139,7 +139,7 @@ void DrawPlayed(const FrameContext& context, const TimeAxis& axis, float y0, flo
   }
 }
 
-void DrawOptionMarks(const FrameContext& context, const TimeAxis& axis, const TrackRows& rows) {
+void DrawOptionMarks(const FrameContext& context, const TimeAxis& axis, const TimelineRows& rows) {
   for (const FrameEvent& event : *context.shown_playback().events) {
     if (event.event.kind != EventKind::kOptionsChanged) continue;
     const float x = axis.XOf(event.frame);

@@ -20,20 +20,20 @@ struct TimeAxis {
 };
 
 /// What is drawn under one another, from the top: each kind only if there is room for it.
-struct TrackRows {
+struct TimelineRows {
   float ruler = 0, thumbnails = 0, bar = 0, lanes = 0, plot = 0, end = 0;  ///< Where each begins.
 };
 
 inline constexpr float kLaneHeight = 18;  ///< At text scale 1.
 
 /// @param lanes  How many there are; those that do not fit scroll.
-TrackRows PlanRows(const FrameContext& context, float top, float bottom, std::size_t lanes);
+TimelineRows PlanRows(const FrameContext& context, float top, float bottom, std::size_t lanes);
 void DrawRuler(const FrameContext& context, const TimeAxis& axis, float y0, float y1);
 void DrawThumbnails(const FrameContext& context, const TimeAxis& axis, float y0, float y1);
 /// What is mapped, what is played, the sub-range, where a seek goes.
 void DrawPlayed(const FrameContext& context, const TimeAxis& axis, float y0, float y1);
 /// Where options were changed while the run went on.
-void DrawOptionMarks(const FrameContext& context, const TimeAxis& axis, const TrackRows& rows);
+void DrawOptionMarks(const FrameContext& context, const TimeAxis& axis, const TimelineRows& rows);
 
 /// Small text over the track.
 void TrackText(const FrameContext& context, ImVec2 at, ImU32 color, const std::string& text);
