@@ -14,15 +14,17 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <vector>
 
 #include "engine/base/json_text.h"
 
 namespace plumbline {
 namespace {
+
+constexpr std::size_t kPieceBytes = 1 << 16;  ///< That are read at a time.
 
 Error IoError(std::string_view doing, const std::filesystem::path& path) {
   return {ErrorCode::kIo,
@@ -115,7 +117,11 @@ Result<std::string> ReadFile(const std::filesystem::path& path) {
                  "'" + path.string() + "' is a device, pipe or socket; a file is needed"};
   }
   std::ifstream file(path, std::ios::binary);
-  std::string content((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  std::string content;
+  for (std::vector<char> piece(kPieceBytes); file;) {
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    content.append(piece.data(), static_cast<std::size_t>(file.gcount()));
+  }
   if (!file.good() && !file.eof()) return IoError("read", path);
   return content;
 }

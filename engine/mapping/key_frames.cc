@@ -34,6 +34,11 @@ bool SamePlaces(const std::vector<PlacedModel>& a, const std::vector<PlacedModel
   return true;
 }
 
+bool Same(const PlacedModel& a, const PlacedModel& b) {
+  return a.object == b.object && a.label == b.label && a.scale == b.scale &&
+         a.world_from_object.matrix() == b.world_from_object.matrix();
+}
+
 }  // namespace
 
 OrientedTableOptions SearchOptions(const MapperOptions& options, double focal_px, double reach) {
@@ -115,9 +120,16 @@ void KeyFrameMemory::UpdateOcclusion(OcclusionRenderer& renderer,
                                      const std::vector<PlacedModel>& objects) {
   for (KeyFrame& key : frames_) {
     if (!key.moved && SamePlaces(key.occluders, objects)) continue;
+    const Eigen::Isometry3d cam_from_world = key.input.world_from_cam.inverse();
+    // Of a long walk, most key frames show nothing of what has moved.
+    const bool same_picture =
+        !key.moved && key.maps.rendered().depth.empty() == objects.empty() &&
+        std::ranges::equal(renderer.InView(camera_, cam_from_world, key.occluders),
+                           renderer.InView(camera_, cam_from_world, objects), Same);
     key.occluders = objects;
     key.moved = false;
-    key.maps = OcclusionMaps(renderer.Render(camera_, key.input.world_from_cam.inverse(), objects));
+    if (same_picture) continue;
+    key.maps = renderer.RenderOccluders(camera_, cam_from_world, objects);
   }
 }
 
@@ -178,8 +190,7 @@ Status KeyFrameMemory::Restore(std::string_view bytes,
     for (PlacedModel& placed : key.occluders) {
       if (scaled) placed.scale = in.Get<double>();
     }
-    key.maps =
-        OcclusionMaps(renderer.Render(camera_, key.input.world_from_cam.inverse(), key.occluders));
+    key.maps = renderer.RenderOccluders(camera_, key.input.world_from_cam.inverse(), key.occluders);
   }
   if (!in.ok())
     return Error{ErrorCode::kCorrupt,

@@ -348,8 +348,8 @@ FrameReport Mapper::Step(const MapperInput& given) {
 
   StageClock stages(m.boxes_ms, report);
   const std::vector<PlacedModel> occluders = m.MeanStates(true);
-  const OcclusionMaps occlusion(
-      m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), occluders));
+  const OcclusionMaps occlusion =
+      m.renderer->RenderOccluders(m.setup.camera, input.world_from_cam.inverse(), occluders);
   m.memory.UpdateOcclusion(*m.renderer, occluders);
   m.map.supports = m.FindSupports();
   stages.End("visibility");

@@ -30,15 +30,6 @@ constexpr double kContourStd_m = 0.008, kContourStdRad = 0.008;
 constexpr double kMinModeWeight = 0.9;
 constexpr double kAnyAzimuth = 100;  ///< Variance where every azimuth looks alike [rad^2].
 
-/// In (x, y, z, turn about z), as what was located in one view stands relative to another.
-Eigen::Matrix4d InFour(const PoseCovariance& covariance) {
-  constexpr int kRows[] = {0, 1, 2, 5};
-  Eigen::Matrix4d four;
-  for (int r = 0; r < 4; ++r)
-    for (int c = 0; c < 4; ++c) four(r, c) = covariance(kRows[r], kRows[c]);
-  return four;
-}
-
 double PositionStd(const Eigen::Matrix4d& covariance) {
   return std::sqrt(std::max(0.0, covariance.diagonal().head<3>().maxCoeff()));
 }

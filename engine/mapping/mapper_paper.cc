@@ -37,8 +37,8 @@ class Mapper::Impl::PaperStep {
 
   void Run() {
     StageClock stages(m_.boxes_ms, report_);
-    occlusion_ = OcclusionMaps(
-        m_.renderer->Render(m_.setup.camera, input_.world_from_cam.inverse(), m_.MeanStates(true)));
+    occlusion_ = m_.renderer->RenderOccluders(m_.setup.camera, input_.world_from_cam.inverse(),
+                                              m_.MeanStates(true));
     stages.End("visibility");
     levels_ = SearchLevels(input_.edges, options());
     if (input_.detections) {

@@ -6,6 +6,7 @@
 namespace plumbline {
 namespace {
 
+constexpr double kSize = 0.5;  ///< Of the camera's image.
 /// Around a contour, at half the image's size: an edge that far off still supports it.
 constexpr int kBand_px = 2;
 constexpr double kInFrontOfAll_m = 1e-3;
@@ -23,6 +24,7 @@ Result<std::unique_ptr<OcclusionRenderer>> OcclusionRenderer::Create(
   result->renderer_ = std::move(renderer).value();
   for (const CadModel& model : database->models()) {
     result->mesh_of_model_.push_back(result->renderer_->AddMesh(model.mesh));
+    result->bounds_of_model_.push_back(BoundingBox(model.mesh));
   }
   return result;
 }
@@ -30,17 +32,44 @@ Result<std::unique_ptr<OcclusionRenderer>> OcclusionRenderer::Create(
 RenderedMaps OcclusionRenderer::Render(const PinholeCamera& camera,
                                        const Eigen::Isometry3d& cam_from_world,
                                        std::span<const PlacedModel> objects) {
+  return Draw(camera, cam_from_world, objects, false);
+}
+
+OcclusionMaps OcclusionRenderer::RenderOccluders(const PinholeCamera& camera,
+                                                 const Eigen::Isometry3d& cam_from_world,
+                                                 std::span<const PlacedModel> objects) {
+  return OcclusionMaps(Draw(camera, cam_from_world, objects, true));
+}
+
+RenderedMaps OcclusionRenderer::Draw(const PinholeCamera& camera,
+                                     const Eigen::Isometry3d& cam_from_world,
+                                     std::span<const PlacedModel> objects,
+                                     bool contour_and_second_layer) {
+  if (objects.empty()) return {};
   std::vector<RenderInstance> instances;
-  for (const PlacedModel& object : objects) {
+  for (const PlacedModel& object : InView(camera, cam_from_world, objects)) {
     instances.push_back({mesh_of_model_[static_cast<std::size_t>(object.label.value)],
                          cam_from_world * object.world_from_object, object.object.value,
                          object.scale});
   }
-  if (instances.empty()) return {};
   RenderOptions options;
-  options.second_layer = instances.size() > 1;
-  options.contour = true;
-  return renderer_->Render(camera.Scaled(0.5), instances, options);
+  options.second_layer = contour_and_second_layer && instances.size() > 1;
+  options.contour = contour_and_second_layer;
+  return renderer_->Render(camera.Scaled(kSize), instances, options);
+}
+
+std::vector<PlacedModel> OcclusionRenderer::InView(const PinholeCamera& camera,
+                                                   const Eigen::Isometry3d& cam_from_world,
+                                                   std::span<const PlacedModel> objects) const {
+  const PinholeCamera drawn = camera.Scaled(kSize);
+  std::vector<PlacedModel> in_view;
+  for (const PlacedModel& object : objects) {
+    if (MayShow(drawn, cam_from_world * object.world_from_object,
+                bounds_of_model_[static_cast<std::size_t>(object.label.value)], object.scale,
+                RenderOptions{}.near_m))
+      in_view.push_back(object);
+  }
+  return in_view;
 }
 
 const cv::Mat& OcclusionMaps::DepthBefore(ObjectId object, ObjectId support) const {

@@ -21,30 +21,13 @@ struct PlacedModel {
   double scale = 1;  ///< As of ObjectBelief.
 };
 
-/// Draws mean states, at half the image's size, to learn who hides whom. Lives in the mapper's
-/// thread.
-class OcclusionRenderer {
- public:
-  static Result<std::unique_ptr<OcclusionRenderer>> Create(
-      std::shared_ptr<const ModelDatabase> database);
-
-  /// Nearest and second nearest object of every pixel.
-  RenderedMaps Render(const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_world,
-                      std::span<const PlacedModel> objects);
-
- private:
-  OcclusionRenderer() = default;
-  std::unique_ptr<RenderContext> context_;
-  std::unique_ptr<Renderer> renderer_;
-  std::vector<int> mesh_of_model_;
-};
-
 /// What stands before each object in one image.
 class OcclusionMaps {
  public:
   OcclusionMaps() = default;
   explicit OcclusionMaps(RenderedMaps maps) : maps_(std::move(maps)) {}
 
+  /// With contour, and with a second layer where there is one.
   const RenderedMaps& rendered() const { return maps_; }
   /// Z [m] of the nearest surface that is neither the object's own nor that of what it stands on,
   /// if anything; 0 none. Empty if nothing is drawn. Worked out once for each object: not for two
@@ -57,6 +40,34 @@ class OcclusionMaps {
  private:
   RenderedMaps maps_;
   mutable std::map<std::pair<ObjectId, ObjectId>, cv::Mat> depth_before_, depth_and_contours_;
+};
+
+/// Draws mean states, at half the image's size, to learn who hides whom. Lives in the mapper's
+/// thread.
+class OcclusionRenderer {
+ public:
+  static Result<std::unique_ptr<OcclusionRenderer>> Create(
+      std::shared_ptr<const ModelDatabase> database);
+
+  /// Depth and id of the nearest object of every pixel.
+  RenderedMaps Render(const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_world,
+                      std::span<const PlacedModel> objects);
+  OcclusionMaps RenderOccluders(const PinholeCamera& camera,
+                                const Eigen::Isometry3d& cam_from_world,
+                                std::span<const PlacedModel> objects);
+  /// Those that may show; the others change nothing of what is drawn.
+  std::vector<PlacedModel> InView(const PinholeCamera& camera,
+                                  const Eigen::Isometry3d& cam_from_world,
+                                  std::span<const PlacedModel> objects) const;
+
+ private:
+  OcclusionRenderer() = default;
+  RenderedMaps Draw(const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_world,
+                    std::span<const PlacedModel> objects, bool contour_and_second_layer);
+  std::unique_ptr<RenderContext> context_;
+  std::unique_ptr<Renderer> renderer_;
+  std::vector<int> mesh_of_model_;
+  std::vector<Eigen::AlignedBox3f> bounds_of_model_;
 };
 
 }  // namespace plumbline

@@ -24,7 +24,8 @@ struct Projected {
   alignas(64) float z[kMaxPoints];
   alignas(
       64) float turn[kMaxPoints];  ///< Direction of the normal in the image, in half turns [0, 1].
-  alignas(64) std::int32_t cell[kMaxPoints];  ///< Of the table; -1 for a point that is not seen.
+  alignas(64) std::int32_t cell[kMaxPoints];    ///< Of the table; -1 for a point that is not seen.
+  alignas(64) std::int32_t before[kMaxPoints];  ///< The pixel of what may hide it.
   int lanes_end = 0;
 };
 
@@ -132,15 +133,37 @@ void FindCells(float near_m, int width, int height, Projected& points) {
   }
 }
 
+/// What of an image that is smaller than the camera's belongs to a pixel of it.
+struct SmallerImage {
+  float scale_x, scale_y;
+  int last_x, last_y, stride;
+};
+
+/// Finds the pixel of the smaller image at each point that has a cell; that of the others is 0.
+PLUMBLINE_VECTORISED
+void FindPixels(const SmallerImage& image, Projected& points) {
+  const SmallerImage at = image;
+  const int end = points.lanes_end;
+  for (int i = 0; i < end; ++i) {
+    const bool inside = points.cell[i] >= 0;
+    const float u = (points.u[i] + 0.5f) * at.scale_x, v = (points.v[i] + 0.5f) * at.scale_y;
+    const int x = static_cast<int>(inside ? u : 0.0f), y = static_cast<int>(inside ? v : 0.0f);
+    points.before[i] =
+        (y < at.last_y ? y : at.last_y) * at.stride + (x < at.last_x ? x : at.last_x);
+  }
+}
+
 /// Points that something in front hides lose their cell.
 void Hide(const cv::Mat& occluder, float margin_m, int width, int height, Projected& points) {
-  const float scale_x = static_cast<float>(occluder.cols) / static_cast<float>(width),
-              scale_y = static_cast<float>(occluder.rows) / static_cast<float>(height);
+  FindPixels({static_cast<float>(occluder.cols) / static_cast<float>(width),
+              static_cast<float>(occluder.rows) / static_cast<float>(height), occluder.cols - 1,
+              occluder.rows - 1, static_cast<int>(occluder.step1())},
+             points);
+  const float* depth = occluder.ptr<float>();
   for (int i = 0; i < points.lanes_end; ++i) {
-    if (points.cell[i] < 0) continue;
-    const float in_front = occluder.ptr<float>(static_cast<int>(
-        (points.v[i] + 0.5f) * scale_y))[static_cast<int>((points.u[i] + 0.5f) * scale_x)];
-    if (in_front > 0 && in_front < points.z[i] - margin_m) points.cell[i] = -1;
+    const float in_front = depth[points.before[i]];
+    const bool hidden = (in_front > 0) & (in_front < points.z[i] - margin_m);
+    points.cell[i] = hidden ? -1 : points.cell[i];
   }
 }
 
@@ -203,6 +226,18 @@ struct Tally {
   }
 };
 
+/// Of points in a row, without a branch; `seen` stays 0.
+Tally TallyOf(const OrientedTable& table, const Projected& points, int begin, int end) {
+  const std::uint8_t* cells = table.cells();
+  int hits = 0, looked_up = 0;
+  for (int i = begin; i < end; ++i) {
+    const int cell = points.cell[i], seen = cell >= 0 ? -1 : 0;
+    hits += cells[cell & seen] & seen;
+    looked_up -= seen;
+  }
+  return {hits, 0, looked_up};
+}
+
 /// Finds the cells of the points that are seen.
 void LookFor(const ScoringView& view, Projected& points) {
   const OrientedTable& table = *view.table;
@@ -227,15 +262,10 @@ HypothesisScore ScoreOf(const Tally& tally, const ContourView& contour,
 HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& contour,
                                const Projection& p, Projected& points) {
   LookFor(view, points);
-  const std::uint8_t* cells = view.table->cells();
-  Tally tally;
-  const int scored = view.inner_lines ? contour.size : contour.outline_size;
-  for (int i = 0; i < scored; ++i) {
-    if (points.cell[i] < 0) continue;
-    tally.hits += cells[points.cell[i]];
-    ++tally.looked_up;
-    tally.seen += i < contour.outline_size ? 1 : 0;
-  }
+  Tally tally = TallyOf(*view.table, points, 0, contour.outline_size);
+  tally.seen = tally.looked_up;
+  if (view.inner_lines)
+    tally.Add(TallyOf(*view.table, points, contour.outline_size, contour.size), 1);
   for (int i = 0; view.rims && i < contour.outline_size; ++i)
     if (points.cell[i] >= 0) tally.hits += RimGain(*view.table, contour, p, points, i);
   const Boxes boxes = FindBoxes(static_cast<float>(view.near_m), points);
@@ -264,14 +294,8 @@ SideTallies TallyOutline(const ScoringView& view, const ContourView& contour, co
 
 Tally TallyInnerLines(const ScoringView& view, const ContourView& contour,
                       const Projected& points) {
-  Tally tally;
-  if (!view.inner_lines) return tally;
-  for (int i = contour.outline_size; i < contour.size; ++i) {
-    if (points.cell[i] < 0) continue;
-    tally.hits += view.table->cells()[points.cell[i]];
-    ++tally.looked_up;
-  }
-  return tally;
+  if (!view.inner_lines) return {};
+  return TallyOf(*view.table, points, contour.outline_size, contour.size);
 }
 
 }  // namespace
@@ -372,6 +396,33 @@ SideScores ViewpointScorer::ScoreSides(const ScoringView& view, const UprightFra
             }
           });
   return scores;
+}
+
+std::vector<ContourPointFound> ViewpointScorer::PointsFound(
+    const ScoringView& view, const UprightFrame& upright, const PoseHypothesis& hypothesis) const {
+  std::vector<ContourPointFound> found;
+  ForEach(view, upright, {&hypothesis, 1},
+          [&](std::size_t, const ContourView& contour, const Projection& p, Projected& points) {
+            ScoringView open = view;
+            open.occluder_depth.release();
+            LookFor(open, points);
+            std::vector<int> inside;
+            for (int i = 0; i < contour.size; ++i) {
+              if (points.cell[i] < 0) continue;
+              inside.push_back(i);
+              int hit = view.table->cells()[points.cell[i]];
+              if (view.rims && i < contour.outline_size)
+                hit += RimGain(*view.table, contour, p, points, i);
+              found.push_back({{points.u[i], points.v[i]},
+                               Outwards(contour, p, points, i).normalized(),
+                               false,
+                               static_cast<float>(hit) / 255.0f});
+            }
+            LookFor(view, points);
+            for (std::size_t k = 0; k < found.size(); ++k)
+              found[k].seen = points.cell[inside[k]] >= 0;
+          });
+  return found;
 }
 
 }  // namespace plumbline

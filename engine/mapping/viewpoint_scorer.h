@@ -9,6 +9,14 @@
 
 namespace plumbline {
 
+/// A contour sample of a hypothesis inside the image, and what it finds there.
+struct ContourPointFound {
+  Eigen::Vector2f pixel{0, 0};
+  Eigen::Vector2f outwards{0, 0};  ///< Unit normal of the contour in the image.
+  bool seen = false;               ///< False: behind another object.
+  float hit = 0;                   ///< Best hit, in [0, 1], along its rim's included.
+};
+
 /// The fast scorer: a hypothesis costs a look-up of its view, a projection of a few hundred contour
 /// points and their table look-ups.
 class ViewpointScorer : public HypothesisScorer {
@@ -24,6 +32,10 @@ class ViewpointScorer : public HypothesisScorer {
   SideScores ScoreSides(const ScoringView& view, const UprightFrame& upright,
                         std::span<const PoseHypothesis> hypotheses,
                         double offset_px) const override;
+  /// The samples that Score() sums over, inner lines included whether the view counts them or not:
+  /// those that are not inside the image are left out.
+  std::vector<ContourPointFound> PointsFound(const ScoringView& view, const UprightFrame& upright,
+                                             const PoseHypothesis& hypothesis) const;
 
  private:
   template <typename ScoreOne>

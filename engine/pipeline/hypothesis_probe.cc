@@ -146,15 +146,16 @@ Result<std::unique_ptr<HypothesisProbe>> HypothesisProbe::Create(
   probe->camera_ = camera;
   probe->database_ = database;
   probe->floor_in_world_ = floor_in_world;
+  std::vector<std::shared_ptr<const ViewpointModel>> viewpoints;
   for (const CadModel& model : database->models()) {
     auto views = ViewpointModel::LoadOrBuild(model, ViewpointsOf(model), CacheDirectory(), work);
     if (!views.ok()) return views.error();
-    probe->viewpoints_.push_back(*views);
+    viewpoints.push_back(*views);
   }
   auto renderer = OcclusionRenderer::Create(database);
   if (!renderer.ok()) return renderer.error();
   probe->renderer_ = std::move(renderer).value();
-  probe->scorer_ = std::make_unique<ViewpointScorer>(probe->viewpoints_, database);
+  probe->scorer_ = std::make_unique<ViewpointScorer>(std::move(viewpoints), database);
   return probe;
 }
 

@@ -62,7 +62,6 @@ class HypothesisProbe {
   std::shared_ptr<const ModelDatabase> database_;
   MapperOptions options_;  ///< Of the last request.
   std::optional<Eigen::Vector4d> floor_in_world_;
-  std::vector<std::shared_ptr<const ViewpointModel>> viewpoints_;
   std::unique_ptr<ViewpointScorer> scorer_;
   std::unique_ptr<OcclusionRenderer> renderer_;
   std::unique_ptr<RenderedScorer> reference_;  ///< Made when first asked for.

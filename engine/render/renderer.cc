@@ -85,7 +85,23 @@ struct Visible {
   const GpuMesh* mesh = nullptr;
   Eigen::Matrix4f cam_from_object;
   GLuint id = 0;
+  cv::Rect part;  ///< Of the image.
 };
+
+/// Those that may lie behind another, or before it: a second layer shows nothing else.
+std::vector<Visible> Overlapping(std::span<const Visible> visible, cv::Rect& part) {
+  std::vector<Visible> overlapping;
+  part = {};
+  for (const Visible& instance : visible) {
+    const bool overlaps = std::any_of(visible.begin(), visible.end(), [&](const Visible& other) {
+      return other.id != instance.id && !(other.part & instance.part).empty();
+    });
+    if (!overlaps) continue;
+    part = part.empty() ? instance.part : (part | instance.part);
+    overlapping.push_back(instance);
+  }
+  return overlapping;
+}
 
 class GlRenderer final : public Renderer {
  public:
@@ -184,7 +200,8 @@ std::vector<Visible> GlRenderer::FindVisible(const PinholeCamera& camera,
     part = part.empty() ? *shown : (part | *shown);
     const Eigen::Matrix4d cam_from_mesh =
         (instance.cam_from_object * Eigen::Scaling(instance.scale)).matrix();
-    visible.push_back({&mesh, cam_from_mesh.cast<float>(), static_cast<GLuint>(instance.id)});
+    visible.push_back(
+        {&mesh, cam_from_mesh.cast<float>(), static_cast<GLuint>(instance.id), *shown});
   }
   return visible;
 }
@@ -274,7 +291,7 @@ RenderedMaps GlRenderer::Render(const PinholeCamera& camera,
     maps.contour = ReadBack(size, part, CV_8U, GL_COLOR_ATTACHMENT0, GL_RED, GL_UNSIGNED_BYTE);
   }
   if (options.second_layer) {
-    DrawLayer(second_layer_, second_, clip_from_cam, visible);
+    DrawLayer(second_layer_, second_, clip_from_cam, Overlapping(visible, part));
     maps.second_depth = ReadBack(size, part, CV_32F, GL_COLOR_ATTACHMENT0, GL_RED, GL_FLOAT);
     maps.second_id =
         ReadBack(size, part, CV_16U, GL_COLOR_ATTACHMENT1, GL_RED_INTEGER, GL_UNSIGNED_SHORT);
@@ -283,6 +300,11 @@ RenderedMaps GlRenderer::Render(const PinholeCamera& camera,
 }
 
 }  // namespace
+
+bool MayShow(const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_object,
+             const Eigen::AlignedBox3f& bounds, double scale, double near_m) {
+  return ImagePart(camera, cam_from_object, bounds, scale, near_m).has_value();
+}
 
 Result<std::unique_ptr<Renderer>> Renderer::Create(RenderContext& context) {
   gl::RegisterShaders();

@@ -86,6 +86,11 @@ class Renderer {
                               const RenderOptions& options) = 0;
 };
 
+/// Whether anything within `bounds` of a mesh, `scale` times as large, may show: what may not
+/// changes no map.
+bool MayShow(const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_object,
+             const Eigen::AlignedBox3f& bounds, double scale, double near_m);
+
 /// The same maps by an independent CPU rasteriser (Embree ray casting): slow, for tests and
 /// machines without GL.
 RenderedMaps RayCast(const PinholeCamera& camera, std::span<const TriangleMesh* const> meshes,

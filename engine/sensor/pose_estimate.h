@@ -51,6 +51,16 @@ inline PoseCovariance MovedBy(const Eigen::Vector3d& arm_in_world,
   return move * covariance * move.transpose();
 }
 
+/// Of the rows and columns (x, y, z, turn about z): what is left where gravity is known.
+inline Eigen::Matrix4d InFour(const PoseCovariance& covariance) {
+  constexpr int kRows[] = {0, 1, 2, 5};
+  Eigen::Matrix4d four;
+  for (int r = 0; r < 4; ++r) {
+    for (int c = 0; c < 4; ++c) four(r, c) = covariance(kRows[r], kRows[c]);
+  }
+  return four;
+}
+
 /// How uncertain a pose is. What a mapper needs is how one view errs relative to another: two whole
 /// covariances would count the common part twice.
 struct PoseUncertainty {

@@ -39,8 +39,8 @@ class Observer {
 
   void See(std::size_t look, const Look& at, const MapperInput& input) {
     const Eigen::Isometry3d cam_from_world = at.at.world_from_cam.inverse();
-    const RenderedMaps solid =
-        renderer_.Render(setup_.camera, cam_from_world, MeanStates(objects_, true));
+    const OcclusionMaps solid =
+        renderer_.RenderOccluders(setup_.camera, cam_from_world, MeanStates(objects_, true));
     const RenderedMaps all =
         renderer_.Render(setup_.camera, cam_from_world, MeanStates(objects_, false));
     const std::span<const Detection> boxes =

@@ -35,12 +35,12 @@ double Telling(const HypothesisScore& score, double depth_m, const MapperOptions
 }
 
 ScoringView ViewOf(const MapperSetup& setup, const Eigen::Isometry3d& world_from_cam,
-                   const RenderedMaps& maps, ObjectId object, const OrientedTable& table) {
+                   const OcclusionMaps& maps, ObjectId object, const OrientedTable& table) {
   ScoringView view;
   view.camera = setup.camera;
   view.cam_from_world = world_from_cam.inverse();
   view.table = &table;
-  view.occluder_depth = OcclusionMaps(maps).DepthBefore(object);
+  view.occluder_depth = maps.DepthBefore(object);
   view.occlusion_margin_m = setup.options.occlusion_margin_m;
   view.inner_lines = setup.options.inner_lines;
   view.rims = true;
@@ -67,7 +67,8 @@ std::vector<std::vector<ObjectSight>> FindSights(const MapperSetup& setup,
   std::vector<std::vector<ObjectSight>> sights(objects.size());
   for (std::size_t k = 0; k < looks.size(); ++k) {
     const Eigen::Isometry3d& world_from_cam = looks[k].at.world_from_cam;
-    const RenderedMaps maps = renderer.Render(setup.camera, world_from_cam.inverse(), solid);
+    const OcclusionMaps maps =
+        renderer.RenderOccluders(setup.camera, world_from_cam.inverse(), solid);
     for (std::size_t i = 0; i < objects.size(); ++i) {
       const PoseHypothesis mean = ToHypothesis(objects[i].mean(), map);
       const Eigen::Vector3d to_camera = world_from_cam.translation() - mean.center_in_world;

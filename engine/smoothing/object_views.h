@@ -30,9 +30,9 @@ struct ObjectSight {
 };
 
 /// An image as hypotheses of one object are scored in it.
-/// @param maps  Those that may hide it, at half size.
+/// @param maps  Of those that may hide it.
 ScoringView ViewOf(const MapperSetup& setup, const Eigen::Isometry3d& world_from_cam,
-                   const RenderedMaps& maps, ObjectId object, const OrientedTable& table);
+                   const OcclusionMaps& maps, ObjectId object, const OrientedTable& table);
 
 /// Where objects stand, to draw them.
 std::vector<PlacedModel> MeanStates(std::span<const MapObject> objects, bool confirmed_only);

@@ -148,7 +148,7 @@ class Smoother {
       image.table =
           SearchTable(refiner_.EdgesFor(item, input->first), setup_.options, setup_.camera.fx);
       image.detections = input->second.detections;
-      const RenderedMaps maps = renderer_->Render(
+      const OcclusionMaps maps = renderer_->RenderOccluders(
           setup_.camera, input->second.world_from_cam.inverse(), MeanStates(Objects(), true));
       image.judging.view =
           ViewOf(setup_, input->second.world_from_cam, maps, item.object.id, *image.table);

@@ -12,15 +12,6 @@ constexpr double kStepStd_m = 0.002, kStepStdDeg = 0.02;  ///< Of an edge, at le
 
 }  // namespace
 
-Eigen::Matrix4d InFour(const PoseCovariance& covariance) {
-  constexpr int kRows[] = {0, 1, 2, 5};
-  Eigen::Matrix4d four;
-  for (int r = 0; r < 4; ++r) {
-    for (int c = 0; c < 4; ++c) four(r, c) = covariance(kRows[r], kRows[c]);
-  }
-  return four;
-}
-
 Eigen::Matrix4d DriftBetween(const Eigen::Vector3d& from_in_world, const PoseCovariance& from,
                              const Eigen::Vector3d& to_in_world, const PoseCovariance& to,
                              double factor) {

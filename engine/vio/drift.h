@@ -7,9 +7,6 @@
 
 namespace plumbline {
 
-/// The rows and columns (x, y, z, turn about z) of a pose's covariance.
-Eigen::Matrix4d InFour(const PoseCovariance& covariance);
-
 /// What the relative pose of two moments drifted by, as a filter has it: covariance of an edge
 /// between them (GraphEdge), the growth of the filter's covariance along what it cannot observe,
 /// never less than a little.

@@ -103,6 +103,33 @@ TEST_F(KeyFramesTest, DrawsObjectsThatMovedAgain) {
   EXPECT_TRUE(memory.frames()[1].maps.rendered().id.empty());
 }
 
+TEST_F(KeyFramesTest, DrawsWhatMovedOnlyWhereItMayShow) {
+  KeyFrameMemory memory = Memory(4);
+  memory.Offer(At(0, 0));
+  memory.Offer(At(1, 9.0));
+  std::vector<PlacedModel> objects = {scene_.Place("chair", 0.2, 0, 30, 4),
+                                      scene_.Place("table", 9.0, 0, 80, 9)};
+  memory.UpdateOcclusion(scene_.renderer(), objects);
+  const auto drawn = [&](std::size_t i) { return memory.frames()[i].maps.rendered().id; };
+  const cv::Mat chair = drawn(0), table = drawn(1);
+  EXPECT_GT(cv::countNonZero(chair == 4), 100);
+  EXPECT_GT(cv::countNonZero(table == 9), 100);
+  objects[1].world_from_object.translation().x() += 0.3;
+  memory.UpdateOcclusion(scene_.renderer(), objects);
+  EXPECT_EQ(drawn(0).data, chair.data) << "the same picture";
+  EXPECT_GT(cv::countNonZero(drawn(1) != table), 100);
+  // What comes into view is drawn, and so is what leaves it.
+  objects[1].world_from_object.translation().x() = -0.4;
+  memory.UpdateOcclusion(scene_.renderer(), objects);
+  EXPECT_GT(cv::countNonZero(drawn(0) == 9), 100);
+  EXPECT_EQ(cv::countNonZero(drawn(1)), 0);
+  // A corrected pose shows something else.
+  memory.Correct({PoseId{}, 0, At(0, 0.3).world_from_cam, {}, 1});
+  const cv::Mat before = drawn(0);
+  memory.UpdateOcclusion(scene_.renderer(), objects);
+  EXPECT_GT(cv::countNonZero(drawn(0) != before), 100);
+}
+
 TEST_F(KeyFramesTest, ComesBackFromBytes) {
   KeyFrameMemory memory = Memory(4);
   for (int i = 0; i < 6; ++i) memory.Offer(At(i, 0.5 * i));

@@ -34,8 +34,8 @@ TEST_F(OcclusionMapsTest, NothingIsHiddenByNothing) {
 
 TEST_F(OcclusionMapsTest, AnObjectDoesNotHideItself) {
   const PlacedModel chair = scene_.Place("chair", 0, 0, 30, 1);
-  const OcclusionMaps maps(
-      scene_.renderer().Render(scene_.camera(), front_.inverse(), {&chair, 1}));
+  const OcclusionMaps maps =
+      scene_.renderer().RenderOccluders(scene_.camera(), front_.inverse(), {&chair, 1});
   EXPECT_GT(Shown(chair, maps.DepthBefore(ObjectId{1})), 0.95);
 }
 
@@ -43,8 +43,8 @@ TEST_F(OcclusionMapsTest, WhatItSinksIntoDoesNotHideIt) {
   const PlacedModel table = scene_.Place("table", 0, 0, 30, 1);
   PlacedModel crate = scene_.Place("crate", 0, 0, 30, 2);
   crate.world_from_object.translation().z() = 0.6;  // 14 cm into the top
-  const OcclusionMaps maps(
-      scene_.renderer().Render(scene_.camera(), front_.inverse(), std::array{table, crate}));
+  const OcclusionMaps maps = scene_.renderer().RenderOccluders(scene_.camera(), front_.inverse(),
+                                                               std::array{table, crate});
   EXPECT_LT(Shown(crate, maps.DepthBefore(ObjectId{2})), 0.9);
   EXPECT_GT(Shown(crate, maps.DepthBefore(ObjectId{2}, ObjectId{1})), 0.95);
   EXPECT_GT(Shown(crate, maps.DepthAndContours(ObjectId{2}, ObjectId{1})),
@@ -53,8 +53,8 @@ TEST_F(OcclusionMapsTest, WhatItSinksIntoDoesNotHideIt) {
 
 TEST_F(OcclusionMapsTest, OfAnObjectInTheLinesOfAnotherNothingIsItsOwn) {
   const PlacedModel chair = scene_.Place("chair", 0, 0, 30, 1);
-  const OcclusionMaps maps(
-      scene_.renderer().Render(scene_.camera(), front_.inverse(), {&chair, 1}));
+  const OcclusionMaps maps =
+      scene_.renderer().RenderOccluders(scene_.camera(), front_.inverse(), {&chair, 1});
   EXPECT_LT(Shown(scene_.Place("chair", 0, 0, 30, 2), maps.DepthAndContours(ObjectId{2})), 0.15);
   EXPECT_LT(Shown(scene_.Place("chair", 0.01, 0, 30, 2), maps.DepthAndContours(ObjectId{2})), 0.25);
   const PlacedModel beside = scene_.Place("chair", 0.2, -0.7, 100, 2);

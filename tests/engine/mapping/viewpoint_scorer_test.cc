@@ -192,49 +192,98 @@ TEST_F(ViewpointScorerTest, SidesAreScoredAsEachByItself) {
   EXPECT_GT(differ, 1000) << "of 3200: sides that nothing hides";
 }
 
-// From afar a frame and what it frames give one line, along whichever is stronger: the true pose
-// explains both. From nearby each gives its own.
-TEST_F(ViewpointScorerTest, AnEdgeAlongTheRimIsTheOutlinesWhereTheyCannotBeToldApart) {
-  constexpr float kRim_m = 0.02f;
-  TriangleMesh mesh = MakeBox({-0.02f, -0.3f, 0}, {0.02f, 0.3f, 0.4f});
-  mesh.colors.assign(mesh.vertices.size(), {30, 30, 30});
-  TriangleMesh screen =
-      MakeBox({0, -0.3f + kRim_m, kRim_m}, {0.021f, 0.3f - kRim_m, 0.4f - kRim_m});
-  screen.colors.assign(screen.vertices.size(), {120, 140, 160});
-  Append(screen, mesh);
-  CadModel model;
-  model.name = "screen";
-  model.mesh = mesh;
-  const std::shared_ptr<const ModelDatabase> database = ModelDatabase::FromModels({model});
-  Result<std::shared_ptr<const ViewpointModel>> views =
-      ViewpointModel::Build(database->models().front(), ViewpointModelOptions{}, {});
-  ASSERT_TRUE(views.ok());
-  const ViewpointScorer scorer({*views}, database);
-  const PinholeCamera camera{640, 480, 500, 500, 319.5, 239.5};
-  const MapFrame map{UprightFrame({0, 0, -1}), {}, database};
-  // The score of the true pose, of the outline alone, where all edges lie `inside` of it.
-  const auto score = [&](double distance, float inside) {
-    ScoringView view;
-    view.camera = camera;
-    view.inner_lines = false;
+constexpr float kRim_m = 0.02f;
+
+/// A screen 60 cm wide and 40 high that faces +x, its frame darker than what it frames.
+struct Screen {
+  Screen() {
+    TriangleMesh mesh = MakeBox({-0.02f, -0.3f, 0}, {0.02f, 0.3f, 0.4f});
+    mesh.colors.assign(mesh.vertices.size(), {30, 30, 30});
+    TriangleMesh shown =
+        MakeBox({0, -0.3f + kRim_m, kRim_m}, {0.021f, 0.3f - kRim_m, 0.4f - kRim_m});
+    shown.colors.assign(shown.vertices.size(), {120, 140, 160});
+    Append(shown, mesh);
+    CadModel model;
+    model.name = "screen";
+    model.mesh = mesh;
+    database = ModelDatabase::FromModels({model});
+    views = ViewpointModel::Build(database->models().front(), ViewpointModelOptions{}, {}).value();
+    scorer = std::make_unique<ViewpointScorer>(std::vector{views}, database);
+    view.camera = {640, 480, 500, 500, 319.5, 239.5};
     view.rims = true;
-    view.cam_from_world = LookAt({distance, 0, 0.2}, {0, 0, 0.2}).inverse();
-    cv::Mat lines(camera.height, camera.width, CV_8U, cv::Scalar(0));
+  }
+  /// From straight before it.
+  void LookFrom(double distance_m) {
+    view.cam_from_world = LookAt({distance_m, 0, 0.2}, {0, 0, 0.2}).inverse();
+  }
+  /// Edges of a rectangle so far inside of its outline.
+  void FindEdges(float inside_m) {
+    cv::Mat lines(view.camera.height, view.camera.width, CV_8U, cv::Scalar(0));
     const auto at = [&](double y, double z) {
       const Eigen::Vector2d pixel =
-          camera.Project(view.cam_from_world * Eigen::Vector3d(0.02, y, z));
+          view.camera.Project(view.cam_from_world * Eigen::Vector3d(0.02, y, z));
       return cv::Point(cvRound(pixel.x()), cvRound(pixel.y()));
     };
-    cv::rectangle(lines, at(-0.3 + inside, inside), at(0.3 - inside, 0.4 - inside),
+    cv::rectangle(lines, at(-0.3 + inside_m, inside_m), at(0.3 - inside_m, 0.4 - inside_m),
                   cv::Scalar(255));
     OrientedTableOptions narrow;
     narrow.radius_px = 7;
     narrow.sigma_px = 2.5;
-    const OrientedTable table(EdgesOfContour(lines), narrow);
-    view.table = &table;
+    table = std::make_unique<OrientedTable>(EdgesOfContour(lines), narrow);
+    view.table = table.get();
+  }
+  HypothesisScore Score(const PoseHypothesis& hypothesis) const {
     HypothesisScore found;
-    const PoseHypothesis truth{ModelId{0}, 0, {0, 0, 0.2}};
-    scorer.Score(view, map.upright, {&truth, 1}, {&found, 1});
+    scorer->Score(view, upright, {&hypothesis, 1}, {&found, 1});
+    return found;
+  }
+
+  std::shared_ptr<const ModelDatabase> database;
+  std::shared_ptr<const ViewpointModel> views;
+  std::unique_ptr<ViewpointScorer> scorer;
+  UprightFrame upright{{0, 0, -1}};
+  std::unique_ptr<OrientedTable> table;
+  ScoringView view;
+  const PoseHypothesis truth{ModelId{0}, 0, {0, 0, 0.2}};
+};
+
+TEST_F(ViewpointScorerTest, PointsFoundAreWhatTheScoreSums) {
+  Screen screen;
+  screen.LookFrom(4);
+  screen.FindEdges(kRim_m);
+  screen.view.occluder_depth = cv::Mat(60, 80, CV_32F, cv::Scalar(0));
+  screen.view.occluder_depth.colRange(0, 39).setTo(0.5);
+  const ContourView contour = screen.views->View({4, 0, 0.2f});
+  for (const bool rims : {false, true}) {
+    screen.view.rims = rims;
+    const std::vector<ContourPointFound> points =
+        screen.scorer->PointsFound(screen.view, screen.upright, screen.truth);
+    ASSERT_EQ(points.size(), static_cast<std::size_t>(contour.size));
+    double surplus = 0;
+    int hidden = 0;
+    for (const ContourPointFound& point : points) {
+      EXPECT_NEAR(point.outwards.norm(), 1, 1e-4);
+      EXPECT_EQ(point.seen, point.pixel.x() >= 311.5f);
+      if (point.seen) surplus += point.hit - screen.table->chance();
+      hidden += point.seen ? 0 : 1;
+    }
+    EXPECT_GT(hidden, 50);
+    const HypothesisScore score = screen.Score(screen.truth);
+    EXPECT_NEAR(contour.length_per_point_m * surplus, score.agreement_m, 1e-4);
+    EXPECT_GT(score.agreement_m, 0.1);
+  }
+}
+
+// From afar a frame and what it frames give one line, along whichever is stronger: the true pose
+// explains both. From nearby each gives its own.
+TEST_F(ViewpointScorerTest, AnEdgeAlongTheRimIsTheOutlinesWhereTheyCannotBeToldApart) {
+  Screen screen;
+  screen.view.inner_lines = false;
+  // The score of the true pose, of the outline alone, where all edges lie `inside` of it.
+  const auto score = [&](double distance, float inside) {
+    screen.LookFrom(distance);
+    screen.FindEdges(inside);
+    const HypothesisScore found = screen.Score(screen.truth);
     return found.agreement_m / found.visible_m;
   };
   const float far_m = 5, near_m = 1;  // 2 and 10 pixels
