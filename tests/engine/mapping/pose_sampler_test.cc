@@ -205,6 +205,30 @@ TEST_P(PoseSamplerTest, ShapesComeOutInTheirProportions) {
               Error(0.7));
 }
 
+TEST_P(PoseSamplerTest, ShapesOfAPlaceHaveTheirMasses) {
+  const PoseHypothesis a = At("chair", 1, 2, 0.4), b = At("armchair", 1.01, 2, 0.41);
+  constexpr std::uint32_t kTimes = 40;  // of few members each, a mass is known to half a nat
+  double sum = 0;
+  for (std::uint32_t frame = 1; frame <= kTimes; ++frame) {
+    PoseSampler sampler = Sampler(
+        [&](const PoseHypothesis& h) {
+          return h.label == a.label   ? std::log(0.7) + LogGaussian(h, a, 0.02, 0.05)
+                 : h.label == b.label ? std::log(0.3) + LogGaussian(h, b, 0.03, 0.04)
+                                      : -1e30;
+        },
+        frame);
+    const Population population = Around(a, 0.02, 0.05, sampler);
+    const ProposalMode found = sampler.FindModes(population, {}).front();
+    const std::vector<ProposalMode> shapes = sampler.ShapesAt(found, population, 1);
+    ASSERT_EQ(shapes.size(), 2u) << "others do not fit";
+    ASSERT_EQ(shapes[0].mean.label, a.label);
+    ASSERT_EQ(shapes[1].mean.label, b.label);
+    EXPECT_LT((shapes[1].mean.center_in_world - b.center_in_world).norm(), 0.03);
+    sum += shapes[0].weight - shapes[1].weight;
+  }
+  EXPECT_NEAR(sum / kTimes, std::log(0.7 / 0.3), 0.25);
+}
+
 TEST_P(PoseSamplerTest, ASharpRivalIsReachedFromARoughSearch) {
   const PoseHypothesis a = At("chair", 1, 2, 0.4), b = At("armchair", 1.02, 2.01, 0.42);
   constexpr double kStd_m = 0.002, kStd_rad = 0.2 * kRadPerDeg;
