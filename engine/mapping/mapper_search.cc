@@ -19,10 +19,9 @@ constexpr double kManyJumped =
 void Mapper::Impl::GiveLeeway(MapObject& object, const Population& population,
                               const std::vector<ProposalMode>& modes,
                               const std::vector<JudgingView>& views, PoseSampler& sampler) {
-  const ProposalMode& best = *std::ranges::max_element(modes, {}, &ProposalMode::weight);
   std::vector<ShapeLeeway> masses;
   if (object.sharpness > 1 && setup.database->OfCategory(object.category).size() > 1) {
-    for (const ProposalMode& shape : sampler.ShapesAt(best, population, object.sharpness)) {
+    for (const ProposalMode& shape : sampler.ShapesOf(modes, population, object.sharpness)) {
       const ModelId label = shape.mean.label;
       masses.push_back({label, shape.weight - LogLeeway(object.leeway, label)});
     }
@@ -33,6 +32,7 @@ void Mapper::Impl::GiveLeeway(MapObject& object, const Population& population,
       ViewScale(weight, 1, of_shape) / ViewScale(weight, object.sharpness, of_shape);
   // Where no shape fits, what one fits better than another is no more than how badly both do:
   // overdispersion divides a likelihood (Burnham and Anderson, Model Selection, 2002).
+  const ProposalMode& best = *std::ranges::max_element(modes, {}, &ProposalMode::weight);
   const double misfit = masses.size() < 2 ? 1
                                           : OutlineMisfit(*setup.scorer, map, views, best.mean,
                                                           of_shape, object.sharpness);

@@ -420,26 +420,36 @@ double PoseSampler::LogMass(ProposalMode mode) {
   return highest + std::log(sum / static_cast<double>(ratios.size()));
 }
 
-std::vector<ProposalMode> PoseSampler::ShapesAt(const ProposalMode& found,
+std::vector<ProposalMode> PoseSampler::ShapesOf(const std::vector<ProposalMode>& modes,
                                                 const Population& population, double sharpness) {
+  std::vector<ProposalMode> shapes;
+  const auto add = [&](ProposalMode mode) {
+    mode.weight = LogMass(mode);
+    const auto known = std::ranges::find_if(
+        shapes, [&](const ProposalMode& other) { return other.mean.label == mode.mean.label; });
+    if (known == shapes.end())
+      shapes.push_back(mode);
+    else if (known->weight < mode.weight)
+      *known = mode;
+  };
+  for (const ProposalMode& mode : modes) add(mode);
   const PoseSpread usual = SpreadWithin(population);
   const double warmth = kTwinWarmth * std::max(1.0, sharpness);
-  std::vector<ProposalMode> shapes = {Polished(found, warmth, usual)};
-  double least = -std::numeric_limits<double>::infinity();
-  for (const Judgement& judged : population.judged) least = std::max(least, judged.log_target);
-  least -= warmth * kFaintMode;
-  const std::string& category = map_.database->model(found.mean.label).category;
+  const double least =
+      std::ranges::max_element(population.judged, {}, &Judgement::log_target)->log_target -
+      warmth * kFaintMode;
+  const ProposalMode& best = *std::ranges::max_element(modes, {}, &ProposalMode::weight);
+  const std::string& category = map_.database->model(best.mean.label).category;
   for (const ModelId label : map_.database->OfCategory(category)) {
-    if (label == found.mean.label) continue;
-    ProposalMode other = found;
-    other.mean = As(label, found.mean);
+    if (label == best.mean.label) continue;
+    ProposalMode there = best;
+    there.mean = As(label, best.mean);
     std::vector<PoseHypothesis> first(kFirstLook);
-    for (PoseHypothesis& hypothesis : first) hypothesis = Draw({other});
+    for (PoseHypothesis& hypothesis : first) hypothesis = Draw({there});
     const std::vector<Judgement> judged = target_(first);
     if (std::ranges::max_element(judged, {}, &Judgement::log_target)->log_target >= least)
-      shapes.push_back(Polished(other, warmth, usual));
+      add(Polished(there, warmth, usual));
   }
-  for (ProposalMode& shape : shapes) shape.weight = LogMass(shape);
   return shapes;
 }
 

@@ -81,12 +81,13 @@ class PoseSampler {
                                       const std::vector<PoseHypothesis>& challengers,
                                       double sharpness = 1);
 
-  /// The shapes of the category where `found` is, its own first, each brought to its peak; their
-  /// weights are logs of their masses, but for a constant. Those that fit too badly there for their
-  /// peaks to matter are left out.
+  /// Each shape of the category where its mass is greatest: in one of the modes, or at its peak
+  /// where the best of them is, unless it fits too badly there for its peak to matter. Their
+  /// weights are logs of the masses, but for a constant.
+  /// @param modes       FindModes(); not empty.
   /// @param population  Of the target.
-  std::vector<ProposalMode> ShapesAt(const ProposalMode& found, const Population& population,
-                                     double sharpness);
+  std::vector<ProposalMode> ShapesOf(const std::vector<ProposalMode>& modes,
+                                     const Population& population, double sharpness);
 
   /// One independent proposal for each hypothesis from the mixture of the modes, accepted by
   /// Metropolis' and Hastings' rule: jumps between modes and shapes in the proportions of the
