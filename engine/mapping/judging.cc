@@ -169,32 +169,6 @@ Target WithCrops(CropBelief crops, const MapperOptions& options, Target target) 
   };
 }
 
-double LogLeeway(std::span<const ShapeLeeway> leeway, ModelId label) {
-  const auto found = std::ranges::find(leeway, label, &ShapeLeeway::label);
-  return found == leeway.end() ? 0.0 : found->nats;
-}
-
-Target WithLeeway(std::vector<ShapeLeeway> leeway, Target target) {
-  if (leeway.empty()) return target;
-  return [leeway = std::move(leeway),
-          target = std::move(target)](std::span<const PoseHypothesis> hypotheses) {
-    std::vector<Judgement> judged = target(hypotheses);
-    for (std::size_t i = 0; i < judged.size(); ++i)
-      judged[i].log_target += LogLeeway(leeway, hypotheses[i].label);
-    return judged;
-  };
-}
-
-std::vector<ShapeLeeway> LeewayOf(std::span<const ShapeLeeway> log_masses, double share) {
-  std::vector<ShapeLeeway> leeway;
-  if (log_masses.size() < 2 || share >= 1) return leeway;
-  const double best = std::ranges::max_element(log_masses, {}, &ShapeLeeway::nats)->nats;
-  for (const ShapeLeeway& mass : log_masses) {
-    if (mass.nats < best) leeway.push_back({mass.label, (1 - share) * (best - mass.nats)});
-  }
-  return leeway;
-}
-
 Target Posterior(const HypothesisScorer& scorer, const MapFrame& map,
                  std::vector<JudgingView> remembered, const JudgingView& present,
                  const MapperOptions& options, double sharpness) {

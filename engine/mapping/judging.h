@@ -69,20 +69,6 @@ double LogCrops(const CropBelief& crops, ModelId label, double azimuth_rad,
 /// The target, with what crops say. `options` must outlive it.
 Target WithCrops(CropBelief crops, const MapperOptions& options, Target target);
 
-/// What is added to a shape's log posterior.
-struct ShapeLeeway {
-  ModelId label;
-  double nats = 0;
-};
-double LogLeeway(std::span<const ShapeLeeway> leeway, ModelId label);
-/// The target, with that.
-Target WithLeeway(std::vector<ShapeLeeway> leeway, Target target);
-
-/// How far views are off tells how sure they are of a pose, not of a shape: with this, shapes
-/// differ by a share of what they would.
-/// @param log_masses  Of each shape, without leeway.
-std::vector<ShapeLeeway> LeewayOf(std::span<const ShapeLeeway> log_masses, double share);
-
 /// The posterior of one object: what its remembered views and the present one say, scaled to as
 /// many independent views as they amount to (ViewScale), and the priors of height, scale and back.
 /// References must outlive it.

@@ -92,10 +92,9 @@ ObjectReport ToReport(const MapObject& object) {
     out.Put(object.world_from_proposal_cam);
   }
   object.paper.Save(out);
-  // Scales, then crops, motion, boxes, shared errors, those of outlines and twins come last and
-  // only where there are any: older files have none.
-  const bool has_twins = !object.leeway.empty(),
-             outlined = has_twins || !object.outline_covariance.isZero(0),
+  // Scales, then crops, motion, boxes, shared errors and those of outlines come last and only where
+  // there are any: older files have none.
+  const bool outlined = !object.outline_covariance.isZero(0),
              shares = outlined || !object.shared_error.isZero(0),
              boxed = shares || object.remembered_boxes != 0,
              followed = boxed || object.motion.boxes() > 0,
@@ -113,13 +112,6 @@ ObjectReport ToReport(const MapObject& object) {
   }
   if (outlined) {
     for (const double value : object.outline_covariance.reshaped()) out.Put(value);
-  }
-  if (has_twins) {
-    out.Put(static_cast<std::uint32_t>(object.leeway.size()));
-    for (const ShapeLeeway& shape : object.leeway) {
-      out.Put(shape.label.value);
-      out.Put(shape.nats);
-    }
   }
   report.filter_state = out.Take();
   return report;
@@ -187,13 +179,6 @@ Result<MapObject> FromReport(const ObjectReport& report, const ModelDatabase& mo
     object.outline_covariance = outline_error * outline_error.transpose();
   } else if (!in.rest().empty()) {
     for (double& value : object.outline_covariance.reshaped()) value = in.Get<double>();
-  }
-  if (!in.rest().empty()) {
-    const std::uint32_t twins = in.Get<std::uint32_t>();
-    for (std::uint32_t i = 0; i < twins && in.ok(); ++i) {
-      const ModelId label{in.Get<std::int32_t>()};
-      object.leeway.push_back({label, in.Get<double>()});
-    }
   }
   const auto known = [&models](int label) {
     return label >= 0 && label < static_cast<int>(models.models().size());

@@ -7,7 +7,6 @@
 
 #include "engine/mapping/crop_belief.h"
 #include "engine/mapping/existence.h"
-#include "engine/mapping/judging.h"
 #include "engine/mapping/likelihood_sharpness.h"
 #include "engine/mapping/map_report.h"
 #include "engine/mapping/motion_test.h"
@@ -50,9 +49,7 @@ struct MapObject : ObjectBelief {
   Eigen::Isometry3d world_from_proposal_cam = Eigen::Isometry3d::Identity();
   MotionTest motion;  ///< Of a category that moves by itself.
   CropBelief crops;   ///< Since it was confirmed.
-  std::vector<ShapeLeeway>
-      leeway;        ///< Of shapes that are nearly as good as the best, see LeewayOf.
-  PaperTrack paper;  ///< Of filter = paper.
+  PaperTrack paper;   ///< Of filter = paper.
 
   const PoseMode& mean() const { return modes.front(); }
   TentativeEvidence evidence() const {

@@ -17,6 +17,8 @@ constexpr double kSamePose_m = 0.15, kSamePose_rad = 30 * kRadPerDeg;
 constexpr double kMarginalSharpness = 5;
 /// Of what settled objects show, a smaller share tells nothing of the level of the edges.
 constexpr double kLeastTelling = 0.1;
+/// The time between searches is the time in view over this, between the options' limits.
+constexpr double kSearchRelaxation = 8.0;
 /// Of the height of a surface, the base of what may stand on it.
 constexpr double kStandsWithin_m = 0.1;
 /// Overlap of a box of a past image with an object's visible box that makes it the object's.
@@ -27,6 +29,10 @@ constexpr double kSharpening = 1.2;
 /// Views of an object that settle its pose, so that another tells how far views are off.
 constexpr double kSettlingViews = 3;
 constexpr std::size_t kOutlineSample = 128;  ///< Particles that tell how a belief follows outlines.
+constexpr std::size_t kChallengerCount = 160;  ///< Besides newcomers.
+constexpr int kNewcomerCount = 100;
+constexpr double kManyJumped =
+    0.3;  ///< Share of accepted jumps that makes a second round worth it.
 
 /// How far apart two views of what is driven up to are: it shows anew as its distance halves, not
 /// with every metre.
@@ -376,8 +382,7 @@ Target Mapper::Impl::PosteriorOf(const MapObject& object, const MapperInput& inp
   Target posterior = Posterior(*setup.scorer, map, std::move(remembered), present,
                                OptionsFor(object.mean().label), object.sharpness);
   // Of equal things in a row the one that shows best draws all; what is settled keeps its own.
-  return WithLeeway(object.leeway, WithCrops(object.crops, options(),
-                                             Outside(TakenPlaces(object), std::move(posterior))));
+  return WithCrops(object.crops, options(), Outside(TakenPlaces(object), std::move(posterior)));
 }
 
 std::vector<TakenPlace> Mapper::Impl::TakenPlaces(const MapObject& object) const {
@@ -412,8 +417,7 @@ std::vector<double> Mapper::Impl::LogLikelihoods(const MapObject& object) const 
     result.push_back(
         scale * (object.memory[i] + object.present_weight * (detector * particle.phi_cnn +
                                                              options().beta * particle.phi_edge)) +
-        LogCrops(object.crops, ModelId{particle.label}, particle.azimuth, options()) +
-        LogLeeway(object.leeway, ModelId{particle.label}));
+        LogCrops(object.crops, ModelId{particle.label}, particle.azimuth, options()));
   }
   return result;
 }
@@ -528,6 +532,65 @@ void Mapper::Impl::Forget(MapObject& object, int frame) {
                                        return std::abs(a.frame - frame) < std::abs(b.frame - frame);
                                      });
   if (heir != object.views.end()) heir->weight += weight;
+}
+
+void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
+                          const OcclusionMaps& occluders) {
+  if (options().key_frames == 0 || !object.updated) return;
+  const bool tentative = object.state == ObjectState::kTentative;
+  // What has been seen for long has been searched for often: the search relaxes with age.
+  const double period =
+      tentative ? options().tentative_search_s
+                : std::clamp(object.seen_s / kSearchRelaxation, options().tentative_search_s,
+                             options().confirmed_search_s);
+  if (object.joined.empty() && object.seen_s - object.last_search_s < period - 1e-6) return;
+  object.last_search_s = object.seen_s;
+  const std::vector<double> last = LogLikelihoods(object);
+  if (tentative) {
+    // It may be elsewhere than it was thought to be: other frames may show it.
+    object.views.clear();
+    for (const KeyFrame* key : ChooseViews(object))
+      object.views.push_back({key->input.frame, Judge(object, key->input, key->maps).telling});
+    object.present_weight = 1;
+    for (const ObjectView& seen : object.views) {
+      object.present_weight = std::min(
+          object.present_weight,
+          memory.Distance(memory.Find(seen.frame)->input.world_from_cam, input.world_from_cam));
+    }
+    object.present_weight *= Judge(object, input, occluders).telling;
+  }
+  PoseSampler sampler(map, options(), PosteriorOf(object, input, occluders),
+                      Key(setup.seed, input.frame, object.id, Draw::kSearch));
+  Population population =
+      Rejudge(object, last, static_cast<int>(object.particles.size()), sampler, input.frame);
+  std::vector<PoseHypothesis> challengers =
+      sampler.Challengers(population.hypotheses, kChallengerCount);
+  challengers.insert(challengers.end(), object.joined.begin(), object.joined.end());
+  object.joined.clear();
+  if (object.last_proposal) {
+    const std::vector<PoseHypothesis> newcomers = SampleBirth(
+        *object.last_proposal, setup.camera, object.world_from_proposal_cam, map, options(),
+        kNewcomerCount, Key(setup.seed, input.frame, object.id, Draw::kNewcomers));
+    challengers.insert(challengers.end(), newcomers.begin(), newcomers.end());
+  }
+  const std::vector<ProposalMode> modes =
+      sampler.FindModes(population, challengers, object.sharpness);
+  // Many accept where there is somewhere better to be: those that drew badly draw again.
+  if (sampler.Jump(population, modes) > kManyJumped) sampler.Jump(population, modes);
+  sampler.Walk(population);
+  Take(object, population);
+  Summarize(object, input);
+  if (!tentative || IsPlaced(object)) {
+    object.outline_covariance = OutlineErrorOf(object, input, occluders);
+    Summarize(object, input);
+  }
+  if (!tentative) return;
+  const RememberedLooks looks = LookBack(object, input, occluders);
+  object.remembered_evidence = looks.evidence;
+  object.remembered_boxes = looks.boxes;
+  // What passes has shown best before it is known where it stands.
+  if (map.LengthScale(object.mean().label) > 1 && BeliefInMean(object) >= kInDoubt)
+    object.shown = std::max(object.shown, looks.shown);
 }
 
 }  // namespace plumbline

@@ -336,10 +336,6 @@ struct Mapper::Impl {
   /// The view nearest in time stands for it from now on.
   void Forget(MapObject& object, int frame);
   void Search(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders);
-  /// Shapes that are nearly as good as the best stay so while views grow sharper.
-  void GiveLeeway(MapObject& object, const Population& population,
-                  const std::vector<ProposalMode>& modes, const std::vector<JudgingView>& views,
-                  PoseSampler& sampler);
   /// Settled objects whose place relative to the camera is no longer sure, and where the newest
   /// views have them (mapper_landmarks.cc).
   void FindLandmarks(const MapperInput& input, FrameReport& report) const;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/mapping/outline_error.h"
 
-#include <algorithm>
 #include <vector>
 
 namespace plumbline {
@@ -9,23 +8,28 @@ namespace {
 
 /// Of the numerical derivative, at that focal length.
 constexpr double kOffsetStep_px = 1, kOffsetFocal_px = 500;
-/// Of the four sides, two: a pose moves the outline across and nearer.
-constexpr double kFreeSides = 2;
-constexpr double kLeastCurvature = 0.5;  ///< Flat tops have no distance.
 
-double WeightOf(const std::vector<JudgingView>& views) {
+}  // namespace
+
+Eigen::Matrix4d OutlineSensitivity(const HypothesisScorer& scorer, const MapFrame& map,
+                                   std::vector<JudgingView> views,
+                                   std::span<const PoseHypothesis> hypotheses,
+                                   const PoseHypothesis& from, const MapperOptions& options,
+                                   double sharpness) {
+  Eigen::Matrix4d sensitivity = Eigen::Matrix4d::Zero();
+  if (hypotheses.empty()) return sensitivity;
   double weight = 0;
   for (const JudgingView& view : views) weight += view.weight;
-  return weight;
-}
-
-/// Of the edge terms of all views, for each hypothesis, in the order of SideScores.
-using SideSums = std::array<std::vector<double>, 8>;
-
-SideSums SumOverSides(const HypothesisScorer& scorer, const MapFrame& map,
-                      std::vector<JudgingView> views, std::span<const PoseHypothesis> hypotheses,
-                      const MapperOptions& options) {
-  SideSums sums;
+  const Eigen::Index count = static_cast<Eigen::Index>(hypotheses.size());
+  const CadModel& model = map.database->model(from.label);
+  Eigen::Matrix4Xd poses(4, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const PoseHypothesis& hypothesis = hypotheses[static_cast<std::size_t>(i)];
+    poses.col(i) << hypothesis.center_in_world - from.center_in_world,
+        AzimuthDifference(model, hypothesis.azimuth_rad, from.azimuth_rad);
+  }
+  poses.colwise() -= poses.rowwise().mean().eval();
+  std::array<std::vector<double>, 8> sums;
   sums.fill(std::vector<double>(hypotheses.size(), 0.0));
   for (JudgingView& view : views) {
     const double offset_px = kOffsetStep_px * view.view.camera.fx / kOffsetFocal_px;
@@ -38,29 +42,6 @@ SideSums SumOverSides(const HypothesisScorer& scorer, const MapFrame& map,
         sums[k][i] += view.weight * (options.beta * terms[i]);
     }
   }
-  return sums;
-}
-
-}  // namespace
-
-Eigen::Matrix4d OutlineSensitivity(const HypothesisScorer& scorer, const MapFrame& map,
-                                   std::vector<JudgingView> views,
-                                   std::span<const PoseHypothesis> hypotheses,
-                                   const PoseHypothesis& from, const MapperOptions& options,
-                                   double sharpness) {
-  Eigen::Matrix4d sensitivity = Eigen::Matrix4d::Zero();
-  if (hypotheses.empty()) return sensitivity;
-  const double weight = WeightOf(views);
-  const Eigen::Index count = static_cast<Eigen::Index>(hypotheses.size());
-  const CadModel& model = map.database->model(from.label);
-  Eigen::Matrix4Xd poses(4, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const PoseHypothesis& hypothesis = hypotheses[static_cast<std::size_t>(i)];
-    poses.col(i) << hypothesis.center_in_world - from.center_in_world,
-        AzimuthDifference(model, hypothesis.azimuth_rad, from.azimuth_rad);
-  }
-  poses.colwise() -= poses.rowwise().mean().eval();
-  const SideSums sums = SumOverSides(scorer, map, std::move(views), hypotheses, options);
   const double scale = ViewScale(weight, sharpness, options) / (2 * kOffsetStep_px);
   for (std::size_t side = 0; side < 4; ++side) {
     const Eigen::VectorXd slopes = scale * (Eigen::VectorXd::Map(sums[side].data(), count) -
@@ -68,28 +49,6 @@ Eigen::Matrix4d OutlineSensitivity(const HypothesisScorer& scorer, const MapFram
     sensitivity.col(static_cast<Eigen::Index>(side)) = poses * slopes / static_cast<double>(count);
   }
   return sensitivity;
-}
-
-double OutlineMisfit(const HypothesisScorer& scorer, const MapFrame& map,
-                     const std::vector<JudgingView>& views, const PoseHypothesis& hypothesis,
-                     const MapperOptions& options, double sharpness) {
-  const SideSums beside = SumOverSides(scorer, map, views, {&hypothesis, 1}, options);
-  double there = 0;
-  for (const JudgingView& view : views) {
-    there += view.weight * options.beta *
-             Evaluate(scorer, view.view, map, nullptr, {&hypothesis, 1}, view.normalizer, options)
-                 .front()
-                 .phi_edge;
-  }
-  const double scale = ViewScale(WeightOf(views), sharpness, options);
-  double fall = 0;
-  for (std::size_t side = 0; side < 4; ++side) {
-    const double out = scale * (beside[side].front() - there),
-                 in = scale * (beside[side + 4].front() - there);
-    const double slope = (out - in) / 2, curvature = -(out + in);
-    fall += slope * slope / std::max(kLeastCurvature, curvature);
-  }
-  return fall / kFreeSides;
 }
 
 Eigen::Matrix4d OutlineCovariance(const Eigen::Matrix4d& sensitivity, double all_around_std_px,

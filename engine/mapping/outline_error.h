@@ -25,14 +25,6 @@ Eigen::Matrix4d OutlineSensitivity(const HypothesisScorer& scorer, const MapFram
                                    const PoseHypothesis& from, const MapperOptions& options,
                                    double sharpness);
 
-/// By how much the edges of an object contradict its outline: the fall of the log posterior, twice,
-/// from where each side of the outline fits best to where the pose has it, by its slope and
-/// curvature there, over the number of sides that no pose can move. About 1 where views err as the
-/// sharpness says; more where the model is not its object's.
-double OutlineMisfit(const HypothesisScorer& scorer, const MapFrame& map,
-                     const std::vector<JudgingView>& views, const PoseHypothesis& hypothesis,
-                     const MapperOptions& options, double sharpness);
-
 /// Covariance of the pose, as offsets are alike all around with the first deviation and each side
 /// has its own with the second.
 Eigen::Matrix4d OutlineCovariance(const Eigen::Matrix4d& sensitivity, double all_around_std_px,

@@ -25,10 +25,6 @@ constexpr double kLeastSpread_m = 0.001, kLeastSpread_rad = 0.1 * kRadPerDeg;
 constexpr double kUsualFactor = 4, kUsualCount = 5;
 constexpr std::size_t kPolished = 48;  ///< Members of a mode that is brought to its peak,
 constexpr int kMostPolished = 3;       ///< for the best of those found.
-/// Shapes of one place are brought to their peaks from this temperature, and tried first by so
-/// many.
-constexpr double kTwinWarmth = 2;
-constexpr std::size_t kFirstLook = 16;
 constexpr double kLeastWalk_m = 0.0005, kLeastWalk_rad = 0.05 * kRadPerDeg;
 /// Of log-scale, in deviations of its prior.
 constexpr double kLeastSpread_scale = 0.1, kUsualSpread_scale = 1, kLeastWalk_scale = 0.05;
@@ -158,10 +154,7 @@ PoseHypothesis PoseSampler::Turned(PoseHypothesis hypothesis) {
 PoseHypothesis PoseSampler::Relabelled(PoseHypothesis hypothesis) {
   Random random = Next();
   const auto same = map_.database->OfCategory(map_.database->model(hypothesis.label).category);
-  return As(same[random.Index(static_cast<std::uint32_t>(same.size()))], hypothesis);
-}
-
-PoseHypothesis PoseSampler::As(ModelId label, PoseHypothesis hypothesis) const {
+  const ModelId label = same[random.Index(static_cast<std::uint32_t>(same.size()))];
   if (map_.StandsOnFloor(label) && map_.StandsOnFloor(hypothesis.label)) {
     const double rise = map_.database->model(label).center().z() -
                         map_.database->model(hypothesis.label).center().z();
@@ -404,53 +397,6 @@ std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
     sum += mode.weight = std::max(std::exp(mode.weight - highest), kLeastModeWeight);
   for (ProposalMode& mode : modes) mode.weight /= sum;
   return modes;
-}
-
-double PoseSampler::LogMass(ProposalMode mode) {
-  mode.weight = 1;
-  std::vector<PoseHypothesis> drawn(kPolished);
-  for (PoseHypothesis& hypothesis : drawn) hypothesis = Draw({mode});
-  const std::vector<Judgement> judged = target_(drawn);
-  std::vector<double> ratios;
-  for (std::size_t i = 0; i < drawn.size(); ++i)
-    ratios.push_back(judged[i].log_target - LogDensity({mode}, drawn[i]));
-  const double highest = *std::ranges::max_element(ratios);
-  double sum = 0;
-  for (const double ratio : ratios) sum += std::exp(ratio - highest);
-  return highest + std::log(sum / static_cast<double>(ratios.size()));
-}
-
-std::vector<ProposalMode> PoseSampler::ShapesOf(const std::vector<ProposalMode>& modes,
-                                                const Population& population, double sharpness) {
-  std::vector<ProposalMode> shapes;
-  const auto add = [&](ProposalMode mode) {
-    mode.weight = LogMass(mode);
-    const auto known = std::ranges::find_if(
-        shapes, [&](const ProposalMode& other) { return other.mean.label == mode.mean.label; });
-    if (known == shapes.end())
-      shapes.push_back(mode);
-    else if (known->weight < mode.weight)
-      *known = mode;
-  };
-  for (const ProposalMode& mode : modes) add(mode);
-  const PoseSpread usual = SpreadWithin(population);
-  const double warmth = kTwinWarmth * std::max(1.0, sharpness);
-  const double least =
-      std::ranges::max_element(population.judged, {}, &Judgement::log_target)->log_target -
-      warmth * kFaintMode;
-  const ProposalMode& best = *std::ranges::max_element(modes, {}, &ProposalMode::weight);
-  const std::string& category = map_.database->model(best.mean.label).category;
-  for (const ModelId label : map_.database->OfCategory(category)) {
-    if (label == best.mean.label) continue;
-    ProposalMode there = best;
-    there.mean = As(label, best.mean);
-    std::vector<PoseHypothesis> first(kFirstLook);
-    for (PoseHypothesis& hypothesis : first) hypothesis = Draw({there});
-    const std::vector<Judgement> judged = target_(first);
-    if (std::ranges::max_element(judged, {}, &Judgement::log_target)->log_target >= least)
-      add(Polished(there, warmth, usual));
-  }
-  return shapes;
 }
 
 PoseHypothesis PoseSampler::Draw(const std::vector<ProposalMode>& modes) {

@@ -81,14 +81,6 @@ class PoseSampler {
                                       const std::vector<PoseHypothesis>& challengers,
                                       double sharpness = 1);
 
-  /// Each shape of the category where its mass is greatest: in one of the modes, or at its peak
-  /// where the best of them is, unless it fits too badly there for its peak to matter. Their
-  /// weights are logs of the masses, but for a constant.
-  /// @param modes       FindModes(); not empty.
-  /// @param population  Of the target.
-  std::vector<ProposalMode> ShapesOf(const std::vector<ProposalMode>& modes,
-                                     const Population& population, double sharpness);
-
   /// One independent proposal for each hypothesis from the mixture of the modes, accepted by
   /// Metropolis' and Hastings' rule: jumps between modes and shapes in the proportions of the
   /// target. Returns the share accepted.
@@ -109,8 +101,6 @@ class PoseSampler {
   PoseHypothesis Step(PoseHypothesis hypothesis, double room_step_m, double azimuth_rad);
   PoseHypothesis Turned(PoseHypothesis hypothesis);
   PoseHypothesis Relabelled(PoseHypothesis hypothesis);
-  /// With another shape, which stands where that stood.
-  PoseHypothesis As(ModelId label, PoseHypothesis hypothesis) const;
   /// Indices drawn in proportion to exp(log target / temperature), systematically.
   std::vector<std::size_t> Choose(const Population& population, double temperature,
                                   std::size_t count);
@@ -125,8 +115,6 @@ class PoseSampler {
   bool Knows(const std::vector<ProposalMode>& modes, const ProposalMode& mode) const;
   /// The mode brought from a temperature down to the target, with its spread there.
   ProposalMode Polished(const ProposalMode& found, double temperature, const PoseSpread& usual);
-  /// Of the target about a mode, by importance sampling from it, but for a constant.
-  double LogMass(ProposalMode mode);
   Eigen::Vector4d Difference(const PoseHypothesis& a, const PoseHypothesis& from) const;
   Random Next() {
     ++key_.particle;

@@ -273,25 +273,5 @@ TEST(Crops, AddToATargetWhatTheirViewsAreWorth) {
   EXPECT_EQ(WithCrops(crops, options, flat)(turned)[1].log_target, 0);
 }
 
-TEST(Leeway, LeavesShapesTheShareThatTheirEvidenceIsWorth) {
-  const ModelId a{0}, b{1}, c{2};
-  const std::vector<ShapeLeeway> masses = {{a, -3}, {b, 1}, {c, -9}};
-  EXPECT_TRUE(LeewayOf(masses, 1).empty());
-  EXPECT_TRUE(LeewayOf({}, 0.5).empty());
-  const std::vector<ShapeLeeway> leeway = LeewayOf(masses, 0.25);
-  const Target target = WithLeeway(leeway, [&](std::span<const PoseHypothesis> hypotheses) {
-    std::vector<Judgement> judged(hypotheses.size());
-    for (std::size_t i = 0; i < judged.size(); ++i)
-      judged[i].log_target = masses[static_cast<std::size_t>(hypotheses[i].label.value)].nats;
-    return judged;
-  });
-  std::vector<PoseHypothesis> shapes(3);
-  for (int i = 0; i < 3; ++i) shapes[static_cast<std::size_t>(i)].label = ModelId{i};
-  const std::vector<Judgement> judged = target(shapes);
-  EXPECT_DOUBLE_EQ(judged[1].log_target, 1) << "the best stays where it is";
-  EXPECT_DOUBLE_EQ(judged[1].log_target - judged[0].log_target, 4 * 0.25);
-  EXPECT_DOUBLE_EQ(judged[1].log_target - judged[2].log_target, 10 * 0.25);
-}
-
 }  // namespace
 }  // namespace plumbline

@@ -187,20 +187,6 @@ TEST(MapObject, ComesBackFromItsReport) {
   EXPECT_EQ(restored->outline_covariance, Eigen::Matrix4d(d * d.transpose()));
 }
 
-TEST(MapObject, LeewayComesBackWithOrWithoutAnOutlinesError) {
-  MapObject object = RandomObject();
-  object.leeway = {{ModelId{1}, 2.5}, {ModelId{0}, 0.5}};
-  for (const bool outlined : {true, false}) {
-    if (!outlined) object.outline_covariance.setZero();
-    const Result<MapObject> back = FromReport(ToReport(object), Models());
-    ASSERT_TRUE(back.ok());
-    EXPECT_EQ(back->outline_covariance, object.outline_covariance);
-    EXPECT_EQ(LogLeeway(back->leeway, ModelId{1}), 2.5);
-    EXPECT_EQ(LogLeeway(back->leeway, ModelId{0}), 0.5);
-    EXPECT_EQ(LogLeeway(back->leeway, ModelId{2}), 0);
-  }
-}
-
 TEST(MapObject, AReportThatLacksWhatResumingNeedsIsAnError) {
   const ObjectReport good = ToReport(RandomObject());
   ObjectReport bad = good;

@@ -67,32 +67,6 @@ TEST(OutlineSensitivity, IsByHowMuchTheMeanOfTheBeliefFollows) {
   EXPECT_TRUE(OutlineSensitivity(LineScorer(), map, {view}, {}, mean, options, 1).isZero(0));
 }
 
-// The posterior is a parabola in every offset: how far it falls is its closed form.
-TEST(OutlineMisfit, IsHowFarThePosteriorFallsFromWhereEachSideFits) {
-  const std::shared_ptr<const ModelDatabase> database = MakeFurnitureDatabase();
-  const MapFrame map{UprightFrame({0, 0, -1}), {}, database};
-  MapperOptions options;
-  options.view_correlation = 0;
-  PoseHypothesis pose{database->Find("chair").value(), 0.2, {0, 0, 0.5}};
-  JudgingView view;
-  view.view.camera = {320, 240, 250, 250, 159.5, 119.5};
-  view.normalizer = 1;
-  constexpr double kSharpness = 100;
-  const auto misfit = [&](std::vector<JudgingView> views) {
-    return OutlineMisfit(LineScorer(), map, views, pose, options, kSharpness);
-  };
-  EXPECT_NEAR(misfit({view}), 0, 1e-3) << "where all sides fit";
-  pose.center_in_world.x() = 0.6 * kStd_m;
-  // The right side and the left can each take it back; the upper side moves nothing.
-  const double aside = kSharpness * 0.6 * 0.6;
-  EXPECT_NEAR(misfit({view}), aside, 0.02 * aside);
-  EXPECT_NEAR(misfit({view, view}), 2 * aside, 0.04 * aside);
-  pose.center_in_world.x() = 0;
-  pose.center_in_world.y() = 0.3 * kStd_m;
-  const double below = kSharpness * 4 * 0.3 * 0.3 / 2;
-  EXPECT_NEAR(misfit({view}), below, 0.02 * below);
-}
-
 // Sides that are off alike cancel in x; sides that are off by themselves do not.
 TEST(OutlineCovariance, IsOfOffsetsAllAroundAndOfEachSide) {
   Eigen::Matrix4d sides = Eigen::Matrix4d::Zero();

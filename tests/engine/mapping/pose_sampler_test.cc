@@ -60,15 +60,6 @@ class PoseSamplerTest : public testing::TestWithParam<int> {
     population.judged = sampler.Judge(population.hypotheses);
     return population;
   }
-  /// Draws of LogGaussian(), scales too.
-  Population Drawn(const PoseHypothesis& mean, double std_m, double std_rad,
-                   const PoseSampler& sampler) const {
-    Population population = Around(mean, std_m, std_rad, sampler);
-    Random random({.seed = 9});
-    for (PoseHypothesis& h : population.hypotheses) h.log_scale += kScaleStd * random.Gaussian();
-    population.judged = sampler.Judge(population.hypotheses);
-    return population;
-  }
   /// As the mapper does it: search, jump, walk.
   void Sweep(PoseSampler& sampler, Population& population, int sweeps, bool search) const {
     for (int i = 0; i < sweeps; ++i) {
@@ -212,50 +203,6 @@ TEST_P(PoseSamplerTest, ShapesComeOutInTheirProportions) {
   }
   EXPECT_NEAR(Share(population, [&](const PoseHypothesis& h) { return h.label == a.label; }), 0.7,
               Error(0.7));
-}
-
-TEST_P(PoseSamplerTest, ShapesOfAPlaceHaveTheirMasses) {
-  const PoseHypothesis a = At("chair", 1, 2, 0.4), b = At("armchair", 1.01, 2, 0.41);
-  constexpr std::uint32_t kTimes = 40;  // of few members each, a mass is known to half a nat
-  double sum = 0;
-  for (std::uint32_t frame = 1; frame <= kTimes; ++frame) {
-    PoseSampler sampler = Sampler(
-        [&](const PoseHypothesis& h) {
-          return h.label == a.label   ? std::log(0.7) + LogGaussian(h, a, 0.02, 0.05)
-                 : h.label == b.label ? std::log(0.3) + LogGaussian(h, b, 0.03, 0.04)
-                                      : -1e30;
-        },
-        frame);
-    const Population population = Drawn(a, 0.02, 0.05, sampler);
-    const std::vector<ProposalMode> shapes =
-        sampler.ShapesOf(sampler.FindModes(population, {}), population, 1);
-    ASSERT_EQ(shapes.size(), 2u) << "others do not fit";
-    ASSERT_EQ(shapes[0].mean.label, a.label);
-    ASSERT_EQ(shapes[1].mean.label, b.label);
-    EXPECT_LT((shapes[1].mean.center_in_world - b.center_in_world).norm(), 0.03);
-    sum += shapes[0].weight - shapes[1].weight;
-  }
-  EXPECT_NEAR(sum / kTimes, std::log(0.7 / 0.3), 0.25);
-}
-
-// Or a shape that fits badly where another stands, and well beside it, would be given the
-// difference there, too.
-TEST_P(PoseSamplerTest, AShapeHasTheMassOfItsBestPlace) {
-  const PoseHypothesis a = At("chair", 1, 2, 0.4), b = At("armchair", 1.06, 2, 0.4),
-                       elsewhere = At("armchair", 1.4, 2, 0.4);
-  PoseSampler sampler = Sampler([&](const PoseHypothesis& h) {
-    return h.label == a.label   ? LogGaussian(h, a, 0.02, 0.05)
-           : h.label == b.label ? std::max(LogGaussian(h, b, 0.02, 0.05) - 8,
-                                           LogGaussian(h, elsewhere, 0.02, 0.05) - 2)
-                                : -1e30;
-  });
-  const Population population = Drawn(a, 0.02, 0.05, sampler);
-  const std::vector<ProposalMode> modes =
-      sampler.FindModes(population, Around(elsewhere, 0.03, 0.05, sampler).hypotheses);
-  const std::vector<ProposalMode> shapes = sampler.ShapesOf(modes, population, 1);
-  ASSERT_EQ(shapes.size(), 2u);
-  EXPECT_LT((shapes[1].mean.center_in_world - elsewhere.center_in_world).norm(), 0.02);
-  EXPECT_NEAR(shapes[0].weight - shapes[1].weight, 2, 0.5);
 }
 
 TEST_P(PoseSamplerTest, ASharpRivalIsReachedFromARoughSearch) {
