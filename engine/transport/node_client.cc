@@ -8,6 +8,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 #include <zmq.hpp>
@@ -24,6 +25,10 @@ namespace {
 using ClientClock = std::chrono::steady_clock;
 
 const Error kStopped = {ErrorCode::kCancelled, "stopped"};
+
+/// How long a peer that refused us is left alone. The socket then has no connection and does not
+/// seek another one by itself: only where a peer went away does it.
+constexpr std::chrono::milliseconds kAfterRefusal(500);
 
 }  // namespace
 
@@ -51,7 +56,8 @@ class NodeClient::Impl {
       const std::string events = "inproc://events of " + std::to_string(wake_.descriptor());
       if (zmq_socket_monitor(socket_.handle(), events.c_str(),
                              ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED |
-                                 ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) != 0)
+                                 ZMQ_EVENT_HANDSHAKE_FAILED_AUTH |
+                                 ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL) != 0)
         throw zmq::error_t();
       monitor_.set(zmq::sockopt::linger, 0);
       monitor_.connect(events);
@@ -109,14 +115,16 @@ class NodeClient::Impl {
   void Work(const std::stop_token& stop) {
     try {
       while (!stop.stop_requested()) {
-        zmq::pollitem_t items[] = {{socket_.handle(), 0, ZMQ_POLLIN, 0},
+        const bool can_send = SendUnsent();
+        const auto events = static_cast<short>(can_send ? ZMQ_POLLIN : ZMQ_POLLIN | ZMQ_POLLOUT);
+        zmq::pollitem_t items[] = {{socket_.handle(), 0, events, 0},
                                    {monitor_.handle(), 0, ZMQ_POLLIN, 0},
                                    {nullptr, wake_.descriptor(), ZMQ_POLLIN, 0}};
         zmq::poll(items, 3, std::chrono::milliseconds(500));
         if ((items[2].revents & ZMQ_POLLIN) != 0) wake_.Take();
         TakeReplies();
         TakeEvents();
-        SendUnsent();
+        KnockAgain();
       }
     } catch (const zmq::error_t& error) {
       if (error.num() != ETERM) log::error("asking '{}' has ended: {}", peer_, error.what());
@@ -126,22 +134,40 @@ class NodeClient::Impl {
     monitor_.close();
   }
 
-  void SendUnsent() {
+  /// Whether all was sent. Never waits: without a connection it would wait for ever, and this
+  /// thread could not be stopped.
+  bool SendUnsent() {
     while (true) {
       std::string bytes;
       {
         const std::lock_guard lock(mutex_);
-        if (unsent_.empty()) return;
-        const auto open = open_.find(unsent_.front());
-        unsent_.pop_front();
-        if (open == open_.end()) continue;
-        bytes = open->second.bytes;
-        open->second.sent = true;
-        open->second.lost = false;
+        while (!unsent_.empty() && !open_.contains(unsent_.front())) unsent_.pop_front();
+        if (unsent_.empty()) return true;
+        bytes = open_.at(unsent_.front()).bytes;
       }
-      socket_.send(zmq::const_buffer(), zmq::send_flags::sndmore);
-      socket_.send(zmq::buffer(bytes), zmq::send_flags::none);
+      const auto flags = zmq::send_flags::dontwait;
+      if (!socket_.send(zmq::const_buffer(), zmq::send_flags::sndmore | flags) ||
+          !socket_.send(zmq::buffer(bytes), flags))
+        return false;
+      const std::lock_guard lock(mutex_);
+      OpenRequest& open = open_.at(unsent_.front());
+      open.sent = true;
+      open.lost = false;
+      unsent_.pop_front();
     }
+  }
+
+  /// Connects again to who refused us: it may know our key by now.
+  void KnockAgain() {
+    if (!refused_at_ || ClientClock::now() < *refused_at_ + kAfterRefusal) return;
+    refused_at_.reset();
+    {
+      const std::lock_guard lock(mutex_);
+      for (auto& [id, open] : open_) open.lost = open.sent;
+    }
+    // A dealer that has this endpoint in its list, dead or not, does not connect to it again.
+    socket_.disconnect(endpoint_.text());
+    socket_.connect(endpoint_.text());
   }
 
   void TakeReplies() {
@@ -202,13 +228,21 @@ class NodeClient::Impl {
       } else if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
         health_.connected = true;
         ++health_.connections;
+        refused_at_.reset();
         for (auto& [id, open] : open_) {
           if (!open.lost) continue;
           unsent_.push_back(id);
           ++health_.asked_again;
         }
-      } else if (health_.refused++ == 0) {
-        log::error("'{}' at {} does not know our key", peer_, endpoint_.text());
+      } else {
+        if (!refused_at_) refused_at_ = ClientClock::now();
+        if (health_.refused++ > 0) continue;
+        if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
+          log::error("'{}' at {} does not know our key", peer_, endpoint_.text());
+        } else {
+          log::error("'{}' at {} refuses us; both sides need keys, or neither", peer_,
+                     endpoint_.text());
+        }
       }
     }
   }
@@ -224,7 +258,9 @@ class NodeClient::Impl {
   const std::string peer_;
   const Endpoint endpoint_;
   const WakeSignal wake_;
-  zmq::socket_t socket_, monitor_;  ///< Of the thread alone once that runs.
+  // Of the thread alone once that runs:
+  zmq::socket_t socket_, monitor_;
+  std::optional<ClientClock::time_point> refused_at_;
 
   mutable std::mutex mutex_;  ///< Of what follows.
   std::uint64_t last_id_ = 0;

@@ -225,5 +225,37 @@ TEST_F(NodeSockets, WithKeysOnlyPeersWhoseKeyIsKnownAreLetIn) {
   EXPECT_THAT(nobody.error().message, testing::HasSubstr("nobody.public"));
 }
 
+TEST_F(NodeSockets, WhoWasRefusedCanBeStoppedAndIsLetInOnceItsKeyIsKnown) {
+  const auto keys = folder_.path() / "keys", before = folder_.path() / "before";
+  for (const char* name : {"echo", "late"}) ASSERT_TRUE(MakeCurveKeys(keys, name).ok());
+  std::filesystem::create_directory(before);
+  for (const char* name : {"echo.public", "echo.secret"})
+    std::filesystem::copy(keys / name, before / name);
+  const auto late_context = SocketContext::Create(ReadCurveKeys(keys, "late").value()).value();
+  const auto place = Endpoint::Parse("tcp://0.0.0.0:47119").value();
+  const auto reached = Endpoint::Parse("tcp://127.0.0.1:47119").value();
+  const auto late = NodeClient::Connect(late_context, "echo", reached).value();
+  std::future<Result<SharedReply>> asked;
+  {
+    const auto ignorant = SocketContext::Create(ReadCurveKeys(before, "echo").value()).value();
+    const EchoNode node(ignorant, place);
+    for (int i = 0; i < 200 && ignorant->refused_peers() == 0; ++i)
+      std::this_thread::sleep_for(milliseconds(20));
+    ASSERT_GE(ignorant->refused_peers(), 1u);
+    std::this_thread::sleep_for(milliseconds(100));
+    // Nobody is connected: what is asked now must neither be lost nor keep its thread.
+    asked = late->Ask(AskForImage(5));
+    const auto keyless = NodeClient::Connect(context_, "echo", reached).value();
+    std::this_thread::sleep_for(milliseconds(200));
+    auto never = keyless->Ask(AskForImage(6));
+    EXPECT_EQ(never.wait_for(milliseconds(100)), std::future_status::timeout);
+  }  // the keyless one ends here
+  const EchoNode node(SocketContext::Create(ReadCurveKeys(keys, "echo").value()).value(), place);
+  ASSERT_EQ(asked.wait_for(std::chrono::seconds(20)), std::future_status::ready);
+  const auto reply = asked.get();
+  ASSERT_TRUE(reply.ok()) << reply.error().message;
+  EXPECT_EQ((*reply)->image().frame(), 5);
+}
+
 }  // namespace
 }  // namespace plumbline
