@@ -35,20 +35,23 @@ elseif(PLUMBLINE_SANITIZE)
   endif()
 endif()
 
-# plumbline_precompile(TARGET engine|app|tests): TARGET reuses cmake/precompiled/NAME.h, compiled once for all of them.
+# plumbline_precompile(TARGET engine|app|tests [OPTION]): TARGET reuses cmake/precompiled/NAME.h, compiled once for all of them
+# (and once more for those that are compiled with OPTION).
 function(plumbline_precompile target name)
   if(NOT PLUMBLINE_PRECOMPILED_HEADERS)
     return()
   endif()
-  if(NOT TARGET plumbline_precompiled_${name})
-    file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/precompiled/${name}.cc CONTENT "// Carries a precompiled header.\n")
-    add_library(plumbline_precompiled_${name} OBJECT ${CMAKE_BINARY_DIR}/precompiled/${name}.cc)
-    target_link_libraries(plumbline_precompiled_${name} PRIVATE plumbline_settings Eigen3::Eigen nlohmann_json::nlohmann_json
+  set(carrier plumbline_precompiled_${name}${ARGN})
+  if(NOT TARGET ${carrier})
+    file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/precompiled/${name}${ARGN}.cc CONTENT "// Carries a precompiled header.\n")
+    add_library(${carrier} OBJECT ${CMAKE_BINARY_DIR}/precompiled/${name}${ARGN}.cc)
+    target_compile_options(${carrier} PRIVATE ${ARGN})
+    target_link_libraries(${carrier} PRIVATE plumbline_settings Eigen3::Eigen nlohmann_json::nlohmann_json
       $<$<STREQUAL:${name},tests>:GTest::gtest> $<$<STREQUAL:${name},tests>:GTest::gmock>)
-    target_include_directories(plumbline_precompiled_${name} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
-    target_precompile_headers(plumbline_precompiled_${name} PRIVATE ${CMAKE_SOURCE_DIR}/cmake/precompiled/${name}.h)
+    target_include_directories(${carrier} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
+    target_precompile_headers(${carrier} PRIVATE ${CMAKE_SOURCE_DIR}/cmake/precompiled/${name}.h)
   endif()
-  target_precompile_headers(${target} REUSE_FROM plumbline_precompiled_${name})
+  target_precompile_headers(${target} REUSE_FROM ${carrier})
 endfunction()
 
 # plumbline_compile_in_pieces(TARGET a.cc ...): these sources, and no others, share pieces of eight at most.
@@ -94,6 +97,7 @@ endfunction()
 add_custom_target(plumbline_quick_tests)
 
 # plumbline_add_test(NAME SOURCES a_test.cc ... LINKS ... LABEL unit|module|gpu|slow [TIMEOUT s])
+# Folders whose tests look on while programs and windows do the work set PLUMBLINE_TEST_OPTION to -O0, which compiles in half the time.
 function(plumbline_add_test name)
   cmake_parse_arguments(arg "" "LABEL;TIMEOUT" "SOURCES;LINKS" ${ARGN})
   if(NOT arg_LABEL)
@@ -106,7 +110,8 @@ function(plumbline_add_test name)
     math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 10")
   endif()
   add_executable(${name} ${arg_SOURCES})
-  plumbline_precompile(${name} tests)
+  plumbline_precompile(${name} tests ${PLUMBLINE_TEST_OPTION})
+  target_compile_options(${name} PRIVATE ${PLUMBLINE_TEST_OPTION})
   target_link_libraries(${name} PRIVATE plumbline_test_support ${arg_LINKS} GTest::gtest GTest::gmock)
   if(TARGET plumbline_one_tbb_thread)
     target_link_libraries(${name} PRIVATE plumbline_one_tbb_thread)
