@@ -22,6 +22,9 @@ constexpr double kSharedFootprint = 0.3;
 /// kitchen no two of a category share .01.
 constexpr double kSharedByConfirmed = 0.1;
 constexpr float kSameViewIou = 0.5f;
+/// Seen along a row, confirmed chairs that stand side by side show in one place. Twins of one chair
+/// do, and share its back rest besides.
+constexpr double kSharedByTwins = 0.03;
 constexpr float kTentativeIou =
     0.2f;  // its mean may still be far off; a second birth would not find more
 
@@ -95,6 +98,14 @@ Footprint FootprintOf(const MapObject& object, const MapFrame& map) {
   footprint.size = std::max(box.sizes().x(), box.sizes().y());
   footprint.center = upright_from_object * box.center();
   return footprint;
+}
+
+/// Of the smaller one; 0 where one stands above the other.
+double SharedFootprint(const Footprint& a, const Footprint& b) {
+  if (std::min(a.top, b.top) <= std::max(a.bottom, b.bottom)) return 0;
+  std::vector<cv::Point2f> shared;
+  const double area = cv::intersectConvexConvex(a.corners, b.corners, shared);
+  return area / std::min(cv::contourArea(a.corners), cv::contourArea(b.corners));
 }
 
 }  // namespace
@@ -205,13 +216,9 @@ bool Compete(const MapObject& a, const MapObject& b, const MapFrame& map) {
   const Footprint fa = FootprintOf(a, map), fb = FootprintOf(b, map);
   const bool both_confirmed =
       a.state == ObjectState::kConfirmed && b.state == ObjectState::kConfirmed;
-  if (std::min(fa.top, fb.top) > std::max(fa.bottom, fb.bottom)) {
-    std::vector<cv::Point2f> shared;
-    const double area = cv::intersectConvexConvex(fa.corners, fb.corners, shared);
-    if (area > (both_confirmed ? kSharedByConfirmed : kSharedFootprint) *
-                   std::min(cv::contourArea(fa.corners), cv::contourArea(fb.corners)))
-      return true;
-  }
+  const double shared = SharedFootprint(fa, fb);
+  if (shared > (both_confirmed ? kSharedByConfirmed : kSharedFootprint)) return true;
+  if (both_confirmed && shared <= kSharedByTwins) return false;
   const double reach = std::max(fa.size, fb.size);
   return a.updated && b.updated && Iou(a.visible_box, b.visible_box) > kSameViewIou &&
          (fa.center - fb.center).norm() < reach;

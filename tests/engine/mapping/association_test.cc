@@ -203,6 +203,15 @@ TEST_F(AssociationTest, TwinsThatExplainTheSamePartOfTheImageCompete) {
   EXPECT_FALSE(Compete(a, b, map_)) << "its box is of another frame";
 }
 
+TEST_F(AssociationTest, ConfirmedNeighboursOfARowDoNotCompeteWhereItIsSeenAlong) {
+  MapObject a = Object(1, "chair", 0, 0, 0), b = Object(2, "chair", 0, 0.44, 0);
+  a.visible_box = {100, 50, 150, 90};
+  b.visible_box = {103, 52, 152, 91};
+  EXPECT_FALSE(Compete(a, b, map_));
+  b.state = ObjectState::kTentative;  // it may be the same chair, a little further
+  EXPECT_TRUE(Compete(a, b, map_));
+}
+
 TEST_F(AssociationTest, CompetingDoesNotDependOnTheDirectionOfGravity) {
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(1.2, Eigen::Vector3d(1, 2, -1).normalized()));
   MapFrame turned = map_;
