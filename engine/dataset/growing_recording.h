@@ -13,6 +13,9 @@ namespace plumbline {
 
 class Sequence;
 
+/// Images that come so much later say that an IMU which is waited for has fallen silent.
+inline constexpr std::int64_t kSilentImu_ns = 500'000'000;
+
 /// What a sequence is besides while it is being recorded: its frames and the readings of its IMU
 /// become more. num_frames() are those that have come. Functions are safe to call from several
 /// threads.
@@ -25,7 +28,7 @@ class GrowingRecording {
   /// Waits until it is. False: the recording ended without it, or `stop` is requested.
   virtual bool WaitForFrame(int frame, const std::stop_token& stop) const = 0;
   /// Waits until the IMU has been read beyond a time on its own clock; until images have come that
-  /// are half a second later, where it fell silent; or until the recording has ended.
+  /// are kSilentImu_ns later; or until the recording has ended.
   /// @return the readings from number `from` on.
   virtual std::vector<ImuSample> WaitForImu(std::size_t from, std::int64_t time_ns,
                                             const std::stop_token& stop) const = 0;

@@ -28,8 +28,6 @@ namespace {
 
 constexpr auto kLookPeriod = std::chrono::milliseconds(4);
 constexpr std::size_t kMostBytesAtOnce = 4u << 20;
-/// An IMU that has given nothing for so long while images came is not waited for.
-constexpr std::int64_t kSilentImuNs = 500'000'000;
 
 std::int64_t SteadyNs() {
   return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
@@ -102,7 +100,7 @@ class GrowingSequence : public Sequence, public GrowingRecording {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, stop, [&] {
       return ended_ || (!samples_.empty() && samples_.back().stamp_ns > time_ns) ||
-             (!frames_.empty() && frames_.back().stamp_ns > time_ns + kSilentImuNs);
+             (!frames_.empty() && frames_.back().stamp_ns > time_ns + kSilentImu_ns);
     });
     from = std::min(from, samples_.size());
     return {samples_.begin() + static_cast<std::ptrdiff_t>(from), samples_.end()};

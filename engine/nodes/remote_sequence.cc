@@ -47,8 +47,6 @@ Eigen::Vector3d VectorFromWire(const wire::Vector3& v) { return {v.x(), v.y(), v
 constexpr auto kGrowthPeriod = std::chrono::milliseconds(10);
 /// A frame that is told of and not here yet is at most so many after the last one that is.
 constexpr int kMostToldAhead = 100;
-/// As in a recording on this machine (growing_sequence.cc).
-constexpr std::int64_t kSilentNs = 500'000'000;
 constexpr std::size_t kReadingsKept = 20'000;  ///< Of those that were asked for.
 
 Result<SharedReply> AskForSequence(NodeClient& player, const std::stop_token& stop) {
@@ -123,7 +121,7 @@ class GrowingRemoteSequence : public RemoteSequence, public GrowingRecording {
     std::vector<ImuSample>& samples = imu_.samples;
     changed_.wait(lock, stop, [&] {
       return ended_ || (!samples.empty() && samples.back().stamp_ns > time_ns) ||
-             (!frames_.empty() && frames_.back().stamp_ns > time_ns + kSilentNs);
+             (!frames_.empty() && frames_.back().stamp_ns > time_ns + kSilentImu_ns);
     });
     if (from > forgotten_ + kReadingsKept && !samples.empty()) {
       // Whoever asks has those before. The last one tells how far the IMU has been read.
