@@ -197,6 +197,10 @@ class TruthTeller {
       if (!candidate.ended && IsThere(candidate.last_m, candidate.last_rad))
         return SayNotConfirmed(candidate);
     }
+    for (const NearCandidate& candidate : told_.candidates) {
+      if (!candidate.ended && IsThere(candidate.nearest_m, candidate.nearest_rad))
+        return SayStrayed(candidate);
+    }
     const NearCandidate* withdrawn = nullptr;  // the one that came furthest
     for (const NearCandidate& candidate : told_.candidates) {
       if (!candidate.ended || !IsThere(candidate.nearest_m, candidate.nearest_rad)) continue;
@@ -215,13 +219,27 @@ class TruthTeller {
 
   void SayNotConfirmed(const NearCandidate& candidate) {
     Say(MissedCause::kNotConfirmed,
-        fmt::format("object {} stands {:.0f} cm and {:.0f}\u00b0 from it, believed to {}, with "
-                    "evidence of {:.1f} (confirmed above {:.1f}{}).",
-                    candidate.object.value, 100 * candidate.last_m, kDegPerRad * candidate.last_rad,
-                    SpreadInWords(candidate), candidate.last_evidence, confirm_evidence_,
-                    candidate.last_evidence > confirm_evidence_
-                        ? ", once its belief is narrow and it has shown enough"
-                        : ""));
+        fmt::format("object {} stands {}.", candidate.object.value, WhereInTheEnd(candidate)));
+  }
+
+  /// Of one that was there once.
+  void SayStrayed(const NearCandidate& candidate) {
+    Say(MissedCause::kNotConfirmed,
+        fmt::format("object {} came within {:.0f} cm and {:.0f}\u00b0 in frame {} and ends {}.",
+                    candidate.object.value, 100 * candidate.nearest_m,
+                    kDegPerRad * candidate.nearest_rad, candidate.nearest_frame,
+                    WhereInTheEnd(candidate)));
+  }
+
+  std::string WhereInTheEnd(const NearCandidate& candidate) const {
+    return fmt::format(
+        "{:.0f} cm and {:.0f}\u00b0 from it, believed to {}, with evidence of {:.1f} (confirmed "
+        "above {:.1f}{})",
+        100 * candidate.last_m, kDegPerRad * candidate.last_rad, SpreadInWords(candidate),
+        candidate.last_evidence, confirm_evidence_,
+        candidate.last_evidence > confirm_evidence_
+            ? ", once its belief is narrow and it has shown enough"
+            : "");
   }
 
   void SayWithdrawn(const NearCandidate& candidate) {

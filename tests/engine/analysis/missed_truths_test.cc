@@ -221,6 +221,18 @@ TEST(WhyMissed, TellsACandidateThatWaitsFromOneThatIsElsewhere) {
       << elsewhere.Near().text;
 }
 
+TEST(WhyMissed, TellsACandidateThatWasThereAndStrayed) {
+  ToldRun run;
+  run.Frames(10, {StoolAs(5, ObjectState::kTentative, Placed(0.02, 0, 4))},
+             {BoxOver(ProposalFate::kSpawned, 5)});
+  run.Frames(20, {StoolAs(5, ObjectState::kTentative, Placed(0.18, 0, 4))},
+             {BoxOver(ProposalFate::kExplained, 5)});
+  const TruthView truth = run.Near();
+  EXPECT_EQ(truth.cause, MissedCause::kNotConfirmed);
+  EXPECT_NE(truth.text.find("came within 2 cm"), std::string::npos) << truth.text;
+  EXPECT_NE(truth.text.find("ends 18 cm"), std::string::npos) << truth.text;
+}
+
 TEST(WhyMissed, CountsAsFoundWhatEvaluateMatches) {
   ToldRun run;
   run.Frames(30, {StoolAs(6, ObjectState::kConfirmed, Placed(0.6, 0, 4))});
