@@ -75,6 +75,36 @@ Result<std::optional<RunHeader>> HeaderOfRun(const EvaluateArguments& arguments)
   return std::optional((*reader)->header());
 }
 
+/// Fills in what was not named: the models of the run, and the ground truth of its sequence.
+Status TakeFromRun(EvaluateArguments& arguments) {
+  if (!arguments.ground_truth.empty() && !arguments.models.empty()) return {};
+  const auto header = HeaderOfRun(arguments);
+  if (!header.ok()) return header.error();
+  if (!*header) {
+    return Error{ErrorCode::kInvalidInput,
+                 "'" + arguments.run +
+                     "' does not say where its models and its sequence are; name --models and "
+                     "--ground-truth, or give the run file (.plb)"};
+  }
+  const RunChoice choice{arguments.run, {}, arguments.models};
+  if (arguments.models.empty()) {
+    const auto models = LoadModelsOfRun(choice, **header);
+    if (!models.ok()) return models.error();
+    arguments.models = (*models)->folder().string();
+  }
+  if (!arguments.ground_truth.empty()) return {};
+  const auto sequence = OpenSequenceOfRun(choice, **header);
+  if (!sequence.ok()) return sequence.error();
+  const auto file = (*sequence)->ground_truth_file();
+  if (!file) {
+    return Error{ErrorCode::kNotFound, "the sequence of '" + arguments.run + "' (" +
+                                           (*sequence)->path().string() +
+                                           ") has no ground truth; name one with --ground-truth"};
+  }
+  arguments.ground_truth = file->string();
+  return {};
+}
+
 /// How the poses of the run lie to those that its sequence was given, or to --reference.
 Result<TrajectoryFit> AlignByTrajectory(const EvaluateArguments& arguments,
                                         const RunHeader& header) {
@@ -270,6 +300,7 @@ Result<PlantedTruths> Plant(const std::optional<RunReview>& beliefs,
 }
 
 Status Evaluate(EvaluateArguments arguments) {
+  if (Status status = TakeFromRun(arguments); !status.ok()) return status;
   if (Status status = Align(arguments); !status.ok()) return status;
   arguments.options.align = ValueOf<Alignment>(arguments.align);
   arguments.options.truth = ValueOf<TruthSurface>(arguments.truth);
@@ -343,8 +374,6 @@ VerbFunction ChooseEvaluation(EvaluateArguments arguments) {
     };
   }
   arguments.run = arguments.runs.front();
-  if (arguments.ground_truth.empty()) throw CLI::RequiredError("--ground-truth");
-  if (arguments.models.empty()) throw CLI::RequiredError("--models");
   check_align({"none", "trajectory", "objects", "icp", "icp4"});
   return [arguments] { return Evaluate(arguments); };
 }
@@ -361,11 +390,13 @@ void AddEvaluateVerb(CLI::App& app, VerbFunction& chosen) {
                    "A run file, or the JSON that 'run --json' wrote; several run files or folders "
                    "of them: a table of what each found")
       ->type_name("RUN.plb|RUN.json|DIR");
-  verb->add_option("--ground-truth", arguments->ground_truth,
-                   "Ground truth: objects and their poses")
+  verb->add_option(
+          "--ground-truth", arguments->ground_truth,
+          "Ground truth: objects and their poses (default: that of the sequence of the run)")
       ->type_name("FILE");
-  verb->add_option("--models", arguments->models,
-                   "The model database of the run and of the ground truth")
+  verb->add_option(
+          "--models", arguments->models,
+          "The model database of the run and of the ground truth (default: that of the run)")
       ->type_name("DIR");
   verb->add_option("--scene", arguments->scene,
                    "The scanned scene, a mesh in the frame of the ground truth")

@@ -230,6 +230,12 @@ TEST_F(EvaluateVerb, SaysWhatIsMissingAndEndsWithOne) {
   const ProgramRun truth = Run("evaluate run.plb --ground-truth none.json --models models");
   EXPECT_EQ(truth.exit_code, 1);
   EXPECT_THAT(truth.output, HasSubstr("none.json"));
+  const ProgramRun unnamed = Run("evaluate run.json");
+  EXPECT_EQ(unnamed.exit_code, 1);
+  EXPECT_THAT(unnamed.output, HasSubstr("name --models and --ground-truth"));
+  const ProgramRun gone = Run("evaluate run.plb --models models");
+  EXPECT_EQ(gone.exit_code, 1);
+  EXPECT_THAT(gone.output, HasSubstr("sequence"));
   const ProgramRun scan = Run("evaluate run.plb --truth scan" + rest);
   EXPECT_EQ(scan.exit_code, 1);
   EXPECT_THAT(scan.output, HasSubstr("--scene"));
@@ -239,7 +245,7 @@ TEST_F(EvaluateVerb, SaysWhatIsMissingAndEndsWithOne) {
 }
 
 TEST_F(EvaluateVerb, EndsWithTwoOnWrongUsage) {
-  EXPECT_EQ(Run("evaluate run.plb").exit_code, 2);
+  EXPECT_EQ(Run("evaluate").exit_code, 2);
   EXPECT_EQ(
       Run("evaluate run.plb --ground-truth truth.json --models models --align fine").exit_code, 2);
   EXPECT_EQ(Run("export run.plb --format docx --out map").exit_code, 2);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `report --interactive` as a script meets it, and the page as a browser meets it.
+// `report --interactive` as a script meets it, and the page as a browser meets it; and what else a
+// run tells of itself once its sequence is at hand.
 
 #include <algorithm>
 #include <cstdlib>
@@ -299,6 +300,18 @@ TEST(RunPageNames, StayText) {
   EXPECT_EQ(DataOf(html).at("models")[0].at("name"), wicked) << "and they are what they were";
   EXPECT_EQ(DataOf(html).at("name"), name);
   EXPECT_THAT(DataOf(html).at("notice").get<std::string>(), HasSubstr("the page has none"));
+}
+
+TEST_F(RunPage, EvaluateTakesModelsAndTruthFromTheRun) {
+  const ProgramRun named =
+      Run("evaluate run.plb --ground-truth room/ground_truth.json --models room/models --json "
+          "named.json");
+  ASSERT_EQ(named.exit_code, 0) << named.output;
+  const ProgramRun unnamed = Run("evaluate run.plb --json unnamed.json");
+  ASSERT_EQ(unnamed.exit_code, 0) << unnamed.output;
+  const auto json = ReadJson(folder_->path() / "unnamed.json").value();
+  EXPECT_EQ(json, ReadJson(folder_->path() / "named.json").value());
+  EXPECT_FALSE(json["objects"].empty());
 }
 
 }  // namespace
