@@ -166,7 +166,7 @@ class NodeClient::Impl {
       for (auto& [id, open] : open_) open.lost = open.sent;
     }
     // A dealer that has this endpoint in its list, dead or not, does not connect to it again.
-    socket_.disconnect(endpoint_.text());
+    zmq_disconnect(socket_.handle(), endpoint_.text().c_str());
     socket_.connect(endpoint_.text());
   }
 
