@@ -213,6 +213,7 @@ FurnitureModel BinderShelf(const FurniturePalette& palette) {
   model.name = "shelf_tall";
   model.category = "shelf";
   model.note = "2 m high: three open compartments over two doors";
+  model.back = true;  // Wherever it is placed, it stands at a wall.
   PaintedMesh& mesh = model.body.mesh;
   const int body = model.body.Paint(palette.lacquer);
   const int wood = model.body.Paint(palette.wood);
