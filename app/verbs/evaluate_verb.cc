@@ -94,7 +94,10 @@ Status TakeFromRun(EvaluateArguments& arguments) {
   }
   if (!arguments.ground_truth.empty()) return {};
   const auto sequence = OpenSequenceOfRun(choice, **header);
-  if (!sequence.ok()) return sequence.error();
+  if (!sequence.ok()) {
+    return Error{sequence.error().code,
+                 sequence.error().message + "; name the ground truth with --ground-truth"};
+  }
   const auto file = (*sequence)->ground_truth_file();
   if (!file) {
     return Error{ErrorCode::kNotFound, "the sequence of '" + arguments.run + "' (" +

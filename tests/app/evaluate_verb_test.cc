@@ -235,7 +235,7 @@ TEST_F(EvaluateVerb, SaysWhatIsMissingAndEndsWithOne) {
   EXPECT_THAT(unnamed.output, HasSubstr("name --models and --ground-truth"));
   const ProgramRun gone = Run("evaluate run.plb --models models");
   EXPECT_EQ(gone.exit_code, 1);
-  EXPECT_THAT(gone.output, HasSubstr("sequence"));
+  EXPECT_THAT(gone.output, HasSubstr("; name the ground truth with --ground-truth"));
   const ProgramRun scan = Run("evaluate run.plb --truth scan" + rest);
   EXPECT_EQ(scan.exit_code, 1);
   EXPECT_THAT(scan.output, HasSubstr("--scene"));
