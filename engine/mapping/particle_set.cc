@@ -2,6 +2,8 @@
 #include "engine/mapping/particle_set.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -51,38 +53,47 @@ std::optional<double> TurnInMode(const Sample& sample, const CadModel& model, do
   return std::abs(turn) < kModeAngle_rad ? std::optional(turn) : std::nullopt;
 }
 
-/// The first sample of the fullest cell of a grid over label, position and azimuth.
-std::size_t InFullestCell(std::span<const Sample> samples, const MapFrame& map) {
-  std::vector<std::pair<std::array<int, 5>, std::size_t>> cells;
-  cells.reserve(samples.size());
+/// Cell of a grid over label, position and azimuth.
+using CellKey = std::array<int, 5>;
+
+CellKey CellOf(const Sample& sample, const MapFrame& map) {
+  const CadModel& model = map.database->model(ModelId{sample.label});
+  const double side = kModeCell_m * map.LengthScale(model.id);
+  return {sample.label, static_cast<int>(std::floor(sample.center.x() / side)),
+          static_cast<int>(std::floor(sample.center.y() / side)),
+          static_cast<int>(std::floor(sample.center.z() / side)),
+          static_cast<int>(std::floor(AzimuthDifference(model, sample.azimuth, 0.0) / 0.5))};
+}
+
+/// The first sample of the fullest cell; of cells that are equally full, of that of the least key.
+std::size_t InFullestCell(std::span<const Sample> samples, std::span<const CellKey> keys) {
+  struct Cell {
+    std::size_t any, first;  ///< Samples of it; `first` is the first one that weighs anything.
+    double weight;
+  };
+  std::vector<Cell> cells;
+  // Every frame asks for it, for all objects: a table with open addressing, of indices of cells.
+  std::vector<int> table(std::bit_ceil(2 * samples.size()), -1);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Sample& s = samples[i];
-    const CadModel& model = map.database->model(ModelId{s.label});
-    const double folded = AzimuthDifference(model, s.azimuth, 0.0);
-    const double side = kModeCell_m * map.LengthScale(model.id);
-    cells.push_back({{s.label, static_cast<int>(std::floor(s.center.x() / side)),
-                      static_cast<int>(std::floor(s.center.y() / side)),
-                      static_cast<int>(std::floor(s.center.z() / side)),
-                      static_cast<int>(std::floor(folded / 0.5))},
-                     i});
-  }
-  std::sort(cells.begin(), cells.end());
-  std::size_t best = 0;
-  double most = -1;
-  for (auto cell = cells.begin(); cell != cells.end();) {
-    double weight = 0;
-    std::size_t first = cell->second;
-    const auto begin = cell;
-    for (; cell != cells.end() && cell->first == begin->first; ++cell) {
-      if (weight == 0) first = cell->second;
-      weight += samples[cell->second].weight;
+    std::size_t hash = 0;
+    for (const int part : keys[i])
+      hash = (hash ^ static_cast<std::uint32_t>(part)) * 0x9e3779b97f4a7c15ull;
+    std::size_t slot = (hash >> 32) & (table.size() - 1);
+    while (table[slot] >= 0 && keys[cells[static_cast<std::size_t>(table[slot])].any] != keys[i])
+      slot = (slot + 1) & (table.size() - 1);
+    if (table[slot] < 0) {
+      table[slot] = static_cast<int>(cells.size());
+      cells.push_back({i, i, 0});
     }
-    if (weight > most) {
-      most = weight;
-      best = first;
-    }
+    Cell& cell = cells[static_cast<std::size_t>(table[slot])];
+    if (cell.weight == 0) cell.first = i;
+    cell.weight += samples[i].weight;
   }
-  return best;
+  const auto fullest =
+      std::max_element(cells.begin(), cells.end(), [&](const Cell& a, const Cell& b) {
+        return a.weight != b.weight ? a.weight < b.weight : keys[a.any] > keys[b.any];
+      });
+  return fullest->first;
 }
 
 }  // namespace
@@ -279,9 +290,12 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
                                 const Eigen::Isometry3d& world_from_reference_cam,
                                 const MapFrame& map) {
   std::vector<Sample> rest = ToSamples(particles, world_from_reference_cam);
+  std::vector<CellKey> keys;
+  keys.reserve(rest.size());
+  for (const Sample& sample : rest) keys.push_back(CellOf(sample, map));
   std::vector<PoseMode> modes;
   while (!rest.empty() && static_cast<int>(modes.size()) < kMaxModes) {
-    const std::size_t start = InFullestCell(rest, map);
+    const std::size_t start = InFullestCell(rest, keys);
     const Sample& seed = rest[start];
     const CadModel& model = map.database->model(ModelId{seed.label});
     const double radius_m = kModeRadius_m * map.LengthScale(model.id);
@@ -320,10 +334,18 @@ std::vector<PoseMode> FindModes(std::span<const Particle> particles,
     mode.scale = std::exp(log_scale);
     if (modes.empty() || mode.weight >= kMinModeWeight) modes.push_back(mode);
     const std::size_t before = rest.size();
-    std::erase_if(rest, [&](const Sample& s) {
-      return TurnInMode(s, model, radius_m, center, azimuth).has_value();
-    });
-    if (rest.size() == before) rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(start));
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < before; ++i) {
+      if (TurnInMode(rest[i], model, radius_m, center, azimuth)) continue;
+      rest[kept] = rest[i];
+      keys[kept++] = keys[i];
+    }
+    rest.resize(kept);
+    keys.resize(kept);
+    if (kept == before) {
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(start));
+      keys.erase(keys.begin() + static_cast<std::ptrdiff_t>(start));
+    }
     double left = 0;
     for (const Sample& s : rest) left += s.weight;
     if (left < kMinModeWeight) break;
