@@ -151,22 +151,6 @@ Eigen::Vector3d MapFrame::BaseInUpright(const PoseHypothesis& hypothesis) const 
   return base;
 }
 
-StandingThing MapFrame::StandingThingOf(const PoseHypothesis& hypothesis) const {
-  const CadModel& model = database->model(hypothesis.label);
-  StandingThing thing{BaseInUpright(hypothesis), {}, hypothesis.scale() * model.bounds.sizes().z()};
-  if (feet.empty()) return thing;
-  const Eigen::AlignedBox2d& foot = feet[static_cast<std::size_t>(hypothesis.label.value)];
-  const Eigen::Matrix2d turn = (upright.upright_rotation().transpose() *
-                                upright.WorldFromObjectRotation(hypothesis.azimuth_rad))
-                                   .topLeftCorner<2, 2>();
-  for (const auto corner : {Eigen::AlignedBox2d::BottomLeft, Eigen::AlignedBox2d::BottomRight,
-                            Eigen::AlignedBox2d::TopLeft, Eigen::AlignedBox2d::TopRight}) {
-    const Eigen::Vector2d from_center = foot.corner(corner) - model.center().head<2>();
-    thing.foot.push_back(thing.base.head<2>() + hypothesis.scale() * (turn * from_center));
-  }
-  return thing;
-}
-
 Eigen::Isometry3d MapFrame::WorldFromObject(const PoseHypothesis& hypothesis) const {
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
   world_from_object.linear() = upright.WorldFromObjectRotation(hypothesis.azimuth_rad);
