@@ -77,10 +77,8 @@ double LogHeightPrior(const MapFrame& map, const PoseHypothesis& hypothesis,
                       const MapperOptions& options) {
   if (!options.floor_prior) return 0;
   if (map.database->model(hypothesis.label).support != Support::kFloor)
-    return LogSupportPrior(
-               map.supports, map.BaseInUpright(hypothesis),
-               hypothesis.scale() *
-                   map.database->model(hypothesis.label).bounds.sizes().cast<double>().z()) +
+    return (map.supports.empty() ? 0
+                                 : LogSupportPrior(map.supports, map.StandingThingOf(hypothesis))) +
            LogAboveFloor(map, hypothesis, options);
   if (!map.floor_in_world) return 0;
   // Relative to the density on the floor where there is no other level.

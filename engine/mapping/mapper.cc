@@ -301,6 +301,8 @@ FrameReport Mapper::Impl::Finished(FrameReport report) const {
 }
 
 MapFrame MapFrameOf(const MapperSetup& setup) {
+  std::vector<Eigen::AlignedBox2d> feet;
+  for (const CadModel& model : setup.database->models()) feet.push_back(FootOf(model));
   return {UprightFrame(setup.gravity_in_world),
           setup.floor_in_world,
           setup.database,
@@ -308,7 +310,8 @@ MapFrame MapFrameOf(const MapperSetup& setup) {
           setup.floor_std_m,
           {},
           setup.floor_levels,
-          setup.options.room_thing_m};
+          setup.options.room_thing_m,
+          std::move(feet)};
 }
 
 Mapper::Mapper(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -151,6 +151,22 @@ Eigen::Vector3d MapFrame::BaseInUpright(const PoseHypothesis& hypothesis) const 
   return base;
 }
 
+StandingThing MapFrame::StandingThingOf(const PoseHypothesis& hypothesis) const {
+  const CadModel& model = database->model(hypothesis.label);
+  StandingThing thing{BaseInUpright(hypothesis), hypothesis.scale() * model.bounds.sizes().z()};
+  thing.foot.fill(thing.base.head<2>());
+  if (feet.empty()) return thing;
+  const Eigen::AlignedBox2d& foot = feet[static_cast<std::size_t>(hypothesis.label.value)];
+  const Eigen::Matrix2d turn = (upright.upright_rotation().transpose() *
+                                upright.WorldFromObjectRotation(hypothesis.azimuth_rad))
+                                   .topLeftCorner<2, 2>();
+  for (std::size_t i = 0; i < thing.foot.size(); ++i) {
+    const Eigen::Vector2d corner = foot.corner(static_cast<Eigen::AlignedBox2d::CornerType>(i));
+    thing.foot[i] += hypothesis.scale() * (turn * (corner - model.center().head<2>()));
+  }
+  return thing;
+}
+
 Eigen::Isometry3d MapFrame::WorldFromObject(const PoseHypothesis& hypothesis) const {
   Eigen::Isometry3d world_from_object = Eigen::Isometry3d::Identity();
   world_from_object.linear() = upright.WorldFromObjectRotation(hypothesis.azimuth_rad);

@@ -37,6 +37,7 @@ struct MapFrame {
   std::vector<Eigen::Vector3f> points_in_world = {};  ///< Of surfaces, whatever they belong to.
   std::vector<FloorLevel> levels = {};                ///< Beside the floor, where one is known.
   double room_thing_m = MapperOptions().room_thing_m;
+  std::vector<Eigen::AlignedBox2d> feet = {};  ///< FootOf each model of the database.
 
   /// plumbline::LengthScale of a shape.
   double LengthScale(ModelId label) const;
@@ -61,6 +62,7 @@ struct MapFrame {
   bool StandsOnFloor(ModelId label) const;
   /// Middle of the bottom of a hypothesis, in the axes of the upright frame.
   Eigen::Vector3d BaseInUpright(const PoseHypothesis& hypothesis) const;
+  StandingThing StandingThingOf(const PoseHypothesis& hypothesis) const;
   Eigen::Isometry3d WorldFromObject(const PoseHypothesis& hypothesis) const;
 };
 

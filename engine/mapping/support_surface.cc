@@ -13,6 +13,9 @@ constexpr double kLevel_m = 0.02;       ///< Faces within this are of one level.
 constexpr double kLevelCosine = 0.985;  ///< Of their slope: 10 degrees.
 constexpr double kLeastCover = 0.5;     ///< Of the footprint.
 constexpr double kNoSurface = 0.02;     ///< Chance that a mapped surface is not where it is mapped.
+constexpr double kFoot_m = 0.02;        ///< Above the lowest point.
+constexpr double kOverhang_m = 0.02;    ///< Deviation, of things that stand on the edge of others.
+constexpr double kHovering_m = 0.1;  ///< Nothing is so near above a surface but what stands there.
 constexpr double kHeights_m = 2;  ///< That things are found at, where they stand on nothing mapped.
 
 }  // namespace
@@ -43,10 +46,27 @@ std::optional<double> SupportHeight(const CadModel& model) {
   return std::nullopt;
 }
 
+Eigen::AlignedBox2d FootOf(const CadModel& model) {
+  Eigen::AlignedBox2d foot;
+  for (const Eigen::Vector3f& vertex : model.mesh.vertices) {
+    if (vertex.z() < model.bounds.min().z() + kFoot_m) foot.extend(vertex.head<2>().cast<double>());
+  }
+  return foot;
+}
+
 bool SupportSurface::Holds(const Eigen::Vector2d& point) const {
   const double a = (point - corner).dot(side_a) / side_a.squaredNorm();
   const double b = (point - corner).dot(side_b) / side_b.squaredNorm();
   return a >= 0 && a <= 1 && b >= 0 && b <= 1;
+}
+
+double SupportSurface::Overhang(const Eigen::Vector2d& point) const {
+  double beyond_m = 0;
+  for (const Eigen::Vector2d& side : {side_a, side_b}) {
+    const double along_m = (point - corner).dot(side) / side.norm();
+    beyond_m = std::max({beyond_m, -along_m, along_m - side.norm()});
+  }
+  return beyond_m;
 }
 
 Eigen::Vector3d SupportSurface::Draw(Random& random) const {
@@ -73,16 +93,20 @@ SupportSurface MakeSupportSurface(const CadModel& model, double support_height_m
   return surface;
 }
 
-double LogSupportPrior(const std::vector<SupportSurface>& surfaces,
-                       const Eigen::Vector3d& base_in_upright, double height_m) {
+double LogSupportPrior(const std::vector<SupportSurface>& surfaces, const StandingThing& thing) {
   double on = 0, elsewhere = 1;
   for (const SupportSurface& surface : surfaces) {
-    if (!surface.Holds(base_in_upright.head<2>())) continue;
-    if (base_in_upright.z() < surface.height_m && base_in_upright.z() + height_m > surface.height_m)
-      elsewhere = kNoSurface;
-    const double off = (base_in_upright.z() - surface.height_m) / surface.height_std_m;
-    on = std::max(
-        on, std::exp(-0.5 * off * off) / (std::sqrt(2 * std::numbers::pi) * surface.height_std_m));
+    double least_m = surface.Overhang(thing.base.head<2>()), most_m = 0;
+    for (const Eigen::Vector2d& corner : thing.foot) {
+      least_m = std::min(least_m, surface.Overhang(corner));
+      most_m = std::max(most_m, surface.Overhang(corner));
+    }
+    if (least_m > 0) continue;  // beside it
+    const double above_m = thing.base.z() - surface.height_m;
+    if (above_m < kHovering_m && above_m + thing.height_m > 0) elsewhere = kNoSurface;
+    const double off = above_m / surface.height_std_m, over = most_m / kOverhang_m;
+    on = std::max(on, std::exp(-0.5 * (off * off + over * over)) /
+                          (std::sqrt(2 * std::numbers::pi) * surface.height_std_m));
   }
   return std::log(elsewhere + kHeights_m * on);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -18,6 +19,10 @@ namespace plumbline {
 /// up make at least half of its footprint. Nothing if there is none.
 std::optional<double> SupportHeight(const CadModel& model);
 
+/// Rectangle [x, y of `object`] around what of a model touches what it stands on: all within 2 cm
+/// of its bottom.
+Eigen::AlignedBox2d FootOf(const CadModel& model);
+
 /// The flat top of a mapped object, in the axes of the upright frame.
 struct SupportSurface {
   ObjectId object;               ///< Whose top it is.
@@ -27,6 +32,8 @@ struct SupportSurface {
   double height_std_m = 0;
 
   bool Holds(const Eigen::Vector2d& point) const;
+  /// How far a point is beyond the side that it is farthest beyond [m]; 0 for one that it holds.
+  double Overhang(const Eigen::Vector2d& point) const;
   /// A point of it, all equally likely.
   Eigen::Vector3d Draw(Random& random) const;
 };
@@ -35,12 +42,18 @@ SupportSurface MakeSupportSurface(const CadModel& model, double support_height_m
                                   const Eigen::Isometry3d& world_from_object, double scale,
                                   const UprightFrame& upright, double height_std_m);
 
-/// Log density of the height of a base over that point, unnormalised, for something that stands on
-/// one of the surfaces as likely as not; 0 over none of them. Nothing reaches through a surface: of
-/// what begins below one and ends above it only standing on it is left, and the chance that the
-/// surface is not there.
-/// @param height_m  Of the whole thing.
-double LogSupportPrior(const std::vector<SupportSurface>& surfaces,
-                       const Eigen::Vector3d& base_in_upright, double height_m);
+/// Where a thing stands, and how high it is, in the axes of the upright frame.
+struct StandingThing {
+  Eigen::Vector3d base{0, 0, 0};        ///< Middle of its bottom.
+  double height_m = 0;                  ///< Of all of it.
+  std::array<Eigen::Vector2d, 4> foot;  ///< Corners of FootOf.
+};
+
+/// Log density of a thing's height over that point, unnormalised, for something that stands on one
+/// of the surfaces as likely as not; 0 over none of them. All of its foot stands on what it stands
+/// on. Nothing reaches through a surface, and nothing hovers right above one: of what has any of
+/// its foot over a surface and begins below it and ends above it, or begins less than 10 cm above
+/// it, only standing on it is left, and the chance that the surface is not there.
+double LogSupportPrior(const std::vector<SupportSurface>& surfaces, const StandingThing& thing);
 
 }  // namespace plumbline

@@ -28,6 +28,12 @@ class SupportSurfaceTest : public testing::Test {
     return MakeSupportSurface(Named("table"), *SupportHeight(Named("table")), TableTurned(), 1,
                               upright_, 0.02);
   }
+  /// All of whose foot is in one place.
+  static StandingThing Thing(const Eigen::Vector3d& base, double height_m) {
+    StandingThing thing{base, height_m};
+    thing.foot.fill(base.head<2>());
+    return thing;
+  }
   MapFrame MapWithTable() const {
     return {upright_, Eigen::Vector4d(0, 0, 1, 0), database_, {TableTop()}};
   }
@@ -70,22 +76,52 @@ TEST_F(SupportSurfaceTest, LiesWhereTheObjectStands) {
 
 TEST_F(SupportSurfaceTest, PriorPrefersStandingOnIt) {
   const std::vector<SupportSurface> tops = {TableTop()};
-  EXPECT_EQ(LogSupportPrior({}, {2, -1, 0.74}, 0.3), 0);
-  EXPECT_EQ(LogSupportPrior(tops, {4, -1, 0.74}, 0.3), 0) << "beside it";
-  EXPECT_NEAR(LogSupportPrior(tops, {2, -1, 1.2}, 0.3), 0, 1e-6) << "above it, on nothing";
-  EXPECT_NEAR(LogSupportPrior(tops, {2, -1, 0.1}, 0.3), 0, 1e-6) << "on the floor under it";
-  // Against heights that are equally likely over two metres: the Gaussian at its mean.
-  EXPECT_NEAR(LogSupportPrior(tops, {2, -1, 0.74}, 0.3),
-              std::log1p(2 / (std::sqrt(2 * std::numbers::pi) * tops[0].height_std_m)), 1e-2);
+  EXPECT_EQ(LogSupportPrior({}, Thing({2, -1, 0.74}, 0.3)), 0);
+  EXPECT_EQ(LogSupportPrior(tops, Thing({4, -1, 0.74}, 0.3)), 0) << "beside it";
+  EXPECT_NEAR(LogSupportPrior(tops, Thing({2, -1, 1.2}, 0.3)), 0, 1e-6) << "above it, on nothing";
+  EXPECT_NEAR(LogSupportPrior(tops, Thing({2, -1, 0.1}, 0.3)), 0, 1e-6) << "on the floor under it";
+  // Against heights that are equally likely over two metres: the Gaussian at its mean, and beside
+  // it that the surface is not there.
+  EXPECT_NEAR(LogSupportPrior(tops, Thing({2, -1, 0.74}, 0.3)),
+              std::log(0.02 + 2 / (std::sqrt(2 * std::numbers::pi) * tops[0].height_std_m)), 1e-2);
 }
 
 TEST_F(SupportSurfaceTest, NothingReachesThroughIt) {
   const std::vector<SupportSurface> tops = {TableTop()};
-  EXPECT_LT(LogSupportPrior(tops, {2, -1, 0.6}, 0.3), -3) << "14 cm into the top";
-  EXPECT_LT(LogSupportPrior(tops, {2, -1, 0.3}, 0.5), -3) << "through it from below";
-  EXPECT_NEAR(LogSupportPrior(tops, {2, -1, 0.3}, 0.4), 0, 1e-6) << "below it";
-  EXPECT_GT(LogSupportPrior(tops, {2, -1, 0.73}, 0.3), 3) << "as near as the top is known";
-  EXPECT_NEAR(LogSupportPrior(tops, {4, -1, 0.6}, 0.3), 0, 1e-6) << "beside it";
+  EXPECT_LT(LogSupportPrior(tops, Thing({2, -1, 0.6}, 0.3)), -3) << "14 cm into the top";
+  EXPECT_LT(LogSupportPrior(tops, Thing({2, -1, 0.3}, 0.5)), -3) << "through it from below";
+  EXPECT_NEAR(LogSupportPrior(tops, Thing({2, -1, 0.3}, 0.4)), 0, 1e-6) << "below it";
+  EXPECT_GT(LogSupportPrior(tops, Thing({2, -1, 0.73}, 0.3)), 3) << "as near as the top is known";
+  EXPECT_NEAR(LogSupportPrior(tops, Thing({4, -1, 0.6}, 0.3)), 0, 1e-6) << "beside it";
+}
+
+TEST_F(SupportSurfaceTest, NothingHoversRightAboveIt) {
+  const std::vector<SupportSurface> tops = {TableTop()};
+  EXPECT_LT(LogSupportPrior(tops, Thing({2, -1, 0.82}, 0.3)), -3) << "8 cm above it";
+  EXPECT_NEAR(LogSupportPrior(tops, Thing({2, -1, 0.86}, 0.3)), 0, 1e-6) << "on the wall over it";
+}
+
+TEST_F(SupportSurfaceTest, AllOfAFootStandsOnIt) {
+  const SupportSurface top = TableTop();
+  const Eigen::Vector2d middle = top.corner + 0.5 * (top.side_a + top.side_b);
+  const Eigen::Vector2d across = top.side_b.normalized();
+  const double half_m = 0.5 * top.side_b.norm();
+  EXPECT_EQ(top.Overhang(middle), 0);
+  EXPECT_NEAR(top.Overhang(middle + (half_m + 0.05) * across), 0.05, 1e-9);
+  EXPECT_NEAR(top.Overhang(middle - (half_m + 0.07) * across), 0.07, 1e-9);
+  // A foot that reaches 10 cm to both sides, moved towards the edge.
+  const auto prior = [&](double moved_m) {
+    const Eigen::Vector2d at = middle + moved_m * across;
+    StandingThing thing = Thing({at.x(), at.y(), top.height_m}, 0.3);
+    thing.foot[0] -= 0.1 * across;
+    thing.foot[1] += 0.1 * across;
+    return LogSupportPrior({top}, thing);
+  };
+  EXPECT_NEAR(prior(half_m - 0.11), prior(0), 1e-9) << "all of it stands";
+  EXPECT_NEAR(prior(half_m - 0.08), prior(0) - 0.5, 0.01) << "one deviation";
+  EXPECT_LT(prior(half_m - 0.01), prior(0) - 6) << "nearly half of it does not";
+  EXPECT_LT(prior(half_m + 0.05), -3) << "no way out behind it: a quarter of it is over it still";
+  EXPECT_EQ(prior(half_m + 0.11), 0) << "beside it";
 }
 
 TEST_F(SupportSurfaceTest, OnlyWhatNeedNotStandOnTheFloorKnowsOfIt) {
