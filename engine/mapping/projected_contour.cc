@@ -303,6 +303,7 @@ void CopyPoints(const ProjectedContour& points, ProjectedContour& copy) {
   copy.size = points.size;
   copy.outline_size = points.outline_size;
   copy.lanes_end = points.lanes_end;
+  copy.outline_lanes_end = points.outline_lanes_end;
   for (const auto array :
        {&ProjectedContour::u, &ProjectedContour::v, &ProjectedContour::z, &ProjectedContour::turn})
     std::copy_n(points.*array, points.lanes_end, copy.*array);
