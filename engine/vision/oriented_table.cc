@@ -84,20 +84,22 @@ void Scatter(const std::vector<Edge>& edges, double normal_rad, const OrientedTa
   for (int a = 0; a < 256; ++a) {
     agrees[a] = std::abs(std::cos(normal_rad - a * std::numbers::pi / 256)) > options.min_agreement;
   }
+  std::vector<std::ptrdiff_t> steps;  // To the pixels of the line.
+  for (const Offset& offset : line)
+    steps.push_back(static_cast<std::ptrdiff_t>(offset.dy) * size.width + offset.dx);
   const int margin = static_cast<int>(std::ceil(options.radius_px)) + 1;
-  const auto raise = [&](std::ptrdiff_t index, const Edge& edge, const Offset& offset) {
-    hits[index] =
-        std::max(hits[index], static_cast<std::uint8_t>(edge.strength * offset.weight >> 8));
-  };
   for (const Edge& edge : edges) {
     if (!agrees[edge.angle]) continue;
-    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(edge.y) * size.width + edge.x;
+    std::uint8_t* at = hits + static_cast<std::ptrdiff_t>(edge.y) * size.width + edge.x;
     const bool inner = edge.x >= margin && edge.y >= margin && edge.x < size.width - margin &&
                        edge.y < size.height - margin;
-    for (const Offset& offset : line) {
-      const int x = edge.x + offset.dx, y = edge.y + offset.dy;
-      if (!inner && (x < 0 || y < 0 || x >= size.width || y >= size.height)) continue;
-      raise(at + static_cast<std::ptrdiff_t>(offset.dy) * size.width + offset.dx, edge, offset);
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      if (!inner) {
+        const int x = edge.x + line[i].dx, y = edge.y + line[i].dy;
+        if (x < 0 || y < 0 || x >= size.width || y >= size.height) continue;
+      }
+      std::uint8_t& hit = at[steps[i]];
+      hit = std::max(hit, static_cast<std::uint8_t>(edge.strength * line[i].weight >> 8));
     }
   }
 }
@@ -116,7 +118,10 @@ OrientedTable::OrientedTable(const EdgeMap& edges, const OrientedTableOptions& o
   tbb::parallel_for(0, kBins, [&](int bin) {
     std::uint8_t* hits = hits_.data() + plane * bin;
     Scatter(list, (bin + 0.5) * std::numbers::pi / kBins, options, {width_, height_}, hits);
-    sums[bin] = std::accumulate(hits, hits + plane, std::uint64_t{0});
+    for (int y = 0; y < height_; ++y) {
+      const std::uint8_t* row = hits + static_cast<std::size_t>(y) * width_;
+      sums[bin] += std::accumulate(row, row + width_, std::uint32_t{0});
+    }
   });
   const std::uint64_t sum = std::accumulate(std::begin(sums), std::end(sums), std::uint64_t{0});
   chance_ =
