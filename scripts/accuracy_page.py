@@ -205,6 +205,17 @@ def section(title, parts):
     return lines
 
 
+def stretches(numbers):
+    """'101 to 120, 129' of numbers that rise."""
+    runs = []
+    for number in numbers:
+        if runs and runs[-1][1] + 1 == number:
+            runs[-1][1] = number
+        else:
+            runs.append([number, number])
+    return ", ".join(f"{first} to {last}" if last > first else str(first) for first, last in runs)
+
+
 LOOKED_AT = 128  # Synthetic rooms from 101 to this were looked at while rules were made.
 INTRODUCTION = """# How accurate its maps are
 
@@ -238,7 +249,7 @@ def main():
             rooms = sorted({room_number(r) for r in part.records})
             seeds = sorted({r["seed"] for r in part.records})
             if name in ("rooms-imu", "own-poses"):
-                title += f", {rooms[0]} to {rooms[-1]}"
+                title += ", " + stretches([int(room) for room in rooms])
             title += f", seed {seeds[0]}" if len(seeds) == 1 else f", seeds {seeds[0]} to {seeds[-1]}"
             lines.append(summary_row(title, part))
             held_out = [r for r in part.records if name == "rooms-imu" and int(room_number(r)) > LOOKED_AT]

@@ -135,6 +135,10 @@ class AccuracyPage(unittest.TestCase):
             sys.argv = ["accuracy_page.py", "--commit", "x", str(file)]
             self.assertIn("no results of scripts/measure.sh", accuracy_page.main())
 
+    def test_rooms_are_named_by_stretches(self):
+        self.assertEqual(accuracy_page.stretches([101, 102, 103, 129, 131, 132]), "101 to 103, 129, 131 to 132")
+        self.assertEqual(accuracy_page.stretches([7]), "7")
+
 
 if __name__ == "__main__":
     unittest.main()
