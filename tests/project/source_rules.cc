@@ -203,7 +203,12 @@ std::vector<std::string> SourceViolations(std::string_view path, std::string_vie
     add(1, "engine/snapshot holds values and computes nothing; engine/analysis does");
   if (NeedsLicence(path) && !HasLicence(lines))
     add(1, "the first line is not the SPDX licence line");
+  bool shared = true;
   for (int i = 0; i < static_cast<int>(lines.size()); ++i) {
+    if (StartsWith(lines[i], "namespace {")) shared = false;
+    if (lines[i] == "}  // namespace") shared = true;
+    if (code && shared && StartsWith(lines[i], "PLUMBLINE_VECTORISED"))
+      add(i + 1, "clang 14 compiles once what others may call; keep it in the unnamed namespace");
     if (std::regex_search(lines[i], kMachineFolder)) add(i + 1, "names a folder of one machine");
     if (!code) continue;
     if (StartsWith(path, "engine/") && std::regex_search(lines[i], kEndsTheProgram)) {

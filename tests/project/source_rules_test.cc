@@ -98,6 +98,14 @@ TEST(SourceRules, NameWhatTheLayersForbid) {
   }
 }
 
+TEST(SourceRules, KeepWhatIsCompiledSeveralTimesToItsFile) {
+  const std::string function = "PLUMBLINE_VECTORISED\nvoid Sum() {}\n";
+  EXPECT_THAT(Check("engine/vision/a.cc", "namespace {\n" + function + "}  // namespace\n"),
+              IsEmpty());
+  EXPECT_THAT(Check("engine/vision/a.cc", "namespace {\n}  // namespace\n" + function),
+              ElementsAre(HasSubstr("unnamed namespace")));
+}
+
 TEST(SourceRules, WantTheLicenceOnTheFirstLineThatMayHoldIt) {
   const std::string licence = "SPDX-License-Identifier: Apache-2.0\n";
   EXPECT_THAT(SourceViolations("shaders/a.frag", "// " + licence + "#version 450\n"), IsEmpty());
