@@ -8,14 +8,14 @@
 namespace plumbline {
 namespace {
 
-/// Columns of rows 0 .. n-1 for a square matrix of finite costs: rows enter one by one, each along
-/// the shortest augmenting path in reduced costs.
-std::vector<int> AssignSquare(const Eigen::MatrixXd& cost) {
-  const int n = static_cast<int>(cost.rows());
+/// Columns of all rows for finite costs and no more rows than columns: rows enter one by one, each
+/// along the shortest augmenting path in reduced costs.
+std::vector<int> AssignRows(const Eigen::MatrixXd& cost) {
+  const int rows = static_cast<int>(cost.rows()), n = static_cast<int>(cost.cols());
   const double infinity = std::numeric_limits<double>::infinity();
-  std::vector<double> row_potential(n, 0.0), column_potential(n + 1, 0.0);
+  std::vector<double> row_potential(rows, 0.0), column_potential(n + 1, 0.0);
   std::vector<int> row_of_column(n + 1, -1);  // column n is the root of the paths
-  for (int row = 0; row < n; ++row) {
+  for (int row = 0; row < rows; ++row) {
     std::vector<double> shortest(n + 1, infinity);
     std::vector<int> previous(n + 1, n);
     std::vector<bool> reached(n + 1, false);
@@ -48,8 +48,10 @@ std::vector<int> AssignSquare(const Eigen::MatrixXd& cost) {
     for (; column != n; column = previous[column])
       row_of_column[column] = row_of_column[previous[column]];
   }
-  std::vector<int> column_of_row(n);
-  for (int c = 0; c < n; ++c) column_of_row[row_of_column[c]] = c;
+  std::vector<int> column_of_row(rows);
+  for (int c = 0; c < n; ++c) {
+    if (row_of_column[c] >= 0) column_of_row[row_of_column[c]] = c;
+  }
   return column_of_row;
 }
 
@@ -58,19 +60,19 @@ std::vector<int> AssignSquare(const Eigen::MatrixXd& cost) {
 std::vector<std::optional<int>> AssignOneToOne(const Eigen::MatrixXd& cost) {
   const int rows = static_cast<int>(cost.rows());
   const int columns = static_cast<int>(cost.cols());
-  const int n = std::max(rows, columns);
   double finite_sum = 0;
   for (int i = 0; i < cost.size(); ++i) {
     if (std::isfinite(cost.data()[i])) finite_sum += cost.data()[i];
   }
   // One forbidden pair costs more than all allowed ones together: the number of pairs comes first.
-  Eigen::MatrixXd square = Eigen::MatrixXd::Constant(n, n, 2 * finite_sum + 1);
+  Eigen::MatrixXd filled =
+      Eigen::MatrixXd::Constant(rows, std::max(rows, columns), 2 * finite_sum + 1);
   for (int i = 0; i < rows; ++i) {
     for (int j = 0; j < columns; ++j) {
-      if (std::isfinite(cost(i, j))) square(i, j) = cost(i, j);
+      if (std::isfinite(cost(i, j))) filled(i, j) = cost(i, j);
     }
   }
-  const std::vector<int> assigned = AssignSquare(square);
+  const std::vector<int> assigned = AssignRows(filled);
   std::vector<std::optional<int>> result(rows);
   for (int i = 0; i < rows; ++i) {
     if (assigned[i] < columns && std::isfinite(cost(i, assigned[i]))) result[i] = assigned[i];
