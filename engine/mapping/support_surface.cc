@@ -54,12 +54,6 @@ Eigen::AlignedBox2d FootOf(const CadModel& model) {
   return foot;
 }
 
-bool SupportSurface::Holds(const Eigen::Vector2d& point) const {
-  const double a = (point - corner).dot(side_a) / side_a.squaredNorm();
-  const double b = (point - corner).dot(side_b) / side_b.squaredNorm();
-  return a >= 0 && a <= 1 && b >= 0 && b <= 1;
-}
-
 double SupportSurface::Overhang(const Eigen::Vector2d& point) const {
   double beyond_m = 0;
   for (const Eigen::Vector2d& side : {side_a, side_b}) {

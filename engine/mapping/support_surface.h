@@ -31,7 +31,7 @@ struct SupportSurface {
   double height_m = 0;
   double height_std_m = 0;
 
-  bool Holds(const Eigen::Vector2d& point) const;
+  bool Holds(const Eigen::Vector2d& point) const { return Overhang(point) <= 0; }
   /// How far a point is beyond the side that it is farthest beyond [m]; 0 for one that it holds.
   double Overhang(const Eigen::Vector2d& point) const;
   /// A point of it, all equally likely.
