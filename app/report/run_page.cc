@@ -63,9 +63,7 @@ class StepMaker {
     auto reader = RunReader::Open(choice.run);
     if (!reader.ok()) return reader.error();
     maker.reader_ = std::move(reader).value();
-    auto renderer = OcclusionRenderer::Create(review.database);
-    if (!renderer.ok()) return renderer.error();
-    maker.renderer_ = std::move(renderer).value();
+    maker.renderer_ = std::make_unique<OcclusionRenderer>(*review.database);
     // Without it ReviewRun has said why.
     if (auto sequence = OpenSequenceOfRun(choice, review.header); sequence.ok())
       maker.sequence_ = *sequence;

@@ -323,10 +323,7 @@ Result<std::unique_ptr<Mapper>> Mapper::Create(const MapperSetup& setup) {
     return Error{ErrorCode::kInvalidInput,
                  "the model folder '" + setup.database->folder().string() + "' has no models"};
   }
-  Result<std::unique_ptr<OcclusionRenderer>> renderer = OcclusionRenderer::Create(setup.database);
-  if (!renderer.ok()) return renderer.error();
-  return std::unique_ptr<Mapper>(
-      new Mapper(std::make_unique<Impl>(setup, std::move(renderer).value())));
+  return std::unique_ptr<Mapper>(new Mapper(std::make_unique<Impl>(setup)));
 }
 
 FrameReport Mapper::Step(const MapperInput& given) {
@@ -352,8 +349,8 @@ FrameReport Mapper::Step(const MapperInput& given) {
   StageClock stages(m.boxes_ms, report);
   const std::vector<PlacedModel> occluders = m.MeanStates(true);
   const OcclusionMaps occlusion =
-      m.renderer->RenderOccluders(m.setup.camera, input.world_from_cam.inverse(), occluders);
-  m.memory.UpdateOcclusion(*m.renderer, occluders);
+      m.renderer.RenderOccluders(m.setup.camera, input.world_from_cam.inverse(), occluders);
+  m.memory.UpdateOcclusion(m.renderer, occluders);
   m.map.supports = m.FindSupports();
   stages.End("visibility");
   for (MapObject& object : m.objects)
@@ -362,7 +359,7 @@ FrameReport Mapper::Step(const MapperInput& given) {
   for (MapObject& object : m.objects) m.Search(object, input, occlusion);
   stages.End("search");
   m.mean_maps =
-      m.renderer->Render(m.setup.camera, input.world_from_cam.inverse(), m.MeanStates(false));
+      m.renderer.Render(m.setup.camera, input.world_from_cam.inverse(), m.MeanStates(false));
   const std::span<const Detection> detections =
       input.detections ? input.detections->proposals() : std::span<const Detection>{};
   const std::vector<std::optional<std::size_t>> matched =
@@ -412,7 +409,7 @@ Status Mapper::Restore(const FrameReport& report,
     if (!input.ok()) return input;
     return m.Timed(std::move(input).value());
   };
-  return m.memory.Restore(state.rest(), load_timed, *m.renderer);
+  return m.memory.Restore(state.rest(), load_timed, m.renderer);
 }
 
 void Mapper::SetFloor(const Eigen::Vector4d& floor_in_world, double std_m) {
@@ -473,7 +470,7 @@ RenderedMaps Mapper::RenderMeans(const FrameReport& report) {
     if (object.state != ObjectState::kRetired)
       placed.push_back({object.id, object.label, object.world_from_object, object.scale});
   }
-  return impl_->renderer->Render(impl_->setup.camera, report.world_from_cam->inverse(), placed);
+  return impl_->renderer.Render(impl_->setup.camera, report.world_from_cam->inverse(), placed);
 }
 
 }  // namespace plumbline

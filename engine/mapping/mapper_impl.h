@@ -111,7 +111,7 @@ class StageClock {
 struct Mapper::Impl {
   MapperSetup setup;
   MapFrame map;
-  std::unique_ptr<OcclusionRenderer> renderer;
+  OcclusionRenderer renderer;
   KeyFrameMemory memory;
   std::vector<MapObject> objects;
   std::int32_t next_object_id = 1;
@@ -135,8 +135,8 @@ struct Mapper::Impl {
   std::vector<std::optional<double>> support_heights;  ///< Of each model, see SupportHeight.
   double boxes_ms = 0;                                 ///< What top-down scores took in this frame.
 
-  Impl(const MapperSetup& s, std::unique_ptr<OcclusionRenderer> r)
-      : setup(s), map(MapFrameOf(s)), renderer(std::move(r)), memory(s.camera, s.options) {
+  explicit Impl(const MapperSetup& s)
+      : setup(s), map(MapFrameOf(s)), renderer(*s.database), memory(s.camera, s.options) {
     for (const CadModel& model : s.database->models())
       support_heights.push_back(SupportHeight(model));
   }

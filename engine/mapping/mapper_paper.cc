@@ -37,8 +37,8 @@ class Mapper::Impl::PaperStep {
 
   void Run() {
     StageClock stages(m_.boxes_ms, report_);
-    occlusion_ = m_.renderer->RenderOccluders(m_.setup.camera, input_.world_from_cam.inverse(),
-                                              m_.MeanStates(true));
+    occlusion_ = m_.renderer.RenderOccluders(m_.setup.camera, input_.world_from_cam.inverse(),
+                                             m_.MeanStates(true));
     stages.End("visibility");
     levels_ = SearchLevels(input_.edges, options());
     if (input_.detections) {
@@ -53,7 +53,7 @@ class Mapper::Impl::PaperStep {
     stages.End("explain");
     Spawn();
     m_.mean_maps =
-        m_.renderer->Render(m_.setup.camera, input_.world_from_cam.inverse(), m_.MeanStates(false));
+        m_.renderer.Render(m_.setup.camera, input_.world_from_cam.inverse(), m_.MeanStates(false));
     stages.End("spawn");
     stages.EndFrame();
   }

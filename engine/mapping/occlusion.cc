@@ -13,20 +13,12 @@ constexpr double kInFrontOfAll_m = 1e-3;
 
 }  // namespace
 
-Result<std::unique_ptr<OcclusionRenderer>> OcclusionRenderer::Create(
-    std::shared_ptr<const ModelDatabase> database) {
-  std::unique_ptr<OcclusionRenderer> result(new OcclusionRenderer);
-  Result<std::unique_ptr<RenderContext>> context = RenderContext::CreateHeadless();
-  if (!context.ok()) return context.error();
-  result->context_ = std::move(context).value();
-  Result<std::unique_ptr<Renderer>> renderer = Renderer::Create(*result->context_);
-  if (!renderer.ok()) return renderer.error();
-  result->renderer_ = std::move(renderer).value();
-  for (const CadModel& model : database->models()) {
-    result->mesh_of_model_.push_back(result->renderer_->AddMesh(model.mesh));
-    result->bounds_of_model_.push_back(BoundingBox(model.mesh));
+OcclusionRenderer::OcclusionRenderer(const ModelDatabase& database)
+    : renderer_(Renderer::CreateOnProcessor()) {
+  for (const CadModel& model : database.models()) {
+    mesh_of_model_.push_back(renderer_->AddMesh(model.mesh));
+    bounds_of_model_.push_back(BoundingBox(model.mesh));
   }
-  return result;
 }
 
 RenderedMaps OcclusionRenderer::Render(const PinholeCamera& camera,
@@ -64,9 +56,9 @@ std::vector<PlacedModel> OcclusionRenderer::InView(const PinholeCamera& camera,
   const PinholeCamera drawn = camera.Scaled(kSize);
   std::vector<PlacedModel> in_view;
   for (const PlacedModel& object : objects) {
-    if (MayShow(drawn, cam_from_world * object.world_from_object,
-                bounds_of_model_[static_cast<std::size_t>(object.label.value)], object.scale,
-                RenderOptions{}.near_m))
+    if (ImagePart(drawn, cam_from_world * object.world_from_object,
+                  bounds_of_model_[static_cast<std::size_t>(object.label.value)], object.scale,
+                  RenderOptions{}.near_m))
       in_view.push_back(object);
   }
   return in_view;

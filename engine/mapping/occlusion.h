@@ -42,12 +42,11 @@ class OcclusionMaps {
   mutable std::map<std::pair<ObjectId, ObjectId>, cv::Mat> depth_before_, depth_and_contours_;
 };
 
-/// Draws mean states, at half the image's size, to learn who hides whom. Lives in the mapper's
-/// thread.
+/// Draws mean states, at half the image's size and on the processor, to learn who hides whom. One
+/// thread at a time.
 class OcclusionRenderer {
  public:
-  static Result<std::unique_ptr<OcclusionRenderer>> Create(
-      std::shared_ptr<const ModelDatabase> database);
+  explicit OcclusionRenderer(const ModelDatabase& database);
 
   /// Depth and id of the nearest object of every pixel.
   RenderedMaps Render(const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_world,
@@ -61,10 +60,8 @@ class OcclusionRenderer {
                                   std::span<const PlacedModel> objects) const;
 
  private:
-  OcclusionRenderer() = default;
   RenderedMaps Draw(const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_world,
                     std::span<const PlacedModel> objects, bool contour_and_second_layer);
-  std::unique_ptr<RenderContext> context_;
   std::unique_ptr<Renderer> renderer_;
   std::vector<int> mesh_of_model_;
   std::vector<Eigen::AlignedBox3f> bounds_of_model_;

@@ -49,22 +49,11 @@ std::vector<OutlineView> OutlinesOf(const cv::Mat& id, cv::Size image_size) {
 Result<std::unique_ptr<FramePictures>> FramePictures::Create(
     std::shared_ptr<const Sequence> sequence, std::shared_ptr<const ModelDatabase> database,
     const std::optional<EdgeChoice>& edges) {
-  auto pictures = CreateWithoutImages(sequence->camera(), std::move(database));
-  if (!pictures.ok()) return pictures.error();
+  auto pictures = std::make_unique<FramePictures>(sequence->camera(), *database);
   auto detector = CreateEdgeDetector(ToText(edges ? *edges : DefaultEdges(*sequence)), sequence);
   if (!detector.ok()) return detector.error();
-  (*pictures)->sequence_ = std::move(sequence);
-  (*pictures)->edges_ = std::move(detector).value();
-  return pictures;
-}
-
-Result<std::unique_ptr<FramePictures>> FramePictures::CreateWithoutImages(
-    const PinholeCamera& camera, std::shared_ptr<const ModelDatabase> database) {
-  std::unique_ptr<FramePictures> pictures(new FramePictures);
-  auto renderer = OcclusionRenderer::Create(std::move(database));
-  if (!renderer.ok()) return renderer.error();
-  pictures->camera_ = camera;
-  pictures->renderer_ = std::move(renderer).value();
+  pictures->sequence_ = std::move(sequence);
+  pictures->edges_ = std::move(detector).value();
   return pictures;
 }
 
@@ -85,7 +74,7 @@ std::shared_ptr<MapSnapshot> FramePictures::Make(FrameReport report) {
       if (object.state == ObjectState::kRetired) continue;
       placed.push_back({object.id, object.label, object.world_from_object, object.scale});
     }
-    const RenderedMaps maps = renderer_->Render(camera_, report.world_from_cam->inverse(), placed);
+    const RenderedMaps maps = renderer_.Render(camera_, report.world_from_cam->inverse(), placed);
     snapshot->depth = maps.depth;
     snapshot->id = maps.id;
     snapshot->outlines = OutlinesOf(maps.id, {camera_.width, camera_.height});

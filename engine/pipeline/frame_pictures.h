@@ -28,18 +28,17 @@ class FramePictures {
       std::shared_ptr<const Sequence> sequence, std::shared_ptr<const ModelDatabase> database,
       const std::optional<EdgeChoice>& edges);
   /// Without a sequence: Z-buffer and outlines only.
-  static Result<std::unique_ptr<FramePictures>> CreateWithoutImages(
-      const PinholeCamera& camera, std::shared_ptr<const ModelDatabase> database);
+  FramePictures(const PinholeCamera& camera, const ModelDatabase& database)
+      : camera_(camera), renderer_(database) {}
 
   /// An image or edges that cannot be read stay empty.
   std::shared_ptr<MapSnapshot> Make(FrameReport report);
 
  private:
-  FramePictures() = default;
   PinholeCamera camera_;
   std::shared_ptr<const Sequence> sequence_;  ///< Null without images.
   std::unique_ptr<EdgeDetector> edges_;
-  std::unique_ptr<OcclusionRenderer> renderer_;
+  OcclusionRenderer renderer_;
 };
 
 }  // namespace plumbline

@@ -152,9 +152,7 @@ Result<std::unique_ptr<HypothesisProbe>> HypothesisProbe::Create(
     if (!views.ok()) return views.error();
     viewpoints.push_back(*views);
   }
-  auto renderer = OcclusionRenderer::Create(database);
-  if (!renderer.ok()) return renderer.error();
-  probe->renderer_ = std::move(renderer).value();
+  probe->renderer_ = std::make_unique<OcclusionRenderer>(*database);
   probe->scorer_ = std::make_unique<ViewpointScorer>(std::move(viewpoints), database);
   return probe;
 }

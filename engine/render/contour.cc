@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <vector>
 
 #include "engine/base/check.h"
+#include "engine/base/vectorised.h"
 #include "engine/render/renderer.h"
 
 // A pixel is on the contour if one of its four neighbours lies behind it across a silhouette
@@ -11,6 +14,23 @@
 // squarely meets one seen at a grazing angle. shaders/likelihood/contour.frag does the same.
 namespace plumbline {
 namespace {
+
+/// Marks what may be on the contour of a row: pixels of a surface that have a neighbour of another
+/// id, or one that lies more than `step_m` behind. Rows are read from one before to one after.
+PLUMBLINE_VECTORISED
+void MarkSteps(const std::array<const float*, 3>& depth_rows,
+               const std::array<const std::uint16_t*, 3>& id_rows, int count, float step_m,
+               std::uint8_t* __restrict marks) {
+  const float *above = depth_rows[0], *at = depth_rows[1], *below = depth_rows[2];
+  const std::uint16_t *id_above = id_rows[0], *ids = id_rows[1], *id_below = id_rows[2];
+  for (int x = 0; x < count; ++x) {
+    const float far = std::max(std::max(at[x - 1], at[x + 1]), std::max(above[x], below[x]));
+    const int other = (ids[x - 1] ^ ids[x]) | (ids[x + 1] ^ ids[x]) | (id_above[x] ^ ids[x]) |
+                      (id_below[x] ^ ids[x]);
+    const bool surface = at[x] != 0.0f, step = far - at[x] > step_m, border = other != 0;
+    marks[x] = surface && (step || border) ? 1 : 0;
+  }
+}
 
 class ContourRule {
  public:
@@ -64,9 +84,15 @@ cv::Mat ContourOf(const cv::Mat& depth, const cv::Mat& id, double contour_step_m
       << "depth and id maps do not match";
   cv::Mat contour(depth.size(), CV_8U, cv::Scalar(0));
   const ContourRule rule(depth, id, static_cast<float>(contour_step_m));
+  std::vector<std::uint8_t> marks(static_cast<std::size_t>(std::max(depth.cols, 2)));
   for (int y = 1; y < depth.rows - 1; ++y) {
+    MarkSteps({depth.ptr<float>(y - 1) + 1, depth.ptr<float>(y) + 1, depth.ptr<float>(y + 1) + 1},
+              {id.ptr<std::uint16_t>(y - 1) + 1, id.ptr<std::uint16_t>(y) + 1,
+               id.ptr<std::uint16_t>(y + 1) + 1},
+              depth.cols - 2, static_cast<float>(contour_step_m), marks.data());
+    auto* row = contour.ptr<std::uint8_t>(y);
     for (int x = 1; x < depth.cols - 1; ++x) {
-      if (rule.OnContour({x, y})) contour.at<std::uint8_t>(y, x) = 255;
+      if (marks[static_cast<std::size_t>(x - 1)] != 0 && rule.OnContour({x, y})) row[x] = 255;
     }
   }
   return contour;

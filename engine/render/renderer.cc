@@ -2,10 +2,10 @@
 #include "engine/render/renderer.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
+#include <array>
 
 #include "engine/render/gl_util.h"
+#include "engine/render/visible.h"
 
 namespace plumbline {
 namespace {
@@ -24,38 +24,6 @@ Eigen::Matrix4f ClipFromCam(const PinholeCamera& camera, double near_m) {
   clip_from_cam(3, 2) = 1.0;
   return clip_from_cam.cast<float>();
 }
-
-/// The part of the image that may show a box: nothing if it cannot show, the whole image if it
-/// crosses the near plane.
-std::optional<cv::Rect> ImagePart(const PinholeCamera& camera,
-                                  const Eigen::Isometry3d& cam_from_object,
-                                  const Eigen::AlignedBox3f& bounds, double scale, double near_m) {
-  const cv::Rect whole(0, 0, camera.width, camera.height);
-  Eigen::AlignedBox2d box;
-  int in_front = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d point =
-        cam_from_object *
-        (scale *
-         bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>());
-    if (point.z() < near_m) continue;
-    ++in_front;
-    box.extend(camera.Project(point));
-  }
-  if (in_front == 0) return std::nullopt;
-  if (in_front < 8) return whole;
-  const Eigen::Vector2d last(camera.width, camera.height);
-  const Eigen::Vector2d low = (box.min().array().floor() - 1.0).max(0.0).matrix();
-  const Eigen::Vector2d high = (box.max().array().ceil() + 2.0).min(last.array()).matrix();
-  if (!(high.x() > low.x() && high.y() > low.y())) return std::nullopt;
-  return cv::Rect(cv::Point(static_cast<int>(low.x()), static_cast<int>(low.y())),
-                  cv::Point(static_cast<int>(high.x()), static_cast<int>(high.y())));
-}
-
-struct GpuMesh {
-  gl::UploadedMesh buffers;
-  Eigen::AlignedBox3f bounds;
-};
 
 /// Depth [m] and id of one layer with their depth buffer.
 struct Layer {
@@ -80,22 +48,15 @@ Result<MeshProgram> MakeMeshProgram(std::string_view fragment) {
   return mesh_program;
 }
 
-/// An instance that may show.
-struct Visible {
-  const GpuMesh* mesh = nullptr;
-  Eigen::Matrix4f cam_from_object;
-  GLuint id = 0;
-  cv::Rect part;  ///< Of the image.
-};
-
 /// Those that may lie behind another, or before it: a second layer shows nothing else.
-std::vector<Visible> Overlapping(std::span<const Visible> visible, cv::Rect& part) {
-  std::vector<Visible> overlapping;
+std::vector<VisibleInstance> Overlapping(std::span<const VisibleInstance> visible, cv::Rect& part) {
+  std::vector<VisibleInstance> overlapping;
   part = {};
-  for (const Visible& instance : visible) {
-    const bool overlaps = std::any_of(visible.begin(), visible.end(), [&](const Visible& other) {
-      return other.id != instance.id && !(other.part & instance.part).empty();
-    });
+  for (const VisibleInstance& instance : visible) {
+    const bool overlaps =
+        std::any_of(visible.begin(), visible.end(), [&](const VisibleInstance& other) {
+          return other.id != instance.id && !(other.part & instance.part).empty();
+        });
     if (!overlaps) continue;
     part = part.empty() ? instance.part : (part | instance.part);
     overlapping.push_back(instance);
@@ -121,11 +82,9 @@ class GlRenderer final : public Renderer {
  private:
   void Allocate(int width, int height);
   static Layer MakeLayer(int width, int height);
-  std::vector<Visible> FindVisible(const PinholeCamera& camera,
-                                   std::span<const RenderInstance> instances, double near_m,
-                                   cv::Rect& part) const;
   void DrawLayer(const Layer& layer, const MeshProgram& program,
-                 const Eigen::Matrix4f& clip_from_cam, std::span<const Visible> visible) const;
+                 const Eigen::Matrix4f& clip_from_cam,
+                 std::span<const VisibleInstance> visible) const;
   void DrawContour(const cv::Rect& part, double step_m) const;
   bool InShader(const RenderOptions& options) const {
     return options.contour_pass == ContourPass::kShader ||
@@ -136,7 +95,8 @@ class GlRenderer final : public Renderer {
   MeshProgram first_, second_;
   gl::Program contour_;
   gl::VertexArray empty_vertex_array_;
-  std::vector<GpuMesh> meshes_;
+  std::vector<gl::UploadedMesh> meshes_;
+  std::vector<Eigen::AlignedBox3f> bounds_of_mesh_;
   int width_ = 0, height_ = 0;
   Layer first_layer_, second_layer_;
   gl::Texture contour_texture_;
@@ -146,7 +106,8 @@ class GlRenderer final : public Renderer {
 int GlRenderer::AddMesh(const TriangleMesh& mesh) {
   context_.MakeCurrent();
   const gl::StateGuard guard;
-  meshes_.push_back({gl::Upload(mesh), BoundingBox(mesh)});
+  meshes_.push_back(gl::Upload(mesh));
+  bounds_of_mesh_.push_back(BoundingBox(mesh));
   return static_cast<int>(meshes_.size()) - 1;
 }
 
@@ -184,31 +145,9 @@ void GlRenderer::Allocate(int width, int height) {
   height_ = height;
 }
 
-std::vector<Visible> GlRenderer::FindVisible(const PinholeCamera& camera,
-                                             std::span<const RenderInstance> instances,
-                                             double near_m, cv::Rect& part) const {
-  std::vector<Visible> visible;
-  for (const RenderInstance& instance : instances) {
-    PLB_CHECK(instance.mesh >= 0 && static_cast<std::size_t>(instance.mesh) < meshes_.size())
-        << "no mesh " << instance.mesh;
-    PLB_CHECK(instance.id >= 1 && instance.id <= 65535) << "id " << instance.id;
-    const GpuMesh& mesh = meshes_[static_cast<std::size_t>(instance.mesh)];
-    if (mesh.buffers.index_count == 0) continue;
-    const auto shown =
-        ImagePart(camera, instance.cam_from_object, mesh.bounds, instance.scale, near_m);
-    if (!shown) continue;
-    part = part.empty() ? *shown : (part | *shown);
-    const Eigen::Matrix4d cam_from_mesh =
-        (instance.cam_from_object * Eigen::Scaling(instance.scale)).matrix();
-    visible.push_back(
-        {&mesh, cam_from_mesh.cast<float>(), static_cast<GLuint>(instance.id), *shown});
-  }
-  return visible;
-}
-
 void GlRenderer::DrawLayer(const Layer& layer, const MeshProgram& program,
                            const Eigen::Matrix4f& clip_from_cam,
-                           std::span<const Visible> visible) const {
+                           std::span<const VisibleInstance> visible) const {
   glBindFramebuffer(GL_FRAMEBUFFER, layer.framebuffer.get());
   const std::array<GLfloat, 4> no_depth{};
   const std::array<GLuint, 4> no_id{};
@@ -222,11 +161,12 @@ void GlRenderer::DrawLayer(const Layer& layer, const MeshProgram& program,
     glBindTexture(GL_TEXTURE_2D, first_layer_.id.get());
     glUniform1i(program.first_id, 0);
   }
-  for (const Visible& instance : visible) {
-    glUniformMatrix4fv(program.cam_from_object, 1, GL_FALSE, instance.cam_from_object.data());
-    glUniform1ui(program.id, instance.id);
-    glBindVertexArray(instance.mesh->buffers.vertex_array.get());
-    glDrawElements(GL_TRIANGLES, instance.mesh->buffers.index_count, GL_UNSIGNED_INT, nullptr);
+  for (const VisibleInstance& instance : visible) {
+    const gl::UploadedMesh& mesh = meshes_[instance.mesh];
+    glUniformMatrix4fv(program.cam_from_object, 1, GL_FALSE, instance.cam_from_mesh.data());
+    glUniform1ui(program.id, static_cast<GLuint>(instance.id));
+    glBindVertexArray(mesh.vertex_array.get());
+    glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
   }
 }
 
@@ -275,7 +215,8 @@ RenderedMaps GlRenderer::Render(const PinholeCamera& camera,
   Allocate(camera.width, camera.height);
   glViewport(0, 0, width_, height_);
   cv::Rect part;
-  const std::vector<Visible> visible = FindVisible(camera, instances, options.near_m, part);
+  const std::vector<VisibleInstance> visible =
+      FindVisible(camera, instances, bounds_of_mesh_, options.near_m, part);
   const Eigen::Matrix4f clip_from_cam = ClipFromCam(camera, options.near_m);
   const cv::Size size(width_, height_);
 
@@ -300,11 +241,6 @@ RenderedMaps GlRenderer::Render(const PinholeCamera& camera,
 }
 
 }  // namespace
-
-bool MayShow(const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_object,
-             const Eigen::AlignedBox3f& bounds, double scale, double near_m) {
-  return ImagePart(camera, cam_from_object, bounds, scale, near_m).has_value();
-}
 
 Result<std::unique_ptr<Renderer>> Renderer::Create(RenderContext& context) {
   gl::RegisterShaders();

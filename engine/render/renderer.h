@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -67,15 +68,19 @@ struct RenderOptions {
   double near_m = 0.05;
 };
 
-/// GLSL renderer of depth, object id and contour. Exact for off-centre principal points; triangles
-/// that cross the near plane are clipped; meshes are drawn two-sided, and borders of open meshes
-/// inside a surface give no contour. Contour pixels lie on the near side of a depth step, inside
-/// the object.
+/// Renderer of depth, object id and contour, by OpenGL or on the processor. Exact for off-centre
+/// principal points; triangles that cross the near plane are clipped; meshes are drawn two-sided,
+/// and borders of open meshes inside a surface give no contour. Contour pixels lie on the near side
+/// of a depth step, inside the object.
 class Renderer {
  public:
   /// The context must outlive the renderer. Errors: kUnsupported (shaders do not compile: driver's
   /// message).
   static Result<std::unique_ptr<Renderer>> Create(RenderContext& context);
+  /// Without OpenGL, in the calling thread: the same maps but for pixels whose centre lies within
+  /// rounding of an edge, and the same on every machine. For small images and few triangles, which
+  /// it draws faster than OpenGL hands them back.
+  static std::unique_ptr<Renderer> CreateOnProcessor();
   virtual ~Renderer() = default;
   /// Uploads a mesh once; the handle is valid as long as the renderer.
   virtual int AddMesh(const TriangleMesh& mesh) = 0;
@@ -86,10 +91,11 @@ class Renderer {
                               const RenderOptions& options) = 0;
 };
 
-/// Whether anything within `bounds` of a mesh, `scale` times as large, may show: what may not
-/// changes no map.
-bool MayShow(const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_object,
-             const Eigen::AlignedBox3f& bounds, double scale, double near_m);
+/// The part of the image that may show what is within `bounds` of a mesh, `scale` times as large:
+/// nothing if it cannot show and so changes no map, the whole image if it crosses the near plane.
+std::optional<cv::Rect> ImagePart(const PinholeCamera& camera,
+                                  const Eigen::Isometry3d& cam_from_object,
+                                  const Eigen::AlignedBox3f& bounds, double scale, double near_m);
 
 /// The same maps by an independent CPU rasteriser (Embree ray casting): slow, for tests and
 /// machines without GL.

@@ -57,9 +57,7 @@ Result<Inputs> OpenInputs(const RunChoice& choice, RunReader& reader,
     log::warn(
         "{}; the run's small pictures stand in for its images (--sequence names another folder)",
         sequence.error().message);
-    auto pictures = FramePictures::CreateWithoutImages(header.camera, database);
-    if (!pictures.ok()) return pictures.error();
-    inputs.pictures = std::move(pictures).value();
+    inputs.pictures = std::make_unique<FramePictures>(header.camera, *database);
     inputs.view = ViewWithoutSequence(header, *database);
   } else {
     auto pictures = FramePictures::Create(*sequence, database, header.recipe.edges);

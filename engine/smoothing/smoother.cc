@@ -38,12 +38,11 @@ MapperSetup WithScalesFixed(MapperSetup setup) {
 
 class Smoother {
  public:
-  Smoother(const SmoothingTask& task, std::unique_ptr<OcclusionRenderer> renderer,
-           const WorkContext& work)
+  Smoother(const SmoothingTask& task, const WorkContext& work)
       : task_(task),
         setup_(WithScalesFixed(task.setup)),
         map_(MapFrameOf(setup_)),
-        renderer_(std::move(renderer)),
+        renderer_(*task.setup.database),
         work_(work) {}
 
   Result<SmoothedMap> Run() {
@@ -51,7 +50,7 @@ class Smoother {
     if (Status status = Gather(); !status.ok()) return status.error();
     if (Status status = FindViews(); !status.ok()) return status.error();
     if (Status status = ResampleAll(0); !status.ok()) return status.error();
-    auto presences = LookBack(setup_, *renderer_, looks_, Objects(), task_.load, work_);
+    auto presences = LookBack(setup_, renderer_, looks_, Objects(), task_.load, work_);
     if (!presences.ok()) return presences.error();
     for (std::size_t i = 0; i < items_.size(); ++i) items_[i].presence = std::move((*presences)[i]);
     Select();
@@ -108,7 +107,7 @@ class Smoother {
 
   Status FindViews() {
     const std::vector<MapObject> objects = Objects();
-    std::vector<std::vector<ObjectSight>> sights = FindSights(setup_, *renderer_, looks_, objects);
+    std::vector<std::vector<ObjectSight>> sights = FindSights(setup_, renderer_, looks_, objects);
     std::set<int> wanted;
     for (std::size_t i = 0; i < items_.size(); ++i) {
       items_[i].sights = std::move(sights[i]);
@@ -148,7 +147,7 @@ class Smoother {
       image.table =
           SearchTable(refiner_.EdgesFor(item, input->first), setup_.options, setup_.camera.fx);
       image.detections = input->second.detections;
-      const OcclusionMaps maps = renderer_->RenderOccluders(
+      const OcclusionMaps maps = renderer_.RenderOccluders(
           setup_.camera, input->second.world_from_cam.inverse(), MeanStates(Objects(), true));
       image.judging.view =
           ViewOf(setup_, input->second.world_from_cam, maps, item.object.id, *image.table);
@@ -309,7 +308,7 @@ class Smoother {
   const SmoothingTask& task_;
   MapperSetup setup_;
   MapFrame map_;
-  std::unique_ptr<OcclusionRenderer> renderer_;
+  OcclusionRenderer renderer_;
   const WorkContext& work_;
   std::vector<Look> looks_;
   std::vector<ObjectWork> items_;
@@ -322,10 +321,7 @@ class Smoother {
 Result<SmoothedMap> Smooth(const SmoothingTask& task, const WorkContext& work) {
   if (task.frames.empty())
     return Error{ErrorCode::kInvalidInput, "a run that used no frame cannot be smoothed"};
-  Result<std::unique_ptr<OcclusionRenderer>> renderer =
-      OcclusionRenderer::Create(task.setup.database);
-  if (!renderer.ok()) return renderer.error();
-  return Smoother(task, std::move(renderer).value(), work).Run();
+  return Smoother(task, work).Run();
 }
 
 }  // namespace plumbline

@@ -25,7 +25,7 @@ struct SmoothingTask {
 /// recording, and all objects are brought to agree with one another. The run is only read. The same
 /// for the same task, whatever the number of threads.
 ///
-/// Errors: kCancelled; kUnsupported (no OpenGL); kCorrupt (an object without particles);
+/// Errors: kCancelled; kCorrupt (an object without particles);
 /// kInvalidInput for a run that used no frame.
 Result<SmoothedMap> Smooth(const SmoothingTask& task, const WorkContext& work);
 

@@ -63,7 +63,7 @@ MappingScene::MappingScene(const PinholeCamera& camera)
   full_size_ = Must(Renderer::Create(*context_));
   for (const CadModel& model : database()->models())
     meshes_.push_back(full_size_->AddMesh(model.mesh));
-  renderer_ = Must(OcclusionRenderer::Create(database()));
+  renderer_ = std::make_unique<OcclusionRenderer>(*database());
 }
 
 const std::shared_ptr<const HypothesisScorer>& MappingScene::scorer() {

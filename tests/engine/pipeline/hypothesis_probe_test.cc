@@ -43,9 +43,9 @@ class HypothesisProbeTest : public testing::Test {
   /// `spread_m` around that.
   MapSnapshot Snapshot(const Eigen::Isometry3d& seen, const Eigen::Isometry3d& believed,
                        double spread_m) const {
-    auto renderer = OcclusionRenderer::Create(database_);
+    OcclusionRenderer renderer(*database_);
     const PlacedModel placed[] = {{{1}, chair_, seen}};
-    const RenderedMaps maps = (*renderer)->Render(camera_, world_from_cam_.inverse(), placed);
+    const RenderedMaps maps = renderer.Render(camera_, world_from_cam_.inverse(), placed);
     Frame frame;
     cv::resize(maps.id > 0, frame.image, {camera_.width, camera_.height}, 0, 0, cv::INTER_NEAREST);
     cv::cvtColor(frame.image, frame.image, cv::COLOR_GRAY2BGR);

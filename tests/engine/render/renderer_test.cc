@@ -26,16 +26,22 @@ Isometry3d Pose(const Vector3d& translation, double angle = 0,
   return pose;
 }
 
-class RendererTest : public testing::Test {
+enum class DrawnBy { kOpenGl, kProcessor };
+
+class RendererTest : public testing::TestWithParam<DrawnBy> {
  protected:
   void SetUp() override {
+    options_.contour = true;
+    if (GetParam() == DrawnBy::kProcessor) {
+      renderer_ = Renderer::CreateOnProcessor();
+      return;
+    }
     Result<std::unique_ptr<RenderContext>> context = RenderContext::CreateHeadless();
     ASSERT_TRUE(context.ok()) << context.error().message;
     context_ = std::move(*context);
     Result<std::unique_ptr<Renderer>> renderer = Renderer::Create(*context_);
     ASSERT_TRUE(renderer.ok()) << renderer.error().message;
     renderer_ = std::move(*renderer);
-    options_.contour = true;
   }
 
   RenderedMaps Both(const std::vector<TriangleMesh>& meshes,
@@ -89,7 +95,7 @@ class RendererTest : public testing::Test {
   PinholeCamera camera_{320, 240, 260, 270, 141.3, 128.8};
 };
 
-TEST_F(RendererTest, AgreesWithRayCasting) {
+TEST_P(RendererTest, AgreesWithRayCasting) {
   options_.second_layer = true;
   const std::vector<TriangleMesh> meshes = {MakeBox({-0.3f, -0.4f, -0.2f}, {0.3f, 0.4f, 0.2f}),
                                             MakeSphere(0.35f, 24),
@@ -104,7 +110,7 @@ TEST_F(RendererTest, AgreesWithRayCasting) {
   EXPECT_EQ(ids, (std::set<int>{0, 2, 7, 300, 65535}));
 }
 
-TEST_F(RendererTest, OffCentrePrincipalPointPutsCornersWhereTheyProject) {
+TEST_P(RendererTest, OffCentrePrincipalPointPutsCornersWhereTheyProject) {
   const PinholeCamera camera{200, 150, 180, 190, 31.7, 118.2};
   const TriangleMesh box = MakeBox({-0.1f, -0.5f, 2}, {0.7f, 0.05f, 2.5f});
   const RenderedMaps maps = Both({box}, {{0, Isometry3d::Identity(), 1}}, camera);
@@ -120,7 +126,7 @@ TEST_F(RendererTest, OffCentrePrincipalPointPutsCornersWhereTheyProject) {
   EXPECT_EQ(cv::countNonZero(front), box_px.area());
 }
 
-TEST_F(RendererTest, ClipsTrianglesAtTheNearPlane) {
+TEST_P(RendererTest, ClipsTrianglesAtTheNearPlane) {
   // A floor that runs from behind the camera to in front of it.
   const std::vector<TriangleMesh> meshes = {
       MakeParallelogram({-9, 0.8f, -7}, {18, 0, 0}, {0, 0, 13})};
@@ -133,7 +139,7 @@ TEST_F(RendererTest, ClipsTrianglesAtTheNearPlane) {
   EXPECT_GE(nearest, options_.near_m);
 }
 
-TEST_F(RendererTest, CutsAwayWhatIsNearerThanTheNearPlane) {
+TEST_P(RendererTest, CutsAwayWhatIsNearerThanTheNearPlane) {
   options_.near_m = 1.0;
   const std::vector<TriangleMesh> meshes = {MakeBox({-0.2f, -0.2f, 0.5f}, {0.2f, 0.2f, 3})};
   const RenderedMaps maps = Both(meshes, {{0, Isometry3d::Identity(), 1}}, camera_);
@@ -141,7 +147,7 @@ TEST_F(RendererTest, CutsAwayWhatIsNearerThanTheNearPlane) {
   EXPECT_NEAR(maps.depth.at<float>(129, 141), 3.0, 3e-3);
 }
 
-TEST_F(RendererTest, DrawsNothingOfObjectsBehindOrBesideTheCamera) {
+TEST_P(RendererTest, DrawsNothingOfObjectsBehindOrBesideTheCamera) {
   const int box = renderer_->AddMesh(MakeBox({-0.3f, -0.3f, -0.3f}, {0.3f, 0.3f, 0.3f}));
   const int nothing = renderer_->AddMesh(TriangleMesh{});
   const std::vector<RenderInstance> instances = {{box, Pose({0, 0, -2}), 1},
@@ -154,7 +160,7 @@ TEST_F(RendererTest, DrawsNothingOfObjectsBehindOrBesideTheCamera) {
   EXPECT_EQ(cv::countNonZero(maps.contour), 0);
 }
 
-TEST_F(RendererTest, ContourOfASphereIsACircleOfKnownRadius) {
+TEST_P(RendererTest, ContourOfASphereIsACircleOfKnownRadius) {
   const PinholeCamera camera{400, 400, 500, 500, 199.5, 199.5};
   const double distance = 2.0, radius = 0.5;
   const RenderedMaps maps =
@@ -173,7 +179,7 @@ TEST_F(RendererTest, ContourOfASphereIsACircleOfKnownRadius) {
   EXPECT_GE(directions.size(), 360u);
 }
 
-TEST_F(RendererTest, GrazingFloorHasNoInteriorContour) {
+TEST_P(RendererTest, GrazingFloorHasNoInteriorContour) {
   const PinholeCamera camera{320, 240, 300, 300, 160, 60};
   const RenderedMaps maps = Both({MakeParallelogram({-40, 1.2f, 0.5f}, {80, 0, 0}, {0, 0, 24.5f})},
                                  {{0, Isometry3d::Identity(), 1}}, camera);
@@ -182,7 +188,7 @@ TEST_F(RendererTest, GrazingFloorHasNoInteriorContour) {
   EXPECT_EQ(cv::countNonZero(rows), 1) << "only the far end, against nothing";
 }
 
-TEST_F(RendererTest, BorderOfAnOpenMeshInsideItsSurfaceGivesNoContour) {
+TEST_P(RendererTest, BorderOfAnOpenMeshInsideItsSurfaceGivesNoContour) {
   // A board, and a centimetre in front of it a flap of the same open mesh, both wound the other way
   // round.
   TriangleMesh board = MakeParallelogram({-0.5f, -0.5f, 2}, {0, 1, 0}, {1, 0, 0});
@@ -194,7 +200,7 @@ TEST_F(RendererTest, BorderOfAnOpenMeshInsideItsSurfaceGivesNoContour) {
   EXPECT_GT(cv::countNonZero(maps.contour), 200);
 }
 
-TEST_F(RendererTest, SecondLayerIsTheNearestSurfaceOfAnotherObject) {
+TEST_P(RendererTest, SecondLayerIsTheNearestSurfaceOfAnotherObject) {
   options_.second_layer = true;
   // Behind the front wall of box 1 come its own back wall and then box 2.
   const RenderedMaps maps = Both(
@@ -209,7 +215,7 @@ TEST_F(RendererTest, SecondLayerIsTheNearestSurfaceOfAnotherObject) {
             0);
 }
 
-TEST_F(RendererTest, ChangesImageSizeBetweenCalls) {
+TEST_P(RendererTest, ChangesImageSizeBetweenCalls) {
   const int sphere = renderer_->AddMesh(MakeSphere(0.4f, 16));
   const RenderInstance instance{sphere, Pose({0, 0, 2}), 5};
   for (const double factor : {1.0, 0.5, 1.0, 2.0}) {
@@ -221,10 +227,34 @@ TEST_F(RendererTest, ChangesImageSizeBetweenCalls) {
   }
 }
 
-TEST_F(RendererTest, AdoptsTheCurrentContextAndTwoContextsLiveSideBySide) {
+TEST_P(RendererTest, LeavesNoPixelOutBetweenTrianglesThatShareAnEdge) {
+  const PinholeCamera camera{640, 480, 600, 600, 319.5, 239.5};
+  const int sphere = renderer_->AddMesh(MakeSphere(0.5f, 200));
+  for (const double distance : {0.9, 1.7, 4.0}) {
+    const RenderInstance instance{sphere, Pose({0.03, -0.02, distance}, 0.3, {1, 2, 3}), 9};
+    const RenderedMaps maps = renderer_->Render(camera, std::span(&instance, 1), options_);
+    const double radius = camera.fx * 0.5 / std::sqrt(distance * distance - 0.25);
+    cv::Mat inside = cv::Mat::zeros(maps.id.size(), CV_8U);
+    const Eigen::Vector2d middle = camera.Project({0.03, -0.02, distance});
+    cv::circle(inside, {static_cast<int>(middle.x()), static_cast<int>(middle.y())},
+               static_cast<int>(0.9 * radius), 255, cv::FILLED);
+    EXPECT_EQ(cv::countNonZero((maps.id == 0) & inside), 0) << distance;
+    EXPECT_GT(cv::countNonZero(maps.id), 3000) << distance;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, RendererTest, testing::Values(DrawnBy::kOpenGl, DrawnBy::kProcessor),
+                         [](const auto& drawn) {
+                           return drawn.param == DrawnBy::kOpenGl ? "OpenGl" : "Processor";
+                         });
+
+TEST(RenderContextTest, AdoptsTheCurrentContextAndTwoContextsLiveSideBySide) {
+  auto context = RenderContext::CreateHeadless();
+  ASSERT_TRUE(context.ok()) << context.error().message;
+  (*context)->MakeCurrent();
   Result<std::unique_ptr<RenderContext>> adopted = RenderContext::AdoptCurrent();
   ASSERT_TRUE(adopted.ok()) << adopted.error().message;
-  EXPECT_EQ((*adopted)->Description(), context_->Description());
+  EXPECT_EQ((*adopted)->Description(), (*context)->Description());
   std::jthread other([] {
     auto context = RenderContext::CreateHeadless();
     ASSERT_TRUE(context.ok()) << context.error().message;
@@ -233,14 +263,14 @@ TEST_F(RendererTest, AdoptsTheCurrentContextAndTwoContextsLiveSideBySide) {
   });
 }
 
-TEST_F(RendererTest, RefusesUnknownMeshesAndIdZero) {
+TEST_P(RendererTest, RefusesUnknownMeshesAndIdZero) {
   const RenderInstance unknown{3, Isometry3d::Identity(), 1};
   EXPECT_THROW(renderer_->Render(camera_, std::span(&unknown, 1), options_), ContractError);
   const RenderInstance no_id{renderer_->AddMesh(MakeSphere(1, 4)), Pose({0, 0, 3}), 0};
   EXPECT_THROW(renderer_->Render(camera_, std::span(&no_id, 1), options_), ContractError);
 }
 
-TEST_F(RendererTest, AgreesWithRayCastingOnTheKitchenModels) {
+TEST_P(RendererTest, AgreesWithRayCastingOnTheKitchenModels) {
   const auto shared = SharedData();
   if (!shared) GTEST_SKIP() << kNoSharedData;
   const auto database = ModelDatabase::Load(*shared / "data/kitchen/models");
