@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "engine/base/check.h"
@@ -15,20 +17,47 @@
 namespace plumbline {
 namespace {
 
-/// Marks what may be on the contour of a row: pixels of a surface that have a neighbour of another
-/// id, or one that lies more than `step_m` behind. Rows are read from one before to one after.
+constexpr int kAtOnce = 8;
+
+/// Of the next kAtOnce pixels.
+bool NoneMarked(const std::uint8_t* marks) {
+  std::uint64_t eight = 0;
+  std::memcpy(&eight, marks, kAtOnce);
+  return eight == 0;
+}
+
+/// The pixels of a row from its second on, and the four neighbours of each: five pointers, since
+/// loops that take one at three places do not vectorise.
+template <typename T>
+struct Neighbours {
+  const T *at, *left, *right, *above, *below;
+  Neighbours(const cv::Mat& map, int y)
+      : at(map.ptr<T>(y) + 1),
+        left(at - 1),
+        right(at + 1),
+        above(map.ptr<T>(y - 1) + 1),
+        below(map.ptr<T>(y + 1) + 1) {}
+};
+
+/// Marks what may be on the contour: pixels of a surface that have a neighbour of another id, or
+/// one that lies more than `step_m` behind.
 PLUMBLINE_VECTORISED
-void MarkSteps(const std::array<const float*, 3>& depth_rows,
-               const std::array<const std::uint16_t*, 3>& id_rows, int count, float step_m,
-               std::uint8_t* __restrict marks) {
-  const float *above = depth_rows[0], *at = depth_rows[1], *below = depth_rows[2];
-  const std::uint16_t *id_above = id_rows[0], *ids = id_rows[1], *id_below = id_rows[2];
+void MarkSteps(const Neighbours<float>& depth, const Neighbours<std::uint16_t>& id, int count,
+               float step_m, std::uint8_t* __restrict marks) {
+  const Neighbours<float> d = depth;
+  const Neighbours<std::uint16_t> i = id;
   for (int x = 0; x < count; ++x) {
-    const float far = std::max(std::max(at[x - 1], at[x + 1]), std::max(above[x], below[x]));
-    const int other = (ids[x - 1] ^ ids[x]) | (ids[x + 1] ^ ids[x]) | (id_above[x] ^ ids[x]) |
-                      (id_below[x] ^ ids[x]);
-    const bool surface = at[x] != 0.0f, step = far - at[x] > step_m, border = other != 0;
-    marks[x] = surface && (step || border) ? 1 : 0;
+    const std::uint16_t here = i.at[x];
+    const int other =
+        (i.left[x] ^ here) | (i.right[x] ^ here) | (i.above[x] ^ here) | (i.below[x] ^ here);
+    marks[x] = other != 0 ? 1 : 0;
+  }
+  for (int x = 0; x < count; ++x) {
+    const float here = d.at[x], across = d.left[x] > d.right[x] ? d.left[x] : d.right[x],
+                along = d.above[x] > d.below[x] ? d.above[x] : d.below[x];
+    const float farthest = across > along ? across : along;
+    const int step = farthest - here > step_m ? 1 : 0, surface = here != 0.0f ? 1 : 0;
+    marks[x] = static_cast<std::uint8_t>((step | marks[x]) & surface);
   }
 }
 
@@ -84,15 +113,17 @@ cv::Mat ContourOf(const cv::Mat& depth, const cv::Mat& id, double contour_step_m
       << "depth and id maps do not match";
   cv::Mat contour(depth.size(), CV_8U, cv::Scalar(0));
   const ContourRule rule(depth, id, static_cast<float>(contour_step_m));
-  std::vector<std::uint8_t> marks(static_cast<std::size_t>(std::max(depth.cols, 2)));
+  // Eight zeros after the last, so that the search for marks may read beyond it.
+  std::vector<std::uint8_t> marks(static_cast<std::size_t>(depth.cols) + kAtOnce);
   for (int y = 1; y < depth.rows - 1; ++y) {
-    MarkSteps({depth.ptr<float>(y - 1) + 1, depth.ptr<float>(y) + 1, depth.ptr<float>(y + 1) + 1},
-              {id.ptr<std::uint16_t>(y - 1) + 1, id.ptr<std::uint16_t>(y) + 1,
-               id.ptr<std::uint16_t>(y + 1) + 1},
-              depth.cols - 2, static_cast<float>(contour_step_m), marks.data());
+    MarkSteps({depth, y}, {id, y}, depth.cols - 2, static_cast<float>(contour_step_m),
+              marks.data());
     auto* row = contour.ptr<std::uint8_t>(y);
-    for (int x = 1; x < depth.cols - 1; ++x) {
-      if (marks[static_cast<std::size_t>(x - 1)] != 0 && rule.OnContour({x, y})) row[x] = 255;
+    for (int x = 1; x < depth.cols - 1; x += kAtOnce) {
+      if (NoneMarked(marks.data() + x - 1)) continue;
+      for (int k = x; k < x + kAtOnce; ++k) {
+        if (marks[static_cast<std::size_t>(k - 1)] != 0 && rule.OnContour({k, y})) row[k] = 255;
+      }
     }
   }
   return contour;
