@@ -79,7 +79,7 @@ class Renderer {
   static Result<std::unique_ptr<Renderer>> Create(RenderContext& context);
   /// Without OpenGL, in the calling thread: the same maps but for pixels whose centre lies within
   /// rounding of an edge, and the same on every machine. For small images and few triangles, which
-  /// it draws faster than OpenGL hands them back.
+  /// it draws faster than OpenGL hands them back. ContourPass is kProcessor, whatever is asked for.
   static std::unique_ptr<Renderer> CreateOnProcessor();
   virtual ~Renderer() = default;
   /// Uploads a mesh once; the handle is valid as long as the renderer.
