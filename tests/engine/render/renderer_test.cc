@@ -248,6 +248,46 @@ INSTANTIATE_TEST_SUITE_P(, RendererTest, testing::Values(DrawnBy::kOpenGl, Drawn
                            return drawn.param == DrawnBy::kOpenGl ? "OpenGl" : "Processor";
                          });
 
+TEST(RenderersTest, DrawTheSamePixels) {
+  auto context = RenderContext::CreateHeadless();
+  ASSERT_TRUE(context.ok()) << context.error().message;
+  const std::unique_ptr<Renderer> by_gl = Renderer::Create(**context).value();
+  const std::unique_ptr<Renderer> by_processor = Renderer::CreateOnProcessor();
+  for (const TriangleMesh& mesh :
+       {MakeBox({-0.4f, -0.3f, -0.2f}, {0.4f, 0.3f, 0.2f}), MakeSphere(0.35f, 40),
+        MakeBox({-0.02f, -1, -0.5f}, {0.02f, 1, 0.5f})}) {
+    by_gl->AddMesh(mesh);
+    by_processor->AddMesh(mesh);
+  }
+  const PinholeCamera camera{320, 240, 262, 262, 159.5, 119.5};
+  RenderOptions options;
+  options.contour = options.second_layer = true;
+  int ids = 0, second_ids = 0, contours = 0;
+  for (int scene = 0; scene < 30; ++scene) {
+    std::vector<RenderInstance> instances;
+    for (int i = 0; i < 6; ++i) {
+      const double turn = scene + 1.7 * i;
+      instances.push_back(
+          {i % 3,
+           Pose({1.5 * std::sin(2 * turn), std::sin(3 * turn), 3 + 2 * std::sin(5 * turn)}, turn,
+                {std::sin(turn), 1, 0.3}),
+           i + 1, 1 + 0.1 * std::sin(turn)});
+    }
+    const RenderedMaps gl = by_gl->Render(camera, instances, options);
+    const RenderedMaps processor = by_processor->Render(camera, instances, options);
+    ids += cv::countNonZero(gl.id != processor.id);
+    second_ids += cv::countNonZero(gl.second_id != processor.second_id);
+    contours += cv::countNonZero(gl.contour != processor.contour);
+  }
+  // Of 2.3 million pixels: those whose centre is within rounding of an edge.
+  EXPECT_LE(ids, 100);
+  EXPECT_LE(second_ids, 100);
+  EXPECT_LE(contours, 200);
+  RecordProperty("ids", ids);
+  RecordProperty("second_ids", second_ids);
+  RecordProperty("contours", contours);
+}
+
 TEST(RenderContextTest, AdoptsTheCurrentContextAndTwoContextsLiveSideBySide) {
   auto context = RenderContext::CreateHeadless();
   ASSERT_TRUE(context.ok()) << context.error().message;
