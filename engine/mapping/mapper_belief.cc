@@ -66,8 +66,9 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
   const std::vector<PoseHypothesis> hypotheses =
       ToHypotheses(object.particles, object.world_from_reference_cam);
   const Judging now = Judge(object, input, occluders);
-  const std::vector<Likelihood> likelihoods = Evaluate(
-      *setup.scorer, view, map, input.detections.get(), hypotheses, now.view.normalizer, options());
+  const std::vector<Likelihood> likelihoods =
+      Evaluate(*setup.scorer, now.view.view, map, input.detections.get(), hypotheses,
+               now.view.normalizer, options());
   // The present frame takes the place of the last one: together with the remembered views it is
   // worth what its viewpoint adds to them. Without memory, frames count for what each adds.
   double weight = remembers ? 1.0 : novelty;
@@ -121,7 +122,7 @@ void Mapper::Impl::UpdateWeights(MapObject& object, const MapperInput& input,
 
   const Likelihood after = AtMean(object, view, input.detections.get());
   object.phi_cnn = after.phi_cnn;
-  object.phi_edge = after.phi_edge;
+  object.phi_edge = AtMean(object, now.view.view, nullptr).phi_edge;
   object.visible_fraction = after.visible_fraction;
   object.whole_box = after.whole_box;
   object.visible_box = after.visible_box;

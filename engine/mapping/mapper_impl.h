@@ -213,11 +213,17 @@ struct Mapper::Impl {
     double telling = 0;  ///< In [0, 1]: a small or hidden contour says less than a long one.
     bool large = false;  ///< Beyond what rooms hold (MapFrame::LengthScale).
   };
+  /// By what its posterior goes. The outline of a screen is its own: or of two cabinets, the one
+  /// that reaches up behind the screen would be scored by it.
   Judging Judge(const MapObject& object, const MapperInput& from, const OcclusionMaps& maps) const {
-    return JudgeBy({ViewOf(object, from, maps), from.detections.get(), 0, 1}, object);
+    JudgingView view{ViewOf(object, from, maps), from.detections.get(), 0, 1};
+    if (object.state == ObjectState::kConfirmed &&
+        setup.database->model(object.mean().label).support == Support::kFloor)
+      view.view.occluder_depth = maps.DepthAndContours(object.id, {}, ContoursOf::kRaisedThings);
+    return JudgeBy(std::move(view), object);
   }
-  /// The same by its own edges, to tell whether it is there: what settled objects explain speaks
-  /// for them, not for another in the same lines.
+  /// By its own edges, to tell whether it is there: what settled objects explain speaks for them,
+  /// not for another in the same lines.
   Judging JudgeByOwnEdges(const MapObject& object, const MapperInput& from,
                           const OcclusionMaps& maps) const {
     JudgingView view{ViewOf(object, from, maps), from.detections.get(), 0, 1};

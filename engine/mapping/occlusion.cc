@@ -17,6 +17,7 @@ OcclusionRenderer::OcclusionRenderer(const ModelDatabase& database)
     : renderer_(Renderer::CreateOnProcessor()) {
   for (const CadModel& model : database.models()) {
     mesh_of_model_.push_back(renderer_->AddMesh(model.mesh));
+    support_of_model_.push_back(model.support);
     bounds_of_model_.push_back(BoundingBox(model.mesh));
   }
 }
@@ -30,7 +31,12 @@ RenderedMaps OcclusionRenderer::Render(const PinholeCamera& camera,
 OcclusionMaps OcclusionRenderer::RenderOccluders(const PinholeCamera& camera,
                                                  const Eigen::Isometry3d& cam_from_world,
                                                  std::span<const PlacedModel> objects) {
-  return OcclusionMaps(Draw(camera, cam_from_world, objects, true));
+  std::vector<ObjectId> raised;
+  for (const PlacedModel& object : objects) {
+    if (support_of_model_[static_cast<std::size_t>(object.label.value)] != Support::kFloor)
+      raised.push_back(object.object);
+  }
+  return OcclusionMaps(Draw(camera, cam_from_world, objects, true), std::move(raised));
 }
 
 RenderedMaps OcclusionRenderer::Draw(const PinholeCamera& camera,
@@ -81,18 +87,24 @@ const cv::Mat& OcclusionMaps::DepthBefore(ObjectId object, ObjectId support) con
   return found->second = before;
 }
 
-const cv::Mat& OcclusionMaps::DepthAndContours(ObjectId object, ObjectId support) const {
+const cv::Mat& OcclusionMaps::DepthAndContours(ObjectId object, ObjectId support,
+                                               ContoursOf others) const {
   if (maps_.depth.empty()) return maps_.depth;
+  if (others == ContoursOf::kRaisedThings && raised_.empty()) return DepthBefore(object, support);
   const cv::Mat own = maps_.id == object.value;
   // One for all that are not drawn: there are many.
   if (cv::countNonZero(own) == 0) object = {};
-  const auto [found, is_new] = depth_and_contours_.try_emplace({object, support});
+  const auto [found, is_new] = depth_and_contours_.try_emplace({object, support, others});
   if (!is_new) return found->second;
-  cv::Mat others = maps_.contour.clone();
-  others.setTo(0, own);
-  cv::Mat band;
+  cv::Mat contours, band;
+  if (others == ContoursOf::kAllOthers) {
+    contours = maps_.contour.clone();
+  } else {
+    for (const ObjectId raised : raised_) maps_.contour.copyTo(contours, maps_.id == raised.value);
+  }
+  contours.setTo(0, own);
   const int width = 2 * kBand_px + 1;
-  cv::dilate(others, band, cv::getStructuringElement(cv::MORPH_ELLIPSE, {width, width}));
+  cv::dilate(contours, band, cv::getStructuringElement(cv::MORPH_ELLIPSE, {width, width}));
   cv::Mat depth = DepthBefore(object, support).clone();
   depth.setTo(kInFrontOfAll_m, band);
   return found->second = depth;

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -21,11 +22,17 @@ struct PlacedModel {
   double scale = 1;  ///< As of ObjectBelief.
 };
 
+/// Whose contours are left out of an image: all others', or those of what need not stand on the
+/// floor.
+enum class ContoursOf { kAllOthers, kRaisedThings };
+
 /// What stands before each object in one image.
 class OcclusionMaps {
  public:
   OcclusionMaps() = default;
-  explicit OcclusionMaps(RenderedMaps maps) : maps_(std::move(maps)) {}
+  /// @param raised  Ids of what need not stand on the floor.
+  explicit OcclusionMaps(RenderedMaps maps, std::vector<ObjectId> raised = {})
+      : maps_(std::move(maps)), raised_(std::move(raised)) {}
 
   /// With contour, and with a second layer where there is one.
   const RenderedMaps& rendered() const { return maps_; }
@@ -33,13 +40,16 @@ class OcclusionMaps {
   /// if anything; 0 none. Empty if nothing is drawn. Worked out once for each object: not for two
   /// threads at a time.
   const cv::Mat& DepthBefore(ObjectId object, ObjectId support = {}) const;
-  /// The same, and next to nothing along the contours of the others: whatever is scored with it is
-  /// not seen there either. Empty if nothing is drawn. Worked out once, as above.
-  const cv::Mat& DepthAndContours(ObjectId object, ObjectId support = {}) const;
+  /// The same, and next to nothing along the contours of others: whatever is scored with it is not
+  /// seen there either. Empty if nothing is drawn. Worked out once, as above.
+  const cv::Mat& DepthAndContours(ObjectId object, ObjectId support = {},
+                                  ContoursOf others = ContoursOf::kAllOthers) const;
 
  private:
   RenderedMaps maps_;
-  mutable std::map<std::pair<ObjectId, ObjectId>, cv::Mat> depth_before_, depth_and_contours_;
+  std::vector<ObjectId> raised_;
+  mutable std::map<std::pair<ObjectId, ObjectId>, cv::Mat> depth_before_;
+  mutable std::map<std::tuple<ObjectId, ObjectId, ContoursOf>, cv::Mat> depth_and_contours_;
 };
 
 /// Draws mean states, at half the image's size and on the processor, to learn who hides whom. One
@@ -64,6 +74,7 @@ class OcclusionRenderer {
                     std::span<const PlacedModel> objects, bool contour_and_second_layer);
   std::unique_ptr<Renderer> renderer_;
   std::vector<int> mesh_of_model_;
+  std::vector<Support> support_of_model_;
   std::vector<Eigen::AlignedBox3f> bounds_of_model_;
 };
 

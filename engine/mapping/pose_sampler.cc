@@ -153,12 +153,23 @@ PoseHypothesis PoseSampler::Turned(PoseHypothesis hypothesis) {
 
 PoseHypothesis PoseSampler::Relabelled(PoseHypothesis hypothesis) {
   Random random = Next();
-  const auto same = map_.database->OfCategory(map_.database->model(hypothesis.label).category);
-  const ModelId label = same[random.Index(static_cast<std::uint32_t>(same.size()))];
+  const CadModel& before = map_.database->model(hypothesis.label);
+  std::vector<ModelId> others = map_.database->OfCategory(before.category);
+  std::erase(others, hypothesis.label);
+  if (others.empty()) return hypothesis;
+  const ModelId label = others[random.Index(static_cast<std::uint32_t>(others.size()))];
+  const CadModel& after = map_.database->model(label);
+  // What showed of the wide sofa was an end of it: the small one that was taken for it has that end
+  // in the same place, not the middle. So along each axis the middle stays, or one of the sides.
+  const Eigen::Vector3d half_growth =
+      0.5 * hypothesis.scale() * (after.bounds.sizes() - before.bounds.sizes()).cast<double>();
+  const double along = random.Index(3) - 1.0, across = random.Index(3) - 1.0;
+  hypothesis.center_in_world +=
+      map_.upright.WorldFromObjectRotation(hypothesis.azimuth_rad) *
+      Eigen::Vector3d(along * half_growth.x(), across * half_growth.y(), 0);
   if (map_.StandsOnFloor(label) && map_.StandsOnFloor(hypothesis.label)) {
-    const double rise = map_.database->model(label).center().z() -
-                        map_.database->model(hypothesis.label).center().z();
-    hypothesis.center_in_world += hypothesis.scale() * rise * map_.upright.up_in_world();
+    hypothesis.center_in_world += hypothesis.scale() * (after.center().z() - before.center().z()) *
+                                  map_.upright.up_in_world();
   }
   hypothesis.label = label;
   return hypothesis;

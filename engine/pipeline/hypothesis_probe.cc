@@ -225,7 +225,11 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
     if (object.id != request.object && object.state == ObjectState::kConfirmed)
       others.push_back({object.id, object.label, object.world_from_object, object.scale});
   }
-  frame.view.occluder_depth = renderer_->Render(camera_, frame.view.cam_from_world, others).depth;
+  const OcclusionMaps maps = renderer_->RenderOccluders(camera_, frame.view.cam_from_world, others);
+  frame.view.occluder_depth =
+      confirmed && asked.support == Support::kFloor
+          ? maps.DepthAndContours(request.object, {}, ContoursOf::kRaisedThings)
+          : maps.DepthBefore(request.object);
   frame.view.occlusion_margin_m = options_.occlusion_margin_m;
   frame.view.rims = confirmed;
   std::vector<Detection> proposals;

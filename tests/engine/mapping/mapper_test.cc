@@ -331,6 +331,46 @@ TEST_F(MapperTest, WhatHidesASettledObjectDoesNotMoveIt) {
   }
 }
 
+TEST_F(MapperTest, WhatStandsOnTheFloorIsNotScoredByTheOutlineOfWhatNeedNot) {
+  constexpr int kSeen = 16;
+  std::vector<CadModel> models = scene_.database()->models();
+  CadModel& raised = models[static_cast<std::size_t>(scene_.Label("armchair").value)];
+  raised.category = "tv";
+  raised.support = Support::kAny;
+  const auto new_mapper = [&] {
+    MapperSetup setup;
+    setup.camera = scene_.camera();
+    setup.floor_in_world = scene_.map().floor_in_world;
+    setup.database = ModelDatabase::FromModels(models);
+    setup.scorer = scene_.scorer();
+    return Mapper::Create(setup).value();
+  };
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const auto load = [&](int frame) -> Result<MapperInput> { return Seen(frame, {&chair, 1}); };
+  const auto mapper = new_mapper();
+  FrameReport report;
+  for (int frame = 0; frame < kSeen; ++frame) report = mapper->Step(*load(frame));
+  ASSERT_EQ(report.objects.size(), 1u);
+  ASSERT_EQ(report.objects.front().state, ObjectState::kConfirmed);
+  // Something else in the same lines, too little nearer to hide the chair.
+  const Eigen::Isometry3d camera = load(kSeen)->world_from_cam;
+  ObjectReport other = report.objects.front();
+  other.id = ObjectId{77};
+  other.category = raised.category;
+  other.modes.front().label = scene_.Label("armchair");
+  Eigen::Isometry3d& place = other.modes.front().world_from_object;
+  place.pretranslate(0.03 * (camera.translation() - place.translation()).normalized());
+  const auto edges_of_chair = [&](const FrameReport& last) {
+    const auto resumed = new_mapper();
+    EXPECT_TRUE(resumed->Restore(last, load).ok());
+    return resumed->Step(*load(kSeen)).objects.front().phi_edge;
+  };
+  const float alone = edges_of_chair(report);
+  EXPECT_GT(alone, 0.5);
+  report.objects.push_back(other);
+  EXPECT_LT(edges_of_chair(report), 0.5 * alone);
+}
+
 TEST_F(MapperTest, ACorrectedTrajectoryTakesItsObjectsAlong) {
   // Mapped in a world that has drifted; then a loop closes, and the chair is seen from where it
   // was.

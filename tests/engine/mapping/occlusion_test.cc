@@ -63,5 +63,17 @@ TEST_F(OcclusionMapsTest, OfAnObjectInTheLinesOfAnotherNothingIsItsOwn) {
   EXPECT_GT(Shown(chair, maps.DepthAndContours(ObjectId{1})), 0.95) << "its own lines are its own";
 }
 
+TEST_F(OcclusionMapsTest, LinesOfRaisedThingsCanBeLeftOutAlone) {
+  const PlacedModel table = scene_.Place("table", 0, 0, 30, 1);
+  PlacedModel crate = scene_.Place("crate", 0, 0, 30, 2);  // it need not stand on the floor
+  crate.world_from_object.translation().z() = 0.74;
+  const OcclusionMaps maps = scene_.renderer().RenderOccluders(scene_.camera(), front_.inverse(),
+                                                               std::array{table, crate});
+  const cv::Mat& raised = maps.DepthAndContours(ObjectId{3}, {}, ContoursOf::kRaisedThings);
+  EXPECT_LT(Shown(crate, raised), 0.15);
+  EXPECT_GT(Shown(table, raised), 0.8 * Shown(table, maps.DepthBefore(ObjectId{3})));
+  EXPECT_LT(Shown(table, maps.DepthAndContours(ObjectId{3})), 0.15);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -9,6 +9,7 @@
 
 #include "engine/geometry/angles.h"
 #include "tests/support/furniture_models.h"
+#include "tests/support/meshes.h"
 
 namespace plumbline {
 namespace {
@@ -253,6 +254,45 @@ TEST_P(PoseSamplerTest, ASharpTargetIsSearchedAsABluntOne) {
   };
   EXPECT_NEAR(share_of_b(kSharpness), 0.75, 1.5 * Error(0.75));
   EXPECT_LT(share_of_b(1), 0.1) << "then no search needs to know how sharp its target is";
+}
+
+TEST_P(PoseSamplerTest, AWiderShapeWithAnEndInCommonIsFound) {
+  // What showed of a wide sofa was one end: a small one was taken for it, whose middle is 40 cm
+  // from the wide one's. Targets are bounded, as edges are: away from them nothing leads there.
+  MapFrame sofas = map_;
+  std::vector<CadModel> models(2);
+  models[0].name = "small";
+  models[1].name = "wide";
+  for (CadModel& model : models) {
+    const float half_y = model.name == "small" ? 0.6f : 1.0f;
+    model.category = "couch";
+    model.mesh = MakeBox({-0.4f, -half_y, 0}, {0.4f, half_y, 0.8f});
+    model.bounds = BoundingBox(model.mesh);
+  }
+  sofas.database = ModelDatabase::FromModels(std::move(models));
+  const PoseHypothesis small{ModelId{0}, 0.4, {1, 2, 0.4}};
+  PoseHypothesis wide{ModelId{1}, 0.4, small.center_in_world};
+  wide.center_in_world +=
+      Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()) * Eigen::Vector3d(0, 0.4, 0);
+  const auto fits = [](const PoseHypothesis& h, const PoseHypothesis& at) {
+    if (h.label != at.label) return 0.0;
+    const double off = (h.center_in_world - at.center_in_world).norm() / 0.05;
+    const double turn = WrapAngle(h.azimuth_rad - at.azimuth_rad) / 0.1;
+    const double size = h.log_scale / kScaleStd;
+    return std::exp(-0.5 * (off * off + turn * turn + size * size));
+  };
+  PoseSampler sampler(sofas, options_,
+                      [&](std::span<const PoseHypothesis> hypotheses) {
+                        std::vector<Judgement> judged(hypotheses.size());
+                        for (std::size_t i = 0; i < judged.size(); ++i)
+                          judged[i].log_target =
+                              12 * fits(hypotheses[i], small) + 24 * fits(hypotheses[i], wide);
+                        return judged;
+                      },
+                      {.seed = 3, .frame = 1});
+  Population population = Around(small, 0.01, 0.02, sampler);
+  Sweep(sampler, population, 8, true);
+  EXPECT_GT(Share(population, [&](const PoseHypothesis& h) { return h.label == wide.label; }), 0.9);
 }
 
 TEST_P(PoseSamplerTest, TemperingFillsARing) {
