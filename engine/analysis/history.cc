@@ -11,6 +11,7 @@
 #include "engine/analysis/true_instances.h"
 #include "engine/evaluation/credible_region.h"
 #include "engine/geometry/gravity.h"
+#include "engine/mapping/belief_tails.h"
 #include "engine/mapping/map_report.h"
 #include "engine/sensor/pose_estimate.h"
 
@@ -73,7 +74,10 @@ std::vector<BeliefMode> ModesOf(const ObjectReport& object, const SequenceView& 
     modes.front().weight = 1;
   }
   const Eigen::Matrix4d reference = ReferenceError(object, modes.front().mean.head<3>(), view);
-  for (BeliefMode& mode : modes) mode.covariance += reference;
+  for (BeliefMode& mode : modes) {
+    mode.covariance += reference;
+    mode.degrees_of_freedom = kBeliefDegreesOfFreedom;
+  }
   return modes;
 }
 

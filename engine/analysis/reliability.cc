@@ -8,9 +8,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/evaluation/chi_square.h"
+#include "engine/evaluation/honest_nees.h"
 #include "engine/evaluation/precision_recall.h"
 #include "engine/evaluation/truth_pairing.h"
+#include "engine/mapping/belief_tails.h"
 
 namespace plumbline {
 namespace {
@@ -33,11 +34,11 @@ void Add(const ObjectSample& object, Reliability& sum) {
     sum.labels.Add(object.label_probability.front().probability, error.model_correct);
 }
 
-/// The interval of the mean over so many objects with four degrees of freedom each.
 void SetNeesInterval(int objects, Reliability& of) {
+  const NeesInterval honest = HonestMeanNees(objects, kBeliefDegreesOfFreedom);
   of.objects = objects;
-  of.nees_low = ChiSquareQuantile(0.025, 4 * objects) / objects;
-  of.nees_high = ChiSquareQuantile(0.975, 4 * objects) / objects;
+  of.nees_low = honest.low;
+  of.nees_high = honest.high;
 }
 
 RunReliability Judge(FrameList frames, bool updated_only) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "engine/base/check.h"
 #include "engine/base/random.h"
@@ -19,7 +20,8 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 /// Added to every deviation, so that a belief without spread is still a density.
 constexpr double kLeastStd = 1e-5;
-constexpr int kDraws = 512;
+constexpr int kDraws = 512;  ///< Of each mode.
+constexpr int kNormalsOfT = 16;
 /// A mode whose azimuth spreads over more than this share of its period overlaps its own copies.
 constexpr double kNarrow = 0.125;
 constexpr int kWindings = 2;
@@ -34,16 +36,42 @@ Eigen::Matrix4d WithTruth(const Eigen::Matrix4d& covariance, const TrueState& tr
 
 double Period(int symmetry_order) { return kTwoPi / std::max(1, symmetry_order); }
 
-/// A mode's density over position and azimuth, or over position alone.
+/// One of the Gaussians with a common mean that together are Student's t.
+struct ScaledNormal {
+  double share = 1;
+  double precision = 1;  ///< Times that of the whole.
+};
+
+/// Student's t is a normal whose precision is itself unknown, with a Gamma distribution of the
+/// shape dof / 2, here scaled so that the mean variance is 1: by Gauss-Laguerre quadrature (Golub
+/// and Welsch, Mathematics of Computation 23, 1969).
+std::vector<ScaledNormal> NormalsOf(double degrees_of_freedom) {
+  if (degrees_of_freedom == 0) return {ScaledNormal{}};
+  PLB_CHECK(degrees_of_freedom > 2) << degrees_of_freedom << " degrees have no covariance";
+  const double power = degrees_of_freedom / 2 - 1;
+  Eigen::VectorXd diagonal(kNormalsOfT), beside(kNormalsOfT - 1);
+  for (int i = 0; i < kNormalsOfT; ++i) diagonal[i] = 2 * i + 1 + power;
+  for (int i = 1; i < kNormalsOfT; ++i) beside[i - 1] = std::sqrt(i * (i + power));
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+  solver.computeFromTridiagonal(diagonal, beside, Eigen::ComputeEigenvectors);
+  std::vector<ScaledNormal> normals;
+  for (int i = 0; i < kNormalsOfT; ++i) {
+    const double first = solver.eigenvectors()(0, i);
+    normals.push_back({first * first, solver.eigenvalues()[i] / power});
+  }
+  return normals;
+}
+
+/// The density over position and azimuth, or over position alone, of one Gaussian of a mode.
 class ModeDensity {
  public:
-  ModeDensity(const BeliefMode& mode, double weight, const TrueState& truth)
+  ModeDensity(const BeliefMode& mode, double precision, double weight, const TrueState& truth)
       : weight_(weight),
         mean_(mode.mean),
         order_(mode.symmetry_order),
         truth_order_(truth.symmetry_order),
         num_dimensions_(truth.symmetry_order == 0 || mode.symmetry_order == 0 ? 3 : 4) {
-    Eigen::Matrix4d covariance = WithTruth(mode.covariance, truth);
+    Eigen::Matrix4d covariance = WithTruth(mode.covariance / precision, truth);
     if (num_dimensions_ == 3) {
       covariance.row(3).setZero();
       covariance.col(3).setZero();
@@ -133,37 +161,81 @@ const std::vector<Eigen::Vector4d>& Draws(int num_dimensions) {
   return num_dimensions == 3 ? three : four;
 }
 
-}  // namespace
+/// The Gaussians of one mode, whose weights sum to that of the mode.
+using ModeParts = std::vector<ModeDensity>;
 
-double CredibleLevel(std::span<const BeliefMode> modes, const TrueState& truth) {
+std::vector<ModeParts> PartsOf(std::span<const BeliefMode> modes, const TrueState& truth) {
   double sum = 0;
   for (const BeliefMode& mode : modes) sum += mode.weight;
   PLB_CHECK(sum > 0) << "a belief of " << modes.size() << " modes without weight";
-  std::vector<ModeDensity> densities;
+  std::vector<ModeParts> parts;
   for (const BeliefMode& mode : modes) {
-    if (mode.weight > 0) densities.emplace_back(mode, mode.weight / sum, truth);
+    if (!(mode.weight > 0)) continue;
+    ModeParts& of_mode = parts.emplace_back();
+    for (const ScaledNormal& normal : NormalsOf(mode.degrees_of_freedom))
+      of_mode.emplace_back(mode, normal.precision, mode.weight / sum * normal.share, truth);
   }
-  const bool round = truth.symmetry_order == 0;
-  if (densities.size() == 1 &&
-      (round || (densities[0].order() == truth.symmetry_order && densities[0].narrow())))
-    return ChiSquareCdf(densities[0].SquaredDistance(truth.state), densities[0].num_dimensions());
+  return parts;
+}
 
-  const auto density = [&](const Eigen::Vector4d& state) {
-    double value = 0;
-    for (const ModeDensity& mode : densities) value += mode.weight() * mode.At(state);
-    return value;
-  };
-  const double at_truth = density(truth.state);
-  double level = 0;
-  for (const ModeDensity& mode : densities) {
-    int likelier = 0, i = 0;
-    for (const Eigen::Vector4d& normal : Draws(mode.num_dimensions())) {
-      double whole = 0;
-      const double share = std::modf(++i * std::numbers::phi, &whole);
-      likelier += density(mode.Draw(normal, share)) > at_truth;
+/// Whether the density falls with the distance from one mean, by one measure of it, so that regions
+/// of the highest density are ellipsoids.
+bool IsEllipsoid(std::span<const ModeParts> modes, const TrueState& truth) {
+  const bool exact = truth.position_std_m == 0 && truth.azimuth_std_rad == 0;
+  if (modes.size() != 1 || (modes[0].size() > 1 && !exact)) return false;
+  return truth.symmetry_order == 0 ||
+         std::all_of(modes[0].begin(), modes[0].end(), [&](const ModeDensity& density) {
+           return density.order() == truth.symmetry_order && density.narrow();
+         });
+}
+
+double FractionOf(double number) {
+  double whole = 0;
+  return std::modf(number, &whole);
+}
+
+/// The part whose share of the mode's weight a number in [0, 1) falls into.
+const ModeDensity& PartAt(const ModeParts& mode, double share) {
+  double left = 0;
+  for (const ModeDensity& part : mode) left += share * part.weight();
+  std::size_t i = 0;
+  while (i + 1 < mode.size() && left >= mode[i].weight()) left -= mode[i++].weight();
+  return mode[i];
+}
+
+/// Share of the draws of each mode that are likelier than the truth.
+double DrawnLevel(std::span<const ModeParts> modes, const TrueState& truth) {
+  const auto density_at = [&](const Eigen::Vector4d& state) {
+    double sum = 0;
+    for (const ModeParts& mode : modes) {
+      for (const ModeDensity& part : mode) sum += part.weight() * part.At(state);
     }
-    level += mode.weight() * likelier / kDraws;
+    return sum;
+  };
+  const double at_truth = density_at(truth.state);
+  double level = 0;
+  for (const ModeParts& mode : modes) {
+    double weight = 0;
+    for (const ModeDensity& part : mode) weight += part.weight();
+    int likelier = 0, i = 0;
+    for (const Eigen::Vector4d& normal : Draws(mode.front().num_dimensions())) {
+      const ModeDensity& part = PartAt(mode, FractionOf(i / 2 * std::numbers::sqrt2));
+      const double turn = FractionOf(++i * std::numbers::phi);
+      likelier += density_at(part.Draw(normal, turn)) > at_truth;
+    }
+    level += weight * likelier / kDraws;
   }
+  return level;
+}
+
+}  // namespace
+
+double CredibleLevel(std::span<const BeliefMode> modes, const TrueState& truth) {
+  const std::vector<ModeParts> parts = PartsOf(modes, truth);
+  if (!IsEllipsoid(parts, truth)) return std::min(DrawnLevel(parts, truth), 1.0);
+  double level = 0;
+  for (const ModeDensity& part : parts.front())
+    level += part.weight() * ChiSquareCdf(part.SquaredDistance(truth.state), part.num_dimensions());
   return std::min(level, 1.0);
 }
 

@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "engine/base/random.h"
+#include "engine/evaluation/honest_nees.h"
 #include "engine/geometry/angles.h"
 
 namespace plumbline {
@@ -115,6 +116,70 @@ TEST(CredibleLevel, AddsTheDeviationOfTheTruth) {
   ExpectHonest(ShareOf(belief, belief, truth, 3000), 3000);
 }
 
+/// As BeliefMode's Student's t, drawn as its definition has it: normal over the root of a
+/// chi-square variable.
+Eigen::Vector4d DrawT(const BeliefMode& mode, Random& random) {
+  const int dof = static_cast<int>(mode.degrees_of_freedom);
+  double square = 0;
+  for (int i = 0; i < dof; ++i) square += std::pow(random.Gaussian(), 2);
+  const Eigen::Vector4d normal = mode.covariance.llt().matrixL() * Normal(random);
+  return mode.mean + std::sqrt((dof - 2) / square) * normal;
+}
+
+Share ShareOfT(const BeliefMode& mode, const std::vector<BeliefMode>& claimed, TrueState truth,
+               int draws) {
+  Random random({.seed = 8});
+  Share share;
+  for (int i = 0; i < draws; ++i) {
+    truth.state = DrawT(mode, random);
+    Eigen::Vector4d mistake = truth.position_std_m / std::sqrt(3.0) * Normal(random);
+    mistake[3] = truth.azimuth_std_rad * random.Gaussian();
+    truth.state += mistake;
+    const double level = CredibleLevel(claimed, truth);
+    share.in_50 += level <= 0.5;
+    share.in_95 += level <= 0.95;
+  }
+  share.in_50 /= draws;
+  share.in_95 /= draws;
+  return share;
+}
+
+TEST(CredibleLevel, IsHonestForStudentsT) {
+  for (const double dof : {3., 4., 8.}) {
+    SCOPED_TRACE(dof);
+    BeliefMode t = SomeMode();
+    t.degrees_of_freedom = dof;
+    ExpectHonest(ShareOfT(t, {t}, {}, 20'000), 20'000);
+    TrueState truth;
+    truth.position_std_m = 0.05;
+    truth.azimuth_std_rad = 0.08;
+    ExpectHonest(ShareOfT(t, {t}, truth, 5000), 5000);
+    // Half as many as a Gaussian of the same covariance has in its middle, and more far off.
+    const Share as_normal = ShareOfT(t, {SomeMode()}, {}, 20'000);
+    EXPECT_GT(as_normal.in_50, dof == 8 ? 0.55 : 0.65);
+    EXPECT_LT(as_normal.in_95, 0.95);
+  }
+}
+
+/// Of 4 dimensions and degrees of freedom: the covariance is twice the scale, so 2 d^2 / 4 has the
+/// F distribution of 4 and 4, which is y^2 (3 - 2 y) at y = 2 d^2 / (2 d^2 + 4).
+TEST(CredibleLevel, OfStudentsTIsTheDistributionOfF) {
+  BeliefMode t{.covariance = Eigen::Matrix4d::Identity() * 1e-4, .degrees_of_freedom = 4};
+  for (const double squared : {0.1, 0.5, 2.0, 5.0, 12.8, 30.0}) {
+    TrueState truth;
+    truth.state[1] = 0.01 * std::sqrt(squared);
+    const double y = 2 * squared / (4 + 2 * squared);
+    EXPECT_NEAR(CredibleLevel(std::vector{t}, truth), y * y * (3 - 2 * y), 0.004) << squared;
+  }
+}
+
+TEST(CredibleLevel, OfSeveralStudentsTIsHonest) {
+  std::vector<BeliefMode> twins = {At(0, 0, 0.5), At(0.3, 180, 0.5)};
+  for (BeliefMode& mode : twins) mode.degrees_of_freedom = 4;
+  // Either of two that are far apart: the truth is in its region as often as in that of one.
+  ExpectHonest(ShareOfT(twins[1], twins, {}, 3000), 3000);
+}
+
 TEST(CredibleLevel, CatchesOverconfidenceAndItsOpposite) {
   BeliefMode narrow = SomeMode(), wide = SomeMode();
   narrow.covariance /= 4;
@@ -142,6 +207,21 @@ TEST(CredibleLevel, IsZeroAtTheMeanAndOneFarOff) {
   EXPECT_NEAR(CredibleLevel(std::vector{At(0, 0, 1), At(1, 0, 1)}, truth), 1, 1e-9);
   const BeliefMode certain{.mean = Eigen::Vector4d::Zero()};
   EXPECT_EQ(CredibleLevel(std::vector{certain}, {}), 0) << "no spread is a density all the same";
+}
+
+TEST(Nees, OfHonestBeliefsLiesBetweenTheQuantilesOfF) {
+  // Of one object: 2 y / (1 - y), y^2 (3 - 2 y) = p, so y = 1/2 - sin(asin(1 - 2 p) / 3).
+  const auto quantile = [](double p) {
+    const double y = 0.5 - std::sin(std::asin(1 - 2 * p) / 3);
+    return 2 * y / (1 - y);
+  };
+  const NeesInterval one = HonestMeanNees(1, 4);
+  EXPECT_NEAR(one.low / quantile(0.025), 1, 0.1);
+  EXPECT_NEAR(one.high / quantile(0.975), 1, 0.1);
+  // Of thirty: by 400 000 draws of scipy's F distribution.
+  const NeesInterval thirty = HonestMeanNees(30, 4);
+  EXPECT_NEAR(thirty.low, 2.152, 0.05);
+  EXPECT_NEAR(thirty.high, 8.016, 0.5);
 }
 
 TEST(Nees, HasTheMeanOfItsDegreesOfFreedom) {

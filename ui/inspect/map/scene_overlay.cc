@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/geometry/symmetric_matrix.h"
+#include "engine/mapping/belief_tails.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/framework/widgets.h"
 
@@ -18,7 +19,9 @@ namespace plumbline {
 namespace {
 
 constexpr double kNear_m = 0.05;
-constexpr double kChi95 = 2.795;       ///< Radius of the 95 % region of a Gaussian in 3-D.
+constexpr double kGaussian95 = 2.795;  ///< Radius of the 95 % region of a Gaussian in 3-D,
+constexpr double kBelief95 = 3.144;    ///< and of Student's t of four degrees of freedom.
+static_assert(kBeliefDegreesOfFreedom == 4);
 constexpr double kWorstError_m = 0.1;  ///< Red from here on.
 
 Eigen::Vector3d CenterOf(const FrameContext& context, const ObjectReport& object) {
@@ -29,13 +32,14 @@ Eigen::Vector3d CenterOf(const FrameContext& context, const ObjectReport& object
 
 /// The outline of the ellipsoid, from the projections of its axes.
 void DrawSpread(const FrameContext& context, const SceneProjection& project,
-                const Eigen::Vector3d& center, const Eigen::Matrix3d& covariance, ImU32 color) {
+                const Eigen::Vector3d& center, const Eigen::Matrix3d& covariance, double radius,
+                ImU32 color) {
   const auto [variances, axes] = EigenOf(covariance);
   const auto middle = project(center);
   if (!middle) return;
   Eigen::Matrix2d square = Eigen::Matrix2d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
-    const double reach = kChi95 * std::sqrt(std::max(0.0, variances[axis]));
+    const double reach = radius * std::sqrt(std::max(0.0, variances[axis]));
     const auto tip = project(center + reach * axes.col(axis));
     if (!tip) return;
     const Eigen::Vector2d d(tip->x - middle->x, tip->y - middle->y);
@@ -106,7 +110,7 @@ void DrawCameraSpread(const FrameContext& context, const SceneProjection& projec
   const auto at = static_cast<std::size_t>(context.snapshot->report.frame);
   if (at >= frames.size() || !frames[at].world_from_cam || context.look_through) return;
   DrawSpread(context, project, frames[at].world_from_cam->translation(),
-             frames[at].cam_covariance.topLeftCorner<3, 3>(), colors::kTrajectory);
+             frames[at].cam_covariance.topLeftCorner<3, 3>(), kGaussian95, colors::kTrajectory);
 }
 
 ImU32 LinkColor(RelationKind kind) {
@@ -317,7 +321,7 @@ void DrawSceneOverlay(const FrameContext& context, const SceneProjection& projec
     if (!shown || (overlay.clip && !overlay.clip->Holds(CenterOf(context, object)))) continue;
     if (overlay.spread)
       DrawSpread(context, project, CenterOf(context, object),
-                 object.covariance.topLeftCorner<3, 3>(), context.ColorOf(object.id));
+                 object.covariance.topLeftCorner<3, 3>(), kBelief95, context.ColorOf(object.id));
     if (const auto at = project(CenterOf(context, object))) centers[object.id] = *at;
   }
   PictureLabels labels(context, low, high);
