@@ -16,7 +16,7 @@ struct BeliefMode {
   Eigen::Vector4d mean = Eigen::Vector4d::Zero();
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   double degrees_of_freedom = 0;  ///< Of Student's t, more than 2; 0: a Gaussian.
-  int symmetry_order = 1;  ///< Looks the same turned by 360 degrees / this; 0: round.
+  int symmetry_order = 1;         ///< Looks the same turned by 360 degrees / this; 0: round.
 };
 
 /// The truth, and one standard deviation of how well it is known.
