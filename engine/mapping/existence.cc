@@ -63,8 +63,8 @@ double TentativeLogOdds(const TentativeEvidence& evidence, const MapperOptions& 
 }
 
 std::optional<double> BeliefToConfirm(double shown, double visible_fraction, bool rival,
-                                      double azimuth_std_rad, const MapperOptions& options) {
-  if (shown < kConfirmingLooks || azimuth_std_rad > kConfirmAzimuthStdRad) return std::nullopt;
+                                      const MapperOptions& options) {
+  if (shown < kConfirmingLooks) return std::nullopt;
   const bool held = shown >= kHeldLooks && visible_fraction >= kHeldVisible && !rival;
   return held ? options.confirm_held_weight : options.confirm_mode_weight;
 }

@@ -3,7 +3,6 @@
 
 #include <optional>
 
-#include "engine/geometry/angles.h"
 #include "engine/mapping/judging.h"
 
 namespace plumbline {
@@ -39,19 +38,14 @@ struct TentativeEvidence {
 /// alone tell right from wrong.
 double TentativeLogOdds(const TentativeEvidence& evidence, const MapperOptions& options);
 
-/// Azimuths that are known less well are not confirmed: chairs of the office that were confirmed
-/// the wrong way round had 13 degrees, right objects up to 9.
-inline constexpr double kConfirmAzimuthStdRad = 10 * kRadPerDeg;
-
 /// What of its particles the mean pose of a tentative object must have to be confirmed, in [0, 1];
-/// nothing while too little of it has shown, or its azimuth is not known. Where a belief has held
-/// for some looks, and what is left of it is scattered, less will do.
+/// nothing while too little of it has shown. Where a belief has held for some looks, and what is
+/// left of it is scattered, less will do.
 /// @param shown  Independent looks in which enough of it showed at a pose that was believed.
 /// @param visible_fraction  Of its contour, now.
 /// @param rival  Whether a second mode has some of the belief.
-/// @param azimuth_std_rad  0 where that says nothing.
 std::optional<double> BeliefToConfirm(double shown, double visible_fraction, bool rival,
-                                      double azimuth_std_rad, const MapperOptions& options);
+                                      const MapperOptions& options);
 
 /// Two beliefs that go together: whether an object is there, and whether something that is not
 /// mapped hides it. Being hidden begins seldom and ends seldom, so a wall costs little however long

@@ -168,10 +168,8 @@ bool Mapper::Impl::IsPlaced(const MapObject& object) const {
 }
 
 bool Mapper::Impl::MayBeConfirmed(const MapObject& object) const {
-  // What moves turns as well, and is searched for meanwhile.
-  const double azimuth_std_rad = MovesByItself(object.category) ? 0 : object.mean().azimuth_std_rad;
-  const std::optional<double> least = BeliefToConfirm(
-      object.shown, object.visible_fraction, HasRivalMode(object), azimuth_std_rad, options());
+  const std::optional<double> least =
+      BeliefToConfirm(object.shown, object.visible_fraction, HasRivalMode(object), options());
   return least && IsKnown(object, *least);
 }
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "engine/mapping/association.h"
-#include "engine/mapping/existence.h"
 #include "engine/mapping/judging.h"
 #include "engine/smoothing/joint_solution.h"
 #include "engine/smoothing/object_views.h"
@@ -193,7 +192,6 @@ class Smoother {
                       : odds > options.confirm_evidence + kSelectionMargin &&
                             item.presence.shown >= 1 &&
                             item.object.mean().position_std_m < options.confirm_position_std_m &&
-                            item.object.mean().azimuth_std_rad < kConfirmAzimuthStdRad &&
                             BeliefInMean(item.object, map_) >= options.confirm_mode_weight;
       item.kept = item.kept && std::none_of(kept.begin(), kept.end(), [&](std::size_t other) {
                     return InPlaceOf(item, items_[other], other);
