@@ -16,7 +16,7 @@ find_package(TBB REQUIRED)
 find_package(nanoflann REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(embree REQUIRED)  # 3 or 4; see engine/geometry/embree.h
-find_package(Boost REQUIRED)  # headers only: Student's t
+find_package(Boost REQUIRED)  # headers only: Student's t, the F distribution
 find_package(glm REQUIRED)
 find_package(OpenGL REQUIRED COMPONENTS OpenGL EGL)
 find_package(Protobuf REQUIRED)

@@ -613,7 +613,7 @@ def belief_lines(records):
              f"in the 95 % region: {end['95']} % and {along['95']} %."]
     if of["nees"]:
         words.append(f"NEES of {len(of['nees'])} objects: mean {statistics.fmean(of['nees']):.1f} (4 is honest), "
-                     f"median {statistics.median(of['nees']):.1f} (3.4 is).")
+                     f"median {statistics.median(of['nees']):.1f} (2.0 is).")
     words.append(f"Being there: average precision {of['average_precision']:.2f}.")
     if of["label_bins"]:
         words.append(f"Labels: expected calibration error {of['expected_calibration_error']:.3f}: " + "; ".join(

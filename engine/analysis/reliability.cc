@@ -34,8 +34,7 @@ void Add(const ObjectSample& object, Reliability& sum) {
     sum.labels.Add(object.label_probability.front().probability, error.model_correct);
 }
 
-void SetNeesInterval(int objects, Reliability& of) {
-  const NeesInterval honest = HonestMeanNees(objects, kBeliefDegreesOfFreedom);
+void SetNees(int objects, const NeesInterval& honest, Reliability& of) {
   of.objects = objects;
   of.nees_low = honest.low;
   of.nees_high = honest.high;
@@ -55,12 +54,16 @@ RunReliability Judge(FrameList frames, bool updated_only) {
   }
   RunReliability result;
   all.nees = 0;
-  for (auto& [id, reliability] : by_object) {
-    SetNeesInterval(1, reliability);
-    all.nees += reliability.nees / static_cast<double>(by_object.size());
-    result.objects.push_back({ObjectId{id}, reliability});
+  if (!by_object.empty()) {
+    const auto objects = static_cast<int>(by_object.size());
+    SetNees(objects, HonestMeanNees(objects, kBeliefDegreesOfFreedom), all);
+    const NeesInterval of_one = HonestMeanNees(1, kBeliefDegreesOfFreedom);
+    for (auto& [id, reliability] : by_object) {
+      SetNees(1, of_one, reliability);
+      all.nees += reliability.nees / objects;
+      result.objects.push_back({ObjectId{id}, reliability});
+    }
   }
-  if (!by_object.empty()) SetNeesInterval(static_cast<int>(by_object.size()), all);
   result.all = all;
   return result;
 }

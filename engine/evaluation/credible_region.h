@@ -30,7 +30,7 @@ struct TrueState {
 /// Share of the belief that is likelier than the truth, in [0, 1]: the truth lies in the 95 %
 /// highest-density region of the mixture if this is at most 0.95. The truth's own deviation is
 /// added to that of every mode. Exact for one mode, if it is a Gaussian or the truth is exact; else
-/// by 512 fixed draws of each.
+/// by 512 fixed draws.
 /// @param modes  At least one; weights >= 0 with a positive sum.
 double CredibleLevel(std::span<const BeliefMode> modes, const TrueState& truth);
 

@@ -12,7 +12,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kDimensions = 4;
-constexpr std::size_t kRuns = 4000, kBelow = 100;  // 2.5 % of them
+constexpr std::size_t kRuns = 2000, kBelow = 50;  // 2.5 % of them
 
 /// Half of a chi-square variable: a sum of exponential ones.
 double DrawHalfChiSquare(int degrees_of_freedom, Random& random) {

@@ -9,8 +9,8 @@ struct NeesInterval {
 };
 
 /// Of the mean of the normalised estimation errors squared of so many independent objects, whose
-/// place and azimuth are each told as Student's t with its covariance. By 4000 fixed draws, to a
-/// few per cent.
+/// place and azimuth are each told as Student's t with its covariance. By 2000 fixed draws, to
+/// some per cent.
 /// @param degrees_of_freedom  Of Student's t; even, more than 2.
 NeesInterval HonestMeanNees(int objects, int degrees_of_freedom);
 

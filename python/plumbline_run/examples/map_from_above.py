@@ -12,7 +12,7 @@ import numpy as np
 
 import plumbline_run as pr
 
-CHI2_95_OF_2 = 5.991  # 95 % of a Gaussian in the plane lie within sqrt(5.991) sigma
+T4_95_OF_2 = 6.944  # 95 % of Student's t of four degrees of freedom in the plane: 1 - (1 + x / 2)^-2 = .95
 
 
 def ellipse(covariance):
@@ -20,7 +20,7 @@ def ellipse(covariance):
     values, axes = np.linalg.eigh(covariance)
     angles = np.linspace(0, 2 * np.pi, 60)
     circle = np.stack([np.cos(angles), np.sin(angles)])
-    return (axes @ (np.sqrt(CHI2_95_OF_2 * np.maximum(values, 0))[:, None] * circle)).T
+    return (axes @ (np.sqrt(T4_95_OF_2 * np.maximum(values, 0))[:, None] * circle)).T
 
 
 def main():

@@ -153,7 +153,7 @@ TEST(CredibleLevel, IsHonestForStudentsT) {
     TrueState truth;
     truth.position_std_m = 0.05;
     truth.azimuth_std_rad = 0.08;
-    ExpectHonest(ShareOfT(t, {t}, truth, 5000), 5000);
+    ExpectHonest(ShareOfT(t, {t}, truth, 1500), 1500);
     // Half as many as a Gaussian of the same covariance has in its middle, and more far off.
     const Share as_normal = ShareOfT(t, {SomeMode()}, {}, 20'000);
     EXPECT_GT(as_normal.in_50, dof == 8 ? 0.55 : 0.65);
@@ -169,7 +169,7 @@ TEST(CredibleLevel, OfStudentsTIsTheDistributionOfF) {
     TrueState truth;
     truth.state[1] = 0.01 * std::sqrt(squared);
     const double y = 2 * squared / (4 + 2 * squared);
-    EXPECT_NEAR(CredibleLevel(std::vector{t}, truth), y * y * (3 - 2 * y), 0.004) << squared;
+    EXPECT_NEAR(CredibleLevel(std::vector{t}, truth), y * y * (3 - 2 * y), 1e-4) << squared;
   }
 }
 
@@ -177,7 +177,7 @@ TEST(CredibleLevel, OfSeveralStudentsTIsHonest) {
   std::vector<BeliefMode> twins = {At(0, 0, 0.5), At(0.3, 180, 0.5)};
   for (BeliefMode& mode : twins) mode.degrees_of_freedom = 4;
   // Either of two that are far apart: the truth is in its region as often as in that of one.
-  ExpectHonest(ShareOfT(twins[1], twins, {}, 3000), 3000);
+  ExpectHonest(ShareOfT(twins[1], twins, {}, 1000), 1000);
 }
 
 TEST(CredibleLevel, CatchesOverconfidenceAndItsOpposite) {
