@@ -11,9 +11,9 @@
 #include "engine/analysis/true_instances.h"
 #include "engine/evaluation/credible_region.h"
 #include "engine/geometry/gravity.h"
-#include "engine/mapping/belief_tails.h"
 #include "engine/mapping/map_report.h"
 #include "engine/sensor/pose_estimate.h"
+#include "engine/snapshot/belief_tails.h"
 
 namespace plumbline {
 namespace {

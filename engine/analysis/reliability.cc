@@ -11,7 +11,7 @@
 #include "engine/evaluation/honest_nees.h"
 #include "engine/evaluation/precision_recall.h"
 #include "engine/evaluation/truth_pairing.h"
-#include "engine/mapping/belief_tails.h"
+#include "engine/snapshot/belief_tails.h"
 
 namespace plumbline {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "engine/geometry/symmetric_matrix.h"
-#include "engine/mapping/belief_tails.h"
+#include "engine/snapshot/belief_tails.h"
 #include "engine/snapshot/map_snapshot.h"
 #include "ui/framework/widgets.h"
 
