@@ -2,6 +2,7 @@
 #include "engine/evaluation/credible_region.h"
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <vector>
 
@@ -36,31 +37,20 @@ BeliefMode At(double x, double azimuth_deg, double weight, double std_m = 0.02) 
   return mode;
 }
 
-/// How often a truth that is drawn from `drawn_from` (and then mistaken by the truth's own
-/// deviation) lies in the regions of `claimed`.
+/// How often a truth that is drawn (and then mistaken by the truth's own deviation) lies in the
+/// regions of `claimed`.
 struct Share {
   double in_50 = 0, in_95 = 0;
 };
-Share ShareOf(const std::vector<BeliefMode>& drawn_from, const std::vector<BeliefMode>& claimed,
-              TrueState truth, int draws) {
+Share ShareOf(const std::function<Eigen::Vector4d(Random& random)>& draw,
+              const std::vector<BeliefMode>& claimed, TrueState truth, int draws) {
   Random random({.seed = 7});
-  double weight = 0;
-  for (const BeliefMode& mode : drawn_from) weight += mode.weight;
   Share share;
   for (int i = 0; i < draws; ++i) {
-    double left = weight * random.Uniform();
-    std::size_t chosen = 0;
-    while (chosen + 1 < drawn_from.size() && left >= drawn_from[chosen].weight)
-      left -= drawn_from[chosen++].weight;
-    const BeliefMode& mode = drawn_from[chosen];
-    truth.state = mode.mean + mode.covariance.llt().matrixL() * Normal(random);
+    truth.state = draw(random);
     Eigen::Vector4d mistake = truth.position_std_m / std::sqrt(3.0) * Normal(random);
     mistake[3] = truth.azimuth_std_rad * random.Gaussian();
     truth.state += mistake;
-    if (mode.symmetry_order == 0)
-      truth.state[3] = random.Uniform(0, 2 * std::numbers::pi);
-    else
-      truth.state[3] += 2 * std::numbers::pi / mode.symmetry_order * random.Index(12);
     const double level = CredibleLevel(claimed, truth);
     share.in_50 += level <= 0.5;
     share.in_95 += level <= 0.95;
@@ -68,6 +58,27 @@ Share ShareOf(const std::vector<BeliefMode>& drawn_from, const std::vector<Belie
   share.in_50 /= draws;
   share.in_95 /= draws;
   return share;
+}
+
+/// The same, drawn from a mixture of Gaussians.
+Share ShareOf(const std::vector<BeliefMode>& drawn_from, const std::vector<BeliefMode>& claimed,
+              const TrueState& truth, int draws) {
+  double weight = 0;
+  for (const BeliefMode& mode : drawn_from) weight += mode.weight;
+  const auto draw = [&](Random& random) {
+    double left = weight * random.Uniform();
+    std::size_t chosen = 0;
+    while (chosen + 1 < drawn_from.size() && left >= drawn_from[chosen].weight)
+      left -= drawn_from[chosen++].weight;
+    const BeliefMode& mode = drawn_from[chosen];
+    Eigen::Vector4d state = mode.mean + mode.covariance.llt().matrixL() * Normal(random);
+    if (mode.symmetry_order == 0)
+      state[3] = random.Uniform(0, 2 * std::numbers::pi);
+    else
+      state[3] += 2 * std::numbers::pi / mode.symmetry_order * random.Index(12);
+    return state;
+  };
+  return ShareOf(draw, claimed, truth, draws);
 }
 
 /// Three binomial standard deviations, and 1 % for the 512 draws of a mixture.
@@ -126,22 +137,9 @@ Eigen::Vector4d DrawT(const BeliefMode& mode, Random& random) {
   return mode.mean + std::sqrt((dof - 2) / square) * normal;
 }
 
-Share ShareOfT(const BeliefMode& mode, const std::vector<BeliefMode>& claimed, TrueState truth,
-               int draws) {
-  Random random({.seed = 8});
-  Share share;
-  for (int i = 0; i < draws; ++i) {
-    truth.state = DrawT(mode, random);
-    Eigen::Vector4d mistake = truth.position_std_m / std::sqrt(3.0) * Normal(random);
-    mistake[3] = truth.azimuth_std_rad * random.Gaussian();
-    truth.state += mistake;
-    const double level = CredibleLevel(claimed, truth);
-    share.in_50 += level <= 0.5;
-    share.in_95 += level <= 0.95;
-  }
-  share.in_50 /= draws;
-  share.in_95 /= draws;
-  return share;
+Share ShareOfT(const BeliefMode& mode, const std::vector<BeliefMode>& claimed,
+               const TrueState& truth, int draws) {
+  return ShareOf([&](Random& random) { return DrawT(mode, random); }, claimed, truth, draws);
 }
 
 TEST(CredibleLevel, IsHonestForStudentsT) {
