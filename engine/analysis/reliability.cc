@@ -57,7 +57,7 @@ RunReliability Judge(FrameList frames, bool updated_only) {
   if (!by_object.empty()) {
     const auto objects = static_cast<int>(by_object.size());
     SetNees(objects, HonestMeanNees(objects, kBeliefDegreesOfFreedom), all);
-    const NeesInterval of_one = HonestMeanNees(1, kBeliefDegreesOfFreedom);
+    static const NeesInterval of_one = HonestMeanNees(1, kBeliefDegreesOfFreedom);
     for (auto& [id, reliability] : by_object) {
       SetNees(1, of_one, reliability);
       all.nees += reliability.nees / objects;
