@@ -24,6 +24,11 @@ struct TriangleMesh {
   bool empty() const { return vertices.empty(); }
 };
 
+/// Rec. 601, as a camera's grey; 0 .. 1.
+inline float Luminance(const std::array<std::uint8_t, 3>& rgb) {
+  return (0.299f * rgb[0] + 0.587f * rgb[1] + 0.114f * rgb[2]) / 255.0f;
+}
+
 /// Bounding box of all vertices; empty box for an empty mesh.
 Eigen::AlignedBox3f BoundingBox(const TriangleMesh& mesh);
 

@@ -45,7 +45,12 @@ struct ScoringView {
   /// hides it. May be smaller than the image.
   cv::Mat occluder_depth;
   double occlusion_margin_m =
-      0.05;                 ///< A point hides only behind a surface at least this much nearer.
+      0.05;  ///< A point hides only behind a surface at least this much nearer.
+  /// Luminance, 0 .. 1, of what is known to be behind the object; elsewhere any other number. The
+  /// outline of what looks like that (by less than `least_contrast`) has no edges there: it counts
+  /// neither as found nor as missed. Empty: nothing is known. May be smaller than the image.
+  cv::Mat luminance_behind;
+  double least_contrast = 0;
   double near_m = 0.15;     ///< Nearer points are not seen.
   bool inner_lines = true;  ///< Creases and marks count too.
   /// An edge along a rim of the outline counts for it where they are too close to be told apart
@@ -64,7 +69,7 @@ struct ScoringView {
 /// each give (hit - chance) times their length.
 struct HypothesisScore {
   float agreement_m = 0;  ///< Sum over visible samples of (hit - chance) * length [m of contour].
-  float visible_m = 0;    ///< Length of the visible contour.
+  float visible_m = 0;    ///< Length of the contour that can be seen.
   float total_m = 0;      ///< Length of the whole contour.
   Box2 whole_box;         ///< Of the projection, occlusion ignored, clipped to the image [px].
   Box2 visible_box;       ///< Of the visible samples.
@@ -75,8 +80,8 @@ struct HypothesisScore {
 using SideScores = std::array<std::vector<HypothesisScore>, 8>;
 
 /// Computes the edge term for many hypotheses. The two implementations compute this same score:
-/// from contours rendered for each hypothesis (RenderedScorer, the reference, which does not know
-/// of rims), and from precomputed ones (ViewpointScorer, fast).
+/// from contours rendered for each hypothesis (RenderedScorer, the reference, which knows neither
+/// of rims nor of what is behind), and from precomputed ones (ViewpointScorer, fast).
 class HypothesisScorer {
  public:
   virtual ~HypothesisScorer() = default;

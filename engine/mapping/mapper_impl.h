@@ -184,6 +184,8 @@ struct Mapper::Impl {
     ScoringView view =
         View(input, occluders, object.id, SupportUnder(object, input.world_from_cam));
     view.rims = object.state == ObjectState::kConfirmed;
+    view.luminance_behind = occluders.LuminanceBehind(object.id);
+    view.least_contrast = options().least_contrast;
     view.shifts = ImageShiftsOf(ToHypothesis(object.mean(), map).center_in_world,
                                 {input.world_from_cam, input.pose_uncertainty},
                                 {object.world_from_reference_cam, object.reference_uncertainty},

@@ -70,6 +70,7 @@ struct MapperOptions {
   double search_sigma_px = 2.5;
   double edge_power = 1;
   double occlusion_margin_m = 0.05;
+  double least_contrast = 0.15;
   double min_visible = 0.05;
 
   // Dynamics
@@ -202,6 +203,9 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.edge_power, {"edge_power", "", "a hit counts probability^power", 0.1, 10});
   visit(o.occlusion_margin_m,
         {"occlusion_margin_m", "m", "a contour hides only behind surfaces this much nearer", 0, 1});
+  visit(o.least_contrast,
+        {"least_contrast", "",
+         "an outline counts before a known thing whose luminance (0 .. 1) differs by this", 0, 1});
   visit(o.min_visible, {"min_visible", "",
                         "share of the contour that must show for an object to be updated", 0, 1});
   visit(o.bearing_noise, {"bearing_noise", "per sqrt(s)", "diffusion of the bearing", 0, 1});

@@ -53,6 +53,7 @@ RenderedMaps OcclusionRenderer::Draw(const PinholeCamera& camera,
   RenderOptions options;
   options.second_layer = contour_and_second_layer && instances.size() > 1;
   options.contour = contour_and_second_layer;
+  options.luminance = contour_and_second_layer;
   return renderer_->Render(camera.Scaled(kSize), instances, options);
 }
 
@@ -108,6 +109,22 @@ const cv::Mat& OcclusionMaps::DepthAndContours(ObjectId object, ObjectId support
   cv::Mat depth = DepthBefore(object, support).clone();
   depth.setTo(kInFrontOfAll_m, band);
   return found->second = depth;
+}
+
+const cv::Mat& OcclusionMaps::LuminanceBehind(ObjectId object) const {
+  if (maps_.depth.empty()) return maps_.depth;
+  const cv::Mat own = maps_.id == object.value;
+  if (cv::countNonZero(own) == 0) object = {};
+  const auto [found, is_new] = luminance_behind_.try_emplace(object);
+  if (!is_new) return found->second;
+  cv::Mat behind = maps_.luminance.clone(), luminance;
+  if (maps_.second_luminance.empty())
+    behind.setTo(kUnknownLuminance8, own);
+  else
+    maps_.second_luminance.copyTo(behind, own);
+  behind.convertTo(luminance, CV_32F, 1.0 / 254);
+  luminance.setTo(kNothingBehind, behind == kUnknownLuminance8);
+  return found->second = luminance;
 }
 
 }  // namespace plumbline

@@ -44,12 +44,18 @@ class OcclusionMaps {
   /// seen there either. Empty if nothing is drawn. Worked out once, as above.
   const cv::Mat& DepthAndContours(ObjectId object, ObjectId support = {},
                                   ContoursOf others = ContoursOf::kAllOthers) const;
+  /// Luminance, 0 .. 1, of the nearest surface that is not the object's own: what its outline would
+  /// be seen before; kNothingBehind where nothing is known. Empty if nothing is drawn. Worked out
+  /// once, as above.
+  const cv::Mat& LuminanceBehind(ObjectId object) const;
+  static constexpr float kNothingBehind = 3;  ///< Differs from what is, and from what is unknown.
 
  private:
   RenderedMaps maps_;
   std::vector<ObjectId> raised_;
   mutable std::map<std::pair<ObjectId, ObjectId>, cv::Mat> depth_before_;
   mutable std::map<std::tuple<ObjectId, ObjectId, ContoursOf>, cv::Mat> depth_and_contours_;
+  mutable std::map<ObjectId, cv::Mat> luminance_behind_;
 };
 
 /// Draws mean states, at half the image's size and on the processor, to learn who hides whom. One

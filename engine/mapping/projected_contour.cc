@@ -159,18 +159,29 @@ void HideBehind(const float* in_front, float margin_m, ProjectedContour& points)
   }
 }
 
-void Hide(const cv::Mat& occluder, double margin_m, int width, int height,
-          ProjectedContour& points) {
+/// What an image of the camera's view, which is `width` x `height` pixels large, has at each point.
+void LookUp(const cv::Mat& image, int width, int height, const ProjectedContour& points,
+            float* values) {
   alignas(64) std::int32_t pixels[ProjectedContour::kMaxPoints];
-  alignas(64) float in_front[ProjectedContour::kMaxPoints];
-  FindPixels({static_cast<float>(occluder.cols) / static_cast<float>(width),
-              static_cast<float>(occluder.rows) / static_cast<float>(height),
-              static_cast<float>(occluder.cols - 1), static_cast<float>(occluder.rows - 1),
-              static_cast<int>(occluder.step1())},
+  FindPixels({static_cast<float>(image.cols) / static_cast<float>(width),
+              static_cast<float>(image.rows) / static_cast<float>(height),
+              static_cast<float>(image.cols - 1), static_cast<float>(image.rows - 1),
+              static_cast<int>(image.step1())},
              points, pixels);
-  const float* depth = occluder.ptr<float>();
-  for (int i = 0; i < points.lanes_end; ++i) in_front[i] = depth[pixels[i]];
-  HideBehind(in_front, static_cast<float>(margin_m), points);
+  const float* first = image.ptr<float>();
+  for (int i = 0; i < points.lanes_end; ++i) values[i] = first[pixels[i]];
+}
+
+PLUMBLINE_VECTORISED
+void LeaveOutAlike(const float* behind, const float* luminance, float least_contrast,
+                   ProjectedContour& points) {
+  const int outline = points.outline_size, end = points.outline_lanes_end;
+  for (int i = 0; i < end; ++i) {
+    const float contrast = behind[i] - luminance[i];
+    const bool alike = (i < outline) & (contrast < least_contrast) & (contrast > -least_contrast);
+    points.cell[i] = alike ? -1 : points.cell[i];
+    points.hit[i] = alike ? 0 : points.hit[i];
+  }
 }
 
 /// Where the edge along the rim of each point of the outline would be: of points without, -1.
@@ -314,7 +325,9 @@ void FindHits(const ScoringView& view, const ContourView& contour, const Contour
   const OrientedTable& table = *view.table;
   FindCells(static_cast<float>(view.near_m), table.width(), table.height(), points);
   if (!view.occluder_depth.empty()) {
-    Hide(view.occluder_depth, view.occlusion_margin_m, table.width(), table.height(), points);
+    alignas(64) float in_front[ProjectedContour::kMaxPoints];
+    LookUp(view.occluder_depth, table.width(), table.height(), points, in_front);
+    HideBehind(in_front, static_cast<float>(view.occlusion_margin_m), points);
   }
   LookUp(table.cells(), points.cell, points.size, points.hit);
   if (!view.rims) return;
@@ -323,6 +336,14 @@ void FindHits(const ScoringView& view, const ContourView& contour, const Contour
   FindRims(contour.rim, table.width(), table.height(), points, rims);
   LookUp(table.cells(), rims.cell, points.outline_lanes_end, rims.hit);
   RaiseHits(rims, points);
+}
+
+void LeaveOutUncontrasted(const ScoringView& view, const ContourView& contour,
+                          ProjectedContour& points) {
+  if (view.luminance_behind.empty() || view.least_contrast <= 0) return;
+  alignas(64) float behind[ProjectedContour::kMaxPoints];
+  LookUp(view.luminance_behind, view.table->width(), view.table->height(), points, behind);
+  LeaveOutAlike(behind, contour.luminance, static_cast<float>(view.least_contrast), points);
 }
 
 ContourTally TallyOutline(const ProjectedContour& points) {

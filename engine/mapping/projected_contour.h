@@ -59,6 +59,11 @@ void CopyPoints(const ProjectedContour& points, ProjectedContour& copy);
 void FindHits(const ScoringView& view, const ContourView& contour, const ContourProjection& p,
               ProjectedContour& points);
 
+/// Makes the points of the outline unseen that have no contrast to what is behind them
+/// (ScoringView::luminance_behind).
+void LeaveOutUncontrasted(const ScoringView& view, const ContourView& contour,
+                          ProjectedContour& points);
+
 /// What points of a contour find in the table.
 struct ContourTally {
   std::int64_t hits = 0;  ///< [of 255]

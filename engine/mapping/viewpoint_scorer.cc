@@ -26,10 +26,12 @@ HypothesisScore ScoreOf(const ContourTally& outline, const ContourTally& inner_l
 HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& contour,
                                const ContourProjection& p, ProjectedContour& points) {
   FindHits(view, contour, p, points);
+  // A detector sees what has no contrast, too.
+  const ContourBoxes boxes = FindBoxes(view.near_m, points);
+  LeaveOutUncontrasted(view, contour, points);
   HypothesisScore score =
       ScoreOf(TallyOutline(points), view.inner_lines ? TallyInnerLines(points) : ContourTally{},
               contour, *view.table);
-  const ContourBoxes boxes = FindBoxes(view.near_m, points);
   score.whole_box = boxes.whole.Clipped(view.camera);
   score.visible_box = boxes.seen.Clipped(view.camera);
   return score;
@@ -122,10 +124,12 @@ SideScores ViewpointScorer::ScoreSides(const ScoringView& view, const UprightFra
               const double by_px = inwards == 0 ? offset_px : -offset_px;
               Widen(contour, p, {by_px, by_px, by_px, by_px}, moved);
               FindHits(view, contour, p, moved);
+              LeaveOutUncontrasted(view, contour, moved);
               beside[inwards] = TallySides(moved);
             }
             FindSides(contour, p, points);
             FindHits(view, contour, p, points);
+            LeaveOutUncontrasted(view, contour, points);
             const ContourTally all = TallyOutline(points);
             const ContourTally inner_lines =
                 view.inner_lines ? TallyInnerLines(points) : ContourTally{};
@@ -159,6 +163,7 @@ std::vector<ContourPointFound> ViewpointScorer::PointsFound(
                            static_cast<float>(points.hit[i]) / 255.0f});
         }
         FindHits(view, contour, p, points);
+        LeaveOutUncontrasted(view, contour, points);
         for (std::size_t k = 0; k < found.size(); ++k) found[k].seen = points.cell[inside[k]] >= 0;
       });
   return found;

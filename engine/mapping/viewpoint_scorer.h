@@ -13,8 +13,8 @@ namespace plumbline {
 struct ContourPointFound {
   Eigen::Vector2f pixel{0, 0};
   Eigen::Vector2f outwards{0, 0};  ///< Unit normal of the contour in the image.
-  bool seen = false;               ///< False: behind another object.
-  float hit = 0;                   ///< Best hit, in [0, 1], along its rim's included.
+  bool seen = false;  ///< False: behind another object, or before one that looks like it.
+  float hit = 0;      ///< Best hit, in [0, 1], along its rim's included.
 };
 
 /// The fast scorer: a hypothesis costs a look-up of its view, a projection of a few hundred contour

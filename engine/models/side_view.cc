@@ -79,8 +79,7 @@ class FarView {
       p[c] = axes_ * mesh_.vertices[vertex] - bounds_.min();
       p[c].head<2>() *= scale_;
       if (mesh_.colors.empty()) continue;
-      const auto& rgb = mesh_.colors[vertex];
-      grey[c] = (0.299f * rgb[0] + 0.587f * rgb[1] + 0.114f * rgb[2]) / 255.0f;
+      grey[c] = Luminance(mesh_.colors[vertex]);
     }
     const Eigen::Vector2f ab = (p[1] - p[0]).head<2>(), ac = (p[2] - p[0]).head<2>();
     const float area = ab.x() * ac.y() - ab.y() * ac.x();

@@ -231,6 +231,8 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
           ? maps.DepthAndContours(request.object, {}, ContoursOf::kRaisedThings)
           : maps.DepthBefore(request.object);
   frame.view.occlusion_margin_m = options_.occlusion_margin_m;
+  frame.view.luminance_behind = maps.LuminanceBehind(request.object);
+  frame.view.least_contrast = options_.least_contrast;
   frame.view.rims = confirmed;
   std::vector<Detection> proposals;
   for (const ProposalReport& proposal : snapshot.report.proposals)

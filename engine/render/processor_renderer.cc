@@ -22,12 +22,17 @@ struct Corner {
 };
 
 /// The nearest surface of each pixel and the nearest of another id: inverse depth (0 nothing) and
-/// id. Rows are `stride` apart, at least kLanes longer than the image.
+/// id, above which its luminance is kept. Rows are `stride` apart, at least kLanes longer than the
+/// image.
 struct Layers {
   int width = 0, height = 0, stride = 0;
   std::vector<float> inverse_depth, second_inverse_depth;
   std::vector<int> id, second_id;
 };
+
+constexpr int kIdBits = 16;
+constexpr int kIdMask = (1 << kIdBits) - 1;
+constexpr int kNothing = kUnknownLuminance8 << kIdBits;  ///< Id 0.
 
 /// An edge from its upper end down: where it crosses a row. Two triangles that share it are given
 /// the same ends in the same order, so no pixel between them is left out or drawn by both.
@@ -64,7 +69,7 @@ void DrawSpan(const Plane& plane, double row, int begin, int end, int id, float*
       const float w = lane < left ? bounded : 0.0f;
       const float w1 = depth[x + lane], w2 = second_depth[x + lane];
       const int id1 = ids[x + lane], id2 = second_ids[x + lane];
-      const bool nearer = w > w1, other = id1 != id, between = w > w2;
+      const bool nearer = w > w1, other = ((id1 ^ id) & kIdMask) != 0, between = w > w2;
       const float behind = nearer ? w1 : (between ? w : w2);
       const int id_behind = nearer ? id1 : (between ? id : id2);
       depth[x + lane] = nearer ? w : w1;
@@ -117,10 +122,28 @@ void ReadRow(const float* __restrict inverse_depth, const int* __restrict ids, i
   }
 }
 
+PLUMBLINE_VECTORISED
+void ReadLuminanceRow(const int* __restrict ids, int count, std::uint8_t* __restrict luminances) {
+  for (int x = 0; x < count; ++x) luminances[x] = static_cast<std::uint8_t>(ids[x] >> kIdBits);
+}
+
+/// Of each triangle, as of RenderedMaps::luminance.
+std::vector<std::uint8_t> LuminancesOf(const TriangleMesh& mesh) {
+  std::vector<std::uint8_t> luminances(mesh.triangles.size(), kUnknownLuminance8);
+  if (mesh.colors.empty()) return luminances;
+  for (std::size_t t = 0; t < luminances.size(); ++t) {
+    float sum = 0;
+    for (const int corner : mesh.triangles[t])
+      sum += Luminance(mesh.colors[static_cast<std::size_t>(corner)]);
+    luminances[t] = static_cast<std::uint8_t>(std::lround(254 * sum / 3));
+  }
+  return luminances;
+}
+
 class ProcessorRenderer final : public Renderer {
  public:
   int AddMesh(const TriangleMesh& mesh) override {
-    meshes_.push_back({mesh.vertices, mesh.triangles});
+    meshes_.push_back({mesh.vertices, mesh.triangles, LuminancesOf(mesh)});
     bounds_of_mesh_.push_back(BoundingBox(mesh));
     return static_cast<int>(meshes_.size()) - 1;
   }
@@ -140,6 +163,10 @@ class ProcessorRenderer final : public Renderer {
     if (options.second_layer)
       Read(part, layers_.second_inverse_depth, layers_.second_id, maps.second_depth,
            maps.second_id);
+    if (options.luminance) {
+      maps.luminance = ReadLuminances(part, layers_.id);
+      if (options.second_layer) maps.second_luminance = ReadLuminances(part, layers_.second_id);
+    }
     return maps;
   }
 
@@ -147,6 +174,7 @@ class ProcessorRenderer final : public Renderer {
   struct Mesh {
     std::vector<Eigen::Vector3f> vertices;
     std::vector<Eigen::Vector3i> triangles;
+    std::vector<std::uint8_t> luminances;
   };
 
   void Clear(const PinholeCamera& camera) {
@@ -157,8 +185,8 @@ class ProcessorRenderer final : public Renderer {
         static_cast<std::size_t>(layers_.stride) * static_cast<std::size_t>(layers_.height);
     layers_.inverse_depth.assign(pixels, 0.0f);
     layers_.second_inverse_depth.assign(pixels, 0.0f);
-    layers_.id.assign(pixels, 0);
-    layers_.second_id.assign(pixels, 0);
+    layers_.id.assign(pixels, kNothing);
+    layers_.second_id.assign(pixels, kNothing);
   }
 
   void Draw(const PinholeCamera& camera, const VisibleInstance& instance, double near_m) {
@@ -171,16 +199,18 @@ class ProcessorRenderer final : public Renderer {
       in_cam_[i] = rotation * mesh.vertices[i] + translation;
       if (in_cam_[i].z() >= near_m) corners_[i] = Project(camera, in_cam_[i].cast<double>());
     }
-    for (const Eigen::Vector3i& triangle : mesh.triangles) {
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const Eigen::Vector3i& triangle = mesh.triangles[t];
+      const int id = instance.id | (mesh.luminances[t] << kIdBits);
       const auto a = static_cast<std::size_t>(triangle[0]),
                  b = static_cast<std::size_t>(triangle[1]),
                  c = static_cast<std::size_t>(triangle[2]);
       const int in_front = (in_cam_[a].z() >= near_m ? 1 : 0) + (in_cam_[b].z() >= near_m ? 1 : 0) +
                            (in_cam_[c].z() >= near_m ? 1 : 0);
       if (in_front == 3)
-        DrawTriangle({corners_[a], corners_[b], corners_[c]}, instance.id, layers_);
+        DrawTriangle({corners_[a], corners_[b], corners_[c]}, id, layers_);
       else if (in_front > 0)
-        DrawClipped(camera, {in_cam_[a], in_cam_[b], in_cam_[c]}, near_m, instance.id);
+        DrawClipped(camera, {in_cam_[a], in_cam_[b], in_cam_[c]}, near_m, id);
     }
   }
 
@@ -218,6 +248,16 @@ class ProcessorRenderer final : public Renderer {
       ReadRow(inverse_depth.data() + start, ids.data() + start, part.width,
               depth.ptr<float>(y) + part.x, id.ptr<std::uint16_t>(y) + part.x);
     }
+  }
+
+  /// Of `part` of a layer.
+  cv::Mat ReadLuminances(const cv::Rect& part, const std::vector<int>& ids) const {
+    cv::Mat luminance(layers_.height, layers_.width, CV_8U, cv::Scalar(kUnknownLuminance8));
+    for (int y = part.y; y < part.y + part.height; ++y) {
+      ReadLuminanceRow(ids.data() + static_cast<std::ptrdiff_t>(y) * layers_.stride + part.x,
+                       part.width, luminance.ptr<std::uint8_t>(y) + part.x);
+    }
+    return luminance;
   }
 
   std::vector<Mesh> meshes_;

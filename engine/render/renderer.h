@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -43,6 +44,8 @@ struct RenderInstance {
   double scale = 1;
 };
 
+constexpr std::uint8_t kUnknownLuminance8 = 255;
+
 /// What one camera sees. Depth is Z in `cam` [m], 0 where there is nothing; id 0 where there is
 /// nothing.
 struct RenderedMaps {
@@ -51,6 +54,9 @@ struct RenderedMaps {
   cv::Mat second_depth;  ///< CV_32F, nearest surface of another id than the first; empty if not
                          ///< asked for
   cv::Mat second_id;     ///< CV_16U
+  cv::Mat luminance;  ///< CV_8U, 0 .. 254 as 0 .. 1, of the nearest surface by the colours of its
+                      ///< triangle's corners; kUnknownLuminance8 without. Empty if not asked for
+  cv::Mat second_luminance;
   cv::Mat contour;  ///< CV_8U 255 on the contour (silhouette and depth discontinuities); empty if
                     ///< not asked for
 };
@@ -66,6 +72,7 @@ struct RenderOptions {
   double contour_step_m =
       0.04;  ///< A depth jump larger than this (and than the slope explains) is a contour.
   double near_m = 0.05;
+  bool luminance = false;  ///< Only on the processor.
 };
 
 /// Renderer of depth, object id and contour, by OpenGL or on the processor. Exact for off-centre

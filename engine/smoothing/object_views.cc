@@ -42,6 +42,8 @@ ScoringView ViewOf(const MapperSetup& setup, const Eigen::Isometry3d& world_from
   view.table = &table;
   view.occluder_depth = maps.DepthBefore(object);
   view.occlusion_margin_m = setup.options.occlusion_margin_m;
+  view.luminance_behind = maps.LuminanceBehind(object);
+  view.least_contrast = setup.options.least_contrast;
   view.inner_lines = setup.options.inner_lines;
   view.rims = true;
   return view;

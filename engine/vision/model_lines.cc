@@ -17,11 +17,6 @@
 namespace plumbline {
 namespace {
 
-/// Rec. 601, as a camera's grey.
-float Luminance(const std::array<std::uint8_t, 3>& rgb) {
-  return (0.299f * rgb[0] + 0.587f * rgb[1] + 0.114f * rgb[2]) / 255.0f;
-}
-
 /// Interleaved bits of a pixel: neighbours in this order are neighbours in the image.
 std::uint32_t ZOrder(std::uint32_t x, std::uint32_t y) {
   std::uint32_t code = 0;
@@ -301,7 +296,7 @@ class ViewBuilder {
     const Eigen::Vector3f across =
         candidate.normal.x() * camera_.right + candidate.normal.y() * camera_.down;
     return {camera_.origin + last.distance * last_ray, across.normalized(),
-            RimOf(candidate, inside, last.distance)};
+            RimOf(candidate, inside, last.distance), last.luminance};
   }
 
   /// How far inside of the contour, which lies `at` pixels along the normal, the first mark is [m].
@@ -397,7 +392,7 @@ RayScene::Hit RayScene::Cast(const Eigen::Vector3f& origin,
   InitRayContext(context);
   TraceRay(embree_->scene, context, ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  Hit hit{ray.ray.tfar, Eigen::Vector3f(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z).normalized(), 0};
+  Hit hit{ray.ray.tfar, Eigen::Vector3f(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z).normalized()};
   if (!mesh_.colors.empty()) {
     const Eigen::Vector3i& corners = mesh_.triangles[ray.hit.primID];
     const auto at = [&](int corner) {

@@ -20,7 +20,7 @@ class RayScene {
   struct Hit {
     float distance = 0;  ///< In lengths of the direction; 0 none.
     Eigen::Vector3f normal{0, 0, 0};
-    float luminance = 0;  ///< 0 .. 1; 0 without colours.
+    float luminance = kUnknownLuminance;  ///< 0 .. 1.
   };
   Hit Cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
 

@@ -19,9 +19,9 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kFloatsPerPoint = 7;
+constexpr std::size_t kFloatsPerPoint = 8;
 
-constexpr char kFormat[] = "plumbline-viewpoints-12";
+constexpr char kFormat[] = "plumbline-viewpoints-14";
 
 std::string CacheKey(const CadModel& model, const ViewpointModelOptions& o) {
   std::string key = std::string(kFormat) + "|" + model.content_hash + "|" +
@@ -137,7 +137,7 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(
       result->outline_size_[static_cast<std::size_t>(view)] =
           result->outline_size_[static_cast<std::size_t>(view - azimuth_index)];
       for (ContourPoint& point : points)
-        point = {turn * point.position, turn * point.normal, point.rim};
+        point = {turn * point.position, turn * point.normal, point.rim, point.luminance};
     }
     for (int k = 0; k < 3; ++k) {
       for (const ContourPoint& point : points) result->points_.push_back(point.position[k]);
@@ -146,6 +146,7 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(
       for (const ContourPoint& point : points) result->points_.push_back(point.normal[k]);
     }
     for (const ContourPoint& point : points) result->points_.push_back(point.rim);
+    for (const ContourPoint& point : points) result->points_.push_back(point.luminance);
     result->first_point_.push_back(
         static_cast<std::int32_t>(result->points_.size() / kFloatsPerPoint));
   }
@@ -237,8 +238,17 @@ ContourView ViewpointModel::View(const Eigen::Vector3f& camera_in_object) const 
   const std::int32_t first = first_point_[view];
   const int n = first_point_[view + 1] - first;
   const float* x = points_.data() + kFloatsPerPoint * static_cast<std::size_t>(first);
-  return {n,         outline_size_[view], x,         x + n,     x + 2 * n,
-          x + 3 * n, x + 4 * n,           x + 5 * n, x + 6 * n, length_per_point_m_[view]};
+  return {n,
+          outline_size_[view],
+          x,
+          x + n,
+          x + 2 * n,
+          x + 3 * n,
+          x + 4 * n,
+          x + 5 * n,
+          x + 6 * n,
+          x + 7 * n,
+          length_per_point_m_[view]};
 }
 
 }  // namespace plumbline

@@ -17,6 +17,9 @@
 
 namespace plumbline {
 
+/// Of contours of models without colours, and of inner lines.
+constexpr float kUnknownLuminance = -1;
+
 /// One point of a model's contour as seen from one viewpoint, in `object` [m]. The contour is the
 /// silhouette and the depth discontinuities; the point lies on the near side. Inner lines belong to
 /// it with a lower weight: creases, where two faces meet at an angle, and marks, where the colours
@@ -27,6 +30,7 @@ struct ContourPoint {
                            ///< parallel to the image plane.
   float rim = 0;  ///< Of the contour: how far inside of it, along -normal, a mark runs beside it
                   ///< [m], as the frame of a screen has it; 0 none.
+  float luminance = kUnknownLuminance;  ///< Of the near side of the contour there, 0 .. 1.
 };
 
 /// The contour from one viewpoint: points evenly spaced along it, by coordinate.
@@ -39,7 +43,8 @@ struct ContourView {
   const float* nx = nullptr;
   const float* ny = nullptr;
   const float* nz = nullptr;
-  const float* rim = nullptr;    ///< As of ContourPoint.
+  const float* rim = nullptr;  ///< As of ContourPoint.
+  const float* luminance = nullptr;
   float length_per_point_m = 0;  ///< Contour length (of inner lines: weighted) that one point
                                  ///< stands for, measured at the object's centre depth.
 };
@@ -106,7 +111,8 @@ class ViewpointModel {
   ViewpointModelOptions options_;
   Eigen::Vector3f center_{0, 0, 0};
   float bounding_radius_ = 0;
-  /// View after view: all x, all y, all z, all nx, all ny, all nz, all rims.
+  /// View after view: all x, all y, all z, all nx, all ny, all nz, all rims, all
+  /// luminances.
   std::vector<float> points_;
   std::vector<std::int32_t> first_point_;  ///< NumViews() + 1; counts points.
   std::vector<std::int32_t> outline_size_;

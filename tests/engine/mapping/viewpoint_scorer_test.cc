@@ -293,6 +293,57 @@ TEST_F(ViewpointScorerTest, AnEdgeAlongTheRimIsTheOutlinesWhereTheyCannotBeToldA
   EXPECT_LT(score(far_m, -2 * kRim_m), 0.5f * score(far_m, 0)) << "outside";
 }
 
+// The frame is as dark as .12. Before something as dark nobody sees where it ends.
+TEST_F(ViewpointScorerTest, AnOutlineWithoutContrastCountsNeitherAsFoundNorAsMissed) {
+  Screen screen;
+  screen.LookFrom(2);
+  screen.FindEdges(0);
+  const HypothesisScore open = screen.Score(screen.truth);
+  // The image's right half is known.
+  const auto before = [&](float luminance) {
+    screen.view.luminance_behind = cv::Mat(240, 320, CV_32F, cv::Scalar(9));
+    screen.view.luminance_behind.colRange(160, 320).setTo(luminance);
+    return screen.Score(screen.truth);
+  };
+  screen.view.least_contrast = 0.15;
+  for (const float luminance : {0.3f, 0.9f, kUnknownLuminance})
+    EXPECT_EQ(before(luminance).agreement_m, open.agreement_m) << luminance;
+  for (const float luminance : {0.0f, 0.12f, 0.25f}) {
+    const HypothesisScore alike = before(luminance);
+    EXPECT_NEAR(alike.visible_m, 0.5f * open.visible_m, 0.05f * open.visible_m) << luminance;
+    EXPECT_NEAR(alike.total_m, open.total_m, 1e-6f);
+    EXPECT_EQ(alike.visible_box.x0, open.visible_box.x0) << "a detector sees all of it";
+    EXPECT_EQ(alike.visible_box.x1, open.visible_box.x1);
+    int seen_right = 0;
+    for (const ContourPointFound& point :
+         screen.scorer->PointsFound(screen.view, screen.upright, screen.truth)) {
+      if (point.pixel.x() < 320) continue;
+      seen_right += point.seen ? 1 : 0;
+    }
+    EXPECT_LE(seen_right,
+              screen.views->View({2, 0, 0.2f}).size - screen.views->View({2, 0, 0.2f}).outline_size)
+        << "but for inner lines";
+  }
+  const std::vector<PoseHypothesis> truth = {screen.truth};
+  const SideScores quick = screen.scorer->ScoreSides(screen.view, screen.upright, truth, 1.5),
+                   plain = screen.scorer->HypothesisScorer::ScoreSides(screen.view, screen.upright,
+                                                                       truth, 1.5);
+  for (std::size_t k = 0; k < quick.size(); ++k) {
+    EXPECT_EQ(quick[k][0].agreement_m, plain[k][0].agreement_m) << k;
+    EXPECT_EQ(quick[k][0].visible_m, plain[k][0].visible_m) << k;
+  }
+  // Edges that are not there are not missed.
+  screen.table = std::make_unique<OrientedTable>(
+      EdgesOfContour(cv::Mat(480, 640, CV_8U, cv::Scalar(0))), OrientedTableOptions{});
+  screen.view.table = screen.table.get();
+  screen.view.inner_lines = false;
+  const HypothesisScore missed = before(0.9f), not_missed = before(0.12f);
+  EXPECT_NEAR(not_missed.agreement_m, 0.5f * missed.agreement_m,
+              0.05f * std::abs(missed.agreement_m));
+  screen.view.least_contrast = 0;
+  EXPECT_EQ(before(0.12f).agreement_m, missed.agreement_m);
+}
+
 TEST_F(ViewpointScorerTest, ScoresHighestAtItsScale) {
   for (const double scale : {0.95, 1.05}) {
     PlacedModel chair = scene_.Place("chair", 0, 0, 25);

@@ -215,6 +215,36 @@ TEST_P(RendererTest, SecondLayerIsTheNearestSurfaceOfAnotherObject) {
             0);
 }
 
+TEST(ProcessorRendererTest, TellsTheLuminanceOfBothLayers) {
+  const auto renderer = Renderer::CreateOnProcessor();
+  TriangleMesh near = MakeBox({-0.2f, -0.2f, 2}, {0.2f, 0.2f, 2.4f});
+  near.colors.assign(near.vertices.size(), {51, 51, 51});
+  TriangleMesh far = MakeBox({-0.5f, -0.5f, 3}, {0.5f, 0.5f, 4});
+  far.colors.assign(far.vertices.size(), {255, 0, 0});
+  const TriangleMesh bare = MakeBox({-0.6f, -0.9f, 5}, {0.6f, 0.9f, 6});
+  std::vector<RenderInstance> instances;
+  for (const TriangleMesh& mesh : {near, far, bare}) {
+    const int handle = renderer->AddMesh(mesh);
+    instances.push_back({handle, Isometry3d::Identity(), 7 + handle});
+  }
+  const PinholeCamera camera{320, 240, 260, 270, 159.5, 119.5};
+  RenderOptions options;
+  options.second_layer = true;
+  EXPECT_TRUE(renderer->Render(camera, instances, options).luminance.empty()) << "not asked for";
+  options.luminance = true;
+  const RenderedMaps maps = renderer->Render(camera, instances, options);
+  const auto at = [](const cv::Mat& map, int y) { return static_cast<int>(map.at<uchar>(y, 159)); };
+  EXPECT_EQ(at(maps.luminance, 120), 51);  // of 254, as 51 of 255
+  EXPECT_EQ(at(maps.second_luminance, 120), 76) << ".299 of 254";
+  const int above_near = 120 - 40, above_far = 120 - 46;
+  EXPECT_EQ(at(maps.luminance, above_near), 76);
+  EXPECT_EQ(at(maps.second_luminance, above_near), kUnknownLuminance8) << "without colours";
+  EXPECT_EQ(at(maps.luminance, above_far), kUnknownLuminance8);
+  EXPECT_EQ(maps.id.at<ushort>(above_far, 159), 9);
+  EXPECT_EQ(at(maps.luminance, 2), kUnknownLuminance8) << "nothing there";
+  EXPECT_EQ(maps.id.at<ushort>(2, 159), 0);
+}
+
 TEST_P(RendererTest, ChangesImageSizeBetweenCalls) {
   const int sphere = renderer_->AddMesh(MakeSphere(0.4f, 16));
   const RenderInstance instance{sphere, Pose({0, 0, 2}), 5};

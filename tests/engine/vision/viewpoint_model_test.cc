@@ -351,6 +351,14 @@ TEST(ViewpointModel, AMarkBesideTheContourIsItsRim) {
        {model->View(back), Built(ModelOf(plain), options)->View(front)}) {
     for (int i = 0; i < without.outline_size; ++i) EXPECT_EQ(without.rim[i], 0);
   }
+  for (int i = 0; i < view.size; ++i) {
+    const bool outline = i < view.outline_size;
+    EXPECT_NEAR(view.luminance[i], outline ? 30 / 255.0 : kUnknownLuminance, 0.01) << i;
+  }
+  framed.colors.clear();
+  const auto bare = Built(ModelOf(framed), options);
+  for (int i = 0; i < bare->View(front).size; ++i)
+    EXPECT_EQ(bare->View(front).luminance[i], kUnknownLuminance);
   // A mark further inside is a line of its own.
   ViewpointModelOptions narrow = options;
   narrow.rim_m = 0.01;
@@ -401,7 +409,7 @@ class ViewpointCache : public testing::Test {
       const ContourView vb = b.View(viewpoint.camera_in_object);
       ASSERT_EQ(va.size, vb.size);
       EXPECT_EQ(va.length_per_point_m, vb.length_per_point_m);
-      EXPECT_TRUE(std::equal(va.x, va.x + 7 * va.size, vb.x));
+      EXPECT_TRUE(std::equal(va.x, va.x + 8 * va.size, vb.x));
     }
   }
   TemporaryFolder folder_;

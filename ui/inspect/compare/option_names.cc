@@ -29,6 +29,7 @@ constexpr OptionName kNames[] = {
     {"inner_lines", kSearch, "Creases and marks, too"},
     {"edge_power", kSearch, "Power of edge probability"},
     {"occlusion_margin_m", kSearch, "Nearer surface that hides"},
+    {"least_contrast", kSearch, "Least contrast of an outline"},
 
     {"particles", kParticles, "Of a settled object"},
     {"tentative_particles", kParticles, "Until it is confirmed"},

@@ -97,7 +97,8 @@ class ImagePanel : public Panel {
     ImGui::SameLine();
     Toggle(context, "image.contour", "Contour", contour_,
            "Contour samples of the hypothesis that is chosen under 'Why here?', with their search "
-           "lines and the edges that they hit: green hits well, red misses, grey is hidden.");
+           "lines and the edges that they hit: green hits well, red misses, grey is hidden, or "
+           "before something known that is as dark.");
     ImGui::SameLine();
     Toggle(
         context, "image.truth", "Truth", truth_,

@@ -47,7 +47,8 @@ void DrawOutlineOverlay(const FrameContext& context, const ImageCanvas& canvas,
 const ProbeView* ProbeOfSelection(const FrameContext& context);
 
 /// Contour samples of the probed hypothesis that is selected: a tick along each search line, a dot
-/// where the edge was found. Green hits well, red misses, grey is hidden.
+/// where the edge was found. Green hits well, red misses, grey is hidden or without
+/// contrast to what is known to be behind it.
 void DrawContourOverlay(const FrameContext& context, const ImageCanvas& canvas);
 
 /// The points that the visual-inertial filter follows in the frame that shows, in a run with own

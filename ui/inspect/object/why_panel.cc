@@ -144,7 +144,9 @@ class WhyPanel : public Panel {
         {"\u03a6 edge", "Edge term, by the scorer that the mapper uses."}};
     if (rendered) columns.push_back({"\u03a6 ref", "Edge term, by the reference scorer."});
     columns.push_back({"Score", "alpha * detector term + beta * edge term."});
-    columns.push_back({"Shows", "Share of its contour that is inside the image and not hidden."});
+    columns.push_back({"Shows",
+                       "Share of its contour that is inside the image, and neither hidden nor "
+                       "before something known that is as dark."});
     const auto count = static_cast<int>(columns.size());
     if (!ImGui::BeginTable(
             "why.hypotheses", count,
