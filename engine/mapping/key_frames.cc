@@ -56,9 +56,32 @@ std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges, const Map
   return std::make_shared<const OrientedTable>(edges, SearchOptions(options, focal_px, reach));
 }
 
+bool IsAfar(const MapFrame& map, const PoseHypothesis& mean,
+            const Eigen::Isometry3d& cam_from_world, const MapperOptions& options) {
+  return (cam_from_world * mean.center_in_world).z() >= options.far_m &&
+         map.LengthScale(mean.label) <= 1;
+}
+
+OrientedTableOptions NarrowSearchOptions(const MapperOptions& options, double focal_px) {
+  OrientedTableOptions narrow = SearchOptions(options, focal_px);
+  narrow.sigma_px *= options.far_search_sigma_px / options.search_sigma_px;
+  return narrow;
+}
+
+void MakeTables(const MapperOptions& options, double focal_px, MapperInput& input) {
+  input.table = SearchTable(input.edges, options, focal_px);
+  input.narrow_table =
+      std::make_shared<const LazyTable>(input.edges, NarrowSearchOptions(options, focal_px));
+}
+
+const OrientedTable& LazyTable::Get() const {
+  std::call_once(once_, [&] { table_ = std::make_unique<const OrientedTable>(edges_, options_); });
+  return *table_;
+}
+
 void KeyFrameMemory::SetOptions(const MapperOptions& options) {
   options_ = options;
-  for (KeyFrame& key : frames_) key.input.table = SearchTable(key.input.edges, options, camera_.fx);
+  for (KeyFrame& key : frames_) MakeTables(options, camera_.fx, key.input);
 }
 
 double KeyFrameMemory::Distance(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const {

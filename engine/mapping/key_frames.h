@@ -3,8 +3,10 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/mapping/likelihood.h"
@@ -12,6 +14,20 @@
 #include "engine/sensor/pose_estimate.h"
 
 namespace plumbline {
+
+/// A table that is made when somebody first asks for it, from whatever thread.
+class LazyTable {
+ public:
+  LazyTable(EdgeMap edges, const OrientedTableOptions& options)
+      : edges_(std::move(edges)), options_(options) {}
+  const OrientedTable& Get() const;
+
+ private:
+  EdgeMap edges_;
+  OrientedTableOptions options_;
+  mutable std::once_flag once_;
+  mutable std::unique_ptr<const OrientedTable> table_;
+};
 
 /// What the mapper sees of one frame.
 struct MapperInput {
@@ -23,7 +39,8 @@ struct MapperInput {
   PoseUncertainty pose_uncertainty;
   cv::Mat image;  ///< BGR; empty: its crops are not looked at. Key frames keep none.
   EdgeMap edges;
-  std::shared_ptr<const OrientedTable> table;  ///< SearchTable() of the edges.
+  std::shared_ptr<const OrientedTable> table;     ///< SearchTable() of the edges.
+  std::shared_ptr<const LazyTable> narrow_table;  ///< The same, to place what is afar.
   std::shared_ptr<const FrameDetections> detections;
 };
 
@@ -33,6 +50,15 @@ OrientedTableOptions SearchOptions(const MapperOptions& options, double focal_px
 /// The table of `edges` that hypotheses are scored with.
 std::shared_ptr<const OrientedTable> SearchTable(const EdgeMap& edges, const MapperOptions& options,
                                                  double focal_px, double reach = 1);
+
+/// Whether a confirmed object is placed by a narrow search in that image: what errs by millimetres,
+/// as models do, is right to the pixel there. Not what is large (LengthScale): its models err by
+/// more.
+bool IsAfar(const MapFrame& map, const PoseHypothesis& mean,
+            const Eigen::Isometry3d& cam_from_world, const MapperOptions& options);
+OrientedTableOptions NarrowSearchOptions(const MapperOptions& options, double focal_px);
+/// Makes both tables of the input's edges.
+void MakeTables(const MapperOptions& options, double focal_px, MapperInput& input);
 
 /// A past frame in which hypotheses can be scored again.
 struct KeyFrame {

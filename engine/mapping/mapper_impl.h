@@ -184,6 +184,8 @@ struct Mapper::Impl {
     ScoringView view =
         View(input, occluders, object.id, SupportUnder(object, input.world_from_cam));
     view.rims = object.state == ObjectState::kConfirmed;
+    if (view.rims && IsAfar(map, ToHypothesis(object.mean(), map), view.cam_from_world, options()))
+      view.table = &input.narrow_table->Get();
     view.luminance_behind = occluders.LuminanceBehind(object.id);
     view.least_contrast = options().least_contrast;
     view.shifts = ImageShiftsOf(ToHypothesis(object.mean(), map).center_in_world,
@@ -230,6 +232,7 @@ struct Mapper::Impl {
                           const OcclusionMaps& maps) const {
     JudgingView view{ViewOf(object, from, maps), from.detections.get(), 0, 1};
     view.view.rims = false;
+    view.view.table = from.table.get();
     if (object.state == ObjectState::kTentative)
       view.view.occluder_depth =
           maps.DepthAndContours(object.id, SupportUnder(object, from.world_from_cam));

@@ -68,6 +68,8 @@ struct MapperOptions {
   ScoredBox scored_box = ScoredBox::kBest;
   double search_radius_px = 7;
   double search_sigma_px = 2.5;
+  double far_search_sigma_px = 1.5;
+  double far_m = 2.5;
   double edge_power = 1;
   double occlusion_margin_m = 0.05;
   double least_contrast = 0.15;
@@ -200,6 +202,9 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.search_sigma_px,
         {"search_sigma_px", "px",
          "how fast a hit counts less with distance, at a focal length of 500", 0.5, 60});
+  visit(o.far_search_sigma_px, {"far_search_sigma_px", "px",
+                                "the same where confirmed objects are placed from afar", 0.5, 60});
+  visit(o.far_m, {"far_m", "m", "from where on objects are afar", 0, 1e6});
   visit(o.edge_power, {"edge_power", "", "a hit counts probability^power", 0.1, 10});
   visit(o.occlusion_margin_m,
         {"occlusion_margin_m", "m", "a contour hides only behind surfaces this much nearer", 0, 1});

@@ -82,7 +82,7 @@ Status FramePreparer::TryPrepare(const FramePacket& packet, const std::optional<
   input.pose_epoch = pose->epoch;
   input.image = prepared.frame.image;
   input.edges = prepared.edges;
-  input.table = SearchTable(prepared.edges, options_, focal_px_);
+  MakeTables(options_, focal_px_, input);
   input.detections = std::move(detections.output).value();
   prepared.input = std::move(input);
   prepared.timings.push_back({"search table", watch.Lap()});

@@ -24,6 +24,8 @@ struct HypothesisProbe::Frame {
   ObjectId explained_by;  ///< Another object than `object` is paired with the truth.
   Eigen::Isometry3d world_from_axes = Eigen::Isometry3d::Identity();  ///< What sweeps go along.
   PoseHypothesis truth_hypothesis;
+  PoseHypothesis mean;          ///< Of `object`.
+  OrientedTableOptions search;  ///< That the view's table is made with.
 
   double AzimuthFromTruth(double azimuth_rad) const {
     return AzimuthDifference(map.database->model(truth_hypothesis.label), azimuth_rad,

@@ -211,14 +211,25 @@ ProbeView HypothesisProbe::Probe(const MapSnapshot& snapshot, const SequenceView
   frame.world_from_axes =
       of_truth ? *snapshot.report.world_from_cam : frame.object->world_from_reference_cam;
 
-  const EdgeMap edges{snapshot.edge_probability, snapshot.edge_angle};
-  if (table_frame_ != view.frame || table_ == nullptr) {
-    table_ = std::make_shared<const OrientedTable>(edges, SearchOptions(options_, camera_.fx));
-    table_frame_ = view.frame;
-  }
-  view.chance = static_cast<float>(table_->chance());
   frame.view.camera = camera_;
   frame.view.cam_from_world = snapshot.report.world_from_cam->inverse();
+  if (frame.object != nullptr) {
+    PoseMode mean;
+    mean.label = frame.object->label;
+    mean.world_from_object = frame.object->world_from_object;
+    mean.scale = frame.object->scale;
+    frame.mean = ToHypothesis(mean, frame.map);
+  }
+  const bool afar = confirmed && IsAfar(frame.map, frame.mean, frame.view.cam_from_world, options_);
+  frame.search =
+      afar ? NarrowSearchOptions(options_, camera_.fx) : SearchOptions(options_, camera_.fx);
+  const EdgeMap edges{snapshot.edge_probability, snapshot.edge_angle};
+  if (table_frame_ != view.frame || table_ == nullptr || table_is_narrow_ != afar) {
+    table_ = std::make_shared<const OrientedTable>(edges, frame.search);
+    table_frame_ = view.frame;
+    table_is_narrow_ = afar;
+  }
+  view.chance = static_cast<float>(table_->chance());
   frame.view.table = table_.get();
   std::vector<PlacedModel> others;
   for (const ObjectReport& object : snapshot.report.objects) {
@@ -278,13 +289,8 @@ void HypothesisProbe::AddHypotheses(const Frame& frame, const ProbeCommand& requ
   const bool truth_first = !request.truth.empty();
   if (truth_first) add_truth();
   if (frame.object != nullptr) {
-    PoseMode mean;
-    mean.label = frame.object->label;
-    mean.world_from_object = frame.object->world_from_object;
-    mean.scale = frame.object->scale;
-    view.hypotheses.push_back(
-        Named(truth_first ? fmt::format("mean of #{}", frame.object->id.value) : "mean",
-              ToHypothesis(mean, frame.map)));
+    view.hypotheses.push_back(Named(
+        truth_first ? fmt::format("mean of #{}", frame.object->id.value) : "mean", frame.mean));
     AddParticles(frame, request, view);
   }
   if (!truth_first && frame.truth != nullptr) add_truth();

@@ -67,6 +67,7 @@ class HypothesisProbe {
   std::unique_ptr<RenderedScorer> reference_;  ///< Made when first asked for.
   bool reference_failed_ = false;
   int table_frame_ = -1;
+  bool table_is_narrow_ = false;
   std::shared_ptr<const OrientedTable> table_;
 };
 

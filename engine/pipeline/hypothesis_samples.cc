@@ -38,12 +38,11 @@ std::optional<float> BestEdge(const EdgeMap& edges, const OrientedTableOptions& 
 std::vector<ContourSample> HypothesisProbe::Samples(const Frame& frame,
                                                     const PoseHypothesis& hypothesis,
                                                     const EdgeMap& edges) const {
-  const OrientedTableOptions table_options = SearchOptions(options_, camera_.fx);
   std::vector<ContourSample> samples;
   for (const ContourPointFound& point :
        scorer_->PointsFound(frame.view, frame.map.upright, hypothesis)) {
     samples.push_back({point.pixel, point.outwards, point.seen, point.hit,
-                       BestEdge(edges, table_options, point.pixel, point.outwards)});
+                       BestEdge(edges, frame.search, point.pixel, point.outwards)});
   }
   return samples;
 }

@@ -496,7 +496,7 @@ std::shared_ptr<MapSnapshot> MappingPipeline::Impl::Map(Prepared& prepared) {
     return Snapshot(std::move(report), prepared.frame, prepared.edges, {});
   }
   if (prepared.options_version != options_version)  // made ready before they changed
-    prepared.input->table = SearchTable(prepared.edges, options, sequence->camera().fx);
+    MakeTables(options, sequence->camera().fx, *prepared.input);
   if (own_poses != nullptr && prepared.floor)
     mapper->SetFloor(prepared.floor->floor_in_world, prepared.floor->std_m);
   FrameReport report = mapper->Step(*prepared.input);

@@ -144,8 +144,12 @@ class Smoother {
       const auto input = inputs_.find(item.sights[view].frame);
       if (input == inputs_.end()) continue;
       ObjectImage image;
-      image.table =
-          SearchTable(refiner_.EdgesFor(item, input->first), setup_.options, setup_.camera.fx);
+      const bool afar =
+          IsAfar(map_, item.pose, input->second.world_from_cam.inverse(), setup_.options);
+      image.table = std::make_shared<const OrientedTable>(
+          refiner_.EdgesFor(item, input->first),
+          afar ? NarrowSearchOptions(setup_.options, setup_.camera.fx)
+               : SearchOptions(setup_.options, setup_.camera.fx));
       image.detections = input->second.detections;
       const OcclusionMaps maps = renderer_.RenderOccluders(
           setup_.camera, input->second.world_from_cam.inverse(), MeanStates(Objects(), true));

@@ -98,7 +98,7 @@ void Run() {
   std::jthread tables([&] {
     for (const MapperInput& given : frames) {
       MapperInput input = given;
-      input.table = SearchTable(input.edges, setup.options, kCamera.fx);
+      MakeTables(setup.options, kCamera.fx, input);
       if (!ahead.Push(std::move(input))) return;
     }
   });

@@ -139,7 +139,7 @@ MapperInput MappingScene::Input(int frame, const Eigen::Isometry3d& world_from_c
   input.stamp_ns = 100'000'000LL * (frame + 1);
   input.world_from_cam = world_from_cam;
   input.edges = Edges(world_from_cam, objects);
-  input.table = SearchTable(input.edges, {}, camera_.fx);
+  MakeTables({}, camera_.fx, input);
   input.detections = DetectionsFromProposals(Boxes(world_from_cam, objects));
   return input;
 }
