@@ -3,11 +3,13 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <set>
 
 #include "tests/support/mapping_scene.h"
+#include "tests/support/meshes.h"
 
 namespace plumbline {
 namespace {
@@ -153,6 +155,47 @@ TEST_F(KeyFramesTest, ComesBackFromBytes) {
     EXPECT_EQ(cv::countNonZero(a.maps.rendered().second_depth != b.maps.rendered().second_depth),
               0);
   }
+}
+
+TEST_F(KeyFramesTest, TheNarrowTableIsThatOfANarrowerSearch) {
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  MapperInput input = scene_.Input(0, LookAt({2.2, 0.6, 1.4}, {0, 0, 0.4}), {&chair, 1});
+  options_.search_sigma_px = 2.5;
+  options_.far_search_sigma_px = 1;
+  MakeTables(options_, scene_.camera().fx, input);
+  OrientedTableOptions narrow = SearchOptions(options_, scene_.camera().fx);
+  narrow.sigma_px *= 1 / 2.5;
+  const OrientedTable wanted(input.edges, narrow);
+  const OrientedTable& table = input.narrow_table->Get();
+  EXPECT_EQ(&table, &input.narrow_table->Get()) << "made once";
+  const std::size_t cells = static_cast<std::size_t>(table.width()) * table.height() * 16;
+  EXPECT_TRUE(std::equal(table.cells(), table.cells() + cells, wanted.cells()));
+  int narrower = 0;
+  for (std::size_t i = 0; i < cells; ++i) {
+    EXPECT_LE(table.cells()[i], input.table->cells()[i]);
+    narrower += table.cells()[i] < input.table->cells()[i] ? 1 : 0;
+  }
+  EXPECT_GT(narrower, 10000);
+}
+
+TEST_F(KeyFramesTest, WhatIsAfarDependsOnDepthAndOnHowLargeThingsAre) {
+  MapFrame map = scene_.map();
+  options_.far_m = 2.5;
+  const PoseHypothesis chair = scene_.Hypothesis(scene_.Place("chair", 0, 0, 30));
+  const auto afar = [&](double distance_m) {
+    const Eigen::Vector3d from = chair.center_in_world + Eigen::Vector3d(0.6, 0.8, 0) * distance_m;
+    return IsAfar(map, chair, LookAt(from, chair.center_in_world).inverse(), options_);
+  };
+  EXPECT_FALSE(afar(2.49));
+  EXPECT_TRUE(afar(2.51));
+  CadModel car;
+  car.name = car.category = "car";
+  car.mesh = MakeBox({-2.2f, -0.9f, 0}, {2.2f, 0.9f, 1.5f});
+  car.bounds = BoundingBox(car.mesh);
+  map.database = ModelDatabase::FromModels({car});
+  const PoseHypothesis there{ModelId{0}, 0, {0, 0, 0.75}};
+  EXPECT_FALSE(IsAfar(map, there, LookAt({12, 0, 1.5}, {0, 0, 0.75}).inverse(), options_))
+      << "models of cars err by more";
 }
 
 TEST_F(KeyFramesTest, DamagedBytesAndMissingFramesAreErrors) {
