@@ -87,6 +87,7 @@ class GlRenderer final : public Renderer {
                  std::span<const VisibleInstance> visible) const;
   void DrawContour(const cv::Rect& part, double step_m) const;
   bool InShader(const RenderOptions& options) const {
+    PLB_CHECK(!options.luminance) << "only the processor's renderer tells luminances";
     return options.contour_pass == ContourPass::kShader ||
            (options.contour_pass == ContourPass::kAuto && !context_.IsSoftware());
   }

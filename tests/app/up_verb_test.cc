@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <sstream>
 #include <thread>
 
@@ -12,6 +13,7 @@
 
 #include "engine/base/file_lock.h"
 #include "engine/base/files.h"
+#include "engine/base/random.h"
 #include "engine/mapping/map_report.h"
 #include "engine/nodes/run_mirror.h"
 #include "engine/recording/run_file.h"
@@ -98,6 +100,28 @@ TEST_F(UpVerb, OneLineOfTheGraphSaysWhatRunsWhere) {
   arguments[1] = Path("three.json");
   ASSERT_EQ(Run(arguments), 0) << Output();
   EXPECT_EQ(Difference("one.plb", "three.plb"), "");
+}
+
+TEST_F(UpVerb, EachNodeKilledAtRandomItEndsWithTheSameRun) {
+  ASSERT_EQ(Run(Arguments("run", "one.plb")), 0) << Output();
+  const auto seed = std::chrono::steady_clock::now().time_since_epoch().count();
+  Random random({.seed = static_cast<std::uint64_t>(seed)});
+  std::map<std::string, int> kills;
+  const pid_t up = Start(Arguments("up", "killed.plb", {"--folder", Path("graph")}));
+  const std::vector<std::string> kinds = {"player", "edges", "detector", "mapper", "recorder"};
+  for (std::size_t turn = 0; IsRunning(up) && kills.size() < kinds.size() && turn < 200; ++turn) {
+    std::this_thread::sleep_for(std::chrono::microseconds(random.Index(150000)));
+    const std::string& kind = kinds[turn % kinds.size()];
+    if (FramesIn("killed.plb") == 0 || kills.contains(kind)) continue;
+    for (const pid_t child : ChildrenOf(up)) {
+      if (CommandOf(child).find(" node " + kind + " ") == std::string::npos) continue;
+      if (kill(child, SIGKILL) == 0) ++kills[kind];
+    }
+  }
+  ASSERT_EQ(WaitFor(up), 0) << Output();
+  EXPECT_GE(kills.size(), 3u) << "it was over too soon";
+  EXPECT_THAT(Output(), testing::HasSubstr("starting it again"));
+  EXPECT_EQ(Difference("one.plb", "killed.plb"), "") << Output();
 }
 
 TEST_F(UpVerb, InterruptedItKeepsWhatIsDoneAndGoesOnInOneProcessOrSeveral) {

@@ -27,7 +27,7 @@ constexpr OptionName kNames[] = {
     {"search_radius_px", kSearch, "How far to look"},
     {"search_sigma_px", kSearch, "How fast distance counts less"},
     {"far_search_sigma_px", kSearch, "The same, afar"},
-    {"far_m", kSearch, "What is afar"},
+    {"far_m", kSearch, "Where afar begins"},
     {"inner_lines", kSearch, "Creases and marks, too"},
     {"edge_power", kSearch, "Power of edge probability"},
     {"occlusion_margin_m", kSearch, "Nearer surface that hides"},
