@@ -31,6 +31,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 TUNING_SEEDS = list(range(1, 11))
 HELD_OUT_SEEDS = list(range(101, 121))
 ROOM_FRAMES = ("--frames", "300")
+SCENE_FILM = ("--size", "640x480", "--light-rays", "16")  # larger ones take several minutes each
+CLAIM_FILM = ("--frames", "200", "--rate", "20", *SCENE_FILM)
 OWN_POSE_SEEDS = HELD_OUT_SEEDS[:10]
 OWN_POSE_FILM = ("--imu", "--rest", "2", "--size", "640x480", "--rate", "20", "--light-rays", "16")
 CLAIMS = ["occlusion", "clutter", "blur", "lowcontrast", "truncation", "duplicate", "variant"]  # of the paper
@@ -104,13 +106,13 @@ def all_sets():
     ]
     for scene in CLAIMS:
         sets.append(RoomSet("claim-" + scene, f"synthetic scenes '{scene}', edges of the images", [0], scene=scene,
-                            room_seeds=SCENE_SEEDS, film=ROOM_FRAMES))
+                            room_seeds=SCENE_SEEDS, film=CLAIM_FILM))
     for scene in SCENES:
         sets.append(RoomSet("scene-" + scene, f"synthetic scenes '{scene}', edges of the images", [0], scene=scene,
-                            room_seeds=SCENE_SEEDS))
+                            room_seeds=SCENE_SEEDS, film=SCENE_FILM))
     for rate in ("5", "10", "30", "60"):
         sets.append(RoomSet("scene-rates-" + rate, f"one walk at {rate} Hz, edges of the images", [0], scene="rates",
-                            room_seeds=SCENE_SEEDS, film=("--rate", rate)))
+                            room_seeds=SCENE_SEEDS, film=("--rate", rate, *SCENE_FILM)))
     return sets
 
 
@@ -208,6 +210,8 @@ class Measurement:
             sequences.append((folder, folder.name))
         for seed in (arguments.rooms or room_set.room_seeds) if room_set.scene else []:
             sequences.append((self.film(room_set, seed), f"{room_set.scene} {seed}"))
+        if arguments.backwards:
+            sequences = [(self.backwards(folder), room + " backwards") for folder, room in sequences]
         variants = {"as it is": ("default", [])}
         if arguments.ablate is not None:
             names = [name.strip() for name in arguments.ablate.split(",") if name.strip()] or list(ABLATIONS)
@@ -251,6 +255,52 @@ class Measurement:
         (folder / "trajectory.txt").write_text("\n".join(poses) + "\n")
         if told:
             (folder / "trajectory.covariance.csv").write_text("\n".join(covariances) + "\n")
+        return folder
+
+    def backwards(self, sequence):
+        """The sequence as it would have been filmed by who walks its way backwards: the last image first, at the first one's time. Without an IMU."""
+        folder = self.out / "backwards" / sequence.name
+        folder.mkdir(parents=True, exist_ok=True)
+        stems = sorted(image.stem for image in (sequence / "color").iterdir() if image.stem.isdigit())
+        stem_then = dict(zip(stems, reversed(stems)))
+
+        def link(name, target):
+            if not (folder / name).exists():
+                (folder / name).symlink_to(target.resolve())
+
+        for entry in sequence.iterdir():
+            if entry.name in ("color", "edges", "proposals"):
+                (folder / entry.name).mkdir(exist_ok=True)
+                for file in entry.iterdir():
+                    name = f"{entry.name}/{stem_then.get(file.stem, file.stem)}{file.suffix}"
+                    if file.suffix != ".json":
+                        link(name, file)
+                        continue
+                    views = json.loads(file.read_text())
+                    for view in views:
+                        image = pathlib.Path(view["image"])
+                        view["image"] = stem_then[image.stem] + image.suffix
+                    (folder / name).write_text(json.dumps(views))
+            elif entry.name in ("camera.json", "gravity.json", "models", "scene.ply"):
+                link(entry.name, entry)
+        lines = (sequence / "trajectory.txt").read_text().splitlines()
+        poses = [line.split() for line in lines if line.strip() and not line.startswith("#")]
+        if len(poses) != len(stems):
+            raise Failure(f"{sequence} has {len(stems)} images and {len(poses)} poses; --backwards needs one for each")
+        (folder / "trajectory.txt").write_text("\n".join(
+            [line for line in lines if line.startswith("#")] +
+            [" ".join([there[0], *then[1:]]) for there, then in zip(poses, reversed(poses))]) + "\n")
+        truth = json.loads((sequence / "ground_truth.json").read_text())
+        ends = int(stems[0]) + int(stems[-1])
+        for instance in truth["instances"]:
+            instance["visible_frames"] = [[ends - last, ends - first]
+                                          for first, last in reversed(instance.get("visible_frames", []))]
+        (folder / "ground_truth.json").write_text(json.dumps(truth))
+        if (sequence / "visibility.csv").exists():
+            header, *rows = (sequence / "visibility.csv").read_text().splitlines()
+            rows = [row.split(",", 1) for row in rows]
+            (folder / "visibility.csv").write_text("\n".join(
+                [header] + [f"{ends - int(frame)},{rest}" for frame, rest in rows]) + "\n")
         return folder
 
     def input_of(self, choice):
@@ -741,6 +791,8 @@ def parse():
     parser.add_argument("--pose-noise", type=pose_noise, metavar="METRES,DEGREES[,untold]",
                         help="give every pose an error of its own, of that standard deviation on each axis, and tell the "
                         "mapper unless 'untold'")
+    parser.add_argument("--backwards", action="store_true",
+                        help="the last image first: the same pictures, found in another order and from other places")
     parser.add_argument("--out", default=str(ROOT / "build/measure"), metavar="DIR")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="runs at once (default 2)")
     parser.add_argument("--keep", action="store_true", help="keep the run files (.plb), to look at in the window")

@@ -20,6 +20,9 @@ constexpr double kLooksBeforeMerging = 1;
 constexpr double kLinesOfTable = 1.5;  ///< OutlineLines of a thing with `view_correlation`.
 constexpr std::size_t kJoined = 60;    ///< Poses that a merged object leaves, about.
 constexpr double kPlanted_m = 0.02, kPlanted_rad = 0.03;  ///< Deviations of what is planted.
+/// A confirmed object that is known to no better than so many times what it was confirmed with, in
+/// so many independent looks, is lost: right ones are that wide in two at most, but for one.
+constexpr double kLostSpread = 3, kLostLooks = 3;
 constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
 
 std::string MotionInWords(const MotionTest& motion, const MapperOptions& options) {
@@ -180,11 +183,38 @@ bool Mapper::Impl::IsKnown(const MapObject& object, double least_belief) const {
          // Its boxes of before it was spawned count.
          (object.seen_s > options().confirm_age_s ||
           (may_move && object.motion.boxes() >= MotionTest::kLeastBoxes)) &&
-         object.mean().position_std_m <
-             options().confirm_position_std_m * map.LengthScale(object.mean().label) &&
+         PositionSpread(object) < 1 &&
          (!may_move ||
           object.motion.LogStanding(options()) >= std::log(options().confirm_standing)) &&
          BeliefInMean(object) >= least_belief;
+}
+
+double Mapper::Impl::SpreadOfModes(const MapObject& object) const {
+  double weight = 0, squares = 0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const PoseMode& mode : object.modes) {
+    const Eigen::Vector3d center = ToHypothesis(mode, map).center_in_world;
+    weight += mode.weight;
+    sum += mode.weight * center;
+    squares += mode.weight * (center.squaredNorm() + mode.position_std_m * mode.position_std_m);
+  }
+  if (weight <= 0) return 0;
+  return std::sqrt(std::max(0.0, squares / weight - (sum / weight).squaredNorm()));
+}
+
+void Mapper::Impl::CountLook(MapObject& object, const Sighting& sighting, double novelty) const {
+  if (object.state == ObjectState::kConfirmed && !MovesByItself(object.category) &&
+      SpreadOfModes(object) >
+          kLostSpread * options().confirm_position_std_m * map.LengthScale(object.mean().label)) {
+    object.shown = std::min(0.0, object.shown) - novelty * (1 - object.hidden);
+  } else if (BeliefInMean(object) < kInDoubt) {
+    // One frame may tip the belief in one of two poses; a whole look at enough of it decides.
+    object.shown = 0;
+  } else {
+    object.shown =
+        std::max(0.0, object.shown) +
+        novelty * LookOf(sighting, object.visible_fraction, PositionSpread(object), options());
+  }
 }
 
 void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, FrameReport& report) {
@@ -202,6 +232,9 @@ void Mapper::Impl::UpdateLifecycle(const MapperInput& input, double novelty, Fra
                         object.seen_s > options().confirm_age_s;
     if (object.log_evidence < least && judged) {
       Retire(object, EventKind::kRetired, {}, "seen where it should show, without support", report);
+    } else if (object.shown <= -kLostLooks) {
+      Retire(object, EventKind::kRetired, {}, "in view, and no longer known where it stands",
+             report);
     } else if (may_move && BeliefInMean(object) >= kInDoubt &&
                std::max(object.log_evidence, judged ? least : 0.0) +
                        object.motion.LogAgainst(options()) <

@@ -193,7 +193,7 @@ Mapper::Impl::RememberedLooks Mapper::Impl::LookBack(const MapObject& object,
     const double views = weight / judging.telling;
     looks.evidence += views * looks_per_view * SightingLogRatio(sighting, options());
     looks.boxes += views * looks_per_view * BoxLogRatio(sighting, options());
-    if (ShowsEnough(sighting, shown.visible_fraction)) looks.shown += views;
+    if (LookOf(sighting, shown.visible_fraction, 1, options()) >= 1) looks.shown += views;
   };
   add(input, occluders, object.present_weight);
   for (const ObjectView& seen : object.views) {
@@ -235,12 +235,7 @@ void Mapper::Impl::UpdateExistence(MapObject& object, const MapperInput& input,
       object.slopes.Add(slope, novelty);
     }
   }
-  // One frame may tip the belief in one of two poses; a whole look at enough of it decides.
-  if (BeliefInMean(object) < kInDoubt) {
-    object.shown = 0;
-  } else if (ShowsEnough(sighting, object.visible_fraction)) {
-    object.shown += novelty;
-  }
+  CountLook(object, sighting, novelty);
   if (MovesByItself(object.category)) Follow(object, matched, input);
   // Only what has been seen to be there can be said to be hidden.
   if (object.state == ObjectState::kConfirmed) {
