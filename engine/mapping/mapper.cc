@@ -203,12 +203,13 @@ double Mapper::Impl::SpreadOfModes(const MapObject& object) const {
 }
 
 void Mapper::Impl::CountLook(MapObject& object, const Sighting& sighting, double novelty) const {
-  if (object.state == ObjectState::kConfirmed && !MovesByItself(object.category) &&
-      SpreadOfModes(object) >
-          kLostSpread * options().confirm_position_std_m * map.LengthScale(object.mean().label)) {
+  // One frame may tip the belief in one of two poses; a whole look at enough of it decides.
+  const bool in_doubt = BeliefInMean(object) < kInDoubt;
+  const double known_to_m = options().confirm_position_std_m * map.LengthScale(object.mean().label);
+  if (in_doubt && object.state == ObjectState::kConfirmed && !MovesByItself(object.category) &&
+      SpreadOfModes(object) > kLostSpread * known_to_m) {
     object.shown = std::min(0.0, object.shown) - novelty * (1 - object.hidden);
-  } else if (BeliefInMean(object) < kInDoubt) {
-    // One frame may tip the belief in one of two poses; a whole look at enough of it decides.
+  } else if (in_doubt) {
     object.shown = 0;
   } else {
     object.shown =

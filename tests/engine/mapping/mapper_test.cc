@@ -305,6 +305,32 @@ TEST_F(MapperTest, PointsBeforeAnObjectExcuseItsAbsence) {
   EXPECT_LT(log_odds_lost(true), 0.5 * without);
 }
 
+TEST_F(MapperTest, AConfirmedObjectThatIsLostIsGivenUpAfterSomeLooks) {
+  constexpr int kSeen = 16;
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const auto mapper = NewMapper();
+  FrameReport report;
+  for (int frame = 0; frame < kSeen; ++frame) report = mapper->Step(Seen(frame, {&chair, 1}));
+  ASSERT_EQ(report.objects.size(), 1u);
+  ASSERT_EQ(report.objects.front().state, ObjectState::kConfirmed);
+  const double spread_m = report.objects.front().modes.front().position_std_m;
+  // The belief stays as it is; what it is measured by does not.
+  MapperOptions strict;
+  strict.confirm_position_std_m = spread_m / 20;
+  mapper->SetOptions(strict);
+  int gone = -1;
+  for (int frame = kSeen; frame < kSeen + 12 && gone < 0; ++frame) {
+    report = mapper->Step(Seen(frame, {&chair, 1}));
+    for (const EventReport& event : report.events) {
+      if (event.kind != EventKind::kRetired) continue;
+      EXPECT_EQ(event.text, "in view, and no longer known where it stands");
+      gone = frame - kSeen;
+    }
+  }
+  EXPECT_GE(gone, 2) << "one image may mislead";
+  EXPECT_LE(gone, 8);
+}
+
 TEST_F(MapperTest, WhatHidesASettledObjectDoesNotMoveIt) {
   constexpr int kSeen = 16, kEnd = 48;
   const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
