@@ -16,10 +16,6 @@ constexpr double kConfirmingLooks = 1.5;
 constexpr double kHeldLooks = 2;
 /// Of the contour, for a belief that has held: a quarter hardly tells front from back.
 constexpr double kHeldVisible = 0.3;
-/// Of the deviation that a confirmed object may have.
-constexpr double kPrecise = 0.25;
-/// Five looks at a fifth of a contour are worth one and a half at a quarter.
-constexpr double kPartOfLook = 0.3;
 constexpr int kPlacesAround = 24;
 /// As sharp as this a marginal over shifts is within 0.02 of the best: where a view is off is free
 /// here, for the object as for the places around it. A likelihood would charge the object alone.
@@ -64,15 +60,6 @@ double TentativeLogOdds(const TentativeEvidence& evidence, const MapperOptions& 
            options.box_share * kTellingBoxes * std::tanh(evidence.boxes / kTellingBoxes);
   }
   return options.tentative_odds + passing + options.remembered_share * limited(evidence.remembered);
-}
-
-double LookOf(const Sighting& sighting, double visible_fraction, double position_std,
-              const MapperOptions& options) {
-  const bool boxed = sighting.box_score * sighting.box_iou > options.telling_box;
-  if (sighting.edge_surplus <= options.expected_edge * (boxed ? 0.5 : 1.0)) return 0;
-  if (visible_fraction >= options.confirm_shown) return 1;
-  const bool part = visible_fraction >= options.confirm_part_shown && position_std < kPrecise;
-  return part ? kPartOfLook : 0;
 }
 
 std::optional<double> BeliefToConfirm(double shown, double visible_fraction, bool rival,

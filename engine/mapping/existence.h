@@ -38,18 +38,10 @@ struct TentativeEvidence {
 /// alone tell right from wrong.
 double TentativeLogOdds(const TentativeEvidence& evidence, const MapperOptions& options);
 
-/// How much of a whole look an image gives, in [0, 1], for who asks whether enough of an object has
-/// shown: all of one if `confirm_shown` of its contour shows with support of edges, part of one if
-/// `confirm_part_shown` does and its place is known to a quarter of `confirm_position_std_m`. Where
-/// a box says that this very contour is there, half of that support will do.
-/// @param position_std  In units of what a confirmed object's may be (confirm_position_std_m).
-double LookOf(const Sighting& sighting, double visible_fraction, double position_std,
-              const MapperOptions& options);
-
 /// What of its particles the mean pose of a tentative object must have to be confirmed, in [0, 1];
 /// nothing while too little of it has shown. Where a belief has held for some looks, and what is
 /// left of it is scattered, less will do.
-/// @param shown  Independent looks (LookOf) at a pose that was believed.
+/// @param shown  Independent looks in which enough of it showed at a pose that was believed.
 /// @param visible_fraction  Of its contour, now.
 /// @param rival  Whether a second mode has some of the belief.
 std::optional<double> BeliefToConfirm(double shown, double visible_fraction, bool rival,

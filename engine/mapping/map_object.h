@@ -38,7 +38,8 @@ struct MapObject : ObjectBelief {
   double passing = 0;          ///< While tentative, see TentativeEvidence.
   double remembered_evidence = 0, remembered_boxes = 0;  ///< The same.
   double hidden = 0;   ///< Probability that something unmapped hides it, if it is there.
-  double shown = 0;    ///< Independent looks that showed it (LookOf); below 0 while it is lost.
+  double shown = 0;    ///< Independent looks in which enough of it showed, see confirm_shown;
+                       ///< below 0 while it is lost.
   double seen_s = 0;   ///< Time in which it was updated.
   ObjectId rival;      ///< The object that it competes with for one place, if any,
   double rivalry = 0;  ///< and for how many independent looks it has.

@@ -20,8 +20,8 @@ constexpr double kLooksBeforeMerging = 1;
 constexpr double kLinesOfTable = 1.5;  ///< OutlineLines of a thing with `view_correlation`.
 constexpr std::size_t kJoined = 60;    ///< Poses that a merged object leaves, about.
 constexpr double kPlanted_m = 0.02, kPlanted_rad = 0.03;  ///< Deviations of what is planted.
-/// A confirmed object that is known to no better than so many times what it was confirmed with, in
-/// so many independent looks, is lost: right ones are that wide in two at most, but for one.
+/// A confirmed object in doubt that is known to no better than so many times what it was confirmed
+/// with, in so many independent looks, is lost.
 constexpr double kLostSpread = 3, kLostLooks = 3;
 constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
 
@@ -183,7 +183,8 @@ bool Mapper::Impl::IsKnown(const MapObject& object, double least_belief) const {
          // Its boxes of before it was spawned count.
          (object.seen_s > options().confirm_age_s ||
           (may_move && object.motion.boxes() >= MotionTest::kLeastBoxes)) &&
-         PositionSpread(object) < 1 &&
+         object.mean().position_std_m <
+             options().confirm_position_std_m * map.LengthScale(object.mean().label) &&
          (!may_move ||
           object.motion.LogStanding(options()) >= std::log(options().confirm_standing)) &&
          BeliefInMean(object) >= least_belief;
@@ -212,9 +213,8 @@ void Mapper::Impl::CountLook(MapObject& object, const Sighting& sighting, double
   } else if (in_doubt) {
     object.shown = 0;
   } else {
-    object.shown =
-        std::max(0.0, object.shown) +
-        novelty * LookOf(sighting, object.visible_fraction, PositionSpread(object), options());
+    object.shown = std::max(0.0, object.shown);
+    if (ShowsEnough(sighting, object.visible_fraction)) object.shown += novelty;
   }
 }
 

@@ -193,7 +193,7 @@ Mapper::Impl::RememberedLooks Mapper::Impl::LookBack(const MapObject& object,
     const double views = weight / judging.telling;
     looks.evidence += views * looks_per_view * SightingLogRatio(sighting, options());
     looks.boxes += views * looks_per_view * BoxLogRatio(sighting, options());
-    if (LookOf(sighting, shown.visible_fraction, 1, options()) >= 1) looks.shown += views;
+    if (ShowsEnough(sighting, shown.visible_fraction)) looks.shown += views;
   };
   add(input, occluders, object.present_weight);
   for (const ObjectView& seen : object.views) {

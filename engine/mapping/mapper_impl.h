@@ -262,10 +262,12 @@ struct Mapper::Impl {
     const double level = edge_level.Of(object.category);
     return judging.large ? std::max(EdgeLevel::kUsual, level * judging.telling) : level;
   }
-  /// The deviation of a mean's position in units of what a confirmed object's may be.
-  double PositionSpread(const MapObject& object) const {
-    return object.mean().position_std_m /
-           (options().confirm_position_std_m * map.LengthScale(object.mean().label));
+  /// Whether a look shows enough of a pose, with support of edges, to be decided by. Where a box
+  /// says that this very contour is there, half of that support will do.
+  bool ShowsEnough(const Sighting& sighting, double visible_fraction) const {
+    const bool boxed = sighting.box_score * sighting.box_iou > options().telling_box;
+    return sighting.edge_surplus > options().expected_edge * (boxed ? 0.5 : 1.0) &&
+           visible_fraction >= options().confirm_shown;
   }
   /// Deviation of the centre over all modes, not about the mean pose alone [m].
   double SpreadOfModes(const MapObject& object) const;

@@ -131,7 +131,6 @@ struct MapperOptions {
   double confirm_mode_weight = 0.95;
   double confirm_held_weight = 0.85;
   double confirm_shown = 0.25;
-  double confirm_part_shown = 0.18;
   double confirm_age_s = 0.5;
   double tentative_limit_s = 6.0;
 
@@ -331,10 +330,6 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
       o.confirm_shown,
       {"confirm_shown", "",
        "share of the contour that must have shown, with support of edges, for a whole look", 0, 1});
-  visit(o.confirm_part_shown,
-        {"confirm_part_shown", "",
-         "the same for part of a look, at what is placed to a quarter of confirm_position_std_m", 0,
-         1});
   visit(o.confirm_age_s,
         {"confirm_age_s", "s", "shortest time in view before confirmation", 0, 100});
   visit(o.tentative_limit_s, {"tentative_limit_s", "s",

@@ -163,34 +163,6 @@ TEST(BeliefToConfirm, IsLessWhereABeliefHasHeldWithoutARival) {
   EXPECT_EQ(BeliefToConfirm(9, 0.3, false, kOptions), held);
 }
 
-TEST(LookOf, AQuarterOfAContourIsAWholeLookAndAFifthPartOfOneWhereThePlaceIsKnown) {
-  const double whole = kOptions.confirm_shown, part = kOptions.confirm_part_shown;
-  const Sighting seen = Seen();
-  EXPECT_EQ(LookOf(seen, whole, 0.9, kOptions), 1);
-  EXPECT_EQ(LookOf(seen, whole - 0.01, 0.9, kOptions), 0) << "its twin has the same back rest";
-  EXPECT_EQ(LookOf(seen, part - 0.01, 0.1, kOptions), 0);
-  // Five of them are needed where one and a half do otherwise.
-  const double fifth = LookOf(seen, part, 0.1, kOptions);
-  EXPECT_EQ(BeliefToConfirm(4.9 * fifth, part, false, kOptions), std::nullopt);
-  EXPECT_EQ(BeliefToConfirm(5.1 * fifth, part, false, kOptions), kOptions.confirm_mode_weight);
-  MapperOptions off;
-  off.confirm_part_shown = off.confirm_shown;
-  EXPECT_EQ(LookOf(seen, part, 0.1, off), 0);
-}
-
-TEST(LookOf, NeedsSupportOfEdgesHalfOfItWhereABoxIsOnTheContour) {
-  Sighting sighting = Seen();
-  sighting.edge_surplus = static_cast<float>(0.6 * kOptions.expected_edge);
-  sighting.box_score = 0;
-  EXPECT_EQ(LookOf(sighting, 1, 0.1, kOptions), 0);
-  sighting.box_score = 0.9f;
-  sighting.box_iou = 0.9f;
-  ASSERT_GT(sighting.box_score * sighting.box_iou, kOptions.telling_box);
-  EXPECT_EQ(LookOf(sighting, 1, 0.1, kOptions), 1);
-  sighting.edge_surplus = static_cast<float>(0.4 * kOptions.expected_edge);
-  EXPECT_EQ(LookOf(sighting, 1, 0.1, kOptions), 0);
-}
-
 TEST(EdgeSurplus, IsLargeWhereTheObjectStandsAndSmallElsewhere) {
   MappingScene& scene = MappingScene::Get();
   const PlacedModel chair = scene.Place("chair", 0, 0, 30),

@@ -92,7 +92,6 @@ constexpr OptionName kNames[] = {
     {"confirm_mode_weight", kLife, "Least belief in one place"},
     {"confirm_held_weight", kLife, "Belief held for two looks"},
     {"confirm_shown", kLife, "Contour that must have shown"},
-    {"confirm_part_shown", kLife, "Contour that shows for part of a look"},
     {"confirm_age_s", kLife, "Shortest time to confirm"},
     {"tentative_limit_s", kLife, "Longest time as a candidate"},
 
