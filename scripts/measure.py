@@ -258,7 +258,7 @@ class Measurement:
         return folder
 
     def backwards(self, sequence):
-        """The sequence as it would have been filmed by who walks its way backwards: the last image first, at the first one's time. Without an IMU."""
+        """The sequence with its last image first, at the first one's time; images are links. Without an IMU."""
         folder = self.out / "backwards" / sequence.name
         folder.mkdir(parents=True, exist_ok=True)
         stems = sorted(image.stem for image in (sequence / "color").iterdir() if image.stem.isdigit())
