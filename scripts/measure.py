@@ -211,6 +211,8 @@ class Measurement:
         for seed in (arguments.rooms or room_set.room_seeds) if room_set.scene else []:
             sequences.append((self.film(room_set, seed), f"{room_set.scene} {seed}"))
         if arguments.backwards:
+            if room_set.own_poses:
+                raise Failure("own poses need the IMU, which --backwards leaves out")
             sequences = [(self.backwards(folder), room + " backwards") for folder, room in sequences]
         variants = {"as it is": ("default", [])}
         if arguments.ablate is not None:
@@ -259,6 +261,9 @@ class Measurement:
 
     def backwards(self, sequence):
         """The sequence with its last image first, at the first one's time; images are links. Without an IMU."""
+        for name in ("color", "trajectory.txt", "ground_truth.json"):
+            if not (sequence / name).exists():
+                raise Failure(f"{sequence} has no {name}, which --backwards needs")
         folder = self.out / "backwards" / sequence.name
         folder.mkdir(parents=True, exist_ok=True)
         stems = sorted(image.stem for image in (sequence / "color").iterdir() if image.stem.isdigit())
