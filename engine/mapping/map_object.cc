@@ -10,6 +10,35 @@
 
 namespace plumbline {
 
+namespace {
+
+/// Of each shape but the first of `in_place` the larger of both probabilities, of that one the
+/// smaller; together 1, falling.
+std::vector<LabelProbability> MoreDoubtful(std::vector<LabelProbability> posterior,
+                                           const std::vector<LabelProbability>& in_place) {
+  for (const LabelProbability& shape : in_place) {
+    const auto found =
+        std::find_if(posterior.begin(), posterior.end(),
+                     [&](const LabelProbability& other) { return other.label == shape.label; });
+    if (found == posterior.end())
+      posterior.push_back(shape);
+    else if (shape.label == in_place.front().label)
+      found->probability = std::min(found->probability, shape.probability);
+    else
+      found->probability = std::max(found->probability, shape.probability);
+  }
+  double sum = 0;
+  for (const LabelProbability& shape : posterior) sum += shape.probability;
+  for (LabelProbability& shape : posterior) shape.probability /= sum;
+  std::stable_sort(posterior.begin(), posterior.end(),
+                   [](const LabelProbability& a, const LabelProbability& b) {
+                     return a.probability > b.probability;
+                   });
+  return posterior;
+}
+
+}  // namespace
+
 void MapObject::Summarize(const MapFrame& map) {
   modes = FindModes(particles, world_from_reference_cam, map);
   covariance = ModeCovariance(modes.front(), particles, world_from_reference_cam, map);
@@ -17,6 +46,8 @@ void MapObject::Summarize(const MapFrame& map) {
   covariance += outline_covariance;
   label_probability = LabelPosterior(particles);
   label = mean().label;
+  if (!shapes_in_place.empty() && shapes_in_place.front().label == label)
+    label_probability = MoreDoubtful(std::move(label_probability), shapes_in_place);
   world_from_object = mean().world_from_object;
   scale = mean().scale;
   scale_std = mean().scale_std;
@@ -92,9 +123,10 @@ ObjectReport ToReport(const MapObject& object) {
     out.Put(object.world_from_proposal_cam);
   }
   object.paper.Save(out);
-  // Scales, then crops, motion, boxes, shared errors and those of outlines come last and only where
-  // there are any: older files have none.
-  const bool outlined = !object.outline_covariance.isZero(0),
+  // Scales, then crops, motion, boxes, shared errors, those of outlines and other shapes come last
+  // and only where there are any: older files have none.
+  const bool compared = !object.shapes_in_place.empty(),
+             outlined = compared || !object.outline_covariance.isZero(0),
              shares = outlined || !object.shared_error.isZero(0),
              boxed = shares || object.remembered_boxes != 0,
              followed = boxed || object.motion.boxes() > 0,
@@ -112,6 +144,13 @@ ObjectReport ToReport(const MapObject& object) {
   }
   if (outlined) {
     for (const double value : object.outline_covariance.reshaped()) out.Put(value);
+  }
+  if (compared) {
+    out.Put(static_cast<std::uint32_t>(object.shapes_in_place.size()));
+    for (const LabelProbability& shape : object.shapes_in_place) {
+      out.Put(shape.label.value);
+      out.Put(shape.probability);
+    }
   }
   report.filter_state = out.Take();
   return report;
@@ -180,12 +219,24 @@ Result<MapObject> FromReport(const ObjectReport& report, const ModelDatabase& mo
   } else if (!in.rest().empty()) {
     for (double& value : object.outline_covariance.reshaped()) value = in.Get<double>();
   }
+  const std::uint32_t shapes = in.rest().empty() ? 0 : in.Get<std::uint32_t>();
+  for (std::uint32_t i = 0; i < shapes && in.ok(); ++i) {
+    LabelProbability shape;
+    shape.label.value = in.Get<std::int32_t>();
+    shape.probability = in.Get<double>();
+    object.shapes_in_place.push_back(shape);
+  }
   const auto known = [&models](int label) {
     return label >= 0 && label < static_cast<int>(models.models().size());
   };
   const bool labels_are_known =
       std::all_of(object.joined.begin(), object.joined.end(),
                   [&](const PoseHypothesis& other) { return known(other.label.value); }) &&
+      std::all_of(object.shapes_in_place.begin(), object.shapes_in_place.end(),
+                  [&](const LabelProbability& shape) {
+                    return known(shape.label.value) && shape.probability > 0 &&
+                           shape.probability <= 1;
+                  }) &&
       std::all_of(object.paper.means.begin(), object.paper.means.end(),
                   [&](const Particle& mean) { return known(mean.label); });
   if (!in.ok() || !labels_are_known || report.modes.empty() || report.particles == nullptr ||

@@ -30,6 +30,9 @@ struct MapObject : ObjectBelief {
   Eigen::Matrix3d shared_error = Eigen::Matrix3d::Zero();  ///< Of its place, see SharedError.
   /// Of place and azimuth, see OutlineCovariance.
   Eigen::Matrix4d outline_covariance = Eigen::Matrix4d::Zero();
+  /// Once it is confirmed: of its most likely shape, which comes first, and of others in its place,
+  /// see CompareShapes.
+  std::vector<LabelProbability> shapes_in_place;
   PoseId reference_pose;       ///< Names it,
   int reference_epoch = 0;     ///< and how often it has been corrected.
   double present_weight = 0;   ///< How much of a view the last frame was, beside `views`.
@@ -61,7 +64,8 @@ struct MapObject : ObjectBelief {
   /// to it now: the next search judges it anew.
   void MoveTo(const PoseEstimate& reference, const MapFrame& map);
   /// Works out modes, covariance, label and pose from the particles; the covariance has the errors
-  /// that views share besides.
+  /// that views share besides, and of another shape is told what `shapes_in_place` has where that
+  /// is more than the particles have.
   void Summarize(const MapFrame& map);
 };
 

@@ -555,7 +555,8 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
     }
     object.present_weight *= Judge(object, input, occluders).telling;
   }
-  PoseSampler sampler(map, options(), PosteriorOf(object, input, occluders),
+  Target posterior = PosteriorOf(object, input, occluders);
+  PoseSampler sampler(map, options(), posterior,
                       Key(setup.seed, input.frame, object.id, Draw::kSearch));
   Population population =
       Rejudge(object, last, static_cast<int>(object.particles.size()), sampler, input.frame);
@@ -580,7 +581,10 @@ void Mapper::Impl::Search(MapObject& object, const MapperInput& input,
     object.outline_covariance = OutlineErrorOf(object, input, occluders);
     Summarize(object, input);
   }
-  if (!tentative) return;
+  if (!tentative) {
+    CompareShapes(object, population, std::move(posterior), input.frame);
+    return;
+  }
   const RememberedLooks looks = LookBack(object, input, occluders);
   object.remembered_evidence = looks.evidence;
   object.remembered_boxes = looks.boxes;

@@ -41,7 +41,8 @@ enum class Draw : std::uint32_t {
   kBirth,
   kNewcomers,
   kSearch,
-  kLandmark
+  kLandmark,
+  kShapes
 };
 
 inline RandomKey Key(std::uint64_t seed, int frame, ObjectId object, Draw draw) {
@@ -288,6 +289,10 @@ struct Mapper::Impl {
   // Steps of a frame, in order.
   void UpdateWeights(MapObject& object, const MapperInput& input, const OcclusionMaps& occluders,
                      double dt_s, double novelty, FrameReport& report);
+  /// What other shapes there may be in the place of a settled object: of a population of its
+  /// posterior, and those shapes' masses there, tempered (mapper_shapes.cc).
+  void CompareShapes(MapObject& object, const Population& population, Target posterior,
+                     int frame) const;
   /// What its crop in this image says of its shape and quarter turn, where it is another view.
   void LookAtCrop(MapObject& object, const MapperInput& input, const ScoringView& view) const;
   /// What an image that shows so much of a pose can say; without novelty, box and edges.

@@ -63,6 +63,7 @@ struct MapperOptions {
   double telling_contour_px = 150;
   double outline_std_px = 0.65;
   double outline_side_std_px = 1;
+  double shape_temperature = 8;
   double crop_sharpness = 0;
   bool inner_lines = true;
   ScoredBox scored_box = ScoredBox::kBest;
@@ -186,6 +187,11 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
         {"outline_side_std_px", "px",
          "the same of the sides of an outline that face right, down, left and up, each its own", 0,
          20});
+  visit(o.shape_temperature,
+        {"shape_temperature", "",
+         "what another shape in a confirmed object's place falls short by in the log of the "
+         "posterior tells shapes apart as if it were so many times less; 1: as it is",
+         1, 1000});
   visit(
       o.crop_sharpness,
       {"crop_sharpness", "",

@@ -31,6 +31,9 @@ constexpr double kLeastSpread_scale = 0.1, kUsualSpread_scale = 1, kLeastWalk_sc
 /// A step so far in position goes one deviation of its prior in scale.
 constexpr double kStepOfScale_m = 0.05;
 
+constexpr std::size_t kRivalStarts = 27;  ///< Of another shape in the place of a population,
+constexpr double kRivalWarmth = 8;        ///< and the temperature that its peak is sought from.
+
 constexpr double kTurnedAboutSide = 0.4;  ///< Share of turns about the front or back of a model.
 
 /// One round of a search: how many go on, how sharply they are chosen, how far they step.
@@ -75,6 +78,12 @@ ScaleRow RowOf(const Eigen::Matrix4d& root, const Eigen::Vector4d& covariance, d
   row.with_pose = root.triangularView<Eigen::Lower>().solve(covariance);
   row.own = std::sqrt(std::max(variance - row.with_pose.squaredNorm(), 1e-12));
   return row;
+}
+
+double HighestOf(const Population& population) {
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const Judgement& judged : population.judged) highest = std::max(highest, judged.log_target);
+  return highest;
 }
 
 double Squared(double value) { return value * value; }
@@ -151,28 +160,34 @@ PoseHypothesis PoseSampler::Turned(PoseHypothesis hypothesis) {
   return hypothesis;
 }
 
-PoseHypothesis PoseSampler::Relabelled(PoseHypothesis hypothesis) {
-  Random random = Next();
+PoseHypothesis PoseSampler::WithShape(PoseHypothesis hypothesis, ModelId label, double in_depth,
+                                      double in_width) const {
   const CadModel& before = map_.database->model(hypothesis.label);
-  std::vector<ModelId> others = map_.database->OfCategory(before.category);
-  std::erase(others, hypothesis.label);
-  if (others.empty()) return hypothesis;
-  const ModelId label = others[random.Index(static_cast<std::uint32_t>(others.size()))];
   const CadModel& after = map_.database->model(label);
-  // What showed of the wide sofa was an end of it: the small one that was taken for it has that end
-  // in the same place, not the middle. So along each axis the middle stays, or one of the sides.
   const Eigen::Vector3d half_growth =
       0.5 * hypothesis.scale() * (after.bounds.sizes() - before.bounds.sizes()).cast<double>();
-  const double along = random.Index(3) - 1.0, across = random.Index(3) - 1.0;
   hypothesis.center_in_world +=
       map_.upright.WorldFromObjectRotation(hypothesis.azimuth_rad) *
-      Eigen::Vector3d(along * half_growth.x(), across * half_growth.y(), 0);
+      Eigen::Vector3d(in_depth * half_growth.x(), in_width * half_growth.y(), 0);
   if (map_.StandsOnFloor(label) && map_.StandsOnFloor(hypothesis.label)) {
     hypothesis.center_in_world += hypothesis.scale() * (after.center().z() - before.center().z()) *
                                   map_.upright.up_in_world();
   }
   hypothesis.label = label;
   return hypothesis;
+}
+
+PoseHypothesis PoseSampler::Relabelled(const PoseHypothesis& hypothesis) {
+  Random random = Next();
+  std::vector<ModelId> others =
+      map_.database->OfCategory(map_.database->model(hypothesis.label).category);
+  std::erase(others, hypothesis.label);
+  if (others.empty()) return hypothesis;
+  const ModelId label = others[random.Index(static_cast<std::uint32_t>(others.size()))];
+  // What showed of the wide sofa was an end of it: the small one that was taken for it has that end
+  // in the same place, not the middle. So along each axis the middle stays, or one of the sides.
+  const double in_depth = random.Index(3) - 1.0, in_width = random.Index(3) - 1.0;
+  return WithShape(hypothesis, label, in_depth, in_width);
 }
 
 std::vector<PoseHypothesis> PoseSampler::Challengers(const std::vector<PoseHypothesis>& population,
@@ -198,8 +213,7 @@ std::vector<PoseHypothesis> PoseSampler::Challengers(const std::vector<PoseHypot
 
 std::vector<std::size_t> PoseSampler::Choose(const Population& population, double temperature,
                                              std::size_t count) {
-  double highest = -std::numeric_limits<double>::infinity();
-  for (const Judgement& judged : population.judged) highest = std::max(highest, judged.log_target);
+  const double highest = HighestOf(population);
   std::vector<double> sums;
   double sum = 0;
   for (const Judgement& judged : population.judged)
@@ -283,8 +297,7 @@ std::vector<ProposalMode> PoseSampler::ModesOf(const Population& population, dou
                                                double reach, const PoseSpread& usual) const {
   std::vector<ProposalMode> modes;
   std::vector<bool> taken(population.size(), false);
-  double highest = -std::numeric_limits<double>::infinity();
-  for (const Judgement& judged : population.judged) highest = std::max(highest, judged.log_target);
+  const double highest = HighestOf(population);
   while (modes.size() < kMostModes) {
     std::size_t seed = population.size();
     for (std::size_t i = 0; i < population.size(); ++i) {
@@ -410,6 +423,33 @@ std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
   return modes;
 }
 
+std::vector<ShapeRival> PoseSampler::RivalShapes(const Population& population, double reach) {
+  std::vector<ShapeRival> rivals;
+  if (population.size() == 0) return rivals;
+  const PoseSpread usual = SpreadWithin(population);
+  const ProposalMode own =
+      ModesOf(population, 0, std::numeric_limits<double>::infinity(), usual).front();
+  const double best = HighestOf(population);
+  for (const ModelId label :
+       map_.database->OfCategory(map_.database->model(own.mean.label).category)) {
+    if (label == own.mean.label) continue;
+    Population starts;
+    for (std::size_t i = 0; i < kRivalStarts; ++i) {
+      const PoseHypothesis& from = population.hypotheses[i * population.size() / kRivalStarts];
+      starts.hypotheses.push_back(WithShape(from, label, static_cast<double>(i % 3) - 1,
+                                            static_cast<double>(i / 3 % 3) - 1));
+    }
+    starts.judged = target_(starts.hypotheses);
+    if (HighestOf(starts) < best - reach) continue;
+    ProposalMode start = own;  // with the width of the own one
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      if (starts.judged[i].log_target == HighestOf(starts)) start.mean = starts.hypotheses[i];
+    }
+    rivals.push_back({label, Polished(start, kRivalWarmth, usual).weight - own.weight});
+  }
+  return rivals;
+}
+
 PoseHypothesis PoseSampler::Draw(const std::vector<ProposalMode>& modes) {
   Random random = Next();
   double pick = random.Uniform();
@@ -483,9 +523,7 @@ Population PoseSampler::Temper(const std::vector<PoseHypothesis>& draws, std::si
   Population population{draws, target_(draws)};
   double reached = 0;  // inverse temperature
   while (reached < 1) {
-    double highest = -std::numeric_limits<double>::infinity();
-    for (const Judgement& judged : population.judged)
-      highest = std::max(highest, judged.log_target);
+    const double highest = HighestOf(population);
     const auto effective_share = [&](double step) {
       double sum = 0, squares = 0;
       for (const Judgement& judged : population.judged) {

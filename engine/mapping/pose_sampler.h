@@ -55,6 +55,12 @@ struct ProposalMode {
   double log_determinant = 0;  ///< Of the scale matrix, with log-scale where it is free.
 };
 
+/// Another shape about where a population stands.
+struct ShapeRival {
+  ModelId label;
+  double log_ratio = 0;  ///< Of the target's mass there to that of the population's own shape.
+};
+
 /// Markov moves over shape, pose and (with `scale_std` > 0) scale that leave a target density
 /// unchanged, whatever it is, and the search that tells them where to jump.
 /// docs/algorithms/semantic_filter.md has the derivation.
@@ -96,11 +102,23 @@ class PoseSampler {
   std::vector<PoseHypothesis> Challengers(const std::vector<PoseHypothesis>& population,
                                           std::size_t count);
 
+  /// How much less the target has of the other shapes of a category in a place: each is put where
+  /// the population is, with its middle or a side in common, and the best start is brought to its
+  /// peak. Masses are those of normal distributions about the peaks.
+  /// @param population  Around one pose, of one shape.
+  /// @param reach       Shapes that start lower than the population's best by more nats are left
+  ///                    out.
+  std::vector<ShapeRival> RivalShapes(const Population& population, double reach);
+
  private:
   /// @param room_step_m  Times LengthScale.
   PoseHypothesis Step(PoseHypothesis hypothesis, double room_step_m, double azimuth_rad);
   PoseHypothesis Turned(PoseHypothesis hypothesis);
-  PoseHypothesis Relabelled(PoseHypothesis hypothesis);
+  PoseHypothesis Relabelled(const PoseHypothesis& hypothesis);
+  /// The same pose with another shape, which has its middle (0) or its low (1) or high (-1) side in
+  /// the place of the first one's, in depth and width; what stands on the floor keeps its base.
+  PoseHypothesis WithShape(PoseHypothesis hypothesis, ModelId label, double in_depth,
+                           double in_width) const;
   /// Indices drawn in proportion to exp(log target / temperature), systematically.
   std::vector<std::size_t> Choose(const Population& population, double temperature,
                                   std::size_t count);

@@ -187,6 +187,45 @@ TEST(MapObject, ComesBackFromItsReport) {
   EXPECT_EQ(restored->outline_covariance, Eigen::Matrix4d(d * d.transpose()));
 }
 
+TEST(MapObject, TellsOfAnotherShapeInItsPlaceWhatIsMore) {
+  const std::vector<ModelId> chairs = Models().OfCategory("chair");
+  ASSERT_GE(chairs.size(), 2u);
+  MapObject object = RandomObject();
+  const MapFrame map = MappingScene::Get().map();
+  for (Particle& particle : object.particles)
+    particle.label = static_cast<std::uint16_t>(chairs[0].value);
+  object.Summarize(map);
+  EXPECT_EQ(object.label_probability.size(), 1u) << "all of one shape";
+  object.shapes_in_place = {{chairs[0], 0.75}, {chairs[1], 0.25}};
+  object.Summarize(map);
+  ASSERT_EQ(object.label_probability.size(), 2u);
+  EXPECT_EQ(object.label_probability[0].label, chairs[0]);
+  EXPECT_EQ(object.label_probability[0].probability, 0.75);
+  EXPECT_EQ(object.label_probability[1].probability, 0.25);
+
+  const Result<MapObject> back = FromReport(ToReport(object), Models());
+  ASSERT_TRUE(back.ok());
+  ASSERT_EQ(back->shapes_in_place.size(), 2u);
+  EXPECT_EQ(back->shapes_in_place[1].label, chairs[1]);
+  EXPECT_EQ(back->shapes_in_place[1].probability, 0.25);
+  EXPECT_EQ(ToReport(*back).filter_state, ToReport(object).filter_state);
+
+  // Particles that doubt more are told as they are, and once they are of another shape mostly, what
+  // was found in its place before is not.
+  for (std::size_t i = 0; i < 40; ++i)
+    object.particles[i].label = static_cast<std::uint16_t>(chairs[1].value);
+  object.Summarize(map);
+  EXPECT_NEAR(object.label_probability[0].probability, 0.6, 1e-6);
+  for (std::size_t i = 0; i < 70; ++i)
+    object.particles[i].label = static_cast<std::uint16_t>(chairs[1].value);
+  object.Summarize(map);
+  EXPECT_EQ(object.label_probability[0].label, chairs[1]);
+  EXPECT_NEAR(object.label_probability[0].probability, 0.7, 1e-6);
+
+  object.shapes_in_place = {{chairs[0], 0.75}, {ModelId{1000}, 0.25}};
+  EXPECT_FALSE(FromReport(ToReport(object), Models()).ok()) << "of a model that is not there";
+}
+
 TEST(MapObject, AReportThatLacksWhatResumingNeedsIsAnError) {
   const ObjectReport good = ToReport(RandomObject());
   ObjectReport bad = good;

@@ -256,6 +256,41 @@ TEST_F(MapperTest, AnObjectLargerThanItsModelIsFoundAtItsScale) {
   }
 }
 
+TEST_F(MapperTest, ShapesAreToldApartAsSharplyAsTheirTemperatureSays) {
+  constexpr int kEnd = 40;
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const auto found = [&](double temperature) {
+    MapperOptions options;
+    options.shape_temperature = temperature;
+    const auto mapper = NewMapper(options);
+    ObjectReport last;
+    for (int frame = 0; frame < kEnd; ++frame) {
+      const FrameReport report = mapper->Step(Seen(frame, {&chair, 1}));
+      if (const ObjectReport* best = Best(report)) last = *best;
+    }
+    return last;
+  };
+  const ObjectReport cold = found(1), warm = found(100), hot = found(1000);
+  ASSERT_EQ(cold.state, ObjectState::kConfirmed);
+  const auto told = [&](const ObjectReport& object) {
+    EXPECT_EQ(object.label, chair.label);
+    EXPECT_EQ(object.label_probability.front().label, chair.label);
+    double sum = 0;
+    for (const LabelProbability& label : object.label_probability) sum += label.probability;
+    EXPECT_NEAR(sum, 1, 1e-9);
+    return object.label_probability.front().probability;
+  };
+  const double others = static_cast<double>(scene_.database()->OfCategory("chair").size()) - 1;
+  ASSERT_GE(others, 1);
+  EXPECT_GT(told(cold), 0.999);
+  EXPECT_LT(told(warm), told(cold));
+  EXPECT_GT(told(warm), told(hot));
+  EXPECT_NEAR(told(hot), 1 / (1 + others), 0.05);
+  // It is told, and changes nothing of what is believed.
+  EXPECT_TRUE(cold.world_from_object.isApprox(hot.world_from_object, 0));
+  EXPECT_EQ(cold.log_evidence, hot.log_evidence);
+}
+
 TEST_F(MapperTest, AChairOnAPlatformIsFoundThereIfThePlatformIsTold) {
   constexpr int kEnd = 30;
   PlacedModel chair = scene_.Place("chair", 0, 0, 30);

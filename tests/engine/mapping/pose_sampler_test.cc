@@ -206,6 +206,24 @@ TEST_P(PoseSamplerTest, ShapesComeOutInTheirProportions) {
               Error(0.7));
 }
 
+TEST_P(PoseSamplerTest, TellsByHowMuchAnotherShapeInThePlaceFallsShort) {
+  const PoseHypothesis a = At("chair", 1, 2, 0.4), b = At("armchair", 1.01, 2.01, 0.42);
+  for (const double log_ratio : {0.0, -7.0, -20.0}) {
+    PoseSampler sampler = Sampler([&](const PoseHypothesis& h) {
+      return h.label == a.label   ? LogGaussian(h, a, 0.02, 0.05)
+             : h.label == b.label ? log_ratio + LogGaussian(h, b, 0.03, 0.04)
+                                  : -1e30;
+    });
+    Population population = Around(a, 0.02, 0.05, sampler);
+    for (int i = 0; i < 10; ++i) sampler.Walk(population);
+    const std::vector<ShapeRival> rivals = sampler.RivalShapes(population, 30);
+    ASSERT_EQ(rivals.size(), 1u) << "of all shapes but those that are impossible";
+    EXPECT_EQ(rivals.front().label, b.label);
+    EXPECT_NEAR(rivals.front().log_ratio, log_ratio, 1.5);
+    if (log_ratio < -10) EXPECT_TRUE(sampler.RivalShapes(population, 10).empty());
+  }
+}
+
 TEST_P(PoseSamplerTest, ASharpRivalIsReachedFromARoughSearch) {
   const PoseHypothesis a = At("chair", 1, 2, 0.4), b = At("armchair", 1.02, 2.01, 0.42);
   constexpr double kStd_m = 0.002, kStd_rad = 0.2 * kRadPerDeg;

@@ -18,6 +18,7 @@ constexpr OptionName kNames[] = {
     {"view_correlation", kScore, "Error that never averages out"},
     {"outline_std_px", kScore, "Edges beside the outline"},
     {"outline_side_std_px", kScore, "The same, of one side"},
+    {"shape_temperature", kScore, "Temperature of shapes"},
     {"tentative_sharpness", kScore, "Sharpest views of candidates"},
     {"landmark_drift_m", kScore, "Drift that objects correct"},
     {"telling_contour_px", kScore, "Contour that counts fully"},
