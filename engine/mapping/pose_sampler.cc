@@ -440,11 +440,12 @@ std::vector<ShapeRival> PoseSampler::RivalShapes(const Population& population, d
                                             static_cast<double>(i / 3 % 3) - 1));
     }
     starts.judged = target_(starts.hypotheses);
-    if (HighestOf(starts) < best - reach) continue;
+    const auto highest = std::max_element(
+        starts.judged.begin(), starts.judged.end(),
+        [](const Judgement& a, const Judgement& b) { return a.log_target < b.log_target; });
+    if (highest->log_target < best - reach) continue;
     ProposalMode start = own;  // with the width of the own one
-    for (std::size_t i = 0; i < starts.size(); ++i) {
-      if (starts.judged[i].log_target == HighestOf(starts)) start.mean = starts.hypotheses[i];
-    }
+    start.mean = starts.hypotheses[static_cast<std::size_t>(highest - starts.judged.begin())];
     rivals.push_back({label, Polished(start, kRivalWarmth, usual).weight - own.weight});
   }
   return rivals;
