@@ -58,8 +58,7 @@ struct ViewpointModelOptions {
   int points = 256;     ///< Of each view.
   int image_px = 176;   ///< Resolution of the rays that find the contour.
   double contour_step_m =
-      0.08;  ///< Depth jump that makes a contour (less for objects smaller than 27 cm): handles and
-             ///< boards that stand out less show few edges or none.
+      0.04;  ///< Depth jump that makes a contour (less for objects smaller than 13 cm).
   double inner_weight = 0.5;  ///< Of a length of crease or mark beside the same length of contour.
   double crease_angle_deg = 40;  ///< Between faces that make a crease.
   double mark_contrast = 0.15;   ///< Step of luminance (0 .. 1) that makes a mark.
