@@ -31,6 +31,16 @@ class MapperTest : public testing::Test {
     return scene_.Input(frame, LookAt({2 * std::cos(angle), 2 * std::sin(angle), 1.4}, {0, 0, 0.4}),
                         objects);
   }
+  /// The best object of the last frame that has one, after so many in which `thing` is seen.
+  ObjectReport AfterSeeing(const PlacedModel& thing, int frames, const MapperOptions& options) {
+    const auto mapper = NewMapper(options);
+    ObjectReport last;
+    for (int frame = 0; frame < frames; ++frame) {
+      const FrameReport report = mapper->Step(Seen(frame, {&thing, 1}));
+      if (const ObjectReport* best = Best(report)) last = *best;
+    }
+    return last;
+  }
   static const ObjectReport* Best(const FrameReport& report) {
     const ObjectReport* best = nullptr;
     for (const ObjectReport& object : report.objects)
@@ -237,13 +247,7 @@ TEST_F(MapperTest, AnObjectLargerThanItsModelIsFoundAtItsScale) {
     const auto found = [&](double scale_std) {
       MapperOptions options;
       options.scale_std = scale_std;
-      const auto mapper = NewMapper(options);
-      ObjectReport last;
-      for (int frame = 0; frame < kEnd; ++frame) {
-        const FrameReport report = mapper->Step(Seen(frame, {&chair, 1}));
-        if (const ObjectReport* best = Best(report)) last = *best;
-      }
-      return last;
+      return AfterSeeing(chair, kEnd, options);
     };
     const ObjectReport fixed = found(0), free = found(0.03);
     EXPECT_EQ(fixed.scale, 1);
@@ -262,13 +266,7 @@ TEST_F(MapperTest, ShapesAreToldApartAsSharplyAsTheirTemperatureSays) {
   const auto found = [&](double temperature) {
     MapperOptions options;
     options.shape_temperature = temperature;
-    const auto mapper = NewMapper(options);
-    ObjectReport last;
-    for (int frame = 0; frame < kEnd; ++frame) {
-      const FrameReport report = mapper->Step(Seen(frame, {&chair, 1}));
-      if (const ObjectReport* best = Best(report)) last = *best;
-    }
-    return last;
+    return AfterSeeing(chair, kEnd, options);
   };
   const ObjectReport cold = found(1), warm = found(100), hot = found(1000);
   ASSERT_EQ(cold.state, ObjectState::kConfirmed);
