@@ -167,9 +167,8 @@ class DetailsPanel : public Panel {
   static void DrawLabels(const FrameContext& context, const ObjectReport& object) {
     DimText("Which model");
     Tooltip(context,
-            "Probability of each shape of the category; once the object is confirmed, of other "
-            "shapes in "
-            "its place at least what shape_temperature leaves of them.");
+            "Probability of each shape of the category. Once the object is confirmed, other "
+            "shapes are put in its place and compared.");
     const ImVec2 bar(std::max(context.Scaled(40), 0.34f * ImGui::GetContentRegionAvail().x),
                      ImGui::GetTextLineHeight() * 0.55f);
     int shown = 0;
