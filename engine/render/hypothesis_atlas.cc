@@ -60,7 +60,7 @@ GpuHypothesis Aim(const AtlasMesh& mesh, const AtlasHypothesis& hypothesis,
           .cast<float>();
   const double pixel = 2.0 * half_width / (options.tile_px - 12);
   aimed.pixel = static_cast<float>(pixel);
-  aimed.step_m = static_cast<float>(std::min(options.contour_step_m, 0.3 * radius));
+  aimed.step_m = static_cast<float>(options.contour_step.Of(distance, radius));
   aimed.length_m = static_cast<float>(pixel * distance);
   return aimed;
 }
