@@ -3,14 +3,14 @@
 
 #include <algorithm>
 
+#include "engine/models/model_database.h"
+
 namespace plumbline {
 
-/// Which steps in depth of a model are contour. From afar only those count that are larger: handles
-/// and boards that stand out by a few centimetres show few edges there or none
-/// (docs/algorithms/semantic_filter.md#relief).
+/// Which steps in depth of a model are contour.
 struct ContourStep {
   double near_m = 0.04;
-  double far_m = 0.08;      ///< Of views from `far_view_m` on.
+  double far_m = 0.04;      ///< Of views from `far_view_m` on.
   double far_view_m = 2.5;  ///< From the camera to the model's centre.
   double of_radius = 0.3;   ///< At most, of the model's bounding radius: small things have less.
 
@@ -19,5 +19,14 @@ struct ContourStep {
     return std::min(distance_m < far_view_m ? near_m : far_m, of_radius * radius_m);
   }
 };
+
+/// What has a back has a front, whose handles and boards stand out by a few centimetres and show
+/// few edges from afar or none; as contour they speak for the plain back instead
+/// (docs/algorithms/semantic_filter.md#relief).
+inline ContourStep ContourStepOf(const CadModel& model) {
+  ContourStep step;
+  if (model.back) step.far_m = 0.08;
+  return step;
+}
 
 }  // namespace plumbline

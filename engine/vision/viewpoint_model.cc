@@ -65,6 +65,7 @@ int ViewpointModel::NumViews() const {
 
 ViewpointModelOptions ViewpointsOf(const CadModel& model) {
   ViewpointModelOptions options;
+  options.contour_step = ContourStepOf(model);
   options.max_elevation_deg = 80;
   options.min_elevation_deg = model.support == Support::kFloor ? -10 : -60;
   options.elevations =

@@ -265,12 +265,15 @@ TEST(ViewpointModel, FollowsTheRenderersContourOfShapesWithInnerSteps) {
   EXPECT_LE(far_pixels, 0.02 * pixels);
 }
 
-TEST(ViewpointModel, WhatStandsOutLittleIsContourFromNearByOnly) {
+TEST(ViewpointModel, WhatStandsOutLittleOfAFrontIsContourFromNearByOnly) {
   const TriangleMesh plain = MakeBox({-0.3f, -0.6f, 0}, {0.3f, 0.6f, 0.8f});
   TriangleMesh with_handle = plain, handle = MakeBox({0.3f, -0.1f, 0.3f}, {0.35f, 0.1f, 0.5f});
   Append(handle, with_handle);
   ViewpointModelOptions options = FewViews();
   options.distances = {2, 4};
+  CadModel fronted;
+  fronted.back = true;
+  options.contour_step = ContourStepOf(fronted);
   const auto before = Built(ModelOf(plain), options);
   const auto after = Built(ModelOf(with_handle), options);
   const auto contour_m = [](const ContourView& view) {
@@ -288,6 +291,8 @@ TEST(ViewpointModel, WhatStandsOutLittleIsContourFromNearByOnly) {
   EXPECT_NEAR(contour_m(after->View(center + far_m * front)) -
                   contour_m(before->View(center + far_m * front)),
               0, 0.1);
+  EXPECT_EQ(plumbline::ViewpointsOf(fronted).contour_step.far_m, options.contour_step.far_m);
+  EXPECT_LT(plumbline::ViewpointsOf(CadModel()).contour_step.far_m, options.contour_step.far_m);
 }
 
 /// A box of two halves of different colour, x < 0 and x > 0.
