@@ -220,11 +220,11 @@ LOOKED_AT = 128  # Synthetic rooms from 101 to this were looked at while rules w
 INTRODUCTION = """# How accurate its maps are
 
 Written by `scripts/accuracy_page.py` from results of `scripts/measure.sh`, all of one program (commit {commit}); no figure here is put in by hand.
-What each setting is, what was tuned on what, and what fails: [the semantic filter](algorithms/semantic_filter.md#measured). What the columns mean: [evaluation](algorithms/evaluation.md).
+What each setting is, what was tuned on what, and what fails: [the semantic filter](algorithms/semantic_filter_measured.md). What the columns mean: [evaluation](algorithms/evaluation.md).
 
 Means are over all objects found, turned round or not, of all runs together. *Found*: confirmed within 50 cm of an instance of its category. *Shows well*: for 2 s or more (in synthetic pictures with 2000 pixels).
 *Truth in 50 %*: in the highest-density region of the belief, at the end of the run; 50 % of the objects is honest. NEES: a mean of 4 and a median of 2.0 are ([tails](algorithms/semantic_filter.md#tails)). `dataset`: boxes that come with the data (of the office PicoDet's; of synthetic rooms drawn with errors). `builtin`: our own networks; `gradient`: no network.
-± is half of the 95 % confidence interval. Synthetic rooms 101 to {looked_at} were looked at while rules were made ([which, and when](algorithms/semantic_filter.md#measured)), 101 to 120 with seeds 0 to 5, the others with 0 to 2 (125 with 3, too); later ones were not.
+± is half of the 95 % confidence interval. Synthetic rooms 101 to {looked_at} were looked at while rules were made ([which, and when](algorithms/semantic_filter_measured.md)), 101 to 120 with seeds 0 to 5, the others with 0 to 2 (125 with 3, too); later ones were not.
 """
 
 
