@@ -22,4 +22,19 @@ SideScores HypothesisScorer::ScoreSides(const ScoringView& view, const UprightFr
   return scores;
 }
 
+std::vector<HypothesisScore> HypothesisScorer::ScoreShifts(
+    const ScoringView& view, const UprightFrame& upright,
+    std::span<const PoseHypothesis> hypotheses, std::span<const ImageShift> shifts) const {
+  std::vector<HypothesisScore> scores(shifts.size() * hypotheses.size());
+  std::span<HypothesisScore> rest = scores;
+  ScoringView moved = view;
+  for (const ImageShift& shift : shifts) {
+    moved.camera.cx = view.camera.cx + shift.x_px;
+    moved.camera.cy = view.camera.cy + shift.y_px;
+    Score(moved, upright, hypotheses, rest.first(hypotheses.size()));
+    rest = rest.subspan(hypotheses.size());
+  }
+  return scores;
+}
+
 }  // namespace plumbline

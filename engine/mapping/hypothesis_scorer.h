@@ -59,8 +59,8 @@ struct ScoringView {
   /// How far outside of the outline the edges are looked for, where it faces right, down, left and
   /// up in the image [px].
   std::array<double, 4> outline_offsets_px = {};
-  /// Where the image may be instead, as its pose errs (Evaluate marginalises over them; scorers
-  /// look where the pose says). Empty: there.
+  /// Where the image may be instead, as its pose errs (Evaluate marginalises over them; Score()
+  /// looks where the pose says). Empty: there.
   std::vector<ImageShift> shifts = {};
 };
 
@@ -93,6 +93,13 @@ class HypothesisScorer {
   /// what this does unless a scorer knows better.
   virtual SideScores ScoreSides(const ScoringView& view, const UprightFrame& upright,
                                 std::span<const PoseHypothesis> hypotheses, double offset_px) const;
+  /// With the principal point moved by each shift: scores of all hypotheses for the first, then for
+  /// the second, and so on. Boxes may be empty. Scores what Score() does for each, which is what
+  /// this does unless a scorer knows better.
+  virtual std::vector<HypothesisScore> ScoreShifts(const ScoringView& view,
+                                                   const UprightFrame& upright,
+                                                   std::span<const PoseHypothesis> hypotheses,
+                                                   std::span<const ImageShift> shifts) const;
 };
 
 /// The offsets of the `k`th of SideScores.

@@ -46,21 +46,22 @@ std::vector<float> EdgeTerms(const HypothesisScorer& scorer, const ScoringView& 
   std::vector<float> terms;
   for (const HypothesisScore& score : scores) terms.push_back(term(score));
   if (view.shifts.empty() || sharpness <= 0) return terms;
-  std::vector<double> sums(terms.size(), 0.0);
-  std::vector<HypothesisScore> there(hypotheses.size());
+  double here = 0;
+  std::vector<ImageShift> elsewhere;
   for (const ImageShift& shift : view.shifts) {
-    const bool moved = shift.x_px != 0 || shift.y_px != 0;
-    if (moved) {
-      ScoringView shifted = view;
-      shifted.camera.cx += shift.x_px;
-      shifted.camera.cy += shift.y_px;
-      scorer.Score(shifted, upright, hypotheses, there);
-    }
-    for (std::size_t i = 0; i < sums.size(); ++i)
-      sums[i] += shift.weight * std::exp(sharpness * (moved ? term(there[i]) : terms[i]));
+    if (shift.x_px == 0 && shift.y_px == 0)
+      here += shift.weight;
+    else
+      elsewhere.push_back(shift);
   }
-  for (std::size_t i = 0; i < terms.size(); ++i)
-    terms[i] = static_cast<float>(std::log(sums[i]) / sharpness);
+  const std::vector<HypothesisScore> there =
+      scorer.ScoreShifts(view, upright, hypotheses, elsewhere);
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    double sum = here * std::exp(sharpness * terms[i]);
+    for (std::size_t k = 0; k < elsewhere.size(); ++k)
+      sum += elsewhere[k].weight * std::exp(sharpness * term(there[k * terms.size() + i]));
+    terms[i] = static_cast<float>(std::log(sum) / sharpness);
+  }
   return terms;
 }
 

@@ -116,6 +116,15 @@ void MoveOutwards(const std::array<double, 4>& offsets_px, ProjectedContour& poi
 }
 
 PLUMBLINE_VECTORISED
+void MoveAll(float x_px, float y_px, ProjectedContour& points) {
+  const int end = points.lanes_end;
+  for (int i = 0; i < end; ++i) {
+    points.u[i] += x_px;
+    points.v[i] += y_px;
+  }
+}
+
+PLUMBLINE_VECTORISED
 void FindCells(float near_m, int width, int height, ProjectedContour& points) {
   const float right = static_cast<float>(width), bottom = static_cast<float>(height);
   const int end = points.lanes_end;  // A copy, which no cell that is written may change.
@@ -309,6 +318,8 @@ void Widen(const ContourView& contour, const ContourProjection& p,
   FindSides(contour, p, points);
   MoveOutwards(offsets_px, points);
 }
+
+void Move(float x_px, float y_px, ProjectedContour& points) { MoveAll(x_px, y_px, points); }
 
 void CopyPoints(const ProjectedContour& points, ProjectedContour& copy) {
   copy.size = points.size;

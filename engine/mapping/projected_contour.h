@@ -51,6 +51,9 @@ void FindSides(const ContourView& contour, const ContourProjection& p, Projected
 void Widen(const ContourView& contour, const ContourProjection& p,
            const std::array<double, 4>& offsets_px, ProjectedContour& points);
 
+/// Moves all points in the image.
+void Move(float x_px, float y_px, ProjectedContour& points);
+
 /// Another contour of the same points, for which nothing but where they are is found yet.
 void CopyPoints(const ProjectedContour& points, ProjectedContour& copy);
 

@@ -23,15 +23,20 @@ HypothesisScore ScoreOf(const ContourTally& outline, const ContourTally& inner_l
   return score;
 }
 
+/// Of points whose hits have been found.
+HypothesisScore ScoreFound(const ScoringView& view, const ContourView& contour,
+                           ProjectedContour& points) {
+  LeaveOutUncontrasted(view, contour, points);
+  return ScoreOf(TallyOutline(points), view.inner_lines ? TallyInnerLines(points) : ContourTally{},
+                 contour, *view.table);
+}
+
 HypothesisScore ScoreProjected(const ScoringView& view, const ContourView& contour,
                                const ContourProjection& p, ProjectedContour& points) {
   FindHits(view, contour, p, points);
   // A detector sees what has no contrast, too.
   const ContourBoxes boxes = FindBoxes(view.near_m, points);
-  LeaveOutUncontrasted(view, contour, points);
-  HypothesisScore score =
-      ScoreOf(TallyOutline(points), view.inner_lines ? TallyInnerLines(points) : ContourTally{},
-              contour, *view.table);
+  HypothesisScore score = ScoreFound(view, contour, points);
   score.whole_box = boxes.whole.Clipped(view.camera);
   score.visible_box = boxes.seen.Clipped(view.camera);
   return score;
@@ -137,6 +142,29 @@ SideScores ViewpointScorer::ScoreSides(const ScoringView& view, const UprightFra
             for (std::size_t k = 0; k < scores.size(); ++k) {
               scores[k][i] = ScoreOf(Replaced(all, there[k % 4], beside[k / 4][k % 4]), inner_lines,
                                      contour, *view.table);
+            }
+          });
+  return scores;
+}
+
+std::vector<HypothesisScore> ViewpointScorer::ScoreShifts(
+    const ScoringView& view, const UprightFrame& upright,
+    std::span<const PoseHypothesis> hypotheses, std::span<const ImageShift> shifts) const {
+  std::vector<HypothesisScore> scores(shifts.size() * hypotheses.size());
+  ForEach(view, upright, hypotheses,
+          [&](std::size_t i, const ContourView& contour, const ContourProjection& p,
+              ProjectedContour& points) {
+            if (view.outline_offsets_px != std::array<double, 4>{})
+              Widen(contour, p, view.outline_offsets_px, points);
+            ContourProjection moved = p;
+            for (std::size_t k = 0; k < shifts.size(); ++k) {
+              const float cx = p.cx + static_cast<float>(shifts[k].x_px),
+                          cy = p.cy + static_cast<float>(shifts[k].y_px);
+              Move(cx - moved.cx, cy - moved.cy, points);
+              moved.cx = cx;
+              moved.cy = cy;
+              FindHits(view, contour, moved, points);
+              scores[k * hypotheses.size() + i] = ScoreFound(view, contour, points);
             }
           });
   return scores;

@@ -32,6 +32,10 @@ class ViewpointScorer : public HypothesisScorer {
   SideScores ScoreSides(const ScoringView& view, const UprightFrame& upright,
                         std::span<const PoseHypothesis> hypotheses,
                         double offset_px) const override;
+  /// Each contour is projected once; leaves boxes empty.
+  std::vector<HypothesisScore> ScoreShifts(const ScoringView& view, const UprightFrame& upright,
+                                           std::span<const PoseHypothesis> hypotheses,
+                                           std::span<const ImageShift> shifts) const override;
   /// The samples that Score() sums over, inner lines included whether the view counts them or not:
   /// those that are not inside the image are left out.
   std::vector<ContourPointFound> PointsFound(const ScoringView& view, const UprightFrame& upright,
