@@ -97,7 +97,7 @@ endfunction()
 add_custom_target(plumbline_quick_tests)
 
 # plumbline_add_test(NAME SOURCES a_test.cc ... LINKS ... LABEL unit|module|gpu|slow [TIMEOUT s])
-# Folders whose tests look on while programs and windows do the work set PLUMBLINE_TEST_OPTION to -O0, which compiles in half the time.
+# PLUMBLINE_TEST_OPTION is set by tests/CMakeLists.txt for each folder.
 function(plumbline_add_test name)
   cmake_parse_arguments(arg "" "LABEL;TIMEOUT" "SOURCES;LINKS" ${ARGN})
   if(NOT arg_LABEL)
