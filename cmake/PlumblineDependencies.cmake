@@ -27,6 +27,9 @@ pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(TINYXML2 REQUIRED IMPORTED_TARGET tinyxml2)
 pkg_check_modules(ZMQ REQUIRED IMPORTED_TARGET libzmq)
+# Without the folders of what it is made with itself: they come in another order the second time that CMake runs, and all that
+# uses it would be compiled again.
+set_target_properties(PkgConfig::ZMQ PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${ZMQ_INCLUDEDIR}" INTERFACE_COMPILE_OPTIONS "")
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 
 set(PLUMBLINE_VTK_ENGINE CommonCore CommonDataModel CommonMath CommonTransforms FiltersCore FiltersGeneral)
