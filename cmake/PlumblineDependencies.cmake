@@ -27,8 +27,8 @@ pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(TINYXML2 REQUIRED IMPORTED_TARGET tinyxml2)
 pkg_check_modules(ZMQ REQUIRED IMPORTED_TARGET libzmq)
-# Without the folders of what it is made with itself: they come in another order the second time that CMake runs, and all that
-# uses it would be compiled again.
+# Without the include folders of its own dependencies, which no header of it needs: CMake orders them differently when it runs
+# again, and everything that uses ZeroMQ would be compiled a second time.
 set_target_properties(PkgConfig::ZMQ PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${ZMQ_INCLUDEDIR}" INTERFACE_COMPILE_OPTIONS "")
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 
