@@ -38,6 +38,12 @@ OWN_POSE_FILM = ("--imu", "--rest", "2", "--size", "640x480", "--rate", "20", "-
 CLAIMS = ["occlusion", "clutter", "blur", "lowcontrast", "truncation", "duplicate", "variant"]  # of the paper
 SCENES = ["wall", "rows", "revisit", "twins", "office"]  # each with one difficulty, as long as its story takes
 SCENE_SEEDS = list(range(201, 206))  # not tuned on either
+# Size [px], view from left to right [deg], frames per second. The other rooms are 640x480, 81 degrees and 20 Hz.
+SENSORS = {"small": ("320x240", "60", "20"), "portrait": ("480x640", "60", "20"), "odd": ("721x405", "81", "20"),
+           "wide": ("640x480", "120", "20"), "large": ("1920x1080", "70", "20"), "slow": ("640x480", "81", "5"),
+           "fast": ("640x480", "81", "60")}
+SENSOR_SEEDS = list(range(301, 306))  # not tuned on either
+SENSOR_FILM_S = 12
 
 # Instances that show for less are listed, but are not among those that should be found.
 SHOWS_WELL_S = 2.0
@@ -113,6 +119,11 @@ def all_sets():
     for rate in ("5", "10", "30", "60"):
         sets.append(RoomSet("scene-rates-" + rate, f"one walk at {rate} Hz, edges of the images", [0], scene="rates",
                             room_seeds=SCENE_SEEDS, film=("--rate", rate, *SCENE_FILM)))
+    for name, (size, fov, rate) in SENSORS.items():
+        sets.append(RoomSet("sensor-" + name, f"the same rooms by a camera of {size} pixels and {fov} degrees at {rate} Hz, edges of the "
+                            "images", [0], scene="room", room_seeds=SENSOR_SEEDS,
+                            film=("--size", size, "--fov", fov, "--rate", rate, "--frames", str(SENSOR_FILM_S * int(rate)),
+                                  "--light-rays", "16"), asked_for=True))
     return sets
 
 
@@ -742,7 +753,7 @@ def tables(measurement, results):
              "Command: `scripts/measure.sh " + " ".join(sys.argv[1:]) + "`.",
              f"Synthetic rooms for tuning: seeds {TUNING_SEEDS[0]} to {TUNING_SEEDS[-1]}; held out: "
              f"{HELD_OUT_SEEDS[0]} to {HELD_OUT_SEEDS[-1]}; of claims and scenes, held out too: {SCENE_SEEDS[0]} to "
-             f"{SCENE_SEEDS[-1]}.",
+             f"{SCENE_SEEDS[-1]}, of sensors {SENSOR_SEEDS[0]} to {SENSOR_SEEDS[-1]}.",
              "± is half of the 95 % confidence interval (Student's t), over rooms where there are several and over "
              "seeds otherwise. Means are over all found instances, turned round or not. *Withdrawn*: confirmed "
              "once and given up. *Shows well*: "
@@ -779,7 +790,8 @@ def parse():
     parser = argparse.ArgumentParser(prog="measure.sh", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", metavar="SET,..",
-                        help="sets to measure (default: all but tuning, rooms-flawless, rooms-imu and own-poses; 'claims' and 'scenes' mean all of these): "
+                        help="sets to measure (default: all but tuning, rooms-flawless, rooms-imu, own-poses and sensors; 'claims', "
+                        "'scenes' and 'sensors' mean all of these): "
                         + ", ".join(names))
     parser.add_argument("--seeds", type=integers, metavar="A:B", help="seeds of the mapper, B not included")
     parser.add_argument("--rooms", type=integers, metavar="A:B", help="seeds of the synthetic rooms")
@@ -804,7 +816,7 @@ def parse():
     arguments = parser.parse_args()
     chosen = []
     for name in filter(None, arguments.only.split(",")):
-        wanted = [n for n in names if n == name or (name in ("claims", "scenes") and n.startswith(name[:-1] + "-"))]
+        wanted = [n for n in names if n == name or (name in ("claims", "scenes", "sensors") and n.startswith(name[:-1] + "-"))]
         if not wanted:
             parser.error(f"there is no set '{name}'; there are {', '.join(names)}")
         chosen += wanted
