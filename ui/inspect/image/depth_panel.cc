@@ -16,11 +16,19 @@ namespace plumbline {
 namespace {
 
 void DrawScale(const FrameContext& context, const ImageCanvas& canvas, const DepthRange& range) {
-  const float width = std::min(context.Scaled(150), 0.5f * (canvas.high().x - canvas.low().x));
+  const float picture = canvas.high().x - canvas.low().x;
   const float height = context.Scaled(7), pad = context.Scaled(7);
   const float text = context.fonts.small->FontSize;
-  const ImVec2 low(canvas.high().x - width - 2 * pad, canvas.high().y - height - text - 2 * pad);
-  canvas.draw().AddRectFilled({low.x - pad, low.y - pad},
+  const auto words = [](double depth_m) { return fmt::format("{:.1f} m", depth_m); };
+  const auto width_of = [&](const std::string& label) {
+    return context.fonts.small->CalcTextSizeA(text, 1e6f, 0, label.c_str()).x;
+  };
+  // Narrow pictures give more of their width, so that the two ends can be read.
+  const float ends = width_of(words(range.near_m)) + width_of(words(range.far_m)) + pad;
+  const float width = std::max(ends, std::min(context.Scaled(150), 0.5f * picture));
+  if (width > picture - 2 * pad) return;
+  const ImVec2 low(canvas.high().x - width - pad, canvas.high().y - height - text - 2 * pad);
+  canvas.draw().AddRectFilled({low.x - 0.5f * pad, low.y - pad},
                               {canvas.high().x - pad * 0.5f, canvas.high().y - pad * 0.5f},
                               IM_COL32(12, 14, 17, 200), context.Scaled(3));
   constexpr int kSteps = 48;
@@ -30,17 +38,16 @@ void DrawScale(const FrameContext& context, const ImageCanvas& canvas, const Dep
     canvas.draw().AddRectFilled({x0, low.y}, {x0 + width / kSteps + 1, low.y + height},
                                 DepthColor(depth, range));
   }
-  const auto label = [&](double share, double value, float align) {
-    const std::string words = fmt::format("{:.1f} m", value);
-    const float w = context.fonts.small->CalcTextSizeA(text, 1e6f, 0, words.c_str()).x;
+  const auto put = [&](double share, double depth_m, float align) {
+    const std::string label = words(depth_m);
     canvas.draw().AddText(
         context.fonts.small, text,
-        {low.x + width * static_cast<float>(share) - align * w, low.y + height + 1},
-        colors::kOnPicture, words.c_str());
+        {low.x + width * static_cast<float>(share) - align * width_of(label), low.y + height + 1},
+        colors::kOnPicture, label.c_str());
   };
-  label(0, range.near_m, 0);
-  if (width > context.Scaled(120)) label(0.5, 0.5 * (range.near_m + range.far_m), 0.5f);
-  label(1, range.far_m, 1);
+  put(0, range.near_m, 0);
+  if (width > context.Scaled(120)) put(0.5, 0.5 * (range.near_m + range.far_m), 0.5f);
+  put(1, range.far_m, 1);
 }
 
 class DepthPanel : public Panel {

@@ -74,8 +74,10 @@ class EdgesPanel : public Panel {
                         "Edges come with live mapping; open the sequence instead of the run.");
     }
     // Lines of one pixel would break up where the map is shown much smaller than it is.
-    const float shown = ImGui::GetContentRegionAvail().x * context.viewport->zoom /
-                        static_cast<float>(snapshot.edge_probability.cols);
+    const ImVec2 room = ImGui::GetContentRegionAvail();
+    const float shown = context.viewport->zoom *
+                        std::min(room.x / static_cast<float>(snapshot.edge_probability.cols),
+                                 room.y / static_cast<float>(snapshot.edge_probability.rows));
     const bool thick = shown < 0.6f;
     const char* name = difference_ ? "edges, expected" : thick ? "edges, thick" : "edges";
     const std::vector<ObjectId> left_out = LeftOut(context);
