@@ -86,7 +86,7 @@ struct MapperOptions {
   double floor_std_m = 0.015;
   double contact_std_m = 0.005;
   double scale_std = 0.02;
-  double seen_from_behind = 0.05;
+  double seen_from_behind = 1e-12;
 
   // Birth
   SpawnPrior prior = SpawnPrior::kInformed;
@@ -243,7 +243,7 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.seen_from_behind,
         {"seen_from_behind", "",
          "chance that an object whose model has a back is looked at from behind; 1: as any other",
-         1e-6, 1});
+         1e-12, 1});
   visit(o.prior,
         {"prior", "", "paper: nominal depth; informed: from box size, model size and floor"});
   visit(o.min_spawn_score,

@@ -34,7 +34,8 @@ constexpr double kStepOfScale_m = 0.05;
 constexpr std::size_t kRivalStarts = 27;  ///< Of another shape in the place of a population,
 constexpr double kRivalWarmth = 8;        ///< and the temperature that its peak is sought from.
 
-constexpr double kTurnedAboutSide = 0.4;  ///< Share of turns about the front or back of a model.
+/// Shares of turns about the front or back of a model, and about its middle.
+constexpr double kTurnedAboutSide = 0.4, kTurnedAboutMiddle = 0.3;
 
 /// One round of a search: how many go on, how sharply they are chosen, how far they step.
 struct Round {
@@ -144,8 +145,11 @@ PoseHypothesis PoseSampler::Turned(PoseHypothesis hypothesis) {
   const double pivot_y = random.Uniform(-0.5, 0.5) * size.y(),
                pivot_x = random.Uniform(-0.5, 0.5) * size.x();
   Eigen::Vector3d pivot(pivot_x, pivot_y, 0);
-  // What shows of a chair at a table is its back: the twin has it in the same place.
-  if (random.Uniform() < kTurnedAboutSide) {
+  const double about = random.Uniform();
+  if (about < kTurnedAboutMiddle) {  // A screen's twin has the same outline.
+    pivot.setZero();
+  } else if (about < kTurnedAboutMiddle + kTurnedAboutSide) {
+    // What shows of a chair at a table is its back: the twin has it in the same place.
     const double side = random.Uniform() < 0.5 ? 0.5 : -0.5;
     pivot = {(side + random.Uniform(-0.1, 0.1)) * size.x(), 0.1 * pivot.y(), 0};
   }
@@ -322,7 +326,7 @@ std::vector<ProposalMode> PoseSampler::ModesOf(const Population& population, dou
                   population.hypotheses[i].log_scale - from.log_scale);
     }
     ProposalMode mode;
-    mode.mean = from;
+    mode.mean = mode.highest = from;
     mode.mean.center_in_world += map_.upright.upright_rotation() * moments.mean().head<3>();
     mode.mean.azimuth_rad = WrapAngle(mode.mean.azimuth_rad + moments.mean()[3]);
     // A handful of hypotheses says little about the spread.
@@ -402,8 +406,8 @@ std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
     // Those of a search are drawn from the target already, or nearly.
     const std::size_t own = modes.size();
     int polished = 0;
-    for (const ProposalMode& found :
-         ModesOf(search, 1 / (3 * warmth), warmth * kFaintMode, usual)) {
+    for (ProposalMode& found : ModesOf(search, 1 / (3 * warmth), warmth * kFaintMode, usual)) {
+      found.mean = found.highest;  // The mean of members far apart may be where nothing fits.
       if (Knows(modes, found)) continue;
       if (polished++ == kMostPolished) break;
       const ProposalMode mode = Polished(found, warmth, usual);

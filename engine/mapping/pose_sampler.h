@@ -49,8 +49,9 @@ struct PoseSpread {
 struct ProposalMode {
   double weight = 0;  ///< Of all components together 1.
   PoseHypothesis mean;
-  Eigen::Matrix4d root;  ///< Lower Cholesky factor of the scale: (x, y, z in upright axes [m],
-                         ///< azimuth [rad]).
+  PoseHypothesis highest;  ///< Of the members that it was found by.
+  Eigen::Matrix4d root;    ///< Lower Cholesky factor of the scale: (x, y, z in upright axes [m],
+                           ///< azimuth [rad]).
   ScaleRow scale;
   double log_determinant = 0;  ///< Of the scale matrix, with log-scale where it is free.
 };

@@ -191,6 +191,7 @@ TEST_F(SearchTest, BacksAreNotLookedAtThroughWalls) {
   const auto at = [&](double x, double y) -> Eigen::Vector3d {
     return chair_.world_from_object * Eigen::Vector3d(x, y, 1.3);
   };
+  options_.seen_from_behind = 1e-3;
   const double log_behind = std::log(options_.seen_from_behind);
   const std::vector<Eigen::Vector3d> before = {at(2, 0.5), at(1.5, -2)}, beside = {at(0, 2)},
                                      behind = {at(2, 0.5), at(-2, 0)};

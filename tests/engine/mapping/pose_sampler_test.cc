@@ -313,6 +313,49 @@ TEST_P(PoseSamplerTest, AWiderShapeWithAnEndInCommonIsFound) {
   EXPECT_GT(Share(population, [&](const PoseHypothesis& h) { return h.label == wide.label; }), 0.9);
 }
 
+TEST_P(PoseSamplerTest, ASharpScreenIsTurnedRoundInItsPlace) {
+  // Seen from behind first, a screen was taken for its twin; then its front shows. Its place is a
+  // centimetre off, which is far where the target is sharp: a narrow peak on a broad hill.
+  constexpr double kSharpness = 16, kStd_m = 0.01, kStd_rad = 1.5 * kRadPerDeg;
+  MapFrame screens = map_;
+  std::vector<CadModel> models(1);
+  models[0].name = "screen";
+  models[0].category = "tv";
+  models[0].mesh = MakeBox({-0.1f, -0.28f, 0}, {0.1f, 0.28f, 0.5f});
+  models[0].bounds = BoundingBox(models[0].mesh);
+  screens.database = ModelDatabase::FromModels(std::move(models));
+  const PoseHypothesis twin{ModelId{0}, 0.4, {1, 2, 0.25}};
+  const PoseHypothesis right{ModelId{0}, WrapAngle(0.4 + std::numbers::pi), {1.01, 2.005, 0.25}};
+  const auto fits = [&](const PoseHypothesis& h, const PoseHypothesis& at) {
+    const double off = (h.center_in_world - at.center_in_world).norm() / kStd_m;
+    const double turn = WrapAngle(h.azimuth_rad - at.azimuth_rad) / kStd_rad;
+    const double size = h.log_scale / kScaleStd;
+    const double squares = off * off + turn * turn + size * size;
+    return 0.5 * std::exp(-0.5 * squares) + 0.5 * std::exp(-0.5 * squares / 16);
+  };
+  PoseSampler sampler(screens, options_,
+                      [&](std::span<const PoseHypothesis> hypotheses) {
+                        std::vector<Judgement> judged(hypotheses.size());
+                        for (std::size_t i = 0; i < judged.size(); ++i)
+                          judged[i].log_target = kSharpness * (12 * fits(hypotheses[i], twin) +
+                                                               15 * fits(hypotheses[i], right));
+                        return judged;
+                      },
+                      {.seed = 3, .frame = 1});
+  Population population = Around(twin, 0.001, 0.002, sampler);
+  for (int i = 0; i < 4; ++i) {
+    sampler.Jump(
+        population,
+        sampler.FindModes(population, sampler.Challengers(population.hypotheses, 160), kSharpness));
+    sampler.Walk(population);
+  }
+  EXPECT_GT(Share(population,
+                  [&](const PoseHypothesis& h) {
+                    return std::abs(WrapAngle(h.azimuth_rad - right.azimuth_rad)) < 0.1;
+                  }),
+            0.9);
+}
+
 TEST_P(PoseSamplerTest, TemperingFillsARing) {
   // Everywhere at once at the distance of 30 cm: no Gaussian fits it. Of few draws few are
   // ancestors of all, so one run says little of where the others are: ten are taken together.
