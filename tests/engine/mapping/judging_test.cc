@@ -191,7 +191,7 @@ TEST_F(SearchTest, BacksAreNotLookedAtThroughWalls) {
   const auto at = [&](double x, double y) -> Eigen::Vector3d {
     return chair_.world_from_object * Eigen::Vector3d(x, y, 1.3);
   };
-  options_.seen_from_behind = 1e-3;
+  options_.seen_from_behind = 0.05;
   const double log_behind = std::log(options_.seen_from_behind);
   const std::vector<Eigen::Vector3d> before = {at(2, 0.5), at(1.5, -2)}, beside = {at(0, 2)},
                                      behind = {at(2, 0.5), at(-2, 0)};
@@ -202,6 +202,9 @@ TEST_F(SearchTest, BacksAreNotLookedAtThroughWalls) {
   turned.azimuth_rad += std::numbers::pi;
   EXPECT_NEAR(LogBackPrior(map, before, turned, options_), log_behind, 0.01);
   EXPECT_EQ(LogBackPrior(scene_.map(), behind, truth, options_), 0) << "models without a back";
+  const double usual = LogBackPrior(map, behind, truth, MapperOptions());
+  EXPECT_LT(usual, -15) << "ten nats for each metre behind the back";
+  EXPECT_GT(usual, -20);
   MapperOptions off = options_;
   off.seen_from_behind = 1;
   EXPECT_EQ(LogBackPrior(map, behind, truth, off), 0);
