@@ -816,7 +816,8 @@ def parse():
     arguments = parser.parse_args()
     chosen = []
     for name in filter(None, arguments.only.split(",")):
-        wanted = [n for n in names if n == name or (name in ("claims", "scenes", "sensors") and n.startswith(name[:-1] + "-"))]
+        wanted = [n for n in names
+                  if n == name or (name in ("claims", "scenes", "sensors") and n.startswith(name[:-1] + "-"))]
         if not wanted:
             parser.error(f"there is no set '{name}'; there are {', '.join(names)}")
         chosen += wanted
