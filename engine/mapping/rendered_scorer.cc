@@ -16,7 +16,7 @@ Result<std::unique_ptr<RenderedScorer>> RenderedScorer::Create(
   if (!atlas.ok()) return atlas.error();
   scorer->atlas_ = std::move(atlas).value();
   for (const CadModel& model : database->models())
-    scorer->mesh_of_model_.push_back(scorer->atlas_->AddMesh(model.mesh, ContourStepOf(model)));
+    scorer->mesh_of_model_.push_back(scorer->atlas_->AddMesh(model.mesh));
   scorer->database_ = std::move(database);
   return scorer;
 }

@@ -33,7 +33,6 @@ struct AtlasMesh {
   gl::UploadedMesh buffers;
   Eigen::Vector3d center{0, 0, 0};
   double radius = 0;
-  ContourStep step;
 };
 
 /// A camera at the place of the real one that looks at the mesh's centre and holds its bounding
@@ -61,7 +60,7 @@ GpuHypothesis Aim(const AtlasMesh& mesh, const AtlasHypothesis& hypothesis,
           .cast<float>();
   const double pixel = 2.0 * half_width / (options.tile_px - 12);
   aimed.pixel = static_cast<float>(pixel);
-  aimed.step_m = static_cast<float>(mesh.step.Of(distance, radius));
+  aimed.step_m = static_cast<float>(std::min(options.contour_step_m, 0.3 * radius));
   aimed.length_m = static_cast<float>(pixel * distance);
   return aimed;
 }
@@ -81,7 +80,7 @@ class GlHypothesisAtlas final : public HypothesisAtlas {
   }
   ~GlHypothesisAtlas() override { context_.MakeCurrent(); }
 
-  int AddMesh(const TriangleMesh& mesh, const ContourStep& step) override;
+  int AddMesh(const TriangleMesh& mesh) override;
   void Score(const AtlasView& view, std::span<const AtlasHypothesis> hypotheses,
              std::span<AtlasScore> scores) override;
 
@@ -119,13 +118,12 @@ void GlHypothesisAtlas::Allocate() {
   score_buffer_ = gl::MakeBuffer();
 }
 
-int GlHypothesisAtlas::AddMesh(const TriangleMesh& mesh, const ContourStep& step) {
+int GlHypothesisAtlas::AddMesh(const TriangleMesh& mesh) {
   context_.MakeCurrent();
   const gl::StateGuard guard;
   AtlasMesh added;
   added.buffers = gl::Upload(mesh);
   added.center = BoundingBox(mesh).center().cast<double>();
-  added.step = step;
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
     added.radius = std::max(added.radius, (vertex.cast<double>() - added.center).norm());
   }

@@ -10,15 +10,15 @@
 
 #include "engine/base/result.h"
 #include "engine/geometry/box.h"
-#include "engine/render/contour_step.h"
 #include "engine/render/renderer.h"
 
 namespace plumbline {
 
 struct AtlasOptions {
-  int tile_px = 128;          ///< Size of the picture that each hypothesis gets; a multiple of 16.
-  int tiles_per_row = 16;     ///< tiles_per_row^2 hypotheses are drawn and scored at a time.
-  double inner_weight = 0.5;  ///< Creases and marks: as of ViewpointModelOptions.
+  int tile_px = 128;       ///< Size of the picture that each hypothesis gets; a multiple of 16.
+  int tiles_per_row = 16;  ///< tiles_per_row^2 hypotheses are drawn and scored at a time.
+  double contour_step_m = 0.04;  ///< As of RenderOptions; at most 0.3 bounding radii of a mesh.
+  double inner_weight = 0.5;     ///< Creases and marks: as of ViewpointModelOptions.
   double crease_angle_deg = 40, mark_contrast = 0.15;
 };
 
@@ -62,7 +62,7 @@ class HypothesisAtlas {
                                                          const AtlasOptions& options);
   virtual ~HypothesisAtlas() = default;
   /// Uploads a mesh once; the handle is valid as long as the atlas.
-  virtual int AddMesh(const TriangleMesh& mesh, const ContourStep& step) = 0;
+  virtual int AddMesh(const TriangleMesh& mesh) = 0;
   /// `scores` is as long as `hypotheses`.
   virtual void Score(const AtlasView& view, std::span<const AtlasHypothesis> hypotheses,
                      std::span<AtlasScore> scores) = 0;

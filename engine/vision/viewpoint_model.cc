@@ -29,8 +29,7 @@ std::string CacheKey(const CadModel& model, const ViewpointModelOptions& o) {
   for (const double value :
        {static_cast<double>(o.azimuths), static_cast<double>(o.elevations), o.min_elevation_deg,
         o.max_elevation_deg, static_cast<double>(o.points), static_cast<double>(o.image_px),
-        o.contour_step.near_m, o.contour_step.far_m, o.contour_step.far_view_m,
-        o.contour_step.of_radius, o.inner_weight, o.crease_angle_deg, o.mark_contrast, o.rim_m}) {
+        o.contour_step_m, o.inner_weight, o.crease_angle_deg, o.mark_contrast, o.rim_m}) {
     key += "|" + std::to_string(value);
   }
   for (const double distance : o.distances) key += "|" + std::to_string(distance);
@@ -65,7 +64,6 @@ int ViewpointModel::NumViews() const {
 
 ViewpointModelOptions ViewpointsOf(const CadModel& model) {
   ViewpointModelOptions options;
-  options.contour_step = ContourStepOf(model);
   options.max_elevation_deg = 80;
   options.min_elevation_deg = model.support == Support::kFloor ? -10 : -60;
   options.elevations =
@@ -88,6 +86,7 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(
   // symmetries of scanned models hold only nearly, so all their views are made.
   const bool revolved = model.symmetry.order == 0 &&
                         model.symmetry.axis.cross(Eigen::Vector3d::UnitZ()).norm() < 1e-6;
+  const float step = static_cast<float>(std::min(options.contour_step_m, 0.3 * radius));
   const RayScene scene(model.mesh);
   const int views = result->NumViews();
   std::vector<std::vector<ContourPoint>> found(static_cast<std::size_t>(views));
@@ -111,7 +110,6 @@ Result<std::shared_ptr<const ViewpointModel>> ViewpointModel::Build(
         static_cast<float>(options.distances[static_cast<std::size_t>(distance_index)]) * radius;
     const ViewCamera camera =
         CameraAt(result->center_, from_center, distance, radius, options.image_px);
-    const float step = static_cast<float>(options.contour_step.Of(distance, radius));
     ModelLines lines = SampleLines(scene, camera, step, options);
     result->outline_size_[static_cast<std::size_t>(view)] = lines.outline_size;
     result->length_per_point_m_[static_cast<std::size_t>(view)] =

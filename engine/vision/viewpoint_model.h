@@ -14,7 +14,6 @@
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
 #include "engine/models/model_database.h"
-#include "engine/render/contour_step.h"
 
 namespace plumbline {
 
@@ -55,10 +54,11 @@ struct ViewpointModelOptions {
   int elevations = 9;  ///< Rings of viewpoints from min to max elevation.
   double min_elevation_deg = -10, max_elevation_deg = 70;
   std::vector<double> distances = {
-      1.25, 2.0, 4.0};        ///< Of the camera from the centre, in bounding radii; rising.
-  int points = 256;           ///< Of each view.
-  int image_px = 176;         ///< Resolution of the rays that find the contour.
-  ContourStep contour_step;   ///< By the distance of each viewpoint.
+      1.25, 2.0, 4.0};  ///< Of the camera from the centre, in bounding radii; rising.
+  int points = 256;     ///< Of each view.
+  int image_px = 176;   ///< Resolution of the rays that find the contour.
+  double contour_step_m =
+      0.04;  ///< Depth jump that makes a contour (less for objects smaller than 13 cm).
   double inner_weight = 0.5;  ///< Of a length of crease or mark beside the same length of contour.
   double crease_angle_deg = 40;  ///< Between faces that make a crease.
   double mark_contrast = 0.15;   ///< Step of luminance (0 .. 1) that makes a mark.

@@ -139,7 +139,7 @@ double MarksOf(const TriangleMesh& mesh) {
             .cast<float>();
     ViewpointModelOptions options;
     const ViewCamera camera = CameraAt(box.center(), toward, 2 * radius, radius, options.image_px);
-    const float step = static_cast<float>(options.contour_step.Of(2 * radius, radius));
+    const float step = static_cast<float>(std::min(options.contour_step_m, 0.3 * double{radius}));
     marks += (SampleLines(RayScene(mesh), camera, step, options).length_px -
               SampleLines(RayScene(plain), camera, step, options).length_px) /
              kViews;

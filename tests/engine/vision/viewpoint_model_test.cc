@@ -245,7 +245,7 @@ TEST(ViewpointModel, FollowsTheRenderersContourOfShapesWithInnerSteps) {
     const TriangleMesh* mesh = &model.mesh;
     RenderOptions render;
     render.contour = true;
-    render.contour_step_m = options.contour_step.Of(viewpoint.distance, views->bounding_radius());
+    render.contour_step_m = options.contour_step_m;
     const RenderInstance instance{0, viewpoint.cam_from_object, 1};
     const RenderedMaps maps = RayCast(viewpoint.camera, {&mesh, 1}, {&instance, 1}, render);
     cv::Mat to_contour, to_points;
@@ -263,36 +263,6 @@ TEST(ViewpointModel, FollowsTheRenderersContourOfShapesWithInnerSteps) {
   }
   EXPECT_LE(far_points, 0.01 * points);
   EXPECT_LE(far_pixels, 0.02 * pixels);
-}
-
-TEST(ViewpointModel, WhatStandsOutLittleOfAFrontIsContourFromNearByOnly) {
-  const TriangleMesh plain = MakeBox({-0.3f, -0.6f, 0}, {0.3f, 0.6f, 0.8f});
-  TriangleMesh with_handle = plain, handle = MakeBox({0.3f, -0.1f, 0.3f}, {0.35f, 0.1f, 0.5f});
-  Append(handle, with_handle);
-  ViewpointModelOptions options = FewViews();
-  options.distances = {2, 4};
-  CadModel fronted;
-  fronted.back = true;
-  options.contour_step = ContourStepOf(fronted);
-  const auto before = Built(ModelOf(plain), options);
-  const auto after = Built(ModelOf(with_handle), options);
-  const auto contour_m = [](const ContourView& view) {
-    return view.length_per_point_m * static_cast<float>(view.size);
-  };
-  const Eigen::Vector3f center(0, 0, 0.4f), front(1, 0, 0);
-  const float radius = before->bounding_radius(), near_m = 2 * radius, far_m = 4 * radius;
-  ASSERT_LT(near_m, options.contour_step.far_view_m);
-  ASSERT_GT(far_m, options.contour_step.far_view_m);
-  // The nearest view is from 10 degrees below: steps at three sides of the handle, and a crease
-  // where its underside meets the box.
-  EXPECT_NEAR(contour_m(after->View(center + near_m * front)) -
-                  contour_m(before->View(center + near_m * front)),
-              0.6, 0.1);
-  EXPECT_NEAR(contour_m(after->View(center + far_m * front)) -
-                  contour_m(before->View(center + far_m * front)),
-              0, 0.1);
-  EXPECT_EQ(plumbline::ViewpointsOf(fronted).contour_step.far_m, options.contour_step.far_m);
-  EXPECT_LT(plumbline::ViewpointsOf(CadModel()).contour_step.far_m, options.contour_step.far_m);
 }
 
 /// A box of two halves of different colour, x < 0 and x > 0.
