@@ -127,7 +127,7 @@ struct MapperOptions {
   double box_share = 1.8;
   double confirm_evidence = 0.8;
   double dismiss_evidence = -2.0;
-  double retire_evidence = -3.0;
+  double retire_evidence = 0.0;
   double confirm_position_std_m = 0.10;
   double confirm_mode_weight = 0.95;
   double confirm_held_weight = 0.85;

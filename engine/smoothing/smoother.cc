@@ -21,7 +21,9 @@ namespace {
 
 constexpr int kSampledViews = 20;
 constexpr int kSweeps = 2;
-constexpr std::size_t kMostWithdrawn = 24;  ///< Withdrawn objects that are given another chance.
+// Withdrawn objects that are given another chance: so many, with log odds of at least so much.
+constexpr std::size_t kMostWithdrawn = 24;
+constexpr double kLittleAgainst = -3;
 constexpr double kInOnePlace_m = 0.08;  ///< What stands so deep in a settled object is not there.
 
 /// Log odds beyond the filter's rule: what is confirmed here is the best of many that were looked
@@ -70,8 +72,7 @@ class Smoother {
     for (const ObjectReport& report : task_.objects) {
       const bool gone = report.state == ObjectState::kRetired;
       if (!gone) reports.push_back(&report);
-      if (gone && report.log_evidence > setup_.options.retire_evidence)
-        withdrawn.push_back(&report);
+      if (gone && report.log_evidence > kLittleAgainst) withdrawn.push_back(&report);
     }
     std::stable_sort(withdrawn.begin(), withdrawn.end(), [](const auto* a, const auto* b) {
       return a->log_evidence > b->log_evidence;
