@@ -188,11 +188,17 @@ class DetailsPanel : public Panel {
   static void DrawModes(const FrameContext& context, const ObjectReport& object,
                         CommandSink& sink) {
     ImGui::Dummy({0, context.Scaled(2)});
-    DimText(object.modes.size() > 1 ? "%zu separate places" : "One place", object.modes.size());
+    double elsewhere = 1;
+    for (const PoseMode& mode : object.modes) elsewhere -= mode.weight;
+    std::string places = object.modes.size() > 1
+                             ? fmt::format("{} separate places", object.modes.size())
+                             : std::string("One place");
+    if (elsewhere > 0.015) places += fmt::format(", {:.0f} % elsewhere", 100 * elsewhere);
+    DimText("%s", places.c_str());
     Tooltip(context,
             "Clearly separate groups of hypotheses, for example a chair and the same chair turned "
-            "by 180 degrees. "
-            "They are never averaged.");
+            "by 180 degrees. They are never averaged. Single hypotheses elsewhere are no place; "
+            "they count in the standard deviations of the table of objects.");
     if (object.modes.size() < 2) return;  // all is said beside
     const UprightFrame upright(-context.sequence->up_in_world);
     const float line = ImGui::GetTextLineHeight();
