@@ -29,6 +29,16 @@ std::string PlaceText(const Eigen::Vector3d& p) {
                      NumberText(p.z(), 2));
 }
 
+/// Share of the belief that lies in none of the modes.
+double BeliefElsewhere(const ObjectReport& object) {
+  double elsewhere = object.modes.empty() ? 0 : 1;
+  for (const PoseMode& mode : object.modes) elsewhere -= mode.weight;
+  return elsewhere;
+}
+
+/// Whether so much lies in none of the modes that it shows in the spread of all hypotheses.
+bool HasStragglers(const ObjectReport& object) { return BeliefElsewhere(object) > 0.015; }
+
 class DetailsPanel : public Panel {
  public:
   void DrawHeader(const FrameContext& context, CommandSink& sink) override {
@@ -81,7 +91,7 @@ class DetailsPanel : public Panel {
     ImGui::Text("#%d", object.id.value);
     ImGui::TableNextColumn();
     ImGui::TextUnformatted(object.category.c_str());
-    const bool several = object.modes.size() > 1;
+    const bool several = object.modes.size() > 1 || HasStragglers(object);
     const ObjectSpread* spread = context.SpreadOf(object.id);
     Fact(context, "position", PlaceText(p),
          "Origin of the model in the world: x, y, z. Of several modes, the heaviest one's.");
@@ -98,7 +108,7 @@ class DetailsPanel : public Panel {
          fmt::format("\u00b1 {:.1f}  {:.1f}  {:.1f} cm", 100 * std::sqrt(object.covariance(0, 0)),
                      100 * std::sqrt(object.covariance(1, 1)),
                      100 * std::sqrt(object.covariance(2, 2))),
-         several ? "Standard deviation of the heaviest mode along the world's x, y, z."
+         several ? "Standard deviation of the heaviest mode alone along the world's x, y, z."
                  : "Standard deviation along the world's x, y, z.");
     const ModelView* model = context.Model(object.label);
     if (model != nullptr && model->any_azimuth) {
@@ -188,17 +198,17 @@ class DetailsPanel : public Panel {
   static void DrawModes(const FrameContext& context, const ObjectReport& object,
                         CommandSink& sink) {
     ImGui::Dummy({0, context.Scaled(2)});
-    double elsewhere = 1;
-    for (const PoseMode& mode : object.modes) elsewhere -= mode.weight;
     std::string places = object.modes.size() > 1
                              ? fmt::format("{} separate places", object.modes.size())
                              : std::string("One place");
-    if (elsewhere > 0.015) places += fmt::format(", {:.0f} % elsewhere", 100 * elsewhere);
+    if (HasStragglers(object))
+      places += fmt::format(", {:.0f} % elsewhere", 100 * BeliefElsewhere(object));
     DimText("%s", places.c_str());
-    Tooltip(context,
-            "Clearly separate groups of hypotheses, for example a chair and the same chair turned "
-            "by 180 degrees. They are never averaged. Single hypotheses elsewhere are no place; "
-            "they count in the standard deviations of the table of objects.");
+    Tooltip(
+        context,
+        "Clearly separate groups of hypotheses, for example a chair and the same chair turned "
+        "by 180 degrees. They are never averaged. Single hypotheses elsewhere are no place, but "
+        "count in the spread of all.");
     if (object.modes.size() < 2) return;  // all is said beside
     const UprightFrame upright(-context.sequence->up_in_world);
     const float line = ImGui::GetTextLineHeight();
