@@ -46,6 +46,26 @@ TEST(DetailsPanel, ListsTheModesAndGoesToTheOneThatIsClicked) {
   EXPECT_EQ(harness.sink.Last<FocusModeCommand>()->mode, 1);
 }
 
+TEST(DetailsPanel, SaysWhetherSomeOfTheBeliefIsInNoMode) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("details");
+  harness.ShowFrame(30);
+  MapSnapshot snapshot = *harness.context.snapshot;
+  ObjectReport& object = snapshot.report.objects[0];
+  harness.context.selection.object = object.id;
+  for (const double weight : {0.84, 0.99}) {
+    PoseMode mode;
+    mode.label = object.label;
+    mode.world_from_object = object.world_from_object;
+    mode.weight = weight;
+    object.modes = {mode};
+    harness.context.snapshot = std::make_shared<const MapSnapshot>(snapshot);
+    harness.Analyse();
+    harness.Draw(*panel, 2);
+    EXPECT_EQ(harness.widgets.Find("details.elsewhere") != nullptr, weight < 0.9) << weight;
+  }
+}
+
 TEST(RelationsPanel, AsksForRelationsAndShowsThem) {
   PanelHarness harness;
   const auto panel = MakeInspectPanel("relations");

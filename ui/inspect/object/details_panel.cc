@@ -204,6 +204,7 @@ class DetailsPanel : public Panel {
     if (HasStragglers(object))
       places += fmt::format(", {:.0f} % elsewhere", 100 * BeliefElsewhere(object));
     DimText("%s", places.c_str());
+    if (HasStragglers(object)) LogItem(context, "details.elsewhere");
     Tooltip(
         context,
         "Clearly separate groups of hypotheses, for example a chair and the same chair turned "
