@@ -21,18 +21,22 @@ TEST(ParticlesPanel, MarksTheParticleUnderTheMouse) {
   EXPECT_EQ(harness.sink.Last<SelectParticleCommand>()->particle, -1);
 }
 
+/// A mode where the object is.
+PoseMode ModeOf(const ObjectReport& object, double weight) {
+  PoseMode mode;
+  mode.label = object.label;
+  mode.world_from_object = object.world_from_object;
+  mode.weight = weight;
+  return mode;
+}
+
 TEST(DetailsPanel, ListsTheModesAndGoesToTheOneThatIsClicked) {
   PanelHarness harness;
   const auto panel = MakeInspectPanel("details");
   harness.ShowFrame(30);
   MapSnapshot snapshot = *harness.context.snapshot;
   ObjectReport& object = snapshot.report.objects[0];
-  PoseMode mode;
-  mode.label = object.label;
-  mode.world_from_object = object.world_from_object;
-  mode.weight = 0.7;
-  object.modes = {mode, mode};
-  object.modes[1].weight = 0.3;
+  object.modes = {ModeOf(object, 0.7), ModeOf(object, 0.3)};
   object.modes[1].world_from_object.translation().x() += 1;
   object.particles = nullptr;
   harness.context.snapshot = std::make_shared<const MapSnapshot>(snapshot);
@@ -54,11 +58,7 @@ TEST(DetailsPanel, SaysWhetherSomeOfTheBeliefIsInNoMode) {
   ObjectReport& object = snapshot.report.objects[0];
   harness.context.selection.object = object.id;
   for (const double weight : {0.84, 0.99}) {
-    PoseMode mode;
-    mode.label = object.label;
-    mode.world_from_object = object.world_from_object;
-    mode.weight = weight;
-    object.modes = {mode};
+    object.modes = {ModeOf(object, weight)};
     harness.context.snapshot = std::make_shared<const MapSnapshot>(snapshot);
     harness.Analyse();
     harness.Draw(*panel, 2);

@@ -95,7 +95,7 @@ TEST(Existence, AWallCostsLittleAndIsForgottenAtOnce) {
 TEST(Existence, AnEmptyPlaceInViewSpeaksAgainstWhatWasNeverSettled) {
   Existence existence{1, 0};
   int frame = 0;
-  while (existence.log_odds > kOptions.retire_evidence && frame < 1000) {
+  while (existence.log_odds > -3 && frame < 1000) {
     existence.UpdateInView(InFullView(), kOptions);
     ++frame;
   }

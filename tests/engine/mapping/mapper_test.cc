@@ -379,6 +379,30 @@ TEST_F(MapperTest, AConfirmedObjectThatIsLostIsGivenUpAfterSomeLooks) {
   EXPECT_GE(gone, 2) << "one image may mislead";
 }
 
+TEST_F(MapperTest, WhatIsLessLikelyThereThanNotIsWithdrawn) {
+  constexpr int kSeen = 16;
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const auto mapper = NewMapper();
+  FrameReport report;
+  for (int frame = 0; frame < kSeen; ++frame) report = mapper->Step(Seen(frame, {&chair, 1}));
+  ASSERT_EQ(report.objects.size(), 1u);
+  ASSERT_EQ(report.objects.front().state, ObjectState::kConfirmed);
+  report.objects.front().log_evidence = 0.1f;
+  const auto load = [&](int frame) -> Result<MapperInput> { return Seen(frame, {&chair, 1}); };
+  const auto resumed = NewMapper();
+  ASSERT_TRUE(resumed->Restore(report, load).ok());
+  // It has been taken away.
+  int gone = -1;
+  for (int frame = kSeen; frame < kSeen + 30 && gone < 0; ++frame) {
+    report = resumed->Step(Seen(frame, {}));
+    for (const ObjectReport& object : report.objects)
+      EXPECT_TRUE(object.state != ObjectState::kConfirmed || object.log_evidence >= 0) << frame;
+    for (const auto& event : report.events)
+      if (event.kind == EventKind::kRetired) gone = frame;
+  }
+  EXPECT_GE(gone, kSeen);
+}
+
 TEST_F(MapperTest, WhatHidesASettledObjectDoesNotMoveIt) {
   constexpr int kSeen = 16, kEnd = 48;
   const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
