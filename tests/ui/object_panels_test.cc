@@ -200,6 +200,38 @@ TEST(PosteriorPanel, ShowsHowReliableTheRunIs) {
   EXPECT_EQ(harness.widgets.Find("posterior.labels_diagram"), nullptr) << "no room";
 }
 
+TEST(PosteriorPanel, SaysWhetherBeliefsAreReliable) {
+  struct {
+    int within_50, within_95;
+    double nees;
+    const char* said;
+  } const cases[] = {{20, 40, 4, "posterior.overconfident"},
+                     {30, 57, 4, "posterior.calibrated"},
+                     {55, 60, 4, "posterior.underconfident"},
+                     {30, 57, 100, "posterior.one_overconfident"},
+                     {55, 60, 100, "posterior.one_overconfident"}};
+  for (const auto& is : cases) {
+    PanelHarness harness;
+    const auto panel = MakeInspectPanel("posterior");
+    harness.size = {900, 240};
+    harness.ShowFrame(30);
+    harness.context.selection.object = {2};
+    auto history = std::make_shared<ObjectHistory>();
+    history->object = {2};
+    Reliability& all = history->reliability.all;
+    all.poses = 60;
+    all.within_50 = is.within_50;
+    all.within_95 = is.within_95;
+    all.objects = 2;
+    all.nees = is.nees;
+    all.nees_high = 9;
+    history->reliability.objects = {{{2}, all}, {{3}, all}};
+    harness.context.history = history;
+    harness.Draw(*panel, 2);
+    EXPECT_NE(harness.widgets.Find(is.said), nullptr) << is.said;
+  }
+}
+
 TEST(WhyPanel, SweepsTwoParametersAtOnce) {
   PanelHarness harness;
   const auto panel = MakeInspectPanel("why");

@@ -25,15 +25,40 @@ std::string NeesText(const Reliability& of) {
 
 struct Judgement {
   ImU32 color;
-  const char* words;
+  std::string words;
+  const char* name;  ///< Of the item that says it.
 };
 
-Judgement Judged(const Reliability& all) {
+const RunReliability::OfObject* WorstOf(const RunReliability& run) {
+  const auto worst =
+      std::max_element(run.objects.begin(), run.objects.end(),
+                       [](const RunReliability::OfObject& a, const RunReliability::OfObject& b) {
+                         return a.reliability.nees < b.reliability.nees;
+                       });
+  return worst == run.objects.end() ? nullptr : &*worst;
+}
+
+/// Regions count frames, so they say little about an object that was judged in few of them: NEES,
+/// which counts objects, tells of it.
+Judgement Judged(const RunReliability& run) {
+  const Reliability& all = run.all;
   const double most = static_cast<double>(all.within_95) / all.poses;
   const double half = static_cast<double>(all.within_50) / all.poses;
-  if (most < 0.8) return {colors::kWarning, "Overconfident: errors exceed the stated uncertainty."};
-  if (half > 0.8) return {colors::kAccent, "Underconfident: errors are smaller than stated."};
-  return {colors::kGood, "Well calibrated: errors are as large as stated."};
+  if (most < 0.8)
+    return {colors::kWarning, "Overconfident: errors exceed the stated uncertainty.",
+            "posterior.overconfident"};
+  const bool cautious = half > 0.8;
+  const RunReliability::OfObject* worst = WorstOf(run);
+  if (worst != nullptr && all.nees > all.nees_high) {
+    return {colors::kWarning,
+            fmt::format("Errors are {} stated, but #{}'s is far larger.",
+                        cautious ? "smaller than" : "as large as", worst->object.value),
+            "posterior.one_overconfident"};
+  }
+  if (cautious)
+    return {colors::kAccent, "Underconfident: errors are smaller than stated.",
+            "posterior.underconfident"};
+  return {colors::kGood, "Well calibrated: errors are as large as stated.", "posterior.calibrated"};
 }
 
 /// Says so where there is nothing to judge.
@@ -87,11 +112,16 @@ void Row(const FrameContext& context, ObjectId object, const Reliability& of) {
   Cell(colors::kFaint, fmt::format("{}", of.poses));
 }
 
+void DrawJudgement(const FrameContext& context, const RunReliability& run) {
+  const Judgement judgement = Judged(run);
+  WrappedText(judgement.color, judgement.words);
+  LogItem(context, judgement.name);
+}
+
 /// All objects together, then each, the worst first.
 void DrawTable(const FrameContext& context, const ObjectHistory& history) {
   const RunReliability& run = history.reliability;
-  const Judgement judgement = Judged(run.all);
-  WrappedText(judgement.color, judgement.words);
+  DrawJudgement(context, run);
   Tooltip(context, kCoverageHelp);
   constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_ScrollY;
   if (!ImGui::BeginTable("posterior.coverage", 5, kFlags)) return;
@@ -220,8 +250,7 @@ void DrawReliabilitySummary(const FrameContext& context, const ObjectHistory& hi
   Tooltip(context, kCoverageHelp);
   if (NothingToJudge(context, history)) return;
   const Reliability& all = history.reliability.all;
-  const Judgement judgement = Judged(all);
-  WrappedText(judgement.color, judgement.words);
+  DrawJudgement(context, history.reliability);
   if (!ImGui::BeginTable("posterior.table", 3, ImGuiTableFlags_SizingStretchProp)) return;
   const Reliability* object = OfObject(history, history.object);
   const Reliability none;
