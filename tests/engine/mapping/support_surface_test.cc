@@ -83,13 +83,13 @@ TEST_F(SupportSurfaceTest, PriorPrefersStandingOnIt) {
   // Against heights that are equally likely over two metres: the Gaussian at its mean, and beside
   // it that the surface is not there.
   EXPECT_NEAR(LogSupportPrior(tops, Thing({2, -1, 0.74}, 0.3)),
-              std::log(0.02 + 2 / (std::sqrt(2 * std::numbers::pi) * tops[0].height_std_m)), 1e-2);
+              std::log(1e-4 + 2 / (std::sqrt(2 * std::numbers::pi) * tops[0].height_std_m)), 1e-2);
 }
 
 TEST_F(SupportSurfaceTest, NothingReachesThroughIt) {
   const std::vector<SupportSurface> tops = {TableTop()};
-  EXPECT_LT(LogSupportPrior(tops, Thing({2, -1, 0.6}, 0.3)), -3) << "14 cm into the top";
-  EXPECT_LT(LogSupportPrior(tops, Thing({2, -1, 0.3}, 0.5)), -3) << "through it from below";
+  EXPECT_LT(LogSupportPrior(tops, Thing({2, -1, 0.6}, 0.3)), -9) << "14 cm into the top";
+  EXPECT_LT(LogSupportPrior(tops, Thing({2, -1, 0.3}, 0.5)), -9) << "through it from below";
   EXPECT_NEAR(LogSupportPrior(tops, Thing({2, -1, 0.3}, 0.4)), 0, 1e-6) << "below it";
   EXPECT_GT(LogSupportPrior(tops, Thing({2, -1, 0.73}, 0.3)), 3) << "as near as the top is known";
   EXPECT_NEAR(LogSupportPrior(tops, Thing({4, -1, 0.6}, 0.3)), 0, 1e-6) << "beside it";
@@ -97,7 +97,7 @@ TEST_F(SupportSurfaceTest, NothingReachesThroughIt) {
 
 TEST_F(SupportSurfaceTest, NothingHoversRightAboveIt) {
   const std::vector<SupportSurface> tops = {TableTop()};
-  EXPECT_LT(LogSupportPrior(tops, Thing({2, -1, 0.82}, 0.3)), -3) << "8 cm above it";
+  EXPECT_LT(LogSupportPrior(tops, Thing({2, -1, 0.82}, 0.3)), -9) << "8 cm above it";
   EXPECT_NEAR(LogSupportPrior(tops, Thing({2, -1, 0.86}, 0.3)), 0, 1e-6) << "on the wall over it";
 }
 
