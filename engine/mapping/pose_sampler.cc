@@ -18,6 +18,7 @@ constexpr double kModeReach_m = 0.20, kModeReach_rad = 40 * kRadPerDeg;
 constexpr std::size_t kMostModes = 8;
 constexpr double kFaintMode = 12;  ///< Modes below the best by so much are not proposed [nats].
 constexpr double kLeastModeWeight = 0.03;  ///< Of a proposal; the mode's mass is only estimated.
+constexpr double kMeanTemperature = 3;     ///< At which members of a search count in its modes.
 constexpr double kTailFreedom = 5;         ///< Degrees of freedom of Student's t.
 constexpr double kLeastSpread_m = 0.001, kLeastSpread_rad = 0.1 * kRadPerDeg;
 /// A mode of few members is taken to have this many times the variance of the others, as if that
@@ -406,8 +407,12 @@ std::vector<ProposalMode> PoseSampler::FindModes(const Population& population,
     // Those of a search are drawn from the target already, or nearly.
     const std::size_t own = modes.size();
     int polished = 0;
-    for (ProposalMode& found : ModesOf(search, 1 / (3 * warmth), warmth * kFaintMode, usual)) {
-      found.mean = found.highest;  // The mean of members far apart may be where nothing fits.
+    for (ProposalMode& found :
+         ModesOf(search, 1 / (kMeanTemperature * warmth), warmth * kFaintMode, usual)) {
+      // The mean of members far apart may be where nothing fits.
+      const std::vector<Judgement> judged = target_(std::vector{found.mean, found.highest});
+      if (judged[0].log_target < judged[1].log_target - kMeanTemperature * warmth)
+        found.mean = found.highest;
       if (Knows(modes, found)) continue;
       if (polished++ == kMostPolished) break;
       const ProposalMode mode = Polished(found, warmth, usual);
