@@ -97,7 +97,8 @@ TEST_F(SupportSurfaceTest, NothingReachesThroughIt) {
 
 TEST_F(SupportSurfaceTest, NothingHoversRightAboveIt) {
   const std::vector<SupportSurface> tops = {TableTop()};
-  EXPECT_LT(LogSupportPrior(tops, Thing({2, -1, 0.82}, 0.3)), -4) << "8 cm above it: 4 deviations of the top";
+  EXPECT_LT(LogSupportPrior(tops, Thing({2, -1, 0.82}, 0.3)), -4)
+      << "8 cm above it: 4 deviations of the top";
   EXPECT_NEAR(LogSupportPrior(tops, Thing({2, -1, 0.86}, 0.3)), 0, 1e-6) << "on the wall over it";
 }
 
