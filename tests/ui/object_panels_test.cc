@@ -168,14 +168,20 @@ TEST(PosteriorPanel, ShowsShapesOverTimeAndGoesToTheFrameThatIsClicked) {
   EXPECT_EQ(harness.sink.Last<SeekCommand>()->frame, 25);
 }
 
-TEST(PosteriorPanel, ShowsHowReliableTheRunIs) {
-  PanelHarness harness;
-  const auto panel = MakeInspectPanel("posterior");
+/// Frame 30 with object 2 selected, of which nothing is known yet.
+std::shared_ptr<ObjectHistory> ShowObject2(PanelHarness& harness) {
   harness.size = {900, 240};
   harness.ShowFrame(30);
   harness.context.selection.object = {2};
   auto history = std::make_shared<ObjectHistory>();
   history->object = {2};
+  return history;
+}
+
+TEST(PosteriorPanel, ShowsHowReliableTheRunIs) {
+  PanelHarness harness;
+  const auto panel = MakeInspectPanel("posterior");
+  const auto history = ShowObject2(harness);
   Reliability& all = history->reliability.all;
   all.poses = 60;
   all.within_50 = 20;
@@ -213,11 +219,7 @@ TEST(PosteriorPanel, SaysWhetherBeliefsAreReliable) {
   for (const auto& is : cases) {
     PanelHarness harness;
     const auto panel = MakeInspectPanel("posterior");
-    harness.size = {900, 240};
-    harness.ShowFrame(30);
-    harness.context.selection.object = {2};
-    auto history = std::make_shared<ObjectHistory>();
-    history->object = {2};
+    const auto history = ShowObject2(harness);
     Reliability& all = history->reliability.all;
     all.poses = 60;
     all.within_50 = is.within_50;
