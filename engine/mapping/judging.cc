@@ -15,6 +15,8 @@ constexpr double kThin_m = 0.3;
 /// How gradually the plane of a back begins to count: backs stand a little off their walls, and
 /// poses are not exact [m].
 constexpr double kBehind_m = 0.1;
+constexpr double kAboveTop_m = 0.03;  ///< Where it is looked whether something reaches into a top.
+constexpr double kDepthInTop_m = 0.02;  ///< Deviation: where a top ends is known that well.
 
 Eigen::Vector3d CameraOf(const JudgingView& judging) {
   return judging.view.cam_from_world.inverse().translation();
@@ -144,6 +146,55 @@ Target Outside(std::vector<TakenPlace> taken, Target target) {
         return place.Holds(hypotheses[i].center_in_world);
       });
       if (inside) judged[i].log_target -= kTakenPenalty;
+    }
+    return judged;
+  };
+}
+
+double DepthInTop(const SupportSurface& top, const std::vector<CrossSections>& sections,
+                  const MapFrame& map, const PoseHypothesis& hypothesis) {
+  const CadModel& model = map.database->model(hypothesis.label);
+  if (model.support != Support::kFloor) return 0;
+  const Eigen::Vector2d middle = top.corner + 0.5 * (top.side_a + top.side_b);
+  const Eigen::Vector3d base = map.BaseInUpright(hypothesis);
+  const double reach_m = 0.5 * hypothesis.scale() * model.bounds.sizes().head<2>().norm();
+  if ((base.head<2>() - middle).norm() >
+      reach_m + 0.5 * std::max(top.side_a.norm(), top.side_b.norm()))
+    return 0;
+  const std::span<const Eigen::Vector2f> points =
+      sections[static_cast<std::size_t>(hypothesis.label.value)].At(
+          (top.height_m + kAboveTop_m - base.z()) / hypothesis.scale());
+  if (points.empty()) return 0;
+  const Eigen::Matrix2d turn = (map.upright.upright_rotation().transpose() *
+                                map.upright.WorldFromObjectRotation(hypothesis.azimuth_rad))
+                                   .topLeftCorner<2, 2>();
+  // From the object's axes to those in which the ellipse is the unit circle.
+  Eigen::Matrix2d circle_from_upright;
+  circle_from_upright << 2 * top.side_a.transpose() / top.side_a.squaredNorm(),
+      2 * top.side_b.transpose() / top.side_b.squaredNorm();
+  const Eigen::Matrix2d circle_from_object = hypothesis.scale() * circle_from_upright * turn;
+  const Eigen::Vector2d offset = circle_from_upright * (base.head<2>() - middle) -
+                                 circle_from_object * model.center().head<2>().cast<double>();
+  double sum = 0;
+  for (const Eigen::Vector2f& point : points)
+    sum += std::max(0.0, 1 - (circle_from_object * point.cast<double>() + offset).norm());
+  return 0.5 * std::min(top.side_a.norm(), top.side_b.norm()) * sum /
+         static_cast<double>(points.size());
+}
+
+Target ClearOf(std::vector<SupportSurface> tops, const std::vector<CrossSections>& sections,
+               const MapFrame& map, Target target) {
+  if (tops.empty()) return target;
+  return [tops = std::move(tops), &sections, &map,
+          target = std::move(target)](std::span<const PoseHypothesis> hypotheses) {
+    std::vector<Judgement> judged = target(hypotheses);
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+      for (const SupportSurface& top : tops) {
+        const double off = DepthInTop(top, sections, map, hypotheses[i]) / kDepthInTop_m;
+        if (off > 0)
+          judged[i].log_target +=
+              std::log(kNoSurface + (1 - kNoSurface) * std::exp(-0.5 * off * off));
+      }
     }
     return judged;
   };

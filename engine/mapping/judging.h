@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/mapping/crop_belief.h"
+#include "engine/mapping/cross_sections.h"
 #include "engine/mapping/likelihood.h"
 #include "engine/mapping/pose_sampler.h"
 
@@ -62,6 +63,17 @@ struct TakenPlace {
 TakenPlace PlaceOf(const CadModel& model, const Eigen::Isometry3d& world_from_object, double scale);
 /// The target, with hypotheses in places that are taken made as good as impossible.
 Target Outside(std::vector<TakenPlace> taken, Target target);
+
+/// How far what stands on the floor reaches into a top of something else [m]: the mean, over points
+/// of its surface 3 cm above the top, of how deep they are inside the ellipse in the top's
+/// rectangle (tops may be round); 0 for what ends below that, and for shapes that need not stand on
+/// the floor (LogSupportPrior). `sections` are those of each model of the map's database.
+double DepthInTop(const SupportSurface& top, const std::vector<CrossSections>& sections,
+                  const MapFrame& map, const PoseHypothesis& hypothesis);
+/// The target, with hypotheses that reach into a top as good as impossible, unless the top is not
+/// where it is mapped. References must outlive it.
+Target ClearOf(std::vector<SupportSurface> tops, const std::vector<CrossSections>& sections,
+               const MapFrame& map, Target target);
 
 /// What crops say of a shape at an azimuth, in the log of a posterior.
 double LogCrops(const CropBelief& crops, ModelId label, double azimuth_rad,

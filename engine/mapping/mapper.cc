@@ -75,7 +75,7 @@ void Mapper::Impl::Populate(MapObject& object, const std::vector<PoseHypothesis>
   MapperOptions exact = options();
   exact.view_correlation = 0;
   PoseSampler sampler(map, options(),
-                      Outside(TakenPlaces(object), Posterior(*setup.scorer, map, {}, wide, exact)),
+                      Beside(object, Posterior(*setup.scorer, map, {}, wide, exact)),
                       Key(setup.seed, input.frame, object.id, Draw::kSample));
   Population population =
       sampler.Temper(drawn, static_cast<std::size_t>(options().tentative_particles));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What mapper.cc and mapper_belief.cc share; nobody else includes it.
+// What the mapper's sources share; nobody else includes it.
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,7 @@
 
 #include "engine/base/timer.h"
 #include "engine/mapping/birth.h"
+#include "engine/mapping/cross_sections.h"
 #include "engine/mapping/edge_level.h"
 #include "engine/mapping/existence.h"
 #include "engine/mapping/judging.h"
@@ -134,12 +135,15 @@ struct Mapper::Impl {
   std::vector<Planted> planted;  ///< For the next frame.
   RenderedMaps mean_maps;
   std::vector<std::optional<double>> support_heights;  ///< Of each model, see SupportHeight.
+  std::vector<CrossSections> sections;                 ///< Of each model.
   double boxes_ms = 0;                                 ///< What top-down scores took in this frame.
 
   explicit Impl(const MapperSetup& s)
       : setup(s), map(MapFrameOf(s)), renderer(*s.database), memory(s.camera, s.options) {
-    for (const CadModel& model : s.database->models())
+    for (const CadModel& model : s.database->models()) {
       support_heights.push_back(SupportHeight(model));
+      sections.emplace_back(model);
+    }
   }
 
   const MapperOptions& options() const { return setup.options; }
@@ -334,6 +338,10 @@ struct Mapper::Impl {
   /// Places of objects of its category that the object cannot have: of those that are confirmed,
   /// and, while it is tentative, of those that are placed and have more evidence.
   std::vector<TakenPlace> TakenPlaces(const MapObject& object) const;
+  /// Of confirmed objects of other categories.
+  std::vector<SupportSurface> TopsOfOthers(const MapObject& object) const;
+  /// The target, where other objects are not.
+  Target Beside(const MapObject& object, Target target) const;
   /// Views of an object: those it remembers, and the present one as the last.
   std::vector<JudgingView> ViewsOf(const MapObject& object, const MapperInput& input,
                                    const OcclusionMaps& occluders) const;

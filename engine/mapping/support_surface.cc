@@ -12,7 +12,6 @@ namespace {
 constexpr double kLevel_m = 0.02;       ///< Faces within this are of one level.
 constexpr double kLevelCosine = 0.985;  ///< Of their slope: 10 degrees.
 constexpr double kLeastCover = 0.5;     ///< Of the footprint.
-constexpr double kNoSurface = 1e-4;     ///< Chance that a mapped surface is not where it is mapped.
 constexpr double kFoot_m = 0.02;        ///< Above the lowest point.
 constexpr double kOverhang_m = 0.02;    ///< Deviation, of things that stand on the edge of others.
 constexpr double kHovering_m = 0.1;  ///< Nothing is so near above a surface but what stands there.

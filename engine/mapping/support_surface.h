@@ -15,6 +15,8 @@
 
 namespace plumbline {
 
+constexpr double kNoSurface = 1e-4;  ///< Chance that a mapped surface is not where it is mapped.
+
 /// The highest level of a model on which things can stand [m, z of `object`]: where faces that look
 /// up make at least half of its footprint. Nothing if there is none.
 std::optional<double> SupportHeight(const CadModel& model);
