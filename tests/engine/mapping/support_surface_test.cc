@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "engine/mapping/birth.h"
+#include "engine/mapping/cross_sections.h"
 #include "engine/mapping/judging.h"
 #include "tests/support/furniture_models.h"
 
@@ -206,6 +207,65 @@ TEST_F(SupportSurfaceTest, TakenPlacesAreLeftOut) {
   EXPECT_EQ(judged[1].log_target, 0) << "before it";
   EXPECT_EQ(judged[2].log_target, 0) << "beside it";
   EXPECT_EQ(judged[3].log_target, 0) << "above it";
+}
+
+TEST_F(SupportSurfaceTest, CutsOfAModelLieOnItsSurface) {
+  const CrossSections crate(Named("crate"));  // .4 x .24 x .3 m
+  ASSERT_EQ(crate.At(0.15).size(), 16);
+  for (const Eigen::Vector2f& point : crate.At(0.15))
+    EXPECT_NEAR(std::max(std::abs(point.x()) / 0.2F, std::abs(point.y()) / 0.12F), 1, 1e-5);
+  EXPECT_TRUE(crate.At(-0.01).empty());
+  EXPECT_TRUE(crate.At(0.31).empty());
+  const CrossSections vase(Named("vase"));  // a radius of .12 m
+  for (const Eigen::Vector2f& point : vase.At(0.39)) EXPECT_NEAR(point.norm(), 0.12F, 1e-3);
+}
+
+class ChairAtTableTest : public SupportSurfaceTest {
+ protected:
+  /// The chair's middle, in the axes of the table; it looks along the table's y, turned by that.
+  PoseHypothesis ChairAt(double x, double y, double turned_rad = 0) const {
+    Eigen::Vector3d center = TableTurned() * Eigen::Vector3d(x, y, 0);
+    center.z() = Named("chair").center().z();
+    const double along_y = std::numbers::pi / 6 + std::numbers::pi / 2;
+    return {database_->Find("chair").value(), along_y + turned_rad, center};
+  }
+  double Depth(const PoseHypothesis& chair) const {
+    return DepthInTop(TableTop(), sections_, MapWithTable(), chair);
+  }
+
+  const std::vector<CrossSections> sections_ = [&] {
+    std::vector<CrossSections> sections;
+    for (const CadModel& model : database_->models()) sections.emplace_back(model);
+    return sections;
+  }();
+};
+
+TEST_F(ChairAtTableTest, ItsSeatMayBeUnderTheTopItsBackMayNotBeInIt) {
+  // The top is 1.3 x .7 m; the chair's back rest is .2 m behind its middle.
+  EXPECT_EQ(Depth(ChairAt(0, -0.8)), 0) << "before the table";
+  EXPECT_EQ(Depth(ChairAt(0, -0.3)), 0) << "its seat is under the top";
+  EXPECT_GT(Depth(ChairAt(0, -0.3, std::numbers::pi)), 0.15) << "turned round, its back is in it";
+  EXPECT_GT(Depth(ChairAt(0, 0.2)), 0.2) << "in the middle of the table";
+  EXPECT_EQ(Depth(ChairAt(3, 0)), 0);
+}
+
+TEST_F(ChairAtTableTest, WhatEndsBelowTheTopIsUnderIt) {
+  PoseHypothesis low = ChairAt(0, 0.2);
+  low.log_scale = std::log(0.8);
+  low.center_in_world.z() *= 0.8;
+  EXPECT_EQ(Depth(low), 0);
+}
+
+TEST_F(ChairAtTableTest, ATargetIsWhatItWasBesideTheTop) {
+  const MapFrame map = MapWithTable();
+  const Target flat = [](std::span<const PoseHypothesis> hypotheses) {
+    return std::vector<Judgement>(hypotheses.size());
+  };
+  const std::vector<PoseHypothesis> chairs = {ChairAt(0, -0.3), ChairAt(0, 0.2)};
+  const std::vector<Judgement> judged = ClearOf({TableTop()}, sections_, map, flat)(chairs);
+  EXPECT_EQ(judged[0].log_target, 0);
+  EXPECT_NEAR(judged[1].log_target, std::log(1e-4), 1e-6);
+  EXPECT_EQ(ClearOf({}, sections_, map, flat)(chairs)[1].log_target, 0);
 }
 
 }  // namespace
