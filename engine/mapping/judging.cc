@@ -155,11 +155,12 @@ double DepthInTop(const SupportSurface& top, const std::vector<CrossSections>& s
                   const MapFrame& map, const PoseHypothesis& hypothesis) {
   const CadModel& model = map.database->model(hypothesis.label);
   if (model.support != Support::kFloor) return 0;
+  const Eigen::Vector2d sides = hypothesis.scale() * model.bounds.sizes().head<2>().cast<double>();
+  if (sides.prod() > top.side_a.norm() * top.side_b.norm()) return 0;
   const Eigen::Vector2d middle = top.corner + 0.5 * (top.side_a + top.side_b);
   const Eigen::Vector3d base = map.BaseInUpright(hypothesis);
-  const double reach_m = 0.5 * hypothesis.scale() * model.bounds.sizes().head<2>().norm();
   if ((base.head<2>() - middle).norm() >
-      reach_m + 0.5 * std::max(top.side_a.norm(), top.side_b.norm()))
+      0.5 * sides.norm() + 0.5 * std::max(top.side_a.norm(), top.side_b.norm()))
     return 0;
   const std::span<const Eigen::Vector2f> points =
       sections[static_cast<std::size_t>(hypothesis.label.value)].At(

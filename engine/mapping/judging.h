@@ -66,8 +66,9 @@ Target Outside(std::vector<TakenPlace> taken, Target target);
 
 /// How far what stands on the floor reaches into a top of something else [m]: the mean, over points
 /// of its surface 3 cm above the top, of how deep they are inside the ellipse in the top's
-/// rectangle (tops may be round); 0 for what ends below that, and for shapes that need not stand on
-/// the floor (LogSupportPrior). `sections` are those of each model of the map's database.
+/// rectangle (tops may be round). 0 for what ends below that, for shapes that need not stand on the
+/// floor (LogSupportPrior), and for what is larger than the top: of the two the smaller gives way.
+/// `sections` are those of each model of the map's database.
 double DepthInTop(const SupportSurface& top, const std::vector<CrossSections>& sections,
                   const MapFrame& map, const PoseHypothesis& hypothesis);
 /// The target, with hypotheses that reach into a top as good as impossible, unless the top is not

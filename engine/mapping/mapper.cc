@@ -20,8 +20,8 @@ constexpr double kLooksBeforeMerging = 1;
 constexpr double kLinesOfTable = 1.5;  ///< OutlineLines of a thing with `view_correlation`.
 constexpr std::size_t kJoined = 60;    ///< Poses that a merged object leaves, about.
 constexpr double kPlanted_m = 0.02, kPlanted_rad = 0.03;  ///< Deviations of what is planted.
-/// A confirmed object in doubt that is known to no better than so many times what it was confirmed
-/// with, in so many independent looks, is lost.
+/// A confirmed object in doubt that is known to no better than so many times what confirmation
+/// asks, in so many independent looks, is lost.
 constexpr double kLostSpread = 3, kLostLooks = 3;
 constexpr double kSpawnReach = 2.0;  // at half size: four times as far as later
 
@@ -183,8 +183,7 @@ bool Mapper::Impl::IsKnown(const MapObject& object, double least_belief) const {
          // Its boxes of before it was spawned count.
          (object.seen_s > options().confirm_age_s ||
           (may_move && object.motion.boxes() >= MotionTest::kLeastBoxes)) &&
-         object.mean().position_std_m <
-             options().confirm_position_std_m * map.LengthScale(object.mean().label) &&
+         object.mean().position_std_m < map.LeastKnown(object.mean().label, options()) &&
          (!may_move ||
           object.motion.LogStanding(options()) >= std::log(options().confirm_standing)) &&
          BeliefInMean(object) >= least_belief;
@@ -206,9 +205,8 @@ double Mapper::Impl::SpreadOfModes(const MapObject& object) const {
 void Mapper::Impl::CountLook(MapObject& object, const Sighting& sighting, double novelty) const {
   // One frame may tip the belief in one of two poses; a whole look at enough of it decides.
   const bool in_doubt = BeliefInMean(object) < kInDoubt;
-  const double known_to_m = options().confirm_position_std_m * map.LengthScale(object.mean().label);
   if (in_doubt && object.state == ObjectState::kConfirmed && !MovesByItself(object.category) &&
-      SpreadOfModes(object) > kLostSpread * known_to_m) {
+      SpreadOfModes(object) > kLostSpread * map.LeastKnown(object.mean().label, options())) {
     object.shown = std::min(0.0, object.shown) - novelty * (1 - object.hidden);
   } else if (in_doubt) {
     object.shown = 0;

@@ -326,7 +326,9 @@ void VisitFields(MapperOptions& o, Visitor&& visit) {
   visit(o.retire_evidence,
         {"retire_evidence", "", "log odds that retire a confirmed object", -100, 100});
   visit(o.confirm_position_std_m,
-        {"confirm_position_std_m", "m", "largest uncertainty of a confirmed object", 0, 100});
+        {"confirm_position_std_m", "m",
+         "largest uncertainty of an object to be confirmed (half of its largest side at most)", 0,
+         100});
   visit(o.confirm_mode_weight,
         {"confirm_mode_weight", "", "least belief in the mean pose of a confirmed object", 0, 1});
   visit(o.confirm_held_weight,

@@ -151,6 +151,11 @@ Eigen::Vector3d MapFrame::BaseInUpright(const PoseHypothesis& hypothesis) const 
   return base;
 }
 
+double MapFrame::LeastKnown(ModelId label, const MapperOptions& options) const {
+  const double half_m = 0.5 * database->model(label).bounds.sizes().maxCoeff();
+  return std::min(half_m, options.confirm_position_std_m * LengthScale(label));
+}
+
 StandingThing MapFrame::StandingThingOf(const PoseHypothesis& hypothesis) const {
   const CadModel& model = database->model(hypothesis.label);
   StandingThing thing{BaseInUpright(hypothesis), hypothesis.scale() * model.bounds.sizes().z()};

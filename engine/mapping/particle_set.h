@@ -41,6 +41,10 @@ struct MapFrame {
 
   /// plumbline::LengthScale of a shape.
   double LengthScale(ModelId label) const;
+  /// To what the place of a thing has to be known to be on the map [m]: to confirm_position_std_m
+  /// (times LengthScale), and to half of its largest side: a mug that may be anywhere within 10 cm
+  /// may be any mug.
+  double LeastKnown(ModelId label, const MapperOptions& options) const;
 
   /// How far the base of what stands on the floor may be from it: both are uncertain.
   double BaseStd(const MapperOptions& options) const {

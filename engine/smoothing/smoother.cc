@@ -192,12 +192,12 @@ class Smoother {
       ObjectWork& item = items_[i];
       const bool confirmed = item.object.state == ObjectState::kConfirmed;
       const double odds = item.presence.log_odds;
-      item.kept = confirmed
-                      ? odds > options.retire_evidence
-                      : odds > options.confirm_evidence + kSelectionMargin &&
-                            item.presence.shown >= 1 &&
-                            item.object.mean().position_std_m < options.confirm_position_std_m &&
-                            BeliefInMean(item.object, map_) >= options.confirm_mode_weight;
+      item.kept = confirmed ? odds > options.retire_evidence
+                            : odds > options.confirm_evidence + kSelectionMargin &&
+                                  item.presence.shown >= 1 &&
+                                  item.object.mean().position_std_m <
+                                      map_.LeastKnown(item.object.mean().label, options) &&
+                                  BeliefInMean(item.object, map_) >= options.confirm_mode_weight;
       item.kept = item.kept && std::none_of(kept.begin(), kept.end(), [&](std::size_t other) {
                     return InPlaceOf(item, items_[other], other);
                   });

@@ -98,6 +98,19 @@ TEST(ParticleSet, WhatIsLargerThanItsModelGrowsFromItsBase) {
   }
 }
 
+TEST(ParticleSet, ThePlaceOfASmallThingHasToBeKnownToHalfOfIt) {
+  MapFrame map = ZUpFrame();
+  std::vector<CadModel> models = map.database->models();
+  CadModel& cup = models[static_cast<std::size_t>(Label(map, "vase").value)];  // .24 x .24 x .4 m
+  for (Eigen::Vector3f& vertex : cup.mesh.vertices) vertex *= 0.2F;
+  map.database = ModelDatabase::FromModels(std::move(models));
+  MapperOptions options;
+  EXPECT_NEAR(map.LeastKnown(Label(map, "vase"), options), 0.04, 1e-6);
+  EXPECT_NEAR(map.LeastKnown(Label(map, "chair"), options), 0.1, 1e-6);
+  options.confirm_position_std_m = 0.02;
+  EXPECT_NEAR(map.LeastKnown(Label(map, "vase"), options), 0.02, 1e-6);
+}
+
 TEST(ParticleSet, ParametersAreThePapers) {
   const Eigen::Isometry3d world_from_cam = WatchingCamera();
   Particle particle;

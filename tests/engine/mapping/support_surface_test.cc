@@ -256,6 +256,19 @@ TEST_F(ChairAtTableTest, WhatEndsBelowTheTopIsUnderIt) {
   EXPECT_EQ(Depth(low), 0);
 }
 
+TEST_F(ChairAtTableTest, TheSmallerOfTwoGivesWay) {
+  const CadModel& chair = Named("chair");  // its seat is .46 m high, its footprint .45 m wide
+  const SupportSurface seat =
+      MakeSupportSurface(chair, *SupportHeight(chair), TableTurned(), 1, upright_, 0.02);
+  const auto depth_of_vase = [&](double scale) {  // .24 m wide and .4 m high at a scale of 1
+    const Eigen::Vector3d center(2, -1, 0.2 * scale);
+    return DepthInTop(seat, sections_, MapWithTable(),
+                      {database_->Find("vase").value(), 0, center, std::log(scale)});
+  };
+  EXPECT_GT(depth_of_vase(1.5), 0.02);
+  EXPECT_EQ(depth_of_vase(2.2), 0) << "it is larger than the seat";
+}
+
 TEST_F(ChairAtTableTest, ATargetIsWhatItWasBesideTheTop) {
   const MapFrame map = MapWithTable();
   const Target flat = [](std::span<const PoseHypothesis> hypotheses) {
