@@ -273,8 +273,10 @@ void Mapper::Impl::MergeDuplicates(double novelty, FrameReport& report) {
     a.rivalry = (a.rival == rival->id ? a.rivalry : 0) + novelty;
     a.rival = rival->id;
     if (a.rivalry < kLooksBeforeMerging) continue;
+    // Of two that are confirmed the one in view: the other's poses are weighed in its next search.
     const auto rank = [](const MapObject& object) {
-      return std::make_tuple(object.state == ObjectState::kConfirmed, object.log_evidence,
+      const bool confirmed = object.state == ObjectState::kConfirmed;
+      return std::make_tuple(confirmed, confirmed && object.updated, object.log_evidence,
                              -object.id.value);
     };
     MapObject& winner = rank(a) > rank(*rival) ? a : *rival;
@@ -283,7 +285,8 @@ void Mapper::Impl::MergeDuplicates(double novelty, FrameReport& report) {
     for (std::size_t k = 0; k < loser.particles.size(); k += loser.particles.size() / kJoined + 1)
       winner.joined.push_back(ToHypothesis(loser.particles[k], loser.world_from_reference_cam));
     Retire(loser, EventKind::kMerged, winner.id,
-           "object " + std::to_string(winner.id.value) + " stands there and has more evidence",
+           "object " + std::to_string(winner.id.value) + " stands there and " +
+               (winner.log_evidence < loser.log_evidence ? "is in view" : "has more evidence"),
            report);
   }
 }

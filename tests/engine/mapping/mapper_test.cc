@@ -403,6 +403,31 @@ TEST_F(MapperTest, WhatIsLessLikelyThereThanNotIsWithdrawn) {
   EXPECT_GE(gone, kSeen);
 }
 
+TEST_F(MapperTest, OfTwoInOnePlaceTheOneInViewStays) {
+  constexpr int kSeen = 16;
+  const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
+  const auto load = [&](int frame) -> Result<MapperInput> { return Seen(frame, {&chair, 1}); };
+  const auto mapper = NewMapper();
+  FrameReport report;
+  for (int frame = 0; frame < kSeen; ++frame) report = mapper->Step(*load(frame));
+  ASSERT_EQ(report.objects.size(), 1u);
+  const ObjectId seen = report.objects.front().id;
+  // Another one that reaches into it has more evidence, and is beyond the border from here on.
+  ObjectReport other = report.objects.front();
+  other.id = ObjectId{77};
+  other.log_evidence += 5;
+  other.modes.front().world_from_object.pretranslate(Eigen::Vector3d(0, 0.38, 0));
+  report.objects.push_back(other);
+  const auto resumed = NewMapper();
+  ASSERT_TRUE(resumed->Restore(report, load).ok());
+  for (int frame = kSeen; frame < kSeen + 4; ++frame) {
+    const Eigen::Vector3d from(2 + 0.1 * (frame - kSeen), 0, 1.4);
+    report = resumed->Step(scene_.Input(frame, LookAt(from, {0, -1.5, 0.4}), {&chair, 1}));
+  }
+  ASSERT_EQ(report.objects.size(), 1u);
+  EXPECT_EQ(report.objects.front().id, seen);
+}
+
 TEST_F(MapperTest, WhatHidesASettledObjectDoesNotMoveIt) {
   constexpr int kSeen = 16, kEnd = 48;
   const PlacedModel chair = scene_.Place("chair", 0, 0, 30);
