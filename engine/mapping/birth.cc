@@ -123,6 +123,15 @@ std::optional<Box2> ProjectedBounds(const CadModel& model, const PoseHypothesis&
   return box;
 }
 
+double InsideFraction(const CadModel& model, const PoseHypothesis& hypothesis, const MapFrame& map,
+                      const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_world) {
+  const std::optional<Box2> whole = ProjectedBounds(model, hypothesis, map, camera, cam_from_world);
+  if (!whole) return 0;
+  const Box2 image{0, 0, static_cast<float>(camera.width - 1),
+                   static_cast<float>(camera.height - 1)};
+  return Intersection(*whole, image).area() / std::max(1.0f, whole->area());
+}
+
 std::vector<PoseHypothesis> SampleBirth(const Detection& proposal, const PinholeCamera& camera,
                                         const Eigen::Isometry3d& world_from_cam,
                                         const MapFrame& map, const MapperOptions& options,

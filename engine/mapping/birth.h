@@ -15,6 +15,10 @@ std::optional<Box2> ProjectedBounds(const CadModel& model, const PoseHypothesis&
                                     const MapFrame& map, const PinholeCamera& camera,
                                     const Eigen::Isometry3d& cam_from_world);
 
+/// The share of that box which lies inside the image; 0 if there is none.
+double InsideFraction(const CadModel& model, const PoseHypothesis& hypothesis, const MapFrame& map,
+                      const PinholeCamera& camera, const Eigen::Isometry3d& cam_from_world);
+
 /// Hypotheses of a new object from an unexplained proposal, attached to the current camera, equally
 /// weighted. `prior = paper`: bearing of the box centre with noise in proportion to the box,
 /// log-depth nominal with noise, azimuth and label uniform. `prior = informed`: among many

@@ -146,7 +146,8 @@ Sighting Mapper::Impl::SightingOf(const PoseHypothesis& pose, double visible_fra
   sighting.visible_fraction = open * visible_fraction;
   sighting.telling = own_edges.telling;
   sighting.edge_fraction = open * own_edges.visible_fraction;
-  sighting.inside_fraction = InsideFraction(pose, input);
+  sighting.inside_fraction = InsideFraction(setup.database->model(pose.label), pose, map,
+                                            setup.camera, input.world_from_cam.inverse());
   return sighting;
 }
 
@@ -299,15 +300,6 @@ bool Mapper::Impl::HasRivalMode(const MapObject& object) const {
   return std::any_of(object.modes.begin(), object.modes.end(), [&](const PoseMode& mode) {
     return !IsSamePose(ToHypothesis(mode, map), mean);
   });
-}
-
-double Mapper::Impl::InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const {
-  const std::optional<Box2> whole = ProjectedBounds(setup.database->model(mean.label), mean, map,
-                                                    setup.camera, input.world_from_cam.inverse());
-  if (!whole) return 0;
-  const Box2 image{0, 0, static_cast<float>(setup.camera.width - 1),
-                   static_cast<float>(setup.camera.height - 1)};
-  return Intersection(*whole, image).area() / std::max(1.0f, whole->area());
 }
 
 std::vector<JudgingView> Mapper::Impl::ViewsOf(const MapObject& object, const MapperInput& input,

@@ -326,8 +326,6 @@ struct Mapper::Impl {
                                        const MapObject& object, const MapperInput& from) const;
   /// The boxes of remembered frames that are of the object, by the box that it has now.
   MotionTest MotionBefore(const MapObject& object, const Box2& now, std::int64_t stamp_ns) const;
-  /// Share of the box of the object's bounds that lies inside the image.
-  double InsideFraction(const PoseHypothesis& mean, const MapperInput& input) const;
   /// Whether a tentative object is there, and where, as far as can be said of what shows of it; it
   /// is confirmed when enough of it has.
   bool IsPlaced(const MapObject& object) const;

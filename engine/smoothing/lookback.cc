@@ -109,7 +109,8 @@ class Observer {
     seen.sighting.visible_fraction = likelihood.visible_fraction;
     seen.sighting.edge_fraction = likelihood.visible_fraction;
     seen.sighting.telling = Telling(score, depth, setup_.options);
-    seen.sighting.inside_fraction = InsideFraction(mean, view);
+    seen.sighting.inside_fraction = InsideFraction(setup_.database->model(mean.label), mean, map_,
+                                                   setup_.camera, view.cam_from_world);
     if (box != nullptr) {
       seen.sighting.box_score = box->score;
       seen.sighting.box_iou = Iou(box->box, likelihood.visible_box);
@@ -133,15 +134,6 @@ class Observer {
       expected += std::exp(kMarginalSharpness * likelihoods[k].phi_edge) /
                   static_cast<double>(likelihoods.size() - 1);
     return std::max(0.0, std::log(expected) / kMarginalSharpness - likelihoods[0].phi_edge);
-  }
-
-  double InsideFraction(const PoseHypothesis& mean, const ScoringView& view) const {
-    const std::optional<Box2> whole = ProjectedBounds(setup_.database->model(mean.label), mean,
-                                                      map_, setup_.camera, view.cam_from_world);
-    if (!whole) return 0;
-    const Box2 image{0, 0, static_cast<float>(setup_.camera.width - 1),
-                     static_cast<float>(setup_.camera.height - 1)};
-    return Intersection(*whole, image).area() / std::max(1.0f, whole->area());
   }
 
   /// Strong edges give more to everything, right or wrong: what settled objects get is the measure.

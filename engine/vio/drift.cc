@@ -27,4 +27,12 @@ Eigen::Matrix4d DriftBetween(const Eigen::Vector3d& from_in_world, const PoseCov
   return drift;
 }
 
+Eigen::Matrix4d HandedOn(const Eigen::Vector3d& first_in_world, const PoseCovariance& first,
+                         const Eigen::Vector3d& later_in_world) {
+  PoseCovariance level = first;
+  level.middleRows<2>(3).setZero();
+  level.middleCols<2>(3).setZero();
+  return InFour(MovedBy(later_in_world - first_in_world, level));
+}
+
 }  // namespace plumbline

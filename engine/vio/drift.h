@@ -15,4 +15,10 @@ Eigen::Matrix4d DriftBetween(const Eigen::Vector3d& from_in_world, const PoseCov
                              const Eigen::Vector3d& to_in_world, const PoseCovariance& to,
                              double factor);
 
+/// What the first pose of a chain hands on to a later one: its heading turns and its place shifts
+/// all that hangs on it. Its tilt does neither, since every step of a filter is level by the tilt
+/// of its own time; what that errs is in the steps.
+Eigen::Matrix4d HandedOn(const Eigen::Vector3d& first_in_world, const PoseCovariance& first,
+                         const Eigen::Vector3d& later_in_world);
+
 }  // namespace plumbline

@@ -165,8 +165,7 @@ void LandmarkLoops::Solve() {
   std::vector<TrajectoryMoves::Node> corrected;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const GraphPose& pose = graph.poses()[i];
-    covariances[i] +=
-        InFour(MovedBy(pose.position_in_world - begin, nodes.front()->uncertainty.drift));
+    covariances[i] += HandedOn(begin, nodes.front()->uncertainty.drift, pose.position_in_world);
     corrected.push_back({nodes[i]->stamp_ns, nodes[i]->world_from_cam.translation(), pose});
   }
   correction_ = TrajectoryCorrection(std::move(corrected), std::move(covariances));

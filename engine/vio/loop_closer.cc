@@ -279,9 +279,7 @@ TrajectoryCorrection LoopCloser::Correction() const {
   std::vector<TrajectoryMoves::Node> nodes;
   for (std::size_t i = 0; i < key_frames_.size(); ++i) {
     const GraphPose& pose = graph_.poses()[i];
-    // The first key frame's own error turns and shifts all that hangs on it.
-    covariances[i] +=
-        InFour(MovedBy(pose.position_in_world - begin, key_frames_.front().covariance));
+    covariances[i] += HandedOn(begin, key_frames_.front().covariance, pose.position_in_world);
     nodes.push_back({key_frames_[i].stamp_ns, key_frames_[i].world_from_body.translation(), pose});
   }
   return TrajectoryCorrection(std::move(nodes), std::move(covariances));

@@ -8,6 +8,7 @@
 
 #include "engine/base/random.h"
 #include "engine/geometry/angles.h"
+#include "engine/vio/drift.h"
 #include "engine/vio/loop_closer.h"
 #include "engine/vio/trajectory_correction.h"
 
@@ -112,6 +113,15 @@ TEST_F(PlaceMatchTest, TurnsAwayPointsThatDoNotAgreeOrLieTogether) {
     match.corner = static_cast<int>(random.Index(static_cast<std::uint32_t>(seen_.corners.size())));
   EXPECT_FALSE(Locate(matches).has_value());
   EXPECT_FALSE(Locate({good.begin(), good.begin() + 10}).has_value());
+}
+
+TEST(HandedOn, TheHeadingTurnsWhatIsFarOffAndTheTiltDoesNot) {
+  PoseCovariance first = PoseCovariance::Zero();
+  first.diagonal() << 1e-4, 1e-4, 1e-4, 1e-2, 1e-2, 1e-4;
+  const Eigen::Matrix4d later = HandedOn({1, 0, 0}, first, {31, 0, 0});
+  EXPECT_NEAR(later(1, 1), 1e-4 + 900 * 1e-4, 1e-9) << "across";
+  EXPECT_NEAR(later(2, 2), 1e-4, 1e-9) << "up";
+  EXPECT_NEAR(later(3, 3), 1e-4, 1e-12);
 }
 
 TEST(DriftBetween, IsTheGrowthAtThePlaceOfTheLater) {
