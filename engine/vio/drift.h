@@ -17,7 +17,7 @@ Eigen::Matrix4d DriftBetween(const Eigen::Vector3d& from_in_world, const PoseCov
 
 /// What the first pose of a chain hands on to a later one: its heading turns and its place shifts
 /// all that hangs on it. Its tilt does neither, since every step of a filter is level by the tilt
-/// of its own time; what that errs is in the steps.
+/// of its own time, and errs by what that errs.
 Eigen::Matrix4d HandedOn(const Eigen::Vector3d& first_in_world, const PoseCovariance& first,
                          const Eigen::Vector3d& later_in_world);
 
