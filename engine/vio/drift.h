@@ -15,9 +15,10 @@ Eigen::Matrix4d DriftBetween(const Eigen::Vector3d& from_in_world, const PoseCov
                              const Eigen::Vector3d& to_in_world, const PoseCovariance& to,
                              double factor);
 
-/// What the first pose of a chain hands on to a later one: its heading turns and its place shifts
-/// all that hangs on it. Its tilt does neither, since every step of a filter is level by the tilt
-/// of its own time, and errs by what that errs.
+/// Covariance (x, y, z [m], heading [rad], axes of world) that the error of the first pose of a
+/// chain adds to a later one: the error of its heading turns the chain about it, that of its place
+/// shifts the chain. That of its tilt does neither: each step of a filter is level by the tilt of
+/// its own time.
 Eigen::Matrix4d HandedOn(const Eigen::Vector3d& first_in_world, const PoseCovariance& first,
                          const Eigen::Vector3d& later_in_world);
 
