@@ -3,6 +3,7 @@
 // gets.
 #include "engine/vio/loop_closer.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -72,6 +73,19 @@ TEST_F(LoopCloserTest, ARoundEndsWhereItBegan) {
   EXPECT_LT(after, 0.5 * before);
   EXPECT_LT(after, 0.04);
   EXPECT_EQ(corrected.EpochAt(0), corrected.loops.epochs);
+}
+
+TEST_F(LoopCloserTest, AClosedLoopLeavesTheHeightAsSureAsTheFilterHasIt) {
+  const OwnPoses corrected = Estimate(LoopUse::kCorrected, round_);
+  ASSERT_GT(corrected.loops.believed(), 0);
+  double of_filter = 0, told = 0;
+  for (std::size_t i = 0; i < off_.frames.size(); ++i) {
+    if (!off_.frames[i].world_from_cam) continue;
+    of_filter = std::max(of_filter, std::sqrt(off_.frames[i].cam_covariance(2, 2)));
+    told = std::max(told, std::sqrt(corrected.frames[i].cam_covariance(2, 2)));
+  }
+  std::printf("height told to at most %.3f m, by the filter %.3f m\n", told, of_filter);
+  EXPECT_LT(told, 1.5 * of_filter) << "what is unsure of gravity at first tilts nothing later";
 }
 
 TEST_F(LoopCloserTest, CausalPosesKnowOfNoLaterImage) {
